@@ -1,0 +1,299 @@
+"""The state of every point of the row at every time, from the signals that leave the ends.
+
+A wave seen at x left its end x/c earlier, so fields are look-ups: v = (a + b)/2 and
+strain = (b - a)/(2c), with a and b the end signals delayed. Their integrals give displacement,
+momentum and energy. Times are rounded to the nearest tick, so that one-sided limits are defined.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .methods import kernels
+from .methods.assembly import Assembly
+from .methods.front_kernel import Log
+from .methods.grid_kernel import sum_on_grid
+from .signals import Floats, Ints, Side, StepSignal, integral_of_product
+
+COMPILED_GRID = 100_000  # points from which a grid is worth a compiled loop
+
+
+class Profile(NamedTuple):
+    """State of one body at one time: pieces from left to right, each constant.
+
+    edges [n + 1] in m from the left end; velocity [n] in m/s; strain [n]; segment [n] of the row.
+    """
+
+    edges: Floats
+    velocity: Floats
+    strain: Floats
+    segment: Ints
+
+
+class WaveFields:
+    """Fields of a row of rods from its end signals.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    signals : list of StepSignal or None
+        By line: 2s leaves the left end of segment s, 2s + 1 its right end; waves in the frame
+        `assembly.frame`.
+    end : int
+        Last tick.
+    """
+
+    def __init__(self, assembly: Assembly, signals: list[StepSignal | None], end: int) -> None:
+        self.assembly, self.signals, self.end = assembly, signals, end
+
+    @classmethod
+    def from_log(cls, assembly: Assembly, log: Log, end: int) -> WaveFields:
+        """Sort the kernel's log into one signal a line."""
+        line = np.asarray(log.line, dtype=np.int32)
+        order = np.argsort(line, kind="stable")
+        counts = np.bincount(line, minlength=2 * len(assembly.ticks) - 2)
+        ticks = np.asarray(log.tick, dtype=np.int64)[order]
+        values = np.asarray(log.value, dtype=np.float64)[order]
+        return cls(assembly, cls.split(ticks, values, counts), end)
+
+    @staticmethod
+    def split(ticks: Ints, values: Floats, counts: Ints) -> list[StepSignal | None]:
+        """Cut concatenated signals apart; `counts` are their lengths."""
+        stops = np.cumsum(counts)
+        return [
+            StepSignal(ticks[stop - n : stop], values[stop - n : stop]) if n else None
+            for n, stop in zip(counts.tolist(), stops.tolist(), strict=True)
+        ]
+
+    def waves(self, segment: int) -> tuple[StepSignal, StepSignal]:
+        """Signals leaving the left and the right end of a segment."""
+        a, b = self.signals[2 * segment], self.signals[2 * segment + 1]
+        assert a is not None
+        assert b is not None
+        return a, b
+
+    # Where and when ---------------------------------------------------------------------------
+
+    def to_ticks(self, t: ArrayLike) -> Ints:
+        """Nearest ticks of times in s; raise ValueError outside the solution."""
+        t = np.asarray(t, dtype=np.float64)
+        end = self.end * self.assembly.tick
+        inside = np.isfinite(t) & (t >= 0) & (t <= end * (1 + 1e-12))
+        if not inside.all():
+            bad = float(t[~inside].flat[0])
+            raise ValueError(f"t: must lie in the solution, 0 to {end:.9g} s, got {bad!r}")
+        return np.minimum(np.rint(t / self.assembly.tick).astype(np.int64), self.end)
+
+    def edges(self, body: int) -> Floats:
+        """Ends of the body's segments, m from its left end."""
+        first, last = self.assembly.spans[body]
+        return np.concatenate(([0.0], np.cumsum(self.assembly.length[first : last + 1])))
+
+    def locate(self, body: int, x: ArrayLike) -> tuple[Ints, Ints]:
+        """Segment and ticks from its left end of places x in a body, m from its left end."""
+        first, last = self.assembly.spans[body]
+        if last == 0:
+            raise ValueError(f"body: {body} is a wall and has no inside; ask for a rod")
+        x = np.asarray(x, dtype=np.float64)
+        edges = self.edges(body)
+        inside = np.isfinite(x) & (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
+        if not inside.all():
+            bad = float(x[~inside].flat[0])
+            raise ValueError(f"x: must lie in body {body}, 0 to {edges[-1]:.9g} m, got {bad!r}")
+        piece = np.clip(np.searchsorted(edges, x, "right") - 1, 0, last - first)
+        lengths = np.array(self.assembly.length[first : last + 1])[piece]
+        transit = np.array(self.assembly.ticks[first : last + 1])[piece]
+        offset = np.rint((x - edges[piece]) / lengths * transit).astype(np.int64)
+        return piece + first, np.clip(offset, 0, transit)
+
+    # Fields -----------------------------------------------------------------------------------
+
+    def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+        """m/s; x and t broadcast."""
+        out = self._combine(body, x, t, side, 1.0, lambda s: 0.5)
+        return out + self.assembly.frame
+
+    def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+        """Positive in tension; x and t broadcast."""
+        c = self.assembly.wave_speed
+        return self._combine(body, x, t, side, -1.0, lambda s: 0.5 / c[s])
+
+    def _combine(
+        self, body: int, x: ArrayLike, t: ArrayLike, side: Side, sign: float, factor: Any
+    ) -> Floats:
+        """(sign a + b) * factor(segment)."""
+        if side not in ("right", "left"):
+            raise ValueError(f'side: must be "right" or "left", got {side!r}')
+        segment, offset = self.locate(body, x)
+        ticks = self.to_ticks(t)
+        shape = np.broadcast_shapes(offset.shape, ticks.shape)
+        grid = self._open_grid(offset, ticks, shape)
+        if grid is not None and side == "right":
+            flat, when, x_first = grid
+            out = np.empty((flat.size, when.size))
+            where = segment.ravel()
+            for s in np.unique(where):
+                rows = where == s
+                values = self._on_grid(int(s), flat[rows], when, sign)
+                values *= factor(int(s))
+                if rows.all():
+                    out = values
+                else:
+                    out[rows] = values
+            return out.reshape(shape) if x_first else np.ascontiguousarray(out.T).reshape(shape)
+        segment, offset, ticks = np.broadcast_arrays(segment, offset, ticks)
+        out = np.empty(shape)
+        for s in np.unique(segment):
+            here = segment == s
+            A, B = self.waves(int(s))
+            T, o, when = self.assembly.ticks[s], offset[here], ticks[here]
+            total = sign * A.at(when - o, side) + B.at(when - (T - o), side)
+            out[here] = total * factor(int(s))
+        return out
+
+    @staticmethod
+    def _open_grid(x: Ints, t: Ints, shape: tuple[int, ...]) -> tuple[Ints, Ints, bool] | None:
+        """Flat places and times, and whether places come first, if the two span a grid."""
+        if x.size * t.size != np.prod(shape, dtype=int) or min(x.size, t.size) < 2:
+            return None
+        xs, ts = [i for i, n in enumerate(x.shape[::-1]) if n > 1], [
+            i for i, n in enumerate(t.shape[::-1]) if n > 1
+        ]
+        when = t.ravel()
+        if len(xs) != 1 or len(ts) != 1 or np.any(when[1:] < when[:-1]):
+            return None
+        return x.ravel(), when, xs[0] > ts[0]
+
+    def _on_grid(self, s: int, offset: Ints, when: Ints, sign: float) -> Floats:
+        A, B = self.waves(s)
+        a, delay = sign * A.values, self.assembly.ticks[s] - offset
+        if kernels.started() and offset.size * when.size >= COMPILED_GRID:
+            out = np.empty((offset.size, when.size))
+            kernels.compiled(sum_on_grid)(
+                out, when, A.ticks, a, offset, B.ticks, B.values, delay
+            )
+            return out
+        total = _steps_on_grid(A.ticks, a, offset, when)
+        total += _steps_on_grid(B.ticks, B.values, delay, when)
+        return total
+
+    def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
+        """m from the unstrained rod whose left end is at rest at t = 0; x and t broadcast."""
+        segment, offset = self.locate(body, x)
+        return self._displacement(segment, offset, self.to_ticks(t))
+
+    def _displacement(self, segment: ArrayLike, offset: ArrayLike, ticks: ArrayLike) -> Floats:
+        a = self.assembly
+        segment, offset, ticks = np.broadcast_arrays(segment, offset, ticks)
+        out = np.empty(offset.shape)
+        for s in np.unique(segment):
+            here = segment == s
+            o, t, T = offset[here], ticks[here], a.ticks[s]
+            out[here] = self.displacement_of_waves(int(s), t - o, t - T + o)
+        return out
+
+    def displacement_of_waves(self, segment: int, p: Ints, q: Ints) -> Floats:
+        """Displacement, m, where the waves meet that left the two ends at ticks p and q."""
+        a = self.assembly
+        A, B = self.waves(segment)
+        T = a.ticks[segment]
+        moved = A.integral(0, p) + B.integral(-T, q) + a.frame * (p + q + T)
+        result: Floats = moved / 2 * a.tick + self._initial_stretch[segment]
+        return result
+
+    @cached_property
+    def _initial_stretch(self) -> list[float]:
+        """Initial displacement of each segment's left end."""
+        a = self.assembly
+        found = [0.0] * len(a.ticks)
+        for first, last in a.spans:
+            for s in range(first, last):
+                A, B = self.waves(s)
+                T = a.ticks[s]
+                stretch = float(A.integral(0, -T) + B.integral(-T, 0)) / 2
+                found[s + 1] = found[s] + stretch * a.tick
+        return found
+
+    @cached_property
+    def positions(self) -> list[float]:
+        """Where each body's left end would lie unstrained at t = 0, m; the first at 0.
+
+        The place of a point is position + x + displacement; a wall's is its face.
+        """
+        a, found, x = self.assembly, [], 0.0
+        for body, (first, last) in enumerate(a.spans):
+            if body:
+                x += a.system.gaps[body - 1]
+            found.append(x)
+            if last:
+                x += sum(a.length[first : last + 1])
+                x += float(self._displacement(last, a.ticks[last], 0))
+        return found
+
+    # Integrals over bodies ----------------------------------------------------------------------
+
+    def momentum(self, body: int, t: ArrayLike) -> Floats:
+        """kg m/s; of a rod."""
+        ticks, a = self.to_ticks(t), self.assembly
+        total: Any = 0.0
+        first, last = a.spans[body]
+        for s in range(first, last + 1):
+            A, B = self.waves(s)
+            T = a.ticks[s]
+            inside = A.integral(ticks - T, ticks) + B.integral(ticks - T, ticks)
+            total = total + a.impedance[s] * (inside / 2 + a.frame * T) * a.tick
+        return np.asarray(total)
+
+    def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
+        """Kinetic energy of the motion relative to `velocity`, and strain energy; J, of a rod."""
+        a = self.assembly
+        kinetic = strain = 0.0
+        first, last = a.spans[body]
+        for s in range(first, last + 1):
+            A, B = self.waves(s)
+            T, V = a.ticks[s], velocity - a.frame
+            A, B = StepSignal(A.ticks, A.values - V), StepSignal(B.ticks, B.values - V)
+            both = sum(integral_of_product(w, w, tick - T, tick) for w in (A, B)) / 4
+            difference = integral_of_product(A, B, tick - T, tick, about=2 * tick - T) / 2
+            scale = a.impedance[s] * a.tick
+            kinetic += scale * (both + difference) / 2
+            strain += scale * (both - difference) / 2
+        return kinetic, strain
+
+    def profile(self, body: int, tick: int) -> Profile:
+        """State just after `tick`, in pieces of constant velocity and strain."""
+        a = self.assembly
+        first, last = a.spans[body]
+        starts = self.edges(body)
+        edges, velocity, strain, segments = [0.0], [], [], []
+        for s in range(first, last + 1):
+            A, B = self.waves(s)
+            T = a.ticks[s]
+            cuts = np.union1d(
+                tick - A.jumps_in(tick - T, tick), B.jumps_in(tick - T, tick) - tick + T
+            )
+            bounds = np.concatenate(([0], cuts, [T]))
+            # a piece (o0, o1) holds the wave that left between tick - o1 and tick - o0
+            right = A.at(tick - bounds[1:])
+            left = B.at(tick - T + bounds[:-1])
+            x0, L = starts[s - first], a.length[s]
+            edges += (x0 + L * (bounds[1:-1] / T)).tolist() + [float(starts[s - first + 1])]
+            velocity += ((right + left) / 2 + a.frame).tolist()
+            strain += ((left - right) * (0.5 / a.wave_speed[s])).tolist()
+            segments += [s] * (len(bounds) - 1)
+        return Profile(*(np.array(x) for x in (edges, velocity, strain)), np.array(segments))
+
+
+def _steps_on_grid(ticks: Ints, values: Floats, delay: Ints, when: Ints) -> Floats:
+    """[places, times] values of a step signal seen after each place's delay."""
+    arrivals = ticks[1:, None] + delay
+    starts = np.searchsorted(when, arrivals)
+    bounds = np.concatenate((np.zeros((1, delay.size), int), starts,
+                             np.full((1, delay.size), when.size)))
+    counts = np.diff(bounds, axis=0).T
+    repeated = np.repeat(np.tile(values, delay.size), counts.ravel())
+    return repeated.reshape(delay.size, when.size)

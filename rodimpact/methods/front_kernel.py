@@ -1,0 +1,421 @@
+"""Wave fronts from end to end: the exact solver.
+
+In a uniform segment the velocity is v = (a + b)/2 with a travelling right and b travelling left.
+Both are constant between fronts, so the whole motion is a list of fronts: when each left an end,
+and the value behind it. Node k joins the segments k and k + 1; line 2s carries a and line 2s + 1
+carries b through segment s. The segments 0 and n + 1 stand for what lies outside: nothing, or a
+wall, which is a segment of mobility 0. Waves are velocities in a frame chosen by the caller.
+
+The log is the queue: one append-only list of fronts; the fronts of a line are chained, `head` is
+the next to arrive, `tail` the last sent. What a solution needs later is the log itself. The next
+tick of every node stands in a winner tree, so that an event costs O(log n).
+
+Kernels: only + - * / and integer literals on the amplitudes, so that they run on lists of floats,
+on NumPy arrays and, for proofs, on lists of fractions. Time is an integer number of ticks, lengths
+are velocity times ticks, an impulse is velocity times ticks over mobility.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+FREE, BOND, OPEN, TOUCH, GRAZE, PRESS = range(6)  # status of a node, see `meet`
+DONE, FULL, CHECK, CAP, FINAL, CLOCK = range(6)  # why a run stopped
+NEVER = 1 << 62  # the clock ends here
+IDLE = (1 << 63) - 1  # tick of a node at which nothing is due
+NOW, ROWS, TURNS, EVENTS, PROBE, REST, SETTLED = range(7)  # places in the clock
+
+
+class Row(NamedTuple):
+    """State of a row of n segments: lists or arrays, changed in place."""
+
+    transit: Any  # [segment] transit time, ticks
+    mobility: Any  # [segment] 1/Z, 0 for a wall
+    status: Any  # [node]
+    since: Any  # [node] tick at which the node was last touched
+    gap: Any  # [node]
+    rate: Any  # [node] d(gap)/dt
+    force: Any  # [node] on the right segment
+    speed: Any  # [node] of the left segment's right end
+    arrived: Any  # [line] value at the receiving end
+    head: Any  # [line] log row of the next front to arrive, -1 if none is under way
+    tail: Any  # [line] log row of the last front sent, -1 for lines leading outside
+    tree: Any  # [2 * leaves] winner tree of the nodes' next ticks
+
+
+class Tally(NamedTuple):
+    """What has passed through each node, kept as the run goes."""
+
+    impulse: Any  # [node] integral of the force
+    work: Any  # [node] integral of force times speed: energy handed from left to right
+    peak: Any  # [node] largest pressing force
+    first: Any  # [node] tick of the first force, -1 before
+    last: Any  # [node] tick at which the last force ended, -1 before
+    pressed: Any  # [node] ticks under force
+    episodes: Any  # [node] number of times a closed contact began to press
+
+
+class Log(NamedTuple):
+    """Fronts in the order they were sent, and changes of contact status."""
+
+    tick: Any  # [row] when the front left its end
+    after: Any  # [row] next front of the same line, -1 if none yet
+    line: Any  # [row]
+    value: Any  # [row] wave behind the front
+    turn_tick: Any  # [turn]
+    turn_node: Any  # [turn]
+    turn_status: Any  # [turn] the new status
+
+
+def schedule(tree: Any, i: int, tick: int) -> None:
+    """Set leaf i of the winner tree."""
+    tree[i] = tick
+    while i > 1:
+        low = min(tree[i], tree[i ^ 1])
+        i //= 2
+        if tree[i] == low:
+            return
+        tree[i] = low
+
+
+def meet(row: Row, k: int, dt: int, tol: Any, window: int) -> int:
+    """Decide contact k after its arrivals; return its new status.
+
+    With the gap closed, force = max(0, (a - b)/(Y1 + Y2)) (Signorini). OPEN: a gap, or parting.
+    TOUCH: closed, not yet pressed since it closed. PRESS: force > 0. GRAZE: closed, pressed before,
+    force 0 now. While a contact is closed its gap rate is exactly 0. Gap and rate change; the gap
+    closes now if it would close within `window` ticks.
+    """
+    closing = row.arrived[2 * k] - row.arrived[2 * k + 3]
+    gap, status = row.gap[k] + row.rate[k] * dt, row.status[k]
+    if status == OPEN and gap <= max(-row.rate[k], closing) * window:
+        gap, status = 0 * gap, TOUCH
+    if status != OPEN:
+        if closing > tol:
+            status = PRESS
+        elif closing < -tol:
+            status = OPEN
+        elif status == PRESS:
+            status = GRAZE
+    row.gap[k] = gap
+    row.rate[k] = -closing if status == OPEN and abs(closing) > tol else 0 * closing
+    return status
+
+
+def record(row: Row, tally: Tally, log: Log, clock: Any, k: int, t: int, status: int) -> None:
+    """Note that contact k, touching, changes to `status` at tick t (OPEN to OPEN: a mere touch)."""
+    before = row.status[k]
+    row.status[k] = status
+    if status == PRESS:
+        if before != GRAZE:
+            tally.episodes[k] += 1
+        if tally.first[k] < 0:
+            tally.first[k] = t
+    else:
+        clock[PROBE] = min(clock[PROBE], t)
+        if before == PRESS:
+            tally.last[k] = t
+    n = clock[TURNS]
+    log.turn_tick[n], log.turn_node[n], log.turn_status[n] = t, k, status
+    clock[TURNS] = n + 1
+
+
+def advance(
+    row: Row, tally: Tally, log: Log, clock: Any, horizon: int, limit: int, tol: Any, window: int
+) -> int:
+    """Run to `horizon`, until the log is full, or until a proof of finality is due.
+
+    All arrivals of one tick at one node are taken together, then the node is solved once. Nothing
+    is half done when the function returns: grow the log and call again.
+    """
+    T, Y, tree, arrived, status = row.transit, row.mobility, row.tree, row.arrived, row.status
+    head, tail, since, force = row.head, row.tail, row.since, row.force
+    tick, after, value = log.tick, log.after, log.value
+    leaves, n, events = len(tree) // 2, clock[ROWS], clock[EVENTS]
+    probe, rest, room, turns = clock[PROBE], clock[REST], len(value) - 2, len(log.turn_tick)
+    flag = DONE
+    while tree[1] <= horizon:
+        t, i = tree[1], 1
+        if t > probe and events >= rest:
+            flag = CHECK
+            break
+        if n > room or clock[TURNS] >= turns:
+            flag = FULL
+            break
+        if events >= limit and t > clock[NOW]:
+            flag = CAP
+            break
+        while i < leaves:
+            i = 2 * i + (tree[2 * i] != t)
+        k = i - leaves
+        for l in (2 * k, 2 * k + 3):
+            r = head[l]
+            if r >= 0 and tick[r] + T[l // 2] == t:
+                arrived[l], head[l] = value[r], after[r]
+        a, b, Yl, Yr, dt = arrived[2 * k], arrived[2 * k + 3], Y[k], Y[k + 1], t - since[k]
+        if force[k] != 0:
+            tally.impulse[k] += force[k] * dt
+            tally.work[k] += force[k] * row.speed[k] * dt
+        F, since[k] = 0 * a, t
+        if status[k] == BOND:
+            F = (a - b) / (Yl + Yr)
+        elif status[k] != FREE:
+            if status[k] == PRESS:
+                tally.pressed[k] += dt
+            new = meet(row, k, dt, tol, window)
+            if new != status[k] or (new == OPEN and dt > 0 and row.gap[k] == 0):
+                record(row, tally, log, clock, k, t, new)
+                probe = clock[PROBE]
+            if new == PRESS:
+                F = (a - b) / (Yl + Yr)
+                tally.peak[k] = max(tally.peak[k], F)
+        force[k], row.speed[k] = F, a - F * Yl
+        for l in (2 * k + 1, 2 * k + 2):
+            out = b + 2 * F * Yr
+            if l % 2:
+                out = a - 2 * F * Yl
+            q = tail[l]
+            if q >= 0 and abs(out - value[q]) > tol:
+                tick[n], after[n], log.line[n], value[n] = t, -1, l, out
+                after[q] = tail[l] = n
+                if head[l] < 0:
+                    head[l], j = n, leaves + k - 1 + 2 * (1 - l % 2)
+                    if t + T[l // 2] < tree[j]:
+                        schedule(tree, j, t + T[l // 2])
+                n += 1
+        due = IDLE
+        for l in (2 * k, 2 * k + 3):
+            if head[l] >= 0:
+                due = min(due, tick[head[l]] + T[l // 2])
+        if status[k] == OPEN and row.gap[k] < -row.rate[k] * (NEVER - t):
+            rate = row.rate[k]
+            close = t + int((2 * row.gap[k] - rate) / (-2 * rate))
+            if close + window < due:
+                due = close
+        schedule(tree, leaves + k, due)
+        clock[NOW] = t
+        events += 1
+    clock[ROWS], clock[EVENTS] = n, events
+    return flag
+
+
+def side(row: Row, k: int, right: bool) -> tuple[int, int]:
+    """First and last segment bonded together on one side of contact k; (1, 0) for a wall."""
+    status, n = row.status, len(row.status) - 1
+    if (right and k == n) or (not right and k == 0):
+        return 1, 0
+    first, last = (k + 1, k + 1) if right else (k, k)
+    while right and last < n and status[last] == BOND:
+        last += 1
+    while not right and first > 1 and status[first - 1] == BOND:
+        first -= 1
+    return first, last
+
+
+def motion(row: Row, log: Log, k: int, right: bool, t: int) -> tuple[Any, Any, Any, bool]:
+    """Mean velocity of the bonded group beside contact k, and bounds of its ends' velocities.
+
+    Returns
+    -------
+    mean, low, high : velocity
+        low and high bound the velocity of the end at the contact as long as nothing touches the
+        group; they hold for a free uniform segment (its waves go round unchanged), a wall and a
+        group without a front under way.
+    bounded : bool
+        Whether they hold.
+    """
+    status, arrived = row.status, row.arrived
+    first, last = side(row, k, right)
+    if last == 0:
+        wall = arrived[2 * k + 3] if right else arrived[2 * k]
+        return wall, wall, wall, True
+    mass, momentum = 0 * arrived[2 * first], 0 * arrived[2 * first]
+    low = high = arrived[2 * first]
+    quiet = True
+    for s in range(first, last + 1):
+        Z = 1 / row.mobility[s]
+        mass += 2 * Z * row.transit[s]
+        for l in (2 * s, 2 * s + 1):
+            r, wave, edge = row.head[l], arrived[l], row.transit[s]
+            quiet = quiet and r < 0
+            low, high = min(low, wave), max(high, wave)
+            while r >= 0:
+                momentum += Z * wave * (edge - t + log.tick[r])
+                edge, wave = t - log.tick[r], log.value[r]
+                low, high = min(low, wave), max(high, wave)
+                r = log.after[r]
+            momentum += Z * wave * edge
+    mean = momentum / mass
+    free = True
+    if status[first - 1] == BOND:
+        mean, free = arrived[0], False
+    if status[last] == BOND:
+        mean, free = arrived[2 * last + 3], False
+    if quiet:
+        return mean, mean, mean, True
+    return mean, low, high, free and first == last
+
+
+def sway(row: Row, log: Log, k: int, right: bool, t: int, mean: Any) -> tuple[Any, Any]:
+    """How far the group's end at contact k is from its mean motion, and can ever get.
+
+    The end of a free body deviates from the motion of the centre of mass by
+    d = integral(strain * g dx), g the mass fraction beyond x as seen from that end, hence by at
+    most sqrt(2 E integral(g^2 dx/(E A))), E the energy of vibration. A wall at the far end has all
+    the mass.
+
+    Returns
+    -------
+    d : length
+        Deviation now, positive to the right.
+    bound2 : length squared
+        The bound's square.
+    """
+    status, arrived, zero = row.status, row.arrived, 0 * mean
+    first, last = side(row, k, right)
+    if last == 0:
+        return zero, zero
+    mass = zero
+    for s in range(first, last + 1):
+        mass += row.transit[s] / row.mobility[s]
+    anchored = status[first - 1] == BOND or status[last] == BOND
+    beyond, d, energy, slack, quiet = zero, zero, zero, zero, True
+    for i in range(last - first + 1):
+        s = first + i if right is False else last - i
+        T, Y = row.transit[s], row.mobility[s]
+        g0, beyond = beyond, beyond + T / (Y * mass)
+        g1 = beyond
+        if anchored:
+            g0 = g1 = 1 + zero
+        slack += Y * T * (g0 * g0 + g0 * g1 + g1 * g1) / 3
+        for l in (2 * s, 2 * s + 1):
+            outward = (l % 2 == 1) == right  # runs towards the end at the contact
+            sign = 1 if l % 2 else -1
+            r, wave, edge = row.head[l], arrived[l], T
+            more = True
+            quiet = quiet and r < 0
+            while more:
+                more = r >= 0
+                low = t - log.tick[r] if more else 0
+                width = edge - low
+                energy += (wave - mean) * (wave - mean) * width / (4 * Y)
+                place = (edge + low) / (2 * T) if outward else 1 - (edge + low) / (2 * T)
+                d += sign * (wave - mean) * width * (g0 + (g1 - g0) * place) / 2
+                if more:
+                    edge, wave, r = low, log.value[r], log.after[r]
+    if right:
+        d = -d
+    if quiet:
+        return d, zero
+    return d, 2 * energy * slack
+
+
+def parting(row: Row, log: Log, k: int, t: int, tol: Any) -> int:
+    """When contact k can be proved not to close again: t if now, IDLE if not before a new contact."""
+    vl, _, high, bounded_l = motion(row, log, k, False, t)
+    vr, low, _, bounded_r = motion(row, log, k, True, t)
+    if bounded_l and bounded_r and low - high >= -tol:
+        return t
+    opening = vr - vl
+    if opening < -tol:
+        return IDLE
+    dl, bl = sway(row, log, k, False, t, vl)
+    dr, br = sway(row, log, k, True, t, vr)
+    gap = row.gap[k] + row.rate[k] * (t - row.since[k]) - dr + dl
+    if gap > 0 and gap * gap > 2 * (bl + br):
+        return t
+    if opening <= tol:
+        return IDLE
+    wait = (math.sqrt(2 * (bl + br)) - gap) / opening
+    if wait >= NEVER // 2:
+        return IDLE
+    return t + int(wait * 1.000001) + 1
+
+
+def settled(row: Row, log: Log, t: int, tol: Any) -> int:
+    """When the collision can be proved final: t if now, IDLE if not before a new contact."""
+    latest = t
+    for k in range(len(row.status)):
+        if row.status[k] >= OPEN and latest < IDLE:
+            latest = max(latest, parting(row, log, k, t, tol))
+    return latest
+
+
+def close_books(row: Row, tally: Tally, t: int) -> None:
+    """Bring gaps and tallies up to tick t, at which nothing happens."""
+    for k in range(len(row.status)):
+        dt = t - row.since[k]
+        row.since[k] = t
+        row.gap[k] += row.rate[k] * dt
+        tally.impulse[k] += row.force[k] * dt
+        tally.work[k] += row.force[k] * row.speed[k] * dt
+        if row.status[k] == PRESS:
+            tally.pressed[k] += dt
+
+
+def play(
+    row: Row, tally: Tally, log: Log, clock: Any, until: int, limit: int, tol: Any, window: int
+) -> int:
+    """Run to tick `until`, or if it is negative to the proof of finality and -until ticks more.
+
+    Returns DONE (reached `until`), FINAL (proved, and run on), FULL (grow the log and call again),
+    CAP (more than `limit` events) or CLOCK (2^62 ticks are over). clock[SETTLED] is the tick of the
+    proof, -1 without; at the end clock[NOW] is the tick reached. After a failed proof the next one
+    waits for an eighth more events, so that proofs cost no more than the run itself.
+    """
+    horizon = until
+    if until < 0:
+        horizon = NEVER - 1 if clock[SETTLED] < 0 else clock[SETTLED] - until
+    while True:
+        flag = advance(row, tally, log, clock, horizon, limit, tol, window)
+        if flag == FULL or flag == CAP:
+            break
+        if flag == DONE and (until >= 0 or clock[SETTLED] >= 0):
+            clock[NOW] = horizon
+            break
+        now = clock[NOW]
+        if flag == CHECK:
+            now = max(now, clock[PROBE])
+        when = settled(row, log, now, tol)
+        if when == now:
+            clock[SETTLED], clock[REST] = now, IDLE
+            horizon = now - until
+        elif flag == DONE:
+            flag = CLOCK
+            break
+        else:
+            clock[PROBE] = when
+            clock[REST] = clock[EVENTS] + len(row.status) + clock[EVENTS] // 8
+    if flag != FULL:
+        close_books(row, tally, clock[NOW])
+    if until >= 0 and flag == DONE and settled(row, log, clock[NOW], tol) == clock[NOW]:
+        clock[SETTLED] = clock[NOW]
+    if until < 0 and flag == DONE:
+        return FINAL
+    return flag
+
+
+def contents(row: Row, log: Log, t: int, velocity: Any, momentum: Any, vibration: Any) -> None:
+    """Take stock at tick t: momentum and energy of vibration about `velocity`, by segment.
+
+    Parameters
+    ----------
+    velocity : [segment]
+        Velocity of the motion about which each segment vibrates.
+    momentum, vibration : [segment]
+        Results: (Z/2) integral(a + b), (Z/4) integral((a - V)^2 + (b - V)^2).
+    """
+    for s in range(1, len(row.transit) - 1):
+        Z, V = 1 / row.mobility[s], velocity[s]
+        total, square = 0 * V, 0 * V
+        for l in (2 * s, 2 * s + 1):
+            r, wave, edge = row.head[l], row.arrived[l], row.transit[s]
+            while r >= 0:
+                width = edge - t + log.tick[r]
+                total += wave * width
+                square += (wave - V) * (wave - V) * width
+                edge, wave, r = t - log.tick[r], log.value[r], log.after[r]
+            total += wave * edge
+            square += (wave - V) * (wave - V) * edge
+        momentum[s], vibration[s] = Z * total / 2, Z * square / 4

@@ -1,0 +1,144 @@
+"""The method "fronts": runs the front kernel on one collision and hands back what it kept."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from . import kernels
+from .assembly import Assembly, start
+from .front_kernel import (
+    CAP, CLOCK, EVENTS, FINAL, FULL, IDLE, NOW, REST, ROWS, SETTLED, TURNS, Log, Row, Tally,
+    contents, play,
+)
+
+MAX_EVENTS = 5_000_000
+LISTS_COLD, LISTS_WARM = 65_536, 2_048  # log rows up to which lists beat the compiler
+
+_LOG_TYPES = Log(np.int64, np.int32, np.int32, np.float64, np.int64, np.int32, np.int8)
+
+
+@dataclass(frozen=True, slots=True)
+class FrontRun:
+    """A finished run.
+
+    Attributes
+    ----------
+    assembly : Assembly
+    row, tally, log
+        The kernel's state at the end; log arrays cut to what was used.
+    end : int
+        Tick reached.
+    settled : int
+        Tick at which the collision was proved final, -1 without proof.
+    events : int
+        Arrival ticks taken, one end each.
+    stopped_by : str
+        ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
+    """
+
+    assembly: Assembly
+    row: Row
+    tally: Tally
+    log: Log
+    end: int
+    settled: int
+    events: int
+    stopped_by: str
+
+    def stock(self, velocities: list[float]) -> tuple[list[float], list[float]]:
+        """Momentum and energy of vibration of each segment at the end, in the waves' frame.
+
+        Parameters
+        ----------
+        velocities : list of float
+            Velocity about which each segment vibrates, [n + 2].
+
+        Returns
+        -------
+        momentum, vibration : list of float
+            kg m/s and J, [n + 2].
+        """
+        momentum, vibration = [0.0] * len(velocities), [0.0] * len(velocities)
+        contents(self.row, self.log, self.end, velocities, momentum, vibration)
+        tick = self.assembly.tick
+        return [float(p) * tick for p in momentum], [float(e) * tick for e in vibration]
+
+
+def track(
+    assembly: Assembly,
+    until: float | None = None,
+    max_events: int = MAX_EVENTS,
+    compile_after: int | None = None,
+) -> FrontRun:
+    """Follow every front of a collision.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    until : float, optional
+        Time to be reached, s; by default the run ends one round trip of the longest body after the
+        collision has been proved final.
+    max_events : int
+        Cap; a run that reaches it says so in `stopped_by`.
+    compile_after : int, optional
+        Log rows after which the kernel runs compiled; chosen by cost if not given. The result is
+        the same bit for bit.
+    """
+    a = assembly
+    mobility = [1 / Z if Z else 0.0 for Z in a.impedance]
+    row, tally, log, clock = start(a.ticks, mobility, a.status, a.gaps, a.outside, a.waves)
+    target = -2 * a.longest
+    if until is not None:
+        target = round(until / a.tick)
+        clock[REST] = IDLE
+    if compile_after is None:
+        compile_after = LISTS_WARM if kernels.started() else LISTS_COLD
+    kernel: Any = play
+    on_lists = True
+    while True:
+        if on_lists and kernels.enabled() and len(log.value) > compile_after:
+            row, tally, log, clock = _as_arrays(row), _as_arrays(tally), _arrays(log), _ints(clock)
+            kernel, on_lists = kernels.compiled(play), False
+        flag = kernel(row, tally, log, clock, target, max_events, a.tolerance, a.window)
+        if flag != FULL:
+            break
+        log = _longer(log, clock, on_lists)
+    if not on_lists:
+        row, tally = Row(*(x.tolist() for x in row)), Tally(*(x.tolist() for x in tally))
+        clock = clock.tolist()
+    n, m = clock[ROWS], clock[TURNS]
+    log = Log(*(x[:n] for x in log[:4]), *(x[:m] for x in log[4:]))
+    reason = {FINAL: "final", CAP: "max_events", CLOCK: "clock"}.get(flag, "until")
+    return FrontRun(a, row, tally, log, clock[NOW], clock[SETTLED], clock[EVENTS], reason)
+
+
+def _ints(values: list[int]) -> Any:
+    return np.array(values, dtype=np.int64)
+
+
+def _as_arrays(state: Any) -> Any:
+    """Lists to arrays of the type of their first entry."""
+    return type(state)(*(np.array(x, dtype=type(x[0])) for x in state))
+
+
+def _arrays(log: Log) -> Log:
+    return Log(*(np.array(x, dtype=t) for x, t in zip(log, _LOG_TYPES, strict=True)))
+
+
+def _longer(log: Log, clock: Any, on_lists: bool) -> Log:
+    """Make room for as much again in the list of fronts, of turns, or in both."""
+    full = [clock[ROWS] + 2 > len(log.value)] * 4 + [clock[TURNS] >= len(log.turn_tick)] * 3
+    grown = []
+    for column, grow in zip(log, full, strict=True):
+        if not grow:
+            grown.append(column)
+        elif on_lists:
+            grown.append(column + [0 * column[0]] * len(column))
+        else:
+            longer = np.empty(2 * len(column), dtype=column.dtype)
+            longer[: len(column)] = column
+            grown.append(longer)
+    return Log(*grown)

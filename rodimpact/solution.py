@@ -1,0 +1,355 @@
+"""A solution is a function, not a grid: ask it for any field at any place and time."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .contacts import ContactHistory
+from .fields import WaveFields
+from .model import Number, Rod, Steps, System, Wall
+from .outcome import Outcome, groups
+from .signals import Floats, Side
+
+
+@dataclass(frozen=True)
+class EnergyLedger:
+    """Where the energy is at some times; every entry has the shape of the times, J.
+
+    Attributes
+    ----------
+    kinetic : array
+        Of the motion of the centres of mass; walls not counted.
+    vibration : array
+        Kinetic energy relative to the centres of mass.
+    strain : array
+        Strain energy.
+    wall_work : array
+        Work done by moving walls since t = 0.
+    residual : array
+        What is missing: total minus the initial total minus the work.
+    """
+
+    kinetic: Floats
+    vibration: Floats
+    strain: Floats
+    wall_work: Floats
+    residual: Floats
+
+    @property
+    def total(self) -> Floats:
+        """All the energy in the bodies, J."""
+        return self.kinetic + self.vibration + self.strain
+
+
+@dataclass(frozen=True)
+class Gauge:
+    """Record of a strain gauge: strain and velocity are constant between jumps.
+
+    Attributes
+    ----------
+    body : int
+    x : float
+        m from the left end of the body.
+    times : array
+        s; the record starts at t = 0 and entry i holds from times[i] on, the last to `end`.
+    strain, velocity : array
+        Just after each time; m/s.
+    rightward, leftward : array
+        Strain carried by the wave running right and by the one running left, relative to the
+        velocity at t = 0; their sum is `strain`.
+    end : float
+        s.
+    """
+
+    body: int
+    x: float
+    times: Floats
+    strain: Floats
+    velocity: Floats
+    rightward: Floats
+    leftward: Floats
+    end: float
+
+    def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """Write time, strain, rightward and leftward strain and velocity, one row a jump.
+
+        Raises
+        ------
+        FileExistsError
+            If the file is there and `force` is false.
+        """
+        from .files import write_text
+
+        names = ("time", "strain", "rightward", "leftward", "velocity")
+        columns = (self.times, self.strain, self.rightward, self.leftward, self.velocity)
+        rows = [",".join(map(repr, row)) for row in zip(*(c.tolist() for c in columns), strict=True)]
+        write_text(path, "\n".join([",".join(names), *rows]) + "\n", force=force)
+
+
+class Solution:
+    """Everything about one collision, as functions of place and time.
+
+    Made by `rodimpact.solve`; places are m from the left end of a body, times s from 0 to `t_end`.
+
+    Attributes
+    ----------
+    system : System
+    outcome : Outcome
+    contacts : tuple of ContactHistory
+        One for each neighbouring pair, walls counted.
+    final : bool
+        Whether it is proved that no contact can happen again.
+    t_final : float
+        When that was proved, s; nan without proof.
+    stopped_by : str
+        ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
+    status : str
+        The same in a sentence, with the remedy.
+    t_end : float
+        s.
+    transit_error : float
+        Largest relative change of a transit time by its rounding to the clock.
+    events : int
+        Arrivals at ends that were solved.
+    fields : WaveFields
+    method : str
+    """
+
+    method = "fronts"
+
+    def __init__(
+        self, system: System, fields: WaveFields, outcome: Outcome,
+        turns: list[tuple[list[int], list[int]]], *, stopped_by: str, status: str,
+        t_end: float, t_final: float, events: int,
+    ) -> None:
+        self.system, self.fields, self.outcome = system, fields, outcome
+        self.stopped_by, self.status, self.t_end = stopped_by, status, t_end
+        self.t_final, self.events = t_final, events
+        self.final = outcome.final
+        self.transit_error = fields.assembly.transit_error
+        self.turns = turns
+
+    @cached_property
+    def contacts(self) -> tuple[ContactHistory, ...]:
+        """History of each contact."""
+        return tuple(
+            ContactHistory(i, self.fields, turns, tally)
+            for i, (turns, tally) in enumerate(zip(self.turns, self.outcome.contacts, strict=True))
+        )
+
+    # Fields -------------------------------------------------------------------------------------
+
+    def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+        """Velocity of the material.
+
+        Parameters
+        ----------
+        body : int
+            Counted from the left, walls included.
+        x : array_like
+            m from the left end of the body.
+        t : array_like
+            s; broadcasts with x.
+        side : "right" or "left"
+            Which limit in time to take at a jump: just after or just before.
+
+        Returns
+        -------
+        array
+            m/s.
+
+        Raises
+        ------
+        ValueError
+            For a place or time outside the solution.
+        """
+        if self._is_wall(body):
+            return self._wall_velocity(body) + 0.0 * self.fields.to_ticks(t)
+        return self.fields.velocity(body, x, t, side)
+
+    def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+        """Strain, positive in tension; arguments as in `velocity`."""
+        return self.fields.strain(self._rod(body), x, t, side)
+
+    def stress(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+        """Stress E eps in Pa, positive in tension; arguments as in `velocity`."""
+        return self.strain(body, x, t, side) * self._of_segment(body, x, "modulus")
+
+    def axial_force(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+        """Force E A eps in N, positive in tension; arguments as in `velocity`."""
+        return self.strain(body, x, t, side) * self._of_segment(body, x, "stiffness")
+
+    def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
+        """Displacement in m; arguments as in `velocity`.
+
+        It counts from the unstrained body whose left end is at its place at t = 0.
+        """
+        if self._is_wall(body):
+            return self._wall_velocity(body) * self.fields.to_ticks(t) * self.fields.assembly.tick
+        return self.fields.displacement(body, x, t)
+
+    def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
+        """Place in the laboratory in m; the left end of the row starts at 0. As `velocity`."""
+        base = self.fields.positions[self._index(body)]
+        if self._is_wall(body):
+            return base + self.displacement(body, 0.0, t)
+        return base + np.asarray(x) + self.displacement(body, x, t)
+
+    def mean_velocity(self, body: int, t: ArrayLike) -> Floats:
+        """Velocity of a body's centre of mass in m/s at times t in s."""
+        if self._is_wall(body):
+            return self._wall_velocity(body) + 0.0 * self.fields.to_ticks(t)
+        return self.fields.momentum(body, t) / self.outcome.masses[body]
+
+    def gauge(self, body: int, x: float) -> Gauge:
+        """Record of a strain gauge at x, m from the left end of a body."""
+        f, a = self.fields, self.fields.assembly
+        segment, offset = (int(v) for v in f.locate(self._rod(body), x))
+        A, B = f.waves(segment)
+        T = a.ticks[segment]
+        ticks = np.unique(np.concatenate(([0], A.ticks + offset, B.ticks + (T - offset))))
+        ticks = ticks[(ticks >= 0) & (ticks <= f.end)]
+        right, left = A.at(ticks - offset), B.at(ticks - (T - offset))
+        per_wave = 0.5 / a.wave_speed[segment]
+        rest = (right[0] + left[0]) / 2
+        return Gauge(
+            body, float(x), ticks * a.tick, (left - right) * per_wave, (left + right) / 2 + a.frame,
+            (rest - right) * per_wave, (left - rest) * per_wave, self.t_end,
+        )
+
+    # Energy and state ---------------------------------------------------------------------------
+
+    def energy(self, t: ArrayLike) -> EnergyLedger:
+        """Energy ledger at times t in s."""
+        times = np.asarray(t, dtype=float)
+        now = self._energy(times)
+        kinetic, vibration, strain = self._energy(np.zeros(1))
+        initial = float(kinetic[0] + vibration[0] + strain[0])
+        work: Any = np.zeros(times.shape)
+        for body, contact, sign in ((0, 0, 1), (len(self.system.bodies) - 1, -1, -1)):
+            if self._is_wall(body):
+                push = self.contacts[contact].impulse_until(times)
+                work = work + sign * self._wall_velocity(body) * push
+        return EnergyLedger(*now, work, sum(now) - initial - work)
+
+    def _energy(self, times: Floats) -> tuple[Floats, Floats, Floats]:
+        kinetic, vibration, strain = (np.zeros(times.shape) for _ in range(3))
+        ticks = self.fields.to_ticks(times)
+        masses = self.outcome.masses
+        for group in groups(self.fields.assembly):
+            rods = [i for i in group if not self._is_wall(i)]
+            if not rods:
+                continue
+            mass = sum(masses[i] for i in rods)
+            mean: Any = sum(self.fields.momentum(i, times) for i in rods) / mass
+            if len(rods) < len(group):
+                wall = next(i for i in group if self._is_wall(i))
+                mean = np.full(times.shape, self._wall_velocity(wall))
+            for index in np.ndindex(times.shape):
+                v = float(mean[index])
+                for i in rods:
+                    moving, strained = self.fields.energy(i, int(ticks[index]), v)
+                    drift = float(self.fields.momentum(i, times[index])) - masses[i] * v
+                    kinetic[index] += masses[i] * v * v / 2 + v * drift
+                    vibration[index] += moving
+                    strain[index] += strained
+        return kinetic, vibration, strain
+
+    def system_at(self, t: float) -> System:
+        """State at time t in s as a new system: continue it, change it, or reverse it.
+
+        Gaps, velocities and strains are those just after t; the clock starts anew.
+        """
+        tick = int(self.fields.to_ticks(t))
+        bodies: list[Rod | Wall] = []
+        for i, body in enumerate(self.system.bodies):
+            if isinstance(body, Wall):
+                bodies.append(body)
+                continue
+            profile = self.fields.profile(i, tick)
+            bodies.append(Rod(
+                segments=body.segments,
+                velocity=_steps(profile.edges, profile.velocity),
+                strain=_steps(profile.edges, profile.strain),
+            ))
+        gaps = [max(0.0, float(contact.gap(t))) for contact in self.contacts]
+        return System(bodies, gaps, self.system.contacts)
+
+    # Files and pictures -------------------------------------------------------------------------
+
+    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """Write the solution to an NPZ file that `rodimpact.load` reads.
+
+        Raises
+        ------
+        FileExistsError
+            If the file is there and `force` is false.
+        """
+        from .files import save_solution
+
+        save_solution(self, path, force=force)
+
+    def __str__(self) -> str:
+        from .report import solution_table
+
+        return solution_table(self)
+
+    def __repr__(self) -> str:
+        n = len(self.system.bodies)
+        return f"<Solution of {n} bodies to t = {self.t_end:.6g} s, stopped by {self.stopped_by}>"
+
+    def _repr_html_(self) -> str:
+        from .report import as_html
+
+        return as_html(str(self))
+
+    # Bodies -------------------------------------------------------------------------------------
+
+    def _index(self, body: int) -> int:
+        count = len(self.system.bodies)
+        if isinstance(body, bool) or not isinstance(body, int | np.integer):
+            raise TypeError(f"body: must be a whole number from 0 to {count - 1}, got {body!r}")
+        if not 0 <= body < count:
+            raise ValueError(f"body: must be from 0 to {count - 1} (walls counted), got {body}")
+        return int(body)
+
+    def _is_wall(self, body: int) -> bool:
+        return isinstance(self.system.bodies[self._index(body)], Wall)
+
+    def _wall_velocity(self, body: int) -> float:
+        wall = self.system.bodies[body]
+        assert isinstance(wall, Wall)
+        return float(wall.velocity)
+
+    def _rod(self, body: int) -> int:
+        if self._is_wall(body):
+            raise ValueError(f"body: {body} is a wall and has no inside; ask for a rod")
+        return self._index(body)
+
+    def _of_segment(self, body: int, x: ArrayLike, what: str) -> Floats:
+        a = self.fields.assembly
+        segment, _ = self.fields.locate(body, x)
+        rod = self.system.bodies[body]
+        assert isinstance(rod, Rod)
+        first = a.spans[body][0]
+        table = np.array([
+            float(s.material.youngs_modulus) * (float(s.area) if what == "stiffness" else 1.0)
+            for s in rod.segments
+        ])
+        return table[segment - first]
+
+
+def _steps(edges: Floats, values: Floats) -> Number | Steps:
+    keep = np.concatenate(([True], values[1:] != values[:-1]))
+    if keep.sum() == 1:
+        return float(values[0])
+    return Steps(values[keep].tolist(), edges[:-1][keep][1:].tolist())
+
+
+

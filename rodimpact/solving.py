@@ -1,0 +1,175 @@
+"""solve() and collide(): choose the method, run it, wrap what it found."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from .fields import WaveFields
+from .methods.assembly import assemble
+from .methods.fronts import MAX_EVENTS, FrontRun, track
+from .model import ContactLaw, InvalidModel, Number, Problems, Rod, System, Wall, number
+from .outcome import Outcome, read_outcome
+from .solution import Solution
+
+METHODS = ("fronts",)
+
+
+def solve(
+    system: System, until: float | None = None, method: str = "auto", *,
+    max_events: int = MAX_EVENTS,
+) -> Solution:
+    """Solve a collision.
+
+    Parameters
+    ----------
+    system : System
+        A single collision, of shape ().
+    until : float, optional
+        Time to run to, s. By default the run goes on until it is proved that no contact can happen
+        again, and one round trip of the longest rod more.
+    method : str
+        ``"fronts"``, exact wave-front tracking; ``"auto"`` chooses it.
+    max_events : int
+        Arrivals at ends after which the run gives up; `Solution.status` then says so.
+
+    Returns
+    -------
+    Solution
+
+    Raises
+    ------
+    InvalidModel
+        If the system is a family or cannot be put on one clock, or an argument is wrong.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+    >>> solution = ri.solve(ri.System([left, right]))
+    >>> round(float(solution.velocity(body=0, x=0.2, t=solution.t_end)), 12)
+    0.0
+    """
+    run = run_fronts(system, until, method, max_events)
+    return wrap(run, t_end=until)
+
+
+def collide(left: Rod | Wall, right: Rod | Wall, gap: float = 0.0,
+            contact: ContactLaw | None = None) -> Outcome:
+    """Let two bodies collide; shorthand for ``solve(System([left, right])).outcome``.
+
+    Parameters
+    ----------
+    left, right : Rod or Wall
+    gap : float
+        Initial distance, m.
+    contact : contact law, optional
+        Default `Rigid`.
+
+    Returns
+    -------
+    Outcome
+
+    Raises
+    ------
+    InvalidModel
+        As `solve`.
+
+    Examples
+    --------
+    Rods of one material and area: e is the ratio of their lengths.
+
+    >>> import rodimpact as ri
+    >>> left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+    >>> round(ri.collide(left, right).restitution, 12)
+    0.4
+    """
+    system = System([left, right], [gap], None if contact is None else [contact])
+    run = run_fronts(system, None, "auto", MAX_EVENTS)
+    return read_outcome(run, describe(run))
+
+
+def run_fronts(
+    system: System, until: float | None, method: str, max_events: int
+) -> FrontRun:
+    """Check the arguments and run the method."""
+    problems: Problems = []
+    if not isinstance(system, System):
+        raise InvalidModel([("system", f"must be a System, got {system!r}")])
+    if system.shape != ():
+        message = (
+            f"this is a family of shape {system.shape}; sweep(system) solves all its members, "
+            "solve(system[index]) one of them"
+        )
+        problems.append(("system", message))
+    if until is not None:
+        end: Number = number(problems, "until", until, " of seconds", "non-negative")
+        if not isinstance(end, float):
+            problems.append(("until", f"must be a single time, got {until!r}"))
+    if method not in ("auto", *METHODS):
+        known = ", ".join(f'"{m}"' for m in ("auto", *METHODS))
+        problems.append(("method", f"must be one of {known}, got {method!r}"))
+    if isinstance(max_events, bool) or not isinstance(max_events, int) or max_events < 1:
+        problems.append(("max_events", f"must be a positive whole number, got {max_events!r}"))
+    if problems:
+        raise InvalidModel(problems)
+    end_time = None if until is None else float(until)
+    return track(assemble(system, end_time), end_time, max_events)
+
+
+def wrap(run: FrontRun, t_end: float | None = None) -> Solution:
+    """Make a solution of a finished run."""
+    a = run.assembly
+    status = describe(run)
+    turns: dict[int, tuple[list[int], list[int]]] = {node: ([], []) for node in a.nodes}
+    log = run.log
+    for tick, node, value in zip(
+        *(_plain(x) for x in (log.turn_tick, log.turn_node, log.turn_status)), strict=True
+    ):
+        turns[node][0].append(tick)
+        turns[node][1].append(value)
+    reached = run.end * a.tick
+    return Solution(
+        a.system, WaveFields.from_log(a, log, run.end), read_outcome(run, status),
+        [turns[node] for node in a.nodes],
+        stopped_by=run.stopped_by, status=status,
+        t_end=float(t_end) if t_end is not None and run.stopped_by == "until" else reached,
+        t_final=run.settled * a.tick if run.settled >= 0 else math.nan, events=run.events,
+    )
+
+
+def _plain(column: Any) -> list[int]:
+    return column if isinstance(column, list) else column.tolist()  # type: ignore[no-any-return]
+
+
+def describe(run: FrontRun) -> str:
+    """Why the run ended, in a sentence with the remedy."""
+    a = run.assembly
+    end, proof = run.end * a.tick, run.settled * a.tick
+    if run.stopped_by == "final":
+        said = f"The collision is final: no contact can happen again after t = {proof:.6g} s."
+    elif run.stopped_by == "until" and run.settled >= 0:
+        said = "Stopped at the time asked for; no contact can happen again."
+    elif run.stopped_by == "until":
+        said = (
+            f"Stopped at the time asked for, t = {end:.6g} s, before the collision was proved "
+            "final; leave out until= to run to the proof."
+        )
+    elif run.stopped_by == "max_events":
+        said = (
+            f"Stopped by the cap of {run.events} events at t = {end:.6g} s; fronts multiply where "
+            "transit times have no common measure. Raise max_events, or make lengths commensurate."
+        )
+    else:
+        said = (
+            f"Stopped by the clock after t = {end:.6g} s: a contact may close later than it can "
+            "count. Give until= to set a later end."
+        )
+    if a.transit_error > 2.0**-36:
+        said += (
+            f" The transit time of {a.worst} was rounded by {a.transit_error:.2g} of itself to "
+            "fit the clock."
+        )
+    return said

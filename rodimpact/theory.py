@@ -1,0 +1,296 @@
+"""Closed forms for elastic rods: two free rods, and a rod on a rigid wall.
+
+Two rods that meet at closing speed V press with the force V Z1 Z2/(Z1 + Z2), Z = rho A c being
+the impedance, until a wave returns from a far end, two transit times T = L/c later. The rod of
+shorter transit time is heard first. Of lower impedance than the long rod, it lets go; of higher
+impedance, it goes on pushing with the fraction q of the force before, round trip after round
+trip, until the wave of the long rod ends the contact:
+
+    q = (Z_short - Z_long)/(Z_short + Z_long)      short, long: by transit time
+
+Arguments broadcast as in NumPy; results are floats where every argument is a single number.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rodimpact.rigid import contact_mass
+
+Array: TypeAlias = NDArray[np.float64]
+Number: TypeAlias = float | Array
+
+EQUAL_IMPEDANCES = 2.0**-48
+"""Impedances that differ by less than this fraction count as equal, up to round-off."""
+
+
+class PairCollision(NamedTuple):
+    """Collision of two bodies that do not vibrate beforehand.
+
+    Attributes
+    ----------
+    restitution : float or array
+        Coefficient of restitution of the centres of mass [1].
+    impulse : float or array
+        Impulse on either body [N s].
+    duration : float or array
+        Time from first contact to the end of the contact force [s].
+    opening : float or array
+        Time from first contact until the ends move apart [s].
+    peak_force : float or array
+        Largest contact force [N].
+    vibration_energy : float or array
+        Energy that stays behind as vibration [J].
+    """
+
+    restitution: Number
+    impulse: Number
+    duration: Number
+    opening: Number
+    peak_force: Number
+    vibration_energy: Number
+
+
+class _Pair(NamedTuple):
+    """What the result and the force history of a pair have in common."""
+
+    short_time: Array
+    long_time: Array
+    q: Array
+    p: Array  # 1 - |q|
+    log_q: Array  # 0 where q <= 0
+    peak_force: Array
+    duration: Array
+
+
+@np.errstate(under="ignore")  # q^K may vanish
+def saint_venant(
+    impedance_1: ArrayLike,
+    transit_time_1: ArrayLike,
+    impedance_2: ArrayLike,
+    transit_time_2: ArrayLike,
+    closing_speed: ArrayLike = 1.0,
+) -> PairCollision:
+    """Collision of two uniform free rods, each moving uniformly.
+
+    With q = (Z_short - Z_long)/(Z_short + Z_long), short and long by transit time,
+    x = T_short/T_long, and T_long = (K + f) T_short, K whole and 0 <= f < 1::
+
+        Z_long >= Z_short:  e = |q| + (1 - |q|) x                     force ends at 2 T_short
+        Z_long < Z_short:   e = (1 + q) x g - q^K (1 - (1 - q) f)     force ends at 2 T_long
+                            g = (1 - q^K)/(1 - q) + q^K f
+
+    This is ``e = J (1/m1 + 1/m2)/V - 1`` with m = Z T and J the integral of `saint_venant_force`,
+    rearranged so that nothing cancels: e keeps its digits at any ratio of impedances. Equal
+    transit times give e = 1 whatever the impedances, equal impedances give e = x.
+
+    The ends part when the force ends, with one exception: rods of equal impedance then touch
+    without force and move on together until the wave of the long rod parts them, at 2 T_long.
+    No second contact follows. Where Z_long passes Z_short, e and J are continuous, but the
+    duration jumps between 2 T_short and 2 T_long.
+
+    Source: B. de Saint-Venant, Sur le choc longitudinal de deux barres élastiques, Journal de
+    mathématiques pures et appliquées 12 (1867); S. P. Timoshenko and J. N. Goodier, Theory of
+    Elasticity, longitudinal impact of bars.
+
+    Parameters
+    ----------
+    impedance_1, impedance_2 : float or array
+        Impedances rho A c [kg/s].
+    transit_time_1, transit_time_2 : float or array
+        Times L/c that a wave takes from end to end [s].
+    closing_speed : float or array
+        Velocity of the left rod minus that of the right one [m/s].
+
+    Returns
+    -------
+    PairCollision
+        Every entry has the broadcast shape of the arguments.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not positive and finite.
+
+    Examples
+    --------
+    Equal impedances, one rod twice as long: the force ends at 2, the gap opens at 4.
+
+    >>> saint_venant(1.0, 1.0, 1.0, 2.0)
+    PairCollision(restitution=0.5, impulse=1.0, duration=2.0, opening=4.0, peak_force=0.5, \
+vibration_energy=0.25)
+
+    A short rod of five times the impedance:
+
+    >>> round(saint_venant(5.0, 3.0, 1.0, 10.0).restitution, 6)
+    0.841564
+    """
+    Z1, T1, Z2, T2, V = _positive(
+        impedance_1=impedance_1,
+        transit_time_1=transit_time_1,
+        impedance_2=impedance_2,
+        transit_time_2=transit_time_2,
+        closing_speed=closing_speed,
+    )
+    pair = _pair(Z1, T1, Z2, T2, V)
+    q, p, x = pair.q, pair.p, pair.short_time / pair.long_time
+    trips = pair.long_time / pair.short_time
+    K = np.floor(trips)
+    f = trips - K
+    q_K = np.exp(K * pair.log_q)
+    g = -np.expm1(K * pair.log_q) / p + q_K * f
+    e = np.where(q > 0, (1 + q) * x * g - q_K * (1 - p * f), np.abs(q) + p * x)
+    e = np.minimum(e, 1.0)
+    m = np.asarray(contact_mass(Z1 * T1, Z2 * T2))
+    return PairCollision(
+        restitution=_plain(e),
+        impulse=_plain((1 + e) * m * V),
+        duration=_plain(pair.duration),
+        opening=_plain(np.where(q == 0, 2 * pair.long_time, pair.duration)),
+        peak_force=_plain(pair.peak_force),
+        vibration_energy=_plain((1 - e) * (1 + e) * m * V * V / 2),
+    )
+
+
+@np.errstate(under="ignore")
+def saint_venant_force(
+    time: ArrayLike,
+    impedance_1: ArrayLike,
+    transit_time_1: ArrayLike,
+    impedance_2: ArrayLike,
+    transit_time_2: ArrayLike,
+    closing_speed: ArrayLike = 1.0,
+) -> Number:
+    """Contact force of two uniform free rods, each moving uniformly.
+
+    ``F = V Z1 Z2/(Z1 + Z2) q^k`` for 2 k T_short <= t < 2 (k + 1) T_short while t < duration,
+    otherwise 0; q and the duration are those of `saint_venant`, and k goes beyond 0 only if
+    Z_long < Z_short. At a jump the value is the one after it.
+
+    Source: as `saint_venant`.
+
+    Parameters
+    ----------
+    time : float or array
+        Time t since first contact [s].
+    impedance_1, impedance_2 : float or array
+        Impedances rho A c [kg/s].
+    transit_time_1, transit_time_2 : float or array
+        Times L/c that a wave takes from end to end [s].
+    closing_speed : float or array
+        Velocity of the left rod minus that of the right one [m/s].
+
+    Returns
+    -------
+    float or array
+        Contact force, positive when the rods push each other apart [N].
+
+    Raises
+    ------
+    ValueError
+        If `time` is not finite, or another argument is not positive and finite.
+
+    Examples
+    --------
+    >>> saint_venant_force([0.0, 2.0, 4.0, 6.0], 3.0, 1.0, 1.0, 3.0).tolist()
+    [0.75, 0.375, 0.1875, 0.0]
+    """
+    t = np.asarray(time, dtype=np.float64)
+    _refuse(~np.isfinite(t), "time", t, "must be finite")
+    pair = _pair(
+        *_positive(
+            impedance_1=impedance_1,
+            transit_time_1=transit_time_1,
+            impedance_2=impedance_2,
+            transit_time_2=transit_time_2,
+            closing_speed=closing_speed,
+        )
+    )
+    k = np.floor(np.clip(t, 0.0, pair.duration) / (2 * pair.short_time))
+    pressing = (t >= 0) & (t < pair.duration)
+    return _plain(np.where(pressing, pair.peak_force * np.exp(k * pair.log_q), 0.0))
+
+
+def rod_on_wall(impedance: ArrayLike, transit_time: ArrayLike, speed: ArrayLike) -> PairCollision:
+    """Collision of a uniform free rod, moving uniformly, with a rigid wall.
+
+    ``F = Z V for a time 2 T``: the wave runs to the free end and back, and the rod leaves with
+    the speed it came with and without vibration.
+
+    Source: textbook section 10.5, box 10.4.
+
+    Parameters
+    ----------
+    impedance : float or array
+        Impedance rho A c [kg/s].
+    transit_time : float or array
+        Time L/c that a wave takes from end to end [s].
+    speed : float or array
+        Speed at which the rod approaches the wall [m/s].
+
+    Returns
+    -------
+    PairCollision
+        Every entry has the broadcast shape of the arguments.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not positive and finite.
+
+    Examples
+    --------
+    >>> rod_on_wall(impedance=40.0, transit_time=2.0e-4, speed=3.0)
+    PairCollision(restitution=1.0, impulse=0.048, duration=0.0004, opening=0.0004, \
+peak_force=120.0, vibration_energy=0.0)
+    """
+    Z, T, V = _positive(impedance=impedance, transit_time=transit_time, speed=speed)
+    return PairCollision(
+        restitution=_plain(np.ones_like(Z)),
+        impulse=_plain(2 * Z * V * T),
+        duration=_plain(2 * T),
+        opening=_plain(2 * T),
+        peak_force=_plain(Z * V),
+        vibration_energy=_plain(np.zeros_like(Z)),
+    )
+
+
+def _pair(Z1: Array, T1: Array, Z2: Array, T2: Array, V: Array) -> _Pair:
+    low, high = np.minimum(Z1, Z2), np.maximum(Z1, Z2)
+    equal = high - low <= EQUAL_IMPEDANCES * high
+    short_is_higher = ~equal & np.where(Z1 > Z2, T1 < T2, T2 < T1)
+    short_time, long_time = np.minimum(T1, T2), np.maximum(T1, T2)
+    q = np.where(equal, 0.0, (high - low) / (high + low))
+    return _Pair(
+        short_time=short_time,
+        long_time=long_time,
+        q=np.where(short_is_higher, q, -q),
+        p=np.where(equal, 1.0, 2 * low / (high + low)),
+        log_q=-2 * np.arctanh(np.where(short_is_higher, low / high, 0.0)),
+        peak_force=V * low * (high / (high + low)),
+        duration=2 * np.where(short_is_higher, long_time, short_time),
+    )
+
+
+def _positive(**arguments: ArrayLike) -> tuple[Array, ...]:
+    """The arguments as arrays of one shape, all positive and finite."""
+    arrays = {name: np.asarray(value, dtype=np.float64) for name, value in arguments.items()}
+    for name, x in arrays.items():
+        _refuse(~((x > 0) & (x < np.inf)), name, x, "must be positive and finite")
+    return np.broadcast_arrays(*arrays.values())
+
+
+def _refuse(wrong: NDArray[np.bool_], name: str, values: Array, wanted: str) -> None:
+    """Raise for the first `wrong` element, with its value and its index."""
+    if np.any(wrong):
+        index = tuple(int(i) for i in np.argwhere(wrong)[0])
+        place = f" at index {index}" if index else ""
+        raise ValueError(f"{name} = {values[index].item()}{place}: {wanted}")
+
+
+def _plain(value: Array) -> Number:
+    """A Python float instead of an array without dimensions."""
+    return value if value.ndim else value.item()

@@ -1,0 +1,441 @@
+"""Rigid-body laws: the textbook's samples and problems, the balances, and every refusal."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from rodimpact import rigid
+
+EPS = np.finfo(float).eps
+MASS = st.floats(1e-3, 1e3)
+VELOCITY = st.floats(-100, 100)
+RESTITUTION = st.floats(0, 1)
+
+
+# The textbook's numbers
+
+
+def test_sample_10_19_no_loss_of_energy():
+    after = rigid.collide(2.0, 0.5, 10.0, 0.2, 1.0)
+    assert after.velocity_1 == pytest.approx(0.0, abs=EPS)
+    assert after.velocity_2 == pytest.approx(0.3)
+    assert after.energy_after == pytest.approx(after.energy_before)
+    assert after.energy_lost == 0.0
+
+
+@pytest.mark.parametrize(("duration", "force"), [(0.1, 190.0), (0.001, 19000.0)])
+def test_sample_10_20_peak_force(duration, force):
+    impulse = rigid.collide(0.5, 10.0, math.inf, 0.0, 0.9).impulse
+    assert impulse == pytest.approx(0.5 * 19)
+    assert rigid.peak_force(impulse, duration) == pytest.approx(force)
+
+
+def test_sample_10_21_tennis_ball_on_basketball():
+    drop = rigid.stack_drop([0.6, 0.06], [0.9, 0.6], height=1.0)
+    assert drop.top_height == pytest.approx(3.11, abs=0.005)
+    M, e1, e2 = 10, 0.6, 0.9
+    assert drop.top_height == pytest.approx(((M * (e1 + e2 + e1 * e2) - 1) / (1 + M)) ** 2)
+    heavy = rigid.stack_drop([1e9, 1.0], [0.9, 0.6], height=2.0, gravity=1.6)
+    assert heavy.top_height == pytest.approx((e1 + e2 + e1 * e2) ** 2 * 2.0)
+
+
+def test_problem_10_5_1_momentum_impulse_and_energy():
+    e = rigid.restitution_from_velocities(10.0, 5.0, 6.0, 7.0)
+    assert e == pytest.approx(0.2)
+    after = rigid.collide(1.0, 10.0, 2.0, 5.0, e)
+    assert (after.velocity_1, after.velocity_2) == pytest.approx((6.0, 7.0))
+    assert after.impulse == pytest.approx(4.0)
+    assert (after.energy_before, after.energy_after) == pytest.approx((75.0, 67.0))
+    assert after.energy_lost == pytest.approx(8.0)
+    assert after.centre_of_mass_velocity == pytest.approx(20 / 3)
+    assert after.relative_velocity_before == -5.0
+    assert after.relative_velocity_after == pytest.approx(1.0)
+
+
+def test_problem_10_5_2_restitution_from_heights():
+    e = rigid.restitution_from_heights(10.0, 6.4)
+    assert e == pytest.approx(0.8)
+    assert rigid.bouncing_ball(10.0, e, 2).rebound_heights == pytest.approx([6.4, 4.096])
+
+
+def test_problem_10_5_3_embedded_bullet():
+    after = rigid.collide(0.020, 500.0, 50.0, 0.0, 0.0)
+    assert after.velocity_1 == after.velocity_2 == pytest.approx(10 / 50.02)
+
+
+def test_problem_10_5_4_height_of_one_bounce():
+    assert rigid.bouncing_ball(3.0, 0.7, 1, gravity=1.6).rebound_heights == pytest.approx([1.47])
+    assert rigid.restitution_from_heights(3.0, 1.47) == pytest.approx(0.7)
+
+
+def test_problem_10_5_5_in_matrix_form():
+    matrix, right_hand_side, velocities = rigid.solve_linear(2.0, 2.6, 0.5, 0.0, 0.8)
+    assert matrix.tolist() == [[2.0, 0.5], [1.0, -1.0]]
+    assert right_hand_side == pytest.approx([5.2, -2.08])
+    assert velocities == pytest.approx([1.664, 3.744])
+
+
+def test_problem_10_5_6_impulse_and_velocities():
+    after = rigid.collide(7.0, 6.0, 9.0, 2.0, 0.5)
+    assert (after.impulse, after.velocity_1, after.velocity_2) == pytest.approx(
+        (23.625, 2.625, 4.625)
+    )
+
+
+def test_problem_10_5_7_energy_lost():
+    assert rigid.collide(2.0, 5.0, 5.0, 1.0, 0.5).energy_lost == pytest.approx(60 / 7)
+
+
+def test_problem_10_5_8_infinitely_many_bounces_in_finite_time_and_distance():
+    h, e, g = 2.0, 0.6, 9.81
+    ball = rigid.bouncing_ball(h, e, 200, gravity=g)
+    assert np.all(ball.rebound_heights > 0)
+    assert ball.total_time == pytest.approx(math.sqrt(2 * h / g) * (1 + e) / (1 - e))
+    assert ball.total_distance == pytest.approx(h * (1 + e**2) / (1 - e**2))
+    assert ball.impact_times[-1] == pytest.approx(ball.total_time)
+    assert ball.impact_distances[-1] == pytest.approx(ball.total_distance)
+
+
+def test_problem_10_5_9_bullet_through_a_into_b():
+    m, m_a, m_b, v_a, v_b = 0.02, 1.0, 2.0, 4.0, 3.0
+    shot = rigid.bullet_through(m, m_a, m_b, v_a, v_b)
+    assert m * shot.initial_speed == pytest.approx(m_a * v_a + (m_b + m) * v_b)
+    assert m * shot.speed_between == pytest.approx((m_b + m) * v_b)
+    energy = [m * shot.initial_speed**2 / 2, m * shot.speed_between**2 / 2 + m_a * v_a**2 / 2]
+    assert shot.energy_lost_in_a == pytest.approx(energy[0] - energy[1])
+    embedded = rigid.collide(m, shot.speed_between, m_b, 0.0, 0.0)
+    assert embedded.velocity_2 == pytest.approx(v_b)
+    assert shot.energy_lost_in_b == pytest.approx(embedded.energy_lost)
+    passed = rigid.restitution_from_velocities(shot.initial_speed, 0.0, shot.speed_between, v_a)
+    assert -1 < passed < 0
+    through = rigid.collide(m, shot.initial_speed, m_a, 0.0, passed)
+    assert shot.energy_lost_in_a == pytest.approx(through.energy_lost)
+
+
+def test_problem_10_5_10_highest_bounce_of_the_upper_ball():
+    best = rigid.stack_drop([1.0, 1e-9], [1.0, 1.0], height=1.0).top_height
+    assert best == pytest.approx(9.0, rel=1e-8)
+    masses = np.stack([np.ones(200), np.logspace(-6, 2, 200)], axis=-1)
+    for e in ([1.0, 1.0], [0.9, 1.0], [1.0, 0.9]):
+        heights = rigid.stack_drop(masses, e, height=1.0).top_height
+        assert np.all(heights < best)
+
+
+def test_a_stack_of_many_light_balls_tends_to_the_square_of_two_to_the_n_less_one():
+    masses = 1e-9 ** np.arange(5)
+    assert rigid.stack_drop(masses, np.ones(5), 1.0).top_height == pytest.approx(31**2, rel=1e-6)
+
+
+@pytest.mark.parametrize("e", [-3.0, -1.01, 1.01, 2.0])
+def test_problem_10_5_11_outside_minus_one_to_one_energy_is_gained(e):
+    after = rigid.collide(2.0, 3.0, 5.0, -1.0, e, allow_energy_release=True)
+    assert after.energy_after > after.energy_before
+    assert after.energy_lost == pytest.approx(after.energy_before - after.energy_after)
+
+
+def test_problem_10_5_12_the_loss_is_largest_for_a_plastic_collision():
+    e = np.linspace(-1, 1, 201)
+    lost = rigid.collide(2.0, 3.0, 5.0, -1.0, e).energy_lost
+    assert e[np.argmax(lost)] == 0.0
+    assert np.all(np.diff(lost[e <= 0]) > 0)
+    assert np.all(np.diff(lost[e >= 0]) < 0)
+
+
+def test_newtons_ratios():
+    assert rigid.NEWTON_RATIOS["glass"] == Fraction(15, 16)
+    after = rigid.collide(1.0, 9.0, 1.0, 0.0, rigid.NEWTON_RATIOS["wool"])
+    assert after.velocity_2 - after.velocity_1 == pytest.approx(5.0)
+
+
+# The balances
+
+
+def test_momentum_is_kept_and_energy_never_gained_in_ten_thousand_collisions():
+    rng = np.random.default_rng(1)
+    m1, m2 = 10.0 ** rng.uniform(-6, 6, size=(2, 10_000))
+    v = np.sort(rng.normal(scale=10.0, size=(2, 10_000)), axis=0)
+    v2, v1 = v
+    after = rigid.collide(m1, v1, m2, v2, rng.uniform(-1, 1, size=10_000))
+    w1, w2 = after.velocity_1, after.velocity_2
+    flow = m1 * (abs(v1) + abs(w1)) + m2 * (abs(v2) + abs(w2))
+    assert np.all(abs(m1 * w1 + m2 * w2 - (m1 * v1 + m2 * v2)) <= 4 * EPS * flow)
+    assert np.all(abs(m2 * (w2 - v2) - after.impulse) <= 4 * EPS * flow)
+    assert np.all(abs(m1 * (v1 - w1) - after.impulse) <= 4 * EPS * flow)
+    lost = after.energy_before - after.energy_after
+    assert np.all(lost >= -8 * EPS * after.energy_before)
+    assert np.all(after.energy_lost >= 0)
+    assert np.all(abs(lost - after.energy_lost) <= 8 * EPS * after.energy_before)
+
+
+@settings(derandomize=True, max_examples=200)
+@given(MASS, VELOCITY, MASS, VELOCITY, st.floats(-1, 1))
+def test_the_linear_system_and_the_closed_form_agree(m1, v1, m2, v2, e):
+    assume(v1 > v2)
+    after = rigid.collide(m1, v1, m2, v2, e)
+    velocities = rigid.solve_linear(m1, v1, m2, v2, e).velocities
+    assert velocities == pytest.approx([after.velocity_1, after.velocity_2], abs=1e-8)
+
+
+@settings(derandomize=True, max_examples=200)
+@given(MASS, VELOCITY, MASS, VELOCITY, RESTITUTION, VELOCITY)
+def test_seen_from_a_moving_frame_and_in_a_mirror(m1, v1, m2, v2, e, u):
+    assume(v1 - v2 > 1e-6)
+    after = rigid.collide(m1, v1, m2, v2, e)
+    moving = rigid.collide(m1, v1 + u, m2, v2 + u, e)
+    mirror = rigid.collide(m2, -v2, m1, -v1, e)
+    seen = (after.velocity_1, after.velocity_2)
+    assert (moving.velocity_1 - u, moving.velocity_2 - u) == pytest.approx(seen, abs=1e-12)
+    assert (-mirror.velocity_2, -mirror.velocity_1) == pytest.approx(seen, abs=1e-12)
+    assert mirror.impulse == pytest.approx(after.impulse)
+    assert mirror.energy_lost == pytest.approx(after.energy_lost)
+
+
+@settings(derandomize=True, max_examples=200)
+@given(MASS, VELOCITY, MASS, VELOCITY, RESTITUTION)
+def test_restitution_is_recovered_from_the_velocities(m1, v1, m2, v2, e):
+    assume(v1 - v2 > 1e-3)
+    after = rigid.collide(m1, v1, m2, v2, e)
+    measured = rigid.restitution_from_velocities(v1, v2, after.velocity_1, after.velocity_2)
+    assert measured == pytest.approx(e, abs=1e-9)
+
+
+@settings(derandomize=True)
+@given(MASS, VELOCITY, MASS, VELOCITY)
+def test_a_plastic_collision_leaves_one_velocity_and_e_minus_one_changes_nothing(m1, v1, m2, v2):
+    assume(v1 > v2)
+    stuck = rigid.collide(m1, v1, m2, v2, 0.0)
+    assert stuck.velocity_1 == stuck.velocity_2 == stuck.centre_of_mass_velocity
+    passed = rigid.collide(m1, v1, m2, v2, -1.0)
+    assert (passed.velocity_1, passed.velocity_2) == pytest.approx((v1, v2), abs=1e-12)
+    assert passed.impulse == passed.energy_lost == 0.0
+
+
+def test_contact_mass():
+    assert rigid.contact_mass(7.0, 9.0) == pytest.approx(63 / 16)
+    assert rigid.contact_mass(1e-9, 1e9) == pytest.approx(1e-9)
+    assert rigid.contact_mass([1.0, math.inf], [math.inf, 3.0]).tolist() == [1.0, 3.0]
+
+
+@pytest.mark.parametrize("mirror", [False, True])
+def test_immovable_body(mirror):
+    if mirror:
+        after = rigid.collide(math.inf, 0.0, 0.5, -10.0, 0.9)
+        ball, wall = -after.velocity_2, after.velocity_1
+    else:
+        after = rigid.collide(0.5, 10.0, math.inf, 0.0, 0.9)
+        ball, wall = after.velocity_1, after.velocity_2
+    assert wall == after.centre_of_mass_velocity == 0.0
+    assert ball == pytest.approx(-9.0)
+    assert after.impulse == pytest.approx(9.5)
+    assert (after.energy_before, after.energy_after) == pytest.approx((25.0, 20.25))
+    assert after.energy_lost == pytest.approx(4.75)
+
+
+def test_moving_wall_keeps_its_velocity_and_has_infinite_energy():
+    after = rigid.collide(0.5, 10.0, math.inf, -2.0, 1.0)
+    assert after.velocity_2 == -2.0
+    assert after.velocity_1 == -14.0
+    assert after.energy_before == after.energy_after == math.inf
+    assert after.energy_lost == 0.0
+
+
+# Bouncing, stacks and pulses
+
+
+def test_bounces_follow_free_fall():
+    h, e, g = 10.0, 0.8, 9.81
+    ball = rigid.bouncing_ball(h, e, 3, gravity=g)
+    speed = e * math.sqrt(2 * g * h)
+    first = math.sqrt(2 * h / g)
+    times = [first, first + 2 * speed / g, first + 2 * speed / g + 2 * e * speed / g]
+    assert ball.impact_times == pytest.approx(times)
+    assert ball.rebound_heights == pytest.approx([6.4, 4.096, 2.62144])
+    assert ball.impact_distances == pytest.approx([10.0, 22.8, 30.992])
+
+
+def test_dead_and_perfect_bounces():
+    dead = rigid.bouncing_ball(5.0, 0.0, 3, gravity=10.0)
+    assert dead.rebound_heights.tolist() == [0.0, 0.0, 0.0]
+    assert dead.impact_times.tolist() == [1.0, 1.0, 1.0]
+    assert (dead.total_time, dead.total_distance) == (1.0, 5.0)
+    perfect = rigid.bouncing_ball(5.0, 1.0, 3, gravity=10.0)
+    assert perfect.rebound_heights.tolist() == [5.0, 5.0, 5.0]
+    assert perfect.impact_times.tolist() == [1.0, 3.0, 5.0]
+    assert (perfect.total_time, perfect.total_distance) == (math.inf, math.inf)
+
+
+def test_a_stack_is_a_row_of_collisions():
+    v = math.sqrt(2 * 9.81 * 1.5)
+    first = rigid.collide(3.0, 0.9 * v, 2.0, -v, 0.8)
+    second = rigid.collide(2.0, first.velocity_2, 1.0, -v, 0.7)
+    drop = rigid.stack_drop([3.0, 2.0, 1.0], [0.9, 0.8, 0.7], 1.5)
+    expected = [first.velocity_1, second.velocity_1, second.velocity_2]
+    assert drop.velocities == pytest.approx(expected)
+    assert drop.top_height == pytest.approx(second.velocity_2**2 / (2 * 9.81))
+
+
+def test_a_heavy_upper_ball_does_not_rise():
+    drop = rigid.stack_drop([0.1, 10.0], [0.5, 0.5], 1.0)
+    assert drop.velocities[-1] < 0
+    assert drop.top_height == 0.0
+
+
+def test_a_single_ball_bounces_off_the_floor():
+    assert rigid.stack_drop([2.0], [0.8], 10.0).top_height == pytest.approx(6.4)
+
+
+def test_pulse():
+    assert rigid.raised_cosine_force(0.0, 190.0, 0.1) == 190.0
+    edges = rigid.raised_cosine_force([-0.06, -0.05, -0.025, 0.025, 0.05, 0.06], 190.0, 0.1)
+    assert edges == pytest.approx([0, 0, 95, 95, 0, 0], abs=1e-12)
+
+
+@settings(derandomize=True, max_examples=30)
+@given(st.floats(1e-3, 1e3), st.floats(1e-6, 1e2))
+def test_peak_force_gives_the_impulse_back(impulse, duration):
+    peak = rigid.peak_force(impulse, duration)
+    area = rigid.pulse_impulse(lambda t: rigid.raised_cosine_force(t, peak, duration), duration)
+    assert area == pytest.approx(impulse, rel=1e-10)
+
+
+def test_impulse_of_another_pulse():
+    assert rigid.pulse_impulse(math.cos, math.pi) == pytest.approx(2.0)
+
+
+# Shapes
+
+
+def test_floats_for_numbers():
+    results = [
+        *rigid.collide(1, 2, 3, 0, 1),
+        rigid.contact_mass(1, 2),
+        rigid.restitution_from_velocities(1, 0, 0, 1),
+        rigid.restitution_from_heights(2, 1),
+        rigid.bouncing_ball(1, 0, 1).total_time,
+        rigid.bouncing_ball(1, 0, 1).total_distance,
+        rigid.stack_drop([1, 1], [1, 1], 1).top_height,
+        *rigid.bullet_through(1, 1, 1, 1, 1),
+        rigid.raised_cosine_force(0, 1, 1),
+        rigid.peak_force(1, 1),
+        rigid.pulse_impulse(math.cos, 1),
+    ]
+    assert {type(result) for result in results} == {float}
+
+
+def test_arrays_broadcast():
+    column, row = np.array([[1.0], [2.0]]), np.array([0.0, 0.5, 1.0])
+    assert {entry.shape for entry in rigid.collide(column, 1.0, 1.0, 0.0, row)} == {(2, 3)}
+    system = rigid.solve_linear(column, 1.0, 1.0, 0.0, row)
+    assert [entry.shape for entry in system] == [(2, 3, 2, 2), (2, 3, 2), (2, 3, 2)]
+    ball = rigid.bouncing_ball(column, row, 4)
+    assert [entry.shape for entry in ball] == [(2, 3, 4)] * 3 + [(2, 3)] * 2
+    drop = rigid.stack_drop(np.ones((3, 2)), [0.9, 0.9], column)
+    assert [entry.shape for entry in drop] == [(2, 3, 2), (2, 3)]
+    assert rigid.contact_mass(column, row + 1).shape == (2, 3)
+    for i, m in enumerate([1.0, 2.0]):
+        for j, e in enumerate(row):
+            one = rigid.solve_linear(m, 1.0, 1.0, 0.0, e).velocities
+            assert system.velocities[i, j] == pytest.approx(one)
+            assert ball.impact_times[i, j] == pytest.approx(
+                rigid.bouncing_ball(m, e, 4).impact_times
+            )
+
+
+# Refusals
+
+COLLISION = {"m1": 1.0, "v1": 1.0, "m2": 2.0, "v2": 0.0, "restitution": 0.5}
+
+
+@pytest.mark.parametrize("function", [rigid.collide, rigid.solve_linear])
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"m1": 0.0}, r"m1 = 0\.0: "),
+        ({"m2": -1.0}, r"m2 = -1\.0: "),
+        ({"m2": [1.0, math.nan]}, r"m2 = nan at index \(1,\): "),
+        ({"m1": math.inf, "m2": math.inf}, r"m1 = inf"),
+        ({"v1": math.nan}, r"v1 = nan: must be finite"),
+        ({"v2": -math.inf}, r"v2 = -inf: must be finite"),
+        ({"restitution": math.nan}, r"restitution = nan: must be finite"),
+        ({"v2": 1.0}, r"v1 = 1\.0, v2 = 1\.0: the bodies do not approach; body 1 is on the left"),
+        ({"v1": [1.0, 3.0], "v2": 2.0}, r"v1 = 1\.0, v2 = 2\.0 at index \(0,\): the bodies do not"),
+    ],
+)
+def test_impossible_collisions(function, changes, message):
+    with pytest.raises(ValueError, match=message):
+        function(**(COLLISION | changes))
+
+
+@pytest.mark.parametrize("mass", [0.0, -1.0, math.nan, -math.inf])
+def test_a_mass_that_is_none_is_named_with_the_remedy(mass):
+    with pytest.raises(ValueError, match=rf"m1 = {mass}: a mass must be positive .*or inf for an"):
+        rigid.collide(**(COLLISION | {"m1": mass}))
+
+
+def test_two_immovable_bodies():
+    with pytest.raises(ValueError, match="m1 = inf, m2 = inf: at most one body can be immovable"):
+        rigid.contact_mass(math.inf, math.inf)
+
+
+def test_an_infinite_mass_has_no_matrix():
+    with pytest.raises(ValueError, match=r"m2 = inf: must be positive and finite \[kg\]"):
+        rigid.solve_linear(1.0, 1.0, math.inf, 0.0, 0.5)
+
+
+@pytest.mark.parametrize("e", [1.1, -1.1])
+def test_energy_release_needs_permission(e):
+    message = rf"restitution = {e} at index \(1,\): .*set allow_energy_release=True"
+    with pytest.raises(ValueError, match=message):
+        rigid.collide(1.0, 1.0, 1.0, 0.0, [0.5, e])
+    assert rigid.collide(1.0, 1.0, 1.0, 0.0, e, allow_energy_release=True).energy_lost < 0
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: rigid.restitution_from_velocities(1, 1, 0, 0), r"v1_before = 1\.0, v2_before = 1"),
+        (lambda: rigid.restitution_from_velocities(1, 0, math.nan, 0), "v1_after = nan: must be"),
+        (lambda: rigid.restitution_from_velocities(1, 0, 0, math.inf), "v2_after = inf: must be"),
+        (lambda: rigid.restitution_from_heights(0, 0), r"drop = 0\.0: must be positive"),
+        (lambda: rigid.restitution_from_heights(1, -1), r"rebound = -1\.0: a ball released"),
+        (lambda: rigid.restitution_from_heights(1, 2), r"drop = 1\.0, rebound = 2\.0: a ball"),
+        (lambda: rigid.restitution_from_heights(1, math.nan), "rebound = nan: must be finite"),
+        (lambda: rigid.bouncing_ball(-1, 0.5, 1), r"height = -1\.0: must be .*\[m\]"),
+        (lambda: rigid.bouncing_ball(1, 1.5, 1), r"restitution = 1\.5: must be from 0 to 1"),
+        (lambda: rigid.bouncing_ball(1, -0.5, 1), r"restitution = -0\.5: must be from 0 to 1"),
+        (lambda: rigid.bouncing_ball(1, math.nan, 1), "restitution = nan: must be from 0 to 1"),
+        (lambda: rigid.bouncing_ball(1, 0.5, 0), "bounces = 0: list at least one"),
+        (lambda: rigid.bouncing_ball(1, 0.5, 1, gravity=0), r"gravity = 0\.0: must be"),
+        (lambda: rigid.stack_drop([1, 0], [1, 1], 1), r"masses = 0\.0 at index \(1,\): must be"),
+        (lambda: rigid.stack_drop([1, math.inf], [1, 1], 1), "masses = inf at index"),
+        (lambda: rigid.stack_drop([1, 1], [1, 2], 1), r"restitutions = 2\.0 at index \(1,\)"),
+        (lambda: rigid.stack_drop([1, 1], [1], 1), "masses has 2 balls and restitutions 1"),
+        (lambda: rigid.stack_drop([], [], 1), "at least one ball"),
+        (lambda: rigid.stack_drop([1], [1], 0), r"height = 0\.0: must be"),
+        (lambda: rigid.stack_drop([1], [1], 1, gravity=-1), r"gravity = -1\.0: must be"),
+        (lambda: rigid.bullet_through(0, 1, 1, 1, 1), r"m_bullet = 0\.0: must be"),
+        (lambda: rigid.bullet_through(1, 0, 1, 1, 1), r"m_a = 0\.0: must be"),
+        (lambda: rigid.bullet_through(1, 1, 0, 1, 1), r"m_b = 0\.0: must be"),
+        (lambda: rigid.bullet_through(1, 1, 1, 0, 1), r"v_a = 0\.0: must be"),
+        (lambda: rigid.bullet_through(1, 1, 1, 1, 0), r"v_b = 0\.0: must be"),
+        (lambda: rigid.bullet_through(1, 1, 1, 2, 1), r"v_a = 2\.0, speed_between = 2\.0: the bul"),
+        (lambda: rigid.raised_cosine_force(math.nan, 1, 1), "time = nan: must be finite"),
+        (lambda: rigid.raised_cosine_force(0, -1, 1), r"peak_force = -1\.0: must be"),
+        (lambda: rigid.raised_cosine_force(0, 1, 0), r"duration = 0\.0: must be"),
+        (lambda: rigid.peak_force(0, 1), r"impulse = 0\.0: must be"),
+        (lambda: rigid.peak_force(1, 0), r"duration = 0\.0: must be"),
+        (lambda: rigid.pulse_impulse(math.cos, -1), r"duration = -1\.0: must be"),
+    ],
+)
+def test_impossible_arguments(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_bounces_are_counted_in_whole_numbers():
+    with pytest.raises(TypeError):
+        rigid.bouncing_ball(1.0, 0.5, 2.5)

@@ -1,0 +1,279 @@
+"""Closed forms for rods against waves followed in exact arithmetic."""
+
+import math
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rodimpact import theory
+
+EPS = np.finfo(float).eps
+ROUND_OFF = 8 * EPS
+POSITIVE = st.floats(1e-3, 1e3)
+PAIR = st.tuples(POSITIVE, POSITIVE, POSITIVE, POSITIVE)
+
+
+class Waves(NamedTuple):
+    force: list[Fraction]
+    opening: int
+    restitution: Fraction
+    vibration_energy: Fraction
+
+
+def follow_waves(Z1: int, T1: int, Z2: int, T2: int) -> Waves:
+    """Rod 1 hits rod 2 at rest with velocity 1: signals at the contact, tick by tick.
+
+    A wave that leaves the contact returns after a round trip, 2T, unchanged by the free end.
+    """
+    leaving_1 = [Fraction(1)] * (2 * T1)
+    leaving_2 = [Fraction(0)] * (2 * T2)
+    gap, force, opening = Fraction(0), [], None
+    for tick in range(12 * max(T1, T2)):
+        a, b = leaving_1[-2 * T1], leaving_2[-2 * T2]
+        F = max(Fraction(0), (a - b) / (Fraction(1, Z1) + Fraction(1, Z2))) if gap == 0 else 0
+        force.append(F)
+        leaving_1.append(a - 2 * F / Z1)
+        leaving_2.append(b + 2 * F / Z2)
+        opening_rate = (b + F / Z2) - (a - F / Z1)
+        if opening is None and opening_rate > 0:
+            opening = tick
+        gap += opening_rate
+        assert gap > 0 or opening is None, "a second contact"
+    mean_1, vibration_1 = mean_and_vibration(leaving_1[-2 * T1 :], Z1)
+    mean_2, vibration_2 = mean_and_vibration(leaving_2[-2 * T2 :], Z2)
+    return Waves(force, opening, mean_2 - mean_1, vibration_1 + vibration_2)
+
+
+def mean_and_vibration(signal: list[Fraction], Z: int) -> tuple[Fraction, Fraction]:
+    """Velocity of the centre of mass and energy about it, from one round trip of an end signal."""
+    mean = sum(signal) / len(signal)
+    return mean, Fraction(Z, 4) * sum((s - mean) ** 2 for s in signal)
+
+
+@pytest.mark.parametrize("T1", [1, 2, 3, 4, 5])
+@pytest.mark.parametrize("Z1", [1, 2, 3, 7])
+@pytest.mark.parametrize("T2", [1, 2, 3, 4, 5])
+@pytest.mark.parametrize("Z2", [1, 2, 3, 7])
+def test_agrees_with_waves(Z1, T1, Z2, T2):
+    waves = follow_waves(Z1, T1, Z2, T2)
+    pair = theory.saint_venant(Z1, T1, Z2, T2)
+    assert pair.restitution == pytest.approx(float(waves.restitution), abs=ROUND_OFF)
+    assert pair.impulse == pytest.approx(float(sum(waves.force)), rel=ROUND_OFF, abs=0)
+    assert pair.peak_force == pytest.approx(float(max(waves.force)), rel=ROUND_OFF, abs=0)
+    assert pair.duration == max(n for n, F in enumerate(waves.force) if F > 0) + 1
+    assert pair.opening == waves.opening
+    all_energy = Z1 * T1 * Z2 * T2 / (Z1 * T1 + Z2 * T2) / 2
+    vibration = pytest.approx(float(waves.vibration_energy), abs=ROUND_OFF * all_energy)
+    assert pair.vibration_energy == vibration
+
+
+@pytest.mark.parametrize(("T1", "T2"), [(1, 1), (1, 4), (2, 5), (5, 3), (7, 7)])
+@pytest.mark.parametrize(("Z1", "Z2"), [(1, 1), (1, 3), (3, 1), (7, 2)])
+def test_force_agrees_with_waves_and_is_right_continuous(Z1, T1, Z2, T2):
+    expected = [float(F) for F in follow_waves(Z1, T1, Z2, T2).force]
+    start = np.arange(len(expected), dtype=float)
+    at_start = theory.saint_venant_force(start, Z1, T1, Z2, T2)
+    just_before = theory.saint_venant_force(np.nextafter(start[1:], 0), Z1, T1, Z2, T2)
+    assert at_start == pytest.approx(expected, abs=ROUND_OFF)
+    assert just_before == pytest.approx(expected[:-1], abs=ROUND_OFF)
+    assert theory.saint_venant_force(-1e-9, Z1, T1, Z2, T2) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("impedances", "times", "restitution"),
+    [
+        ((1, 1), (1, 2), 0.5),
+        ((1, 2), (1, 2), 0.666667),
+        ((2, 1), (1, 2), 0.777778),
+        ((3, 1), (1, 5), 0.55),
+        ((5, 1), (3, 10), 0.841564),
+    ],
+)
+def test_reference_values(impedances, times, restitution):
+    e = theory.saint_venant(impedances[0], times[0], impedances[1], times[1]).restitution
+    assert e == pytest.approx(restitution, abs=5e-7)
+
+
+def test_rods_that_differ_in_everything():
+    pair = theory.saint_venant(1.0, 0.7, 0.5, 1.1 / 1.3)
+    assert pair.restitution == pytest.approx(0.892862692862693, abs=2e-15)
+    assert pair.impulse == pytest.approx(0.499145299145299, abs=2e-15)
+    assert pair.duration == pair.opening == 2 * 1.1 / 1.3
+    force = theory.saint_venant_force([1.39, 1.4, 1.69, 1.6924], 1.0, 0.7, 0.5, 1.1 / 1.3)
+    assert force == pytest.approx([1 / 3, 1 / 9, 1 / 9, 0])
+
+
+def test_one_material_gives_the_ratio_of_lengths():
+    lengths = np.linspace(0.05, 1.0, 20)
+    pair = theory.saint_venant(40.0, lengths / 5000, 40.0, 1.0 / 5000)
+    assert pair.restitution == pytest.approx(lengths, rel=ROUND_OFF, abs=0)
+    assert pair.duration == pytest.approx(2 * lengths / 5000)
+    assert pair.opening == pytest.approx(np.full(20, 2.0 / 5000))
+
+
+def exact_restitution(Z1: float, T1: float, Z2: float, T2: float) -> Fraction:
+    """e = J (1/m1 + 1/m2) - 1 with the impulse summed trip by trip, in exact arithmetic."""
+    (Ts, Zs), (Tl, Zl) = sorted([(Fraction(T1), Fraction(Z1)), (Fraction(T2), Fraction(Z2))])
+    F0 = Zs * Zl / (Zs + Zl)
+    q = max(Fraction(0), (Zs - Zl) / (Zs + Zl))
+    K = math.floor(Tl / Ts)
+    J = F0 * (2 * Ts * (1 - q**K) / (1 - q) + 2 * q**K * (Tl - K * Ts))
+    return J * (1 / (Zs * Ts) + 1 / (Zl * Tl)) - 1
+
+
+@pytest.mark.parametrize("ratio", [1 + 2**-40, 1.5, 1e3, 1e8, 1e15])
+@pytest.mark.parametrize("long_time", [1.0, 1.75, 3.0, math.nextafter(3.0, 0), 257.3])
+def test_keeps_its_digits_at_any_ratio_of_impedances(ratio, long_time):
+    for Z_short, Z_long in [(ratio, 1.0), (1.0, ratio)]:
+        e = theory.saint_venant(Z_short, 1.0, Z_long, long_time).restitution
+        assert e == pytest.approx(
+            float(exact_restitution(Z_short, 1.0, Z_long, long_time)), rel=4e-15
+        )
+
+
+@pytest.mark.parametrize("Z_long", [1.0, 1 + 1e-12, 1 - 1e-12])
+def test_keeps_its_digits_when_restitution_is_small(Z_long):
+    e = theory.saint_venant(1.0, 1.0, Z_long, 1e12).restitution
+    expected = 1e-12 + max(Z_long - 1, 0) / 2  # x + |q|, the latter if the long rod is stiffer
+    assert e == pytest.approx(expected, rel=1e-11, abs=0)
+
+
+@settings(derandomize=True)
+@given(POSITIVE, POSITIVE, POSITIVE, POSITIVE)
+def test_equal_transit_times_lose_nothing(Z1, Z2, T, V):
+    pair = theory.saint_venant(Z1, T, Z2, T, V)
+    assert pair.restitution == pytest.approx(1.0, abs=4 * EPS)
+    assert pair.duration == pair.opening == 2 * T
+
+
+@settings(derandomize=True, max_examples=300)
+@given(PAIR, POSITIVE)
+def test_integral_energy_and_bounds(rods, V):
+    Z1, T1, Z2, T2 = rods
+    pair = theory.saint_venant(Z1, T1, Z2, T2, V)
+    m = Z1 * T1 * Z2 * T2 / (Z1 * T1 + Z2 * T2)
+    assert 0 < pair.restitution <= 1
+    assert pair.impulse == pytest.approx((1 + pair.restitution) * m * V, rel=ROUND_OFF, abs=0)
+    assert 0 <= pair.vibration_energy <= m * V * V / 2
+    assert pair.duration <= pair.opening
+    assert 2 * min(T1, T2) <= pair.duration <= 2 * max(T1, T2)
+    # The force is constant over each round trip of the short rod; the last one may be cut short.
+    trips = min(math.ceil(pair.duration / (2 * min(T1, T2))), 10**5)
+    edges = np.minimum(2 * min(T1, T2) * np.arange(trips + 1), pair.duration)
+    middle = (edges[1:] + edges[:-1]) / 2
+    force = theory.saint_venant_force(middle, Z1, T1, Z2, T2, V)
+    assert force @ np.diff(edges) == pytest.approx(pair.impulse, rel=1e-9)
+
+
+@settings(derandomize=True)
+@given(PAIR, POSITIVE)
+def test_it_does_not_matter_which_rod_is_on_the_left(rods, V):
+    Z1, T1, Z2, T2 = rods
+    one, other = theory.saint_venant(Z1, T1, Z2, T2, V), theory.saint_venant(Z2, T2, Z1, T1, V)
+    assert tuple(one) == pytest.approx(tuple(other), rel=ROUND_OFF, abs=0)
+
+
+def test_equal_up_to_round_off_is_equal():
+    exact = theory.saint_venant(0.3, 1.0, 0.3, 2.0)
+    for Z in (0.1 + 0.2, math.nextafter(0.3, 0)):
+        rounded = theory.saint_venant(Z, 1.0, 0.3, 2.0)
+        assert (rounded.duration, rounded.opening) == (exact.duration, exact.opening) == (2.0, 4.0)
+        assert rounded.restitution == exact.restitution
+        assert theory.saint_venant_force(2.0, Z, 1.0, 0.3, 2.0) == 0.0
+
+
+def test_duration_jumps_where_the_short_rod_becomes_the_stiffer_one():
+    soft, stiff = (theory.saint_venant(Z, 1.0, 1.0, 2.0) for Z in (1 - 1e-12, 1 + 1e-12))
+    assert (soft.duration, soft.opening) == (2.0, 2.0)
+    assert (stiff.duration, stiff.opening) == (4.0, 4.0)
+    assert soft.restitution == pytest.approx(stiff.restitution, abs=1e-11)
+
+
+@pytest.mark.parametrize("function", [theory.saint_venant, theory.rod_on_wall])
+def test_floats_for_numbers_and_arrays_for_arrays(function):
+    scalars = [1, 2, 3, 4, 5][: 5 if function is theory.saint_venant else 3]
+    assert {type(value) for value in function(*scalars)} == {float}
+    shaped = function(np.ones((2, 1)), np.ones(3), *scalars[2:])
+    assert {value.shape for value in shaped} == {(2, 3)}
+    assert type(theory.saint_venant_force(0, 1, 1, 1, 1)) is float
+    assert theory.saint_venant_force(np.zeros((2, 1)), 1, 1, 1, np.ones(3)).shape == (2, 3)
+
+
+def test_arrays_equal_their_elements():
+    rng = np.random.default_rng(7)
+    rods = 10.0 ** rng.uniform(-3, 3, size=(5, 50))
+    together = theory.saint_venant(*rods)
+    for i in range(50):
+        one = theory.saint_venant(*rods[:, i])
+        assert tuple(one) == pytest.approx([entry[i] for entry in together], rel=1e-12, abs=0)
+
+
+def test_no_floating_point_error():
+    Z = np.array([1e-12, 1.0, 3.0, 1e12])
+    T = np.array([[1e-9], [1.0], [3.0], [1e9]])
+    t = np.array([-1e9, -1.0, 0.0, 1.9])
+    with np.errstate(all="raise"):
+        pair = theory.saint_venant(Z, T, 1.0, 1.0)
+        force = theory.saint_venant_force(t[:, np.newaxis, np.newaxis], Z, T, 1.0, 1.0)
+        theory.rod_on_wall(Z, T, 1e-3)
+    assert all(np.isfinite(entry).all() for entry in pair)
+    assert np.isfinite(force).all()
+
+
+@pytest.mark.parametrize("bad", [0.0, -2.0, math.nan, math.inf])
+@pytest.mark.parametrize(
+    ("function", "names"),
+    [
+        (
+            theory.saint_venant,
+            ["impedance_1", "transit_time_1", "impedance_2", "transit_time_2", "closing_speed"],
+        ),
+        (theory.rod_on_wall, ["impedance", "transit_time", "speed"]),
+    ],
+)
+def test_refuses_what_is_not_positive_and_finite(function, names, bad):
+    good = dict.fromkeys(names, 1.0)
+    for name in names:
+        with pytest.raises(ValueError, match=rf"^{name} = {bad}: must be positive and finite$"):
+            function(**(good | {name: bad}))
+        with pytest.raises(ValueError, match=rf"^{name} = {bad} at index \(1,\): must be"):
+            function(**(good | {name: [1.0, bad]}))
+
+
+def test_force_refuses_what_is_not_a_time_or_a_rod():
+    with pytest.raises(ValueError, match=r"time = nan at index \(0,\): must be finite"):
+        theory.saint_venant_force([math.nan], 1.0, 1.0, 1.0, 1.0)
+    with pytest.raises(ValueError, match=r"impedance_2 = -1\.0: must be positive and finite"):
+        theory.saint_venant_force(0.0, 1.0, 1.0, -1.0, 1.0)
+
+
+def test_rod_on_wall():
+    # A bar of 1 m, 3.14e-4 m^2, 210 GPa and 7800 kg/m^3 falls on a rigid floor at 0.1 m/s.
+    c = math.sqrt(210e9 / 7800)
+    wall = theory.rod_on_wall(7800 * 3.14e-4 * c, 1 / c, 0.1)
+    assert wall.restitution == 1.0
+    assert wall.vibration_energy == 0.0
+    assert wall.duration == wall.opening == pytest.approx(0.38545e-3, rel=1e-5)
+    assert wall.peak_force == pytest.approx(1270.8, abs=0.05)
+    assert wall.impulse == pytest.approx(2 * 7800 * 3.14e-4 * 0.1)
+
+
+def test_a_wall_is_a_rod_of_infinite_impedance():
+    wall = theory.rod_on_wall(2.0, 3.0, 0.5)
+    rod = theory.saint_venant(2.0, 3.0, 1e12, 4.0, 0.5)
+    assert rod[:5] == pytest.approx(wall[:5], rel=1e-11)
+
+
+def test_identical_bars_in_inches_and_pounds():
+    # Carpenter, Taylor and Katona 1991: 14,961 lb for 98.66 us.
+    E, density, length, area = 30e6, 0.73e-3, 10.0, 1.0
+    c = math.sqrt(E / density)
+    bar = (density * area * c, length / c)
+    pair = theory.saint_venant(*bar, *bar, closing_speed=202.2)
+    assert pair.peak_force == pytest.approx(14961, abs=1)
+    assert pair.duration == pytest.approx(98.66e-6, rel=1e-4)
+    assert pair.restitution == 1.0

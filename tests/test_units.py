@@ -1,0 +1,157 @@
+"""Units: the decimal number is rounded once, and a mistake is named with its remedy."""
+
+import math
+import subprocess
+import sys
+from decimal import Decimal
+from fractions import Fraction
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rodimpact import units
+
+PREFIXED = ["s", "N", "m", "Pa", "m/s", "N/m", "Pa s"]
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "value"),
+    [
+        ("10 mm", "length", 0.01),
+        ("0.3 m", "length", 0.3),
+        ("2 km", "length", 2000.0),
+        ("1 cm^2", "area", 1e-4),
+        ("3 mm^2", "area", 3e-6),
+        ("200 GPa", "pressure", 200e9),
+        ("7.85 g/cm^3", "density", 7850.0),
+        ("5 m/s", "velocity", 5.0),
+        ("-5 mm/s", "velocity", -0.005),
+        ("5 us", "time", 5e-6),
+        ("1 kN", "force", 1000.0),
+        ("0.5 kg", "mass", 0.5),
+        ("60 g", "mass", 0.06),
+        ("9.81 m/s^2", "acceleration", 9.81),
+        ("80 %", "dimensionless", 0.8),
+        ("3 kN/mm", "stiffness", 3e6),
+        ("2 MPa s", "viscosity", 2e6),
+        ("4 N s/mm", "damping", 4000.0),
+        ("1e-3", "length", 1e-3),
+        ("+.5e1mm", "length", 0.005),
+        ("  7.\tmm ", "length", 0.007),
+        (3, "length", 3.0),
+        (0.1, "length", 0.1),
+    ],
+)
+def test_reads_exactly(text, dimension, value):
+    result = units.parse(text, dimension)
+    assert result == value
+    assert type(result) is float
+
+
+@pytest.mark.parametrize("spelling", ["5 us", "5 \u00b5s", "5 \u03bcs"])
+def test_micro_in_every_spelling(spelling):
+    assert units.parse(spelling, "time") == 5e-6
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension"),
+    [("1 cm\u00b2", "area"), ("4 N\u00b7s/m", "damping"), ("4 N*s/m", "damping")],
+)
+def test_superscripts_and_products(text, dimension):
+    ascii_text = text.replace("\u00b2", "^2").replace("\u00b7", " ").replace("*", " ")
+    assert units.parse(text, dimension) == units.parse(ascii_text, dimension)
+
+
+@settings(derandomize=True)
+@given(st.decimals(allow_nan=False, allow_infinity=False, places=9), st.data())
+def test_rounds_once(number, data):
+    dimension = data.draw(st.sampled_from(sorted(units.UNITS)))
+    unit = data.draw(st.sampled_from(sorted(units.UNITS[dimension])))
+    exact = Fraction(number) * Fraction(10) ** units.UNITS[dimension][unit]
+    assert units.parse(f"{number} {unit}", dimension) == float(exact)
+
+
+@pytest.mark.parametrize("dimension", sorted(units.UNITS))
+def test_each_dimension_has_its_si_unit_first(dimension):
+    si_unit, power = next(iter(units.UNITS[dimension].items()))
+    assert power == 0 or dimension == "dimensionless"
+    assert units.parse(f"2.5 {si_unit}", dimension) == float(Decimal("2.5").scaleb(power))
+
+
+def test_no_unit_belongs_to_two_dimensions():
+    names = [unit for known in units.UNITS.values() for unit in known]
+    assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "wanted"),
+    [
+        ("5 kg", "length", r"'5 kg' as length: 'kg' is a unit of mass.* m, cm, mm, um, nm, km, or"),
+        ("5 m/s", "time", r"'m/s' is a unit of velocity"),
+        ("5 parsec", "length", r"unknown unit 'parsec'\. Use one of m, cm"),
+        ("5 N s/cm", "damping", r"unknown unit 'N s/cm'; perhaps N s/m is meant"),
+        ("5 gpa", "pressure", r"perhaps GPa is meant"),
+        ("5 mn", "force", r"perhaps mN or MN is meant"),
+        ("1,5 mm", "length", r"not a decimal number followed by a unit"),
+        ("1.2.3 m", "length", r"not a decimal number"),
+        ("mm", "length", r"not a decimal number"),
+        ("", "length", r"not a decimal number"),
+        ("nan", "length", r"not a decimal number"),
+        ("inf m", "length", r"not a decimal number"),
+        ("1e999 m", "length", r"not a finite number"),
+        (10**400, "length", r"not a finite number"),
+        (math.nan, "length", r"nan as length: it is not a finite number"),
+        (math.inf, "length", r"not a finite number"),
+        (True, "length", r"True as length: it is not a number"),
+        (None, "length", r"None as length: it is not a number"),
+        ([1.0], "length", r"it is not a number"),
+        ("5 m", "distance", r"unknown dimension 'distance'\. Use one of length, area"),
+    ],
+)
+def test_refusals_name_the_value_and_the_remedy(text, dimension, wanted):
+    with pytest.raises(ValueError, match=wanted):
+        units.parse(text, dimension)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "digits", "text"),
+    [
+        (0.000385, "s", 6, "385 us"),
+        (1270.8, "N", 6, "1.2708 kN"),
+        (0, "s", 6, "0 s"),
+        (-0.0, "s", 6, "0 s"),
+        (-0.0, "", 6, "0"),
+        (math.nan, "s", 6, "-"),
+        (-math.inf, "s", 6, "-inf s"),
+        (-0.00127, "m", 6, "-1.27 mm"),
+        (999.9999999, "N", 6, "1 kN"),
+        (200e9, "Pa", 6, "200 GPa"),
+        (123.456, "m/s", 2, "120 m/s"),
+        (0.4, "", 6, "0.4"),
+        (1234.5678, "", 6, "1234.57"),
+        (0.05, "kg", 6, "0.05 kg"),
+        (7850.0, "kg/m^3", 6, "7850 kg/m^3"),
+        (1e-4, "m^2", 6, "0.0001 m^2"),
+        (2e-3, "m/s^2", 6, "2 mm/s^2"),
+        (1e-15, "J", 6, "1e-15 J"),
+        (2e15, "Pa", 6, "2e+15 Pa"),
+    ],
+)
+def test_formats_for_people(value, unit, digits, text):
+    assert units.format_si(value, unit, digits) == text
+
+
+@settings(derandomize=True)
+@given(st.floats(1e-8, 1e11), st.sampled_from([-1, 1]), st.sampled_from(PREFIXED))
+def test_what_is_written_has_the_value_to_its_digits(size, sign, unit):
+    number, written = units.format_si(sign * size, unit).split(" ", 1)
+    prefix = written.removesuffix(unit)
+    power = {"n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6, "G": 9}[prefix]
+    assert 1 <= abs(float(number)) < 1000
+    assert float(number) * 10.0**power == pytest.approx(sign * size, rel=5.1e-6)
+
+
+def test_needs_no_numpy():
+    code = "import sys; sys.modules['numpy'] = None; import rodimpact.units"
+    subprocess.run([sys.executable, "-B", "-c", code], check=True)
