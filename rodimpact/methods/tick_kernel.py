@@ -31,7 +31,7 @@ def recognise(x: float) -> tuple[int, int]:
     """
     p0, q0, p1, q1 = 0, 1, 1, 0
     y = x
-    while y <= TERMS:
+    while y < TERMS + 1:
         a = int(y)
         p0, q0, p1, q1 = p1, q1, a * p1 + p0, a * q1 + q0
         if p1 > TERMS or q1 > TERMS:

@@ -1,0 +1,87 @@
+"""Imports go one way: down to the ground."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import rodimpact
+
+ROOT = Path(rodimpact.__file__).parent
+LAYERS = [
+    {"units", "model", "rigid", "methods.kernels", "methods.tick_kernel", "methods.front_kernel",
+     "methods.grid_kernel", "methods"},
+    {"materials", "theory", "methods.assembly"},
+    {"methods.fronts", "signals"},
+    {"fields"},
+    {"contacts"},
+    {"outcome"},
+    {"solution"},
+    {"solving", "regions", "files", "report"},
+    {"casefile", "verify", "plot"},
+    {"cli", "__main__"},
+]
+ALLOWED = {
+    # printing and saving, imported when asked for
+    ("outcome", "report"), ("solution", "report"), ("solution", "files"),
+}
+LEVEL = {name: level for level, names in enumerate(LAYERS) for name in names}
+
+
+def modules():
+    for path in sorted(ROOT.rglob("*.py")):
+        parts = path.relative_to(ROOT).with_suffix("").parts
+        if parts != ("__init__",):
+            yield ".".join(parts).removesuffix(".__init__"), path
+
+
+def place(name):
+    while name not in LEVEL:
+        if "." not in name:
+            raise AssertionError(f"module {name} has no layer; give it one")
+        name = name.rpartition(".")[0]
+    return name
+
+
+def imports_of(name, path):
+    package = ("rodimpact." + name).split(".")
+    if path.name != "__init__.py":
+        package = package[:-1]
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            base = package[: len(package) - node.level + 1][1:]
+            target = base + (node.module.split(".") if node.module else [])
+            for alias in node.names:
+                full = [*target, alias.name]
+                inside = ROOT.joinpath(*full)
+                is_module = inside.is_dir() or inside.with_suffix(".py").exists()
+                yield ".".join(full if is_module else target)
+
+
+@pytest.mark.parametrize(("name", "path"), [pytest.param(*m, id=m[0]) for m in modules()])
+def test_a_module_imports_only_what_lies_below(name, path):
+    here = place(name)
+    for target in imports_of(name, path):
+        if not target:
+            continue  # the package itself, for its version
+        there = place(target)
+        fine = LEVEL[there] < LEVEL[here] or there == here or (here, there) in ALLOWED
+        same_kernel_floor = LEVEL[there] == LEVEL[here] and here.startswith("methods")
+        assert fine or same_kernel_floor, f"{name} imports {target}"
+
+
+def test_no_module_bears_the_name_of_a_public_function():
+    functions = {n for n in rodimpact.__all__ if n.islower()} - set(rodimpact._MODULES)
+    assert not functions & {name for name, _ in modules()}
+
+
+def test_only_plot_imports_matplotlib_and_only_the_door_imports_numba():
+    for name, path in modules():
+        text = path.read_text(encoding="utf-8")
+        if "matplotlib" in text and not name.startswith("plot"):
+            roots = {
+                (node.names[0].name if isinstance(node, ast.Import) else node.module or "").split(".")[0]
+                for node in ast.walk(ast.parse(text))
+                if isinstance(node, ast.Import | ast.ImportFrom)
+            }
+            assert "matplotlib" not in roots or name in ("cli.doctor",), name
