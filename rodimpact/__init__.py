@@ -17,7 +17,15 @@ if TYPE_CHECKING:
     from .contacts import ContactHistory, Episode
     from .files import load
     from .model import (
-        Bonded, InvalidModel, Material, Rigid, Rod, Segment, Steps, System, Wall,
+        Bonded,
+        InvalidModel,
+        Material,
+        Rigid,
+        Rod,
+        Segment,
+        Steps,
+        System,
+        Wall,
     )
     from .outcome import Outcome, UndefinedRestitution
     from .regions import Regions, regions_of
@@ -37,7 +45,7 @@ _HOME = {
 _MODULES = ("materials", "plot", "rigid", "theory", "units")
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
 
-__all__ = [*sorted(_WHERE), *_MODULES]  # noqa: PLE0604
+__all__ = [*sorted(_WHERE), *_MODULES]
 
 
 def __getattr__(name: str) -> Any:

@@ -8,6 +8,7 @@ momentum and energy. Times are rounded to the nearest tick, so that one-sided li
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -91,7 +92,7 @@ class WaveFields:
     def edges(self, body: int) -> Floats:
         """Ends of the body's segments, m from its left end."""
         first, last = self.assembly.spans[body]
-        return np.concatenate(([0.0], np.cumsum(self.assembly.length[first : last + 1])))
+        return np.array([0.0, *accumulate(self.assembly.length[first : last + 1])])
 
     def locate(self, body: int, x: ArrayLike) -> tuple[Ints, Ints]:
         """Segment and ticks from its left end of places x in a body, m from its left end."""
@@ -114,8 +115,9 @@ class WaveFields:
 
     def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """m/s; x and t broadcast."""
-        out = self._combine(body, x, t, side, 1.0, lambda s: 0.5)
-        return out + self.assembly.frame
+        out = self._combine(body, x, t, side, 1.0, lambda _: 0.5)
+        out += self.assembly.frame
+        return out
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Positive in tension; x and t broadcast."""
@@ -134,7 +136,7 @@ class WaveFields:
         grid = self._open_grid(offset, ticks, shape)
         if grid is not None and side == "right":
             flat, when, x_first = grid
-            out = np.empty((flat.size, when.size))
+            out: Floats = np.empty((flat.size, when.size))
             where = segment.ravel()
             for s in np.unique(where):
                 rows = where == s
@@ -227,7 +229,7 @@ class WaveFields:
         a, found, x = self.assembly, [], 0.0
         for body, (first, last) in enumerate(a.spans):
             if body:
-                x += a.system.gaps[body - 1]
+                x += float(a.system.gaps[body - 1])
             found.append(x)
             if last:
                 x += sum(a.length[first : last + 1])
@@ -281,11 +283,13 @@ class WaveFields:
             right = A.at(tick - bounds[1:])
             left = B.at(tick - T + bounds[:-1])
             x0, L = starts[s - first], a.length[s]
-            edges += (x0 + L * (bounds[1:-1] / T)).tolist() + [float(starts[s - first + 1])]
+            edges += [*(x0 + L * (bounds[1:-1] / T)).tolist(), float(starts[s - first + 1])]
             velocity += ((right + left) / 2 + a.frame).tolist()
             strain += ((left - right) * (0.5 / a.wave_speed[s])).tolist()
             segments += [s] * (len(bounds) - 1)
-        return Profile(*(np.array(x) for x in (edges, velocity, strain)), np.array(segments))
+        return Profile(
+            np.array(edges), np.array(velocity), np.array(strain), np.array(segments)
+        )
 
 
 def _steps_on_grid(ticks: Ints, values: Floats, delay: Ints, when: Ints) -> Floats:

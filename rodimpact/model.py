@@ -114,9 +114,9 @@ class Frozen:
         return hashlib.sha256(text.encode()).hexdigest()
 
     def __eq__(self, other: object) -> bool:
-        if type(self) is not type(other):
+        if not isinstance(other, Frozen) or type(self) is not type(other):
             return NotImplemented
-        return self.to_dict() == other.to_dict()  # type: ignore[attr-defined, no-any-return]
+        return self.to_dict() == other.to_dict()
 
     def __hash__(self) -> int:
         return hash(self.digest)
@@ -418,7 +418,8 @@ class Rod(Frozen):
                     problems.append((f"segments.{i}", f"must be a Segment, got {segment!r}"))
             pieces = tuple(segments)
         else:
-            problems.append(("segments", f"must be a list of at least one Segment, got {segments!r}"))
+            message = f"must be a list of at least one Segment, got {segments!r}"
+            problems.append(("segments", message))
         profiles = {}
         for name, value, unit in (("velocity", velocity, " of m/s"), ("strain", strain, "")):
             is_profile = isinstance(value, Steps)
@@ -426,11 +427,10 @@ class Rod(Frozen):
         if not problems:
             total = sum(s.length for s in pieces)
             for name, value in profiles.items():
-                if isinstance(value, Steps) and value.at:
-                    if not np.all(np.asarray(value.at[-1]) < total):
-                        message = f"must lie inside the rod of length {total!r}, got"
-                        problems.append((f"{name}.at.{len(value.at) - 1}",
-                                         f"{message} {value.at[-1]!r}"))
+                jumps = value.at if isinstance(value, Steps) else ()
+                if jumps and not np.all(np.asarray(jumps[-1]) < total):
+                    message = f"must lie inside the rod of length {total!r}, got {jumps[-1]!r}"
+                    problems.append((f"{name}.at.{len(jumps) - 1}", message))
         if problems:
             raise InvalidModel(problems)
         self._set(segments=pieces, **profiles)
@@ -564,7 +564,8 @@ class System(Frozen):
             if not isinstance(law, Rigid | Bonded):
                 problems.append((f"contacts.{i}", f"must be Rigid() or Bonded(), got {law!r}"))
             elif isinstance(law, Bonded) and i < len(widths) and np.any(np.asarray(widths[i]) > 0):
-                problems.append((f"gaps.{i}", f"must be 0 where bodies are bonded, got {gaps[i]!r}"))
+                message = f"must be 0 where bodies are bonded, got {gaps[i]!r}"
+                problems.append((f"gaps.{i}", message))
         if problems:
             raise InvalidModel(problems)
         self._set(bodies=tuple(bodies), gaps=widths, contacts=tuple(contacts))
@@ -639,7 +640,8 @@ def _per_pair(problems: Problems, name: str, items: Any, default: Any, pairs: in
     if items is None:
         return (default,) * pairs
     if not isinstance(items, list | tuple):
-        problems.append((name, f"must be a list with one entry for each neighbouring pair, got {items!r}"))
+        message = f"must be a list with one entry for each neighbouring pair, got {items!r}"
+        problems.append((name, message))
         return ()
     if len(items) != pairs:
         message = f"needs {pairs} entries, one for each neighbouring pair, got {len(items)}"
@@ -648,7 +650,9 @@ def _per_pair(problems: Problems, name: str, items: Any, default: Any, pairs: in
 
 
 def _negative(profile: Number | Steps) -> Number | Steps:
-    return Steps([-v for v in profile.values], profile.at) if isinstance(profile, Steps) else -profile
+    if isinstance(profile, Steps):
+        return Steps([-v for v in profile.values], profile.at)
+    return -profile
 
 
 def _flipped(profile: Number | Steps, length: Number) -> Number | Steps:

@@ -174,11 +174,9 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
 
     before, after = [0.0] * count, [0.0] * count
     for group in groups(a):
-        walls = [i for i in group if masses[i] == math.inf]
+        walls = [v for i in group if (v := _wall_velocity(a, i)) is not None]
         if walls:
-            wall = a.system.bodies[walls[0]]
-            assert isinstance(wall, Wall)
-            v0 = v1 = float(wall.velocity) - frame
+            v0 = v1 = walls[0] - frame
         else:
             mass = sum(masses[i] for i in group)
             pushed = impulses[group[0] - 1] if group[0] > 0 else 0.0
@@ -187,8 +185,8 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
             v1 = v0 + pushed / mass
         for i in group:
             before[i], after[i] = v0, v1
-            if len(walls) == 2 and i in walls:
-                before[i] = after[i] = float(a.system.bodies[i].velocity) - frame  # type: ignore[union-attr, arg-type]
+        if len(walls) == 2:
+            before[group[-1]] = after[group[-1]] = walls[1] - frame
 
     vibration_before = _initial_vibration(a, before)
     by_segment = [0.0] * len(a.ticks)
@@ -229,6 +227,11 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
         final=run.settled >= 0,
         status=status,
     )
+
+
+def _wall_velocity(a: Assembly, body: int) -> float | None:
+    wall = a.system.bodies[body]
+    return float(wall.velocity) if isinstance(wall, Wall) else None
 
 
 def read_tallies(run: FrontRun) -> tuple[ContactTally, ...]:

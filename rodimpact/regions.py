@@ -71,8 +71,13 @@ def regions_of(
     last_tick = fields.end if stop is None else int(fields.to_ticks(stop))
     if last_tick <= first_tick:
         raise ValueError(f"stop: must be later than start = {start!r} s, got {stop!r}")
-    bodies, segments, states, corners, counts = [], [], [], [], []
-    xs, ts, us = [np.empty(0)], [np.empty(0)], [np.empty(0)]
+    bodies: list[int] = []
+    segments: list[int] = []
+    counts: list[int] = []
+    states: list[tuple[float, float, float]] = []
+    xs: list[Floats] = [np.empty(0)]
+    ts: list[Floats] = [np.empty(0)]
+    us: list[Floats] = [np.empty(0)]
     a = fields.assembly
     for body, rod in enumerate(solution.system.bodies):
         if not isinstance(rod, Rod):
@@ -81,16 +86,16 @@ def regions_of(
         for j, piece in enumerate(rod.segments):
             s = a.spans[body][0] + j
             polygons, waves = _polygons(fields, s, first_tick, last_tick, limit - len(bodies))
-            corners = [corner for polygon in polygons for corner in polygon]
+            corners = np.array([c for polygon in polygons for c in polygon], dtype=np.int64)
             counts += [len(polygon) for polygon in polygons]
-            p, q = np.array(corners, dtype=np.int64).reshape(-1, 2).T
+            p, q = corners.reshape(-1, 2).T
             xs.append(edges[j] + (q - p + a.ticks[s]) / 2 / a.ticks[s] * a.length[s])
             ts.append((p + q + a.ticks[s]) / 2 * a.tick)
             us.append(fields.displacement_of_waves(s, p, q))
             modulus = float(piece.material.youngs_modulus)
             for right, left in waves:
-                strain = (left - right) * (0.5 / a.wave_speed[s])
-                states.append(((right + left) / 2 + a.frame, strain, modulus * strain))
+                eps = (left - right) * (0.5 / a.wave_speed[s])
+                states.append(((right + left) / 2 + a.frame, eps, modulus * eps))
             bodies += [body] * len(polygons)
             segments += [j] * len(polygons)
     velocity, strain, stress = np.array(states).reshape(-1, 3).T

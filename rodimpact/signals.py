@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Floats: TypeAlias = NDArray[np.float64]
+Floats: TypeAlias = NDArray[np.floating[Any]]
 Ints: TypeAlias = NDArray[np.int64]
 Side: TypeAlias = Literal["right", "left"]
 
@@ -48,7 +48,8 @@ class StepSignal:
 
     def at(self, ticks: ArrayLike, side: Side = "right") -> Floats:
         """Value at `ticks`: the limit from the right (after a jump) or from the left (before)."""
-        return self.values[self._piece(np.asarray(ticks), side)]
+        found: Floats = self.values[self._piece(np.asarray(ticks), side)]
+        return found
 
     def integral(self, start: ArrayLike, stop: ArrayLike) -> Floats:
         """Integral from `start` to `stop`, value times ticks; arguments broadcast."""

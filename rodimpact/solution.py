@@ -88,8 +88,8 @@ class Gauge:
 
         names = ("time", "strain", "rightward", "leftward", "velocity")
         columns = (self.times, self.strain, self.rightward, self.leftward, self.velocity)
-        rows = [",".join(map(repr, row)) for row in zip(*(c.tolist() for c in columns), strict=True)]
-        write_text(path, "\n".join([",".join(names), *rows]) + "\n", force=force)
+        rows = [names, *zip(*([repr(v) for v in c.tolist()] for c in columns), strict=True)]
+        write_text(path, "".join(",".join(row) + "\n" for row in rows), force=force)
 
 
 class Solution:
@@ -113,6 +113,8 @@ class Solution:
         The same in a sentence, with the remedy.
     t_end : float
         s.
+    until : float or None
+        The end that was asked for, s.
     transit_error : float
         Largest relative change of a transit time by its rounding to the clock.
     events : int
@@ -125,12 +127,12 @@ class Solution:
 
     def __init__(
         self, system: System, fields: WaveFields, outcome: Outcome,
-        turns: list[tuple[list[int], list[int]]], *, stopped_by: str, status: str,
-        t_end: float, t_final: float, events: int,
+        turns: list[tuple[list[int], list[int]]], *, until: float | None, stopped_by: str,
+        status: str, t_end: float, t_final: float, events: int,
     ) -> None:
         self.system, self.fields, self.outcome = system, fields, outcome
-        self.stopped_by, self.status, self.t_end = stopped_by, status, t_end
-        self.t_final, self.events = t_final, events
+        self.until, self.stopped_by, self.status = until, stopped_by, status
+        self.t_end, self.t_final, self.events = t_end, t_final, events
         self.final = outcome.final
         self.transit_error = fields.assembly.transit_error
         self.turns = turns

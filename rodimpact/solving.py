@@ -52,7 +52,7 @@ def solve(
     0.0
     """
     run = run_fronts(system, until, method, max_events)
-    return wrap(run, t_end=until)
+    return wrap(run, None if until is None else float(until))
 
 
 def collide(left: Rod | Wall, right: Rod | Wall, gap: float = 0.0,
@@ -119,8 +119,8 @@ def run_fronts(
     return track(assemble(system, end_time), end_time, max_events)
 
 
-def wrap(run: FrontRun, t_end: float | None = None) -> Solution:
-    """Make a solution of a finished run."""
+def wrap(run: FrontRun, until: float | None = None) -> Solution:
+    """Make a solution of a run that was assembled and tracked with this `until`."""
     a = run.assembly
     status = describe(run)
     turns: dict[int, tuple[list[int], list[int]]] = {node: ([], []) for node in a.nodes}
@@ -134,14 +134,14 @@ def wrap(run: FrontRun, t_end: float | None = None) -> Solution:
     return Solution(
         a.system, WaveFields.from_log(a, log, run.end), read_outcome(run, status),
         [turns[node] for node in a.nodes],
-        stopped_by=run.stopped_by, status=status,
-        t_end=float(t_end) if t_end is not None and run.stopped_by == "until" else reached,
+        until=until, stopped_by=run.stopped_by, status=status,
+        t_end=until if until is not None and run.stopped_by == "until" else reached,
         t_final=run.settled * a.tick if run.settled >= 0 else math.nan, events=run.events,
     )
 
 
 def _plain(column: Any) -> list[int]:
-    return column if isinstance(column, list) else column.tolist()  # type: ignore[no-any-return]
+    return column if isinstance(column, list) else column.tolist()
 
 
 def describe(run: FrontRun) -> str:

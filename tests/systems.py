@@ -24,9 +24,11 @@ def random_profile(rng, length, scale):
 def random_rod(rng, *, vibrating=True, stepped=True):
     def segment():
         material = MATERIALS[rng.integers(len(MATERIALS))]
-        return ri.Segment(float(UNIT * rng.integers(1, 9)), float(rng.uniform(0.3, 3) * 1e-4), material)
+        length = float(UNIT * rng.integers(1, 9))
+        return ri.Segment(length, float(rng.uniform(0.3, 3) * 1e-4), material)
 
-    segments = [segment() for _ in range(rng.integers(1, 4) if stepped and rng.random() < 0.3 else 1)]
+    count = rng.integers(1, 4) if stepped and rng.random() < 0.3 else 1
+    segments = [segment() for _ in range(count)]
     length = sum(s.length for s in segments)
     if not vibrating or rng.random() < 0.6:
         return ri.Rod(segments=segments, velocity=float(rng.uniform(-1, 1)))

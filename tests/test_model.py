@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
-from rodimpact.materials import steel
+from rodimpact.materials import glass, steel
 
 
 def rod(**changes):
@@ -41,7 +41,8 @@ def test_velocities_must_be_numbers(value):
 
 
 def test_the_message_names_field_and_value():
-    with pytest.raises(ri.InvalidModel, match=r"length: must be a finite positive number of metres, got -2.0"):
+    message = r"length: must be a finite positive number of metres, got -2.0"
+    with pytest.raises(ri.InvalidModel, match=message):
         rod(length=-2.0)
 
 
@@ -101,7 +102,8 @@ def test_rows_are_checked():
     assert problems(lambda: ri.System([one, one], contacts=["rigid"]))[0][0] == "contacts.0"
     assert problems(lambda: ri.System([one, one], [1.0], [ri.Bonded()]))[0][0] == "gaps.0"
     found = problems(lambda: ri.System([one, wall, one], [-1.0, float("nan")], [None, None]))
-    assert [path for path, _ in found] == ["bodies.1", "gaps.0", "gaps.1", "contacts.0", "contacts.1"]
+    paths = [path for path, _ in found]
+    assert paths == ["bodies.1", "gaps.0", "gaps.1", "contacts.0", "contacts.1"]
 
 
 def test_steps_are_checked():
@@ -128,7 +130,7 @@ def test_objects_are_frozen_and_compare_by_value():
 def test_a_system_survives_its_description():
     row = ri.System(
         [ri.Wall(1.0), rod(velocity=ri.Steps([1.0, 0.0], [0.25]), strain=1e-4),
-         ri.Rod(segments=[ri.Segment(0.2, 1e-4, steel), ri.Segment(0.3, 2e-4, ri.materials.glass)])],
+         ri.Rod(segments=[ri.Segment(0.2, 1e-4, steel), ri.Segment(0.3, 2e-4, glass)])],
         [0.0, 1e-5], [ri.Bonded(), ri.Rigid()],
     )
     again = ri.System.from_dict(row.to_dict())
@@ -171,7 +173,8 @@ def test_integers_and_numpy_scalars_are_numbers():
 
 
 def test_mirror_and_reversal_undo_themselves():
-    row = ri.System([rod(velocity=ri.Steps([1.0, 2.0], [0.25])), rod(strain=1e-3), ri.Wall(-1.0)], [0.5, 0.25])
+    moving = rod(velocity=ri.Steps([1.0, 2.0], [0.25]))
+    row = ri.System([moving, rod(strain=1e-3), ri.Wall(-1.0)], [0.5, 0.25])
     assert row.mirrored().mirrored() == row
     assert row.reversed().reversed() == row
     assert row.mirrored().bodies[0] == ri.Wall(1.0)

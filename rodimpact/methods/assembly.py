@@ -10,11 +10,12 @@ import math
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from ..model import Bonded, InvalidModel, Number, Rod, Steps, System, Wall
+from ..model import Bonded, InvalidModel, Number, Rod, Segment, Steps, System, Wall
 from . import kernels
 from .front_kernel import BOND, FREE, IDLE, OPEN, TOUCH, Log, Row, Tally
 from .tick_kernel import assign_ticks
@@ -113,7 +114,9 @@ def assemble(system: System, until: float | None = None) -> Assembly:
         When velocities overflow or transit times are too far apart for one clock.
     """
     bodies = system.bodies
-    spans, pieces, paths = [], [], []
+    spans: list[tuple[int, int]] = []
+    pieces: list[Segment] = []
+    paths: list[str] = []
     for i, body in enumerate(bodies):
         if isinstance(body, Wall):
             spans.append((1, 0))
@@ -124,23 +127,23 @@ def assemble(system: System, until: float | None = None) -> Assembly:
         paths += [f"bodies.{i}.segments.{j}" if stepped else f"bodies.{i}"
                   for j in range(len(body.segments))]
     n = len(pieces)
-    speed = [0.0, *(p.wave_speed for p in pieces), 0.0]
-    impedance = [0.0, *(p.impedance for p in pieces), 0.0]
-    length = [0.0, *(p.length for p in pieces), 0.0]
-    times = [p.transit_time for p in pieces]
+    speed = [0.0, *(float(p.wave_speed) for p in pieces), 0.0]
+    impedance = [0.0, *(float(p.impedance) for p in pieces), 0.0]
+    length = [0.0, *(float(p.length) for p in pieces), 0.0]
+    times = [float(p.transit_time) for p in pieces]
 
     status = [BOND] * (n + 1)
     status[0] = status[n] = FREE
     gap_widths = [0.0] * (n + 1)
     nodes = tuple(max(0, spans[i][1]) for i in range(len(bodies) - 1))
     for node, gap, law in zip(nodes, system.gaps, system.contacts, strict=True):
-        gap_widths[node] = gap
+        gap_widths[node] = float(gap)
         status[node] = BOND if isinstance(law, Bonded) else OPEN if gap > 0 else TOUCH
 
     cuts, states = _initial_state(system, spans, length)
     frame, scale = _velocity_scale(system, states, speed)
     if not math.isfinite(scale * scale * max(impedance) * max(times)):
-        message = f"velocities and strains up to {scale!r} m/s overflow the energy; use smaller ones"
+        message = f"velocities and strains of {scale!r} m/s overflow the energy; use smaller ones"
         raise InvalidModel([("bodies", message)])
     longest = max(times)
     horizon = until
@@ -160,28 +163,32 @@ def assemble(system: System, until: float | None = None) -> Assembly:
     short = min(range(n), key=lambda i: ticks[i + 1])
     if ticks[short + 1] <= 4 * window:
         message = (
-            f"its transit time {times[short]:.3g} s is too short beside the longest, {longest:.3g} s:"
-            " one exact clock holds ratios up to about 2e11; leave the short piece out"
+            f"its transit time {times[short]:.3g} s is too short beside the longest, "
+            f"{longest:.3g} s: one exact clock holds ratios up to about 2e11; leave it out"
         )
         raise InvalidModel([(paths[short], message)])
     tick = longest / whole
     errors = [abs(ticks[i + 1] * tick / times[i] - 1) for i in range(n)]
     worst = max(range(n), key=errors.__getitem__)
 
-    walls = [b.velocity - frame if isinstance(b, Wall) else 0.0 for b in (bodies[0], bodies[-1])]
+    left, right = (
+        float(b.velocity) - frame if isinstance(b, Wall) else 0.0 for b in (bodies[0], bodies[-1])
+    )
     tolerance = TOLERANCE * scale
     waves: list[list[tuple[int, float]]] = [[], []]
     for s in range(1, n + 1):
         waves += _history(ticks[s], offsets[s], states[s], speed[s], frame, tolerance)
     return Assembly(
         system, tuple(spans), nodes, speed, impedance, length, ticks, tick, frame, tolerance,
-        window, status, [g / tick for g in gap_widths], (walls[0], walls[1]), waves,
+        window, status, [g / tick for g in gap_widths], (left, right), waves,
         errors[worst], paths[worst],
     )
 
 
-def _value(profile: Number | Steps, x: float) -> Number:
-    return profile.values[bisect_right(profile.at, x)] if isinstance(profile, Steps) else profile
+def _value(profile: Number | Steps, x: float) -> float:
+    if isinstance(profile, Steps):
+        return float(profile.values[bisect_right([float(at) for at in profile.at], x)])
+    return float(profile)
 
 
 def _initial_state(
@@ -193,14 +200,15 @@ def _initial_state(
     for body, (first, last) in zip(system.bodies, spans, strict=True):
         if not isinstance(body, Rod):
             continue
-        jumps = {x for p in (body.velocity, body.strain) if isinstance(p, Steps) for x in p.at}
+        profiles = (body.velocity, body.strain)
+        jumps = {float(x) for p in profiles if isinstance(p, Steps) for x in p.at}
         left = 0.0
         for s in range(first, last + 1):
             right = left + length[s]
             inside = sorted(x for x in jumps if left < x < right)
             cuts[s] = [(x - left) / length[s] for x in inside]
             edges = [left, *inside, right]
-            for x0, x1 in zip(edges, edges[1:], strict=False):
+            for x0, x1 in pairwise(edges):
                 middle = x0 + (x1 - x0) / 2
                 states[s].append((_value(body.velocity, middle), _value(body.strain, middle)))
             left = right
@@ -211,7 +219,7 @@ def _velocity_scale(
     system: System, states: list[list[tuple[float, float]]], speed: list[float]
 ) -> tuple[float, float]:
     """Frame (that of the walls, else the middle of all velocities) and scale of velocities."""
-    walls = [body.velocity for body in system.bodies if isinstance(body, Wall)]
+    walls = [float(body.velocity) for body in system.bodies if isinstance(body, Wall)]
     velocities = walls + [v for state in states for v, _ in state]
     low, high = min(velocities), max(velocities)
     strained = max(c * abs(eps) for c, state in zip(speed, states, strict=True)
@@ -229,7 +237,7 @@ def _whole_ticks(
     n = len(distinct)
     kernel = assign_ticks
     if n > 200 and kernels.enabled():
-        kernel = kernels.compiled(assign_ticks)  # type: ignore[assignment]
+        kernel = kernels.compiled(assign_ticks)
         work = [np.zeros(n, dtype=np.int64) for _ in range(4)]
         whole = kernel(np.array(distinct), bits, *work)
         found = work[3].tolist()

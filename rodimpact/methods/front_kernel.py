@@ -88,7 +88,8 @@ def meet(row: Row, k: int, dt: int, tol: Any, window: int) -> int:
     closes now if it would close within `window` ticks.
     """
     closing = row.arrived[2 * k] - row.arrived[2 * k + 3]
-    gap, status = row.gap[k] + row.rate[k] * dt, row.status[k]
+    gap = row.gap[k] + row.rate[k] * dt
+    status: int = row.status[k]
     if status == OPEN and gap <= max(-row.rate[k], closing) * window:
         gap, status = 0 * gap, TOUCH
     if status != OPEN:
@@ -312,7 +313,7 @@ def sway(row: Row, log: Log, k: int, right: bool, t: int, mean: Any) -> tuple[An
 
 
 def parting(row: Row, log: Log, k: int, t: int, tol: Any) -> int:
-    """When contact k can be proved not to close again: t if now, IDLE if not before a new contact."""
+    """When contact k is proved not to close again: t if now, IDLE if not before a new contact."""
     vl, _, high, bounded_l = motion(row, log, k, False, t)
     vr, low, _, bounded_r = motion(row, log, k, True, t)
     if bounded_l and bounded_r and low - high >= -tol:
@@ -369,7 +370,7 @@ def play(
         horizon = NEVER - 1 if clock[SETTLED] < 0 else clock[SETTLED] - until
     while True:
         flag = advance(row, tally, log, clock, horizon, limit, tol, window)
-        if flag == FULL or flag == CAP:
+        if flag in (FULL, CAP):
             break
         if flag == DONE and (until >= 0 or clock[SETTLED] >= 0):
             clock[NOW] = horizon

@@ -10,8 +10,22 @@ import numpy as np
 from . import kernels
 from .assembly import Assembly, start
 from .front_kernel import (
-    CAP, CLOCK, EVENTS, FINAL, FULL, IDLE, NOW, REST, ROWS, SETTLED, TURNS, Log, Row, Tally,
-    contents, play,
+    CAP,
+    CLOCK,
+    EVENTS,
+    FINAL,
+    FULL,
+    IDLE,
+    NOW,
+    REST,
+    ROWS,
+    SETTLED,
+    TURNS,
+    Log,
+    Row,
+    Tally,
+    contents,
+    play,
 )
 
 MAX_EVENTS = 5_000_000
@@ -89,7 +103,8 @@ def track(
     """
     a = assembly
     mobility = [1 / Z if Z else 0.0 for Z in a.impedance]
-    row, tally, log, clock = start(a.ticks, mobility, a.status, a.gaps, a.outside, a.waves)
+    state: Any = start(a.ticks, mobility, a.status, a.gaps, a.outside, a.waves)
+    row, tally, log, clock = state
     target = -2 * a.longest
     if until is not None:
         target = round(until / a.tick)

@@ -66,4 +66,4 @@ def _translate(kernel: Kernel, cache: bool) -> Kernel:
             scope[name] = _translate(callee, cache)
     twin = types.FunctionType(kernel.__code__, scope, kernel.__name__, kernel.__defaults__)
     twin.__qualname__, twin.__module__ = kernel.__qualname__, kernel.__module__
-    return numba.njit(twin, cache=cache, nogil=True)  # type: ignore[no-any-return]
+    return numba.njit(twin, cache=cache, nogil=True)

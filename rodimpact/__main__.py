@@ -1,0 +1,5 @@
+"""`python -m rodimpact` is the command `rodimpact`."""
+
+from .cli import main
+
+raise SystemExit(main())

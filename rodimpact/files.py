@@ -1,0 +1,325 @@
+"""Files appear whole or not at all, and a solution survives in one of them.
+
+A file is written under a passing name beside its target and moved into place when it is complete.
+A saved solution is an NPZ: its end signals as arrays, everything else in one JSON document. Reading
+it back solves nothing again, so what `load` returns equals what was saved, bit for bit.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import math
+import os
+import secrets
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from . import __version__
+from .contacts import ContactTally
+from .fields import WaveFields
+from .methods.assembly import Assembly, assemble
+from .model import System
+from .outcome import Outcome
+from .solution import Solution
+
+PathLike: TypeAlias = "str | os.PathLike[str]"
+Arrays: TypeAlias = dict[str, Any]
+
+FORMAT = "rodimpact"
+SCHEMA = 1
+"""Version of what a saved file holds; older readers refuse files with a higher one."""
+
+
+class FileFormatError(ValueError):
+    """A file is not what rodimpact saved: foreign, damaged, or of a newer version."""
+
+
+# Writing ------------------------------------------------------------------------------------------
+
+
+def check_target(path: PathLike, *, force: bool = False) -> Path:
+    """Make sure that a file may be written at `path`; worth asking before a long computation.
+
+    Parameters
+    ----------
+    path : str or path
+    force : bool
+        Whether an existing file may be replaced.
+
+    Returns
+    -------
+    Path
+        Absolute, with symbolic links followed.
+
+    Raises
+    ------
+    FileExistsError
+        If the file is there and `force` is false.
+    OSError
+        The subclass that fits (`IsADirectoryError`, `NotADirectoryError`, `FileNotFoundError` for a
+        missing directory): where no file can be.
+    """
+    target = Path(os.path.realpath(path))
+    refused = f"cannot write {os.fspath(path)!r}: "
+    if target.is_dir() or not os.path.basename(path):
+        raise IsADirectoryError(refused + "it is a directory; add the name of a file")
+    if target.exists():
+        if not target.is_file():
+            raise OSError(refused + "it is not a regular file")
+        if not force:
+            message = "it exists already; give --force (in Python force=True) to replace it"
+            raise FileExistsError(refused + message)
+    elif not target.parent.exists():
+        raise FileNotFoundError(refused + f"there is no directory {str(target.parent)!r}; make it")
+    elif not target.parent.is_dir():
+        raise NotADirectoryError(refused + f"{str(target.parent)!r} is not a directory")
+    return target
+
+
+def write_bytes(path: PathLike, data: bytes, *, force: bool = False) -> None:
+    """Write a file as a whole or not at all.
+
+    Parameters
+    ----------
+    path : str or path
+    data : bytes
+    force : bool
+        Whether to replace an existing file.
+
+    Raises
+    ------
+    FileExistsError
+        If the file is there and `force` is false.
+    OSError
+        Or a subclass, with a sentence, if the file cannot be written; an existing one is unharmed.
+    """
+    target = check_target(path, force=force)
+    passing = target.with_name(f".rodimpact-{secrets.token_hex(8)}")
+    try:
+        with open(passing, "xb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(passing, target)
+    except BaseException as error:
+        with contextlib.suppress(OSError):
+            passing.unlink()
+        if isinstance(error, OSError):
+            message = f"cannot write {os.fspath(path)!r}: {error.strerror or error}"
+            raise type(error)(message) from error
+        raise
+
+
+def write_text(path: PathLike, text: str, *, force: bool = False) -> None:
+    """Write a text file in UTF-8, as `write_bytes` does."""
+    write_bytes(path, text.encode(), force=force)
+
+
+# Saving and loading -------------------------------------------------------------------------------
+
+
+def save_solution(solution: Solution, path: PathLike, *, force: bool = False) -> None:
+    """Write a solution to an NPZ file; this is `Solution.save`.
+
+    Parameters
+    ----------
+    solution : Solution
+    path : str or path
+    force : bool
+        Whether to replace an existing file.
+
+    Raises
+    ------
+    FileExistsError, OSError
+        As `write_bytes`.
+    """
+    outcome = asdict(solution.outcome)
+    outcome["contacts"] = [tally._asdict() for tally in solution.outcome.contacts]
+    document = {
+        "method": solution.method,
+        "system": solution.system.to_dict(),
+        "until": solution.until,
+        "clock": _clock(solution.fields.assembly),
+        "end": solution.fields.end,
+        "outcome": outcome,
+        "stopped_by": solution.stopped_by,
+        "status": solution.status,
+        "t_end": solution.t_end,
+        "t_final": solution.t_final,
+        "events": solution.events,
+    }
+    signals = solution.fields.signals
+    waves = [s for s in signals if s is not None]
+    arrays = {
+        "signal_ticks": np.concatenate([s.ticks for s in waves]),
+        "signal_values": np.concatenate([s.values for s in waves]),
+        "signal_counts": _whole([len(s.ticks) if s is not None else 0 for s in signals]),
+        "turn_ticks": _whole([tick for ticks, _ in solution.turns for tick in ticks]),
+        "turn_status": _whole([value for _, status in solution.turns for value in status]),
+        "turn_counts": _whole([len(ticks) for ticks, _ in solution.turns]),
+    }
+    write_npz(path, "solution", document, arrays, force=force)
+
+
+def write_npz(
+    path: PathLike, kind: str, document: dict[str, Any], arrays: Arrays, *, force: bool = False
+) -> None:
+    """Write arrays and a JSON document as one compressed NPZ that `load` knows by its `kind`."""
+    head = {"format": FORMAT, "schema": SCHEMA, "rodimpact": __version__, "kind": kind}
+    text = json.dumps(_finite({**head, **document}), allow_nan=False)
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, document=np.array(text), **arrays)
+    write_bytes(path, buffer.getvalue(), force=force)
+
+
+def load(path: PathLike) -> Solution:
+    """Read what `Solution.save` wrote, without solving again.
+
+    Parameters
+    ----------
+    path : str or path
+
+    Returns
+    -------
+    Solution
+        Equal to the saved one, bit for bit.
+
+    Raises
+    ------
+    FileFormatError
+        If the file is not an NPZ of rodimpact, is damaged, is of a newer version, or was made on a
+        clock that this version would lay out differently.
+    FileNotFoundError, IsADirectoryError, OSError
+        If it cannot be read at all.
+
+    Examples
+    --------
+    >>> import tempfile, rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> solution = ri.solve(ri.System([rod, ri.Wall()]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     solution.save(f"{folder}/run.npz")
+    ...     ri.load(f"{folder}/run.npz").outcome == solution.outcome
+    True
+    """
+    raw, name = Path(path).read_bytes(), os.fspath(path)
+    if not raw.startswith(b"PK"):
+        raise FileFormatError(f"{name}: is not an NPZ file, so rodimpact did not save it")
+    try:
+        with np.load(io.BytesIO(raw), allow_pickle=False) as archive:
+            arrays = {key: archive[key] for key in archive.files}
+    except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for a damaged file
+        raise FileFormatError(
+            f"{name}: is not a whole NPZ file of plain arrays ({error})"
+        ) from error
+    try:
+        document = json.loads(str(arrays.pop("document")))
+        foreign = document["format"] != FORMAT
+        schema, kind, version = document["schema"], document["kind"], document["rodimpact"]
+        known = schema == SCHEMA and kind in _READERS
+    except (KeyError, TypeError, ValueError, RecursionError):
+        foreign = True
+    if foreign:
+        raise FileFormatError(f"{name}: is an NPZ file, but not one that rodimpact saved")
+    if not known:
+        raise FileFormatError(
+            f"{name}: is a {kind!r} of schema {schema!r}, saved by rodimpact {version}; this is "
+            f"rodimpact {__version__}, which reads schema {SCHEMA}. Use the version that saved it, "
+            "or a newer one"
+        )
+    try:
+        return _READERS[kind](document, arrays)
+    except _OtherClock:
+        raise FileFormatError(
+            f"{name}: was saved by rodimpact {version} on another clock than rodimpact "
+            f"{__version__} lays out for this system; solve the case again"
+        ) from None
+    except Exception as error:  # whatever a wrong entry of the document leads to
+        raise FileFormatError(
+            f"{name}: its contents do not fit together ({type(error).__name__}: {error})"
+        ) from error
+
+
+class _OtherClock(Exception):  # noqa: N818  (never leaves this file)
+    """The assembly of a system differs from the one its solution was found on."""
+
+
+def _read_solution(document: dict[str, Any], arrays: Arrays) -> Solution:
+    system, until = System.from_dict(document["system"]), document["until"]
+    assembly = assemble(system, until)
+    if _clock(assembly) != document["clock"]:
+        raise _OtherClock
+    lines, contacts = 2 * len(assembly.ticks) - 2, len(assembly.nodes)
+    _check(arrays, "signal", {"ticks": np.int64, "values": np.float64}, lines)
+    _check(arrays, "turn", {"ticks": np.int64, "status": np.int64}, contacts)
+    signals = WaveFields.split(
+        arrays["signal_ticks"], arrays["signal_values"], arrays["signal_counts"]
+    )
+    stops = np.cumsum(arrays["turn_counts"])[:-1]
+    turn_ticks, turn_status = (
+        [part.tolist() for part in np.split(arrays[name], stops)] if contacts else []
+        for name in ("turn_ticks", "turn_status")
+    )
+    outcome = _restored(document["outcome"])
+    outcome["contacts"] = tuple(ContactTally(**tally) for tally in outcome["contacts"])
+    solution = Solution(
+        system, WaveFields(assembly, signals, document["end"]), Outcome(**outcome),
+        list(zip(turn_ticks, turn_status, strict=True)),
+        until=until, stopped_by=document["stopped_by"], status=document["status"],
+        t_end=document["t_end"], t_final=_restored(document["t_final"]),
+        events=document["events"],
+    )
+    if document["method"] != solution.method:
+        raise ValueError(f"method {document['method']!r}")
+    return solution
+
+
+_READERS: dict[str, Callable[[dict[str, Any], Arrays], Solution]] = {"solution": _read_solution}
+
+
+def _clock(assembly: Assembly) -> dict[str, Any]:
+    """What the numbers in the arrays are counted in."""
+    a = assembly
+    return {"ticks": a.ticks, "tick": a.tick, "frame": a.frame, "tolerance": a.tolerance}
+
+
+def _check(arrays: Arrays, what: str, columns: dict[str, Any], parts: int) -> None:
+    """Refuse columns that are not the concatenation of so many parts."""
+    counts = arrays[f"{what}_counts"]
+    if counts.dtype != np.int64 or counts.shape != (parts,) or np.any(counts < 0):
+        raise ValueError(f"{what}_counts are not {parts} counts")
+    for name, dtype in columns.items():
+        column = arrays[f"{what}_{name}"]
+        if column.dtype != dtype or column.shape != (int(counts.sum()),):
+            raise ValueError(f"{what}_{name} do not match {what}_counts")
+
+
+def _whole(numbers: list[int]) -> Any:
+    return np.array(numbers, dtype=np.int64)
+
+
+_SPECIAL = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # JSON has no such numbers
+
+
+def _finite(value: Any) -> Any:
+    """The same with numbers that JSON lacks as words."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(float(value))
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    return [_finite(item) for item in value] if isinstance(value, list | tuple) else value
+
+
+def _restored(value: Any) -> Any:
+    """Undo `_finite`; lists become tuples."""
+    if isinstance(value, dict):
+        return {key: _restored(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return tuple(_restored(item) for item in value)
+    return _SPECIAL.get(value, value) if isinstance(value, str) else value

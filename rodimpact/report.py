@@ -1,0 +1,303 @@
+"""Outcomes and solutions as tables for people and as JSON for programs.
+
+A table gives six digits with units, a dash where there is no such number, and 0 where only
+round-off is left. JSON gives every digit, and null where there is no such number.
+"""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from .units import format_si
+
+if TYPE_CHECKING:
+    from .contacts import Episode
+    from .outcome import Outcome
+    from .solution import Solution
+
+SCHEMA_VERSION = 1
+
+ROUND_OFF = 2.0**-44
+"""A table shows values below this fraction of their scale as 0. A wave is known to 2^-48 of the
+velocities for each end it has passed."""
+
+MOST_EPISODES = 12  # listed in a table
+
+
+def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
+    """Set rows of text in columns, two spaces apart.
+
+    Parameters
+    ----------
+    rows : sequence of rows of str
+        All rows have as many cells.
+    left : sequence of int
+        Columns whose text starts at the left; in the others it ends at the right.
+
+    Returns
+    -------
+    str
+        One line a row, without a final newline.
+
+    Examples
+    --------
+    >>> print(align([["rod", "length"], ["left", "0.4 m"], ["right", "1 m"]]))
+    rod    length
+    left    0.4 m
+    right     1 m
+    """
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "\n".join(
+        "  ".join(
+            cell.ljust(width) if i in left else cell.rjust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    )
+
+
+def clean(value: float, scale: float) -> float:
+    """A value for a table: 0 if it is only round-off beside `scale`."""
+    return 0.0 if abs(value) <= ROUND_OFF * scale else value
+
+
+def as_html(text: str) -> str:
+    """A table as HTML, for notebooks."""
+    return f"<pre>{html.escape(text)}</pre>"
+
+
+def outcome_table(outcome: Outcome) -> str:
+    """What a collision did, for people.
+
+    Parameters
+    ----------
+    outcome : Outcome
+
+    Returns
+    -------
+    str
+        Bodies, contacts, energy, restitution and balances, and the sentences that go with them.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+    >>> print(outcome_table(ri.collide(left, right)).splitlines()[2])
+    1   rod    0.785 kg            0 m/s         0.4 m/s               94.2 mJ
+    """
+    return "\n\n".join([*_tables(outcome), _sentences(outcome)])
+
+
+def solution_table(solution: Solution) -> str:
+    """What a collision did and how the run went, for people.
+
+    Parameters
+    ----------
+    solution : Solution
+
+    Returns
+    -------
+    str
+        The tables of `outcome_table`, and when each contact pressed and opened.
+    """
+    outcome = solution.outcome
+    run = [
+        ["run to", format_si(solution.t_end, "s")],
+        ["method", solution.method],
+        ["events", str(solution.events)],
+    ]
+    blocks = [*_tables(outcome), *_episodes(solution), align(run), _sentences(outcome)]
+    return "\n\n".join(blocks)
+
+
+def outcome_dict(outcome: Outcome) -> dict[str, Any]:
+    """What a collision did, for programs: JSON-ready, SI units, full precision, None for null.
+
+    Parameters
+    ----------
+    outcome : Outcome
+
+    Returns
+    -------
+    dict
+        With ``schema_version``; numbers that do not exist or are infinite are None, and
+        ``restitution_undefined`` is then the reason.
+    """
+    return {"schema_version": SCHEMA_VERSION, **_outcome(outcome)}
+
+
+def solution_dict(solution: Solution) -> dict[str, Any]:
+    """What a collision did and how the run went, for programs; as `outcome_dict`.
+
+    Parameters
+    ----------
+    solution : Solution
+
+    Returns
+    -------
+    dict
+        With ``schema_version``, the system, the outcome, and for each contact its episodes.
+    """
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "system": solution.system.to_dict(),
+        "method": solution.method,
+        "outcome": _outcome(solution.outcome),
+        "episodes": [
+            [{name: _number(t) for name, t in episode._asdict().items()} for episode in c.episodes]
+            for c in solution.contacts
+        ],
+        "final": solution.final,
+        "stopped_by": solution.stopped_by,
+        "status": solution.status,
+        "t_end": solution.t_end,
+        "t_final": _number(solution.t_final),
+        "events": solution.events,
+        "transit_error": solution.transit_error,
+    }
+
+
+def _tables(outcome: Outcome) -> list[str]:
+    contacts = [_contacts(outcome)] if outcome.contacts else []
+    return [_bodies(outcome), *contacts, _energy(outcome), _balances(outcome)]
+
+
+def _bodies(o: Outcome) -> str:
+    velocities = [*o.velocities_before, *o.velocities_after]
+    largest, spread = max(map(abs, velocities)), max(velocities) - min(velocities)
+    common = math.floor(math.log10(largest / spread)) if spread > 0 else 0
+    digits = min(6 + common, 15)  # so that the differences have six
+
+    def velocity(v: float) -> str:
+        return f"{clean(v, largest):.{digits}g} m/s"
+
+    then = _then(o)
+    rows = [["body", "", "mass", "velocity before", f"velocity {then}", f"vibration energy {then}"]]
+    for i, (kind, mass, before, after, vibration) in enumerate(zip(
+        o.bodies, o.masses, o.velocities_before, o.velocities_after, o.vibration_after, strict=True
+    )):
+        rigid = mass == math.inf
+        rows.append([
+            str(i), kind, "-" if rigid else format_si(mass, "kg"), velocity(before),
+            velocity(after), "-" if rigid else _joules(vibration, _vibration_scale(o)),
+        ])
+    return align(rows, left=(0, 1))
+
+
+def _contacts(o: Outcome) -> str:
+    rows = [["contact", "impulse", "peak force", "time under force", "episodes"]]
+    scale = max(abs(c.impulse) for c in o.contacts)
+    for i, c in enumerate(o.contacts):
+        name, impulse = f"{i}-{i + 1}", format_si(clean(c.impulse, scale), "N s")
+        if i in o.unilateral:
+            force, time = format_si(c.peak_force, "N"), format_si(c.duration, "s")
+            rows.append([name, impulse, force, time, str(c.episodes)])
+        else:
+            rows.append([f"{name} bonded", impulse, "-", "-", "-"])
+    return align(rows)
+
+
+def _energy(o: Outcome) -> str:
+    vibration = sum(o.vibration_before), sum(o.vibration_after)
+    total = o.kinetic_before + vibration[0], o.kinetic_after + vibration[1]
+    scale, inner = max(total), _vibration_scale(o)
+
+    def row(name: str, before: float, after: float, scale: float) -> list[str]:
+        return [name, _joules(before, scale), _joules(after, scale)]
+
+    rows = [
+        ["energy", "before", _then(o)],
+        row("moving as a whole", o.kinetic_before, o.kinetic_after, scale),
+        row("vibration", *vibration, inner),
+        row("total", *total, scale),
+    ]
+    if o.wall_work:
+        rows.append(["work of moving walls", "", _joules(o.wall_work, scale)])
+    return align(rows)
+
+
+def _balances(o: Outcome) -> str:
+    e = "-" if o.why_no_restitution() else f"{clean(o.restitution, 1.0):.9g}"
+    return align([
+        ["coefficient of restitution e", e],
+        ["momentum balance, relative error", f"{abs(o.momentum_residual):.2g}"],
+        ["energy balance, relative error", f"{abs(o.energy_residual):.2g}"],
+    ])
+
+
+def _episodes(solution: Solution) -> list[str]:
+    found: list[tuple[int, Episode]] = [
+        (contact.index, episode) for contact in solution.contacts for episode in contact.episodes
+    ]
+    if not found:
+        return []
+    rows = [["contact", "force from", "force ends", "gap opens"]]
+    rows += [[f"{i}-{i + 1}", *(format_si(t, "s") for t in e)] for i, e in found[:MOST_EPISODES]]
+    hidden = len(found) - MOST_EPISODES
+    return [align(rows) + (f"\n... and {hidden} more" if hidden > 0 else "")]
+
+
+def _sentences(o: Outcome) -> str:
+    reason = o.why_no_restitution()
+    said = [reason[:1].upper() + reason[1:]] if reason else []
+    if o.status not in reason:
+        said.append(o.status)
+    return "\n".join(text if text.endswith(".") else f"{text}." for text in said)
+
+
+def _then(o: Outcome) -> str:
+    return "after" if o.final else "at the end"
+
+
+def _vibration_scale(o: Outcome) -> float:
+    """Energy of the motion of the bodies relative to each other."""
+    velocities = o.velocities_before
+    spread = max(velocities) - min(velocities)
+    mass = sum(m for m in o.masses if m < math.inf)
+    return mass * spread * spread / 2 + sum(o.vibration_before)
+
+
+def _joules(value: float, scale: float) -> str:
+    return format_si(clean(value, scale), "J")
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _outcome(o: Outcome) -> dict[str, Any]:
+    bodies = zip(
+        o.bodies, o.masses, o.velocities_before, o.velocities_after,
+        o.vibration_before, o.vibration_after, strict=True,
+    )
+    names = (
+        "mass", "velocity_before", "velocity_after", "vibration_before", "vibration_after",
+    )
+    reason = o.why_no_restitution()
+    return {
+        "bodies": [
+            {"kind": kind, **dict(zip(names, map(_number, numbers), strict=True))}
+            for kind, *numbers in bodies
+        ],
+        "contacts": [
+            {
+                "left": i, "right": i + 1, "bonded": i not in o.unilateral,
+                **{name: _number(value) if i in o.unilateral or name == "impulse" else None
+                   for name, value in c._asdict().items()},
+            }
+            for i, c in enumerate(o.contacts)
+        ],
+        "restitution": None if reason else _number(o.restitution),
+        "restitution_undefined": reason or None,
+        "kinetic_before": _number(o.kinetic_before),
+        "kinetic_after": _number(o.kinetic_after),
+        "wall_work": _number(o.wall_work),
+        "momentum_residual": _number(o.momentum_residual),
+        "energy_residual": _number(o.energy_residual),
+        "final": o.final,
+        "status": o.status,
+    }
