@@ -158,7 +158,7 @@ def parse_case(text: str, source: str = "case") -> Case:
     bodies = [_read_body(table, known) for table in top.tables("bodies")]
     if not bodies:
         top.note("bodies", "is missing; describe each body in a [[bodies]] table")
-    gaps, laws = _read_contacts(top, max(0, len(bodies) - 1))
+    gaps, laws = _read_contacts(top, len(bodies) - 1)
     system: Any = bodies and top.make(System, bodies=bodies, gaps=gaps, contacts=laws)
     options, output = _read_solve(top.table("solve")), _read_output(top.table("output"))
     top.close()
@@ -198,7 +198,7 @@ class _Table:
         """Value of a number or text with unit, nan if it is neither."""
         if isinstance(value, list):
             message = f"must be a single number, got {_short(value)}"
-            if key in ("velocity", "strain"):
+            if key in ("velocity", "strain") and self.data.get("kind") == "rod":
                 message += "; a profile is written {values = [...], at = [...]}"
             if self.path.startswith(("bodies", "contacts")):
                 message += f"; to vary it, use rodimpact sweep --vary {self.where(key)}=..."
@@ -218,7 +218,7 @@ class _Table:
         lists = {name: steps.numbers(name, of) for name, of in
                  (("values", dimension), ("at", "length"))}
         steps.close()
-        return 0.0 if None in lists.values() else steps.make(Steps, **lists) or 0.0
+        return steps.make(Steps, **lists) or 0.0
 
     def numbers(self, key: str, dimension: str) -> list[float] | None:
         if not self.has(key):
@@ -372,8 +372,8 @@ def _read_contacts(top: _Table, pairs: int) -> tuple[list[float], list[Any]]:
         gaps.append(float(table.number("gap", "length", 0.0)))
         laws.append(CONTACT_LAWS[table.word("law", CONTACT_LAWS, "rigid") or "rigid"]())
         table.close()
-    if "contacts" in top.data and top.data.get("bodies") and len(gaps) != pairs:
-        message = f"needs {pairs} entries, one for each neighbouring pair, got {len(gaps)}"
+    if "contacts" in top.data and 0 <= pairs != len(gaps):
+        message = f"needs one entry for each neighbouring pair, {pairs} in all, got {len(gaps)}"
         top.note("contacts", message + "; leave all out if all bodies touch")
     more = pairs - len(gaps)
     rigid = CONTACT_LAWS["rigid"]()

@@ -644,7 +644,7 @@ def _per_pair(problems: Problems, name: str, items: Any, default: Any, pairs: in
         problems.append((name, message))
         return ()
     if len(items) != pairs:
-        message = f"needs {pairs} entries, one for each neighbouring pair, got {len(items)}"
+        message = f"needs one entry for each of the {pairs} neighbouring pairs, got {len(items)}"
         problems.append((name, message))
     return items
 

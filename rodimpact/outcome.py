@@ -13,6 +13,7 @@ from .contacts import ContactTally
 from .methods.assembly import Assembly
 from .methods.fronts import FrontRun
 from .model import Bonded, Wall
+from .rigid import RigidCollision, collide
 
 
 class UndefinedRestitution(ValueError):
@@ -30,12 +31,11 @@ class Outcome:
     masses : tuple of float
         kg, with the transit times in use; infinite for a wall.
     velocities_before, velocities_after : tuple of float
-        Of the centres of mass, m/s.
+        Of the centres of mass, m/s; rods bonded to a wall have the wall's, about which they swing.
     kinetic_before, kinetic_after : float
-        Energy of all rods moving with these velocities, J. (A rod bonded to a moving wall moves
-        with it; what its momentum lacks to that is counted here.)
+        Energy of the motion of the centres of mass, J.
     vibration_before, vibration_after : tuple of float
-        Energy of the motion relative to these velocities, kinetic and strain, J.
+        Energy of the motion relative to the centre of mass, and of strain, J.
     contacts : tuple of ContactTally
         Impulse, peak force, time under force and episodes of each contact.
     unilateral : tuple of int
@@ -130,6 +130,39 @@ class Outcome:
         """Largest force of the only contact, N; ValueError where there are several."""
         return self._only().peak_force
 
+    def as_rigid(self) -> RigidCollision:
+        """Return the collision as rigid-body mechanics sees it.
+
+        The two sides of the only contact collide with the effective `restitution`; the velocities
+        and the impulse are those of the rods, and the energy that looks lost is what vibration
+        gained.
+
+        Returns
+        -------
+        rigid.RigidCollision
+
+        Raises
+        ------
+        UndefinedRestitution
+            As `restitution`.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+        >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+        >>> outcome = ri.collide(left, right)
+        >>> round(outcome.as_rigid().energy_lost / sum(outcome.vibration_after), 12)
+        1.0
+        """
+        e = self.restitution
+        k = self.unilateral[0] + 1
+        return collide(
+            sum(self.masses[:k]), self.velocities_before[0],
+            sum(self.masses[k:]), self.velocities_before[-1],
+            e, allow_energy_release=e > 1,
+        )
+
     def __str__(self) -> str:
         from .report import outcome_table
 
@@ -141,16 +174,23 @@ class Outcome:
         return as_html(str(self))
 
 
-def _kinetic(
-    masses: list[float], velocities: list[float], momenta: list[float], frame: float
-) -> float:
-    """Energy of rods moving with `velocities`, given in a frame as their true momenta are."""
-    total = 0.0
-    for m, v, p in zip(masses, velocities, momenta, strict=True):
-        if m < math.inf:
-            V = v + frame
-            total += m * V * V / 2 + V * (p - m * v)
-    return total
+def _kinetic(masses: list[float], velocities: list[float], frame: float) -> float:
+    return sum(
+        m * (v + frame) ** 2 / 2 for m, v in zip(masses, velocities, strict=True) if m < math.inf
+    )
+
+
+def _stock(run: FrontRun, velocities: list[float]) -> tuple[list[float], list[float]]:
+    """Momentum of each body at the end, and its energy of vibration about these velocities."""
+    spans = run.assembly.spans
+    by_segment = [0.0] * len(run.assembly.ticks)
+    for (first, last), v in zip(spans, velocities, strict=True):
+        by_segment[first : last + 1] = [v] * max(0, last - first + 1)
+    momentum, vibration = run.stock(by_segment)
+    return (
+        [math.fsum(momentum[first : last + 1]) for first, last in spans],
+        [math.fsum(vibration[first : last + 1]) for first, last in spans],
+    )
 
 
 def groups(assembly: Assembly) -> list[list[int]]:
@@ -172,39 +212,37 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
     impulses = [run.tally.impulse[node] * tick for node in a.nodes]
     momenta, absolute = _initial_momenta(a)
 
-    before, after = [0.0] * count, [0.0] * count
+    before, after = [0.0] * count, [0.0] * count  # of the group, or its wall
+    motion_before, motion_after = [0.0] * count, [0.0] * count  # of the group's centre of mass
     for group in groups(a):
-        walls = [v for i in group if (v := _wall_velocity(a, i)) is not None]
-        if walls:
-            v0 = v1 = walls[0] - frame
-        else:
-            mass = sum(masses[i] for i in group)
+        walls = [v - frame for i in group if (v := _wall_velocity(a, i)) is not None]
+        rods = [i for i in group if masses[i] < math.inf]
+        mass = sum(masses[i] for i in rods)
+        v0 = v1 = sum(momenta[i] for i in rods) / mass if rods else walls[0]
+        if walls and rods:
+            swinging, _ = _stock(run, [0.0] * count)
+            v1 = sum(swinging[i] for i in rods) / mass
+        elif rods:
             pushed = impulses[group[0] - 1] if group[0] > 0 else 0.0
             pushed -= impulses[group[-1]] if group[-1] < count - 1 else 0.0
-            v0 = sum(momenta[i] for i in group) / mass
             v1 = v0 + pushed / mass
         for i in group:
-            before[i], after[i] = v0, v1
+            motion_before[i], motion_after[i] = v0, v1
+            before[i], after[i] = (walls[0], walls[0]) if walls else (v0, v1)
         if len(walls) == 2:
-            before[group[-1]] = after[group[-1]] = walls[1] - frame
+            before[group[-1]] = after[group[-1]] = walls[1]
 
-    vibration_before = _initial_vibration(a, before)
-    by_segment = [0.0] * len(a.ticks)
-    for (first, last), v in zip(a.spans, after, strict=True):
-        by_segment[first : last + 1] = [v] * max(0, last - first + 1)
-    left_momentum, left_vibration = run.stock(by_segment)
-    vibration_after = [sum(left_vibration[first : last + 1]) for first, last in a.spans]
-
+    vibration_before = _initial_vibration(a, motion_before)
+    left_momenta, vibration_after = _stock(run, motion_after)
+    kinetic_before = _kinetic(masses, motion_before, frame)
+    kinetic_after = _kinetic(masses, motion_after, frame)
     wall_impulse = wall_work = 0.0
     for i, k, sign in ((0, 0, 1), (count - 1, count - 2, -1)):
         if masses[i] == math.inf:
             wall_impulse += sign * impulses[k]
             wall_work += sign * impulses[k] * (after[i] + frame)
             absolute += abs(impulses[k])
-    left_momenta = [sum(left_momentum[first : last + 1]) for first, last in a.spans]
     missing = sum(left_momenta) - sum(momenta) - wall_impulse
-    kinetic_before = _kinetic(masses, before, momenta, frame)
-    kinetic_after = _kinetic(masses, after, left_momenta, frame)
     energy_before = kinetic_before + sum(vibration_before)
     gained = kinetic_after + sum(vibration_after) - energy_before
     turnover = energy_before + abs(wall_work)

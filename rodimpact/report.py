@@ -87,7 +87,7 @@ def outcome_table(outcome: Outcome) -> str:
     >>> left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
     >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
     >>> print(outcome_table(ri.collide(left, right)).splitlines()[2])
-    1   rod    0.785 kg            0 m/s         0.4 m/s               94.2 mJ
+    1     rod  0.785 kg            0 m/s         0.4 m/s                 94.2 mJ
     """
     return "\n\n".join([*_tables(outcome), _sentences(outcome)])
 
@@ -168,7 +168,8 @@ def _tables(outcome: Outcome) -> list[str]:
 
 def _bodies(o: Outcome) -> str:
     velocities = [*o.velocities_before, *o.velocities_after]
-    largest, spread = max(map(abs, velocities)), max(velocities) - min(velocities)
+    largest = max(map(abs, velocities))
+    spread = clean(max(velocities) - min(velocities), largest)
     common = math.floor(math.log10(largest / spread)) if spread > 0 else 0
     digits = min(6 + common, 15)  # so that the differences have six
 

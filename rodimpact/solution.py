@@ -250,15 +250,11 @@ class Solution:
                 continue
             mass = sum(masses[i] for i in rods)
             mean: Any = sum(self.fields.momentum(i, times) for i in rods) / mass
-            if len(rods) < len(group):
-                wall = next(i for i in group if self._is_wall(i))
-                mean = np.full(times.shape, self._wall_velocity(wall))
             for index in np.ndindex(times.shape):
                 v = float(mean[index])
                 for i in rods:
                     moving, strained = self.fields.energy(i, int(ticks[index]), v)
-                    drift = float(self.fields.momentum(i, times[index])) - masses[i] * v
-                    kinetic[index] += masses[i] * v * v / 2 + v * drift
+                    kinetic[index] += masses[i] * v * v / 2
                     vibration[index] += moving
                     strain[index] += strained
         return kinetic, vibration, strain

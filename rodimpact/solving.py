@@ -157,6 +157,12 @@ def describe(run: FrontRun) -> str:
             f"Stopped at the time asked for, t = {end:.6g} s, before the collision was proved "
             "final; leave out until= to run to the proof."
         )
+    elif run.stopped_by == "max_events" and run.settled >= 0:
+        said = (
+            f"The collision is final: no contact can happen again after t = {proof:.6g} s. The "
+            f"cap of {run.events} events ended the run at t = {end:.6g} s; raise max_events to "
+            "see more of the vibration."
+        )
     elif run.stopped_by == "max_events":
         said = (
             f"Stopped by the cap of {run.events} events at t = {end:.6g} s; fronts multiply where "

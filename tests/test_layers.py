@@ -19,7 +19,8 @@ LAYERS = [
     {"solution"},
     {"solving", "regions", "files", "report"},
     {"casefile", "verify", "plot"},
-    {"cli", "__main__"},
+    {"cli"},
+    {"__main__"},
 ]
 ALLOWED = {
     # printing and saving, imported when asked for

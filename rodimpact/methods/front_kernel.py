@@ -74,8 +74,6 @@ def schedule(tree: Any, i: int, tick: int) -> None:
     while i > 1:
         low = min(tree[i], tree[i ^ 1])
         i //= 2
-        if tree[i] == low:
-            return
         tree[i] = low
 
 

@@ -53,6 +53,14 @@ def compiled(kernel: Kernel) -> Kernel:
     return call
 
 
+def cache_directory(kernel: Kernel) -> str:
+    """Where the machine code of this kernel is kept; empty if it is kept nowhere."""
+    try:
+        return str(_translate(kernel, True).stats.cache_path)  # type: ignore[attr-defined]
+    except RuntimeError:
+        return ""
+
+
 @functools.cache
 def _translate(kernel: Kernel, cache: bool) -> Kernel:
     """Compile a twin of `kernel` whose callees of the same file are compiled twins too."""

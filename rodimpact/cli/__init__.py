@@ -1,0 +1,129 @@
+"""The command line: `rodimpact COMMAND ...`, one file a command, imported only when it is called.
+
+A command is a module with `add_arguments(parser)` and `run(arguments)`, which returns the text for
+standard output and the exit status:
+
+0 done; 1 an output that cannot be written, or an internal fault; 2 a mistake in the call, in the
+case, or an existing file without --force; 3 stopped before what was asked; 4 verification failed;
+130 interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import os
+import re
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+from .. import __version__
+
+COMMANDS = {
+    "box": "replay the textbook's collisions of elastic rods, in words and figures",
+    "run": "solve a case file",
+    "rigid": "collide two rigid bodies",
+    "verify": "check the solver against closed forms",
+    "materials": "list materials, with the source of each number",
+    "doctor": "show versions, and whether compiled code works here",
+}
+DONE, FAULT, MISTAKE, INCOMPLETE, UNVERIFIED, INTERRUPTED = 0, 1, 2, 3, 4, 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments after the name of the program; by default those of the process.
+
+    Returns
+    -------
+    int
+        Exit status.
+    """
+    try:
+        try:
+            text, status = _run(sys.argv[1:] if argv is None else list(argv))
+        except SystemExit as stop:  # argparse has printed help or a mistake
+            text, status = "", int(stop.code or DONE)
+        return status if _print(text) else FAULT
+    except KeyboardInterrupt:
+        return _complain("interrupted", INTERRUPTED)
+    except FileExistsError as error:
+        return _complain(str(error), MISTAKE)
+    except OSError as error:
+        return _complain(str(error), FAULT)
+    except MemoryError:
+        return _complain("not enough memory; ask for a shorter run or fewer events", FAULT)
+    except ValueError as error:
+        if not hasattr(error, "problems"):
+            return _fault()
+        return _complain("\n".join(f"{path}: {said}" for path, said in error.problems), MISTAKE)
+    except Exception:
+        return _fault()
+
+
+def _run(argv: list[str]) -> tuple[str, int]:
+    parser = argparse.ArgumentParser(
+        prog="rodimpact",
+        description="Collisions of elastic rods: exact waves, and the restitution that follows.",
+        epilog="commands:\n"
+        + "\n".join(f"  {name:10} {what}" for name, what in COMMANDS.items())
+        + "\n\nrodimpact COMMAND --help tells more about a command.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"rodimpact {__version__}")
+    parser.add_argument("command", nargs="?", metavar="COMMAND", help="what to do, see below")
+    parser.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help="its arguments")
+    called = parser.parse_args(argv)
+    if called.command is None:
+        parser.error(f"name a command: {', '.join(COMMANDS)}")
+    if called.command not in COMMANDS:
+        near = difflib.get_close_matches(called.command, COMMANDS, n=1)
+        hint = f"perhaps {near[0]} is meant" if near else f"choose one of {', '.join(COMMANDS)}"
+        parser.error(f"unknown command {called.command!r}; {hint}")
+    command = import_module(f".{called.command}", __name__)
+    own = argparse.ArgumentParser(
+        prog=f"rodimpact {called.command}", description=command.__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
+    )
+    command.add_arguments(own)
+    # a value such as -20cm/s is no option; argparse believes so when it sees a blank
+    rest = [f" {word}" if re.match(r"-\.?[0-9]", word) else word for word in called.rest]
+    text, status = command.run(own.parse_args(rest))
+    return text, status
+
+
+def _print(text: str) -> bool:
+    """Print the result. False if it cannot be written; a reader who has gone is no failure."""
+    try:
+        if sys.stdout is None:
+            raise OSError("standard output is closed")
+        if text:
+            encoding = sys.stdout.encoding or "utf-8"
+            sys.stdout.write(text.encode(encoding, "backslashreplace").decode(encoding) + "\n")
+        sys.stdout.flush()
+    except OSError as error:
+        if sys.stdout is not None:  # nothing may be left to write when the interpreter ends
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            _complain(f"cannot write the result: {error.strerror or error}", FAULT)
+            return False
+    return True
+
+
+def _complain(message: str, status: int) -> int:
+    for line in message.splitlines():
+        print(f"rodimpact: {line}", file=sys.stderr)
+    return status
+
+
+def _fault() -> int:
+    import traceback
+
+    traceback.print_exc()
+    return _complain("a fault of rodimpact, not yours; please report the lines above", FAULT)

@@ -1,0 +1,92 @@
+"""Show versions, where compiled code is kept, and whether it works here.
+
+One collision is solved by compiled and by interpreted code; exit status 4 if they do not agree
+exactly.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import platform
+import time
+from importlib import metadata
+
+from .. import __version__
+from ..materials import aluminium, brass, steel
+from ..methods import kernels
+from ..methods.assembly import assemble
+from ..methods.front_kernel import play
+from ..methods.fronts import track
+from ..model import Rod, System, Wall
+from ..report import SCHEMA_VERSION, align
+from . import DONE, UNVERIFIED
+from .asking import note
+
+PACKAGES = ("numpy", "scipy", "numba", "matplotlib")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Only the form of the answer."""
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def run(arguments: argparse.Namespace) -> tuple[str, int]:
+    """Table or JSON of the findings."""
+    versions = {
+        "rodimpact": __version__,
+        "python": f"{platform.python_version()} on {platform.platform()}",
+        **{name: version_of(name) for name in PACKAGES},
+    }
+    cache, agrees, said = try_compiled()
+    status = UNVERIFIED if agrees is False else DONE
+    if arguments.json:
+        found = {"versions": versions, "cache_directory": cache, "agrees": agrees, "status": said}
+        return json.dumps({"schema_version": SCHEMA_VERSION, **found}, indent=2), status
+    rows = [
+        *([name, version or "missing"] for name, version in versions.items()),
+        ["cache of compiled code", cache or "none"],
+        ["compiled code", said],
+    ]
+    return align(rows, left=(0, 1)), status
+
+
+def version_of(package: str) -> str | None:
+    """Version of an installed package."""
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def try_compiled() -> tuple[str | None, bool | None, str]:
+    """Cache directory, whether compiled and interpreted code agree, and that in words.
+
+    None where compiling is disabled.
+    """
+    if not kernels.enabled():
+        return None, None, "disabled by NUMBA_DISABLE_JIT; everything works, long runs are slow"
+    note("compiling; this takes a while the first time")
+    try:
+        begin = time.perf_counter()
+        compiled = solve_a_row(compile_after=0)
+        seconds = time.perf_counter() - begin
+        cache = kernels.cache_directory(play) or None
+    except Exception as error:  # whatever is wrong with this installation is the finding
+        return None, False, f"fails: {type(error).__name__}: {error}"
+    if compiled != solve_a_row(compile_after=1_000_000):
+        return cache, False, "does not agree with interpreted code"
+    return cache, True, f"works ({seconds:.2g} s), agrees with interpreted code exactly"
+
+
+def solve_a_row(compile_after: int) -> list[object]:
+    """Every number that one run leaves behind."""
+    lengths = (0.31, 0.52, 0.23)
+    row = [
+        Rod(length, area=1e-4, material=material, velocity=1.0 - i)
+        for i, (length, material) in enumerate(zip(lengths, (steel, brass, aluminium), strict=True))
+    ]
+    system = System([*row, Wall()], gaps=[0.0, 1e-6, 1e-5])
+    run = track(assemble(system), compile_after=compile_after)
+    columns = (*run.row, *run.tally, *run.log)
+    return [run.end, run.settled, run.events, *(list(column) for column in columns)]

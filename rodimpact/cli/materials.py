@@ -1,0 +1,35 @@
+"""List the materials that rodimpact knows, with the source of each number."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from ..materials import SOURCES, TABLE
+from ..report import SCHEMA_VERSION, align
+from ..units import format_si
+from . import DONE
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Only the form of the answer."""
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def run(arguments: argparse.Namespace) -> tuple[str, int]:
+    """Table or JSON of the materials."""
+    if arguments.json:
+        found = [
+            {**material.to_dict(), "wave_speed": material.wave_speed, "source": SOURCES[name]}
+            for name, material in TABLE.items()
+        ]
+        return json.dumps({"schema_version": SCHEMA_VERSION, "materials": found}, indent=2), DONE
+    rows = [["material", "Young's modulus", "density", "bar speed", "Poisson ratio"]]
+    for name, m in TABLE.items():
+        nu = "-" if m.poisson_ratio is None else f"{m.poisson_ratio:g}"
+        rows.append([
+            name, format_si(float(m.youngs_modulus), "Pa"), format_si(float(m.density), "kg/m^3"),
+            f"{float(m.wave_speed):.0f} m/s", nu,
+        ])
+    sources = "\n".join(f"{name}: {source}" for name, source in SOURCES.items())
+    return f"{align(rows)}\n\nSources\n{sources}", DONE

@@ -1,0 +1,44 @@
+"""Check the solver against closed forms. Exit status 4 if any number is off."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+
+from .. import verify
+from ..report import SCHEMA_VERSION, align
+from . import DONE, UNVERIFIED
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Only the form of the answer."""
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def run(arguments: argparse.Namespace) -> tuple[str, int]:
+    """Table or JSON of the residuals."""
+    found = verify.checks()
+    failed = sum(not check.passed for check in found)
+    status = UNVERIFIED if failed else DONE
+    if arguments.json:
+        rows = [
+            {
+                **{name: value if not isinstance(value, float) or math.isfinite(value) else None
+                   for name, value in check._asdict().items()},
+                "residual": check.residual if math.isfinite(check.residual) else None,
+                "passed": check.passed,
+            }
+            for check in found
+        ]
+        whole = {"schema_version": SCHEMA_VERSION, "passed": not failed, "checks": rows}
+        return json.dumps(whole, indent=2), status
+    table = [["check", "expected", "found", "residual", "bound", ""]]
+    table += [
+        [c.name, f"{c.expected:.9g}", f"{c.got:.9g}", f"{c.residual:.1e}", f"{c.bound:.0e}",
+         "ok" if c.passed else "FAILED"]
+        for c in found
+    ]
+    verdict = f"{failed} checks FAILED" if failed else f"All {len(found)} checks passed"
+    text = f"{verdict}; a check of several cases shows the worst."
+    return f"{align(table, left=(0, 5))}\n\n{text}", status

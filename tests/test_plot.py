@@ -1,0 +1,515 @@
+"""Figures: what is drawn is the solution, to scale, labelled, and written the same every time."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+
+import rodimpact as ri
+from rodimpact import plot
+from rodimpact.plot.moments import moments
+from rodimpact.plot.style import DIVERGING
+
+STEEL = ri.materials.steel
+C = STEEL.wave_speed
+MINUS = "\N{MINUS SIGN}"
+
+
+def rod(length=1.0, velocity=0.0, area=1e-4, material=STEEL, **kwargs):
+    return ri.Rod(length, area=area, material=material, velocity=velocity, **kwargs)
+
+
+ROWS = {
+    "identical": (ri.System([rod(velocity=1.0), rod()]), None),
+    "unequal": (ri.System([rod(0.4, 1.0), rod()]), None),
+    "wall": (ri.System([rod(0.5, 1.0), ri.Wall()]), None),
+    "impedances": (ri.System([rod(0.25, 1.0, area=3e-4), rod()]), None),
+    "stepped": (ri.System([rod(0.4, 2.0), ri.Rod(segments=[
+        ri.Segment(0.3, 1e-4, STEEL), ri.Segment(0.4, 3e-4, STEEL)])]), None),
+    "cradle": (ri.System([rod(velocity=1.0), *[rod()] * 4]), None),
+    "bouncing": (ri.System([ri.Wall(), rod(0.3, 10.0), ri.Wall()], gaps=[1e-3, 2e-3]), 8e-4),
+    "released": (ri.System([rod(0.5, strain=-1e-4), rod()], gaps=[1e-6]), 1e-3),
+    "receding": (ri.System([rod(0.5, -1.0), rod(1.0, 0.5)]), None),
+    "single": (ri.System([rod(0.5, 1.0)]), 4e-4),
+    "tiny": (ri.System([rod(0.4, 1e-9), rod()]), None),
+    "drifting": (ri.System([rod(0.4, 101.0), rod(1.0, 100.0)]), None),
+    "closing gap": (ri.System([rod(0.4, 1.0), rod(0.6)], gaps=[5e-5]), None),
+    "moving wall": (ri.System([ri.Wall(2.0), rod(0.4), rod(0.6, -1.0)], gaps=[5e-5, 2e-5]), 1e-3),
+    "bonded": (ri.System([rod(0.4, 1.0), rod(0.3, area=2e-4), rod(0.6)],
+                         contacts=[ri.Rigid(), ri.Bonded()]), None),
+    "at rest": (ri.System([rod(), rod()]), 1e-3),
+}
+every_row = pytest.mark.parametrize("name", ROWS)
+
+
+@pytest.fixture(scope="module")
+def solved():
+    return {name: ri.solve(system, until) for name, (system, until) in ROWS.items()}
+
+
+def axes():
+    return Figure(figsize=(5, 5)).add_subplot()
+
+
+def settings():
+    return {name: value for name, value in mpl.rcParams.copy().items() if name != "backend"}
+
+
+def render(figure):
+    figure.set_dpi(50)
+    FigureCanvasAgg(figure).draw()
+
+
+def corners(picture):
+    return [path.vertices[:-1] for path in picture.regions.get_paths()]
+
+
+def area(points):
+    x, y = points.T
+    return abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
+
+
+# Space-time diagram -----------------------------------------------------------------------------
+
+
+@every_row
+def test_regions_tile_each_rod_between_its_ends(solved, name):
+    picture = plot.spacetime(solved[name], axes())
+    paths = picture.ends.get_segments()
+    strips = [np.concatenate((left, right[::-1]))
+              for left, right in zip(paths[::2], paths[1::2], strict=True)]
+    assert sum(map(area, corners(picture))) == pytest.approx(sum(map(area, strips)), rel=1e-9)
+
+
+@every_row
+def test_rods_never_overlap_and_gaps_are_drawn_to_the_same_scale(solved, name):
+    solution = solved[name]
+    picture = plot.spacetime(solution, axes(), magnification=50.0)
+    scale = {"µs": 1e6, "ms": 1e3}[picture.ax.get_ylabel()[-3:-1]]
+    paths = picture.ends.get_segments()
+    rods = [i for i, body in enumerate(solution.system.bodies) if isinstance(body, ri.Rod)]
+    times = np.linspace(0, solution.t_end, 50)
+    for right, left, k in zip(paths[1:-1:2], paths[2::2], rods, strict=False):
+        drawn = (np.interp(times, left[:, 1] / scale, left[:, 0])
+                 - np.interp(times, right[:, 1] / scale, right[:, 0]))
+        assert drawn == pytest.approx(50.0 * solution.contacts[k].gap(times), abs=1e-9)
+
+
+@every_row
+@pytest.mark.parametrize("field", ["velocity", "stress", "strain"])
+def test_colour_limits_are_symmetric_about_rest_and_hold_all_values(solved, name, field):
+    picture = plot.spacetime(solved[name], axes(), field)
+    rest = 100.0 if name == "drifting" and field == "velocity" else 0.0
+    norm, values = picture.regions.norm, picture.regions.get_array()
+    assert (norm.vmin + norm.vmax) / 2 == pytest.approx(rest, abs=1e-9)
+    assert norm.vmin <= values.min() <= values.max() <= norm.vmax
+    assert norm.vmax > norm.vmin
+
+
+def test_colour_of_each_region_is_the_field_in_its_middle(solved):
+    solution = solved["impedances"]
+    regions = ri.regions_of(solution)
+    for field, scale in (("velocity", 1.0), ("stress", 1e-6), ("strain", 1e6)):
+        values = plot.spacetime(solution, axes(), field).regions.get_array()
+        for i, (begin, end) in enumerate(zip(regions.start, regions.start[1:], strict=False)):
+            x, t = regions.x[begin:end].mean(), regions.t[begin:end].mean()
+            expected = getattr(solution, field)(int(regions.body[i]), x, t) * scale
+            assert values[i] == pytest.approx(float(expected), abs=1e-9)
+
+
+def test_contact_presses_then_touches_then_opens(solved):
+    picture = plot.spacetime(solved["unequal"], axes())
+    (pressing,), (touching,) = picture.pressing.get_segments(), picture.touching.get_segments()
+    transit = 0.4 / C * 1e6
+    assert pressing[[0, -1], 1] == pytest.approx([0, 2 * transit])
+    assert touching[[0, -1], 1] == pytest.approx([2 * transit, 5 * transit])
+    assert picture.pressing.get_linewidth()[0] > picture.touching.get_linewidth()[0]
+    assert [text.get_text() for text in picture.ax.get_legend().get_texts()] == [
+        "pressing", "touching"]
+
+
+def test_receding_rods_have_no_contact_to_draw(solved):
+    picture = plot.spacetime(solved["receding"], axes())
+    assert picture.pressing.get_segments() == picture.touching.get_segments() == []
+    assert picture.ax.get_legend() is None
+
+
+def test_axes_carry_units_and_the_magnification(solved):
+    picture = plot.spacetime(solved["unequal"], axes(), "stress")
+    assert picture.ax.get_ylabel() == "time t (µs)"
+    label = picture.ax.get_xlabel()
+    assert "(m)" in label
+    assert label.endswith("displacements \N{MULTIPLICATION SIGN} 2000")
+    assert picture.colour_bar.ax.get_ylabel() == "stress, tension positive (MPa)"
+    assert plot.spacetime(solved["cradle"], axes()).ax.get_ylabel() == "time t (ms)"
+    assert plot.spacetime(solved["unequal"], axes(), "strain").colour_bar.ax.get_ylabel() == (
+        "strain (10⁻⁶)")
+    assert plot.spacetime(solved["tiny"], axes()).colour_bar.ax.get_ylabel() == "velocity (nm/s)"
+
+
+def test_magnification_makes_motion_visible_whatever_the_speed(solved):
+    for name in ("unequal", "tiny", "cradle", "wall", "drifting"):
+        picture = plot.spacetime(solved[name], axes())
+        last = corners(picture)
+        width = np.ptp(np.concatenate(last)[:, 0])
+        moved = max(np.ptp(path[:, 0]) for path in picture.ends.get_segments())
+        assert 0.08 * width < moved < 0.6 * width, name
+
+
+def test_a_drifting_row_is_drawn_in_a_moving_frame(solved):
+    still, drifting = (plot.spacetime(solved[n], axes()) for n in ("unequal", "drifting"))
+    assert "frame moving at 100 m/s" in drifting.ax.get_xlabel()
+    assert "frame" not in still.ax.get_xlabel()
+    for a, b in zip(corners(still), corners(drifting), strict=True):
+        assert a == pytest.approx(b, abs=1e-6)
+
+
+def test_without_magnification_places_are_those_of_the_solution(solved):
+    solution = solved["moving wall"]
+    picture = plot.spacetime(solution, axes(), magnification=1.0)
+    assert picture.ax.get_xlabel() == "place x (m), true to scale"
+    for path, (body, x) in zip(picture.ends.get_segments(),
+                               [(1, 0.0), (1, 0.4), (2, 0.0), (2, 0.6)], strict=True):
+        assert path[:, 0] == pytest.approx(solution.position(body, x, path[:, 1] / 1e3), abs=1e-12)
+
+
+def test_walls_are_hatched_and_move_as_they_do(solved):
+    (wall,) = plot.spacetime(solved["wall"], axes()).walls
+    assert wall.get_hatch()
+    assert wall.get_xy()[:2, 0] == pytest.approx([0.5, 0.5])
+    (wall,) = plot.spacetime(solved["moving wall"], axes(), magnification=1.0).walls
+    assert wall.get_xy()[:2, 0] == pytest.approx([0.0, 2.0 * 1e-3])
+
+
+def test_dimensionless_diagram_has_the_textbook_numbers(solved):
+    picture = plot.spacetime(solved["unequal"], axes(), "stress", dimensionless=True)
+    values = picture.regions.get_array()
+    assert values.min() == pytest.approx(-0.5, abs=1e-12)
+    assert values.max() == pytest.approx(0.5, abs=1e-12)
+    assert sorted({round(y, 9) for path in corners(picture) for _, y in path}) == pytest.approx(
+        [0, 1, 2, 2.5, 3.5, 4.5, 5, 6, 7])
+    assert picture.pressing.get_segments()[0][0] == pytest.approx([1, 0])
+    assert "c/ℓ₁" in picture.ax.get_ylabel()
+    assert "x/ℓ₁" in picture.ax.get_xlabel()
+    for field in ("velocity", "strain"):
+        values = plot.spacetime(solved["unequal"], axes(), field, True).regions.get_array()
+        assert values.max() == pytest.approx({"velocity": 1.0, "strain": 0.5}[field])
+
+
+def test_interval_of_time(solved):
+    picture = plot.spacetime(solved["unequal"], axes(), start=1e-4, stop=2e-4)
+    assert picture.ax.get_ylim() == pytest.approx((100, 200))
+    times = np.concatenate(corners(picture))[:, 1]
+    assert (times.min(), times.max()) == pytest.approx((100, 200))
+    assert picture.pressing.get_segments()[0][:, 1] == pytest.approx([100, 0.8 / C * 1e6])
+
+
+def test_region_labels_are_the_values_on_the_colour_bar(solved):
+    texts = {t.get_text() for t in plot.spacetime(solved["wall"]).labels}
+    assert texts == {"1", "0", MINUS + "1"}
+    texts = {t.get_text() for t in plot.spacetime(solved["drifting"]).labels}
+    assert texts == {"101", "100.5", "100"}
+
+
+@pytest.mark.parametrize(("wrong", "named"), [
+    ({"field": "heat"}, '"velocity", "stress", "strain"'),
+    ({"magnification": 0.0}, "magnification"),
+    ({"magnification": float("nan")}, "magnification"),
+    ({"start": 2e-4, "stop": 1e-4}, "stop"),
+    ({"stop": 1.0}, "t: must lie in the solution"),
+])
+def test_wrong_arguments_are_named(solved, wrong, named):
+    with pytest.raises(ValueError, match=named):
+        plot.spacetime(solved["unequal"], axes(), **wrong)
+
+
+@pytest.mark.parametrize("name", ["receding", "single", "at rest"])
+def test_dimensionless_needs_a_closing_speed(solved, name):
+    with pytest.raises(ValueError, match="dimensionless=False"):
+        plot.spacetime(solved[name], axes(), dimensionless=True)
+
+
+def test_the_box_is_drawn_quickly(solved):
+    plot.spacetime(solved["unequal"], axes())
+    begin = time.perf_counter()
+    plot.spacetime(solved["unequal"], axes())
+    assert time.perf_counter() - begin < 0.5
+
+
+# Snapshots --------------------------------------------------------------------------------------
+
+
+def test_stages_of_two_identical_rods(solved):
+    assert moments(solved["identical"]) * C == pytest.approx([0, 0.5, 1, 1.5, 2, 4])
+
+
+@every_row
+def test_moments_are_few_and_inside_the_solution(solved, name):
+    times = moments(solved[name])
+    assert 3 <= times.size <= 8
+    assert times[0] == 0
+    assert times[-1] == pytest.approx(solved[name].t_end)
+    assert np.all(np.diff(times) > 0)
+
+
+def test_every_happening_at_the_contact_is_told(solved):
+    texts = {t.get_text() for t in plot.snapshots(solved["unequal"], ax=axes()).ax.texts}
+    assert {"force begins", "force ends", "gap opens"} <= texts
+    texts = {t.get_text() for t in plot.snapshots(solved["cradle"], ax=axes()).ax.texts}
+    assert "force ends at contact 0\nforce begins at contact 2" in texts
+
+
+def test_pieces_bear_their_velocity_in_parts_of_the_closing_speed(solved):
+    half_way = 0.5 / C
+    picture = plot.snapshots(solved["identical"], [0.0, half_way, 3 / C])
+    assert [t.get_text() for t in picture.labels] == [
+        "v", "0", "v", "v/2", "v/2", "0", "0", "v"]
+    assert "v = 1 m/s" in picture.ax.get_xlabel()
+    assert [t.get_text() for t in picture.ax.get_yticklabels()] == [
+        "0 µs\n0 ℓ₁/c", "99.1 µs\n0.5 ℓ₁/c", "594 µs\n3 ℓ₁/c"]
+    picture = plot.snapshots(solved["receding"], [0.0])
+    assert [t.get_text() for t in picture.labels] == [MINUS + "1", "0.5"]
+    assert picture.ax.get_xlabel().endswith("velocities (m/s)")
+
+
+def test_compressed_pieces_are_shorter_and_thicker_and_fronts_point_their_way(solved):
+    picture = plot.snapshots(solved["identical"], [0.0, 0.5 / C])
+    boxes = [path.get_extents() for path in picture.bars.get_paths()]
+    free, pressed = boxes[2], boxes[3]
+    assert pressed.width < free.width
+    assert pressed.height > free.height
+    assert boxes[0].width == pytest.approx(1.0)
+    assert [line.get_marker() for line in picture.fronts] == ["<", ">"]
+
+
+def test_gap_between_bars_is_magnified(solved):
+    solution = solved["identical"]
+    picture = plot.snapshots(solution, [solution.t_end], magnification=100.0)
+    left, right = (path.get_extents() for path in picture.bars.get_paths())
+    gap = float(solution.contacts[0].gap(solution.t_end))
+    assert right.x0 - left.x1 == pytest.approx(100.0 * gap)
+
+
+def test_snapshots_refuse_wrong_times(solved):
+    with pytest.raises(ValueError, match="at least one time"):
+        plot.snapshots(solved["unequal"], [])
+    with pytest.raises(ValueError, match="must lie in the solution"):
+        plot.snapshots(solved["unequal"], [1.0])
+
+
+# Histories --------------------------------------------------------------------------------------
+
+
+def test_force_and_gap_are_exact_steps_and_lines(solved):
+    solution = solved["impedances"]
+    drawn = plot.contact(solution)
+    data = drawn.forces[0].get_data()
+    transit = 0.25 / C * 1e6
+    first = STEEL.density * C * 1e-4 * 0.75
+    assert data.edges[:5] == pytest.approx([0, 2 * transit, 4 * transit, 6 * transit, 8 * transit])
+    assert data.values[:4] * 1e3 == pytest.approx(first / 2.0 ** np.arange(4))
+    times, gap = drawn.gaps[0].get_data()
+    assert gap[-1] * 1e-6 == pytest.approx(float(solution.contacts[0].gap(solution.t_end)))
+    assert times[-1] * 1e-6 == pytest.approx(solution.t_end)
+    assert drawn.force_ax.get_ylabel() == "contact force (kN)"
+    assert drawn.gap_ax.get_ylabel() == "gap (µm)"
+    assert drawn.gap_ax.get_xlabel() == "time t (µs)"
+
+
+def test_end_of_force_and_opening_are_marked(solved):
+    texts = [mark.get_text() for mark in plot.contact(solved["unequal"]).marks]
+    assert texts == ["force ends at 158 µs", "gap opens at 396 µs"]
+    assert plot.contact(solved["receding"]).marks == []
+
+
+def test_several_contacts_share_axes_with_a_legend(solved):
+    drawn = plot.contact(solved["cradle"], contact=range(4))
+    assert len(drawn.forces) == len(drawn.gaps) == 4
+    names = [text.get_text() for text in drawn.force_ax.get_legend().get_texts()]
+    assert names == [f"contact {i}" for i in range(4)]
+
+
+def test_contact_refuses_what_is_not_there(solved):
+    with pytest.raises(ValueError, match="from 0 to 3, got 4"):
+        plot.contact(solved["cradle"], contact=4)
+    with pytest.raises(ValueError, match="two bodies"):
+        plot.contact(solved["single"])
+    with pytest.raises(ValueError, match="needs two"):
+        plot.contact(solved["unequal"], [axes()])
+
+
+def band_tops(drawn):
+    """Upper edge of each band as {time: energy}."""
+    tops = []
+    for band in drawn.bands:
+        corners = band.get_paths()[0].vertices
+        tops.append({x: max(corners[corners[:, 0] == x, 1]) for x in corners[:, 0]})
+    return tops
+
+
+@pytest.mark.parametrize("name", ["unequal", "drifting"])
+def test_energy_bands_add_up_to_what_there_was(solved, name):
+    drawn = plot.energy(solved[name], axes())
+    motion, _, total = band_tops(drawn)
+    initial = 0.5 * STEEL.density * 1e-4 * 0.4 * 1e3
+    assert list(total.values()) == pytest.approx([initial] * len(total))
+    end = max(motion)
+    assert motion[end] / initial == pytest.approx(0.4, rel=1e-6)
+    assert drawn.work is None
+    assert [t.get_text() for t in drawn.labels] == [
+        "motion of the centres of mass", "vibration, kinetic", "vibration, strain"]
+    assert drawn.ax.get_ylabel() == (
+        "energy (mJ)" if name == "unequal" else "energy in a frame moving at 100 m/s (mJ)")
+
+
+def test_energy_has_its_corners_where_waves_meet(solved):
+    strain = band_tops(plot.energy(solved["unequal"], axes()))[1]
+    transit = 0.4 / C * 1e6
+    times = np.array(sorted(strain))
+    for corner in (1, 2, 2.5, 3.5, 4.5):
+        assert np.abs(times - corner * transit).min() < 1e-6
+
+
+def test_work_of_moving_walls_bounds_the_energy(solved):
+    drawn = plot.energy(solved["moving wall"], axes())
+    top = band_tops(drawn)[2]
+    assert drawn.work is not None
+    for t, supplied in zip(*drawn.work.get_data(), strict=True):
+        assert top[t] == pytest.approx(supplied)
+    assert drawn.work.get_label() in [t.get_text() for t in drawn.ax.get_legend().get_texts()]
+
+
+def test_gauge_record_is_in_microstrain_and_microseconds(solved):
+    record = solved["unequal"].gauge(1, 0.5)
+    drawn = plot.gauge(record, axes())
+    data = drawn.strain.get_data()
+    assert data.values[:3] == pytest.approx([0, -0.5 / C * 1e6, 0])
+    assert data.edges[1:3] == pytest.approx([0.5 / C * 1e6, 1.3 / C * 1e6])
+    total = drawn.rightward.get_data().values + drawn.leftward.get_data().values
+    assert total == pytest.approx(data.values)
+    assert drawn.ax.get_ylabel() == "strain (microstrain)"
+    assert drawn.ax.get_xlabel() == "time t (µs)"
+
+
+def test_gauge_record_of_a_faint_wave_stays_readable(solved):
+    drawn = plot.gauge(solved["tiny"].gauge(1, 0.5), axes())
+    assert drawn.ax.get_ylabel() == "strain (10⁻¹⁵)"
+    assert np.abs(drawn.strain.get_data().values).max() == pytest.approx(0.5e-9 / C * 1e15)
+
+
+def test_restitution_notes_the_residual():
+    drawn = plot.restitution([0.2, 0.4, 0.6, 0.8], [0.2, 0.4, np.nan, 0.81], axes())
+    assert "1.0e-02\nin 3 collisions" in drawn.residual.get_text()
+    assert drawn.law.get_xdata() == pytest.approx(drawn.law.get_ydata())
+    assert drawn.points.get_ydata() == pytest.approx([0.2, 0.4, 0.81])
+    with pytest.raises(ValueError, match="shape"):
+        plot.restitution([0.1, 0.2], [0.1], axes())
+    with pytest.raises(ValueError, match="finite"):
+        plot.restitution([0.1], [np.nan], axes())
+
+
+# Page, files, manners ---------------------------------------------------------------------------
+
+
+@every_row
+def test_overview_of_any_row_renders(solved, name):
+    figure = plot.overview(solved[name])
+    render(figure)
+    labels = {ax.get_ylabel() for ax in figure.axes}
+    assert any(label.startswith("velocity") for label in labels)
+    assert any(label.startswith("stress") for label in labels)
+    assert any(label.startswith("energy") for label in labels)
+    assert any(label.startswith("contact force") for label in labels) == (name != "single")
+    render(plot.snapshots(solved[name]).ax.figure)
+
+
+def test_overview_names_the_result_and_what_is_missing(solved, monkeypatch):
+    assert plot.overview(solved["unequal"]).get_suptitle() == (
+        "2 rods, closing speed 1 m/s, restitution e = 0.4, impulse 314 mN s, "
+        "under force for 158 µs")
+    assert plot.overview(solved["cradle"]).get_suptitle().endswith(
+        "velocities after 0, 0, 0, 0, 1 m/s")
+    assert solved["bouncing"].status in plot.overview(solved["bouncing"]).get_supxlabel()
+    assert plot.overview(solved["unequal"]).get_supxlabel() == ""
+    monkeypatch.setattr("rodimpact.plot.page.REGIONS", 30)
+    monkeypatch.setattr("rodimpact.plot.page.CONTACTS", 2)
+    assert "the first 396 µs" in plot.overview(solved["impedances"]).get_supxlabel()
+    assert "Contacts 0, 1 of 4" in plot.overview(solved["cradle"]).get_supxlabel()
+
+
+def test_saved_vector_file_has_paths_and_the_same_bytes_every_time(solved, tmp_path):
+    files = []
+    for name in ("a.svg", "b.svg"):
+        picture = plot.spacetime(solved["impedances"])
+        plot.save(picture.ax.figure, tmp_path / name)
+        files.append((tmp_path / name).read_bytes())
+    assert files[0] == files[1]
+    assert b"<image" not in files[0]
+    assert files[0].count(b"<path") > 40
+    assert b"<dc:date>" not in files[0]
+
+
+@pytest.mark.parametrize(
+    ("suffix", "magic"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("SVG", b"<?xml")])
+def test_suffix_names_the_format(solved, tmp_path, suffix, magic):
+    files = []
+    for name in ("a", "b"):
+        target = tmp_path / f"{name}.{suffix}"
+        plot.save(plot.energy(solved["unequal"]).ax.figure, target)
+        files.append(target.read_bytes())
+    assert files[0].startswith(magic)
+    assert files[0] == files[1]
+
+
+def test_save_refuses_unknown_suffixes_and_existing_files(solved, tmp_path):
+    figure = plot.energy(solved["unequal"]).ax.figure
+    for name in ("picture.gif", "picture"):
+        with pytest.raises(ValueError, match=r"\.png, \.svg, \.pdf"):
+            plot.save(figure, tmp_path / name)
+    target = tmp_path / "picture.png"
+    target.write_text("mine")
+    with pytest.raises(FileExistsError):
+        plot.save(figure, target)
+    assert target.read_text() == "mine"
+    plot.save(figure, target, force=True)
+    assert target.read_bytes().startswith(b"\x89PNG")
+
+
+def test_colours_grow_lighter_all_the_way():
+    red, green, blue, _ = DIVERGING(np.linspace(0, 1, 101)).T
+    lightness = 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2
+    assert np.all(np.diff(lightness) > 0)
+    assert np.ptp(DIVERGING(0.5)[:3]) < 0.02
+
+
+def test_a_given_axes_is_used_and_settings_are_left_alone(solved):
+    before = settings()
+    with mpl.rc_context({"text.color": "red", "font.size": 30.0, "figure.facecolor": "black"}):
+        ax = axes()
+        picture = plot.spacetime(solved["unequal"], ax)
+        fresh = plot.spacetime(solved["unequal"]).ax.figure
+    assert picture.ax is ax is picture.regions.axes
+    assert to_rgb(fresh.get_facecolor()) == (1.0, 1.0, 1.0)
+    assert fresh.axes[0].xaxis.label.get_fontsize() < 12
+    assert settings() == before
+
+
+def test_drawing_needs_no_pyplot_and_the_package_no_matplotlib():
+    code = """
+import sys
+import rodimpact as ri
+rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+solution = ri.solve(ri.System([rod, ri.Wall()]))
+assert "matplotlib" not in sys.modules
+ri.plot.overview(solution), ri.plot.snapshots(solution), ri.plot.gauge(solution.gauge(0, 0.1))
+assert "matplotlib.pyplot" not in sys.modules
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)
