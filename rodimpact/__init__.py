@@ -14,33 +14,27 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from . import materials, plot, rigid, theory, units
+    from .casefile import Case, parse_case, read_case, write_case
     from .contacts import ContactHistory, Episode
-    from .files import load
-    from .model import (
-        Bonded,
-        InvalidModel,
-        Material,
-        Rigid,
-        Rod,
-        Segment,
-        Steps,
-        System,
-        Wall,
-    )
+    from .files import FileFormatError, load
+    from .frozen import InvalidModel
+    from .model import Bonded, Material, Rigid, Rod, Segment, Steps, System, Wall
     from .outcome import Outcome, UndefinedRestitution
     from .regions import Regions, regions_of
     from .solution import EnergyLedger, Gauge, Solution
     from .solving import collide, solve
 
 _HOME = {
-    "model": ("Bonded", "InvalidModel", "Material", "Rigid", "Rod", "Segment", "Steps", "System",
+    "frozen": ("InvalidModel",),
+    "model": ("Bonded", "Material", "Rigid", "Rod", "Segment", "Steps", "System",
               "Wall"),
     "solving": ("collide", "solve"),
     "solution": ("EnergyLedger", "Gauge", "Solution"),
     "contacts": ("ContactHistory", "Episode"),
     "outcome": ("Outcome", "UndefinedRestitution"),
     "regions": ("Regions", "regions_of"),
-    "files": ("load",),
+    "files": ("FileFormatError", "load"),
+    "casefile": ("Case", "parse_case", "read_case", "write_case"),
 }
 _MODULES = ("materials", "plot", "rigid", "theory", "units")
 _WHERE = {name: module for module, names in _HOME.items() for name in names}

@@ -39,12 +39,11 @@ from pathlib import Path
 from typing import Any
 
 from . import materials, units
+from .frozen import InvalidModel, Problems
 from .model import (
     CONTACT_LAWS,
     Body,
-    InvalidModel,
     Material,
-    Problems,
     Rod,
     Segment,
     Steps,

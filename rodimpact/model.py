@@ -3,178 +3,18 @@
 Everything here is frozen and checked when it is made; nothing here moves. A `System` is the
 bodies from left to right with the gaps and contact laws between neighbours. Any number may be an
 array: the system is then a family of collisions whose `shape` is the NumPy broadcast of them all.
-All mistakes of one object are reported together in one `InvalidModel`.
 
 Axis x points to the right; velocity is positive to the right, strain positive in tension; SI units.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
-from typing import Any, ClassVar, Self, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
-Number: TypeAlias = "float | np.ndarray[Any, np.dtype[np.float64]]"
-Problems: TypeAlias = list[tuple[str, str]]
-
-
-class InvalidModel(ValueError):
-    """The description of a collision has mistakes.
-
-    Attributes
-    ----------
-    problems : list of (str, str)
-        Path of each faulty field (``bodies.0.length``) and what is wrong with it.
-    """
-
-    def __init__(self, problems: Problems) -> None:
-        self.problems = problems
-        super().__init__("\n".join(f"{path}: {message}" for path, message in problems))
-
-    def __reduce__(self) -> tuple[type[InvalidModel], tuple[Problems]]:
-        return InvalidModel, (self.problems,)
-
-
-def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "any") -> Number:
-    """Return `value` as a float or a read-only array; note a mistake in `problems`.
-
-    `sign` is ``"positive"``, ``"non-negative"`` or ``"any"``.
-    """
-    if type(value) is float:
-        array: Any = value
-    elif isinstance(value, bool | np.bool_) or value is None or isinstance(value, str | bytes):
-        problems.append((path, f"must be a number{unit}, got {value!r}"))
-        return math.nan
-    else:
-        try:
-            array = np.array(value)
-            if array.dtype.kind not in "fiu":
-                raise TypeError
-            array = array.astype(np.float64)
-        except (TypeError, ValueError, OverflowError):
-            problems.append((path, f"must be a number or an array of numbers{unit}, got {value!r}"))
-            return math.nan
-        if array.ndim == 0:
-            array = float(array)
-        elif array.size == 0:
-            problems.append((path, "must not be an empty array"))
-            return math.nan
-        else:
-            array.flags.writeable = False
-    if isinstance(array, float):
-        good = math.isfinite(array) and (
-            array > 0 if sign == "positive" else array >= 0 or sign == "any"
-        )
-        if not good:
-            problems.append((path, _wanted(unit, sign, array)))
-    else:
-        ok = np.isfinite(array)
-        if sign != "any":
-            ok &= array > 0 if sign == "positive" else array >= 0
-        if not ok.all():
-            index = tuple(int(i) for i in np.argwhere(~ok)[0])
-            at = ",".join(map(str, index))
-            problems.append((f"{path}[{at}]", _wanted(unit, sign, float(array[index]))))
-    return array  # type: ignore[no-any-return]
-
-
-def _wanted(unit: str, sign: str, value: float) -> str:
-    kind = "a finite number" if sign == "any" else f"a finite {sign} number"
-    return f"must be {kind}{unit}, got {value!r}"
-
-
-def _in_range(*values: Number) -> bool:
-    """Whether derived quantities neither overflow nor vanish."""
-    return all(bool(np.all(np.isfinite(v)) and np.all(np.asarray(v) > 0)) for v in values)
-
-
-class Frozen:
-    """A value made once: compared, hashed and stored through its `to_dict`."""
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        raise AttributeError(f"{type(self).__name__} is frozen; make a new one with another {name}")
-
-    def __delattr__(self, name: str) -> None:
-        raise AttributeError(f"{type(self).__name__} is frozen")
-
-    def _set(self, **fields: Any) -> None:
-        self.__dict__.update(fields)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return a JSON-ready description from which an equal object can be made."""
-        raise NotImplementedError
-
-    @property
-    def digest(self) -> str:
-        """SHA-256 of the description: the same for equal objects in any process."""
-        text = json.dumps(self.to_dict(), sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Frozen) or type(self) is not type(other):
-            return NotImplemented
-        return self.to_dict() == other.to_dict()
-
-    def __hash__(self) -> int:
-        return hash(self.digest)
-
-    def __repr__(self) -> str:
-        shown = ", ".join(f"{k}={_short(v)}" for k, v in self.__dict__.items() if k[0] != "_")
-        return f"{type(self).__name__}({shown})"
-
-    def _numbers(self, path: str = "") -> list[tuple[str, Number]]:
-        """Every number of this object and of what it holds, with its path."""
-        found: list[tuple[str, Number]] = []
-        for name, value in self.__dict__.items():
-            where = f"{path}.{name}" if path else name
-            for inner, item in (
-                [(f"{where}.{i}", v) for i, v in enumerate(value)]
-                if isinstance(value, tuple)
-                else [(where, value)]
-            ):
-                if isinstance(item, Frozen):
-                    found += item._numbers(inner)
-                elif isinstance(item, float | np.ndarray):
-                    found.append((inner, item))
-        return found
-
-    def _member(self, shape: tuple[int, ...], index: Any) -> Self:
-        """The same object with every array, broadcast to `shape`, replaced by its `index`."""
-
-        def pick(value: Any) -> Any:
-            if isinstance(value, np.ndarray):
-                chosen = np.array(np.broadcast_to(value, shape)[index])
-                if chosen.ndim == 0:
-                    return float(chosen)
-                chosen.flags.writeable = False
-                return chosen
-            if isinstance(value, Frozen):
-                return value._member(shape, index)
-            if isinstance(value, tuple):
-                return tuple(pick(v) for v in value)
-            return value
-
-        twin = object.__new__(type(self))
-        twin._set(**{name: pick(value) for name, value in self.__dict__.items()})
-        return twin
-
-
-def _short(value: Any) -> str:
-    if isinstance(value, np.ndarray):
-        return f"array{value.shape}"
-    return value.name if isinstance(value, Material) else repr(value)
-
-
-def _plain(value: Any) -> Any:
-    """A number, array, tuple or `Frozen` in JSON's terms."""
-    if isinstance(value, Frozen):
-        return value.to_dict()
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    return [_plain(v) for v in value] if isinstance(value, tuple) else value
+from .frozen import Frozen, InvalidModel, Number, Problems, in_range, number, plain, short
 
 
 class Material(Frozen):
@@ -234,7 +74,7 @@ class Material(Frozen):
         if not problems:
             with np.errstate(all="ignore"):
                 ratio = np.asarray(E) / rho
-            if not _in_range(ratio):
+            if not in_range(ratio):
                 message = f"gives no finite wave speed with density {density!r}, got "
                 problems.append(("youngs_modulus", f"{message}{youngs_modulus!r}"))
         if problems:
@@ -250,10 +90,10 @@ class Material(Frozen):
     def to_dict(self) -> dict[str, Any]:  # noqa: D102  (documented in Frozen)
         return {
             "name": self.name,
-            "youngs_modulus": _plain(self.youngs_modulus),
-            "density": _plain(self.density),
-            "poisson_ratio": _plain(self.poisson_ratio),
-            "viscosity": _plain(self.viscosity),
+            "youngs_modulus": plain(self.youngs_modulus),
+            "density": plain(self.density),
+            "poisson_ratio": plain(self.poisson_ratio),
+            "viscosity": plain(self.viscosity),
         }
 
 
@@ -289,7 +129,7 @@ class Segment(Frozen):
         self._set(length=L, area=A, material=material)
         with np.errstate(all="ignore"):
             derived = (self.impedance, self.transit_time, self.mass)
-        if not _in_range(*derived):
+        if not in_range(*derived):
             message = (
                 f"a segment of length {length!r}, area {area!r} and {material!r} has no finite, "
                 "positive impedance, transit time and mass; use consistent units"
@@ -317,7 +157,7 @@ class Segment(Frozen):
         return self.impedance * self.transit_time
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        return {name: _plain(getattr(self, name)) for name in ("length", "area", "material")}
+        return {name: plain(getattr(self, name)) for name in ("length", "area", "material")}
 
 
 class Steps(Frozen):
@@ -360,7 +200,7 @@ class Steps(Frozen):
         self._set(**lists)
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        return {"values": _plain(self.values), "at": _plain(self.at)}
+        return {"values": plain(self.values), "at": plain(self.at)}
 
 
 class Rod(Frozen):
@@ -454,16 +294,16 @@ class Rod(Frozen):
         shape = (
             self.segments[0].to_dict()
             if len(self.segments) == 1
-            else {"segments": _plain(self.segments)}
+            else {"segments": plain(self.segments)}
         )
-        moving = {"velocity": _plain(self.velocity), "strain": _plain(self.strain)}
+        moving = {"velocity": plain(self.velocity), "strain": plain(self.strain)}
         return {"kind": "rod", **shape, **moving}
 
     def __repr__(self) -> str:
         if len(self.segments) > 1:
             return super().__repr__()
         piece = repr(self.segments[0])[len("Segment(") : -1]
-        return f"Rod({piece}, velocity={_short(self.velocity)}, strain={_short(self.strain)})"
+        return f"Rod({piece}, velocity={short(self.velocity)}, strain={short(self.strain)})"
 
 
 class Wall(Frozen):
@@ -485,7 +325,7 @@ class Wall(Frozen):
         self._set(velocity=v)
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        return {"kind": "wall", "velocity": _plain(self.velocity)}
+        return {"kind": "wall", "velocity": plain(self.velocity)}
 
 
 class Rigid(Frozen):
@@ -594,10 +434,10 @@ class System(Frozen):
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
         contacts = [
-            {"gap": _plain(gap), **law.to_dict()}
+            {"gap": plain(gap), **law.to_dict()}
             for gap, law in zip(self.gaps, self.contacts, strict=True)
         ]
-        return {"bodies": _plain(self.bodies), "contacts": contacts}
+        return {"bodies": plain(self.bodies), "contacts": contacts}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> System:

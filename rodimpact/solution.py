@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 
 from .contacts import ContactHistory
 from .fields import WaveFields
-from .model import Number, Rod, Steps, System, Wall
+from .frozen import Number
+from .model import Rod, Steps, System, Wall
 from .outcome import Outcome, groups
 from .signals import Floats, Side
 

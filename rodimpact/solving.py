@@ -6,9 +6,10 @@ import math
 from typing import Any
 
 from .fields import WaveFields
+from .frozen import InvalidModel, Number, Problems, number
 from .methods.assembly import assemble
 from .methods.fronts import MAX_EVENTS, FrontRun, track
-from .model import ContactLaw, InvalidModel, Number, Problems, Rod, System, Wall, number
+from .model import ContactLaw, Rod, System, Wall
 from .outcome import Outcome, read_outcome
 from .solution import Solution
 

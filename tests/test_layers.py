@@ -9,9 +9,10 @@ import rodimpact
 
 ROOT = Path(rodimpact.__file__).parent
 LAYERS = [
-    {"units", "model", "rigid", "methods.kernels", "methods.tick_kernel", "methods.front_kernel",
+    {"units", "frozen", "rigid", "methods.kernels", "methods.tick_kernel", "methods.front_kernel",
      "methods.grid_kernel", "methods"},
-    {"materials", "theory", "methods.assembly"},
+    {"model", "theory"},
+    {"materials", "methods.assembly"},
     {"methods.fronts", "signals"},
     {"fields"},
     {"contacts"},

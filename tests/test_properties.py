@@ -116,7 +116,10 @@ def test_mirror_is_exact(seed):
     profiled = [isinstance(b, ri.Rod) and isinstance(b.velocity, ri.Steps) for b in system.bodies]
     if any(s and p for s, p in zip(stepped, profiled, strict=True)):
         return  # positions measured from the other end round differently: another system
-    solution, mirrored = run(system), run(system.mirrored())
+    solution = run(system)
+    mirrored = ri.solve(system.mirrored(), solution.t_end, max_events=CAP)
+    if "max_events" in (solution.stopped_by, mirrored.stopped_by):
+        return
     lines, images = waves(solution), waves(mirrored, -1.0)
     last = len(lines) + 1
     assert all(lines[i] == images[last - i] for i in range(2, len(lines)))

@@ -11,7 +11,7 @@ import json
 from typing import Any
 
 from ..casefile import Case, read_case
-from ..model import InvalidModel
+from ..frozen import InvalidModel
 from ..report import solution_dict, solution_table
 from ..solving import solve
 from . import DONE, INCOMPLETE

@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from ..model import Bonded, InvalidModel, Number, Rod, Segment, Steps, System, Wall
+from ..frozen import InvalidModel, Number
+from ..model import Bonded, Rod, Segment, Steps, System, Wall
 from . import kernels
 from .front_kernel import BOND, FREE, IDLE, OPEN, TOUCH, Log, Row, Tally
 from .tick_kernel import assign_ticks
