@@ -9,8 +9,7 @@ from __future__ import annotations
 from .model import Material
 
 SOURCES = {
-    "steel": "carbon steel: round engineering values, e.g. EN 1993-1-1 gives 210 GPa, "
-    "7850 kg/m^3; 200 GPa is the customary round figure",
+    "steel": "plain carbon steel, customary round values; tables give 195 to 212 GPa",
     "aluminium": "Kaye & Laby, Tables of Physical and Chemical Constants, aluminium: 70.3 GPa, "
     "0.345, 2698 kg/m^3",
     "brass": "Kaye & Laby, brass (70 Cu, 30 Zn): 100.6 GPa, 0.350; density 8530 kg/m^3",

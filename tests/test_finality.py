@@ -101,7 +101,8 @@ def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
     _, right, bound_right = expected_sway(pieces_of(solution, [1])[::-1], None)
     mean_gap = 0.001 + left + right  # both deviations are measured outwards, towards the gap
     wait = (np.sqrt(2 * (bound_left + bound_right)) - mean_gap) / 1e-3
-    when = parting(run.row, run.log, run.assembly.nodes[0], 0, run.assembly.tolerance)
+    a = run.assembly
+    when = parting(run.row, run.log, a.nodes[0], 0, a.tolerance)
     assert when * tick == pytest.approx(wait, rel=2e-6)
 
 
@@ -219,8 +220,7 @@ def test_a_grazing_contact_that_presses_again_is_one_episode():
 def state_of_two(gap, rate, a, b):
     """Kernel state of two rods of 1000 ticks with a gap, just before an event at tick 100."""
     system = ri.System(
-        [ri.Rod(1.0, area=1.0, material=M, velocity=a), ri.Rod(1.0, area=1.0, material=M,
-                                                                velocity=b)], [1.0])
+        [ri.Rod(1.0, area=1.0, material=M, velocity=v) for v in (a, b)], [1.0])
     run = track(assemble(system, 0.0), 0.0)
     row = run.row
     row.gap[1], row.rate[1] = gap, rate
@@ -276,7 +276,6 @@ def test_work_tallies_are_the_energy_handed_over():
     solution, a = wrap(run), run.assembly
     work = [run.tally.work[k] * a.tick for k in a.nodes]
     for i, (gained, lost) in enumerate(((0, work[0]), (work[0], work[1]), (work[1], 0))):
-        energy = []
-        for end in (0, solution.fields.end):
-            energy.append(sum(solution.fields.energy(i, end, a.frame)))
+        ends = (0, solution.fields.end)
+        energy = [sum(solution.fields.energy(i, end, a.frame)) for end in ends]
         assert energy[1] - energy[0] == pytest.approx(gained - lost, abs=1e-12)
