@@ -115,7 +115,7 @@ class ContactHistory:
 
     def force(self, t: ArrayLike, side: Side = "right") -> Floats:
         """Contact force, N, positive in compression; `side` decides at jumps."""
-        return self._force.at(self._fields.to_ticks(t), side)
+        return self._force.at(self._fields.to_ticks(t, side), side)
 
     def gap(self, t: ArrayLike) -> Floats:
         """Distance between the two bodies, m; exactly 0 while they touch."""

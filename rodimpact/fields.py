@@ -79,15 +79,24 @@ class WaveFields:
 
     # Where and when ---------------------------------------------------------------------------
 
-    def to_ticks(self, t: ArrayLike) -> Ints:
-        """Nearest ticks of times in s; raise ValueError outside the solution."""
+    def to_ticks(self, t: ArrayLike, side: Side | None = None) -> Ints:
+        """Nearest ticks of times in s; raise ValueError outside the solution.
+
+        A float cannot name a single tick beyond 2^51 of them. With `side`, the tick is moved to
+        that side by as much as is uncertain, so that a jump at the time given is before or after.
+        """
         t = np.asarray(t, dtype=np.float64)
         end = self.end * self.assembly.tick
         inside = np.isfinite(t) & (t >= 0) & (t <= end * (1 + 1e-12))
         if not inside.all():
             bad = float(t[~inside].flat[0])
             raise ValueError(f"t: must lie in the solution, 0 to {end:.9g} s, got {bad!r}")
-        return np.minimum(np.rint(t / self.assembly.tick).astype(np.int64), self.end)
+        ticks: Ints = np.minimum(np.rint(t / self.assembly.tick).astype(np.int64), self.end)
+        if side is None:
+            return ticks
+        if side not in ("right", "left"):
+            raise ValueError(f'side: must be "right" or "left", got {side!r}')
+        return ticks + (ticks >> 51) if side == "right" else ticks - (ticks >> 51)
 
     def edges(self, body: int) -> Floats:
         """Ends of the body's segments, m from its left end."""
@@ -128,10 +137,8 @@ class WaveFields:
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side, sign: float, factor: Any
     ) -> Floats:
         """(sign a + b) * factor(segment)."""
-        if side not in ("right", "left"):
-            raise ValueError(f'side: must be "right" or "left", got {side!r}')
         segment, offset = self.locate(body, x)
-        ticks = self.to_ticks(t)
+        ticks = self.to_ticks(t, side)
         shape = np.broadcast_shapes(offset.shape, ticks.shape)
         grid = self._open_grid(offset, ticks, shape)
         if grid is not None and side == "right":
@@ -267,7 +274,10 @@ class WaveFields:
         return kinetic, strain
 
     def profile(self, body: int, tick: int) -> Profile:
-        """State just after `tick`, in pieces of constant velocity and strain."""
+        """State just after `tick`, in pieces of constant velocity and strain.
+
+        `tick` comes from a time, so a front that left an end within its uncertainty has just left.
+        """
         a = self.assembly
         first, last = a.spans[body]
         starts = self.edges(body)
@@ -278,10 +288,11 @@ class WaveFields:
             cuts = np.union1d(
                 tick - A.jumps_in(tick - T, tick), B.jumps_in(tick - T, tick) - tick + T
             )
-            bounds = np.concatenate(([0], cuts, [T]))
-            # a piece (o0, o1) holds the wave that left between tick - o1 and tick - o0
-            right = A.at(tick - bounds[1:])
-            left = B.at(tick - T + bounds[:-1])
+            unsure = tick >> 51
+            bounds = np.concatenate(([0], cuts[(cuts > unsure) & (cuts < T - unsure)], [T]))
+            middle = (bounds[:-1] + bounds[1:]) // 2
+            right = A.at(tick - middle)
+            left = B.at(tick - T + middle)
             x0, L = starts[s - first], a.length[s]
             edges += [*(x0 + L * (bounds[1:-1] / T)).tolist(), float(starts[s - first + 1])]
             velocity += ((right + left) / 2 + a.frame).tolist()

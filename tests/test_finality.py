@@ -135,7 +135,8 @@ def test_an_end_stays_within_its_bound(seed):
     end = solution.displacement(0, rod.length, t)
     tick = run.assembly.tick
     mean = end[0] + (v + run.assembly.frame) * t - d * tick
-    assert np.abs(end - mean).max() <= np.sqrt(bound2) * tick * (1 + 1e-9) + 1e-13 * np.abs(end).max()
+    round_off = 1e-13 * np.abs(end).max()
+    assert np.abs(end - mean).max() <= np.sqrt(bound2) * tick * (1 + 1e-9) + round_off
 
 
 @settings(max_examples=80)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -17,6 +18,9 @@ import rodimpact as ri
 from rodimpact import plot
 from rodimpact.plot.moments import moments
 from rodimpact.plot.style import DIVERGING
+
+sys.path.insert(0, str(Path(__file__).parent))
+from systems import horizon, random_system
 
 STEEL = ri.materials.steel
 C = STEEL.wave_speed
@@ -247,8 +251,9 @@ def test_the_box_is_drawn_quickly(solved):
 # Snapshots --------------------------------------------------------------------------------------
 
 
-def test_stages_of_two_identical_rods(solved):
+def test_instructive_moments(solved):
     assert moments(solved["identical"]) * C == pytest.approx([0, 0.5, 1, 1.5, 2, 4])
+    assert moments(solved["unequal"]) * C / 0.4 == pytest.approx([0, 0.5, 1, 2, 2.5, 4.5, 5, 7])
 
 
 @every_row
@@ -416,6 +421,23 @@ def test_restitution_notes_the_residual():
         plot.restitution([0.1], [np.nan], axes())
 
 
+def test_a_solution_without_duration_has_a_snapshot_but_no_history():
+    solution = ri.solve(ROWS["unequal"][0], until=0.0)
+    assert [t.get_text() for t in plot.snapshots(solution).labels] == ["v", "0"]
+    for draw in (plot.contact, plot.energy, plot.overview, plot.spacetime):
+        with pytest.raises(ValueError, match=r"until > 0|stop: must be later"):
+            draw(solution)
+    with pytest.raises(ValueError, match="until > 0"):
+        plot.gauge(solution.gauge(0, 0.1))
+
+
+def test_small_rows_are_measured_in_millimetres():
+    solution = ri.solve(ri.System([rod(0.02, 1.0), rod(0.05)]))
+    picture = plot.spacetime(solution, axes())
+    assert picture.ax.get_xlabel().startswith("place x (mm)")
+    assert picture.pressing.get_segments()[0][0, 0] == pytest.approx(20.0)
+
+
 # Page, files, manners ---------------------------------------------------------------------------
 
 
@@ -429,6 +451,11 @@ def test_overview_of_any_row_renders(solved, name):
     assert any(label.startswith("energy") for label in labels)
     assert any(label.startswith("contact force") for label in labels) == (name != "single")
     render(plot.snapshots(solved[name]).ax.figure)
+
+
+def test_slivers_between_random_fronts_are_drawn_without_complaint():
+    system = random_system(23)
+    render(plot.overview(ri.solve(system, until=horizon(system, 12.0))))
 
 
 def test_overview_names_the_result_and_what_is_missing(solved, monkeypatch):

@@ -310,3 +310,19 @@ def test_importing_is_cheap():
     code = "import sys, rodimpact; rodimpact.__version__; print('numpy' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
+
+
+def test_limits_are_right_after_a_thousand_transits():
+    """A float cannot name one tick of so many; a jump's own time still has two sides."""
+    row = ri.System([ri.Wall(), rod(0.3, 10.0), ri.Wall()], gaps=[0.001, 0.002])
+    solution = ri.solve(row, until=0.1)
+    assert solution.fields.end > 2**56
+    for contact in solution.contacts:
+        assert len(contact.episodes) > 100
+        for episode in contact.episodes[:-1]:
+            for t, after in ((episode.start, 1), (episode.force_end, 0)):
+                assert (contact.force(t) > 0) == after
+                assert (contact.force(t, side="left") > 0) == 1 - after
+    gauge = solution.gauge(1, 0.1)
+    assert (solution.strain(1, 0.1, gauge.times) == gauge.strain).all()
+    assert (solution.strain(1, 0.1, gauge.times[1:], side="left") == gauge.strain[:-1]).all()

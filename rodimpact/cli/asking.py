@@ -75,7 +75,7 @@ def check_outputs(problems: Problems, files: Mapping[str, str | None], force: bo
 
 def check_format(problems: Problems, option: str, path: str) -> None:
     """Refuse a figure in a format that cannot be written."""
-    from ..plot.saving import _METADATA as FORMATS
+    from ..plot.saving import FORMATS
 
     if Path(path).suffix.lower().removeprefix(".") not in FORMATS:
         known = ", ".join(f".{name}" for name in FORMATS)

@@ -1,0 +1,190 @@
+"""What a load cell, a gap gauge and a strain gauge would record: exact steps, nothing sampled."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import StepPatch
+from matplotlib.text import Annotation
+
+from ..contacts import ContactHistory
+from ..signals import Floats
+from ..solution import Gauge, Solution
+from .scales import Scale, engineering, time_scale
+from .style import DASHES, FAINT, INK, SERIES, SMALL, dress, new_axes, new_figure, styled
+
+MARKED_UP_TO = 3  # episodes of contact
+MICROSTRAIN = (1e-8, 0.1)  # largest strains for which it is the unit to use
+
+
+class Contact(NamedTuple):
+    """Artists of a contact's history: steps of force, lines of gap, marks of what happens when."""
+
+    force_ax: Axes
+    gap_ax: Axes
+    forces: list[StepPatch]
+    gaps: list[Line2D]
+    marks: list[Annotation]
+
+
+@styled
+def contact(
+    solution: Solution, axes: Sequence[Axes] | None = None, contact: int | Sequence[int] = 0
+) -> Contact:
+    """Draw force and gap of a contact, or of several together, against time.
+
+    Parameters
+    ----------
+    solution : Solution
+    axes : two Axes, optional
+        For force and gap; by default those of a new figure, one above the other.
+    contact : int or sequence of int
+        Index of the contact: between body `contact` and the next, walls counted. The times at which
+        force ends and gap opens are marked if it is only one and has up to three episodes.
+
+    Returns
+    -------
+    Contact
+
+    Raises
+    ------
+    ValueError
+        If there is no such contact, the number of axes is not two, or the solution lasts no time.
+    """
+    chosen = [contact] if isinstance(contact, int | np.integer) else list(contact)
+    count = len(solution.contacts)
+    for index in chosen:
+        if not 0 <= index < count:
+            have = f"from 0 to {count - 1}" if count else "given only where there are two bodies"
+            raise ValueError(f"contact: must be {have}, got {index!r}")
+    if axes is None:
+        figure = new_figure(5.6, 4.2)
+        axes = figure.subplots(2, 1, sharex=True).tolist()
+    if len(axes) != 2:
+        raise ValueError(f"axes: needs two, for force and gap, got {len(axes)}")
+    force_ax, gap_ax = axes
+    histories = [solution.contacts[index] for index in chosen]
+    end = solution.t_end
+    time = time_scale(end)
+    records = [_record(history, end) for history in histories]
+    force = engineering("contact force", max(np.abs(f).max() for _, f, _ in records), "N")
+    gap = engineering("gap", max(g.max() for *_, g in records), "m")
+
+    forces: list[StepPatch] = []
+    gaps: list[Line2D] = []
+    for i, (history, (times, f, g)) in enumerate(zip(histories, records, strict=True)):
+        look: dict[str, Any] = {
+            "color": SERIES[i % len(SERIES)], "linestyle": DASHES[i % len(DASHES)],
+        }
+        at = times * time.factor
+        force_ax.stairs(f * force.factor, at, fill=True, color=look["color"], alpha=0.15)
+        forces.append(force_ax.stairs(
+            f * force.factor, at, linewidth=1.5, label=f"contact {history.index}", **look))
+        gaps += gap_ax.plot(at, g * gap.factor, linewidth=1.5, **look)
+    for ax, scale, column in ((force_ax, force, 1), (gap_ax, gap, 2)):
+        dress(ax)
+        ax.set_xlim(0, end * time.factor)
+        _show(ax, np.concatenate([record[column] for record in records]) * scale.factor)
+        ax.set_ylabel(scale.label)
+    gap_ax.set_xlabel(time.label)
+    if len(histories) > 1:
+        force_ax.legend(loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1, ncols=4,
+                        frameon=False, fontsize=SMALL + 1)
+    marks = _marks(histories[0], force_ax, gap_ax, time) if len(histories) == 1 else []
+    return Contact(force_ax, gap_ax, forces, gaps, marks)
+
+
+def _record(history: ContactHistory, end: float) -> tuple[Floats, Floats, Floats]:
+    """Break times with the end [n + 1], force between them [n], and gap at them [n + 1]."""
+    times, force, gap = history.breakpoints()
+    inside = times < end
+    return (np.append(times[inside], end), force[inside],
+            np.append(gap[inside], float(history.gap(end))))
+
+
+def _show(ax: Axes, values: Floats) -> None:
+    """Limits that hold all values and 0, with room for words above."""
+    low, high = min(0.0, float(values.min())), max(0.0, float(values.max()))
+    ax.set_ylim(1.1 * low, 1.3 * high or (1.0 if low == 0 else -0.1 * low))
+
+
+def _marks(history: ContactHistory, force_ax: Axes, gap_ax: Axes, time: Scale) -> list[Annotation]:
+    """Lines at the times when force ends and gap opens, each with its words."""
+    if len(history.episodes) > MARKED_UP_TO:
+        return []
+    marks = []
+    for _, force_end, opening in history.episodes:
+        for ax, t, what in ((force_ax, force_end, "force ends"), (gap_ax, opening, "gap opens")):
+            if not t < np.inf:
+                continue
+            for each in (force_ax, gap_ax):
+                each.axvline(t * time.factor, color=FAINT, linewidth=0.8, linestyle=":", zorder=0)
+            right = t * time.factor > 0.7 * ax.get_xlim()[1]
+            marks.append(ax.annotate(
+                f"{what} at {time.write(t)}", (t * time.factor, 1.0),
+                xytext=(-4 if right else 4, -3), xycoords=ax.get_xaxis_transform(),
+                textcoords="offset points",
+                ha="right" if right else "left", va="top", fontsize=SMALL + 1, color=INK,
+            ))
+    return marks
+
+
+class GaugeRecord(NamedTuple):
+    """Artists of a strain gauge's record."""
+
+    ax: Axes
+    strain: StepPatch
+    rightward: StepPatch
+    leftward: StepPatch
+
+
+@styled
+def gauge(record: Gauge, ax: Axes | None = None) -> GaugeRecord:
+    """Draw the record of a strain gauge, with the two waves it is made of.
+
+    Strain is given in microstrain, or in another power of ten if that would be out of proportion.
+
+    Parameters
+    ----------
+    record : Gauge
+        From `Solution.gauge`.
+    ax : Axes, optional
+        By default the Axes of a new figure.
+
+    Returns
+    -------
+    GaugeRecord
+
+    Raises
+    ------
+    ValueError
+        If the record lasts no time.
+    """
+    ax = ax or new_axes(5.6, 2.6)
+    time = time_scale(record.end)
+    largest = float(np.abs(record.strain).max())
+    usual = largest == 0 or MICROSTRAIN[0] <= largest < MICROSTRAIN[1]
+    scale = Scale(1e6, "strain", "microstrain") if usual else engineering("strain", largest, "")
+    inside = record.times < record.end
+    edges = np.append(record.times[inside], record.end) * time.factor
+
+    def steps(values: Floats, name: str, **look: Any) -> StepPatch:
+        return ax.stairs(values[inside] * scale.factor, edges, baseline=None, label=name, **look)
+
+    rightward = steps(record.rightward, "wave running right", color=SERIES[1], linestyle="--",
+                      linewidth=1.0)
+    leftward = steps(record.leftward, "wave running left", color=SERIES[3], linestyle="-.",
+                     linewidth=1.0)
+    strain = steps(record.strain, "strain", color=INK, linewidth=1.6)
+    ax.axhline(0.0, color=FAINT, linewidth=0.6, zorder=0)
+    ax.set_xlim(0, record.end * time.factor)
+    ax.set_xlabel(time.label)
+    ax.set_ylabel(scale.label)
+    ax.legend(handles=[strain, rightward, leftward], loc="lower left", bbox_to_anchor=(0, 1),
+              borderaxespad=0.1, ncols=3, frameon=False, fontsize=SMALL + 1)
+    dress(ax)
+    return GaugeRecord(ax, strain, rightward, leftward)

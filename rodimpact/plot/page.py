@@ -1,0 +1,103 @@
+"""One page about one collision: velocity and stress in space and time, contacts, energy."""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from ..model import Wall
+from ..regions import regions_of
+from ..solution import Solution
+from .diagram import spacetime
+from .histories import contact
+from .ledger import energy
+from .scales import closing_speed, digits, engineering, written
+from .style import INK, NORMAL, SMALL, new_figure, styled
+
+CONTACTS = 4  # shown at most
+REGIONS = 20_000  # drawn at most
+NAMED_UP_TO = 6  # bodies whose velocities fit into the headline
+
+
+@styled
+def overview(solution: Solution) -> Figure:
+    """Draw velocity and stress in space and time, force and gap of the first contacts, and energy.
+
+    Parameters
+    ----------
+    solution : Solution
+
+    Returns
+    -------
+    Figure
+        Of the size of a page, 11.7 by 8.3 inches; write it with `save`.
+
+    Raises
+    ------
+    ValueError
+        If the solution lasts no time.
+    """
+    figure = new_figure(11.7, 8.3)
+    halves = figure.add_gridspec(2, 1, height_ratios=(1.5, 1.0))
+    upper, lower = halves[0].subgridspec(1, 2), halves[1].subgridspec(2, 2)
+    stop = _stop(solution)
+    for column, field in enumerate(("velocity", "stress")):
+        spacetime(solution, figure.add_subplot(upper[column]), field, stop=stop)
+    able_to_open = solution.outcome.unilateral[:CONTACTS]
+    if able_to_open:
+        force_ax = figure.add_subplot(lower[0, 0])
+        gap_ax = figure.add_subplot(lower[1, 0], sharex=force_ax)
+        shown = able_to_open if len(able_to_open) > 1 else able_to_open[0]
+        contact(solution, (force_ax, gap_ax), shown)
+        energy(solution, figure.add_subplot(lower[:, 1]))
+    else:
+        energy(solution, figure.add_subplot(lower[:, :]))
+    figure.suptitle(_headline(solution), fontsize=NORMAL + 3, color=INK)
+    notes = [] if solution.final else [solution.status]
+    if stop < solution.t_end:
+        notes.append(f"The upper pictures show the first {written(stop, 's')}; "
+                     "later ones would have too many regions to be read.")
+    if len(able_to_open) < len(solution.outcome.unilateral):
+        notes.append(f"Contacts {', '.join(map(str, able_to_open))} of "
+                     f"{len(solution.outcome.unilateral)} are shown.")
+    figure.supxlabel("\n".join(notes), fontsize=SMALL + 1, color=INK)
+    return figure
+
+
+def _stop(solution: Solution) -> float:
+    """Latest of the times t_end, t_end/2, t_end/4, ... up to which the regions can be drawn."""
+    for halvings in range(40):
+        stop = solution.t_end / 2.0**halvings
+        try:
+            regions_of(solution, stop=stop, limit=REGIONS)
+        except ValueError:
+            continue
+        return stop
+    return solution.t_end
+
+
+def _headline(solution: Solution) -> str:
+    """What collided, how fast, and with what result."""
+    bodies = solution.system.bodies
+    walls = sum(isinstance(body, Wall) for body in bodies)
+    rods = len(bodies) - walls
+    said = ["one rod" if rods == 1 else f"{rods} rods"]
+    if walls:
+        said[0] += " and a wall" if walls == 1 else " between two walls"
+    v, outcome = closing_speed(solution), solution.outcome
+    if v:
+        said.append(f"closing speed {written(v, 'm/s')}")
+    if not outcome.why_no_restitution():
+        said.append(f"restitution e = {outcome.restitution:.4g}, "
+                    f"impulse {written(outcome.impulse, 'N s')}, "
+                    f"under force for {written(outcome.duration, 's')}")
+    elif solution.final and not any(c.episodes for c in outcome.contacts):
+        said.append("nothing collides")
+    elif len(bodies) <= NAMED_UP_TO:
+        largest = max(map(abs, outcome.velocities_after))
+        scale = engineering("", largest, "m/s")
+        values = [digits(v * scale.factor, largest * scale.factor)
+                  for v in outcome.velocities_after]
+        when = "after" if solution.final else "at the end"
+        said.append(f"velocities {when} {', '.join(values)} {scale.unit}")
+    headline = ", ".join(said)
+    return headline[0].upper() + headline[1:]

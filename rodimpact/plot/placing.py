@@ -1,0 +1,136 @@
+"""Where a point is drawn: its place in the laboratory with its displacement magnified.
+
+Rods a metre long move by a tenth of a millimetre while they collide. Pictures therefore magnify
+displacements and gaps, all by the same factor, so that bodies that touch touch in the picture too:
+X = place in the row of unstrained rods without gaps + factor * (gaps to the left + displacement).
+A row that drifts much farther than its bodies move against each other is drawn in a moving frame.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..model import Rod, Wall
+from ..signals import Floats
+from ..solution import Solution
+from .scales import ROUND_OFF, TIMES, Scale, magnified, written
+
+REACH = 0.35  # movement in the picture, in lengths of the row
+SQUEEZE = 0.3  # largest strain in the picture
+DRIFT = 3.0  # how much farther than its inner movement a row may drift
+
+
+@dataclass(frozen=True)
+class Placing:
+    """How a row is laid out in a picture.
+
+    Attributes
+    ----------
+    solution : Solution
+    magnification : float
+        Of displacements and gaps.
+    frame : float
+        Velocity of the frame of the picture, m/s.
+    left : tuple of float
+        Left end of each body in the row of unstrained rods without gaps, m.
+    """
+
+    solution: Solution
+    magnification: float
+    frame: float
+    left: tuple[float, ...]
+
+    @property
+    def row(self) -> float:
+        """Length of all rods together, m."""
+        return self.left[-1] + length(self.solution, len(self.left) - 1)
+
+    def place(self, body: int, x: ArrayLike, t: ArrayLike, displacement: Any) -> Floats:
+        """Place X in the picture, m, of points x (m) of a body at t (s), displaced (m)."""
+        moved = _moved(self.solution, self.left, body, displacement) - self.frame * np.asarray(t)
+        result: Floats = self.left[body] + np.asarray(x) + self.magnification * moved
+        return result
+
+    def end(self, body: int, right: bool, t: ArrayLike) -> Floats:
+        """Place X of the left or right end of a body at t."""
+        x = length(self.solution, body) if right else 0.0
+        return self.place(body, x, t, self.solution.displacement(body, x, t))
+
+    def label(self, place: Scale) -> str:
+        """Label of the axis of places."""
+        said = place.label
+        if self.frame:
+            said += f" in a frame moving at {written(self.frame, 'm/s')}"
+        if self.magnification == 1:
+            return said + ", true to scale"
+        return said + f", displacements {TIMES} {magnified(self.magnification)}"
+
+
+def placing(
+    solution: Solution, start: float, stop: float, magnification: float | None = None
+) -> Placing:
+    """Choose frame and magnification (1, 2 or 5 times a power of ten) for an interval of time.
+
+    Parameters
+    ----------
+    solution : Solution
+    start, stop : float
+        s.
+    magnification : float, optional
+        To be used instead of the automatic one.
+
+    Raises
+    ------
+    ValueError
+        If the magnification is not a positive number.
+    """
+    if magnification is not None and not 0 < magnification < math.inf:
+        raise ValueError(f"magnification: must be a positive number, got {magnification!r}")
+    bodies = range(len(solution.system.bodies))
+    lengths = [length(solution, body) for body in bodies]
+    left = tuple(float(x) for x in np.cumsum([0.0, *lengths[:-1]]))
+    times = np.linspace(start, stop, 101)
+    moved = np.array([
+        _moved(solution, left, body, solution.displacement(body, x, times))
+        for body in bodies for x in (0.0, lengths[body])
+    ])
+    seen = _slowest(solution)
+    relative = float(np.ptp(moved - seen * times))
+    reach = float(np.ptp(moved))
+    drifts = ROUND_OFF * reach < relative < reach / DRIFT
+    if magnification is None:
+        reach = relative if drifts else reach
+        wanted = REACH * sum(lengths) / reach if reach > 0 else 1.0
+        strain = max(float(np.abs(solution.strain(
+            body, np.linspace(0, lengths[body], 33)[:, None], times)).max())
+            for body in bodies if lengths[body])
+        magnification = max(1.0, _round_down(min(wanted, SQUEEZE / strain if strain else wanted)))
+    return Placing(solution, magnification, seen if drifts else 0.0, left)
+
+
+def length(solution: Solution, body: int) -> float:
+    """Length of a body, m; 0 for a wall."""
+    rod = solution.system.bodies[body]
+    return float(rod.length) if isinstance(rod, Rod) else 0.0
+
+
+def _moved(solution: Solution, left: tuple[float, ...], body: int, displacement: Any) -> Any:
+    """Displacement counted from the row of unstrained rods without gaps."""
+    return solution.fields.positions[body] - left[body] + displacement
+
+
+def _slowest(solution: Solution) -> float:
+    """Velocity of a wall, else the least of the bodies' velocities."""
+    walls = [float(b.velocity) for b in solution.system.bodies if isinstance(b, Wall)]
+    return min(walls or solution.outcome.velocities_before, key=abs)
+
+
+def _round_down(number: float) -> float:
+    """Largest of 1, 2, 5 times a power of ten that is no larger."""
+    base = 10.0 ** math.floor(math.log10(number) + 1e-9)
+    return next(lead * base for lead in (5, 2, 1) if lead * base <= number * (1 + 1e-9))

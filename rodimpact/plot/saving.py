@@ -1,0 +1,49 @@
+"""Figures to files: format by suffix, whole or not at all, the same bytes every time."""
+
+from __future__ import annotations
+
+import io
+import os
+from pathlib import Path
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+DOTS_PER_INCH = 200
+FORMATS: dict[str, dict[str, Any]] = {
+    "png": {"Software": None},
+    "svg": {"Date": None},
+    "pdf": {"CreationDate": None},
+}
+
+
+def save(figure: Figure, path: str | os.PathLike[str], force: bool = False) -> None:
+    """Write a figure as PNG, SVG or PDF, whichever the suffix of the path names.
+
+    The same figure gives the same bytes: nothing in the file depends on date or chance.
+
+    Parameters
+    ----------
+    figure : Figure
+    path : path
+    force : bool
+        Replace a file that is there.
+
+    Raises
+    ------
+    ValueError
+        For any other suffix.
+    FileExistsError
+        If the file is there and `force` is false.
+    """
+    from ..files import write_bytes
+
+    kind = Path(path).suffix.lower().removeprefix(".")
+    if kind not in FORMATS:
+        known = ", ".join(f".{name}" for name in FORMATS)
+        raise ValueError(f"path: must end in one of {known}, got {os.fspath(path)!r}")
+    memory = io.BytesIO()
+    with rc_context({"svg.hashsalt": "rodimpact", "svg.fonttype": "path", "pdf.fonttype": 42}):
+        figure.savefig(memory, format=kind, dpi=DOTS_PER_INCH, metadata=FORMATS[kind])
+    write_bytes(path, memory.getvalue(), force=force)

@@ -1,0 +1,166 @@
+"""From SI values to the numbers on an axis: engineering units, and dimensionless ones."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import NamedTuple
+
+from ..model import Rod
+from ..solution import Solution
+
+FIELDS = ("velocity", "stress", "strain")
+ROUND_OFF = 1e-9  # beside the largest value shown, as good as nothing
+MINUS, TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
+SIGMA, RHO = "\N{GREEK SMALL LETTER SIGMA}", "\N{GREEK SMALL LETTER RHO}"
+_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+class Scale(NamedTuple):
+    """What an axis shows: the number there is `factor` times the value in SI units."""
+
+    factor: float
+    name: str
+    unit: str = ""
+
+    @property
+    def label(self) -> str:
+        """Label of the axis."""
+        return f"{self.name} ({self.unit})" if self.unit else self.name
+
+    def write(self, value: float) -> str:
+        """Write an SI value to three digits, with its unit: 158 µs."""
+        return signed(f"{value * self.factor:.3g} {self.unit}").strip()
+
+
+def written(value: float, unit: str) -> str:
+    """Write an SI value to three digits in its engineering unit."""
+    return engineering("", value, unit).write(value)
+
+
+def engineering(name: str, largest: float, unit: str) -> Scale:
+    """Scale on which `largest` lies between 1 and 1000.
+
+    Parameters
+    ----------
+    name : str
+        What is measured.
+    largest : float
+        Largest absolute value to be shown, in `unit`.
+    unit : str
+        SI unit; "" for strain, which is given in powers of ten.
+    """
+    largest = abs(largest)
+    whole = math.log10(largest * (1 + ROUND_OFF)) / 3 if largest > 0 else 0.0
+    exponent = 3 * math.floor(whole)
+    if not unit:
+        return Scale(10.0**-exponent, name, power(exponent) if exponent else "")
+    exponent = min(max(exponent, min(_PREFIXES)), max(_PREFIXES))
+    return Scale(10.0**-exponent, name, _PREFIXES[exponent] + unit)
+
+
+def power(exponent: int) -> str:
+    """Power of ten in superscripts."""
+    return "10" + str(exponent).translate(_SUPERSCRIPTS)
+
+
+def magnified(number: float) -> str:
+    """Write a factor 1, 2 or 5 times a power of ten, or any other."""
+    if number < 1e5:
+        return f"{number:g}"
+    exponent = math.floor(math.log10(number) + 1e-9)
+    lead = f"{number / 10.0**exponent:.3g}"
+    return power(exponent) if lead == "1" else f"{lead}{TIMES}{power(exponent)}"
+
+
+def digits(value: float, largest: float, count: int = 3) -> str:
+    """Write a number to some digits; round-off beside the largest number shown is 0."""
+    return signed(f"{value:.{count}g}" if abs(value) > ROUND_OFF * largest else "0")
+
+
+def signed(text: str) -> str:
+    """Write the minus as a minus."""
+    return text.replace("-", MINUS)
+
+
+def multiple(value: float, unit: str) -> str:
+    """Write value times unit as people do, as a fraction where a simple one is near.
+
+    Examples
+    --------
+    >>> [multiple(x, "v") for x in (0, 1, 0.5, 0.4, 0.8928926)]
+    ['0', 'v', 'v/2', '2v/5', '0.893v']
+    """
+    near = Fraction(value).limit_denominator(12)
+    if abs(value - near) > ROUND_OFF * max(1.0, abs(value)):
+        return signed(f"{value:.3g}{unit}")
+    if near == 0:
+        return "0"
+    sign = MINUS if near < 0 else ""
+    top, bottom = abs(near.numerator), near.denominator
+    return sign + (str(top) if top > 1 else "") + unit + (f"/{bottom}" if bottom > 1 else "")
+
+
+def closing_speed(solution: Solution) -> float:
+    """Largest speed at which neighbours approach before the collision, m/s; 0 if none do."""
+    V = solution.outcome.velocities_before
+    closing = max((V[k] - V[k + 1] for k in solution.outcome.unilateral), default=0.0)
+    return closing if closing > 1e-12 * max(map(abs, V)) else 0.0
+
+
+def first_rod(solution: Solution) -> Rod:
+    """Leftmost rod: its length is l1, its transit time l1/c."""
+    return next(body for body in solution.system.bodies if isinstance(body, Rod))
+
+
+def time_scale(end: float) -> Scale:
+    """Scale of an axis of time from 0 to `end` s; raise ValueError if that is no time at all."""
+    if not end > 0:
+        raise ValueError(f"solution: lasts {end!r} s and has no history; solve it with until > 0")
+    return engineering("time t", end, "s")
+
+
+def place_scale(width: float) -> Scale:
+    """Scale of an axis of places, for a row `width` m wide: metres unless it is small."""
+    return Scale(1.0, "place x", "m") if width >= 0.1 else engineering("place x", width, "m")
+
+
+def axis_scales(
+    solution: Solution, dimensionless: bool, duration: float, width: float
+) -> tuple[Scale, Scale]:
+    """Scales of time and place, for times up to `duration` s and a picture `width` m wide."""
+    if dimensionless:
+        rod = first_rod(solution)
+        return (Scale(1 / float(rod.transit_time), "time t c/ℓ₁"),
+                Scale(1 / float(rod.length), "place x/ℓ₁"))
+    return time_scale(duration), place_scale(width)
+
+
+def field_scale(solution: Solution, field: str, dimensionless: bool, largest: float) -> Scale:
+    """Scale of a field of `FIELDS`, for values up to `largest`.
+
+    Raises
+    ------
+    ValueError
+        If a dimensionless scale is wanted where no bodies approach each other.
+    """
+    if not dimensionless:
+        return {
+            "velocity": engineering("velocity", largest, "m/s"),
+            "stress": engineering("stress, tension positive", largest, "Pa"),
+            "strain": engineering("strain", largest, ""),
+        }[field]
+    v0 = closing_speed(solution)
+    if v0 == 0:
+        raise ValueError(
+            "dimensionless: velocities are scaled by the closing speed, and nothing approaches in "
+            "this row; use dimensionless=False"
+        )
+    material = first_rod(solution).segments[0].material
+    rho, c = float(material.density), float(material.wave_speed)
+    return {
+        "velocity": Scale(1 / v0, "velocity v/v₀"),
+        "stress": Scale(1 / (rho * c * v0), f"stress {SIGMA}/({RHO} c v₀)"),
+        "strain": Scale(c / v0, "strain ε c/v₀"),
+    }[field]
