@@ -18,7 +18,7 @@ import numpy as np
 from ..frozen import InvalidModel, Number
 from ..model import Bonded, Rod, Segment, Steps, System, Wall
 from . import kernels
-from .front_kernel import BOND, FREE, IDLE, OPEN, TOUCH, Log, Row, Tally
+from .front_kernel import BOND, FREE, OPEN, TOUCH, Log, Row, Tally, begin
 from .tick_kernel import assign_ticks
 
 TOLERANCE = 2.0**-48
@@ -294,32 +294,22 @@ def start(
     """
     n = len(ticks) - 2
     zero = 0 * mobility[1]
-    arrived, head, tail = [zero] * (2 * n + 4), [-1] * (2 * n + 4), [-1] * (2 * n + 4)
-    tick, after, line, value = [], [], [], []
-    for l, fronts in enumerate(waves):
-        for i, (t, wave) in enumerate(fronts):
-            tick.append(t)
-            after.append(len(tick) if i + 1 < len(fronts) else -1)
-            line.append(l)
-            value.append(wave)
-        if fronts:
-            head[l], tail[l], arrived[l] = len(tick) - len(fronts), len(tick) - 1, fronts[0][1]
-    arrived[0], arrived[2 * n + 3] = outside
-    leaves = 1 << n.bit_length()
-    tree = [0] * leaves + [0] * (n + 1) + [IDLE] * (leaves - n - 1)
-    for i in range(leaves - 1, 0, -1):
-        tree[i] = min(tree[2 * i], tree[2 * i + 1])
-    row = Row(
-        list(ticks), list(mobility), list(status), [0] * (n + 1), list(gaps), [zero] * (n + 1),
-        [zero] * (n + 1), [zero] * (n + 1), arrived, head, tail, tree,
-    )
-    tally = Tally(
-        [zero] * (n + 1), [zero] * (n + 1), [zero] * (n + 1),
-        [-1] * (n + 1), [-1] * (n + 1), [0] * (n + 1), [0] * (n + 1),
-    )
-    used = len(tick)
     more = [0] * room
     turns = [0] * room
-    log = Log(tick + more, after + more, line + more, value + [zero] * room,
-              turns, turns[:], turns[:])
-    return row, tally, log, [0, used, 0, 0, IDLE, 0, -1]
+    fronts = [(t, l, wave) for l, line in enumerate(waves) for t, wave in line]
+    log = Log(
+        [t for t, _, _ in fronts] + more, [-1] * (len(fronts) + room),
+        [l for _, l, _ in fronts] + more, [wave for _, _, wave in fronts] + [zero] * room,
+        turns, turns[:], turns[:],
+    )
+    nodes, lines = [zero] * (n + 1), [-1] * (2 * n + 4)
+    arrived = [outside[0], *[zero] * (2 * n + 2), outside[1]]
+    row = Row(
+        list(ticks), list(mobility), list(status), [0] * (n + 1), list(gaps), nodes, nodes[:],
+        nodes[:], arrived, lines, lines[:], [0] * (2 << n.bit_length()),
+    )
+    counts = [0] * (n + 1)
+    tally = Tally(nodes[:], nodes[:], nodes[:], counts, counts[:], counts[:], counts[:])
+    clock = [0] * 7
+    begin(row, tally, log, clock, len(fronts))
+    return row, tally, log, clock

@@ -68,6 +68,22 @@ class Log(NamedTuple):
     turn_status: Any  # [turn] the new status
 
 
+class Members(NamedTuple):
+    """Collisions of rows of the same make, with the fronts they start from; for `family`."""
+
+    transit: Any  # [member, segment]
+    mobility: Any  # [member, segment]
+    status: Any  # [member, node]
+    gap: Any  # [member, node]
+    outside: Any  # [member, 2] waves of the walls
+    count: Any  # [member] number of fronts
+    tick: Any  # [member, front] as `begin` wants them
+    line: Any  # [member, front]
+    value: Any  # [member, front]
+    tolerance: Any  # [member]
+    window: Any  # [member]
+
+
 def schedule(tree: Any, i: int, tick: int) -> None:
     """Set leaf i of the winner tree."""
     tree[i] = tick
@@ -75,6 +91,40 @@ def schedule(tree: Any, i: int, tick: int) -> None:
         low = min(tree[i], tree[i ^ 1])
         i //= 2
         tree[i] = low
+
+
+def begin(row: Row, tally: Tally, log: Log, clock: Any, count: int) -> None:
+    """Set everything to t = 0.
+
+    Given are transit, mobility, status and gap of the row, what arrives from the walls, and the
+    first `count` rows of the log: for each line, in order of time, the fronts that fill it, the
+    first of them one transit ago.
+    """
+    n = len(row.status)
+    zero = 0 * row.mobility[1]
+    for l in range(2, 2 * n):
+        row.arrived[l], row.head[l], row.tail[l] = zero, -1, -1
+    for l in (0, 1, 2 * n, 2 * n + 1):
+        row.head[l] = row.tail[l] = -1
+    for r in range(count):
+        l = log.line[r]
+        log.after[r] = -1
+        if row.tail[l] < 0:
+            row.head[l], row.arrived[l] = r, log.value[r]
+        else:
+            log.after[row.tail[l]] = r
+        row.tail[l] = r
+    for k in range(n):
+        row.since[k], row.rate[k], row.force[k], row.speed[k] = 0, zero, zero, zero
+        tally.impulse[k], tally.work[k], tally.peak[k] = zero, zero, zero
+        tally.first[k], tally.last[k], tally.pressed[k], tally.episodes[k] = -1, -1, 0, 0
+    leaves = len(row.tree) // 2
+    for k in range(leaves):
+        row.tree[leaves + k] = 0 if k < n else IDLE
+    for i in range(leaves - 1, 0, -1):
+        row.tree[i] = min(row.tree[2 * i], row.tree[2 * i + 1])
+    clock[NOW], clock[ROWS], clock[TURNS], clock[EVENTS] = 0, count, 0, 0
+    clock[PROBE], clock[REST], clock[SETTLED] = IDLE, 0, -1
 
 
 def meet(row: Row, k: int, dt: int, tol: Any, window: int) -> int:
@@ -418,3 +468,43 @@ def contents(row: Row, log: Log, t: int, velocity: Any, momentum: Any, vibration
             total += wave * edge
             square += (wave - V) * (wave - V) * edge
         momentum[s], vibration[s] = Z * total / 2, Z * square / 4
+
+
+def family(
+    row: Row, tally: Tally, log: Log, clock: Any, members: Members, limit: int, flags: Any,
+    tallies: Tally,
+) -> None:
+    """Run every member to its proof of finality in the same work space.
+
+    Parameters
+    ----------
+    row, tally, log, clock
+        Work space of one run; a member that fills the log is left at FULL.
+    members : Members
+    limit : int
+        Largest number of events of a member.
+    flags : [member] int
+        Result: why each run stopped.
+    tallies : Tally
+        Result: arrays [member, node].
+    """
+    for c in range(len(flags)):
+        for s in range(len(row.transit)):
+            row.transit[s], row.mobility[s] = members.transit[c, s], members.mobility[c, s]
+        for k in range(len(row.status)):
+            row.status[k], row.gap[k] = members.status[c, k], members.gap[c, k]
+        row.arrived[0], row.arrived[2 * len(row.status) + 1] = (
+            members.outside[c, 0], members.outside[c, 1],
+        )
+        for r in range(members.count[c]):
+            log.tick[r], log.line[r] = members.tick[c, r], members.line[c, r]
+            log.value[r] = members.value[c, r]
+        begin(row, tally, log, clock, members.count[c])
+        flags[c] = play(
+            row, tally, log, clock, -1, limit, members.tolerance[c], members.window[c]
+        )
+        for k in range(len(row.status)):
+            tallies.impulse[c, k], tallies.work[c, k] = tally.impulse[k], tally.work[k]
+            tallies.peak[c, k], tallies.pressed[c, k] = tally.peak[k], tally.pressed[k]
+            tallies.first[c, k], tallies.last[c, k] = tally.first[k], tally.last[k]
+            tallies.episodes[c, k] = tally.episodes[k]

@@ -74,4 +74,8 @@ def _translate(kernel: Kernel, cache: bool) -> Kernel:
             scope[name] = _translate(callee, cache)
     twin = types.FunctionType(kernel.__code__, scope, kernel.__name__, kernel.__defaults__)
     twin.__qualname__, twin.__module__ = kernel.__qualname__, kernel.__module__
-    return numba.njit(twin, cache=cache, nogil=True)
+    try:
+        # kernels make no arrays; counting references to those they get would cost most of a call
+        return numba.njit(twin, cache=cache, nogil=True, _nrt=False)
+    except KeyError:  # a numba without this switch
+        return numba.njit(twin, cache=cache, nogil=True)
