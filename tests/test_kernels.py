@@ -264,7 +264,8 @@ def test_a_family_is_its_members():
         velocity = rng.uniform(-1, 1)
         if rng.random() < 0.3:
             velocity = ri.Steps([velocity, rng.uniform(-1, 1)], [0.5])
-        return ri.Rod(rng.integers(2, 9) / 2, area=rng.uniform(0.3, 3), material=m, velocity=velocity)
+        area = rng.uniform(0.3, 3)
+        return ri.Rod(rng.integers(2, 9) / 2, area=area, material=m, velocity=velocity)
 
     assemblies = [
         assemble(ri.System([rod(), rod(), ri.Wall(rng.uniform(-1, 0))], [rng.integers(0, 2), 0]))

@@ -72,10 +72,11 @@ def _translate(kernel: Kernel, cache: bool) -> Kernel:
         callee = scope.get(name)
         if isinstance(callee, types.FunctionType) and callee.__module__ == kernel.__module__:
             scope[name] = _translate(callee, cache)
+    compile_: Any = numba.njit
     twin = types.FunctionType(kernel.__code__, scope, kernel.__name__, kernel.__defaults__)
     twin.__qualname__, twin.__module__ = kernel.__qualname__, kernel.__module__
     try:
         # kernels make no arrays; counting references to those they get would cost most of a call
-        return numba.njit(twin, cache=cache, nogil=True, _nrt=False)
+        return compile_(twin, cache=cache, nogil=True, _nrt=False)  # type: ignore[no-any-return]
     except KeyError:  # a numba without this switch
-        return numba.njit(twin, cache=cache, nogil=True)
+        return compile_(twin, cache=cache, nogil=True)  # type: ignore[no-any-return]
