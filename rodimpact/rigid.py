@@ -25,7 +25,7 @@ Array: TypeAlias = NDArray[np.float64]
 Number: TypeAlias = float | Array
 
 NEWTON_RATIOS = {"wool": Fraction(5, 9), "glass": Fraction(15, 16)}
-"""Restitution of equal balls that Newton measured with pendulums, corrected for air drag.
+"""Restitution of balls that Newton measured with pendulums, allowing for the drag of the air.
 
 Principia, scholium to the laws of motion; Motte's translation revised by Cajori, University of
 California Press 1947, page 25. Steel he found to be close to 1, and cork a little below that.
@@ -285,7 +285,7 @@ def restitution_from_velocities(
 ) -> Number:
     """Coefficient of restitution measured from velocities (eq. 10.56).
 
-    ``e = (v2_after - v1_after)/(v1_before - v2_before)``; above 1 the collision released energy.
+    ``e = (v2_after - v1_after)/(v1_before - v2_before)``; with abs(e) > 1 energy was released.
 
     Parameters
     ----------
@@ -357,7 +357,8 @@ def bouncing_ball(
     Each impact multiplies the speed by e, hence the time of flight by e and the height by e^2.
     The geometric series give the limits ``t (1 + e)/(1 - e)``, with t = sqrt(2 h/g) the first
     fall, and ``h (1 + e^2)/(1 - e^2)`` (problem 10.5.8): for 0 < e < 1 infinitely many bounces in
-    a finite time.
+    a finite time. With e = 0 the ball stays down: further impacts are listed at the time of the
+    first.
 
     Parameters
     ----------
@@ -402,7 +403,7 @@ def bouncing_ball(
     legs = np.where(bounce == 0, 1.0, 2.0)  # the first is only a fall, the others rise and fall
     with np.errstate(divide="ignore"):
         total_time = first_fall * ((1 + e) / (1 - e))
-        total_distance = h * ((1 + e * e) / (1 - e * e))
+        total_distance = h * ((1 + e * e) / ((1 - e) * (1 + e)))
     return BouncingBall(
         impact_times=first_fall[..., np.newaxis] * np.cumsum(legs * powers, axis=-1),
         impact_distances=h[..., np.newaxis] * np.cumsum(legs * powers**2, axis=-1),

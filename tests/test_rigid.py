@@ -268,6 +268,12 @@ def test_dead_and_perfect_bounces():
     assert (perfect.total_time, perfect.total_distance) == (math.inf, math.inf)
 
 
+def test_the_path_of_an_almost_perfect_ball_keeps_its_digits():
+    e = Fraction(1 - 1e-9)
+    total = rigid.bouncing_ball(1.0, float(e), 1).total_distance
+    assert total == pytest.approx(float((1 + e**2) / (1 - e**2)), rel=1e-14)
+
+
 def test_a_stack_is_a_row_of_collisions():
     v = math.sqrt(2 * 9.81 * 1.5)
     first = rigid.collide(3.0, 0.9 * v, 2.0, -v, 0.8)

@@ -1,0 +1,178 @@
+"""A collision of rods as rigid-body mechanics sees it: `Outcome.as_rigid`."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact import rigid
+from rodimpact.theory import saint_venant
+
+UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)  # impedance = area, transit = length
+
+
+def rod(Z, T, velocity=0.0, **more):
+    return ri.Rod(T, area=Z, material=UNIT, velocity=velocity, **more)
+
+
+def stepped(impedances, velocity=0.0):
+    """A rod of pieces of transit time 1."""
+    return ri.Rod(segments=[ri.Segment(1.0, Z, UNIT) for Z in impedances], velocity=velocity)
+
+
+def outcome_of(*bodies, **more):
+    return ri.solve(ri.System(list(bodies), **more)).outcome
+
+
+def assert_stands_for(body, outcome):
+    """The rigid bodies move as the rods do, and lose what the rods keep as vibration."""
+    k = outcome.unilateral[0]
+    assert body.velocity_1 == pytest.approx(outcome.velocities_after[k], abs=1e-13)
+    assert body.velocity_2 == pytest.approx(outcome.velocities_after[k + 1], abs=1e-13)
+    assert body.impulse == pytest.approx(outcome.impulse, rel=1e-13)
+    gained = sum(outcome.vibration_after) - sum(outcome.vibration_before)
+    assert body.energy_lost == pytest.approx(gained, abs=1e-13)
+
+
+# Pairs
+
+
+def test_a_pair_by_hand():
+    # Z 2 : 1, T 1 : 2: both rods have the mass 2, and e = 7/9.
+    outcome = ri.collide(rod(2.0, 1.0, 3.0), rod(1.0, 2.0))
+    body = outcome.as_rigid()
+    assert isinstance(body, rigid.RigidCollision)
+    assert body.velocity_1 == pytest.approx(1 / 3)
+    assert body.velocity_2 == pytest.approx(8 / 3)
+    assert body.impulse == pytest.approx(16 / 3)
+    assert body.centre_of_mass_velocity == pytest.approx(1.5)
+    assert body.relative_velocity_before == -3.0
+    assert body.relative_velocity_after == pytest.approx(7 / 3)
+    assert body.energy_before == pytest.approx(9.0)
+    assert body.energy_lost == pytest.approx(16 / 9)
+    assert_stands_for(body, outcome)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_pairs_of_unequal_impedance(seed):
+    Z1, T1, Z2, T2 = np.exp(np.random.default_rng(seed).uniform(-2, 2, 4)).tolist()
+    outcome = ri.collide(rod(Z1, T1, 0.7), rod(Z2, T2, -0.4))
+    body = outcome.as_rigid()
+    assert_stands_for(body, outcome)
+    assert body.impulse == pytest.approx(saint_venant(Z1, T1, Z2, T2, 1.1).impulse, rel=1e-11)
+
+
+def test_an_elastic_pair_may_exceed_one_by_round_off():
+    for Z in np.linspace(0.1, 5.0, 50).tolist():
+        assert ri.collide(rod(Z, 0.7, 1.0), rod(1.0, 0.7)).as_rigid().energy_lost == pytest.approx(
+            0.0, abs=1e-14
+        )
+
+
+# Walls
+
+
+@pytest.mark.parametrize("wall", [0.0, -0.25, 0.5])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_rod_on_a_wall(wall, mirrored):
+    # The thick end of a rod stepped 3 : 1 leaves a wall with e = 1/2.
+    system = ri.System([stepped([1.0, 3.0], velocity=1.0), ri.Wall(wall)])
+    outcome = ri.solve(system.mirrored() if mirrored else system).outcome
+    body = outcome.as_rigid()
+    moved, kept = body.velocity_1, body.velocity_2
+    if mirrored:
+        moved, kept = -kept, -moved
+    assert kept == wall
+    assert moved == pytest.approx(wall - (1 - wall) / 2)
+    assert body.impulse == pytest.approx(4 * 1.5 * (1 - wall))
+    assert body.energy_lost == pytest.approx(0.75 * 4 * (1 - wall) ** 2 / 2)
+    assert math.isinf(body.energy_before) == (wall != 0)
+    assert_stands_for(body, outcome)
+
+
+# Stepped and bonded rods
+
+
+@pytest.mark.parametrize(
+    ("impedances", "e"), [([1, 3], 1.0), ([3, 1], 1 / 2), ([1, 2], 23 / 27), ([2, 1], 7 / 9)]
+)
+def test_mirror_images_of_stepped_rods(impedances, e):
+    outcome = ri.collide(stepped(impedances[::-1], 1.0), stepped(impedances, -1.0))
+    body = outcome.as_rigid()
+    assert body.relative_velocity_after == pytest.approx(2 * e)
+    assert body.centre_of_mass_velocity == pytest.approx(0.0, abs=1e-15)
+    assert_stands_for(body, outcome)
+
+
+def test_masses_of_bonded_rods_are_summed():
+    rigid_contact, bonded = ri.Rigid(), ri.Bonded()
+    outcome = outcome_of(
+        rod(1.0, 1.0, 1.0), rod(2.0, 1.0, 1.0), rod(3.0, 2.0), rod(1.0, 1.0), rod(0.5, 2.0),
+        contacts=[bonded, rigid_contact, bonded, bonded],
+    )
+    in_one_piece = ri.collide(
+        stepped([1.0, 2.0], 1.0),
+        ri.Rod(segments=[ri.Segment(*piece, UNIT) for piece in ((2.0, 3.0), (1.0, 1.0),
+                                                                (2.0, 0.5))]),
+    )
+    body = outcome.as_rigid()
+    assert body == pytest.approx(in_one_piece.as_rigid(), rel=1e-13)
+    assert body.centre_of_mass_velocity == pytest.approx(3 / (3 + 8))
+    assert_stands_for(body, outcome)
+
+
+def test_a_rod_bonded_to_a_wall_is_immovable():
+    # The anchored rod swings on: what the free rod lost is in its motion, too.
+    outcome = outcome_of(rod(1.0, 1.0, 1.0), rod(3.0, 2.0), ri.Wall(),
+                         contacts=[ri.Rigid(), ri.Bonded()])
+    body = outcome.as_rigid()
+    assert body.velocity_1 == pytest.approx(-0.5)
+    assert body.velocity_2 == 0.0
+    assert body.impulse == pytest.approx(1.5)
+    assert body.energy_lost == pytest.approx(1 / 2 - 1 / 8)
+    assert body.energy_lost > sum(outcome.vibration_after)
+
+
+# Vibration before
+
+
+def test_the_film_backwards_releases_vibration():
+    forwards = ri.solve(ri.System([rod(1.0, 1.0, 1.0), rod(1.0, 2.0)]))
+    outcome = ri.solve(forwards.system_at(forwards.t_end).reversed()).outcome
+    body = outcome.as_rigid()
+    assert forwards.outcome.restitution == pytest.approx(0.5)
+    assert outcome.restitution == pytest.approx(2.0)
+    assert body.velocity_1 == pytest.approx(-1.0)
+    assert body.velocity_2 == pytest.approx(0.0, abs=1e-13)
+    assert body.energy_lost == pytest.approx(-forwards.outcome.as_rigid().energy_lost)
+    assert_stands_for(body, outcome)
+
+
+# No restitution, no rigid bodies
+
+
+@pytest.mark.parametrize(
+    ("system", "why"),
+    [
+        (ri.System([rod(1, 1, 2.0), rod(1, 1, 1.0), rod(1, 1)]), "for one contact.*has 2"),
+        (ri.System([rod(1, 1, 1.0), rod(1, 1)], contacts=[ri.Bonded()]), "for one contact.*has 0"),
+        (ri.System([rod(1, 1, -1.0), rod(1, 1)]), "nothing collided; the bodies move apart"),
+        (ri.System([rod(1, 1, 1.0), rod(1, 1, 1.0)]), "nothing collided; the bodies do not appr"),
+        (
+            ri.System([rod(1, 1, ri.Steps([-1.0, 1.0], [0.5])), rod(1, 1)]),
+            "centres of mass did not approach",
+        ),
+    ],
+)
+def test_no_rigid_bodies_without_restitution(system, why):
+    outcome = ri.solve(system).outcome
+    with pytest.raises(ri.UndefinedRestitution, match=why):
+        outcome.as_rigid()
+
+
+@pytest.mark.parametrize(("until", "why"), [(0.5, "nothing collided; Stopped"), (1.5, "not over")])
+def test_no_rigid_bodies_before_the_end(until, why):
+    system = ri.System([rod(1.0, 1.0, 1.0), rod(1.0, 2.0)], gaps=[1.0])
+    with pytest.raises(ri.UndefinedRestitution, match=why):
+        ri.solve(system, until=until).outcome.as_rigid()

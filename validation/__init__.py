@@ -1,0 +1,1 @@
+"""Numbers from elsewhere that rodimpact must reproduce: one file a case."""

@@ -1,0 +1,36 @@
+"""A bar hits an identical bar whose far end is fixed: test SDNL111 of code_aster.
+
+Bars of 1 m, E = 200 GPa, rho = 7800 kg/m^3. The wave runs through the second bar to the fixed end
+and back through both: contact for 4 L/c, then the striker leaves with the velocity it came with,
+reversed, and the second bar is at rest.
+
+Source: code_aster, validation manual, test SDNL111.
+"""
+
+from __future__ import annotations
+
+import rodimpact as ri
+
+from .table import Row
+
+SPEED = 1.0
+
+
+def run() -> list[Row]:
+    """Striker, target, wall bonded to the target."""
+    steel = ri.Material("steel", youngs_modulus=2e11, density=7800.0)
+    striker = ri.Rod(1.0, area=1e-4, material=steel, velocity=SPEED)
+    target = ri.Rod(1.0, area=1e-4, material=steel)
+    solution = ri.solve(
+        ri.System([striker, target, ri.Wall()], contacts=[ri.Rigid(), ri.Bonded()])
+    )
+    o = solution.outcome
+    case, source = "code_aster, bar on fixed bar", "code_aster SDNL111"
+    return [
+        Row(case, "contact time, us", source, 789.9, o.contacts[0].duration * 1e6, 0.05),
+        Row(case, "velocity of the striker after, m/s", source, -SPEED, o.velocities_after[0],
+            1e-13),
+        Row(case, "vibration energy of the striker after, J", source, 0.0, o.vibration_after[0],
+            1e-14),
+        Row(case, "energy in the target after, J", source, 0.0, o.vibration_after[1], 1e-14),
+    ]

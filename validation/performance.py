@@ -1,0 +1,288 @@
+"""Speed and memory, each figure also as a ratio to a plain NumPy program for the same collision.
+
+    python -m validation.performance
+
+The yardstick is a leapfrog of staggered velocities and stresses at Courant number 1, with 400 cells
+per unit length, that solves the collision of two rods 0.4 : 1; it runs in the same process, just
+before and just after the other measurements. Figures are medians of several runs. Those marked
+"fresh" are taken in a new process that has not loaded numba.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import rodimpact as ri
+from rodimpact.methods import fronts, kernels
+from rodimpact.methods.assembly import start
+from rodimpact.methods.front_kernel import (
+    CAP,
+    EVENTS,
+    FINAL,
+    FREE,
+    IDLE,
+    NEVER,
+    OPEN,
+    REST,
+    TOUCH,
+    Log,
+    Members,
+    Tally,
+    family,
+    play,
+)
+
+CASE = Path(__file__).parent / "cases" / "unequal-rods.toml"
+TOLERANCE, WINDOW = 2.0**-48, 1 << 9
+UNIT = 2**40  # ticks
+RUN = 500_000  # events
+
+
+class Figure(NamedTuple):
+    """One measurement and what it should not exceed, in seconds (bytes for memory)."""
+
+    name: str
+    value: float
+    budget: float
+
+
+def median(job: Callable[[], Any], runs: int = 7) -> float:
+    """Median duration of a job, s."""
+    spans = []
+    for _ in range(runs):
+        begin = time.perf_counter()
+        job()
+        spans.append(time.perf_counter() - begin)
+    return statistics.median(spans)
+
+
+def fresh(code: str) -> float:
+    """What a new process prints."""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return float(done.stdout)
+
+
+def command(*arguments: str) -> float:
+    """Duration of the command line from the start of its process to its end, s."""
+    whole = [sys.executable, "-m", "rodimpact", *arguments]
+    return median(lambda: subprocess.run(whole, capture_output=True, check=True))
+
+
+# The yardstick ----------------------------------------------------------------------------------
+
+
+def leapfrog(cells_per_unit: int = 400, lengths: tuple[float, float] = (0.4, 1.0)) -> float:
+    """Restitution of two rods, c = rho = A = 1, by staggered differences.
+
+    Velocities sit on the nodes, stresses in the cells; the contact pushes the two end nodes, each
+    of half a cell's mass, so that they do not overlap.
+    """
+    h = 1.0 / cells_per_unit
+    cells = [round(L * cells_per_unit) for L in lengths]
+    v = [np.ones(cells[0] + 1), np.zeros(cells[1] + 1)]
+    sigma = [np.zeros(x.size - 1) for x in v]
+    gap = impulse = 0.0
+    for _ in range(round(2.1 * max(lengths) / h)):
+        for u, s in zip(v, sigma, strict=True):
+            s += u[1:] - u[:-1]
+            u[1:-1] += s[1:] - s[:-1]
+            u[0] += 2 * s[0]
+            u[-1] -= 2 * s[-1]
+        closing = v[0][-1] - v[1][0]
+        if gap <= 0 and closing > 0:
+            v[0][-1] -= closing / 2
+            v[1][0] += closing / 2
+            impulse += closing / 4 * h
+            closing = 0.0
+        gap = max(0.0, gap - closing * h)
+    return impulse * (1 / lengths[0] + 1 / lengths[1]) - 1
+
+
+# Kernels ----------------------------------------------------------------------------------------
+
+
+def state(
+    T: list[int], Z: list[float], v: list[float], gap: float = 0.0, walls: bool = False,
+    room: int = 4096,
+) -> Any:
+    """Arrays for the front kernel: uniform rods, free or between walls at rest."""
+    n = len(T)
+    waves = [[], [], *([(-T[s // 2], v[s // 2])] for s in range(2 * n))]
+    closed = OPEN if gap else TOUCH
+    ends = closed if walls else FREE
+    row, tally, log, clock = start(
+        [0, *T, 0], [0.0, *(1 / z for z in Z), 0.0], [ends, *[closed] * (n - 1), ends],
+        [gap] * (n + 1), (0.0, 0.0), waves,
+    )
+    log = Log(*(np.resize(column, room) for column in fronts._arrays(log)))
+    return fronts._as_arrays(row), fronts._as_arrays(tally), log, fronts._ints(clock)
+
+
+def per_event(*system: Any) -> float:
+    """Median time of an event in a run of half a million, s; making the arrays is not counted."""
+    fast = kernels.compiled(play)
+    spans = []
+    for _ in range(5):
+        row, tally, log, clock = state(*system, room=2 * RUN + 4096)
+        clock[REST] = IDLE
+        begin = time.perf_counter()
+        flag = fast(row, tally, log, clock, NEVER - 1, RUN, TOLERANCE, WINDOW)
+        spans.append((time.perf_counter() - begin) / clock[EVENTS])
+        assert flag == CAP
+    return statistics.median(spans)
+
+
+def free_pair() -> float:
+    """Two free rods of incommensurate transit times that meet once and go on vibrating."""
+    return per_event([int(UNIT * math.sqrt(2)), 3 * UNIT], [1.0, 2.0], [0.5, -0.5])
+
+
+def between_walls() -> float:
+    """Two rods between two walls, meeting again and again."""
+    return per_event([3 * UNIT, 7 * UNIT], [1.0, 2.0], [0.5, -0.7], 4.0 * UNIT, True)
+
+
+def long_row(n: int) -> float:
+    """Rods of random lengths, impedances and velocities, all touching at first."""
+    rng = np.random.default_rng(0)
+    T = [int(t) * UNIT for t in rng.integers(1, 30, n)]
+    return per_event(T, rng.uniform(0.5, 2.0, n).tolist(), rng.uniform(-1.0, 1.0, n).tolist())
+
+
+def family_of_pairs(pairs: int = 20_000) -> float:
+    """Time of one collision of a long list of random pairs, s; checked against the closed form."""
+    rng = np.random.default_rng(0)
+    transit = np.zeros((pairs, 4), dtype=np.int64)
+    transit[:, 1:3] = rng.uniform(0.1, 1.0, (pairs, 2)) * 2**49
+    impedance = np.exp(rng.uniform(0.0, math.log(3.0), (pairs, 2)))
+    mobility = np.zeros((pairs, 4))
+    mobility[:, 1:3] = 1 / impedance
+
+    def repeated(*one: float) -> Any:
+        return np.tile(one, (pairs, 1))
+
+    members = Members(
+        transit, mobility, repeated(FREE, TOUCH, FREE), repeated(0.0, 0.0, 0.0),
+        repeated(0.0, 0.0), np.full(pairs, 4), -np.repeat(transit[:, 1:3], 2, axis=1),
+        repeated(2, 3, 4, 5), repeated(0.5, 0.5, -0.5, -0.5), np.full(pairs, TOLERANCE),
+        np.full(pairs, WINDOW),
+    )
+    work = state([1, 1], [1.0, 1.0], [0.5, -0.5])
+    flags = np.zeros(pairs, dtype=np.int64)
+    tallies = Tally(*(np.zeros((pairs, 3), dtype=column.dtype) for column in work[1]))
+    fast = kernels.compiled(family)
+
+    def job() -> None:
+        fast(*work, members, 1 << 40, flags, tallies)
+
+    job()
+    assert np.all(flags == FINAL)
+    (Z1, Z2), (T1, T2) = impedance.T, transit[:, 1:3].T
+    e = tallies.impulse[:, 1] * (1 / (Z1 * T1) + 1 / (Z2 * T2)) - 1
+    assert np.abs(e - ri.theory.saint_venant(Z1, T1, Z2, T2).restitution).max() < 1e-11
+    return median(job) / pairs
+
+
+# The package as its users meet it ---------------------------------------------------------------
+
+PAIR = """
+import statistics, sys, time
+import numpy as np
+import rodimpact as ri
+left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+def median(job, runs):
+    spans = []
+    for _ in range(runs):
+        begin = time.perf_counter()
+        job()
+        spans.append(time.perf_counter() - begin)
+    return statistics.median(spans)
+"""
+COLLIDE = PAIR + """
+print(median(lambda: ri.collide(left, right), 500))
+assert "numba" not in sys.modules
+"""
+FIELD = PAIR + """
+solution = ri.solve(ri.System([left, right]))
+x, t = np.linspace(0, 1, 1000)[:, None], np.linspace(0, solution.t_end, 1000)
+solution.velocity(1, x, t)
+print(median(lambda: solution.velocity(1, x, t), 21))
+"""
+MEMORY = """
+import resource, sys
+import rodimpact as ri
+def peak():
+    size = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return size if sys.platform == "darwin" else size * 1024
+def solve(events):
+    rods = [ri.Rod(length, area=1e-4, material=ri.materials.steel, velocity=v)
+            for length, v in ((0.5 ** 0.5, 1.0), (1.0, 0.0), (0.2 ** 0.5, -1.0))]
+    row = ri.System([ri.Wall(), *rods, ri.Wall()], gaps=[1e-4] * 4)
+    solution = ri.solve(row, max_events=events)
+    assert solution.events >= events
+    return solution
+solve(100_000)
+before = peak()
+solve(1_000_000)
+print(peak() - before)
+"""
+
+
+def measure() -> list[Figure]:
+    """Every figure but the yardstick's."""
+    rows = {n: long_row(n) for n in (30, 100, 300, 1000)}
+    growth = rows[1000] / rows[30] / (math.log2(1000) / math.log2(30))
+    figures = [
+        Figure("collide() of two rods, interpreted, fresh", fresh(COLLIDE), 300e-6),
+        Figure("a compiled collision of two rods, proof included", family_of_pairs(), 500e-9),
+        Figure("an event of a long free pair", free_pair(), 20e-9),
+        Figure("an event of two rods between walls", between_walls(), 40e-9),
+        *(Figure(f"an event of a row of {n} rods", value, 120e-9) for n, value in rows.items()),
+        Figure("velocity on 1000 x 1000 points, compiled", fresh("import numba\n" + FIELD), 2e-3),
+        Figure("velocity on 1000 x 1000 points, not compiled, fresh", fresh(FIELD), 30e-3),
+    ]
+    try:
+        figures += [
+            Figure("rodimpact --version", command("--version"), 60e-3),
+            Figure(f"rodimpact run {CASE.name}", command("run", str(CASE)), 350e-3),
+        ]
+    except subprocess.CalledProcessError as error:
+        print(f"the command line does not run: {error}", file=sys.stderr)
+    print(f"time of an event from 30 to 1000 rods, over that of log n: {growth:.2f}")
+    return figures
+
+
+def shown(seconds: float) -> str:
+    """A duration with a fitting unit."""
+    for unit, scale in (("s", 1.0), ("ms", 1e3), ("us", 1e6)):
+        if seconds * scale >= 1:
+            return f"{seconds * scale:.3g} {unit}"
+    return f"{seconds * 1e9:.3g} ns"
+
+
+def main() -> None:
+    """Print the table."""
+    memory = fresh(MEMORY)  # first: a process inherits the peak of the one that starts it
+    before = median(leapfrog)
+    figures = measure()
+    yardstick = (before + median(leapfrog)) / 2
+    print(f"NumPy leapfrog, 400 cells per unit length: {shown(yardstick)}\n")
+    print(f"{'figure':56} {'median':>8} {'budget':>8} {'of a leapfrog':>14}")
+    for name, value, budget in figures:
+        late = "" if value <= budget else "  over budget"
+        print(f"{name:56} {shown(value):>8} {shown(budget):>8} {value / yardstick:14.2g}{late}")
+    print(f"\nmemory of a run of a million events: {memory / 1e6:.0f} MB of 100 MB")
+
+
+if __name__ == "__main__":
+    main()

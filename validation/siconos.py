@@ -1,0 +1,27 @@
+"""A bar falls on a rigid floor: the ImpactingBar example of Siconos.
+
+E = 210 GPa, rho = 7800 kg/m^3, A = 3.14e-4 m^2, L = 1 m, falling at 0.1 m/s from a gap of 50 um,
+no gravity. Impact after gap/speed, contact for 2 L/c, force Z v, rebound with e = 1.
+
+Source: Siconos tutorials, mechanics, ImpactingBar (https://github.com/siconos/siconos-tutorials).
+"""
+
+from __future__ import annotations
+
+import rodimpact as ri
+
+from .table import Row
+
+
+def run() -> list[Row]:
+    """The bar to the left of the floor."""
+    material = ri.Material("bar", youngs_modulus=210e9, density=7800.0)
+    bar = ri.Rod(1.0, area=3.14e-4, material=material, velocity=0.1)
+    o = ri.collide(bar, ri.Wall(), gap=5e-5)
+    case, source = "Siconos, bar on floor", "Siconos ImpactingBar, by hand"
+    return [
+        Row(case, "impact at, s", source, 0.5e-3, o.contacts[0].first, 1e-17),
+        Row(case, "contact time, ms", source, 0.38545, o.duration * 1e3, 5e-6),
+        Row(case, "force, N", source, 1270.8, o.peak_force, 0.05),
+        Row(case, "e", source, 1.0, o.restitution, 1e-13),
+    ]
