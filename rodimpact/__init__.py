@@ -12,17 +12,38 @@ from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
 
-if TYPE_CHECKING:
-    from . import materials, plot, rigid, theory, units
-    from .casefile import Case, parse_case, read_case, write_case
-    from .contacts import ContactHistory, Episode
-    from .files import FileFormatError, load
-    from .frozen import InvalidModel
-    from .model import Bonded, Material, Rigid, Rod, Segment, Steps, System, Wall
-    from .outcome import Outcome, UndefinedRestitution
-    from .regions import Regions, regions_of
-    from .solution import EnergyLedger, Gauge, Solution
-    from .solving import collide, solve
+if TYPE_CHECKING:  # names under their own names, so that type checkers take them as public
+    from . import materials as materials
+    from . import plot as plot
+    from . import rigid as rigid
+    from . import theory as theory
+    from . import units as units
+    from .casefile import Case as Case
+    from .casefile import parse_case as parse_case
+    from .casefile import read_case as read_case
+    from .casefile import write_case as write_case
+    from .contacts import ContactHistory as ContactHistory
+    from .contacts import Episode as Episode
+    from .files import FileFormatError as FileFormatError
+    from .files import load as load
+    from .frozen import InvalidModel as InvalidModel
+    from .model import Bonded as Bonded
+    from .model import Material as Material
+    from .model import Rigid as Rigid
+    from .model import Rod as Rod
+    from .model import Segment as Segment
+    from .model import Steps as Steps
+    from .model import System as System
+    from .model import Wall as Wall
+    from .outcome import Outcome as Outcome
+    from .outcome import UndefinedRestitution as UndefinedRestitution
+    from .regions import Regions as Regions
+    from .regions import regions_of as regions_of
+    from .solution import EnergyLedger as EnergyLedger
+    from .solution import Gauge as Gauge
+    from .solution import Solution as Solution
+    from .solving import collide as collide
+    from .solving import solve as solve
 
 _HOME = {
     "frozen": ("InvalidModel",),

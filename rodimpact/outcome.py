@@ -135,7 +135,7 @@ class Outcome:
 
         The two sides of the only contact collide with the effective `restitution`; the velocities
         and the impulse are those of the rods, and the energy that looks lost is what vibration
-        gained.
+        gained. (Where a side is bonded to a wall, its swing has gained some of it.)
 
         Returns
         -------

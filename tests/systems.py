@@ -6,7 +6,6 @@ import numpy as np
 
 import rodimpact as ri
 
-UNIT = 0.05
 MATERIALS = [
     ri.Material("one", youngs_modulus=100e9, density=4000.0),
     ri.Material("heavy", youngs_modulus=100e9 * 4, density=4000.0 * 4),
@@ -17,14 +16,14 @@ MATERIALS = [
 def random_profile(rng, length, scale):
     if rng.random() < 0.7:
         return scale * rng.uniform(-1, 1)
-    at = sorted(rng.choice(np.arange(1, 20), size=rng.integers(1, 3), replace=False) / 20 * length)
+    at = sorted(rng.choice(np.arange(1, 16), size=rng.integers(1, 3), replace=False) / 16 * length)
     return ri.Steps([scale * rng.uniform(-1, 1) for _ in range(len(at) + 1)], list(map(float, at)))
 
 
-def random_rod(rng, *, vibrating=True, stepped=True):
+def random_rod(rng, unit, vibrating, stepped):
     def segment():
         material = MATERIALS[rng.integers(len(MATERIALS))]
-        length = float(UNIT * rng.integers(1, 9))
+        length = float(unit * rng.integers(1, 9))
         return ri.Segment(length, float(rng.uniform(0.3, 3) * 1e-4), material)
 
     count = rng.integers(1, 4) if stepped and rng.random() < 0.3 else 1
@@ -39,9 +38,11 @@ def random_rod(rng, *, vibrating=True, stepped=True):
     )
 
 
-def random_system(seed, *, bodies=6, walls=True, vibrating=True, stepped=True, bonded=True):
+def random_system(
+    seed, *, bodies=6, walls=True, vibrating=True, stepped=True, bonded=True, unit=0.05
+):
     rng = np.random.default_rng(seed)
-    row = [random_rod(rng, vibrating=vibrating, stepped=stepped)
+    row = [random_rod(rng, unit, vibrating, stepped)
            for _ in range(rng.integers(1 if walls else 2, bodies + 1))]
     if walls and rng.random() < 0.4:
         row.insert(0, ri.Wall(float(rng.uniform(-0.2, 0.3)) if rng.random() < 0.5 else 0.0))

@@ -49,7 +49,7 @@ class Tally(NamedTuple):
 
     impulse: Any  # [node] integral of the force
     work: Any  # [node] integral of force times speed: energy handed from left to right
-    peak: Any  # [node] largest pressing force
+    peak: Any  # [node] largest force that lasted longer than the window
     first: Any  # [node] tick of the first force, -1 before
     last: Any  # [node] tick at which the last force ended, -1 before
     pressed: Any  # [node] ticks under force
@@ -206,6 +206,8 @@ def advance(
         if force[k] != 0:
             tally.impulse[k] += force[k] * dt
             tally.work[k] += force[k] * row.speed[k] * dt
+            if dt > window:
+                tally.peak[k] = max(tally.peak[k], force[k])
         F, since[k] = 0 * a, t
         if status[k] == BOND:
             F = (a - b) / (Yl + Yr)
@@ -218,7 +220,6 @@ def advance(
                 probe = clock[PROBE]
             if new == PRESS:
                 F = (a - b) / (Yl + Yr)
-                tally.peak[k] = max(tally.peak[k], F)
         force[k], row.speed[k] = F, a - F * Yl
         for l in (2 * k + 1, 2 * k + 2):
             out = b + 2 * F * Yr
@@ -391,7 +392,7 @@ def settled(row: Row, log: Log, t: int, tol: Any) -> int:
     return latest
 
 
-def close_books(row: Row, tally: Tally, t: int) -> None:
+def close_books(row: Row, tally: Tally, t: int, window: int) -> None:
     """Bring gaps and tallies up to tick t, at which nothing happens."""
     for k in range(len(row.status)):
         dt = t - row.since[k]
@@ -401,6 +402,8 @@ def close_books(row: Row, tally: Tally, t: int) -> None:
         tally.work[k] += row.force[k] * row.speed[k] * dt
         if row.status[k] == PRESS:
             tally.pressed[k] += dt
+            if dt > window:
+                tally.peak[k] = max(tally.peak[k], row.force[k])
 
 
 def play(
@@ -437,7 +440,7 @@ def play(
             clock[PROBE] = when
             clock[REST] = clock[EVENTS] + len(row.status) + clock[EVENTS] // 8
     if flag != FULL:
-        close_books(row, tally, clock[NOW])
+        close_books(row, tally, clock[NOW], window)
     if until >= 0 and flag == DONE and settled(row, log, clock[NOW], tol) == clock[NOW]:
         clock[SETTLED] = clock[NOW]
     if until < 0 and flag == DONE:

@@ -13,6 +13,7 @@ from typing import Any
 TERMS = 1 << 20  # largest numerator or denominator of a recognised ratio
 SLACK = 4.0 * 2.0**-52  # relative error of a ratio of two quotients of floats
 MOST_PARTS = 1 << 40  # into how many units the longest duration may be divided
+DIVISIBLE = 720720  # least common multiple of 1 to 16
 LEAST_UNIT = 2.0**40  # ticks in the unit of any further class, so that rounding it is harmless
 
 
@@ -84,8 +85,9 @@ def assign_ticks(durations: Any, bits: int, order: Any, p: Any, q: Any, ticks: A
     """Give each duration its whole number of ticks; return that of the longest (about 2^bits).
 
     A tick is the longest duration divided by the number returned. The class of the longest is
-    exact; a further class is exact while its unit has at least 2^40 ticks; what is left is rounded
-    singly, by at most half a tick.
+    exact, and simple fractions of its unit are whole ticks too, for gaps that close there. A
+    further class is exact while its unit has at least 2^40 ticks; what is left is rounded singly,
+    by at most half a tick.
 
     Parameters
     ----------
@@ -114,6 +116,8 @@ def assign_ticks(durations: Any, bits: int, order: Any, p: Any, q: Any, ticks: A
         if start == 0:
             parts = common_parts(durations, order, start, MOST_PARTS, p, q)
             unit = max(1, ((1 << bits) + parts // 2) // parts)
+            if unit > DIVISIBLE * DIVISIBLE:
+                unit -= unit % DIVISIBLE
             whole = unit * parts
         else:
             span = durations[lead] / longest * whole
