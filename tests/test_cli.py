@@ -344,8 +344,8 @@ SAMPLE = ["rigid", "--m1", "2", "--v1", "0.5", "--m2", "10", "--v2", "0.2"]
 def test_rigid_prints_sample_10_19(capsys):
     assert main([*SAMPLE, "-e", "1"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[1].split() == ["1", "2", "kg", "0.5", "m/s", "0", "m/s"]
-    assert lines[2].split() == ["2", "10", "kg", "0.2", "m/s", "0.3", "m/s"]
+    assert lines[1].split() == "1 2 kg 0.5 m/s 0 m/s 1 N s 0 N s".split()
+    assert lines[2].split() == "2 10 kg 0.2 m/s 0.3 m/s 2 N s 3 N s".split()
 
 
 def test_rigid_takes_units_signs_walls_and_percent(capsys):
@@ -362,13 +362,26 @@ def test_rigid_prints_round_off_as_zero(capsys):
     argv = ["rigid", "--m1", "0.3", "--v1", "0.7", "--m2", "0.1", "--v2", "-2.1", "-e", "0"]
     assert main(argv) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[1].split()[-2:] == lines[2].split()[-2:] == ["0", "m/s"]
+    for line in lines[1:3]:
+        assert line.split()[5:7] == ["0", "m/s"]
+        assert line.split()[10:] == ["0", "N", "s"]
 
 
 def test_rigid_reports_all_mistakes_at_once(capsys):
     assert main(["rigid", "--m1", "2 m", "--v1", "x", "--m2", "1", "--v2", "0", "-e", "1 s"]) == 2
     lines = capsys.readouterr().err.splitlines()
     assert [line.split(": ")[1] for line in lines] == ["--m1", "--v1", "-e"]
+
+
+def test_rigid_refuses_energy_unless_it_is_released(capsys):
+    assert main([*SAMPLE, "-e", "1.5"]) == 2
+    error = capsys.readouterr().err
+    assert "-e = 1.5" in error
+    assert "--energy-release" in error
+    assert main([*SAMPLE, "-e", "1.5", "--energy-release"]) == 0
+    assert "-93.75 mJ" in capsys.readouterr().out
+    assert main(["rigid", "--m1", "-2", "--v1", "1", "--m2", "1", "--v2", "0", "-e", "1"]) == 2
+    assert "--m1 = -2.0" in capsys.readouterr().err
 
 
 def test_rigid_bodies_that_do_not_meet_are_a_mistake(capsys):

@@ -15,6 +15,8 @@ from ..units import format_si
 from . import DONE
 from .asking import Mistakes, Problems, quantity
 
+OPTIONS = {"restitution": "-e", **{name: f"--{name}" for name in ("m1", "v1", "m2", "v2")}}
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Two masses, two velocities, a restitution."""
@@ -24,7 +26,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(f"--v{i}", required=True, metavar="VELOCITY",
                             help='its velocity, "0.5 m/s", positive to the right')
     parser.add_argument("-e", "--restitution", required=True, metavar="E",
-                        help="coefficient of restitution, from 0 (they stick) to 1 (no loss)")
+                        help="coefficient of restitution: 0 they stick, 1 no energy is lost; "
+                        "below 0 one passes through the other")
+    parser.add_argument("--energy-release", action="store_true",
+                        help="allow |e| > 1, as when something explodes between the bodies")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -33,7 +38,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     given = vars(arguments)
     problems: Problems = []
     m1, m2 = (
-        math.inf if given[name].strip() == "inf"
+        math.inf if given[name].strip().lower() == "inf"
         else quantity(problems, f"--{name}", given[name], "mass")
         for name in ("m1", "m2")
     )
@@ -42,10 +47,15 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     if problems:
         raise Mistakes(problems)
     try:
-        collision = rigid.collide(m1, v1, m2, v2, e)
+        collision = rigid.collide(
+            m1, v1, m2, v2, e, allow_energy_release=arguments.energy_release
+        )
     except ValueError as error:
         given_wrong, _, wanted = str(error).partition(": ")
-        raise Mistakes([(given_wrong, wanted)]) from error
+        name, _, value = given_wrong.partition(" = ")
+        where = f"{OPTIONS[name]} = {value}" if name in OPTIONS else given_wrong
+        wanted = wanted.replace("set allow_energy_release=True", "--energy-release")
+        raise Mistakes([(where, wanted)]) from error
     after = {name: float(value) for name, value in collision._asdict().items()}
     if arguments.json:
         inputs = {"m1": m1, "v1": v1, "m2": m2, "v2": v2, "restitution": e}
@@ -58,17 +68,27 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     def velocity(v: float) -> str:
         return f"{clean(v, max(abs(v1), abs(v2))):.6g} m/s"
 
+    def finite(value: float, unit: str) -> str:
+        return format_si(value if math.isfinite(value) else math.nan, unit)
+
+    def momentum(m: float, v: float) -> str:
+        scale = min(m1, m2) * max(abs(v1), abs(v2))
+        return finite(clean(m * v, scale) if math.isfinite(m) else math.nan, "N s")
+
+    bodies = [(m1, v1, after["velocity_1"]), (m2, v2, after["velocity_2"])]
     table = align([
-        ["body", "mass", "velocity before", "velocity after"],
-        ["1", format_si(m1, "kg"), velocity(v1), velocity(after["velocity_1"])],
-        ["2", format_si(m2, "kg"), velocity(v2), velocity(after["velocity_2"])],
+        ["body", "mass", "velocity before", "velocity after", "momentum before", "momentum after"],
+        *([str(i), format_si(m, "kg"), velocity(v), velocity(w), momentum(m, v), momentum(m, w)]
+          for i, (m, v, w) in enumerate(bodies, 1)),
     ])
     sums = align([
         ["coefficient of restitution e", format_si(e, "")],
-        ["impulse", format_si(after["impulse"], "N s")],
+        ["speed of approach", velocity(-after["relative_velocity_before"])],
+        ["speed of separation", velocity(after["relative_velocity_after"])],
+        ["impulse on body 2", format_si(after["impulse"], "N s")],
         ["velocity of the centre of mass", velocity(after["centre_of_mass_velocity"])],
-        ["kinetic energy before", format_si(after["energy_before"], "J")],
-        ["kinetic energy after", format_si(after["energy_after"], "J")],
+        ["kinetic energy before", finite(after["energy_before"], "J")],
+        ["kinetic energy after", finite(after["energy_after"], "J")],
         ["kinetic energy lost", format_si(after["energy_lost"], "J")],
     ])
     return f"{table}\n\n{sums}", DONE
