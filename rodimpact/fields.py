@@ -124,19 +124,18 @@ class WaveFields:
 
     def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """m/s; x and t broadcast."""
-        out = self._combine(body, x, t, side, 1.0, lambda _: 0.5)
-        out += self.assembly.frame
-        return out
+        return self._combine(body, x, t, side, 1.0, lambda _: 0.5, self.assembly.frame)
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Positive in tension; x and t broadcast."""
         c = self.assembly.wave_speed
-        return self._combine(body, x, t, side, -1.0, lambda s: 0.5 / c[s])
+        return self._combine(body, x, t, side, -1.0, lambda s: 0.5 / c[s], 0.0)
 
     def _combine(
-        self, body: int, x: ArrayLike, t: ArrayLike, side: Side, sign: float, factor: Any
+        self, body: int, x: ArrayLike, t: ArrayLike, side: Side, sign: float, factor: Any,
+        shift: float,
     ) -> Floats:
-        """(sign a + b) * factor(segment)."""
+        """(sign a + b) * factor(segment) + shift."""
         segment, offset = self.locate(body, x)
         ticks = self.to_ticks(t, side)
         shape = np.broadcast_shapes(offset.shape, ticks.shape)
@@ -147,8 +146,7 @@ class WaveFields:
             where = segment.ravel()
             for s in np.unique(where):
                 rows = where == s
-                values = self._on_grid(int(s), flat[rows], when, sign)
-                values *= factor(int(s))
+                values = self._on_grid(int(s), flat[rows], when, sign, factor(int(s)), shift)
                 if rows.all():
                     out = values
                 else:
@@ -161,7 +159,7 @@ class WaveFields:
             A, B = self.waves(int(s))
             T, o, when = self.assembly.ticks[s], offset[here], ticks[here]
             total = sign * A.at(when - o, side) + B.at(when - (T - o), side)
-            out[here] = total * factor(int(s))
+            out[here] = total * factor(int(s)) + shift
         return out
 
     @staticmethod
@@ -177,17 +175,21 @@ class WaveFields:
             return None
         return x.ravel(), when, xs[0] > ts[0]
 
-    def _on_grid(self, s: int, offset: Ints, when: Ints, sign: float) -> Floats:
+    def _on_grid(
+        self, s: int, offset: Ints, when: Ints, sign: float, factor: float, shift: float
+    ) -> Floats:
         A, B = self.waves(s)
         a, delay = sign * A.values, self.assembly.ticks[s] - offset
         if kernels.started() and offset.size * when.size >= COMPILED_GRID:
             out = np.empty((offset.size, when.size))
             kernels.compiled(sum_on_grid)(
-                out, when, A.ticks, a, offset, B.ticks, B.values, delay
+                out, when, A.ticks, a, offset, B.ticks, B.values, delay, factor, shift
             )
             return out
         total = _steps_on_grid(A.ticks, a, offset, when)
         total += _steps_on_grid(B.ticks, B.values, delay, when)
+        total *= factor
+        total += shift
         return total
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:

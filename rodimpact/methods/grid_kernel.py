@@ -21,9 +21,10 @@ def first_at_or_after(times: Any, tick: int, low: int) -> int:
 
 
 def sum_on_grid(
-    out: Any, times: Any, ticks_a: Any, a: Any, delay_a: Any, ticks_b: Any, b: Any, delay_b: Any
+    out: Any, times: Any, ticks_a: Any, a: Any, delay_a: Any, ticks_b: Any, b: Any, delay_b: Any,
+    factor: float, shift: float,
 ) -> None:
-    """Set out[i, j] = A(times[j] - delay_a[i]) + B(times[j] - delay_b[i]).
+    """Set out[i, j] = (A(times[j] - delay_a[i]) + B(times[j] - delay_b[i])) * factor + shift.
 
     Parameters
     ----------
@@ -53,5 +54,5 @@ def sum_on_grid(
                 if rb + 1 < len(b):
                     next_b = first_at_or_after(times, ticks_b[rb + 1] + delay_b[i], j)
             stop = min(next_a, next_b)
-            out[i, j:stop] = a[ra] + b[rb]
+            out[i, j:stop] = (a[ra] + b[rb]) * factor + shift
             j = stop
