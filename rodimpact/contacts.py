@@ -26,7 +26,10 @@ class Episode(NamedTuple):
 
 
 class ContactTally(NamedTuple):
-    """Totals of one contact, kept while the run went: SI units, times nan where there was none."""
+    """Totals of one contact, kept while the run went: SI units, times nan where there was none.
+
+    A bonded contact has an impulse and a largest push; the rest is for contacts that can open.
+    """
 
     impulse: float
     peak_force: float
@@ -119,7 +122,7 @@ class ContactHistory:
 
     def gap(self, t: ArrayLike) -> Floats:
         """Distance between the two bodies, m; exactly 0 while they touch."""
-        ticks = self._fields.to_ticks(t)
+        ticks = self._fields.to_ticks(t, "right")
         i = np.searchsorted(self._force.ticks, ticks, "right") - 1
         rest = self._rate.values[i] * (ticks - self._force.ticks[i])
         result: Floats = self._gap[i] + rest * self._tick

@@ -87,7 +87,7 @@ class WaveFields:
         """
         t = np.asarray(t, dtype=np.float64)
         end = self.end * self.assembly.tick
-        inside = np.isfinite(t) & (t >= 0) & (t <= end * (1 + 1e-12))
+        inside = np.isfinite(t) & (t >= 0) & (t <= end * (1 + 1e-12) + self.assembly.tick)
         if not inside.all():
             bad = float(t[~inside].flat[0])
             raise ValueError(f"t: must lie in the solution, 0 to {end:.9g} s, got {bad!r}")

@@ -10,6 +10,7 @@ Axis x points to the right; velocity is positive to the right, strain positive i
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
@@ -498,7 +499,11 @@ def _negative(profile: Number | Steps) -> Number | Steps:
 def _flipped(profile: Number | Steps, length: Number) -> Number | Steps:
     if not isinstance(profile, Steps):
         return profile
-    return Steps(profile.values[::-1], [length - x for x in profile.at[::-1]])
+    at = [length - x for x in profile.at[::-1]]
+    # next to the other end two places may round to one; the piece between them has no width
+    edges = [0.0, *at, length]
+    kept = [i for i, (a, b) in enumerate(pairwise(edges)) if np.any(np.asarray(b) > a)]
+    return Steps([profile.values[::-1][i] for i in kept], [edges[i] for i in kept[1:]])
 
 
 def _body(data: dict[str, Any]) -> Body:

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 from .contacts import ContactTally
-from .methods.assembly import Assembly
+from .methods.assembly import TOLERANCE, Assembly
 from .methods.fronts import FrontRun
 from .model import Bonded, Wall
 from .rigid import RigidCollision, collide
@@ -245,7 +245,7 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
     missing = sum(left_momenta) - sum(momenta) - wall_impulse
     energy_before = kinetic_before + sum(vibration_before)
     gained = kinetic_after + sum(vibration_after) - energy_before
-    turnover = energy_before + abs(wall_work)
+    turnover = energy_before + abs(wall_work) + _swing(a, masses)
     return Outcome(
         bodies=tuple("wall" if isinstance(b, Wall) else "rod" for b in a.system.bodies),
         masses=tuple(masses),
@@ -270,6 +270,16 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
 def _wall_velocity(a: Assembly, body: int) -> float | None:
     wall = a.system.bodies[body]
     return float(wall.velocity) if isinstance(wall, Wall) else None
+
+
+def _swing(a: Assembly, masses: list[float]) -> float:
+    """Energy that moving walls lend to the rods bonded to them and take back."""
+    total = 0.0
+    for group in groups(a):
+        walls = [abs(v) for i in group if (v := _wall_velocity(a, i)) is not None]
+        mass = sum(masses[i] for i in group if masses[i] < math.inf)
+        total += mass * max(walls, default=0.0) * a.tolerance / TOLERANCE
+    return total
 
 
 def read_tallies(run: FrontRun) -> tuple[ContactTally, ...]:

@@ -86,6 +86,8 @@ def regions_of(
         for j, piece in enumerate(rod.segments):
             s = a.spans[body][0] + j
             polygons, waves = _polygons(fields, s, first_tick, last_tick, limit - len(bodies))
+            if len(bodies) + len(polygons) > limit:
+                raise ValueError(f"limit: more than {limit} regions; choose a shorter interval")
             corners = np.array([c for polygon in polygons for c in polygon], dtype=np.int64)
             counts += [len(polygon) for polygon in polygons]
             p, q = corners.reshape(-1, 2).T
@@ -112,7 +114,7 @@ Corner = tuple[int, int]
 def _polygons(
     fields: WaveFields, s: int, start: int, stop: int, limit: int
 ) -> tuple[list[list[Corner]], list[tuple[float, float]]]:
-    """Regions of one segment as corners (p, q), and the two waves in each."""
+    """Regions of one segment as corners (p, q), and the two waves in each; stops above `limit`."""
     A, B = fields.waves(s)
     T = fields.assembly.ticks[s]
     ps = [start - T, *A.jumps_in(start - T, stop).tolist(), stop]
@@ -133,7 +135,7 @@ def _polygons(
                 polygons.append(corners)
                 waves.append((a, b))
         if len(polygons) > limit:
-            raise ValueError(f"limit: more than {limit} regions; choose a shorter interval")
+            break
     return polygons, waves
 
 

@@ -178,13 +178,14 @@ def _bodies(o: Outcome) -> str:
 
     then = _then(o)
     rows = [["body", "", "mass", "velocity before", f"velocity {then}", f"vibration energy {then}"]]
+    scale = _vibration_scale(o)
     for i, (kind, mass, before, after, vibration) in enumerate(zip(
         o.bodies, o.masses, o.velocities_before, o.velocities_after, o.vibration_after, strict=True
     )):
         rigid = mass == math.inf
         rows.append([
             str(i), kind, "-" if rigid else format_si(mass, "kg"), velocity(before),
-            velocity(after), "-" if rigid else _joules(vibration, _vibration_scale(o)),
+            velocity(after), "-" if rigid else _joules(vibration, scale),
         ])
     return align(rows, left=(0, 1))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from numbers import Integral
 from typing import Any
 
 from .fields import WaveFields
@@ -93,7 +94,7 @@ def collide(left: Rod | Wall, right: Rod | Wall, gap: float = 0.0,
 
 
 def run_fronts(
-    system: System, until: float | None, method: str, max_events: int
+    system: System, until: float | None, method: str, max_events: Any
 ) -> FrontRun:
     """Check the arguments and run the method."""
     problems: Problems = []
@@ -112,12 +113,12 @@ def run_fronts(
     if method not in ("auto", *METHODS):
         known = ", ".join(f'"{m}"' for m in ("auto", *METHODS))
         problems.append(("method", f"must be one of {known}, got {method!r}"))
-    if isinstance(max_events, bool) or not isinstance(max_events, int) or max_events < 1:
+    if isinstance(max_events, bool) or not isinstance(max_events, Integral) or max_events < 1:
         problems.append(("max_events", f"must be a positive whole number, got {max_events!r}"))
     if problems:
         raise InvalidModel(problems)
     end_time = None if until is None else float(until)
-    return track(assemble(system, end_time), end_time, max_events)
+    return track(assemble(system, end_time), end_time, int(max_events))
 
 
 def wrap(run: FrontRun, until: float | None = None) -> Solution:

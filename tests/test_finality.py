@@ -293,3 +293,37 @@ def test_waves_that_coincide_after_a_gap_closed_leave_no_sliver():
     )
     solution = ri.solve(row, until=30 + 1 / 7)
     assert solution.outcome.contacts[2].peak_force == pytest.approx(46 / 27, rel=1e-12)
+
+
+def test_a_vibrating_rod_alone_is_final_at_once():
+    vibrating = ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, -1.0], [0.5]))
+    solution = ri.solve(ri.System([vibrating]))
+    assert (solution.stopped_by, solution.t_final, solution.t_end) == ("final", 0.0, 2.0)
+
+
+def test_vibrating_rods_that_recede_slowly_are_proved_apart():
+    vibrating = ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, -1.0], [0.5]))
+    other = ri.Rod(1.0, area=1.0, material=M, velocity=1e-9)
+    solution = ri.solve(ri.System([vibrating, other], [1.0]))
+    assert solution.stopped_by == "final"
+    assert solution.events < 50
+
+
+@pytest.mark.parametrize(("drift", "end"), [(1e-4, "final"), (1e-8, "clock")])
+def test_a_slow_drift_is_waited_for_as_long_as_the_clock_counts(drift, end):
+    vibrating = ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, -1.0], [0.5]))
+    other = ri.Rod(1.0, area=1.0, material=M, velocity=drift)
+    solution = ri.solve(ri.System([vibrating, other], [0.7]), max_events=50_000)
+    assert solution.stopped_by == end
+    assert solution.outcome.contacts[0].episodes == 0
+    assert 1000 < solution.events < 20_000
+
+
+def test_a_final_collision_is_known_at_the_cap_too():
+    """However long the rest of the run was to be."""
+    rods = [ri.Rod(0.4, area=1.0, material=M, velocity=1.0), ri.Rod(1.0, area=1.0, material=M)]
+    solution = ri.solve(ri.System(rods), until=1e4, max_events=1000)
+    assert solution.stopped_by == "max_events"
+    assert solution.final
+    assert solution.outcome.restitution == pytest.approx(0.4)
+    assert "The collision is final" in solution.status

@@ -182,3 +182,12 @@ def test_mirror_and_reversal_undo_themselves():
 
 def test_repr_can_be_read():
     assert repr(rod()) == "Rod(length=1.0, area=0.0001, material=steel, velocity=0.0, strain=0.0)"
+
+
+def test_a_mirror_drops_pieces_that_lose_their_width():
+    profile = ri.Steps([1.0, 2.0, 3.0], [0.1, np.nextafter(0.1, 1)])
+    mirrored = rod(length=1000.0, velocity=profile)
+    image = ri.System([mirrored]).mirrored().bodies[0].velocity
+    assert image.values == (-3.0, -1.0)
+    edge = ri.System([rod(velocity=ri.Steps([1.0, 2.0], [1e-17]))]).mirrored().bodies[0].velocity
+    assert edge.values == (-2.0,)

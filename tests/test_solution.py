@@ -326,3 +326,29 @@ def test_limits_are_right_after_a_thousand_transits():
     gauge = solution.gauge(1, 0.1)
     assert (solution.strain(1, 0.1, gauge.times) == gauge.strain).all()
     assert (solution.strain(1, 0.1, gauge.times[1:], side="left") == gauge.strain[:-1]).all()
+
+
+def test_any_end_is_inside_the_solution():
+    for until in np.geomspace(1e-14, 1e-2, 60):
+        solution = ri.solve(ri.System([rod(0.4, 1.0), rod(1.0)]), until=float(until))
+        assert solution.t_end == until
+        assert np.isfinite(solution.velocity(0, 0.1, solution.t_end))
+        assert np.isfinite(solution.energy(solution.t_end).total)
+
+
+def test_bodies_moving_apart_over_any_distance():
+    far = ri.solve(ri.System([rod(0.4, -1.0), rod(1.0, 1.0)], gaps=[1e13]))
+    assert far.final
+    assert far.outcome.velocities_after == pytest.approx((-1.0, 1.0))
+
+
+def test_a_numpy_integer_caps_events():
+    assert ri.solve(ri.System([rod(1.0)]), max_events=np.int64(1000)).final
+
+
+def test_the_residual_of_a_rod_swinging_on_a_moving_wall_is_small():
+    swinging = rod(0.5, 0.5, strain=1e-5)
+    row = ri.System([ri.Wall(0.3), swinging], contacts=[ri.Bonded()])
+    for transits in (0.5, 1.0, 2.7, 4.0):
+        outcome = ri.solve(row, until=transits * swinging.transit_time).outcome
+        assert abs(outcome.energy_residual) < 1e-13

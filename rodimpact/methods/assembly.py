@@ -18,7 +18,7 @@ import numpy as np
 from ..frozen import InvalidModel, Number
 from ..model import Bonded, Rod, Segment, Steps, System, Wall
 from . import kernels
-from .front_kernel import BOND, FREE, OPEN, TOUCH, Log, Row, Tally, begin
+from .front_kernel import BOND, FREE, NEVER, OPEN, TOUCH, Log, Row, Tally, begin
 from .tick_kernel import assign_ticks
 
 TOLERANCE = 2.0**-48
@@ -143,7 +143,7 @@ def assemble(system: System, until: float | None = None) -> Assembly:
 
     cuts, states = _initial_state(system, spans, length)
     frame, scale = _velocity_scale(system, states, speed)
-    if not math.isfinite(scale * scale * max(impedance) * max(times)):
+    if not math.isfinite(scale * scale * max(impedance) * NEVER):
         message = f"velocities and strains of {scale!r} m/s overflow the energy; use smaller ones"
         raise InvalidModel([("bodies", message)])
     longest = max(times)
@@ -151,6 +151,7 @@ def assemble(system: System, until: float | None = None) -> Assembly:
     if horizon is None:
         flight = 4 * math.fsum(gap_widths) / scale if scale > 0 else 0.0
         horizon = max(HORIZON * longest, 16 * math.fsum(times), flight)
+        horizon = min(horizon, longest * 2.0 ** (61 - COARSEST))
     ratio = horizon / longest
     bits = min(FINEST, 61 - math.ceil(math.log2(ratio))) if 0 < ratio < math.inf else FINEST
     if bits < COARSEST or ratio == math.inf:
@@ -158,7 +159,7 @@ def assemble(system: System, until: float | None = None) -> Assembly:
             f"a run of {horizon:g} s is {ratio:.3g} times the longest transit time {longest:g} s, "
             f"more than the clock can count; stop before {longest * 2.0 ** (61 - COARSEST):.3g} s"
         )
-        raise InvalidModel([("until" if until is not None else "gaps", message)])
+        raise InvalidModel([("until", message)])
     ticks, whole, offsets = _whole_ticks(times, cuts, bits)
     window = max(1, whole >> WINDOW)
     short = min(range(n), key=lambda i: ticks[i + 1])

@@ -124,7 +124,7 @@ def begin(row: Row, tally: Tally, log: Log, clock: Any, count: int) -> None:
     for i in range(leaves - 1, 0, -1):
         row.tree[i] = min(row.tree[2 * i], row.tree[2 * i + 1])
     clock[NOW], clock[ROWS], clock[TURNS], clock[EVENTS] = 0, count, 0, 0
-    clock[PROBE], clock[REST], clock[SETTLED] = IDLE, 0, -1
+    clock[PROBE], clock[REST], clock[SETTLED] = 0, 0, -1
 
 
 def meet(row: Row, k: int, dt: int, tol: Any, window: int) -> int:
@@ -161,6 +161,7 @@ def record(row: Row, tally: Tally, log: Log, clock: Any, k: int, t: int, status:
             tally.episodes[k] += 1
         if tally.first[k] < 0:
             tally.first[k] = t
+        clock[PROBE] = IDLE  # nothing is proved before the force ends
     else:
         clock[PROBE] = min(clock[PROBE], t)
         if before == PRESS:
@@ -418,7 +419,7 @@ def play(
     """
     horizon = until
     if until < 0:
-        horizon = NEVER - 1 if clock[SETTLED] < 0 else clock[SETTLED] - until
+        horizon = NEVER - 1 if clock[SETTLED] < 0 else min(clock[SETTLED] - until, NEVER - 1)
     while True:
         flag = advance(row, tally, log, clock, horizon, limit, tol, window)
         if flag in (FULL, CAP):
@@ -432,7 +433,7 @@ def play(
         when = settled(row, log, now, tol)
         if when == now:
             clock[SETTLED], clock[REST] = now, IDLE
-            horizon = now - until
+            horizon = min(now - until, NEVER - 1)
         elif flag == DONE:
             flag = CLOCK
             break
@@ -441,7 +442,10 @@ def play(
             clock[REST] = clock[EVENTS] + len(row.status) + clock[EVENTS] // 8
     if flag != FULL:
         close_books(row, tally, clock[NOW], window)
-    if until >= 0 and flag == DONE and settled(row, log, clock[NOW], tol) == clock[NOW]:
+    if (
+        flag in (DONE, CAP) and clock[SETTLED] < 0
+        and settled(row, log, clock[NOW], tol) == clock[NOW]
+    ):
         clock[SETTLED] = clock[NOW]
     if until < 0 and flag == DONE:
         return FINAL
