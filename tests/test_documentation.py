@@ -1,0 +1,58 @@
+"""What the documentation shows is what happens."""
+
+import contextlib
+import doctest
+import importlib
+import io
+import pkgutil
+import re
+from pathlib import Path
+
+import pytest
+
+import rodimpact
+
+README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+MODULES = ["rodimpact", *(
+    m.name for m in pkgutil.walk_packages(rodimpact.__path__, "rodimpact.")
+    if m.name != "rodimpact.__main__"
+)]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples_in_docstrings(name):
+    result = doctest.testmod(importlib.import_module(name))
+    assert result.failed == 0
+
+
+def test_the_program_of_the_readme_prints_what_it_says():
+    program = re.search(r"```python\n(import rodimpact.*?)```\n\n```text\n(.*?)```", README, re.S)
+    printed = io.StringIO()
+    names = {}
+    with contextlib.redirect_stdout(printed):
+        exec(program[1], names)
+
+    def comparable(text):  # the last digits of a residual differ between machines
+        return re.sub(r"(relative error +)\S+", r"\1", text)
+
+    assert comparable(printed.getvalue()) == comparable(program[2])
+    second = re.search(r"```python\n(cradle = .*?)```", README, re.S)
+    exec(second[1], names)
+
+
+def test_links_and_pictures_of_the_readme_exist():
+    for target in re.findall(r"\]\(([^)]+)\)", README):
+        if not target.startswith("http"):
+            assert (Path(__file__).parents[1] / target).exists(), target
+
+
+def test_the_case_file_of_the_readme_can_be_read():
+    case = rodimpact.parse_case(re.search(r"```toml\n(.*?)```", README, re.S)[1])
+    assert rodimpact.solve(case.system).outcome.restitution == pytest.approx(1)
+
+
+def test_every_command_of_the_readme_exists():
+    from rodimpact.cli import COMMANDS
+
+    shown = set(re.findall(r"^rodimpact (\w+)", README, re.M))
+    assert shown == set(COMMANDS)
