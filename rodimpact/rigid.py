@@ -16,13 +16,12 @@ import operator
 from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array: TypeAlias = NDArray[np.float64]
-Number: TypeAlias = float | Array
+from .arguments import Array, Number, finite, plain, positive, refuse
 
 NEWTON_RATIOS = {"wool": Fraction(5, 9), "glass": Fraction(15, 16)}
 """Restitution of balls that Newton measured with pendulums, allowing for the drag of the air.
@@ -161,7 +160,7 @@ def contact_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
     >>> contact_mass(2.0, 6.0), contact_mass(2.0, float("inf"))
     (1.5, 2.0)
     """
-    return _plain(_contact_mass(_mass("m1", m1), _mass("m2", m2)))
+    return plain(_contact_mass(_mass("m1", m1), _mass("m2", m2)))
 
 
 def collide(
@@ -213,7 +212,7 @@ def collide(
     M1, V1, M2, V2, e = _collision(m1, v1, m2, v2, restitution)
     if not allow_energy_release:
         wanted = "abs(e) > 1 adds energy; give e from -1 to 1 or set allow_energy_release=True"
-        _refuse(np.abs(e) > 1, wanted, restitution=e)
+        refuse(np.abs(e) > 1, wanted, restitution=e)
     M = _contact_mass(M1, M2)
     share_1, share_2 = M / M2, M / M1  # of the total mass: m1/(m1 + m2) and m2/(m1 + m2)
     V_cm = share_1 * V1 + share_2 * V2
@@ -221,15 +220,15 @@ def collide(
     after = -e * before
     W1, W2 = V_cm - share_2 * after, V_cm + share_1 * after
     return RigidCollision(
-        velocity_1=_plain(W1),
-        velocity_2=_plain(W2),
-        impulse=_plain(M * (after - before)),
-        centre_of_mass_velocity=_plain(V_cm),
-        relative_velocity_before=_plain(before),
-        relative_velocity_after=_plain(after),
-        energy_before=_plain(_kinetic_energy(M1, V1) + _kinetic_energy(M2, V2)),
-        energy_after=_plain(_kinetic_energy(M1, W1) + _kinetic_energy(M2, W2)),
-        energy_lost=_plain((1 - e) * (1 + e) * _kinetic_energy(M, before)),
+        velocity_1=plain(W1),
+        velocity_2=plain(W2),
+        impulse=plain(M * (after - before)),
+        centre_of_mass_velocity=plain(V_cm),
+        relative_velocity_before=plain(before),
+        relative_velocity_after=plain(after),
+        energy_before=plain(_kinetic_energy(M1, V1) + _kinetic_energy(M2, V2)),
+        energy_after=plain(_kinetic_energy(M1, W1) + _kinetic_energy(M2, W2)),
+        energy_lost=plain((1 - e) * (1 + e) * _kinetic_energy(M, before)),
     )
 
 
@@ -270,8 +269,8 @@ def solve_linear(
     >>> matrix.tolist(), velocities.round(12).tolist()
     ([[2.0, 0.5], [1.0, -1.0]], [1.664, 3.744])
     """
-    _positive("m1", m1, "kg")
-    _positive("m2", m2, "kg")
+    positive("m1", m1, "kg")
+    positive("m2", m2, "kg")
     M1, V1, M2, V2, e = _collision(m1, v1, m2, v2, restitution)
     rows = [np.stack([M1, M2], axis=-1), np.stack([np.ones_like(e), -np.ones_like(e)], axis=-1)]
     matrix = np.stack(rows, axis=-2)
@@ -309,10 +308,10 @@ def restitution_from_velocities(
     >>> restitution_from_velocities(10.0, 5.0, 6.0, 7.0)
     0.2
     """
-    before_1, before_2 = _finite("v1_before", v1_before), _finite("v2_before", v2_before)
-    after_1, after_2 = _finite("v1_after", v1_after), _finite("v2_after", v2_after)
-    _refuse(before_1 <= before_2, _APART, v1_before=before_1, v2_before=before_2)
-    return _plain((after_2 - after_1) / (before_1 - before_2))
+    before_1, before_2 = finite("v1_before", v1_before), finite("v2_before", v2_before)
+    after_1, after_2 = finite("v1_after", v1_after), finite("v2_after", v2_after)
+    refuse(before_1 <= before_2, _APART, v1_before=before_1, v2_before=before_2)
+    return plain((after_2 - after_1) / (before_1 - before_2))
 
 
 def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
@@ -343,10 +342,10 @@ def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
     >>> restitution_from_heights(10.0, 6.4)
     0.8
     """
-    fall, rise = _positive("drop", drop, "m"), _finite("rebound", rebound)
+    fall, rise = positive("drop", drop, "m"), finite("rebound", rebound)
     wanted = "a ball released from rest rebounds to a height from 0 to the drop"
-    _refuse((rise < 0) | (rise > fall), wanted, drop=fall, rebound=rise)
-    return _plain(np.sqrt(rise / fall))
+    refuse((rise < 0) | (rise > fall), wanted, drop=fall, rebound=rise)
+    return plain(np.sqrt(rise / fall))
 
 
 def bouncing_ball(
@@ -391,9 +390,9 @@ def bouncing_ball(
     ([6.4, 4.096], 12.850588)
     """
     h, e, g = np.broadcast_arrays(
-        _positive("height", height, "m"),
+        positive("height", height, "m"),
         _fraction("restitution", restitution),
-        _positive("gravity", gravity, "m/s^2"),
+        positive("gravity", gravity, "m/s^2"),
     )
     if operator.index(bounces) < 1:
         raise ValueError(f"bounces = {bounces}: list at least one bounce")
@@ -408,8 +407,8 @@ def bouncing_ball(
         impact_times=first_fall[..., np.newaxis] * np.cumsum(legs * powers, axis=-1),
         impact_distances=h[..., np.newaxis] * np.cumsum(legs * powers**2, axis=-1),
         rebound_heights=h[..., np.newaxis] * (e[..., np.newaxis] * powers) ** 2,
-        total_time=_plain(total_time),
-        total_distance=_plain(total_distance),
+        total_time=plain(total_time),
+        total_distance=plain(total_distance),
     )
 
 
@@ -452,9 +451,9 @@ def stack_drop(
     >>> round(stack_drop([0.6, 0.06], [0.9, 0.6], height=1.0).top_height, 4)
     3.1104
     """
-    M = np.atleast_1d(_positive("masses", masses, "kg"))
+    M = np.atleast_1d(positive("masses", masses, "kg"))
     e = np.atleast_1d(_fraction("restitutions", restitutions))
-    h, g = _positive("height", height, "m"), _positive("gravity", gravity, "m/s^2")
+    h, g = positive("height", height, "m"), positive("gravity", gravity, "m/s^2")
     balls = M.shape[-1]
     if balls != e.shape[-1] or balls == 0:
         raise ValueError(
@@ -469,7 +468,7 @@ def stack_drop(
     for i, j in pairwise(range(balls)):
         after = collide(M[..., i], v[..., i], M[..., j], v[..., j], e[..., j])
         v[..., i], v[..., j] = after.velocity_1, after.velocity_2
-    return StackDrop(velocities=v, top_height=_plain(np.maximum(v[..., -1], 0.0) ** 2 / (2 * g)))
+    return StackDrop(velocities=v, top_height=plain(np.maximum(v[..., -1], 0.0) ** 2 / (2 * g)))
 
 
 def bullet_through(
@@ -506,11 +505,11 @@ def bullet_through(
     BulletThrough(initial_speed=503.0, speed_between=303.0, energy_lost_in_a=1604.0, \
 energy_lost_in_b=909.0)
     """
-    m, M_a = _positive("m_bullet", m_bullet, "kg"), _positive("m_a", m_a, "kg")
-    M_b = _positive("m_b", m_b, "kg")
-    V_a, V_b = _positive("v_a", v_a, "m/s"), _positive("v_b", v_b, "m/s")
+    m, M_a = positive("m_bullet", m_bullet, "kg"), positive("m_a", m_a, "kg")
+    M_b = positive("m_b", m_b, "kg")
+    V_a, V_b = positive("v_a", v_a, "m/s"), positive("v_b", v_b, "m/s")
     between = V_b + M_b * V_b / m
-    _refuse(
+    refuse(
         between <= V_a,
         "the bullet would leave A no faster than A moves; give a smaller v_a or a larger v_b",
         v_a=V_a,
@@ -518,10 +517,10 @@ energy_lost_in_b=909.0)
     )
     initial = between + M_a * V_a / m
     return BulletThrough(
-        initial_speed=_plain(initial),
-        speed_between=_plain(between),
-        energy_lost_in_a=_plain(M_a * V_a * (initial + (between - V_a)) / 2),
-        energy_lost_in_b=_plain(M_b * V_b * between / 2),
+        initial_speed=plain(initial),
+        speed_between=plain(between),
+        energy_lost_in_a=plain(M_a * V_a * (initial + (between - V_a)) / 2),
+        energy_lost_in_b=plain(M_b * V_b * between / 2),
     )
 
 
@@ -554,10 +553,10 @@ def raised_cosine_force(time: ArrayLike, peak_force: ArrayLike, duration: ArrayL
     >>> raised_cosine_force([0.0, 0.025, 0.05, 0.1], peak_force=190.0, duration=0.1).tolist()
     [190.0, 95.0, 0.0, 0.0]
     """
-    t, T = _finite("time", time), _positive("duration", duration, "s")
-    F0 = _positive("peak_force", peak_force, "N")
+    t, T = finite("time", time), positive("duration", duration, "s")
+    F0 = positive("peak_force", peak_force, "N")
     inside = np.abs(t) <= T / 2
-    return _plain(np.where(inside, F0 / 2 * (1 + np.cos(2 * np.pi * (t / T))), 0.0))
+    return plain(np.where(inside, F0 / 2 * (1 + np.cos(2 * np.pi * (t / T))), 0.0))
 
 
 def peak_force(impulse: ArrayLike, duration: ArrayLike) -> Number:
@@ -587,7 +586,7 @@ def peak_force(impulse: ArrayLike, duration: ArrayLike) -> Number:
     >>> peak_force(impulse=0.5 * 19.0, duration=0.1)
     190.0
     """
-    return _plain(2 * _positive("impulse", impulse, "N s") / _positive("duration", duration, "s"))
+    return plain(2 * positive("impulse", impulse, "N s") / positive("duration", duration, "s"))
 
 
 def pulse_impulse(force: Callable[[float], Any], duration: float) -> float:
@@ -619,7 +618,7 @@ def pulse_impulse(force: Callable[[float], Any], duration: float) -> float:
     """
     from scipy.integrate import quad  # type: ignore[import-untyped]  # slow to import
 
-    half = float(_positive("duration", duration, "s")) / 2
+    half = float(positive("duration", duration, "s")) / 2
     return float(quad(force, -half, half)[0])
 
 
@@ -629,17 +628,17 @@ def _collision(
     """The arguments of a collision, checked and broadcast."""
     M1, V1, M2, V2, e = np.broadcast_arrays(
         _mass("m1", m1),
-        _finite("v1", v1),
+        finite("v1", v1),
         _mass("m2", m2),
-        _finite("v2", v2),
-        _finite("restitution", restitution),
+        finite("v2", v2),
+        finite("restitution", restitution),
     )
-    _refuse(V1 <= V2, _APART, v1=V1, v2=V2)
+    refuse(V1 <= V2, _APART, v1=V1, v2=V2)
     return M1, V1, M2, V2, e
 
 
 def _contact_mass(M1: Array, M2: Array) -> Array:
-    _refuse(np.isinf(M1) & np.isinf(M2), "at most one body can be immovable", m1=M1, m2=M2)
+    refuse(np.isinf(M1) & np.isinf(M2), "at most one body can be immovable", m1=M1, m2=M2)
     light, heavy = np.minimum(M1, M2), np.maximum(M1, M2)
     return np.asarray(light / (1 + light / heavy))
 
@@ -651,41 +650,11 @@ def _kinetic_energy(mass: Array, velocity: Array) -> Array:
 
 def _mass(name: str, value: ArrayLike) -> Array:
     M = np.asarray(value, dtype=np.float64)
-    _refuse(~(M > 0), "a mass must be positive [kg], or inf for an immovable body", **{name: M})
+    refuse(~(M > 0), "a mass must be positive [kg], or inf for an immovable body", **{name: M})
     return M
-
-
-def _positive(name: str, value: ArrayLike, unit: str) -> Array:
-    x = np.asarray(value, dtype=np.float64)
-    _refuse(~((x > 0) & (x < np.inf)), f"must be positive and finite [{unit}]", **{name: x})
-    return x
-
-
-def _finite(name: str, value: ArrayLike) -> Array:
-    x = np.asarray(value, dtype=np.float64)
-    _refuse(~np.isfinite(x), "must be finite", **{name: x})
-    return x
 
 
 def _fraction(name: str, value: ArrayLike) -> Array:
     x = np.asarray(value, dtype=np.float64)
-    _refuse(~((x >= 0) & (x <= 1)), "must be from 0 to 1", **{name: x})
+    refuse(~((x >= 0) & (x <= 1)), "must be from 0 to 1", **{name: x})
     return x
-
-
-def _refuse(wrong: NDArray[np.bool_], wanted: str, **arguments: Array) -> None:
-    """Raise for the first `wrong` element, naming the arguments, their values and the index."""
-    if not np.any(wrong):
-        return
-    index = tuple(int(i) for i in np.argwhere(wrong)[0])
-    given = ", ".join(
-        f"{name} = {np.broadcast_to(values, wrong.shape)[index].item()}"
-        for name, values in arguments.items()
-    )
-    place = f" at index {index}" if index else ""
-    raise ValueError(f"{given}{place}: {wanted}")
-
-
-def _plain(value: Array) -> Number:
-    """A Python float instead of an array without dimensions."""
-    return value if value.ndim else value.item()

@@ -13,15 +13,13 @@ Arguments broadcast as in NumPy; results are floats where every argument is a si
 
 from __future__ import annotations
 
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from rodimpact.rigid import contact_mass
-
-Array: TypeAlias = NDArray[np.float64]
-Number: TypeAlias = float | Array
+from .arguments import Array, Number, finite, plain, positive
+from .rigid import contact_mass
 
 EQUAL_IMPEDANCES = 2.0**-48
 """Impedances that differ by less than this fraction count as equal, up to round-off."""
@@ -128,12 +126,8 @@ vibration_energy=0.25)
     >>> round(saint_venant(5.0, 3.0, 1.0, 10.0).restitution, 6)
     0.841564
     """
-    Z1, T1, Z2, T2, V = _positive(
-        impedance_1=impedance_1,
-        transit_time_1=transit_time_1,
-        impedance_2=impedance_2,
-        transit_time_2=transit_time_2,
-        closing_speed=closing_speed,
+    Z1, T1, Z2, T2, V = _checked(
+        impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed
     )
     pair = _pair(Z1, T1, Z2, T2, V)
     q, p, x = pair.q, pair.p, pair.short_time / pair.long_time
@@ -146,12 +140,12 @@ vibration_energy=0.25)
     e = np.minimum(e, 1.0)
     m = np.asarray(contact_mass(Z1 * T1, Z2 * T2))
     return PairCollision(
-        restitution=_plain(e),
-        impulse=_plain((1 + e) * m * V),
-        duration=_plain(pair.duration),
-        opening=_plain(np.where(q == 0, 2 * pair.long_time, pair.duration)),
-        peak_force=_plain(pair.peak_force),
-        vibration_energy=_plain((1 - e) * (1 + e) * m * V * V / 2),
+        restitution=plain(e),
+        impulse=plain((1 + e) * m * V),
+        duration=plain(pair.duration),
+        opening=plain(np.where(q == 0, 2 * pair.long_time, pair.duration)),
+        peak_force=plain(pair.peak_force),
+        vibration_energy=plain((1 - e) * (1 + e) * m * V * V / 2),
     )
 
 
@@ -198,20 +192,15 @@ def saint_venant_force(
     >>> saint_venant_force([0.0, 2.0, 4.0, 6.0], 3.0, 1.0, 1.0, 3.0).tolist()
     [0.75, 0.375, 0.1875, 0.0]
     """
-    t = np.asarray(time, dtype=np.float64)
-    _refuse(~np.isfinite(t), "time", t, "must be finite")
+    t = finite("time", time)
     pair = _pair(
-        *_positive(
-            impedance_1=impedance_1,
-            transit_time_1=transit_time_1,
-            impedance_2=impedance_2,
-            transit_time_2=transit_time_2,
-            closing_speed=closing_speed,
+        *_checked(
+            impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed
         )
     )
     k = np.floor(np.clip(t, 0.0, pair.duration) / (2 * pair.short_time))
     pressing = (t >= 0) & (t < pair.duration)
-    return _plain(np.where(pressing, pair.peak_force * np.exp(k * pair.log_q), 0.0))
+    return plain(np.where(pressing, pair.peak_force * np.exp(k * pair.log_q), 0.0))
 
 
 def rod_on_wall(impedance: ArrayLike, transit_time: ArrayLike, speed: ArrayLike) -> PairCollision:
@@ -247,14 +236,17 @@ def rod_on_wall(impedance: ArrayLike, transit_time: ArrayLike, speed: ArrayLike)
     PairCollision(restitution=1.0, impulse=0.048, duration=0.0004, opening=0.0004, \
 peak_force=120.0, vibration_energy=0.0)
     """
-    Z, T, V = _positive(impedance=impedance, transit_time=transit_time, speed=speed)
+    Z, T, V = np.broadcast_arrays(
+        positive("impedance", impedance, "kg/s"), positive("transit_time", transit_time, "s"),
+        positive("speed", speed, "m/s"),
+    )
     return PairCollision(
-        restitution=_plain(np.ones_like(Z)),
-        impulse=_plain(2 * Z * V * T),
-        duration=_plain(2 * T),
-        opening=_plain(2 * T),
-        peak_force=_plain(Z * V),
-        vibration_energy=_plain(np.zeros_like(Z)),
+        restitution=plain(np.ones_like(Z)),
+        impulse=plain(2 * Z * V * T),
+        duration=plain(2 * T),
+        opening=plain(2 * T),
+        peak_force=plain(Z * V),
+        vibration_energy=plain(np.zeros_like(Z)),
     )
 
 
@@ -275,22 +267,15 @@ def _pair(Z1: Array, T1: Array, Z2: Array, T2: Array, V: Array) -> _Pair:
     )
 
 
-def _positive(**arguments: ArrayLike) -> tuple[Array, ...]:
-    """The arguments as arrays of one shape, all positive and finite."""
-    arrays = {name: np.asarray(value, dtype=np.float64) for name, value in arguments.items()}
-    for name, x in arrays.items():
-        _refuse(~((x > 0) & (x < np.inf)), name, x, "must be positive and finite")
-    return np.broadcast_arrays(*arrays.values())
-
-
-def _refuse(wrong: NDArray[np.bool_], name: str, values: Array, wanted: str) -> None:
-    """Raise for the first `wrong` element, with its value and its index."""
-    if np.any(wrong):
-        index = tuple(int(i) for i in np.argwhere(wrong)[0])
-        place = f" at index {index}" if index else ""
-        raise ValueError(f"{name} = {values[index].item()}{place}: {wanted}")
-
-
-def _plain(value: Array) -> Number:
-    """A Python float instead of an array without dimensions."""
-    return value if value.ndim else value.item()
+def _checked(
+    impedance_1: ArrayLike, transit_time_1: ArrayLike, impedance_2: ArrayLike,
+    transit_time_2: ArrayLike, closing_speed: ArrayLike,
+) -> tuple[Array, ...]:
+    """The arguments of a pair, checked and broadcast."""
+    return np.broadcast_arrays(
+        positive("impedance_1", impedance_1, "kg/s"),
+        positive("transit_time_1", transit_time_1, "s"),
+        positive("impedance_2", impedance_2, "kg/s"),
+        positive("transit_time_2", transit_time_2, "s"),
+        positive("closing_speed", closing_speed, "m/s"),
+    )

@@ -9,10 +9,10 @@ import rodimpact
 
 ROOT = Path(rodimpact.__file__).parent
 LAYERS = [
-    {"units", "frozen", "rigid", "methods.kernels", "methods.tick_kernel", "methods.front_kernel",
-     "methods.grid_kernel", "methods"},
-    {"model", "theory"},
-    {"materials", "methods.assembly"},
+    {"units", "frozen", "arguments", "methods", "methods.kernels", "methods.tick_kernel",
+     "methods.front_kernel", "methods.grid_kernel"},
+    {"model", "rigid"},
+    {"materials", "theory", "methods.assembly"},
     {"methods.fronts", "signals"},
     {"fields"},
     {"contacts"},

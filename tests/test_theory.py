@@ -238,7 +238,7 @@ def test_no_floating_point_error():
 def test_refuses_what_is_not_positive_and_finite(function, names, bad):
     good = dict.fromkeys(names, 1.0)
     for name in names:
-        with pytest.raises(ValueError, match=rf"^{name} = {bad}: must be positive and finite$"):
+        with pytest.raises(ValueError, match=rf"^{name} = {bad}: must be positive and finite \["):
             function(**(good | {name: bad}))
         with pytest.raises(ValueError, match=rf"^{name} = {bad} at index \(1,\): must be"):
             function(**(good | {name: [1.0, bad]}))

@@ -1,0 +1,43 @@
+"""Arguments of formulae: arrays that have been checked go in, plain floats come out."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+Number: TypeAlias = float | Array
+
+
+def positive(name: str, value: ArrayLike, unit: str) -> Array:
+    """The argument as an array; ValueError if any of it is not positive and finite."""
+    x = np.asarray(value, dtype=np.float64)
+    refuse(~((x > 0) & (x < np.inf)), f"must be positive and finite [{unit}]", **{name: x})
+    return x
+
+
+def finite(name: str, value: ArrayLike) -> Array:
+    """The argument as an array; ValueError if any of it is not finite."""
+    x = np.asarray(value, dtype=np.float64)
+    refuse(~np.isfinite(x), "must be finite", **{name: x})
+    return x
+
+
+def refuse(wrong: NDArray[np.bool_], wanted: str, **arguments: Array) -> None:
+    """Raise for the first `wrong` element, naming the arguments, their values and the index."""
+    if not np.any(wrong):
+        return
+    index = tuple(int(i) for i in np.argwhere(wrong)[0])
+    given = ", ".join(
+        f"{name} = {np.broadcast_to(values, wrong.shape)[index].item()}"
+        for name, values in arguments.items()
+    )
+    place = f" at index {index}" if index else ""
+    raise ValueError(f"{given}{place}: {wanted}")
+
+
+def plain(value: Array) -> Number:
+    """A Python float instead of an array without dimensions."""
+    return value if value.ndim else value.item()
