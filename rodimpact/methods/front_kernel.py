@@ -98,7 +98,7 @@ def begin(row: Row, tally: Tally, log: Log, clock: Any, count: int) -> None:
 
     Given are transit, mobility, status and gap of the row, what arrives from the walls, and the
     first `count` rows of the log: for each line, in order of time, the fronts that fill it, the
-    first of them one transit ago.
+    first of them one transit ago, so that it has just arrived.
     """
     n = len(row.status)
     zero = 0 * row.mobility[1]
@@ -110,9 +110,11 @@ def begin(row: Row, tally: Tally, log: Log, clock: Any, count: int) -> None:
         l = log.line[r]
         log.after[r] = -1
         if row.tail[l] < 0:
-            row.head[l], row.arrived[l] = r, log.value[r]
+            row.arrived[l] = log.value[r]
         else:
             log.after[row.tail[l]] = r
+            if row.head[l] < 0:
+                row.head[l] = r
         row.tail[l] = r
     for k in range(n):
         row.since[k], row.rate[k], row.force[k], row.speed[k] = 0, zero, zero, zero
@@ -121,6 +123,11 @@ def begin(row: Row, tally: Tally, log: Log, clock: Any, count: int) -> None:
     leaves = len(row.tree) // 2
     for k in range(leaves):
         row.tree[leaves + k] = 0 if k < n else IDLE
+        if k < n and row.status[k] == FREE:
+            l = 3 if k == 0 else 2 * k
+            if log.value[row.tail[l ^ 1]] == row.arrived[l]:  # nothing to do before an arrival
+                r = row.head[l]
+                row.tree[leaves + k] = log.tick[r] + row.transit[l // 2] if r >= 0 else IDLE
     for i in range(leaves - 1, 0, -1):
         row.tree[i] = min(row.tree[2 * i], row.tree[2 * i + 1])
     clock[NOW], clock[ROWS], clock[TURNS], clock[EVENTS] = 0, count, 0, 0
