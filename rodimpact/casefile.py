@@ -199,8 +199,6 @@ class _Table:
             message = f"must be a single number, got {_short(value)}"
             if key in ("velocity", "strain") and self.data.get("kind") == "rod":
                 message += "; a profile is written {values = [...], at = [...]}"
-            if self.path.startswith(("bodies", "contacts")):
-                message += f"; to vary it, use rodimpact sweep --vary {self.where(key)}=..."
             self.note(key, message)
             return MISSING
         try:

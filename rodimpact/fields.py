@@ -138,7 +138,11 @@ class WaveFields:
         """(sign a + b) * factor(segment) + shift."""
         segment, offset = self.locate(body, x)
         ticks = self.to_ticks(t, side)
-        shape = np.broadcast_shapes(offset.shape, ticks.shape)
+        try:
+            shape = np.broadcast_shapes(offset.shape, ticks.shape)
+        except ValueError:
+            message = f"x: shape {offset.shape} does not broadcast with shape {ticks.shape} of t"
+            raise ValueError(f"{message}; for a grid ask for x[:, None] and t") from None
         grid = self._open_grid(offset, ticks, shape)
         if grid is not None and side == "right":
             flat, when, x_first = grid

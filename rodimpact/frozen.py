@@ -42,7 +42,8 @@ def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "an
     if type(value) is float:
         array: Any = value
     elif isinstance(value, bool | np.bool_) or value is None or isinstance(value, str | bytes):
-        problems.append((path, f"must be a number{unit}, got {value!r}"))
+        hint = "; units.parse reads text with a unit" if isinstance(value, str) else ""
+        problems.append((path, f"must be a number{unit}, got {value!r}{hint}"))
         return math.nan
     else:
         try:

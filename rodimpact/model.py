@@ -30,9 +30,10 @@ class Material(Frozen):
     density : float or array
         rho, kg/m^3.
     poisson_ratio : float or array, optional
-        nu, between -1 and 0.5; needed for lateral inertia only.
+        nu, between -1 and 0.5; waves in bars as modelled here do not depend on it.
     viscosity : float or array
-        Kelvin-Voigt viscosity eta of sigma = E eps + eta d(eps)/dt, Pa s.
+        Kelvin-Voigt viscosity eta of sigma = E eps + eta d(eps)/dt, Pa s; the exact method
+        `fronts` takes 0 only.
 
     Raises
     ------
@@ -124,7 +125,8 @@ class Segment(Frozen):
         L = number(problems, "length", length, " of metres", "positive")
         A = number(problems, "area", area, " of square metres", "positive")
         if not isinstance(material, Material):
-            problems.append(("material", f"must be a Material, got {material!r}"))
+            message = f"must be a Material, such as materials.steel, got {material!r}"
+            problems.append(("material", message))
         if problems:
             raise InvalidModel(problems)
         self._set(length=L, area=A, material=material)

@@ -88,6 +88,8 @@ class Outcome:
 
     def why_no_restitution(self) -> str:
         """Return the sentence that says why `restitution` is undefined, empty if it is defined."""
+        if not self.unilateral:
+            return "restitution is undefined: no contact of this row can open"
         if len(self.unilateral) != 1:
             return (
                 f"restitution is defined for one contact, this row has {len(self.unilateral)}; "

@@ -214,7 +214,7 @@ def _energy(o: Outcome) -> str:
     rows = [
         ["energy", "before", _then(o)],
         row("moving as a whole", o.kinetic_before, o.kinetic_after, scale),
-        row("vibration", *vibration, inner),
+        row("vibration and strain", *vibration, inner),
         row("total", *total, scale),
     ]
     if o.wall_work:
@@ -226,9 +226,13 @@ def _balances(o: Outcome) -> str:
     e = "-" if o.why_no_restitution() else f"{clean(o.restitution, 1.0):.9g}"
     return align([
         ["coefficient of restitution e", e],
-        ["momentum balance, relative error", f"{abs(o.momentum_residual):.2g}"],
-        ["energy balance, relative error", f"{abs(o.energy_residual):.2g}"],
+        ["momentum balance, relative error", _residual(o.momentum_residual)],
+        ["energy balance, relative error", _residual(o.energy_residual)],
     ])
+
+
+def _residual(value: float) -> str:
+    return "below 1e-15" if abs(value) < 1e-15 else f"{abs(value):.2g}"
 
 
 def _episodes(solution: Solution) -> list[str]:

@@ -6,15 +6,20 @@ import math
 from numbers import Integral
 from typing import Any
 
+import numpy as np
+
 from .fields import WaveFields
 from .frozen import InvalidModel, Number, Problems, number
-from .methods.assembly import assemble
+from .methods.assembly import Assembly, assemble
+from .methods.front_kernel import PRESS
 from .methods.fronts import MAX_EVENTS, FrontRun, track
-from .model import ContactLaw, Rod, System, Wall
+from .model import Bonded, ContactLaw, Rod, System, Wall
 from .outcome import Outcome, read_outcome
 from .solution import Solution
+from .units import format_si
 
 METHODS = ("fronts",)
+LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
 
 
 def solve(
@@ -94,22 +99,27 @@ def collide(left: Rod | Wall, right: Rod | Wall, gap: float = 0.0,
 
 
 def run_fronts(
-    system: System, until: float | None, method: str, max_events: Any
+    system: Any, until: float | None, method: str, max_events: Any
 ) -> FrontRun:
     """Check the arguments and run the method."""
     problems: Problems = []
     if not isinstance(system, System):
-        raise InvalidModel([("system", f"must be a System, got {system!r}")])
+        message = f"must be a System, such as System([rod, Wall()]), got {system!r}"
+        raise InvalidModel([("system", message)])
     if system.shape != ():
         message = (
-            f"this is a family of shape {system.shape}; sweep(system) solves all its members, "
-            "solve(system[index]) one of them"
+            f"this is a family of shape {system.shape}, which is for sweep (not in this version); "
+            "solve a member, solve(system[index]). Values along a rod are Steps(values, at)"
         )
         problems.append(("system", message))
     if until is not None:
         end: Number = number(problems, "until", until, " of seconds", "non-negative")
         if not isinstance(end, float):
             problems.append(("until", f"must be a single time, got {until!r}"))
+    problems += [
+        (path, f'method "fronts" has no damping in the material; must be 0, got {value!r}')
+        for path, value in system._numbers() if path.endswith("viscosity") and np.any(value)
+    ]
     if method not in ("auto", *METHODS):
         known = ", ".join(f'"{m}"' for m in ("auto", *METHODS))
         problems.append(("method", f"must be one of {known}, got {method!r}"))
@@ -149,35 +159,63 @@ def _plain(column: Any) -> list[int]:
 def describe(run: FrontRun) -> str:
     """Why the run ended, in a sentence with the remedy."""
     a = run.assembly
-    end, proof = run.end * a.tick, run.settled * a.tick
+    end = format_si(run.end * a.tick, "s")
+    final = _final(run) if run.settled >= 0 else ""
     if run.stopped_by == "final":
-        said = f"The collision is final: no contact can happen again after t = {proof:.6g} s."
-    elif run.stopped_by == "until" and run.settled >= 0:
-        said = "Stopped at the time asked for; no contact can happen again."
+        said = final
+    elif run.stopped_by == "until" and final:
+        said = f"Stopped at the time asked for. {final}"
     elif run.stopped_by == "until":
-        said = (
-            f"Stopped at the time asked for, t = {end:.6g} s, before the collision was proved "
-            "final; leave out until= to run to the proof."
+        walls = _at_walls(a)
+        endless = len(walls) == 2 or any(isinstance(law, Bonded) for law in walls)
+        remedy = (
+            "a row between walls, or bonded to one, may never come to an end" if endless
+            else "leave out until= to run to the proof"
         )
-    elif run.stopped_by == "max_events" and run.settled >= 0:
+        said = f"Stopped at the time asked for, {end}, before the collision was final; {remedy}."
+    elif run.stopped_by == "max_events" and final:
         said = (
-            f"The collision is final: no contact can happen again after t = {proof:.6g} s. The "
-            f"cap of {run.events} events ended the run at t = {end:.6g} s; raise max_events to "
+            f"{final} The cap of {run.events} events ended the run at {end}; raise max_events to "
             "see more of the vibration."
         )
     elif run.stopped_by == "max_events":
         said = (
-            f"Stopped by the cap of {run.events} events at t = {end:.6g} s; fronts multiply where "
-            "transit times have no common measure. Raise max_events, or make lengths commensurate."
+            f"Stopped by the cap of {run.events} events at {end}; fronts multiply where transit "
+            "times have no common measure. Raise max_events, or make lengths commensurate."
         )
     else:
         said = (
-            f"Stopped by the clock after t = {end:.6g} s: a contact may close later than it can "
-            "count. Give until= to set a later end."
+            f"Stopped by the clock after {end}: a contact may close later than it can count, if "
+            "ever. Give until= to set another end."
         )
     if a.transit_error > 2.0**-36:
         said += (
             f" The transit time of {a.worst} was rounded by {a.transit_error:.2g} of itself to "
             "fit the clock."
         )
+    strain = float(max(max(run.log.value), -min(run.log.value))) / min(a.wave_speed[1:-1])
+    if strain > LARGE_STRAIN:
+        said += (
+            f" Strains reach up to {strain:.2g}, where the linear theory of small strains "
+            "(about 1 %) does not hold; check units and velocities."
+        )
     return said
+
+
+def _final(run: FrontRun) -> str:
+    """What the proof of finality says."""
+    a = run.assembly
+    pressing = [str(i) for i, node in enumerate(a.nodes) if run.row.status[node] == PRESS]
+    if pressing:
+        return f"Nothing changes any more; contact {', '.join(pressing)} goes on pressing."
+    if not any(run.tally.episodes):
+        return "No collision happens, now or later."
+    proof = format_si(run.settled * a.tick, "s")
+    return f"The collision is final: no new impact can happen after {proof}."
+
+
+def _at_walls(a: Assembly) -> list[ContactLaw]:
+    """Contact laws at the walls of the row."""
+    bodies, laws = a.system.bodies, a.system.contacts
+    ends = ((0, 0), (len(bodies) - 1, -1))
+    return [laws[k] for i, k in ends if isinstance(bodies[i], Wall)]

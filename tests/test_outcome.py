@@ -156,7 +156,7 @@ def test_the_film_backwards_releases_vibration():
     ("system", "why"),
     [
         (ri.System([rod(1, 1, 2.0), rod(1, 1, 1.0), rod(1, 1)]), "for one contact.*has 2"),
-        (ri.System([rod(1, 1, 1.0), rod(1, 1)], contacts=[ri.Bonded()]), "for one contact.*has 0"),
+        (ri.System([rod(1, 1, 1.0), rod(1, 1)], contacts=[ri.Bonded()]), "can open"),
         (ri.System([rod(1, 1, -1.0), rod(1, 1)]), "nothing collided; the bodies move apart"),
         (ri.System([rod(1, 1, 1.0), rod(1, 1, 1.0)]), "nothing collided; the bodies do not appr"),
         (

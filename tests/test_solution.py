@@ -224,7 +224,7 @@ def test_bonded_contact_carries_tension():
 
 def test_outcomes_without_a_restitution_say_why():
     cases = [
-        (ri.System([rod(1.0)]), "0"),
+        (ri.System([rod(1.0)]), "no contact of this row can open"),
         (ri.System([rod(1.0, -1.0), rod(1.0, 1.0)]), "move apart"),
         (ri.System([rod(1.0), rod(1.0)]), "do not approach"),
         (ri.System([rod(1.0, 1.0), rod(1.0), rod(1.0)]), "2"),
@@ -352,3 +352,30 @@ def test_the_residual_of_a_rod_swinging_on_a_moving_wall_is_small():
     for transits in (0.5, 1.0, 2.7, 4.0):
         outcome = ri.solve(row, until=transits * swinging.transit_time).outcome
         assert abs(outcome.energy_residual) < 1e-13
+
+
+def test_the_status_says_how_a_run_ended():
+    rest = ri.solve(ri.System([rod(1.0), rod(1.0)]))
+    assert rest.status.startswith("No collision happens")
+    squeezed = ri.solve(ri.System([ri.Wall(), rod(1.0, strain=-1e-4), ri.Wall()]))
+    assert "contact 0, 1 goes on pressing" in squeezed.status
+    met = ri.solve(ri.System([rod(0.4, 1.0), rod(1.0)]))
+    assert met.status == "The collision is final: no new impact can happen after 158.493 us."
+    boxed = ri.solve(ri.System([ri.Wall(), rod(1.0, 1.0), ri.Wall()], [0.1, 0.1]), until=1e-3)
+    assert "may never come to an end" in boxed.status
+    wild = ri.solve(ri.System([rod(0.4, 6000.0), ri.Wall()]))
+    assert "small strains" in wild.status
+    assert "small strains" not in met.status
+
+
+def test_material_damping_is_refused():
+    viscous = ri.Material("viscous", youngs_modulus=1e9, density=1e3, viscosity=1.0)
+    row = ri.System([rod(1.0, 1.0), rod(1.0, material=viscous)])
+    with pytest.raises(ri.InvalidModel, match="no damping") as caught:
+        ri.solve(row)
+    assert caught.value.problems[0][0] == "bodies.1.segments.0.material.viscosity"
+
+
+def test_places_and_times_that_do_not_fit_are_named(unequal):
+    with pytest.raises(ValueError, match=r"x: shape \(2,\) does not broadcast"):
+        unequal.velocity(1, [0.1, 0.2], [0.0, 1e-5, 2e-5])

@@ -57,19 +57,26 @@ def run(case: str) -> list[Row]:
     return rows
 
 
-def page(rows: list[Row]) -> str:
-    """Text of README.md."""
-    lines = [HEAD, ("---",) * len(HEAD), *(row.cells() for row in rows)]
-    return INTRODUCTION + "".join("| " + " | ".join(cells) + " |\n" for cells in lines)
+def page(rows: dict[str, list[Row]]) -> str:
+    """Text of README.md; rows by case."""
+    parts = [INTRODUCTION]
+    for case, found in rows.items():
+        first = (import_module(f"{__package__}.{case}").__doc__ or "").strip().splitlines()[0]
+        lines = [HEAD, ("---",) * len(HEAD), *(row.cells() for row in found)]
+        table = "".join("| " + " | ".join(cells) + " |\n" for cells in lines)
+        parts.append(f"## [{case}.py]({case}.py)\n\n{first}\n\n{table}")
+    figures = sorted(path.name for path in (FOLDER / "figures").glob("*.svg"))
+    shown = "".join(f"- [{name}](figures/{name})\n" for name in figures)
+    return "\n".join([*parts, f"## Figures\n\n{shown}"])
 
 
 INTRODUCTION = """# Validation
 
 Every line compares a number that rodimpact computes with one from elsewhere: a closed form, a
 published test problem, the textbook. `difference` is absolute, in the unit of the quantity, and
-`tests/test_validation.py` holds it below `bound`. The docstring of each file says what is compared.
+`tests/test_validation.py` holds it below `bound`. The head of each file says what is compared, and
+where the numbers come from.
 
 This page is written by `python -m validation`; `python -m validation.performance` measures speed
 and `python -m validation.figures` draws the pictures.
-
 """

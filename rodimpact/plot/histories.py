@@ -175,11 +175,10 @@ def gauge(record: Gauge, ax: Axes | None = None) -> GaugeRecord:
     def steps(values: Floats, name: str, **look: Any) -> StepPatch:
         return ax.stairs(values[inside] * scale.factor, edges, baseline=None, label=name, **look)
 
-    rightward = steps(record.rightward, "wave running right", color=SERIES[1], linestyle="--",
-                      linewidth=1.0)
-    leftward = steps(record.leftward, "wave running left", color=SERIES[3], linestyle="-.",
-                     linewidth=1.0)
-    strain = steps(record.strain, "strain", color=INK, linewidth=1.6)
+    strain = steps(record.strain, "strain", color=FAINT, linewidth=5.0, zorder=1)
+    rightward = steps(record.rightward, "wave running right", color=SERIES[0], linewidth=1.4)
+    leftward = steps(record.leftward, "wave running left", color=SERIES[1], linestyle="--",
+                     linewidth=1.4)
     ax.axhline(0.0, color=FAINT, linewidth=0.6, zorder=0)
     ax.set_xlim(0, record.end * time.factor)
     ax.set_xlabel(time.label)

@@ -18,14 +18,14 @@ FORMATS: dict[str, dict[str, Any]] = {
 }
 
 
-def save(figure: Figure, path: str | os.PathLike[str], force: bool = False) -> None:
+def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> None:
     """Write a figure as PNG, SVG or PDF, whichever the suffix of the path names.
 
     The same figure gives the same bytes: nothing in the file depends on date or chance.
 
     Parameters
     ----------
-    figure : Figure
+    picture : Figure, Axes, or what a function of this package returned
     path : path
     force : bool
         Replace a file that is there.
@@ -33,7 +33,7 @@ def save(figure: Figure, path: str | os.PathLike[str], force: bool = False) -> N
     Raises
     ------
     ValueError
-        For any other suffix.
+        For any other suffix, or if `picture` is none.
     FileExistsError
         If the file is there and `force` is false.
     """
@@ -43,7 +43,16 @@ def save(figure: Figure, path: str | os.PathLike[str], force: bool = False) -> N
     if kind not in FORMATS:
         known = ", ".join(f".{name}" for name in FORMATS)
         raise ValueError(f"path: must end in one of {known}, got {os.fspath(path)!r}")
+    figure = _figure_of(picture)
     memory = io.BytesIO()
     with rc_context({"svg.hashsalt": "rodimpact", "svg.fonttype": "path", "pdf.fonttype": 42}):
         figure.savefig(memory, format=kind, dpi=DOTS_PER_INCH, metadata=FORMATS[kind])
     write_bytes(path, memory.getvalue(), force=force)
+
+
+def _figure_of(picture: Any) -> Figure:
+    axes = getattr(picture, "ax", getattr(picture, "force_ax", picture))
+    figure = getattr(axes, "figure", axes)
+    if not isinstance(figure, Figure):
+        raise ValueError(f"picture: must be a figure, axes or a picture of them, got {picture!r}")
+    return figure

@@ -95,6 +95,7 @@ def snapshots(
     when = moments(solution) if times is None else np.asarray(times, dtype=float).ravel()
     if when.size == 0:
         raise ValueError("times: needs at least one time, got none")
+    solution.fields.to_ticks(when)  # refuses times outside the solution
     plan = placing(solution, 0.0, float(when.max()), magnification)
     place = place_scale(plan.row)
     ax = ax or new_axes(6.6, 0.9 + 0.72 * when.size)
