@@ -6,8 +6,6 @@ import math
 from numbers import Integral
 from typing import Any
 
-import numpy as np
-
 from .fields import WaveFields
 from .frozen import InvalidModel, Number, Problems, number
 from .methods.assembly import Assembly, assemble
@@ -116,10 +114,6 @@ def run_fronts(
         end: Number = number(problems, "until", until, " of seconds", "non-negative")
         if not isinstance(end, float):
             problems.append(("until", f"must be a single time, got {until!r}"))
-    problems += [
-        (path, f'method "fronts" has no damping in the material; must be 0, got {value!r}')
-        for path, value in system._numbers() if path.endswith("viscosity") and np.any(value)
-    ]
     if method not in ("auto", *METHODS):
         known = ", ".join(f'"{m}"' for m in ("auto", *METHODS))
         problems.append(("method", f"must be one of {known}, got {method!r}"))

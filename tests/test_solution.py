@@ -373,7 +373,7 @@ def test_material_damping_is_refused():
     row = ri.System([rod(1.0, 1.0), rod(1.0, material=viscous)])
     with pytest.raises(ri.InvalidModel, match="no damping") as caught:
         ri.solve(row)
-    assert caught.value.problems[0][0] == "bodies.1.segments.0.material.viscosity"
+    assert caught.value.problems[0][0] == "bodies.1.material.viscosity"
 
 
 def test_places_and_times_that_do_not_fit_are_named(unequal):

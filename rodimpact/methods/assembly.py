@@ -112,7 +112,8 @@ def assemble(system: System, until: float | None = None) -> Assembly:
     Raises
     ------
     InvalidModel
-        When velocities overflow or transit times are too far apart for one clock.
+        When velocities overflow, transit times are too far apart for one clock, or a material has
+        viscosity.
     """
     bodies = system.bodies
     spans: list[tuple[int, int]] = []
@@ -127,6 +128,12 @@ def assemble(system: System, until: float | None = None) -> Assembly:
         stepped = len(body.segments) > 1
         paths += [f"bodies.{i}.segments.{j}" if stepped else f"bodies.{i}"
                   for j in range(len(body.segments))]
+    damped = [
+        (f"{path}.material.viscosity", f'method "fronts" has no damping; must be 0, got {eta!r}')
+        for path, piece in zip(paths, pieces, strict=True) if (eta := piece.material.viscosity)
+    ]
+    if damped:
+        raise InvalidModel(damped)
     n = len(pieces)
     speed = [0.0, *(float(p.wave_speed) for p in pieces), 0.0]
     impedance = [0.0, *(float(p.impedance) for p in pieces), 0.0]
