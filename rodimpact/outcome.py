@@ -216,6 +216,7 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
 
     before, after = [0.0] * count, [0.0] * count  # of the group, or its wall
     motion_before, motion_after = [0.0] * count, [0.0] * count  # of the group's centre of mass
+    lent = 0.0  # energy that moving walls lend to the rods bonded to them and take back
     for group in groups(a):
         walls = [v - frame for i in group if (v := _wall_velocity(a, i)) is not None]
         rods = [i for i in group if masses[i] < math.inf]
@@ -224,6 +225,7 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
         if walls and rods:
             swinging, _ = _stock(run, [0.0] * count)
             v1 = sum(swinging[i] for i in rods) / mass
+            lent += mass * max(abs(w + frame) for w in walls) * a.tolerance / TOLERANCE
         elif rods:
             pushed = impulses[group[0] - 1] if group[0] > 0 else 0.0
             pushed -= impulses[group[-1]] if group[-1] < count - 1 else 0.0
@@ -247,7 +249,7 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
     missing = sum(left_momenta) - sum(momenta) - wall_impulse
     energy_before = kinetic_before + sum(vibration_before)
     gained = kinetic_after + sum(vibration_after) - energy_before
-    turnover = energy_before + abs(wall_work) + _swing(a, masses)
+    turnover = energy_before + abs(wall_work) + lent
     return Outcome(
         bodies=tuple("wall" if isinstance(b, Wall) else "rod" for b in a.system.bodies),
         masses=tuple(masses),
@@ -272,16 +274,6 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
 def _wall_velocity(a: Assembly, body: int) -> float | None:
     wall = a.system.bodies[body]
     return float(wall.velocity) if isinstance(wall, Wall) else None
-
-
-def _swing(a: Assembly, masses: list[float]) -> float:
-    """Energy that moving walls lend to the rods bonded to them and take back."""
-    total = 0.0
-    for group in groups(a):
-        walls = [abs(v) for i in group if (v := _wall_velocity(a, i)) is not None]
-        mass = sum(masses[i] for i in group if masses[i] < math.inf)
-        total += mass * max(walls, default=0.0) * a.tolerance / TOLERANCE
-    return total
 
 
 def read_tallies(run: FrontRun) -> tuple[ContactTally, ...]:

@@ -178,7 +178,7 @@ class Solution:
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Strain, positive in tension; arguments as in `velocity`."""
-        return self.fields.strain(self._rod(body), x, t, side)
+        return self.fields.strain(self._index(body), x, t, side)
 
     def stress(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Stress E eps in Pa, positive in tension; arguments as in `velocity`."""
@@ -213,7 +213,7 @@ class Solution:
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
         f, a = self.fields, self.fields.assembly
-        segment, offset = (int(v) for v in f.locate(self._rod(body), x))
+        segment, offset = (int(v) for v in f.locate(self._index(body), x))
         A, B = f.waves(segment)
         T = a.ticks[segment]
         ticks = np.unique(np.concatenate(([0], A.ticks + offset, B.ticks + (T - offset))))
@@ -325,11 +325,6 @@ class Solution:
         wall = self.system.bodies[body]
         assert isinstance(wall, Wall)
         return float(wall.velocity)
-
-    def _rod(self, body: int) -> int:
-        if self._is_wall(body):
-            raise ValueError(f"body: {body} is a wall and has no inside; ask for a rod")
-        return self._index(body)
 
     def _of_segment(self, body: int, x: ArrayLike, what: str) -> Floats:
         a = self.fields.assembly

@@ -6,6 +6,8 @@ import math
 from numbers import Integral
 from typing import Any
 
+import numpy as np
+
 from .fields import WaveFields
 from .frozen import InvalidModel, Number, Problems, number
 from .methods.assembly import Assembly, assemble
@@ -187,7 +189,7 @@ def describe(run: FrontRun) -> str:
             f" The transit time of {a.worst} was rounded by {a.transit_error:.2g} of itself to "
             "fit the clock."
         )
-    strain = float(max(max(run.log.value), -min(run.log.value))) / min(a.wave_speed[1:-1])
+    strain = float(np.abs(run.log.value).max()) / min(a.wave_speed[1:-1])
     if strain > LARGE_STRAIN:
         said += (
             f" Strains reach up to {strain:.2g}, where the linear theory of small strains "

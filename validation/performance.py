@@ -195,18 +195,12 @@ def family_of_pairs(pairs: int = 20_000) -> float:
 # The package as its users meet it ---------------------------------------------------------------
 
 PAIR = """
-import statistics, sys, time
+import sys
 import numpy as np
 import rodimpact as ri
+from validation.performance import median
 left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
 right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
-def median(job, runs):
-    spans = []
-    for _ in range(runs):
-        begin = time.perf_counter()
-        job()
-        spans.append(time.perf_counter() - begin)
-    return statistics.median(spans)
 """
 COLLIDE = PAIR + """
 print(median(lambda: ri.collide(left, right), 500))
