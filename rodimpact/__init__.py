@@ -44,6 +44,10 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .solution import Solution as Solution
     from .solving import collide as collide
     from .solving import solve as solve
+    from .sweeping import Axis as Axis
+    from .sweeping import SweepError as SweepError
+    from .sweeping import SweepResult as SweepResult
+    from .sweeping import sweep as sweep
 
 _HOME = {
     "frozen": ("InvalidModel",),
@@ -55,6 +59,7 @@ _HOME = {
     "outcome": ("Outcome", "UndefinedRestitution"),
     "regions": ("Regions", "regions_of"),
     "files": ("FileFormatError", "load"),
+    "sweeping": ("Axis", "SweepError", "SweepResult", "sweep"),
     "casefile": ("Case", "parse_case", "read_case", "write_case"),
 }
 _MODULES = ("materials", "plot", "rigid", "theory", "units")

@@ -13,10 +13,10 @@ import json
 import math
 import os
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 import numpy as np
 
@@ -27,6 +27,9 @@ from .methods.assembly import Assembly, assemble
 from .model import System
 from .outcome import Outcome
 from .solution import Solution
+
+if TYPE_CHECKING:
+    from .sweeping import SweepResult
 
 PathLike: TypeAlias = "str | os.PathLike[str]"
 Arrays: TypeAlias = dict[str, Any]
@@ -99,11 +102,21 @@ def write_bytes(path: PathLike, data: bytes, *, force: bool = False) -> None:
     OSError
         Or a subclass, with a sentence, if the file cannot be written; an existing one is unharmed.
     """
+    with written(path, force=force) as file:
+        file.write(data)
+
+
+@contextlib.contextmanager
+def written(path: PathLike, *, force: bool = False) -> Iterator[BinaryIO]:
+    """Open a file to be written piece by piece; it appears when all is written, or not at all.
+
+    Parameters and errors are those of `write_bytes`.
+    """
     target = check_target(path, force=force)
     passing = target.with_name(f".rodimpact-{secrets.token_hex(8)}")
     try:
         with open(passing, "xb") as file:
-            file.write(data)
+            yield file
             file.flush()
             os.fsync(file.fileno())
         os.replace(passing, target)
@@ -178,8 +191,8 @@ def write_npz(
     write_bytes(path, buffer.getvalue(), force=force)
 
 
-def load(path: PathLike) -> Solution:
-    """Read what `Solution.save` wrote, without solving again.
+def load(path: PathLike) -> Any:
+    """Read what `Solution.save` or `SweepResult.save` wrote, without solving again.
 
     Parameters
     ----------
@@ -187,7 +200,7 @@ def load(path: PathLike) -> Solution:
 
     Returns
     -------
-    Solution
+    Solution or SweepResult
         Equal to the saved one, bit for bit.
 
     Raises
@@ -276,7 +289,15 @@ def _read_solution(document: dict[str, Any], arrays: Arrays) -> Solution:
     return solution
 
 
-_READERS: dict[str, Callable[[dict[str, Any], Arrays], Solution]] = {"solution": _read_solution}
+def _read_sweep(document: dict[str, Any], arrays: Arrays) -> SweepResult:
+    from .sweeping import SweepResult
+
+    return SweepResult.restored(document, arrays)
+
+
+_READERS: dict[str, Callable[[dict[str, Any], Arrays], Any]] = {
+    "solution": _read_solution, "sweep": _read_sweep,
+}
 
 
 def _clock(assembly: Assembly) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from collections.abc import Callable
 from typing import Any, Self, TypeAlias
 
 import numpy as np
@@ -107,8 +108,14 @@ class Frozen:
     @property
     def digest(self) -> str:
         """SHA-256 of the description: the same for equal objects in any process."""
-        text = json.dumps(self.to_dict(), sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()
+        arrays = [v for _, v in self._numbers() if isinstance(v, np.ndarray)]
+        outline = self._mapped(lambda array: list(array.shape)).to_dict() if arrays else (
+            self.to_dict()
+        )
+        found = hashlib.sha256(json.dumps(outline, sort_keys=True).encode())
+        for array in arrays:
+            found.update(array.tobytes())
+        return found.hexdigest()
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Frozen) or type(self) is not type(other):
@@ -138,25 +145,31 @@ class Frozen:
                     found.append((inner, item))
         return found
 
+    def _mapped(self, change: Callable[[Any], Any]) -> Self:
+        """The same object with every array replaced by what `change` makes of it."""
+
+        def mapped(value: Any) -> Any:
+            if isinstance(value, np.ndarray):
+                return change(value)
+            if isinstance(value, Frozen):
+                return value._mapped(change)
+            return tuple(mapped(v) for v in value) if isinstance(value, tuple) else value
+
+        twin = object.__new__(type(self))
+        twin._set(**{name: mapped(value) for name, value in self.__dict__.items()})
+        return twin
+
     def _member(self, shape: tuple[int, ...], index: Any) -> Self:
         """The same object with every array, broadcast to `shape`, replaced by its `index`."""
 
-        def pick(value: Any) -> Any:
-            if isinstance(value, np.ndarray):
-                chosen = np.array(np.broadcast_to(value, shape)[index])
-                if chosen.ndim == 0:
-                    return float(chosen)
-                chosen.flags.writeable = False
-                return chosen
-            if isinstance(value, Frozen):
-                return value._member(shape, index)
-            if isinstance(value, tuple):
-                return tuple(pick(v) for v in value)
-            return value
+        def pick(array: Any) -> Any:
+            chosen = np.array(np.broadcast_to(array, shape)[index])
+            if chosen.ndim == 0:
+                return float(chosen)
+            chosen.flags.writeable = False
+            return chosen
 
-        twin = object.__new__(type(self))
-        twin._set(**{name: pick(value) for name, value in self.__dict__.items()})
-        return twin
+        return self._mapped(pick)
 
 
 def short(value: Any) -> str:

@@ -412,20 +412,41 @@ class System(Frozen):
         if problems:
             raise InvalidModel(problems)
         self._set(bodies=tuple(bodies), gaps=widths, contacts=tuple(contacts))
-        arrays = [(path, v.shape) for path, v in self._numbers() if isinstance(v, np.ndarray)]
+        shapes = [v.shape for _, v in self._numbers() if isinstance(v, np.ndarray)]
         try:
-            shape = np.broadcast_shapes(*(s for _, s in arrays)) if arrays else ()
+            shape = np.broadcast_shapes(*shapes) if shapes else ()
         except ValueError:
             message = "arrays of the family do not broadcast: " + ", ".join(
-                f"{path} has shape {s}" for path, s in arrays
+                f"{path} has shape {v.shape}" for path, v in self.parameters.items()
             )
-            raise InvalidModel([(arrays[0][0], message)]) from None
+            raise InvalidModel([(next(iter(self.parameters)), message)]) from None
         self._set(_shape=shape)
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the family; () for a single collision."""
         return self._shape
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Numbers in which the members of a family differ, by the paths of a case file.
+
+        Arrays as they were given: they broadcast to `shape`.
+        """
+        return {path: v for path, v in self._named_numbers() if isinstance(v, np.ndarray)}
+
+    def _named_numbers(self) -> list[tuple[str, Number]]:
+        """Every number with the path that it has in a case file."""
+        found = []
+        for path, value in self._numbers():
+            kind, i, *rest = path.split(".")
+            body = self.bodies[int(i)]
+            if kind == "gaps":
+                path = f"contacts.{i}.gap"
+            elif isinstance(body, Rod) and rest[0] == "segments" and len(body.segments) == 1:
+                path = ".".join([kind, i, *rest[2:]])
+            found.append((path, value))
+        return found
 
     def __getitem__(self, index: Any) -> System:
         """Member of a family, or a smaller family, by NumPy's rules of indexing."""

@@ -7,12 +7,17 @@ signals are not needed. Bodies bonded together move, for an outcome, with their 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from .contacts import ContactTally
-from .methods.assembly import TOLERANCE, Assembly
+from .methods.assembly import Assembly
 from .methods.fronts import FrontRun
-from .model import Bonded, Wall
+from .methods.layout_kernel import TOLERANCE
+from .model import Bonded, System, Wall
 from .rigid import RigidCollision, collide
 
 
@@ -83,8 +88,8 @@ class Outcome:
         if reason:
             raise UndefinedRestitution(reason)
         k = self.unilateral[0]
-        before, after = self.velocities_before, self.velocities_after
-        return (after[k + 1] - after[k]) / (before[k] - before[k + 1])
+        before, after = self.velocities_before[k : k + 2], self.velocities_after[k : k + 2]
+        return float(effective_restitution(True, 1, before, after))
 
     def why_no_restitution(self) -> str:
         """Return the sentence that says why `restitution` is undefined, empty if it is defined."""
@@ -176,29 +181,29 @@ class Outcome:
         return as_html(str(self))
 
 
-def _kinetic(masses: list[float], velocities: list[float], frame: float) -> float:
-    return sum(
-        m * (v + frame) ** 2 / 2 for m, v in zip(masses, velocities, strict=True) if m < math.inf
-    )
+def effective_restitution(
+    final: Any, episodes: Any, before: Sequence[Any], after: Sequence[Any]
+) -> Any:
+    """e = (V2+ - V1+)/(V1- - V2-) of one contact, nan where there is none; arrays broadcast.
+
+    Parameters
+    ----------
+    final, episodes
+        Whether the collision is over, and how often the contact pressed.
+    before, after : pair
+        Velocities of the left and of the right centre of mass, m/s.
+    """
+    closing = np.asarray(before[0] - before[1])
+    defined = np.asarray(final) & (np.asarray(episodes) > 0) & (closing > 0)
+    parting = np.asarray(after[1] - after[0])
+    e = np.full(np.broadcast_shapes(parting.shape, defined.shape), math.nan)
+    return np.divide(parting, closing, out=e, where=defined)
 
 
-def _stock(run: FrontRun, velocities: list[float]) -> tuple[list[float], list[float]]:
-    """Momentum of each body at the end, and its energy of vibration about these velocities."""
-    spans = run.assembly.spans
-    by_segment = [0.0] * len(run.assembly.ticks)
-    for (first, last), v in zip(spans, velocities, strict=True):
-        by_segment[first : last + 1] = [v] * max(0, last - first + 1)
-    momentum, vibration = run.stock(by_segment)
-    return (
-        [math.fsum(momentum[first : last + 1]) for first, last in spans],
-        [math.fsum(vibration[first : last + 1]) for first, last in spans],
-    )
-
-
-def groups(assembly: Assembly) -> list[list[int]]:
+def groups(system: System) -> list[list[int]]:
     """Bodies that are bonded together, from left to right."""
     found: list[list[int]] = [[0]]
-    for i, law in enumerate(assembly.system.contacts):
+    for i, law in enumerate(system.contacts):
         if isinstance(law, Bonded):
             found[-1].append(i + 1)
         else:
@@ -206,74 +211,83 @@ def groups(assembly: Assembly) -> list[list[int]]:
     return found
 
 
+def body_velocities(
+    system: System, first: Sequence[int], velocity: Sequence[Any], frame: Any
+) -> list[Any]:
+    """Velocities of the bodies, m/s: of their group, or of the wall that it is bonded to.
+
+    Parameters
+    ----------
+    system : System
+    first : sequence of int
+        First segment of each body.
+    velocity : sequence of float or array
+        By segment, in the frame; for a family, one array a segment.
+    frame : float or array
+    """
+    found: list[Any] = []
+    for group in groups(system):
+        walls = [b.velocity for i in group if isinstance(b := system.bodies[i], Wall)]
+        found += [walls[0] if walls else velocity[first[i]] + frame for i in group]
+        if len(walls) == 2:
+            found[-1] = walls[1]
+    return found
+
+
 def read_outcome(run: FrontRun, status: str) -> Outcome:
     """Read the outcome off a finished run."""
-    a, tick, frame = run.assembly, run.assembly.tick, run.assembly.frame
-    count = len(a.spans)
+    a = run.assembly
+    system, count, first = a.system, len(a.spans), [span[0] for span in a.spans]
     masses = [a.mass(i) for i in range(count)]
-    impulses = [run.tally.impulse[node] * tick for node in a.nodes]
-    momenta, absolute = _initial_momenta(a)
-
-    before, after = [0.0] * count, [0.0] * count  # of the group, or its wall
-    motion_before, motion_after = [0.0] * count, [0.0] * count  # of the group's centre of mass
-    lent = 0.0  # energy that moving walls lend to the rods bonded to them and take back
-    for group in groups(a):
-        walls = [v - frame for i in group if (v := _wall_velocity(a, i)) is not None]
-        rods = [i for i in group if masses[i] < math.inf]
-        mass = sum(masses[i] for i in rods)
-        v0 = v1 = sum(momenta[i] for i in rods) / mass if rods else walls[0]
-        if walls and rods:
-            swinging, _ = _stock(run, [0.0] * count)
-            v1 = sum(swinging[i] for i in rods) / mass
-            lent += mass * max(abs(w + frame) for w in walls) * a.tolerance / TOLERANCE
-        elif rods:
-            pushed = impulses[group[0] - 1] if group[0] > 0 else 0.0
-            pushed -= impulses[group[-1]] if group[-1] < count - 1 else 0.0
-            v1 = v0 + pushed / mass
-        for i in group:
-            motion_before[i], motion_after[i] = v0, v1
-            before[i], after[i] = (walls[0], walls[0]) if walls else (v0, v1)
-        if len(walls) == 2:
-            before[group[-1]] = after[group[-1]] = walls[1]
-
-    vibration_before = _initial_vibration(a, motion_before)
-    left_momenta, vibration_after = _stock(run, motion_after)
-    kinetic_before = _kinetic(masses, motion_before, frame)
-    kinetic_after = _kinetic(masses, motion_after, frame)
-    wall_impulse = wall_work = 0.0
+    after = body_velocities(system, first, run.closing.velocity, a.frame)
+    vibration_before, vibration_after = (
+        [math.fsum(stock.vibration[s : e + 1]) * a.tick for s, e in a.spans]
+        for stock in (run.opening, run.closing)
+    )
+    kinetic_before, kinetic_after = (
+        sum(m * (stock.velocity[s] + a.frame) ** 2 / 2
+            for m, (s, e) in zip(masses, a.spans, strict=True) if e)
+        for stock in (run.opening, run.closing)
+    )
+    tallies = read_tallies(run)
+    absolute = _absolute_momentum(a)
+    wall_impulse = wall_work = lent = 0.0
     for i, k, sign in ((0, 0, 1), (count - 1, count - 2, -1)):
         if masses[i] == math.inf:
-            wall_impulse += sign * impulses[k]
-            wall_work += sign * impulses[k] * (after[i] + frame)
-            absolute += abs(impulses[k])
-    missing = sum(left_momenta) - sum(momenta) - wall_impulse
+            impulse = sign * tallies[k].impulse
+            wall_impulse += impulse
+            wall_work += impulse * after[i]
+            absolute += abs(impulse)
+            if isinstance(system.contacts[k], Bonded):  # the wall lends energy and takes it back
+                group = next(g for g in groups(system) if i in g)
+                swinging = sum(masses[j] for j in group if masses[j] < math.inf)
+                lent += swinging * abs(after[i]) * a.tolerance / TOLERANCE
+    gained = math.fsum(run.closing.momentum) - math.fsum(run.opening.momentum)
+    missing = gained * a.tick - wall_impulse
     energy_before = kinetic_before + sum(vibration_before)
-    gained = kinetic_after + sum(vibration_after) - energy_before
+    energy_gained = kinetic_after + sum(vibration_after) - energy_before
     turnover = energy_before + abs(wall_work) + lent
     return Outcome(
-        bodies=tuple("wall" if isinstance(b, Wall) else "rod" for b in a.system.bodies),
+        bodies=tuple("wall" if isinstance(b, Wall) else "rod" for b in system.bodies),
         masses=tuple(masses),
-        velocities_before=tuple(v + frame for v in before),
-        velocities_after=tuple(v + frame for v in after),
+        velocities_before=tuple(
+            body_velocities(system, first, run.opening.velocity, a.frame)
+        ),
+        velocities_after=tuple(after),
         kinetic_before=kinetic_before,
         kinetic_after=kinetic_after,
         vibration_before=tuple(vibration_before),
         vibration_after=tuple(vibration_after),
-        contacts=read_tallies(run),
+        contacts=tallies,
         unilateral=tuple(
-            i for i, law in enumerate(a.system.contacts) if not isinstance(law, Bonded)
+            i for i, law in enumerate(system.contacts) if not isinstance(law, Bonded)
         ),
         wall_work=wall_work,
         momentum_residual=missing / absolute if absolute > 0 else 0.0,
-        energy_residual=(gained - wall_work) / turnover if turnover > 0 else 0.0,
+        energy_residual=(energy_gained - wall_work) / turnover if turnover > 0 else 0.0,
         final=run.settled >= 0,
         status=status,
     )
-
-
-def _wall_velocity(a: Assembly, body: int) -> float | None:
-    wall = a.system.bodies[body]
-    return float(wall.velocity) if isinstance(wall, Wall) else None
 
 
 def read_tallies(run: FrontRun) -> tuple[ContactTally, ...]:
@@ -292,34 +306,11 @@ def read_tallies(run: FrontRun) -> tuple[ContactTally, ...]:
     )
 
 
-def _pieces(a: Assembly, line: int) -> list[tuple[float, float]]:
-    """Waves of a line at t = 0 as (duration in s, value in the frame)."""
-    fronts = a.waves[line]
-    ends = [t for t, _ in fronts[1:]] + [0]
-    return [((end - t) * a.tick, w) for (t, w), end in zip(fronts, ends, strict=True)]
-
-
-def _initial_momenta(a: Assembly) -> tuple[list[float], float]:
-    """Momentum of each body in the frame, and the total absolute momentum of all waves."""
-    momenta, absolute = [], 0.0
-    for first, last in a.spans:
-        total = 0.0
-        for s in range(first, last + 1):
-            for line in (2 * s, 2 * s + 1):
-                for time, wave in _pieces(a, line):
-                    total += a.impedance[s] / 2 * time * wave
-                    absolute += a.impedance[s] / 2 * time * abs(wave + a.frame)
-        momenta.append(total)
-    return momenta, absolute
-
-
-def _initial_vibration(a: Assembly, velocities: list[float]) -> list[float]:
-    found = []
-    for (first, last), v in zip(a.spans, velocities, strict=True):
-        total = 0.0
-        for s in range(first, last + 1):
-            for line in (2 * s, 2 * s + 1):
-                for time, wave in _pieces(a, line):
-                    total += a.impedance[s] / 4 * time * (wave - v) ** 2
-        found.append(total)
-    return found
+def _absolute_momentum(a: Assembly) -> float:
+    """Total of the absolute momenta of all waves at t = 0, kg m/s."""
+    total = 0.0
+    for line, fronts in enumerate(a.waves[2:], 2):
+        ends = [tick for tick, _ in fronts[1:]] + [0]
+        for (tick, wave), end in zip(fronts, ends, strict=True):
+            total += a.impedance[line // 2] / 2 * (end - tick) * a.tick * abs(wave + a.frame)
+    return total

@@ -245,7 +245,7 @@ class Solution:
         kinetic, vibration, strain = (np.zeros(times.shape) for _ in range(3))
         ticks = self.fields.to_ticks(times)
         masses = self.outcome.masses
-        for group in groups(self.fields.assembly):
+        for group in groups(self.system):
             rods = [i for i in group if not self._is_wall(i)]
             if not rods:
                 continue

@@ -108,7 +108,7 @@ def run_fronts(
         raise InvalidModel([("system", message)])
     if system.shape != ():
         message = (
-            f"this is a family of shape {system.shape}, which is for sweep (not in this version); "
+            f"this is a family of shape {system.shape}, which is for sweep(system); or "
             "solve a member, solve(system[index]). Values along a rod are Steps(values, at)"
         )
         problems.append(("system", message))

@@ -62,7 +62,7 @@ def test_mean_motion_and_bounds(seed, transits):
     until = horizon(system, transits)
     run = track(assemble(system, until), until, 20_000)
     solution, a = wrap(run, until), run.assembly
-    for group in groups(a):
+    for group in groups(a.system):
         walls = [b.velocity for i in group if isinstance(b := system.bodies[i], ri.Wall)]
         pieces = pieces_of(solution, group)
         if not pieces or len(walls) > 1:

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
-from rodimpact.methods import front_kernel, grid_kernel, kernels, tick_kernel
+from rodimpact.methods import front_kernel, grid_kernel, kernels, layout_kernel
 from rodimpact.methods.assembly import assemble
 from rodimpact.methods.fronts import track
-from rodimpact.methods.tick_kernel import assign_ticks, recognise
+from rodimpact.methods.layout_kernel import assign_ticks, recognise
 
 
 def ticks_of(durations, bits=49):
@@ -144,7 +144,7 @@ def test_a_row_of_many_rods_uses_the_same_rule():
     assert len(b.ticks) == 20
 
 
-@pytest.mark.parametrize("module", [tick_kernel, front_kernel, grid_kernel])
+@pytest.mark.parametrize("module", [layout_kernel, front_kernel, grid_kernel])
 def test_kernel_files_stand_alone(module):
     """The compile cache sees changes of the kernel's own file only."""
     tree = ast.parse(Path(module.__file__).read_text())
@@ -181,13 +181,13 @@ class TestCompiled:
 
         monkeypatch.setattr(numba, "njit", njit)
         kernels._translate.cache_clear()
-        kernels.compiled.cache_clear()
+        kernels._compiled.cache_clear()
         try:
             assert kernels.compiled(recognise)(0.5) == (1, 2)
             assert calls == [True, False]
         finally:
             kernels._translate.cache_clear()
-            kernels.compiled.cache_clear()
+            kernels._compiled.cache_clear()
 
     def test_with_a_numba_that_counts_references(self, monkeypatch):
         import numba
@@ -202,12 +202,12 @@ class TestCompiled:
 
         monkeypatch.setattr(numba, "njit", strict)
         kernels._translate.cache_clear()
-        kernels.compiled.cache_clear()
+        kernels._compiled.cache_clear()
         try:
             assert kernels.compiled(recognise)(0.5) == (1, 2)
         finally:
             kernels._translate.cache_clear()
-            kernels.compiled.cache_clear()
+            kernels._compiled.cache_clear()
 
     def test_when_the_cache_cannot_be_written_at_the_first_call(self, monkeypatch):
         import numba
@@ -220,79 +220,21 @@ class TestCompiled:
 
         monkeypatch.setattr(numba, "njit", njit)
         kernels._translate.cache_clear()
-        kernels.compiled.cache_clear()
+        kernels._compiled.cache_clear()
         try:
             fast = kernels.compiled(recognise)
             assert fast(0.5) == (1, 2)
             assert fast(0.25) == (1, 4)
         finally:
             kernels._translate.cache_clear()
-            kernels.compiled.cache_clear()
+            kernels._compiled.cache_clear()
 
 
 def test_disabled_compiling_returns_the_kernel_itself(monkeypatch):
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
-    kernels.compiled.cache_clear()
+    kernels._compiled.cache_clear()
     try:
         assert kernels.compiled(recognise) is recognise
     finally:
-        kernels.compiled.cache_clear()
+        kernels._compiled.cache_clear()
 
-
-def members_of(assemblies):
-    """Arrays for `family`; all rows have the same number of segments."""
-    fronts = [[(t, l, w) for l, line in enumerate(a.waves) for t, w in line] for a in assemblies]
-    longest = max(map(len, fronts))
-    padded = [f + [(0, 0, 0.0)] * (longest - len(f)) for f in fronts]
-    tick, line, value = (np.array([[x[i] for x in f] for f in padded]) for i in range(3))
-    return front_kernel.Members(
-        np.array([a.ticks for a in assemblies]),
-        np.array([[1 / z if z else 0.0 for z in a.impedance] for a in assemblies]),
-        np.array([a.status for a in assemblies]), np.array([a.gaps for a in assemblies]),
-        np.array([a.outside for a in assemblies]), np.array([len(f) for f in fronts]),
-        tick, line, value.astype(float), np.array([a.tolerance for a in assemblies]),
-        np.array([a.window for a in assemblies]),
-    )
-
-
-def test_a_family_is_its_members():
-    """The same tallies, bit for bit, as each member alone; a full log is left to the caller."""
-    rng = np.random.default_rng(9)
-    m = ri.Material("m", youngs_modulus=1.0, density=1.0)
-
-    def rod():
-        velocity = rng.uniform(-1, 1)
-        if rng.random() < 0.3:
-            velocity = ri.Steps([velocity, rng.uniform(-1, 1)], [0.5])
-        area = rng.uniform(0.3, 3)
-        return ri.Rod(rng.integers(2, 9) / 2, area=area, material=m, velocity=velocity)
-
-    assemblies = [
-        assemble(ri.System([rod(), rod(), ri.Wall(rng.uniform(-1, 0))], [rng.integers(0, 2), 0]))
-        for _ in range(40)
-    ]
-    members = members_of(assemblies)
-    nodes = len(assemblies[0].status)
-    flags = np.zeros(40, dtype=np.int64)
-    tallies = front_kernel.Tally(*(
-        np.zeros((40, nodes), dtype=type(column[0])) for column in track(assemblies[0]).tally
-    ))
-    a = assemblies[0]
-    from rodimpact.methods.assembly import start
-    from rodimpact.methods.fronts import _arrays, _as_arrays, _ints
-
-    row, tally, log, clock = start(a.ticks, members.mobility[0], a.status, a.gaps, a.outside,
-                                   a.waves, room=400)
-    kernels.compiled(front_kernel.family)(
-        _as_arrays(row), _as_arrays(tally), _arrays(log), _ints(clock), members, 300, flags, tallies
-    )
-    finals = 0
-    for i, assembly in enumerate(assemblies):
-        alone = track(assembly, max_events=300)
-        if flags[i] == front_kernel.FINAL:
-            finals += 1
-            for column, expected in zip(tallies, alone.tally, strict=True):
-                assert column[i].tolist() == expected
-        elif flags[i] == front_kernel.CAP:
-            assert alone.stopped_by == "max_events"
-    assert finals > 20

@@ -9,16 +9,19 @@ import rodimpact
 
 ROOT = Path(rodimpact.__file__).parent
 LAYERS = [
-    {"units", "frozen", "arguments", "methods", "methods.kernels", "methods.tick_kernel",
+    {"units", "frozen", "arguments", "methods", "methods.kernels", "methods.layout_kernel",
      "methods.front_kernel", "methods.grid_kernel"},
     {"model", "rigid"},
     {"materials", "theory", "methods.assembly"},
-    {"methods.fronts", "signals"},
+    {"methods.fronts", "methods.families", "signals"},
     {"fields"},
     {"contacts"},
     {"outcome"},
     {"solution"},
-    {"solving", "regions", "files", "report"},
+    {"solving", "regions", "files"},
+    {"checkpoint"},
+    {"sweeping"},
+    {"report"},
     {"casefile", "verify", "plot"},
     {"cli"},
     {"__main__"},
@@ -26,6 +29,7 @@ LAYERS = [
 ALLOWED = {
     # printing and saving, imported when asked for
     ("outcome", "report"), ("solution", "report"), ("solution", "files"),
+    ("files", "sweeping"),
 }
 LEVEL = {name: level for level, names in enumerate(LAYERS) for name in names}
 

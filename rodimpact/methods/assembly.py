@@ -1,16 +1,14 @@
 """From a system to flat lists: segments, nodes, ticks and the waves under way at t = 0.
 
-Bodies are laid end to end as segments 1 to n; the segments 0 and n + 1 are what lies outside. The
-initial state is the history of the waves over one transit before t = 0: fronts at negative ticks.
+Bodies are laid end to end as segments 1 to n; the segments 0 and n + 1 are what lies outside. What
+members of a family share is their `Make`; the numbers in which they differ go to the layout kernel.
 """
 
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,17 +16,20 @@ import numpy as np
 from ..frozen import InvalidModel, Number
 from ..model import Bonded, Rod, Segment, Steps, System, Wall
 from . import kernels
-from .front_kernel import BOND, FREE, NEVER, OPEN, TOUCH, Log, Row, Tally, begin
-from .tick_kernel import assign_ticks
+from .front_kernel import BOND, FREE, OPEN, TOUCH, Log, Row, Tally, begin
+from .layout_kernel import (
+    CLOCK_BITS,
+    COARSEST,
+    LAID,
+    LONG,
+    OVERFLOW,
+    Layout,
+    Make,
+    Work,
+    lay_out,
+)
 
-TOLERANCE = 2.0**-48
-"""Smallest change of a wave that counts as a front, in units of the velocity scale (the spread of
-the velocities plus wave speed times strain); the same margin decides whether contacts press or
-graze. The error of a wave is at most this, times the number of ends it has passed."""
-
-WINDOW = 40  # a gap that closes within 2^-40 longest transits of an arrival closes with it
-HORIZON = 4096  # longest transits for which the clock has room when no end is given
-FINEST, COARSEST = 50, 20  # longest transit in ticks, as a power of two
+INTERPRETED = 200  # durations up to which the tick rule is not worth compiling
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +100,82 @@ class Assembly:
         return sum(self.impedance[s] * self.ticks[s] for s in range(first, last + 1)) * self.tick
 
 
+class Blueprint:
+    """A system, or a family of them, as numbers for the layout kernel.
+
+    Attributes
+    ----------
+    make : Make
+        On lists.
+    numbers : list of float or array
+        One row of the kernel's `given`; arrays where members differ.
+    status : list of int
+        Of each node while its gap is 0.
+    paths : list of str
+        By segment, what the user calls it; "" for 0.
+
+    Raises
+    ------
+    InvalidModel
+        If a material has viscosity, which the method lacks.
+    """
+
+    def __init__(self, system: System) -> None:
+        pieces: list[Segment] = []
+        spans, places, jumps = [], [], []
+        profiles: list[Number] = []
+        self.paths = [""]
+        for i, body in enumerate(system.bodies):
+            places.append(len(profiles))
+            for profile in (body.velocity, body.strain if isinstance(body, Rod) else 0.0):
+                steps = profile if isinstance(profile, Steps) else Steps([profile], [])
+                jumps.append(len(steps.at))
+                profiles += (*steps.values, *steps.at)
+            if isinstance(body, Wall):
+                spans.append((1, 0))
+                continue
+            spans.append((len(pieces) + 1, len(pieces) + len(body.segments)))
+            pieces += body.segments
+            stepped = len(body.segments) > 1
+            self.paths += [f"bodies.{i}.segments.{j}" if stepped else f"bodies.{i}"
+                           for j in range(len(body.segments))]
+        lacking = 'method "fronts" has no damping; must be 0, got '
+        damped = [
+            (f"{path}.material.viscosity", f"{lacking}{eta!r}")
+            for path, piece in zip(self.paths[1:], pieces, strict=True)
+            if np.any(eta := piece.material.viscosity)
+        ]
+        if damped:
+            raise InvalidModel(damped)
+        n, contacts = len(pieces), len(system.gaps)
+        first, last = (list(ends) for ends in zip(*spans, strict=True))
+        nodes = last[:contacts]
+        self.numbers: list[Number] = [
+            *(p.wave_speed for p in pieces), *(p.impedance for p in pieces),
+            *(p.length for p in pieces), *system.gaps, *profiles,
+        ]
+        places = [3 * n + contacts + place for place in places]
+        size = [n, len(self.numbers), 2 * (n + sum(jumps))]
+        self.make = Make(first, last, nodes, places, jumps, size)
+        self.status = [FREE, *[BOND] * (n - 1), FREE]
+        for node, law in zip(nodes, system.contacts, strict=True):
+            self.status[node] = BOND if isinstance(law, Bonded) else TOUCH
+
+    def space(
+        self, members: int, full: Callable[[int, Any], Any] = lambda size, zero: [zero] * size
+    ) -> tuple[Layout, Work]:
+        """Room for the layout of that many members, on lists or what `full` makes."""
+        n, _, fronts = self.make.size
+        marks = n + sum(self.make.jumps)
+        rows = [n + 2, n + 2, n + 1, 2, 1, fronts, fronts, fronts, *[1] * 8]
+        kinds = [0, 0.0, 0.0, 0.0, 0, 0, 0, 0.0, 0.0, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0]
+        layout = [full(members * row, zero) for row, zero in zip(rows, kinds, strict=True)]
+        sizes = [marks, marks, marks, marks, marks, n + 2, marks, marks]
+        kinds = [0.0, 0, 0, 0, 0, 0, 0.0, 0.0]
+        work = [full(size, zero) for size, zero in zip(sizes, kinds, strict=True)]
+        return Layout(*layout), Work(*work)
+
+
 def assemble(system: System, until: float | None = None) -> Assembly:
     """Lay out a single collision for the fronts method.
 
@@ -115,165 +192,51 @@ def assemble(system: System, until: float | None = None) -> Assembly:
         When velocities overflow, transit times are too far apart for one clock, or a material has
         viscosity.
     """
-    bodies = system.bodies
-    spans: list[tuple[int, int]] = []
-    pieces: list[Segment] = []
-    paths: list[str] = []
-    for i, body in enumerate(bodies):
-        if isinstance(body, Wall):
-            spans.append((1, 0))
-            continue
-        spans.append((len(pieces) + 1, len(pieces) + len(body.segments)))
-        pieces += body.segments
-        stepped = len(body.segments) > 1
-        paths += [f"bodies.{i}.segments.{j}" if stepped else f"bodies.{i}"
-                  for j in range(len(body.segments))]
-    damped = [
-        (f"{path}.material.viscosity", f'method "fronts" has no damping; must be 0, got {eta!r}')
-        for path, piece in zip(paths, pieces, strict=True) if (eta := piece.material.viscosity)
-    ]
-    if damped:
-        raise InvalidModel(damped)
-    n = len(pieces)
-    speed = [0.0, *(float(p.wave_speed) for p in pieces), 0.0]
-    impedance = [0.0, *(float(p.impedance) for p in pieces), 0.0]
-    length = [0.0, *(float(p.length) for p in pieces), 0.0]
-    times = [float(p.transit_time) for p in pieces]
-
-    status = [BOND] * (n + 1)
-    status[0] = status[n] = FREE
-    gap_widths = [0.0] * (n + 1)
-    nodes = tuple(max(0, spans[i][1]) for i in range(len(bodies) - 1))
-    for node, gap, law in zip(nodes, system.gaps, system.contacts, strict=True):
-        gap_widths[node] = float(gap)
-        status[node] = BOND if isinstance(law, Bonded) else OPEN if gap > 0 else TOUCH
-
-    cuts, states = _initial_state(system, spans, length)
-    frame, scale = _velocity_scale(system, states, speed)
-    if not math.isfinite(scale * scale * max(impedance) * NEVER):
-        message = f"velocities and strains of {scale!r} m/s overflow the energy; use smaller ones"
-        raise InvalidModel([("bodies", message)])
-    longest = max(times)
-    horizon = until
-    if horizon is None:
-        flight = 4 * math.fsum(gap_widths) / scale if scale > 0 else 0.0
-        horizon = max(HORIZON * longest, 16 * math.fsum(times), flight)
-        horizon = min(horizon, longest * 2.0 ** (61 - COARSEST))
-    ratio = horizon / longest
-    bits = min(FINEST, 61 - math.ceil(math.log2(ratio))) if 0 < ratio < math.inf else FINEST
-    if bits < COARSEST or ratio == math.inf:
-        message = (
-            f"a run of {horizon:g} s is {ratio:.3g} times the longest transit time {longest:g} s, "
-            f"more than the clock can count; stop before {longest * 2.0 ** (61 - COARSEST):.3g} s"
-        )
-        raise InvalidModel([("until", message)])
-    ticks, whole, offsets = _whole_ticks(times, cuts, bits)
-    window = max(1, whole >> WINDOW)
-    short = min(range(n), key=lambda i: ticks[i + 1])
-    if ticks[short + 1] <= 4 * window:
-        message = (
-            f"its transit time {times[short]:.3g} s is too short beside the longest, "
-            f"{longest:.3g} s: one exact clock holds ratios up to about 2e11; leave it out"
-        )
-        raise InvalidModel([(paths[short], message)])
-    tick = longest / whole
-    errors = [abs(ticks[i + 1] * tick / times[i] - 1) for i in range(n)]
-    worst = max(range(n), key=errors.__getitem__)
-
-    left, right = (
-        float(b.velocity) - frame if isinstance(b, Wall) else 0.0 for b in (bodies[0], bodies[-1])
-    )
-    tolerance = TOLERANCE * scale
-    waves: list[list[tuple[int, float]]] = [[], []]
-    for s in range(1, n + 1):
-        waves += _history(ticks[s], offsets[s], states[s], speed[s], frame, tolerance)
-    return Assembly(
-        system, tuple(spans), nodes, speed, impedance, length, ticks, tick, frame, tolerance,
-        window, status, [g / tick for g in gap_widths], (left, right), waves,
-        errors[worst], paths[worst],
-    )
-
-
-def _value(profile: Number | Steps, x: float) -> float:
-    if isinstance(profile, Steps):
-        return float(profile.values[bisect_right([float(at) for at in profile.at], x)])
-    return float(profile)
-
-
-def _initial_state(
-    system: System, spans: list[tuple[int, int]], length: list[float]
-) -> tuple[list[list[float]], list[list[tuple[float, float]]]]:
-    """By segment: where its profiles jump (as a fraction of its length), and (velocity, strain)."""
-    cuts: list[list[float]] = [[] for _ in length]
-    states: list[list[tuple[float, float]]] = [[] for _ in length]
-    for body, (first, last) in zip(system.bodies, spans, strict=True):
-        if not isinstance(body, Rod):
-            continue
-        profiles = (body.velocity, body.strain)
-        jumps = {float(x) for p in profiles if isinstance(p, Steps) for x in p.at}
-        left = 0.0
-        for s in range(first, last + 1):
-            right = left + length[s]
-            inside = sorted(x for x in jumps if left < x < right)
-            cuts[s] = [(x - left) / length[s] for x in inside]
-            edges = [left, *inside, right]
-            for x0, x1 in pairwise(edges):
-                middle = x0 + (x1 - x0) / 2
-                states[s].append((_value(body.velocity, middle), _value(body.strain, middle)))
-            left = right
-    return cuts, states
-
-
-def _velocity_scale(
-    system: System, states: list[list[tuple[float, float]]], speed: list[float]
-) -> tuple[float, float]:
-    """Frame (that of the walls, else the middle of all velocities) and scale of velocities."""
-    walls = [float(body.velocity) for body in system.bodies if isinstance(body, Wall)]
-    velocities = walls + [v for state in states for v, _ in state]
-    low, high = min(velocities), max(velocities)
-    strained = max(c * abs(eps) for c, state in zip(speed, states, strict=True)
-                   for _, eps in state or [(0.0, 0.0)])
-    frame = sum(walls) / len(walls) if walls else low / 2 + high / 2
-    return frame, high - low + strained
-
-
-def _whole_ticks(
-    times: list[float], cuts: list[list[float]], bits: int
-) -> tuple[list[int], int, list[list[int]]]:
-    """Ticks of all transits, of the longest, and of the jumps from their segment's left end."""
-    marks = [[f * times[s - 1] for f in cuts[s]] if cuts[s] else [] for s in range(len(cuts))]
-    distinct = sorted({*times, *(m for mark in marks for m in mark if m > 0)}, reverse=True)
-    n = len(distinct)
-    kernel = assign_ticks
-    if n > 200 and kernels.enabled():
-        kernel = kernels.compiled(assign_ticks)
-        work = [np.zeros(n, dtype=np.int64) for _ in range(4)]
-        whole = kernel(np.array(distinct), bits, *work)
-        found = work[3].tolist()
+    plan = Blueprint(system)
+    make, given = plan.make, [float(x) for x in plan.numbers]
+    n = make.size[0]
+    end = -1.0 if until is None else until
+    if make.size[2] > 2 * INTERPRETED and kernels.enabled():
+        layout, work = plan.space(1, np.full)
+        arrays = Make(*(np.array(x, dtype=np.int64) for x in make))
+        fate = kernels.compiled(lay_out)(arrays, np.array(given), 0, end, layout, work)
+        layout = Layout(*(x.tolist() for x in layout))
+        work = Work(*(x.tolist() for x in work))
     else:
-        found = [0] * n
-        whole = kernel(distinct, bits, [0] * n, [0] * n, [0] * n, found)
-    table = {0.0: 0, **dict(zip(distinct, found, strict=True))}
-    return [0, *(table[t] for t in times), 0], whole, [[table[m] for m in mark] for mark in marks]
+        layout, work = plan.space(1)
+        fate = lay_out(make, given, 0, end, layout, work)
+    if fate != LAID:
+        raise InvalidModel([_refusal(fate, plan, layout, work.duration)])
+    waves: list[list[tuple[int, float]]] = [[] for _ in range(2 * n + 2)]
+    for r in range(layout.count[0]):
+        waves[layout.line[r]].append((layout.tick[r], layout.value[r]))
+    status = [OPEN if gap > 0 else at for gap, at in zip(layout.gap, plan.status, strict=True)]
+    return Assembly(
+        system, tuple(zip(make.first, make.last, strict=True)), tuple(make.node),
+        [0.0, *given[:n], 0.0], [0.0, *given[n : 2 * n], 0.0], [0.0, *given[2 * n : 3 * n], 0.0],
+        layout.transit, layout.beat[0], layout.frame[0], layout.tolerance[0], layout.window[0],
+        status, layout.gap, (layout.outside[0], layout.outside[1]), waves,
+        layout.error[0], plan.paths[layout.worst[0]],
+    )
 
 
-def _history(
-    transit: int, offsets: list[int], states: list[tuple[float, float]], c: float, frame: float,
-    tolerance: float,
-) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
-    """Fronts of the two lines of one segment that fill it with its initial state."""
-    edges = [0, *(min(offset, transit) for offset in offsets), transit]
-    kept = [(x0, x1, v - frame - c * eps, v - frame + c * eps)
-            for x0, x1, (v, eps) in zip(edges, edges[1:], states, strict=False) if x1 > x0]
-    right: list[tuple[int, float]] = []
-    for _, x1, a, _ in reversed(kept):
-        if not right or abs(a - right[-1][1]) > tolerance:
-            right.append((-x1, a))
-    left: list[tuple[int, float]] = []
-    for x0, _, _, b in kept:
-        if not left or abs(b - left[-1][1]) > tolerance:
-            left.append((x0 - transit, b))
-    return right, left
+def _refusal(fate: int, plan: Blueprint, layout: Layout, durations: Any) -> tuple[str, str]:
+    """Path and sentence for a member that cannot be laid out."""
+    if fate == OVERFLOW:
+        scale = float(layout.scale[0])
+        return "bodies", f"velocities and strains of {scale!r} m/s overflow the energy; use smaller"
+    longest = max(durations[: plan.make.size[0]])
+    if fate == LONG:
+        horizon, most = layout.horizon[0], longest * 2.0 ** (CLOCK_BITS - 1 - COARSEST)
+        return "until", (
+            f"a run of {horizon:g} s is {horizon / longest:.3g} times the longest transit time "
+            f"{longest:g} s, more than the clock can count; stop before {most:.3g} s"
+        )
+    short = layout.worst[0]
+    return plan.paths[short], (
+        f"its transit time {durations[short - 1]:.3g} s is too short beside the longest, "
+        f"{longest:.3g} s: one exact clock holds ratios up to about 2e11; leave it out"
+    )
 
 
 def start(

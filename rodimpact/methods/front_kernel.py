@@ -68,20 +68,44 @@ class Log(NamedTuple):
     turn_status: Any  # [turn] the new status
 
 
-class Members(NamedTuple):
-    """Collisions of rows of the same make, with the fronts they start from; for `family`."""
+class Stock(NamedTuple):
+    """What the segments hold at one time, in the frame of the waves."""
 
-    transit: Any  # [member, segment]
-    mobility: Any  # [member, segment]
-    status: Any  # [member, node]
-    gap: Any  # [member, node]
-    outside: Any  # [member, 2] waves of the walls
-    count: Any  # [member] number of fronts
-    tick: Any  # [member, front] as `begin` wants them
-    line: Any  # [member, front]
-    value: Any  # [member, front]
+    velocity: Any  # [segment] of the motion about which it vibrates
+    momentum: Any  # [segment]
+    vibration: Any  # [segment] energy
+
+
+class Members(NamedTuple):
+    """Collisions of rows of the same make and the fronts they start from; in rows, one a member."""
+
+    transit: Any  # [member * segments]
+    mobility: Any  # [member * segments]
+    status: Any  # [member * nodes]
+    gap: Any  # [member * nodes]
+    outside: Any  # [member * 2] waves of the walls
+    count: Any  # [member] number of fronts; 0 for a member not to be run
+    tick: Any  # [member * fronts] as `begin` wants them
+    line: Any  # [member * fronts]
+    value: Any  # [member * fronts]
     tolerance: Any  # [member]
     window: Any  # [member]
+    frame: Any  # [member] velocity of the frame of the waves
+    beat: Any  # [member] duration of a tick
+
+
+class Results(NamedTuple):
+    """What became of the members, in the units of their numbers; in rows, one a member."""
+
+    flag: Any  # [member] why the run stopped; FULL if the log was too short, or it was not run
+    final: Any  # [member] whether it is proved that no contact can happen again
+    before: Any  # [member * segments] velocity of the bonded group's motion
+    after: Any  # [member * segments]
+    vibration: Any  # [member] energy left
+    impulse: Any  # [member * nodes], as are the others; see Tally
+    peak_force: Any
+    duration: Any
+    episodes: Any
 
 
 def schedule(tree: Any, i: int, tick: int) -> None:
@@ -459,18 +483,13 @@ def play(
     return flag
 
 
-def contents(row: Row, log: Log, t: int, velocity: Any, momentum: Any, vibration: Any) -> None:
-    """Take stock at tick t: momentum and energy of vibration about `velocity`, by segment.
+def contents(row: Row, log: Log, t: int, stock: Stock) -> None:
+    """Take stock at tick t: momentum, and energy of vibration about stock.velocity, by segment.
 
-    Parameters
-    ----------
-    velocity : [segment]
-        Velocity of the motion about which each segment vibrates.
-    momentum, vibration : [segment]
-        Results: (Z/2) integral(a + b), (Z/4) integral((a - V)^2 + (b - V)^2).
+    Momentum is (Z/2) integral(a + b), energy (Z/4) integral((a - V)^2 + (b - V)^2).
     """
     for s in range(1, len(row.transit) - 1):
-        Z, V = 1 / row.mobility[s], velocity[s]
+        Z, V = 1 / row.mobility[s], stock.velocity[s]
         total, square = 0 * V, 0 * V
         for l in (2 * s, 2 * s + 1):
             r, wave, edge = row.head[l], row.arrived[l], row.transit[s]
@@ -481,44 +500,111 @@ def contents(row: Row, log: Log, t: int, velocity: Any, momentum: Any, vibration
                 edge, wave, r = t - log.tick[r], log.value[r], log.after[r]
             total += wave * edge
             square += (wave - V) * (wave - V) * edge
-        momentum[s], vibration[s] = Z * total / 2, Z * square / 4
+        stock.momentum[s], stock.vibration[s] = Z * total / 2, Z * square / 4
+
+
+def drift(row: Row, stock: Stock) -> None:
+    """Set the velocities of bonded groups from their momenta."""
+    first, n = 1, len(row.status) - 1
+    while first <= n:
+        last, mass = first, row.transit[first] / row.mobility[first]
+        momentum = stock.momentum[first]
+        while last < n and row.status[last] == BOND:
+            last += 1
+            mass += row.transit[last] / row.mobility[last]
+            momentum += stock.momentum[last]
+        for s in range(first, last + 1):
+            stock.velocity[s] = momentum / mass
+        first = last + 1
+
+
+def opening_stock(row: Row, log: Log, stock: Stock) -> None:
+    """Take stock at t = 0: momenta, and the velocities that go with them."""
+    for s in range(len(stock.velocity)):
+        stock.velocity[s] = 0 * row.mobility[1]
+    contents(row, log, 0, stock)
+    drift(row, stock)
+
+
+def closing_stock(
+    row: Row, tally: Tally, log: Log, t: int, opening: Stock, stock: Stock
+) -> None:
+    """Take stock at the end, tick t: free groups have the velocity that their impulses gave them.
+
+    That is more exact than what the momenta of their waves say, and independent of it; only groups
+    bonded to a wall have no other.
+    """
+    n = len(row.status) - 1
+    for s in range(n + 2):
+        stock.velocity[s] = opening.velocity[s]
+    if row.status[0] == BOND or row.status[n] == BOND:
+        contents(row, log, t, stock)
+        drift(row, stock)
+    first = 1
+    while first <= n:
+        last, mass = first, row.transit[first] / row.mobility[first]
+        while last < n and row.status[last] == BOND:
+            last += 1
+            mass += row.transit[last] / row.mobility[last]
+        if row.status[first - 1] != BOND and row.status[last] != BOND:
+            pushed = (tally.impulse[first - 1] - tally.impulse[last]) / mass
+            for s in range(first, last + 1):
+                stock.velocity[s] = opening.velocity[s] + pushed
+        first = last + 1
+    contents(row, log, t, stock)
 
 
 def family(
-    row: Row, tally: Tally, log: Log, clock: Any, members: Members, limit: int, flags: Any,
-    tallies: Tally,
+    row: Row, tally: Tally, log: Log, clock: Any, stocks: tuple[Stock, Stock], members: Members,
+    limit: int, results: Results,
 ) -> None:
     """Run every member to its proof of finality in the same work space.
 
     Parameters
     ----------
-    row, tally, log, clock
-        Work space of one run; a member that fills the log is left at FULL.
+    row, tally, log, clock, stocks
+        Work space of one run.
     members : Members
     limit : int
         Largest number of events of a member.
-    flags : [member] int
-        Result: why each run stopped.
-    tallies : Tally
-        Result: arrays [member, node].
+    results : Results
+        Filled in; a member that is not run or that fills the log has its flag only.
     """
-    for c in range(len(flags)):
-        for s in range(len(row.transit)):
-            row.transit[s], row.mobility[s] = members.transit[c, s], members.mobility[c, s]
-        for k in range(len(row.status)):
-            row.status[k], row.gap[k] = members.status[c, k], members.gap[c, k]
-        row.arrived[0], row.arrived[2 * len(row.status) + 1] = (
-            members.outside[c, 0], members.outside[c, 1],
+    nodes, segments = len(row.status), len(row.transit)
+    fronts = len(members.tick) // len(members.count)
+    for m in range(len(members.count)):
+        results.flag[m], results.final[m] = FULL, False
+        if members.count[m] == 0 or members.count[m] + 2 > len(log.tick):
+            continue
+        for s in range(segments):
+            row.transit[s] = members.transit[m * segments + s]
+            row.mobility[s] = members.mobility[m * segments + s]
+        for k in range(nodes):
+            row.status[k] = members.status[m * nodes + k]
+            row.gap[k] = members.gap[m * nodes + k]
+        row.arrived[0] = members.outside[2 * m]
+        row.arrived[2 * nodes + 1] = members.outside[2 * m + 1]
+        for r in range(members.count[m]):
+            f = m * fronts + r
+            log.tick[r], log.line[r] = members.tick[f], members.line[f]
+            log.value[r] = members.value[f]
+        begin(row, tally, log, clock, members.count[m])
+        opening_stock(row, log, stocks[0])
+        flag = play(
+            row, tally, log, clock, -1, limit, members.tolerance[m], members.window[m]
         )
-        for r in range(members.count[c]):
-            log.tick[r], log.line[r] = members.tick[c, r], members.line[c, r]
-            log.value[r] = members.value[c, r]
-        begin(row, tally, log, clock, members.count[c])
-        flags[c] = play(
-            row, tally, log, clock, -1, limit, members.tolerance[c], members.window[c]
-        )
-        for k in range(len(row.status)):
-            tallies.impulse[c, k], tallies.work[c, k] = tally.impulse[k], tally.work[k]
-            tallies.peak[c, k], tallies.pressed[c, k] = tally.peak[k], tally.pressed[k]
-            tallies.first[c, k], tallies.last[c, k] = tally.first[k], tally.last[k]
-            tallies.episodes[c, k] = tally.episodes[k]
+        results.flag[m], results.final[m] = flag, clock[SETTLED] >= 0
+        if flag == FULL:
+            continue
+        closing_stock(row, tally, log, clock[NOW], stocks[0], stocks[1])
+        frame, beat, vibration = members.frame[m], members.beat[m], 0 * row.mobility[1]
+        for s in range(segments):
+            i = m * segments + s
+            results.before[i] = stocks[0].velocity[s] + frame
+            results.after[i] = stocks[1].velocity[s] + frame
+            vibration += stocks[1].vibration[s]
+        results.vibration[m] = vibration * beat
+        for k in range(nodes):
+            i = m * nodes + k
+            results.impulse[i], results.peak_force[i] = tally.impulse[k] * beat, tally.peak[k]
+            results.duration[i], results.episodes[i] = tally.pressed[k] * beat, tally.episodes[k]

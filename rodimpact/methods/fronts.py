@@ -23,8 +23,11 @@ from .front_kernel import (
     TURNS,
     Log,
     Row,
+    Stock,
     Tally,
+    closing_stock,
     contents,
+    opening_stock,
     play,
 )
 
@@ -43,6 +46,8 @@ class FrontRun:
     assembly : Assembly
     row, tally, log
         The kernel's state at the end; log arrays cut to what was used.
+    opening, closing : Stock
+        What the segments held at t = 0 and at the end, momenta and energies per tick.
     end : int
         Tick reached.
     settled : int
@@ -57,28 +62,12 @@ class FrontRun:
     row: Row
     tally: Tally
     log: Log
+    opening: Stock
+    closing: Stock
     end: int
     settled: int
     events: int
     stopped_by: str
-
-    def stock(self, velocities: list[float]) -> tuple[list[float], list[float]]:
-        """Momentum and energy of vibration of each segment at the end, in the waves' frame.
-
-        Parameters
-        ----------
-        velocities : list of float
-            Velocity about which each segment vibrates, [n + 2].
-
-        Returns
-        -------
-        momentum, vibration : list of float
-            kg m/s and J, [n + 2].
-        """
-        momentum, vibration = [0.0] * len(velocities), [0.0] * len(velocities)
-        contents(self.row, self.log, self.end, velocities, momentum, vibration)
-        tick = self.assembly.tick
-        return [float(p) * tick for p in momentum], [float(e) * tick for e in vibration]
 
 
 def track(
@@ -105,6 +94,9 @@ def track(
     mobility = [1 / Z if Z else 0.0 for Z in a.impedance]
     state: Any = start(a.ticks, mobility, a.status, a.gaps, a.outside, a.waves)
     row, tally, log, clock = state
+    opening, closing = (Stock(*([0.0] * len(a.ticks) for _ in range(3))) for _ in range(2))
+    opening_stock(row, log, opening)
+    contents(row, log, 0, opening)
     target = -2 * a.longest
     if until is not None:
         target = round(until / a.tick)
@@ -115,7 +107,7 @@ def track(
     on_lists = True
     while True:
         if on_lists and kernels.enabled() and len(log.value) > compile_after:
-            row, tally, log, clock = _as_arrays(row), _as_arrays(tally), _arrays(log), _ints(clock)
+            row, tally, log, clock = on_arrays(row, tally, log, clock)
             kernel, on_lists = kernels.compiled(play), False
         flag = kernel(row, tally, log, clock, target, max_events, a.tolerance, a.window)
         if flag != FULL:
@@ -124,23 +116,25 @@ def track(
     if not on_lists:
         row, tally = Row(*(x.tolist() for x in row)), Tally(*(x.tolist() for x in tally))
         clock = clock.tolist()
+    closing_stock(row, tally, log, clock[NOW], opening, closing)
+    closing = Stock(*([float(x) for x in column] for column in closing))
     n, m = clock[ROWS], clock[TURNS]
     log = Log(*(x[:n] for x in log[:4]), *(x[:m] for x in log[4:]))
     reason = {FINAL: "final", CAP: "max_events", CLOCK: "clock"}.get(flag, "until")
-    return FrontRun(a, row, tally, log, clock[NOW], clock[SETTLED], clock[EVENTS], reason)
+    return FrontRun(
+        a, row, tally, log, opening, closing, clock[NOW], clock[SETTLED], clock[EVENTS], reason
+    )
 
 
-def _ints(values: list[int]) -> Any:
-    return np.array(values, dtype=np.int64)
-
-
-def _as_arrays(state: Any) -> Any:
+def as_arrays(state: Any) -> Any:
     """Lists to arrays of the type of their first entry."""
     return type(state)(*(np.array(x, dtype=type(x[0])) for x in state))
 
 
-def _arrays(log: Log) -> Log:
-    return Log(*(np.array(x, dtype=t) for x, t in zip(log, _LOG_TYPES, strict=True)))
+def on_arrays(row: Row, tally: Tally, log: Log, clock: list[int]) -> tuple[Row, Tally, Log, Any]:
+    """Return the kernel's state on arrays, for compiled code."""
+    columns = [np.array(x, dtype=t) for x, t in zip(log, _LOG_TYPES, strict=True)]
+    return as_arrays(row), as_arrays(tally), Log(*columns), np.array(clock, dtype=np.int64)
 
 
 def _longer(log: Log, clock: Any, on_lists: bool) -> Log:

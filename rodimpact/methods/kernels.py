@@ -10,6 +10,7 @@ from __future__ import annotations
 import functools
 import os
 import sys
+import threading
 import types
 from collections.abc import Callable
 from typing import Any
@@ -27,13 +28,21 @@ def started() -> bool:
     return enabled() and "numba" in sys.modules
 
 
-@functools.cache
 def compiled(kernel: Kernel) -> Kernel:
     """Return the same source as machine code, or the kernel itself where compiling is disabled.
 
     Machine code is kept on disk. Where that is impossible (no writable place, full disk) it is
     made anew in each process.
     """
+    with _ONE_AT_A_TIME:  # or two threads would compile the same twice
+        return _compiled(kernel)
+
+
+_ONE_AT_A_TIME = threading.Lock()
+
+
+@functools.cache
+def _compiled(kernel: Kernel) -> Kernel:
     if not enabled():
         return kernel
     try:
@@ -77,6 +86,6 @@ def _translate(kernel: Kernel, cache: bool) -> Kernel:
     twin.__qualname__, twin.__module__ = kernel.__qualname__, kernel.__module__
     try:
         # kernels make no arrays; counting references to those they get would cost most of a call
-        return compile_(twin, cache=cache, nogil=True, _nrt=False)  # type: ignore[no-any-return]
+        return compile_(twin, cache=cache, nogil=True, _nrt=False, forceinline=True)  # type: ignore[no-any-return]
     except KeyError:  # a numba without this switch
         return compile_(twin, cache=cache, nogil=True)  # type: ignore[no-any-return]

@@ -1,0 +1,388 @@
+"""From the numbers of a collision to its clock: durations in whole ticks, and the waves at t = 0.
+
+Waves that took different paths meet at the same instant only if times are integers. The tick rule:
+durations in the ratio of small whole numbers (0.3 m and 0.1 m of one steel) are recognised and keep
+that ratio exactly; the others are rounded to the nearest tick.
+
+The initial state is the history of the waves over one transit before t = 0. A profile jumps at
+places that follow the tick rule too.
+
+Kernels: plain Python on lists for one collision, compiled on arrays for a family. The numbers of a
+member stand in one row of `given`: wave speed, impedance and length of each segment, the gaps, and
+for each body its velocity values, where they jump, strain values, and where those jump.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+TERMS = 1 << 20  # largest numerator or denominator of a recognised ratio
+SLACK = 4.0 * 2.0**-52  # relative error of a ratio of two quotients of floats
+MOST_PARTS = 1 << 40  # into how many units the longest duration may be divided
+DIVISIBLE = 720720  # least common multiple of 1 to 16
+LEAST_UNIT = 2.0**40  # ticks in the unit of any further class, so that rounding it is harmless
+
+TOLERANCE = 2.0**-48
+"""Smallest change of a wave that counts as a front, in units of the velocity scale (the spread of
+the velocities plus wave speed times strain); the same margin decides whether contacts press or
+graze. The error of a wave is at most this, times the number of ends it has passed."""
+
+CLOCK_BITS = 62  # ticks end at 2^62
+HORIZON = 4096  # longest transits for which the clock has room when no end is given
+FINEST, COARSEST = 50, 20  # longest transit in ticks, as a power of two
+WINDOW = 40  # a gap that closes within 2^-40 longest transits of an arrival closes with it
+LAID, OVERFLOW, LONG, SHORT = range(4)  # what became of a member, see `lay_out`
+
+
+class Make(NamedTuple):
+    """What all members of a family share."""
+
+    first: Any  # [body] first segment; 1 for a wall
+    last: Any  # [body] last segment; 0 for a wall
+    node: Any  # [contact]
+    profile: Any  # [body] place in a row of `given` of its first velocity value
+    jumps: Any  # [2 * body] jumps of its velocity, of its strain
+    size: Any  # [3] segments, numbers in a row of `given`, most fronts at t = 0
+
+
+class Layout(NamedTuple):
+    """Members on their clocks; n segments, so n + 1 nodes; in rows, one a member."""
+
+    transit: Any  # [member * (n + 2)] ticks
+    mobility: Any  # [member * (n + 2)] 1/Z, 0 outside
+    gap: Any  # [member * (n + 1)] velocity times ticks
+    outside: Any  # [member * 2] waves of the walls
+    count: Any  # [member] number of fronts
+    tick: Any  # [member * fronts] when a front left its end
+    line: Any  # [member * fronts]
+    value: Any  # [member * fronts] wave behind it
+    tolerance: Any  # [member] velocity
+    window: Any  # [member] ticks by which a closing may move to an arrival
+    frame: Any  # [member] velocity of the frame of the waves
+    scale: Any  # [member] of velocities
+    horizon: Any  # [member] time for which the clock has room
+    beat: Any  # [member] duration of a tick
+    error: Any  # [member] largest relative change of a transit time
+    worst: Any  # [member] segment with that error, or the one that is too short
+
+
+class Work(NamedTuple):
+    """Space for one member: m = n + jumps of all profiles; pieces of constant state by segment."""
+
+    duration: Any  # [m] transit times, then times from the left end of a segment to its jumps
+    order: Any  # [m]
+    p: Any  # [m]
+    q: Any  # [m]
+    ticks: Any  # [m]
+    piece: Any  # [n + 2] first piece of each segment
+    velocity: Any  # [m] by piece
+    strain: Any  # [m] by piece
+
+
+def recognise(x: float) -> tuple[int, int]:
+    """Recover x = p/q by its continued fraction.
+
+    Parameters
+    ----------
+    x : float
+        In (0, 1].
+
+    Returns
+    -------
+    p, q : int
+        With p, q <= 2^20 and abs(x - p/q) <= 4 * 2^-52 * x, or (0, 0) if there are none.
+    """
+    p0, q0, p1, q1 = 0, 1, 1, 0
+    y = x
+    while y < TERMS + 1:
+        a = int(y)
+        p0, q0, p1, q1 = p1, q1, a * p1 + p0, a * q1 + q0
+        if p1 > TERMS or q1 > TERMS:
+            return 0, 0
+        if abs(x * q1 - p1) <= SLACK * x * q1:
+            return p1, q1
+        if y == a:
+            return 0, 0
+        y = 1.0 / (y - a)
+    return 0, 0
+
+
+def common_parts(durations: Any, order: Any, start: int, most: int, p: Any, q: Any) -> int:
+    """Gather the class of the duration at order[start]: those in a simple ratio to it.
+
+    Parameters
+    ----------
+    durations : [n] float
+    order : [n] int
+        Indices by decreasing duration.
+    start : int
+        Place in `order` of the class's longest member.
+    most : int
+        Largest number of parts allowed.
+    p, q : [n] int
+        q < 0 marks a member of an earlier class. Members get their ratio p/q to the longest,
+        the others q = 0.
+
+    Returns
+    -------
+    int
+        Number of equal parts of the longest in which all members are whole.
+    """
+    parts = 1
+    longest = durations[order[start]]
+    p[order[start]] = q[order[start]] = 1
+    for i in range(start + 1, len(order)):
+        j = order[i]
+        if q[j] >= 0:
+            p[j], q[j] = recognise(durations[j] / longest)
+            if q[j] > 0:
+                shared = parts // math.gcd(parts, q[j]) * q[j]
+                if shared <= most:
+                    parts = shared
+                else:
+                    q[j] = 0
+    return parts
+
+
+def assign_ticks(durations: Any, bits: int, order: Any, p: Any, q: Any, ticks: Any) -> int:
+    """Give each duration its whole number of ticks; return that of the longest (about 2^bits).
+
+    A tick is the longest duration divided by the number returned. The class of the longest is
+    exact, and simple fractions of its unit are whole ticks too, for gaps that close there. A
+    further class is exact while its unit has at least 2^40 ticks; what is left is rounded singly,
+    by at most half a tick.
+
+    Parameters
+    ----------
+    durations : [n] float
+        Positive, in any order and any unit.
+    bits : int
+    order, p, q : [n] int
+        Work space.
+    ticks : [n] int
+        Result.
+    """
+    n = len(durations)
+    for i in range(n):
+        j = i
+        while j > 0 and durations[order[j - 1]] < durations[i]:
+            order[j] = order[j - 1]
+            j -= 1
+        order[j] = i
+        q[i] = 0
+    longest = durations[order[0]]
+    whole = 0
+    for start in range(n):
+        lead = order[start]
+        if q[lead] < 0:
+            continue
+        if start == 0:
+            parts = common_parts(durations, order, start, MOST_PARTS, p, q)
+            unit = max(1, ((1 << bits) + parts // 2) // parts)
+            if unit > DIVISIBLE * DIVISIBLE:
+                unit -= unit % DIVISIBLE
+            whole = unit * parts
+        else:
+            span = durations[lead] / longest * whole
+            parts, unit = 0, 0
+            if span >= LEAST_UNIT:
+                parts = common_parts(durations, order, start, int(span / LEAST_UNIT), p, q)
+                unit = int(span / parts + 0.5)
+        if unit == 0:
+            ticks[lead] = int(span + 0.5)
+            q[lead] = -1
+            continue
+        for i in range(start, n):
+            j = order[i]
+            if q[j] > 0:
+                ticks[j] = unit * (parts // q[j]) * p[j]
+                q[j] = -1
+    return whole
+
+
+def inward_sum(values: Any, first: int, count: int) -> float:
+    """Sum from both ends to the middle, so that a mirrored row has the same sum, bit for bit."""
+    total = 0.0
+    for i in range(count // 2):
+        total += values[first + i] + values[first + count - 1 - i]
+    if count % 2:
+        total += values[first + count // 2]
+    return total
+
+
+def cut(make: Make, given: Any, row: int, work: Work) -> int:
+    """Cut the segments where a profile jumps; return the number of durations.
+
+    Fills durations, pieces with their velocity and strain, and where each segment's begin; the
+    duration of the jump that begins piece i of segment s is at n + i - s.
+    """
+    n = make.size[0]
+    pieces = 0
+    for body in range(len(make.first)):
+        v, jumps_v, jumps_e = make.profile[body], make.jumps[2 * body], make.jumps[2 * body + 1]
+        v += row
+        e = v + 2 * jumps_v + 1
+        at_v, at_e = v + jumps_v + 1, e + jumps_e + 1
+        i, j, left = 0, 0, 0.0
+        for s in range(make.first[body], make.last[body] + 1):
+            c, L = given[row + s - 1], given[row + 2 * n + s - 1]
+            right, x, more = left + L, left, True
+            work.duration[s - 1], work.piece[s] = L / c, pieces
+            while more:
+                while i < jumps_v and given[at_v + i] <= x:
+                    i += 1
+                while j < jumps_e and given[at_e + j] <= x:
+                    j += 1
+                work.velocity[pieces], work.strain[pieces] = given[v + i], given[e + j]
+                if x > left:
+                    work.duration[n + pieces - s] = (x - left) / L * work.duration[s - 1]
+                pieces += 1
+                x = right
+                if i < jumps_v:
+                    x = min(x, given[at_v + i])
+                if j < jumps_e:
+                    x = min(x, given[at_e + j])
+                more = x < right
+            left = right
+    work.piece[n + 1] = pieces
+    return pieces
+
+
+def survey(make: Make, given: Any, row: int, work: Work) -> tuple[float, float]:
+    """Frame (that of the walls, else the middle of all velocities) and scale of velocities."""
+    n, bodies = make.size[0], len(make.first)
+    low, high = math.inf, -math.inf
+    strained, walls, fixed = 0.0, 0, 0.0
+    for body in (0, bodies - 1):
+        if make.last[body] == 0:
+            v = given[row + make.profile[body]]
+            low, high, walls, fixed = min(low, v), max(high, v), walls + 1, fixed + v
+    for s in range(1, n + 1):
+        for i in range(work.piece[s], work.piece[s + 1]):
+            low, high = min(low, work.velocity[i]), max(high, work.velocity[i])
+            strained = max(strained, given[row + s - 1] * abs(work.strain[i]))
+    frame = low / 2 + high / 2
+    if walls > 0:
+        frame = fixed / walls
+    return frame, high - low + strained
+
+
+def room(given: Any, row: int, n: int, gaps: int, longest: float, scale: float, work: Work
+         ) -> float:
+    """Time for which a clock without a given end has room."""
+    flight = 0.0
+    if scale > 0:
+        flight = 4 * inward_sum(given, row + 3 * n, gaps) / scale
+    horizon = max(HORIZON * longest, 16 * inward_sum(work.duration, 0, n), flight)
+    return min(horizon, longest * 2.0 ** (CLOCK_BITS - 1 - COARSEST))
+
+
+def clock_bits(ratio: float) -> int:
+    """Ticks of the longest transit, as a power of two, for a run of `ratio` longest transits."""
+    if not 0 < ratio < math.inf:
+        return FINEST if ratio == 0 else 0
+    mantissa, exponent = math.frexp(ratio)
+    return min(FINEST, CLOCK_BITS - 1 - (exponent if mantissa > 0.5 else exponent - 1))
+
+
+def fill(c: float, T: int, s: int, n: int, work: Work, frame: float, tol: float, layout: Layout,
+         r: int) -> int:
+    """Write the fronts, from row r on, that fill segment s with its initial state; return the next.
+
+    Waves a = v - c eps and b = v + c eps in the frame; a piece from x0 to x1 ticks left T - x0 ago
+    at the right end and x1 ago at the left one.
+    """
+    first, end, sent = work.piece[s], work.piece[s + 1], r
+    for i in range(end - 1, first - 1, -1):
+        x0 = min(work.ticks[n + i - s], T) if i > first else 0
+        x1 = min(work.ticks[n + i + 1 - s], T) if i < end - 1 else T
+        a = work.velocity[i] - frame - c * work.strain[i]
+        if x1 > x0 and (r == sent or abs(a - layout.value[r - 1]) > tol):
+            layout.tick[r], layout.line[r], layout.value[r] = -x1, 2 * s, a
+            r += 1
+    sent = r
+    for i in range(first, end):
+        x0 = min(work.ticks[n + i - s], T) if i > first else 0
+        x1 = min(work.ticks[n + i + 1 - s], T) if i < end - 1 else T
+        b = work.velocity[i] - frame + c * work.strain[i]
+        if x1 > x0 and (r == sent or abs(b - layout.value[r - 1]) > tol):
+            layout.tick[r], layout.line[r], layout.value[r] = x0 - T, 2 * s + 1, b
+            r += 1
+    return r
+
+
+def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: Work) -> int:
+    """Lay out member m on its clock.
+
+    Parameters
+    ----------
+    make, given, layout, work
+        See the head of the file; row m of `layout` is the result.
+    m : int
+    until : float
+        Time to be reached, s; negative if there is none.
+
+    Returns
+    -------
+    int
+        LAID; OVERFLOW: the energy of such velocities and strains is no float; LONG: the run takes
+        more ticks than the clock has; SHORT: the transit time of segment `worst` is too few ticks.
+    """
+    n, width, fronts = make.size[0], make.size[1], make.size[2]
+    row, cell, node = m * width, m * (n + 2), m * (n + 1)
+    durations = cut(make, given, row, work)
+    frame, scale = survey(make, given, row, work)
+    layout.count[m], layout.frame[m], layout.scale[m], layout.worst[m] = 0, frame, scale, 1
+    largest = 0.0
+    longest = 0.0
+    for s in range(1, n + 1):
+        largest = max(largest, given[row + n + s - 1])
+        longest = max(longest, work.duration[s - 1])
+    if not scale * scale * largest * 2.0**CLOCK_BITS < math.inf:
+        return OVERFLOW
+    gaps = len(make.node)
+    horizon = until
+    if until < 0:
+        horizon = room(given, row, n, gaps, longest, scale, work)
+    layout.horizon[m] = horizon
+    bits = clock_bits(horizon / longest)
+    if bits < COARSEST:
+        return LONG
+    for i in range(durations, len(work.duration)):
+        work.duration[i] = longest  # fewer jumps inside than there might be
+    whole = assign_ticks(work.duration, bits, work.order, work.p, work.q, work.ticks)
+    beat, window = longest / whole, max(1, whole >> WINDOW)
+    short, worst, error = 1, 1, -1.0
+    for s in range(1, n + 1):
+        T = work.ticks[s - 1]
+        if work.ticks[short - 1] > T:
+            short = s
+        off = abs(T * beat / work.duration[s - 1] - 1)
+        if off > error:
+            worst, error = s, off
+        layout.transit[cell + s] = T
+        layout.mobility[cell + s] = 1 / given[row + n + s - 1]
+    if work.ticks[short - 1] <= 4 * window:
+        layout.worst[m] = short
+        return SHORT
+    tol = TOLERANCE * scale
+    layout.beat[m], layout.window[m], layout.tolerance[m] = beat, window, tol
+    layout.error[m], layout.worst[m] = error, worst
+    for i in range(gaps):
+        layout.gap[node + make.node[i]] = given[row + 3 * n + i] / beat
+    for i in range(2):
+        body = i * (len(make.first) - 1)
+        if make.last[body] == 0:
+            layout.outside[2 * m + i] = given[row + make.profile[body]] - frame
+    r = m * fronts
+    for s in range(1, n + 1):
+        r = fill(given[row + s - 1], layout.transit[cell + s], s, n, work, frame, tol, layout, r)
+    layout.count[m] = r - m * fronts
+    return LAID
+
+
+def lay_out_all(make: Make, given: Any, layout: Layout, work: Work, fates: Any) -> None:
+    """Lay out every member of a family; `fates` [member] gets what `lay_out` returns."""
+    for m in range(len(fates)):
+        fates[m] = lay_out(make, given, m, -1.0, layout, work)

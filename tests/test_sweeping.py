@@ -1,0 +1,413 @@
+"""Families of collisions: the same numbers as one at a time, whoever runs them."""
+
+import multiprocessing
+import os
+import warnings
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+
+import numpy as np
+import pytest
+from systems import MATERIALS, random_system
+
+import rodimpact as ri
+from rodimpact import sweeping, theory
+from rodimpact.sweeping import STATUS, _Chunks
+
+STEEL = ri.materials.steel
+
+
+def pair(lengths, areas, velocity=1.0):
+    return ri.System([
+        ri.Rod(lengths, area=1e-4, material=STEEL, velocity=velocity),
+        ri.Rod(1.0, area=areas, material=STEEL),
+    ])
+
+
+def small_map(shape=(7, 5)):
+    return pair(np.linspace(0.1, 1.3, shape[0])[:, None], np.geomspace(2e-5, 8e-4, shape[1]))
+
+
+def same(a, b):
+    assert a.columns.keys() == b.columns.keys()
+    return all(a.columns[k].tobytes() == b.columns[k].tobytes() for k in a.columns)
+
+
+def assert_equal_to_one_at_a_time(result, **options):
+    """Every column bit for bit, the energy left in vibration to round-off.
+
+    A bonded contact, and one that presses for ever, have no total of their own; a rod bonded to a
+    wall swings on for ever.
+    """
+    for index in np.ndindex(result.shape):
+        outcome = ri.solve(result.system[index], **options).outcome
+        found = {k: v[index] for k, v in result.columns.items()}
+        for i, velocity in enumerate(outcome.velocities_after):
+            assert found[f"velocity_after.{i}"] == velocity
+        for k, tally in enumerate(outcome.contacts):
+            if isinstance(result.system.contacts[k], ri.Bonded):
+                assert np.isnan(found[f"impulse.{k}"])
+                continue
+            for name in ("impulse", "peak_force", "duration", "episodes"):
+                assert "goes on pressing" in outcome.status or (
+                    found[f"{name}.{k}"] == getattr(tally, name)
+                )
+        assert found["final"] == outcome.final
+        neighbours = zip(result.system.bodies, result.system.bodies[1:], strict=False)
+        swinging = any(
+            isinstance(law, ri.Bonded) and any(isinstance(body, ri.Wall) for body in pair)
+            for law, pair in zip(result.system.contacts, neighbours, strict=True)
+        )
+        if not swinging:
+            vibration = sum(outcome.vibration_after)
+            assert found["vibration"] == pytest.approx(vibration, rel=1e-12, abs=1e-25)
+        if outcome.why_no_restitution():
+            assert np.isnan(found["restitution"])
+        else:
+            assert found["restitution"] == outcome.restitution
+
+
+# Numbers -----------------------------------------------------------------------------------------
+
+
+def test_a_map_equals_the_closed_form():
+    shape = (60, 50) if os.environ.get("NUMBA_DISABLE_JIT", "0") == "0" else (12, 10)
+    system = small_map(shape)
+    result = ri.sweep(system)
+    left, right = (body.segments[0] for body in system.bodies)
+    exact = theory.saint_venant(
+        left.impedance, left.transit_time, right.impedance, right.transit_time, 1.0
+    )
+    assert result.shape == shape
+    assert np.abs(result.restitution - exact.restitution).max() < 1e-11
+    assert result.final.all()
+    assert set(result.status.ravel()) == {STATUS.index("final")}
+    np.testing.assert_allclose(result.impulse, exact.impulse, rtol=1e-11)
+
+
+def test_lengths_of_one_material_give_their_ratio():
+    lengths = np.array([0.05, 0.1, 0.3, 0.7, 1.0])
+    result = ri.sweep(pair(lengths, 1e-4))
+    np.testing.assert_allclose(result.restitution, lengths, rtol=0, atol=1e-15)
+    assert (result.episodes == 1).all()
+
+
+def varied(seed):
+    """A random row of which some numbers become arrays."""
+    rng = np.random.default_rng(seed)
+    system = random_system(seed, bodies=4)
+    described = system.to_dict()
+    for body in described["bodies"]:
+        if isinstance(body["velocity"], float):
+            body["velocity"] = rng.uniform(-1, 1, 6)
+        for piece in body.get("segments", [body] if body["kind"] == "rod" else []):
+            if rng.random() < 0.5:
+                piece["area"] = piece["area"] * rng.uniform(0.5, 2, (2, 1))
+    for contact in described["contacts"]:
+        if contact["law"] == "rigid":
+            contact["gap"] = contact["gap"] * rng.uniform(0, 2, 6).round()
+    return ri.System.from_dict(described)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_members_of_random_rows_equal_one_at_a_time(seed):
+    system = varied(seed)
+    result = ri.sweep(system, max_events=2000, on_error="record")
+    assert_equal_to_one_at_a_time(result, max_events=2000)
+
+
+def test_profiles_may_vary():
+    """A jump that moves through a step, along the rod and out of a segment."""
+    pieces = [ri.Segment(0.3, 1e-4, MATERIALS[0]), ri.Segment(0.2, 2e-4, MATERIALS[2])]
+    velocity = ri.Steps([np.array([1.0, 0.5])[:, None], 0.2, 0.7], [0.1, np.linspace(0.2, 0.4, 5)])
+    rod = ri.Rod(segments=pieces, velocity=velocity, strain=ri.Steps([1e-4, 0.0], [0.3]))
+    target = ri.Rod(0.25, area=3e-4, material=MATERIALS[1])
+    result = ri.sweep(ri.System([rod, target], gaps=[np.array([[0.0], [1e-5]])]))
+    assert result.shape == (2, 5)
+    assert_equal_to_one_at_a_time(result)
+
+
+def test_a_single_collision_is_a_family_too():
+    system = pair(0.4, 1e-4)
+    result = ri.sweep(system)
+    assert result.shape == ()
+    assert float(result.restitution) == ri.solve(system).outcome.restitution
+    assert result.axes == ()
+    assert result.explain(()).startswith("The collision is final")
+
+
+def test_a_member_that_outgrows_the_work_space_runs_again(monkeypatch):
+    system = ri.System([
+        ri.Rod(0.1 * np.sqrt([2, 3, 5, 7]), area=1e-4, material=MATERIALS[0], velocity=1.0),
+        ri.Rod(0.13, area=3e-4, material=MATERIALS[1]),
+        ri.Rod(0.17, area=5e-4, material=MATERIALS[0], velocity=-1.0),
+    ])
+    roomy = ri.sweep(system)
+    monkeypatch.setattr("rodimpact.methods.families.ROOM", 16)
+    assert same(ri.sweep(system), roomy)
+
+
+# Members without a result ------------------------------------------------------------------------
+
+
+def with_one_bad(count=10_000):
+    """A family in which one member has transit times too far apart for one clock."""
+    lengths = np.full(count, 0.5)
+    lengths[count // 3] = 1e-13
+    return pair(lengths.reshape(-1, 100), 1e-4), np.unravel_index(count // 3, (count // 100, 100))
+
+
+def test_one_bad_member_does_not_lose_the_others():
+    system, index = with_one_bad(400 if os.environ.get("NUMBA_DISABLE_JIT") == "1" else 10_000)
+    result = ri.sweep(system, on_error="record")
+    bad = result.status != STATUS.index("final")
+    assert np.argwhere(bad).tolist() == [list(index)]
+    assert np.isnan(result.restitution[index])
+    assert not result.final[index]
+    assert "too short beside the longest" in result.explain(index)
+    np.testing.assert_allclose(result.restitution[~bad], 0.5, atol=1e-15)
+    for name in ("velocity_after.0", "impulse.0", "vibration", "peak_force.0", "duration.0"):
+        assert np.isnan(result.columns[name][index])
+
+
+def test_the_first_bad_member_is_named_with_its_parameters():
+    system, index = with_one_bad(400)
+    with pytest.raises(ri.SweepError) as caught:
+        ri.sweep(system)
+    error = caught.value
+    assert error.index == index
+    assert error.parameters == {"bodies.0.length": 1e-13}
+    assert f"member {[int(i) for i in index]} (bodies.0.length = 1e-13)" in str(error)
+    assert "too short" in str(error)
+    assert 'on_error="record"' in str(error)
+    import pickle
+
+    assert str(pickle.loads(pickle.dumps(error))) == str(error)
+
+
+def test_a_cap_is_recorded_and_raised():
+    areas = np.array([1e-4, 3e-4])
+    system = ri.System([
+        ri.Wall(), ri.Rod(0.3, area=areas, material=MATERIALS[0], velocity=1.0),
+        ri.Rod(0.1 * 2**0.5, area=1e-4, material=MATERIALS[2]), ri.Wall(),
+    ])
+    result = ri.sweep(system, max_events=50, on_error="record")
+    assert [STATUS[code] for code in result.status] == ["max_events"] * 2
+    assert np.isnan(result.restitution).all()
+    with pytest.raises(ri.SweepError, match="cap of 50 events"):
+        ri.sweep(system, max_events=50)
+
+
+def test_no_collision_is_no_error():
+    result = ri.sweep(pair(0.4, 1e-4, velocity=np.array([1.0, -1.0, 0.0])))
+    assert np.isnan(result.restitution).tolist() == [False, True, True]
+    assert result.final.all()
+    assert (result.episodes == [1, 0, 0]).all()
+    assert "move apart" in result.explain(1)
+
+
+@pytest.mark.parametrize(("change", "path"), [
+    ({"method": "magic"}, "method"), ({"on_error": "ignore"}, "on_error"),
+    ({"workers": 0}, "workers"), ({"max_events": 1.5}, "max_events"),
+    ({"workers": True}, "workers"),
+])
+def test_arguments_are_checked(change, path):
+    with pytest.raises(ri.InvalidModel) as caught:
+        ri.sweep(pair(0.4, 1e-4), **change)
+    assert [p for p, _ in caught.value.problems] == [path]
+
+
+def test_a_system_is_wanted():
+    with pytest.raises(ri.InvalidModel, match="must be a System"):
+        ri.sweep([1, 2])
+
+
+def test_damping_is_refused():
+    damped = ri.Material("d", youngs_modulus=1e9, density=1e3, viscosity=np.array([0.0, 1.0]))
+    with pytest.raises(ri.InvalidModel, match="has no damping"):
+        ri.sweep(ri.System([ri.Rod(1.0, area=1.0, material=damped), ri.Wall()]))
+
+
+# Executors ---------------------------------------------------------------------------------------
+
+
+class InOrder(Executor):
+    """Runs everything at once in the calling thread."""
+
+    def submit(self, job, *arguments):
+        future = Future()
+        future.set_result(job(*arguments))
+        return future
+
+
+@pytest.fixture
+def small_chunks(monkeypatch):
+    monkeypatch.setattr("rodimpact.methods.families.MOST_MEMBERS", 4)
+
+
+def test_every_executor_gives_the_same_bytes(small_chunks):
+    system = small_map()
+    serial = ri.sweep(system, executor=InOrder())
+    assert same(ri.sweep(system), serial)
+    assert same(ri.sweep(system, workers=1), serial)
+    assert same(ri.sweep(system, workers=5), serial)
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(2, mp_context=spawn) as pool:
+        assert same(ri.sweep(system, executor=pool), serial)
+
+
+def test_a_dask_cluster_gives_the_same_bytes(small_chunks):
+    distributed = pytest.importorskip("distributed")
+    system = small_map()
+    serial = ri.sweep(system, executor=InOrder())
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        with (
+            distributed.LocalCluster(
+                n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+            ) as cluster,
+            distributed.Client(cluster) as client,
+        ):
+            result = ri.sweep(system, executor=client.get_executor())
+    assert same(result, serial)
+
+
+def test_a_failing_executor_is_not_hidden(small_chunks):
+    class Broken(InOrder):
+        def submit(self, *_):
+            future = Future()
+            future.set_exception(MemoryError("no more"))
+            return future
+
+    with pytest.raises(MemoryError):
+        ri.sweep(small_map(), executor=Broken())
+
+
+def test_progress_counts_collisions(small_chunks):
+    seen = []
+    ri.sweep(small_map(), progress=lambda done, total: seen.append((done, total)))
+    assert seen[-1] == (35, 35)
+    assert [done for done, _ in seen] == sorted({done for done, _ in seen})
+
+
+def test_an_interrupt_stops_the_sweep(small_chunks):
+    def interrupt(done, total):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        ri.sweep(small_map(), progress=interrupt)
+
+
+@pytest.mark.parametrize("most", [1, 2, 3, 7, 1000])
+@pytest.mark.parametrize("shape", [(), (1,), (5,), (3, 4), (2, 1, 7), (4, 9)])
+def test_chunks_cut_a_shape_in_c_order(shape, most):
+    chunks = _Chunks(shape, most)
+    flat = np.arange(np.prod(shape, dtype=int)).reshape(shape)
+    found = []
+    for number in range(len(chunks)):
+        start, stop = chunks.span(number)
+        part = flat[chunks.box(number)].ravel().tolist()
+        assert part == list(range(start, stop))
+        assert 0 < len(part) <= most
+        found += part
+    assert found == flat.ravel().tolist()
+
+
+# Results -----------------------------------------------------------------------------------------
+
+
+def test_axes_and_parameters_have_the_names_of_a_case_file():
+    system = ri.System(
+        [
+            ri.Rod(np.linspace(0.1, 0.4, 4)[:, None, None], area=1e-4, material=STEEL, velocity=1),
+            ri.Rod(segments=[ri.Segment(0.2, np.array([1e-4, 2e-4]), STEEL),
+                             ri.Segment(0.2, 1e-4, STEEL)]),
+        ],
+        gaps=[np.array([0.0, 1e-5, 2e-5])[:, None]],
+    )
+    result = ri.sweep(system)
+    assert result.shape == (4, 3, 2)
+    assert [axis.name for axis in result.axes] == [
+        "bodies.0.length", "contacts.0.gap", "bodies.1.segments.0.area",
+    ]
+    assert result.axes[2].values.tolist() == [1e-4, 2e-4]
+    assert set(result.parameters) == {axis.name for axis in result.axes}
+
+
+def test_an_axis_without_a_number_of_its_own_counts():
+    both = np.ones((2, 3)) * [0.1, 0.2, 0.3] + [[0.0], [0.5]]
+    result = ri.sweep(pair(both, 1e-4))
+    assert [axis.name for axis in result.axes] == ["axis 0", "axis 1"]
+    assert result.axes[1].values.tolist() == [0, 1, 2]
+
+
+def test_several_contacts_have_columns_of_their_own():
+    result = ri.sweep(ri.System([
+        ri.Rod(0.2, area=1e-4, material=STEEL, velocity=np.array([1.0, 2.0])),
+        ri.Rod(0.2, area=1e-4, material=STEEL), ri.Rod(0.2, area=1e-4, material=STEEL),
+    ]))
+    assert len(result.contacts) == 2
+    np.testing.assert_allclose(result.velocities_after[2], [1.0, 2.0], rtol=1e-14)
+    with pytest.raises(ValueError, match=r"result\.contacts"):
+        _ = result.impulse
+    assert np.isnan(result.restitution).all()
+
+
+def test_saving_and_loading(tmp_path):
+    system = varied(3)
+    result = ri.sweep(system, on_error="record", max_events=2000)
+    result.save(tmp_path / "family.npz")
+    loaded = ri.load(tmp_path / "family.npz")
+    assert same(loaded, result)
+    assert loaded.system == system
+    assert loaded.shape == result.shape
+    assert (loaded.method, loaded.max_events) == ("fronts", 2000)
+    with pytest.raises(FileExistsError):
+        result.save(tmp_path / "family.npz")
+
+
+def test_csv_holds_every_digit(tmp_path):
+    result = ri.sweep(small_map((3, 2)))
+    result.to_csv(tmp_path / "map.csv")
+    names, *rows = (tmp_path / "map.csv").read_text().splitlines()
+    assert names.split(",")[:3] == ["bodies.0.length", "bodies.1.area", "restitution"]
+    assert len(rows) == 6
+    cells = [row.split(",") for row in rows]
+    assert [float(c[2]) for c in cells] == result.restitution.ravel().tolist()
+    assert [float(c[1]) for c in cells] == [*result.axes[1].values] * 3
+    assert cells[0][-1] == "final"
+
+
+def test_a_number_that_does_not_exist_is_an_empty_cell():
+    result = ri.sweep(pair(0.4, 1e-4, velocity=np.array([-1.0, 1.0])))
+    assert [line.split(",")[1] == "" for line in result.csv_lines()] == [False, True, False]
+
+
+def test_to_dataframe():
+    pytest.importorskip("pandas")
+    result = ri.sweep(small_map((3, 2)))
+    frame = result.to_dataframe()
+    assert len(frame) == 6
+    assert frame["restitution"].tolist() == result.restitution.ravel().tolist()
+    assert set(frame["status"]) == {"final"}
+
+
+def test_to_xarray():
+    pytest.importorskip("xarray")
+    result = ri.sweep(small_map((3, 2)))
+    data = result.to_xarray()
+    chosen = data["restitution"].sel({"bodies.1.area": 2e-5}).values
+    assert chosen.tolist() == result.restitution[:, 0].tolist()
+
+
+def test_a_missing_package_is_named(monkeypatch):
+    result = ri.sweep(pair(0.4, 1e-4))
+    monkeypatch.setitem(__import__("sys").modules, "pandas", None)
+    with pytest.raises(ImportError, match=r"pip install 'rodimpact\[dataframe\]'"):
+        result.to_dataframe()
+
+
+def test_a_result_says_what_it_is():
+    assert repr(ri.sweep(small_map((3, 2)))) == (
+        "<SweepResult of shape (3, 2) over bodies.0.length, bodies.1.area>"
+    )
+    assert sweeping.STATUS[0] == "final"
