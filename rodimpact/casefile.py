@@ -22,6 +22,9 @@
 A [materials.NAME] takes youngs_modulus, density, poisson_ratio and viscosity; a stepped rod takes
 [[bodies.segments]] with length, area and material each. Mistakes bear the path of the entry, such
 as `bodies.0.length`.
+
+Any number of the bodies, contacts and materials may be varied: the grid given for its path stands
+in for the entry, which may then be absent, and the case becomes a family with one axis a grid.
 """
 
 from __future__ import annotations
@@ -33,13 +36,16 @@ import os
 import re
 import reprlib
 import tomllib
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from . import materials, units
-from .frozen import InvalidModel, Problems
+from .frozen import InvalidModel, Number, Problems, number
 from .model import (
     CONTACT_LAWS,
     Body,
@@ -54,42 +60,62 @@ from .solving import METHODS
 
 SCHEMA = 1
 MISSING = math.nan  # default of an entry that must be there, and what stands for it then
+MOST_COLLISIONS = 10**9  # in one family
+MOST_CHOICES = 12  # named in a message
+GRID_FORM = "start:stop:count, start:stop:count:log or a list such as 0.1,0.2,0.4"
 
 Materials = dict[str, Material]
 
 
+class Varied(NamedTuple):
+    """A number of a case that runs through a grid.
+
+    path : such as ``bodies.0.length``; values : array of shape (n,), in `unit`;
+    unit : of SI, "" for a pure number.
+    """
+
+    path: str
+    values: np.ndarray[Any, np.dtype[np.float64]]
+    unit: str
+
+
 @dataclass(frozen=True)
 class Case:
-    """A collision and what to do with it.
+    """A collision, or a family of them, and what to do with it.
 
     Attributes
     ----------
     system : System
-        Of shape ().
+        Of shape (), or where numbers are varied of shape (n_0, n_1, ...), one axis a grid.
     solve : dict
         Those of `until` (s), `method` and `max_events` that were given, for ``ri.solve``.
     output : dict of str
         Those of `plot` and `save` that were given: names of files.
     path : str
         Where it was read from; empty if from nowhere.
+    varied : tuple of Varied
+        What varies along each axis; the system holds the same numbers in its own terms.
     """
 
     system: System
     solve: dict[str, Any] = field(default_factory=dict)
     output: dict[str, str] = field(default_factory=dict)
     path: str = ""
+    varied: tuple[Varied, ...] = field(default=(), compare=False)
 
 
 # Reading ------------------------------------------------------------------------------------------
 
 
-def read_case(path: str | os.PathLike[str]) -> Case:
+def read_case(path: str | os.PathLike[str], vary: Mapping[str, str] | None = None) -> Case:
     """Read a case file.
 
     Parameters
     ----------
     path : str or path
         Of a TOML file in UTF-8.
+    vary : mapping of str to str, optional
+        Paths of numbers and the grids to vary them on, as for `parse_case`.
 
     Returns
     -------
@@ -112,10 +138,12 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         line = raw.count(b"\n", 0, error.start) + 1
         message = f"is not text in UTF-8 (at line {line}); save it as UTF-8"
         raise InvalidModel([(name, message)]) from None
-    return parse_case(text, name)
+    return parse_case(text, name, vary)
 
 
-def parse_case(text: str, source: str = "case") -> Case:
+def parse_case(
+    text: str, source: str = "case", vary: Mapping[str, str] | None = None
+) -> Case:
     """Read the text of a case file.
 
     Parameters
@@ -124,6 +152,11 @@ def parse_case(text: str, source: str = "case") -> Case:
         TOML.
     source : str
         What to call it where the text itself is at fault.
+    vary : mapping of str to str, optional
+        For each number to vary its path, such as ``bodies.0.length`` or
+        ``materials.NAME.density``, and the text of a grid: ``start:stop:count`` for equal steps,
+        ``start:stop:count:log`` for equal ratios, both with both ends, or a list ``a,b,c``. Each
+        number may have a unit. The k-th of them becomes axis k of the family.
 
     Returns
     -------
@@ -145,13 +178,17 @@ def parse_case(text: str, source: str = "case") -> Case:
     ... ''')
     >>> case.system.bodies[0].length, case.system.gaps
     (0.4, (0.0,))
+    >>> family = parse_case(write_case(case), vary={"bodies.0.length": "50 mm:1 m:20"})
+    >>> family.system.shape, family.system[19].bodies[0].length
+    ((20,), 1.0)
     """
     try:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # a number of 5000 digits is a plain ValueError
         raise InvalidModel([(source, f"is not valid TOML: {error}")]) from None
     problems: Problems = []
-    top = _Table(problems, "", data)
+    grids = _Grids(vary)
+    top = _Table(problems, "", data, grids)
     _check_schema(top)
     known = _read_materials(top)
     bodies = [_read_body(table, known) for table in top.tables("bodies")]
@@ -161,16 +198,19 @@ def parse_case(text: str, source: str = "case") -> Case:
     system: Any = bodies and top.make(System, bodies=bodies, gaps=gaps, contacts=laws)
     options, output = _read_solve(top.table("solve")), _read_output(top.table("output"))
     top.close()
+    _check_grids(top, system)
     if problems:
         raise InvalidModel(problems)
-    return Case(system, options, output, source)
+    return Case(system, options, output, source, tuple(grids.taken[path] for path in grids.texts))
 
 
 class _Table:
     """One table of the file: hands out entries by name, notes mistakes with their paths."""
 
-    def __init__(self, problems: Problems, path: str, data: dict[str, Any]) -> None:
-        self.problems, self.path, self.data = problems, path, data
+    def __init__(
+        self, problems: Problems, path: str, data: dict[str, Any], grids: _Grids
+    ) -> None:
+        self.problems, self.path, self.data, self.grids = problems, path, data, grids
         self.asked: list[str] = []
 
     def where(self, key: str) -> str:
@@ -186,21 +226,38 @@ class _Table:
         self.asked.append(key)
         return key in self.data
 
+    def gives(self, key: str) -> bool:
+        """Whether there is such a number, in the file or varied."""
+        varied = self.grids.ask(self.where(key))
+        return self.has(key) or varied
+
     def number(self, key: str, dimension: str, default: Any = MISSING) -> Any:
-        if self.has(key):
-            return self.quantity(key, self.data[key], dimension)
+        """A number of the model, an array where it is varied."""
+        if self.gives(key):
+            return self.variable(key, self.data.get(key), dimension)
         if default is MISSING:
             self.note(key, f"is missing; give {_unit_hint(dimension)}")
         return default
 
-    def quantity(self, key: str, value: Any, dimension: str) -> float:
-        """Value of a number or text with unit, nan if it is neither."""
+    def variable(self, key: str, value: Any, dimension: str) -> Number:
+        """The grid that varies this number, or else what the file says it is."""
+        path = self.where(key)
+        if self.grids.ask(path):
+            try:
+                return self.grids.take(path, dimension)
+            except ValueError as error:
+                self.note(key, str(error))
+                return MISSING
         if isinstance(value, list):
             message = f"must be a single number, got {_short(value)}"
             if key in ("velocity", "strain") and self.data.get("kind") == "rod":
                 message += "; a profile is written {values = [...], at = [...]}"
-            self.note(key, message)
+            self.note(key, f"{message}; rodimpact sweep --vary {path}=start:stop:count varies it")
             return MISSING
+        return self.quantity(key, value, dimension)
+
+    def quantity(self, key: str, value: Any, dimension: str) -> float:
+        """Value of a number or text with unit, nan if it is neither."""
         try:
             return units.parse(value, dimension)
         except ValueError as error:
@@ -217,14 +274,14 @@ class _Table:
         steps.close()
         return steps.make(Steps, **lists) or 0.0
 
-    def numbers(self, key: str, dimension: str) -> list[float] | None:
+    def numbers(self, key: str, dimension: str) -> list[Number] | None:
         if not self.has(key):
             self.note(key, "is missing; give a list of numbers")
             return None
         if not isinstance(self.data[key], list):
             self.note(key, f"must be a list of numbers, got {_short(self.data[key])}")
             return None
-        return [self.quantity(f"{key}.{i}", v, dimension) for i, v in enumerate(self.data[key])]
+        return [self.variable(f"{key}.{i}", v, dimension) for i, v in enumerate(self.data[key])]
 
     def word(self, key: str, choices: Collection[str], default: str | None = None) -> str | None:
         """One of `choices`, None where it is not."""
@@ -242,9 +299,12 @@ class _Table:
         """The table of that name, an empty one if there is none."""
         data = self.data[key] if self.has(key) else {}
         if isinstance(data, dict):
-            return _Table(self.problems, self.where(key), data)
+            return self.inner(key, data)
         self.note(key, f"must be a table, got {_short(data)}")
-        return _Table([], self.where(key), {})  # what it lacks is no further mistake
+        return _Table([], self.where(key), {}, _Grids())  # what it lacks is no further mistake
+
+    def inner(self, key: str, data: dict[str, Any]) -> _Table:
+        return _Table(self.problems, self.where(key), data, self.grids)
 
     def tables(self, key: str) -> list[_Table]:
         """All tables of that name."""
@@ -253,7 +313,7 @@ class _Table:
             brackets = re.sub(r"\.\d+", "", self.where(key))
             self.note(key, f"must be tables that each begin [[{brackets}]], got {_short(data)}")
             data = []
-        return [_Table(self.problems, self.where(f"{key}.{i}"), d) for i, d in enumerate(data)]
+        return [self.inner(f"{key}.{i}", item) for i, item in enumerate(data)]
 
     def make(self, kind: Any, **fields: Any) -> Any:
         """An object of the model; None, with its mistakes noted here, if they allow none."""
@@ -261,7 +321,7 @@ class _Table:
             return kind(**fields)
         except InvalidModel as error:
             for path, message in error.problems:
-                self.note(re.sub(r"^gaps\.(\d+)$", r"contacts.\1.gap", path), message)
+                self.note(re.sub(r"^gaps\.(\d+)", r"contacts.\1.gap", path), message)
             return None
 
     def close(self) -> None:
@@ -269,6 +329,104 @@ class _Table:
         for key in self.data:
             if key not in self.asked:
                 self.note(key, f"unknown key; {_nearest(key, dict.fromkeys(self.asked))}")
+
+
+class _Grids:
+    """The numbers to vary: hands out the array of each when it is asked for by its path."""
+
+    def __init__(self, vary: Mapping[str, str] | None = None) -> None:
+        self.texts = dict(vary or {})
+        self.known: dict[str, None] = {}  # all numbers that can be varied
+        self.taken: dict[str, Varied] = {}
+        self.counts: list[int] = []
+        for text in self.texts.values():
+            with suppress(ValueError):  # it is said when the grid is taken
+                self.counts.append(_Grid(text).count)
+
+    @property
+    def too_many(self) -> bool:
+        return math.prod(self.counts) > MOST_COLLISIONS
+
+    def ask(self, path: str) -> bool:
+        """Whether this number is varied."""
+        self.known[path] = None
+        return path in self.texts
+
+    def take(self, path: str, dimension: str) -> Number:
+        """Array along the axis of this grid; ValueError for a text that is none."""
+        values = _Grid(self.texts[path]).values(dimension, only_ends=self.too_many)
+        unit, power = next(iter(units.UNITS[dimension].items()))
+        self.taken[path] = Varied(path, values, unit if power == 0 else "")
+        return values.reshape([-1 if other == path else 1 for other in self.texts])
+
+
+class _Grid:
+    """Values for one number, read from their text; ValueError for a text that is none."""
+
+    def __init__(self, text: Any) -> None:
+        if not isinstance(text, str):
+            raise ValueError(f"must be the text of a grid, {GRID_FORM}, got {_short(text)}")
+        self.text = text
+        first, *rest = (part.strip() for part in text.split(":"))
+        self.is_list, self.is_log = not rest, rest[2:] == ["log"]
+        if self.is_list:
+            self.numbers = first.split(",")
+            self.count = len(self.numbers)
+            return
+        if len(rest) != 2 and not self.is_log:
+            raise ValueError(f"must be {GRID_FORM}, got {text!r}")
+        stop, count = rest[:2]
+        if not re.fullmatch("0*[1-9][0-9]{0,9}", count):
+            raise ValueError(
+                f"needs a whole number of values from 1 to {MOST_COLLISIONS}, as in {GRID_FORM}; "
+                f"got {count!r} in {text!r}"
+            )
+        self.numbers, self.count = [first, stop], int(count)
+
+    def values(self, dimension: str, only_ends: bool) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """All values, shape (n,), in SI units; or only the ends, where all are too many."""
+        numbers = [units.parse(text, dimension) for text in self.numbers]
+        if self.is_list:
+            return np.array(numbers)
+        start, stop = numbers
+        if self.is_log and min(numbers) <= 0:
+            raise ValueError(f"needs ends above 0 for equal ratios, got {self.text!r}")
+        if self.count == 1 and start != stop:
+            raise ValueError(f"one value cannot be at both ends; raise the count in {self.text!r}")
+        count = min(self.count, 2) if only_ends else self.count
+        with np.errstate(all="ignore"):
+            values = (np.geomspace if self.is_log else np.linspace)(start, stop, count)
+        if not np.isfinite(values).all():
+            raise ValueError(f"the ends of {self.text!r} are too far apart")
+        return values
+
+
+def _check_grids(top: _Table, system: System | None) -> None:
+    """Note too many collisions, grids of unknown numbers, and grids that change nothing."""
+    grids = top.grids
+    if grids.too_many:
+        made = " x ".join(map(str, grids.counts))
+        message = f"the grids make {made} collisions, more than {MOST_COLLISIONS}"
+        remedy = "take fewer values, or sweep one part after another"
+        top.note(next(iter(grids.texts)), f"{message}; {remedy}")
+    # in a table that could not be read, nobody knows the numbers
+    unread = tuple(re.sub(r"\.kind$", "", path) + "." for path, _ in top.problems)
+    for path in grids.texts:
+        name = path.removeprefix("materials.").rpartition(".")[0]
+        if path in grids.known or path.startswith(unread):
+            continue
+        if name in materials.TABLE and f"materials.{name}.density" not in grids.known:
+            message = f"is a number of the library; to vary it, describe [materials.{name}] in "
+            top.note(path, message + "the file")
+        else:
+            top.note(path, f"is no number that can vary; {_nearest_path(path, grids.known)}")
+    if system is None or top.problems:  # where mistakes are, something else stands in
+        return
+    rods = [body for body in system.bodies if isinstance(body, Rod)]
+    used = tuple(f"materials.{s.material.name}." for rod in rods for s in rod.segments)
+    for path in grids.taken:
+        if path.startswith("materials.") and not path.startswith(used):
+            top.note(path, "changes nothing: no rod is made of this material")
 
 
 def _check_schema(top: _Table) -> None:
@@ -335,19 +493,27 @@ def _shape(table: _Table, known: Materials) -> dict[str, Any]:
     }
 
 
-def _area(table: _Table) -> float:
-    """Area of the cross-section, m^2; of a round one, pi/4 times the square of its diameter."""
-    if not table.has("diameter"):
-        if not table.has("area"):
+def _area(table: _Table) -> Number:
+    """Area of the cross-section, m^2, given as such or by the diameter of a round one."""
+    if not table.gives("diameter"):
+        if not table.gives("area"):
             table.note("area", "is missing; give it, or the diameter of a round rod")
-        return float(table.number("area", "area"))
-    if table.has("area"):
+        area: Number = table.number("area", "area")
+        return area
+    if table.gives("area"):
         table.note("diameter", "give either area or diameter, not both")
-    d = float(table.number("diameter", "length"))
-    if not d > 0:
-        table.note("diameter", f"must be a finite positive number of metres, got {d!r}")
-        return 1.0
-    return math.pi * d * d / 4
+    round_area = table.make(_round_area, diameter=table.number("diameter", "length"))
+    return 1.0 if round_area is None else round_area
+
+
+def _round_area(diameter: Number) -> Number:
+    """pi d^2/4, m^2."""
+    problems: Problems = []
+    d = number(problems, "diameter", diameter, " of metres", "positive")
+    if problems:
+        raise InvalidModel(problems)
+    with np.errstate(all="ignore"):  # an area out of range is for the model to refuse
+        return math.pi * d * d / 4
 
 
 def _material(table: _Table, known: Materials) -> Material:
@@ -362,25 +528,25 @@ def _material(table: _Table, known: Materials) -> Material:
     return materials.steel
 
 
-def _read_contacts(top: _Table, pairs: int) -> tuple[list[float], list[Any]]:
+def _read_contacts(top: _Table, pairs: int) -> tuple[list[Number], list[Any]]:
     """Gaps and laws of all pairs."""
+    tables = top.tables("contacts")
+    if "contacts" in top.data and 0 <= pairs != len(tables):
+        message = f"needs one entry for each neighbouring pair, {pairs} in all, got {len(tables)}"
+        top.note("contacts", message + "; leave all out if all bodies touch")
+    tables += [top.inner(f"contacts.{i}", {}) for i in range(len(tables), pairs)]
     gaps, laws = [], []
-    for table in top.tables("contacts"):
-        gaps.append(float(table.number("gap", "length", 0.0)))
+    for table in tables:
+        gaps.append(table.number("gap", "length", 0.0))
         laws.append(CONTACT_LAWS[table.word("law", CONTACT_LAWS, "rigid") or "rigid"]())
         table.close()
-    if "contacts" in top.data and 0 <= pairs != len(gaps):
-        message = f"needs one entry for each neighbouring pair, {pairs} in all, got {len(gaps)}"
-        top.note("contacts", message + "; leave all out if all bodies touch")
-    more = pairs - len(gaps)
-    rigid = CONTACT_LAWS["rigid"]()
-    return [*gaps, *[0.0] * more][:pairs], [*laws, *[rigid] * more][:pairs]
+    return gaps[:pairs], laws[:pairs]
 
 
 def _read_solve(table: _Table) -> dict[str, Any]:
     options: dict[str, Any] = {}
     if table.has("until"):
-        options["until"] = table.number("until", "time")
+        options["until"] = table.quantity("until", table.data["until"], "time")
         if options["until"] < 0:
             table.note("until", f"must not be negative, got {options['until']!r}")
     if table.has("method"):
@@ -408,12 +574,24 @@ def _unit_hint(dimension: str) -> str:
     return f"a {dimension}, in SI units or as text with one of {', '.join(units.UNITS[dimension])}"
 
 
-def _nearest(word: Any, choices: Collection[str]) -> str:
-    plain = {choice.casefold(): choice for choice in choices}
+def _nearest(word: Any, choices: Collection[str], head: str = "") -> str:
+    """Which of the choices may be meant; `head` is put before them when they are named."""
+    plain = {choice.casefold(): head + choice for choice in choices}
     near = difflib.get_close_matches(str(word).casefold(), plain, n=1)
     if near:
         return f"perhaps {plain[near[0]]!r} is meant"
-    return f"use one of {', '.join(plain.values())}"
+    first = list(plain.values())[:MOST_CHOICES]
+    return f"use one of {', '.join(first)}" + (", ..." if len(plain) > len(first) else "")
+
+
+def _nearest_path(path: str, choices: Collection[str]) -> str:
+    """As `_nearest`, of the choices in the innermost table of the path that has any."""
+    head = ""
+    for dot in re.finditer(r"\.", path):
+        if any(choice.startswith(path[: dot.end()]) for choice in choices):
+            head = path[: dot.end()]
+    inside = [choice.removeprefix(head) for choice in choices if choice.startswith(head)]
+    return _nearest(path.removeprefix(head), inside, head)
 
 
 def _short(value: Any) -> str:

@@ -84,9 +84,32 @@ def _wanted(unit: str, sign: str, value: float) -> str:
     return f"must be {kind}{unit}, got {value!r}"
 
 
-def in_range(*values: Number) -> bool:
-    """Whether derived quantities neither overflow nor vanish."""
-    return all(bool(np.all(np.isfinite(v)) and np.all(np.asarray(v) > 0)) for v in values)
+def in_range(*values: Number) -> Any:
+    """Where derived quantities neither overflow nor vanish."""
+    good: Any = True
+    for v in values:
+        good = good & (v > 0) & (v < math.inf)
+    return good
+
+
+def holds(good: Any) -> bool:
+    """Whether a condition holds for every member."""
+    return good is True or bool(np.all(good))
+
+
+def first_false(good: Any, *values: Number) -> tuple[str, list[float]]:
+    """First member of a family where something does not hold: its index, and its values.
+
+    Returns
+    -------
+    str
+        As ``[3,1]``; empty where nothing is an array.
+    list of float
+    """
+    good = np.asarray(good)
+    index = tuple(int(i) for i in np.argwhere(~good)[0])
+    at = f"[{','.join(map(str, index))}]" if index else ""
+    return at, [float(np.broadcast_to(v, good.shape)[index]) for v in values]
 
 
 class Frozen:

@@ -15,7 +15,18 @@ from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
-from .frozen import Frozen, InvalidModel, Number, Problems, in_range, number, plain, short
+from .frozen import (
+    Frozen,
+    InvalidModel,
+    Number,
+    Problems,
+    first_false,
+    holds,
+    in_range,
+    number,
+    plain,
+    short,
+)
 
 
 class Material(Frozen):
@@ -71,14 +82,17 @@ class Material(Frozen):
         nu = None
         if poisson_ratio is not None:
             nu = number(problems, "poisson_ratio", poisson_ratio, "")
-            if not problems and not np.all((np.asarray(nu) > -1) & (np.asarray(nu) <= 0.5)):
-                problems.append(("poisson_ratio", f"must lie in (-1, 0.5], got {poisson_ratio!r}"))
+            good = (np.asarray(nu) > -1) & (np.asarray(nu) <= 0.5)
+            if not problems and not np.all(good):
+                at, (got,) = first_false(good, nu)
+                problems.append((f"poisson_ratio{at}", f"must lie in (-1, 0.5], got {got!r}"))
         if not problems:
             with np.errstate(all="ignore"):
-                ratio = np.asarray(E) / rho
-            if not in_range(ratio):
-                message = f"gives no finite wave speed with density {density!r}, got "
-                problems.append(("youngs_modulus", f"{message}{youngs_modulus!r}"))
+                ratio = E / rho
+            if not holds(good := in_range(ratio)):
+                at, (modulus, dense) = first_false(good, E, rho)
+                message = f"gives no finite wave speed with density {dense!r}, got {modulus!r}"
+                problems.append((f"youngs_modulus{at}", message))
         if problems:
             raise InvalidModel(problems)
         self._set(name=name, youngs_modulus=E, density=rho, poisson_ratio=nu, viscosity=eta)
@@ -132,12 +146,13 @@ class Segment(Frozen):
         self._set(length=L, area=A, material=material)
         with np.errstate(all="ignore"):
             derived = (self.impedance, self.transit_time, self.mass)
-        if not in_range(*derived):
+        if not holds(good := in_range(*derived)):
+            at, (long, wide) = first_false(good, L, A)
             message = (
-                f"a segment of length {length!r}, area {area!r} and {material!r} has no finite, "
+                f"a segment of length {long!r}, area {wide!r} and {material!r} has no finite, "
                 "positive impedance, transit time and mass; use consistent units"
             )
-            raise InvalidModel([("area", message)])
+            raise InvalidModel([(f"area{at}", message)])
 
     @property
     def wave_speed(self) -> Number:
@@ -196,8 +211,9 @@ class Steps(Frozen):
             message = f"needs one value more than jumps, got {len(lists['values'])} values"
             problems.append(("values", f"{message} for {len(lists['at'])} jumps"))
         for i, (a, b) in enumerate(zip(lists["at"], lists["at"][1:], strict=False)):
-            if not problems and not np.all(np.asarray(b) > a):
-                problems.append((f"at.{i + 1}", f"must lie right of {a!r}, got {b!r}"))
+            if not problems and not np.all(good := np.asarray(b) > a):
+                at, (before, got) = first_false(good, a, b)
+                problems.append((f"at.{i + 1}{at}", f"must lie right of {before!r}, got {got!r}"))
         if problems:
             raise InvalidModel(problems)
         self._set(**lists)
@@ -271,9 +287,10 @@ class Rod(Frozen):
             total = sum(s.length for s in pieces)
             for name, value in profiles.items():
                 jumps = value.at if isinstance(value, Steps) else ()
-                if jumps and not np.all(np.asarray(jumps[-1]) < total):
-                    message = f"must lie inside the rod of length {total!r}, got {jumps[-1]!r}"
-                    problems.append((f"{name}.at.{len(jumps) - 1}", message))
+                if jumps and not np.all(good := np.asarray(jumps[-1]) < total):
+                    at, (long, got) = first_false(good, total, jumps[-1])
+                    message = f"must lie inside the rod of length {long!r}, got {got!r}"
+                    problems.append((f"{name}.at.{len(jumps) - 1}{at}", message))
         if problems:
             raise InvalidModel(problems)
         self._set(segments=pieces, **profiles)
@@ -406,9 +423,10 @@ class System(Frozen):
         for i, law in enumerate(contacts):
             if not isinstance(law, Rigid | Bonded):
                 problems.append((f"contacts.{i}", f"must be Rigid() or Bonded(), got {law!r}"))
-            elif isinstance(law, Bonded) and i < len(widths) and np.any(np.asarray(widths[i]) > 0):
-                message = f"must be 0 where bodies are bonded, got {gaps[i]!r}"
-                problems.append((f"gaps.{i}", message))
+            elif isinstance(law, Bonded) and i < len(widths) and np.any(widths[i]):
+                at, (got,) = first_false(np.asarray(widths[i]) == 0, widths[i])
+                message = f"must be 0 where bodies are bonded, got {got!r}"
+                problems.append((f"gaps.{i}{at}", message))
         if problems:
             raise InvalidModel(problems)
         self._set(bodies=tuple(bodies), gaps=widths, contacts=tuple(contacts))

@@ -1,7 +1,7 @@
 """The command line: `rodimpact COMMAND ...`, one file a command, imported only when it is called.
 
 A command is a module with `add_arguments(parser)` and `run(arguments)`, which returns the text for
-standard output and the exit status:
+standard output, or its lines, and the exit status:
 
 0 done; 1 an output that cannot be written, or an internal fault; 2 a mistake in the call, in the
 case, or an existing file without --force; 3 stopped before what was asked; 4 verification failed;
@@ -15,7 +15,7 @@ import difflib
 import os
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from importlib import import_module
 
 from .. import __version__
@@ -23,6 +23,7 @@ from .. import __version__
 COMMANDS = {
     "box": "replay the textbook's collisions of elastic rods, in words and figures",
     "run": "solve a case file",
+    "sweep": "map a family of collisions over one or more numbers of a case",
     "rigid": "collide two rigid bodies",
     "verify": "check the solver against closed forms",
     "materials": "list materials, with the source of each number",
@@ -50,23 +51,24 @@ def main(argv: Sequence[str] | None = None) -> int:
         except SystemExit as stop:  # argparse has printed help or a mistake
             text, status = "", int(stop.code or DONE)
         return status if _print(text) else FAULT
-    except KeyboardInterrupt:
-        return _complain("interrupted", INTERRUPTED)
+    except KeyboardInterrupt as stop:
+        return complain(str(stop) or "interrupted", INTERRUPTED)
     except FileExistsError as error:
-        return _complain(str(error), MISTAKE)
+        return complain(str(error), MISTAKE)
     except OSError as error:
-        return _complain(str(error), FAULT)
+        return complain(str(error), FAULT)
     except MemoryError:
-        return _complain("not enough memory; ask for a shorter run or fewer events", FAULT)
+        remedy = "ask for a shorter run, fewer events or fewer values"
+        return complain(f"not enough memory; {remedy}", FAULT)
     except ValueError as error:
         if not hasattr(error, "problems"):
             return _fault()
-        return _complain("\n".join(f"{path}: {said}" for path, said in error.problems), MISTAKE)
+        return complain("\n".join(f"{path}: {said}" for path, said in error.problems), MISTAKE)
     except Exception:
         return _fault()
 
 
-def _run(argv: list[str]) -> tuple[str, int]:
+def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
     parser = argparse.ArgumentParser(
         prog="rodimpact",
         description="Collisions of elastic rods: exact waves, and the restitution that follows.",
@@ -98,25 +100,28 @@ def _run(argv: list[str]) -> tuple[str, int]:
     return text, status
 
 
-def _print(text: str) -> bool:
+def _print(text: str | Iterable[str]) -> bool:
     """Print the result. False if it cannot be written; a reader who has gone is no failure."""
+    lines = [text] * bool(text) if isinstance(text, str) else text
     try:
         if sys.stdout is None:
             raise OSError("standard output is closed")
-        if text:
-            encoding = sys.stdout.encoding or "utf-8"
-            sys.stdout.write(text.encode(encoding, "backslashreplace").decode(encoding) + "\n")
+        encoding = sys.stdout.encoding or "utf-8"
+        for line in lines:
+            sys.stdout.write(line.encode(encoding, "backslashreplace").decode(encoding) + "\n")
         sys.stdout.flush()
     except OSError as error:
         if sys.stdout is not None:  # nothing may be left to write when the interpreter ends
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
-            _complain(f"cannot write the result: {error.strerror or error}", FAULT)
+            complain(f"cannot write the result: {error.strerror or error}", FAULT)
             return False
     return True
 
 
-def _complain(message: str, status: int) -> int:
+def complain(message: str, status: int) -> int:
+    """Tell of a mistake or a fault, and hand back the exit status that goes with it."""
+    """Print a mistake or fault; returns the exit status that goes with it."""
     for line in message.splitlines():
         print(f"rodimpact: {line}", file=sys.stderr)
     return status
@@ -126,4 +131,4 @@ def _fault() -> int:
     import traceback
 
     traceback.print_exc()
-    return _complain("a fault of rodimpact, not yours; please report the lines above", FAULT)
+    return complain("a fault of rodimpact, not yours; please report the lines above", FAULT)

@@ -6,6 +6,7 @@ Mistakes are collected in a list of (path, message) and reported together, like 
 from __future__ import annotations
 
 import math
+import re
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -34,10 +35,10 @@ def quantity(problems: Problems, option: str, text: str, dimension: str) -> floa
 
 
 def whole_number(problems: Problems, option: str, text: str) -> int:
-    """A positive whole number; 0 and a problem if it is none."""
-    if text.strip().isdecimal() and int(text) > 0:
+    """A positive whole number that a register can hold; 0 and a problem if it is none."""
+    if re.fullmatch("0*[1-9][0-9]{0,17}", text.strip()):
         return int(text)
-    problems.append((option, f"must be a positive whole number, got {text!r}"))
+    problems.append((option, f"must be a positive whole number below 10^18, got {text!r}"))
     return 0
 
 

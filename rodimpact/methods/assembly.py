@@ -128,9 +128,11 @@ class Blueprint:
         for i, body in enumerate(system.bodies):
             places.append(len(profiles))
             for profile in (body.velocity, body.strain if isinstance(body, Rod) else 0.0):
-                steps = profile if isinstance(profile, Steps) else Steps([profile], [])
-                jumps.append(len(steps.at))
-                profiles += (*steps.values, *steps.at)
+                values, at = ((profile,), ()) if not isinstance(profile, Steps) else (
+                    profile.values, profile.at
+                )
+                jumps.append(len(at))
+                profiles += (*values, *at)
             if isinstance(body, Wall):
                 spans.append((1, 0))
                 continue
@@ -167,8 +169,8 @@ class Blueprint:
         """Room for the layout of that many members, on lists or what `full` makes."""
         n, _, fronts = self.make.size
         marks = n + sum(self.make.jumps)
-        rows = [n + 2, n + 2, n + 1, 2, 1, fronts, fronts, fronts, *[1] * 8]
-        kinds = [0, 0.0, 0.0, 0.0, 0, 0, 0, 0.0, 0.0, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0]
+        rows = [n + 2, n + 2, n + 1, 2, 1, fronts, fronts, fronts, *[1] * 7]
+        kinds = [0, 0.0, 0.0, 0.0, 0, 0, 0, 0.0, 0.0, 0, 0.0, 0.0, 0.0, 0.0, 0]
         layout = [full(members * row, zero) for row, zero in zip(rows, kinds, strict=True)]
         sizes = [marks, marks, marks, marks, marks, n + 2, marks, marks]
         kinds = [0.0, 0, 0, 0, 0, 0, 0.0, 0.0]
@@ -210,13 +212,16 @@ def assemble(system: System, until: float | None = None) -> Assembly:
     waves: list[list[tuple[int, float]]] = [[] for _ in range(2 * n + 2)]
     for r in range(layout.count[0]):
         waves[layout.line[r]].append((layout.tick[r], layout.value[r]))
+    beat = layout.beat[0]
+    errors = [abs(layout.transit[s] * beat / work.duration[s - 1] - 1) for s in range(1, n + 1)]
+    worst = max(range(n), key=errors.__getitem__)
     status = [OPEN if gap > 0 else at for gap, at in zip(layout.gap, plan.status, strict=True)]
     return Assembly(
         system, tuple(zip(make.first, make.last, strict=True)), tuple(make.node),
         [0.0, *given[:n], 0.0], [0.0, *given[n : 2 * n], 0.0], [0.0, *given[2 * n : 3 * n], 0.0],
-        layout.transit, layout.beat[0], layout.frame[0], layout.tolerance[0], layout.window[0],
+        layout.transit, beat, layout.frame[0], layout.tolerance[0], layout.window[0],
         status, layout.gap, (layout.outside[0], layout.outside[1]), waves,
-        layout.error[0], plan.paths[layout.worst[0]],
+        errors[worst], plan.paths[worst + 1],
     )
 
 
@@ -232,7 +237,7 @@ def _refusal(fate: int, plan: Blueprint, layout: Layout, durations: Any) -> tupl
             f"a run of {horizon:g} s is {horizon / longest:.3g} times the longest transit time "
             f"{longest:g} s, more than the clock can count; stop before {most:.3g} s"
         )
-    short = layout.worst[0]
+    short = layout.short[0]
     return plan.paths[short], (
         f"its transit time {durations[short - 1]:.3g} s is too short beside the longest, "
         f"{longest:.3g} s: one exact clock holds ratios up to about 2e11; leave it out"

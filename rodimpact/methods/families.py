@@ -20,10 +20,10 @@ from .front_kernel import FREE, FULL, OPEN, Members, Results, Stock, family
 from .fronts import as_arrays, on_arrays
 from .layout_kernel import LAID, Layout, Make, lay_out_all
 
-ROOM = 2048  # rows of the log at first
-FIRST_BLOCK, LAST_BLOCK = 64, 1024  # members of a block
+ROOM = 256  # rows of the log at first
+FIRST_BLOCK, LAST_BLOCK = 256, 1024  # members of a block
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
-MOST_MEMBERS, MOST_BYTES = 8192, 1 << 24  # of one call of `run_family`, for memory's sake
+MOST_MEMBERS, MOST_BYTES = 16384, 1 << 24  # of one call of `run_family`, for memory's sake
 
 Array = np.ndarray[Any, np.dtype[Any]]
 
@@ -68,10 +68,10 @@ def run_family(
     n, width, _ = plan.make.size
     count = math.prod(shape)
     given = np.empty((count, width))
+    given[:] = [x if isinstance(x, float) else 0.0 for x in plan.numbers]
     for column, number in enumerate(plan.numbers):
-        given[:, column] = (
-            number if isinstance(number, float) else np.broadcast_to(number, shape).ravel()
-        )
+        if not isinstance(number, float):
+            given[:, column] = np.broadcast_to(number, shape).ravel()
     results = _results(count, n)
     waiting, room = np.arange(count), ROOM
     while len(waiting):

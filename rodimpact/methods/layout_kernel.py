@@ -63,8 +63,7 @@ class Layout(NamedTuple):
     scale: Any  # [member] of velocities
     horizon: Any  # [member] time for which the clock has room
     beat: Any  # [member] duration of a tick
-    error: Any  # [member] largest relative change of a transit time
-    worst: Any  # [member] segment with that error, or the one that is too short
+    short: Any  # [member] segment with the shortest transit
 
 
 class Work(NamedTuple):
@@ -327,13 +326,13 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
     -------
     int
         LAID; OVERFLOW: the energy of such velocities and strains is no float; LONG: the run takes
-        more ticks than the clock has; SHORT: the transit time of segment `worst` is too few ticks.
+        more ticks than the clock has; SHORT: the transit time of segment `short` is too few ticks.
     """
     n, width, fronts = make.size[0], make.size[1], make.size[2]
     row, cell, node = m * width, m * (n + 2), m * (n + 1)
     durations = cut(make, given, row, work)
     frame, scale = survey(make, given, row, work)
-    layout.count[m], layout.frame[m], layout.scale[m], layout.worst[m] = 0, frame, scale, 1
+    layout.count[m], layout.frame[m], layout.scale[m] = 0, frame, scale
     largest = 0.0
     longest = 0.0
     for s in range(1, n + 1):
@@ -352,23 +351,18 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
     for i in range(durations, len(work.duration)):
         work.duration[i] = longest  # fewer jumps inside than there might be
     whole = assign_ticks(work.duration, bits, work.order, work.p, work.q, work.ticks)
-    beat, window = longest / whole, max(1, whole >> WINDOW)
-    short, worst, error = 1, 1, -1.0
+    beat, window, short = longest / whole, max(1, whole >> WINDOW), 1
     for s in range(1, n + 1):
         T = work.ticks[s - 1]
         if work.ticks[short - 1] > T:
             short = s
-        off = abs(T * beat / work.duration[s - 1] - 1)
-        if off > error:
-            worst, error = s, off
         layout.transit[cell + s] = T
         layout.mobility[cell + s] = 1 / given[row + n + s - 1]
+    layout.short[m] = short
     if work.ticks[short - 1] <= 4 * window:
-        layout.worst[m] = short
         return SHORT
     tol = TOLERANCE * scale
     layout.beat[m], layout.window[m], layout.tolerance[m] = beat, window, tol
-    layout.error[m], layout.worst[m] = error, worst
     for i in range(gaps):
         layout.gap[node + make.node[i]] = given[row + 3 * n + i] / beat
     for i in range(2):

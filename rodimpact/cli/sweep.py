@@ -1,0 +1,200 @@
+"""Map a family of collisions over one or more numbers of a case.
+
+rodimpact sweep CASE.toml --vary bodies.0.length=0.05:1:200 --vary "contacts.0.gap=0,1 um,10 um"
+
+A grid is start:stop:count, start:stop:count:log for equal ratios, or a list; a number may have a
+unit. The first --vary is the first axis. Every collision runs to its proof; [output] of the case is
+for `rodimpact run`. Exit status 3 if some did not come to their end; the status of each says why.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import shutil
+import sys
+import time
+from collections.abc import Iterable
+from typing import Any
+
+from ..casefile import Case, read_case
+from ..files import FileFormatError
+from ..frozen import InvalidModel
+from ..model import Bonded
+from ..report import sweep_json, sweep_table
+from ..sweeping import SweepError, SweepResult, sweep
+from . import DONE, FAULT, INCOMPLETE, complain
+from .asking import Mistakes, Problems, check_format, check_outputs, note, whole_number
+
+EXAMPLE = "bodies.0.length=0.05:1:200"
+REDRAWN = 0.1  # s between two states of the progress bar
+BAR = 30  # characters
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """A case, what varies in it, how to go about it, what to print and write."""
+    parser.add_argument("case", metavar="CASE.toml", help="the case file")
+    parser.add_argument("--vary", metavar="PATH=GRID", action="append", default=[],
+                        help=f"a number and its values, {EXAMPLE}; once for each axis")
+    parser.add_argument("--workers", metavar="N", help="threads; default one a processor")
+    parser.add_argument("--checkpoint", metavar="DIR",
+                        help="keep finished parts here, and go on from those of an earlier run")
+    parser.add_argument("--on-error", choices=("record", "raise"), default="record",
+                        help="where a collision does not come to its end: record that and go on "
+                        "(default), or stop the sweep")
+    parser.add_argument("--max-events", metavar="N",
+                        help="cap on events of each collision, instead of the case's")
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--csv", action="store_true", help="print a row for each collision")
+    form.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--save", metavar="FILE.npz", help="save the result")
+    parser.add_argument("--plot", metavar="FILE", help="draw it: .png, .svg or .pdf")
+    parser.add_argument("--force", action="store_true", help="replace existing files")
+
+
+def run(arguments: argparse.Namespace) -> tuple[str | Iterable[str], int]:
+    """Check everything, solve, write the files, and hand back the table, CSV or JSON."""
+    problems: Problems = []
+    vary = _vary(problems, arguments.vary)
+    options: dict[str, Any] = {
+        "on_error": arguments.on_error, "checkpoint": arguments.checkpoint,
+    }
+    for name in ("workers", "max_events"):
+        given = getattr(arguments, name)
+        if given is not None:
+            option = f"--{name.replace('_', '-')}"
+            options[name] = whole_number(problems, option, given)
+    case: Case | None = None
+    try:
+        case = read_case(arguments.case, vary)
+        _check_case(problems, case, draws=arguments.plot is not None)
+    except InvalidModel as error:
+        problems += error.problems
+    if arguments.plot is not None:
+        check_format(problems, "--plot", arguments.plot)
+    files = {"--save": arguments.save, "--plot": arguments.plot}
+    check_outputs(problems, files, arguments.force)
+    assert case is not None  # or there were problems
+
+    result = _sweep(case, options)
+    if arguments.save is not None:
+        result.save(arguments.save, force=arguments.force)
+        note(f"wrote {arguments.save}")
+    status = DONE if result.final.all() else INCOMPLETE
+    if arguments.plot is not None:
+        from .. import plot
+
+        try:
+            picture = plot.sweep(result)
+        except ValueError as error:  # no collision has e; the table tells why
+            status = complain(f"--plot: {error}", FAULT)
+        else:
+            plot.save(picture, arguments.plot, force=arguments.force)
+            note(f"wrote {arguments.plot}")
+    text: str | Iterable[str]
+    if arguments.csv:
+        text = result.csv_lines()
+    elif arguments.json:
+        text = sweep_json(result, case.varied)
+    else:
+        text = sweep_table(result, case.varied)
+    return text, status
+
+
+def _vary(problems: Problems, given: list[str]) -> dict[str, str]:
+    """Grids by path."""
+    vary: dict[str, str] = {}
+    if not given:
+        problems.append(("--vary", f"name what to vary: --vary {EXAMPLE}"))
+    for item in given:
+        path, equals, grid = (part.strip() for part in item.rpartition("="))
+        if not path or not equals:
+            problems.append(("--vary", f"must be PATH=GRID, such as {EXAMPLE}, got {item!r}"))
+        elif path in vary:
+            problems.append((path, "is varied twice; write one list or one range"))
+        else:
+            vary[path] = grid
+    return vary
+
+
+def _check_case(problems: Problems, case: Case, draws: bool) -> None:
+    """Refuse an end in time, and a figure that cannot be drawn."""
+    if "until" in case.solve:
+        message = "a sweep runs every collision to its proof; take until out of the case"
+        problems.append(("solve.until", message))
+    wide = sum(len(axis.values) > 1 for axis in case.varied)
+    contacts = sum(not isinstance(law, Bonded) for law in case.system.contacts)
+    if draws and case.varied and not 1 <= wide <= 2:
+        message = f"a figure has one or two axes, and {wide} numbers vary; leave it out"
+        problems.append(("--plot", message))
+    elif draws and contacts != 1:
+        message = f"a figure shows e, which a row with {contacts} contacts has not"
+        problems.append(("--plot", f"{message}; --save, and draw something else in Python"))
+
+
+def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:
+    """Solve the family, with a progress bar on a terminal."""
+    bar = _ProgressBar() if sys.stderr is not None and sys.stderr.isatty() else None
+    started = time.monotonic()
+    try:
+        result = sweep(case.system, progress=bar, **{**case.solve, **options})
+    except KeyboardInterrupt:
+        kept = options["checkpoint"]
+        raise KeyboardInterrupt(
+            f"interrupted; the same command goes on from what {kept} holds" if kept
+            else "interrupted; with --checkpoint DIR a sweep can go on where it stopped"
+        ) from None
+    except SweepError as error:
+        said = str(error).replace('on_error="record"', "--on-error record")
+        raise Mistakes([(case.path, said)]) from error
+    except FileFormatError as error:
+        raise Mistakes([("--checkpoint", str(error))]) from error
+    finally:
+        if bar:
+            bar.erase()
+    seconds = time.monotonic() - started
+    count = result.restitution.size
+    note(f"{count} collisions in {seconds:.3g} s, {_rate(count / seconds)}")
+    return result
+
+
+class _ProgressBar:
+    """A line on a terminal: how much is done, how fast it goes, and how long it takes yet."""
+
+    def __init__(self) -> None:
+        self.width = 0  # of the line that stands there
+        self.drawn = -math.inf  # when it was drawn
+        self.start: tuple[float, int] | None = None  # the first news, and what was done by then
+
+    def __call__(self, done: int, total: int) -> None:
+        now = time.monotonic()
+        since, before = self.start = self.start or (now, done)
+        if now < self.drawn + REDRAWN:
+            return
+        self.drawn = now
+        part = done / total
+        line = f"{math.floor(100 * part):3} %  [{'#' * math.floor(BAR * part):{BAR}}]"
+        if now > since and done > before:  # what an earlier run had done tells nothing of the rate
+            rate = (done - before) / (now - since)
+            line += f"  {_rate(rate)}  {_time((total - done) / rate)} left"
+        self._show(line[: shutil.get_terminal_size().columns - 1])
+
+    def erase(self) -> None:
+        """Leave an empty line."""
+        self._show("")
+        print(end="\r", file=sys.stderr, flush=True)
+
+    def _show(self, line: str) -> None:
+        print(f"\r{line:{self.width}}", end="", file=sys.stderr, flush=True)
+        self.width = len(line)
+
+
+def _rate(rate: float) -> str:
+    number = f"{rate:.3g}" if rate < 100 else f"{float(f'{rate:.3g}'):,.0f}"
+    return f"{number} collisions/s"
+
+
+def _time(seconds: float) -> str:
+    minutes, s = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes} min" if hours else f"{minutes} min {s} s" if minutes else f"{s} s"
