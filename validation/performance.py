@@ -22,12 +22,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import rodimpact as ri
-from rodimpact.methods import fronts, kernels
-from rodimpact.methods.assembly import start
+from rodimpact.methods import families, fronts, kernels
+from rodimpact.methods.assembly import Blueprint, start
 from rodimpact.methods.front_kernel import (
     CAP,
     EVENTS,
-    FINAL,
     FREE,
     IDLE,
     NEVER,
@@ -35,13 +34,11 @@ from rodimpact.methods.front_kernel import (
     REST,
     TOUCH,
     Log,
-    Members,
-    Tally,
-    family,
     play,
 )
 
 CASE = Path(__file__).parent / "cases" / "unequal-rods.toml"
+UNIT_MATERIAL = ri.Material("one", youngs_modulus=1.0, density=1.0)
 TOLERANCE, WINDOW = 2.0**-48, 1 << 9
 UNIT = 2**40  # ticks
 RUN = 500_000  # events
@@ -107,6 +104,12 @@ def leapfrog(cells_per_unit: int = 400, lengths: tuple[float, float] = (0.4, 1.0
     return impulse * (1 / lengths[0] + 1 / lengths[1]) - 1
 
 
+def leapfrog_of_map(members: int = 20) -> float:
+    """Time of one leapfrog for a random member of `map_of_pairs`, s; impedances cost the same."""
+    lengths = np.random.default_rng(1).uniform(0.05, 1.0, members)
+    return statistics.median(median(lambda: leapfrog(400, (float(x), 1.0)), 1) for x in lengths)
+
+
 # Kernels ----------------------------------------------------------------------------------------
 
 
@@ -123,8 +126,8 @@ def state(
         [0, *T, 0], [0.0, *(1 / z for z in Z), 0.0], [ends, *[closed] * (n - 1), ends],
         [gap] * (n + 1), (0.0, 0.0), waves,
     )
-    log = Log(*(np.resize(column, room) for column in fronts._arrays(log)))
-    return fronts._as_arrays(row), fronts._as_arrays(tally), log, fronts._ints(clock)
+    row, tally, log, clock = fronts.on_arrays(row, tally, log, clock)
+    return row, tally, Log(*(np.resize(column, room) for column in log)), clock
 
 
 def per_event(*system: Any) -> float:
@@ -159,37 +162,19 @@ def long_row(n: int) -> float:
 
 
 def family_of_pairs(pairs: int = 20_000) -> float:
-    """Time of one collision of a long list of random pairs, s; checked against the closed form."""
+    """Time of one collision of a long list of random pairs, s, on their clocks already."""
     rng = np.random.default_rng(0)
-    transit = np.zeros((pairs, 4), dtype=np.int64)
-    transit[:, 1:3] = rng.uniform(0.1, 1.0, (pairs, 2)) * 2**49
-    impedance = np.exp(rng.uniform(0.0, math.log(3.0), (pairs, 2)))
-    mobility = np.zeros((pairs, 4))
-    mobility[:, 1:3] = 1 / impedance
-
-    def repeated(*one: float) -> Any:
-        return np.tile(one, (pairs, 1))
-
-    members = Members(
-        transit, mobility, repeated(FREE, TOUCH, FREE), repeated(0.0, 0.0, 0.0),
-        repeated(0.0, 0.0), np.full(pairs, 4), -np.repeat(transit[:, 1:3], 2, axis=1),
-        repeated(2, 3, 4, 5), repeated(0.5, 0.5, -0.5, -0.5), np.full(pairs, TOLERANCE),
-        np.full(pairs, WINDOW),
-    )
-    work = state([1, 1], [1.0, 1.0], [0.5, -0.5])
-    flags = np.zeros(pairs, dtype=np.int64)
-    tallies = Tally(*(np.zeros((pairs, 3), dtype=column.dtype) for column in work[1]))
-    fast = kernels.compiled(family)
-
-    def job() -> None:
-        fast(*work, members, 1 << 40, flags, tallies)
-
-    job()
-    assert np.all(flags == FINAL)
-    (Z1, Z2), (T1, T2) = impedance.T, transit[:, 1:3].T
-    e = tallies.impulse[:, 1] * (1 / (Z1 * T1) + 1 / (Z2 * T2)) - 1
-    assert np.abs(e - ri.theory.saint_venant(Z1, T1, Z2, T2).restitution).max() < 1e-11
-    return median(job) / pairs
+    rods = [
+        ri.Rod(rng.uniform(0.1, 1.0, pairs), area=np.exp(rng.uniform(0.0, math.log(3.0), pairs)),
+               material=UNIT_MATERIAL, velocity=v) for v in (0.5, -0.5)
+    ]
+    plan = Blueprint(ri.System(rods))
+    given = np.stack([np.broadcast_to(x, pairs) for x in plan.numbers], axis=1)
+    block, results = families.Block(plan, 4096), families.space(pairs, 2)
+    members = block.lay_out(given)
+    full = block.run(members, fronts.MAX_EVENTS, results)
+    assert not full.any()
+    return median(lambda: block.run(members, fronts.MAX_EVENTS, results)) / pairs
 
 
 # The package as its users meet it ---------------------------------------------------------------
@@ -232,16 +217,49 @@ print(peak() - before)
 """
 
 
+def map_of_pairs(shape: tuple[int, int] = (1000, 1000)) -> tuple[float, float]:
+    """Time of a map over lengths and impedances, s, and its largest error of e."""
+    system = ri.System([
+        ri.Rod(np.linspace(0.05, 1.0, shape[0])[:, None], area=1.0, material=UNIT_MATERIAL,
+               velocity=1.0),
+        ri.Rod(1.0, area=np.geomspace(0.1, 10.0, shape[1]), material=UNIT_MATERIAL),
+    ])
+    result = ri.sweep(system)
+    first, second = (body.segments[0] for body in system.bodies)
+    exact = ri.theory.saint_venant(
+        first.impedance, first.transit_time, second.impedance, second.transit_time, 1.0
+    ).restitution
+    return median(lambda: ri.sweep(system), 5), float(np.abs(result.restitution - exact).max())
+
+
+def stepped_pairs(count: int = 100_000) -> float:
+    """Time of a family of pairs of rods with a step each, of random lengths and areas, s."""
+    rng = np.random.default_rng(0)
+
+    def stepped(velocity: float) -> ri.Rod:
+        pieces = [ri.Segment(rng.uniform(0.1, 1.0, count), rng.uniform(0.5, 2.0, count),
+                             UNIT_MATERIAL) for _ in range(2)]
+        return ri.Rod(segments=pieces, velocity=velocity)
+
+    system = ri.System([stepped(1.0), stepped(0.0)])
+    assert ri.sweep(system).final.all()
+    return median(lambda: ri.sweep(system), 5)
+
+
 def measure() -> list[Figure]:
     """Every figure but the yardstick's."""
     rows = {n: long_row(n) for n in (30, 100, 300, 1000)}
     growth = rows[1000] / rows[30] / (math.log2(1000) / math.log2(30))
+    seconds, error = map_of_pairs()
+    print(f"largest error of e in a map of a million pairs: {error:.1e}")
     figures = [
         Figure("collide() of two rods, interpreted, fresh", fresh(COLLIDE), 300e-6),
         Figure("a compiled collision of two rods, proof included", family_of_pairs(), 500e-9),
         Figure("an event of a long free pair", free_pair(), 20e-9),
         Figure("an event of two rods between walls", between_walls(), 40e-9),
         *(Figure(f"an event of a row of {n} rods", value, 120e-9) for n, value in rows.items()),
+        Figure("a map of 1000 x 1000 lengths and impedances, two threads", seconds, 0.5),
+        Figure("100 000 pairs of stepped rods, two threads", stepped_pairs(), 2.0),
         Figure("velocity on 1000 x 1000 points, compiled", fresh("import numba\n" + FIELD), 2e-3),
         Figure("velocity on 1000 x 1000 points, not compiled, fresh", fresh(FIELD), 30e-3),
     ]
@@ -270,7 +288,8 @@ def main() -> None:
     before = median(leapfrog)
     figures = measure()
     yardstick = (before + median(leapfrog)) / 2
-    print(f"NumPy leapfrog, 400 cells per unit length: {shown(yardstick)}\n")
+    print(f"NumPy leapfrog, 400 cells per unit length: {shown(yardstick)}")
+    print(f"the map by leapfrogs would take {1e6 * leapfrog_of_map():.3g} s\n")
     print(f"{'figure':56} {'median':>8} {'budget':>8} {'of a leapfrog':>14}")
     for name, value, budget in figures:
         late = "" if value <= budget else "  over budget"

@@ -72,7 +72,7 @@ def run_family(
     for column, number in enumerate(plan.numbers):
         if not isinstance(number, float):
             given[:, column] = np.broadcast_to(number, shape).ravel()
-    results = _results(count, n)
+    results = space(count, n)
     waiting, room = np.arange(count), ROOM
     while len(waiting):
         waiting = _run_blocks(plan, given, waiting, results, room, max_events, stop)
@@ -80,7 +80,7 @@ def run_family(
     return results
 
 
-def _results(count: int, n: int) -> Results:
+def space(count: int, n: int) -> Results:
     """Space for the results of so many members."""
     widths = [(), (), (n + 2,), (n + 2,), (), *[(n + 1,)] * 4]
     kinds = [np.int64, np.bool_, *[np.float64] * 6, np.int64]
@@ -95,18 +95,17 @@ def _run_blocks(
     stop: Callable[[], bool],
 ) -> Array:
     """Run some members; return those that filled the log."""
-    block = _Block(plan, room)
+    block = Block(plan, room)
     again, first, size = [], 0, FIRST_BLOCK
     while first < len(which):
         if stop():
             raise Stopped
         members, begun = which[first : first + size], time.perf_counter()
-        whole = slice(first, first + size) if len(which) == len(given) else None
-        found = _results(len(members), plan.make.size[0]) if whole is None else (
-            Results(*(column[whole] for column in results))
-        )
-        full = block.run(given[members], max_events, found)
-        if whole is None:
+        everyone = len(which) == len(given)
+        place = slice(first, first + len(members)) if everyone else members
+        found = Results(*(column[place] for column in results))
+        full = block.run(block.lay_out(given[place]), max_events, found)
+        if not everyone:
             for column, values in zip(results, found, strict=True):
                 column[members] = values
         again.append(members[full])
@@ -116,7 +115,7 @@ def _run_blocks(
     return np.concatenate(again)
 
 
-class _Block:
+class Block:
     """Work space for some members at a time: arrays, or lists where nothing is compiled."""
 
     def __init__(self, plan: Blueprint, room: int) -> None:
@@ -132,24 +131,30 @@ class _Block:
             self.state, self.stocks = on_arrays(*self.state), tuple(map(as_arrays, self.stocks))
         self.fates: Any = []
 
-    def run(self, given: Array, max_events: int, results: Results) -> Array:
-        """Run members; return which of them filled the log."""
-        full = np.full if self.compiled else lambda size, zero: [zero] * size
-        if len(self.fates) != len(given):
-            self.layout, self.work = self.plan.space(len(given), full)
-            self.fates = full(len(given), LAID)
+    def lay_out(self, given: Array) -> Members:
+        """Put members on their clocks; `fates` says for whom there is none."""
+        count = len(given)
+        if len(self.fates) != count:
+            full = np.full if self.compiled else lambda size, zero: [zero] * size
+            self.layout, self.work = self.plan.space(count, full)
+            self.fates = full(count, LAID)
         rows: Any = given.ravel()
-        flat: Any = Results(*(column.reshape(-1) for column in results))
-        if not self.compiled:
-            rows, flat = rows.tolist(), Results(*(column.tolist() for column in flat))
         x: Layout = self.layout
-        kernels.compiled(lay_out_all)(self.make, rows, x, self.work, self.fates)
-        status: Any = np.tile(self.plan.status, len(given))
+        kernels.compiled(lay_out_all)(
+            self.make, rows if self.compiled else rows.tolist(), x, self.work, self.fates
+        )
+        status: Any = np.tile(self.plan.status, count)
         status[np.asarray(x.gap) > 0] = OPEN
-        members = Members(
+        return Members(
             x.transit, x.mobility, status if self.compiled else status.tolist(), x.gap, x.outside,
             x.count, x.tick, x.line, x.value, x.tolerance, x.window, x.frame, x.beat,
         )
+
+    def run(self, members: Members, max_events: int, results: Results) -> Array:
+        """Run members; return which of them filled the log."""
+        flat: Any = Results(*(column.reshape(-1) for column in results))
+        if not self.compiled:
+            flat = Results(*(column.tolist() for column in flat))
         kernels.compiled(family)(*self.state, self.stocks, members, max_events, flat)
         if not self.compiled:
             for column, values in zip(results, flat, strict=True):
