@@ -18,28 +18,39 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from . import rigid as rigid
     from . import theory as theory
     from . import units as units
+    from .bodies import Material as Material
+    from .bodies import RigidMass as RigidMass
+    from .bodies import Rod as Rod
+    from .bodies import Segment as Segment
+    from .bodies import Wall as Wall
     from .casefile import Case as Case
     from .casefile import parse_case as parse_case
     from .casefile import read_case as read_case
     from .casefile import write_case as write_case
     from .contacts import ContactHistory as ContactHistory
     from .contacts import Episode as Episode
+    from .ends import Absorbing as Absorbing
+    from .ends import Fixed as Fixed
+    from .ends import Force as Force
+    from .ends import Free as Free
+    from .ends import Velocity as Velocity
     from .files import FileFormatError as FileFormatError
     from .files import load as load
     from .frozen import InvalidModel as InvalidModel
-    from .model import Bonded as Bonded
-    from .model import Material as Material
-    from .model import Rigid as Rigid
-    from .model import Rod as Rod
-    from .model import Segment as Segment
-    from .model import Steps as Steps
+    from .laws import Bonded as Bonded
+    from .laws import Hertz as Hertz
+    from .laws import HuntCrossley as HuntCrossley
+    from .laws import Rigid as Rigid
+    from .laws import Spring as Spring
+    from .laws import SpringDashpot as SpringDashpot
+    from .ledger import EnergyLedger as EnergyLedger
     from .model import System as System
-    from .model import Wall as Wall
     from .outcome import Outcome as Outcome
     from .outcome import UndefinedRestitution as UndefinedRestitution
+    from .profiles import Samples as Samples
+    from .profiles import Steps as Steps
     from .regions import Regions as Regions
     from .regions import regions_of as regions_of
-    from .solution import EnergyLedger as EnergyLedger
     from .solution import Gauge as Gauge
     from .solution import Solution as Solution
     from .solving import collide as collide
@@ -51,10 +62,14 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
 
 _HOME = {
     "frozen": ("InvalidModel",),
-    "model": ("Bonded", "Material", "Rigid", "Rod", "Segment", "Steps", "System",
-              "Wall"),
+    "profiles": ("Samples", "Steps"),
+    "bodies": ("Material", "RigidMass", "Rod", "Segment", "Wall"),
+    "laws": ("Bonded", "Hertz", "HuntCrossley", "Rigid", "Spring", "SpringDashpot"),
+    "ends": ("Absorbing", "Fixed", "Force", "Free", "Velocity"),
+    "model": ("System",),
     "solving": ("collide", "solve"),
-    "solution": ("EnergyLedger", "Gauge", "Solution"),
+    "ledger": ("EnergyLedger",),
+    "solution": ("Gauge", "Solution"),
     "contacts": ("ContactHistory", "Episode"),
     "outcome": ("Outcome", "UndefinedRestitution"),
     "regions": ("Regions", "regions_of"),

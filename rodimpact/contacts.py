@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .fields import WaveFields
+from .methods.assembly import Assembly
+from .methods.characteristics import PARTS
 from .methods.front_kernel import OPEN, PRESS
 from .model import Bonded
 from .signals import Floats, Side, StepSignal
+
+Turns: TypeAlias = tuple[list[int], list[int]]
 
 
 class Episode(NamedTuple):
@@ -57,75 +62,35 @@ class ContactHistory:
     """
 
     def __init__(
-        self,
-        index: int,
-        fields: WaveFields,
-        turns: tuple[list[int], list[int]],
-        tally: ContactTally,
+        self, index: int, fields: WaveFields, tally: ContactTally, episodes: tuple[Episode, ...],
+        force: StepSignal, gap: Floats, rate: Floats,
     ) -> None:
-        a = fields.assembly
-        self.index, self.law = index, a.system.contacts[index]
+        self.index, self.law = index, fields.assembly.system.contacts[index]
         self.impulse, self.duration = tally.impulse, tally.duration
-        self.peak_force = tally.peak_force
-        self._fields, self._end, self._tick = fields, fields.end, a.tick
-        node = a.nodes[index]
-        self._status = StepSignal([-1, *turns[0]], [a.status[node], *turns[1]])
-        self.episodes = () if isinstance(self.law, Bonded) else self._read_episodes()
-        left, right = self._arrivals(node, 0), self._arrivals(node, 1)
-        ticks = np.unique(np.concatenate(([0], left.ticks, right.ticks, self._status.ticks)))
-        ticks = ticks[(ticks >= 0) & (ticks <= self._end)]
-        closing = left.at(ticks) - right.at(ticks)
-        yielding = sum(1 / a.impedance[s] for s in (node, node + 1) if a.impedance[s])
-        status = self._status.at(ticks)
-        pressing = np.full(ticks.shape, True) if isinstance(self.law, Bonded) else status == PRESS
-        force = np.where(pressing, closing / yielding, 0.0)
-        self._force = StepSignal(ticks, force)
-        opening = np.where(status == OPEN, -closing, 0.0)
-        opening[np.abs(opening) <= a.tolerance] = 0.0
-        self._rate = StepSignal(ticks, opening)
-        travelled = np.concatenate(([0.0], np.cumsum(opening[:-1] * np.diff(ticks))))
-        # every change of status but the initial one leaves the gap at 0
-        turn = np.searchsorted(ticks, self._status.ticks[1:])
-        last = np.searchsorted(self._status.ticks[1:], ticks, "right") - 1
-        zero = np.append(travelled[turn], -a.gaps[node])[last]
-        gap = np.where(status == OPEN, travelled - zero, 0.0)
-        self._gap = gap * a.tick
+        self.peak_force, self.episodes = tally.peak_force, episodes
+        self._fields, self._tick = fields, fields.assembly.tick
+        self._force, self._gap, self._rate = force, gap, rate
 
-    def _arrivals(self, node: int, right: int) -> StepSignal:
-        a, segment = self._fields.assembly, node + right
-        if not a.impedance[segment]:
-            return StepSignal([0], [a.outside[right]])
-        wave = self._fields.waves(segment)[right]
-        return StepSignal(wave.ticks + a.ticks[segment], wave.values)
-
-    def _read_episodes(self) -> tuple[Episode, ...]:
-        found: list[Episode] = []
-        start = force_end = np.nan
-        touching = False
-        for tick, status in zip(self._status.ticks[1:], self._status.values[1:], strict=True):
-            t = float(tick) * self._tick
-            if status == PRESS:
-                start, force_end = (start, np.nan) if touching else (t, np.nan)
-                touching = True
-            elif touching:
-                force_end = t if np.isnan(force_end) else force_end
-                if status == OPEN:
-                    found.append(Episode(start, force_end, t))
-                    touching = False
-        if touching:
-            found.append(Episode(start, force_end, np.nan))
-        return tuple(found)
+    @property
+    def push(self) -> StepSignal:
+        """Force in ticks of the clock."""
+        return self._force
 
     def force(self, t: ArrayLike, side: Side = "right") -> Floats:
-        """Contact force, N, positive in compression; `side` decides at jumps."""
+        """Contact force, N, positive in compression; `side` decides at jumps.
+
+        The method "characteristics" gives its mean over each step.
+        """
         return self._force.at(self._fields.to_ticks(t, side), side)
 
     def gap(self, t: ArrayLike) -> Floats:
-        """Distance between the two bodies, m; exactly 0 while they touch."""
+        """Distance between the two bodies, m.
+
+        Exactly 0 while they touch rigidly; minus the indentation in a compliant contact.
+        """
         ticks = self._fields.to_ticks(t, "right")
         i = np.searchsorted(self._force.ticks, ticks, "right") - 1
-        rest = self._rate.values[i] * (ticks - self._force.ticks[i])
-        result: Floats = self._gap[i] + rest * self._tick
+        result: Floats = self._gap[i] + self._rate[i] * (ticks - self._force.ticks[i])
         return result
 
     def breakpoints(self) -> tuple[Floats, Floats, Floats]:
@@ -136,6 +101,15 @@ class ContactHistory:
         """Integral of the force from 0 to t, N s, from the signals."""
         return self._force.integral(0, self._fields.to_ticks(t)) * self._tick
 
+    def work_until(self, t: ArrayLike) -> Floats:
+        """Work from 0 to t, J, that the two bodies have done on the contact: force times closing.
+
+        A compliant contact stores some of it; the rest is lost there.
+        """
+        ticks = self._fields.to_ticks(t)
+        handed = -self._force.values * self._rate
+        return StepSignal(self._force.ticks, handed).integral(0, ticks)
+
     def __repr__(self) -> str:
         name = type(self.law).__name__
         return (
@@ -144,3 +118,117 @@ class ContactHistory:
             f"{self.duration:.6g} s>"
         )
 
+
+# From the fronts ----------------------------------------------------------------------------------
+
+
+def histories_of_fronts(
+    fields: WaveFields, assembly: Assembly, turns: list[Turns], tallies: Sequence[ContactTally]
+) -> tuple[ContactHistory, ...]:
+    """Histories of all contacts, from the waves that arrive there and the changes of status."""
+    return tuple(
+        _history(i, fields, assembly, *pair)
+        for i, pair in enumerate(zip(turns, tallies, strict=True))
+    )
+
+
+def _history(
+    index: int, fields: WaveFields, a: Assembly, turns: Turns, tally: ContactTally
+) -> ContactHistory:
+    node = a.nodes[index]
+    changes = StepSignal([-1, *turns[0]], [a.status[node], *turns[1]])
+    left, right = (_arrivals(fields, a, node, side) for side in (0, 1))
+    ticks = np.unique(np.concatenate(([0], left.ticks, right.ticks, changes.ticks)))
+    ticks = ticks[(ticks >= 0) & (ticks <= fields.end)]
+    closing = left.at(ticks) - right.at(ticks)
+    yielding = sum(1 / a.impedance[s] for s in (node, node + 1) if a.impedance[s])
+    status = changes.at(ticks)
+    bonded = isinstance(a.system.contacts[index], Bonded)
+    pressing = np.full(ticks.shape, True) if bonded else status == PRESS
+    force = np.where(pressing, closing / yielding, 0.0)
+    opening = np.where(status == OPEN, -closing, 0.0)
+    opening[np.abs(opening) <= a.tolerance] = 0.0
+    travelled = np.concatenate(([0.0], np.cumsum(opening[:-1] * np.diff(ticks))))
+    # every change of status but the initial one leaves the gap at 0
+    turn = np.searchsorted(ticks, changes.ticks[1:])
+    last = np.searchsorted(changes.ticks[1:], ticks, "right") - 1
+    zero = np.append(travelled[turn], -a.gaps[node])[last]
+    gap = np.where(status == OPEN, travelled - zero, 0.0)
+    episodes = () if bonded else _episodes_of_turns(changes, a.tick)
+    return ContactHistory(
+        index, fields, tally, episodes, StepSignal(ticks, force), gap * a.tick, opening * a.tick
+    )
+
+
+def _arrivals(fields: WaveFields, a: Assembly, node: int, right: int) -> StepSignal:
+    segment = node + right
+    if not a.impedance[segment]:
+        return StepSignal([0], [a.outside[right]])
+    wave = fields.waves(segment)[right]
+    return StepSignal(wave.ticks + a.ticks[segment], wave.values)
+
+
+def _episodes_of_turns(changes: StepSignal, beat: float) -> tuple[Episode, ...]:
+    found: list[Episode] = []
+    start = force_end = np.nan
+    touching = False
+    for tick, status in zip(changes.ticks[1:], changes.values[1:], strict=True):
+        t = float(tick) * beat
+        if status == PRESS:
+            start, force_end = (start, np.nan) if touching else (t, np.nan)
+            touching = True
+        elif touching:
+            force_end = t if np.isnan(force_end) else force_end
+            if status == OPEN:
+                found.append(Episode(start, force_end, t))
+                touching = False
+    if touching:
+        found.append(Episode(start, force_end, np.nan))
+    return tuple(found)
+
+
+# From steps ---------------------------------------------------------------------------------------
+
+
+def histories_of_steps(
+    fields: WaveFields, forces: Sequence[Floats], gaps: Sequence[Floats],
+    tallies: Sequence[ContactTally],
+) -> tuple[ContactHistory, ...]:
+    """Histories of all contacts, from the mean force in each step and the gaps at step ends.
+
+    Parameters
+    ----------
+    fields : WaveFields
+    forces, gaps : sequence of arrays
+        By contact: [steps] N, and [steps + 1] m from t = 0 on.
+    tallies : sequence of ContactTally
+    """
+    found = []
+    for i, (force, gap, tally) in enumerate(zip(forces, gaps, tallies, strict=True)):
+        ticks = PARTS * np.arange(max(1, len(force)))
+        if not len(force):
+            force, gap = np.zeros(1), np.repeat(gap, 2)
+        bonded = isinstance(fields.assembly.system.contacts[i], Bonded)
+        episodes = () if bonded else _episodes_of_steps(force, gap, PARTS * fields.assembly.tick)
+        found.append(ContactHistory(
+            i, fields, tally, episodes, StepSignal(ticks, force), gap[:-1], np.diff(gap) / PARTS
+        ))
+    return tuple(found)
+
+
+def _episodes_of_steps(force: Floats, gap: Floats, step: float) -> tuple[Episode, ...]:
+    """Touchings that carried force: from the first force to the first step that ends with a gap."""
+    pressing = np.flatnonzero(force > 0)
+    opened = np.flatnonzero((force <= 0) & (gap[1:] > 0))
+    found, j = [], 0
+    while j < len(pressing):
+        start = int(pressing[j])
+        k = int(np.searchsorted(opened, start))
+        end = int(opened[k]) if k < len(opened) else len(force)
+        after = int(np.searchsorted(pressing, end))
+        last = int(pressing[after - 1]) + 1
+        running = last == len(force)
+        opening = end * step if k < len(opened) else np.nan
+        found.append(Episode(start * step, np.nan if running else last * step, opening))
+        j = after
+    return tuple(found)

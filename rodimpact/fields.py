@@ -7,6 +7,7 @@ momentum and energy. Times are rounded to the nearest tick, so that one-sided li
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from itertools import accumulate
 from typing import Any, NamedTuple
@@ -15,7 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .methods import kernels
-from .methods.assembly import Assembly
+from .methods.characteristics import PARTS
+from .methods.clockwork import Clockwork
 from .methods.front_kernel import Log
 from .methods.grid_kernel import sum_on_grid
 from .signals import Floats, Ints, Side, StepSignal, integral_of_product
@@ -40,19 +42,44 @@ class WaveFields:
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : Clockwork
     signals : list of StepSignal or None
         By line: 2s leaves the left end of segment s, 2s + 1 its right end; waves in the frame
-        `assembly.frame`.
+        `assembly.frame`, which falls with `assembly.gravity`.
     end : int
         Last tick.
+    masses : mapping of int to array
+        Velocities of rigid masses, by body, at equal intervals up to `end`, in the same frame.
     """
 
-    def __init__(self, assembly: Assembly, signals: list[StepSignal | None], end: int) -> None:
+    def __init__(
+        self, assembly: Clockwork, signals: list[StepSignal | None], end: int,
+        masses: Mapping[int, Floats] | None = None,
+    ) -> None:
         self.assembly, self.signals, self.end = assembly, signals, end
+        self.masses = masses or {}
 
     @classmethod
-    def from_log(cls, assembly: Assembly, log: Log, end: int) -> WaveFields:
+    def from_steps(
+        cls, assembly: Clockwork, waves: Sequence[Floats], steps: int, masses: Mapping[int, Floats]
+    ) -> WaveFields:
+        """Take signals that are constant in each time step.
+
+        Parameters
+        ----------
+        assembly : Clockwork
+        waves : sequence of arrays
+            By line from 2 on: what left its end in each step, those of a transit before t = 0 first.
+        steps : int
+        masses : mapping of int to array
+        """
+        longest = max(len(values) for values in waves)
+        ticks = PARTS * np.arange(steps - longest, steps)
+        signals = [StepSignal(ticks[longest - len(values) :], values) for values in waves]
+        return cls(assembly, [None, None, *signals], steps * PARTS, masses)
+
+    @classmethod
+    def from_log(cls, assembly: Clockwork, log: Log, end: int) -> WaveFields:
         """Sort the kernel's log into one signal a line."""
         line = np.asarray(log.line, dtype=np.int32)
         order = np.argsort(line, kind="stable")
@@ -107,7 +134,8 @@ class WaveFields:
         """Segment and ticks from its left end of places x in a body, m from its left end."""
         first, last = self.assembly.spans[body]
         if last == 0:
-            raise ValueError(f"body: {body} is a wall and has no inside; ask for a rod")
+            kind = "a rigid mass" if body in self.masses else "a wall"
+            raise ValueError(f"body: {body} is {kind} and has no inside; ask for a rod")
         x = np.asarray(x, dtype=np.float64)
         edges = self.edges(body)
         inside = np.isfinite(x) & (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
@@ -124,7 +152,34 @@ class WaveFields:
 
     def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """m/s; x and t broadcast."""
-        return self._combine(body, x, t, side, 1.0, lambda _: 0.5, self.assembly.frame)
+        found = self._combine(body, x, t, side, 1.0, lambda _: 0.5, self.assembly.frame)
+        return found + self._fallen(t) if self.assembly.gravity else found
+
+    def _fallen(self, t: ArrayLike) -> Floats:
+        """Velocity that the frame has gained at times t."""
+        result: Floats = self.assembly.gravity * self.to_ticks(t) * self.assembly.tick
+        return result
+
+    def mass_velocity(self, body: int, t: ArrayLike) -> Floats:
+        """Velocity of a rigid mass, m/s."""
+        V, ticks = self.masses[body], self.to_ticks(t)
+        places = np.linspace(0, self.end, len(V))
+        found: Floats = np.interp(ticks, places, V) + self.assembly.frame + self._fallen(t)
+        return found
+
+    def mass_displacement(self, body: int, t: ArrayLike) -> Floats:
+        """Displacement of a rigid mass, m, whose velocity changes evenly in each step."""
+        a, V, ticks = self.assembly, self.masses[body], self.to_ticks(t)
+        if len(V) == 1:
+            return np.zeros(np.shape(ticks))
+        width = self.end // (len(V) - 1)
+        moved = np.concatenate(([0.0], np.cumsum((V[1:] + V[:-1]) / 2) * width))
+        i = np.clip(ticks // width, 0, len(V) - 2)
+        s = ticks - i * width
+        path = moved[i] + V[i] * s + (V[i + 1] - V[i]) / width * s * s / 2
+        time = ticks * a.tick
+        found: Floats = path * a.tick + a.frame * time + a.gravity * time * time / 2
+        return found
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Positive in tension; x and t broadcast."""
@@ -199,7 +254,10 @@ class WaveFields:
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """m from the unstrained rod whose left end is at rest at t = 0; x and t broadcast."""
         segment, offset = self.locate(body, x)
-        return self._displacement(segment, offset, self.to_ticks(t))
+        ticks = self.to_ticks(t)
+        time = ticks * self.assembly.tick
+        found: Floats = self._displacement(segment, offset, ticks)
+        return found + self.assembly.gravity * time * time / 2
 
     def _displacement(self, segment: ArrayLike, offset: ArrayLike, ticks: ArrayLike) -> Floats:
         a = self.assembly
@@ -261,6 +319,8 @@ class WaveFields:
             T = a.ticks[s]
             inside = A.integral(ticks - T, ticks) + B.integral(ticks - T, ticks)
             total = total + a.impedance[s] * (inside / 2 + a.frame * T) * a.tick
+        if a.gravity:
+            total = total + a.mass(body) * self._fallen(t)
         return np.asarray(total)
 
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
@@ -270,7 +330,7 @@ class WaveFields:
         first, last = a.spans[body]
         for s in range(first, last + 1):
             A, B = self.waves(s)
-            T, V = a.ticks[s], velocity - a.frame
+            T, V = a.ticks[s], velocity - a.frame - a.gravity * tick * a.tick
             A, B = StepSignal(A.ticks, A.values - V), StepSignal(B.ticks, B.values - V)
             both = sum(integral_of_product(w, w, tick - T, tick) for w in (A, B)) / 4
             difference = integral_of_product(A, B, tick - T, tick, about=2 * tick - T) / 2
@@ -301,7 +361,8 @@ class WaveFields:
             left = B.at(tick - T + middle)
             x0, L = starts[s - first], a.length[s]
             edges += [*(x0 + L * (bounds[1:-1] / T)).tolist(), float(starts[s - first + 1])]
-            velocity += ((right + left) / 2 + a.frame).tolist()
+            drift = a.frame + a.gravity * tick * a.tick
+            velocity += ((right + left) / 2 + drift).tolist()
             strain += ((left - right) * (0.5 / a.wave_speed[s])).tolist()
             segments += [s] * (len(bounds) - 1)
         return Profile(

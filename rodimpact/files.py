@@ -24,8 +24,11 @@ from . import __version__
 from .contacts import ContactTally
 from .fields import WaveFields
 from .methods.assembly import Assembly, assemble
+from .methods.characteristics import PARTS, Plan, clockwork
+from .methods.clockwork import Clockwork
 from .model import System
 from .outcome import Outcome
+from .records import FrontRecord, Record, StepRecord
 from .solution import Solution
 
 if TYPE_CHECKING:
@@ -154,7 +157,7 @@ def save_solution(solution: Solution, path: PathLike, *, force: bool = False) ->
     """
     outcome = asdict(solution.outcome)
     outcome["contacts"] = [tally._asdict() for tally in solution.outcome.contacts]
-    document = {
+    document: dict[str, Any] = {
         "method": solution.method,
         "system": solution.system.to_dict(),
         "until": solution.until,
@@ -167,16 +170,28 @@ def save_solution(solution: Solution, path: PathLike, *, force: bool = False) ->
         "t_final": solution.t_final,
         "events": solution.events,
     }
-    signals = solution.fields.signals
+    signals, record = solution.fields.signals, solution.record
     waves = [s for s in signals if s is not None]
     arrays = {
-        "signal_ticks": np.concatenate([s.ticks for s in waves]),
         "signal_values": np.concatenate([s.values for s in waves]),
         "signal_counts": _whole([len(s.ticks) if s is not None else 0 for s in signals]),
-        "turn_ticks": _whole([tick for ticks, _ in solution.turns for tick in ticks]),
-        "turn_status": _whole([value for _, status in solution.turns for value in status]),
-        "turn_counts": _whole([len(ticks) for ticks, _ in solution.turns]),
     }
+    if isinstance(record, FrontRecord):
+        arrays |= {
+            "signal_ticks": np.concatenate([s.ticks for s in waves]),
+            "turn_ticks": _whole([tick for ticks, _ in record.turns for tick in ticks]),
+            "turn_status": _whole([value for _, status in record.turns for value in status]),
+            "turn_counts": _whole([len(ticks) for ticks, _ in record.turns]),
+        }
+    else:
+        assert isinstance(record, StepRecord)
+        arrays |= {f"force.{k}": force for k, force in enumerate(record.forces)}
+        arrays |= {f"gap.{k}": gap for k, gap in enumerate(record.gaps)}
+        arrays |= {f"mass.{body}": V for body, V in solution.fields.masses.items()}
+        for side, end in enumerate(record.ends):
+            if end is not None:
+                arrays |= {f"push.{side}": end[1], f"speed.{side}": end[2]}
+        document["ends"] = [end and end[0] for end in record.ends]
     write_npz(path, "solution", document, arrays, force=force)
 
 
@@ -257,13 +272,25 @@ def load(path: PathLike) -> Any:
 
 
 def _read_solution(document: dict[str, Any], arrays: Arrays) -> Solution:
-    system, until = System.from_dict(document["system"]), document["until"]
-    assembly = assemble(system, until)
-    if _clock(assembly) != document["clock"]:
-        raise FileFormatError(
-            f"was saved by rodimpact {document['rodimpact']} on another clock than rodimpact "
-            f"{__version__} lays out for this system; solve the case again"
-        )
+    system, until, method = (
+        System.from_dict(document["system"]), document["until"], document["method"]
+    )
+    read = {"fronts": _read_fronts, "characteristics": _read_steps}[method]
+    fields, record = read(document, arrays, system)
+    outcome = _restored(document["outcome"])
+    outcome["contacts"] = tuple(ContactTally(**tally) for tally in outcome["contacts"])
+    return Solution(
+        system, fields, Outcome(**outcome), record, method=method, until=until,
+        stopped_by=document["stopped_by"], status=document["status"], t_end=document["t_end"],
+        t_final=_restored(document["t_final"]), events=document["events"],
+    )
+
+
+def _read_fronts(
+    document: dict[str, Any], arrays: Arrays, system: System
+) -> tuple[WaveFields, Record]:
+    assembly = assemble(system, document["until"])
+    _compare_clocks(document, assembly)
     lines, contacts = 2 * len(assembly.ticks) - 2, len(assembly.nodes)
     _check(arrays, "signal", {"ticks": np.int64, "values": np.float64}, lines)
     _check(arrays, "turn", {"ticks": np.int64, "status": np.int64}, contacts)
@@ -275,18 +302,42 @@ def _read_solution(document: dict[str, Any], arrays: Arrays) -> Solution:
         [part.tolist() for part in np.split(arrays[name], stops)] if contacts else []
         for name in ("turn_ticks", "turn_status")
     )
-    outcome = _restored(document["outcome"])
-    outcome["contacts"] = tuple(ContactTally(**tally) for tally in outcome["contacts"])
-    solution = Solution(
-        system, WaveFields(assembly, signals, document["end"]), Outcome(**outcome),
-        list(zip(turn_ticks, turn_status, strict=True)),
-        until=until, stopped_by=document["stopped_by"], status=document["status"],
-        t_end=document["t_end"], t_final=_restored(document["t_final"]),
-        events=document["events"],
+    turns = list(zip(turn_ticks, turn_status, strict=True))
+    return WaveFields(assembly, signals, document["end"]), FrontRecord(turns)
+
+
+def _read_steps(
+    document: dict[str, Any], arrays: Arrays, system: System
+) -> tuple[WaveFields, Record]:
+    clock, plan = document["clock"], Plan(system)
+    counts, steps = [ticks // PARTS for ticks in clock["ticks"][1:-1]], document["end"] // PARTS
+    work = clockwork(plan, counts, clock["tick"] * PARTS)
+    _compare_clocks(document, work)
+    lines = 2 * len(work.ticks) - 2
+    _check(arrays, "signal", {"values": np.float64}, lines)
+    stops = np.cumsum(arrays["signal_counts"])
+    waves = [arrays["signal_values"][stops[i] - n : stops[i]]
+             for i, n in enumerate(arrays["signal_counts"]) if i > 1]
+    if any(len(w) != counts[i // 2] + steps for i, w in enumerate(waves)):
+        raise ValueError("signals do not fill the time")
+    masses = {i: arrays[f"mass.{i}"] for i, m in enumerate(plan.mass_of) if m >= 0}
+    contacts = range(len(system.contacts))
+    ends = [
+        kind and (kind, arrays[f"push.{side}"], arrays[f"speed.{side}"])
+        for side, kind in enumerate(document["ends"])
+    ]
+    record = StepRecord(
+        [arrays[f"force.{k}"] for k in contacts], [arrays[f"gap.{k}"] for k in contacts], ends
     )
-    if document["method"] != solution.method:
-        raise ValueError(f"method {document['method']!r}")
-    return solution
+    return WaveFields.from_steps(work, waves, steps, masses), record
+
+
+def _compare_clocks(document: dict[str, Any], clockwork: Clockwork) -> None:
+    if _clock(clockwork) != document["clock"]:
+        raise FileFormatError(
+            f"was saved by rodimpact {document['rodimpact']} on another clock than rodimpact "
+            f"{__version__} lays out for this system; solve the case again"
+        )
 
 
 def _read_sweep(document: dict[str, Any], arrays: Arrays) -> SweepResult:
@@ -300,10 +351,12 @@ _READERS: dict[str, Callable[[dict[str, Any], Arrays], Any]] = {
 }
 
 
-def _clock(assembly: Assembly) -> dict[str, Any]:
+def _clock(work: Clockwork) -> dict[str, Any]:
     """What the numbers in the arrays are counted in."""
-    a = assembly
-    return {"ticks": a.ticks, "tick": a.tick, "frame": a.frame, "tolerance": a.tolerance}
+    found = {"ticks": work.ticks, "tick": work.tick, "frame": work.frame}
+    if isinstance(work, Assembly):
+        found["tolerance"] = work.tolerance
+    return found
 
 
 def _check(arrays: Arrays, what: str, columns: dict[str, Any], parts: int) -> None:

@@ -9,8 +9,9 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import reprlib
 from collections.abc import Callable
-from typing import Any, Self, TypeAlias
+from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
 
@@ -38,7 +39,8 @@ class InvalidModel(ValueError):
 def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "any") -> Number:
     """Return `value` as a float or a read-only array; note a mistake in `problems`.
 
-    `sign` is ``"positive"``, ``"non-negative"`` or ``"any"``.
+    `sign` is ``"positive"``, ``"positive or infinite"``, ``"non-negative"`` or ``"any"``. -0.0
+    becomes 0.0, so that equal numbers are described alike.
     """
     if type(value) is float:
         array: Any = value
@@ -53,33 +55,39 @@ def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "an
                 raise TypeError
             array = array.astype(np.float64)
         except (TypeError, ValueError, OverflowError):
-            problems.append((path, f"must be a number or an array of numbers{unit}, got {value!r}"))
+            shown = reprlib.repr(value)
+            problems.append((path, f"must be a number or an array of numbers{unit}, got {shown}"))
             return math.nan
         if array.ndim == 0:
             array = float(array)
         elif array.size == 0:
             problems.append((path, "must not be an empty array"))
             return math.nan
-        else:
-            array.flags.writeable = False
+    array = array + 0.0
     if isinstance(array, float):
-        good = math.isfinite(array) and (
-            array > 0 if sign == "positive" else array >= 0 or sign == "any"
-        )
-        if not good:
+        if not _allowed(array, sign):
             problems.append((path, _wanted(unit, sign, array)))
-    else:
-        ok = np.isfinite(array)
-        if sign != "any":
-            ok &= array > 0 if sign == "positive" else array >= 0
-        if not ok.all():
-            index = tuple(int(i) for i in np.argwhere(~ok)[0])
-            at = ",".join(map(str, index))
-            problems.append((f"{path}[{at}]", _wanted(unit, sign, float(array[index]))))
+        return array
+    array.flags.writeable = False
+    if not holds(good := _allowed(array, sign)):
+        at, (got,) = first_false(good, array)
+        problems.append((f"{path}{at}", _wanted(unit, sign, got)))
     return array  # type: ignore[no-any-return]
 
 
+def _allowed(value: Any, sign: str) -> Any:
+    """Where numbers are finite and of that sign."""
+    if sign == "positive or infinite":
+        return value > 0
+    finite = math.isfinite(value) if isinstance(value, float) else np.isfinite(value)
+    if sign == "any":
+        return finite
+    return finite & (value > 0 if sign == "positive" else value >= 0)
+
+
 def _wanted(unit: str, sign: str, value: float) -> str:
+    if sign == "positive or infinite":
+        return f"must be a positive number{unit} or infinite, got {value!r}"
     kind = "a finite number" if sign == "any" else f"a finite {sign} number"
     return f"must be {kind}{unit}, got {value!r}"
 
@@ -115,6 +123,9 @@ def first_false(good: Any, *values: Number) -> tuple[str, list[float]]:
 class Frozen:
     """A value made once: compared, hashed and stored through its `to_dict`."""
 
+    _whole: ClassVar[tuple[str, ...]] = ()
+    """Fields whose array is one thing: the members of a family share it."""
+
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"{type(self).__name__} is frozen; make a new one with another {name}")
 
@@ -149,13 +160,16 @@ class Frozen:
         return hash(self.digest)
 
     def __repr__(self) -> str:
-        shown = ", ".join(f"{k}={short(v)}" for k, v in self.__dict__.items() if k[0] != "_")
+        fields = ((k, v) for k, v in self.__dict__.items() if k[0] != "_" and v is not None)
+        shown = ", ".join(f"{k}={short(v)}" for k, v in fields)
         return f"{type(self).__name__}({shown})"
 
     def _numbers(self, path: str = "") -> list[tuple[str, Number]]:
         """Every number of this object and of what it holds, with its path."""
         found: list[tuple[str, Number]] = []
         for name, value in self.__dict__.items():
+            if name in self._whole:
+                continue
             where = f"{path}.{name}" if path else name
             for inner, item in (
                 [(f"{where}.{i}", v) for i, v in enumerate(value)]
@@ -179,16 +193,25 @@ class Frozen:
             return tuple(mapped(v) for v in value) if isinstance(value, tuple) else value
 
         twin = object.__new__(type(self))
-        twin._set(**{name: mapped(value) for name, value in self.__dict__.items()})
+        twin._set(**{
+            name: value if name in self._whole else mapped(value)
+            for name, value in self.__dict__.items()
+        })
         return twin
 
-    def _member(self, shape: tuple[int, ...], index: Any) -> Self:
-        """The same object with every array, broadcast to `shape`, replaced by its `index`."""
+    def _member(self, shape: tuple[int, ...], index: Any, lean: bool) -> Self:
+        """The same object with every array, broadcast to `shape`, replaced by its `index`.
+
+        A `lean` one keeps an array only along the axes along which it varies.
+        """
 
         def pick(array: Any) -> Any:
-            chosen = np.array(np.broadcast_to(array, shape)[index])
-            if chosen.ndim == 0:
-                return float(chosen)
+            view = np.broadcast_to(array, shape)[index]
+            if lean and view.ndim:
+                view = view[tuple(slice(0, 1) if s == 0 else slice(None) for s in view.strides)]
+            chosen = np.array(view)
+            if chosen.ndim == 0 or (lean and chosen.size == 1):
+                return float(chosen.item())
             chosen.flags.writeable = False
             return chosen
 

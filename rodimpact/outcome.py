@@ -17,7 +17,7 @@ from .contacts import ContactTally
 from .methods.assembly import Assembly
 from .methods.fronts import FrontRun
 from .methods.layout_kernel import TOLERANCE
-from .model import Bonded, System, Wall
+from .model import Bonded, Fixed, System, Wall
 from .rigid import RigidCollision, collide
 
 
@@ -54,6 +54,15 @@ class Outcome:
         Whether it is proved that no contact can happen again.
     status : str
         Why the run ended, and what to do if that is not enough.
+    contact_energy : float
+        Stored in compliant contacts at the end, J.
+    dissipated, numerical, radiated : float
+        Lost in contacts, by rigid contacts that close within a time step, and through absorbing
+        ends, J.
+    drive_work, gravity_work : float
+        Work of driven ends and of gravity, J.
+    driven : bool
+        Whether gravity or driven ends change the velocities besides the contacts.
     """
 
     bodies: tuple[str, ...]
@@ -71,6 +80,13 @@ class Outcome:
     energy_residual: float
     final: bool
     status: str
+    contact_energy: float = 0.0
+    dissipated: float = 0.0
+    numerical: float = 0.0
+    radiated: float = 0.0
+    drive_work: float = 0.0
+    gravity_work: float = 0.0
+    driven: bool = False
 
     @property
     def restitution(self) -> float:
@@ -99,6 +115,11 @@ class Outcome:
             return (
                 f"restitution is defined for one contact, this row has {len(self.unilateral)}; "
                 "read velocities_after instead"
+            )
+        if self.driven:
+            return (
+                "restitution is undefined: gravity, or what drives an end, changes the velocities "
+                "too; read impulse and velocities instead"
             )
         k = self.unilateral[0]
         if self.contacts[k].episodes == 0:
@@ -227,11 +248,20 @@ def body_velocities(
     """
     found: list[Any] = []
     for group in groups(system):
-        walls = [b.velocity for i in group if isinstance(b := system.bodies[i], Wall)]
-        found += [walls[0] if walls else velocity[first[i]] + frame for i in group]
-        if len(walls) == 2:
-            found[-1] = walls[1]
+        ground = grounds(system, group)
+        found += [ground[0] if ground else velocity[first[i]] + frame for i in group]
+        if len(ground) == 2 and isinstance(system.bodies[group[-1]], Wall):
+            found[-1] = ground[1]
     return found
+
+
+def grounds(system: System, group: list[int]) -> list[Any]:
+    """Velocities of the walls and fixed ends that hold a group, from left to right."""
+    walls = [b.velocity for i in group if isinstance(b := system.bodies[i], Wall)]
+    left = [0.0] if 0 in group and isinstance(system.ends[0], Fixed) else []
+    last = len(system.bodies) - 1
+    right = [0.0] if last in group and isinstance(system.ends[1], Fixed) else []
+    return [*left, *walls, *right]
 
 
 def read_outcome(run: FrontRun, status: str) -> Outcome:
@@ -262,6 +292,10 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
                 group = next(g for g in groups(system) if i in g)
                 swinging = sum(masses[j] for j in group if masses[j] < math.inf)
                 lent += swinging * abs(after[i]) * a.tolerance / TOLERANCE
+    for end, node, sign in zip(system.ends, (0, -1), (1, -1), strict=True):
+        if isinstance(end, Fixed):
+            wall_impulse += sign * run.tally.impulse[node] * a.tick
+            absolute += abs(run.tally.impulse[node]) * a.tick
     gained = math.fsum(run.closing.momentum) - math.fsum(run.opening.momentum)
     missing = gained * a.tick - wall_impulse
     energy_before = kinetic_before + sum(vibration_before)

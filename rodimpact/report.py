@@ -277,7 +277,7 @@ def _contacts(o: Outcome) -> str:
 
 def _energy(o: Outcome) -> str:
     vibration = sum(o.vibration_before), sum(o.vibration_after)
-    total = o.kinetic_before + vibration[0], o.kinetic_after + vibration[1]
+    total = o.kinetic_before + vibration[0], o.kinetic_after + vibration[1] + o.contact_energy
     scale, inner = max(total), _vibration_scale(o)
 
     def row(name: str, before: float, after: float, scale: float) -> list[str]:
@@ -287,11 +287,22 @@ def _energy(o: Outcome) -> str:
         ["energy", "before", _then(o)],
         row("moving as a whole", o.kinetic_before, o.kinetic_after, scale),
         row("vibration and strain", *vibration, inner),
-        row("total", *total, scale),
     ]
-    if o.wall_work:
-        rows.append(["work of moving walls", "", _joules(o.wall_work, scale)])
+    if o.contact_energy:
+        rows.append(["in compliant contacts", "", _joules(o.contact_energy, scale)])
+    rows.append(row("total", *total, scale))
+    scale = max(scale, *(abs(value) for _, value in _exchanges(o)))
+    rows += [[name, "", _joules(value, scale)] for name, value in _exchanges(o) if value]
     return align(rows)
+
+
+def _exchanges(o: Outcome) -> list[tuple[str, float]]:
+    """Works and losses between before and after, J."""
+    return [
+        ("work of moving walls", o.wall_work), ("work of driven ends", o.drive_work),
+        ("work of gravity", o.gravity_work), ("lost in contacts", o.dissipated),
+        ("lost by the time step", o.numerical), ("radiated", o.radiated),
+    ]
 
 
 def _balances(o: Outcome) -> str:
@@ -373,7 +384,13 @@ def _outcome(o: Outcome) -> dict[str, Any]:
         "restitution_undefined": reason or None,
         "kinetic_before": _number(o.kinetic_before),
         "kinetic_after": _number(o.kinetic_after),
+        "contact_energy": _number(o.contact_energy),
+        "dissipated": _number(o.dissipated),
+        "numerical": _number(o.numerical),
+        "radiated": _number(o.radiated),
         "wall_work": _number(o.wall_work),
+        "drive_work": _number(o.drive_work),
+        "gravity_work": _number(o.gravity_work),
         "momentum_residual": _number(o.momentum_residual),
         "energy_residual": _number(o.energy_residual),
         "final": o.final,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,39 +12,11 @@ from numpy.typing import ArrayLike
 from .contacts import ContactHistory
 from .fields import WaveFields
 from .frozen import Number
-from .model import Rod, Steps, System, Wall
-from .outcome import Outcome, groups
+from .ledger import EnergyLedger, ledger, stored
+from .model import Body, RigidMass, Rod, Samples, Steps, System, Wall
+from .outcome import Outcome
+from .records import Record
 from .signals import Floats, Side
-
-
-@dataclass(frozen=True)
-class EnergyLedger:
-    """Where the energy is at some times; every entry has the shape of the times, J.
-
-    Attributes
-    ----------
-    kinetic : array
-        Of the motion of the centres of mass; walls not counted.
-    vibration : array
-        Kinetic energy relative to the centres of mass.
-    strain : array
-        Strain energy.
-    wall_work : array
-        Work done by moving walls since t = 0.
-    residual : array
-        What is missing: total minus the initial total minus the work.
-    """
-
-    kinetic: Floats
-    vibration: Floats
-    strain: Floats
-    wall_work: Floats
-    residual: Floats
-
-    @property
-    def total(self) -> Floats:
-        """All the energy in the bodies, J."""
-        return self.kinetic + self.vibration + self.strain
 
 
 @dataclass(frozen=True)
@@ -124,27 +95,22 @@ class Solution:
     method : str
     """
 
-    method = "fronts"
-
     def __init__(
-        self, system: System, fields: WaveFields, outcome: Outcome,
-        turns: list[tuple[list[int], list[int]]], *, until: float | None, stopped_by: str,
-        status: str, t_end: float, t_final: float, events: int,
+        self, system: System, fields: WaveFields, outcome: Outcome, record: Record, *,
+        method: str, until: float | None, stopped_by: str, status: str, t_end: float,
+        t_final: float, events: int,
     ) -> None:
         self.system, self.fields, self.outcome = system, fields, outcome
-        self.until, self.stopped_by, self.status = until, stopped_by, status
+        self.method, self.until, self.stopped_by, self.status = method, until, stopped_by, status
         self.t_end, self.t_final, self.events = t_end, t_final, events
         self.final = outcome.final
         self.transit_error = fields.assembly.transit_error
-        self.turns = turns
+        self.record = record
 
     @cached_property
     def contacts(self) -> tuple[ContactHistory, ...]:
         """History of each contact."""
-        return tuple(
-            ContactHistory(i, self.fields, turns, tally)
-            for i, (turns, tally) in enumerate(zip(self.turns, self.outcome.contacts, strict=True))
-        )
+        return self.record.histories(self.fields, self.outcome.contacts)
 
     # Fields -------------------------------------------------------------------------------------
 
@@ -174,6 +140,8 @@ class Solution:
         """
         if self._is_wall(body):
             return self._wall_velocity(body) + 0.0 * self.fields.to_ticks(t)
+        if self._index(body) in self.fields.masses:
+            return self.fields.mass_velocity(body, t)
         return self.fields.velocity(body, x, t, side)
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
@@ -195,12 +163,14 @@ class Solution:
         """
         if self._is_wall(body):
             return self._wall_velocity(body) * self.fields.to_ticks(t) * self.fields.assembly.tick
+        if self._index(body) in self.fields.masses:
+            return self.fields.mass_displacement(body, t)
         return self.fields.displacement(body, x, t)
 
     def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Place in the laboratory in m; the left end of the row starts at 0. As `velocity`."""
         base = self.fields.positions[self._index(body)]
-        if self._is_wall(body):
+        if not isinstance(self.system.bodies[body], Rod):
             return base + self.displacement(body, 0.0, t)
         return base + np.asarray(x) + self.displacement(body, x, t)
 
@@ -208,6 +178,8 @@ class Solution:
         """Velocity of a body's centre of mass in m/s at times t in s."""
         if self._is_wall(body):
             return self._wall_velocity(body) + 0.0 * self.fields.to_ticks(t)
+        if body in self.fields.masses:
+            return self.fields.mass_velocity(body, t)
         return self.fields.momentum(body, t) / self.outcome.masses[body]
 
     def gauge(self, body: int, x: float) -> Gauge:
@@ -231,45 +203,35 @@ class Solution:
     def energy(self, t: ArrayLike) -> EnergyLedger:
         """Energy ledger at times t in s."""
         times = np.asarray(t, dtype=float)
-        now = self._energy(times)
-        kinetic, vibration, strain = self._energy(np.zeros(1))
-        initial = float(kinetic[0] + vibration[0] + strain[0])
-        work: Any = np.zeros(times.shape)
-        for body, contact, sign in ((0, 0, 1), (len(self.system.bodies) - 1, -1, -1)):
-            if self._is_wall(body):
-                push = self.contacts[contact].impulse_until(times)
-                work = work + sign * self._wall_velocity(body) * push
-        return EnergyLedger(*now, work, sum(now) - initial - work)
-
-    def _energy(self, times: Floats) -> tuple[Floats, Floats, Floats]:
-        kinetic, vibration, strain = (np.zeros(times.shape) for _ in range(3))
-        ticks = self.fields.to_ticks(times)
-        masses = self.outcome.masses
-        for group in groups(self.system):
-            rods = [i for i in group if not self._is_wall(i)]
-            if not rods:
-                continue
-            mass = sum(masses[i] for i in rods)
-            mean: Any = sum(self.fields.momentum(i, times) for i in rods) / mass
-            for index in np.ndindex(times.shape):
-                v = float(mean[index])
-                for i in rods:
-                    moving, strained = self.fields.energy(i, int(ticks[index]), v)
-                    kinetic[index] += masses[i] * v * v / 2
-                    vibration[index] += moving
-                    strain[index] += strained
-        return kinetic, vibration, strain
+        outside = self.record.outside(self.fields, self.contacts)
+        return ledger(self.system, self.fields, self.contacts, outside, times)
 
     def system_at(self, t: float) -> System:
         """State at time t in s as a new system: continue it, change it, or reverse it.
 
         Gaps, velocities and strains are those just after t; the clock starts anew.
+
+        Raises
+        ------
+        ValueError
+            Where a compliant contact is pressed at t, or an end is driven by a function of time:
+            a system cannot begin like that.
         """
         tick = int(self.fields.to_ticks(t))
-        bodies: list[Rod | Wall] = []
+        for side, end in zip(("left", "right"), self.system.ends, strict=True):
+            if isinstance(getattr(end, "value", 0.0), Steps | Samples):
+                raise ValueError(f"ends.{side}: is driven by a function of time; drive it anew")
+        pressed = [c.index for c in self.contacts if stored(c.law, c.gap(t)) > 0]
+        if pressed:
+            message = f"compliant contact {pressed[0]} is pressed at that time; choose another"
+            raise ValueError(f"t: {message}")
+        bodies: list[Body] = []
         for i, body in enumerate(self.system.bodies):
             if isinstance(body, Wall):
                 bodies.append(body)
+                continue
+            if isinstance(body, RigidMass):
+                bodies.append(RigidMass(body.mass, velocity=float(self.velocity(i, 0.0, t))))
                 continue
             profile = self.fields.profile(i, tick)
             bodies.append(Rod(
@@ -278,7 +240,9 @@ class Solution:
                 strain=_steps(profile.edges, profile.strain),
             ))
         gaps = [max(0.0, float(contact.gap(t))) for contact in self.contacts]
-        return System(bodies, gaps, self.system.contacts)
+        return System(
+            bodies, gaps, self.system.contacts, gravity=self.system.gravity, ends=self.system.ends
+        )
 
     # Files and pictures -------------------------------------------------------------------------
 

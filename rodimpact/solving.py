@@ -10,21 +10,26 @@ import numpy as np
 
 from .fields import WaveFields
 from .frozen import InvalidModel, Number, Problems, number
+from .methods.abilities import LACKS, choose, refuse
 from .methods.assembly import Assembly, assemble
+from .methods.characteristics import StepRun, follow
+from .methods.characteristics_kernel import RIGID
 from .methods.front_kernel import PRESS
 from .methods.fronts import MAX_EVENTS, FrontRun, track
-from .model import Bonded, ContactLaw, Rod, System, Wall
+from .model import Body, Bonded, ContactLaw, System, Wall
 from .outcome import Outcome, read_outcome
+from .records import FrontRecord
 from .solution import Solution
+from .stepped import read_record, read_stepped
 from .units import format_si
 
-METHODS = ("fronts",)
+METHODS = tuple(LACKS)
 LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
 
 
 def solve(
     system: System, until: float | None = None, method: str = "auto", *,
-    max_events: int = MAX_EVENTS,
+    max_events: int = MAX_EVENTS, dt: float | None = None, rtol: float | None = None,
 ) -> Solution:
     """Solve a collision.
 
@@ -36,9 +41,17 @@ def solve(
         Time to run to, s. By default the run goes on until it is proved that no contact can happen
         again, and one round trip of the longest rod more.
     method : str
-        ``"fronts"``, exact wave-front tracking; ``"auto"`` chooses it.
+        ``"fronts"``: exact wave-front tracking. ``"characteristics"``: end signals averaged over a
+        time step; has rigid masses, compliant contacts, gravity, driven and absorbing ends, smooth
+        initial states. ``"auto"`` takes the first that can do the job.
     max_events : int
-        Arrivals at ends after which the run gives up; `Solution.status` then says so.
+        Arrivals at ends (steps times ends) after which the run gives up; `Solution.status` then
+        says so.
+    dt : float, optional
+        Time step of "characteristics", s. By default it is chosen, so that transit times are whole
+        numbers of steps as nearly as possible, and halved until the outcome stands still.
+    rtol : float, optional
+        To within how much: relative change of impulses, largest forces and contact times; 1e-5.
 
     Returns
     -------
@@ -58,17 +71,20 @@ def solve(
     >>> round(float(solution.velocity(body=0, x=0.2, t=solution.t_end)), 12)
     0.0
     """
-    run = run_fronts(system, until, method, max_events)
-    return wrap(run, None if until is None else float(until))
+    chosen = check(system, until, method, max_events, dt, rtol)
+    end = None if until is None else float(until)
+    if chosen == "fronts":
+        return wrap(track(assemble(system, end), end, int(max_events)), end)
+    return wrap_steps(follow(system, end, int(max_events), dt, rtol), end)
 
 
-def collide(left: Rod | Wall, right: Rod | Wall, gap: float = 0.0,
+def collide(left: Body, right: Body, gap: float = 0.0,
             contact: ContactLaw | None = None) -> Outcome:
     """Let two bodies collide; shorthand for ``solve(System([left, right])).outcome``.
 
     Parameters
     ----------
-    left, right : Rod or Wall
+    left, right : Rod, RigidMass or Wall
     gap : float
         Initial distance, m.
     contact : contact law, optional
@@ -94,14 +110,16 @@ def collide(left: Rod | Wall, right: Rod | Wall, gap: float = 0.0,
     0.4
     """
     system = System([left, right], [gap], None if contact is None else [contact])
-    run = run_fronts(system, None, "auto", MAX_EVENTS)
+    if check(system, None, "auto", MAX_EVENTS) != "fronts":
+        return solve(system).outcome
+    run = track(assemble(system))
     return read_outcome(run, describe(run))
 
 
-def run_fronts(
-    system: Any, until: float | None, method: str, max_events: Any
-) -> FrontRun:
-    """Check the arguments and run the method."""
+def check(
+    system: Any, until: float | None, method: str, max_events: Any, dt: Any = None, rtol: Any = None
+) -> str:
+    """Check the arguments of `solve`; return the method that is to run."""
     problems: Problems = []
     if not isinstance(system, System):
         message = f"must be a System, such as System([rod, Wall()]), got {system!r}"
@@ -112,10 +130,16 @@ def run_fronts(
             "solve a member, solve(system[index]). Values along a rod are Steps(values, at)"
         )
         problems.append(("system", message))
-    if until is not None:
-        end: Number = number(problems, "until", until, " of seconds", "non-negative")
-        if not isinstance(end, float):
-            problems.append(("until", f"must be a single time, got {until!r}"))
+    for name, value, sign in (
+        ("until", until, "non-negative"), ("dt", dt, "positive"), ("rtol", rtol, "positive"),
+    ):
+        if value is not None:
+            unit = "" if name == "rtol" else " of seconds"
+            found: Number = number(problems, name, value, unit, sign)
+            if not isinstance(found, float):
+                problems.append((name, f"must be a single number, got {value!r}"))
+    if dt is not None and rtol is not None:
+        problems.append(("dt", "fixes the step, rtol chooses it; give one of them"))
     if method not in ("auto", *METHODS):
         known = ", ".join(f'"{m}"' for m in ("auto", *METHODS))
         problems.append(("method", f"must be one of {known}, got {method!r}"))
@@ -123,8 +147,14 @@ def run_fronts(
         problems.append(("max_events", f"must be a positive whole number, got {max_events!r}"))
     if problems:
         raise InvalidModel(problems)
-    end_time = None if until is None else float(until)
-    return track(assemble(system, end_time), end_time, int(max_events))
+    if method == "auto":
+        method = choose(system) if dt is None and rtol is None else "characteristics"
+    refuse(method, system)
+    given = next((name for name, v in (("dt", dt), ("rtol", rtol)) if v is not None), "")
+    if method == "fronts" and given:
+        message = 'method "fronts" is exact and has no time step; leave it out'
+        raise InvalidModel([(given, message)])
+    return method
 
 
 def wrap(run: FrontRun, until: float | None = None) -> Solution:
@@ -141,10 +171,25 @@ def wrap(run: FrontRun, until: float | None = None) -> Solution:
     reached = run.end * a.tick
     return Solution(
         a.system, WaveFields.from_log(a, log, run.end), read_outcome(run, status),
-        [turns[node] for node in a.nodes],
-        until=until, stopped_by=run.stopped_by, status=status,
+        FrontRecord([turns[node] for node in a.nodes]),
+        method="fronts", until=until, stopped_by=run.stopped_by, status=status,
         t_end=until if until is not None and run.stopped_by == "until" else reached,
         t_final=run.settled * a.tick if run.settled >= 0 else math.nan, events=run.events,
+    )
+
+
+def wrap_steps(run: StepRun, until: float | None = None) -> Solution:
+    """Make a solution of a run on a time step."""
+    status = describe_steps(run)
+    waves = [run.wave(line) for line in range(2, 2 * len(run.row.steps) - 2)]
+    masses = {body: run.speed(m) for body, m in enumerate(run.plan.mass_of) if m >= 0}
+    fields = WaveFields.from_steps(run.clockwork, waves, run.steps, masses)
+    record = read_record(run)
+    return Solution(
+        run.plan.system, fields, read_stepped(run, fields, record, status), record,
+        method="characteristics", until=until, stopped_by=run.stopped_by, status=status,
+        t_end=until if until is not None else run.steps * run.step,
+        t_final=run.settled * run.step if run.settled >= 0 else math.nan, events=run.events,
     )
 
 
@@ -215,3 +260,45 @@ def _at_walls(a: Assembly) -> list[ContactLaw]:
     bodies, laws = a.system.bodies, a.system.contacts
     ends = ((0, 0), (len(bodies) - 1, -1))
     return [laws[k] for i, k in ends if isinstance(bodies[i], Wall)]
+
+
+def describe_steps(run: StepRun) -> str:
+    """Why a run on a time step ended, and how accurate it is, with the remedy."""
+    end = format_si(run.steps * run.step, "s")
+    contacts = [run.plan.laws[i] >= RIGID for i in run.plan.contact_link if i >= 0]
+    if run.settled >= 0:
+        proof = format_si(run.settled * run.step, "s")
+        met = any(run.tally.episodes)
+        said = (
+            f"The collision is final: no new impact can happen after {proof}."
+            if met else "No collision happens, now or later."
+        )
+        if run.stopped_by == "until":
+            said = f"Stopped at the time asked for. {said}"
+    elif run.stopped_by == "until":
+        said = f"Stopped at the time asked for, {end}, before the collision was final."
+    else:
+        said = (
+            f"Stopped by the cap of {run.events} steps times ends at {end}, before the collision "
+            "was final. Raise max_events, or give until= to set another end."
+        )
+    step = format_si(run.step, "s")
+    said += f" Time step {step}"
+    if run.clockwork.transit_error > 2.0**-36:
+        said += (
+            f", for which the transit time of {run.clockwork.worst} changed by "
+            f"{run.clockwork.transit_error:.2g} of itself"
+        )
+    said += "."
+    if run.estimates and any(contacts):
+        late = {name: value for name, value in run.estimates.items() if value > run.rtol}
+        if late:
+            which = ", ".join(f"{name} to {value:.1g}" for name, value in late.items())
+            said += (
+                f" Not converged to {run.rtol:g}: {which}; halving the step further is up to you "
+                "(dt), or take a larger rtol."
+            )
+        else:
+            worst = max(run.estimates.values())
+            said += f" Halving the step changed the outcome by {worst:.1g} at most."
+    return said

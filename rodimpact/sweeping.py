@@ -28,8 +28,8 @@ from .methods.families import chunk_members, run_family
 from .methods.front_kernel import CAP, CLOCK, FULL
 from .methods.fronts import MAX_EVENTS
 from .model import Bonded, System
-from .outcome import body_velocities, effective_restitution, read_outcome
-from .solving import METHODS, describe, run_fronts
+from .outcome import body_velocities, effective_restitution
+from .solving import METHODS, solve
 
 STATUS = ("final", "max_events", "clock", "refused")
 """Why each run stopped; `SweepResult.status` holds places in this tuple."""
@@ -402,7 +402,8 @@ def run_chunk(
     """Columns of the members of a family, in C order; what executors run."""
     plan = Blueprint(system)
     run = run_family(plan, system.shape, max_events, stop)
-    first, nodes, contacts = plan.make.first, plan.make.node, range(len(system.contacts))
+    first, nodes = [span[0] for span in plan.spans], plan.make.node
+    contacts = range(len(system.contacts))
     unknown = np.where(run.flag == FULL, math.nan, 0.0)
 
     before, after = (
@@ -523,10 +524,9 @@ def _check(system: Any, method: str, workers: Any, on_error: str, max_events: An
 
 def _explain(member: System, method: str, max_events: int) -> str:
     try:
-        run = run_fronts(member, None, method, max_events)
+        outcome = solve(member, method=method, max_events=max_events).outcome
     except InvalidModel as error:
         return "; ".join(f"{path}: {said}" for path, said in error.problems)
-    outcome = read_outcome(run, describe(run))
     return (outcome.final and outcome.why_no_restitution()) or outcome.status
 
 

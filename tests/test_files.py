@@ -166,7 +166,7 @@ def facts(s):
     t = np.linspace(0, s.t_end, 23)
     found = {name: getattr(s, name) for name in (
         "method", "until", "stopped_by", "status", "t_end", "final", "events", "transit_error",
-        "turns", "outcome", "system",
+        "record", "outcome", "system",
     )}
     found["t_final"] = repr(s.t_final)
     found["types"] = [type(getattr(s, name)) for name in ("until", "t_end", "t_final", "events")]

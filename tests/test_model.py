@@ -106,6 +106,111 @@ def test_rows_are_checked():
     assert paths == ["bodies.1", "gaps.0", "gaps.1", "contacts.0", "contacts.1"]
 
 
+MASS = ri.RigidMass(2.0, velocity=-1.0)
+
+
+@pytest.mark.parametrize("value", BAD_NUMBERS)
+def test_masses_must_be_positive_numbers(value):
+    found = problems(lambda: ri.RigidMass(value))
+    assert [path for path, _ in found] == ["mass"]
+
+
+def test_a_mass_takes_its_velocity_by_name():
+    assert (MASS.mass, MASS.velocity, ri.RigidMass(1).velocity) == (2.0, -1.0, 0.0)
+    assert [path for path, _ in problems(lambda: ri.RigidMass(0, velocity="x"))] == [
+        "mass", "velocity",
+    ]
+
+
+def test_a_mass_may_stand_anywhere_but_not_alone():
+    hertz = ri.Hertz(1e9)
+    row = ri.System([ri.Wall(), MASS, MASS, rod(), MASS, rod(), MASS],
+                    contacts=[hertz, hertz, *[ri.Rigid()] * 4])
+    assert ri.System.from_dict(row.to_dict()) == row
+    found = problems(lambda: ri.System([MASS, MASS], contacts=[hertz]))
+    assert found == [("bodies", "needs at least one rod; rigid.collide takes rigid bodies")]
+
+
+@pytest.mark.parametrize("pair", [[MASS, MASS], [MASS, ri.Wall()]])
+def test_between_rigid_bodies_no_wave_decides(pair):
+    for law in (ri.Rigid(0.0), ri.Rigid([0.5, 1.0]), ri.Hertz(1.0), ri.Bonded(), ri.Spring(1.0)):
+        ri.System([rod(), *pair], contacts=[ri.Rigid(), law])
+    for contacts in (None, [ri.Rigid(), ri.Rigid()]):
+        [(path, message)] = problems(lambda c=contacts: ri.System([rod(), *pair], contacts=c))
+        assert path == "contacts.1"
+        assert message == ("no wave decides this contact: give Rigid(restitution=...) or a "
+                           "compliant law such as Hertz")
+
+
+@pytest.mark.parametrize("body", [rod(), ri.Wall(), MASS])
+def test_the_waves_of_a_rod_leave_no_choice(body):
+    [(path, message)] = problems(lambda: ri.System([rod(), body], contacts=[ri.Rigid(1.0)]))
+    assert path == "contacts.0.restitution"
+    assert "waves of a rod decide" in message
+
+
+def test_what_is_wrong_with_a_body_is_not_said_of_its_contacts():
+    found = problems(lambda: ri.System([rod(), "mass", MASS], contacts=[ri.Rigid(1.0), ri.Rigid()]))
+    assert [path for path, _ in found] == ["bodies.1"]
+
+
+@pytest.mark.parametrize("gravity", [float("nan"), "9.81", None, True])
+def test_gravity_is_a_number(gravity):
+    assert problems(lambda: ri.System([rod()], gravity=gravity))[0][0] == "gravity"
+
+
+def test_without_gravity_nothing_is_said_of_it():
+    assert ri.System([rod()], gravity=0) == ri.System([rod()], gravity=-0.0) == ri.System([rod()])
+    assert set(ri.System([rod()]).to_dict()) == {"bodies", "contacts"}
+    falling = ri.System([rod(), ri.Wall()], gravity=9.81)
+    assert falling.to_dict()["gravity"] == 9.81
+    assert ri.System.from_dict(falling.to_dict()) == falling
+    assert falling.digest != ri.System([rod(), ri.Wall()]).digest
+
+
+def test_descriptions_of_plain_rows_stay_as_they_were():
+    """Digests name files and sweeps on disk."""
+    row = ri.System([rod(velocity=1.0), rod(), ri.Wall()], [0.0, 1e-5], [ri.Bonded(), ri.Rigid()])
+    assert row.to_dict()["contacts"] == [
+        {"gap": 0.0, "law": "bonded"}, {"gap": 1e-5, "law": "rigid"},
+    ]
+    assert row.digest == "51c200387baca463a5a1708cea88cf999560e2752560410e72916cb4cb4c1414"
+    family = ri.System([rod(length=np.array([1.0, 2.0])), ri.Wall()])
+    assert family.digest == "b30b44bb2ada05120df8008049d58f1df3d1f6c184bce26c2f475d60d4942001"
+
+
+def test_equal_objects_have_equal_digests_whatever_the_sign_of_zero():
+    assert ri.Wall(-0.0) == ri.Wall(0.0)
+    assert hash(ri.Wall(-0.0)) == hash(ri.Wall(0.0))
+    row = ri.System([rod(), ri.Wall()], gravity=[1.0, 0.0])
+    again = row.mirrored().mirrored()
+    assert (again, again.digest) == (row, row.digest)
+
+
+def test_numbers_of_every_kind_make_families_by_their_paths():
+    two, three = np.array([1.0, 2.0]), np.array([[1.0], [2.0], [3.0]])
+    row = ri.System(
+        [ri.Wall(), ri.RigidMass(two, velocity=three), ri.RigidMass(1.0), rod(), rod(), MASS],
+        gaps=[0.0, two, 0.0, 0.0, 0.0],
+        contacts=[ri.Rigid(two / 2), ri.SpringDashpot(three, two), ri.Hertz(two),
+                  ri.HuntCrossley(two, three), ri.Spring(three)],
+        gravity=two, ends=(ri.Free(), ri.Force(three)),
+    )
+    assert row.shape == (3, 2)
+    assert set(row.parameters) == {
+        "bodies.1.mass", "bodies.1.velocity", "contacts.1.gap", "contacts.0.restitution",
+        "contacts.1.stiffness", "contacts.1.damping", "contacts.2.stiffness",
+        "contacts.3.stiffness", "contacts.3.damping", "contacts.4.stiffness", "gravity",
+        "ends.right.value",
+    }
+    assert ri.System.from_dict(row.to_dict()) == row
+    member = row[2, 1]
+    assert member.shape == ()
+    assert member.bodies[1] == ri.RigidMass(2.0, velocity=3.0)
+    assert member.contacts[1] == ri.SpringDashpot(3.0, 2.0)
+    assert (member.gravity, member.ends[1]) == (2.0, ri.Force(3.0))
+
+
 def test_steps_are_checked():
     assert problems(lambda: ri.Steps([1.0], [0.5]))[0][0] == "values"
     assert problems(lambda: ri.Steps([1.0, 2.0, 3.0], [0.5, 0.5]))[0][0] == "at.1"
@@ -180,6 +285,49 @@ def test_mirror_and_reversal_undo_themselves():
     assert row.mirrored().bodies[0] == ri.Wall(1.0)
 
 
+def test_a_mirror_turns_gravity_and_drives():
+    push = ri.Force(ri.Steps([1.0, 2.0], [1e-3]))
+    pull = ri.Velocity(ri.Samples([1.0, 2.0], step=1e-3))
+    row = ri.System([rod(velocity=1.0), MASS, rod()], [0.0, 0.5], [ri.Rigid(), ri.Hertz(1.0)],
+                    gravity=9.81, ends=(push, pull))
+    image = row.mirrored()
+    assert image.gravity == -9.81
+    assert image.ends == (ri.Velocity(ri.Samples([-1.0, -2.0], step=1e-3)), push)
+    assert image.bodies[1] == ri.RigidMass(2.0, velocity=1.0)
+    assert image.contacts == (ri.Hertz(1.0), ri.Rigid())
+    assert image.mirrored() == row
+
+
+def test_gravity_and_held_ends_stay_when_time_is_turned_round():
+    row = ri.System([rod(velocity=1.0), MASS, ri.Wall(1.0)], contacts=[ri.Hertz(1.0), ri.Rigid(1)],
+                    gravity=9.81, ends=(ri.Fixed(), ri.Free()))
+    back = row.reversed()
+    assert (back.gravity, back.ends) == (9.81, row.ends)
+    assert [body.velocity for body in back.bodies] == [-1.0, 1.0, -1.0]
+    assert back.reversed() == row
+
+
+def test_no_film_runs_backwards_where_something_is_lost_or_driven():
+    sticky = ri.Material("s", youngs_modulus=1e9, density=1e3, viscosity=1.0)
+    pieces = [ri.Segment(1.0, 1e-4, steel), ri.Segment(1.0, 1e-4, sticky)]
+    row = ri.System(
+        [rod(), rod(material=sticky), ri.Rod(segments=pieces), MASS, ri.Wall()],
+        contacts=[ri.SpringDashpot(1.0, 1.0), ri.HuntCrossley(1.0, [0.0, 1.0]), ri.Spring(1.0),
+                  ri.Rigid([1.0, 0.0])],
+        ends=(ri.Absorbing(), ri.Free()),
+    )
+    found = problems(row.reversed)
+    assert [path for path, _ in found] == [
+        "bodies.1.material.viscosity", "bodies.2.segments.1.material.viscosity",
+        "contacts.0.damping", "contacts.1.damping", "contacts.3.restitution", "ends.left",
+    ]
+    for end in (ri.Force(0.0), ri.Velocity(0.0)):
+        found = problems(ri.System([rod()], ends=(ri.Free(), end)).reversed)
+        assert [path for path, _ in found] == ["ends.right"]
+    calm = [ri.SpringDashpot(1.0, 0.0), ri.HuntCrossley(1.0, 0.0)]
+    ri.System([rod(), rod(), rod()], contacts=calm).reversed()
+
+
 def test_repr_can_be_read():
     assert repr(rod()) == "Rod(length=1.0, area=0.0001, material=steel, velocity=0.0, strain=0.0)"
 
@@ -191,3 +339,18 @@ def test_a_mirror_drops_pieces_that_lose_their_width():
     assert image.values == (-3.0, -1.0)
     edge = ri.System([rod(velocity=ri.Steps([1.0, 2.0], [1e-17]))]).mirrored().bodies[0].velocity
     assert edge.values == (-2.0,)
+
+
+def test_a_slice_of_a_family_keeps_what_varies_along_each_axis():
+    system = ri.System([
+        rod(length=np.array([1.0, 2.0, 3.0])[:, None], velocity=1.0), rod(area=np.array([1.0, 2.0]))
+    ])
+    assert {k: v.shape for k, v in system[1:].parameters.items()} == {
+        "bodies.0.length": (2, 1), "bodies.1.area": (1, 2)}
+    assert {k: v.shape for k, v in system[2].parameters.items()} == {"bodies.1.area": (2,)}
+    assert system[2].bodies[0].length == 3.0
+    assert system[2].shape == (2,)
+    assert system[:, :1].shape == (3, 1)
+    assert system[1:2, :1].shape == (1, 1)
+    assert system[[0, 2], [1, 1]].shape == (2,)
+    assert system[1, 1].shape == ()

@@ -6,7 +6,6 @@ members of a family share is their `Make`; the numbers in which they differ go t
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,8 +13,10 @@ from typing import Any
 import numpy as np
 
 from ..frozen import InvalidModel, Number
-from ..model import Bonded, Rod, Segment, Steps, System, Wall
+from ..model import Bonded, Fixed, Rod, Segment, Steps, System
 from . import kernels
+from .abilities import refuse
+from .clockwork import Clockwork
 from .front_kernel import BOND, FREE, OPEN, TOUCH, Log, Row, Tally, begin
 from .layout_kernel import (
     CLOCK_BITS,
@@ -32,25 +33,14 @@ from .layout_kernel import (
 INTERPRETED = 200  # durations up to which the tick rule is not worth compiling
 
 
-@dataclass(frozen=True, slots=True)
-class Assembly:
-    """A single collision in flat lists; index 0 and n + 1 of a segment list are the outside.
+@dataclass(frozen=True, kw_only=True)
+class Assembly(Clockwork):
+    """A single collision in flat lists, for the fronts method.
 
     Attributes
     ----------
-    system : System
-    spans : tuple of (int, int)
-        First and last segment of each body; (1, 0) for a wall.
     nodes : tuple of int
         Node of each contact.
-    wave_speed, impedance, length : list of float
-        By segment, SI.
-    ticks : list of int
-        Transit times by segment.
-    tick : float
-        s.
-    frame : float
-        Velocity of the frame in which waves are given, m/s.
     tolerance : float
         Velocity below which two waves are the same, m/s.
     window : int
@@ -63,41 +53,15 @@ class Assembly:
         Wave arriving from the left and from the right wall.
     waves : list of list of (int, float)
         By line: ticks at which fronts left (the first at minus one transit) and values behind them.
-    transit_error : float
-        Largest relative change of a transit time by its rounding to ticks.
-    worst : str
-        Path of the segment with that error.
     """
 
-    system: System
-    spans: tuple[tuple[int, int], ...]
     nodes: tuple[int, ...]
-    wave_speed: list[float]
-    impedance: list[float]
-    length: list[float]
-    ticks: list[int]
-    tick: float
-    frame: float
     tolerance: float
     window: int
     status: list[int]
     gaps: list[float]
     outside: tuple[float, float]
     waves: list[list[tuple[int, float]]]
-    transit_error: float
-    worst: str
-
-    @property
-    def longest(self) -> int:
-        """Transit time of the longest body, ticks."""
-        return max(sum(self.ticks[first : last + 1]) for first, last in self.spans)
-
-    def mass(self, body: int) -> float:
-        """Mass with the transit times in use, kg; infinite for a wall."""
-        first, last = self.spans[body]
-        if last == 0:
-            return math.inf
-        return sum(self.impedance[s] * self.ticks[s] for s in range(first, last + 1)) * self.tick
 
 
 class Blueprint:
@@ -111,16 +75,19 @@ class Blueprint:
         One row of the kernel's `given`; arrays where members differ.
     status : list of int
         Of each node while its gap is 0.
+    spans : tuple of (int, int)
+        First and last segment of each body; (1, 0) for a wall.
     paths : list of str
         By segment, what the user calls it; "" for 0.
 
     Raises
     ------
     InvalidModel
-        If a material has viscosity, which the method lacks.
+        If the system has physics that the method lacks.
     """
 
     def __init__(self, system: System) -> None:
+        refuse("fronts", system)
         pieces: list[Segment] = []
         spans, places, jumps = [], [], []
         profiles: list[Number] = []
@@ -133,7 +100,7 @@ class Blueprint:
                 )
                 jumps.append(len(at))
                 profiles += (*values, *at)
-            if isinstance(body, Wall):
+            if not isinstance(body, Rod):
                 spans.append((1, 0))
                 continue
             spans.append((len(pieces) + 1, len(pieces) + len(body.segments)))
@@ -141,17 +108,16 @@ class Blueprint:
             stepped = len(body.segments) > 1
             self.paths += [f"bodies.{i}.segments.{j}" if stepped else f"bodies.{i}"
                            for j in range(len(body.segments))]
-        lacking = 'method "fronts" has no damping; must be 0, got '
-        damped = [
-            (f"{path}.material.viscosity", f"{lacking}{eta!r}")
-            for path, piece in zip(self.paths[1:], pieces, strict=True)
-            if np.any(eta := piece.material.viscosity)
-        ]
-        if damped:
-            raise InvalidModel(damped)
-        n, contacts = len(pieces), len(system.gaps)
+        n, contacts, self.spans = len(pieces), len(system.gaps), tuple(spans)
+        nodes = [last for _, last in spans[:contacts]]
+        fixed = [isinstance(end, Fixed) for end in system.ends]
+        for side in (0, 1):
+            if fixed[side]:  # a wall at rest outside, to which the row is bonded
+                spans.insert(side * len(spans), (1, 0))
+                places.insert(side * len(places), len(profiles))
+                jumps = [0, 0, *jumps] if side == 0 else [*jumps, 0, 0]
+                profiles += (0.0, 0.0)
         first, last = (list(ends) for ends in zip(*spans, strict=True))
-        nodes = last[:contacts]
         self.numbers: list[Number] = [
             *(p.wave_speed for p in pieces), *(p.impedance for p in pieces),
             *(p.length for p in pieces), *system.gaps, *profiles,
@@ -159,7 +125,8 @@ class Blueprint:
         places = [3 * n + contacts + place for place in places]
         size = [n, len(self.numbers), 2 * (n + sum(jumps))]
         self.make = Make(first, last, nodes, places, jumps, size)
-        self.status = [FREE, *[BOND] * (n - 1), FREE]
+        left, right = (BOND if x else FREE for x in fixed)
+        self.status = [left, *[BOND] * (n - 1), right]
         for node, law in zip(nodes, system.contacts, strict=True):
             self.status[node] = BOND if isinstance(law, Bonded) else TOUCH
 
@@ -191,8 +158,8 @@ def assemble(system: System, until: float | None = None) -> Assembly:
     Raises
     ------
     InvalidModel
-        When velocities overflow, transit times are too far apart for one clock, or a material has
-        viscosity.
+        When velocities overflow, transit times are too far apart for one clock, or the system has
+        physics that the method lacks.
     """
     plan = Blueprint(system)
     make, given = plan.make, [float(x) for x in plan.numbers]
@@ -217,11 +184,13 @@ def assemble(system: System, until: float | None = None) -> Assembly:
     worst = max(range(n), key=errors.__getitem__)
     status = [OPEN if gap > 0 else at for gap, at in zip(layout.gap, plan.status, strict=True)]
     return Assembly(
-        system, tuple(zip(make.first, make.last, strict=True)), tuple(make.node),
-        [0.0, *given[:n], 0.0], [0.0, *given[n : 2 * n], 0.0], [0.0, *given[2 * n : 3 * n], 0.0],
-        layout.transit, beat, layout.frame[0], layout.tolerance[0], layout.window[0],
-        status, layout.gap, (layout.outside[0], layout.outside[1]), waves,
-        errors[worst], plan.paths[worst + 1],
+        system=system, spans=plan.spans,
+        nodes=tuple(make.node), wave_speed=[0.0, *given[:n], 0.0],
+        impedance=[0.0, *given[n : 2 * n], 0.0], length=[0.0, *given[2 * n : 3 * n], 0.0],
+        ticks=layout.transit, tick=beat, frame=layout.frame[0], tolerance=layout.tolerance[0],
+        window=layout.window[0], status=status, gaps=layout.gap,
+        outside=(layout.outside[0], layout.outside[1]), waves=waves,
+        transit_error=errors[worst], worst=plan.paths[worst + 1],
     )
 
 

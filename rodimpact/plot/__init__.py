@@ -12,6 +12,7 @@ made, which `save` writes to a file; in a notebook, run ``%matplotlib inline`` a
 """
 
 from .diagram import spacetime
+from .families import sweep
 from .histories import contact, gauge
 from .law import restitution
 from .ledger import energy
@@ -21,4 +22,5 @@ from .stages import snapshots
 
 __all__ = [
     "contact", "energy", "gauge", "overview", "restitution", "save", "snapshots", "spacetime",
+    "sweep",
 ]

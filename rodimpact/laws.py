@@ -1,0 +1,255 @@
+"""Contact laws: what acts between two neighbours of a row.
+
+A contact pushes and never pulls, but for `Bonded`. Compliant laws give the force F, N, from the
+indentation d, by which the bodies overlap, m, and its rate d', m/s. Any number may be an array,
+which makes a family; SI units.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Self, TypeAlias
+
+import numpy as np
+
+from .bodies import Material
+from .frozen import Frozen, InvalidModel, Number, Problems, first_false, holds, number, plain
+
+
+class _Law(Frozen):
+    """A contact law, described by its name and its numbers."""
+
+    law: ClassVar[str]
+
+    def to_dict(self) -> dict[str, Any]:
+        numbers = {name: plain(v) for name, v in self.__dict__.items() if v is not None}
+        return {"law": self.law, **numbers}
+
+
+class Rigid(_Law):
+    """Unilateral contact without compliance: gap >= 0, force >= 0, force times gap = 0.
+
+    Where a rod takes part its waves decide what follows. Between rigid bodies nothing does, and a
+    coefficient of restitution must be given.
+
+    Parameters
+    ----------
+    restitution : float or array, optional
+        Relative velocity after an impact over that before it, 0 to 1; between two masses or a mass
+        and a wall, and only there.
+
+    Raises
+    ------
+    InvalidModel
+        If it is not a number from 0 to 1.
+    """
+
+    law: ClassVar[str] = "rigid"
+    restitution: Number | None
+
+    def __init__(self, restitution: Any = None) -> None:
+        problems: Problems = []
+        if restitution is not None:
+            restitution = number(problems, "restitution", restitution, "")
+            good = (np.asarray(restitution) >= 0) & (np.asarray(restitution) <= 1)
+            if not problems and not np.all(good):
+                at, (got,) = first_false(good, restitution)
+                problems.append((f"restitution{at}", f"must lie in [0, 1], got {got!r}"))
+        if problems:
+            raise InvalidModel(problems)
+        self._set(restitution=restitution)
+
+
+class Bonded(_Law):
+    """Two neighbours joined for good: they share velocity and force, in tension too."""
+
+    law: ClassVar[str] = "bonded"
+
+
+class Spring(_Law):
+    """A linear spring between the bodies: F = k d.
+
+    Parameters
+    ----------
+    stiffness : float or array
+        k, N/m.
+
+    Raises
+    ------
+    InvalidModel
+        If it is not a positive number.
+    """
+
+    law: ClassVar[str] = "spring"
+    stiffness: Number
+
+    def __init__(self, stiffness: Any) -> None:
+        problems: Problems = []
+        k = number(problems, "stiffness", stiffness, " of N/m", "positive")
+        if problems:
+            raise InvalidModel(problems)
+        self._set(stiffness=k)
+
+
+class SpringDashpot(_Law):
+    """A linear spring and a dashpot side by side: F = max(0, k d + c d').
+
+    Parameters
+    ----------
+    stiffness : float or array
+        k, N/m.
+    damping : float or array
+        c, N s/m.
+
+    Raises
+    ------
+    InvalidModel
+        If the stiffness is not positive or the damping negative.
+    """
+
+    law: ClassVar[str] = "spring-dashpot"
+    stiffness: Number
+    damping: Number
+
+    def __init__(self, stiffness: Any, damping: Any) -> None:
+        problems: Problems = []
+        k = number(problems, "stiffness", stiffness, " of N/m", "positive")
+        c = number(problems, "damping", damping, " of N s/m", "non-negative")
+        if problems:
+            raise InvalidModel(problems)
+        self._set(stiffness=k, damping=c)
+
+
+class Hertz(_Law):
+    """Elastic contact of rounded faces: F = k d^(3/2).
+
+    Parameters
+    ----------
+    stiffness : float or array
+        k, N/m^1.5; `Hertz.from_radii` finds it from the faces.
+
+    Raises
+    ------
+    InvalidModel
+        If it is not a positive number.
+    """
+
+    law: ClassVar[str] = "hertz"
+    stiffness: Number
+
+    def __init__(self, stiffness: Any) -> None:
+        problems: Problems = []
+        k = number(problems, "stiffness", stiffness, " of N/m^1.5", "positive")
+        if problems:
+            raise InvalidModel(problems)
+        self._set(stiffness=k)
+
+    @classmethod
+    def from_radii(
+        cls,
+        left_radius: Any,
+        right_radius: Any,
+        left_material: Any,
+        right_material: Any,
+    ) -> Self:
+        """Find the stiffness from the radii and the materials of two spherical faces.
+
+        k = (4/3) E* sqrt(R*), 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, 1/R* = 1/R1 + 1/R2: K. L.
+        Johnson, Contact Mechanics, Cambridge University Press 1985, section 4.2.
+
+        Parameters
+        ----------
+        left_radius, right_radius : float or array
+            R1 and R2, m; ``math.inf`` for a flat face, but not for both.
+        left_material, right_material : Material or None
+            With a `poisson_ratio`; None for a face that does not yield, but not for both.
+
+        Raises
+        ------
+        InvalidModel
+            Naming every argument that is not what it should be.
+
+        Examples
+        --------
+        >>> from rodimpact.materials import steel
+        >>> f"{Hertz.from_radii(0.01, 0.01, steel, steel).stiffness:.4e}"
+        '1.0294e+10'
+        >>> import math
+        >>> f"{Hertz.from_radii(0.01, math.inf, steel, steel).stiffness:.4e}"
+        '1.4558e+10'
+        """
+        problems: Problems = []
+        radii = []
+        compliance: Number = 0.0
+        faces = (("left", left_radius, left_material), ("right", right_radius, right_material))
+        for side, radius, material in faces:
+            unit = " of metres"
+            radii.append(
+                number(problems, f"{side}_radius", radius, unit, "positive or infinite")
+            )
+            if isinstance(material, Material) and material.poisson_ratio is not None:
+                with np.errstate(all="ignore"):  # what is out of range, the law will refuse
+                    plane = material.youngs_modulus / (1 - material.poisson_ratio**2)
+                    compliance = compliance + 1 / plane
+            elif isinstance(material, Material):
+                message = f"needs a poisson_ratio for Hertz contact, {material.name!r} has none"
+                problems.append((f"{side}_material", message))
+            elif material is not None:
+                message = f"must be a Material, or None for a rigid face, got {material!r}"
+                problems.append((f"{side}_material", message))
+        if left_material is right_material is None:
+            message = "is None as that of the left face; one of two faces must yield"
+            problems.append(("right_material", message))
+        if problems:
+            raise InvalidModel(problems)
+        curvature = 1 / radii[0] + 1 / radii[1]
+        if not holds(good := curvature > 0):
+            at, _ = first_false(good)
+            message = "is infinite as that of the left face; two flat faces make no Hertz contact"
+            raise InvalidModel([(f"right_radius{at}", message)])
+        with np.errstate(all="ignore"):
+            return cls(np.divide(4 / 3, compliance * curvature**0.5))
+
+
+class HuntCrossley(_Law):
+    """Hertz contact with losses: F = k d^(3/2) max(0, 1 + chi d').
+
+    K. H. Hunt and F. R. E. Crossley, Coefficient of restitution interpreted as damping in
+    vibroimpact, J. Appl. Mech. 42 (1975) 440-445.
+
+    Parameters
+    ----------
+    stiffness : float or array
+        k, N/m^1.5.
+    damping : float or array
+        chi, s/m.
+
+    Raises
+    ------
+    InvalidModel
+        If the stiffness is not positive or the damping negative.
+    """
+
+    law: ClassVar[str] = "hunt-crossley"
+    stiffness: Number
+    damping: Number
+
+    def __init__(self, stiffness: Any, damping: Any) -> None:
+        problems: Problems = []
+        k = number(problems, "stiffness", stiffness, " of N/m^1.5", "positive")
+        chi = number(problems, "damping", damping, " of s/m", "non-negative")
+        if problems:
+            raise InvalidModel(problems)
+        self._set(stiffness=k, damping=chi)
+
+
+ContactLaw: TypeAlias = Rigid | Bonded | Spring | SpringDashpot | Hertz | HuntCrossley
+CONTACT_LAWS: dict[str, type[ContactLaw]] = {
+    law.law: law for law in (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley)
+}
+RIGID = Rigid()
+
+
+def law_from(data: dict[str, Any]) -> ContactLaw:
+    """Make the contact law that `to_dict` described."""
+    numbers = {name: value for name, value in data.items() if name != "law"}
+    return CONTACT_LAWS[data["law"]](**numbers)

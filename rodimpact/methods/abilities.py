@@ -1,0 +1,85 @@
+"""Which physics each method has: what keeps one from solving a system, and which one can."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from ..frozen import InvalidModel, Problems
+from ..model import Bonded, Fixed, Free, Rigid, RigidMass, Rod, Samples, System
+
+Found = Iterator[tuple[str, str]]
+
+
+def _masses(system: System) -> Found:
+    for i, body in enumerate(system.bodies):
+        if isinstance(body, RigidMass):
+            yield f"bodies.{i}", "rigid masses"
+
+
+def _compliance(system: System) -> Found:
+    for i, law in enumerate(system.contacts):
+        if not isinstance(law, Rigid | Bonded):
+            yield f"contacts.{i}.law", "compliant contacts"
+
+
+def _gravity(system: System) -> Found:
+    if np.any(system.gravity):
+        yield "gravity", "gravity"
+
+
+def _smooth_states(system: System) -> Found:
+    for i, body in enumerate(system.bodies):
+        if isinstance(body, Rod):
+            for name in ("velocity", "strain"):
+                if isinstance(getattr(body, name), Samples):
+                    yield f"bodies.{i}.{name}", "profiles other than steps"
+
+
+def _open_ends(system: System) -> Found:
+    for side, end in zip(("left", "right"), system.ends, strict=True):
+        if not isinstance(end, Free | Fixed):
+            yield f"ends.{side}", "absorbing or driven ends"
+
+
+def _damping(system: System) -> Found:
+    for i, body in enumerate(system.bodies):
+        segments = body.segments if isinstance(body, Rod) else ()
+        for j, segment in enumerate(segments):
+            if np.any(segment.material.viscosity):
+                place = f".segments.{j}" if len(segments) > 1 else ""
+                yield f"bodies.{i}{place}.material.viscosity", "damping"
+
+
+LACKS: dict[str, tuple[Callable[[System], Found], ...]] = {
+    "fronts": (_masses, _compliance, _gravity, _smooth_states, _open_ends, _damping),
+    "characteristics": (_damping,),
+}
+"""Methods in the order in which ``"auto"`` tries them, with the physics that each lacks."""
+
+
+def lacking(method: str, system: System) -> list[tuple[str, str]]:
+    """Path and name of everything in the system that the method cannot do."""
+    return [found for feature in LACKS[method] for found in feature(system)]
+
+
+def refuse(method: str, system: System) -> None:
+    """Raise InvalidModel where the method lacks something, and name a method that has it."""
+    missing = lacking(method, system)
+    if missing:
+        able = next((m for m in LACKS if not lacking(m, system)), None)
+        remedy = f'; method "{able}" has' if able else "; no method of this version has"
+        problems: Problems = [
+            (path, f'method "{method}" has no {what}{remedy}') for path, what in missing
+        ]
+        raise InvalidModel(problems)
+
+
+def choose(system: System) -> str:
+    """First method that can do the job; raise InvalidModel if there is none."""
+    for method in LACKS:
+        if not lacking(method, system):
+            return method
+    refuse(next(reversed(LACKS)), system)
+    raise AssertionError  # refuse has raised

@@ -1,0 +1,104 @@
+"""A family of collisions: a curve over one axis, a map over two, and theory where there is some."""
+
+from __future__ import annotations
+
+import difflib
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from ..sweeping import SweepResult
+from .closed_forms import COLUMNS, pairs
+from .curves import Curve, draw_curve
+from .maps import Map, draw_map
+from .quantities import outcome
+from .sides import Shown, side_of
+from .style import new_axes, styled
+
+
+@styled
+def sweep(
+    result: SweepResult, ax: Axes | None = None, quantity: str = "restitution"
+) -> Curve | Map:
+    """Draw one quantity of a family of collisions: a curve over one axis, a map over two.
+
+    An axis is logarithmic where its values come nearer to a geometric than to an arithmetic
+    sequence. Collisions without a value leave gaps. For two uniform bodies that do not vibrate the
+    closed form is drawn under the curve; on a map of two such rods a full line marks equal transit
+    times, where e = 1, and a dashed one equal impedances, where the time under force jumps.
+
+    Parameters
+    ----------
+    result : SweepResult
+    ax : Axes, optional
+        By default the Axes of a new figure.
+    quantity : str
+        A name of ``result.columns``, such as ``"restitution"``, ``"duration.0"`` of contact 0 or
+        ``"velocity_after.1"`` of body 1.
+
+    Returns
+    -------
+    Curve or Map
+
+    Raises
+    ------
+    ValueError
+        For an unknown quantity, one without any value in this family, and a family that has no
+        axis or more than two; axes with a single value do not count.
+    """
+    column = _column(result, quantity)
+    dimensions = _dimensions(result)
+    sides = [side_of(result, i) for i in dimensions]
+    order = np.ix_(*(side.order for side in sides))
+
+    def arranged(table: NDArray[Any]) -> NDArray[Any]:
+        return table.reshape([side.order.size for side in sides])[order]
+
+    values = arranged(column).astype(float)
+    largest = float(np.nanmax(np.abs(values)))
+    scale = outcome(result.system, quantity).scale(largest)
+    family = pairs(result.system) if quantity in COLUMNS else None
+    theory = None if family is None else family.each(arranged)
+    shown = Shown(quantity, values * scale.factor, scale, column.dtype.kind in "iub")
+    if len(sides) == 1:
+        return draw_curve(ax or new_axes(5.6, 3.6), sides[0], shown, theory)
+    return draw_map(ax or new_axes(6.0, 4.6), sides[0], sides[1], shown, theory)
+
+
+def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
+    """Values of a quantity; ValueError if there is none of this name, or no value at all."""
+    if quantity not in result.columns:
+        near = [name for name in result.columns if name.startswith(f"{quantity}.")]
+        near = near or difflib.get_close_matches(str(quantity), result.columns, n=1)
+        hint = f"; perhaps {near[0]!r} is meant" if near else ""
+        known = []
+        for _, group in groupby(result.columns, lambda name: name.partition(".")[0]):
+            first, *others = group
+            known.append(f"{first} to {others[-1].partition('.')[2]}" if others else first)
+        raise ValueError(f"quantity: must be one of {', '.join(known)}, got {quantity!r}{hint}")
+    column: NDArray[Any] = result.columns[quantity]
+    if not np.isfinite(column).any():
+        raise ValueError(
+            f"quantity: {quantity!r} has no value anywhere in this family; "
+            "result.explain(index) says why"
+        )
+    return column
+
+
+def _dimensions(result: SweepResult) -> list[int]:
+    """Dimensions with more than one value; ValueError unless they are one or two."""
+    found = [i for i, count in enumerate(result.shape) if count > 1]
+    if not found:
+        raise ValueError(
+            f"result: has shape {result.shape}, a single collision, and nothing to draw it over; "
+            "give an array for a number of the system, such as length=np.linspace(0.1, 1, 50)"
+        )
+    if len(found) > 2:
+        raise ValueError(
+            f"result: has shape {result.shape}, and a map shows two axes; sweep a smaller family, "
+            f"such as system[{', '.join(['0'] * (len(result.shape) - 2))}]"
+        )
+    return found

@@ -1,0 +1,180 @@
+"""A family of collisions with two axes: a map with contour lines and the lines theory knows.
+
+Each collision is a cell of one colour, and contour lines end at jumps, so that nothing is smeared.
+Counts have a colour each and no contour lines.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import BoundaryNorm, Colormap, Normalize
+from matplotlib.contour import QuadContourSet
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.path import Path
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from ..signals import Floats
+from .closed_forms import Pairs
+from .curves import jumps
+from .scales import ROUND_OFF, signed
+from .sides import Shown, Side, count_ticks, dress_side
+from .style import DIVERGING, FAINT, INK, SMALL, centred, dress, ink_on
+
+LINES = 150  # points a side, at most, from which lines are drawn
+CRUMB = 8  # points of a piece of a line, at least, unless the map itself is coarse
+PLATEAU = 3  # rows of points on which values equal: no line follows such a plateau
+COLOURS = 24  # counts that have a colour each, at most
+SMOOTH_COLOURS = DIVERGING.resampled(100)  # as smooth to the eye as 256, and half the file
+
+
+class Map(NamedTuple):
+    """Artists of a family with two axes; `theory` holds lines of equal times and impedances."""
+
+    ax: Axes
+    cells: QuadMesh
+    contours: QuadContourSet | None
+    labels: list[Text]
+    theory: list[QuadContourSet]
+    colour_bar: Colorbar
+
+
+class _Plane(NamedTuple):
+    """Numbers on the axes of a map from which lines are drawn."""
+
+    x: Floats
+    y: Floats
+
+
+def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: Pairs | None) -> Map:
+    """Draw values over two axes, the first one to the right."""
+    colours, norm = _colours(shown)
+    cells = ax.pcolormesh(
+        across.edges, up.edges, np.ma.masked_invalid(shown.values.T), cmap=colours, norm=norm,
+        shading="flat", rasterized=True, zorder=1,
+    )
+    dress_side(ax, "x", across)
+    dress_side(ax, "y", up)
+    i, j = (_thinned(side.values.size) for side in (across, up))
+    plane = _Plane(across.numbers[i], up.numbers[j])
+    contours, labels = (None, []) if shown.is_count else _contours(
+        ax, plane, shown.values[np.ix_(i, j)], norm)
+    handles: list[Artist] = []
+    lines: list[QuadContourSet] = []
+    for name, dash, excess in _equalities(theory, across.is_log or up.is_log):
+        where_met = np.where(np.isfinite(shown.values), excess, np.nan)
+        line = _zero(ax, plane, where_met[np.ix_(i, j)], dash)
+        if line is not None:
+            lines.append(line)
+            handles.append(Line2D([], [], color=INK, linewidth=1.4, linestyle=dash, label=name))
+    if np.isnan(shown.values).any():
+        handles.append(Patch(facecolor="white", edgecolor=FAINT, label="no value"))
+    bar = ax.figure.colorbar(cells, ax=ax, label=shown.scale.label, fraction=0.06, pad=0.02,
+                             aspect=30)
+    dress(bar.ax)
+    bar.outline.set_visible(False)
+    if shown.is_count:
+        count_ticks(bar.ax.yaxis, shown)
+    if bar.solids is not None:
+        bar.solids.set(rasterized=False, edgecolor="face")
+    if handles:
+        ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1,
+                  ncols=3, frameon=False, fontsize=SMALL + 1)
+    dress(ax)
+    return Map(ax, cells, contours, labels, lines, bar)
+
+
+def _colours(shown: Shown) -> tuple[Colormap, Normalize]:
+    """Colours and limits: one colour a count, symmetric about 0 where signs differ."""
+    low, high = float(np.nanmin(shown.values)), float(np.nanmax(shown.values))
+    if shown.words:
+        low, high = 0.0, len(shown.words) - 1.0
+    if shown.is_count and high - low < COLOURS:
+        count = int(high - low) + 1
+        return DIVERGING.resampled(count), BoundaryNorm(low - 0.5 + np.arange(count + 1), count)
+    largest = max(-low, high)
+    if low < -ROUND_OFF * largest and high > ROUND_OFF * largest:
+        return SMOOTH_COLOURS, centred((low, high))
+    if high - low <= ROUND_OFF * largest:
+        low, high = min(low, 0.0), max(high, 0.0)
+    return SMOOTH_COLOURS, Normalize(low, high if high > low else low + 1.0)
+
+
+def _contours(
+    ax: Axes, plane: _Plane, values: Floats, norm: Normalize
+) -> tuple[QuadContourSet | None, list[Text]]:
+    """Draw lines at round values, each with its value, up to the jumps and not across them."""
+    known = values[np.isfinite(values)]
+    low, high = float(known.min(initial=np.inf)), float(known.max(initial=-np.inf))
+    if high - low <= ROUND_OFF * max(-low, high):
+        return None, []
+    near = 0.002 * (high - low)
+    levels = [
+        x for x in MaxNLocator(8, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+        if low + 10 * near < x < high - 10 * near
+        and np.sum(np.abs(known - x) < near) < PLATEAU * max(values.shape)
+    ]
+    smooth = np.isfinite(values)
+    for axis in (0, 1):
+        i, j = np.nonzero(jumps(values) if axis == 0 else jumps(values.T).T)
+        smooth[i, j] = smooth[i + 1 - axis, j + axis] = False
+    if not levels or not smooth.any():
+        return None, []
+    lines = ax.contour(
+        plane.x, plane.y, np.ma.array(values, mask=~smooth).T, levels=levels,
+        colors=[ink_on(norm, x) for x in levels], linestyles="-", linewidths=0.8, zorder=3,
+    )
+    least = min(CRUMB, min(values.shape) // 5)
+    lines.set_paths([_without_crumbs(path, least) for path in lines.get_paths()])
+    labels = list(ax.clabel(lines, fmt=lambda x: signed(f"{x:g}"), fontsize=SMALL + 1,
+                            inline_spacing=3))
+    return lines, labels
+
+
+def _without_crumbs(path: Path, least: int) -> Path:
+    """A line without its pieces of fewer than `least` points."""
+    if path.codes is None:
+        return path
+    codes, vertices = np.asarray(path.codes), np.asarray(path.vertices)
+    counts = np.diff(np.append(np.flatnonzero(codes == Path.MOVETO), codes.size))
+    kept = np.repeat(counts >= least, counts)
+    return Path(vertices[kept], codes[kept])
+
+
+def _equalities(
+    theory: Pairs | None, is_log: bool
+) -> list[tuple[str, Literal["-", "--"], Floats]]:
+    """Lines that theory knows: name, dashes, and how much the left rod has more than the right."""
+    if theory is None or any(np.isinf(Z).any() for Z in theory.impedance):
+        return []
+
+    def excess(left: Floats, right: Floats) -> Floats:
+        return np.log(left / right) if is_log else (left - right) / np.max(left)
+
+    return [("equal transit times: e = 1", "-", excess(*theory.transit_time)),
+            ("equal impedances", "--", excess(*theory.impedance))]
+
+
+def _zero(ax: Axes, plane: _Plane, values: Floats, dash: str) -> QuadContourSet | None:
+    """Draw where values are 0, if they change their sign."""
+    values = np.round(values, 12)
+    if not (values < 0).any() or not (values > 0).any():
+        return None
+    lines = ax.contour(plane.x, plane.y, np.ma.masked_invalid(values.T), levels=[0.0], colors=INK,
+                       linewidths=1.4, linestyles=dash, zorder=4)
+    lines.set_path_effects([withStroke(linewidth=2.6, foreground="white")])
+    return lines
+
+
+def _thinned(count: int) -> NDArray[np.intp]:
+    """Indices of at most `LINES` of so many points, first and last among them."""
+    return np.unique(np.linspace(0, count - 1, min(count, LINES)).round().astype(np.intp))

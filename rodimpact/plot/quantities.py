@@ -1,0 +1,112 @@
+"""Words and units for the numbers of a family: what varies in it, and what comes out.
+
+A name such as ``bodies.0.length`` or ``impulse.1`` becomes the label of an axis, its values become
+numbers in the unit an engineer would choose.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ..model import Rod, System, Wall
+from .scales import Scale, engineering, place_scale
+
+_PARAMETERS = {
+    "length": ("length", "m"),
+    "area": ("area", "m²"),
+    "velocity": ("velocity", "m/s"),
+    "strain": ("strain", ""),
+    "youngs_modulus": ("Young's modulus", "Pa"),
+    "density": ("density", "kg/m³"),
+    "poisson_ratio": ("Poisson's ratio", "1"),
+    "viscosity": ("viscosity", "Pa s"),
+}
+_OF_THE_FAMILY = {
+    "restitution": ("coefficient of restitution e", "1"),
+    "vibration": ("energy left in vibration", "J"),
+    "final": ("end of the collision", "1"),
+    "status": ("why the run ended", "1"),
+}
+_OF_A_CONTACT = {
+    "impulse": ("impulse", "N s"),
+    "peak_force": ("largest contact force", "N"),
+    "duration": ("time under force", "s"),
+    "episodes": ("episodes of contact", "1"),
+}
+
+
+class Quantity(NamedTuple):
+    """What a number is, in words, and its SI unit: "1" for counts and ratios, "" for strain."""
+
+    name: str
+    unit: str
+
+    def scale(self, largest: float) -> Scale:
+        """Scale of an axis for values up to `largest`."""
+        if self.unit in ("1", "kg/m³"):
+            return Scale(1.0, self.name, self.unit.removeprefix("1"))
+        if self.unit == "m":
+            return place_scale(largest)._replace(name=self.name)
+        if self.unit == "m²":  # in mm² between 0.01 and 10 000 mm²
+            side = engineering(self.name, 10 * math.sqrt(largest), "m")
+            return Scale(side.factor**2, self.name, f"{side.unit}²")
+        return engineering(self.name, largest, self.unit)
+
+
+def parameter(system: System, path: str) -> Quantity:
+    """What the number of a system at this path is; an unknown path stands for itself.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> system = ri.System([ri.Rod(0.4, area=1e-4, material=ri.materials.steel), ri.Wall()])
+    >>> [parameter(system, path).name for path in ("bodies.0.length", "contacts.0.gap")]
+    ['length of rod 0', 'gap 0-1']
+    """
+    match path.split("."):
+        case ["bodies", body, "segments", segment, *_, field]:
+            owner = f"segment {segment} of {_body(system, body)}"
+        case ["bodies", body, field, ("values" | "at") as what, number]:
+            name, unit = _PARAMETERS[field]
+            if what == "at":
+                return Quantity(f"place of jump {number} of {name}, {_body(system, body)}", "m")
+            return Quantity(f"{name} of piece {number} of {_body(system, body)}", unit)
+        case ["bodies", body, *_, field]:
+            owner = _body(system, body)
+        case ["contacts", contact, "gap"]:
+            return Quantity(f"gap {_pair(contact)}", "m")
+        case _:
+            return Quantity(path, "1")
+    name, unit = _PARAMETERS.get(field, (field, "1"))
+    return Quantity(f"{name} of {owner}", unit)
+
+
+def outcome(system: System, column: str) -> Quantity:
+    """What a column of results is.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel)
+    >>> outcome(ri.System([rod, rod, rod]), "impulse.1")
+    Quantity(name='impulse at contact 1-2', unit='N s')
+    """
+    kind, _, index = column.partition(".")
+    if kind == "velocity_after":
+        return Quantity(f"velocity of {_body(system, index)} after", "m/s")
+    if kind not in _OF_A_CONTACT:
+        return Quantity(*_OF_THE_FAMILY.get(kind, (column, "1")))
+    name, unit = _OF_A_CONTACT[kind]
+    several = len(system.contacts) > 1
+    return Quantity(f"{name} at contact {_pair(index)}" if several else name, unit)
+
+
+def _body(system: System, index: str) -> str:
+    body = system.bodies[int(index)]
+    kind = "rod" if isinstance(body, Rod) else "wall" if isinstance(body, Wall) else "body"
+    return f"{kind} {index}"
+
+
+def _pair(contact: str) -> str:
+    return f"{contact}-{int(contact) + 1}"

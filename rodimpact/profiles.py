@@ -1,0 +1,228 @@
+"""Values along a rod, or over time: jumps, samples and functions.
+
+A profile is a number, `Steps`, `Samples`, or a function, which becomes `Samples` when the body or
+the drive is made: what is stored and compared are numbers only.
+"""
+
+from __future__ import annotations
+
+import reprlib
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any, ClassVar, TypeAlias
+
+import numpy as np
+
+from .frozen import Frozen, InvalidModel, Number, Problems, first_false, number, plain
+
+Floats: TypeAlias = "np.ndarray[Any, np.dtype[np.float64]]"
+
+ALONG_ROD = 1025  # places at which a function along a rod is sampled
+IN_TIME = 4097  # times at which a function of time is sampled
+
+
+class Steps(Frozen):
+    """A profile that is constant between jumps, along a rod or in time.
+
+    Parameters
+    ----------
+    values : sequence of numbers
+        One value for each piece, from left to right or from t = 0 on.
+    at : sequence of numbers
+        Where the jumps are, increasing: m from the left end of the rod, or s after t = 0; one fewer
+        than values.
+
+    Raises
+    ------
+    InvalidModel
+        When the counts do not fit, the positions do not increase, or a number is none.
+    """
+
+    values: tuple[Number, ...]
+    at: tuple[Number, ...]
+
+    def __init__(self, values: Any, at: Any) -> None:
+        problems: Problems = []
+        lists: dict[str, tuple[Number, ...]] = {}
+        for name, items, sign in (("values", values, "any"), ("at", at, "positive")):
+            if isinstance(items, str) or not np.iterable(items):
+                problems.append((name, f"must be a list of numbers, got {items!r}"))
+                items = ()
+            lists[name] = tuple(
+                number(problems, f"{name}.{i}", v, "", sign) for i, v in enumerate(items)
+            )
+        if not problems and len(lists["values"]) != len(lists["at"]) + 1:
+            message = f"needs one value more than jumps, got {len(lists['values'])} values"
+            problems.append(("values", f"{message} for {len(lists['at'])} jumps"))
+        for i, (a, b) in enumerate(zip(lists["at"], lists["at"][1:], strict=False)):
+            if not problems and not np.all(good := np.asarray(b) > a):
+                at, (before, got) = first_false(good, a, b)
+                problems.append((f"at.{i + 1}{at}", f"must lie beyond {before!r}, got {got!r}"))
+        if problems:
+            raise InvalidModel(problems)
+        self._set(**lists)
+
+    def to_dict(self) -> dict[str, Any]:  # noqa: D102
+        return {"values": plain(self.values), "at": plain(self.at)}
+
+
+class Samples(Frozen):
+    """A profile of values at equal distances, with straight lines between them.
+
+    Along a rod the values run from its left end to its right end. In time they begin at t = 0, and
+    the last one holds on.
+
+    Parameters
+    ----------
+    values : sequence of numbers, shape (n,)
+        At least two; all members of a family share them.
+    step : float or array, optional
+        Time between neighbouring values, s; None along a rod.
+
+    Raises
+    ------
+    InvalidModel
+        When there are fewer than two values, or a number is none.
+
+    Examples
+    --------
+    >>> Samples([0.0, 2e3, 0.0], step=1e-4)
+    Samples(values=array(3,), step=0.0001)
+    """
+
+    values: Floats
+    step: Number | None
+    _whole: ClassVar[tuple[str, ...]] = ("values",)
+
+    def __init__(self, values: Any, step: Any = None) -> None:
+        problems: Problems = []
+        samples = number(problems, "values", values, "")
+        if not problems and (isinstance(samples, float) or samples.ndim > 1 or samples.size < 2):
+            message = f"must be a list of at least two numbers, got {reprlib.repr(values)}"
+            problems.append(("values", message))
+        if step is not None:
+            step = number(problems, "step", step, " of seconds", "positive")
+        if problems:
+            raise InvalidModel(problems)
+        self._set(values=samples, step=step)
+
+    def to_dict(self) -> dict[str, Any]:  # noqa: D102
+        step = {} if self.step is None else {"step": plain(self.step)}
+        return {"samples": self.values.tolist(), **step}
+
+
+Profile: TypeAlias = "Number | Steps | Samples"
+
+
+def along_rod(
+    problems: Problems, path: str, value: Any, unit: str, length: Number | None
+) -> Profile:
+    """Return `value` as a profile along a rod of that length, m; note a mistake in `problems`.
+
+    A function is sampled at `ALONG_ROD` places from end to end. Without a length, which a mistake
+    elsewhere leaves unknown, only what does not depend on it is checked.
+    """
+    if isinstance(value, Steps):
+        if value.at and length is not None:
+            last, end = len(value.at) - 1, value.at[-1]
+            if not np.all(good := np.asarray(end) < length):
+                at, (long, got) = first_false(good, length, end)
+                message = f"must lie inside the rod of length {long!r}, got {got!r}"
+                problems.append((f"{path}.at.{last}{at}", message))
+        return value
+    if isinstance(value, Samples):
+        if value.step is not None:
+            message = "has no place along a rod, where samples run from end to end; leave it out"
+            problems.append((f"{path}.step", message))
+        return value
+    if not callable(value):
+        return number(problems, path, value, unit)
+    if isinstance(length, np.ndarray):
+        message = "is a function, but the members of the family differ in length; give Samples"
+        problems.append((path, message))
+    elif length is not None:
+        values = _sampled(problems, path, value, np.linspace(0.0, length, ALONG_ROD))
+        return 0.0 if values is None else Samples(values)
+    return 0.0
+
+
+def in_time(problems: Problems, path: str, value: Any, unit: str, duration: Any) -> Profile:
+    """Return `value` as a profile from t = 0 on; note a mistake in `problems`.
+
+    A function is sampled at `IN_TIME` times from 0 to `duration`, s, which only a function has.
+    """
+    if not callable(value):
+        if duration is not None:
+            message = "belongs to a function of time; leave it out"
+            problems.append(("duration", f"{message}, got {duration!r}"))
+        if isinstance(value, Samples) and value.step is None:
+            problems.append((f"{path}.step", "is missing; give the seconds between two samples"))
+        return value if isinstance(value, Steps | Samples) else number(problems, path, value, unit)
+    if duration is None:
+        message = "is missing; give the seconds for which the function is to be sampled"
+        problems.append(("duration", message))
+        return 0.0
+    mistakes: Problems = []
+    end = number(mistakes, "duration", duration, " of seconds", "positive")
+    if not mistakes and isinstance(end, np.ndarray):
+        message = "must be a single number of seconds; members of a family share a function"
+        mistakes.append(("duration", message))
+    values = None if mistakes else _sampled(mistakes, path, value, np.linspace(0.0, end, IN_TIME))
+    problems += mistakes
+    return 0.0 if values is None else Samples(values, step=end / (IN_TIME - 1))
+
+
+def negative(profile: Profile) -> Profile:
+    """Return minus the profile."""
+    if isinstance(profile, Steps):
+        return Steps([-v for v in profile.values], profile.at)
+    if isinstance(profile, Samples):
+        return Samples(-profile.values, profile.step)
+    return -profile
+
+
+def flipped(profile: Profile, length: Number) -> Profile:
+    """Return the profile along a rod of that length, m, seen from the other end."""
+    if isinstance(profile, Samples):
+        return Samples(profile.values[::-1])
+    if not isinstance(profile, Steps):
+        return profile
+    at = [length - x for x in profile.at[::-1]]
+    # next to the other end two places may round to one; the piece between them has no width
+    edges = [0.0, *at, length]
+    kept = [i for i, (a, b) in enumerate(pairwise(edges)) if np.any(np.asarray(b) > a)]
+    return Steps([profile.values[::-1][i] for i in kept], [edges[i] for i in kept[1:]])
+
+
+def profile_from(data: Any) -> Any:
+    """Make the profile that `to_dict` described."""
+    if not isinstance(data, dict):
+        return data
+    return Samples(data["samples"], data.get("step")) if "samples" in data else Steps(**data)
+
+
+def _sampled(
+    problems: Problems, path: str, function: Callable[[Any], Any], places: Floats
+) -> Floats | None:
+    """Values of a function of arrays, or else of numbers; None, with the mistake noted."""
+    try:
+        values = np.asarray(function(places.copy()))
+        if values.shape != places.shape:
+            raise TypeError
+    except Exception:
+        try:
+            values = np.array([function(x) for x in places.tolist()])
+        except Exception as error:
+            reason = f"{type(error).__name__}: {error}"
+            problems.append((path, f"is a function that cannot be evaluated: {reason}"))
+            return None
+    if values.shape != places.shape or values.dtype.kind not in "fiu":
+        first = reprlib.repr(values[0])
+        problems.append((path, f"must be a function that returns numbers, got {first} at 0.0"))
+        return None
+    if not np.all(good := np.isfinite(values)):
+        _, (x, got) = first_false(good, places, values)
+        message = f"must be a function that returns finite numbers, got {got!r} at {x!r}"
+        problems.append((path, message))
+        return None
+    return values

@@ -1,0 +1,99 @@
+"""What a method keeps besides the waves: contact signals, and what acts from outside."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from .contacts import (
+    ContactHistory,
+    ContactTally,
+    Turns,
+    histories_of_fronts,
+    histories_of_steps,
+)
+from .fields import WaveFields
+from .ledger import Outside
+from .methods.assembly import Assembly
+from .methods.characteristics import PARTS
+from .model import Wall
+from .signals import Floats, StepSignal
+
+Ends = tuple[Outside | None, Outside | None]
+
+
+class Record(Protocol):
+    """What a solution asks of its method's record."""
+
+    def histories(
+        self, fields: WaveFields, tallies: Sequence[ContactTally]
+    ) -> tuple[ContactHistory, ...]:
+        """History of each contact."""
+
+    def outside(self, fields: WaveFields, contacts: Sequence[ContactHistory]) -> Ends:
+        """What acts on the left and on the right end of the row."""
+
+
+@dataclass(frozen=True)
+class FrontRecord:
+    """Of the method "fronts": ticks and values of the changes of status of each contact."""
+
+    turns: list[Turns]
+
+    def histories(  # noqa: D102
+        self, fields: WaveFields, tallies: Sequence[ContactTally]
+    ) -> tuple[ContactHistory, ...]:
+        assert isinstance(fields.assembly, Assembly)
+        return histories_of_fronts(fields, fields.assembly, self.turns, tallies)
+
+    def outside(self, fields: WaveFields, contacts: Sequence[ContactHistory]) -> Ends:  # noqa: D102
+        found: list[Outside | None] = []
+        for body, contact, sign in ((0, 0, 1), (-1, -1, -1)):
+            wall = fields.assembly.system.bodies[body]
+            if not isinstance(wall, Wall):
+                found.append(None)
+                continue
+            push = contacts[contact].push
+            power = StepSignal(push.ticks, sign * float(wall.velocity) * push.values)
+            found.append(Outside("wall", push, power))
+        return found[0], found[1]
+
+
+@dataclass(frozen=True)
+class StepRecord:
+    """Of the method "characteristics".
+
+    Attributes
+    ----------
+    forces, gaps : list of arrays
+        By contact: [steps] mean force, N, and [steps + 1] gap, m, from t = 0 on.
+    ends : list of (str, array, array) or None
+        Left and right: kind, force on the row, N, and its velocity, m/s, by step.
+    """
+
+    forces: list[Floats]
+    gaps: list[Floats]
+    ends: list[tuple[str, Floats, Floats] | None]
+
+    def histories(  # noqa: D102
+        self, fields: WaveFields, tallies: Sequence[ContactTally]
+    ) -> tuple[ContactHistory, ...]:
+        return histories_of_steps(fields, self.forces, self.gaps, tallies)
+
+    def outside(  # noqa: D102
+        self, fields: WaveFields, contacts: Sequence[ContactHistory]  # noqa: ARG002
+    ) -> Ends:
+        found: list[Outside | None] = []
+        for end, sign in zip(self.ends, (1, -1), strict=True):
+            if end is None or not len(end[1]):
+                found.append(None)
+                continue
+            kind, force, velocity = end
+            ticks = PARTS * np.arange(len(force))
+            found.append(Outside(
+                kind, StepSignal(ticks, force), StepSignal(ticks, sign * force * velocity)
+            ))
+        return found[0], found[1]

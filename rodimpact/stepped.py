@@ -1,0 +1,148 @@
+"""From a run on a time step to what a solution holds: contact signals, tallies, outcome."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from .contacts import ContactTally
+from .fields import WaveFields
+from .ledger import ledger, movable
+from .methods.characteristics import StepRun, peak
+from .methods.characteristics_kernel import RIGID
+from .model import Bonded, RigidMass, Wall
+from .outcome import Outcome, grounds, groups
+from .records import StepRecord
+from .signals import Floats
+
+KINDS = {"velocity": "drive", "force": "drive", "absorbing": "absorbing"}
+
+
+def read_record(run: StepRun) -> StepRecord:
+    """Signals of the contacts, and of what is outside."""
+    plan, forces, gaps = run.plan, [], []
+    for k, link in enumerate(plan.contact_link):
+        if link >= 0 and plan.laws[link] >= RIGID:
+            force, gap = run.contact(k)
+            forces.append(force)
+            gaps.append(np.concatenate(([float(plan.system.gaps[k])], gap)))
+        else:
+            forces.append(_bond_force(run, k))
+            gaps.append(np.zeros(run.steps + 1))
+    ends: list[tuple[str, Floats, Floats] | None] = []
+    for side, (kind, _) in enumerate(plan.outside):
+        if kind == "none":
+            ends.append(None)
+            continue
+        wall = isinstance(plan.system.bodies[-side], Wall)
+        ends.append(("wall" if wall else KINDS[kind], *run.outer(side)))
+    return StepRecord(forces, gaps, ends)
+
+
+def _bond_force(run: StepRun, contact: int) -> Floats:
+    """Force in a bonded contact, from the waves of a rod that it joins; nan between masses."""
+    plan = run.plan
+    for body, side in ((contact, 1), (contact + 1, 0)):
+        first, last = plan.spans[body]
+        if last:
+            s, out = (last, 2 * last + 1) if side else (first, 2 * first)
+            outgoing = run.wave(out)[run.row.steps[s] :]
+            incoming = run.wave(out ^ 1)[: run.steps]
+            force: Floats = (incoming - outgoing) / (2 * run.row.mobility[s])
+            return force if side else -force
+    return np.full(run.steps, math.nan)
+
+
+def read_tallies(run: StepRun, record: StepRecord) -> tuple[ContactTally, ...]:
+    """Totals of every contact in SI units."""
+    found, t, h = [], run.tally, run.step
+    for k, (link, force) in enumerate(zip(run.plan.contact_link, record.forces, strict=True)):
+        if isinstance(run.plan.system.contacts[k], Bonded):
+            impulse = float(np.sum(force)) * h
+            found.append(ContactTally(impulse, float(np.max(force, initial=0.0)), 0.0,
+                                      math.nan, math.nan, 0))
+            continue
+        found.append(ContactTally(
+            impulse=float(t.impulse[link]) * h, peak_force=peak(force),
+            duration=int(t.pressed[link]) * h,
+            first=int(t.first[link]) * h if t.first[link] >= 0 else math.nan,
+            last=int(t.last[link]) * h if t.last[link] >= 0 else math.nan,
+            episodes=int(t.episodes[link]),
+        ))
+    return tuple(found)
+
+
+def read_stepped(run: StepRun, fields: WaveFields, record: StepRecord, status: str) -> Outcome:
+    """Read the outcome off a finished run on a time step."""
+    system, plan, a = run.plan.system, run.plan, run.clockwork
+    count = len(system.bodies)
+    end = run.steps * run.step
+    tallies = read_tallies(run, record)
+    contacts = record.histories(fields, tallies)
+    book = ledger(system, fields, contacts, record.outside(fields, contacts), np.array([0.0, end]))
+    masses, free = [a.mass(i) for i in range(count)], movable(system)
+    velocity, vibration = np.zeros((2, count)), np.zeros((2, count))
+    for place, t in enumerate((0.0, end)):
+        for group in groups(system):
+            inside = [i for i in group if i in free]
+            ground = [float(v) for v in grounds(system, group)]
+            mean = 0.0
+            if inside:
+                momentum = sum(masses[i] * _mean(fields, i, t, masses[i]) for i in inside)
+                mean = momentum / sum(masses[i] for i in inside)
+            for i in group:
+                velocity[place, i] = ground[0] if ground else mean
+                if i in inside:
+                    vibration[place, i] = _vibration(fields, i, t, mean, masses[i])
+            if len(ground) == 2 and isinstance(system.bodies[group[-1]], Wall):
+                velocity[place, group[-1]] = ground[1]
+    impulse = sum(
+        sign * float(np.sum(side[1])) * run.step
+        for side, sign in zip(record.ends, (1, -1), strict=True) if side is not None
+    )
+    momenta: list[Any] = [
+        sum(masses[i] * _mean(fields, i, t, masses[i]) for i in free) for t in (0.0, end)
+    ]
+    total = sum(masses[i] for i in free)
+    missing = momenta[1] - momenta[0] - impulse - total * plan.gravity * end
+    pushed = sum(abs(tally.impulse) for tally in tallies if tally.impulse == tally.impulse)
+    absolute = total * plan.scale + pushed
+    energy = book.total
+    turnover = float(energy[0]) + abs(float(book.gravity_work[1])) + sum(
+        abs(float(x[1])) for x in (book.wall_work, book.drive_work, book.radiated)
+    ) + total * plan.scale**2 / 2
+    names = {Wall: "wall", RigidMass: "mass"}
+    return Outcome(
+        bodies=tuple(names.get(type(b), "rod") for b in system.bodies),
+        masses=tuple(masses),
+        velocities_before=tuple(velocity[0].tolist()),
+        velocities_after=tuple(velocity[1].tolist()),
+        kinetic_before=float(book.kinetic[0]), kinetic_after=float(book.kinetic[1]),
+        vibration_before=tuple(vibration[0].tolist()),
+        vibration_after=tuple(vibration[1].tolist()),
+        contacts=tallies,
+        unilateral=tuple(k for k, law in enumerate(system.contacts) if not isinstance(law, Bonded)),
+        wall_work=float(book.wall_work[1]),
+        momentum_residual=missing / absolute if absolute > 0 else 0.0,
+        energy_residual=float(book.residual[1]) / turnover if turnover > 0 else 0.0,
+        final=run.settled >= 0, status=status,
+        contact_energy=float(book.contact[1]), dissipated=float(book.dissipated[1]),
+        numerical=float(book.numerical[1]), radiated=float(book.radiated[1]),
+        drive_work=float(book.drive_work[1]), gravity_work=float(book.gravity_work[1]),
+        driven=plan.driven or plan.gravity != 0,
+    )
+
+
+def _mean(fields: WaveFields, body: int, t: float, mass: float) -> float:
+    if body in fields.masses:
+        return float(fields.mass_velocity(body, t))
+    return float(fields.momentum(body, t)) / mass
+
+
+def _vibration(fields: WaveFields, body: int, t: float, mean: float, mass: float) -> float:
+    """Energy of a body relative to a velocity."""
+    if body in fields.masses:
+        return mass * (float(fields.mass_velocity(body, t)) - mean) ** 2 / 2
+    return sum(fields.energy(body, int(fields.to_ticks(t)), mean))

@@ -1,0 +1,166 @@
+"""Random rows with every body, contact law and end that steps in time can carry."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+import rodimpact as ri
+from rodimpact.methods.characteristics import StepRun, follow
+
+UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
+QUICK = ri.Material("quick", youngs_modulus=8.0, density=2.0)
+STEP = 1 / 32
+SECONDS = 6.0
+
+
+def unit_rod(length=1.0, area=1.0, **state):
+    """A rod whose transit time is its length and whose impedance is its area."""
+    return ri.Rod(length, area=area, material=UNIT, **state)
+
+
+def logarithmic(rng, low, high):
+    return float(math.exp(rng.uniform(math.log(low), math.log(high))))
+
+
+def random_state(rng, length, scale):
+    """A number, jumps or samples."""
+    kind = rng.random()
+    if kind < 0.5:
+        return float(scale * rng.uniform(-1, 1))
+    values = (scale * rng.uniform(-1, 1, rng.integers(2, 7))).tolist()
+    if kind < 0.75:
+        at = np.sort(rng.choice(np.arange(1, 32), size=len(values) - 1, replace=False)) / 32
+        return ri.Steps(values, (at * length).tolist())
+    return ri.Samples(values)
+
+
+def random_rod(rng):
+    segments = [
+        ri.Segment(
+            float(rng.integers(4, 33) / 32 if rng.random() < 0.5 else rng.uniform(0.1, 1)),
+            logarithmic(rng, 0.1, 10), UNIT if rng.random() < 0.7 else QUICK,
+        )
+        for _ in range(rng.choice([1, 1, 1, 2, 3]))
+    ]
+    length = sum(s.length for s in segments)
+    strain = random_state(rng, length, 0.5) if rng.random() < 0.3 else 0.0
+    return ri.Rod(segments=segments, velocity=random_state(rng, length, 1.0), strain=strain)
+
+
+def random_law(rng, *pair):
+    if rng.random() < 0.12 and not all(isinstance(b, ri.Wall) for b in pair):
+        return ri.Bonded()
+    k = logarithmic(rng, 1e-2, 1e3) if rng.random() < 0.7 else logarithmic(rng, 1e3, 1e9)
+    kind = rng.integers(5)
+    if kind == 0:
+        has_rod = any(isinstance(b, ri.Rod) for b in pair)
+        return ri.Rigid() if has_rod else ri.Rigid(restitution=float(rng.choice([0, 1, 0.6])))
+    return [
+        ri.Spring(k), ri.SpringDashpot(k, logarithmic(rng, 1e-3, 1e2)), ri.Hertz(k),
+        ri.HuntCrossley(k, logarithmic(rng, 1e-2, 10)),
+    ][kind - 1]
+
+
+def random_drive(rng, scale):
+    kind = rng.integers(3)
+    if kind == 0:
+        return float(scale * rng.uniform(-1, 1))
+    values = (scale * rng.uniform(-1, 1, 5)).tolist()
+    return ri.Steps(values, [0.5, 0.71, 1.9, 2.0]) if kind == 1 else ri.Samples(values, step=0.6)
+
+
+def random_end(rng, body, driven):
+    if isinstance(body, ri.Wall):
+        return ri.Free()
+    kinds = [ri.Free, ri.Free]
+    if isinstance(body, ri.Rod):
+        kinds += [ri.Absorbing, ri.Fixed]
+    if driven:
+        kinds += [ri.Force] * 2 + ([ri.Velocity] * 2 if isinstance(body, ri.Rod) else [])
+    kind = kinds[rng.integers(len(kinds))]
+    if kind is ri.Force:
+        return ri.Force(random_drive(rng, 1.0))
+    return ri.Velocity(random_drive(rng, 0.3)) if kind is ri.Velocity else kind()
+
+
+def random_network(seed, *, bodies=5, driven=False):
+    """A row; only a driven one has gravity, moving walls and drives."""
+    rng = np.random.default_rng(seed)
+    row = [
+        ri.RigidMass(logarithmic(rng, 0.02, 20), velocity=float(rng.uniform(-1, 1)))
+        if rng.random() < 0.4 else random_rod(rng)
+        for _ in range(rng.integers(1, bodies + 1))
+    ]
+    if not any(isinstance(b, ri.Rod) for b in row):
+        row[rng.integers(len(row))] = random_rod(rng)
+    for place in (0, len(row) + 1):
+        if rng.random() < 0.3:
+            moving = driven and rng.random() < 0.5
+            row.insert(place, ri.Wall(float(rng.uniform(-0.2, 0.2)) if moving else 0.0))
+    contacts = [random_law(rng, *pair) for pair in zip(row, row[1:], strict=False)]
+    gaps = [
+        0.0 if isinstance(law, ri.Bonded) or rng.random() < 0.5 else float(rng.uniform(0, 0.3))
+        for law in contacts
+    ]
+    ends = [random_end(rng, row[i], driven) for i in (0, -1)]
+    gravity = float(rng.uniform(-1, 1)) if driven and rng.random() < 0.6 else 0.0
+    return ri.System(row, gaps, contacts, gravity=gravity, ends=ends)
+
+
+def run_network(system, until=SECONDS, step=STEP) -> StepRun:
+    return follow(system, until, 10**9, step, None)
+
+
+# What the waves say, without the package's own bookkeeping
+
+
+def windows(run, segment):
+    """[steps + 1, 2 N] waves inside a segment at every step end, in the laboratory."""
+    N = int(run.row.steps[segment])
+    inside = [
+        np.lib.stride_tricks.sliding_window_view(run.wave(line), N)
+        for line in (2 * segment, 2 * segment + 1)
+    ]
+    shift = run.plan.frame + run.plan.gravity * run.step * np.arange(run.steps + 1)
+    return np.concatenate(inside, axis=1) + shift[:, None]
+
+
+def free_masses(run):
+    """[mass, steps + 1] velocities of the masses that move, in the laboratory."""
+    shift = run.plan.frame + run.plan.gravity * run.step * np.arange(run.steps + 1)
+    return [run.speed(m) + shift for m in range(len(run.plan.masses))]
+
+
+def energy_of_bodies(run):
+    """[steps + 1] kinetic and strain energy, J."""
+    total = np.zeros(run.steps + 1)
+    for s in range(1, len(run.row.steps) - 1):
+        total += run.step / run.row.mobility[s] / 4 * np.sum(windows(run, s) ** 2, axis=1)
+    for M, V in zip(run.plan.masses, free_masses(run), strict=True):
+        total += M * V * V / 2
+    return total
+
+
+def energy_of_contacts(run):
+    """[steps + 1] energy stored in compliant contacts, J."""
+    total = np.zeros(run.steps + 1)
+    for k, law in enumerate(run.plan.system.contacts):
+        if isinstance(law, ri.Rigid | ri.Bonded):
+            continue
+        _, gap = run.contact(k)
+        x = np.maximum(-np.concatenate(([run.plan.system.gaps[k]], gap)), 0.0)
+        linear = isinstance(law, ri.Spring | ri.SpringDashpot)
+        total += law.stiffness * (x * x / 2 if linear else x**2.5 / 2.5)
+    return total
+
+
+def momentum_of_bodies(run):
+    """[steps + 1] kg m/s."""
+    total = np.zeros(run.steps + 1)
+    for s in range(1, len(run.row.steps) - 1):
+        total += run.step / run.row.mobility[s] / 2 * np.sum(windows(run, s), axis=1)
+    for M, V in zip(run.plan.masses, free_masses(run), strict=True):
+        total += M * V
+    return total
