@@ -37,6 +37,8 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .files import FileFormatError as FileFormatError
     from .files import load as load
     from .frozen import InvalidModel as InvalidModel
+    from .gauges import Gauge as Gauge
+    from .gauges import gauges_to_csv as gauges_to_csv
     from .laws import Bonded as Bonded
     from .laws import Hertz as Hertz
     from .laws import HuntCrossley as HuntCrossley
@@ -51,7 +53,6 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .profiles import Steps as Steps
     from .regions import Regions as Regions
     from .regions import regions_of as regions_of
-    from .solution import Gauge as Gauge
     from .solution import Solution as Solution
     from .solving import collide as collide
     from .solving import solve as solve
@@ -69,7 +70,8 @@ _HOME = {
     "model": ("System",),
     "solving": ("collide", "solve"),
     "ledger": ("EnergyLedger",),
-    "solution": ("Gauge", "Solution"),
+    "gauges": ("Gauge", "gauges_to_csv"),
+    "solution": ("Solution",),
     "contacts": ("ContactHistory", "Episode"),
     "outcome": ("Outcome", "UndefinedRestitution"),
     "regions": ("Regions", "regions_of"),

@@ -69,7 +69,7 @@ class WaveFields:
         ----------
         assembly : Clockwork
         waves : sequence of arrays
-            By line from 2 on: what left its end in each step, those of a transit before t = 0 first.
+            By line from 2 on: what left its end in each step, first those of a transit before 0.
         steps : int
         masses : mapping of int to array
         """

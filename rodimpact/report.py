@@ -292,7 +292,8 @@ def _energy(o: Outcome) -> str:
         rows.append(["in compliant contacts", "", _joules(o.contact_energy, scale)])
     rows.append(row("total", *total, scale))
     scale = max(scale, *(abs(value) for _, value in _exchanges(o)))
-    rows += [[name, "", _joules(value, scale)] for name, value in _exchanges(o) if value]
+    rows += [[name, "", _joules(value, scale)]
+             for name, value in _exchanges(o) if clean(value, scale)]
     return align(rows)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -12,56 +11,12 @@ from numpy.typing import ArrayLike
 from .contacts import ContactHistory
 from .fields import WaveFields
 from .frozen import Number
+from .gauges import Gauge
 from .ledger import EnergyLedger, ledger, stored
 from .model import Body, RigidMass, Rod, Samples, Steps, System, Wall
 from .outcome import Outcome
 from .records import Record
 from .signals import Floats, Side
-
-
-@dataclass(frozen=True)
-class Gauge:
-    """Record of a strain gauge: strain and velocity are constant between jumps.
-
-    Attributes
-    ----------
-    body : int
-    x : float
-        m from the left end of the body.
-    times : array
-        s; the record starts at t = 0 and entry i holds from times[i] on, the last to `end`.
-    strain, velocity : array
-        Just after each time; m/s.
-    rightward, leftward : array
-        Strain carried by the wave running right and by the one running left, relative to the
-        velocity at t = 0; their sum is `strain`.
-    end : float
-        s.
-    """
-
-    body: int
-    x: float
-    times: Floats
-    strain: Floats
-    velocity: Floats
-    rightward: Floats
-    leftward: Floats
-    end: float
-
-    def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
-        """Write time, strain, rightward and leftward strain and velocity, one row a jump.
-
-        Raises
-        ------
-        FileExistsError
-            If the file is there and `force` is false.
-        """
-        from .files import write_text
-
-        names = ("time", "strain", "rightward", "leftward", "velocity")
-        columns = (self.times, self.strain, self.rightward, self.leftward, self.velocity)
-        rows = [names, *zip(*([repr(v) for v in c.tolist()] for c in columns), strict=True)]
-        write_text(path, "".join(",".join(row) + "\n" for row in rows), force=force)
 
 
 class Solution:
@@ -192,9 +147,10 @@ class Solution:
         ticks = ticks[(ticks >= 0) & (ticks <= f.end)]
         right, left = A.at(ticks - offset), B.at(ticks - (T - offset))
         per_wave = 0.5 / a.wave_speed[segment]
-        rest = (right[0] + left[0]) / 2
+        rest, times = (right[0] + left[0]) / 2, ticks * a.tick
+        moving = (left + right) / 2 + a.frame + a.gravity * times
         return Gauge(
-            body, float(x), ticks * a.tick, (left - right) * per_wave, (left + right) / 2 + a.frame,
+            body, float(x), times, (left - right) * per_wave, moving,
             (rest - right) * per_wave, (left - rest) * per_wave, self.t_end,
         )
 

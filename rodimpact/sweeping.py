@@ -23,8 +23,9 @@ from . import __version__
 from .checkpoint import Checkpoint
 from .files import PathLike, write_npz, written
 from .frozen import InvalidModel, Problems
+from .methods.abilities import choose, refuse
 from .methods.assembly import Blueprint
-from .methods.families import chunk_members, run_family
+from .methods.families import Stopped, chunk_members, run_family
 from .methods.front_kernel import CAP, CLOCK, FULL
 from .methods.fronts import MAX_EVENTS
 from .model import Bonded, System
@@ -34,6 +35,7 @@ from .solving import METHODS, solve
 STATUS = ("final", "max_events", "clock", "refused")
 """Why each run stopped; `SweepResult.status` holds places in this tuple."""
 
+ONE_BY_ONE = 16  # members of a chunk where each is solved alone
 AHEAD = 32  # chunks handed to an executor before the first is waited for
 Columns = dict[str, Any]
 
@@ -342,8 +344,10 @@ def sweep(
         If the checkpoint directory holds something else, or cannot be written.
     """
     _check(system, method, workers, on_error, max_events)
-    chosen = "fronts"
-    chunks = _Chunks(system.shape, chunk_members(Blueprint(system)))
+    chosen = choose(system) if method == "auto" else method
+    refuse(chosen, system)
+    most = chunk_members(Blueprint(system)) if chosen == "fronts" else ONE_BY_ONE
+    chunks = _Chunks(system.shape, most)
     kinds = _kinds(system)
     keep: Checkpoint | None = None
     if checkpoint is None:
@@ -381,7 +385,9 @@ def sweep(
                     first, job = waiting.popleft()
                     arrived(first, job.result())
                 part = system[chunks.box(number)]
-                waiting.append((number, pool.submit(run_chunk, part, max_events, *asking)))
+                waiting.append((number, pool.submit(
+                    run_chunk, part, chosen, max_events, *asking
+                )))
             while waiting:
                 first, job = waiting.popleft()
                 arrived(first, job.result())
@@ -397,15 +403,52 @@ def sweep(
 
 
 def run_chunk(
-    system: System, max_events: int, stop: Callable[[], bool] = lambda: False
+    system: System, method: str, max_events: int, stop: Callable[[], bool] = lambda: False
 ) -> Columns:
     """Columns of the members of a family, in C order; what executors run."""
+    found = (_together if method == "fronts" else _one_by_one)(system, method, max_events, stop)
+    return {name: found[name].astype(kind) for name, kind in _kinds(system).items()}
+
+
+def _one_by_one(
+    system: System, method: str, max_events: int, stop: Callable[[], bool]
+) -> Columns:
+    """Columns of members that are solved each alone."""
+    kinds = _kinds(system)
+    count = math.prod(system.shape)
+    found: Columns = {
+        name: np.full(count, math.nan if kind is np.float64 else 0) for name, kind in kinds.items()
+    }
+    found["status"][:] = STATUS.index("refused")
+    for place, index in enumerate(np.ndindex(system.shape)):
+        if stop():
+            raise Stopped
+        try:
+            solution = solve(system[index], method=method, max_events=max_events)
+        except InvalidModel:
+            continue
+        o = solution.outcome
+        found["status"][place] = STATUS.index("final" if o.final else solution.stopped_by)
+        found["final"][place], found["vibration"][place] = o.final, sum(o.vibration_after)
+        if not o.why_no_restitution():
+            found["restitution"][place] = o.restitution
+        for i, v in enumerate(o.velocities_after):
+            found[f"velocity_after.{i}"][place] = v
+        for k in o.unilateral:
+            for name in ContactColumns._fields:
+                found[f"{name}.{k}"][place] = getattr(o.contacts[k], name)
+    return found
+
+
+def _together(
+    system: System, _: str, max_events: int, stop: Callable[[], bool]
+) -> Columns:
+    """Columns of members that the fronts method runs in compiled code."""
     plan = Blueprint(system)
     run = run_family(plan, system.shape, max_events, stop)
     first, nodes = [span[0] for span in plan.spans], plan.make.node
     contacts = range(len(system.contacts))
     unknown = np.where(run.flag == FULL, math.nan, 0.0)
-
     before, after = (
         [unknown + _flat(v, system.shape)
          for v in body_velocities(system, first, by_segment.T, 0.0)]
@@ -430,8 +473,9 @@ def run_chunk(
     status = np.select(
         [run.final, run.flag == CAP, run.flag == CLOCK], [0, 1, 2], STATUS.index("refused")
     )
-    found |= {"vibration": unknown + run.vibration, "final": run.final, "status": status}
-    return {name: found[name].astype(kind) for name, kind in _kinds(system).items()}
+    return {
+        **found, "vibration": unknown + run.vibration, "final": run.final, "status": status,
+    }
 
 
 def _flat(number: Any, shape: tuple[int, ...]) -> Any:

@@ -1,4 +1,4 @@
-"""Closed forms for elastic rods: two free rods, and a rod on a rigid wall.
+"""Closed forms for elastic rods: two free rods, a rod on a rigid wall, a rigid mass on a rod.
 
 Two rods that meet at closing speed V press with the force V Z1 Z2/(Z1 + Z2), Z = rho A c being
 the impedance, until a wave returns from a far end, two transit times T = L/c later. The rod of
@@ -247,6 +247,61 @@ peak_force=120.0, vibration_energy=0.0)
         opening=plain(2 * T),
         peak_force=plain(Z * V),
         vibration_energy=plain(np.zeros_like(Z)),
+    )
+
+
+def mass_on_rod(
+    mass: ArrayLike, impedance: ArrayLike, transit_time: ArrayLike, speed: ArrayLike
+) -> PairCollision:
+    """Collision of a rigid mass with the end of a uniform free rod that does not vibrate.
+
+    The rod resists like a dashpot, ``F = Z V exp(-Z t/M)``, until the wave has come back from its
+    free end after 2 T. With mu the mass of the rod over that of the body,
+    ``e = (1 - exp(-2 mu))/mu - exp(-2 mu)``.
+
+    Source: J. Boussinesq's solution for a struck rod, in S. P. Timoshenko and J. N. Goodier, Theory
+    of Elasticity, section on longitudinal impact of bars; the free rod follows from balances.
+
+    Parameters
+    ----------
+    mass : float or array
+        M [kg].
+    impedance : float or array
+        Impedance Z = rho A c of the rod [kg/s].
+    transit_time : float or array
+        Time T = L/c that a wave takes from end to end [s].
+    speed : float or array
+        Speed at which the mass approaches the rod [m/s].
+
+    Returns
+    -------
+    PairCollision
+        Every entry has the broadcast shape of the arguments.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not positive and finite.
+
+    Examples
+    --------
+    >>> round(mass_on_rod(mass=2.0, impedance=40.0, transit_time=0.05, speed=3.0).restitution, 6)
+    0.729329
+    """
+    M, Z, T, V = np.broadcast_arrays(
+        positive("mass", mass, "kg"), positive("impedance", impedance, "kg/s"),
+        positive("transit_time", transit_time, "s"), positive("speed", speed, "m/s"),
+    )
+    mu = Z * T / M
+    lost = -np.expm1(-2 * mu)  # share of its momentum that the mass hands over
+    e = lost / mu - 1 + lost
+    return PairCollision(
+        restitution=plain(e),
+        impulse=plain(M * V * lost),
+        duration=plain(2 * T),
+        opening=plain(2 * T),
+        peak_force=plain(Z * V),
+        vibration_energy=plain((1 - e * e) * contact_mass(M, Z * T) * V * V / 2),
     )
 
 

@@ -14,11 +14,11 @@ from typing import NamedTuple, SupportsFloat
 from . import materials
 from .methods.assembly import start
 from .methods.front_kernel import FREE, TOUCH, play
-from .model import Bonded, Material, Rigid, Rod, Segment, System, Wall
+from .model import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall
 from .rigid import contact_mass
 from .solution import Solution
 from .solving import solve
-from .theory import rod_on_wall, saint_venant
+from .theory import mass_on_rod, rod_on_wall, saint_venant
 
 BOUND = 1e-12
 """Largest relative residual that passes; the solver's round-off stays below a hundredth of it."""
@@ -70,7 +70,7 @@ def checks() -> list[Check]:
     >>> all(check.passed for check in checks())
     True
     """
-    groups = (equal_rods, length_ratios, pairs, walls, steps, chain, fractions)
+    groups = (equal_rods, length_ratios, pairs, walls, steps, chain, fractions, masses)
     return [check for group in groups for check in group()]
 
 
@@ -183,6 +183,16 @@ def fractions() -> Iterator[Check]:
         off = exact_restitution(Z1, T1, Z2, T2) - known
         name = f"on fractions, impedances {Z1}:{Z2}, transit times {T1}:{T2}: e - {known}"
         yield Check(name, 0.0, float(off), 0.0)
+
+
+def masses() -> Iterator[Check]:
+    """A rigid mass on a free rod, by the method on a time step."""
+    expected, got = [], []
+    for mass in (0.25, 1.0, 4.0):
+        expected.append(mass_on_rod(mass, 1.0, 1.0, 1.0).restitution)
+        system = System([RigidMass(mass, velocity=1.0), _rod(1.0, 1.0)])
+        got.append(solve(system, rtol=1e-4).outcome.restitution)
+    yield _worst("e of a mass on a rod, time step", expected, got)._replace(bound=1e-5)
 
 
 def exact_restitution(Z1: int, T1: int, Z2: int, T2: int) -> Fraction:

@@ -21,7 +21,7 @@ LAYERS = [
     {"fields"},
     {"contacts"},
     {"outcome"},
-    {"ledger"},
+    {"ledger", "gauges"},
     {"records"},
     {"solution"},
     {"stepped"},
@@ -36,7 +36,7 @@ LAYERS = [
 ALLOWED = {
     # printing and saving, imported when asked for
     ("outcome", "report"), ("solution", "report"), ("solution", "files"),
-    ("files", "sweeping"),
+    ("files", "sweeping"), ("gauges", "files"),
 }
 LEVEL = {name: level for level, names in enumerate(LAYERS) for name in names}
 

@@ -277,3 +277,21 @@ def test_identical_bars_in_inches_and_pounds():
     assert pair.peak_force == pytest.approx(14961, abs=1)
     assert pair.duration == pytest.approx(98.66e-6, rel=1e-4)
     assert pair.restitution == 1.0
+
+
+@pytest.mark.parametrize(("ratio", "e"), [(0.25, 0.249581), (1.0, 0.729329), (4.0, 0.967347)])
+def test_a_mass_on_a_free_rod(ratio, e):
+    """Values derived independently; momentum and energy balance."""
+    Z, T, V = 3.0, 0.2, 1.7
+    M, m = ratio * Z * T, Z * T
+    c = theory.mass_on_rod(M, Z, T, V)
+    assert c.restitution == pytest.approx(e, abs=5e-7)
+    after = V - c.impulse / M, c.impulse / m
+    assert after[1] - after[0] == pytest.approx(c.restitution * V, rel=1e-13)
+    kinetic = M * after[0] ** 2 / 2 + m * after[1] ** 2 / 2
+    assert kinetic + c.vibration_energy == pytest.approx(M * V * V / 2, rel=1e-13)
+    times = np.linspace(0, 2 * T, 20001)
+    force = Z * V * np.exp(-Z * times / M)
+    assert np.trapezoid(force, times) == pytest.approx(c.impulse, rel=1e-7)
+    with pytest.raises(ValueError, match="mass"):
+        theory.mass_on_rod(0.0, Z, T, V)

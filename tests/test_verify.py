@@ -21,7 +21,9 @@ def test_every_check_has_a_name_of_its_own():
 
 
 def test_round_off_stays_far_below_the_bound():
-    assert max(check.residual for check in checks()) < verify.BOUND / 100
+    exact = [check for check in checks() if check.bound == verify.BOUND]
+    assert len(exact) >= len(checks()) - 1  # all but those on a time step
+    assert max(check.residual for check in exact) < verify.BOUND / 100
 
 
 def test_it_is_quick():

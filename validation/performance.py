@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import rodimpact as ri
-from rodimpact.methods import families, fronts, kernels
+from rodimpact.methods import characteristics, families, fronts, kernels
 from rodimpact.methods.assembly import Blueprint, start
 from rodimpact.methods.front_kernel import (
     CAP,
@@ -107,7 +107,7 @@ def leapfrog(cells_per_unit: int = 400, lengths: tuple[float, float] = (0.4, 1.0
 def leapfrog_of_map(members: int = 20) -> float:
     """Time of one leapfrog for a random member of `map_of_pairs`, s; impedances cost the same."""
     lengths = np.random.default_rng(1).uniform(0.05, 1.0, members)
-    return statistics.median(median(lambda: leapfrog(400, (float(x), 1.0)), 1) for x in lengths)
+    return statistics.median(median(lambda x=x: leapfrog(400, (float(x), 1.0)), 1) for x in lengths)
 
 
 # Kernels ----------------------------------------------------------------------------------------
@@ -246,11 +246,28 @@ def stepped_pairs(count: int = 100_000) -> float:
     return median(lambda: ri.sweep(system), 5)
 
 
+def row_on_steps(law: Any, steps: int = 1_000_000) -> float:
+    """Time of a run of five rods between walls on a time step, s; fresh memory is not counted."""
+    lengths, step = (8, 10, 12, 14, 16), 0.02
+    rods = [ri.Rod(step * n, area=1 + 0.1 * n, material=UNIT_MATERIAL, velocity=8 / n - 0.7)
+            for n in lengths]
+    system = ri.System([ri.Wall(), *rods, ri.Wall()], gaps=[0.05] * 6, contacts=[law] * 6)
+    plan, spans = characteristics.Plan(system), []
+    for _ in range(4):
+        machine = characteristics.Machine(plan, list(lengths), step, steps)
+        begin = time.perf_counter()
+        machine.advance(steps)
+        spans.append(time.perf_counter() - begin)
+        assert sum(machine.tally.episodes) > 100
+    return min(spans)
+
+
 def measure() -> list[Figure]:
     """Every figure but the yardstick's."""
     rows = {n: long_row(n) for n in (30, 100, 300, 1000)}
     growth = rows[1000] / rows[30] / (math.log2(1000) / math.log2(30))
     seconds, error = map_of_pairs()
+    rigid = row_on_steps(ri.Rigid())
     print(f"largest error of e in a map of a million pairs: {error:.1e}")
     figures = [
         Figure("collide() of two rods, interpreted, fresh", fresh(COLLIDE), 300e-6),
@@ -260,6 +277,10 @@ def measure() -> list[Figure]:
         *(Figure(f"an event of a row of {n} rods", value, 120e-9) for n, value in rows.items()),
         Figure("a map of 1000 x 1000 lengths and impedances, two threads", seconds, 0.5),
         Figure("100 000 pairs of stepped rods, two threads", stepped_pairs(), 2.0),
+        Figure("10^6 steps of five rods, rigid contacts", rigid, 0.3),
+        Figure("10^6 steps of five rods, springs", row_on_steps(ri.Spring(10.0)), 0.3),
+        Figure("10^6 steps of five rods, Hertz", row_on_steps(ri.Hertz(10.0)), 0.3),
+        Figure("a segment and step of five rods, rigid contacts", rigid / 5e6, 15e-9),
         Figure("velocity on 1000 x 1000 points, compiled", fresh("import numba\n" + FIELD), 2e-3),
         Figure("velocity on 1000 x 1000 points, not compiled, fresh", fresh(FIELD), 30e-3),
     ]

@@ -12,8 +12,10 @@ from typing import Any
 
 from ..casefile import Case, read_case
 from ..frozen import InvalidModel
+from ..gauges import gauges_to_csv
+from ..model import Rod
 from ..report import solution_dict, solution_table
-from ..solving import solve
+from ..solving import METHODS, solve
 from . import DONE, INCOMPLETE
 from .asking import Problems, check_format, check_outputs, note, quantity, whole_number
 
@@ -24,8 +26,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--save", metavar="FILE.npz", help="save the solution")
     parser.add_argument("--plot", metavar="FILE", help="draw it: .png, .svg or .pdf")
+    parser.add_argument("--gauges", metavar="FILE.csv",
+                        help="write strains against time, as tools for Hopkinson bars read them")
+    parser.add_argument("--gauge", metavar="NAME=BODY:X", action="append", default=[],
+                        help="a column of --gauges: incident=1:0.5 is 0.5 m into body 1")
     parser.add_argument("--until", metavar="TIME", help="end of the run, instead of the case's")
     parser.add_argument("--max-events", metavar="N", help="cap on events, instead of the case's")
+    parser.add_argument("--method", choices=("auto", *METHODS), help="instead of the case's")
+    parser.add_argument("--dt", metavar="TIME", help="time step of characteristics")
+    parser.add_argument("--rtol", metavar="X", help="accuracy to which it halves the step")
     parser.add_argument("--force", action="store_true", help="replace existing files")
 
 
@@ -33,8 +42,12 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     """Check everything, solve, write the files, and hand back the table or JSON."""
     problems: Problems = []
     options: dict[str, Any] = {}
-    if arguments.until is not None:
-        options["until"] = quantity(problems, "--until", arguments.until, "time")
+    for name, dimension in (("until", "time"), ("dt", "time"), ("rtol", "dimensionless")):
+        if getattr(arguments, name) is not None:
+            given = getattr(arguments, name)
+            options[name] = quantity(problems, f"--{name}", given, dimension)
+    if arguments.method is not None:
+        options["method"] = arguments.method
     if arguments.max_events is not None:
         options["max_events"] = whole_number(problems, "--max-events", arguments.max_events)
     case: Case | None = None
@@ -42,11 +55,15 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         case = read_case(arguments.case)
     except InvalidModel as error:
         problems += error.problems
+    places = _places(problems, arguments.gauge, case)
+    if (arguments.gauges is None) != (not arguments.gauge):
+        problems.append(("--gauges", "goes with --gauge NAME=BODY:X, one for each column"))
     files, paths = {}, {}  # by what they are for: name, and where the user gave it
     for key in ("save", "plot"):
         given = getattr(arguments, key)
         files[key] = case.output.get(key) if given is None and case else given
         paths[key] = f"output.{key}" if given is None else f"--{key}"
+    files["gauges"], paths["gauges"] = arguments.gauges, "--gauges"
     if files["plot"] is not None:
         check_format(problems, paths["plot"], files["plot"])
     check_outputs(problems, {paths[key]: files[key] for key in files}, arguments.force)
@@ -61,8 +78,37 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
 
         plot.save(plot.overview(solution), files["plot"], force=arguments.force)
         note(f"wrote {files['plot']}")
+    if files["gauges"] is not None:
+        gauges = {name: solution.gauge(*place) for name, place in places.items()}
+        gauges_to_csv(files["gauges"], gauges, force=arguments.force)
+        note(f"wrote {files['gauges']}")
     text = (
         json.dumps(solution_dict(solution), indent=2, allow_nan=False)
         if arguments.json else solution_table(solution)
     )
     return text, INCOMPLETE if solution.stopped_by in ("max_events", "clock") else DONE
+
+
+def _places(
+    problems: Problems, given: list[str], case: Case | None
+) -> dict[str, tuple[int, float]]:
+    """Bodies and places of gauges by name."""
+    found: dict[str, tuple[int, float]] = {}
+    bodies = case.system.bodies if case else ()
+    for text in given:
+        name, _, place = text.partition("=")
+        number, _, x = place.partition(":")
+        if not name or not number.strip().isdecimal() or not x or name in found:
+            message = f"must be NAME=BODY:X, such as incident=1:0.5, each name once, got {text!r}"
+            problems.append(("--gauge", message))
+            continue
+        found[name] = int(number), quantity(problems, f"--gauge {name}", x, "length")
+        body = bodies[int(number)] if int(number) < len(bodies) else None
+        if case and not isinstance(body, Rod):
+            rods = [str(i) for i, b in enumerate(bodies) if isinstance(b, Rod)]
+            message = f"body {number} is no rod; the rods are {', '.join(rods)}"
+            problems.append((f"--gauge {name}", message))
+        elif isinstance(body, Rod) and not 0 <= found[name][1] <= float(body.length):
+            message = f"must lie in body {number}, 0 to {float(body.length)!r} m, got {x!r}"
+            problems.append((f"--gauge {name}", message))
+    return found

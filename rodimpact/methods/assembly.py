@@ -139,8 +139,8 @@ class Blueprint:
         rows = [n + 2, n + 2, n + 1, 2, 1, fronts, fronts, fronts, *[1] * 7]
         kinds = [0, 0.0, 0.0, 0.0, 0, 0, 0, 0.0, 0.0, 0, 0.0, 0.0, 0.0, 0.0, 0]
         layout = [full(members * row, zero) for row, zero in zip(rows, kinds, strict=True)]
-        sizes = [marks, marks, marks, marks, marks, n + 2, marks, marks]
-        kinds = [0.0, 0, 0, 0, 0, 0, 0.0, 0.0]
+        sizes = [marks, marks, marks, marks, marks, n + 2, marks, marks, marks, 2]
+        kinds = [0.0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0]
         work = [full(size, zero) for size, zero in zip(sizes, kinds, strict=True)]
         return Layout(*layout), Work(*work)
 

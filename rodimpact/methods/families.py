@@ -21,7 +21,7 @@ from .fronts import as_arrays, on_arrays
 from .layout_kernel import LAID, Layout, Make, lay_out_all
 
 ROOM = 256  # rows of the log at first
-FIRST_BLOCK, LAST_BLOCK = 256, 1024  # members of a block
+FIRST_BLOCK, LAST_BLOCK = 512, 2048  # members of a block
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
 MOST_MEMBERS, MOST_BYTES = 16384, 1 << 24  # of one call of `run_family`, for memory's sake
 

@@ -77,6 +77,8 @@ class Work(NamedTuple):
     piece: Any  # [n + 2] first piece of each segment
     velocity: Any  # [m] by piece
     strain: Any  # [m] by piece
+    known: Any  # [m] durations of the member before
+    memory: Any  # [2] its bits, and the ticks of its longest duration
 
 
 def recognise(x: float) -> tuple[int, int]:
@@ -350,7 +352,15 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
         return LONG
     for i in range(durations, len(work.duration)):
         work.duration[i] = longest  # fewer jumps inside than there might be
-    whole = assign_ticks(work.duration, bits, work.order, work.p, work.q, work.ticks)
+    known = work.memory[0] == bits  # neighbours in a family often share their lengths
+    for i in range(len(work.duration)):
+        known = known and work.known[i] == work.duration[i]
+    if not known:
+        whole = assign_ticks(work.duration, bits, work.order, work.p, work.q, work.ticks)
+        work.memory[0], work.memory[1] = bits, whole
+        for i in range(len(work.duration)):
+            work.known[i] = work.duration[i]
+    whole = work.memory[1]
     beat, window, short = longest / whole, max(1, whole >> WINDOW), 1
     for s in range(1, n + 1):
         T = work.ticks[s - 1]
