@@ -190,7 +190,8 @@ class Rod(Frozen):
     segments : sequence of Segment
         Pieces of a stepped rod, from left to right.
     velocity : float, array, Steps, Samples or function
-        Initial velocity, m/s; a function of the distance from the left end, m, is sampled.
+        Initial velocity, m/s; a function of the distance from the left end, m, is sampled at 1025
+        places from end to end.
     strain : float, array, Steps, Samples or function
         Initial strain, positive in tension; a function as for the velocity.
 

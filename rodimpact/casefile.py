@@ -1,30 +1,59 @@
 """Case files: a collision written down in TOML, read with every mistake reported at once.
 
     schema = 1
+    gravity = "9.81 m/s^2"   # to the right; 0 if left out
 
     [[bodies]]
     kind = "rod"
     length = "400 mm"        # a number in SI units, or text with a unit
     area = 1e-4              # or the `diameter` of a round rod
     material = "steel"       # of `rodimpact.materials`, or a [materials.NAME] of this file
-    velocity = 1.0           # or a profile {values = [1.0, 0.0], at = [0.1]}; so is `strain`
+    velocity = 1.0           # or a profile; so is `strain`
+
+    [[bodies]]
+    kind = "mass"            # rigid
+    mass = "2 kg"
+    velocity = 0.0
 
     [[bodies]]
     kind = "wall"            # takes `velocity` only
 
     [[contacts]]             # entry i lies between body i and i + 1; leave all out for touching
     gap = "50 um"
-    law = "rigid"            # or "bonded"
+    law = "rigid"            # or a law of the table below
 
-    [solve]                  # until, method, max_events: as for `rodimpact.solve`
+    [[contacts]]
+    law = "spring"
+    stiffness = "3 kN/mm"
+
+    [ends.left]              # of the row; free if left out
+    kind = "force"           # or "velocity", "fixed", "absorbing", "free"
+    value = "1 kN"           # or a profile in time; for "force" and "velocity" only
+
+    [solve]                  # until, method, max_events, dt, rtol: as for `rodimpact.solve`
     [output]                 # plot, save: names of files to write
+
+    law               takes
+    "rigid"           restitution, between rigid bodies only
+    "bonded"          nothing
+    "spring"          stiffness (N/m)
+    "spring-dashpot"  stiffness (N/m), damping (N s/m)
+    "hertz"           stiffness (N/m^1.5), or left_radius and right_radius
+    "hunt-crossley"   stiffness (N/m^1.5), damping (s/m)
 
 A [materials.NAME] takes youngs_modulus, density, poisson_ratio and viscosity; a stepped rod takes
 [[bodies.segments]] with length, area and material each. Mistakes bear the path of the entry, such
 as `bodies.0.length`.
 
-Any number of the bodies, contacts and materials may be varied: the grid given for its path stands
-in for the entry, which may then be absent, and the case becomes a family with one axis a grid.
+A profile is {values = [1.0, 0.0], at = [0.1]}, constant between jumps, or {samples = [...]}, at
+equal distances from end to end. In time `at` are times, and samples have a `step` between them.
+
+A radius left out, or "inf", is that of a flat face. The faces of a Hertz contact are of the
+material of their rods; those of a mass or a wall do not yield, unless left_material or
+right_material names what they are made of.
+
+Any number but samples may be varied: the grid given for its path stands in for the entry, which
+may then be absent, and the case becomes a family with one axis a grid.
 """
 
 from __future__ import annotations
@@ -45,17 +74,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import materials, units
+from .bodies import Body, Material, RigidMass, Rod, Segment, Wall
+from .ends import ENDS, FREE, End
 from .frozen import InvalidModel, Number, Problems, number
-from .model import (
-    CONTACT_LAWS,
-    Body,
-    Material,
-    Rod,
-    Segment,
-    Steps,
-    System,
-    Wall,
-)
+from .laws import CONTACT_LAWS, ContactLaw, Hertz, Rigid, Spring
+from .model import SIDES, System
+from .profiles import Samples, Steps
 from .solving import METHODS
 
 SCHEMA = 1
@@ -63,6 +87,18 @@ MISSING = math.nan  # default of an entry that must be there, and what stands fo
 MOST_COLLISIONS = 10**9  # in one family
 MOST_CHOICES = 12  # named in a message
 GRID_FORM = "start:stop:count, start:stop:count:log or a list such as 0.1,0.2,0.4"
+PROFILES = {  # how a profile is written along a rod, and in time
+    "length": "{values = [...], at = [...]} or {samples = [...]}",
+    "time": "{values = [...], at = [...]} or {samples = [...], step = ...}",
+}
+LAW_NUMBERS = {  # and their dimensions
+    "bonded": {},
+    "spring": {"stiffness": "stiffness"},
+    "spring-dashpot": {"stiffness": "stiffness", "damping": "damping"},
+    "hertz": {"stiffness": "Hertz stiffness"},
+    "hunt-crossley": {"stiffness": "Hertz stiffness", "damping": "inverse velocity"},
+}
+END_VALUES = {"force": "force", "velocity": "velocity"}  # dimension of what drives it
 
 Materials = dict[str, Material]
 
@@ -88,7 +124,8 @@ class Case:
     system : System
         Of shape (), or where numbers are varied of shape (n_0, n_1, ...), one axis a grid.
     solve : dict
-        Those of `until` (s), `method` and `max_events` that were given, for ``ri.solve``.
+        Those of `until` (s), `method`, `max_events`, `dt` (s) and `rtol` that were given, for
+        ``ri.solve``.
     output : dict of str
         Those of `plot` and `save` that were given: names of files.
     path : str
@@ -191,11 +228,16 @@ def parse_case(
     top = _Table(problems, "", data, grids)
     _check_schema(top)
     known = _read_materials(top)
-    bodies = [_read_body(table, known) for table in top.tables("bodies")]
-    if not bodies:
+    gravity = top.number("gravity", "acceleration", 0.0)
+    read = [_read_body(table, known) for table in top.tables("bodies")]
+    if not read:
         top.note("bodies", "is missing; describe each body in a [[bodies]] table")
-    gaps, laws = _read_contacts(top, len(bodies) - 1)
-    system: Any = bodies and top.make(System, bodies=bodies, gaps=gaps, contacts=laws)
+    gaps, laws = _read_contacts(top, read, known)
+    ends = _read_ends(top.table("ends"))
+    bodies = [body or Rod(1.0, area=1.0, material=materials.steel) for body in read]
+    system: Any = bodies and top.make(
+        System, bodies=bodies, gaps=gaps, contacts=laws, gravity=gravity, ends=ends
+    )
     options, output = _read_solve(top.table("solve")), _read_output(top.table("output"))
     top.close()
     _check_grids(top, system)
@@ -231,16 +273,21 @@ class _Table:
         varied = self.grids.ask(self.where(key))
         return self.has(key) or varied
 
-    def number(self, key: str, dimension: str, default: Any = MISSING) -> Any:
+    def number(
+        self, key: str, dimension: str, default: Any = MISSING, profiles: str = ""
+    ) -> Any:
         """A number of the model, an array where it is varied."""
         if self.gives(key):
-            return self.variable(key, self.data.get(key), dimension)
+            return self.variable(key, self.data.get(key), dimension, profiles)
         if default is MISSING:
             self.note(key, f"is missing; give {_unit_hint(dimension)}")
         return default
 
-    def variable(self, key: str, value: Any, dimension: str) -> Number:
-        """The grid that varies this number, or else what the file says it is."""
+    def variable(self, key: str, value: Any, dimension: str, profiles: str = "") -> Number:
+        """The grid that varies this number, or else what the file says it is.
+
+        `profiles` says how a profile in its place is written, if there can be one.
+        """
         path = self.where(key)
         if self.grids.ask(path):
             try:
@@ -250,8 +297,8 @@ class _Table:
                 return MISSING
         if isinstance(value, list):
             message = f"must be a single number, got {_short(value)}"
-            if key in ("velocity", "strain") and self.data.get("kind") == "rod":
-                message += "; a profile is written {values = [...], at = [...]}"
+            if profiles:
+                message += f"; a profile is written {profiles}"
             self.note(key, f"{message}; rodimpact sweep --vary {path}=start:stop:count varies it")
             return MISSING
         return self.quantity(key, value, dimension)
@@ -264,15 +311,35 @@ class _Table:
             self.note(key, str(error))
             return MISSING
 
-    def profile(self, key: str, dimension: str) -> Any:
-        """A number or `Steps`, 0 where there is neither."""
+    def profile(
+        self, key: str, dimension: str, default: float = 0.0, over: str = "length"
+    ) -> Any:
+        """A number, `Steps` or `Samples` over a length or a time; 0 where mistakes allow none."""
         if not isinstance(self.data.get(key), dict):
-            return self.number(key, dimension, 0.0)
-        steps = self.table(key)
-        lists = {name: steps.numbers(name, of) for name, of in
-                 (("values", dimension), ("at", "length"))}
-        steps.close()
-        return steps.make(Steps, **lists) or 0.0
+            return self.number(key, dimension, default, PROFILES[over])
+        inner, made = self.table(key), None
+        if inner.has("samples"):
+            step = inner.number("step", "time") if over == "time" else None
+            values = inner.samples("samples", dimension)
+            made = values and inner.make(Samples, values=values, step=step)
+        else:
+            lists = {name: inner.numbers(name, of) for name, of in
+                     (("values", dimension), ("at", over))}
+            made = inner.make(Steps, **lists)
+        inner.close()
+        return made or 0.0
+
+    def samples(self, key: str, dimension: str) -> list[float]:
+        """Numbers of a long list, of whose mistakes the first is noted; empty if there are any."""
+        given, found = self.data[key], []
+        if not isinstance(given, list) or len(given) < 2:
+            self.note(key, f"must be a list of at least two numbers, got {_short(given)}")
+            return []
+        for i, value in enumerate(given):
+            found.append(self.quantity(f"{key}.{i}", value, dimension))
+            if math.isnan(found[-1]):
+                return []
+        return found
 
     def numbers(self, key: str, dimension: str) -> list[Number] | None:
         if not self.has(key):
@@ -410,7 +477,7 @@ def _check_grids(top: _Table, system: System | None) -> None:
         remedy = "take fewer values, or sweep one part after another"
         top.note(next(iter(grids.texts)), f"{message}; {remedy}")
     # in a table that could not be read, nobody knows the numbers
-    unread = tuple(re.sub(r"\.kind$", "", path) + "." for path, _ in top.problems)
+    unread = tuple(re.sub(r"\.(kind|law)$", "", path) + "." for path, _ in top.problems)
     for path in grids.texts:
         name = path.removeprefix("materials.").rpartition(".")[0]
         if path in grids.known or path.startswith(unread):
@@ -423,9 +490,13 @@ def _check_grids(top: _Table, system: System | None) -> None:
     if system is None or top.problems:  # where mistakes are, something else stands in
         return
     rods = [body for body in system.bodies if isinstance(body, Rod)]
-    used = tuple(f"materials.{s.material.name}." for rod in rods for s in rod.segments)
+    used = [f"materials.{s.material.name}." for rod in rods for s in rod.segments]
+    faces = [entry.get(f"{side}_material") for entry in top.data.get("contacts", ())
+             for side in SIDES]
+    used += [f"materials.{face}.{elastic}" for face in faces
+             for elastic in ("youngs_modulus", "poisson_ratio")]
     for path in grids.taken:
-        if path.startswith("materials.") and not path.startswith(used):
+        if path.startswith("materials.") and not path.startswith(tuple(used)):
             top.note(path, "changes nothing: no rod is made of this material")
 
 
@@ -458,20 +529,24 @@ def _read_materials(top: _Table) -> Materials:
     return known
 
 
-def _read_body(table: _Table, known: Materials) -> Body:
-    """The body; where mistakes allow none, any of its kind stands in."""
-    kind = table.word("kind", ("rod", "wall"))
+def _read_body(table: _Table, known: Materials) -> Body | None:
+    """The body, None if of unknown kind; where mistakes allow none, any of its kind stands in."""
+    kind = table.word("kind", ("rod", "mass", "wall"))
+    if kind is None:
+        return None
     body: Body | None = None
     if kind == "wall":
         body = table.make(Wall, velocity=table.number("velocity", "velocity", 0.0)) or Wall()
-    elif kind == "rod":
+    elif kind == "mass":
+        mass, velocity = table.number("mass", "mass"), table.number("velocity", "velocity", 0.0)
+        body = table.make(RigidMass, mass=mass, velocity=velocity) or RigidMass(1.0)
+    else:
         shape = _read_segments(table, known) if table.has("segments") else _shape(table, known)
         velocity = table.profile("velocity", "velocity")
         strain = table.profile("strain", "dimensionless")
         if None not in shape.get("segments", ()):
             body = table.make(Rod, **shape, velocity=velocity, strain=strain)
-    if kind:  # without it, who knows which keys are right
-        table.close()
+    table.close()
     return body or Rod(1.0, area=1.0, material=materials.steel)
 
 
@@ -516,31 +591,108 @@ def _round_area(diameter: Number) -> Number:
         return math.pi * d * d / 4
 
 
-def _material(table: _Table, known: Materials) -> Material:
+def _material(table: _Table, known: Materials, key: str = "material") -> Material:
     """The material that the table names; steel stands in for an unknown one."""
-    if not table.has("material"):
-        table.note("material", "is missing; name one of rodimpact.materials or of this file")
+    if not table.has(key):
+        table.note(key, "is missing; name one of rodimpact.materials or of this file")
         return materials.steel
-    name = table.data["material"]
+    name = table.data[key]
     if isinstance(name, str) and name in known:
         return known[name]
-    table.note("material", f"unknown material {_short(name)}; {_nearest(name, known)}")
+    table.note(key, f"unknown material {_short(name)}; {_nearest(name, known)}")
     return materials.steel
 
 
-def _read_contacts(top: _Table, pairs: int) -> tuple[list[Number], list[Any]]:
+def _read_contacts(
+    top: _Table, bodies: list[Body | None], known: Materials
+) -> tuple[list[Number], list[ContactLaw]]:
     """Gaps and laws of all pairs."""
-    tables = top.tables("contacts")
+    tables, pairs = top.tables("contacts"), len(bodies) - 1
     if "contacts" in top.data and 0 <= pairs != len(tables):
         message = f"needs one entry for each neighbouring pair, {pairs} in all, got {len(tables)}"
         top.note("contacts", message + "; leave all out if all bodies touch")
     tables += [top.inner(f"contacts.{i}", {}) for i in range(len(tables), pairs)]
     gaps, laws = [], []
-    for table in tables:
+    for i, table in enumerate(tables):
         gaps.append(table.number("gap", "length", 0.0))
-        laws.append(CONTACT_LAWS[table.word("law", CONTACT_LAWS, "rigid") or "rigid"]())
-        table.close()
+        laws.append(_read_law(table, (*bodies[i : i + 2], None, None)[:2], known))
     return gaps[:pairs], laws[:pairs]
+
+
+def _read_law(
+    table: _Table, pair: tuple[Body | None, ...], known: Materials
+) -> ContactLaw:
+    """The law; a spring, which goes between any bodies, where mistakes allow none."""
+    name = table.word("law", CONTACT_LAWS, "rigid")
+    law: ContactLaw | None = None
+    if name is None:  # who knows which keys are right
+        return Spring(1.0)
+    if name == "rigid":
+        restitution = table.number("restitution", "dimensionless", None)
+        law = table.make(Rigid, restitution=restitution)
+        if restitution is not None and None in pair:  # who knows if it is right here
+            law = None
+    elif name == "hertz" and (faces := _read_faces(table, pair, known)):
+        law = table.make(Hertz.from_radii, **faces)
+    else:
+        numbers = {key: table.number(key, of) for key, of in LAW_NUMBERS[name].items()}
+        law = table.make(CONTACT_LAWS[name], **numbers)
+    table.close()
+    return law or Spring(1.0)
+
+
+def _read_faces(
+    table: _Table, pair: tuple[Body | None, ...], known: Materials
+) -> dict[str, Any]:
+    """Radii and materials of a Hertz contact, for `Hertz.from_radii`; empty if it has none."""
+    rounded = [side for side in SIDES if table.gives(f"{side}_radius")]
+    if table.gives("stiffness") or not rounded:
+        needless = [f"{side}_radius" for side in rounded]
+        needless += [key for side in SIDES if table.has(key := f"{side}_material")]
+        for key in needless:
+            table.note(key, "belongs to radii; give either stiffness or radii, not both")
+        if not table.gives("stiffness"):
+            table.note("stiffness", "is missing; give it, or left_radius and right_radius")
+        return {}
+    faces: dict[str, Any] = {}
+    for side, body, end in zip(SIDES, pair, (-1, 0), strict=True):
+        faces[f"{side}_radius"] = _radius(table, f"{side}_radius")
+        key = f"{side}_material"
+        if table.has(key):
+            faces[key] = _material(table, known, key)
+        elif isinstance(body, Rod):
+            faces[key] = body.segments[end].material
+        else:
+            faces[key] = None if body else materials.steel
+    return faces
+
+
+def _radius(table: _Table, key: str) -> Any:
+    """Radius of a face, m; that of a flat one is infinite."""
+    varied = table.grids.ask(table.where(key))
+    if not varied and table.has(key) and table.data[key] in ("inf", math.inf):
+        return math.inf
+    return table.number(key, "length", math.inf)
+
+
+def _read_ends(table: _Table) -> list[End]:
+    """What happens at the two ends of the row."""
+    ends = [_read_end(table.table(side)) if table.has(side) else FREE for side in SIDES]
+    table.close()
+    return ends
+
+
+def _read_end(table: _Table) -> End:
+    """The end; a free one where mistakes allow none."""
+    kind = table.word("kind", ENDS)
+    if kind is None:
+        return FREE
+    driven = {}
+    if kind in END_VALUES:
+        driven["value"] = table.profile("value", END_VALUES[kind], MISSING, "time")
+    end: End | None = table.make(ENDS[kind], **driven)
+    table.close()
+    return end or FREE
 
 
 def _read_solve(table: _Table) -> dict[str, Any]:
@@ -551,6 +703,13 @@ def _read_solve(table: _Table) -> dict[str, Any]:
             table.note("until", f"must not be negative, got {options['until']!r}")
     if table.has("method"):
         options["method"] = table.word("method", ("auto", *METHODS))
+    for key, dimension in (("dt", "time"), ("rtol", "dimensionless")):
+        if table.has(key):
+            options[key] = table.quantity(key, table.data[key], dimension)
+            if options[key] <= 0:
+                table.note(key, f"must be positive, got {options[key]!r}")
+    if "dt" in options and "rtol" in options:
+        table.note("dt", "fixes the step, rtol chooses it; give one of them")
     if table.has("max_events"):
         options["max_events"] = limit = table.data["max_events"]
         if type(limit) is not int or limit < 1:
@@ -571,7 +730,9 @@ def _read_output(table: _Table) -> dict[str, str]:
 def _unit_hint(dimension: str) -> str:
     if dimension == "dimensionless":
         return "a number"
-    return f"a {dimension}, in SI units or as text with one of {', '.join(units.UNITS[dimension])}"
+    article = "an" if dimension[0] in "aeiou" else "a"
+    known = ", ".join(units.UNITS[dimension])
+    return f"{article} {dimension}, in SI units or as text with one of {known}"
 
 
 def _nearest(word: Any, choices: Collection[str], head: str = "") -> str:
@@ -639,17 +800,20 @@ def write_case(case: Case | System) -> str:
             if found.setdefault(material.name, material) != material:
                 message = f"another material is called {material.name!r} too; rename one"
                 raise InvalidModel([(f"bodies.{i}.material", message)])
+    described = system.to_dict()
     lines = [f"schema = {SCHEMA}"]
+    lines += [f"{key} = {_toml(described[key])}" for key in ("gravity",) if key in described]
     for name, material in found.items():
         key = name if re.fullmatch("[A-Za-z0-9_-]+", name) else _toml(name)
         lines += _lines(f"[materials.{key}]", material.to_dict(), without=("name",))
-    described = system.to_dict()
     for body_table in described["bodies"]:
         lines += _lines("[[bodies]]", body_table, without=("segments",))
         for segment in body_table.get("segments", ()):
             lines += _lines("[[bodies.segments]]", segment)
     for contact in described["contacts"]:
         lines += _lines("[[contacts]]", contact)
+    for side, end in described.get("ends", {}).items():
+        lines += _lines(f"[ends.{side}]", end)
     for name, options in (("solve", case.solve), ("output", case.output)):
         lines += _lines(f"[{name}]", options) if options else []
     return "\n".join(lines) + "\n"

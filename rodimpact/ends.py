@@ -50,7 +50,8 @@ class Force(_End):
         N over time, s; positive pushes into the row, which compresses it, at both ends. `Steps`
         take times for `at`, `Samples` need their `step`; a function of time is sampled.
     duration : float, optional
-        s, for a function only: how long it is sampled; its last value holds on.
+        s, for a function only: it is sampled at 4097 times from 0 to this, and its last value holds
+        on.
 
     Raises
     ------
@@ -84,7 +85,8 @@ class Velocity(_End):
         m/s over time, s, positive to the right at both ends. `Steps` take times for `at`, `Samples`
         need their `step`; a function of time is sampled.
     duration : float, optional
-        s, for a function only: how long it is sampled; its last value holds on.
+        s, for a function only: it is sampled at 4097 times from 0 to this, and its last value holds
+        on.
 
     Raises
     ------

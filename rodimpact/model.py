@@ -137,6 +137,7 @@ class System(Frozen):
             )
             raise InvalidModel([(next(iter(self.parameters)), message)]) from None
         self._set(_shape=shape)
+        _check_joined(self)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -288,6 +289,18 @@ def _check_rigid(problems: Problems, i: int, law: Rigid, *pair: Any) -> None:
     elif law.restitution is not None and has_rod:
         message = "belongs between rigid bodies; the waves of a rod decide this contact: leave it"
         problems.append((f"contacts.{i}.restitution", f"{message} out"))
+
+
+def _check_joined(system: System) -> None:
+    """Refuse rigid bodies that are bonded and yet move apart."""
+    for i, law in enumerate(system.contacts):
+        left, right = system.bodies[i : i + 2]
+        if not isinstance(law, Bonded) or isinstance(left, Rod) or isinstance(right, Rod):
+            continue
+        if not np.all(same := np.equal(left.velocity, right.velocity)):
+            at, (wanted, got) = first_false(same, left.velocity, right.velocity)
+            message = f"must be {wanted!r}, that of the rigid body it is bonded to, got {got!r}"
+            raise InvalidModel([(f"bodies.{i + 1}.velocity{at}", message)])
 
 
 def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:

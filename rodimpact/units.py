@@ -26,6 +26,8 @@ UNITS: dict[str, dict[str, int]] = {
     "stiffness": {"N/m": 0, "N/mm": 3, "kN/m": 3, "kN/mm": 6, "MN/m": 6},
     "viscosity": {"Pa s": 0, "mPa s": -3, "kPa s": 3, "MPa s": 6},
     "damping": {"N s/m": 0, "N s/mm": 3, "kN s/m": 3},
+    "Hertz stiffness": {"N/m^1.5": 0, "kN/m^1.5": 3, "MN/m^1.5": 6, "GN/m^1.5": 9},
+    "inverse velocity": {"s/m": 0, "s/cm": 2, "s/mm": 3},
 }
 """For each dimension its units, each with its power of ten relative to the SI unit."""
 

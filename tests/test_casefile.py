@@ -5,12 +5,14 @@ import json
 import math
 import re
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
 import rodimpact as ri
 from rodimpact.casefile import Case, parse_case, read_case, write_case
@@ -26,6 +28,10 @@ ROD = ri.Rod(0.4, area=1e-4, material=STEEL)
 HEAD = "schema = 1\n"
 A_ROD = '[[bodies]]\nkind = "rod"\nlength = 0.4\narea = 1e-4\nmaterial = "steel"\n'
 A_WALL = '[[bodies]]\nkind = "wall"\n'
+A_MASS = '[[bodies]]\nkind = "mass"\nmass = 2\n'
+CONTACT = "[[contacts]]\n"
+LAW = CONTACT + "law = "
+LEFT = "[ends.left]\nkind = "
 
 
 def problems(text, vary=None):
@@ -115,6 +121,133 @@ def test_laws():
     assert case.system.contacts == (ri.Bonded(),)
 
 
+def test_masses_gravity_laws_ends_and_steps_of_time():
+    case = parse_case("""
+        schema = 1
+        gravity = "-9.81 m/s^2"
+        [[bodies]]
+        kind = "mass"
+        mass = "500 g"
+        velocity = "2 m/s"
+        [[bodies]]
+        kind = "mass"
+        mass = 2
+        [[bodies]]
+        kind = "rod"
+        length = 0.4
+        area = 1e-4
+        material = "steel"
+        velocity = {samples = [0, "1 m/s", 2.0]}
+        strain = {samples = ["0.1 %", 0]}
+        [[bodies]]
+        kind = "rod"
+        length = 0.4
+        area = 1e-4
+        material = "steel"
+        [[bodies]]
+        kind = "mass"
+        mass = "1 t"
+        [[bodies]]
+        kind = "rod"
+        length = 0.4
+        area = 1e-4
+        material = "steel"
+        [[contacts]]
+        restitution = "80 %"
+        [[contacts]]
+        law = "spring-dashpot"
+        stiffness = "3 kN/mm"
+        damping = "4 N s/m"
+        gap = "1 mm"
+        [[contacts]]
+        law = "hertz"
+        stiffness = "12 GN/m^1.5"
+        [[contacts]]
+        law = "hunt-crossley"
+        stiffness = 1e9
+        damping = "0.2 s/m"
+        [[contacts]]
+        law = "spring"
+        stiffness = 1e6
+        [ends.left]
+        kind = "force"
+        value = {values = ["1 kN", 0], at = ["1 ms"]}
+        [ends.right]
+        kind = "velocity"
+        value = {samples = [0, "1 cm/s"], step = "10 us"}
+        [solve]
+        dt = "0.1 us"
+        method = "auto"
+    """)
+    moving = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=ri.Samples([0, 1, 2]),
+                    strain=ri.Samples([1e-3, 0]))
+    assert case.system == ri.System(
+        [ri.RigidMass(0.5, velocity=2.0), ri.RigidMass(2), moving, ROD, ri.RigidMass(1000), ROD],
+        gaps=[0, 1e-3, 0, 0, 0],
+        contacts=[ri.Rigid(0.8), ri.SpringDashpot(3e6, 4.0), ri.Hertz(12e9),
+                  ri.HuntCrossley(1e9, 0.2), ri.Spring(1e6)],
+        gravity=-9.81,
+        ends=(ri.Force(ri.Steps([1e3, 0], [1e-3])), ri.Velocity(ri.Samples([0, 0.01], step=1e-5))),
+    )
+    assert case.solve == {"dt": 1e-7, "method": "auto"}
+    assert parse_case(write_case(case)) == case
+
+
+@pytest.mark.parametrize(("written", "end"), [
+    ('"fixed"', ri.Fixed()), ('"absorbing"', ri.Absorbing()), ('"free"', ri.Free()),
+    ('"force"\nvalue = "-2 kN"', ri.Force(-2000)), ('"velocity"\nvalue = 3', ri.Velocity(3)),
+])
+def test_ends(written, end):
+    case = parse_case(HEAD + A_ROD + LEFT + written)
+    assert case.system == ri.System([ROD], ends=(end, ri.Free()))
+    assert parse_case(write_case(case)).system == case.system
+    case = parse_case(HEAD + A_ROD + "[ends.right]\nkind = " + written)
+    assert case.system.ends == (ri.Free(), end)
+
+
+def hertz(*bodies, entries):
+    """Stiffness of the contact between two bodies, with these entries in the file."""
+    text = HEAD + "".join(bodies) + LAW + "'hertz'\n" + "\n".join(entries)
+    case = parse_case(text)
+    assert parse_case(write_case(case)).system == case.system
+    return case.system.contacts[0].stiffness
+
+
+BRASS_ROD = A_ROD.replace("steel", "brass")
+STEPPED = "[[bodies]]\nkind = 'rod'\n" + "".join(
+    f"[[bodies.segments]]\nlength = 0.1\narea = 1e-4\nmaterial = '{name}'\n"
+    for name in ("glass", "copper")
+)
+
+
+@pytest.mark.parametrize(
+    ("bodies", "entries", "faces"),
+    [
+        ((A_ROD, BRASS_ROD), ["left_radius = '2 cm'", "right_radius = 0.01"],
+         (0.02, 0.01, "steel", "brass")),
+        ((A_ROD, BRASS_ROD), ["left_radius = 0.02", "right_radius = 'inf'"],
+         (0.02, math.inf, "steel", "brass")),
+        ((A_ROD, BRASS_ROD), ["left_radius = inf", "right_radius = 0.02"],
+         (math.inf, 0.02, "steel", "brass")),
+        ((A_ROD, BRASS_ROD), ["right_radius = 0.02"], (math.inf, 0.02, "steel", "brass")),
+        # the segment at the contact
+        ((STEPPED, A_ROD), ["left_radius = 0.02"], (0.02, math.inf, "copper", "steel")),
+        ((A_ROD, STEPPED), ["left_radius = 0.02"], (0.02, math.inf, "steel", "glass")),
+        # what is rigid does not yield, unless the file says of what it is made
+        ((A_ROD, A_WALL), ["left_radius = 0.02"], (0.02, math.inf, "steel", None)),
+        ((A_MASS, A_ROD), ["left_radius = 0.02"], (0.02, math.inf, None, "steel")),
+        ((A_ROD, A_WALL), ["left_radius = 0.02", "right_material = 'glass'"],
+         (0.02, math.inf, "steel", "glass")),
+        ((A_ROD, BRASS_ROD), ["left_radius = 0.02", "left_material = 'tungsten'"],
+         (0.02, math.inf, "tungsten", "brass")),
+    ],
+)
+def test_hertz_contact_from_radii(bodies, entries, faces):
+    known = {**ri.materials.TABLE, None: None}
+    law = ri.Hertz.from_radii(*faces[:2], *(known[name] for name in faces[2:]))
+    assert hertz(*bodies, entries=entries) == law.stiffness
+
+
 def test_a_case_is_frozen():
     with pytest.raises(dataclasses.FrozenInstanceError):
         parse_case(HEAD + A_ROD).system = None
@@ -181,11 +314,14 @@ def test_files_that_are_no_toml(tmp_path, content, said):
         (HEAD + "bodies = 3\n[[contacts]]", "bodies", "must be tables"),
         (HEAD + "bodies = [1]", "bodies", "must be tables that each begin [[bodies]], got [1]"),
         (HEAD + "[bodies]\nkind='rod'", "bodies", "must be tables that each begin [[bodies]]"),
-        (HEAD + "gravity = 9.81\n" + A_ROD, "gravity", "unknown key; use one of schema, materials"),
+        (HEAD + "friction = 1\n" + A_ROD, "friction",
+         "unknown key; use one of schema, materials, gravity, bodies, contacts, ends, solve"),
+        (HEAD + "gravity = '9.81 m/s'\n" + A_ROD, "gravity", "'m/s' is a unit of velocity"),
+        (HEAD + "gravity = [1, 2]\n" + A_ROD, "gravity", "--vary gravity=start:stop:count"),
         (HEAD + A_ROD + "[solv]", "solv", "unknown key; perhaps 'solve' is meant"),
         (HEAD + "solve = 3\n" + A_ROD, "solve", "must be a table, got 3"),
         # bodies
-        (HEAD + "[[bodies]]", "bodies.0.kind", "is missing; use one of rod, wall"),
+        (HEAD + "[[bodies]]", "bodies.0.kind", "is missing; use one of rod, mass, wall"),
         (HEAD + "[[bodies]]\nkind='Rood'", "bodies.0.kind", "unknown kind 'Rood'; perhaps 'rod'"),
         (HEAD + "[[bodies]]\nkind=['rod']", "bodies.0.kind", "unknown kind ['rod']"),
         (HEAD + A_ROD + "velocty = 1", "bodies.0.velocty", "unknown key; perhaps 'velocity'"),
@@ -197,7 +333,16 @@ def test_files_that_are_no_toml(tmp_path, content, said):
         (HEAD + A_ROD + "velocity = nan", "bodies.0.velocity", "it is not a finite number"),
         (HEAD + A_ROD + "velocity = 1979-05-27", "bodies.0.velocity", "it is not a number"),
         (HEAD + A_ROD + "velocity = [1, 2]", "bodies.0.velocity", "must be a single number"),
-        (HEAD + A_ROD + "strain = [1, 2]", "bodies.0.strain", "{values = [...], at = [...]}"),
+        (HEAD + A_ROD + "strain = [1, 2]", "bodies.0.strain",
+         "; a profile is written {values = [...], at = [...]} or {samples = [...]}; rodimpact"),
+        (HEAD + "[[bodies]]\nkind='mass'\n" + A_ROD + LAW + "'hertz'\nstiffness=1",
+         "bodies.0.mass", "is missing; give a mass, in SI units or as text with one of kg, g"),
+        (HEAD + A_MASS.replace("2", "-2") + A_ROD, "bodies.0.mass",
+         "must be a finite positive number of kilograms, got -2.0"),
+        (HEAD + A_MASS + "length = 1\n" + A_ROD, "bodies.0.length", "use one of kind, mass"),
+        (HEAD + A_MASS + "velocity = {samples=[1,2]}\n" + A_ROD, "bodies.0.velocity",
+         "it is not a number"),
+        (HEAD + A_MASS, "bodies", "at least one rod"),
         (HEAD + A_ROD + A_WALL + "velocity = [1, 2]", "bodies.1.velocity",
          "must be a single number, got [1, 2]"),
         (HEAD + A_ROD + A_WALL + "velocity = {values=[1], at=[]}", "bodies.1.velocity",
@@ -216,9 +361,19 @@ def test_files_that_are_no_toml(tmp_path, content, said):
         (HEAD + A_ROD + "velocity = {values=[1,2], at=[]}", "bodies.0.velocity.values",
          "one value more than jumps"),
         (HEAD + A_ROD + "velocity = {values=[1,2,3], at=[0.2,0.1]}", "bodies.0.velocity.at.1",
-         "right of 0.2"),
+         "beyond 0.2"),
         (HEAD + A_ROD + "velocity = {values=[1], at=[], by=1}", "bodies.0.velocity.by",
          "unknown key"),
+        (HEAD + A_ROD + "velocity = {samples=[1]}", "bodies.0.velocity.samples",
+         "must be a list of at least two numbers, got [1]"),
+        (HEAD + A_ROD + "velocity = {samples=3}", "bodies.0.velocity.samples", "at least two"),
+        (HEAD + A_ROD + "velocity = {samples=[1, '2 m', '3 m', [4]]}",
+         "bodies.0.velocity.samples.1", "'m' is a unit of length"),
+        (HEAD + A_ROD + "strain = {samples=[1, inf]}", "bodies.0.strain.samples.1", "not a finite"),
+        (HEAD + A_ROD + "velocity = {samples=[1, 2], step=1}", "bodies.0.velocity.step",
+         "unknown key; use one of samples"),
+        (HEAD + A_ROD + "velocity = {samples=[1, 2], at=[1]}", "bodies.0.velocity.at",
+         "unknown key; use one of samples"),
         # segments
         (HEAD + A_ROD + "segments = []", "bodies.0.segments", "either segments or length"),
         (HEAD + "[[bodies]]\nkind='rod'\nsegments = []", "bodies.0.segments", "at least one"),
@@ -250,7 +405,69 @@ def test_files_that_are_no_toml(tmp_path, content, said):
         (HEAD + A_ROD + A_WALL + "[[contacts]]\ngap = 1\nlaw = 'bonded'", "contacts.0.gap",
          "must be 0 where bodies are bonded"),
         (HEAD + A_ROD + A_WALL + "[[contacts]]\nlaw = 'glued'", "contacts.0.law",
-         "unknown law 'glued'; use one of rigid, bonded"),
+         "unknown law 'glued'; use one of rigid, bonded, spring, spring-dashpot, hertz, hunt-cr"),
+        (HEAD + A_ROD + A_WALL + LAW + "'Hertzian'\nstiffness = 1", "contacts.0.law",
+         "perhaps 'hertz' is meant"),
+        (HEAD + A_MASS + A_MASS + A_ROD, "contacts.0", "no wave decides this contact: give Rigid("),
+        (HEAD + A_ROD + A_MASS + A_WALL + CONTACT * 2, "contacts.1", "no wave decides"),
+        (HEAD + A_ROD + A_WALL + CONTACT + "restitution = 1", "contacts.0.restitution",
+         "the waves of a rod decide this contact: leave it out"),
+        (HEAD + A_MASS + A_MASS + A_ROD + CONTACT + "restitution = '120 %'\n" + CONTACT,
+         "contacts.0.restitution", "must lie in [0, 1], got 1.2"),
+        (HEAD + A_MASS + A_MASS + A_ROD + CONTACT + "restitution = '1 m'\n" + CONTACT,
+         "contacts.0.restitution", "'m' is a unit of length"),
+        (HEAD + A_ROD + A_WALL + LAW + "'spring'", "contacts.0.stiffness",
+         "is missing; give a stiffness, in SI units or as text with one of N/m, N/mm"),
+        (HEAD + A_ROD + A_WALL + LAW + "'spring'\nstiffness = 0", "contacts.0.stiffness",
+         "must be a finite positive number of N/m, got 0.0"),
+        (HEAD + A_ROD + A_WALL + LAW + "'spring'\nstiffness = 1\ndamping = 1",
+         "contacts.0.damping", "unknown key; use one of gap, law, stiffness"),
+        (HEAD + A_ROD + A_WALL + LAW + "'hunt-crossley'\nstiffness = 1", "contacts.0.damping",
+         "is missing; give an inverse velocity, in SI units or as text with one of s/m"),
+        (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nstiffness = '1 N/m'", "contacts.0.stiffness",
+         "'N/m' is a unit of stiffness"),
+        (HEAD + A_ROD + A_WALL + LAW + "'hertz'", "contacts.0.stiffness",
+         "is missing; give it, or left_radius and right_radius"),
+        (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nstiffness = 1\nleft_radius = 1",
+         "contacts.0.left_radius", "either stiffness or radii, not both"),
+        (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nstiffness = 1\nright_material = 'steel'",
+         "contacts.0.right_material", "either stiffness or radii, not both"),
+        (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nleft_radius = 'inf'", "contacts.0.right_radius",
+         "two flat faces make no Hertz contact"),
+        (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nleft_radius = -1", "contacts.0.left_radius",
+         "positive number of metres or infinite, got -1.0"),
+        (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nleft_radius = 'round'", "contacts.0.left_radius",
+         "cannot read 'round' as length"),
+        (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nleft_radius = 1\nright_material = 'gum'",
+         "contacts.0.right_material", "unknown material 'gum'"),
+        (HEAD + A_ROD.replace("steel", "oak") + A_WALL + LAW + "'hertz'\nleft_radius = 1",
+         "contacts.0.left_material", "needs a poisson_ratio for Hertz contact, 'oak' has none"),
+        (HEAD + A_MASS + A_MASS + A_ROD + LAW + "'hertz'\nleft_radius = 1\n" + CONTACT,
+         "contacts.0.right_material", "one of two faces must yield"),
+        # ends
+        (HEAD + A_ROD + "ends = 3", "bodies.0.ends", "unknown key"),
+        (HEAD + "ends = 3\n" + A_ROD, "ends", "must be a table, got 3"),
+        (HEAD + A_ROD + "[ends]\nleft = 'fixed'", "ends.left", "must be a table, got 'fixed'"),
+        (HEAD + A_ROD + "[ends.top]\nkind = 'fixed'", "ends.top", "use one of left, right"),
+        (HEAD + A_ROD + "[ends.left]", "ends.left.kind",
+         "is missing; use one of free, fixed, absorbing, force, velocity"),
+        (HEAD + A_ROD + LEFT + "'clamped'\nvalue = 1", "ends.left.kind", "unknown kind 'clamped'"),
+        (HEAD + A_ROD + LEFT + "'fixed'\nvalue = 1", "ends.left.value", "use one of kind"),
+        (HEAD + A_ROD + LEFT + "'force'", "ends.left.value", "is missing; give a force, in SI"),
+        (HEAD + A_ROD + LEFT + "'force'\nvalue = '1 m/s'", "ends.left.value",
+         "'m/s' is a unit of velocity"),
+        (HEAD + A_ROD + LEFT + "'velocity'\nvalue = [1, 2]", "ends.left.value",
+         "is written {values = [...], at = [...]} or {samples = [...], step = ...}; rodimpact"),
+        (HEAD + A_ROD + LEFT + "'force'\nvalue = {values=[1, 2], at=['1 m']}",
+         "ends.left.value.at.0", "'m' is a unit of length"),
+        (HEAD + A_ROD + LEFT + "'force'\nvalue = {samples=[1, 2]}", "ends.left.value.step",
+         "is missing; give a time, in SI"),
+        (HEAD + A_ROD + LEFT + "'force'\nvalue = {samples=[1, 2], step=0}", "ends.left.value.step",
+         "must be a finite positive number of seconds, got 0.0"),
+        (HEAD + A_ROD + LEFT + "'force'\nvalue = {samples=['1 kN', 'x'], step=1}",
+         "ends.left.value.samples.1", "cannot read 'x' as force"),
+        (HEAD + A_WALL + A_ROD + LEFT + "'fixed'", "ends.left", "no place beyond a wall"),
+        (HEAD + A_MASS + A_ROD + LEFT + "'absorbing'", "ends.left", "put a Rod with an absorbing"),
         (HEAD + A_ROD + A_WALL + "[[contacts]]\nLaw = 'rigid'", "contacts.0.Law", "perhaps 'law'"),
         (HEAD + A_ROD + A_ROD + A_WALL + "[[contacts]]", "contacts", "pair, 2 in all, got"),
         (HEAD + A_ROD + "[[contacts]]", "contacts", "pair, 0 in all, got"),
@@ -260,6 +477,11 @@ def test_files_that_are_no_toml(tmp_path, content, said):
         (HEAD + A_ROD + "[solve]\nuntil = [1]", "solve.until", "as time: it is not a number"),
         (HEAD + A_ROD + "[solve]\nuntil = '1 m'", "solve.until", "'m' is a unit of length"),
         (HEAD + A_ROD + "[solve]\nmethod = 'front'", "solve.method", "perhaps 'fronts' is meant"),
+        (HEAD + A_ROD + "[solve]\ndt = 0", "solve.dt", "must be positive, got 0.0"),
+        (HEAD + A_ROD + "[solve]\ndt = '1 m'", "solve.dt", "'m' is a unit of length"),
+        (HEAD + A_ROD + "[solve]\ndt = 1\nrtol = 1e-6", "solve.dt", "give one of them"),
+        (HEAD + A_ROD + "[solve]\nrtol = -1e-6", "solve.rtol", "must be positive, got -1e-06"),
+        (HEAD + A_ROD + "[solve]\nrtol = '1 s'", "solve.rtol", "'s' is a unit of time"),
         (HEAD + A_ROD + "[solve]\nmax_events = 0", "solve.max_events", "positive whole number"),
         (HEAD + A_ROD + "[solve]\nmax_events = true", "solve.max_events", "whole number, got True"),
         (HEAD + A_ROD + "[solve]\nmax_events = 1e6", "solve.max_events", "positive whole number"),
@@ -273,7 +495,8 @@ def test_each_mistake_alone(text, path, said):
     found = problems(text)
     assert list(found) == [path]
     assert said in found[path]
-    assert "{values" not in found[path] or path in ("bodies.0.velocity", "bodies.0.strain")
+    profiles = ("bodies.0.velocity", "bodies.0.strain", "ends.left.value")
+    assert "{values" not in found[path] or path in profiles
 
 
 def test_a_list_in_a_file_is_no_family_but_the_remedy_is_named():
@@ -300,6 +523,7 @@ def test_all_mistakes_at_once_each_with_its_path():
     found = problems("""
         schema = 1
         foo = 1
+        gravity = "down"
         [materials.rubber]
         youngs_modulus = "5 kg"
         density = 0
@@ -324,25 +548,46 @@ def test_all_mistakes_at_once_each_with_its_path():
         material = "steel"
         [[bodies]]
         kind = "blob"
+        [[bodies]]
+        kind = "mass"
+        mass = 0
         [[contacts]]
         gap = -1
         [[contacts]]
         gap = "y"
         law = 7
+        stiffness = 3
+        [[contacts]]
+        law = "hertz"
+        left_radius = "x"
+        right_material = "y"
+        [[contacts]]
+        restitution = 0.5
+        [[contacts]]
+        [ends.left]
+        kind = "force"
+        value = "hard"
+        [ends.right]
+        kind = "velocity"
         [solve]
         until = "never"
         method = "magic"
         max_events = -1
+        dt = 0
+        rtol = 0
         [output]
         plot = 1
     """)
     assert set(found) == {
-        "foo", "materials.rubber.youngs_modulus", "materials.rubber.density", "bodies.0.length",
-        "bodies.0.area", "bodies.0.material", "bodies.0.velocity.values.1", "bodies.0.strain.at",
+        "foo", "gravity", "materials.rubber.youngs_modulus", "materials.rubber.density",
+        "bodies.0.length", "bodies.0.area", "bodies.0.material", "bodies.0.velocity.values.1",
+        "bodies.0.strain.at",
         "bodies.1.velocity", "bodies.1.size", "bodies.1", "bodies.2.segments.0.length",
         "bodies.2.segments.0.area", "bodies.2.segments.1.length", "bodies.2.segments.1.area",
-        "bodies.3.kind", "contacts", "contacts.0.gap", "contacts.1.gap", "contacts.1.law",
-        "solve.until", "solve.method", "solve.max_events", "output.plot",
+        "bodies.3.kind", "bodies.4.mass", "contacts", "contacts.0.gap", "contacts.1.gap",
+        "contacts.1.law", "contacts.2.left_radius", "contacts.2.right_material",
+        "ends.left.value", "ends.right.value", "solve.until", "solve.method", "solve.max_events",
+        "solve.dt", "solve.rtol", "output.plot",
     }
     assert not any("None" in message or "nan" in message for message in found.values())
 
@@ -362,24 +607,29 @@ def toml(value):
 json_like = st.recursive(
     st.booleans() | st.integers(-3, 3) | st.floats() | st.sampled_from(["", "rod", "1 mm", "x"]),
     lambda inner: st.lists(inner, max_size=3)
-    | st.dictionaries(st.sampled_from(["values", "at", "kind", "length", "gap", "x"]), inner,
-                      max_size=3),
+    | st.dictionaries(st.sampled_from(["values", "at", "kind", "length", "gap", "samples", "step"]),
+                      inner, max_size=3),
     max_leaves=6,
 )
 
 
 @given(
-    key=st.sampled_from(["schema", "bodies", "contacts", "materials", "solve", "output"]),
+    key=st.sampled_from([
+        "schema", "gravity", "bodies", "contacts", "ends", "materials", "solve", "output",
+    ]),
     inner=st.sampled_from(["", "kind", "length", "area", "material", "velocity", "segments", "gap",
-                           "law", "steel", "until", "method", "max_events", "plot"]),
+                           "law", "stiffness", "left_radius", "restitution", "left", "value",
+                           "steel", "until", "method", "max_events", "dt", "plot"]),
     value=json_like,
 )
 @settings(max_examples=300)
 def test_no_value_anywhere_escapes_as_another_error(key, inner, value):
     document = {
         "schema": 1,
-        "bodies": [{"kind": "rod", "length": 1, "area": 1, "material": "steel"}],
-        "contacts": [],
+        "gravity": 0,
+        "bodies": [{"kind": "rod", "length": 1, "area": 1, "material": "steel"}, {"kind": "wall"}],
+        "contacts": [{"law": "hertz", "left_radius": 1}],
+        "ends": {"kind": "force", "value": 1},
         "materials": {},
         "solve": {},
         "output": {},
@@ -388,8 +638,8 @@ def test_no_value_anywhere_escapes_as_another_error(key, inner, value):
         document[key] = value
     else:
         place = document[key]
-        if place == []:
-            place.append({})
+        if key == "ends":
+            document[key] = {"left": place}
         place = place[0] if isinstance(place, list) else place
         if isinstance(place, dict):
             place[inner] = value
@@ -476,6 +726,142 @@ def test_any_number_may_vary_given_in_the_file_or_not(path, grid, read, contacts
         changes = [(a, b) for a, b in zip(described.split(), plain.split(), strict=True) if a != b]
         assert len(changes) <= (2 if "materials" in path else 1)
         assert changes or wanted[i] == read(alone)
+
+
+ALL_KINDS = """
+schema = 1
+[materials.ball]
+youngs_modulus = "100 GPa"
+density = 5000
+poisson_ratio = 0.3
+[[bodies]]
+kind = "mass"
+mass = 1
+[[bodies]]
+kind = "mass"
+mass = 2
+velocity = 3
+[[bodies]]
+kind = "rod"
+length = 0.4
+area = 1e-4
+material = "steel"
+[[bodies]]
+kind = "mass"
+mass = 5
+[[bodies]]
+kind = "rod"
+length = 0.4
+area = 1e-4
+material = "steel"
+[[contacts]]
+restitution = 0.5
+[[contacts]]
+law = "hunt-crossley"
+stiffness = 1e9
+damping = 0.1
+[[contacts]]
+law = "spring-dashpot"
+stiffness = 1e6
+damping = 10
+[[contacts]]
+law = "hertz"
+left_radius = 0.05
+left_material = "ball"
+[ends.left]
+kind = "force"
+value = {values = [1, 0], at = [1e-3]}
+[ends.right]
+kind = "velocity"
+value = {samples = [0, 1], step = 1e-3}
+"""
+
+
+@pytest.mark.parametrize(
+    ("path", "grid", "unit", "read"),
+    [
+        ("gravity", "0,9.81 m/s^2", "m/s^2", lambda s: s.gravity),
+        ("bodies.0.mass", "1,500 g", "kg", lambda s: s.bodies[0].mass),
+        ("bodies.0.velocity", "1,2 cm/s", "m/s", lambda s: s.bodies[0].velocity),
+        ("contacts.0.restitution", "10 %,1", "", lambda s: s.contacts[0].restitution),
+        ("contacts.1.stiffness", "1,2 kN/m^1.5", "N/m^1.5", lambda s: s.contacts[1].stiffness),
+        ("contacts.1.damping", "1,2 s/m", "s/m", lambda s: s.contacts[1].damping),
+        ("contacts.2.stiffness", "1,2 kN/m", "N/m", lambda s: s.contacts[2].stiffness),
+        ("contacts.2.damping", "1,2 N s/mm", "N s/m", lambda s: s.contacts[2].damping),
+        ("contacts.2.gap", "0,1 mm", "m", lambda s: s.gaps[2]),
+        ("ends.left.value.values.0", "1,2 kN", "N", lambda s: s.ends[0].value.values[0]),
+        ("ends.left.value.at.0", "1,2 ms", "s", lambda s: s.ends[0].value.at[0]),
+        ("ends.right.value.step", "1,2 ms", "s", lambda s: s.ends[1].value.step),
+    ],
+)
+def test_numbers_of_masses_laws_and_ends_may_vary(path, grid, unit, read):
+    case = parse_case(ALL_KINDS, vary={path: grid})
+    [(where, values, of)] = case.varied
+    assert (where, of) == (path, unit)
+    assert case.system.shape == (2,)
+    assert list(case.system.parameters) == [path]  # one spelling everywhere
+    alone = parse_case(ALL_KINDS).system
+    for i in range(2):
+        assert read(case.system[i]) == values[i]
+        described, plain = (json.dumps(s.to_dict()) for s in (case.system[i], alone))
+        differing = {
+            k for k in json.loads(described).keys() | json.loads(plain).keys()
+            if json.loads(described).get(k) != json.loads(plain).get(k)
+        }
+        assert differing <= {path.split(".")[0]}
+
+
+@pytest.mark.parametrize(
+    ("path", "grid"),
+    [("contacts.3.left_radius", "1 cm,0.02"), ("contacts.3.right_radius", "1 m,0.2"),
+     ("materials.ball.youngs_modulus", "1 GPa,2e9"), ("materials.ball.poisson_ratio", "0,0.5")],
+)
+def test_radii_and_materials_of_faces_vary_the_stiffness(path, grid):
+    case = parse_case(ALL_KINDS, vary={path: grid})
+    assert case.system.shape == (2,)
+    assert list(case.system.parameters) == ["contacts.3.stiffness"]
+    faces = {"left_radius": 0.05, "right_radius": math.inf}
+    ball = {"youngs_modulus": 100e9, "density": 5000, "poisson_ratio": 0.3}
+    (faces if "contacts" in path else ball)[path.split(".")[-1]] = case.varied[0].values
+    law = ri.Hertz.from_radii(
+        **faces, left_material=ri.Material("ball", **ball), right_material=STEEL
+    )
+    assert case.system.contacts[3].stiffness.tolist() == law.stiffness.tolist()
+
+
+def test_the_density_of_a_face_changes_nothing():
+    said = problems(ALL_KINDS, {"materials.ball.density": "1,2"})
+    assert list(said) == ["materials.ball.density"]
+    assert "changes nothing" in said["materials.ball.density"]
+
+
+def test_numbers_may_be_left_to_the_grid():
+    text = HEAD + A_MASS.replace("mass = 2", "") + A_ROD + A_ROD + LAW + "'spring'\n" + CONTACT
+    text += LEFT + "'force'"
+    grids = {"bodies.0.mass": "1,2", "contacts.0.stiffness": "1,2", "ends.left.value": "1,2"}
+    case = parse_case(text, vary=grids)
+    assert case.system.shape == (2, 2, 2)
+    assert list(problems(text, dict(list(grids.items())[:2]))) == ["ends.left.value"]
+    # beside a law or a kind that is none, nothing is said of their numbers
+    said = problems(text.replace("spring", "sprung").replace("force", "farce"), grids)
+    assert list(said) == ["contacts.0.law", "ends.left.kind"]
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ("contacts.0.stiffness", "use one of contacts.0.gap, contacts.0.restitution"),
+        ("contacts.1.stifness", "perhaps 'contacts.1.stiffness' is meant"),
+        ("ends.right.value.samples.0", "is no number that can vary; use one of ends.right.value."),
+        ("ends.left.value", "perhaps 'ends.left.value"),
+        ("gravitation", "perhaps 'gravity' is meant"),
+        ("bodies.1.length", "use one of bodies.1.mass, bodies.1.velocity"),
+    ],
+)
+def test_what_cannot_vary_of_masses_laws_and_ends(path, said):
+    found = problems(ALL_KINDS, {path: "1,2"})
+    assert list(found) == [path]
+    assert said in found[path]
 
 
 def test_a_diameter_varies_the_area():
@@ -723,6 +1109,62 @@ def test_written_systems_read_back_equal(seed):
     assert again.digest == system.digest
 
 
+def random_profile(rng, end):
+    kind = rng.integers(4)
+    if kind == 0:
+        return rng.normal()
+    if kind == 1:
+        return ri.Steps(rng.normal(size=3), np.sort(rng.uniform(0, end, size=2)))
+    if kind == 2:
+        step = None if end < 1 else rng.uniform(1e-6, 1)
+        return ri.Samples(rng.normal(size=rng.integers(2, 9)), step)
+    return -0.0
+
+
+def random_row(seed):
+    """Bodies, laws and ends of every kind."""
+    rng = np.random.default_rng(seed)
+
+    def rod():
+        pieces = [ri.Segment(rng.uniform(0.1, 1), 1e-4, STEEL) for _ in range(rng.integers(1, 3))]
+        return ri.Rod(segments=pieces, velocity=random_profile(rng, 0.1),
+                      strain=random_profile(rng, 0.1))
+
+    def mass():
+        return ri.RigidMass(rng.uniform(0.1, 9), velocity=rng.normal())
+
+    laws = [
+        ri.Bonded, lambda: ri.Spring(rng.uniform(1, 1e9)), lambda: ri.Hertz(rng.uniform(1, 1e9)),
+        lambda: ri.SpringDashpot(*rng.uniform(1, 1e9, size=2)),
+        lambda: ri.HuntCrossley(*rng.uniform(1, 1e9, size=2)),
+        lambda: ri.Hertz.from_radii(rng.uniform(0, 1), math.inf, STEEL, None),
+    ]
+    bodies = [rod(), *(mass() if rng.random() < 0.5 else rod() for _ in range(rng.integers(5)))]
+    rng.shuffle(bodies)
+    ends = [ri.Free(), ri.Force(random_profile(rng, 2.0)), ri.Fixed(), ri.Absorbing(),
+            ri.Velocity(random_profile(rng, 2.0))]
+    pair = [ends[rng.integers(2 if isinstance(bodies[i], ri.RigidMass) else 5)] for i in (0, -1)]
+    if rng.random() < 0.3:
+        bodies, pair[1] = [*bodies, ri.Wall(rng.normal())], ri.Free()
+    contacts, gaps = [], []
+    for one, other in pairwise(bodies):
+        rigid = ri.Rigid() if ri.Rod in (type(one), type(other)) else ri.Rigid(rng.random())
+        contacts.append(rigid if rng.random() < 0.3 else laws[rng.integers(len(laws))]())
+        gaps.append(0.0 if contacts[-1] == ri.Bonded() else rng.uniform(0, 1e-3))
+    gravity = rng.normal() if rng.random() < 0.5 else 0.0
+    return ri.System(bodies, gaps, contacts, gravity=gravity, ends=pair)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_written_systems_of_every_kind_read_back_equal(seed):
+    system = random_row(seed)
+    again = parse_case(write_case(system)).system
+    assert again == system
+    assert again.digest == system.digest
+    assert ri.System.from_dict(json.loads(json.dumps(system.to_dict()))) == system
+    assert system.mirrored().mirrored().ends == system.ends
+
+
 @pytest.mark.parametrize("name", ["two words", "a.b", 'quote"', "Ä", "steel"])
 def test_materials_of_any_name(name):
     material = ri.Material(name, youngs_modulus=0.1, density=1e300, viscosity=3)
@@ -783,6 +1225,54 @@ def test_hopkinson_bar():
     assert pulse.min() == pytest.approx(-1.0e-3, rel=1e-2)
     assert solution.mean_velocity(body=0, t=solution.t_end) == pytest.approx(0.0, abs=1e-12)
     assert 45e-6 < solution.contacts[1].duration < solution.contacts[0].duration
+
+
+def test_hopkinson_specimen():
+    solution = solved("hopkinson-specimen")
+    bar, k = solution.system.bodies[1], solution.system.contacts[1].stiffness
+    Z, force = bar.segments[0].impedance, bar.segments[0].impedance * 10 / 2
+    pulse = solution.contacts[0]
+    assert (pulse.peak_force, pulse.duration) == pytest.approx((7737, 51.06e-6), rel=2e-4)
+    assert pulse.peak_force == pytest.approx(force, rel=1e-12)
+    t = np.linspace(1e-6, 50e-6, 50)
+    held_back = force * np.exp(-2 * k * t / Z)
+    arrival, c = bar.transit_time, bar.segments[0].wave_speed
+    transmitted = -solution.axial_force(2, 0.2, arrival + t + 0.2 / c)
+    reflected = solution.axial_force(1, 1.27 - 0.2, arrival + t + 0.2 / c)
+    assert transmitted == pytest.approx(force - held_back, abs=1e-3 * force)
+    assert reflected == pytest.approx(held_back, abs=1e-3 * force)
+    assert solution.contacts[1].peak_force == pytest.approx(0.733 * force, rel=1e-3)
+
+
+def test_rounded_rod_on_wall():
+    """Against the delay equation of the end: d' = a - F/Z, a(t) = a(t - 2T) - 2 F(t - 2T)/Z."""
+    solution = solved("rounded-rod-on-wall")
+    rod, k = solution.system.bodies[0], solution.system.contacts[0].stiffness
+    Z, T = rod.segments[0].impedance, rod.transit_time
+
+    def force(d):
+        return k * max(d, 0.0) ** 1.5
+
+    def first(t, y):
+        return [1.0 - force(y[0]) / Z, force(y[0])]
+
+    def second(t, y):
+        arriving = 1.0 - 2 * force(early.sol(t - 2 * T)[0]) / Z
+        return [arriving - force(y[0]) / Z, force(y[0])]
+
+    def parted(t, y):
+        return y[0]
+
+    parted.terminal, parted.direction = True, -1
+    exact = {"rtol": 1e-11, "atol": 1e-16, "method": "DOP853"}
+    early = solve_ivp(first, (0, 2 * T), [0.0, 0.0], dense_output=True, **exact)
+    late = solve_ivp(second, (2 * T, 4 * T), early.y[:, -1], events=parted, **exact)
+    [[end]], [[(_, impulse)]] = late.t_events, late.y_events
+    assert solution.contacts[0].impulse == pytest.approx(impulse, rel=1e-5)
+    assert solution.contacts[0].duration == pytest.approx(end, abs=2e-3 * end)
+    assert solution.outcome.restitution == pytest.approx(impulse / rod.mass - 1, abs=1e-5)
+    assert solution.outcome.restitution == pytest.approx(0.9949, abs=5e-5)
+    assert end == pytest.approx(0.1916e-3, rel=1e-3)
 
 
 def test_newtons_cradle():

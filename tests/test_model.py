@@ -354,3 +354,14 @@ def test_a_slice_of_a_family_keeps_what_varies_along_each_axis():
     assert system[1:2, :1].shape == (1, 1)
     assert system[[0, 2], [1, 1]].shape == (2,)
     assert system[1, 1].shape == ()
+
+
+def test_rigid_bodies_that_are_bonded_move_together():
+    def row(first, second):
+        bodies = [ri.RigidMass(1.0, velocity=first), ri.RigidMass(2.0, velocity=second), rod()]
+        return ri.System(bodies, contacts=[ri.Bonded(), ri.Bonded()])
+
+    assert row(1.0, 1.0).shape == ()
+    found = problems(lambda: row(1.0, np.array([1.0, 2.0])))
+    assert found == [("bodies.1.velocity[1]",
+                      "must be 1.0, that of the rigid body it is bonded to, got 2.0")]

@@ -76,7 +76,7 @@ def test_samples_are_one_thing_and_no_family():
     row = ri.System([rod(velocity=ri.Samples([0.0, 1.0, 2.0]), strain=np.zeros(5)), ri.Wall()])
     assert row.shape == (5,)
     assert list(row.parameters) == ["bodies.0.strain"]
-    assert row[2].bodies[0].velocity is row.bodies[0].velocity
+    assert row[2].bodies[0].velocity.values is row.bodies[0].velocity.values
     assert ri.System.from_dict(row.to_dict()) == row
 
 
