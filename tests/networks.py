@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -85,6 +86,17 @@ def random_end(rng, body, driven):
     return ri.Velocity(random_drive(rng, 0.3)) if kind is ri.Velocity else kind()
 
 
+def move_together(row, contacts):
+    """Give rigid bodies that are bonded the velocity of the first, or of their wall."""
+    pairs = [(i, i + 1) for i in range(len(contacts))]
+    for one, other in [*pairs, *((j, i) for i, j in reversed(pairs))]:
+        law = contacts[min(one, other)]
+        if isinstance(law, ri.Bonded) and isinstance(row[other], ri.RigidMass) and not isinstance(
+            row[one], ri.Rod
+        ):
+            row[other] = ri.RigidMass(row[other].mass, velocity=row[one].velocity)
+
+
 def random_network(seed, *, bodies=5, driven=False):
     """A row; only a driven one has gravity, moving walls and drives."""
     rng = np.random.default_rng(seed)
@@ -99,7 +111,14 @@ def random_network(seed, *, bodies=5, driven=False):
         if rng.random() < 0.3:
             moving = driven and rng.random() < 0.5
             row.insert(place, ri.Wall(float(rng.uniform(-0.2, 0.2)) if moving else 0.0))
-    contacts = [random_law(rng, *pair) for pair in zip(row, row[1:], strict=False)]
+    contacts = [random_law(rng, *pair) for pair in pairwise(row)]
+    move_together(row, contacts)
+    for indices, step in ((range(1, len(row)), 1), (range(len(row) - 2, -1, -1), -1)):
+        for i in indices:  # what is bonded to a rigid body before it moves as that does
+            body, before = row[i], row[i - step]
+            bonded = isinstance(contacts[min(i, i - step)], ri.Bonded)
+            if bonded and isinstance(body, ri.RigidMass) and not isinstance(before, ri.Rod):
+                row[i] = ri.RigidMass(body.mass, velocity=before.velocity)
     gaps = [
         0.0 if isinstance(law, ri.Bonded) or rng.random() < 0.5 else float(rng.uniform(0, 0.3))
         for law in contacts
@@ -163,4 +182,16 @@ def momentum_of_bodies(run):
         total += run.step / run.row.mobility[s] / 2 * np.sum(windows(run, s), axis=1)
     for M, V in zip(run.plan.masses, free_masses(run), strict=True):
         total += M * V
+    return total
+
+
+def radiated(run):
+    """[steps + 1] energy that has left through absorbing ends; without gravity."""
+    total, n = np.zeros(run.steps + 1), len(run.row.steps) - 2
+    for side, s, out in ((0, 1, 2), (1, n, 2 * n + 1)):
+        if run.plan.outside[side][0] == "absorbing":
+            into = run.wave(out)[run.row.steps[s] :] + run.plan.frame
+            away = run.wave(out ^ 1)[: run.steps] + run.plan.frame
+            flow = (away * away - into * into) * run.step / run.row.mobility[s] / 4
+            total[1:] += np.cumsum(flow)
     return total

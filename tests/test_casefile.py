@@ -18,6 +18,7 @@ import rodimpact as ri
 from rodimpact.casefile import Case, parse_case, read_case, write_case
 
 sys.path.insert(0, str(Path(__file__).parent))
+from networks import move_together
 from systems import random_system
 
 CASES = Path(__file__).parents[1] / "validation" / "cases"
@@ -1151,6 +1152,7 @@ def random_row(seed):
         rigid = ri.Rigid() if ri.Rod in (type(one), type(other)) else ri.Rigid(rng.random())
         contacts.append(rigid if rng.random() < 0.3 else laws[rng.integers(len(laws))]())
         gaps.append(0.0 if contacts[-1] == ri.Bonded() else rng.uniform(0, 1e-3))
+    move_together(bodies, contacts)
     gravity = rng.normal() if rng.random() < 0.5 else 0.0
     return ri.System(bodies, gaps, contacts, gravity=gravity, ends=pair)
 

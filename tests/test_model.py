@@ -133,7 +133,7 @@ def test_a_mass_may_stand_anywhere_but_not_alone():
 
 @pytest.mark.parametrize("pair", [[MASS, MASS], [MASS, ri.Wall()]])
 def test_between_rigid_bodies_no_wave_decides(pair):
-    for law in (ri.Rigid(0.0), ri.Rigid([0.5, 1.0]), ri.Hertz(1.0), ri.Bonded(), ri.Spring(1.0)):
+    for law in (ri.Rigid(0.0), ri.Rigid([0.5, 1.0]), ri.Hertz(1.0), ri.Spring(1.0)):
         ri.System([rod(), *pair], contacts=[ri.Rigid(), law])
     for contacts in (None, [ri.Rigid(), ri.Rigid()]):
         [(path, message)] = problems(lambda c=contacts: ri.System([rod(), *pair], contacts=c))
