@@ -12,7 +12,7 @@ from .fields import WaveFields
 from .methods.assembly import Assembly
 from .methods.characteristics import PARTS
 from .methods.front_kernel import OPEN, PRESS
-from .model import Bonded
+from .model import Bonded, Rigid
 from .signals import Floats, Side, StepSignal
 
 Turns: TypeAlias = tuple[list[int], list[int]]
@@ -91,7 +91,7 @@ class ContactHistory:
         ticks = self._fields.to_ticks(t, "right")
         i = np.searchsorted(self._force.ticks, ticks, "right") - 1
         result: Floats = self._gap[i] + self._rate[i] * (ticks - self._force.ticks[i])
-        return result
+        return np.maximum(result, 0.0) if isinstance(self.law, Rigid) else result
 
     def breakpoints(self) -> tuple[Floats, Floats, Floats]:
         """Times (s) at which force or gap rate may change, force just after (N), and gap (m)."""

@@ -137,8 +137,6 @@ def ledger(
         fallen = a.gravity * path
     contact, dissipated, numerical = (np.zeros(t.shape) for _ in range(3))
     for history in contacts:
-        if isinstance(history.law, Bonded):
-            continue
         kept = stored(history.law, history.gap(t))
         lost = history.work_until(t) - kept
         contact += kept

@@ -38,15 +38,16 @@ def solve(
     system : System
         A single collision, of shape ().
     until : float, optional
-        Time to run to, s. By default the run goes on until it is proved that no contact can happen
+        Time to run to, s; on a time step, the outcome is that at the end of the step. By default
+        the run goes on until it is proved that no contact can happen
         again, and one round trip of the longest rod more.
     method : str
         ``"fronts"``: exact wave-front tracking. ``"characteristics"``: end signals averaged over a
         time step; has rigid masses, compliant contacts, gravity, driven and absorbing ends, smooth
         initial states. ``"auto"`` takes the first that can do the job.
     max_events : int
-        Arrivals at ends (steps times ends) after which the run gives up; `Solution.status` then
-        says so.
+        Arrivals at ends after which the run gives up; `Solution.status` then says so. On a time
+        step, steps times ends, where `until` is not given.
     dt : float, optional
         Time step of "characteristics", s. By default it is chosen, so that transit times are whole
         numbers of steps as nearly as possible, and halved until the outcome stands still.
@@ -180,7 +181,7 @@ def wrap(run: FrontRun, until: float | None = None) -> Solution:
 
 def wrap_steps(run: StepRun, until: float | None = None) -> Solution:
     """Make a solution of a run on a time step."""
-    status = describe_steps(run)
+    status = describe_steps(run, until)
     waves = [run.wave(line) for line in range(2, 2 * len(run.row.steps) - 2)]
     masses = {body: run.speed(m) for body, m in enumerate(run.plan.mass_of) if m >= 0}
     fields = WaveFields.from_steps(run.clockwork, waves, run.steps, masses)
@@ -262,9 +263,9 @@ def _at_walls(a: Assembly) -> list[ContactLaw]:
     return [laws[k] for i, k in ends if isinstance(bodies[i], Wall)]
 
 
-def describe_steps(run: StepRun) -> str:
+def describe_steps(run: StepRun, until: float | None = None) -> str:
     """Why a run on a time step ended, and how accurate it is, with the remedy."""
-    end = format_si(run.steps * run.step, "s")
+    end = format_si(run.steps * run.step if until is None else until, "s")
     contacts = [run.plan.laws[i] >= RIGID for i in run.plan.contact_link if i >= 0]
     if run.settled >= 0:
         proof = format_si(run.settled * run.step, "s")

@@ -38,11 +38,12 @@ def read_record(run: StepRun) -> StepRecord:
             continue
         wall = isinstance(plan.system.bodies[-side], Wall)
         ends.append(("wall" if wall else KINDS[kind], *run.outer(side)))
+    _join_rigid_bodies(run, forces, [end[1] if end else np.zeros(run.steps) for end in ends])
     return StepRecord(forces, gaps, ends)
 
 
 def _bond_force(run: StepRun, contact: int) -> Floats:
-    """Force in a bonded contact, from the waves of a rod that it joins; nan between masses."""
+    """Force in a bonded contact, from the waves of a rod that it joins; nan without one."""
     plan = run.plan
     for body, side in ((contact, 1), (contact + 1, 0)):
         first, last = plan.spans[body]
@@ -53,6 +54,27 @@ def _bond_force(run: StepRun, contact: int) -> Floats:
             force: Floats = (incoming - outgoing) / (2 * run.row.mobility[s])
             return force if side else -force
     return np.full(run.steps, math.nan)
+
+
+def _join_rigid_bodies(run: StepRun, forces: list[Floats], pushes: list[Floats]) -> None:
+    """Fill in the forces between bonded rigid bodies, from Newton's law for one after the other.
+
+    `pushes` act on the two ends of the row, to the inside.
+    """
+    bodies, rigid = run.plan.system.bodies, [i < 0 for i in run.plan.contact_link]
+
+    def spent(body: int) -> Floats:
+        mass = bodies[body]
+        assert isinstance(mass, RigidMass)
+        gained: Floats = float(mass.mass) * np.diff(run.speed(run.plan.mass_of[body]))
+        return gained / run.step
+
+    held = rigid.index(False) if isinstance(bodies[0], Wall) and False in rigid else 0
+    for k in range(held - 1, -1, -1):
+        forces[k] = forces[k + 1] + spent(k + 1)
+    for k in range(held, len(forces)):
+        if rigid[k]:
+            forces[k] = (forces[k - 1] if k else pushes[0]) - spent(k)
 
 
 def read_tallies(run: StepRun, record: StepRecord) -> tuple[ContactTally, ...]:

@@ -440,6 +440,32 @@ def test_parameters_in_words(path, largest, label):
     assert quantities.parameter(system, path).scale(largest).label == label
 
 
+@pytest.mark.parametrize(("path", "largest", "label"), [
+    ("gravity", 9.81, "gravity (m/s²)"),
+    ("bodies.1.mass", 0.05, "mass 1 (g)"),
+    ("bodies.1.mass", 2.0, "mass 1 (kg)"),
+    ("bodies.1.velocity", 0.5, "velocity of mass 1 (mm/s)"),
+    ("contacts.0.stiffness", 3e8, "stiffness of contact 0-1 (MN/m)"),
+    ("contacts.0.damping", 2e3, "damping of contact 0-1 (kN s/m)"),
+    ("contacts.1.stiffness", 5e9, "stiffness of contact 1-2 (GN/m^1.5)"),
+    ("contacts.1.damping", 0.2, "damping of contact 1-2 (s/m)"),
+    ("contacts.2.restitution", 1.0, "coefficient of restitution of contact 2-3"),
+    ("contacts.3.stiffness", 1.0, "contacts.3.stiffness"),
+    ("ends.left.value", 2e3, "force on the left end (kN)"),
+    ("ends.left.value.values.1", 2e3, "piece 1 of force on the left end (kN)"),
+    ("ends.left.value.at.0", 1e-4, "time of jump 0 of force on the left end (µs)"),
+    ("ends.right.value", 2.0, "velocity of the right end (m/s)"),
+    ("ends.right.value.step", 1e-6, "time between samples of velocity of the right end (µs)"),
+])
+def test_parameters_of_masses_laws_and_ends_in_words(path, largest, label):
+    system = ri.System(
+        [rod(), ri.RigidMass(1.0), ri.RigidMass(1.0), ri.RigidMass(1.0), rod()],
+        contacts=[ri.SpringDashpot(1e8, 1e3), ri.HuntCrossley(1e9, 0.1), ri.Rigid(0.5),
+                  ri.Rigid()],
+        ends=(ri.Force(1e3), ri.Velocity(1.0)))
+    assert quantities.parameter(system, path).scale(largest).label == label
+
+
 @pytest.mark.parametrize(("column_name", "largest", "label"), [
     ("restitution", 1.0, "coefficient of restitution e"),
     ("velocity_after.2", 2.0, "velocity of wall 2 after (m/s)"),

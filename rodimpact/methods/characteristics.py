@@ -64,7 +64,8 @@ RTOL = 1e-5
 FIRST = 64  # fewest steps of the longest transit
 FINEST = 1 << 14  # most steps of the longest transit in the search for an accurate step
 SHORTEST = 4  # fewest steps of the shortest transit
-LISTS_COLD, LISTS_WARM = 100_000, 2_000  # steps times nodes up to which lists beat the compiler
+MOST_STEPS = 1 << 16  # of the longest transit, that the shortest may ask for
+LINK_TIME = 3e-6  # s, about what plain Python takes for a link and a step; in a chain 5 times that
 MOST_BYTES = 4 << 30  # of the signals
 
 Array = np.ndarray[Any, np.dtype[Any]]
@@ -147,6 +148,9 @@ class StepRun:
         else:
             force = (1, -1)[side] * (outgoing - incoming) / (2 * self.row.mobility[s])
             v = (outgoing + incoming) / 2
+        value = plan.outside[side][1]
+        if kind == "velocity" and isinstance(value, float):
+            return force, np.full(self.steps, value)
         fall = plan.gravity * self.step * (np.arange(self.steps) + 0.5)
         return force, v + plan.frame + fall
 
@@ -359,7 +363,7 @@ def averages(profile: Any, edges: Array, length: float) -> Array:
     return np.full(len(edges) - 1, float(profile))
 
 
-class _Machine:
+class Machine:
     """The kernel's state on arrays, and the room that it needs."""
 
     def __init__(self, plan: Plan, counts: list[int], step: float, room: int) -> None:
@@ -474,8 +478,9 @@ class _Machine:
         """Run to step `end`."""
         if end > self.room:
             self.grow(max(end, 2 * self.room))
-        cost = end * (len(self.row.steps) - 1)
-        if kernels.enabled() and cost > (LISTS_WARM if kernels.started() else LISTS_COLD):
+        chains = len(self.plan.masses) + len({*self.plan.first}) - 1
+        links = len(self.plan.laws) + 5 * chains
+        if kernels.worth_compiling((end - self.taken) * links * LINK_TIME):
             flag = kernels.compiled(run)(
                 self.row, self.tally, self.signals, self.work, self.clock, end, self.tol
             )
@@ -548,6 +553,14 @@ def follow(
     goal = RTOL if rtol is None else rtol
     least = max(FIRST, math.ceil(SHORTEST * max(transits) / min(transits)),
                 math.ceil(max(transits) / _resolving(plan)))
+    if least > MOST_STEPS:
+        short = min(range(len(transits)), key=transits.__getitem__)
+        message = (
+            f"its transit time or that of a contact is so short beside the longest, "
+            f"{max(transits):.3g} s, that this would take {least:.3g} steps; leave it out, soften "
+            "the contact of a mass, or give the step dt"
+        )
+        raise InvalidModel([(plan.paths[short + 1], message)])
     choose: Callable[..., Any] = choose_step
     if kernels.enabled() and kernels.started():
         choose = kernels.compiled(choose_step)
@@ -595,12 +608,12 @@ def _level(
     proof, reason = -1, "until"
     cap = max(1, max_events // nodes)
     if until is not None:
-        machine = _Machine(plan, counts, step, max(1, math.ceil(until / step * (1 - 1e-12))))
+        machine = Machine(plan, counts, step, max(1, math.ceil(until / step * (1 - 1e-12))))
         machine.advance(machine.room if until > 0 else 0)
         if machine.settled() == 0:
             proof = machine.taken
     else:
-        machine = _Machine(plan, counts, step, 8 * longest)
+        machine = Machine(plan, counts, step, 8 * longest)
         while proof < 0 and machine.taken < cap:
             wait = machine.settled()
             if wait == 0:

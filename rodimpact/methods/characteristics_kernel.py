@@ -134,8 +134,8 @@ def mean_force(law: int, k: float, d: float, x0: float, x1: float) -> tuple[floa
         return 0.0, 0.0
     if law == SPRING:
         if x1 <= 0:
-            F = k * x0 * x0 / (2 * (x0 - x1)) - d * x0
-            dF = k * x0 * x0 / (2 * (x0 - x1) * (x0 - x1))
+            share = x0 / (x0 - x1)
+            F, dF = k * x0 * share / 2 - d * x0, k * share * share / 2
         elif x0 < 0:
             share = x1 / (x1 - x0)
             F, dF = k * x1 * share / 2 + d * x1, k * share * (2 - share) / 2 + d

@@ -39,6 +39,23 @@ def compiled(kernel: Kernel) -> Kernel:
 
 
 _ONE_AT_A_TIME = threading.Lock()
+LOADING, PATIENCE = 0.005, 2.0  # s: of a compiled call, and of plain Python before the first one
+_spent = 0.0
+
+
+def worth_compiling(seconds: float) -> bool:
+    """Whether a job of so many seconds in plain Python shall run compiled.
+
+    Starting the compiler takes about a second, and many the first time on a machine; a process
+    does without until its short jobs have added up to as much.
+    """
+    global _spent
+    if not enabled():
+        return False
+    if started():
+        return seconds > LOADING
+    _spent += seconds
+    return _spent > PATIENCE
 
 
 @functools.cache
@@ -84,8 +101,11 @@ def _translate(kernel: Kernel, cache: bool) -> Kernel:
     compile_: Any = numba.njit
     twin = types.FunctionType(kernel.__code__, scope, kernel.__name__, kernel.__defaults__)
     twin.__qualname__, twin.__module__ = kernel.__qualname__, kernel.__module__
+    # most of a call would be counting references, though kernels make no arrays, and handing a
+    # hundred array fields to the next kernel
+    switches = {"_nrt": False, "forceinline": True}
     try:
-        # kernels make no arrays; counting references to those they get would cost most of a call
-        return compile_(twin, cache=cache, nogil=True, _nrt=False, forceinline=True)  # type: ignore[no-any-return]
-    except KeyError:  # a numba without this switch
-        return compile_(twin, cache=cache, nogil=True)  # type: ignore[no-any-return]
+        fast: Kernel = compile_(twin, cache=cache, nogil=True, **switches)
+    except KeyError:  # a numba without one of them
+        fast = compile_(twin, cache=cache, nogil=True)
+    return fast

@@ -1,4 +1,7 @@
-"""What a load cell, a gap gauge and a strain gauge would record: exact steps, nothing sampled."""
+"""What a load cell, a gap gauge and a strain gauge would record: exact steps, nothing sampled.
+
+Of very many steps the least and the largest in each of a thousand intervals are drawn.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +15,16 @@ from matplotlib.patches import StepPatch
 from matplotlib.text import Annotation
 
 from ..contacts import ContactHistory
+from ..gauges import Gauge
+from ..model import Bonded, Rigid
 from ..signals import Floats
-from ..solution import Gauge, Solution
-from .scales import Scale, engineering, time_scale
+from ..solution import Solution
+from .scales import Scale, engineering, time_scale, written
 from .style import DASHES, FAINT, INK, SERIES, SMALL, dress, new_axes, new_figure, styled
+from .thinning import telling
 
 MARKED_UP_TO = 3  # episodes of contact
+BOLD_UP_TO = 200  # steps of a record of strain
 MICROSTRAIN = (1e-8, 0.1)  # largest strains for which it is the unit to use
 
 
@@ -36,6 +43,9 @@ def contact(
     solution: Solution, axes: Sequence[Axes] | None = None, contact: int | Sequence[int] = 0
 ) -> Contact:
     """Draw force and gap of a contact, or of several together, against time.
+
+    A gap below 0 is the indentation of a compliant contact. An impact of two rigid bodies lasts no
+    time: its force is the mean over the time step that the label names.
 
     Parameters
     ----------
@@ -71,8 +81,15 @@ def contact(
     end = solution.t_end
     time = time_scale(end)
     records = [_record(history, end) for history in histories]
-    force = engineering("contact force", max(np.abs(f).max() for _, f, _ in records), "N")
-    gap = engineering("gap", max(g.max() for *_, g in records), "m")
+    laws = [history.law for history in histories]
+    impacts = any(getattr(law, "restitution", None) is not None for law in laws)
+    a = solution.fields.assembly
+    force = engineering(
+        "contact force" + (f",\nmean over {written(a.grain * a.tick, 's')}" if impacts else ""),
+        max(np.abs(f).max() for _, f, _ in records), "N")
+    low, high = min(g.min() for *_, g in records), max(g.max() for *_, g in records)
+    indented = low < 0 and not all(isinstance(law, Rigid | Bonded) for law in laws)
+    gap = engineering("gap, below 0\nindentation" if indented else "gap", max(-low, high), "m")
 
     forces: list[StepPatch] = []
     gaps: list[Line2D] = []
@@ -81,10 +98,15 @@ def contact(
             "color": SERIES[i % len(SERIES)], "linestyle": DASHES[i % len(DASHES)],
         }
         at = times * time.factor
-        force_ax.stairs(f * force.factor, at, fill=True, color=look["color"], alpha=0.15)
+        kept = telling(f)
+        drawn, edges = f[kept] * force.factor, np.append(at[kept], at[-1])
+        force_ax.stairs(drawn, edges, fill=True, color=look["color"], alpha=0.15)
         forces.append(force_ax.stairs(
-            f * force.factor, at, linewidth=1.5, label=f"contact {history.index}", **look))
-        gaps += gap_ax.plot(at, g * gap.factor, linewidth=1.5, **look)
+            drawn, edges, linewidth=1.5, label=f"contact {history.index}", **look))
+        kept = telling(g)
+        gaps += gap_ax.plot(at[kept], g[kept] * gap.factor, linewidth=1.5, **look)
+    if indented:
+        gap_ax.axhline(0.0, color=FAINT, linewidth=0.6, zorder=0)
     for ax, scale, column in ((force_ax, force, 1), (gap_ax, gap, 2)):
         dress(ax)
         ax.set_xlim(0, end * time.factor)
@@ -173,9 +195,12 @@ def gauge(record: Gauge, ax: Axes | None = None) -> GaugeRecord:
     edges = np.append(record.times[inside], record.end) * time.factor
 
     def steps(values: Floats, name: str, **look: Any) -> StepPatch:
-        return ax.stairs(values[inside] * scale.factor, edges, baseline=None, label=name, **look)
+        kept = telling(values[inside])
+        return ax.stairs(values[inside][kept] * scale.factor, np.append(edges[kept], edges[-1]),
+                         baseline=None, label=name, **look)
 
-    strain = steps(record.strain, "strain", color=FAINT, linewidth=5.0, zorder=1)
+    width = 5.0 if edges.size <= BOLD_UP_TO else 2.5
+    strain = steps(record.strain, "strain", color=FAINT, linewidth=width, zorder=1)
     rightward = steps(record.rightward, "wave running right", color=SERIES[0], linewidth=1.4)
     leftward = steps(record.leftward, "wave running left", color=SERIES[1], linestyle="--",
                      linewidth=1.4)

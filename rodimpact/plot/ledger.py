@@ -11,25 +11,36 @@ from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
-from ..model import Wall
+from ..ledger import movable
 from ..regions import regions_of
 from ..signals import Floats
 from ..solution import Solution
 from .placing import placing
+from .sampling import is_stepped
 from .scales import ROUND_OFF, engineering, time_scale, written
 from .style import INK, SMALL, dress, new_axes, styled
 
 SAMPLES = 201  # energies bend like parabolas where a force acts
+STEPS_SUMMED = 15_000_000  # at all samples together: fewer samples of a very long solution
+FEWEST = 31
+TURNS = 6  # of contacts that are sampled too
 CORNERS_UP_TO = 500
-BANDS = (
-    ("motion of the centres of mass", "#53659f", "white"),
-    ("vibration, kinetic", "#f0dc78", INK),
-    ("vibration, strain", "#a0a0a0", INK),
-)
+BANDS = {
+    "kinetic": ("motion of the centres of mass", "#53659f", "white"),
+    "vibration": ("vibration, kinetic", "#f0dc78", INK),
+    "strain": ("vibration, strain", "#a0a0a0", INK),
+    "contact": ("in compliant contacts", "#7aa6a1", INK),
+    "dissipated": ("lost in contacts", "#d9b3a6", INK),
+    "radiated": ("gone through absorbing ends", "#e3e3e3", INK),
+    "numerical": ("lost by the time step", "#c7a3c4", INK),
+}
+"""Entries of the ledger that are stacked, with words, colour, and colour of the words."""
+ALWAYS = ("kinetic", "vibration", "strain")
+WORKS = {"wall_work": "the walls", "drive_work": "the driven ends", "gravity_work": "gravity"}
 
 
 class Energy(NamedTuple):
-    """Artists of an energy ledger; `work` is the line of what moving walls add, if any."""
+    """Artists of an energy ledger; `work` is the line of what works add, if any."""
 
     ax: Axes
     bands: list[PolyCollection]
@@ -41,9 +52,11 @@ class Energy(NamedTuple):
 def energy(solution: Solution, ax: Axes | None = None) -> Energy:
     """Draw the energy of all bodies against time, split into motion, vibration and strain.
 
-    If the whole row drifts, the energy is that seen from the frame in which `spacetime` draws it,
-    since the drift would hide all else. Where walls move, a dashed line shows the initial energy
-    and the work of the walls; the bands reach exactly up to it.
+    Above it lies what is stored in compliant contacts, lost there, gone through absorbing ends and
+    lost by the time step, each if there is any. If the whole row drifts, the energy is that seen
+    from the frame in which `spacetime` draws it, since the drift would hide all else. Where walls
+    move, ends are driven or gravity acts, a dashed line shows the initial energy and their work;
+    the bands reach exactly up to it.
 
     Parameters
     ----------
@@ -63,28 +76,31 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
     ax = ax or new_axes(5.6, 3.2)
     times = _times(solution)
     frame = placing(solution, 0.0, solution.t_end).frame
-    parts, supplied = _seen_from(solution, frame, times)
-    total = parts.sum(axis=0)
+    parts, supplied, workers = _seen_from(solution, frame, times)
+    total = np.sum(list(parts.values()), axis=0)
     time = time_scale(solution.t_end)
     scale = engineering("energy", float(total.max()), "J")
     bands = ax.stackplot(
-        times * time.factor, parts * scale.factor, colors=[colour for _, colour, _ in BANDS],
-        labels=[name for name, *_ in BANDS], linewidth=0.0,
+        times * time.factor, np.stack(list(parts.values())) * scale.factor,
+        colors=[BANDS[entry][1] for entry in parts], labels=[BANDS[entry][0] for entry in parts],
+        linewidth=0.0,
     )
     ax.set_xlim(0, solution.t_end * time.factor)
     ax.set_ylim(0, 1.08 * float(max(total.max(), supplied.max())) * scale.factor or 1.0)
     work = None
-    if np.ptp(supplied) > ROUND_OFF * total.max():
+    if workers:
+        said = " and ".join([", ".join(workers[:-1]), workers[-1]] if workers[1:] else workers)
         (work,) = ax.plot(times * time.factor, supplied * scale.factor, color=INK, linewidth=1.2,
-                          linestyle="--", label="initial energy and work of the walls")
+                          linestyle="--", label=f"initial energy and work of {said}")
     seen = f" in a frame moving at {written(frame, 'm/s')}" if frame else ""
     ax.set_xlabel(time.label)
     ax.set_ylabel(f"{scale.name}{seen} ({scale.unit})")
     dress(ax)
     labels: list[Text] = []
     missing: list[Artist] = [] if work is None else [work]
-    stacked = np.cumsum(parts, axis=0)
-    for band, upper, part, (name, _, colour) in zip(bands, stacked, parts, BANDS, strict=True):
+    stacked = np.cumsum(list(parts.values()), axis=0)
+    for band, upper, (entry, part) in zip(bands, stacked, parts.items(), strict=True):
+        name, _, colour = BANDS[entry]
         spot = _widest(ax, times * time.factor, (upper - part) * scale.factor,
                        upper * scale.factor, name)
         if spot:
@@ -100,6 +116,13 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
 
 def _times(solution: Solution) -> Floats:
     """Instants at which waves meet or are reflected, unless too many, and others between."""
+    if is_stepped(solution):
+        steps = solution.fields.end // solution.fields.assembly.grain
+        count = min(SAMPLES, max(FEWEST, STEPS_SUMMED // max(1, steps)))
+        turns = [t for c in solution.contacts for e in c.episodes for t in e if t == t]
+        known = np.union1d(turns[:TURNS], [0.0, solution.t_end])
+        return np.union1d(np.union1d(known, (known[1:] + known[:-1]) / 2),
+                          np.linspace(0.0, solution.t_end, count))
     even = np.linspace(0.0, solution.t_end, SAMPLES)
     try:
         corners = np.unique(regions_of(solution, limit=CORNERS_UP_TO).t)
@@ -108,16 +131,27 @@ def _times(solution: Solution) -> Floats:
     return np.union1d(even, np.minimum(corners, solution.t_end))
 
 
-def _seen_from(solution: Solution, frame: float, times: Floats) -> tuple[Floats, Floats]:
-    """Three kinds of energy [3, n], and initial energy plus work of the walls [n], in a frame."""
+def _seen_from(
+    solution: Solution, frame: float, times: Floats
+) -> tuple[dict[str, Floats], Floats, list[str]]:
+    """Entries of the ledger, initial energy plus works [n] in a frame, and what does work."""
     ledger = solution.energy(times)
-    rods = [i for i, body in enumerate(solution.system.bodies) if not isinstance(body, Wall)]
+    free = movable(solution.system)
     masses = solution.outcome.masses
-    momentum = sum(masses[i] * solution.mean_velocity(i, times) for i in rods)
-    less = frame * (momentum - frame / 2 * sum(masses[i] for i in rods))
-    parts = np.stack((ledger.kinetic - less, ledger.vibration, ledger.strain))
-    supplied = ledger.total[0] + ledger.wall_work - less
-    return np.maximum(parts, 0.0), supplied
+    momentum = sum(masses[i] * solution.mean_velocity(i, times) for i in free)
+    less = frame * (momentum - frame / 2 * sum(masses[i] for i in free))
+    entries = {entry: getattr(ledger, entry) for entry in BANDS}
+    entries["kinetic"] = ledger.kinetic - less
+    supplied = ledger.total[0] - less
+    works = {name: getattr(ledger, entry) for entry, name in WORKS.items()}
+    works["what comes in through absorbing ends"] = np.maximum(-entries["radiated"], 0.0)
+    parts = {entry: np.maximum(part, 0.0) for entry, part in entries.items()}
+    least = ROUND_OFF * float(np.sum(list(parts.values()), axis=0).max())
+    workers = [name for name, work in works.items() if np.ptp(work) > least]
+    supplied = supplied + sum(works.values())
+    shown = {entry: part for entry, part in parts.items()
+             if entry in ALWAYS or part.max() > least}
+    return shown, supplied, workers
 
 
 def _widest(

@@ -6,15 +6,21 @@ import numpy as np
 
 from ..signals import Floats
 from ..solution import Solution
+from .sampling import is_stepped
+
+EVEN = 6  # instants of a solution in which nothing stands out
 
 
 def moments(solution: Solution, most: int = 8) -> Floats:
     """Instructive times, s, at most `most` of them.
 
     The start and the end; every beginning and end of force and opening of a gap; waves half-way to
-    their first reflection, and reflections as long as contacts last, if there is room.
+    their first reflection, and reflections as long as contacts last, if there is room. With a time
+    step, waves change all the time, and the longest waits while contacts last are halved instead.
     """
     turns = _turns(solution)
+    if is_stepped(solution):
+        return _between(solution, turns, most)
     last = max(turns, default=solution.t_end)
     reflections = _reflections(solution, last)
     if not turns and reflections.size == 0:
@@ -35,6 +41,28 @@ def moments(solution: Solution, most: int = 8) -> Floats:
         if steps.max(initial=0.0) < 0.75 * shortest:
             break
         i = int(steps.argmax())
+        chosen = np.union1d(chosen, (inside[i] + inside[i + 1]) / 2)
+    return chosen
+
+
+def _between(solution: Solution, turns: list[float], most: int) -> Floats:
+    """Start, end, turns that are no crowd, and instants between them."""
+    if not turns:
+        return np.unique(np.linspace(0.0, solution.t_end, min(EVEN, most)))
+    spacing = (max(turns) - min(turns)) / (2 * most)
+    apart: list[float] = []
+    for t in sorted(turns):
+        if not apart or t - apart[-1] > spacing:
+            apart.append(t)
+    chosen = _thinned(np.union1d(apart, [0.0, solution.t_end]), most)
+    open_at_end = any(c.episodes and not c.episodes[-1].opening <= solution.t_end
+                      for c in solution.contacts)
+    last = solution.t_end if open_at_end else max(turns)
+    while chosen.size < most:
+        inside = chosen[(chosen >= min(turns)) & (chosen <= last)]
+        if inside.size < 2:
+            inside = chosen
+        i = int(np.diff(inside).argmax())
         chosen = np.union1d(chosen, (inside[i] + inside[i + 1]) / 2)
     return chosen
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from ..model import Wall
+from ..model import RigidMass, Wall
 from ..regions import regions_of
 from ..solution import Solution
 from .diagram import spacetime
 from .histories import contact
 from .ledger import energy
+from .sampling import is_stepped
 from .scales import closing_speed, digits, engineering, written
 from .style import INK, NORMAL, SMALL, new_figure, styled
 
@@ -65,6 +66,8 @@ def overview(solution: Solution) -> Figure:
 
 def _stop(solution: Solution) -> float:
     """Latest of the times t_end, t_end/2, t_end/4, ... up to which the regions can be drawn."""
+    if is_stepped(solution):
+        return solution.t_end
     for halvings in range(40):
         stop = solution.t_end / 2.0**halvings
         try:
@@ -79,10 +82,16 @@ def _headline(solution: Solution) -> str:
     """What collided, how fast, and with what result."""
     bodies = solution.system.bodies
     walls = sum(isinstance(body, Wall) for body in bodies)
-    rods = len(bodies) - walls
-    said = ["one rod" if rods == 1 else f"{rods} rods"]
-    if walls:
-        said[0] += " and a wall" if walls == 1 else " between two walls"
+    masses = sum(isinstance(body, RigidMass) for body in bodies)
+    rods = len(bodies) - walls - masses
+    row = ["one rod" if rods == 1 else f"{rods} rods"]
+    if masses:
+        row.append("a rigid mass" if masses == 1 else f"{masses} rigid masses")
+    if walls == 1:
+        row.append("a wall")
+    said = [", ".join(row[:-1]) + " and " + row[-1] if row[1:] else row[0]]
+    if walls == 2:
+        said[0] += " between two walls"
     v, outcome = closing_speed(solution), solution.outcome
     if v:
         said.append(f"closing speed {written(v, 'm/s')}")

@@ -4,6 +4,7 @@ Rods a metre long move by a tenth of a millimetre while they collide. Pictures t
 displacements and gaps, all by the same factor, so that bodies that touch touch in the picture too:
 X = place in the row of unstrained rods without gaps + factor * (gaps to the left + displacement).
 A row that drifts much farther than its bodies move against each other is drawn in a moving frame.
+A rigid mass has no length; in pictures it is a block of a width that the label of places names.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..model import Rod, Wall
+from ..model import Fixed, RigidMass, Rod, Velocity, Wall
 from ..signals import Floats
 from ..solution import Solution
 from .scales import ROUND_OFF, TIMES, Scale, magnified, written
@@ -23,6 +24,7 @@ from .scales import ROUND_OFF, TIMES, Scale, magnified, written
 REACH = 0.35  # movement in the picture, in lengths of the row
 SQUEEZE = 0.3  # largest strain in the picture
 DRIFT = 3.0  # how much farther than its inner movement a row may drift
+BLOCK = 0.05  # largest width of a mass in the picture, in lengths of all rods
 
 
 @dataclass(frozen=True)
@@ -38,34 +40,53 @@ class Placing:
         Velocity of the frame of the picture, m/s.
     left : tuple of float
         Left end of each body in the row of unstrained rods without gaps, m.
+    apart : tuple of float
+        How much farther to the right each body begins: gaps, and strain at t = 0, m.
+    block : float
+        Width of a rigid mass in the picture, m; 0 if there is none.
     """
 
     solution: Solution
     magnification: float
     frame: float
     left: tuple[float, ...]
+    apart: tuple[float, ...]
+    block: float
 
     @property
     def row(self) -> float:
-        """Length of all rods together, m."""
-        return self.left[-1] + length(self.solution, len(self.left) - 1)
+        """Length of all rods and blocks together, m."""
+        return self.left[-1] + self.width(len(self.left) - 1)
+
+    def width(self, body: int) -> float:
+        """Width of a body in the picture before it moves, m."""
+        if isinstance(self.solution.system.bodies[body], RigidMass):
+            return self.block
+        return _length(self.solution, body)
 
     def place(self, body: int, x: ArrayLike, t: ArrayLike, displacement: Any) -> Floats:
         """Place X in the picture, m, of points x (m) of a body at t (s), displaced (m)."""
-        moved = _moved(self.solution, self.left, body, displacement) - self.frame * np.asarray(t)
+        moved = self.apart[body] + displacement - self.frame * np.asarray(t)
         result: Floats = self.left[body] + np.asarray(x) + self.magnification * moved
         return result
 
     def end(self, body: int, right: bool, t: ArrayLike) -> Floats:
         """Place X of the left or right end of a body at t."""
-        x = length(self.solution, body) if right else 0.0
+        x = self.width(body) if right else 0.0
         return self.place(body, x, t, self.solution.displacement(body, x, t))
+
+    def between(self, contact: int, t: ArrayLike) -> Floats:
+        """Place X of a contact at t: half-way between the faces where they overlap."""
+        left, right = self.end(contact, True, t), self.end(contact + 1, False, t)
+        return np.where(right < left, (left + right) / 2, left)
 
     def label(self, place: Scale) -> str:
         """Label of the axis of places."""
         said = place.label
         if self.frame:
             said += f" in a frame moving at {written(self.frame, 'm/s')}"
+        if self.block:
+            said += f", masses drawn {self.block * place.factor:g} {place.unit}".rstrip() + " wide"
         if self.magnification == 1:
             return said + ", true to scale"
         return said + f", displacements {TIMES} {magnified(self.magnification)}"
@@ -92,11 +113,15 @@ def placing(
     if magnification is not None and not 0 < magnification < math.inf:
         raise ValueError(f"magnification: must be a positive number, got {magnification!r}")
     bodies = range(len(solution.system.bodies))
-    lengths = [length(solution, body) for body in bodies]
-    left = tuple(float(x) for x in np.cumsum([0.0, *lengths[:-1]]))
+    lengths = [_length(solution, body) for body in bodies]
+    begin = np.cumsum([0.0, *lengths[:-1]])
+    apart = tuple(float(x - x0) for x, x0 in zip(solution.fields.positions, begin, strict=True))
+    masses = np.array([isinstance(body, RigidMass) for body in solution.system.bodies])
+    block = round_down(BLOCK * sum(lengths)) if masses.any() else 0.0
+    left = tuple(float(x) for x in begin + block * (np.cumsum(masses) - masses))
     times = np.linspace(start, stop, 101)
     moved = np.array([
-        _moved(solution, left, body, solution.displacement(body, x, times))
+        apart[body] + solution.displacement(body, x, times)
         for body in bodies for x in (0.0, lengths[body])
     ])
     seen = _slowest(solution)
@@ -106,31 +131,30 @@ def placing(
     if magnification is None:
         reach = relative if drifts else reach
         wanted = REACH * sum(lengths) / reach if reach > 0 else 1.0
-        strain = max(float(np.abs(solution.strain(
-            body, np.linspace(0, lengths[body], 33)[:, None], times)).max())
-            for body in bodies if lengths[body])
-        magnification = max(1.0, _round_down(min(wanted, SQUEEZE / strain if strain else wanted)))
-    return Placing(solution, magnification, seen if drifts else 0.0, left)
+        strain = 0.0
+        for body in bodies:
+            if lengths[body]:
+                x, t = np.broadcast_arrays(np.linspace(0, lengths[body], 33)[:, None], times)
+                strain = max(strain, float(np.abs(solution.strain(body, x, t)).max()))
+        magnification = max(1.0, round_down(min(wanted, SQUEEZE / strain if strain else wanted)))
+    frame = seen if drifts else 0.0
+    return Placing(solution, magnification, frame, left, apart, block)
 
 
-def length(solution: Solution, body: int) -> float:
-    """Length of a body, m; 0 for a wall."""
+def _length(solution: Solution, body: int) -> float:
+    """Length of a body, m; 0 for a wall or a mass."""
     rod = solution.system.bodies[body]
     return float(rod.length) if isinstance(rod, Rod) else 0.0
 
 
-def _moved(solution: Solution, left: tuple[float, ...], body: int, displacement: Any) -> Any:
-    """Displacement counted from the row of unstrained rods without gaps."""
-    return solution.fields.positions[body] - left[body] + displacement
-
-
 def _slowest(solution: Solution) -> float:
-    """Velocity of a wall, else the least of the bodies' velocities."""
-    walls = [float(b.velocity) for b in solution.system.bodies if isinstance(b, Wall)]
-    return min(walls or solution.outcome.velocities_before, key=abs)
+    """Velocity of a wall, 0 if an end is held, else the least of the bodies' velocities."""
+    held = [float(b.velocity) for b in solution.system.bodies if isinstance(b, Wall)]
+    held += [0.0 for end in solution.system.ends if isinstance(end, Fixed | Velocity)]
+    return min(held or solution.outcome.velocities_before, key=abs)
 
 
-def _round_down(number: float) -> float:
+def round_down(number: float) -> float:
     """Largest of 1, 2, 5 times a power of ten that is no larger."""
     base = 10.0 ** math.floor(math.log10(number) + 1e-9)
     return next(lead * base for lead in (5, 2, 1) if lead * base <= number * (1 + 1e-9))

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..model import Rod, System, Wall
+from ..model import Force, Hertz, HuntCrossley, RigidMass, Rod, System, Wall
 from .scales import Scale, engineering, place_scale
 
 _PARAMETERS = {
@@ -44,14 +44,20 @@ class Quantity(NamedTuple):
 
     def scale(self, largest: float) -> Scale:
         """Scale of an axis for values up to `largest`."""
-        if self.unit in ("1", "kg/m³"):
+        if self.unit in ("1", "kg/m³", "m/s²", "s/m"):
             return Scale(1.0, self.name, self.unit.removeprefix("1"))
+        if self.unit == "kg":
+            return Scale(1.0, self.name, "kg") if largest >= 1 else self._grams(largest)
         if self.unit == "m":
             return place_scale(largest)._replace(name=self.name)
         if self.unit == "m²":  # in mm² between 0.01 and 10 000 mm²
             side = engineering(self.name, 10 * math.sqrt(largest), "m")
             return Scale(side.factor**2, self.name, f"{side.unit}²")
         return engineering(self.name, largest, self.unit)
+
+    def _grams(self, largest: float) -> Scale:
+        scale = engineering(self.name, 1e3 * largest, "g")
+        return scale._replace(factor=1e3 * scale.factor)
 
 
 def parameter(system: System, path: str) -> Quantity:
@@ -65,6 +71,14 @@ def parameter(system: System, path: str) -> Quantity:
     ['length of rod 0', 'gap 0-1']
     """
     match path.split("."):
+        case ["gravity"]:
+            return Quantity("gravity", "m/s²")
+        case ["bodies", body, "mass"]:
+            return Quantity(_body(system, body), "kg")
+        case ["contacts", contact, ("stiffness" | "damping" | "restitution") as field]:
+            return _of_law(system, contact, field)
+        case ["ends", ("left" | "right") as side, "value", *rest]:
+            return _of_end(system, side, rest)
         case ["bodies", body, "segments", segment, *_, field]:
             owner = f"segment {segment} of {_body(system, body)}"
         case ["bodies", body, field, ("values" | "at") as what, number]:
@@ -104,8 +118,38 @@ def outcome(system: System, column: str) -> Quantity:
 
 def _body(system: System, index: str) -> str:
     body = system.bodies[int(index)]
-    kind = "rod" if isinstance(body, Rod) else "wall" if isinstance(body, Wall) else "body"
-    return f"{kind} {index}"
+    kinds = ((Rod, "rod"), (Wall, "wall"), (RigidMass, "mass"))
+    return next(f"{word} {index}" for kind, word in kinds if isinstance(body, kind))
+
+
+def _of_law(system: System, contact: str, field: str) -> Quantity:
+    """A number of a contact law; its path, if the law has no such number."""
+    law = system.contacts[int(contact)]
+    if getattr(law, field, None) is None:
+        return Quantity(f"contacts.{contact}.{field}", "1")
+    rounded = isinstance(law, Hertz | HuntCrossley)
+    name, unit = {
+        "stiffness": ("stiffness", "N/m^1.5" if rounded else "N/m"),
+        "damping": ("damping", "s/m" if rounded else "N s/m"),
+        "restitution": ("coefficient of restitution", "1"),
+    }[field]
+    return Quantity(f"{name} of contact {_pair(contact)}", unit)
+
+
+def _of_end(system: System, side: str, rest: list[str]) -> Quantity:
+    """A number of what drives an end."""
+    pushed = isinstance(system.ends[side == "right"], Force)
+    name, unit = (f"force on the {side} end", "N") if pushed else (
+        f"velocity of the {side} end", "m/s")
+    match rest:
+        case ["values", number]:
+            return Quantity(f"piece {number} of {name}", unit)
+        case ["at", number]:
+            return Quantity(f"time of jump {number} of {name}", "s")
+        case ["step"]:
+            return Quantity(f"time between samples of {name}", "s")
+        case _:
+            return Quantity(name, unit)
 
 
 def _pair(contact: str) -> str:

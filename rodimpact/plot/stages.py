@@ -8,18 +8,22 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
-from ..model import Rod, Wall
+from ..model import Absorbing, Fixed, RigidMass, Rod, Wall
 from ..signals import Floats
 from ..solution import Solution
+from .borders import DRIVEN, OPEN_END
 from .moments import happening, moments
 from .placing import Placing, placing
+from .sampling import is_stepped, sampled
 from .scales import (
+    MINUS,
     Scale,
     closing_speed,
     digits,
@@ -29,7 +33,19 @@ from .scales import (
     place_scale,
     written,
 )
-from .style import DIVERGING, FAINT, INK, SMALL, WALL, centred, dress, ink_on, new_axes, styled
+from .style import (
+    DIVERGING,
+    FAINT,
+    INK,
+    MASS,
+    SMALL,
+    WALL,
+    centred,
+    dress,
+    ink_on,
+    new_axes,
+    styled,
+)
 
 THICKNESS = 0.5  # of the thickest bar, in distances between rows
 SWELLING = 0.25  # relative thickening at the largest strain
@@ -37,8 +53,15 @@ THINNEST = 0.35  # thinnest bar beside the thickest
 NARROWEST = 1e-9  # part of a rod that is drawn: fronts leave an end at no exact floating-point time
 
 
+ALIKE = 0.02  # velocities of a stretch that bears one label, in parts of the largest
+
+
 class Snapshots(NamedTuple):
-    """Artists of snapshots; `bars` holds a polygon for each uniform piece, row by row."""
+    """Artists of snapshots; `bars` holds a polygon for each uniform piece, row by row.
+
+    With a time step, each rod consists of many pieces with an outline, and there is a colour bar;
+    `walls` are fixed ends too.
+    """
 
     ax: Axes
     times: Floats
@@ -46,12 +69,16 @@ class Snapshots(NamedTuple):
     labels: list[Text]
     fronts: list[Line2D]
     walls: list[Rectangle]
+    masses: list[Rectangle]
+    outlines: LineCollection | None
+    colour_bar: Colorbar | None
 
 
 class _Piece(NamedTuple):
     """A uniform piece of rod in a row of the picture: its ends, half thickness and state."""
 
     row: int
+    body: int
     left: float
     right: float
     half: float
@@ -70,7 +97,11 @@ def snapshots(
     Every uniform piece bears its velocity, in the frame of the picture, as a multiple of the
     closing speed v, or, if nothing approaches, in the unit named under the picture. Displacements
     and gaps are magnified as in `spacetime`; compressed pieces are drawn shorter and thicker,
-    stretched ones longer and thinner. Small triangles above a bar show which way a front runs.
+    stretched ones longer and thinner. Small triangles above a bar show which way a front runs. With
+    a time step there are no fronts; a colour bar tells velocities, and stretches in which they
+    hardly differ bear the mean, to two digits. Rigid masses are dark blocks of the width named
+    under the picture, with their velocity below; fixed ends are hatched as walls, absorbing ends
+    dashed, driven ends marked by arrow heads.
 
     Parameters
     ----------
@@ -100,16 +131,25 @@ def snapshots(
     place = place_scale(plan.row)
     ax = ax or new_axes(6.6, 0.9 + 0.72 * when.size)
 
+    stepped = is_stepped(solution)
     pieces, fronts = _rows(plan, when, place)
     velocities = np.array([piece.velocity for piece in pieces])
+    v = closing_speed(solution)
+    speed = engineering("velocity", float(np.abs(velocities).max()), "m/s")
     norm = centred(velocities, plan.frame)
     bars = PolyCollection(
         [[(p.left, -p.row - p.half), (p.right, -p.row - p.half),
           (p.right, -p.row + p.half), (p.left, -p.row + p.half)] for p in pieces],
-        array=velocities, cmap=DIVERGING, norm=norm, edgecolors=INK, linewidths=0.6, zorder=2,
+        array=velocities, cmap=DIVERGING, norm=norm, zorder=2, rasterized=stepped,
+        **({"linewidths": 0.0, "antialiased": False} if stepped
+           else {"linewidths": 0.6, "edgecolors": INK}),
     )
     ax.add_collection(bars)
-    walls = _walls(plan, ax, when, place)
+    outlines = _outlines(pieces) if stepped else None
+    if outlines is not None:
+        ax.add_collection(outlines)
+    walls, masses = _walls(plan, ax, when, place), _masses(plan, ax, when, place)
+    _ends(plan, ax, when, place)
     ax.autoscale_view()
     ax.margins(x=0.03)
     ax.set_ylim(0.45 - when.size, 0.6)
@@ -123,21 +163,31 @@ def snapshots(
 
     time = engineering("time", solution.t_end, "s")
     transit = float(first_rod(solution).transit_time)
+    count = next((n for n in range(3, 9) if _differ(when * time.factor, n)), 3)
     ax.set_yticks(-np.arange(when.size), [
-        f"{time.write(t)}\n{t / transit:.3g} ℓ₁/c" for t in when.tolist()])
+        f"{t * time.factor:.{count}g} {time.unit}\n{t / transit:.{count}g} ℓ₁/c"
+        for t in when.tolist()])
     for row, t in enumerate(when.tolist()):
         ax.text(1.01, -row, happening(solution, t), transform=ax.get_yaxis_transform(),
                 va="center", fontsize=SMALL + 1)
-    v = closing_speed(solution)
-    speed = engineering("velocities", float(np.abs(velocities).max()), "m/s")
     ax.set_xlabel(f"{plan.label(place)}\n" + (
-        f"velocities in parts of the closing speed v = {written(v, 'm/s')}" if v else speed.label
+        f"velocities in parts of the closing speed v = {written(v, 'm/s')}" if v
+        else f"velocities ({speed.unit})"
     ))
     dress(ax)
     ax.tick_params(axis="y", length=0)
     ax.spines["left"].set_visible(False)
-    labels = _labels(ax, pieces, norm, plan.frame, v, speed)
-    return Snapshots(ax, when, bars, labels, arrows, walls)
+    named = _alike(pieces, norm) if stepped else pieces
+    labels = _labels(ax, named, norm, plan.frame, v, speed, not stepped)
+    bar = None
+    if stepped:
+        labels += _mass_labels(plan, ax, when, place, v, speed)
+        bar = ax.figure.colorbar(
+            bars, ax=ax, location="bottom", label=speed.label, fraction=0.03, pad=0.02, aspect=50,
+            shrink=0.6, format=lambda value, _: digits(value * speed.factor, 0.0))
+        dress(bar.ax)
+        bar.outline.set_visible(False)
+    return Snapshots(ax, when, bars, labels, arrows, walls, masses, outlines, bar)
 
 
 def _rows(
@@ -147,7 +197,9 @@ def _rows(
     solution, fields = plan.solution, plan.solution.fields
     rods = [(i, body) for i, body in enumerate(solution.system.bodies) if isinstance(body, Rod)]
     widest = max(float(s.area) for _, rod in rods for s in rod.segments)
-    states = [(row, i, rod, t, fields.profile(i, int(fields.to_ticks(t))))
+    stepped = is_stepped(solution)
+    states = [(row, i, rod, t, sampled(solution, i, t) if stepped
+               else fields.profile(i, int(fields.to_ticks(t))))
               for row, t in enumerate(times.tolist()) for i, rod in rods]
     largest = max(float(np.abs(profile.strain).max()) for *_, profile in states) or 1.0
     pieces, fronts = [], []
@@ -163,8 +215,8 @@ def _rows(
             v, strain = float(profile.velocity[j]), float(profile.strain[j])
             thickness = max(THINNEST, (float(segment.area) / widest) ** 0.5) * THICKNESS
             half = thickness / 2 * (1 - SWELLING * strain / largest)
-            pieces.append(_Piece(row, edges[j], edges[j + 1], half, v))
-            if j and wide[j - 1] and which == profile.segment[j - 1]:
+            pieces.append(_Piece(row, i, edges[j], edges[j + 1], half, v))
+            if not stepped and j and wide[j - 1] and which == profile.segment[j - 1]:
                 jump = v - float(profile.velocity[j - 1])
                 stretch = float(segment.wave_speed) * (strain - float(profile.strain[j - 1]))
                 if np.isclose(abs(jump), abs(stretch), rtol=1e-6, atol=0.0):
@@ -172,15 +224,37 @@ def _rows(
     return pieces, fronts
 
 
-def _walls(plan: Placing, ax: Axes, times: Floats, place: Scale) -> list[Rectangle]:
-    """A hatched block beyond the face of each wall, at each time."""
-    depth = 0.04 * plan.row * place.factor
-    blocks = []
-    for i, body in enumerate(plan.solution.system.bodies):
-        if not isinstance(body, Wall):
+def _differ(values: Floats, count: int) -> bool:
+    """Whether values differ when written to so many digits."""
+    different = np.unique(values)
+    return len({f"{value:.{count}g}" for value in different.tolist()}) == different.size
+
+
+def _outlines(pieces: list[_Piece]) -> LineCollection:
+    """Lines round the rods."""
+    lines, start = [], 0
+    for i, piece in enumerate(pieces, 1):
+        if i < len(pieces) and pieces[i][:2] == piece[:2]:
             continue
-        for row, face in enumerate(plan.end(i, False, times) * place.factor):
-            corner = (face - depth if i == 0 else face, -row - 0.45)
+        upper = [point for p in pieces[start:i]
+                 for point in ((p.left, -p.row + p.half), (p.right, -p.row + p.half))]
+        lower = [(x, -2.0 * piece.row - y) for x, y in reversed(upper)]
+        lines.append([*upper, *lower, upper[0]])
+        start = i
+    return LineCollection(lines, colors=INK, linewidths=0.6, zorder=2.5)
+
+
+def _walls(plan: Placing, ax: Axes, times: Floats, place: Scale) -> list[Rectangle]:
+    """A hatched block beyond the face of each wall and fixed end, at each time."""
+    depth = 0.04 * plan.row * place.factor
+    system, last = plan.solution.system, len(plan.solution.system.bodies) - 1
+    held = [(i, i > 0) for i, body in enumerate(system.bodies) if isinstance(body, Wall)]
+    held += [(side * last, bool(side)) for side, end in enumerate(system.ends)
+             if isinstance(end, Fixed)]
+    blocks = []
+    for i, right in held:
+        for row, face in enumerate(plan.end(i, right, times) * place.factor):
+            corner = (face if right else face - depth, -row - 0.45)
             blocks.append(Rectangle(
                 corner, depth, 0.9, facecolor=WALL, edgecolor=FAINT, hatch="////", linewidth=0.0,
             ))
@@ -189,23 +263,103 @@ def _walls(plan: Placing, ax: Axes, times: Floats, place: Scale) -> list[Rectang
     return blocks
 
 
-def _labels(
-    ax: Axes, pieces: list[_Piece], norm: Normalize, rest: float, v: float, speed: Scale
+def _masses(plan: Placing, ax: Axes, times: Floats, place: Scale) -> list[Rectangle]:
+    """A dark block for each rigid mass, at each time."""
+    blocks = []
+    for i, body in enumerate(plan.solution.system.bodies):
+        if not isinstance(body, RigidMass):
+            continue
+        for row, left in enumerate(plan.end(i, False, times) * place.factor):
+            blocks.append(Rectangle(
+                (left, -row - THICKNESS / 2), plan.block * place.factor, THICKNESS,
+                facecolor=MASS, edgecolor=INK, linewidth=0.6, zorder=3,
+            ))
+            ax.add_patch(blocks[-1])
+    return blocks
+
+
+def _ends(plan: Placing, ax: Axes, times: Floats, place: Scale) -> None:
+    """Dashes at absorbing ends, and arrow heads at driven ones, at each time."""
+    last = len(plan.solution.system.bodies) - 1
+    for side, end in enumerate(plan.solution.system.ends):
+        places = plan.end(side * last, bool(side), times) * place.factor
+        rows = -np.arange(times.size)
+        if isinstance(end, Absorbing):
+            for x, y in zip(places, rows, strict=True):
+                ax.plot([x, x], [y - 0.4, y + 0.4], color=INK, linewidth=1.6, linestyle=OPEN_END)
+        elif type(end) in DRIVEN:
+            ax.plot(places, rows, linestyle="", marker="<" if side else ">", markersize=6.0,
+                    color=INK, markerfacecolor="white", zorder=4)
+
+
+def _alike(pieces: list[_Piece], norm: Normalize) -> list[_Piece]:
+    """Stretches of neighbouring pieces whose velocities hardly differ, with their mean."""
+    room = ALIKE * float(np.ptp(norm.inverse(np.array([0.0, 1.0])))) / 2
+    found: list[list[_Piece]] = []
+    for piece in pieces:
+        last = found[-1] if found else []
+        speeds = [p.velocity for p in (*last, piece)]
+        if last and last[-1][:2] == piece[:2] and max(speeds) - min(speeds) <= room:
+            last.append(piece)
+        else:
+            found.append([piece])
+    return [
+        group[0]._replace(right=group[-1].right,
+                          velocity=sum(p.velocity for p in group) / len(group))
+        for group in found
+    ]
+
+
+def _said(velocity: float, rest: float, v: float, speed: Scale, largest: float) -> str:
+    """A velocity to two digits: in parts of the closing speed, or in the unit of the scale."""
+    if v:
+        said = digits(float(f"{round((velocity - rest) / v, 2):.2g}"), 0.0)
+        return {"0": "0", "1": "v", f"{MINUS}1": f"{MINUS}v"}.get(said, f"{said}v")
+    return digits(float(f"{velocity * speed.factor:.2g}"), largest * speed.factor / 100)
+
+
+def _mass_labels(
+    plan: Placing, ax: Axes, times: Floats, place: Scale, v: float, speed: Scale
 ) -> list[Text]:
-    """Write the velocity into each piece, below it where it is too narrow."""
+    """Velocity of each mass, below it; of every second of neighbours above it."""
+    labels = []
+    solution = plan.solution
+    above = True
+    for i, body in enumerate(solution.system.bodies):
+        above = not above if isinstance(body, RigidMass) else True
+        if isinstance(body, RigidMass):
+            middle = (plan.end(i, False, times) + plan.end(i, True, times)) / 2 * place.factor
+            velocities = solution.velocity(i, 0.0, times).tolist()
+            for row, (x, velocity) in enumerate(zip(middle, velocities, strict=True)):
+                said = _said(velocity, plan.frame, v, speed, max(map(abs, velocities)))
+                labels.append(ax.text(
+                    x, -row + (0.33 if above else -0.33), said, color=INK, ha="center",
+                    va="bottom" if above else "top", fontsize=SMALL + 1, zorder=5))
+    return labels
+
+
+def _labels(
+    ax: Axes, pieces: list[_Piece], norm: Normalize, rest: float, v: float, speed: Scale,
+    exact: bool,
+) -> list[Text]:
+    """Write the velocity into each piece, if it is exact below it where it is too narrow."""
     per_unit = abs(float(np.diff(ax.transData.transform([(0, 0), (1, 0)])[:, 0])[0]))
     per_unit *= 72.0 / ax.figure.dpi
     labels: list[Text] = []
     row, taken = -1, -math.inf
-    largest = max(abs(piece.velocity) for piece in pieces) * speed.factor
+    largest = max(abs(piece.velocity) for piece in pieces)
     for piece in pieces:
-        text = multiple((piece.velocity - rest) / v, "v") if v else digits(
-            piece.velocity * speed.factor, largest)
-        width = 0.65 * (SMALL + 1) * len(text)
+        if not exact:
+            text = _said(piece.velocity, rest, v, speed, largest)
+        elif v:
+            text = multiple((piece.velocity - rest) / v, "v")
+        else:
+            text = digits(piece.velocity * speed.factor, largest * speed.factor)
+        width = (0.65 if exact else 1.0) * (SMALL + 1) * len(text)
         x = (piece.left + piece.right) / 2
         if (piece.right - piece.left) * per_unit > width:
             y, colour, va = float(-piece.row), ink_on(norm, piece.velocity), "center_baseline"
-        elif row != piece.row or x * per_unit - width / 2 > taken:
+        elif exact and (row != piece.row or x * per_unit - width / 2 > taken):
             y, colour, va = -piece.row - 0.33, INK, "top"
             row, taken = piece.row, x * per_unit + width / 2
         else:

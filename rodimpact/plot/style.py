@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 FONT = "DejaVu Sans"  # comes with matplotlib and has every sign used here
 INK, FAINT = "#1a1a1a", "#8a8a8a"
-WALL = "#d9d9d9"
+WALL, MASS = "#d9d9d9", "#33302e"
 SERIES = ("#20409a", "#c77700", "#6b6b6b", "#117733", "#882255")
 DASHES = ("-", "--", "-.", ":", (0, (6, 2, 1, 2, 1, 2)))
 SMALL, NORMAL = 7.0, 9.0

@@ -1,0 +1,347 @@
+"""The kernel of steps in time, below the model: laws, chains, proofs, and the same bits always."""
+
+import ast
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from rodimpact.methods import characteristics_kernel as ck
+from rodimpact.methods import kernels
+from rodimpact.methods.characteristics import Machine, Plan, _counts
+
+sys.path.insert(0, str(Path(__file__).parent))
+from networks import STEP, random_network, run_network
+
+PARTS = ("row", "tally", "signals")
+
+
+def machine_of(system, room, step=STEP):
+    plan = Plan(system)
+    return Machine(plan, _counts(plan, step), step, room)
+
+
+def bits(machine):
+    return {
+        (part, name): np.asarray(column).tobytes()
+        for part in PARTS for name, column in getattr(machine, part)._asdict().items()
+    }
+
+
+def run_plain(machine, end):
+    lists = [type(x)(*(c.tolist() for c in x))
+             for x in (machine.row, machine.tally, machine.signals, machine.work)]
+    flag = ck.run(*lists, machine.clock.tolist(), end, machine.tol)
+    assert flag == ck.DONE
+    for whole, found in zip((machine.row, machine.tally, machine.signals), lists, strict=False):
+        for column, values in zip(whole, found, strict=True):
+            column[:] = values
+
+
+# One source, the same bits ------------------------------------------------------------------------
+
+
+def test_the_kernel_is_self_contained():
+    tree = ast.parse(Path(ck.__file__).read_text())
+    imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    imported |= {a.name for node in ast.walk(tree) if isinstance(node, ast.Import)
+                 for a in node.names}
+    assert imported <= {"__future__", "math", "typing"}
+
+
+@pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
+def test_compiled_and_plain_runs_are_bit_identical():
+    for seed in range(150):
+        system = random_network(seed, driven=seed % 2 == 1)
+        plain, fast = machine_of(system, 64), machine_of(system, 64)
+        run_plain(plain, 64)
+        flag = kernels.compiled(ck.run)(
+            fast.row, fast.tally, fast.signals, fast.work, fast.clock, 64, fast.tol
+        )
+        assert flag == ck.DONE
+        assert bits(plain) == bits(fast), seed
+
+
+@pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
+def test_compiled_and_plain_proofs_and_steps_agree():
+    for seed in range(40):
+        machine = machine_of(random_network(seed), 96)
+        machine.advance(96)
+        fast = kernels.compiled(ck.settled)(machine.row, machine.signals, 96, machine.tol)
+        assert fast == ck.settled(machine.row, machine.signals, 96, machine.tol)
+        transits = np.random.default_rng(seed).uniform(0.1, 1, 1 + seed % 5)
+        found = ck.choose_step(transits.tolist(), 64, 500, 1e-6)
+        assert kernels.compiled(ck.choose_step)(transits, 64, 500, 1e-6) == found
+
+
+@pytest.mark.parametrize("driven", [False, True])
+def test_a_run_in_pieces_is_the_whole_run(driven):
+    for seed in range(40):
+        system = random_network(seed, driven=driven)
+        whole, pieces = machine_of(system, 100), machine_of(system, 100)
+        whole.advance(100)
+        for end in (*np.random.default_rng(seed).choice(np.arange(1, 100), 5).cumsum(), 100):
+            if end < 100:
+                pieces.advance(int(end))
+        pieces.advance(100)
+        assert bits(whole) == bits(pieces), seed
+
+
+@pytest.mark.parametrize("driven", [False, True])
+def test_signals_that_grow_are_the_signals_of_enough_room(driven):
+    for seed in range(40):
+        system = random_network(seed, driven=driven)
+        whole, growing = machine_of(system, 200), machine_of(system, 7)
+        whole.advance(200)
+        for end in (7, 9, 13, 50, 200):
+            growing.advance(end)
+        assert growing.room == 200
+        assert bits(whole) == bits(growing), seed
+
+
+# Laws ---------------------------------------------------------------------------------------------
+
+indentations = st.floats(-2, 2).filter(lambda x: x == 0 or abs(x) > 1e-3)
+
+
+def force(law, k, d, x, w):
+    p = max(x, 0.0)
+    if law == ck.SPRING:
+        return k * p + (d * w if x > 0 else 0.0)
+    return k * p**1.5 * ((1 + d * w) if law == ck.HUNT else 1.0)
+
+
+@settings(max_examples=150)
+@given(st.sampled_from([ck.SPRING, ck.HERTZ, ck.HUNT]), st.floats(0.1, 1e3), st.floats(0, 3),
+       indentations, indentations)
+def test_mean_force_is_the_mean_along_a_straight_path(law, k, d, x0, x1):
+    if law == ck.HERTZ:
+        d = 0.0
+    found, dF = ck.mean_force(law, k, d, x0, x1)
+    w = x1 - x0
+    cuts = [-x0 / w] if x0 * x1 < 0 else None
+    if abs(w) > 1e-9:
+        mean, _ = quad(lambda s: force(law, k, d, x0 + s * w, w), 0, 1, points=cuts)
+        assert found == pytest.approx(max(mean, 0.0), rel=1e-7, abs=1e-9 * k)
+    if found > 1e-6 * k:
+        eps = 1e-6 * max(1.0, abs(x1))
+        up, down = (ck.mean_force(law, k, d, x0, x1 + s)[0] for s in (eps, -eps))
+        assert dF == pytest.approx((up - down) / (2 * eps), rel=1e-4, abs=1e-4 * k)
+    assert found >= 0
+    assert dF >= 0
+
+
+@settings(max_examples=150)
+@given(st.sampled_from([ck.SPRING, ck.HERTZ]), st.floats(0.1, 1e3), indentations, indentations)
+def test_elastic_mean_force_is_the_discrete_gradient(law, k, x0, x1):
+    F, _ = ck.mean_force(law, k, 0.0, x0, x1)
+    gained = ck.stored(law, k, -x1) - ck.stored(law, k, -x0)
+    assert F * (x1 - x0) == pytest.approx(gained, rel=1e-12, abs=1e-13 * k)
+
+
+@settings(max_examples=200)
+@given(st.sampled_from([ck.SPRING, ck.HERTZ, ck.HUNT]), st.floats(-6, 12), st.floats(0, 3),
+       st.floats(0, 0.5), st.floats(-2, 2), st.floats(-3, 3), st.floats(-2, 2))
+def test_squeeze_solves_its_equation_from_any_guess(law, power, d, x0, c, q, guess):
+    k, y, d = 10.0**power, 10.0**q, 0.0 if law == ck.HERTZ else d
+    F, x1, _ = ck.squeeze(law, k, d, x0, c, y, guess)
+    assert F >= 0
+    size = abs(x0) + abs(c) + y * F
+    assert x1 == pytest.approx(x0 + c - y * F, abs=1e-14 * size + 1e-300)
+    expected, slope = ck.mean_force(law, k, d, x0, x1)
+    assert pytest.approx(expected, rel=1e-11, abs=(1 + slope) * 1e-13 * size) == F
+
+
+def test_stored_energy():
+    assert ck.stored(ck.SPRING, 3.0, -0.5) == 0.375
+    assert ck.stored(ck.HERTZ, 5.0, -0.25) == ck.stored(ck.HUNT, 5.0, -0.25) == 0.0625
+    assert ck.stored(ck.SPRING, 3.0, 0.5) == ck.stored(ck.RIGID, 3.0, -0.5) == 0.0
+
+
+# A chain on its own: masses and walls, no rod -----------------------------------------------------
+
+
+def chain(masses, speeds, laws, gaps=None, walls=(None, None), damping=0.0, stiffness=0.0,
+          room=50):
+    """Masses in a row; a wall moves at the velocity given, None is a free end."""
+    m, links = len(masses), len(masses) + 1
+    law = [ck.FREE if walls[0] is None else laws[0], *laws[1:-1],
+           ck.FREE if walls[1] is None else laws[-1]]
+    row = ck.Row(
+        [0, 0], [0.0, 0.0], [0, m], list(masses), law, [stiffness] * links, [damping] * links,
+        gaps or [0.0] * links, [0.0] * links, [0.0] * links, [1] * links, list(speeds),
+    )
+    wave = [w or 0.0 for w in walls for _ in range(room + 1)]
+    signals = ck.Signals(
+        wave, [1, -1, -1, room + 2], [0.0] * (links * room), [0.0] * (links * room),
+        [i * room for i in range(links)], [0.0] * (m * room), [i * room for i in range(m)],
+    )
+    tally = ck.Tally(*([0.0] * links for _ in range(6)), [-1] * links, [-1] * links, [0] * links,
+                     [0] * links)
+    work = ck.Work(*([0.0] * (m + 2) for _ in ck.Work._fields))
+    return row, tally, signals, work, [0, 0]
+
+
+@pytest.mark.parametrize("law", [ck.RIGID, ck.IMPACT])
+def test_a_mass_squeezed_between_walls_stops_the_run(law):
+    parts = chain([1.0], [0.0], [law, law], [0.0, 3.0], walls=(1.0, 0.0))
+    assert ck.run(*parts, 50, 1e-12) == ck.SQUEEZED
+    assert 2 <= parts[-1][ck.STEP] <= 6
+    assert parts[-1][ck.NODE] == 0
+
+
+@pytest.mark.parametrize("e", [0.0, 0.25, 0.6, 1.0])
+@pytest.mark.parametrize("gap", [0.0, 0.3, 2.0])
+def test_impact_of_two_masses_is_newtons(e, gap):
+    M, V = (1.0, 3.0), (2.0, -0.5)
+    laws = [ck.FREE, ck.IMPACT, ck.FREE]
+    row, tally, *rest = chain(M, V, laws, [0.0, gap, 0.0], damping=e)
+    assert ck.run(row, tally, *rest, 50, 1e-12) == ck.DONE
+    centre = (M[0] * V[0] + M[1] * V[1]) / 4
+    after = (centre - M[1] / 4 * e * 2.5, centre + M[0] / 4 * e * 2.5)
+    assert row.speed == pytest.approx(after, abs=1e-14)
+    assert tally.lost[1] == pytest.approx((1 - e * e) * 0.75 * 2.5**2 / 2, rel=1e-13, abs=1e-15)
+    assert tally.episodes[1] == 1
+    assert tally.pressed[1] == 1
+
+
+def test_touching_impacts_of_a_row_are_simultaneous():
+    row, *rest = chain([1.0] * 3, [1.0, 0.0, 0.0], [ck.FREE, *[ck.IMPACT] * 2, ck.FREE],
+                       damping=1.0)
+    ck.run(row, *rest, 20, 1e-12)
+    assert row.speed == pytest.approx([-1 / 3, 2 / 3, 2 / 3], abs=1e-15)
+
+
+def test_stiff_chain_keeps_energy_and_momentum():
+    rng = np.random.default_rng(3)
+    for law in (ck.SPRING, ck.HERTZ):
+        for k in (1e-2, 1.0, 1e4, 1e12):
+            M, V = rng.uniform(0.1, 10, 6).tolist(), rng.uniform(-1, 1, 6).tolist()
+            row, tally, *rest = chain(M, V, [ck.FREE, *[law] * 5, ck.FREE], stiffness=k)
+            ck.run(row, tally, *rest, 50, 1e-12)
+            held = sum(ck.stored(law, k, g) for g in row.gap)
+            before, after = (sum(m * v * v for m, v in zip(M, S, strict=True)) / 2 + E
+                             for S, E in ((V, 0.0), (row.speed, held)))
+            assert after == pytest.approx(before, rel=1e-12)
+            assert np.dot(M, row.speed) == pytest.approx(np.dot(M, V), abs=1e-12)
+            assert min(tally.peak) >= 0
+
+
+# The step -----------------------------------------------------------------------------------------
+
+
+def worst_change(transits, number):
+    ratios = np.array(transits) / max(transits) * number
+    return np.max(np.abs(np.maximum(1, np.floor(ratios + 0.5)) / ratios - 1))
+
+
+def test_commensurate_transits_need_no_change():
+    for transits, number in (([0.3, 0.1, 0.7], 70), ([0.4, 1.0], 65), ([5.0], 64)):
+        found, error = ck.choose_step(transits, 64, 1000, 1e-15)
+        assert error < 1e-15
+        assert found == number
+        for T in transits:
+            ratio = Fraction(T).limit_denominator(100) / Fraction(max(transits)).limit_denominator(
+                100
+            )
+            assert (ratio * found).denominator == 1
+
+
+def test_the_best_number_of_steps_is_found():
+    rng = np.random.default_rng(5)
+    for n in (2, 3, 5):
+        transits = rng.uniform(0.2, 1, n).tolist()
+        every = [worst_change(transits, k) for k in range(64, 2001)]
+        number, error = ck.choose_step(transits, 64, 2000, 0.0)
+        assert error == pytest.approx(min(every), rel=1e-9)
+        assert every[number - 64] == pytest.approx(error, rel=1e-9)
+        enough = 2 * min(every)
+        number, error = ck.choose_step(transits, 64, 2000, enough)
+        assert number == 64 + next(i for i, e in enumerate(every) if e <= enough)
+
+
+@pytest.mark.parametrize(("n", "typical"), [(2, 2e-8), (5, 1.3e-5), (10, 5e-5)])
+def test_the_change_of_transits_is_small(n, typical):
+    rng = np.random.default_rng(n)
+    tries, most = (21, 10_000) if kernels.enabled() else (5, 4000)
+    allowed = 2.0 if most == 10_000 else 2.0 * (10_000 / most) ** (1 + 1 / (n - 1))
+    choose = kernels.compiled(ck.choose_step) if kernels.enabled() else ck.choose_step
+    errors = [choose(rng.uniform(0.2, 1, n), 64, most, 0.0)[1] for _ in range(tries)]
+    assert np.median(errors) <= allowed * typical
+
+
+# Proof of finality --------------------------------------------------------------------------------
+
+
+def test_after_the_proof_nothing_presses():
+    proved = met = 0
+    for seed in range(150):
+        system = random_network(seed, bodies=3)
+        machine = machine_of(system, 400)
+        while machine.taken < 400 and machine.settled():
+            machine.advance(machine.taken + 16)
+        if machine.settled() == 0:
+            proved += 1
+            met += sum(machine.tally.episodes.tolist()) > 0
+            before = machine.tally.impulse.copy()
+            machine.advance(1500)
+            link = machine.row.law >= ck.RIGID
+            added = np.abs(machine.tally.impulse - before)[link]
+            assert np.all(added <= 1e-12 * (1e-3 + np.abs(before).max())), seed
+    assert proved >= 60
+    assert met >= 30
+
+
+def test_the_proof_waits_no_longer_than_it_says():
+    """`settled` promises when it may be asked again: not before, if nothing happens until then."""
+    for seed in range(150):
+        system = random_network(seed, bodies=2)
+        machine = machine_of(system, 400)
+        machine.advance(200)
+        wait = machine.settled()
+        pressed = machine.tally.pressed.copy()
+        if 0 < wait <= 2000:
+            machine.advance(machine.taken + wait + 1)
+            if np.array_equal(pressed, machine.tally.pressed):
+                assert machine.settled() == 0, seed
+
+
+def test_a_squeezed_mass_is_told_in_a_sentence(monkeypatch):
+    from rodimpact import InvalidModel
+    from rodimpact.methods import characteristics
+
+    machine = machine_of(random_network(0), 8)
+    monkeypatch.setattr(characteristics, "run", lambda *_: ck.SQUEEZED)
+    monkeypatch.setattr(kernels, "enabled", lambda: False)
+    with pytest.raises(InvalidModel, match=r"squeezed.*no room.*compliant law"):
+        machine.advance(8)
+
+
+def test_tallies_are_sums_over_the_signals():
+    for seed in range(60):
+        run = run_network(random_network(seed, driven=True), 3.0)
+        plan, tally, middle = run.plan, run.tally, np.arange(run.steps) + 0.5
+        for k, link in enumerate(plan.contact_link):
+            if link < 0 or plan.laws[link] < ck.RIGID:
+                continue
+            F, _ = run.contact(k)
+            pressed = np.flatnonzero(F > 0)
+            assert tally.impulse[link] == pytest.approx(F.sum(), rel=1e-12)
+            assert tally.moment[link] == pytest.approx(F @ middle, rel=1e-12)
+            assert tally.peak[link] == F.max()
+            assert tally.pressed[link] == len(pressed)
+            edges = (pressed[0], pressed[-1] + 1) if len(pressed) else (-1, -1)
+            assert (tally.first[link], tally.last[link]) == edges
+        for side, link in ((0, 0), (1, -1)):
+            if plan.outside[side][0] == "none" or (side and plan.laws[link] >= ck.RIGID):
+                continue
+            F, v = run.outer(side)
+            v = v - plan.frame - plan.gravity * run.step * middle
+            scale = np.abs(F * v).sum() + np.abs(F).sum()
+            assert tally.work[link] == pytest.approx(F @ v, abs=1e-12 * scale)
+            assert tally.impulse[link] == pytest.approx(F.sum(), abs=1e-12 * np.abs(F).sum())
