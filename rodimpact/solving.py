@@ -294,10 +294,12 @@ def describe_steps(run: StepRun, until: float | None = None) -> str:
     if run.estimates and any(contacts):
         late = {name: value for name, value in run.estimates.items() if value > run.rtol}
         if late:
-            which = ", ".join(f"{name} to {value:.1g}" for name, value in late.items())
+            which = ", ".join(
+                f"{name} to {value:.1g}" for name, value in late.items() if value < math.inf
+            )
             said += (
-                f" Not converged to {run.rtol:g}: {which}; halving the step further is up to you "
-                "(dt), or take a larger rtol."
+                f" Not converged to {run.rtol:g}: {which or 'too long a run to halve the step'}; "
+                "a larger rtol is soon reached, a smaller dt goes on."
             )
         else:
             worst = max(run.estimates.values())

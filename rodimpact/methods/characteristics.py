@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -67,6 +67,7 @@ SHORTEST = 4  # fewest steps of the shortest transit
 MOST_STEPS = 1 << 16  # of the longest transit, that the shortest may ask for
 LINK_TIME = 3e-6  # s, about what plain Python takes for a link and a step; in a chain 5 times that
 MOST_BYTES = 4 << 30  # of the signals
+MEASURES = ("impulse", "largest force", "time of 99.9 % of the impulse")
 
 Array = np.ndarray[Any, np.dtype[Any]]
 
@@ -163,6 +164,10 @@ class StepRun:
         start = int(self.signals.mass_start[mass])
         initial = self.plan.mass_velocity[mass] - self.plan.frame
         return np.concatenate(([initial], self.signals.speed[start : start + self.steps]))
+
+
+class TooLong(InvalidModel):
+    """A run takes more steps than there is memory for."""
 
 
 class Plan:
@@ -414,7 +419,7 @@ class Machine:
                 f"a run of {room} steps of {self.step:.3g} s needs {bytes_wanted / 1e9:.3g} GB; "
                 "stop earlier, or take a longer step (dt or rtol)"
             )
-            raise InvalidModel([("until", message)])
+            raise TooLong([("until", message)])
         return Signals(
             np.zeros(size), _whole(starts), np.zeros(len(wanted) * room),
             np.zeros(len(wanted) * room), _whole(link_start), np.zeros(len(plan.masses) * room),
@@ -567,18 +572,31 @@ def follow(
     number, _ = choose(np.array(transits).tolist() if choose is choose_step else np.array(transits),
                        least, max(10_000, 2 * least), goal / 16)
     counts = _counts(plan, max(transits) / number)
-    runs = [_level(plan, counts, max(transits) / number, until, max_events)]
-    changes: list[dict[str, float]] = []
-    factor = 1
-    while True:
+    return _refined(plan, counts, max(transits) / number, until, max_events, goal)
+
+
+def _refined(
+    plan: Plan, counts: list[int], step: float, until: float | None, max_events: int, goal: float
+) -> StepRun:
+    """Halve the step until the outcome stands still, or for as long as cap and memory allow."""
+    found = _level(plan, counts, step, until, max_events)
+    factor, estimates = 1, dict.fromkeys(MEASURES, math.inf)
+    before: dict[str, float] = {}
+    while found.stopped_by != "max_events" and max(estimates.values()) > goal:
         factor *= 2
-        runs.append(_level(plan, [factor * N for N in counts], max(transits) / number / factor,
-                           until, max_events))
-        changes.append(_changes(*runs[-2:]))
-        if len(changes) > 1:
-            estimates = {k: max(v, changes[-2][k] / 2) for k, v in changes[-1].items()}
-            if max(estimates.values()) <= goal or factor * number > FINEST:
-                return _with_estimates(runs[-1], estimates, goal)
+        if factor > 4 and factor * max(counts) > 2 * FINEST:
+            break
+        try:
+            finer = _level(plan, [factor * N for N in counts], step / factor, until, max_events)
+        except TooLong:
+            break
+        if finer.stopped_by == "max_events":
+            break
+        changes, found = _changes(found, finer), finer
+        if before:
+            estimates = {name: max(v, before[name] / 2) for name, v in changes.items()}
+        before = changes
+    return replace(found, estimates=estimates, rtol=goal)
 
 
 def _resolving(plan: Plan) -> float:
@@ -619,8 +637,9 @@ def _level(
             if wait == 0:
                 proof = machine.taken
             else:
-                machine.advance(min(cap, machine.taken + max(longest, min(wait, 8 * longest)
-                                                             if wait < NEVER else longest)))
+                # an eighth more each time, so that proofs and copies cost no more than the run
+                pause = min(wait, 8 * longest) if wait < NEVER else longest
+                machine.advance(min(cap, machine.taken + max(longest, pause, machine.taken // 8)))
         reason = "final" if proof >= 0 else "max_events"
         if proof >= 0:
             machine.advance(machine.taken + 2 * longest)
@@ -647,12 +666,6 @@ def clockwork(plan: Plan, counts: list[int], step: float) -> Clockwork:
     )
 
 
-def _with_estimates(found: StepRun, estimates: dict[str, float], rtol: float) -> StepRun:
-    from dataclasses import replace
-
-    return replace(found, estimates=estimates, rtol=rtol)
-
-
 def _changes(coarse: StepRun, fine: StepRun) -> dict[str, float]:
     """Relative change of the measures of an outcome from one step to another."""
     a, b = _measures(coarse), _measures(fine)
@@ -668,11 +681,11 @@ def _measures(found: StepRun) -> dict[str, Array]:
     plan = found.plan
     contacts = [k for k, i in enumerate(plan.contact_link) if i >= 0 and plan.laws[i] >= RIGID]
     forces = [found.contact(k)[0] for k in contacts]
-    return {
-        "impulse": np.array([float(np.sum(F)) * found.step for F in forces]),
-        "largest force": np.array([peak(F) for F in forces]),
-        "time of 99.9 % of the impulse": np.array([_most_of(F) * found.step for F in forces]),
-    }
+    found_measures = (
+        [float(np.sum(F)) * found.step for F in forces], [peak(F) for F in forces],
+        [_most_of(F) * found.step for F in forces],
+    )
+    return {name: np.array(values) for name, values in zip(MEASURES, found_measures, strict=True)}
 
 
 def _most_of(force: Array) -> float:
