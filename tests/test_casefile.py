@@ -4,7 +4,6 @@ import dataclasses
 import json
 import math
 import re
-import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,14 +11,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from networks import move_together
 from scipy.integrate import solve_ivp
+from systems import random_system
 
 import rodimpact as ri
 from rodimpact.casefile import Case, parse_case, read_case, write_case
-
-sys.path.insert(0, str(Path(__file__).parent))
-from networks import move_together
-from systems import random_system
 
 CASES = Path(__file__).parents[1] / "validation" / "cases"
 STEEL = ri.materials.steel

@@ -1,22 +1,18 @@
 """The method "characteristics" through solve(): closed forms, other methods, symmetry, refusals."""
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from networks import STEP, UNIT, random_network, run_network, unit_rod
 from scipy.integrate import solve_ivp
+from systems import horizon, random_system
 
 import rodimpact as ri
 from rodimpact.methods import characteristics
 from rodimpact.methods.characteristics import PARTS
-
-sys.path.insert(0, str(Path(__file__).parent))
-from networks import STEP, UNIT, random_network, run_network, unit_rod
-from systems import horizon, random_system
 
 seeds = st.integers(0, 10**6)
 METHOD = "characteristics"

@@ -1,7 +1,6 @@
 """The kernel of steps in time, below the model: laws, chains, proofs, and the same bits always."""
 
 import ast
-import sys
 from fractions import Fraction
 from pathlib import Path
 
@@ -9,14 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from networks import STEP, random_network, run_network
 from scipy.integrate import quad
 
 from rodimpact.methods import characteristics_kernel as ck
 from rodimpact.methods import kernels
 from rodimpact.methods.characteristics import Machine, Plan, _counts
-
-sys.path.insert(0, str(Path(__file__).parent))
-from networks import STEP, random_network, run_network
 
 PARTS = ("row", "tally", "signals")
 
@@ -181,7 +178,7 @@ def chain(masses, speeds, laws, gaps=None, walls=(None, None), damping=0.0, stif
         wave, [1, -1, -1, room + 2], [0.0] * (links * room), [0.0] * (links * room),
         [i * room for i in range(links)], [0.0] * (m * room), [i * room for i in range(m)],
     )
-    tally = ck.Tally(*([0.0] * links for _ in range(6)), [-1] * links, [-1] * links, [0] * links,
+    tally = ck.Tally(*([0.0] * links for _ in range(4)), [-1] * links, [-1] * links, [0] * links,
                      [0] * links)
     work = ck.Work(*([0.0] * (m + 2) for _ in ck.Work._fields))
     return row, tally, signals, work, [0, 0]
@@ -325,14 +322,13 @@ def test_a_squeezed_mass_is_told_in_a_sentence(monkeypatch):
 def test_tallies_are_sums_over_the_signals():
     for seed in range(60):
         run = run_network(random_network(seed, driven=True), 3.0)
-        plan, tally, middle = run.plan, run.tally, np.arange(run.steps) + 0.5
+        plan, tally = run.plan, run.tally
         for k, link in enumerate(plan.contact_link):
             if link < 0 or plan.laws[link] < ck.RIGID:
                 continue
             F, _ = run.contact(k)
             pressed = np.flatnonzero(F > 0)
             assert tally.impulse[link] == pytest.approx(F.sum(), rel=1e-12)
-            assert tally.moment[link] == pytest.approx(F @ middle, rel=1e-12)
             assert tally.peak[link] == F.max()
             assert tally.pressed[link] == len(pressed)
             edges = (pressed[0], pressed[-1] + 1) if len(pressed) else (-1, -1)
@@ -340,8 +336,5 @@ def test_tallies_are_sums_over_the_signals():
         for side, link in ((0, 0), (1, -1)):
             if plan.outside[side][0] == "none" or (side and plan.laws[link] >= ck.RIGID):
                 continue
-            F, v = run.outer(side)
-            v = v - plan.frame - plan.gravity * run.step * middle
-            scale = np.abs(F * v).sum() + np.abs(F).sum()
-            assert tally.work[link] == pytest.approx(F @ v, abs=1e-12 * scale)
+            F, _ = run.outer(side)
             assert tally.impulse[link] == pytest.approx(F.sum(), abs=1e-12 * np.abs(F).sum())

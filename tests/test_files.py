@@ -6,19 +6,16 @@ import math
 import os
 import pickle
 import stat
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from networks import STEP, random_network, unit_rod
+from systems import horizon, random_system
 
 import rodimpact as ri
 from rodimpact import files
 from rodimpact.files import FileFormatError, check_target, load, write_bytes, write_text
-
-sys.path.insert(0, str(Path(__file__).parent))
-from networks import STEP, random_network, unit_rod
-from systems import horizon, random_system
 
 STEEL = ri.materials.steel
 SHORT = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)

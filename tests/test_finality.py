@@ -1,12 +1,11 @@
 """The proof that a collision is over: its bounds, against independent sums, and its timing."""
 
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from systems import horizon, random_system
 
 import rodimpact as ri
 from rodimpact.methods.assembly import assemble
@@ -14,9 +13,6 @@ from rodimpact.methods.front_kernel import BOND, FREE, OPEN, motion, parting, sw
 from rodimpact.methods.fronts import track
 from rodimpact.outcome import groups
 from rodimpact.solving import wrap
-
-sys.path.insert(0, str(Path(__file__).parent))
-from systems import horizon, random_system
 
 M = ri.Material("m", youngs_modulus=1.0, density=1.0)
 

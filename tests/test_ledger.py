@@ -1,20 +1,11 @@
 """Energy and momentum of runs on a time step: where it comes from and where it goes."""
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-import rodimpact as ri
-from rodimpact.ledger import movable
-from rodimpact.methods.characteristics_kernel import IMPACT, RIGID
-from rodimpact.solving import wrap_steps
-
-sys.path.insert(0, str(Path(__file__).parent))
 from networks import (
     SECONDS,
     STEP,
@@ -26,6 +17,11 @@ from networks import (
     run_network,
     unit_rod,
 )
+
+import rodimpact as ri
+from rodimpact.ledger import movable
+from rodimpact.methods.characteristics_kernel import IMPACT, RIGID
+from rodimpact.solving import wrap_steps
 
 seeds = st.integers(0, 10**6)
 

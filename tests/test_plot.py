@@ -5,7 +5,6 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -13,14 +12,12 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from systems import horizon, random_system
 
 import rodimpact as ri
 from rodimpact import plot
 from rodimpact.plot.moments import moments
 from rodimpact.plot.style import DIVERGING
-
-sys.path.insert(0, str(Path(__file__).parent))
-from systems import horizon, random_system
 
 STEEL = ri.materials.steel
 C = STEEL.wave_speed

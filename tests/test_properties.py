@@ -1,21 +1,17 @@
 """What must hold for every row, whatever is in it."""
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from systems import horizon, random_system
 
 import rodimpact as ri
 from rodimpact.methods import kernels
 from rodimpact.methods.assembly import assemble
 from rodimpact.methods.fronts import track
-
-sys.path.insert(0, str(Path(__file__).parent))
-from systems import horizon, random_system
 
 seeds = st.integers(0, 10**6)
 CAP = 20_000

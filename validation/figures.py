@@ -23,6 +23,7 @@ from rodimpact.plot.style import (
     styled,
 )
 
+from . import hertz_ends
 from .length_effects import chain, cradle
 
 FOLDER = Path(__file__).parent / "figures"
@@ -120,6 +121,7 @@ def main() -> None:
         "restitution_map": restitution_map(),
         "contact_episodes": contact_episodes(),
         "chains": chains(),
+        "hertz_ends": hertz_ends.draw(),
     }
     for name, ax in pictures.items():
         path = FOLDER / f"{name}.svg"

@@ -18,7 +18,7 @@ kappa = 1 on, e falls from 0.944 to 0.451. Steel rods 0.2 m and 0.5 m long and 1
 0.1 m/s with e = 0.97 if their ends are half spheres, 0.83 if rounded to 50 mm, and 0.61 even where
 they look flat, rounded to 1 m: real rods, too, are found nearer to e = 1 than to l1/l2.
 
-`draw` shows this: `python -m validation.hertz_ends` writes the figure hertz_ends.svg.
+`draw` shows this in the figure hertz_ends.svg.
 
 Expected: the values of kappa to 1e-3; one in the ripples and those at three closing speeds to 1e-6
 at the default tolerance, against the method of steps of `sphere_on_wall`; e the same for every k
@@ -31,7 +31,6 @@ European Journal of Physics 42 (2021), doi 10.1088/1361-6404/ac25d2.
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -46,7 +45,6 @@ UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 SHORT = 0.4
 BY_DECADE = {-3: 1.0, 0: 0.944, 1: 0.617, 3: 0.411, 5: 0.4005}  # log10 kappa: e
 COARSE = 1e4  # from where on a given step does: the largest force is not asked for
-FOLDER = Path(__file__).parent / "figures"
 
 
 def collision(k: float, V: float = 1.0, dt: float | None = None) -> ri.Outcome:
@@ -132,11 +130,3 @@ def draw() -> Axes:
         dress(ax)
     return by_kappa
 
-
-def main() -> None:
-    """Write the figure."""
-    ri.plot.save(draw().figure, FOLDER / "hertz_ends.svg", force=True)
-
-
-if __name__ == "__main__":
-    main()

@@ -387,7 +387,7 @@ class Machine:
             np.array(plan.damping), np.array(plan.gap) / h, np.zeros(links), np.zeros(links),
             np.ones(links, np.int64), np.array(plan.mass_velocity) - plan.frame,
         )
-        self.tally = Tally(*(np.zeros(links) for _ in range(6)),
+        self.tally = Tally(*(np.zeros(links) for _ in range(4)),
                            *(np.full(links, v, np.int64) for v in (-1, -1, 0, 0)))
         self.work = Work(*(np.zeros(masses + 2) for _ in Work._fields))
         self.clock = _whole([0, 0])

@@ -79,8 +79,6 @@ class Tally(NamedTuple):
     """What has passed through each link, kept as the run goes."""
 
     impulse: Any  # [link] sum of F
-    moment: Any  # [link] sum of F (j + 1/2): for the change to an accelerated frame
-    work: Any  # [link] sum of F v, v of the left point: energy handed out by the left
     lost: Any  # [link] turned to heat by dashpots and impacts
     numerical: Any  # [link] lost by rigid contacts that close within a step
     peak: Any  # [link] largest F
@@ -192,9 +190,9 @@ def squeeze(
 
 
 def book(
-    row: Row, tally: Tally, signals: Signals, i: int, j: int, F: float, v: float, gap: float
+    row: Row, tally: Tally, signals: Signals, i: int, j: int, F: float, gap: float
 ) -> None:
-    """Enter step j of contact i: force, velocity of its left point, gap at the end."""
+    """Enter step j of contact i: force, and gap at the end."""
     start = signals.link_start[i]
     if start >= 0:
         signals.force[start + j] = F
@@ -202,8 +200,6 @@ def book(
     row.force[i], row.gap[i] = F, gap
     if F > 0:
         tally.impulse[i] += F
-        tally.moment[i] += F * (2 * j + 1) / 2
-        tally.work[i] += F * v
         tally.peak[i] = max(tally.peak[i], F)
         if tally.first[i] < 0:
             tally.first[i] = j
@@ -231,24 +227,20 @@ def join(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) -> 
     p, q = start[2 * k] - row.steps[k], start[2 * k + 3] - row.steps[k + 1]
     left, right = start[2 * k + 1], start[2 * k + 2]
     given = row.law[i] == FORCE
-    impulse, moment, work, F = tally.impulse[i], tally.moment[i], tally.work[i], row.force[i]
+    impulse, F = tally.impulse[i], row.force[i]
     for j in range(j0, j1):
         a, b = wave[p + j], wave[q + j]
         if not given:
             F = (a - b) / (Yl + Yr)
-        elif k == 0:
-            F, a = a, b + a * Yr
         else:
-            F = b
+            F = a if k == 0 else b
         if k > 0:
             wave[left + j] = a - 2 * F * Yl
         if k < n:
             wave[right + j] = b + 2 * F * Yr
         if k == 0 or k == n:
             impulse += F
-            moment += F * (2 * j + 1) / 2
-            work += F * (a - F * Yl)
-    tally.impulse[i], tally.moment[i], tally.work[i], row.force[i] = impulse, moment, work, F
+    tally.impulse[i], row.force[i] = impulse, F
 
 
 def touch(
@@ -264,8 +256,8 @@ def touch(
     p, q = start[2 * k] - row.steps[k], start[2 * k + 3] - row.steps[k + 1]
     left, right, kept = start[2 * k + 1], start[2 * k + 2], signals.link_start[i]
     Z, gap, F = 1 / (Yl + Yr), row.gap[i], row.force[i]
-    impulse, moment, work = tally.impulse[i], tally.moment[i], tally.work[i]
-    peak, last, pressed = tally.peak[i], tally.last[i], tally.pressed[i]
+    impulse, peak = tally.impulse[i], tally.peak[i]
+    last, pressed = tally.last[i], tally.pressed[i]
     for j in range(j0, j1):
         a, b = wave[p + j], wave[q + j]
         rest = gap - a + b
@@ -281,8 +273,6 @@ def touch(
                 tally.episodes[i] += 1
                 row.open[i] = 0
             impulse += F
-            moment += F * (2 * j + 1) / 2
-            work += F * (a - F * Yl)
             peak = max(peak, F)
             pressed += 1
             last = j + 1
@@ -298,8 +288,8 @@ def touch(
         signals.force[kept + j] = F
         signals.gap[kept + j] = gap
     row.gap[i], row.force[i] = gap, F
-    tally.impulse[i], tally.moment[i], tally.work[i] = impulse, moment, work
-    tally.peak[i], tally.last[i], tally.pressed[i] = peak, last, pressed
+    tally.impulse[i], tally.peak[i] = impulse, peak
+    tally.last[i], tally.pressed[i] = last, pressed
 
 
 def press(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) -> None:
@@ -322,7 +312,7 @@ def press(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) ->
             wave[left + j] = a - 2 * F * Yl
         if k < n:
             wave[right + j] = b + 2 * F * Yr
-        book(row, tally, signals, i, j, F, a - F * Yl, rest)
+        book(row, tally, signals, i, j, F, rest)
     row.closing[i] = w
 
 
@@ -513,16 +503,12 @@ def chain(
         if q < last:
             right -= ease[q + 1] * force[q + 1]
             row.speed[m0 + q] = 2 * right - free[q + 1]
-        if i == 0 and row.law[i] <= FORCE:
-            v = right
         gap = settle(row, tally, work, i, q, F, v - right, tol)
         if row.law[i] <= BOND:
             tally.impulse[i] += F
-            tally.moment[i] += F * (2 * j + 1) / 2
-            tally.work[i] += F * v
             row.force[i] = F
         else:
-            book(row, tally, signals, i, j, F, v, gap)
+            book(row, tally, signals, i, j, F, gap)
         v = right
     for q in range(last):
         if signals.mass_start[m0 + q] >= 0:
