@@ -16,7 +16,7 @@ import rodimpact as ri
 from rodimpact.cli import main
 from rodimpact.cli import sweep as command
 
-ROOT = Path(ri.__file__).parent.parent
+ROOT = Path(__file__).parents[1]
 CASE = """\
 schema = 1
 
