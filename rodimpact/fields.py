@@ -80,10 +80,12 @@ class WaveFields:
 
     @classmethod
     def from_log(cls, assembly: Clockwork, log: Log, end: int) -> WaveFields:
-        """Sort the kernel's log into one signal a line."""
+        """Sort the kernel's log into one signal a line of a segment."""
         line = np.asarray(log.line, dtype=np.int32)
         order = np.argsort(line, kind="stable")
-        counts = np.bincount(line, minlength=2 * len(assembly.ticks) - 2)
+        counts = np.bincount(line, minlength=2 * len(assembly.ticks))
+        order, counts = order[counts[0] : len(order) - counts[-1]], counts[:-2]
+        counts[0] = 0
         ticks = np.asarray(log.tick, dtype=np.int64)[order]
         values = np.asarray(log.value, dtype=np.float64)[order]
         return cls(assembly, cls.split(ticks, values, counts), end)

@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from .contacts import ContactTally
+from .methods.abilities import driven
 from .methods.assembly import Assembly
 from .methods.fronts import FrontRun
 from .methods.layout_kernel import TOLERANCE
-from .model import Bonded, Fixed, System, Wall
+from .model import Absorbing, Bonded, Fixed, Free, System, Wall
 from .rigid import RigidCollision, collide
 
 
@@ -281,26 +282,39 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
     )
     tallies = read_tallies(run)
     absolute = _absolute_momentum(a)
-    wall_impulse = wall_work = lent = 0.0
+    outside_impulse = wall_work = lent = 0.0
     for i, k, sign in ((0, 0, 1), (count - 1, count - 2, -1)):
         if masses[i] == math.inf:
             impulse = sign * tallies[k].impulse
-            wall_impulse += impulse
+            outside_impulse += impulse
             wall_work += impulse * after[i]
             absolute += abs(impulse)
             if isinstance(system.contacts[k], Bonded):  # the wall lends energy and takes it back
                 group = next(g for g in groups(system) if i in g)
                 swinging = sum(masses[j] for j in group if masses[j] < math.inf)
                 lent += swinging * abs(after[i]) * a.tolerance / TOLERANCE
+    drive_work = radiated = 0.0
     for end, node, sign in zip(system.ends, (0, -1), (1, -1), strict=True):
-        if isinstance(end, Fixed):
-            wall_impulse += sign * run.tally.impulse[node] * a.tick
-            absolute += abs(run.tally.impulse[node]) * a.tick
+        if isinstance(end, Free):
+            continue
+        impulse = run.tally.impulse[node] * a.tick
+        work = sign * (run.tally.work[node] * a.tick + a.frame * impulse)
+        outside_impulse += sign * impulse
+        absolute += abs(impulse)
+        if isinstance(end, Absorbing):
+            radiated -= work
+        elif not isinstance(end, Fixed):
+            drive_work += work
+        if not isinstance(end, Fixed):  # what goes in and out again is no more exact than this
+            scale = a.tolerance / TOLERANCE
+            mass = sum(m for m in masses if m < math.inf)
+            absolute += mass * scale
+            lent += mass * scale**2 / 2
     gained = math.fsum(run.closing.momentum) - math.fsum(run.opening.momentum)
-    missing = gained * a.tick - wall_impulse
+    missing = gained * a.tick - outside_impulse
     energy_before = kinetic_before + sum(vibration_before)
     energy_gained = kinetic_after + sum(vibration_after) - energy_before
-    turnover = energy_before + abs(wall_work) + lent
+    turnover = energy_before + abs(wall_work) + lent + abs(drive_work) + abs(radiated)
     return Outcome(
         bodies=tuple("wall" if isinstance(b, Wall) else "rod" for b in system.bodies),
         masses=tuple(masses),
@@ -318,9 +332,13 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
         ),
         wall_work=wall_work,
         momentum_residual=missing / absolute if absolute > 0 else 0.0,
-        energy_residual=(energy_gained - wall_work) / turnover if turnover > 0 else 0.0,
+        energy_residual=(energy_gained - wall_work - drive_work + radiated) / turnover
+        if turnover > 0 else 0.0,
         final=run.settled >= 0,
         status=status,
+        radiated=radiated,
+        drive_work=drive_work,
+        driven=driven(system),
     )
 
 
@@ -343,7 +361,7 @@ def read_tallies(run: FrontRun) -> tuple[ContactTally, ...]:
 def _absolute_momentum(a: Assembly) -> float:
     """Total of the absolute momenta of all waves at t = 0, kg m/s."""
     total = 0.0
-    for line, fronts in enumerate(a.waves[2:], 2):
+    for line, fronts in enumerate(a.waves[2:-2], 2):
         ends = [tick for tick, _ in fronts[1:]] + [0]
         for (tick, wave), end in zip(fronts, ends, strict=True):
             total += a.impedance[line // 2] / 2 * (end - tick) * a.tick * abs(wave + a.frame)

@@ -19,7 +19,7 @@ from .fields import WaveFields
 from .ledger import Outside
 from .methods.assembly import Assembly
 from .methods.characteristics import PARTS
-from .model import Wall
+from .model import Absorbing, Fixed, Free, Wall
 from .signals import Floats, StepSignal
 
 Ends = tuple[Outside | None, Outside | None]
@@ -51,15 +51,33 @@ class FrontRecord:
 
     def outside(self, fields: WaveFields, contacts: Sequence[ContactHistory]) -> Ends:  # noqa: D102
         found: list[Outside | None] = []
-        for body, contact, sign in ((0, 0, 1), (-1, -1, -1)):
-            wall = fields.assembly.system.bodies[body]
-            if not isinstance(wall, Wall):
+        system = fields.assembly.system
+        for place, sign, end in ((0, 1, system.ends[0]), (-1, -1, system.ends[1])):
+            wall = system.bodies[place]
+            if isinstance(wall, Wall):
+                push = contacts[place].push
+                power = StepSignal(push.ticks, sign * float(wall.velocity) * push.values)
+                found.append(Outside("wall", push, power))
+            elif isinstance(end, Free | Fixed):
                 found.append(None)
-                continue
-            push = contacts[contact].push
-            power = StepSignal(push.ticks, sign * float(wall.velocity) * push.values)
-            found.append(Outside("wall", push, power))
+            else:
+                kind = "absorbing" if isinstance(end, Absorbing) else "drive"
+                found.append(_at_end(fields, place, sign, kind))
         return found[0], found[1]
+
+
+def _at_end(fields: WaveFields, place: int, sign: int, kind: str) -> Outside:
+    """What acts on the first (0) or the last (-1) end, from the waves there."""
+    a = fields.assembly
+    s = range(len(a.ticks))[1:-1][place]
+    inward, outward = fields.waves(s)[:: 1 if place == 0 else -1]
+    T = a.ticks[s]
+    ticks = np.unique(np.concatenate(([0], inward.ticks, outward.ticks + T)))
+    ticks = ticks[(ticks >= 0) & (ticks <= fields.end)]
+    new, old = inward.at(ticks), outward.at(ticks - T)
+    push = sign * a.impedance[s] * (new - old) / 2
+    speed = (new + old) / 2 + a.frame
+    return Outside(kind, StepSignal(ticks, push), StepSignal(ticks, sign * push * speed))
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from .fields import WaveFields
 from .frozen import InvalidModel, Number, Problems, number
-from .methods.abilities import LACKS, choose, refuse
+from .methods.abilities import LACKS, choose, driven, refuse
 from .methods.assembly import Assembly, assemble
 from .methods.characteristics import StepRun, follow
 from .methods.characteristics_kernel import RIGID
@@ -25,6 +25,7 @@ from .units import format_si
 
 METHODS = tuple(LACKS)
 LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
+ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come to rest
 
 
 def solve(
@@ -43,8 +44,8 @@ def solve(
         again, and one round trip of the longest rod more.
     method : str
         ``"fronts"``: exact wave-front tracking. ``"characteristics"``: end signals averaged over a
-        time step; has rigid masses, compliant contacts, gravity, driven and absorbing ends, smooth
-        initial states. ``"auto"`` takes the first that can do the job.
+        time step; has rigid masses, compliant contacts, gravity, smooth initial states and drives.
+        ``"auto"`` takes the first that can do the job.
     max_events : int
         Arrivals at ends after which the run gives up; `Solution.status` then says so. On a time
         step, steps times ends, where `until` is not given.
@@ -61,7 +62,8 @@ def solve(
     Raises
     ------
     InvalidModel
-        If the system is a family or cannot be put on one clock, or an argument is wrong.
+        If the system is a family or cannot be put on one clock, or an argument is wrong or missing:
+        a row with driven ends, or gravity and something that holds it, needs `until`.
 
     Examples
     --------
@@ -211,7 +213,8 @@ def describe(run: FrontRun) -> str:
         walls = _at_walls(a)
         endless = len(walls) == 2 or any(isinstance(law, Bonded) for law in walls)
         remedy = (
-            "a row between walls, or bonded to one, may never come to an end" if endless
+            "while an end is driven, no contact is known to be the last" if driven(a.system)
+            else "a row between walls, or bonded to one, may never come to an end" if endless
             else "leave out until= to run to the proof"
         )
         said = f"Stopped at the time asked for, {end}, before the collision was final; {remedy}."
@@ -247,7 +250,10 @@ def describe(run: FrontRun) -> str:
 def _final(run: FrontRun) -> str:
     """What the proof of finality says."""
     a = run.assembly
-    pressing = [str(i) for i, node in enumerate(a.nodes) if run.row.status[node] == PRESS]
+    pressing = [
+        str(i) for i, node in enumerate(a.nodes)
+        if run.row.status[node] == PRESS and run.row.force[node] > ROUND_OFF * run.tally.peak[node]
+    ]
     if pressing:
         return f"Nothing changes any more; contact {', '.join(pressing)} goes on pressing."
     if not any(run.tally.episodes):

@@ -10,6 +10,7 @@ import numpy as np
 from .contacts import ContactTally
 from .fields import WaveFields
 from .ledger import ledger, movable
+from .methods.abilities import driven
 from .methods.characteristics import StepRun, peak
 from .methods.characteristics_kernel import RIGID
 from .model import Bonded, RigidMass, Wall
@@ -153,7 +154,7 @@ def read_stepped(run: StepRun, fields: WaveFields, record: StepRecord, status: s
         contact_energy=float(book.contact[1]), dissipated=float(book.dissipated[1]),
         numerical=float(book.numerical[1]), radiated=float(book.radiated[1]),
         drive_work=float(book.drive_work[1]), gravity_work=float(book.gravity_work[1]),
-        driven=plan.driven or plan.gravity != 0,
+        driven=driven(system) or plan.gravity != 0,
     )
 
 

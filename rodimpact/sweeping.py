@@ -23,7 +23,7 @@ from . import __version__
 from .checkpoint import Checkpoint
 from .files import PathLike, write_npz, written
 from .frozen import InvalidModel, Problems
-from .methods.abilities import choose, refuse
+from .methods.abilities import choose, driven, refuse
 from .methods.assembly import Blueprint
 from .methods.families import Stopped, chunk_members, run_family
 from .methods.front_kernel import CAP, CLOCK, FULL
@@ -406,7 +406,8 @@ def run_chunk(
     system: System, method: str, max_events: int, stop: Callable[[], bool] = lambda: False
 ) -> Columns:
     """Columns of the members of a family, in C order; what executors run."""
-    found = (_together if method == "fronts" else _one_by_one)(system, method, max_events, stop)
+    together = method == "fronts" and not driven(system)
+    found = (_together if together else _one_by_one)(system, method, max_events, stop)
     return {name: found[name].astype(kind) for name, kind in _kinds(system).items()}
 
 

@@ -1,4 +1,7 @@
-"""Which physics each method has: what keeps one from solving a system, and which one can."""
+"""Which physics each method has: what keeps one from solving a system, and which one can.
+
+No method can prove a collision final where something acts on and on from outside.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,18 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from ..frozen import InvalidModel, Problems
-from ..model import Bonded, Fixed, Free, Rigid, RigidMass, Rod, Samples, System
+from ..model import (
+    Bonded,
+    Force,
+    Free,
+    Rigid,
+    RigidMass,
+    Rod,
+    Samples,
+    System,
+    Velocity,
+    Wall,
+)
 
 Found = Iterator[tuple[str, str]]
 
@@ -37,10 +51,10 @@ def _smooth_states(system: System) -> Found:
                     yield f"bodies.{i}.{name}", "profiles other than steps"
 
 
-def _open_ends(system: System) -> Found:
+def _smooth_drives(system: System) -> Found:
     for side, end in zip(("left", "right"), system.ends, strict=True):
-        if not isinstance(end, Free | Fixed):
-            yield f"ends.{side}", "absorbing or driven ends"
+        if isinstance(end, Force | Velocity) and isinstance(end.value, Samples):
+            yield f"ends.{side}.value", "drives other than steps"
 
 
 def _damping(system: System) -> Found:
@@ -53,7 +67,7 @@ def _damping(system: System) -> Found:
 
 
 LACKS: dict[str, tuple[Callable[[System], Found], ...]] = {
-    "fronts": (_masses, _compliance, _gravity, _smooth_states, _open_ends, _damping),
+    "fronts": (_masses, _compliance, _gravity, _smooth_states, _smooth_drives, _damping),
     "characteristics": (_damping,),
 }
 """Methods in the order in which ``"auto"`` tries them, with the physics that each lacks."""
@@ -83,3 +97,20 @@ def choose(system: System) -> str:
             return method
     refuse(next(reversed(LACKS)), system)
     raise AssertionError  # refuse has raised
+
+
+def driven(system: System) -> bool:
+    """Whether forces from outside act: no bound says when the last contact is over."""
+    if any(isinstance(end, Force | Velocity) for end in system.ends):
+        return True
+    held = isinstance(system.bodies[0], Wall) or isinstance(system.bodies[-1], Wall) or any(
+        not isinstance(end, Free) for end in system.ends
+    )
+    return held and bool(np.any(system.gravity))
+
+
+def require_end(system: System, until: float | None) -> None:
+    """Raise InvalidModel where a run has no time to be reached, and no proof to run to."""
+    if until is None and driven(system):
+        message = "must be given: where gravity or drives act, there is no last contact to wait for"
+        raise InvalidModel([("until", message)])

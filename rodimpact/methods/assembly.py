@@ -1,7 +1,8 @@
 """From a system to flat lists: segments, nodes, ticks and the waves under way at t = 0.
 
 Bodies are laid end to end as segments 1 to n; the segments 0 and n + 1 are what lies outside. What
-members of a family share is their `Make`; the numbers in which they differ go to the layout kernel.
+holds or drives an end is a body without segments, as is a wall. What members of a family share is
+their `Make`; the numbers in which they differ go to the layout kernel.
 """
 
 from __future__ import annotations
@@ -13,23 +14,42 @@ from typing import Any
 import numpy as np
 
 from ..frozen import InvalidModel, Number
-from ..model import Bonded, Fixed, Rod, Segment, Steps, System
+from ..model import (
+    Absorbing,
+    Bonded,
+    End,
+    Fixed,
+    Force,
+    Free,
+    Rod,
+    Segment,
+    Steps,
+    System,
+    Velocity,
+)
 from . import kernels
-from .abilities import refuse
+from .abilities import refuse, require_end
 from .clockwork import Clockwork
-from .front_kernel import BOND, FREE, OPEN, TOUCH, Log, Row, Tally, begin
+from .front_kernel import BOND, FREE, OPEN, PUSH, TOUCH, Log, Row, Tally, begin
 from .layout_kernel import (
     CLOCK_BITS,
     COARSEST,
+    ENDLESS,
     LAID,
     LONG,
+    MOVED,
     OVERFLOW,
+    PUSHED,
+    STEADY,
     Layout,
     Make,
     Work,
     lay_out,
 )
 
+OUTSIDE: dict[type[End], int] = {
+    Free: STEADY, Fixed: STEADY, Absorbing: ENDLESS, Force: PUSHED, Velocity: MOVED,
+}
 INTERPRETED = 200  # durations up to which the tick rule is not worth compiling
 
 
@@ -52,7 +72,9 @@ class Assembly(Clockwork):
     outside : (float, float)
         Wave arriving from the left and from the right wall.
     waves : list of list of (int, float)
-        By line: ticks at which fronts left (the first at minus one transit) and values behind them.
+        By line: ticks at which fronts left (the first at minus one transit) and values behind them;
+        on the first and the last line what an end that goes on for ever, or is driven, gets from
+        outside.
     """
 
     nodes: tuple[int, ...]
@@ -95,11 +117,9 @@ class Blueprint:
         for i, body in enumerate(system.bodies):
             places.append(len(profiles))
             for profile in (body.velocity, body.strain if isinstance(body, Rod) else 0.0):
-                values, at = ((profile,), ()) if not isinstance(profile, Steps) else (
-                    profile.values, profile.at
-                )
-                jumps.append(len(at))
-                profiles += (*values, *at)
+                numbers = _in_pieces(profile)
+                jumps.append(len(numbers) // 2)
+                profiles += numbers
             if not isinstance(body, Rod):
                 spans.append((1, 0))
                 continue
@@ -110,22 +130,27 @@ class Blueprint:
                            for j in range(len(body.segments))]
         n, contacts, self.spans = len(pieces), len(system.gaps), tuple(spans)
         nodes = [last for _, last in spans[:contacts]]
-        fixed = [isinstance(end, Fixed) for end in system.ends]
-        for side in (0, 1):
-            if fixed[side]:  # a wall at rest outside, to which the row is bonded
-                spans.insert(side * len(spans), (1, 0))
-                places.insert(side * len(places), len(profiles))
-                jumps = [0, 0, *jumps] if side == 0 else [*jumps, 0, 0]
-                profiles += (0.0, 0.0)
+        for side, end in enumerate(system.ends):
+            if isinstance(end, Free | Absorbing):
+                continue
+            numbers = _in_pieces(0.0 if isinstance(end, Fixed) else end.value)
+            spans.insert(side * len(spans), (1, 0))
+            places.insert(side * len(places), len(profiles))
+            jumps[side * len(jumps) : side * len(jumps)] = [len(numbers) // 2, 0]
+            profiles += [*numbers, 0.0]
         first, last = (list(ends) for ends in zip(*spans, strict=True))
         self.numbers: list[Number] = [
             *(p.wave_speed for p in pieces), *(p.impedance for p in pieces),
             *(p.length for p in pieces), *system.gaps, *profiles,
         ]
         places = [3 * n + contacts + place for place in places]
-        size = [n, len(self.numbers), 2 * (n + sum(jumps))]
-        self.make = Make(first, last, nodes, places, jumps, size)
-        left, right = (BOND if x else FREE for x in fixed)
+        size = [n, len(self.numbers), 2 * (n + sum(jumps)) + 2]
+        outside = [OUTSIDE[type(end)] for end in system.ends]
+        self.make = Make(first, last, nodes, places, jumps, outside, size)
+        left, right = (
+            FREE if isinstance(end, Free) else PUSH if isinstance(end, Force) else BOND
+            for end in system.ends
+        )
         self.status = [left, *[BOND] * (n - 1), right]
         for node, law in zip(nodes, system.contacts, strict=True):
             self.status[node] = BOND if isinstance(law, Bonded) else TOUCH
@@ -136,8 +161,8 @@ class Blueprint:
         """Room for the layout of that many members, on lists or what `full` makes."""
         n, _, fronts = self.make.size
         marks = n + sum(self.make.jumps)
-        rows = [n + 2, n + 2, n + 1, 2, 1, fronts, fronts, fronts, *[1] * 7]
-        kinds = [0, 0.0, 0.0, 0.0, 0, 0, 0, 0.0, 0.0, 0, 0.0, 0.0, 0.0, 0.0, 0]
+        rows = [n + 2, n + 2, n + 1, 2, 1, fronts, fronts, fronts, *[1] * 8]
+        kinds = [0, 0.0, 0.0, 0.0, 0, 0, 0, 0.0, 0.0, 0, 0, 0.0, 0.0, 0.0, 0.0, 0]
         layout = [full(members * row, zero) for row, zero in zip(rows, kinds, strict=True)]
         sizes = [marks, marks, marks, marks, marks, n + 2, marks, marks, marks, 2]
         kinds = [0.0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0]
@@ -158,9 +183,10 @@ def assemble(system: System, until: float | None = None) -> Assembly:
     Raises
     ------
     InvalidModel
-        When velocities overflow, transit times are too far apart for one clock, or the system has
-        physics that the method lacks.
+        When velocities overflow, transit times are too far apart for one clock, the system has
+        physics that the method lacks, or an end is driven and there is no time to run to.
     """
+    require_end(system, until)
     plan = Blueprint(system)
     make, given = plan.make, [float(x) for x in plan.numbers]
     n = make.size[0]
@@ -176,22 +202,30 @@ def assemble(system: System, until: float | None = None) -> Assembly:
         fate = lay_out(make, given, 0, end, layout, work)
     if fate != LAID:
         raise InvalidModel([_refusal(fate, plan, layout, work.duration)])
-    waves: list[list[tuple[int, float]]] = [[] for _ in range(2 * n + 2)]
+    waves: list[list[tuple[int, float]]] = [[] for _ in range(2 * n + 4)]
     for r in range(layout.count[0]):
         waves[layout.line[r]].append((layout.tick[r], layout.value[r]))
     beat = layout.beat[0]
     errors = [abs(layout.transit[s] * beat / work.duration[s - 1] - 1) for s in range(1, n + 1)]
     worst = max(range(n), key=errors.__getitem__)
     status = [OPEN if gap > 0 else at for gap, at in zip(layout.gap, plan.status, strict=True)]
+    endless = [given[n + s] if kind == ENDLESS else 0.0
+               for kind, s in zip(make.outside, (0, n - 1), strict=True)]
     return Assembly(
         system=system, spans=plan.spans,
         nodes=tuple(make.node), wave_speed=[0.0, *given[:n], 0.0],
-        impedance=[0.0, *given[n : 2 * n], 0.0], length=[0.0, *given[2 * n : 3 * n], 0.0],
+        impedance=[endless[0], *given[n : 2 * n], endless[1]],
+        length=[0.0, *given[2 * n : 3 * n], 0.0],
         ticks=layout.transit, tick=beat, frame=layout.frame[0], tolerance=layout.tolerance[0],
         window=layout.window[0], status=status, gaps=layout.gap,
         outside=(layout.outside[0], layout.outside[1]), waves=waves,
         transit_error=errors[worst], worst=plan.paths[worst + 1],
     )
+
+
+def _in_pieces(profile: Any) -> list[Number]:
+    """Values of a profile, and where it jumps."""
+    return [*profile.values, *profile.at] if isinstance(profile, Steps) else [profile]
 
 
 def _refusal(fate: int, plan: Blueprint, layout: Layout, durations: Any) -> tuple[str, str]:
@@ -227,13 +261,13 @@ def start(
     Parameters
     ----------
     ticks, mobility : [n + 2]
-        Transit times and 1/Z by segment, 0 outside.
+        Transit times and 1/Z by segment; outside 0, but for the 1/Z of an endless bar.
     status, gaps : [n + 1]
         By node.
     outside : pair
         Waves of the walls.
-    waves : [2 n + 2] lists of (tick, value)
-        By line; those of line 0 and 1 are empty.
+    waves : [2 n + 2] or [2 n + 4] lists of (tick, value)
+        By line; that of line 1 is empty.
     room : int
         Log rows to provide beyond the initial ones.
     """

@@ -34,6 +34,7 @@ from ..model import (
     Wall,
 )
 from . import kernels
+from .abilities import driven, require_end
 from .characteristics_kernel import (
     BOND,
     DONE,
@@ -315,13 +316,6 @@ class Plan:
         fall = abs(self.gravity) * max(float(s.transit_time) for s in self.segments)
         return frame, high - low + strained + pushed + fall
 
-    @property
-    def driven(self) -> bool:
-        """Whether forces from outside act: no bound says when the last contact is over."""
-        kinds = [kind for kind, _ in self.outside]
-        drives = [isinstance(end, Force | Velocity) for end in self.system.ends]
-        return any(drives) or (self.gravity != 0 and any(k != "none" for k in kinds))
-
 
 def extremes(profile: Any) -> list[float]:
     """Smallest and largest value of a profile."""
@@ -508,7 +502,7 @@ class Machine:
 
     def settled(self) -> int:
         """Steps until it may be proved that the collision is over; NEVER if not as it is."""
-        if self.plan.driven:
+        if driven(self.plan.system):
             return NEVER
         return int(settled(self.row, self.signals, self.taken, self.tol))
 
@@ -544,10 +538,8 @@ def follow(
     InvalidModel
         If there is no end to run to, or the run is too long for the memory.
     """
+    require_end(system, until)
     plan = Plan(system)
-    if until is None and plan.driven:
-        message = "must be given: where gravity or drives act, there is no last contact to wait for"
-        raise InvalidModel([("until", message)])
     transits = [float(s.transit_time) for s in plan.segments]
     if dt is not None and dt > min(transits) * (1 + 2.0**-36):
         path = plan.paths[1 + transits.index(min(transits))]

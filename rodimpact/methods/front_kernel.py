@@ -3,8 +3,10 @@
 In a uniform segment the velocity is v = (a + b)/2 with a travelling right and b travelling left.
 Both are constant between fronts, so the whole motion is a list of fronts: when each left an end,
 and the value behind it. Node k joins the segments k and k + 1; line 2s carries a and line 2s + 1
-carries b through segment s. The segments 0 and n + 1 stand for what lies outside: nothing, or a
-wall, which is a segment of mobility 0. Waves are velocities in a frame chosen by the caller.
+carries b through segment s. The segments 0 and n + 1 stand for what lies outside: nothing, a wall,
+which is a segment of mobility 0, or an endless bar. Waves are velocities in a frame chosen by the
+caller. What drives an end comes as fronts on the lines from outside, whose transit takes no time: a
+velocity, as that of a wall to which the row is bonded, or a force, as the velocity that it gives.
 
 The log is the queue: one append-only list of fronts; the fronts of a line are chained, `head` is
 the next to arrive, `tail` the last sent. What a solution needs later is the log itself. The next
@@ -20,7 +22,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-FREE, BOND, OPEN, TOUCH, GRAZE, PRESS = range(6)  # status of a node, see `meet`
+FREE, BOND, PUSH, OPEN, TOUCH, GRAZE, PRESS = range(7)  # status of a node, see `meet`
 DONE, FULL, CHECK, CAP, FINAL, CLOCK = range(6)  # why a run stopped
 NEVER = 1 << 62  # the clock ends here
 IDLE = (1 << 63) - 1  # tick of a node at which nothing is due
@@ -32,7 +34,7 @@ class Row(NamedTuple):
 
     transit: Any  # [segment] transit time, ticks
     mobility: Any  # [segment] 1/Z, 0 for a wall
-    status: Any  # [node]
+    status: Any  # [node] PUSH: an end under a given force
     since: Any  # [node] tick at which the node was last touched
     gap: Any  # [node]
     rate: Any  # [node] d(gap)/dt
@@ -90,6 +92,7 @@ class Members(NamedTuple):
     value: Any  # [member * fronts]
     tolerance: Any  # [member]
     window: Any  # [member]
+    onward: Any  # [member] ticks to run on after the proof of finality
     frame: Any  # [member] velocity of the frame of the waves
     beat: Any  # [member] duration of a tick
 
@@ -122,7 +125,7 @@ def begin(row: Row, tally: Tally, log: Log, clock: Any, count: int) -> None:
 
     Given are transit, mobility, status and gap of the row, what arrives from the walls, and the
     first `count` rows of the log: for each line, in order of time, the fronts that fill it, the
-    first of them one transit ago, so that it has just arrived.
+    first of them one transit ago, so that it has just arrived. Those from outside are yet to come.
     """
     n = len(row.status)
     zero = 0 * row.mobility[1]
@@ -241,9 +244,7 @@ def advance(
             if dt > window:
                 tally.peak[k] = max(tally.peak[k], force[k])
         F, since[k] = 0 * a, t
-        if status[k] == BOND:
-            F = (a - b) / (Yl + Yr)
-        elif status[k] != FREE:
+        if status[k] >= OPEN:
             if status[k] == PRESS:
                 tally.pressed[k] += dt
             new = meet(row, k, dt, tol, window)
@@ -252,6 +253,13 @@ def advance(
                 probe = clock[PROBE]
             if new == PRESS:
                 F = (a - b) / (Yl + Yr)
+        elif status[k] != FREE:
+            if status[k] == BOND:
+                F = (a - b) / (Yl + Yr)
+            elif k == 0:
+                F, a = a / Yr, a + b
+            else:
+                F = b / Yl
         force[k], row.speed[k] = F, a - F * Yl
         for l in (2 * k + 1, 2 * k + 2):
             out = b + 2 * F * Yr
@@ -295,6 +303,15 @@ def side(row: Row, k: int, right: bool) -> tuple[int, int]:
     return first, last
 
 
+def quiet(row: Row, k: int, right: bool) -> bool:
+    """Whether no front is under way in the bonded group beside contact k."""
+    first, last = side(row, k, right)
+    for l in range(2 * first, 2 * last + 2):  # noqa: SIM110
+        if row.head[l] >= 0:
+            return False
+    return True
+
+
 def motion(row: Row, log: Log, k: int, right: bool, t: int) -> tuple[Any, Any, Any, bool]:
     """Mean velocity of the bonded group beside contact k, and bounds of its ends' velocities.
 
@@ -302,8 +319,9 @@ def motion(row: Row, log: Log, k: int, right: bool, t: int) -> tuple[Any, Any, A
     -------
     mean, low, high : velocity
         low and high bound the velocity of the end at the contact as long as nothing touches the
-        group; they hold for a free uniform segment (its waves go round unchanged), a wall and a
-        group without a front under way.
+        group; they hold for a uniform segment that is free (its waves go round unchanged) or goes
+        on for ever, a wall and a group at rest. The mean of what is held, or goes on for ever, is
+        that to which it will come.
     bounded : bool
         Whether they hold.
     """
@@ -314,13 +332,11 @@ def motion(row: Row, log: Log, k: int, right: bool, t: int) -> tuple[Any, Any, A
         return wall, wall, wall, True
     mass, momentum = 0 * arrived[2 * first], 0 * arrived[2 * first]
     low = high = arrived[2 * first]
-    quiet = True
     for s in range(first, last + 1):
         Z = 1 / row.mobility[s]
         mass += 2 * Z * row.transit[s]
         for l in (2 * s, 2 * s + 1):
             r, wave, edge = row.head[l], arrived[l], row.transit[s]
-            quiet = quiet and r < 0
             low, high = min(low, wave), max(high, wave)
             while r >= 0:
                 momentum += Z * wave * (edge - t + log.tick[r])
@@ -329,14 +345,16 @@ def motion(row: Row, log: Log, k: int, right: bool, t: int) -> tuple[Any, Any, A
                 r = log.after[r]
             momentum += Z * wave * edge
     mean = momentum / mass
-    free = True
+    bounded, endless = first == last, False
     if status[first - 1] == BOND:
-        mean, free = arrived[0], False
+        mean, endless = arrived[0], row.mobility[0] > 0
+        bounded = bounded and endless
     if status[last] == BOND:
-        mean, free = arrived[2 * last + 3], False
-    if quiet:
+        mean, endless = arrived[2 * last + 3], row.mobility[last + 1] > 0
+        bounded = bounded and endless
+    if quiet(row, k, right) and not (endless and status[k] == PRESS):
         return mean, mean, mean, True
-    return mean, low, high, free and first == last
+    return mean, low, high, bounded
 
 
 def sway(row: Row, log: Log, k: int, right: bool, t: int, mean: Any) -> tuple[Any, Any]:
@@ -345,7 +363,8 @@ def sway(row: Row, log: Log, k: int, right: bool, t: int, mean: Any) -> tuple[An
     The end of a free body deviates from the motion of the centre of mass by
     d = integral(strain * g dx), g the mass fraction beyond x as seen from that end, hence by at
     most sqrt(2 E integral(g^2 dx/(E A))), E the energy of vibration. A wall at the far end has all
-    the mass.
+    the mass. A far endless bar of mobility Y gives way by Y p, p the momentum that it has taken; as
+    p <= sqrt(2 m E), m Y^2 adds to the integral.
 
     Returns
     -------
@@ -362,7 +381,11 @@ def sway(row: Row, log: Log, k: int, right: bool, t: int, mean: Any) -> tuple[An
     for s in range(first, last + 1):
         mass += row.transit[s] / row.mobility[s]
     anchored = status[first - 1] == BOND or status[last] == BOND
-    beyond, d, energy, slack, quiet = zero, zero, zero, zero, True
+    give = zero
+    if anchored:
+        give += row.mobility[len(row.mobility) - 1 if right else 0]
+    beyond, d, energy, taken = zero, zero, zero, zero
+    slack = mass * give * give
     for i in range(last - first + 1):
         s = first + i if right is False else last - i
         T, Y = row.transit[s], row.mobility[s]
@@ -376,25 +399,28 @@ def sway(row: Row, log: Log, k: int, right: bool, t: int, mean: Any) -> tuple[An
             sign = 1 if l % 2 else -1
             r, wave, edge = row.head[l], arrived[l], T
             more = True
-            quiet = quiet and r < 0
             while more:
                 more = r >= 0
                 low = t - log.tick[r] if more else 0
                 width = edge - low
                 energy += (wave - mean) * (wave - mean) * width / (4 * Y)
+                taken += (wave - mean) * width / (2 * Y)
                 place = (edge + low) / (2 * T) if outward else 1 - (edge + low) / (2 * T)
                 d += sign * (wave - mean) * width * (g0 + (g1 - g0) * place) / 2
                 if more:
                     edge, wave, r = low, log.value[r], log.after[r]
     if right:
         d = -d
-    if quiet:
+    d -= give * taken
+    if quiet(row, k, right) and not (give > 0 and status[k] == PRESS):
         return d, zero
     return d, 2 * energy * slack
 
 
 def parting(row: Row, log: Log, k: int, t: int, tol: Any) -> int:
     """When contact k is proved not to close again: t if now, IDLE if not before a new contact."""
+    if row.rate[k] >= 0 and quiet(row, k, False) and quiet(row, k, True):
+        return t
     vl, _, high, bounded_l = motion(row, log, k, False, t)
     vr, low, _, bounded_r = motion(row, log, k, True, t)
     if bounded_l and bounded_r and low - high >= -tol:
@@ -416,7 +442,10 @@ def parting(row: Row, log: Log, k: int, t: int, tol: Any) -> int:
 
 
 def settled(row: Row, log: Log, t: int, tol: Any) -> int:
-    """When the collision can be proved final: t if now, IDLE if not before a new contact."""
+    """When the collision can be proved final: t if now, IDLE if not before a new contact.
+
+    For rows whose ends are not driven: no bound holds for a body that is pushed.
+    """
     latest = t
     for k in range(len(row.status)):
         if row.status[k] >= OPEN and latest < IDLE:
@@ -532,7 +561,7 @@ def closing_stock(
     """Take stock at the end, tick t: free groups have the velocity that their impulses gave them.
 
     That is more exact than what the momenta of their waves say, and independent of it; only groups
-    bonded to a wall have no other.
+    bonded to what is outside have no other.
     """
     n = len(row.status) - 1
     for s in range(n + 2):
@@ -558,7 +587,7 @@ def family(
     row: Row, tally: Tally, log: Log, clock: Any, stocks: tuple[Stock, Stock], members: Members,
     limit: int, results: Results,
 ) -> None:
-    """Run every member to its proof of finality in the same work space.
+    """Run every member to its proof of finality, and `onward`, in the same work space.
 
     Parameters
     ----------
@@ -591,7 +620,8 @@ def family(
         begin(row, tally, log, clock, members.count[m])
         opening_stock(row, log, stocks[0])
         flag = play(
-            row, tally, log, clock, -1, limit, members.tolerance[m], members.window[m]
+            row, tally, log, clock, -members.onward[m], limit, members.tolerance[m],
+            members.window[m],
         )
         results.flag[m], results.final[m] = flag, clock[SETTLED] >= 0
         if flag == FULL:

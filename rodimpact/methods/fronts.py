@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from . import kernels
+from .abilities import driven
 from .assembly import Assembly, start
 from .front_kernel import (
     CAP,
@@ -51,7 +52,7 @@ class FrontRun:
     end : int
         Tick reached.
     settled : int
-        Tick at which the collision was proved final, -1 without proof.
+        Tick at which the collision was proved final, -1 without proof, as where ends are driven.
     events : int
         Arrival ticks taken, one end each.
     stopped_by : str
@@ -120,9 +121,10 @@ def track(
     closing = Stock(*([float(x) for x in column] for column in closing))
     n, m = clock[ROWS], clock[TURNS]
     log = Log(*(x[:n] for x in log[:4]), *(x[:m] for x in log[4:]))
+    settled = -1 if until is not None and driven(a.system) else clock[SETTLED]
     reason = {FINAL: "final", CAP: "max_events", CLOCK: "clock"}.get(flag, "until")
     return FrontRun(
-        a, row, tally, log, opening, closing, clock[NOW], clock[SETTLED], clock[EVENTS], reason
+        a, row, tally, log, opening, closing, clock[NOW], settled, clock[EVENTS], reason
     )
 
 

@@ -5,11 +5,12 @@ durations in the ratio of small whole numbers (0.3 m and 0.1 m of one steel) are
 that ratio exactly; the others are rounded to the nearest tick.
 
 The initial state is the history of the waves over one transit before t = 0. A profile jumps at
-places that follow the tick rule too.
+places that follow the tick rule too, and so do the times at which what drives an end jumps.
 
 Kernels: plain Python on lists for one collision, compiled on arrays for a family. The numbers of a
 member stand in one row of `given`: wave speed, impedance and length of each segment, the gaps, and
-for each body its velocity values, where they jump, strain values, and where those jump.
+for each body its velocity values, where they jump, strain values, and where those jump. What holds
+or drives an end stands there as a body without segments, with values over time.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ HORIZON = 4096  # longest transits for which the clock has room when no end is g
 FINEST, COARSEST = 50, 20  # longest transit in ticks, as a power of two
 WINDOW = 40  # a gap that closes within 2^-40 longest transits of an arrival closes with it
 LAID, OVERFLOW, LONG, SHORT = range(4)  # what became of a member, see `lay_out`
+STEADY, MOVED, PUSHED, ENDLESS = range(4)  # what is outside, see `Make`
 
 
 class Make(NamedTuple):
@@ -43,6 +45,7 @@ class Make(NamedTuple):
     node: Any  # [contact]
     profile: Any  # [body] place in a row of `given` of its first velocity value
     jumps: Any  # [2 * body] jumps of its velocity, of its strain
+    outside: Any  # [2] STEADY: nothing or a wall; MOVED, PUSHED: velocity or force; ENDLESS: a bar
     size: Any  # [3] segments, numbers in a row of `given`, most fronts at t = 0
 
 
@@ -50,7 +53,7 @@ class Layout(NamedTuple):
     """Members on their clocks; n segments, so n + 1 nodes; in rows, one a member."""
 
     transit: Any  # [member * (n + 2)] ticks
-    mobility: Any  # [member * (n + 2)] 1/Z, 0 outside
+    mobility: Any  # [member * (n + 2)] 1/Z, 0 outside but for an endless bar
     gap: Any  # [member * (n + 1)] velocity times ticks
     outside: Any  # [member * 2] waves of the walls
     count: Any  # [member] number of fronts
@@ -59,6 +62,7 @@ class Layout(NamedTuple):
     value: Any  # [member * fronts] wave behind it
     tolerance: Any  # [member] velocity
     window: Any  # [member] ticks by which a closing may move to an arrival
+    onward: Any  # [member] ticks to run on after the proof of finality
     frame: Any  # [member] velocity of the frame of the waves
     scale: Any  # [member] of velocities
     horizon: Any  # [member] time for which the clock has room
@@ -69,7 +73,7 @@ class Layout(NamedTuple):
 class Work(NamedTuple):
     """Space for one member: m = n + jumps of all profiles; pieces of constant state by segment."""
 
-    duration: Any  # [m] transit times, then times from the left end of a segment to its jumps
+    duration: Any  # [m] transit times, times from the left end of a segment to its jumps, of drives
     order: Any  # [m]
     p: Any  # [m]
     q: Any  # [m]
@@ -87,7 +91,7 @@ def recognise(x: float) -> tuple[int, int]:
     Parameters
     ----------
     x : float
-        In (0, 1].
+        Positive.
 
     Returns
     -------
@@ -146,7 +150,9 @@ def common_parts(durations: Any, order: Any, start: int, most: int, p: Any, q: A
     return parts
 
 
-def assign_ticks(durations: Any, bits: int, order: Any, p: Any, q: Any, ticks: Any) -> int:
+def assign_ticks(
+    durations: Any, bits: int, order: Any, p: Any, q: Any, ticks: Any, late: int = 0
+) -> int:
     """Give each duration its whole number of ticks; return that of the longest (about 2^bits).
 
     A tick is the longest duration divided by the number returned. The class of the longest is
@@ -163,11 +169,14 @@ def assign_ticks(durations: Any, bits: int, order: Any, p: Any, q: Any, ticks: A
         Work space.
     ticks : [n] int
         Result.
+    late : int
+        So many durations at the end are times of drives: they may be longer than the longest of the
+        others, and lead no class with one of those.
     """
     n = len(durations)
     for i in range(n):
-        j = i
-        while j > 0 and durations[order[j - 1]] < durations[i]:
+        j, first = i, 0 if i < n - late else n - late
+        while j > first and durations[order[j - 1]] < durations[i]:
             order[j] = order[j - 1]
             j -= 1
         order[j] = i
@@ -254,19 +263,27 @@ def survey(make: Make, given: Any, row: int, work: Work) -> tuple[float, float]:
     """Frame (that of the walls, else the middle of all velocities) and scale of velocities."""
     n, bodies = make.size[0], len(make.first)
     low, high = math.inf, -math.inf
-    strained, walls, fixed = 0.0, 0, 0.0
-    for body in (0, bodies - 1):
-        if make.last[body] == 0:
-            v = given[row + make.profile[body]]
-            low, high, walls, fixed = min(low, v), max(high, v), walls + 1, fixed + v
+    strained, walls, fixed, pushed = 0.0, 0, 0.0, 0.0
+    for i in range(2):
+        body, kind = i * (bodies - 1), make.outside[i]
+        for j in range(make.jumps[2 * body] + 1 if make.last[body] == 0 else 0):
+            v = given[row + make.profile[body] + j]
+            if kind == PUSHED:
+                pushed = max(pushed, abs(v))
+            else:
+                low, high = min(low, v), max(high, v)
+            if kind == STEADY:
+                walls, fixed = walls + 1, fixed + v
+    weakest = math.inf
     for s in range(1, n + 1):
+        weakest = min(weakest, given[row + n + s - 1])
         for i in range(work.piece[s], work.piece[s + 1]):
             low, high = min(low, work.velocity[i]), max(high, work.velocity[i])
             strained = max(strained, given[row + s - 1] * abs(work.strain[i]))
     frame = low / 2 + high / 2
     if walls > 0:
         frame = fixed / walls
-    return frame, high - low + strained
+    return frame, high - low + strained + pushed / weakest
 
 
 def room(given: Any, row: int, n: int, gaps: int, longest: float, scale: float, work: Work
@@ -285,6 +302,82 @@ def clock_bits(ratio: float) -> int:
         return FINEST if ratio == 0 else 0
     mantissa, exponent = math.frexp(ratio)
     return min(FINEST, CLOCK_BITS - 1 - (exponent if mantissa > 0.5 else exponent - 1))
+
+
+def jumps_outside(make: Make, i: int) -> int:
+    """How often what drives an end jumps; i is 0 for the left end, 1 for the right one."""
+    if make.outside[i] == MOVED or make.outside[i] == PUSHED:
+        return int(make.jumps[2 * i * (len(make.first) - 1)])
+    return 0
+
+
+def drive_times(make: Make, given: Any, row: int, until: float, spare: float, work: Work) -> int:
+    """Put the times at which drives jump at the end of the durations; return how many there are.
+
+    `spare` stands for a time that is not reached.
+    """
+    late = jumps_outside(make, 0) + jumps_outside(make, 1)
+    place = len(work.duration) - late
+    for i in range(2):
+        jumps = jumps_outside(make, i)
+        for j in range(jumps):
+            at = given[row + make.profile[i * (len(make.first) - 1)] + jumps + 1 + j]
+            work.duration[place] = at if at <= until else spare
+            place += 1
+    return late
+
+
+def drive(
+    make: Make, given: Any, m: int, i: int, until: float, place: int, layout: Layout, work: Work,
+    r: int,
+) -> int:
+    """Write the fronts, from row r on, of what drives end i of the row; return the next.
+
+    They are velocities in the frame, or those that a force gives to the end. Times of jumps are
+    the durations from `place` on.
+    """
+    n, sent, jumps, tol = make.size[0], r, jumps_outside(make, i), layout.tolerance[m]
+    first = m * make.size[1] + make.profile[i * (len(make.first) - 1)]
+    at = first + jumps + 1
+    x1, more, j = 0, True, 0
+    while more:
+        value, x0 = given[first + j], x1
+        if make.outside[i] == PUSHED:
+            value *= layout.mobility[m * (n + 2) + 1 + i * (n - 1)]
+        else:
+            value -= layout.frame[m]
+        more = j < jumps and given[at + j] <= until
+        x1 = max(x0, work.ticks[place + j]) if more else x0 + 1
+        if x1 > x0 and (r == sent or abs(value - layout.value[r - 1]) > tol):
+            layout.tick[r], layout.line[r], layout.value[r] = x0, i * (2 * n + 3), value
+            r += 1
+        j += 1
+    return r
+
+
+def prolong(make: Make, m: int, i: int, begun: int, layout: Layout, r: int) -> int:
+    """Let the row go on for ever beyond end i: from there comes what left that end last.
+
+    Parameters
+    ----------
+    begun, r : int
+        First and next row of the member's fronts.
+    """
+    n = make.size[0]
+    own, cell = 2 + i * (2 * n - 1), m * (n + 2)
+    for f in range(begun, r):
+        if layout.line[f] == own:
+            layout.value[r] = layout.value[f]
+    layout.tick[r], layout.line[r] = 0, i * (2 * n + 3)
+    layout.mobility[cell + i * (n + 1)] = layout.mobility[cell + 1 + i * (n - 1)]
+    longest = 0
+    for body in range(len(make.first)):
+        span = 0
+        for s in range(make.first[body], make.last[body] + 1):
+            span += layout.transit[cell + s]
+        longest = max(longest, span)
+    layout.onward[m] = 2 * longest  # the momentum of what radiates depends on when it is taken
+    return r + 1
 
 
 def fill(c: float, T: int, s: int, n: int, work: Work, frame: float, tol: float, layout: Layout,
@@ -350,13 +443,14 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
     bits = clock_bits(horizon / longest)
     if bits < COARSEST:
         return LONG
-    for i in range(durations, len(work.duration)):
+    late = drive_times(make, given, row, until, longest, work)
+    for i in range(durations, len(work.duration) - late):
         work.duration[i] = longest  # fewer jumps inside than there might be
     known = work.memory[0] == bits  # neighbours in a family often share their lengths
     for i in range(len(work.duration)):
         known = known and work.known[i] == work.duration[i]
     if not known:
-        whole = assign_ticks(work.duration, bits, work.order, work.p, work.q, work.ticks)
+        whole = assign_ticks(work.duration, bits, work.order, work.p, work.q, work.ticks, late)
         work.memory[0], work.memory[1] = bits, whole
         for i in range(len(work.duration)):
             work.known[i] = work.duration[i]
@@ -373,15 +467,23 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
         return SHORT
     tol = TOLERANCE * scale
     layout.beat[m], layout.window[m], layout.tolerance[m] = beat, window, tol
+    layout.onward[m] = 1
     for i in range(gaps):
         layout.gap[node + make.node[i]] = given[row + 3 * n + i] / beat
     for i in range(2):
         body = i * (len(make.first) - 1)
-        if make.last[body] == 0:
+        if make.last[body] == 0 and make.outside[i] == STEADY:
             layout.outside[2 * m + i] = given[row + make.profile[body]] - frame
     r = m * fronts
     for s in range(1, n + 1):
         r = fill(given[row + s - 1], layout.transit[cell + s], s, n, work, frame, tol, layout, r)
+    place = len(work.duration) - late
+    for i in range(2):
+        if make.outside[i] == ENDLESS:
+            r = prolong(make, m, i, m * fronts, layout, r)
+        elif make.outside[i] != STEADY:
+            r = drive(make, given, m, i, until, place, layout, work, r)
+            place += jumps_outside(make, i)
     layout.count[m] = r - m * fronts
     return LAID
 
