@@ -788,14 +788,15 @@ def test_stops_and_their_sentences():
 
 # Which method -------------------------------------------------------------------------------------
 
+RAMP = ri.Samples([0.0, 1.0], step=1.0)
 CAN_NOT = {
     "bodies.0": ri.System([MASS, unit_rod()]),
     "contacts.0.law": ri.System([unit_rod(), unit_rod()], contacts=[ri.Spring(1.0)]),
     "gravity": ri.System([unit_rod()], gravity=1.0),
     "bodies.0.velocity": ri.System([unit_rod(velocity=ri.Samples([0.0, 1.0]))]),
     "bodies.0.strain": ri.System([unit_rod(strain=ri.Samples([0.0, 1.0]))]),
-    "ends.left": ri.System([unit_rod()], ends=(ri.Absorbing(), ri.Free())),
-    "ends.right": ri.System([unit_rod()], ends=(ri.Free(), ri.Force(1.0))),
+    "ends.left.value": ri.System([unit_rod()], ends=(ri.Velocity(RAMP), ri.Free())),
+    "ends.right.value": ri.System([unit_rod()], ends=(ri.Free(), ri.Force(RAMP))),
 }
 
 
