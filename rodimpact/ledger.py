@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .contacts import ContactHistory
 from .fields import WaveFields
@@ -125,7 +126,7 @@ def ledger(
     fallen = np.zeros(t.shape)
     if a.gravity:
         momentum: Any = total * a.gravity * t / 2
-        momentum = momentum + sum(float(_momentum(fields, i, np.zeros(1))[0]) for i in free)
+        momentum = momentum + sum(float(momentum_of(fields, i, np.zeros(1))[0]) for i in free)
         path = momentum * t
         for side, sign in zip(outside, (1, -1), strict=True):
             if side is not None:  # the integral of (t - s) F(s) over s
@@ -153,7 +154,8 @@ def ledger(
     )
 
 
-def _momentum(fields: WaveFields, body: int, times: Floats) -> Floats:
+def momentum_of(fields: WaveFields, body: int, times: ArrayLike) -> Floats:
+    """Momentum of a rod or a rigid mass, kg m/s, at times in s."""
     if body in fields.masses:
         found: Floats = fields.assembly.mass(body) * fields.mass_velocity(body, times)
         return found
@@ -170,7 +172,7 @@ def _held(system: System, fields: WaveFields, ticks: Any) -> tuple[Floats, Float
         if not inside:
             continue
         mass = sum(a.mass(i) for i in inside)
-        mean: Any = sum(_momentum(fields, i, times) for i in inside) / mass
+        mean: Any = sum(momentum_of(fields, i, times) for i in inside) / mass
         kinetic += mass * mean * mean / 2
         for i in inside:
             if not isinstance(system.bodies[i], Rod):

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from .contacts import ContactTally
 from .fields import WaveFields
-from .ledger import ledger, movable
+from .ledger import ledger, momentum_of, movable
 from .methods.abilities import driven
 from .methods.characteristics import StepRun, peak
 from .methods.characteristics_kernel import RIGID
@@ -113,7 +112,7 @@ def read_stepped(run: StepRun, fields: WaveFields, record: StepRecord, status: s
             ground = [float(v) for v in grounds(system, group)]
             mean = 0.0
             if inside:
-                momentum = sum(masses[i] * _mean(fields, i, t, masses[i]) for i in inside)
+                momentum = sum(float(momentum_of(fields, i, t)) for i in inside)
                 mean = momentum / sum(masses[i] for i in inside)
             for i in group:
                 velocity[place, i] = ground[0] if ground else mean
@@ -125,9 +124,7 @@ def read_stepped(run: StepRun, fields: WaveFields, record: StepRecord, status: s
         sign * float(np.sum(side[1])) * run.step
         for side, sign in zip(record.ends, (1, -1), strict=True) if side is not None
     )
-    momenta: list[Any] = [
-        sum(masses[i] * _mean(fields, i, t, masses[i]) for i in free) for t in (0.0, end)
-    ]
+    momenta = [sum(float(momentum_of(fields, i, t)) for i in free) for t in (0.0, end)]
     total = sum(masses[i] for i in free)
     missing = momenta[1] - momenta[0] - impulse - total * plan.gravity * end
     pushed = sum(abs(tally.impulse) for tally in tallies if tally.impulse == tally.impulse)
@@ -156,12 +153,6 @@ def read_stepped(run: StepRun, fields: WaveFields, record: StepRecord, status: s
         drive_work=float(book.drive_work[1]), gravity_work=float(book.gravity_work[1]),
         driven=driven(system) or plan.gravity != 0,
     )
-
-
-def _mean(fields: WaveFields, body: int, t: float, mass: float) -> float:
-    if body in fields.masses:
-        return float(fields.mass_velocity(body, t))
-    return float(fields.momentum(body, t)) / mass
 
 
 def _vibration(fields: WaveFields, body: int, t: float, mean: float, mass: float) -> float:
