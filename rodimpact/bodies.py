@@ -7,9 +7,12 @@ Any number may be an array, which makes a family.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
+from numbers import Integral
 from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .frozen import (
     Frozen,
@@ -23,7 +26,19 @@ from .frozen import (
     plain,
     short,
 )
-from .profiles import Profile, along_rod, profile_from
+from .profiles import (
+    Floats,
+    Profile,
+    Samples,
+    Steps,
+    along_rod,
+    averages,
+    extremes,
+    flipped,
+    profile_from,
+)
+
+CIRCULAR = "circular"  # the cross-section is a solid disc
 
 
 class Material(Frozen):
@@ -38,10 +53,11 @@ class Material(Frozen):
     density : float or array
         rho, kg/m^3.
     poisson_ratio : float or array, optional
-        nu, between -1 and 0.5; waves in bars as modelled here do not depend on it.
+        nu, between -1 and 0.5, for the lateral inertia of a rod with a `polar_moment`, by the
+        method "finite-difference", and for `Hertz.from_radii`; other waves do not depend on it.
     viscosity : float or array
-        Kelvin-Voigt viscosity eta of sigma = E eps + eta d(eps)/dt, Pa s; the exact method
-        `fronts` takes 0 only.
+        Kelvin-Voigt viscosity eta of sigma = E eps + eta d(eps)/dt, Pa s; `damped` finds it from a
+        loss factor. Only the method "finite-difference" takes other than 0.
 
     Raises
     ------
@@ -100,6 +116,46 @@ class Material(Frozen):
         ratio = self.youngs_modulus / self.density
         return math.sqrt(ratio) if isinstance(ratio, float) else np.sqrt(ratio)
 
+    def damped(self, loss_factor: Any, frequency: Any) -> Material:
+        """Return the same material with the viscosity that gives it a loss factor.
+
+        eta = E tan(delta)/(2 pi f): the loss factor tan(delta) of a Kelvin-Voigt material is
+        proportional to frequency, so a measured one holds at its own frequency and near it.
+
+        Parameters
+        ----------
+        loss_factor : float or array
+            tan(delta), of a stress that oscillates and the strain that follows it, 1.
+        frequency : float or array
+            f at which it is this, Hz.
+
+        Returns
+        -------
+        Material
+
+        Raises
+        ------
+        InvalidModel
+            If the loss factor is negative or the frequency not positive.
+
+        Examples
+        --------
+        >>> rubber = Material("rubber", youngs_modulus=5e6, density=1100)
+        >>> round(rubber.damped(loss_factor=0.1, frequency=1e3).viscosity, 3)
+        79.577
+        """
+        problems: Problems = []
+        tangent = number(problems, "loss_factor", loss_factor, "", "non-negative")
+        f = number(problems, "frequency", frequency, " of hertz", "positive")
+        if problems:
+            raise InvalidModel(problems)
+        with np.errstate(all="ignore"):  # what is out of range, the material will refuse
+            eta = self.youngs_modulus * tangent / (2 * math.pi * np.asarray(f))
+        return Material(
+            self.name, youngs_modulus=self.youngs_modulus, density=self.density,
+            poisson_ratio=self.poisson_ratio, viscosity=eta,
+        )
+
     def to_dict(self) -> dict[str, Any]:  # noqa: D102  (documented in Frozen)
         return {
             "name": self.name,
@@ -111,38 +167,72 @@ class Material(Frozen):
 
 
 class Segment(Frozen):
-    """A uniform piece of rod.
+    """A piece of rod of one material: uniform, or tapered.
 
     Parameters
     ----------
     length : float or array
         m.
-    area : float or array
-        Cross-section, m^2.
+    area : float, array, Samples or function
+        Cross-section, m^2. `Samples` make the segment tapered; so does a function of the distance
+        from its left end, m, which is sampled at 1025 places from end to end.
     material : Material
+    polar_moment : float, array or "circular", optional
+        Polar second moment I_p of the cross-section about the axis, m^4, if the inertia of the
+        motion sideways is to count; the material then needs a `poisson_ratio`. ``"circular"`` is
+        that of a solid round section, I_p = A^2/(2 pi), along a taper too.
 
     Raises
     ------
     InvalidModel
         Naming every field that is not what it should be.
+
+    Notes
+    -----
+    Lateral inertia makes the wave equation that of Rayleigh and Love,
+    rho A u_tt - rho nu^2 I_p u_xxtt = E A u_xx: A. E. H. Love, A Treatise on the Mathematical
+    Theory of Elasticity, 4th ed., 1927, art. 278; Lord Rayleigh, The Theory of Sound, art. 157.
+
+    Examples
+    --------
+    >>> steel = Material("steel", youngs_modulus=200e9, density=7850)
+    >>> wedge = Segment(0.5, Samples([1e-4, 3e-4]), steel)
+    >>> wedge.tapered, round(wedge.mass, 6)
+    (True, 0.785)
+    >>> wedge.area_between([0.0, 0.25, 0.5]).round(9).tolist()
+    [0.00015, 0.00025]
     """
 
     length: Number
-    area: Number
+    area: Number | Samples
     material: Material
+    polar_moment: Number | str | None
 
-    def __init__(self, length: Any, area: Any, material: Any) -> None:
+    def __init__(
+        self, length: Any, area: Any, material: Any, *, polar_moment: Any = None
+    ) -> None:
         problems: Problems = []
         L = number(problems, "length", length, " of metres", "positive")
-        A = number(problems, "area", area, " of square metres", "positive")
+        if isinstance(area, Steps):
+            message = "jumps inside a segment; give Rod(area=Steps(...)), or a segment for each"
+            problems.append(("area", f"{message} of its values"))
+        known = None if problems else L
+        A: Any = along_rod(problems, "area", area, " of square metres", known, "positive")
         if not isinstance(material, Material):
             message = f"must be a Material, such as materials.steel, got {material!r}"
             problems.append(("material", message))
+        if polar_moment is not None:
+            polar_moment = _polar_moment(problems, polar_moment, A, material)
         if problems:
             raise InvalidModel(problems)
-        self._set(length=L, area=A, material=material)
+        self._set(length=L, area=A, material=material, polar_moment=polar_moment)
+        if isinstance(A, Samples):
+            for bound in extremes(A):
+                Segment(L, bound, material)
+            return
         with np.errstate(all="ignore"):
-            derived = (self.impedance, self.transit_time, self.mass)
+            Z, T = self.impedance, self.transit_time
+            derived = (Z, T, Z * T)
         if not holds(good := in_range(*derived)):
             at, (long, wide) = first_false(good, L, A)
             message = (
@@ -152,13 +242,28 @@ class Segment(Frozen):
             raise InvalidModel([(f"area{at}", message)])
 
     @property
+    def tapered(self) -> bool:
+        """Whether the area varies along the segment."""
+        return isinstance(self.area, Samples)
+
+    @property
     def wave_speed(self) -> Number:
         """Bar speed c, m/s."""
         return self.material.wave_speed
 
     @property
     def impedance(self) -> Number:
-        """Z = rho A c, kg/s."""
+        """Z = rho A c, kg/s.
+
+        Raises
+        ------
+        ValueError
+            If the segment is tapered: the impedance varies along it.
+        """
+        if isinstance(self.area, Samples):
+            raise ValueError(
+                "the impedance varies along a tapered segment; take those of rod.in_steps(n)"
+            )
         return self.material.density * self.area * self.material.wave_speed
 
     @property
@@ -168,15 +273,94 @@ class Segment(Frozen):
 
     @property
     def mass(self) -> Number:
-        """Z T, kg."""
+        """Integral of rho A dx, kg; exact for straight lines between samples."""
+        if isinstance(self.area, Samples):
+            return self.material.density * self._mean_areas(1)[0] * self.length
         return self.impedance * self.transit_time
 
+    def area_between(self, edges: ArrayLike) -> Floats:
+        """Mean areas between places; exact for straight lines between samples.
+
+        Parameters
+        ----------
+        edges : [n + 1] array
+            Increasing places, m from the left end of the segment.
+
+        Returns
+        -------
+        [n] array
+            m^2.
+        """
+        return averages(self.area, np.asarray(edges, dtype=np.float64), float(self.length))
+
+    def polar_moments(self, areas: ArrayLike) -> Floats:
+        """Polar second moments of the segment where its cross-section has these areas.
+
+        Parameters
+        ----------
+        areas : array
+            m^2.
+
+        Returns
+        -------
+        array
+            m^4, of the same shape; 0 without lateral inertia.
+        """
+        A = np.asarray(areas, dtype=np.float64)
+        if isinstance(self.polar_moment, str):
+            return A**2 / (2 * math.pi)
+        return np.full(A.shape, 0.0 if self.polar_moment is None else self.polar_moment)
+
+    def mirrored(self) -> Segment:
+        """Return the segment seen in a mirror."""
+        if not self.tapered:
+            return self
+        area = flipped(self.area, self.length)
+        return Segment(self.length, area, self.material, polar_moment=self.polar_moment)
+
+    def in_steps(self, n: int) -> list[Segment]:
+        """Uniform segments of equal lengths, each of the volume of its piece of the taper.
+
+        A uniform segment stays as it is.
+        """
+        if not self.tapered:
+            return [self]
+        return [
+            Segment(self.length / n, area, self.material, polar_moment=self.polar_moment)
+            for area in self._mean_areas(n)
+        ]
+
+    def _mean_areas(self, n: int) -> list[float]:
+        """Mean areas of `n` pieces of equal length, whatever that is, m^2."""
+        areas: list[float] = averages(self.area, np.linspace(0.0, 1.0, n + 1), 1.0).tolist()
+        return areas
+
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        return {name: plain(getattr(self, name)) for name in ("length", "area", "material")}
+        described = {name: plain(getattr(self, name)) for name in ("length", "area", "material")}
+        if self.polar_moment is not None:
+            described["polar_moment"] = plain(self.polar_moment)
+        return described
+
+
+def _polar_moment(problems: Problems, value: Any, area: Any, material: Any) -> Number | str:
+    """Return `value` as a polar moment of that cross-section; note a mistake in `problems`."""
+    if isinstance(material, Material) and material.poisson_ratio is None:
+        message = f"is missing in {material.name!r}; lateral inertia needs it: give the material"
+        problems.append(("material.poisson_ratio", f"{message} one, or leave polar_moment out"))
+    if isinstance(value, str):
+        if value != CIRCULAR:
+            message = f'must be a number of m^4 or "{CIRCULAR}", got {value!r}'
+            problems.append(("polar_moment", message))
+        return value
+    if isinstance(area, Samples):
+        message = f'must be "{CIRCULAR}" along a taper, or left out, got {value!r}'
+        problems.append(("polar_moment", message))
+        return math.nan
+    return number(problems, "polar_moment", value, " of m^4", "positive")
 
 
 class Rod(Frozen):
-    """An elastic rod, uniform or stepped.
+    """An elastic rod: uniform, stepped or tapered.
 
     Give `length`, `area` and `material`, or `segments`.
 
@@ -184,9 +368,12 @@ class Rod(Frozen):
     ----------
     length : float or array
         m.
-    area : float or array
-        Cross-section, m^2.
+    area : float, array, Steps, Samples or function
+        Cross-section, m^2. `Steps` make a stepped rod, with a segment for each value; `Samples`, or
+        a function of the distance from the left end, m, a tapered one.
     material : Material
+    polar_moment : float, array or "circular", optional
+        m^4, for lateral inertia, as in `Segment`.
     segments : sequence of Segment
         Pieces of a stepped rod, from left to right.
     velocity : float, array, Steps, Samples or function
@@ -211,19 +398,22 @@ class Rod(Frozen):
         *,
         area: Any = None,
         material: Any = None,
+        polar_moment: Any = None,
         segments: Any = None,
         velocity: Any = 0.0,
         strain: Any = 0.0,
     ) -> None:
         problems: Problems = []
         pieces: tuple[Segment, ...] = ()
-        if segments is None:
+        if segments is None and isinstance(area, Steps):
+            pieces = _between_jumps(problems, length, area, material, polar_moment)
+        elif segments is None:
             try:
-                pieces = (Segment(length, area, material),)
+                pieces = (Segment(length, area, material, polar_moment=polar_moment),)
             except InvalidModel as error:
                 problems += error.problems
-        elif length is not None or area is not None or material is not None:
-            message = "give either segments or length, area and material, not both"
+        elif any(given is not None for given in (length, area, material, polar_moment)):
+            message = "give either segments or length, area, material and polar_moment, not both"
             problems.append(("segments", message))
         elif isinstance(segments, list | tuple) and segments:
             for i, segment in enumerate(segments):
@@ -257,6 +447,44 @@ class Rod(Frozen):
         """Time a wave takes from one end to the other, s."""
         return sum(s.transit_time for s in self.segments)
 
+    @property
+    def tapered(self) -> bool:
+        """Whether the area of any segment varies along it."""
+        return any(s.tapered for s in self.segments)
+
+    def in_steps(self, n: int) -> Rod:
+        """Return the rod with uniform pieces in place of every taper.
+
+        Parameters
+        ----------
+        n : int
+            Pieces of each tapered segment: of equal lengths, and each of the volume, and so of the
+            mass, of its piece of the taper. Uniform segments stay as they are.
+
+        Returns
+        -------
+        Rod
+            Stepped, with the same velocity and strain.
+
+        Raises
+        ------
+        InvalidModel
+            If `n` is not a positive whole number.
+
+        Examples
+        --------
+        >>> steel = Material("steel", youngs_modulus=200e9, density=7850)
+        >>> cone = Rod(1.0, area=lambda x: 1e-4 * (1 + x) ** 2, material=steel)
+        >>> steps = cone.in_steps(200)
+        >>> len(steps.segments), abs(steps.mass / cone.mass - 1) < 1e-14
+        (200, True)
+        """
+        count: Any = n
+        if isinstance(count, bool) or not isinstance(count, Integral) or count < 1:
+            raise InvalidModel([("n", f"must be a positive whole number, got {count!r}")])
+        pieces = [piece for segment in self.segments for piece in segment.in_steps(n)]
+        return Rod(segments=pieces, velocity=self.velocity, strain=self.strain)
+
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
         shape = (
             self.segments[0].to_dict()
@@ -271,6 +499,27 @@ class Rod(Frozen):
             return super().__repr__()
         piece = repr(self.segments[0])[len("Segment(") : -1]
         return f"Rod({piece}, velocity={short(self.velocity)}, strain={short(self.strain)})"
+
+
+def _between_jumps(
+    problems: Problems, length: Any, area: Steps, material: Any, polar_moment: Any
+) -> tuple[Segment, ...]:
+    """Segments of a rod whose area jumps; mistakes are noted in `problems`."""
+    L = number(problems, "length", length, " of metres", "positive")
+    along_rod(problems, "area", area, "", None if problems else L)
+    edges = (0.0, *area.at, L)
+    if problems:
+        edges = tuple(map(float, range(len(edges))))  # the values can be checked all the same
+    pieces: list[Segment] = []
+    for i, (A, (start, end)) in enumerate(zip(area.values, pairwise(edges), strict=True)):
+        try:
+            pieces.append(Segment(end - start, A, material, polar_moment=polar_moment))
+        except InvalidModel as error:
+            for path, message in error.problems:
+                found = (path.replace("area", f"area.values.{i}"), message)
+                if found not in problems:
+                    problems.append(found)
+    return tuple(pieces)
 
 
 class RigidMass(Frozen):
@@ -340,4 +589,7 @@ def body_from(data: dict[str, Any]) -> Body:
 
 
 def _segment(data: dict[str, Any]) -> Segment:
-    return Segment(data["length"], data["area"], Material(**data["material"]))
+    return Segment(
+        data["length"], profile_from(data["area"]), Material(**data["material"]),
+        polar_moment=data.get("polar_moment"),
+    )

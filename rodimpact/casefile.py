@@ -6,7 +6,7 @@
     [[bodies]]
     kind = "rod"
     length = "400 mm"        # a number in SI units, or text with a unit
-    area = 1e-4              # or the `diameter` of a round rod
+    area = 1e-4              # or a profile, or the `diameter` of a round rod
     material = "steel"       # of `rodimpact.materials`, or a [materials.NAME] of this file
     velocity = 1.0           # or a profile; so is `strain`
 
@@ -30,7 +30,8 @@
     kind = "force"           # or "velocity", "fixed", "absorbing", "free"
     value = "1 kN"           # or a profile in time; for "force" and "velocity" only
 
-    [solve]                  # until, method, max_events, dt, rtol: as for `rodimpact.solve`
+    [solve]                  # until, method, max_events, dt, rtol, cells, snapshots: as for
+                             # `rodimpact.solve`
     [output]                 # plot, save: names of files to write
 
     law               takes
@@ -41,9 +42,10 @@
     "hertz"           stiffness (N/m^1.5), or left_radius and right_radius
     "hunt-crossley"   stiffness (N/m^1.5), damping (s/m)
 
-A [materials.NAME] takes youngs_modulus, density, poisson_ratio and viscosity; a stepped rod takes
-[[bodies.segments]] with length, area and material each. Mistakes bear the path of the entry, such
-as `bodies.0.length`.
+A [materials.NAME] takes youngs_modulus, density, poisson_ratio and viscosity, or for the latter a
+loss_factor and the loss_frequency at which it is that; a stepped rod takes [[bodies.segments]] with
+length, area and material each. For lateral inertia rods and segments take a polar_moment, a number
+or "circular". Mistakes bear the path of the entry, such as `bodies.0.length`.
 
 A profile is {values = [1.0, 0.0], at = [0.1]}, constant between jumps, or {samples = [...]}, at
 equal distances from end to end. In time `at` are times, and samples have a `step` between them.
@@ -74,12 +76,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import materials, units
-from .bodies import Body, Material, RigidMass, Rod, Segment, Wall
+from .bodies import CIRCULAR, Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import ENDS, FREE, End
 from .frozen import InvalidModel, Number, Problems, number
 from .laws import CONTACT_LAWS, ContactLaw, Hertz, Rigid, Spring
 from .model import SIDES, System
-from .profiles import Samples, Steps
+from .profiles import Profile, Samples, Steps
 from .solving import METHODS
 
 SCHEMA = 1
@@ -124,8 +126,8 @@ class Case:
     system : System
         Of shape (), or where numbers are varied of shape (n_0, n_1, ...), one axis a grid.
     solve : dict
-        Those of `until` (s), `method`, `max_events`, `dt` (s) and `rtol` that were given, for
-        ``ri.solve``.
+        Those of `until` (s), `method`, `max_events`, `dt` (s), `rtol`, `cells` and `snapshots` that
+        were given, for ``ri.solve``.
     output : dict of str
         Those of `plot` and `save` that were given: names of files.
     path : str
@@ -312,9 +314,13 @@ class _Table:
             return MISSING
 
     def profile(
-        self, key: str, dimension: str, default: float = 0.0, over: str = "length"
+        self, key: str, dimension: str, default: float = 0.0, over: str = "length",
+        stand_in: float = 0.0,
     ) -> Any:
-        """A number, `Steps` or `Samples` over a length or a time; 0 where mistakes allow none."""
+        """A number, `Steps` or `Samples` over a length or a time.
+
+        `stand_in` stands for a profile where mistakes allow none.
+        """
         if not isinstance(self.data.get(key), dict):
             return self.number(key, dimension, default, PROFILES[over])
         inner, made = self.table(key), None
@@ -327,7 +333,7 @@ class _Table:
                      (("values", dimension), ("at", over))}
             made = inner.make(Steps, **lists)
         inner.close()
-        return made or 0.0
+        return made or stand_in
 
     def samples(self, key: str, dimension: str) -> list[float]:
         """Numbers of a long list, of whose mistakes the first is noted; empty if there are any."""
@@ -388,7 +394,8 @@ class _Table:
             return kind(**fields)
         except InvalidModel as error:
             for path, message in error.problems:
-                self.note(re.sub(r"^gaps\.(\d+)", r"contacts.\1.gap", path), message)
+                path = re.sub(r"^gaps\.(\d+)", r"contacts.\1.gap", path)
+                self.note(re.sub(r"\bvalues\[(\d+)\]$", r"samples.\1", path), message)
             return None
 
     def close(self) -> None:
@@ -523,10 +530,31 @@ def _read_materials(top: _Table) -> Materials:
             density=table.number("density", "density"),
             poisson_ratio=table.number("poisson_ratio", "dimensionless", None),
             viscosity=table.number("viscosity", "viscosity", 0.0),
-        )
+        ) or materials.steel
+        if table.gives("loss_factor") or table.gives("loss_frequency"):
+            if table.gives("viscosity"):
+                message = "give either viscosity or loss_factor and loss_frequency, not both"
+                table.note("viscosity", message)
+            made = table.make(
+                _damped,
+                material=made,
+                loss_factor=table.number("loss_factor", "dimensionless"),
+                loss_frequency=table.number("loss_frequency", "frequency"),
+            )
         table.close()
         known[name] = made or materials.steel
     return known
+
+
+def _damped(material: Material, loss_factor: Number, loss_frequency: Number) -> Material:
+    """The material with the viscosity of that loss factor."""
+    try:
+        return material.damped(loss_factor, loss_frequency)
+    except InvalidModel as error:
+        raise InvalidModel([
+            (re.sub("^frequency", "loss_frequency", path), message)
+            for path, message in error.problems
+        ]) from None
 
 
 def _read_body(table: _Table, known: Materials) -> Body | None:
@@ -551,8 +579,10 @@ def _read_body(table: _Table, known: Materials) -> Body | None:
 
 
 def _read_segments(table: _Table, known: Materials) -> dict[str, Any]:
-    if [key for key in ("length", "area", "diameter", "material") if table.has(key)]:
-        table.note("segments", "give either segments or length, area and material, not both")
+    uniform = ("length", "area", "diameter", "material", "polar_moment")
+    if [key for key in uniform if table.has(key)]:
+        message = "give either segments or length, area, material and polar_moment, not both"
+        table.note("segments", message)
     pieces = []
     for piece in table.tables("segments"):
         pieces.append(piece.make(Segment, **_shape(piece, known)))
@@ -565,15 +595,16 @@ def _shape(table: _Table, known: Materials) -> dict[str, Any]:
         "length": table.number("length", "length"),
         "area": _area(table),
         "material": _material(table, known),
+        "polar_moment": _polar_moment(table),
     }
 
 
-def _area(table: _Table) -> Number:
+def _area(table: _Table) -> Profile:
     """Area of the cross-section, m^2, given as such or by the diameter of a round one."""
     if not table.gives("diameter"):
-        if not table.gives("area"):
+        if not isinstance(table.data.get("area"), dict) and not table.gives("area"):
             table.note("area", "is missing; give it, or the diameter of a round rod")
-        area: Number = table.number("area", "area")
+        area: Profile = table.profile("area", "area", MISSING, stand_in=1.0)
         return area
     if table.gives("area"):
         table.note("diameter", "give either area or diameter, not both")
@@ -589,6 +620,15 @@ def _round_area(diameter: Number) -> Number:
         raise InvalidModel(problems)
     with np.errstate(all="ignore"):  # an area out of range is for the model to refuse
         return math.pi * d * d / 4
+
+
+def _polar_moment(table: _Table) -> Any:
+    """Polar second moment of the cross-section, m^4, or a word for one; None without one."""
+    value = table.data.get("polar_moment")
+    varied = table.grids.ask(table.where("polar_moment"))
+    if not varied and isinstance(value, str) and value[:1].isalpha():
+        return table.word("polar_moment", (CIRCULAR,))
+    return table.number("polar_moment", "polar moment", None)
 
 
 def _material(table: _Table, known: Materials, key: str = "material") -> Material:
@@ -710,10 +750,11 @@ def _read_solve(table: _Table) -> dict[str, Any]:
                 table.note(key, f"must be positive, got {options[key]!r}")
     if "dt" in options and "rtol" in options:
         table.note("dt", "fixes the step, rtol chooses it; give one of them")
-    if table.has("max_events"):
-        options["max_events"] = limit = table.data["max_events"]
-        if type(limit) is not int or limit < 1:
-            table.note("max_events", f"must be a positive whole number, got {_short(limit)}")
+    for key in ("max_events", "cells", "snapshots"):
+        if table.has(key):
+            options[key] = count = table.data[key]
+            if type(count) is not int or count < 1:
+                table.note(key, f"must be a positive whole number, got {_short(count)}")
     table.close()
     return options
 

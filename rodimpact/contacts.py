@@ -8,12 +8,13 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .fields import WaveFields
+from .fields import Fields
 from .methods.assembly import Assembly
-from .methods.characteristics import PARTS
+from .methods.clockwork import PARTS
 from .methods.front_kernel import OPEN, PRESS
 from .model import Bonded, Rigid
 from .signals import Floats, Side, StepSignal
+from .wave_fields import WaveFields
 
 Turns: TypeAlias = tuple[list[int], list[int]]
 
@@ -62,14 +63,14 @@ class ContactHistory:
     """
 
     def __init__(
-        self, index: int, fields: WaveFields, tally: ContactTally, episodes: tuple[Episode, ...],
-        force: StepSignal, gap: Floats, rate: Floats,
+        self, index: int, fields: Fields, tally: ContactTally, episodes: tuple[Episode, ...],
+        force: StepSignal, gap: Floats, rate: Floats, work: StepSignal,
     ) -> None:
         self.index, self.law = index, fields.assembly.system.contacts[index]
         self.impulse, self.duration = tally.impulse, tally.duration
         self.peak_force, self.episodes = tally.peak_force, episodes
         self._fields, self._tick = fields, fields.assembly.tick
-        self._force, self._gap, self._rate = force, gap, rate
+        self._force, self._gap, self._rate, self._work = force, gap, rate, work
 
     @property
     def push(self) -> StepSignal:
@@ -106,9 +107,7 @@ class ContactHistory:
 
         A compliant contact stores some of it; the rest is lost there.
         """
-        ticks = self._fields.to_ticks(t)
-        handed = -self._force.values * self._rate
-        return StepSignal(self._force.ticks, handed).integral(0, ticks)
+        return self._work.integral(0, self._fields.to_ticks(t))
 
     def __repr__(self) -> str:
         name = type(self.law).__name__
@@ -155,8 +154,10 @@ def _history(
     zero = np.append(travelled[turn], -a.gaps[node])[last]
     gap = np.where(status == OPEN, travelled - zero, 0.0)
     episodes = () if bonded else _episodes_of_turns(changes, a.tick)
+    rate = opening * a.tick
     return ContactHistory(
-        index, fields, tally, episodes, StepSignal(ticks, force), gap * a.tick, opening * a.tick
+        index, fields, tally, episodes, StepSignal(ticks, force), gap * a.tick, rate,
+        StepSignal(ticks, -force * rate),
     )
 
 
@@ -191,41 +192,57 @@ def _episodes_of_turns(changes: StepSignal, beat: float) -> tuple[Episode, ...]:
 
 
 def histories_of_steps(
-    fields: WaveFields, forces: Sequence[Floats], gaps: Sequence[Floats],
-    tallies: Sequence[ContactTally],
+    fields: Fields, forces: Sequence[Floats], gaps: Sequence[Floats], paths: Sequence[Floats],
+    tallies: Sequence[ContactTally], least: float,
 ) -> tuple[ContactHistory, ...]:
     """Histories of all contacts, from the mean force in each step and the gaps at step ends.
 
     Parameters
     ----------
-    fields : WaveFields
-    forces, gaps : sequence of arrays
-        By contact: [steps] N, and [steps + 1] m from t = 0 on.
+    fields : Fields
+    forces, gaps, paths : sequence of arrays
+        By contact: [steps] N, [steps + 1] m from t = 0 on, and [steps] m by which the bodies
+        approach under the force: beside the change of the gap what a grid loses as it shuts.
     tallies : sequence of ContactTally
+    least : float
+        Gap that counts as an opening, m.
     """
     found = []
-    for i, (force, gap, tally) in enumerate(zip(forces, gaps, tallies, strict=True)):
+    for i, (force, gap, path, tally) in enumerate(
+        zip(forces, gaps, paths, tallies, strict=True)
+    ):
         ticks = PARTS * np.arange(max(1, len(force)))
         if not len(force):
-            force, gap = np.zeros(1), np.repeat(gap, 2)
+            force, gap, path = np.zeros(1), np.repeat(gap, 2), np.zeros(1)
         bonded = isinstance(fields.assembly.system.contacts[i], Bonded)
-        episodes = () if bonded else _episodes_of_steps(force, gap, PARTS * fields.assembly.tick)
+        episodes = () if bonded else _episodes_of_steps(
+            force, gap, PARTS * fields.assembly.tick, least
+        )
         found.append(ContactHistory(
-            i, fields, tally, episodes, StepSignal(ticks, force), gap[:-1], np.diff(gap) / PARTS
+            i, fields, tally, episodes, StepSignal(ticks, force), gap[:-1], np.diff(gap) / PARTS,
+            StepSignal(ticks, force * path / PARTS),
         ))
     return tuple(found)
 
 
-def _episodes_of_steps(force: Floats, gap: Floats, step: float) -> tuple[Episode, ...]:
-    """Touchings that carried force: from the first force to the first step that ends with a gap."""
+def _episodes_of_steps(
+    force: Floats, gap: Floats, step: float, least: float
+) -> tuple[Episode, ...]:
+    """Touchings that carried force: from the first force to the first step that ends with a gap.
+
+    Gaps of at most `least` count only if they grow beyond it before the next force.
+    """
     pressing = np.flatnonzero(force > 0)
     opened = np.flatnonzero((force <= 0) & (gap[1:] > 0))
     found, j = [], 0
     while j < len(pressing):
-        start = int(pressing[j])
-        k = int(np.searchsorted(opened, start))
-        end = int(opened[k]) if k < len(opened) else len(force)
-        after = int(np.searchsorted(pressing, end))
+        start, after = int(pressing[j]), j
+        while True:
+            k = int(np.searchsorted(opened, pressing[after]))
+            end = int(opened[k]) if k < len(opened) else len(force)
+            after = int(np.searchsorted(pressing, end))
+            if after == len(pressing) or gap[end + 1 : pressing[after] + 1].max() > least:
+                break
         last = int(pressing[after - 1]) + 1
         running = last == len(force)
         opening = end * step if k < len(opened) else np.nan

@@ -22,14 +22,20 @@ import numpy as np
 
 from . import __version__
 from .contacts import ContactTally
-from .fields import WaveFields
+from .fields import Fields
+from .grid_fields import GridFields
 from .methods.assembly import Assembly, assemble
-from .methods.characteristics import PARTS, Plan, clockwork
-from .methods.clockwork import Clockwork
+from .methods.characteristics import clockwork
+from .methods.clockwork import PARTS, Clockwork
+from .methods.finite_difference import clockwork as grid_clockwork
+from .methods.finite_difference_kernel import States
+from .methods.mesh import Mesh
+from .methods.plan import Plan
 from .model import System
 from .outcome import Outcome
 from .records import FrontRecord, Record, StepRecord
 from .solution import Solution
+from .wave_fields import WaveFields
 
 if TYPE_CHECKING:
     from .sweeping import SweepResult
@@ -170,12 +176,17 @@ def save_solution(solution: Solution, path: PathLike, *, force: bool = False) ->
         "t_final": solution.t_final,
         "events": solution.events,
     }
-    signals, record = solution.fields.signals, solution.record
-    waves = [s for s in signals if s is not None]
-    arrays = {
-        "signal_values": np.concatenate([s.values for s in waves]),
-        "signal_counts": _whole([len(s.ticks) if s is not None else 0 for s in signals]),
-    }
+    fields, record = solution.fields, solution.record
+    arrays: Arrays = {}
+    if isinstance(fields, GridFields):
+        document["cells"] = fields.mesh.counts
+        arrays |= {f"state_{name}": x for name, x in fields.states._asdict().items()}
+    else:
+        assert isinstance(fields, WaveFields)
+        waves = [s for s in fields.signals if s is not None]
+        counts = [len(s.ticks) if s is not None else 0 for s in fields.signals]
+        arrays["signal_values"] = np.concatenate([s.values for s in waves])
+        arrays["signal_counts"] = _whole(counts)
     if isinstance(record, FrontRecord):
         arrays |= {
             "signal_ticks": np.concatenate([s.ticks for s in waves]),
@@ -187,10 +198,12 @@ def save_solution(solution: Solution, path: PathLike, *, force: bool = False) ->
         assert isinstance(record, StepRecord)
         arrays |= {f"force.{k}": force for k, force in enumerate(record.forces)}
         arrays |= {f"gap.{k}": gap for k, gap in enumerate(record.gaps)}
-        arrays |= {f"mass.{body}": V for body, V in solution.fields.masses.items()}
+        arrays |= {f"path.{k}": path for k, path in enumerate(record.paths)}
+        arrays |= {f"mass.{body}": V for body, V in fields.masses.items()}
         for side, end in enumerate(record.ends):
             if end is not None:
                 arrays |= {f"push.{side}": end[1], f"speed.{side}": end[2]}
+        document["least"] = record.least
         document["ends"] = [end and end[0] for end in record.ends]
     write_npz(path, "solution", document, arrays, force=force)
 
@@ -275,7 +288,9 @@ def _read_solution(document: dict[str, Any], arrays: Arrays) -> Solution:
     system, until, method = (
         System.from_dict(document["system"]), document["until"], document["method"]
     )
-    read = {"fronts": _read_fronts, "characteristics": _read_steps}[method]
+    read = {
+        "fronts": _read_fronts, "characteristics": _read_steps, "finite-difference": _read_grid,
+    }[method]
     fields, record = read(document, arrays, system)
     outcome = _restored(document["outcome"])
     outcome["contacts"] = tuple(ContactTally(**tally) for tally in outcome["contacts"])
@@ -288,7 +303,7 @@ def _read_solution(document: dict[str, Any], arrays: Arrays) -> Solution:
 
 def _read_fronts(
     document: dict[str, Any], arrays: Arrays, system: System
-) -> tuple[WaveFields, Record]:
+) -> tuple[Fields, Record]:
     assembly = assemble(system, document["until"])
     _compare_clocks(document, assembly)
     lines, contacts = 2 * len(assembly.ticks) - 2, len(assembly.nodes)
@@ -308,7 +323,7 @@ def _read_fronts(
 
 def _read_steps(
     document: dict[str, Any], arrays: Arrays, system: System
-) -> tuple[WaveFields, Record]:
+) -> tuple[Fields, Record]:
     clock, plan = document["clock"], Plan(system)
     counts, steps = [ticks // PARTS for ticks in clock["ticks"][1:-1]], document["end"] // PARTS
     work = clockwork(plan, counts, clock["tick"] * PARTS)
@@ -320,16 +335,39 @@ def _read_steps(
              for i, n in enumerate(arrays["signal_counts"]) if i > 1]
     if any(len(w) != counts[i // 2] + steps for i, w in enumerate(waves)):
         raise ValueError("signals do not fill the time")
-    masses = {i: arrays[f"mass.{i}"] for i, m in enumerate(plan.mass_of) if m >= 0}
-    contacts = range(len(system.contacts))
+    fields = WaveFields.from_steps(work, waves, steps, _read_masses(arrays, plan))
+    return fields, _read_record(document, arrays, system)
+
+
+def _read_grid(
+    document: dict[str, Any], arrays: Arrays, system: System
+) -> tuple[Fields, Record]:
+    mesh, steps = Mesh(Plan(system), document["cells"]), document["end"] // PARTS
+    work = grid_clockwork(mesh, document["clock"]["tick"] * PARTS)
+    _compare_clocks(document, work)
+    states = States(*(arrays[f"state_{name}"] for name in States._fields))
+    nodes, kept = len(mesh.mass), len(states.when)
+    shapes = [x.shape for x in states[1:]]
+    if shapes != [(kept, nodes), (kept, nodes + 1), (kept, len(mesh.starts)), (kept,)]:
+        raise ValueError("states do not fit the cells")
+    fields = GridFields(work, mesh, states, steps, _read_masses(arrays, mesh.plan))
+    return fields, _read_record(document, arrays, system)
+
+
+def _read_masses(arrays: Arrays, plan: Plan) -> dict[int, Any]:
+    return {i: arrays[f"mass.{i}"] for i, m in enumerate(plan.mass_of) if m >= 0}
+
+
+def _read_record(document: dict[str, Any], arrays: Arrays, system: System) -> StepRecord:
     ends = [
         kind and (kind, arrays[f"push.{side}"], arrays[f"speed.{side}"])
         for side, kind in enumerate(document["ends"])
     ]
-    record = StepRecord(
-        [arrays[f"force.{k}"] for k in contacts], [arrays[f"gap.{k}"] for k in contacts], ends
+    forces, gaps, paths = (
+        [arrays[f"{name}.{k}"] for k in range(len(system.contacts))]
+        for name in ("force", "gap", "path")
     )
-    return WaveFields.from_steps(work, waves, steps, masses), record
+    return StepRecord(forces, gaps, paths, ends, document["least"])
 
 
 def _compare_clocks(document: dict[str, Any], clockwork: Clockwork) -> None:

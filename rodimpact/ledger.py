@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .contacts import ContactHistory
-from .fields import WaveFields
+from .fields import Fields
 from .model import (
     Bonded,
     Hertz,
@@ -42,8 +42,10 @@ class EnergyLedger:
         Stored in compliant contacts.
     dissipated : array
         Lost in dashpots and impacts of rigid bodies since t = 0.
+    damped : array
+        Lost in damped material since t = 0.
     numerical : array
-        Lost since t = 0 by rigid contacts that close within a time step.
+        Lost since t = 0 by rigid contacts that close within a time step, or on a grid.
     radiated : array
         Gone since t = 0 through absorbing ends.
     wall_work, drive_work, gravity_work : array
@@ -57,6 +59,7 @@ class EnergyLedger:
     strain: Floats
     contact: Floats
     dissipated: Floats
+    damped: Floats
     numerical: Floats
     radiated: Floats
     wall_work: Floats
@@ -109,12 +112,12 @@ def movable(system: System) -> list[int]:
 
 
 def ledger(
-    system: System, fields: WaveFields, contacts: Sequence[ContactHistory],
+    system: System, fields: Fields, contacts: Sequence[ContactHistory],
     outside: tuple[Outside | None, Outside | None], times: Floats,
 ) -> EnergyLedger:
     """Energy ledger at times in s; with a time step, at the nearest ends of steps."""
     a = fields.assembly
-    ticks = np.rint(fields.to_ticks(times) / a.grain).astype(np.int64) * a.grain
+    ticks = fields.whole(fields.to_ticks(times))
     t = ticks * a.tick
     now, then = (_held(system, fields, x) for x in (ticks, np.zeros(1, np.int64)))
     works = {"wall": np.zeros(t.shape), "drive": np.zeros(t.shape), "absorbing": np.zeros(t.shape)}
@@ -145,16 +148,18 @@ def ledger(
             numerical += lost
         else:
             dissipated += lost
-    missing = sum(now) + contact - sum(float(x[0]) for x in then) + dissipated + numerical
+    damped = fields.damped(ticks)
+    missing = sum(now) + contact - sum(float(x[0]) for x in then)
+    missing = missing + dissipated + damped + numerical
     for work in (*works.values(), fallen):
         missing = missing - work
     return EnergyLedger(
-        *now, contact, dissipated, numerical, -works["absorbing"], works["wall"], works["drive"],
-        fallen, missing,
+        *now, contact, dissipated, damped, numerical, -works["absorbing"], works["wall"],
+        works["drive"], fallen, missing,
     )
 
 
-def momentum_of(fields: WaveFields, body: int, times: ArrayLike) -> Floats:
+def momentum_of(fields: Fields, body: int, times: ArrayLike) -> Floats:
     """Momentum of a rod or a rigid mass, kg m/s, at times in s."""
     if body in fields.masses:
         found: Floats = fields.assembly.mass(body) * fields.mass_velocity(body, times)
@@ -162,7 +167,7 @@ def momentum_of(fields: WaveFields, body: int, times: ArrayLike) -> Floats:
     return fields.momentum(body, times)
 
 
-def _held(system: System, fields: WaveFields, ticks: Any) -> tuple[Floats, Floats, Floats]:
+def _held(system: System, fields: Fields, ticks: Any) -> tuple[Floats, Floats, Floats]:
     """Kinetic energy of the groups, and vibration and strain in them."""
     a, free = fields.assembly, movable(system)
     times = ticks * a.tick

@@ -248,7 +248,7 @@ class System(Frozen):
         """Return the row seen in a mirror: right becomes left."""
         bodies = [
             Rod(
-                segments=body.segments[::-1],
+                segments=[segment.mirrored() for segment in reversed(body.segments)],
                 velocity=negative(flipped(body.velocity, body.length)),
                 strain=flipped(body.strain, body.length),
             )

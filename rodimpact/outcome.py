@@ -60,6 +60,8 @@ class Outcome:
     dissipated, numerical, radiated : float
         Lost in contacts, by rigid contacts that close within a time step, and through absorbing
         ends, J.
+    damped : float
+        Lost in damped material, J.
     drive_work, gravity_work : float
         Work of driven ends and of gravity, J.
     driven : bool
@@ -85,6 +87,7 @@ class Outcome:
     dissipated: float = 0.0
     numerical: float = 0.0
     radiated: float = 0.0
+    damped: float = 0.0
     drive_work: float = 0.0
     gravity_work: float = 0.0
     driven: bool = False

@@ -115,13 +115,16 @@ Profile: TypeAlias = "Number | Steps | Samples"
 
 
 def along_rod(
-    problems: Problems, path: str, value: Any, unit: str, length: Number | None
+    problems: Problems, path: str, value: Any, unit: str, length: Number | None, sign: str = "any"
 ) -> Profile:
     """Return `value` as a profile along a rod of that length, m; note a mistake in `problems`.
 
     A function is sampled at `ALONG_ROD` places from end to end. Without a length, which a mistake
-    elsewhere leaves unknown, only what does not depend on it is checked.
+    elsewhere leaves unknown, only what does not depend on it is checked. `sign` is that of
+    `number`; `Steps` bear any.
     """
+    if type(value) is float:
+        return number(problems, path, value, unit, sign)
     if isinstance(value, Steps):
         if value.at and length is not None:
             last, end = len(value.at) - 1, value.at[-1]
@@ -134,14 +137,21 @@ def along_rod(
         if value.step is not None:
             message = "has no place along a rod, where samples run from end to end; leave it out"
             problems.append((f"{path}.step", message))
+        if sign != "any":
+            number(problems, f"{path}.values", value.values, unit, sign)
         return value
     if not callable(value):
-        return number(problems, path, value, unit)
+        return number(problems, path, value, unit, sign)
     if isinstance(length, np.ndarray):
         message = "is a function, but the members of the family differ in length; give Samples"
         problems.append((path, message))
     elif length is not None:
-        values = _sampled(problems, path, value, np.linspace(0.0, length, ALONG_ROD))
+        places = np.linspace(0.0, length, ALONG_ROD)
+        values = _sampled(problems, path, value, places)
+        if values is not None and sign == "positive" and not np.all(good := values > 0):
+            _, (x, got) = first_false(good, places, values)
+            message = f"must be a function that returns positive numbers, got {got!r} at {x!r}"
+            problems.append((path, message))
         return 0.0 if values is None else Samples(values)
     return 0.0
 
@@ -192,6 +202,61 @@ def flipped(profile: Profile, length: Number) -> Profile:
     edges = [0.0, *at, length]
     kept = [i for i, (a, b) in enumerate(pairwise(edges)) if np.any(np.asarray(b) > a)]
     return Steps([profile.values[::-1][i] for i in kept], [edges[i] for i in kept[1:]])
+
+
+def extremes(profile: Profile) -> list[float]:
+    """Smallest and largest value of a profile."""
+    values: Any = profile.values if isinstance(profile, Steps | Samples) else [profile]
+    return [float(np.min(values)), float(np.max(values))]
+
+
+def averages(profile: Any, edges: Any, length: float) -> Floats:
+    """Mean values of a profile between neighbouring edges.
+
+    Parameters
+    ----------
+    profile : float, Steps or Samples
+    edges : [n + 1] array
+        Increasing places, m, or times, s.
+    length : float
+        Of the rod, m, for samples that run from end to end.
+
+    Returns
+    -------
+    [n] array
+        Exact for jumps and for straight lines between samples.
+
+    Examples
+    --------
+    >>> averages(Samples([0.0, 1.0, 4.0]), np.array([0.0, 0.5, 2.0]), length=2.0).tolist()
+    [0.25, 1.9166666666666667]
+    """
+    if isinstance(profile, Steps):
+        at = np.array([float(x) for x in profile.at])
+        values = np.array([float(v) for v in profile.values])
+        first, last = np.searchsorted(at, edges[:-1], "right"), np.searchsorted(at, edges[1:])
+        found: Floats = values[first]
+        for i in np.flatnonzero(last > first):
+            cuts = np.concatenate(([edges[i]], at[first[i] : last[i]], [edges[i + 1]]))
+            found[i] = np.sum(values[first[i] : last[i] + 1] * np.diff(cuts)) / (
+                edges[i + 1] - edges[i]
+            )
+        return found
+    if isinstance(profile, Samples):
+        values = np.asarray(profile.values, dtype=float)
+        width = length / (len(values) - 1) if profile.step is None else float(profile.step)
+        knots = width * np.arange(len(values))
+        total = np.concatenate(([0.0], np.cumsum((values[1:] + values[:-1]) / 2) * width))
+        inside = np.clip(edges, 0.0, knots[-1])
+        i = np.clip((inside / width).astype(int), 0, len(values) - 2)
+        s = inside - knots[i]
+        slope = (values[i + 1] - values[i]) / width
+        integral = total[i] + values[i] * s + slope * s * s / 2
+        integral += values[-1] * np.maximum(edges - knots[-1], 0.0)
+        integral += values[0] * np.minimum(edges, 0.0)
+        mean: Floats = np.diff(integral) / np.diff(edges)
+        return mean
+    return np.full(len(edges) - 1, float(profile))
 
 
 def profile_from(data: Any) -> Any:

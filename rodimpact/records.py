@@ -15,12 +15,13 @@ from .contacts import (
     histories_of_fronts,
     histories_of_steps,
 )
-from .fields import WaveFields
+from .fields import Fields
 from .ledger import Outside
 from .methods.assembly import Assembly
-from .methods.characteristics import PARTS
+from .methods.clockwork import PARTS
 from .model import Absorbing, Fixed, Free, Wall
 from .signals import Floats, StepSignal
+from .wave_fields import WaveFields
 
 Ends = tuple[Outside | None, Outside | None]
 
@@ -29,11 +30,11 @@ class Record(Protocol):
     """What a solution asks of its method's record."""
 
     def histories(
-        self, fields: WaveFields, tallies: Sequence[ContactTally]
+        self, fields: Fields, tallies: Sequence[ContactTally]
     ) -> tuple[ContactHistory, ...]:
         """History of each contact."""
 
-    def outside(self, fields: WaveFields, contacts: Sequence[ContactHistory]) -> Ends:
+    def outside(self, fields: Fields, contacts: Sequence[ContactHistory]) -> Ends:
         """What acts on the left and on the right end of the row."""
 
 
@@ -44,12 +45,13 @@ class FrontRecord:
     turns: list[Turns]
 
     def histories(  # noqa: D102
-        self, fields: WaveFields, tallies: Sequence[ContactTally]
+        self, fields: Fields, tallies: Sequence[ContactTally]
     ) -> tuple[ContactHistory, ...]:
+        assert isinstance(fields, WaveFields)
         assert isinstance(fields.assembly, Assembly)
         return histories_of_fronts(fields, fields.assembly, self.turns, tallies)
 
-    def outside(self, fields: WaveFields, contacts: Sequence[ContactHistory]) -> Ends:  # noqa: D102
+    def outside(self, fields: Fields, contacts: Sequence[ContactHistory]) -> Ends:  # noqa: D102
         found: list[Outside | None] = []
         system = fields.assembly.system
         for place, sign, end in ((0, 1, system.ends[0]), (-1, -1, system.ends[1])):
@@ -62,6 +64,7 @@ class FrontRecord:
                 found.append(None)
             else:
                 kind = "absorbing" if isinstance(end, Absorbing) else "drive"
+                assert isinstance(fields, WaveFields)
                 found.append(_at_end(fields, place, sign, kind))
         return found[0], found[1]
 
@@ -82,27 +85,33 @@ def _at_end(fields: WaveFields, place: int, sign: int, kind: str) -> Outside:
 
 @dataclass(frozen=True)
 class StepRecord:
-    """Of the method "characteristics".
+    """Of the methods on a time step.
 
     Attributes
     ----------
     forces, gaps : list of arrays
         By contact: [steps] mean force, N, and [steps + 1] gap, m, from t = 0 on.
+    paths : list of arrays
+        By contact: [steps] how far it closes under its force, m.
+    least : float
+        Gap that counts as an opening, m: what the method can tell from none.
     ends : list of (str, array, array) or None
         Left and right: kind, force on the row, N, and its velocity, m/s, by step.
     """
 
     forces: list[Floats]
     gaps: list[Floats]
+    paths: list[Floats]
     ends: list[tuple[str, Floats, Floats] | None]
+    least: float = 0.0
 
     def histories(  # noqa: D102
-        self, fields: WaveFields, tallies: Sequence[ContactTally]
+        self, fields: Fields, tallies: Sequence[ContactTally]
     ) -> tuple[ContactHistory, ...]:
-        return histories_of_steps(fields, self.forces, self.gaps, tallies)
+        return histories_of_steps(fields, self.forces, self.gaps, self.paths, tallies, self.least)
 
     def outside(  # noqa: D102
-        self, fields: WaveFields, contacts: Sequence[ContactHistory]  # noqa: ARG002
+        self, fields: Fields, contacts: Sequence[ContactHistory]  # noqa: ARG002
     ) -> Ends:
         found: list[Outside | None] = []
         for end, sign in zip(self.ends, (1, -1), strict=True):

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .fields import WaveFields
 from .model import Rod
 from .signals import Floats, Ints
 from .solution import Solution
+from .wave_fields import WaveFields
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,7 @@ def regions_of(
         If there are more regions than `limit`, or the interval is empty or outside the solution.
     """
     fields = solution.fields
+    assert isinstance(fields, WaveFields)
     first_tick = int(fields.to_ticks(start))
     last_tick = fields.end if stop is None else int(fields.to_ticks(stop))
     if last_tick <= first_tick:

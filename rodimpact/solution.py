@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .contacts import ContactHistory
-from .fields import WaveFields
+from .fields import Fields
 from .frozen import Number
 from .gauges import Gauge
 from .ledger import EnergyLedger, ledger, stored
-from .model import Body, RigidMass, Rod, Samples, Steps, System, Wall
+from .model import Body, RigidMass, Rod, Samples, Segment, Steps, System, Wall
 from .outcome import Outcome
 from .records import Record
 from .signals import Floats, Side
@@ -46,12 +47,12 @@ class Solution:
         Largest relative change of a transit time by its rounding to the clock.
     events : int
         Arrivals at ends that were solved.
-    fields : WaveFields
+    fields : Fields
     method : str
     """
 
     def __init__(
-        self, system: System, fields: WaveFields, outcome: Outcome, record: Record, *,
+        self, system: System, fields: Fields, outcome: Outcome, record: Record, *,
         method: str, until: float | None, stopped_by: str, status: str, t_end: float,
         t_final: float, events: int,
     ) -> None:
@@ -104,12 +105,17 @@ class Solution:
         return self.fields.strain(self._index(body), x, t, side)
 
     def stress(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
-        """Stress E eps in Pa, positive in tension; arguments as in `velocity`."""
-        return self.strain(body, x, t, side) * self._of_segment(body, x, "modulus")
+        """Stress E eps + eta d(eps)/dt in Pa, positive in tension; arguments as in `velocity`."""
+        found = self.strain(body, x, t, side) * self._along(body, x, _modulus)
+        rod = self.system.bodies[body]
+        if isinstance(rod, Rod) and any(float(s.material.viscosity) for s in rod.segments):
+            rate = self.fields.strain_rate(body, x, t)
+            found = found + rate * self._along(body, x, _viscosity)
+        return found
 
     def axial_force(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
-        """Force E A eps in N, positive in tension; arguments as in `velocity`."""
-        return self.strain(body, x, t, side) * self._of_segment(body, x, "stiffness")
+        """Stress times area in N, positive in tension; arguments as in `velocity`."""
+        return self.stress(body, x, t, side) * self._along(body, x, _area)
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Displacement in m; arguments as in `velocity`.
@@ -139,18 +145,11 @@ class Solution:
 
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
-        f, a = self.fields, self.fields.assembly
-        segment, offset = (int(v) for v in f.locate(self._index(body), x))
-        A, B = f.waves(segment)
-        T = a.ticks[segment]
-        ticks = np.unique(np.concatenate(([0], A.ticks + offset, B.ticks + (T - offset))))
-        ticks = ticks[(ticks >= 0) & (ticks <= f.end)]
-        right, left = A.at(ticks - offset), B.at(ticks - (T - offset))
-        per_wave = 0.5 / a.wave_speed[segment]
-        rest, times = (right[0] + left[0]) / 2, ticks * a.tick
-        moving = (left + right) / 2 + a.frame + a.gravity * times
+        seen = self.fields.trace(self._index(body), x)
+        right, left, per_wave = seen.rightward, seen.leftward, 0.5 / seen.wave_speed
+        rest = (right[0] + left[0]) / 2
         return Gauge(
-            body, float(x), times, (left - right) * per_wave, moving,
+            body, float(x), seen.times, (left - right) * per_wave, (left + right) / 2 + seen.moving,
             (rest - right) * per_wave, (left - rest) * per_wave, self.t_end,
         )
 
@@ -246,17 +245,35 @@ class Solution:
         assert isinstance(wall, Wall)
         return float(wall.velocity)
 
-    def _of_segment(self, body: int, x: ArrayLike, what: str) -> Floats:
-        a = self.fields.assembly
-        segment, _ = self.fields.locate(body, x)
+    def _along(
+        self, body: int, x: ArrayLike, value: Callable[[Segment, Floats], Floats | float]
+    ) -> Floats:
+        """What segments have at places x, m from the left end of a rod."""
+        segment = self.fields.segment_at(body, x)
+        x, found = np.broadcast_to(x, segment.shape), np.empty(segment.shape)
         rod = self.system.bodies[body]
         assert isinstance(rod, Rod)
-        first = a.spans[body][0]
-        table = np.array([
-            float(s.material.youngs_modulus) * (float(s.area) if what == "stiffness" else 1.0)
-            for s in rod.segments
-        ])
-        return table[segment - first]
+        first, edges = self.fields.assembly.spans[body][0], self.fields.edges(body)
+        for i, piece in enumerate(rod.segments):
+            here = segment == first + i
+            found[here] = value(piece, x[here] - edges[i])
+        return found
+
+
+def _modulus(segment: Segment, x: Floats) -> float:  # noqa: ARG001  (as in `_area`)
+    return float(segment.material.youngs_modulus)
+
+
+def _viscosity(segment: Segment, x: Floats) -> float:  # noqa: ARG001
+    return float(segment.material.viscosity)
+
+
+def _area(segment: Segment, x: Floats) -> Floats | float:
+    if isinstance(segment.area, Samples):
+        places = np.linspace(0.0, float(segment.length), len(segment.area.values))
+        found: Floats = np.interp(x, places, segment.area.values)
+        return found
+    return float(segment.area)
 
 
 def _steps(edges: Floats, values: Floats) -> Number | Steps:

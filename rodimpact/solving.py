@@ -3,34 +3,45 @@
 from __future__ import annotations
 
 import math
+import warnings
 from numbers import Integral
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from .fields import WaveFields
+from .fields import Fields
 from .frozen import InvalidModel, Number, Problems, number
+from .grid_fields import GridFields
+from .methods import characteristics, finite_difference
 from .methods.abilities import LACKS, choose, driven, refuse
 from .methods.assembly import Assembly, assemble
-from .methods.characteristics import StepRun, follow
-from .methods.characteristics_kernel import RIGID
 from .methods.front_kernel import PRESS
 from .methods.fronts import MAX_EVENTS, FrontRun, track
+from .methods.link_kernel import RIGID
 from .model import Body, Bonded, ContactLaw, System, Wall
 from .outcome import Outcome, read_outcome
 from .records import FrontRecord
 from .solution import Solution
-from .stepped import read_record, read_stepped
+from .stepped import Run, read_record, read_stepped
 from .units import format_si
+from .wave_fields import WaveFields
 
 METHODS = tuple(LACKS)
+Progress = finite_difference.Progress
 LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
 ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come to rest
+
+
+class LongRun(UserWarning):
+    """A run will take over a minute; the message says how long, and what takes less."""
 
 
 def solve(
     system: System, until: float | None = None, method: str = "auto", *,
     max_events: int = MAX_EVENTS, dt: float | None = None, rtol: float | None = None,
+    cells: int | None = None, snapshots: int | ArrayLike | None = None,
+    progress: Progress | None = None,
 ) -> Solution:
     """Solve a collision.
 
@@ -45,15 +56,27 @@ def solve(
     method : str
         ``"fronts"``: exact wave-front tracking. ``"characteristics"``: end signals averaged over a
         time step; has rigid masses, compliant contacts, gravity, smooth initial states and drives.
-        ``"auto"`` takes the first that can do the job.
+        ``"finite-difference"``: a staggered grid; has damping, tapered rods and lateral inertia as
+        well. ``"auto"`` takes the first that can do the job.
     max_events : int
         Arrivals at ends after which the run gives up; `Solution.status` then says so. On a time
         step, steps times ends, where `until` is not given.
     dt : float, optional
-        Time step of "characteristics", s. By default it is chosen, so that transit times are whole
-        numbers of steps as nearly as possible, and halved until the outcome stands still.
+        Time step, s, of a method that has one. By default it is chosen, so that transit times are
+        whole numbers of steps as nearly as possible, and halved until the outcome stands still.
     rtol : float, optional
-        To within how much: relative change of impulses, largest forces and contact times; 1e-5.
+        To within how much: relative change of impulses, contact times, and of largest forces
+        ("characteristics", 1e-5) or velocities ("finite-difference", 1e-3).
+    cells : int, optional
+        Of the segment with the longest transit, for "finite-difference"; each other one gets as
+        many as its waves cross in whole steps. By default halved until the outcome stands still.
+    snapshots : int or array_like, optional
+        For "finite-difference": how many states to keep at most, at equal distances, or the times
+        at which to keep them, s; between them fields change evenly. By default all steps, as far
+        as they fit into 64 MB.
+    progress : function, optional
+        For "finite-difference": called during long runs with the share that is done, from 0 to 1,
+        and what is being done.
 
     Returns
     -------
@@ -74,11 +97,18 @@ def solve(
     >>> round(float(solution.velocity(body=0, x=0.2, t=solution.t_end)), 12)
     0.0
     """
-    chosen = check(system, until, method, max_events, dt, rtol)
+    chosen = check(system, until, method, max_events, dt, rtol, cells, snapshots)
     end = None if until is None else float(until)
     if chosen == "fronts":
         return wrap(track(assemble(system, end), end, int(max_events)), end)
-    return wrap_steps(follow(system, end, int(max_events), dt, rtol), end)
+    if chosen == "characteristics":
+        return wrap_steps(characteristics.follow(system, end, int(max_events), dt, rtol), end)
+    kept: Any = snapshots if isinstance(snapshots, int | None) else np.asarray(snapshots, float)
+    run = finite_difference.follow(
+        system, end, int(max_events), cells=cells, dt=dt, rtol=rtol, snapshots=kept,
+        progress=progress, announce=_announce,
+    )
+    return wrap_steps(run, end)
 
 
 def collide(left: Body, right: Body, gap: float = 0.0,
@@ -119,8 +149,13 @@ def collide(left: Body, right: Body, gap: float = 0.0,
     return read_outcome(run, describe(run))
 
 
+def _announce(sentence: str) -> None:
+    warnings.warn(sentence, LongRun, stacklevel=3)
+
+
 def check(
-    system: Any, until: float | None, method: str, max_events: Any, dt: Any = None, rtol: Any = None
+    system: Any, until: float | None, method: str, max_events: Any, dt: Any = None,
+    rtol: Any = None, cells: Any = None, snapshots: Any = None,
 ) -> str:
     """Check the arguments of `solve`; return the method that is to run."""
     problems: Problems = []
@@ -141,23 +176,58 @@ def check(
             found: Number = number(problems, name, value, unit, sign)
             if not isinstance(found, float):
                 problems.append((name, f"must be a single number, got {value!r}"))
-    if dt is not None and rtol is not None:
-        problems.append(("dt", "fixes the step, rtol chooses it; give one of them"))
+    for name, fixed in (("dt", dt), ("cells", cells)):
+        if fixed is not None and rtol is not None:
+            problems.append((name, "fixes the step, rtol chooses it; give one of them"))
+    if cells is not None and not _is_count(cells):
+        problems.append(("cells", f"must be a positive whole number, got {cells!r}"))
+    if snapshots is not None:
+        _check_snapshots(problems, snapshots, until)
     if method not in ("auto", *METHODS):
         known = ", ".join(f'"{m}"' for m in ("auto", *METHODS))
         problems.append(("method", f"must be one of {known}, got {method!r}"))
-    if isinstance(max_events, bool) or not isinstance(max_events, Integral) or max_events < 1:
+    if not _is_count(max_events):
         problems.append(("max_events", f"must be a positive whole number, got {max_events!r}"))
     if problems:
         raise InvalidModel(problems)
+    stepping = [name for name, v in (("dt", dt), ("rtol", rtol)) if v is not None]
+    gridded = [name for name, v in (("cells", cells), ("snapshots", snapshots)) if v is not None]
     if method == "auto":
-        method = choose(system) if dt is None and rtol is None else "characteristics"
+        method = choose(system, 2 if gridded else 1 if stepping else 0)
     refuse(method, system)
-    given = next((name for name, v in (("dt", dt), ("rtol", rtol)) if v is not None), "")
-    if method == "fronts" and given:
-        message = 'method "fronts" is exact and has no time step; leave it out'
-        raise InvalidModel([(given, message)])
+    if method == "fronts" and stepping:
+        problems = [(n, 'method "fronts" is exact and has no time step; leave it out')
+                    for n in stepping]
+    if method != "finite-difference":
+        problems += [(n, f'is for method "finite-difference", not "{method}"; leave it out')
+                     for n in gridded]
+    if problems:
+        raise InvalidModel(problems)
     return method
+
+
+def _is_count(value: Any) -> bool:
+    return not isinstance(value, bool) and isinstance(value, Integral) and int(value) >= 1
+
+
+def _check_snapshots(problems: Problems, snapshots: Any, until: float | None) -> None:
+    if _is_count(snapshots):
+        return
+    try:
+        times = np.asarray(snapshots, dtype=np.float64)
+    except (TypeError, ValueError):
+        times = np.zeros(0)
+    if times.ndim != 1 or not times.size or isinstance(snapshots, str):
+        message = f"must be a positive whole number, or a list of times, got {snapshots!r}"
+        problems.append(("snapshots", message))
+        return
+    good = np.isfinite(times) & (times >= 0)
+    if not good.all():
+        bad = float(times[~good][0])
+        problems.append(("snapshots", f"must be times of 0 s or more, got {bad!r}"))
+    elif isinstance(until, int | float) and times.max() > until:
+        message = f"must lie before until = {until!r} s, got {float(times.max())!r}"
+        problems.append(("snapshots", message))
 
 
 def wrap(run: FrontRun, until: float | None = None) -> Solution:
@@ -181,16 +251,22 @@ def wrap(run: FrontRun, until: float | None = None) -> Solution:
     )
 
 
-def wrap_steps(run: StepRun, until: float | None = None) -> Solution:
+def wrap_steps(run: Run, until: float | None = None) -> Solution:
     """Make a solution of a run on a time step."""
     status = describe_steps(run, until)
-    waves = [run.wave(line) for line in range(2, 2 * len(run.row.steps) - 2)]
     masses = {body: run.speed(m) for body, m in enumerate(run.plan.mass_of) if m >= 0}
-    fields = WaveFields.from_steps(run.clockwork, waves, run.steps, masses)
     record = read_record(run)
+    fields: Fields
+    if isinstance(run, finite_difference.GridRun):
+        method = "finite-difference"
+        fields = GridFields(run.clockwork, run.mesh, run.states, run.steps, masses)
+    else:
+        method = "characteristics"
+        waves = [run.wave(line) for line in range(2, 2 * len(run.row.steps) - 2)]
+        fields = WaveFields.from_steps(run.clockwork, waves, run.steps, masses)
     return Solution(
         run.plan.system, fields, read_stepped(run, fields, record, status), record,
-        method="characteristics", until=until, stopped_by=run.stopped_by, status=status,
+        method=method, until=until, stopped_by=run.stopped_by, status=status,
         t_end=until if until is not None else run.steps * run.step,
         t_final=run.settled * run.step if run.settled >= 0 else math.nan, events=run.events,
     )
@@ -269,7 +345,7 @@ def _at_walls(a: Assembly) -> list[ContactLaw]:
     return [laws[k] for i, k in ends if isinstance(bodies[i], Wall)]
 
 
-def describe_steps(run: StepRun, until: float | None = None) -> str:
+def describe_steps(run: Run, until: float | None = None) -> str:
     """Why a run on a time step ended, and how accurate it is, with the remedy."""
     end = format_si(run.steps * run.step if until is None else until, "s")
     contacts = [run.plan.laws[i] >= RIGID for i in run.plan.contact_link if i >= 0]
@@ -291,6 +367,8 @@ def describe_steps(run: StepRun, until: float | None = None) -> str:
         )
     step = format_si(run.step, "s")
     said += f" Time step {step}"
+    if isinstance(run, finite_difference.GridRun):
+        said += f", {sum(run.mesh.counts)} cells"
     if run.clockwork.transit_error > 2.0**-36:
         said += (
             f", for which the transit time of {run.clockwork.worst} changed by "
@@ -298,6 +376,7 @@ def describe_steps(run: StepRun, until: float | None = None) -> str:
         )
     said += "."
     if run.estimates and any(contacts):
+        finer = "more cells" if isinstance(run, finite_difference.GridRun) else "a smaller dt"
         late = {name: value for name, value in run.estimates.items() if value > run.rtol}
         if late:
             which = ", ".join(
@@ -305,7 +384,7 @@ def describe_steps(run: StepRun, until: float | None = None) -> str:
             )
             said += (
                 f" Not converged to {run.rtol:g}: {which or 'too long a run to halve the step'}; "
-                "a larger rtol is soon reached, a smaller dt goes on."
+                f"a larger rtol is soon reached, {finer} goes on."
             )
         else:
             worst = max(run.estimates.values())

@@ -3,34 +3,41 @@
 from __future__ import annotations
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 
 from .contacts import ContactTally
-from .fields import WaveFields
+from .fields import Fields
 from .ledger import ledger, momentum_of, movable
 from .methods.abilities import driven
-from .methods.characteristics import StepRun, peak
-from .methods.characteristics_kernel import RIGID
+from .methods.characteristics import StepRun
+from .methods.finite_difference import GridRun
+from .methods.link_kernel import RIGID
+from .methods.refinement import peak
 from .model import Bonded, RigidMass, Wall
 from .outcome import Outcome, grounds, groups
 from .records import StepRecord
 from .signals import Floats
 
+Run: TypeAlias = StepRun | GridRun
+
 KINDS = {"velocity": "drive", "force": "drive", "absorbing": "absorbing"}
 
 
-def read_record(run: StepRun) -> StepRecord:
+def read_record(run: Run) -> StepRecord:
     """Signals of the contacts, and of what is outside."""
-    plan, forces, gaps = run.plan, [], []
+    plan, forces, gaps, paths = run.plan, [], [], []
     for k, link in enumerate(plan.contact_link):
         if link >= 0 and plan.laws[link] >= RIGID:
             force, gap = run.contact(k)
             forces.append(force)
             gaps.append(np.concatenate(([float(plan.system.gaps[k])], gap)))
+            paths.append(run.path(k))
         else:
-            forces.append(_bond_force(run, k))
+            forces.append(run.bond(k) if link >= 0 else np.full(run.steps, math.nan))
             gaps.append(np.zeros(run.steps + 1))
+            paths.append(np.zeros(run.steps))
     ends: list[tuple[str, Floats, Floats] | None] = []
     for side, (kind, _) in enumerate(plan.outside):
         if kind == "none":
@@ -39,24 +46,10 @@ def read_record(run: StepRun) -> StepRecord:
         wall = isinstance(plan.system.bodies[-side], Wall)
         ends.append(("wall" if wall else KINDS[kind], *run.outer(side)))
     _join_rigid_bodies(run, forces, [end[1] if end else np.zeros(run.steps) for end in ends])
-    return StepRecord(forces, gaps, ends)
+    return StepRecord(forces, gaps, paths, ends, run.resolved)
 
 
-def _bond_force(run: StepRun, contact: int) -> Floats:
-    """Force in a bonded contact, from the waves of a rod that it joins; nan without one."""
-    plan = run.plan
-    for body, side in ((contact, 1), (contact + 1, 0)):
-        first, last = plan.spans[body]
-        if last:
-            s, out = (last, 2 * last + 1) if side else (first, 2 * first)
-            outgoing = run.wave(out)[run.row.steps[s] :]
-            incoming = run.wave(out ^ 1)[: run.steps]
-            force: Floats = (incoming - outgoing) / (2 * run.row.mobility[s])
-            return force if side else -force
-    return np.full(run.steps, math.nan)
-
-
-def _join_rigid_bodies(run: StepRun, forces: list[Floats], pushes: list[Floats]) -> None:
+def _join_rigid_bodies(run: Run, forces: list[Floats], pushes: list[Floats]) -> None:
     """Fill in the forces between bonded rigid bodies, from Newton's law for one after the other.
 
     `pushes` act on the two ends of the row, to the inside.
@@ -77,15 +70,16 @@ def _join_rigid_bodies(run: StepRun, forces: list[Floats], pushes: list[Floats])
             forces[k] = (forces[k - 1] if k else pushes[0]) - spent(k)
 
 
-def read_tallies(run: StepRun, record: StepRecord) -> tuple[ContactTally, ...]:
+def read_tallies(run: Run, record: StepRecord) -> tuple[ContactTally, ...]:
     """Totals of every contact in SI units."""
     found, t, h = [], run.tally, run.step
-    for k, (link, force) in enumerate(zip(run.plan.contact_link, record.forces, strict=True)):
+    for k, force in enumerate(record.forces):
         if isinstance(run.plan.system.contacts[k], Bonded):
             impulse = float(np.sum(force)) * h
             found.append(ContactTally(impulse, float(np.max(force, initial=0.0)), 0.0,
                                       math.nan, math.nan, 0))
             continue
+        link = run.place(k)
         found.append(ContactTally(
             impulse=float(t.impulse[link]) * h, peak_force=peak(force),
             duration=int(t.pressed[link]) * h,
@@ -96,7 +90,7 @@ def read_tallies(run: StepRun, record: StepRecord) -> tuple[ContactTally, ...]:
     return tuple(found)
 
 
-def read_stepped(run: StepRun, fields: WaveFields, record: StepRecord, status: str) -> Outcome:
+def read_stepped(run: Run, fields: Fields, record: StepRecord, status: str) -> Outcome:
     """Read the outcome off a finished run on a time step."""
     system, plan, a = run.plan.system, run.plan, run.clockwork
     count = len(system.bodies)
@@ -149,13 +143,14 @@ def read_stepped(run: StepRun, fields: WaveFields, record: StepRecord, status: s
         energy_residual=float(book.residual[1]) / turnover if turnover > 0 else 0.0,
         final=run.settled >= 0, status=status,
         contact_energy=float(book.contact[1]), dissipated=float(book.dissipated[1]),
-        numerical=float(book.numerical[1]), radiated=float(book.radiated[1]),
+        damped=float(book.damped[1]), numerical=float(book.numerical[1]),
+        radiated=float(book.radiated[1]),
         drive_work=float(book.drive_work[1]), gravity_work=float(book.gravity_work[1]),
         driven=driven(system) or plan.gravity != 0,
     )
 
 
-def _vibration(fields: WaveFields, body: int, t: float, mean: float, mass: float) -> float:
+def _vibration(fields: Fields, body: int, t: float, mean: float, mass: float) -> float:
     """Energy of a body relative to a velocity."""
     if body in fields.masses:
         return mass * (float(fields.mass_velocity(body, t)) - mean) ** 2 / 2

@@ -15,10 +15,12 @@ from decimal import Decimal
 UNITS: dict[str, dict[str, int]] = {
     "length": {"m": 0, "cm": -2, "mm": -3, "um": -6, "nm": -9, "km": 3},
     "area": {"m^2": 0, "cm^2": -4, "mm^2": -6},
+    "polar moment": {"m^4": 0, "cm^4": -8, "mm^4": -12},
     "pressure": {"Pa": 0, "kPa": 3, "MPa": 6, "GPa": 9},
     "density": {"kg/m^3": 0, "g/cm^3": 3},
     "velocity": {"m/s": 0, "cm/s": -2, "mm/s": -3, "km/s": 3},
     "time": {"s": 0, "ms": -3, "us": -6, "ns": -9},
+    "frequency": {"Hz": 0, "kHz": 3, "MHz": 6},
     "force": {"N": 0, "mN": -3, "kN": 3, "MN": 6},
     "mass": {"kg": 0, "g": -3, "mg": -6, "t": 3},
     "acceleration": {"m/s^2": 0, "cm/s^2": -2, "mm/s^2": -3},
@@ -36,7 +38,8 @@ _QUANTITY = re.compile(
     r"\s*(?P<unit>[^0-9\s.,+-].*)?"
 )
 _SPELLINGS = str.maketrans(
-    {"\u00b5": "u", "\u03bc": "u", "\u00b2": "^2", "\u00b3": "^3", "\u00b7": " ", "*": " "}
+    {"\u00b5": "u", "\u03bc": "u", "\u00b2": "^2", "\u00b3": "^3", "\u2074": "^4", "\u00b7": " ",
+     "*": " "}
 )
 _PREFIXES = {-9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 # A prefix on m^2 would be squared as well, and kg has one already.

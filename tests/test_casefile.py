@@ -30,6 +30,11 @@ A_MASS = '[[bodies]]\nkind = "mass"\nmass = 2\n'
 CONTACT = "[[contacts]]\n"
 LAW = CONTACT + "law = "
 LEFT = "[ends.left]\nkind = "
+A_GUM = "[materials.x]\nyoungs_modulus = 1\ndensity = 1\n"
+
+
+def with_area(area):
+    return A_ROD.replace("1e-4", area)
 
 
 def problems(text, vary=None):
@@ -189,6 +194,54 @@ def test_masses_gravity_laws_ends_and_steps_of_time():
     )
     assert case.solve == {"dt": 1e-7, "method": "auto"}
     assert parse_case(write_case(case)) == case
+
+
+def test_tapers_lateral_inertia_damping_and_a_grid_in_space():
+    case = parse_case("""
+        schema = 1
+        [materials.rubber]
+        youngs_modulus = "5 MPa"
+        density = 1100
+        poisson_ratio = 0.49
+        loss_factor = "10 %"
+        loss_frequency = "1 kHz"
+        [[bodies]]
+        kind = "rod"
+        length = 0.4
+        area = {samples = ["1 cm^2", 2e-4, "4 cm^2"]}
+        material = "steel"
+        polar_moment = "circular"
+        [[bodies]]
+        kind = "rod"
+        length = 0.5
+        area = {values = ["1 cm^2", "3 cm^2"], at = ["20 cm"]}
+        material = "rubber"
+        [[bodies]]
+        kind = "rod"
+        [[bodies.segments]]
+        length = 0.1
+        area = {samples = [1e-4, 2e-4]}
+        material = "rubber"
+        [[bodies.segments]]
+        length = 0.2
+        area = "2 cm^2"
+        material = "steel"
+        polar_moment = "0.5 cm^4"
+        [solve]
+        method = "finite-difference"
+        cells = 400
+        snapshots = 20
+    """)
+    rubber = ri.Material("rubber", youngs_modulus=5e6, density=1100, poisson_ratio=0.49)
+    rubber = rubber.damped(0.1, 1e3)
+    assert case.system == ri.System([
+        ri.Rod(0.4, area=ri.Samples([1e-4, 2e-4, 4e-4]), material=STEEL, polar_moment="circular"),
+        ri.Rod(0.5, area=ri.Steps([1e-4, 3e-4], [0.2]), material=rubber),
+        ri.Rod(segments=[ri.Segment(0.1, ri.Samples([1e-4, 2e-4]), rubber),
+                         ri.Segment(0.2, 2e-4, STEEL, polar_moment=0.5e-8)]),
+    ])
+    assert case.solve == {"method": "finite-difference", "cells": 400, "snapshots": 20}
+    assert parse_case(write_case(case)) == dataclasses.replace(case, path="case")
 
 
 @pytest.mark.parametrize(("written", "end"), [
@@ -372,6 +425,33 @@ def test_files_that_are_no_toml(tmp_path, content, said):
          "unknown key; use one of samples"),
         (HEAD + A_ROD + "velocity = {samples=[1, 2], at=[1]}", "bodies.0.velocity.at",
          "unknown key; use one of samples"),
+        # tapers and lateral inertia
+        (HEAD + with_area("{samples = [1, '2 cm']}"), "bodies.0.area.samples.1",
+         "'cm' is a unit of length"),
+        (HEAD + with_area("{samples = [1, 2, -3]}"), "bodies.0.area.samples.2",
+         "must be a finite positive number of square metres, got -3.0"),
+        (HEAD + with_area("{samples = [1]}"), "bodies.0.area.samples", "at least two numbers"),
+        (HEAD + with_area("{samples = [1, 2], step = 1}"), "bodies.0.area.step", "use one of samp"),
+        (HEAD + with_area("{values = [1, -2], at = [0.1]}"), "bodies.0.area.values.1",
+         "positive number of square metres, got -2.0"),
+        (HEAD + with_area("{values = [1, 2], at = [0.4]}"), "bodies.0.area.at.0", "inside the rod"),
+        (HEAD + with_area("{values = [1, 2]}"), "bodies.0.area.at", "is missing; give a list"),
+        (HEAD + with_area("[1, 2]"), "bodies.0.area", "a profile is written {values = [...], at"),
+        (HEAD + with_area("{samples = [1, 2]}\ndiameter = 1"), "bodies.0.diameter", "not both"),
+        (HEAD + with_area("{samples = [1, 2]}\npolar_moment = 1"), "bodies.0.polar_moment",
+         'must be "circular" along a taper'),
+        (HEAD + A_ROD + "polar_moment = 'circle'", "bodies.0.polar_moment",
+         "unknown polar_moment 'circle'; perhaps 'circular' is meant"),
+        (HEAD + A_ROD + "polar_moment = '1 cm^3'", "bodies.0.polar_moment", "perhaps cm^4 is"),
+        (HEAD + A_ROD + "polar_moment = -1", "bodies.0.polar_moment",
+         "must be a finite positive number of m^4, got -1.0"),
+        (HEAD + A_ROD + "polar_moment = [1]", "bodies.0.polar_moment", "must be a single number"),
+        (HEAD + A_ROD.replace("steel", "oak") + "polar_moment = 'circular'",
+         "bodies.0.material.poisson_ratio", "is missing in 'oak'; lateral inertia needs it"),
+        (HEAD + "[[bodies]]\nkind='rod'\npolar_moment=1\n[[bodies.segments]]\nlength=1\narea=1\n"
+         "material='steel'", "bodies.0.segments", "and polar_moment, not both"),
+        (HEAD + "[[bodies]]\nkind='rod'\n[[bodies.segments]]\nlength=1\nmaterial='steel'\n"
+         "area={values=[1, 2], at=[0.5]}", "bodies.0.segments.0.area", "jumps inside a segment"),
         # segments
         (HEAD + A_ROD + "segments = []", "bodies.0.segments", "either segments or length"),
         (HEAD + "[[bodies]]\nkind='rod'\nsegments = []", "bodies.0.segments", "at least one"),
@@ -395,6 +475,18 @@ def test_files_that_are_no_toml(tmp_path, content, said):
         (HEAD + A_ROD + "[materials.x]\nyoung_modulus=1\nyoungs_modulus=1\ndensity=1",
          "materials.x.young_modulus", "perhaps 'youngs_modulus'"),
         (HEAD + A_ROD + "[materials]\nx = 3", "materials.x", "must be a table, got 3"),
+        (HEAD + A_ROD + A_GUM + "loss_factor=1", "materials.x.loss_frequency",
+         "is missing; give a frequency, in SI units or as text with one of Hz, kHz, MHz"),
+        (HEAD + A_ROD + A_GUM + "loss_frequency=1", "materials.x.loss_factor",
+         "is missing; give a number"),
+        (HEAD + A_ROD + A_GUM + "loss_factor=1\nloss_frequency=0", "materials.x.loss_frequency",
+         "must be a finite positive number of hertz, got 0.0"),
+        (HEAD + A_ROD + A_GUM + "loss_factor=-1\nloss_frequency=1", "materials.x.loss_factor",
+         "must be a finite non-negative number, got -1.0"),
+        (HEAD + A_ROD + A_GUM + "loss_factor=1\nloss_frequency='1 s'",
+         "materials.x.loss_frequency", "'s' is a unit of time"),
+        (HEAD + A_ROD + A_GUM + "loss_factor=1\nloss_frequency=1\nviscosity=0",
+         "materials.x.viscosity", "either viscosity or loss_factor and loss_frequency, not both"),
         (HEAD + A_ROD + "[[materials]]\nx = 3", "materials", "must be a table, got [{'x': 3}]"),
         # contacts
         (HEAD + A_ROD + A_WALL + "[[contacts]]\ngap = -1", "contacts.0.gap", "non-negative"),
@@ -484,6 +576,9 @@ def test_files_that_are_no_toml(tmp_path, content, said):
         (HEAD + A_ROD + "[solve]\nmax_events = true", "solve.max_events", "whole number, got True"),
         (HEAD + A_ROD + "[solve]\nmax_events = 1e6", "solve.max_events", "positive whole number"),
         (HEAD + A_ROD + "[solve]\nmax_event = 1", "solve.max_event", "perhaps 'max_events'"),
+        (HEAD + A_ROD + "[solve]\ncells = 0", "solve.cells", "positive whole number, got 0"),
+        (HEAD + A_ROD + "[solve]\ncells = 1.5", "solve.cells", "whole number, got 1.5"),
+        (HEAD + A_ROD + "[solve]\nsnapshots = '9'", "solve.snapshots", "whole number, got '9'"),
         (HEAD + A_ROD + "[output]\nplot = ''", "output.plot", "must be the name of a file"),
         (HEAD + A_ROD + "[output]\nsave = true", "output.save", "must be the name of a file"),
         (HEAD + A_ROD + "[output]\nplots = 'a'", "output.plots", "perhaps 'plot' is meant"),
@@ -493,7 +588,7 @@ def test_each_mistake_alone(text, path, said):
     found = problems(text)
     assert list(found) == [path]
     assert said in found[path]
-    profiles = ("bodies.0.velocity", "bodies.0.strain", "ends.left.value")
+    profiles = ("bodies.0.area", "bodies.0.velocity", "bodies.0.strain", "ends.left.value")
     assert "{values" not in found[path] or path in profiles
 
 
@@ -617,7 +712,8 @@ json_like = st.recursive(
     ]),
     inner=st.sampled_from(["", "kind", "length", "area", "material", "velocity", "segments", "gap",
                            "law", "stiffness", "left_radius", "restitution", "left", "value",
-                           "steel", "until", "method", "max_events", "dt", "plot"]),
+                           "steel", "until", "method", "max_events", "dt", "plot", "cells",
+                           "polar_moment"]),
     value=json_like,
 )
 @settings(max_examples=300)
@@ -1069,6 +1165,23 @@ def test_all_mistakes_at_once_with_those_of_the_grids():
     }
 
 
+def test_numbers_of_tapers_and_damping_may_vary():
+    text = (HEAD + with_area("{values = [1, 2], at = [0.1]}").replace("steel", "x") + A_GUM
+            + "loss_factor = 1\nloss_frequency = 1\npoisson_ratio = 0\n")
+    grids = {"bodies.0.area.values.1": "3,4", "bodies.0.area.at.0": "0.2,0.3",
+             "materials.x.loss_frequency": "1 kHz,2", "bodies.0.polar_moment": "5,6"}
+    case = parse_case(text, vary=grids)
+    assert case.system.shape == (2, 2, 2, 2)
+    member = case.system[1, 0, 1, 0].bodies[0]
+    gum = ri.Material("x", youngs_modulus=1, density=1, poisson_ratio=0).damped(1, 2)
+    assert member == ri.Rod(0.4, area=ri.Steps([1, 4], [0.2]), material=gum, polar_moment=5)
+    found = problems(HEAD + with_area("{samples = [1, 2]}"), vary={"bodies.0.area": "1,2"})
+    assert "is no number that can vary" in found["bodies.0.area"]
+    case = parse_case(HEAD + A_ROD + "polar_moment = 'circular'",
+                      vary={"bodies.0.polar_moment": "1,2"})
+    assert case.system.shape == (2,)
+
+
 def test_what_varies_need_not_be_right_in_the_file():
     text = HEAD + A_ROD.replace("0.4", "[1, 2]")
     assert parse_case(text, vary={"bodies.0.length": "1,2"}).system.shape == (2,)
@@ -1123,8 +1236,14 @@ def random_row(seed):
     """Bodies, laws and ends of every kind."""
     rng = np.random.default_rng(seed)
 
+    def piece():
+        areas, polar = [1e-4, ri.Samples(rng.uniform(1, 2, size=5))], [None, "circular", 1e-8]
+        tapered = rng.integers(2)
+        return ri.Segment(rng.uniform(0.1, 1), areas[tapered], STEEL,
+                          polar_moment=polar[rng.integers(3 - tapered)])
+
     def rod():
-        pieces = [ri.Segment(rng.uniform(0.1, 1), 1e-4, STEEL) for _ in range(rng.integers(1, 3))]
+        pieces = [piece() for _ in range(rng.integers(1, 3))]
         return ri.Rod(segments=pieces, velocity=random_profile(rng, 0.1),
                       strain=random_profile(rng, 0.1))
 

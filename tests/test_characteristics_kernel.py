@@ -13,7 +13,9 @@ from scipy.integrate import quad
 
 from rodimpact.methods import characteristics_kernel as ck
 from rodimpact.methods import kernels
-from rodimpact.methods.characteristics import Machine, Plan, _counts
+from rodimpact.methods import link_kernel as lk
+from rodimpact.methods.characteristics import Machine, _counts
+from rodimpact.methods.plan import Plan
 
 PARTS = ("row", "tally", "signals")
 
@@ -32,7 +34,8 @@ def bits(machine):
 
 def run_plain(machine, end):
     lists = [type(x)(*(c.tolist() for c in x))
-             for x in (machine.row, machine.tally, machine.signals, machine.work)]
+             for x in (machine.row, machine.tally, machine.signals, machine.points,
+                       machine.links)]
     flag = ck.run(*lists, machine.clock.tolist(), end, machine.tol)
     assert flag == ck.DONE
     for whole, found in zip((machine.row, machine.tally, machine.signals), lists, strict=False):
@@ -43,12 +46,13 @@ def run_plain(machine, end):
 # One source, the same bits ------------------------------------------------------------------------
 
 
-def test_the_kernel_is_self_contained():
-    tree = ast.parse(Path(ck.__file__).read_text())
+@pytest.mark.parametrize("kernel", [ck, lk])
+def test_kernels_import_kernels_only(kernel):
+    tree = ast.parse(Path(kernel.__file__).read_text())
     imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     imported |= {a.name for node in ast.walk(tree) if isinstance(node, ast.Import)
                  for a in node.names}
-    assert imported <= {"__future__", "math", "typing"}
+    assert imported <= {"__future__", "math", "typing", "link_kernel"}
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
@@ -58,7 +62,7 @@ def test_compiled_and_plain_runs_are_bit_identical():
         plain, fast = machine_of(system, 64), machine_of(system, 64)
         run_plain(plain, 64)
         flag = kernels.compiled(ck.run)(
-            fast.row, fast.tally, fast.signals, fast.work, fast.clock, 64, fast.tol
+            fast.row, fast.tally, fast.signals, fast.points, fast.links, fast.clock, 64, fast.tol
         )
         assert flag == ck.DONE
         assert bits(plain) == bits(fast), seed
@@ -108,56 +112,56 @@ indentations = st.floats(-2, 2).filter(lambda x: x == 0 or abs(x) > 1e-3)
 
 def force(law, k, d, x, w):
     p = max(x, 0.0)
-    if law == ck.SPRING:
+    if law == lk.SPRING:
         return k * p + (d * w if x > 0 else 0.0)
-    return k * p**1.5 * ((1 + d * w) if law == ck.HUNT else 1.0)
+    return k * p**1.5 * ((1 + d * w) if law == lk.HUNT else 1.0)
 
 
 @settings(max_examples=150)
-@given(st.sampled_from([ck.SPRING, ck.HERTZ, ck.HUNT]), st.floats(0.1, 1e3), st.floats(0, 3),
+@given(st.sampled_from([lk.SPRING, lk.HERTZ, lk.HUNT]), st.floats(0.1, 1e3), st.floats(0, 3),
        indentations, indentations)
 def test_mean_force_is_the_mean_along_a_straight_path(law, k, d, x0, x1):
-    if law == ck.HERTZ:
+    if law == lk.HERTZ:
         d = 0.0
-    found, dF = ck.mean_force(law, k, d, x0, x1)
+    found, dF = lk.mean_force(law, k, d, x0, x1)
     w = x1 - x0
     cuts = [-x0 / w] if x0 * x1 < 0 else None
     if abs(w) > 1e-9:
         mean, _ = quad(lambda s: force(law, k, d, x0 + s * w, w), 0, 1, points=cuts)
         assert found == pytest.approx(max(mean, 0.0), rel=1e-7, abs=1e-9 * k)
-    if found > 1e-6 * k:
+    if found > 1e-6 * k and x1 != 0:  # where a dashpot lets go, the slope jumps
         eps = 1e-6 * max(1.0, abs(x1))
-        up, down = (ck.mean_force(law, k, d, x0, x1 + s)[0] for s in (eps, -eps))
+        up, down = (lk.mean_force(law, k, d, x0, x1 + s)[0] for s in (eps, -eps))
         assert dF == pytest.approx((up - down) / (2 * eps), rel=1e-4, abs=1e-4 * k)
     assert found >= 0
     assert dF >= 0
 
 
 @settings(max_examples=150)
-@given(st.sampled_from([ck.SPRING, ck.HERTZ]), st.floats(0.1, 1e3), indentations, indentations)
+@given(st.sampled_from([lk.SPRING, lk.HERTZ]), st.floats(0.1, 1e3), indentations, indentations)
 def test_elastic_mean_force_is_the_discrete_gradient(law, k, x0, x1):
-    F, _ = ck.mean_force(law, k, 0.0, x0, x1)
-    gained = ck.stored(law, k, -x1) - ck.stored(law, k, -x0)
+    F, _ = lk.mean_force(law, k, 0.0, x0, x1)
+    gained = lk.stored(law, k, -x1) - lk.stored(law, k, -x0)
     assert F * (x1 - x0) == pytest.approx(gained, rel=1e-12, abs=1e-13 * k)
 
 
 @settings(max_examples=200)
-@given(st.sampled_from([ck.SPRING, ck.HERTZ, ck.HUNT]), st.floats(-6, 12), st.floats(0, 3),
+@given(st.sampled_from([lk.SPRING, lk.HERTZ, lk.HUNT]), st.floats(-6, 12), st.floats(0, 3),
        st.floats(0, 0.5), st.floats(-2, 2), st.floats(-3, 3), st.floats(-2, 2))
 def test_squeeze_solves_its_equation_from_any_guess(law, power, d, x0, c, q, guess):
-    k, y, d = 10.0**power, 10.0**q, 0.0 if law == ck.HERTZ else d
-    F, x1, _ = ck.squeeze(law, k, d, x0, c, y, guess)
+    k, y, d = 10.0**power, 10.0**q, 0.0 if law == lk.HERTZ else d
+    F, x1, _ = lk.squeeze(law, k, d, x0, c, y, guess)
     assert F >= 0
     size = abs(x0) + abs(c) + y * F
     assert x1 == pytest.approx(x0 + c - y * F, abs=1e-14 * size + 1e-300)
-    expected, slope = ck.mean_force(law, k, d, x0, x1)
+    expected, slope = lk.mean_force(law, k, d, x0, x1)
     assert pytest.approx(expected, rel=1e-11, abs=(1 + slope) * 1e-13 * size) == F
 
 
 def test_stored_energy():
-    assert ck.stored(ck.SPRING, 3.0, -0.5) == 0.375
-    assert ck.stored(ck.HERTZ, 5.0, -0.25) == ck.stored(ck.HUNT, 5.0, -0.25) == 0.0625
-    assert ck.stored(ck.SPRING, 3.0, 0.5) == ck.stored(ck.RIGID, 3.0, -0.5) == 0.0
+    assert lk.stored(lk.SPRING, 3.0, -0.5) == 0.375
+    assert lk.stored(lk.HERTZ, 5.0, -0.25) == lk.stored(lk.HUNT, 5.0, -0.25) == 0.0625
+    assert lk.stored(lk.SPRING, 3.0, 0.5) == lk.stored(lk.RIGID, 3.0, -0.5) == 0.0
 
 
 # A chain on its own: masses and walls, no rod -----------------------------------------------------
@@ -167,8 +171,8 @@ def chain(masses, speeds, laws, gaps=None, walls=(None, None), damping=0.0, stif
           room=50):
     """Masses in a row; a wall moves at the velocity given, None is a free end."""
     m, links = len(masses), len(masses) + 1
-    law = [ck.FREE if walls[0] is None else laws[0], *laws[1:-1],
-           ck.FREE if walls[1] is None else laws[-1]]
+    law = [lk.FREE if walls[0] is None else laws[0], *laws[1:-1],
+           lk.FREE if walls[1] is None else laws[-1]]
     row = ck.Row(
         [0, 0], [0.0, 0.0], [0, m], list(masses), law, [stiffness] * links, [damping] * links,
         gaps or [0.0] * links, [0.0] * links, [0.0] * links, [1] * links, list(speeds),
@@ -178,13 +182,13 @@ def chain(masses, speeds, laws, gaps=None, walls=(None, None), damping=0.0, stif
         wave, [1, -1, -1, room + 2], [0.0] * (links * room), [0.0] * (links * room),
         [i * room for i in range(links)], [0.0] * (m * room), [i * room for i in range(m)],
     )
-    tally = ck.Tally(*([0.0] * links for _ in range(4)), [-1] * links, [-1] * links, [0] * links,
+    tally = lk.Tally(*([0.0] * links for _ in range(4)), [-1] * links, [-1] * links, [0] * links,
                      [0] * links)
-    work = ck.Work(*([0.0] * (m + 2) for _ in ck.Work._fields))
-    return row, tally, signals, work, [0, 0]
+    points = ck.Points([0.0] * (m + 2), [0.0] * (m + 2))
+    return row, tally, signals, points, lk.Chain(*([0.0] * links for _ in lk.Chain._fields)), [0, 0]
 
 
-@pytest.mark.parametrize("law", [ck.RIGID, ck.IMPACT])
+@pytest.mark.parametrize("law", [lk.RIGID, lk.IMPACT])
 def test_a_mass_squeezed_between_walls_stops_the_run(law):
     parts = chain([1.0], [0.0], [law, law], [0.0, 3.0], walls=(1.0, 0.0))
     assert ck.run(*parts, 50, 1e-12) == ck.SQUEEZED
@@ -196,7 +200,7 @@ def test_a_mass_squeezed_between_walls_stops_the_run(law):
 @pytest.mark.parametrize("gap", [0.0, 0.3, 2.0])
 def test_impact_of_two_masses_is_newtons(e, gap):
     M, V = (1.0, 3.0), (2.0, -0.5)
-    laws = [ck.FREE, ck.IMPACT, ck.FREE]
+    laws = [lk.FREE, lk.IMPACT, lk.FREE]
     row, tally, *rest = chain(M, V, laws, [0.0, gap, 0.0], damping=e)
     assert ck.run(row, tally, *rest, 50, 1e-12) == ck.DONE
     centre = (M[0] * V[0] + M[1] * V[1]) / 4
@@ -208,7 +212,7 @@ def test_impact_of_two_masses_is_newtons(e, gap):
 
 
 def test_touching_impacts_of_a_row_are_simultaneous():
-    row, *rest = chain([1.0] * 3, [1.0, 0.0, 0.0], [ck.FREE, *[ck.IMPACT] * 2, ck.FREE],
+    row, *rest = chain([1.0] * 3, [1.0, 0.0, 0.0], [lk.FREE, *[lk.IMPACT] * 2, lk.FREE],
                        damping=1.0)
     ck.run(row, *rest, 20, 1e-12)
     assert row.speed == pytest.approx([-1 / 3, 2 / 3, 2 / 3], abs=1e-15)
@@ -216,12 +220,12 @@ def test_touching_impacts_of_a_row_are_simultaneous():
 
 def test_stiff_chain_keeps_energy_and_momentum():
     rng = np.random.default_rng(3)
-    for law in (ck.SPRING, ck.HERTZ):
+    for law in (lk.SPRING, lk.HERTZ):
         for k in (1e-2, 1.0, 1e4, 1e12):
             M, V = rng.uniform(0.1, 10, 6).tolist(), rng.uniform(-1, 1, 6).tolist()
-            row, tally, *rest = chain(M, V, [ck.FREE, *[law] * 5, ck.FREE], stiffness=k)
+            row, tally, *rest = chain(M, V, [lk.FREE, *[law] * 5, lk.FREE], stiffness=k)
             ck.run(row, tally, *rest, 50, 1e-12)
-            held = sum(ck.stored(law, k, g) for g in row.gap)
+            held = sum(lk.stored(law, k, g) for g in row.gap)
             before, after = (sum(m * v * v for m, v in zip(M, S, strict=True)) / 2 + E
                              for S, E in ((V, 0.0), (row.speed, held)))
             assert after == pytest.approx(before, rel=1e-12)
@@ -287,7 +291,7 @@ def test_after_the_proof_nothing_presses():
             met += sum(machine.tally.episodes.tolist()) > 0
             before = machine.tally.impulse.copy()
             machine.advance(1500)
-            link = machine.row.law >= ck.RIGID
+            link = machine.row.law >= lk.RIGID
             added = np.abs(machine.tally.impulse - before)[link]
             assert np.all(added <= 1e-12 * (1e-3 + np.abs(before).max())), seed
     assert proved >= 60
@@ -324,7 +328,7 @@ def test_tallies_are_sums_over_the_signals():
         run = run_network(random_network(seed, driven=True), 3.0)
         plan, tally = run.plan, run.tally
         for k, link in enumerate(plan.contact_link):
-            if link < 0 or plan.laws[link] < ck.RIGID:
+            if link < 0 or plan.laws[link] < lk.RIGID:
                 continue
             F, _ = run.contact(k)
             pressed = np.flatnonzero(F > 0)
@@ -334,7 +338,7 @@ def test_tallies_are_sums_over_the_signals():
             edges = (pressed[0], pressed[-1] + 1) if len(pressed) else (-1, -1)
             assert (tally.first[link], tally.last[link]) == edges
         for side, link in ((0, 0), (1, -1)):
-            if plan.outside[side][0] == "none" or (side and plan.laws[link] >= ck.RIGID):
+            if plan.outside[side][0] == "none" or (side and plan.laws[link] >= lk.RIGID):
                 continue
             F, _ = run.outer(side)
             assert tally.impulse[link] == pytest.approx(F.sum(), abs=1e-12 * np.abs(F).sum())

@@ -289,12 +289,14 @@ def test_all_mistakes_are_reported_at_once(case, capsys):
     Path("a.npz").write_text("precious")
     case.write_text(CASE.replace('"0.4 m"', "-1").replace('"steel"\n\n', '"stel"\n\n', 1)
                     + '[output]\nsave = "a.npz"\n')
-    argv = ["run", str(case), "--until", "3 kg", "--max-events", "0", "--plot", "a.npz"]
+    argv = ["run", str(case), "--until", "3 kg", "--max-events", "0", "--cells", "1.5",
+            "--snapshots", "no", "--plot", "a.npz"]
     assert main(argv) == 2
     out, err = capsys.readouterr()
     assert out == ""
     said = {line.split(": ")[1]: line for line in err.splitlines()}
-    assert {"--until", "--max-events", "--plot", "bodies.0.length"} <= set(said)
+    options = {"--until", "--max-events", "--cells", "--snapshots", "--plot"}
+    assert options | {"bodies.0.length"} <= set(said)
     assert "unit of mass" in said["--until"]
     assert all(line.startswith("rodimpact: ") for line in err.splitlines())
 

@@ -369,6 +369,13 @@ def test_an_end_in_time_makes_no_sense(case, no_sweep, capsys):
     assert capsys.readouterr().err.startswith("rodimpact: solve.until: a sweep runs every")
 
 
+@pytest.mark.parametrize("key", ["dt", "rtol", "cells", "snapshots"])
+def test_steps_of_a_single_run_make_no_sense(case, no_sweep, capsys, key):
+    case.write_text(CASE + f"[solve]\n{key} = 1\n")
+    assert sweep("--vary", LENGTHS) == 2
+    assert capsys.readouterr().err.startswith(f"rodimpact: solve.{key}: a sweep chooses its steps")
+
+
 def test_csv_and_json_exclude_each_other(case, no_sweep, capsys):
     assert sweep("--vary", LENGTHS, "--csv", "--json") == 2
     assert "not allowed with" in capsys.readouterr().err

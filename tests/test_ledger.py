@@ -20,7 +20,7 @@ from networks import (
 
 import rodimpact as ri
 from rodimpact.ledger import movable
-from rodimpact.methods.characteristics_kernel import IMPACT, RIGID
+from rodimpact.methods.link_kernel import IMPACT, RIGID
 from rodimpact.solving import wrap_steps
 
 seeds = st.integers(0, 10**6)

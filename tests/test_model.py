@@ -1,8 +1,11 @@
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import rodimpact as ri
 from rodimpact.materials import glass, steel
+from rodimpact.methods import abilities
 
 
 def rod(**changes):
@@ -365,3 +368,266 @@ def test_rigid_bodies_that_are_bonded_move_together():
     found = problems(lambda: row(1.0, np.array([1.0, 2.0])))
     assert found == [("bodies.1.velocity[1]",
                       "must be 1.0, that of the rigid body it is bonded to, got 2.0")]
+
+
+# Damping
+
+
+def test_a_loss_factor_is_a_viscosity_at_its_frequency():
+    damped = steel.damped(0.02, 1e3)
+    assert damped.viscosity * 2 * np.pi * 1e3 / damped.youngs_modulus == pytest.approx(0.02)
+    assert damped.damped(0.0, 5.0) == steel
+    family = steel.damped([0.01, 0.02], 1e3)
+    assert family.viscosity[1] == damped.viscosity
+
+
+@pytest.mark.parametrize(("given", "paths"), [
+    ((-0.1, 0.0), ["loss_factor", "frequency"]), ((float("nan"), 1.0), ["loss_factor"]),
+    ((0.1, "1 kHz"), ["frequency"]), ((0.1, [1.0, -1.0]), ["frequency[1]"]),
+    ((1e300, 1e-300), ["viscosity"]),
+])
+def test_loss_factors_and_frequencies_are_checked(given, paths):
+    assert [path for path, _ in problems(lambda: steel.damped(*given))] == paths
+
+
+# Tapers
+
+
+def cone(length=1.0, start=1e-4, **changes):
+    return rod(length=length, area=lambda x: start * (1 + x / length) ** 2, **changes)
+
+
+def test_a_taper_runs_from_end_to_end_of_its_segment():
+    segment = ri.Segment(0.5, lambda x: 1e-4 + x, steel)
+    assert segment.tapered
+    assert (segment.area.values[0], segment.area.values[-1]) == (1e-4, 0.5001)
+    assert (segment.wave_speed, segment.transit_time) == (
+        steel.wave_speed, 0.5 / steel.wave_speed)
+    assert not ri.Segment(0.5, 1e-4, steel).tapered
+    assert not rod().tapered
+    assert ri.Rod(segments=[ri.Segment(0.5, 1e-4, steel), segment]).tapered
+
+
+def test_the_mass_of_a_taper_is_exact_for_straight_lines():
+    segment = ri.Segment(0.5, ri.Samples([1.0, 2.0, 6.0]), steel)
+    assert segment.mass == pytest.approx(7850 * (1.5 + 4.0) * 0.25, rel=1e-15)
+    assert cone().mass == pytest.approx(7850 * 1e-4 * 7 / 3, rel=1e-6)  # of the cone itself
+    family = rod(length=[1.0, 3.0], area=ri.Samples([1e-4, 2e-4]))
+    assert family.mass == pytest.approx([7850 * 1.5e-4, 7850 * 4.5e-4], rel=1e-15)
+
+
+def test_the_impedance_of_a_taper_is_no_single_number():
+    with pytest.raises(ValueError, match=r"varies along a tapered segment; .*rod.in_steps\(n\)"):
+        cone().segments[0].impedance  # noqa: B018
+
+
+AREAS = st.lists(st.floats(1e-6, 1e-2), min_size=2, max_size=20)
+
+
+@settings(derandomize=True)
+@given(AREAS, st.floats(0.01, 10), st.lists(st.floats(0.001, 0.999), max_size=6, unique=True))
+def test_areas_between_places_hold_the_volume(areas, length, cuts):
+    segment = ri.Segment(length, ri.Samples(areas), steel)
+    edges = np.array([0.0, *sorted(cuts), 1.0]) * length
+    between = segment.area_between(edges)
+    volume = np.sum(between * np.diff(edges))
+    assert volume * 7850 == pytest.approx(segment.mass, rel=1e-12)
+    assert np.all(between > min(areas) * (1 - 1e-6))
+    assert np.all(between < max(areas) * (1 + 1e-6))
+
+
+def test_areas_between_places_of_a_uniform_segment():
+    assert ri.Segment(2.0, 3e-4, steel).area_between([0.0, 0.5, 2.0]).tolist() == [3e-4, 3e-4]
+
+
+@settings(derandomize=True)
+@given(AREAS, st.integers(1, 50))
+def test_steps_keep_the_mass_of_a_taper(areas, n):
+    profile = ri.Steps([1.0, 2.0], [0.25])
+    tapered = ri.Segment(1.0, ri.Samples(areas), steel, polar_moment="circular")
+    whole = ri.Rod(segments=[tapered, ri.Segment(0.5, 1e-4, glass)], velocity=profile,
+                   strain=lambda x: x)
+    steps = whole.in_steps(n)
+    assert len(steps.segments) == n + 1
+    assert not steps.tapered
+    assert steps.mass == pytest.approx(whole.mass, rel=1e-13)
+    assert steps.length == pytest.approx(1.5, rel=1e-14)
+    assert (steps.velocity, steps.strain) == (whole.velocity, whole.strain)
+    assert steps.segments[-1] == whole.segments[-1]
+    assert {s.polar_moment for s in steps.segments[:-1]} == {"circular"}
+    assert steps.segments[0].area == pytest.approx(tapered.area_between([0.0, 1 / n])[0])
+
+
+def test_a_rod_without_tapers_stays_as_it_is_in_steps():
+    assert rod(velocity=1.0).in_steps(7) == rod(velocity=1.0)
+
+
+def test_a_family_of_tapers_in_steps():
+    family = rod(length=np.array([1.0, 3.0]), area=ri.Samples([1e-4, 3e-4]))
+    row = ri.System([family.in_steps(2)])
+    assert row.shape == (2,)
+    assert row[1] == ri.System([rod(length=3.0, area=ri.Samples([1e-4, 3e-4])).in_steps(2)])
+
+
+@pytest.mark.parametrize("n", [0, -1, 2.0, True, "3", None])
+def test_steps_are_counted_in_whole_numbers(n):
+    [(path, message)] = problems(lambda: cone().in_steps(n))
+    assert path == "n"
+    assert message == f"must be a positive whole number, got {n!r}"
+
+
+@pytest.mark.parametrize(("area", "path", "said"), [
+    (ri.Samples([1.0, 2.0, -3.0]), "area.values[2]", "positive number of square metres, got -3.0"),
+    (ri.Samples([0.0, 2.0]), "area.values[0]", "got 0.0"),
+    (lambda x: 0.5 - x, "area", "function that returns positive numbers, got 0.0 at 0.5"),
+    (lambda x: x / 0.0, "area", "cannot be evaluated: ZeroDivisionError"),
+    (ri.Samples([1.0, 2.0], step=0.1), "area.step", "from end to end; leave it out"),
+    (ri.Samples([1e308, 1.0]), "area", "area 1e+308"),
+])
+@pytest.mark.parametrize("make", [rod, lambda area: ri.Segment(1.0, area, steel)])
+def test_areas_that_make_no_taper(make, area, path, said):
+    [(where, message)] = problems(lambda: make(area=area))
+    assert where == path
+    assert said in message
+
+
+def test_a_function_for_the_area_needs_one_length():
+    found = problems(lambda: rod(length=[1.0, 2.0], area=lambda x: 1 + x))
+    assert "differ in length; give Samples" in dict(found)["area"]
+    assert [path for path, _ in problems(lambda: rod(length=-1.0, area=lambda x: -x))] == ["length"]
+
+
+def test_steps_of_the_area_make_a_stepped_rod():
+    stepped = rod(area=ri.Steps([1e-4, 2e-4, 3e-4], [0.25, 0.5]), velocity=lambda x: x)
+    sizes = [(s.length, s.area) for s in stepped.segments]
+    assert sizes == [(0.25, 1e-4), (0.25, 2e-4), (0.5, 3e-4)]
+    assert stepped.velocity.values[-1] == 1.0
+    assert rod(area=ri.Steps([1e-4], [])) == rod()
+    round_ones = rod(area=ri.Steps([1e-4, 2e-4], [0.25]), polar_moment="circular").segments
+    assert [s.polar_moment for s in round_ones] == ["circular"] * 2
+    family = ri.System([rod(area=ri.Steps([1e-4, np.array([1.0, 2.0])], [0.25]))])
+    assert list(family.parameters) == ["bodies.0.segments.1.area"]
+    moving = rod(area=ri.Steps([1e-4, 2e-4], [np.array([0.25, 0.5])]))
+    assert [s.length.tolist() for s in moving.segments] == [[0.25, 0.5], [0.75, 0.5]]
+
+
+def test_mistakes_in_steps_of_the_area():
+    """Each once, by the paths of what was given."""
+    found = problems(lambda: rod(area=ri.Steps([1.0, -2.0, [1.0, 0.0]], [0.25, 0.5]), material=7,
+                                 polar_moment="square", velocity="x"))
+    assert [path for path, _ in found] == [
+        "material", "polar_moment", "area.values.1", "area.values.2[1]", "velocity",
+    ]
+    found = problems(lambda: rod(length="x", area=ri.Steps([1.0, -2.0], [3.0])))
+    assert [path for path, _ in found] == ["length", "area.values.1"]
+    [(path, message)] = problems(lambda: rod(area=ri.Steps([1.0, 2.0], [1.0])))
+    assert path == "area.at.0"
+    assert "inside the rod of length 1.0, got 1.0" in message
+    [(path, message)] = problems(lambda: ri.Segment(1.0, ri.Steps([1.0, 2.0], [0.5]), steel))
+    assert path == "area"
+    assert "Rod(area=Steps(...))" in message
+
+
+# Lateral inertia
+
+
+def test_polar_moments():
+    disc = ri.Segment(1.0, np.pi * 0.01**2, steel, polar_moment="circular")
+    assert disc.polar_moments(disc.area) == pytest.approx(np.pi * 0.01**4 / 2, rel=1e-15)
+    tube = ri.Segment(1.0, 1e-4, steel, polar_moment=3e-8)
+    assert tube.polar_moments([1e-4, 2e-4]).tolist() == [3e-8, 3e-8]
+    assert ri.Segment(1.0, 1e-4, steel).polar_moments([1e-4, 2e-4]).tolist() == [0.0, 0.0]
+    areas = ri.Segment(1.0, ri.Samples([1.0, 2.0]), steel, polar_moment="circular").polar_moments(
+        [1.0, 2.0])
+    assert areas == pytest.approx(np.array([1.0, 4.0]) / (2 * np.pi), rel=1e-15)
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), True, "round", "1 mm^4", [], {}])
+def test_polar_moments_are_checked(value):
+    assert [path for path, _ in problems(lambda: rod(polar_moment=value))] == ["polar_moment"]
+
+
+def test_along_a_taper_no_single_polar_moment_holds():
+    [(path, message)] = problems(lambda: cone(polar_moment=1e-8))
+    assert path == "polar_moment"
+    assert message == 'must be "circular" along a taper, or left out, got 1e-08'
+    assert cone(polar_moment="circular").segments[0].polar_moment == "circular"
+
+
+def test_lateral_inertia_needs_a_poisson_ratio():
+    [(path, message)] = problems(
+        lambda: rod(material=ri.materials.oak, polar_moment="circular"))
+    assert path == "material.poisson_ratio"
+    assert message == ("is missing in 'oak'; lateral inertia needs it: give the material one, or "
+                       "leave polar_moment out")
+
+
+def test_segments_bring_their_own_polar_moment():
+    piece = ri.Segment(1.0, 1e-4, steel)
+    [(path, message)] = problems(lambda: ri.Rod(segments=[piece], polar_moment="circular"))
+    assert path == "segments"
+    assert "polar_moment" in message
+
+
+# What is new, in all that a system can do
+
+
+def test_tapers_and_lateral_inertia_in_a_row():
+    two = np.array([1e-8, 2e-8])
+    pieces = [ri.Segment(0.5, ri.Samples([1e-4, 2e-4, 5e-4]), steel, polar_moment="circular"),
+              ri.Segment(0.25, 1e-4, glass, polar_moment=3e-8), ri.Segment(0.5, 1e-4, glass)]
+    row = ri.System([cone(velocity=1.0), ri.Rod(segments=pieces), rod(polar_moment=two)])
+    assert ri.System.from_dict(row.to_dict()) == row
+    assert {path: v.tolist() for path, v in row.parameters.items()} == {
+        "bodies.2.polar_moment": two.tolist()}
+    assert row[1].bodies[2] == rod(polar_moment=2e-8)
+    assert row[1].bodies[:2] == row.bodies[:2]
+    assert row.reversed().reversed() == row
+    image = row.mirrored()
+    assert image.mirrored() == row
+    assert image.bodies[1].segments == (
+        pieces[2], pieces[1],
+        ri.Segment(0.5, ri.Samples([5e-4, 2e-4, 1e-4]), steel, polar_moment="circular"),
+    )
+    assert "polar_moment='circular'" in repr(row.bodies[1].segments[0])
+
+
+def test_every_new_field_counts_for_equality_and_digest():
+    rods = [rod(), rod(area=ri.Samples([1e-4, 1e-4])), rod(area=ri.Samples([1e-4, 2e-4])),
+            rod(polar_moment=1e-8), rod(polar_moment=2e-8), rod(polar_moment="circular")]
+    assert len(set(rods)) == len({one.digest for one in rods}) == len(rods)
+    assert rod(polar_moment="circular") == rod(polar_moment="circular")
+    assert set(rod().segments[0].to_dict()) == {"length", "area", "material"}
+
+
+# What the methods lack
+
+
+def refused(method, *bodies):
+    return dict(problems(lambda: abilities.refuse(method, ri.System(list(bodies)))))
+
+
+@pytest.mark.parametrize("method", ["fronts", "characteristics"])
+def test_what_only_finite_differences_have(method):
+    damped = steel.damped(0.01, 1e3)
+    pieces = [ri.Segment(0.5, 1e-4, steel), ri.Segment(0.5, 1e-4, damped, polar_moment=1e-8)]
+    head = f'method "{method}" has no '
+    assert refused(method, rod(polar_moment="circular"), ri.Rod(segments=pieces), cone()) == {
+        "bodies.0.polar_moment": head + 'lateral inertia; method "finite-difference" has',
+        "bodies.1.segments.1.material.viscosity":
+            head + 'damping; method "finite-difference" has',
+        "bodies.1.segments.1.polar_moment":
+            head + 'lateral inertia; method "finite-difference" has',
+        "bodies.2.area": head + 'tapered rods; method "finite-difference" has',
+    }
+    assert refused(method, cone(), rod()) == {
+        "bodies.0.area": head + 'tapered rods; method "finite-difference" has, or give '
+        "rod.in_steps(n)"}
+
+
+def test_a_taper_in_steps_is_for_every_method():
+    row = ri.System([cone(velocity=1.0).in_steps(4), rod()])
+    assert abilities.choose(row) == "fronts"
+    assert abilities.choose(ri.System([cone()])) == "finite-difference"
+    assert not abilities.lacking("finite-difference", ri.System([cone(), MASS]))
+    assert ri.solve(row).outcome.momentum_residual == pytest.approx(0, abs=1e-12)

@@ -423,6 +423,7 @@ def test_every_quantity_of_every_family_renders(swept, name):
     ("bodies.0.area", 0.02, "area of rod 0 (m²)"),
     ("bodies.0.area", 1e-9, "area of rod 0 (µm²)"),
     ("bodies.1.segments.2.area", 1e-4, "area of segment 2 of rod 1 (mm²)"),
+    ("bodies.0.polar_moment", 1e-9, "polar moment of rod 0 (m⁴)"),
     ("bodies.0.material.density", 7850.0, "density of rod 0 (kg/m³)"),
     ("bodies.1.segments.0.material.youngs_modulus", 2e11,
      "Young's modulus of segment 0 of rod 1 (GPa)"),

@@ -1,12 +1,15 @@
 """Profiles along a rod and in time: what they say, and how functions become samples."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import rodimpact as ri
-from rodimpact.profiles import ALONG_ROD, IN_TIME, profile_from
+from rodimpact.profiles import ALONG_ROD, IN_TIME, averages, extremes, profile_from
 
 STEEL = ri.materials.steel
 
@@ -205,3 +208,48 @@ def test_mirrors():
     assert row.mirrored().mirrored() == row
     assert row.reversed().bodies[0].velocity == ri.Samples([-1.0, -2.0, -4.0])
     assert row.reversed().reversed() == row
+    image = ri.System([rod(area=ri.Samples([1.0, 2.0, 4.0]))]).mirrored().bodies[0]
+    assert image.segments[0].area == ri.Samples([4.0, 2.0, 1.0])
+
+
+# Between places
+
+
+def integral(profile, start, end, length):
+    """By the trapezoidal rule on a grid that has every knot on it."""
+    if isinstance(profile, ri.Steps):
+        cuts = [start, *(x for x in profile.at if start < x < end), end]
+        return sum((b - a) * profile.values[sum(x <= a for x in profile.at)]
+                   for a, b in pairwise(cuts))
+    n = len(profile.values) - 1
+    width = length / n if profile.step is None else profile.step
+    knots = width * np.arange(n + 1)
+    cuts = np.array([start, *(x for x in knots if start < x < end), end])
+    return np.trapezoid(np.interp(cuts, knots, profile.values), cuts)
+
+
+NUMBERS = st.floats(-10, 10)
+PLACES = st.lists(st.integers(0, 1000), min_size=2, max_size=8, unique=True).map(
+    lambda ticks: np.array(sorted(ticks)) / 500)  # some beyond the last of the samples in time
+PROFILED = st.one_of(
+    st.lists(NUMBERS, min_size=2, max_size=9).map(ri.Samples),
+    st.lists(NUMBERS, min_size=2, max_size=9).map(lambda values: ri.Samples(values, step=0.17)),
+    st.tuples(st.lists(NUMBERS, min_size=3, max_size=3), st.floats(0.1, 0.9), st.floats(1.0, 1.9))
+    .map(lambda drawn: ri.Steps(drawn[0], drawn[1:])),
+)
+
+
+@settings(derandomize=True)
+@given(PROFILED, PLACES)
+def test_averages_are_integrals_over_widths(profile, edges):
+    found = averages(profile, edges, 2.0)
+    expected = [integral(profile, a, b, 2.0) / (b - a) for a, b in pairwise(edges)]
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
+    low, high = extremes(profile)
+    assert (low, high) == (min(profile.values), max(profile.values))
+    assert np.all((found > low - 1e-9) & (found < high + 1e-9))
+
+
+def test_a_number_is_its_own_average():
+    assert averages(3.0, np.array([0.0, 0.1, 0.5]), 1.0).tolist() == [3.0, 3.0]
+    assert extremes(3.0) == [3.0, 3.0]

@@ -28,6 +28,9 @@ PREFIXED = ["s", "N", "m", "Pa", "m/s", "N/m", "Pa s"]
         ("5 m/s", "velocity", 5.0),
         ("-5 mm/s", "velocity", -0.005),
         ("5 us", "time", 5e-6),
+        ("20 kHz", "frequency", 20e3),
+        ("7 cm^4", "polar moment", 7e-8),
+        ("3 mm^4", "polar moment", 3e-12),
         ("1 kN", "force", 1000.0),
         ("0.5 kg", "mass", 0.5),
         ("60 g", "mass", 0.06),
@@ -58,10 +61,14 @@ def test_micro_in_every_spelling(spelling):
 
 @pytest.mark.parametrize(
     ("text", "dimension"),
-    [("1 cm\u00b2", "area"), ("4 N\u00b7s/m", "damping"), ("4 N*s/m", "damping")],
+    [
+        ("1 cm\u00b2", "area"), ("1 mm\u2074", "polar moment"), ("4 N\u00b7s/m", "damping"),
+        ("4 N*s/m", "damping"),
+    ],
 )
 def test_superscripts_and_products(text, dimension):
-    ascii_text = text.replace("\u00b2", "^2").replace("\u00b7", " ").replace("*", " ")
+    ascii_text = text.replace("\u00b2", "^2").replace("\u2074", "^4")
+    ascii_text = ascii_text.replace("\u00b7", " ").replace("*", " ")
     assert units.parse(text, dimension) == units.parse(ascii_text, dimension)
 
 

@@ -35,6 +35,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--method", choices=("auto", *METHODS), help="instead of the case's")
     parser.add_argument("--dt", metavar="TIME", help="time step of characteristics")
     parser.add_argument("--rtol", metavar="X", help="accuracy to which it halves the step")
+    parser.add_argument("--cells", metavar="N", help="cells of finite-difference")
+    parser.add_argument("--snapshots", metavar="N", help="states of the rods that it keeps")
     parser.add_argument("--force", action="store_true", help="replace existing files")
 
 
@@ -48,8 +50,10 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
             options[name] = quantity(problems, f"--{name}", given, dimension)
     if arguments.method is not None:
         options["method"] = arguments.method
-    if arguments.max_events is not None:
-        options["max_events"] = whole_number(problems, "--max-events", arguments.max_events)
+    for name in ("max_events", "cells", "snapshots"):
+        if getattr(arguments, name) is not None:
+            option, given = f"--{name.replace('_', '-')}", getattr(arguments, name)
+            options[name] = whole_number(problems, option, given)
     case: Case | None = None
     try:
         case = read_case(arguments.case)

@@ -118,10 +118,14 @@ def _vary(problems: Problems, given: list[str]) -> dict[str, str]:
 
 
 def _check_case(problems: Problems, case: Case, draws: bool) -> None:
-    """Refuse an end in time, and a figure that cannot be drawn."""
+    """Refuse what only a single run takes, and a figure that cannot be drawn."""
     if "until" in case.solve:
         message = "a sweep runs every collision to its proof; take until out of the case"
         problems.append(("solve.until", message))
+    for key in ("dt", "rtol", "cells", "snapshots"):
+        if key in case.solve:
+            message = f"a sweep chooses its steps itself; take {key} out of the case"
+            problems.append((f"solve.{key}", message))
     wide = sum(len(axis.values) > 1 for axis in case.varied)
     contacts = sum(not isinstance(law, Bonded) for law in case.system.contacts)
     if draws and case.varied and not 1 <= wide <= 2:

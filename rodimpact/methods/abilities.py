@@ -18,12 +18,15 @@ from ..model import (
     RigidMass,
     Rod,
     Samples,
+    Segment,
     System,
     Velocity,
     Wall,
 )
 
 Found = Iterator[tuple[str, str]]
+
+TAPERS = "tapered rods"
 
 
 def _masses(system: System) -> Found:
@@ -57,18 +60,38 @@ def _smooth_drives(system: System) -> Found:
             yield f"ends.{side}.value", "drives other than steps"
 
 
-def _damping(system: System) -> Found:
+def _segments(system: System) -> Iterator[tuple[str, Segment]]:
     for i, body in enumerate(system.bodies):
         segments = body.segments if isinstance(body, Rod) else ()
         for j, segment in enumerate(segments):
-            if np.any(segment.material.viscosity):
-                place = f".segments.{j}" if len(segments) > 1 else ""
-                yield f"bodies.{i}{place}.material.viscosity", "damping"
+            place = f".segments.{j}" if len(segments) > 1 else ""
+            yield f"bodies.{i}{place}", segment
+
+
+def _damping(system: System) -> Found:
+    for path, segment in _segments(system):
+        if np.any(segment.material.viscosity):
+            yield f"{path}.material.viscosity", "damping"
+
+
+def _lateral(system: System) -> Found:
+    for path, segment in _segments(system):
+        if segment.polar_moment is not None:
+            yield f"{path}.polar_moment", "lateral inertia"
+
+
+def _taper(system: System) -> Found:
+    for path, segment in _segments(system):
+        if segment.tapered:
+            yield f"{path}.area", TAPERS
 
 
 LACKS: dict[str, tuple[Callable[[System], Found], ...]] = {
-    "fronts": (_masses, _compliance, _gravity, _smooth_states, _smooth_drives, _damping),
-    "characteristics": (_damping,),
+    "fronts": (
+        _masses, _compliance, _gravity, _smooth_states, _smooth_drives, _damping, _lateral, _taper,
+    ),
+    "characteristics": (_damping, _lateral, _taper),
+    "finite-difference": (),
 }
 """Methods in the order in which ``"auto"`` tries them, with the physics that each lacks."""
 
@@ -82,21 +105,18 @@ def refuse(method: str, system: System) -> None:
     """Raise InvalidModel where the method lacks something, and name a method that has it."""
     missing = lacking(method, system)
     if missing:
-        able = next((m for m in LACKS if not lacking(m, system)), None)
-        remedy = f'; method "{able}" has' if able else "; no method of this version has"
+        remedy = f'method "{choose(system)}" has'
+        if all(what == TAPERS for _, what in missing):
+            remedy += ", or give rod.in_steps(n)"
         problems: Problems = [
-            (path, f'method "{method}" has no {what}{remedy}') for path, what in missing
+            (path, f'method "{method}" has no {what}; {remedy}') for path, what in missing
         ]
         raise InvalidModel(problems)
 
 
-def choose(system: System) -> str:
-    """First method that can do the job; raise InvalidModel if there is none."""
-    for method in LACKS:
-        if not lacking(method, system):
-            return method
-    refuse(next(reversed(LACKS)), system)
-    raise AssertionError  # refuse has raised
+def choose(system: System, first: int = 0) -> str:
+    """First method that can do the job, from the one at place `first` on; the last can do any."""
+    return next(method for method in list(LACKS)[first:] if not lacking(method, system))
 
 
 def driven(system: System) -> bool:

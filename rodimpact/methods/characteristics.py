@@ -15,50 +15,25 @@ from typing import Any
 import numpy as np
 
 from ..frozen import InvalidModel
-from ..model import (
-    Absorbing,
-    Bonded,
-    Fixed,
-    Force,
-    Hertz,
-    HuntCrossley,
-    Rigid,
-    RigidMass,
-    Rod,
-    Samples,
-    Spring,
-    SpringDashpot,
-    Steps,
-    System,
-    Velocity,
-    Wall,
-)
+from ..model import Rod, System
+from ..profiles import averages
 from . import kernels
 from .abilities import driven, require_end
 from .characteristics_kernel import (
-    BOND,
     DONE,
-    FORCE,
-    FREE,
-    HERTZ,
-    HUNT,
-    IMPACT,
     NEVER,
-    RIGID,
-    SPRING,
     STEP,
+    Points,
     Row,
     Signals,
-    Tally,
-    Work,
     choose_step,
     run,
     settled,
 )
-from .clockwork import Clockwork
-
-PARTS = 1 << 16
-"""Ticks of a step: fields are looked up between steps, where waves keep their averages."""
+from .clockwork import PARTS, Clockwork
+from .link_kernel import HERTZ, HUNT, RIGID, SPRING, Chain, Tally
+from .plan import Array, Plan
+from .refinement import TooLong, contact_measures, refined
 
 TOLERANCE = 2.0**-48  # of the velocities, below which contacts graze
 RTOL = 1e-5
@@ -68,9 +43,6 @@ SHORTEST = 4  # fewest steps of the shortest transit
 MOST_STEPS = 1 << 16  # of the longest transit, that the shortest may ask for
 LINK_TIME = 3e-6  # s, about what plain Python takes for a link and a step; in a chain 5 times that
 MOST_BYTES = 4 << 30  # of the signals
-MEASURES = ("impulse", "largest force", "time of 99.9 % of the impulse")
-
-Array = np.ndarray[Any, np.dtype[Any]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,11 +95,38 @@ class StepRun:
         found: Array = self.signals.wave[first:last]
         return found
 
+    @property
+    def resolved(self) -> float:
+        """Gap that counts as an opening, m."""
+        return 0.0
+
+    def place(self, contact: int) -> int:
+        """Place in the tally of a contact that can open."""
+        return self.plan.contact_link[contact]
+
     def contact(self, contact: int) -> tuple[Array, Array]:
         """Mean force in each step, N, and gap at its end, m; of a contact that can open."""
         start = int(self.signals.link_start[self.plan.contact_link[contact]])
         span = slice(start, start + self.steps)
         return self.signals.force[span], self.signals.gap[span] * self.step
+
+    def path(self, contact: int) -> Array:
+        """How far a contact that can open closes in each step, m."""
+        _, gap = self.contact(contact)
+        closed: Array = -np.diff(gap, prepend=float(self.plan.system.gaps[contact]))
+        return closed
+
+    def bond(self, contact: int) -> Array:
+        """Mean force in a bonded contact in each step, N, from the waves of a rod that it joins."""
+        for body, side in ((contact, 1), (contact + 1, 0)):
+            first, last = self.plan.spans[body]
+            if last:
+                s, out = (last, 2 * last + 1) if side else (first, 2 * first)
+                outgoing = self.wave(out)[self.row.steps[s] :]
+                incoming = self.wave(out ^ 1)[: self.steps]
+                force: Array = (incoming - outgoing) / (2 * self.row.mobility[s])
+                return force if side else -force
+        raise ValueError(f"contact {contact} joins no rod")
 
     def outer(self, side: int) -> tuple[Array, Array]:
         """Force of what is outside the left or right end on the row, and its velocity, by steps.
@@ -167,201 +166,6 @@ class StepRun:
         return np.concatenate(([initial], self.signals.speed[start : start + self.steps]))
 
 
-class TooLong(InvalidModel):
-    """A run takes more steps than there is memory for."""
-
-
-class Plan:
-    """A single system as a row of links, masses and segments, in SI, without a step yet.
-
-    Attributes
-    ----------
-    spans, segments, paths
-        As in `Clockwork`; segments in order.
-    first : list of int
-        Masses left of each node; the links of node k begin at k + first[k].
-    masses, mass_velocity : list of float
-        Bodies bonded together are one mass.
-    mass_of : list of int
-        Mass of each body; len(masses) + 0 or 1 if bonded to the left or right wall, -1 for a rod or
-        a wall.
-    laws, stiffness, damping, gap : list
-        By link.
-    contact_link : list of int
-        Link of each contact, -1 where it joins rigid bodies for good.
-    outside : list of (str, value)
-        Left and right: ``"none"``, ``"velocity"``, ``"force"`` or ``"absorbing"``.
-    frame, scale : float
-        Velocity of the frame, and scale of velocities, m/s.
-    """
-
-    def __init__(self, system: System) -> None:
-        self.system = system
-        self.gravity = float(system.gravity)
-        self.laws: list[int] = []
-        self.stiffness: list[float] = []
-        self.damping: list[float] = []
-        self.gap: list[float] = []
-        self.contact_link: list[int] = []
-        self.masses: list[float] = []
-        self.mass_velocity: list[float] = []
-        self.mass_of: list[int] = []
-        self.first: list[int] = [0]
-        self.segments: list[Any] = []
-        self.paths = [""]
-        spans: list[tuple[int, int]] = []
-        self.outside: list[tuple[str, Any]] = [("none", 0.0), ("none", 0.0)]
-        last = len(system.bodies) - 1
-        for i, body in enumerate(system.bodies):
-            joined = i > 0 and isinstance(system.contacts[i - 1], Bonded)
-            rigid_before = i > 0 and not isinstance(system.bodies[i - 1], Rod)
-            if i == 0 and not isinstance(body, Wall):
-                self._end(0, system.ends[0])
-            elif i > 0 and joined and rigid_before and not isinstance(body, Rod):
-                self.contact_link.append(-1)
-                self._merge(body)
-                spans.append((1, 0))
-                continue
-            elif i > 0:
-                self.contact_link.append(len(self.laws))
-                self._link(system.contacts[i - 1], float(system.gaps[i - 1]))
-            if isinstance(body, Rod):
-                for j, segment in enumerate(body.segments):
-                    if j:
-                        self._add(BOND)
-                    self.segments.append(segment)
-                    stepped = len(body.segments) > 1
-                    self.paths.append(f"bodies.{i}.segments.{j}" if stepped else f"bodies.{i}")
-                    self.first.append(len(self.masses))
-                n = len(self.segments)
-                spans.append((n - len(body.segments) + 1, n))
-                self.mass_of.append(-1)
-                continue
-            spans.append((1, 0))
-            if isinstance(body, RigidMass):
-                self.masses.append(float(body.mass))
-                self.mass_velocity.append(float(body.velocity))
-                self.mass_of.append(len(self.masses) - 1)
-            else:
-                self.outside[0 if i == 0 else 1] = ("velocity", float(body.velocity))
-                self.mass_of.append(-1)
-        if not isinstance(system.bodies[last], Wall):
-            self._end(1, system.ends[1])
-        self.first.append(len(self.masses))
-        for i, m in enumerate(self.mass_of):
-            if m < 0 and isinstance(system.bodies[i], RigidMass):
-                self.mass_of[i] = len(self.masses) + any(stop for _, stop in spans[:i])
-        self.spans = tuple(spans)
-        self.frame, self.scale = self._frame_and_scale()
-
-    def _add(
-        self, law: int, stiffness: float = 0.0, damping: float = 0.0, gap: float = 0.0
-    ) -> None:
-        self.laws.append(law)
-        self.stiffness.append(stiffness)
-        self.damping.append(damping)
-        self.gap.append(gap)
-
-    def _link(self, law: Any, gap: float) -> None:
-        if isinstance(law, Bonded):
-            self._add(BOND)
-        elif isinstance(law, Rigid):
-            impact = law.restitution is not None
-            self._add(IMPACT if impact else RIGID, 0.0, float(law.restitution or 0.0), gap)
-        else:
-            kind = {Spring: SPRING, SpringDashpot: SPRING, Hertz: HERTZ, HuntCrossley: HUNT}
-            damping = float(getattr(law, "damping", 0.0))
-            self._add(kind[type(law)], float(law.stiffness), damping, gap)
-
-    def _end(self, side: int, end: Any) -> None:
-        kinds = {Fixed: "velocity", Velocity: "velocity", Force: "force", Absorbing: "absorbing"}
-        kind = kinds.get(type(end), "none")
-        self.outside[side] = (kind, getattr(end, "value", 0.0))
-        self._add({"none": FREE, "force": FORCE}.get(kind, BOND))
-
-    def _merge(self, body: Any) -> None:
-        """Join a rigid body to the one before it: two masses, or a mass and a wall."""
-        if isinstance(body, Wall):
-            self.outside[1] = ("velocity", float(body.velocity))
-            self.masses.pop()
-            self.mass_velocity.pop()
-            top = len(self.masses)
-            self.mass_of = [-1 if m == top else m for m in self.mass_of]
-            self.mass_of.append(-1)
-        elif self.mass_of[-1] < 0:  # the wall it is bonded to
-            self.mass_of.append(-1)
-        else:
-            m = self.mass_of[-1]
-            M, more = self.masses[m], float(body.mass)
-            momentum = M * self.mass_velocity[m] + more * float(body.velocity)
-            self.masses[m], self.mass_velocity[m] = M + more, momentum / (M + more)
-            self.mass_of.append(m)
-
-    def _frame_and_scale(self) -> tuple[float, float]:
-        walls = [float(b.velocity) for b in self.system.bodies if isinstance(b, Wall)]
-        velocities, strained, pushed = [*walls, *self.mass_velocity], 0.0, 0.0
-        for body, (start, stop) in zip(self.system.bodies, self.spans, strict=True):
-            if isinstance(body, Rod):
-                velocities += extremes(body.velocity)
-                c = max(float(s.wave_speed) for s in self.segments[start - 1 : stop])
-                strained = max(strained, *(c * abs(e) for e in extremes(body.strain)))
-        weakest = min(float(s.impedance) for s in self.segments)
-        for kind, value in self.outside:
-            if kind == "velocity":
-                velocities += extremes(value)
-            elif kind == "force":
-                pushed = max(pushed, *(abs(F) for F in extremes(value))) / weakest
-        low, high = min(velocities), max(velocities)
-        frame = sum(walls) / len(walls) if walls else low / 2 + high / 2
-        fall = abs(self.gravity) * max(float(s.transit_time) for s in self.segments)
-        return frame, high - low + strained + pushed + fall
-
-
-def extremes(profile: Any) -> list[float]:
-    """Smallest and largest value of a profile."""
-    values: Any = profile.values if isinstance(profile, Steps | Samples) else [profile]
-    return [float(np.min(values)), float(np.max(values))]
-
-
-def averages(profile: Any, edges: Array, length: float) -> Array:
-    """Mean values of a profile between neighbouring edges.
-
-    Parameters
-    ----------
-    profile : float, Steps or Samples
-    edges : [n + 1] array
-        Increasing places or times.
-    length : float
-        Of the rod, for samples that run from end to end.
-    """
-    if isinstance(profile, Steps):
-        at = np.array([float(x) for x in profile.at])
-        values = np.array([float(v) for v in profile.values])
-        first, last = np.searchsorted(at, edges[:-1], "right"), np.searchsorted(at, edges[1:])
-        found = values[first]
-        for i in np.flatnonzero(last > first):
-            cuts = np.concatenate(([edges[i]], at[first[i] : last[i]], [edges[i + 1]]))
-            found[i] = np.sum(values[first[i] : last[i] + 1] * np.diff(cuts)) / (
-                edges[i + 1] - edges[i]
-            )
-        return found
-    if isinstance(profile, Samples):
-        values = np.asarray(profile.values, dtype=float)
-        width = length / (len(values) - 1) if profile.step is None else float(profile.step)
-        knots = width * np.arange(len(values))
-        total = np.concatenate(([0.0], np.cumsum((values[1:] + values[:-1]) / 2) * width))
-        inside = np.clip(edges, 0.0, knots[-1])
-        i = np.clip((inside / width).astype(int), 0, len(values) - 2)
-        s = inside - knots[i]
-        slope = (values[i + 1] - values[i]) / width
-        integral = total[i] + values[i] * s + slope * s * s / 2
-        integral += values[-1] * np.maximum(edges - knots[-1], 0.0)
-        integral += values[0] * np.minimum(edges, 0.0)
-        mean: Array = np.diff(integral) / np.diff(edges)
-        return mean
-    return np.full(len(edges) - 1, float(profile))
-
-
 class Machine:
     """The kernel's state on arrays, and the room that it needs."""
 
@@ -383,7 +187,8 @@ class Machine:
         )
         self.tally = Tally(*(np.zeros(links) for _ in range(4)),
                            *(np.full(links, v, np.int64) for v in (-1, -1, 0, 0)))
-        self.work = Work(*(np.zeros(masses + 2) for _ in Work._fields))
+        self.points = Points(*np.zeros((2, masses + 2)))
+        self.links = Chain(*np.zeros((len(Chain._fields), masses + 1)))
         self.clock = _whole([0, 0])
         self.taken = 0
         self.signals = self._allocate(room)
@@ -481,13 +286,15 @@ class Machine:
         links = len(self.plan.laws) + 5 * chains
         if kernels.worth_compiling((end - self.taken) * links * LINK_TIME):
             flag = kernels.compiled(run)(
-                self.row, self.tally, self.signals, self.work, self.clock, end, self.tol
+                self.row, self.tally, self.signals, self.points, self.links, self.clock, end,
+                self.tol,
             )
         else:
-            parts = (self.row, self.tally, self.signals, self.work)
+            parts = (self.row, self.tally, self.signals, self.points, self.links)
             lists: Any = [type(x)(*(c.tolist() for c in x)) for x in parts]
             clock = self.clock.tolist()
-            flag = run(lists[0], lists[1], lists[2], lists[3], clock, end, self.tol)
+            row, tally, signals, points, links = lists
+            flag = run(row, tally, signals, points, links, clock, end, self.tol)
             for part, found in zip(parts, lists, strict=True):
                 for column, values in zip(part, found, strict=True):
                     column[:] = values
@@ -564,30 +371,13 @@ def follow(
     number, _ = choose(np.array(transits).tolist() if choose is choose_step else np.array(transits),
                        least, max(10_000, 2 * least), goal / 16)
     counts = _counts(plan, max(transits) / number)
-    return _refined(plan, counts, max(transits) / number, until, max_events, goal)
+    step = max(transits) / number
 
+    def level(factor: int) -> StepRun:
+        finer = [factor * N for N in counts]
+        return _level(plan, finer, step / factor, until, max_events)
 
-def _refined(
-    plan: Plan, counts: list[int], step: float, until: float | None, max_events: int, goal: float
-) -> StepRun:
-    """Halve the step until the outcome stands still, or for as long as cap and memory allow."""
-    found = _level(plan, counts, step, until, max_events)
-    factor, estimates = 1, dict.fromkeys(MEASURES, math.inf)
-    before: dict[str, float] = {}
-    while found.stopped_by != "max_events" and max(estimates.values()) > goal:
-        factor *= 2
-        if factor > 4 and factor * max(counts) > 2 * FINEST:
-            break
-        try:
-            finer = _level(plan, [factor * N for N in counts], step / factor, until, max_events)
-        except TooLong:
-            break
-        if finer.stopped_by == "max_events":
-            break
-        changes, found = _changes(found, finer), finer
-        if before:
-            estimates = {name: max(v, before[name] / 2) for name, v in changes.items()}
-        before = changes
+    found, estimates = refined(level, contact_measures, goal, 2 * FINEST // max(counts))
     return replace(found, estimates=estimates, rtol=goal)
 
 
@@ -656,57 +446,3 @@ def clockwork(plan: Plan, counts: list[int], step: float) -> Clockwork:
         gravity=plan.gravity, grain=PARTS, transit_error=errors[worst],
         worst=plan.paths[worst + 1],
     )
-
-
-def _changes(coarse: StepRun, fine: StepRun) -> dict[str, float]:
-    """Relative change of the measures of an outcome from one step to another."""
-    a, b = _measures(coarse), _measures(fine)
-    return {name: float(np.max(np.abs(a[name] - b[name]), initial=0.0)) / (
-        float(np.max(np.abs(b[name]), initial=0.0)) or 1.0) for name in b}
-
-
-def _measures(found: StepRun) -> dict[str, Array]:
-    """Impulse, largest force, and time of 99.9 % of the impulse, by contact that can open.
-
-    Restitution follows from the impulses.
-    """
-    plan = found.plan
-    contacts = [k for k, i in enumerate(plan.contact_link) if i >= 0 and plan.laws[i] >= RIGID]
-    forces = [found.contact(k)[0] for k in contacts]
-    found_measures = (
-        [float(np.sum(F)) * found.step for F in forces], [peak(F) for F in forces],
-        [_most_of(F) * found.step for F in forces],
-    )
-    return {name: np.array(values) for name, values in zip(MEASURES, found_measures, strict=True)}
-
-
-def _most_of(force: Array) -> float:
-    """Steps in which 99.9 % of the impulse has passed."""
-    passed = np.cumsum(force)
-    if not len(passed) or passed[-1] <= 0:
-        return 0.0
-    goal = 0.999 * passed[-1]
-    j = int(np.searchsorted(passed, goal))
-    before = passed[j - 1] if j else 0.0
-    return float(j + (goal - before) / (passed[j] - before))
-
-
-def peak(force: Array) -> float:
-    """Largest force behind step averages.
-
-    At a jump half a step's change beyond the average next to it; at a smooth top that of the
-    parabola with the averages of three steps.
-    """
-    if not len(force) or force.max() <= 0:
-        return 0.0
-    G = np.concatenate(([0.0, 0.0], force, [0.0, 0.0]))
-    j = int(np.argmax(G))
-    before, after = float(G[j] - G[j - 1]), float(G[j] - G[j + 1])
-    if before > 4 * after:
-        return float(G[j]) + (after / 2 if abs(after - (G[j + 1] - G[j + 2])) < after else 0.0)
-    if after > 4 * before:
-        return float(G[j]) + (before / 2 if abs(before - (G[j - 1] - G[j - 2])) < before else 0.0)
-    both = before + after
-    if both <= 0:
-        return float(G[j])
-    return float(G[j]) + both / 24 + (before - after) ** 2 / (8 * both)

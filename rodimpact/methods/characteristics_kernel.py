@@ -12,18 +12,8 @@ between neighbours. A force F > 0 in a link pushes its two points apart. Over on
 obeys v = v_free +- y F: a rod end with the arriving average and its mobility y = 1/Z, a mass M with
 its velocity V at the step's start and y = 1/(2M) (midpoint rule, V_end = 2v - V). Hence a link
 closes by w = c - A F with A a tridiagonal Stieltjes matrix, and its law gives F from w. The
-links of one node are solved together; different nodes meet only one transit later.
-
-Laws: a compliant contact has the indentation x, and over a step the force (U(x1) - U(x0))/(x1 - x0)
-of its stored energy U (discrete gradient: Gonzalez, J. Nonlinear Sci. 6, 1996), the dashpot's mean
-over the same path, and never pulls; this is convex and increasing in x1, so Newton's method falls
-on the root from the right. A rigid contact takes the force that leaves gap >= 0 at the step's end.
-An impact of rigid bodies takes the force that leaves a closing velocity of at most -e times the one
-before (Moreau, CISM 302, 1988).
-
-Kernels: time is counted in steps, so lengths are velocity times steps, masses and stiffnesses
-are scaled to match: M/h, k h (spring), k h^(3/2) (Hertz), a dashpot's constant as it is.
-They run on lists and on NumPy arrays, bit for bit alike.
+links of one node are solved together; different nodes meet only one transit later. A rigid contact
+leaves a gap >= 0 at the step's end. Laws and units are those of `link_kernel`.
 """
 
 from __future__ import annotations
@@ -31,14 +21,24 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-FREE, FORCE, BOND, RIGID, IMPACT, SPRING, HERTZ, HUNT = range(8)  # laws of links
+from .link_kernel import (
+    BOND,
+    FORCE,
+    FREE,
+    IMPACT,
+    RIGID,
+    SNAP,
+    Chain,
+    Tally,
+    balance,
+    book,
+    squeeze,
+    stored,
+    strike,
+)
+
 DONE, SQUEEZED = range(2)  # why a run stopped
 STEP, NODE = range(2)  # places in the clock
-EPS = 1 / (1 << 52)
-SNAP = 1 / (1 << 24)  # of one step's motion, by which a gap may close early
-ENOUGH = 1 / (1 << 27)  # relative Newton step after which the next one is round-off
-NEWTON = 100  # iterations of one contact: a bound that is not met in practice
-SWEEPS = 1000  # of one chain, see `balance`
 NEVER = 1 << 62
 
 
@@ -75,30 +75,11 @@ class Signals(NamedTuple):
     mass_start: Any  # [mass]
 
 
-class Tally(NamedTuple):
-    """What has passed through each link, kept as the run goes."""
+class Points(NamedTuple):
+    """Room for the points of one node; lists or arrays of floats, two longer than the masses."""
 
-    impulse: Any  # [link] sum of F
-    lost: Any  # [link] turned to heat by dashpots and impacts
-    numerical: Any  # [link] lost by rigid contacts that close within a step
-    peak: Any  # [link] largest F
-    first: Any  # [link] first step under force, -1 before
-    last: Any  # [link] end of the last step under force, -1 before
-    pressed: Any  # [link] steps under force
-    episodes: Any  # [link] number of times an open contact began to press
-
-
-class Work(NamedTuple):
-    """Room for the chain of one node; lists or arrays of floats, two longer than the masses."""
-
-    free: Any  # [point] velocity without forces
-    ease: Any  # [point] mobility
-    force: Any  # [link]
-    kept: Any  # [link] forces before a Newton step
-    limit: Any  # [link] w of a pressing rigid contact or impact; a given force
-    place: Any  # [link] indentation at the step's end
-    slope: Any  # [link] dF/dw, -1 where w is fixed
-    upper: Any  # [link] for the elimination
+    free: Any  # velocity without forces
+    ease: Any  # mobility
 
 
 class Group(NamedTuple):
@@ -111,104 +92,6 @@ class Group(NamedTuple):
     high: float
     ground: int  # 1 if bonded to a wall, 2 to an endless bar, else 0
     plain: bool  # low and high bound the velocity of the end at the contact as long as it is free
-
-
-def stored(law: int, k: float, gap: float) -> float:
-    """Energy stored in a compliant contact."""
-    if gap >= 0 or law < SPRING:
-        return 0.0
-    if law == SPRING:
-        return k * gap * gap / 2
-    return 2 * k * gap * gap * math.sqrt(-gap) / 5
-
-
-def mean_force(law: int, k: float, d: float, x0: float, x1: float) -> tuple[float, float]:
-    """Mean force of a compliant contact while its indentation goes from x0 to x1, and dF/dx1.
-
-    SPRING: k p + d dp/dt with p = max(x, 0); HERTZ: k p^(3/2); HUNT: the same times (1 + d dx/dt);
-    averaged along the straight path, cut at 0.
-    """
-    if x0 <= 0 and x1 <= 0:
-        return 0.0, 0.0
-    if law == SPRING:
-        if x1 <= 0:
-            share = x0 / (x0 - x1)
-            F, dF = k * x0 * share / 2 - d * x0, k * share * share / 2
-        elif x0 < 0:
-            share = x1 / (x1 - x0)
-            F, dF = k * x1 * share / 2 + d * x1, k * share * (2 - share) / 2 + d
-        else:
-            F, dF = k * (x0 + x1) / 2 + d * (x1 - x0), k / 2 + d
-    else:
-        if x1 <= 0:
-            F = 2 * k * x0 * x0 * math.sqrt(x0) / (5 * (x0 - x1))
-            dF = F / (x0 - x1)
-        elif x0 < 0:
-            s, share = math.sqrt(x1), x1 / (x1 - x0)
-            F, dF = 2 * k * x1 * s * share / 5, k * s * share * (5 - 2 * share) / 5
-        else:
-            p, s = math.sqrt(x0), math.sqrt(x1)
-            pp, ps, ss, sum_ = p * p, p * s, s * s, p + s
-            F = 2 * k * (ss * (ss + ps + pp) + ps * pp + pp * pp) / (5 * sum_)
-            dF = k * (3 * ss * s + 6 * ss * p + 4 * s * pp + 2 * pp * p) / (5 * sum_ * sum_)
-        if law == HUNT:
-            stretch = 1 + d * (x1 - x0)
-            F, dF = F * stretch, dF * stretch + F * d
-    if F <= 0:
-        return 0.0, 0.0
-    return F, dF
-
-
-def squeeze(
-    law: int, k: float, d: float, x0: float, c: float, y: float, w: float
-) -> tuple[float, float, float]:
-    """Solve x1 = x0 + c - y F(x0, x1) for a compliant contact.
-
-    Parameters
-    ----------
-    x0 : indentation at the step's start
-    c : velocity at which the contact would close without force
-    y : mobility of both sides together
-    w : guess of the velocity at which it closes
-
-    Returns
-    -------
-    F, x1, dF/dx1
-    """
-    top = x0 + c
-    x = min(x0 + w, top)
-    F = slope = 0.0
-    for _ in range(NEWTON):
-        F, slope = mean_force(law, k, d, x0, x)
-        r = x - x0 - c + y * F
-        step = r / (1 + y * slope)
-        F, x = F - slope * step, min(x - step, top)
-        size = x if x > 0 else x0 - x
-        if abs(step) <= max(ENOUGH * size, 4 * EPS * (abs(x0) + abs(c))):
-            break
-    return max(F, 0 * F), x, slope
-
-
-def book(
-    row: Row, tally: Tally, signals: Signals, i: int, j: int, F: float, gap: float
-) -> None:
-    """Enter step j of contact i: force, and gap at the end."""
-    start = signals.link_start[i]
-    if start >= 0:
-        signals.force[start + j] = F
-        signals.gap[start + j] = gap
-    row.force[i], row.gap[i] = F, gap
-    if F > 0:
-        tally.impulse[i] += F
-        tally.peak[i] = max(tally.peak[i], F)
-        if tally.first[i] < 0:
-            tally.first[i] = j
-        tally.last[i] = j + 1
-        tally.pressed[i] += 1
-        tally.episodes[i] += row.open[i]
-        row.open[i] = 0
-    elif gap > 0:
-        row.open[i] = 1
 
 
 def reflect(row: Row, signals: Signals, k: int, j0: int, j1: int) -> None:
@@ -316,108 +199,37 @@ def press(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) ->
     row.closing[i] = w
 
 
-def gather(row: Row, signals: Signals, work: Work, k: int, j: int) -> None:
-    """Lay out the chain at node k: what its points would do in step j without forces."""
+def gather(row: Row, signals: Signals, points: Points, links: Chain, k: int, j: int) -> float:
+    """Lay out the chain at node k: what its points would do in step j without forces.
+
+    Returns the largest velocity of two neighbours together.
+    """
     m0, m1, i0, n = row.first[k], row.first[k + 1], k + row.first[k], len(row.steps) - 2
     for q in range(m1 - m0):
-        work.free[q + 1], work.ease[q + 1] = row.speed[m0 + q], 1 / (2 * row.mass[m0 + q])
+        points.free[q + 1], points.ease[q + 1] = row.speed[m0 + q], 1 / (2 * row.mass[m0 + q])
     for q in range(m1 - m0 + 1):
         i = i0 + q
-        work.force[q], work.slope[q] = row.force[i], 0.0
-        work.place[q] = row.closing[i] - row.gap[i]
-        work.limit[q] = row.gap[i] if row.law[i] == RIGID else 0.0
+        links.force[q], links.slope[q] = row.force[i], 0.0
+        links.place[q] = row.closing[i] - row.gap[i]
+        links.limit[q] = row.gap[i] if row.law[i] == RIGID else 0.0
         if row.law[i] == IMPACT:
-            work.limit[q] = math.inf
+            links.limit[q], links.before[q] = math.inf, approach(row, signals, k, q, j)
     for line, s, p, q in ((2 * k, k, 0, 0), (2 * k + 3, k + 1, m1 - m0 + 1, m1 - m0)):
         law = row.law[i0 + q]
         value = 0.0
         if law != FREE:
             value = signals.wave[signals.wave_start[line] + j - row.steps[s]]
         outside = s == 0 or s == n + 1
-        work.free[p], work.ease[p] = value, row.mobility[s]
+        points.free[p], points.ease[p] = value, row.mobility[s]
         if outside and law <= FORCE:
-            work.free[p], work.ease[p], work.limit[q] = 0.0, 0.0, value
-
-
-def relax(row: Row, work: Work, i0: int, last: int) -> float:
-    """Solve link after link, the others as they are; return the largest change, as a velocity."""
-    change = 0.0
-    for q in range(last + 1):
-        i, y, z = i0 + q, work.ease[q], work.ease[q + 1]
-        c = work.free[q] - work.free[q + 1]
-        if q > 0:
-            c += y * work.force[q - 1]
-        if q < last:
-            c += z * work.force[q + 1]
-        law, slope = row.law[i], 0.0
-        if law <= FORCE:
-            F = work.limit[q]
-        elif law <= IMPACT:
-            F = (c - work.limit[q]) / (y + z)
-            slope = -1.0
-            if law != BOND and F <= 0:
-                F = slope = 0.0
-        else:
-            gap = row.gap[i]
-            guess = work.place[q] + gap
-            F, work.place[q], slope = squeeze(
-                law, row.stiffness[i], row.damping[i], -gap, c, y + z, guess
-            )
-        change = max(change, abs(F - work.force[q]) * (y + z))
-        work.force[q], work.slope[q] = F, slope
-    return change
-
-
-def newton(row: Row, work: Work, i0: int, last: int) -> None:
-    """Take a Newton step for all links together, each law replaced by its tangent."""
-    F, upper, c = work.force, work.upper, 0.0
-    for q in range(last + 1):
-        y, z, s = work.ease[q], work.ease[q + 1], work.slope[q]
-        c = work.free[q] - work.free[q + 1]
-        if s < 0:
-            s, middle, right = -s, y + z, c - work.limit[q]
-        else:
-            middle = 1 + s * (y + z)
-            right = F[q] + s * (c - work.place[q] - row.gap[i0 + q])
-        pivot = middle
-        if q > 0:
-            right += s * y * F[q - 1]
-            pivot += s * y * upper[q - 1]
-        if pivot <= 4 * EPS * middle:
-            pivot = middle
-        F[q], upper[q] = right / pivot, -s * z / pivot
-    for q in range(last, -1, -1):
-        if q < last:
-            F[q] -= upper[q] * F[q + 1]
-        if row.law[i0 + q] >= RIGID:
-            F[q] = max(F[q], 0.0)
-
-
-def balance(row: Row, work: Work, i0: int, last: int) -> bool:
-    """Find the forces of a chain; return False where there are none (a mass squeezed by walls).
-
-    Sweeps of `relax` descend on a convex function, the dual energy of the step, and so always
-    converge, if slowly; a Newton step is kept where it halves what the next sweep has to change.
-    """
-    left = relax(row, work, i0, last)
-    for _ in range(SWEEPS):
-        size = 0.0
-        for q in range(last + 1):
-            y, z = work.ease[q], work.ease[q + 1]
-            pushed = abs(work.force[q]) * (y + z)
-            size = max(size, abs(work.free[q]) + abs(work.free[q + 1]) + pushed)
-        if left <= 8 * EPS * size:
-            return True
-        for q in range(last + 1):
-            work.kept[q] = work.force[q]
-        newton(row, work, i0, last)
-        new = relax(row, work, i0, last)
-        if new > left / 2:
-            for q in range(last + 1):
-                work.force[q] = work.kept[q]
-            new = relax(row, work, i0, last)
-        left = new
-    return bool(left <= SNAP * size)
+            points.free[p], points.ease[p], links.limit[q] = 0.0, 0.0, value
+    speed = 0.0
+    for q in range(m1 - m0 + 1):
+        u, v = points.free[q], points.free[q + 1]
+        links.free[q], links.own[q] = u - v, points.ease[q] + points.ease[q + 1]
+        links.shared[q] = points.ease[q]
+        speed = max(speed, abs(u) + abs(v))
+    return speed
 
 
 def approach(row: Row, signals: Signals, k: int, q: int, j: int) -> float:
@@ -438,26 +250,8 @@ def approach(row: Row, signals: Signals, k: int, q: int, j: int) -> float:
     return left - right
 
 
-def strike(row: Row, signals: Signals, work: Work, k: int, j: int, tol: float) -> bool:
-    """Let impacts happen whose gaps would close in step j; return whether there is a new one."""
-    m0, i0, last = row.first[k], k + row.first[k], row.first[k + 1] - row.first[k]
-    found = False
-    for q in range(last + 1):
-        if row.law[i0 + q] == IMPACT and work.limit[q] == math.inf:
-            w = work.free[q] - work.free[q + 1] - work.force[q] * (work.ease[q] + work.ease[q + 1])
-            if q > 0:
-                w += work.ease[q] * work.force[q - 1]
-            if q < last:
-                w += work.ease[q + 1] * work.force[q + 1]
-            if row.gap[m0 + k + q] - w < -tol:
-                u = approach(row, signals, k, q, j)
-                work.limit[q] = 0.0 if u <= tol else (1 - row.damping[i0 + q]) * u / 2
-                found = True
-    return found
-
-
 def settle(
-    row: Row, tally: Tally, work: Work, i: int, q: int, F: float, w: float, tol: float
+    row: Row, tally: Tally, links: Chain, i: int, q: int, F: float, w: float, tol: float
 ) -> float:
     """Enter what link i of a chain loses while it closes by w; return its gap at the end."""
     law = row.law[i]
@@ -471,28 +265,29 @@ def settle(
         return 0.0 if F > 0 or rest <= max(tol, SNAP * w) else rest
     if law == IMPACT:
         if F > 0:
-            tally.lost[i] += F * work.limit[q]
-            return gap - float(work.limit[q])
+            tally.lost[i] += F * links.limit[q]
+            return gap - float(links.limit[q])
         return gap if gap <= 0 and abs(w) <= tol else gap - w
-    rest = -float(work.place[q])
+    rest = -float(links.place[q])
     if row.damping[i] > 0:
         drop = stored(law, row.stiffness[i], gap) - stored(law, row.stiffness[i], rest)
         tally.lost[i] += F * (gap - rest) + drop
     return rest
 
 
-def chain(
-    row: Row, tally: Tally, signals: Signals, work: Work, k: int, j: int, tol: float
+def meet(
+    row: Row, tally: Tally, signals: Signals, points: Points, links: Chain, k: int, j: int,
+    tol: float,
 ) -> bool:
     """Masses and contacts at node k in step j; return False where they cannot move."""
     m0, i0, last = row.first[k], k + row.first[k], row.first[k + 1] - row.first[k]
-    n, free, ease, force = len(row.steps) - 2, work.free, work.ease, work.force
-    gather(row, signals, work, k, j)
-    if not balance(row, work, i0, last):
-        return False
-    while strike(row, signals, work, k, j, tol):
-        if not balance(row, work, i0, last):
+    n, free, ease, force = len(row.steps) - 2, points.free, points.ease, links.force
+    speed = gather(row, signals, points, links, k, j)
+    struck = True
+    while struck:
+        if not balance(row, links, i0, last, speed):
             return False
+        struck = strike(row, links, i0, last, tol)
     for q in range(last + 1):
         if RIGID <= row.law[i0 + q] <= IMPACT and force[q] * (ease[q] + ease[q + 1]) <= tol:
             force[q] = 0.0
@@ -503,7 +298,7 @@ def chain(
         if q < last:
             right -= ease[q + 1] * force[q + 1]
             row.speed[m0 + q] = 2 * right - free[q + 1]
-        gap = settle(row, tally, work, i, q, F, v - right, tol)
+        gap = settle(row, tally, links, i, q, F, v - right, tol)
         if row.law[i] <= BOND:
             tally.impulse[i] += F
             row.force[i] = F
@@ -522,7 +317,8 @@ def chain(
 
 
 def run(
-    row: Row, tally: Tally, signals: Signals, work: Work, clock: Any, end: int, tol: float
+    row: Row, tally: Tally, signals: Signals, points: Points, links: Chain, clock: Any, end: int,
+    tol: float,
 ) -> int:
     """Go on from step clock[STEP] to step `end`.
 
@@ -531,7 +327,7 @@ def run(
 
     Parameters
     ----------
-    row, tally, signals, work
+    row, tally, signals, points, links
     clock : [2] int
         Next step; node of the trouble after SQUEEZED.
     end : int
@@ -553,7 +349,7 @@ def run(
             law = row.law[k + row.first[k]]
             if row.first[k + 1] > row.first[k]:
                 for i in range(j, stop):
-                    if not chain(row, tally, signals, work, k, i, tol):
+                    if not meet(row, tally, signals, points, links, k, i, tol):
                         clock[STEP], clock[NODE] = i, k
                         return SQUEEZED
             elif law == FREE:

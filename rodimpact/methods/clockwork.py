@@ -7,6 +7,9 @@ from dataclasses import dataclass
 
 from ..model import System
 
+PARTS = 1 << 16
+"""Ticks of a time step: fields are looked up between steps, where waves keep their averages."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Clockwork:

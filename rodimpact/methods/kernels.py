@@ -1,12 +1,14 @@
 """The one door to numba: kernels run as plain Python or compiled, bit for bit the same.
 
-A kernel is a plain function in a file of its own, calling only functions of that file (the compile
-cache does not notice changes elsewhere). Short jobs run it on lists as it stands, because starting
-the compiler costs more than they do; long ones run `compiled(kernel)` on arrays.
+A kernel is a plain function that calls only functions of kernel files (`*_kernel.py`); the compile
+cache is told of all of them. Short jobs run it on lists as it stands, because starting the compiler
+costs more than they do; long ones run `compiled(kernel)` on arrays.
 """
 
 from __future__ import annotations
 
+import contextlib
+import dis
 import functools
 import os
 import sys
@@ -89,15 +91,13 @@ def cache_directory(kernel: Kernel) -> str:
 
 @functools.cache
 def _translate(kernel: Kernel, cache: bool) -> Kernel:
-    """Compile a twin of `kernel` whose callees of the same file are compiled twins too."""
+    """Compile a twin of `kernel` whose callees in kernel files are compiled twins too."""
     import numba
 
     assert isinstance(kernel, types.FunctionType)
     scope = dict(kernel.__globals__)
-    for name in kernel.__code__.co_names:
-        callee = scope.get(name)
-        if isinstance(callee, types.FunctionType) and callee.__module__ == kernel.__module__:
-            scope[name] = _translate(callee, cache)
+    for callee in _callees(kernel):
+        scope[callee.__name__] = _translate(callee, cache)
     compile_: Any = numba.njit
     twin = types.FunctionType(kernel.__code__, scope, kernel.__name__, kernel.__defaults__)
     twin.__qualname__, twin.__module__ = kernel.__qualname__, kernel.__module__
@@ -108,4 +108,29 @@ def _translate(kernel: Kernel, cache: bool) -> Kernel:
         fast: Kernel = compile_(twin, cache=cache, nogil=True, **switches)
     except KeyError:  # a numba without one of them
         fast = compile_(twin, cache=cache, nogil=True)
+    if cache:
+        _watch(fast, kernel)
     return fast
+
+
+def _callees(kernel: types.FunctionType) -> list[types.FunctionType]:
+    """Functions that a kernel calls, of its own file and of other kernel files."""
+    names = {x.argval for x in dis.get_instructions(kernel) if x.opname == "LOAD_GLOBAL"}
+    called = [kernel.__globals__.get(name) for name in sorted(names)]
+    return [
+        f for f in called if isinstance(f, types.FunctionType)
+        and (f.__module__ == kernel.__module__ or f.__module__.endswith("_kernel"))
+    ]
+
+
+def _watch(fast: Any, kernel: types.FunctionType) -> None:
+    """Let the cache notice a change in any file that the kernel is made of."""
+    parts, waiting = {kernel}, [kernel]
+    while waiting:
+        new = set(_callees(waiting.pop())) - parts
+        parts |= new
+        waiting += new
+    found = [os.stat(name) for name in sorted({f.__code__.co_filename for f in parts})]
+    stamps = [(file.st_mtime, file.st_size) for file in found]
+    with contextlib.suppress(AttributeError):  # a numba that keeps its stamp elsewhere
+        fast._cache._cache_file._source_stamp = repr(stamps)

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..signals import Floats
 from ..solution import Solution
+from ..wave_fields import WaveFields
 from .sampling import is_stepped
 
 EVEN = 6  # instants of a solution in which nothing stands out
@@ -96,6 +97,7 @@ def _turns(solution: Solution) -> list[float]:
 def _reflections(solution: Solution, last: float) -> Floats:
     """Times up to `last` at which a changed wave leaves an end of a segment."""
     fields = solution.fields
+    assert isinstance(fields, WaveFields)
     leaving = [signal.ticks for signal in fields.signals if signal is not None]
     ticks = np.unique(np.concatenate(leaving))
     times = ticks[ticks > 0] * fields.assembly.tick

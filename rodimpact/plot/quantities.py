@@ -15,6 +15,7 @@ from .scales import Scale, engineering, place_scale
 _PARAMETERS = {
     "length": ("length", "m"),
     "area": ("area", "m²"),
+    "polar_moment": ("polar moment", "m⁴"),
     "velocity": ("velocity", "m/s"),
     "strain": ("strain", ""),
     "youngs_modulus": ("Young's modulus", "Pa"),
@@ -44,7 +45,7 @@ class Quantity(NamedTuple):
 
     def scale(self, largest: float) -> Scale:
         """Scale of an axis for values up to `largest`."""
-        if self.unit in ("1", "kg/m³", "m/s²", "s/m"):
+        if self.unit in ("1", "kg/m³", "m⁴", "m/s²", "s/m"):
             return Scale(1.0, self.name, self.unit.removeprefix("1"))
         if self.unit == "kg":
             return Scale(1.0, self.name, "kg") if largest >= 1 else self._grams(largest)

@@ -49,20 +49,5 @@ def averaged(solution: Solution, body: int, times: Floats) -> tuple[Floats, Floa
     They are exact averages over each interval between `times`, so that waves too quick for the
     picture leave no false pattern in it.
     """
-    fields, a = solution.fields, solution.fields.assembly
-    edges, segment = pieces(solution, body)
-    _, offset = fields.locate(body, (edges[:-1] + edges[1:]) / 2)
-    ticks = fields.to_ticks(times)
-    velocity, strain = np.empty((2, segment.size, times.size - 1))
-    for s in np.unique(segment):
-        here = segment == s
-        A, B = fields.waves(int(s))
-        away = offset[here, None]
-        right, left = (
-            np.diff(wave.integral(0, ticks - delay)) / np.diff(ticks)
-            for wave, delay in ((A, away), (B, a.ticks[s] - away))
-        )
-        velocity[here] = (left + right) / 2
-        strain[here] = (left - right) * (0.5 / a.wave_speed[s])
-    fallen = a.gravity * a.tick * (ticks[:-1] + ticks[1:]) / 2
-    return velocity + a.frame + fallen, strain
+    edges, _ = pieces(solution, body)
+    return solution.fields.averaged(body, (edges[:-1] + edges[1:]) / 2, times)

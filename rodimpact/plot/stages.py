@@ -16,6 +16,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
 from ..model import Absorbing, Fixed, RigidMass, Rod, Wall
+from ..profiles import extremes
 from ..signals import Floats
 from ..solution import Solution
 from .borders import DRIVEN, OPEN_END
@@ -196,7 +197,7 @@ def _rows(
     """Pieces of all rods at all times, and fronts inside them as (x, y, whether it runs right)."""
     solution, fields = plan.solution, plan.solution.fields
     rods = [(i, body) for i, body in enumerate(solution.system.bodies) if isinstance(body, Rod)]
-    widest = max(float(s.area) for _, rod in rods for s in rod.segments)
+    widest = max(extremes(s.area)[1] for _, rod in rods for s in rod.segments)
     stepped = is_stepped(solution)
     states = [(row, i, rod, t, sampled(solution, i, t) if stepped
                else fields.profile(i, int(fields.to_ticks(t))))
@@ -207,13 +208,15 @@ def _rows(
         displaced = solution.displacement(i, profile.edges, t)
         edges = (plan.place(i, profile.edges, t, displaced) * place.factor).tolist()
         first = fields.assembly.spans[i][0]
+        starts = np.cumsum([0.0, *(float(s.length) for s in rod.segments)])
         wide = np.diff(profile.edges) > NARROWEST * profile.edges[-1]
         for j, which in enumerate(profile.segment.tolist()):
             if not wide[j]:
                 continue
             segment = rod.segments[which - first]
             v, strain = float(profile.velocity[j]), float(profile.strain[j])
-            thickness = max(THINNEST, (float(segment.area) / widest) ** 0.5) * THICKNESS
+            [area] = segment.area_between(profile.edges[j : j + 2] - starts[which - first])
+            thickness = max(THINNEST, (float(area) / widest) ** 0.5) * THICKNESS
             half = thickness / 2 * (1 - SWELLING * strain / largest)
             pieces.append(_Piece(row, i, edges[j], edges[j + 1], half, v))
             if not stepped and j and wide[j - 1] and which == profile.segment[j - 1]:

@@ -1,0 +1,257 @@
+"""What acts between bodies on a time step: the laws of contact, and links solved together.
+
+A force F > 0 in a link pushes two bodies apart. Over one step the bodies obey linear laws, so links
+close by w = free - A F, with A a tridiagonal Stieltjes matrix: a link feels its own force, and
+through the body between them those of its two neighbours. Its law gives F from w.
+
+Laws: a compliant contact has the indentation x, and over a step the force (U(x1) - U(x0))/(x1 - x0)
+of its stored energy U (discrete gradient: Gonzalez, J. Nonlinear Sci. 6, 1996), the dashpot's mean
+over the same path, and never pulls; this is convex and increasing in x1, so Newton's method falls
+on the root from the right. A rigid contact takes the force that keeps its closing below a limit.
+An impact of rigid bodies takes the force that leaves a closing velocity of at most -e times the one
+before (Moreau, CISM 302, 1988).
+
+Time is counted in steps: lengths are velocity times steps, and masses and stiffnesses are scaled to
+match: M/h, k h (spring), k h^(3/2) (Hertz), a dashpot's constant as it is. `row` stands for any
+NamedTuple with the columns of the links: law, stiffness, damping and gap.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+FREE, FORCE, BOND, RIGID, IMPACT, SPRING, HERTZ, HUNT = range(8)  # laws of links
+EPS = 1 / (1 << 52)
+SNAP = 1 / (1 << 24)  # of one step's motion, by which a gap may close early
+ENOUGH = 1 / (1 << 27)  # relative Newton step after which the next one is round-off
+NEWTON = 100  # iterations of one contact: a bound that is not met in practice
+SWEEPS = 1000  # of one chain, see `balance`
+
+
+class Tally(NamedTuple):
+    """What has passed through each link, kept as the run goes."""
+
+    impulse: Any  # [link] sum of F
+    lost: Any  # [link] turned to heat by dashpots and impacts
+    numerical: Any  # [link] lost by rigid contacts that close within a step
+    peak: Any  # [link] largest F
+    first: Any  # [link] first step under force, -1 before
+    last: Any  # [link] end of the last step under force, -1 before
+    pressed: Any  # [link] steps under force
+    episodes: Any  # [link] number of times an open contact began to press
+
+
+class Chain(NamedTuple):
+    """Room for links that are solved together; lists or arrays of floats."""
+
+    free: Any  # velocity at which the link would close without forces
+    own: Any  # mobility of its two sides together
+    shared: Any  # mobility that it shares with the link before
+    before: Any  # velocity at which an impact closes as the step begins
+    force: Any
+    kept: Any  # forces before a Newton step
+    limit: Any  # greatest w of a pressing rigid contact or impact; a given force
+    place: Any  # indentation at the step's end
+    slope: Any  # dF/dw, -1 where w is fixed
+    upper: Any  # for the elimination
+
+
+def stored(law: int, k: float, gap: float) -> float:
+    """Energy stored in a compliant contact."""
+    if gap >= 0 or law < SPRING:
+        return 0.0
+    if law == SPRING:
+        return k * gap * gap / 2
+    return 2 * k * gap * gap * math.sqrt(-gap) / 5
+
+
+def mean_force(law: int, k: float, d: float, x0: float, x1: float) -> tuple[float, float]:
+    """Mean force of a compliant contact while its indentation goes from x0 to x1, and dF/dx1.
+
+    SPRING: k p + d dp/dt with p = max(x, 0); HERTZ: k p^(3/2); HUNT: the same times (1 + d dx/dt);
+    averaged along the straight path, cut at 0.
+    """
+    if x0 <= 0 and x1 <= 0:
+        return 0.0, 0.0
+    if law == SPRING:
+        if x1 <= 0:
+            share = x0 / (x0 - x1)
+            F, dF = k * x0 * share / 2 - d * x0, k * share * share / 2
+        elif x0 < 0:
+            share = x1 / (x1 - x0)
+            F, dF = k * x1 * share / 2 + d * x1, k * share * (2 - share) / 2 + d
+        else:
+            F, dF = k * (x0 + x1) / 2 + d * (x1 - x0), k / 2 + d
+    else:
+        if x1 <= 0:
+            F = 2 * k * x0 * x0 * math.sqrt(x0) / (5 * (x0 - x1))
+            dF = F / (x0 - x1)
+        elif x0 < 0:
+            s, share = math.sqrt(x1), x1 / (x1 - x0)
+            F, dF = 2 * k * x1 * s * share / 5, k * s * share * (5 - 2 * share) / 5
+        else:
+            p, s = math.sqrt(x0), math.sqrt(x1)
+            pp, ps, ss, sum_ = p * p, p * s, s * s, p + s
+            F = 2 * k * (ss * (ss + ps + pp) + ps * pp + pp * pp) / (5 * sum_)
+            dF = k * (3 * ss * s + 6 * ss * p + 4 * s * pp + 2 * pp * p) / (5 * sum_ * sum_)
+        if law == HUNT:
+            stretch = 1 + d * (x1 - x0)
+            F, dF = F * stretch, dF * stretch + F * d
+    if F <= 0:
+        return 0.0, 0.0
+    return F, dF
+
+
+def squeeze(
+    law: int, k: float, d: float, x0: float, c: float, y: float, w: float
+) -> tuple[float, float, float]:
+    """Solve x1 = x0 + c - y F(x0, x1) for a compliant contact.
+
+    Parameters
+    ----------
+    x0 : indentation at the step's start
+    c : velocity at which the contact would close without force
+    y : mobility of both sides together
+    w : guess of the velocity at which it closes
+
+    Returns
+    -------
+    F, x1, dF/dx1
+    """
+    top = x0 + c
+    x = min(x0 + w, top)
+    F = slope = 0.0
+    for _ in range(NEWTON):
+        F, slope = mean_force(law, k, d, x0, x)
+        r = x - x0 - c + y * F
+        step = r / (1 + y * slope)
+        F, x = F - slope * step, min(x - step, top)
+        size = x if x > 0 else x0 - x
+        if abs(step) <= max(ENOUGH * size, 4 * EPS * (abs(x0) + abs(c))):
+            break
+    return max(F, 0 * F), x, slope
+
+
+def pushed(chain: Chain, q: int, last: int) -> float:
+    """Velocity at which link q would close without its own force."""
+    c: float = chain.free[q]
+    if q > 0:
+        c += chain.shared[q] * chain.force[q - 1]
+    if q < last:
+        c += chain.shared[q + 1] * chain.force[q + 1]
+    return c
+
+
+def relax(row: Any, chain: Chain, i0: int, last: int) -> float:
+    """Solve link after link, the others as they are; return the largest change, as a velocity."""
+    change = 0.0
+    for q in range(last + 1):
+        i, y, c = i0 + q, chain.own[q], pushed(chain, q, last)
+        law, slope = row.law[i], 0.0
+        if law <= FORCE:
+            F = chain.limit[q]
+        elif law <= IMPACT:
+            F = (c - chain.limit[q]) / y
+            slope = -1.0
+            if law != BOND and F <= 0:
+                F = slope = 0.0
+        else:
+            gap = row.gap[i]
+            guess = chain.place[q] + gap
+            F, chain.place[q], slope = squeeze(
+                law, row.stiffness[i], row.damping[i], -gap, c, y, guess
+            )
+        change = max(change, abs(F - chain.force[q]) * y)
+        chain.force[q], chain.slope[q] = F, slope
+    return change
+
+
+def newton(row: Any, chain: Chain, i0: int, last: int) -> None:
+    """Take a Newton step for all links together, each law replaced by its tangent."""
+    F, upper = chain.force, chain.upper
+    for q in range(last + 1):
+        y, s, c = chain.own[q], chain.slope[q], chain.free[q]
+        if s < 0:
+            s, middle, right = -s, y, c - chain.limit[q]
+        else:
+            middle = 1 + s * y
+            right = F[q] + s * (c - chain.place[q] - row.gap[i0 + q])
+        pivot = middle
+        if q > 0:
+            right += s * chain.shared[q] * F[q - 1]
+            pivot += s * chain.shared[q] * upper[q - 1]
+        if pivot <= 4 * EPS * middle:
+            pivot = middle
+        F[q], upper[q] = right / pivot, 0.0
+        if q < last:
+            upper[q] = -s * chain.shared[q + 1] / pivot
+    for q in range(last, -1, -1):
+        if q < last:
+            F[q] -= upper[q] * F[q + 1]
+        if row.law[i0 + q] >= RIGID:
+            F[q] = max(F[q], 0.0)
+
+
+def balance(row: Any, chain: Chain, i0: int, last: int, speed: float) -> bool:
+    """Find the forces of a chain; return False where there are none (a mass squeezed by walls).
+
+    Sweeps of `relax` descend on a convex function, the dual energy of the step, and so always
+    converge, if slowly; a Newton step is kept where it halves what the next sweep has to change.
+    `speed` is that of the bodies, whose round-off is no change.
+    """
+    left, tried, size = math.inf, False, speed
+    for _ in range(2 * SWEEPS):
+        new = relax(row, chain, i0, last)
+        if tried and new > left / 2:
+            for q in range(last + 1):
+                chain.force[q] = chain.kept[q]
+            tried = False
+            continue
+        left, tried, size = new, True, speed
+        for q in range(last + 1):
+            size = max(size, speed + abs(chain.force[q]) * chain.own[q])
+            chain.kept[q] = chain.force[q]
+        if left <= 8 * EPS * size:
+            return True
+        newton(row, chain, i0, last)
+    return bool(left <= SNAP * size)
+
+
+def strike(row: Any, chain: Chain, i0: int, last: int, tol: float) -> bool:
+    """Let impacts happen whose gaps would close in this step; return whether there is a new one.
+
+    An impact waits with an infinite limit.
+    """
+    found = False
+    for q in range(last + 1):
+        i = i0 + q
+        if row.law[i] == IMPACT and chain.limit[q] == math.inf:
+            w = pushed(chain, q, last) - chain.force[q] * chain.own[q]
+            if row.gap[i] - w < -tol:
+                u = chain.before[q]
+                chain.limit[q] = 0.0 if u <= tol else (1 - row.damping[i]) * u / 2
+                found = True
+    return found
+
+
+def book(
+    row: Any, tally: Tally, signals: Any, i: int, j: int, F: float, gap: float
+) -> None:
+    """Enter step j of contact i: force, and gap at the end; `row.open` is 1 once it has opened."""
+    start = signals.link_start[i]
+    if start >= 0:
+        signals.force[start + j] = F
+        signals.gap[start + j] = gap
+    row.force[i], row.gap[i] = F, gap
+    if F > 0:
+        tally.impulse[i] += F
+        tally.peak[i] = max(tally.peak[i], F)
+        if tally.first[i] < 0:
+            tally.first[i] = j
+        tally.last[i] = j + 1
+        tally.pressed[i] += 1
+        tally.episodes[i] += row.open[i]
+        row.open[i] = 0
+    elif gap > 0:
+        row.open[i] = 1
