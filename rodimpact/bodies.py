@@ -247,6 +247,12 @@ class Segment(Frozen):
         return isinstance(self.area, Samples)
 
     @property
+    def ideal(self) -> bool:
+        """Whether waves keep their shape: no taper, no viscosity, no lateral inertia."""
+        damped = np.any(self.material.viscosity)
+        return not (self.tapered or self.polar_moment is not None or damped)
+
+    @property
     def wave_speed(self) -> Number:
         """Bar speed c, m/s."""
         return self.material.wave_speed

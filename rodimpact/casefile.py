@@ -225,6 +225,30 @@ def parse_case(
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # a number of 5000 digits is a plain ValueError
         raise InvalidModel([(source, f"is not valid TOML: {error}")]) from None
+    return case_from(data, source, vary)
+
+
+def case_from(
+    data: dict[str, Any], source: str = "case", vary: Mapping[str, str] | None = None
+) -> Case:
+    """Make a case of the tables that a case file holds.
+
+    Parameters
+    ----------
+    data : dict
+        As ``tomllib.loads`` makes it of a case file, or a program of its own.
+    source, vary
+        As for `parse_case`.
+
+    Returns
+    -------
+    Case
+
+    Raises
+    ------
+    InvalidModel
+        With all mistakes, each with the path of its entry.
+    """
     problems: Problems = []
     grids = _Grids(vary)
     top = _Table(problems, "", data, grids)

@@ -1,8 +1,8 @@
 """Fields from states of a grid: velocities of nodes and strains of cells at some times.
 
 Between nodes, between the middles of cells, and between two states fields change evenly. Energies
-are those that the scheme keeps: strain energy is the product of a cell's forces half a step before
-and half a step after the state.
+are those that the scheme keeps: kinetic energy is less by what the change of velocity along a cell
+would strain it in half a step, which keeps both kinetic and strain energy from being negative.
 """
 
 from __future__ import annotations
@@ -218,10 +218,9 @@ class GridFields(Fields):
         place = int(np.searchsorted(self.states.when, tick // PARTS))
         v = self.states.velocity[place, nodes] + a.frame + a.gravity * tick * a.tick - velocity
         change, k = np.diff(v), self.mesh.stiffness[cells]
-        kinetic = float(mass @ (v * v) + self.mesh.lateral[cells] @ (change * change)) / 2
-        half = k * self._step * change / 2
-        stored = float(np.sum((self.states.force[place, cells] ** 2 - half * half) / k)) / 2
-        return kinetic, stored
+        bound = self.mesh.lateral[cells] - k * self._step**2 / 4
+        kinetic = float(mass @ (v * v) + bound @ (change * change)) / 2
+        return kinetic, float(np.sum(self.states.force[place, cells] ** 2 / k)) / 2
 
     def whole(self, ticks: Ints) -> Ints:  # noqa: D102
         when = self.states.when * PARTS

@@ -20,6 +20,7 @@ from .units import format_si
 if TYPE_CHECKING:
     from .contacts import Episode
     from .outcome import Outcome
+    from .ring_down import RingDown
     from .solution import Solution
     from .sweeping import SweepResult
 
@@ -122,6 +123,32 @@ def solution_table(solution: Solution) -> str:
     ]
     blocks = [*_tables(outcome), *_episodes(solution), align(run), _sentences(outcome)]
     return "\n\n".join(blocks)
+
+
+def ring_down_table(found: RingDown) -> str:
+    """How vibration dies out, for people.
+
+    Parameters
+    ----------
+    found : RingDown
+
+    Returns
+    -------
+    str
+    """
+    def spell(seconds: float) -> str:
+        return format_si(seconds, "s", 4) if seconds < math.inf else "never"
+
+    first, last = float(found.vibration[0]), float(found.vibration[-1])
+    return align([
+        ["vibration when the collision is over", format_si(first, "J", 4)],
+        ["vibration at the end", format_si(clean(last, first + found.rigid), "J", 4)],
+        ["energy of the rigid motion", format_si(found.rigid, "J", 4)],
+        ["vibration falls to 1/e in", spell(found.decay_time)],
+        [f"mode of rod {found.body} at {format_si(found.frequency, 'Hz', 4)} falls to 1/e in",
+         spell(found.modal_decay_time)],
+        ["momentum changed by, relative", _residual(found.momentum_change)],
+    ])
 
 
 def outcome_dict(outcome: Outcome) -> dict[str, Any]:
@@ -302,7 +329,7 @@ def _exchanges(o: Outcome) -> list[tuple[str, float]]:
     return [
         ("work of moving walls", o.wall_work), ("work of driven ends", o.drive_work),
         ("work of gravity", o.gravity_work), ("lost in contacts", o.dissipated),
-        ("lost by the time step", o.numerical), ("radiated", o.radiated),
+        ("lost in material", o.damped), ("numerical loss", o.numerical), ("radiated", o.radiated),
     ]
 
 
@@ -387,6 +414,7 @@ def _outcome(o: Outcome) -> dict[str, Any]:
         "kinetic_after": _number(o.kinetic_after),
         "contact_energy": _number(o.contact_energy),
         "dissipated": _number(o.dissipated),
+        "damped": _number(o.damped),
         "numerical": _number(o.numerical),
         "radiated": _number(o.radiated),
         "wall_work": _number(o.wall_work),

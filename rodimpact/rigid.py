@@ -616,7 +616,7 @@ def pulse_impulse(force: Callable[[float], Any], duration: float) -> float:
     >>> round(pulse_impulse(lambda t: raised_cosine_force(t, 190.0, 0.1), 0.1), 12)
     9.5
     """
-    from scipy.integrate import quad  # type: ignore[import-untyped]  # slow to import
+    from scipy.integrate import quad  # slow to import
 
     half = float(positive("duration", duration, "s")) / 2
     return float(quad(force, -half, half)[0])

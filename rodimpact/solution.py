@@ -17,6 +17,7 @@ from .ledger import EnergyLedger, ledger, stored
 from .model import Body, RigidMass, Rod, Samples, Segment, Steps, System, Wall
 from .outcome import Outcome
 from .records import Record
+from .ring_down import RingDown, ring_down
 from .signals import Floats, Side
 
 
@@ -160,6 +161,42 @@ class Solution:
         times = np.asarray(t, dtype=float)
         outside = self.record.outside(self.fields, self.contacts)
         return ledger(self.system, self.fields, self.contacts, outside, times)
+
+    def ring_down(self) -> RingDown:
+        """How the vibration that the collision left dies out, until the end of the solution.
+
+        Solve with `until` well beyond the collision: the lowest mode of a rod needs about
+        E/(eta omega^2) to lose its energy.
+
+        Returns
+        -------
+        RingDown
+            Energy of vibration over time, the time in which it falls to 1/e, and that of the mode
+            that should last longest.
+
+        Raises
+        ------
+        ValueError
+            If the collision is not proved to be over, or something acts on the row from outside.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> steel = ri.materials.steel.damped(loss_factor=0.02, frequency=1e3)
+        >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+        >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+        >>> found = ri.solve(ri.System([left, right]), until=10e-3, cells=50).ring_down()
+        >>> round(found.decay_time / found.modal_decay_time, 1)
+        1.0
+        """
+        if not self.final:
+            raise ValueError(f"ring_down: the collision is not over. {self.status}")
+        if self.outcome.driven:
+            raise ValueError("ring_down: gravity or a driven end acts on and on")
+        return ring_down(
+            self.system, self.fields, self.outcome.masses,
+            min(self.t_final, self.t_end), self.t_end,
+        )
 
     def system_at(self, t: float) -> System:
         """State at time t in s as a new system: continue it, change it, or reverse it.

@@ -26,7 +26,7 @@ LAYERS = [
     {"contacts"},
     {"outcome"},
     {"ledger", "gauges"},
-    {"records"},
+    {"records", "ring_down"},
     {"solution"},
     {"stepped"},
     {"solving", "regions", "files"},
@@ -34,12 +34,13 @@ LAYERS = [
     {"sweeping"},
     {"report"},
     {"casefile", "verify", "plot"},
+    {"explore"},
     {"cli"},
     {"__main__"},
 ]
 ALLOWED = {
     # printing and saving, imported when asked for
-    ("outcome", "report"), ("solution", "report"), ("solution", "files"),
+    ("outcome", "report"), ("solution", "report"), ("ring_down", "report"), ("solution", "files"),
     ("files", "sweeping"), ("gauges", "files"),
 }
 LEVEL = {name: level for level, names in enumerate(LAYERS) for name in names}

@@ -24,6 +24,8 @@ COMMANDS = {
     "box": "replay the textbook's collisions of elastic rods, in words and figures",
     "run": "solve a case file",
     "sweep": "map a family of collisions over one or more numbers of a case",
+    "explore": "play with a collision in the browser",
+    "export": "write a collision as a page to hand out",
     "rigid": "collide two rigid bodies",
     "verify": "check the solver against closed forms",
     "materials": "list materials, with the source of each number",

@@ -598,21 +598,22 @@ def _level(
         if progress and time.monotonic() - began > 1.0:
             progress(min(1.0, taken / room), size)
 
-    if until is not None:
-        machine = Machine(mesh, step, keep, room)
-        machine.advance(room if until > 0 else 0, tell)
-        if settled(machine) == 0:
+    machine = Machine(mesh, step, keep, room)
+    last = cap if until is None else room if until > 0 else 0
+    machine.advance(0)
+    while proof < 0:
+        wait = settled(machine)
+        if wait == 0:
             proof = machine.taken
+        elif machine.taken < last:
+            pause = min(wait, 8.0 * longest) if wait < math.inf else longest
+            more = max(longest, math.ceil(pause), machine.taken // 8)
+            machine.advance(min(last, machine.taken + more), tell)
+        else:
+            break
+    if until is not None:
+        machine.advance(last, tell)
     else:
-        machine = Machine(mesh, step, keep, room)
-        while proof < 0 and machine.taken < cap:
-            wait = settled(machine)
-            if wait == 0:
-                proof = machine.taken
-            else:
-                pause = min(wait, 8.0 * longest) if wait < math.inf else longest
-                more = max(longest, math.ceil(pause), machine.taken // 8)
-                machine.advance(min(cap, machine.taken + more), tell)
         reason = "final" if proof >= 0 else "max_events"
         if proof >= 0:
             machine.advance(machine.taken + 2 * longest, tell)

@@ -321,6 +321,7 @@ def settle(
         links.shut[i] = 1
         if shut and F <= 0 and 2 * w - before < -tol:
             links.shut[i] = 0
+            rest = before / 2 - w
         elif shut:
             rest = 0.0
         elif F <= 0:
@@ -355,9 +356,9 @@ def meet(
         chain.place[q] = links.closing[i] - links.gap[i]
         chain.limit[q] = 0.0
         if links.law[i] == RIGID:
-            chain.limit[q] = before / 2
+            chain.limit[q] = max(before, 0.0) / 2
             if links.shut[i] == 0:
-                chain.limit[q] = links.gap[i] / 2 + before / 4
+                chain.limit[q] = max(links.gap[i] / 2 + before / 4, 0.0)
         elif links.law[i] == IMPACT:
             chain.limit[q] = math.inf
     struck = True

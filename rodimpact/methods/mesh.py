@@ -7,12 +7,16 @@ between the nodes i - 1 and i, so the cells 0, those between pieces, and the las
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..model import Segment
 from .link_kernel import BOND, FORCE, FREE, RIGID
 from .plan import Array, Plan
+
+MODAL_CELLS, MODES = 200, 8  # of a rod whose lowest modes are asked for
 
 
 class Interface(NamedTuple):
@@ -179,3 +183,31 @@ def _cells(segment: Any, count: int) -> Array:
     return np.array([
         rho * area * dx, E * area / dx, float(material.viscosity) * area / dx, lateral
     ])
+
+
+def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
+    """Mode of a free rod by itself that lasts longest.
+
+    Returns
+    -------
+    angular frequency, decay rate of the amplitude : float
+        rad/s and 1/s; a mode x of K x = omega^2 M x decays at x D x/(2 x M x).
+    """
+    from scipy.linalg import eigh
+
+    transit = sum(float(s.transit_time) for s in segments)
+    counts = [max(4, round(MODAL_CELLS * float(s.transit_time) / transit)) for s in segments]
+    parts = [_cells(s, N) for s, N in zip(segments, counts, strict=True)]
+    mass, stiffness, viscous, lateral = np.concatenate(parts, axis=1)
+    M = np.diag((np.append(mass, 0.0) + np.append(0.0, mass)) / 2) + _chain(lateral)
+    squares, modes = eigh(_chain(stiffness), M, subset_by_index=[1, MODES])
+    rates = np.einsum("im,ij,jm->m", modes, _chain(viscous), modes) / 2
+    slowest = int(np.argmin(rates))
+    return float(np.sqrt(squares[slowest])), float(rates[slowest])
+
+
+def _chain(values: Array) -> Array:
+    """Matrix of springs, dashpots or inertances between neighbouring nodes."""
+    difference = np.diff(np.eye(len(values) + 1), axis=0)
+    found: Array = difference.T @ (values[:, None] * difference)
+    return found

@@ -98,7 +98,7 @@ def _uniform(body: Body) -> tuple[Floats, Floats, Floats] | None:
     if not isinstance(body.velocity, float | np.ndarray) or np.any(body.strain != 0):
         return None
     segment = body.segments[0]
-    if np.any(segment.material.viscosity):
+    if not segment.ideal:
         return None
     return (np.asarray(segment.impedance), np.asarray(segment.transit_time),
             np.asarray(body.velocity))

@@ -1,0 +1,45 @@
+"""Write a collision as a page to hand out: one file, for any browser, without a network.
+
+The page plays the collision, and shows its values wherever one points.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from ..casefile import read_case
+from ..explore.design import Design
+from ..explore.page_files import standalone
+from ..explore.scene import scene
+from ..files import write_text
+from ..frozen import InvalidModel
+from ..units import format_si
+from . import DONE, INCOMPLETE
+from .asking import Problems, check_outputs
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """A case, and the page to write."""
+    parser.add_argument("case", metavar="CASE.toml", help="the case file")
+    parser.add_argument("-o", "--output", metavar="FILE.html", required=True, help="the page")
+    parser.add_argument("--force", action="store_true", help="replace an existing file")
+
+
+def run(arguments: argparse.Namespace) -> tuple[str, int]:
+    """Solve, and write the page."""
+    problems: Problems = []
+    design: Design | None = None
+    try:
+        design = Design.parse(Design.of(read_case(arguments.case)).to_dict())
+    except InvalidModel as error:
+        problems += error.problems
+    check_outputs(problems, {"--output": arguments.output}, arguments.force)
+    assert design is not None  # or there were problems
+
+    solution = design.solve()
+    page = standalone(scene(design, solution), design.to_dict(), Path(arguments.case).stem)
+    write_text(arguments.output, page, force=arguments.force)
+    size = f"{len(page.encode()) / 1000:.0f} kB"
+    said = f"{arguments.output}: {size}, {format_si(solution.t_end, 's', 4)} of the collision"
+    return said, INCOMPLETE if solution.stopped_by in ("max_events", "clock") else DONE

@@ -1,0 +1,209 @@
+"""What the controls of the page describe: a case, and where its gauges sit.
+
+It travels as JSON in the terms of a case file, so that every mistake has the path of its field.
+What it may ask for is bounded: an answer comes while a slider is being dragged.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+from .. import materials
+from ..casefile import Case, case_from, write_case
+from ..frozen import InvalidModel, Problems
+from ..model import Rod, System
+from ..solution import Solution
+from ..solving import check, solve
+from ..units import format_si, parse
+
+MOST_BODIES = 12
+MOST_SEGMENTS = 24  # of all rods together
+MOST_GAUGES = 4
+MOST_NUMBERS = 4096  # in the whole description
+MOST_EVENTS = 20_000  # fronts that arrive at an end
+MOST_STEPS = 30_000  # time steps times ends, for what fronts cannot do
+STEPS = 256  # of the longest transit, where the end of the run is given
+CELLS, MOST_CELLS = 64, 256  # of the longest transit, for the method "finite-difference"
+RTOL = 1e-3
+
+
+class GaugePlace(NamedTuple):
+    """A strain gauge on a rod: the body, and the fraction of its length from the left end."""
+
+    body: int
+    fraction: float
+
+
+@dataclass(frozen=True)
+class Design:
+    """A case as the page asks for it.
+
+    Attributes
+    ----------
+    case : Case
+    gauges : tuple of GaugePlace
+    """
+
+    case: Case
+    gauges: tuple[GaugePlace, ...]
+
+    @classmethod
+    def of(cls, case: Case) -> Design:
+        """A case with a gauge in the middle of its last rod."""
+        rods = [i for i, body in enumerate(case.system.bodies) if isinstance(body, Rod)]
+        return cls(case, (GaugePlace(rods[-1], 0.5),))
+
+    @classmethod
+    def parse(cls, data: Any) -> Design:
+        """Read what the page sends.
+
+        Parameters
+        ----------
+        data : dict
+            With ``case``, the tables of a case file, and a list ``gauges`` of tables with ``body``
+            and ``fraction``.
+
+        Returns
+        -------
+        Design
+
+        Raises
+        ------
+        InvalidModel
+            With every mistake and the path of its field.
+        """
+        if not isinstance(data, dict) or not isinstance(data.get("case"), dict):
+            raise InvalidModel([("case", "is missing; send {case: {...}, gauges: [...]}")])
+        problems: Problems = [
+            (str(key)[:80], "unknown key; use case and gauges")
+            for key in data if key not in ("case", "gauges")
+        ]
+        _check_size(problems, data["case"])
+        if problems:
+            raise InvalidModel(problems)
+        case = case_from(data["case"])
+        gauges = _gauges(problems, data.get("gauges", []), case.system)
+        _check_length(problems, case)
+        if problems:
+            raise InvalidModel(problems)
+        return cls(replace(case, output={}, path=""), gauges)
+
+    def of_system(self, system: System) -> Design:
+        """The same run of another system."""
+        return Design(replace(self.case, system=system), ())
+
+    def to_dict(self) -> dict[str, Any]:
+        """What `parse` reads; materials of the library go by their names."""
+        case = tomllib.loads(write_case(self.case))
+        own = {
+            name: entry for name, entry in case.pop("materials", {}).items()
+            if entry != _spelt_out(name)
+        }
+        if own:
+            case["materials"] = own
+        return {"case": case, "gauges": [gauge._asdict() for gauge in self.gauges]}
+
+    def solve(self) -> Solution:
+        """Solve the case, with caps on events and time steps.
+
+        Raises
+        ------
+        InvalidModel
+            Where no method can do it, or not within the caps.
+        """
+        system, asked = self.case.system, self.case.solve
+        until, method = asked.get("until"), asked.get("method", "auto")
+        events = asked.get("max_events", MOST_EVENTS)
+        chosen = check(system, until, method, events)
+        if chosen == "fronts":
+            return solve(system, until, method, max_events=events)
+        transits = [
+            float(s.transit_time) for b in system.bodies if isinstance(b, Rod) for s in b.segments
+        ]
+        if chosen == "finite-difference":
+            cells = min(MOST_CELLS, max(CELLS, math.ceil(4 * max(transits) / min(transits))))
+            return solve(system, until, method, max_events=MOST_STEPS, cells=cells)
+        if until is None:
+            return solve(system, None, method, max_events=MOST_STEPS, rtol=RTOL)
+        step = min(max(transits) / STEPS, min(transits) / 4)
+        longest = step * MOST_STEPS / (len(transits) + 1)
+        if until > longest:
+            message = f"must not exceed {format_si(longest, 's', 3)} on this page, got {until!r} s"
+            raise InvalidModel([("solve.until", f"{message}; rodimpact run goes on")])
+        return solve(system, until, method, dt=step)
+
+
+def _spelt_out(name: str) -> dict[str, Any] | None:
+    """A material of the library as a case file describes it."""
+    if name not in materials.TABLE:
+        return None
+    described = materials.TABLE[name].to_dict()
+    return {key: v for key, v in described.items() if key != "name" and v is not None}
+
+
+def _check_size(problems: Problems, case: dict[str, Any]) -> None:
+    """Note more bodies, segments or numbers than the page may ask for, before they are read."""
+    numbers = 0
+    pending: list[Any] = [case]
+    while pending and numbers <= MOST_NUMBERS:
+        item = pending.pop()
+        inner = item.values() if isinstance(item, dict) else item
+        numbers += len(inner)
+        pending += [value for value in inner if isinstance(value, dict | list)]
+    if numbers > MOST_NUMBERS:
+        problems.append(("case", f"must not hold more than {MOST_NUMBERS} entries on this page"))
+        return
+    bodies = case.get("bodies")
+    if not isinstance(bodies, list):
+        return
+    if len(bodies) > MOST_BODIES:
+        message = f"must be at most {MOST_BODIES} on this page, got {len(bodies)}"
+        problems.append(("bodies", f"{message}; rodimpact run takes any number"))
+    segments = sum(
+        len(body["segments"]) for body in bodies
+        if isinstance(body, dict) and isinstance(body.get("segments"), list)
+    )
+    if segments > MOST_SEGMENTS:
+        message = f"must have at most {MOST_SEGMENTS} segments on this page, got {segments}"
+        problems.append(("bodies", message))
+
+
+def _check_length(problems: Problems, case: Case) -> None:
+    """Note more events than the page may ask for, and a run of no length."""
+    events = case.solve.get("max_events", MOST_EVENTS)
+    if events > MOST_EVENTS:
+        message = f"must be at most {MOST_EVENTS} on this page, got {events}"
+        problems.append(("solve.max_events", f"{message}; rodimpact run takes more"))
+    if case.solve.get("until") == 0:
+        problems.append(("solve.until", "must be above 0 for a picture, got 0"))
+
+
+def _gauges(problems: Problems, entries: Any, system: System) -> tuple[GaugePlace, ...]:
+    if not isinstance(entries, list) or len(entries) > MOST_GAUGES:
+        problems.append(("gauges", f"must be a list of at most {MOST_GAUGES} gauges"))
+        return ()
+    rods = [i for i, body in enumerate(system.bodies) if isinstance(body, Rod)]
+    found = []
+    for i, entry in enumerate(entries):
+        given = entry if isinstance(entry, dict) else {}
+        body, fraction = given.get("body"), given.get("fraction")
+        if type(body) is not int or body not in rods:
+            names = ", ".join(map(str, rods))
+            problems.append((f"gauges.{i}.body", f"must be a rod, {names}; got {_short(body)}"))
+            continue
+        try:
+            at = parse(fraction, "dimensionless")  # type: ignore[arg-type]  # checks it itself
+        except ValueError:
+            at = math.nan
+        if not 0 <= at <= 1:
+            message = f"must lie in [0, 1], got {_short(fraction)}"
+            problems.append((f"gauges.{i}.fraction", message))
+        found.append(GaugePlace(body, at))
+    return tuple(found)
+
+
+def _short(value: Any) -> str:
+    return repr(value)[:80]

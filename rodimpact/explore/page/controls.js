@@ -1,0 +1,246 @@
+"use strict";
+// Sliders and boxes for a design; each knows the path of its number in the case.
+
+// power: of ten, of the unit shown; log: whether the slider runs over ratios
+const FIELDS = {
+  length: { name: "length", unit: "mm", power: -3, low: 20, high: 2000, step: 1 },
+  area: { name: "area", unit: "mm²", power: -6, low: 1, high: 10000, log: true },
+  velocity: { name: "velocity", unit: "m/s", power: 0, low: -20, high: 20, step: 0.1 },
+  mass: { name: "mass", unit: "kg", power: 0, low: 0.01, high: 100, log: true },
+  youngs_modulus: { name: "Young's modulus E", unit: "GPa", power: 9, low: 1, high: 500, log: true },
+  density: { name: "density ρ", unit: "kg/m³", power: 0, low: 500, high: 20000, log: true },
+  gap: { name: "gap", unit: "µm", power: -6, low: 0, high: 500, step: 1 },
+  spring: { name: "stiffness", unit: "N/µm", power: 6, low: 1, high: 100000, log: true },
+  hertz: { name: "stiffness", unit: "GN/m^1.5", power: 9, low: 1e-3, high: 1e4, log: true },
+  damping: { name: "damping", unit: "SI", power: 0, low: 0, high: 1000, step: 1 },
+  restitution: { name: "restitution", unit: "", power: 0, low: 0, high: 1, step: 0.01 },
+  fraction: { name: "at", unit: "%", power: -2, low: 0, high: 100, step: 1 },
+};
+const LAWS = { rigid: {}, hertz: { stiffness: 1e10 }, spring: { stiffness: 1e8 } };
+
+function toShown(value, power) {
+  return Number((power < 0 ? value * 10 ** -power : value / 10 ** power).toPrecision(12));
+}
+
+/** The float nearest to what is written: one rounding, by one division or product. */
+function fromShown(shown, power) {
+  return power < 0 ? shown / 10 ** -power : shown * 10 ** power;
+}
+
+function listOf(value) {
+  return Array.isArray(value) ? value : [];
+}
+
+function getAt(tree, path) {
+  return path.reduce((found, key) => (found === undefined || found === null ? undefined : found[key]), tree);
+}
+
+function setAt(tree, path, value) {
+  getAt(tree, path.slice(0, -1))[path[path.length - 1]] = value;
+}
+
+function make(tag, attributes = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  element.append(...children);
+  return element;
+}
+
+/** Builds the form of a design, and changes the design as the form is used. */
+class Controls {
+  /** `changed(rebuild)` is called after each change of `state`. */
+  constructor(form, library, changed) {
+    Object.assign(this, { form, library, changed, state: null });
+    form.addEventListener("submit", (event) => event.preventDefault());
+  }
+
+  build(state) {
+    const focused = this.form.contains(document.activeElement) ? document.activeElement.id : "";
+    this.state = state;
+    const bodies = listOf(state.case.bodies);
+    const blocks = [];
+    bodies.forEach((body, i) => {
+      blocks.push(this.body(body, i));
+      if (i + 1 < bodies.length) blocks.push(this.contact(i));
+    });
+    if (listOf(state.gauges).length) blocks.push(this.gauges());
+    this.form.replaceChildren(...blocks);
+    const again = focused && document.getElementById(focused);
+    if (again) again.focus();
+  }
+
+  body(body, i) {
+    const path = ["case", "bodies", i];
+    const block = make("fieldset", {}, make("legend", {}, `${{ rod: "Rod", mass: "Mass", wall: "Wall" }[body.kind] || "Body"} ${i}`));
+    if (body.kind === "mass") block.append(this.number([...path, "mass"], FIELDS.mass));
+    const pieces = Array.isArray(body.segments)
+      ? body.segments.map((_, j) => [...path, "segments", j]) : body.kind === "rod" ? [path] : [];
+    pieces.forEach((piece, j) => {
+      const where = pieces.length > 1 ? ` of segment ${j}` : "";
+      block.append(this.number([...piece, "length"], FIELDS.length, where),
+        this.number([...piece, "area"], FIELDS.area, where), ...this.material(piece, where),
+        make("p", { class: "derived", "data-body": i, "data-segment": j }));
+    });
+    block.append(this.number([...path, "velocity"], FIELDS.velocity));
+    return block;
+  }
+
+  contact(i) {
+    const entry = getAt(this.state, ["case", "contacts", i]) || {};
+    const path = ["case", "contacts", i];
+    const block = make("fieldset", {}, make("legend", {}, `Contact ${i}-${i + 1}`));
+    block.append(this.number([...path, "gap"], FIELDS.gap));
+    const laws = [...new Set([...Object.keys(LAWS), entry.law || "rigid"])];
+    block.append(this.choice([...path, "law"], "law", laws, entry.law || "rigid", (law) => {
+      setAt(this.state, path, { gap: entry.gap || 0, law, ...LAWS[law] });
+      this.changed(true);
+    }));
+    for (const key of Object.keys(entry).filter((k) => k !== "gap" && k !== "law")) {
+      const field = key !== "stiffness" ? FIELDS[key] : /hertz|hunt/.test(entry.law) ? FIELDS.hertz : FIELDS.spring;
+      if (field) block.append(this.number([...path, key], field));
+    }
+    return block;
+  }
+
+  gauges() {
+    const block = make("fieldset", {}, make("legend", {}, "Strain gauges"));
+    const rods = listOf(this.state.case.bodies).flatMap((body, i) => (body.kind === "rod" ? [i] : []));
+    listOf(this.state.gauges).forEach((gauge, k) => {
+      const path = ["gauges", k];
+      block.append(this.choice([...path, "body"], `gauge ${k + 1} on rod`, rods, gauge.body, (body) => {
+        gauge.body = Number(body);
+        this.changed(false);
+      }), this.number([...path, "fraction"], { ...FIELDS.fraction, name: `gauge ${k + 1} at` }));
+    });
+    return block;
+  }
+
+  material(piece, where) {
+    const name = getAt(this.state, [...piece, "material"]);
+    const own = Object.keys(this.state.case.materials || {});
+    const mine = `own ${piece.slice(2).filter((key) => key !== "segments").join("-")}`;
+    const names = [...new Set([...Object.keys(this.library), ...own, mine])];
+    const found = [this.choice([...piece, "material"], `material${where}`, names, name, (chosen) => {
+      if (chosen === mine && !own.includes(mine)) this.copyMaterial(name, mine);
+      setAt(this.state, [...piece, "material"], chosen);
+      this.changed(true);
+    })];
+    if (own.includes(name)) {
+      for (const key of ["youngs_modulus", "density"]) {
+        found.push(this.number(["case", "materials", name, key], FIELDS[key], where));
+      }
+    }
+    return found;
+  }
+
+  copyMaterial(from, name) {
+    const materials = this.state.case.materials || (this.state.case.materials = {});
+    const { youngs_modulus, density } = materials[from] || this.library[from] || this.library.steel;
+    materials[name] = { youngs_modulus, density };
+  }
+
+  /** Where the server speaks of this field. */
+  key(path) {
+    return (path[0] === "case" ? path.slice(1) : path).join(".");
+  }
+
+  choice(path, name, values, chosen, choose) {
+    const key = this.key(path);
+    const select = make("select", { id: key, "data-path": key });
+    for (const value of values) select.append(new Option(value, value, false, value === chosen));
+    select.addEventListener("change", () => choose(select.value));
+    return make("div", { class: "field" }, make("label", { for: key }, name), select, this.problem(key));
+  }
+
+  problem(key) {
+    return make("span", { class: "problem", id: `problem:${key}`, "aria-live": "polite" });
+  }
+
+  number(path, field, where = "") {
+    const value = getAt(this.state, path);
+    const key = this.key(path);
+    if (typeof value === "object" && value !== null) {
+      return make("p", { class: "derived" }, `${field.name}: a profile, from the case file`);
+    }
+    const shown = typeof value === "number" ? toShown(value, field.power) : "";
+    const label = make("label", { for: key, id: `label:${key}` }, field.name + where);
+    const box = make("input", { type: "number", id: key, step: "any", value: shown, "data-path": key, "aria-describedby": `problem:${key}` });
+    const slider = this.slider(field, shown, key);
+    const apply = (number) => {
+      setAt(this.state, path, Number.isFinite(number) ? fromShown(number, field.power) : null);
+      slider.setAttribute("aria-valuetext", `${number} ${field.unit}`);
+      this.changed(false);
+    };
+    box.addEventListener("input", () => {
+      slider.value = field.log ? Math.log10(box.valueAsNumber) : box.valueAsNumber;
+      apply(box.valueAsNumber);
+    });
+    slider.addEventListener("input", () => {
+      const number = field.log ? Number((10 ** slider.valueAsNumber).toPrecision(3)) : slider.valueAsNumber;
+      box.value = number;
+      apply(number);
+    });
+    return make("div", { class: "field" }, label,
+      make("span", { class: "box" }, box, make("span", { class: "unit" }, field.unit)), slider, this.problem(key));
+  }
+
+  /** A slider whose range holds the value it begins with. */
+  slider(field, shown, key) {
+    const value = Number(shown) || 0;
+    let [low, high] = [Math.min(field.low, value > 0 || !field.log ? value : field.low), Math.max(field.high, value)];
+    if (field.log) [low, high] = [Math.log10(low), Math.log10(high)];
+    const slider = make("input", {
+      type: "range", min: low, max: high, step: field.log ? 0.005 : field.step, id: `slider:${key}`,
+      "aria-labelledby": `label:${key}`, "aria-valuetext": `${shown} ${field.unit}`, "data-slides": key,
+    });
+    slider.value = field.log ? Math.log10(value || field.low) : value;
+    return slider;
+  }
+
+  /** Put what follows from the numbers beside them. */
+  showDerived(bodies) {
+    for (const line of this.form.querySelectorAll(".derived[data-body]")) {
+      const items = getAt(bodies, [line.dataset.body, "derived", line.dataset.segment]) || [];
+      const texts = items.map(([name, value]) => `${name} ${value}`);
+      if (line.textContent === texts.join("")) continue;
+      line.replaceChildren(...texts.map((text) => make("span", {}, text)));
+    }
+  }
+
+  /** Put each problem beside its field; returns those that have none here. */
+  showProblems(problems) {
+    for (const field of this.form.querySelectorAll("[aria-invalid]")) field.removeAttribute("aria-invalid");
+    for (const span of this.form.querySelectorAll(".problem")) span.textContent = "";
+    return problems.filter(({ path, message }) => {
+      const parts = path.split(".");
+      for (let n = parts.length; n > 0; n -= 1) {
+        const key = parts.slice(0, n).join(".");
+        const field = document.getElementById(key);
+        if (!field || !this.form.contains(field)) continue;
+        field.setAttribute("aria-invalid", "true");
+        document.getElementById(`problem:${key}`).textContent = message;
+        return false;
+      }
+      return true;
+    });
+  }
+}
+
+/** What is given, as text, where nothing can be changed. */
+function showGiven(form, bodies) {
+  form.replaceChildren(...bodies.map((body) => {
+    const table = make("table", {}, make("tbody", {}));
+    fillTable(table.firstChild, [...body.given, ...body.derived.flat()]);
+    return make("fieldset", {}, make("legend", {}, body.title), table);
+  }));
+}
+
+/** Rows of names and values; only what has changed is written. */
+function fillTable(rows, entries) {
+  while (rows.children.length > entries.length) rows.lastElementChild.remove();
+  entries.forEach(([name, value], i) => {
+    const row = rows.children[i] || rows.appendChild(make("tr", {}, make("th", { scope: "row" }), make("td")));
+    if (row.children[0].textContent !== name) row.children[0].textContent = name;
+    if (row.children[1].textContent !== value) row.children[1].textContent = value;
+  });
+}

@@ -1,0 +1,126 @@
+"use strict";
+// Curves over time, and e over the ratio of the lengths.
+
+const NO_CURVE = { ratios: [], values: [], source: "the curve follows when the sliders rest" };
+
+/** Value of a curve at time t. */
+function valueAt(series, t) {
+  const { t: times, y } = series;
+  let [low, high] = [0, times.length - 1];
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (times[middle] <= t) low = middle;
+    else high = middle;
+  }
+  if (times.length === 1 || t <= times[0]) return y[0];
+  if (t >= times[high]) return y[high];
+  if (series.steps || times[high] === times[low]) return y[low];
+  return y[low] + (y[high] - y[low]) * (t - times[low]) / (times[high] - times[low]);
+}
+
+/** Range of values with 0 in it and some air around. */
+function rangeOf(plot) {
+  let [low, high] = [0, 0];
+  for (const { y } of plot.series) for (const v of y) [low, high] = [Math.min(low, v), Math.max(high, v)];
+  const air = 0.06 * (high - low) || 1;
+  return [low < 0 ? low - air : 0, high > 0 ? high + air : low < 0 ? 0 : air];
+}
+
+function plotFrame(pen, size, ends) {
+  return frameOf(pen, { left: ends.x0, right: ends.x1, from: ends.y0, to: ends.y1 }, size);
+}
+
+/** One figure of curves over time. */
+function drawPlot(pen, plot, end, now, theme) {
+  const [low, high] = rangeOf(plot);
+  const frame = plotFrame(pen, theme.size, { x0: 0, x1: end, y0: low, y1: high });
+  pen.inside(frame.x, frame.y - 2, frame.width, frame.height + 4, () => {
+    pen.line([[frame.x, frame.up(0)], [frame.right, frame.up(0)]], theme.line, 1);
+    plot.series.forEach((series, k) => {
+      const points = [];
+      series.t.forEach((t, i) => {
+        if (series.steps && i) points.push([frame.across(t), frame.up(series.y[i - 1])]);
+        points.push([frame.across(t), frame.up(series.y[i])]);
+      });
+      pen.line(points, theme.series[k % theme.series.length], 2, k >= theme.series.length ? [6, 3] : []);
+    });
+    pen.line([[frame.across(now), frame.y], [frame.across(now), frame.bottom]], theme.wrong, 1.6);
+  });
+  drawFrame(pen, frame, theme.size, theme, { x: [0, end, "s", "time"], y: [low, high, plot.unit, ""] });
+}
+
+/** e over l1/l2, and the collision shown. */
+function drawCurve(pen, scene, theme) {
+  const { ratios, values } = scene.curve || NO_CURVE;
+  const right = ratios.length ? ratios[ratios.length - 1] : Math.max(2, 1.1 * scene.ratio);
+  const most = Math.max(1, ...values.filter((e) => e !== null));
+  const frame = plotFrame(pen, theme.size, { x0: 0, x1: right, y0: 0, y1: 1.08 * most });
+  let points = [];
+  const strokes = [points];
+  ratios.forEach((ratio, i) => {
+    if (values[i] === null) strokes.push(points = []);
+    else points.push([frame.across(ratio), frame.up(values[i])]);
+  });
+  for (const stroke of strokes) if (stroke.length) pen.line(stroke, theme.series[0], 2);
+  if (scene.restitution.value !== null) {
+    pen.disc(frame.across(scene.ratio), frame.up(scene.restitution.value), 0.42 * theme.size, theme.wrong);
+  }
+  drawFrame(pen, frame, theme.size, theme, { x: [0, right, "", "l₁/l₂"], y: [0, 1.08 * most, "", "e"] });
+}
+
+/** A figure element: its caption, and a canvas to draw on. */
+function figureFor(key, title) {
+  const figure = document.createElement("figure");
+  figure.id = `plot-${key}`;
+  const caption = document.createElement("figcaption");
+  const canvas = document.createElement("canvas");
+  canvas.setAttribute("role", "img");
+  canvas.setAttribute("aria-label", title);
+  figure.append(caption, canvas);
+  return figure;
+}
+
+/** Caption: the title, and each curve with its value at the time shown. */
+function caption(element, title, entries) {
+  const spans = element.querySelectorAll("span");
+  if (element.dataset.title === title && spans.length === entries.length) {
+    entries.forEach(([text, colour], k) => {
+      if (spans[k].lastChild.data !== text) spans[k].lastChild.data = text;
+      spans[k].firstChild.style.borderColor = colour;
+    });
+    return;
+  }
+  element.dataset.title = title;
+  const heading = document.createElement("strong");
+  heading.textContent = title;
+  element.replaceChildren(heading, ...entries.map(([text, colour]) => {
+    const [span, swatch] = [document.createElement("span"), document.createElement("i")];
+    swatch.style.borderColor = colour;
+    span.append(swatch, text);
+    return span;
+  }));
+}
+
+/** Draw all curves; figures are made anew only when there are others. */
+function drawPlots(holder, scene, now, theme) {
+  const keys = [...scene.plots.map((plot) => plot.key), ...(scene.ratio === null ? [] : ["curve"])];
+  if (holder.dataset.keys !== keys.join()) {
+    holder.dataset.keys = keys.join();
+    holder.replaceChildren(
+      ...scene.plots.map((plot) => figureFor(plot.key, `${plot.title} over time`)),
+      ...(scene.ratio === null ? [] : [figureFor("curve", "e over the ratio of the lengths")]));
+  }
+  const figures = [...holder.children].map((figure) => [...figure.children]);
+  scene.plots.forEach((plot, i) => {
+    const [text, canvas] = figures[i];
+    caption(text, plot.title, plot.series.map((series, k) => [
+      `${series.name}: ${quantity(valueAt(series, now), plot.unit, 3)}`, theme.series[k % theme.series.length]]));
+    drawPlot(new CanvasPen(canvas), plot, scene.end, now, theme);
+  });
+  if (scene.ratio === null) return;
+  const [text, canvas] = figures.at(-1);
+  caption(text, "e against l₁/l₂", [
+    [(scene.curve || NO_CURVE).source, theme.series[0]],
+    [`this collision: ${plainNumber(scene.ratio, 4)}`, theme.wrong]]);
+  drawCurve(new CanvasPen(canvas), scene, theme);
+}

@@ -1,0 +1,344 @@
+"""Solution -> all that the page shows: polygons, curves and texts, ready for JSON.
+
+Polygons cut at time t are the rods at time t, so the page slices them and needs no physics.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ..contacts import ContactHistory
+from ..model import Bonded, Rigid, RigidMass, Rod, System, Wall
+from ..profiles import extremes
+from ..report import clean
+from ..signals import Floats
+from ..solution import Solution
+from ..units import format_si
+from .comparison import Curve, Theory, closed_curve, closed_form, ratio_of
+from .design import Design
+from .tiling import Tiling, cells, regions, sliced_energy
+
+SAMPLES = 400  # of a curve whose jumps are too many
+MOMENTS = 33  # of the energy, where it is sampled
+REACH, SQUEEZE = 0.3, 0.3  # movement in the picture, in lengths of the row; largest strain there
+DRIFT = 3.0  # how much farther than its inner movement a row may move before the picture follows
+BLOCK = 0.05  # width of a rigid mass in the picture, in lengths of all rods
+TIMES = "\N{MULTIPLICATION SIGN}"
+DIGITS = 9  # of the numbers that are drawn
+
+Scene = dict[str, Any]
+Labelled = list[tuple[str, str]]
+
+
+def scene(design: Design, solution: Solution) -> Scene:
+    """All that the page shows of a solution.
+
+    Parameters
+    ----------
+    design : Design
+    solution : Solution
+        Of this design.
+
+    Returns
+    -------
+    dict
+        JSON-ready, SI units but for strain in 1e-6; numbers that do not exist are None.
+    """
+    exact = solution.method == "fronts"
+    stop, tiling = regions(solution) if exact else (solution.t_end, cells(solution))
+    notes = [solution.status]
+    if stop < solution.t_end:
+        notes.append(f"The picture ends at {format_si(stop, 's', 4)}: too many regions later.")
+    if not exact:
+        notes.append("The picture shows means over cells, not the fronts themselves.")
+    if not exact and {"dt", "rtol"} & set(design.case.solve):
+        notes.append("The page chooses its own time step; rodimpact run takes that of the case.")
+    row = _row(solution, stop, tiling)
+    theory = closed_form(solution.system)
+    return {
+        "end": stop,
+        "exact": exact,
+        "row": row,
+        "bodies": _bodies(solution, stop, row),
+        "tiling": {
+            "body": tiling.body.tolist(),
+            "start": tiling.start.tolist(),
+            "x": _short(tiling.x), "t": _short(tiling.t),
+            "displacement": _short(tiling.displacement),
+            "velocity": _short(tiling.velocity), "stress": _short(tiling.stress),
+        },
+        "plots": [
+            *_contacts(solution, stop, exact),
+            _energy(solution, stop, tiling, exact),
+            *_gauges(design, solution, stop, exact),
+        ],
+        "restitution": _restitution(solution, theory),
+        "curve": curve_dict(closed_curve(solution.system, theory)),
+        "ratio": ratio_of(solution.system),
+        "results": _results(solution),
+        "notes": notes,
+    }
+
+
+def curve_dict(curve: Curve | None) -> Scene | None:
+    """A curve for JSON."""
+    if curve is None:
+        return None
+    values = [None if math.isnan(e) else e for e in curve.values]
+    return {"ratios": curve.ratios, "values": values, "source": curve.source}
+
+
+# The row ------------------------------------------------------------------------------------------
+
+
+def _row(solution: Solution, stop: float, tiling: Tiling) -> Scene:
+    """How the row is laid out: X = left + x + exaggeration * (apart + displacement - frame t)."""
+    bodies = solution.system.bodies
+    lengths = [_length(solution.system, i) for i in range(len(bodies))]
+    total = sum(lengths)
+    block = BLOCK * total
+    widths = np.array(lengths)
+    widths[[isinstance(body, RigidMass) for body in bodies]] = block
+    left = np.concatenate(([0.0], np.cumsum(widths)[:-1]))
+    unmoved = np.concatenate(([0.0], np.cumsum(lengths)[:-1]))
+    apart = np.array(solution.fields.positions) - unmoved
+    times, moved = [tiling.t], [apart[tiling.body_of_vertices()] + tiling.displacement]
+    for i, body in enumerate(bodies):
+        if not isinstance(body, Rod):
+            t, displacement = _path(solution, i, stop)
+            times.append(t)
+            moved.append(apart[i] + displacement)
+    t, u = np.concatenate(times), np.concatenate(moved)
+    seen = min(solution.outcome.velocities_before, key=abs)
+    reach, inner = float(np.ptp(u)), float(np.ptp(u - seen * t))
+    frame = seen if 0 < inner < reach / DRIFT else 0.0
+    reach = inner if frame else reach
+    strain = float(np.abs(tiling.strain).max())
+    wanted = min(
+        REACH * total / reach if reach > 0 else 1.0, SQUEEZE / strain if strain > 0 else math.inf
+    )
+    exaggeration = max(1.0, _round_down(wanted))
+    shown = exaggeration * (u - frame * t)
+    times_it = f"{exaggeration:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+    note = "true to scale" if exaggeration == 1 else f"displacements {TIMES} {times_it}"
+    if frame:
+        note += f", frame moving at {format_si(frame, 'm/s', 4)}"
+    return {
+        "left": _short(left), "apart": _short(apart), "exaggeration": exaggeration,
+        "frame": frame, "block": block, "note": note,
+        "span": [min(0.0, float(shown.min())), total + max(0.0, float(shown.max()))],
+    }
+
+
+def _bodies(solution: Solution, stop: float, row: Scene) -> list[Scene]:
+    """What each body is, and how those without inside move."""
+    found = []
+    for i, body in enumerate(solution.system.bodies):
+        entry: Scene = {"width": _length(solution.system, i), "path": None}
+        if isinstance(body, Rod):
+            pieces = body.segments
+            entry |= {"kind": "rod", "title": f"Rod {i}"}
+            entry["given"] = [
+                item for j, piece in enumerate(pieces) for item in _given(j, len(pieces), piece)
+            ]
+            entry["derived"] = [_derived(piece) for piece in pieces]
+        else:
+            times, moved = _path(solution, i, stop)
+            entry["path"] = {"t": _short(times), "displacement": _short(moved)}
+            entry["derived"] = []
+        if isinstance(body, RigidMass):
+            entry |= {"kind": "mass", "title": f"Mass {i}", "width": row["block"]}
+            entry["given"] = [("mass", format_si(float(body.mass), "kg"))]
+        elif isinstance(body, Wall):
+            entry |= {"kind": "wall", "title": f"Wall {i}", "given": []}
+        speed = body.velocity
+        entry["given"].append((
+            "velocity", format_si(speed, "m/s") if isinstance(speed, float) else "a profile"
+        ))
+        found.append(entry)
+    return found
+
+
+def _path(solution: Solution, body: int, stop: float) -> tuple[Floats, Floats]:
+    """Times and displacements of a wall or a mass."""
+    straight = isinstance(solution.system.bodies[body], Wall)
+    times = np.linspace(0.0, stop, 2 if straight else SAMPLES)
+    return times, solution.displacement(body, 0.0, times)
+
+
+def _given(j: int, count: int, piece: Any) -> Labelled:
+    """What is given of a segment."""
+    where = f" of segment {j}" if count > 1 else ""
+    return [
+        (f"length{where}", format_si(float(piece.length), "m")),
+        (f"area{where}", f"{_range(extremes(piece.area), 1e4, 6)} cm²"),
+        (f"material{where}", piece.material.name),
+    ]
+
+
+def _derived(piece: Any) -> Labelled:
+    """What follows for a segment."""
+    per_area = float(piece.material.density) * float(piece.wave_speed)
+    return [
+        ("bar speed c", f"{float(piece.wave_speed):.4g} m/s"),
+        ("impedance Z", f"{_range(extremes(piece.area), per_area, 4)} kg/s"),
+        ("transit time T", _text(float(piece.transit_time), "s")),
+        ("mass m", f"{float(piece.mass):.4g} kg"),
+    ]
+
+
+def _range(values: list[float], factor: float, digits: int) -> str:
+    """A number, or from the smallest to the largest."""
+    low, high = (f"{v * factor:.{digits}g}" for v in values)
+    return low if low == high else f"{low} to {high}"
+
+
+def _length(system: System, body: int) -> float:
+    """Length of a body, m; 0 for a wall or a mass."""
+    rod = system.bodies[body]
+    return float(rod.length) if isinstance(rod, Rod) else 0.0
+
+
+def _round_down(number: float) -> float:
+    """Largest of 1, 2, 5 times a power of ten that is no larger."""
+    base = 10.0 ** math.floor(math.log10(number) + 1e-9)
+    return next(lead * base for lead in (5, 2, 1) if lead * base <= number * (1 + 1e-9))
+
+
+# Curves -------------------------------------------------------------------------------------------
+
+
+def _plot(key: str, title: str, unit: str, series: list[Scene]) -> Scene:
+    return {"key": key, "title": title, "unit": unit, "series": series}
+
+
+def _series(name: str, t: Any, y: Any, steps: bool = False) -> Scene:
+    """A curve over time; with `steps` each value holds until the next time."""
+    return {"name": name, "t": _short(t), "y": _short(y), "steps": steps}
+
+
+def _contacts(solution: Solution, stop: float, exact: bool) -> list[Scene]:
+    """Force and gap of the contacts that can open, of bonded ones the force."""
+    forces, gaps = [], []
+    for contact in solution.contacts:
+        name = f"contact {contact.index}-{contact.index + 1}"
+        times, force, steps = _force(contact, stop, exact)
+        forces.append(_series(name, times, force, steps))
+        if not isinstance(contact.law, Bonded):
+            gaps.append(_series(name, times, contact.gap(times)))
+    found = [_plot("force", "Contact force", "N", forces)] if forces else []
+    compliant = any(not isinstance(c.law, Rigid | Bonded) for c in solution.contacts)
+    title = "Gap, below 0 indentation" if compliant else "Gap"
+    return found + ([_plot("gap", title, "m", gaps)] if gaps else [])
+
+
+def _force(contact: ContactHistory, stop: float, exact: bool) -> tuple[Floats, Floats, bool]:
+    """Times, force after each of them, and whether it stays so until the next."""
+    times, force, _ = contact.breakpoints()
+    inside = times < stop
+    if exact and inside.sum() <= SAMPLES:
+        last = force[inside][-1:]
+        return np.append(times[inside], stop), np.append(force[inside], last), True
+    times = np.linspace(0.0, stop, SAMPLES + 1)
+    mean = np.diff(contact.impulse_until(times)) / np.diff(times)
+    return times, np.append(mean, mean[-1]), True
+
+
+def _energy(solution: Solution, stop: float, tiling: Tiling, exact: bool) -> Scene:
+    """Energy by kind."""
+    if exact:
+        times, kinds = sliced_energy(solution, tiling)
+    else:
+        times = np.linspace(0.0, stop, MOMENTS)
+        e = solution.energy(times)
+        kinds = {
+            "moving as a whole": e.kinetic, "vibration": e.vibration, "strain": e.strain,
+            "in contacts": e.contact, "lost in material": e.damped, "total": e.total,
+        }
+    for rare in ("in contacts", "lost in material"):
+        if not np.any(kinds.get(rare, 0.0)):
+            kinds.pop(rare, None)
+    series = [_series(name, times, y) for name, y in kinds.items()]
+    return _plot("energy", "Energy", "J", series)
+
+
+def _gauges(design: Design, solution: Solution, stop: float, exact: bool) -> list[Scene]:
+    series = []
+    for body, fraction in design.gauges:
+        x = fraction * _length(solution.system, body)
+        record = solution.gauge(body, x)
+        name = f"rod {body} at {format_si(x, 'm', 4)}"
+        inside = record.times < stop
+        if exact and inside.sum() <= SAMPLES:
+            times, strain = record.times[inside], record.strain[inside]
+            times, strain = np.append(times, stop), np.append(strain, strain[-1:])
+        else:
+            times = np.linspace(0.0, stop, SAMPLES + 1)
+            strain = record.strain_at(times)
+        series.append(_series(name, times, 1e6 * strain, steps=True))
+    return [_plot("gauge", "Strain gauges", "µε", series)] if series else []
+
+
+# Numbers ------------------------------------------------------------------------------------------
+
+
+def _restitution(solution: Solution, theory: Theory | None) -> Scene:
+    """e beside its closed form."""
+    why = solution.outcome.why_no_restitution()
+    value = None if why else float(solution.outcome.restitution)
+    count = len(solution.outcome.unilateral)
+    if count > 1:
+        why = f"A coefficient e belongs to one contact; this row has {count}, see the velocities"
+    closed = None if theory is None else float(theory.collision.restitution)
+    found: Scene = {
+        "value": value, "text": "-", "why": why[:1].upper() + why[1:],
+        "closed_form": closed, "source": "" if theory is None else theory.source,
+    }
+    if value is not None:
+        digits = 9 if solution.method == "fronts" else 5
+        found["text"] = f"{clean(value, 1.0):.{digits}g}"
+    if closed is not None:
+        found["closed_text"] = f"{closed:.9g}"
+        if value is not None:
+            found["difference"] = f"{abs(value - closed):.1g}"
+    return found
+
+
+def _results(solution: Solution) -> Labelled:
+    """What the collision did, in words and numbers."""
+    o = solution.outcome
+    fastest = max(map(abs, [*o.velocities_before, *o.velocities_after]))
+    after = "after" if o.final else "at the end"
+    digits = 6 if solution.method == "fronts" else 4
+    rows: Labelled = [
+        (f"velocity of {kind} {i} {after}", f"{clean(v, fastest):.{digits}g} m/s")
+        for i, (kind, v) in enumerate(zip(o.bodies, o.velocities_after, strict=True))
+        if kind != "wall"
+    ]
+    for i in o.unilateral:
+        c, name = o.contacts[i], f" {i}-{i + 1}" if len(o.unilateral) > 1 else ""
+        rows += [
+            (f"impulse{name}", _text(c.impulse, "N s")),
+            (f"largest force{name}", _text(c.peak_force, "N")),
+            (f"time under force{name}", _text(c.duration, "s")),
+        ]
+    kinetic = o.kinetic_before + sum(o.vibration_before)
+    rows.append(("energy before", _text(kinetic, "J")))
+    vibration = clean(sum(o.vibration_after), kinetic)
+    rows.append((f"energy in vibration {after}", _text(vibration, "J")))
+    rows.append(("method", solution.method))
+    return rows
+
+
+def _text(value: float, unit: str) -> str:
+    """A quantity for people, to five digits, with a µ."""
+    number, _, prefixed = format_si(value, unit, 5).partition(" ")
+    return f"{number} {'µ' + prefixed[1:] if prefixed.startswith('u') else prefixed}".strip()
+
+
+def _short(values: Any) -> list[float]:
+    """Numbers to draw, with as many digits as a picture can use."""
+    return [float(f"{v:.{DIGITS}g}") for v in np.asarray(values).ravel().tolist()]

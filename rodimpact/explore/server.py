@@ -1,0 +1,224 @@
+"""A server for one person on this machine: the page, and answers to what its controls ask.
+
+It listens on 127.0.0.1 only, answers nobody who calls it by another name, and serves a fixed list
+of names. What is wrong with a request is said in JSON, {"problems": [{"path", "message"}, ...]},
+with a status of 4xx.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+
+import numpy as np
+
+from .. import __version__, materials
+from ..casefile import write_case
+from ..frozen import InvalidModel
+from . import page_files
+from .comparison import solved_curve
+from .design import Design
+from .presets import presets
+from .scene import curve_dict, scene
+
+ADDRESS = "127.0.0.1"
+MOST_BYTES = 1 << 17  # of a request
+PATIENCE = 60  # s, for a silent connection
+POLICY = "; ".join((
+    "default-src 'none'", "script-src 'self'", "style-src 'self'", "connect-src 'self'",
+    "img-src 'self' data: blob:", "base-uri 'none'", "form-action 'none'",
+    "frame-ancestors 'none'",
+))
+JSON = "application/json; charset=utf-8"
+
+
+class Refused(Exception):
+    """A request that is not answered: its status, and the problems with it."""
+
+    def __init__(self, status: HTTPStatus, message: str, path: str = "") -> None:
+        self.status, self.problems = status, [(path, message)]
+        super().__init__(message)
+
+
+class Server(ThreadingHTTPServer):
+    """Serves the page that begins with a design.
+
+    Parameters
+    ----------
+    design : Design
+        Shown first.
+    port : int
+        0 for a free one.
+
+    Raises
+    ------
+    OSError
+        If the port is taken.
+    """
+
+    daemon_threads = True
+    allow_reuse_address = sys.platform != "win32"  # where it would share a port in use
+
+    def __init__(self, design: Design, port: int = 0) -> None:
+        super().__init__((ADDRESS, port), Handler)
+        self.start = json.dumps(start(design), allow_nan=False).encode()
+        self.one_at_a_time = threading.Lock()
+
+    @property
+    def url(self) -> str:
+        """Address of the page."""
+        return f"http://{ADDRESS}:{self.server_port}/"
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Tell of faults, but not of a browser that has gone."""
+        if not isinstance(sys.exception(), ConnectionError | TimeoutError):
+            super().handle_error(request, client_address)
+
+
+class Handler(BaseHTTPRequestHandler):
+    """Answers one connection."""
+
+    server: Server
+    server_version = f"rodimpact/{__version__}"
+    sys_version = ""
+    protocol_version = "HTTP/1.1"
+    disable_nagle_algorithm = True
+    wbufsize = -1
+    timeout = PATIENCE
+
+    def do_GET(self) -> None:
+        """The page, its parts, and what it starts with."""
+        self._answer(self._file)
+
+    def do_POST(self) -> None:
+        """What the controls ask for."""
+        self._answer(self._reply)
+
+    def _answer(self, made: Any) -> None:
+        try:
+            self._check_host()
+            kind, body = made()
+            self._send(HTTPStatus.OK, kind, body)
+        except Refused as refused:
+            self._refuse(refused.status, refused.problems)
+        except InvalidModel as error:
+            self._refuse(HTTPStatus.UNPROCESSABLE_ENTITY, error.problems)
+        except (ConnectionError, TimeoutError):
+            self.close_connection = True
+        except Exception:
+            self.server.handle_error(self.request, self.client_address)
+            message = "a fault of rodimpact, not yours; see where it was started"
+            self._refuse(HTTPStatus.INTERNAL_SERVER_ERROR, [("", message)])
+
+    def _check_host(self) -> None:
+        """A page of another site may have this address under its own name: answer none of those."""
+        own = {f"{name}:{self.server.server_port}" for name in (ADDRESS, "localhost")}
+        if self.headers.get_all("Host", []) not in [[name] for name in own]:
+            raise Refused(HTTPStatus.FORBIDDEN, "this server answers to 127.0.0.1 only", "Host")
+        origin = self.headers.get("Origin")
+        if origin is not None and origin not in {f"http://{name}" for name in own}:
+            raise Refused(HTTPStatus.FORBIDDEN, "this server answers to its own page", "Origin")
+
+    def _file(self) -> tuple[str, bytes]:
+        name = self.path.partition("?")[0].removeprefix("/") or "page.html"
+        if name == "start.json":
+            return JSON, self.server.start
+        if name not in page_files.SERVED:
+            raise Refused(HTTPStatus.NOT_FOUND, "there is no such file", self.path[:80])
+        return page_files.kind_of(name), page_files.read(name).encode()
+
+    def _reply(self) -> tuple[str, bytes]:
+        data = self._body()
+        if self.path not in REPLIES:
+            raise Refused(HTTPStatus.NOT_FOUND, "there is no such address", self.path[:80])
+        with self.server.one_at_a_time, np.errstate(all="ignore"):
+            made = REPLIES[self.path](Design.parse(data))
+        return JSON, json.dumps(made, allow_nan=False, separators=(",", ":")).encode()
+
+    def _body(self) -> Any:
+        """The JSON that was sent."""
+        length = self.headers.get("Content-Length", "")
+        self.close_connection = True  # unless all that was sent is read
+        if not length.isdecimal() or "Transfer-Encoding" in self.headers:
+            raise Refused(HTTPStatus.LENGTH_REQUIRED, "send a Content-Length", "Content-Length")
+        if len(length) > 9 or int(length) > MOST_BYTES:
+            message = f"must be at most {MOST_BYTES} bytes"
+            raise Refused(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, message, "Content-Length")
+        if self.headers.get_content_type() != "application/json":
+            message = "send application/json"
+            raise Refused(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, message, "Content-Type")
+        sent = self.rfile.read(int(length))
+        self.close_connection = self.headers.get("Connection", "").lower() == "close"
+        try:
+            return json.loads(sent, parse_constant=_no_number)
+        except (ValueError, RecursionError) as error:
+            raise Refused(HTTPStatus.BAD_REQUEST, f"is not JSON: {error}", "body") from None
+
+    def _send(self, status: HTTPStatus, kind: str, body: bytes) -> None:
+        self.send_response(status)
+        self.send_header("Content-Type", kind)
+        self.send_header("Content-Length", str(len(body)))
+        self.send_header("Content-Security-Policy", POLICY)
+        self.send_header("X-Content-Type-Options", "nosniff")
+        self.send_header("Referrer-Policy", "no-referrer")
+        self.send_header("Cache-Control", "no-store")
+        if self.close_connection:
+            self.send_header("Connection", "close")
+        self.end_headers()
+        if self.command != "HEAD":
+            self.wfile.write(body)
+
+    def _refuse(self, status: HTTPStatus, problems: Any) -> None:
+        said = [{"path": path, "message": message} for path, message in problems]
+        self._send(status, JSON, json.dumps({"problems": said}).encode())
+
+    def send_error(
+        self, code: int, message: str | None = None, explain: str | None = None  # noqa: ARG002
+    ) -> None:
+        """Mistakes that the library finds, in JSON too; an unknown method is the caller's."""
+        self.close_connection = True
+        found = HTTPStatus(code)
+        status = HTTPStatus.METHOD_NOT_ALLOWED if found == HTTPStatus.NOT_IMPLEMENTED else found
+        self._refuse(status, [("", message or status.phrase)])
+
+    def log_message(self, format: str, *arguments: Any) -> None:  # noqa: A002  (the library's name)
+        """Say nothing: a drag makes a request for every picture."""
+
+
+def start(design: Design) -> dict[str, Any]:
+    """What the page needs before its first question."""
+    return {
+        "version": __version__,
+        "design": design.to_dict(),
+        "materials": {
+            name: {"youngs_modulus": m.youngs_modulus, "density": m.density}
+            for name, m in materials.TABLE.items()
+        },
+        "presets": [
+            {"key": p.key, "title": p.title, "remark": p.remark, "design": p.design.to_dict()}
+            for p in presets()
+        ],
+    }
+
+
+def _scene(design: Design) -> Any:
+    return scene(design, design.solve())
+
+
+def _curve(design: Design) -> Any:
+    return curve_dict(solved_curve(design))
+
+
+def _case(design: Design) -> Any:
+    return {"toml": write_case(design.case)}
+
+
+REPLIES = {"/scene": _scene, "/curve": _curve, "/case": _case}
+
+
+def _no_number(text: str) -> Any:
+    raise ValueError(f"{text} is no number of JSON")

@@ -1,0 +1,115 @@
+"""The page in one file: complete, closed to the network, written whole or not at all."""
+
+import base64
+import hashlib
+import html.parser
+import json
+import re
+
+import pytest
+
+import rodimpact as ri
+from rodimpact.cli import main
+from rodimpact.explore.page_files import SCRIPTS, read
+
+MOST = 500_000  # bytes of the page of the box
+
+
+class Reader(html.parser.HTMLParser):
+    """Collects elements, and the text of scripts and styles."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.elements, self.texts, self._open = [], {}, None
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.elements.append((tag, dict(attributes)))
+        if tag in ("script", "style"):
+            self._open = dict(attributes).get("id", tag)
+
+    def handle_data(self, data):
+        if self._open:
+            self.texts[self._open] = self.texts.get(self._open, "") + data
+
+    def handle_endtag(self, tag):  # noqa: ARG002
+        self._open = None
+
+
+@pytest.fixture
+def case(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    alloy = ri.Material("</script><b>", youngs_modulus=200e9, density=7850.0)
+    left = ri.Rod(0.4, area=1e-4, material=alloy, velocity=1.0)
+    right = ri.Rod(1.0, area=1e-4, material=alloy)
+    path = tmp_path / "two <b> rods.toml"
+    path.write_text(ri.write_case(ri.System([left, right])))
+    return path
+
+
+def export(case, *arguments):
+    return main(["export", str(case), "-o", "page.html", *arguments])
+
+
+def test_the_page_holds_its_scene(case, tmp_path):
+    assert export(case) == 0
+    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert len(text.encode()) < MOST
+    data = json.loads(Reader(text).texts["embedded"])
+    assert data["scene"]["restitution"]["text"] == "0.4"
+    assert ("b", {}) not in Reader(text).elements
+    assert data["design"]["case"]["bodies"][0]["length"] == 0.4
+
+
+def test_the_page_asks_nobody_for_anything(case, tmp_path):
+    export(case)
+    page = Reader((tmp_path / "page.html").read_text(encoding="utf-8"))
+    for tag, attributes in page.elements:
+        assert not {"src", "srcset", "action", "data"} & set(attributes), tag
+        assert attributes.get("href", "data:") in ("data:", "data:,"), tag
+    policy = next(
+        a["content"] for _, a in page.elements if a.get("http-equiv") == "Content-Security-Policy"
+    )
+    assert "default-src 'none'" in policy
+    assert "unsafe" not in policy
+    assert "connect-src" not in policy
+    for name in ("script", "style"):
+        digest = base64.b64encode(hashlib.sha256(page.texts[name].encode()).digest()).decode()
+        assert f"'sha256-{digest}'" in policy
+
+
+def test_all_of_the_script_is_inside(case, tmp_path):
+    export(case)
+    page = Reader((tmp_path / "page.html").read_text(encoding="utf-8"))
+    assert page.texts["script"] == "\n".join(read(name) for name in SCRIPTS)
+    listed = re.findall(r'<script src="([a-z]+\.js)"', read("page.html"))
+    assert tuple(listed) == SCRIPTS
+
+
+def test_an_existing_page_is_kept_unless_forced(case, tmp_path, capsys):
+    (tmp_path / "page.html").write_text("mine")
+    assert export(case) == 2
+    assert "--force" in capsys.readouterr().err
+    assert (tmp_path / "page.html").read_text() == "mine"
+    assert export(case, "--force") == 0
+
+
+def test_mistakes_are_told_and_nothing_is_written(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bad.toml").write_text('schema = 1\nbodies = [{kind = "rod", length = -1}]\n')
+    assert export(tmp_path / "bad.toml") == 2
+    complaints = capsys.readouterr().err
+    assert "bodies.0.length" in complaints
+    assert "bodies.0.area" in complaints
+    assert not (tmp_path / "page.html").exists()
+
+
+def test_a_run_cut_short_says_so(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    pieces = [
+        ri.Segment(L, A, ri.materials.steel) for L, A in ((0.41421356, 1e-4), (0.73205081, 3e-4))
+    ]
+    system = ri.System([ri.Wall(), ri.Rod(segments=pieces, velocity=1.0), ri.Wall()])
+    (tmp_path / "case.toml").write_text(ri.write_case(ri.Case(system, {"until": 1.0})))
+    assert main(["export", "case.toml", "-o", "page.html"]) == 3
+    assert (tmp_path / "page.html").exists()
