@@ -75,8 +75,8 @@ def solve(
         at which to keep them, s; between them fields change evenly. By default all steps, as far
         as they fit into 64 MB.
     progress : function, optional
-        For "finite-difference": called during long runs with the share that is done, from 0 to 1,
-        and what is being done.
+        For "finite-difference": called during long runs with the steps that are done, and about how
+        many there will be.
 
     Returns
     -------

@@ -262,6 +262,23 @@ def row_on_steps(law: Any, steps: int = 1_000_000) -> float:
     return min(spans)
 
 
+def cell_on_grid(material: ri.Material, lateral: bool = False, steps: int = 20_000) -> float:
+    """Time of a cell and step of two rods of 400 cells on a grid, in cache, s."""
+    moment = "circular" if lateral else None
+    rods = [ri.Rod(1.0, area=1e-4, material=material, velocity=v, polar_moment=moment)
+            for v in (1.0, 0.0)]
+    mesh = Mesh(finite_difference.Plan(ri.System(rods)), [400, 400])
+    step = finite_difference.COURANT / 400 / float(material.wave_speed)
+    machine = finite_difference.Machine(mesh, step, finite_difference.Keeper(4), 8 * steps)
+    spans = []
+    for _ in range(7):
+        begin = time.perf_counter()
+        machine.advance(machine.taken + steps)
+        spans.append(time.perf_counter() - begin)
+    assert machine.tally.episodes[0] == 1
+    return statistics.median(spans[1:]) / steps / 800
+
+
 def measure() -> list[Figure]:
     """Every figure but the yardstick's."""
     rows = {n: long_row(n) for n in (30, 100, 300, 1000)}
@@ -281,6 +298,9 @@ def measure() -> list[Figure]:
         Figure("10^6 steps of five rods, springs", row_on_steps(ri.Spring(10.0)), 0.3),
         Figure("10^6 steps of five rods, Hertz", row_on_steps(ri.Hertz(10.0)), 0.3),
         Figure("a segment and step of five rods, rigid contacts", rigid / 5e6, 15e-9),
+        Figure("a cell and step of two rods on a grid", cell_on_grid(STEEL), 0.5e-9),
+        Figure("a cell and step on a grid, damped", cell_on_grid(STEEL.damped(1e-3, 1e4)), 5e-9),
+        Figure("a cell and step on a grid, lateral inertia", cell_on_grid(STEEL, True), 5e-9),
         Figure("velocity on 1000 x 1000 points, compiled", fresh("import numba\n" + FIELD), 2e-3),
         Figure("velocity on 1000 x 1000 points, not compiled, fresh", fresh(FIELD), 30e-3),
     ]

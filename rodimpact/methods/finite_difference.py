@@ -62,7 +62,7 @@ CELL_TIMES = {"plain": 4e-7, "explicit": 7e-10, "implicit": 6e-9}  # s for a cel
 LONG = 60.0  # s, from which a run is announced
 ROUND = 0.25  # s between two looks at the clock
 
-Progress = Callable[[float, str], None]
+Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -488,7 +488,7 @@ def follow(
     snapshots : int or array, optional
         How many states to keep at most, or the times at which to keep them, s.
     progress : function, optional
-        Called with the share done, from 0 to 1, and what is being done.
+        Called during long runs with the steps done, and about how many there will be.
     announce : function, optional
         Called with a sentence before a run that would take over a minute.
 
@@ -596,7 +596,7 @@ def _level(
 
     def tell(taken: int) -> None:
         if progress and time.monotonic() - began > 1.0:
-            progress(min(1.0, taken / room), size)
+            progress(taken, max(room, taken))
 
     machine = Machine(mesh, step, keep, room)
     last = cap if until is None else room if until > 0 else 0
