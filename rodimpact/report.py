@@ -198,7 +198,9 @@ def solution_dict(solution: Solution) -> dict[str, Any]:
     }
 
 
-def sweep_table(result: SweepResult, varied: Varied) -> str:
+def sweep_table(
+    result: SweepResult, varied: Varied, more: str = "--csv prints all, --save keeps them"
+) -> str:
     """What the collisions of a family did, for people.
 
     Parameters
@@ -206,6 +208,8 @@ def sweep_table(result: SweepResult, varied: Varied) -> str:
     result : SweepResult
     varied : sequence of (path, values, unit)
         What varies along each axis.
+    more : str
+        How to get at all members, where only some are listed.
 
     Returns
     -------
@@ -217,7 +221,7 @@ def sweep_table(result: SweepResult, varied: Varied) -> str:
         [path, str(len(values)), format_si(values.min(), unit), format_si(values.max(), unit)]
         for path, values, unit in varied
     ]
-    blocks = [align(rows), _extremes(result, varied), _members(result, varied)]
+    blocks = [align(rows), _extremes(result, varied), _members(result, varied, more)]
     return "\n\n".join([*blocks, *_missing(result, varied)])
 
 
@@ -429,7 +433,8 @@ def _outcome(o: Outcome) -> dict[str, Any]:
 
 def _extremes(result: SweepResult, varied: Varied) -> str:
     shape = " x ".join(map(str, result.shape))
-    rows = [["collisions", str(result.restitution.size), f"in a grid of {shape}"]]
+    where = f"in a grid of {shape}" if shape else ""
+    rows = [["collisions", str(result.restitution.size), where]]
     for name, extreme in (("smallest", np.fmin), ("largest", np.fmax)):
         e = extreme.reduce(result.restitution, axis=None)
         if not math.isnan(e):
@@ -438,7 +443,7 @@ def _extremes(result: SweepResult, varied: Varied) -> str:
     return align(rows, left=(0, 2))
 
 
-def _members(result: SweepResult, varied: Varied) -> str:
+def _members(result: SweepResult, varied: Varied, more: str) -> str:
     """All collisions of a small family, some of a large one."""
     count = result.restitution.size
     shown = range(count) if count <= MOST_MEMBERS else [
@@ -474,7 +479,7 @@ def _members(result: SweepResult, varied: Varied) -> str:
         rows.append([*where, *cells, _joules(result.vibration[index], _scale(result, index))])
     table = align(rows, left=())
     if len(shown) < count:
-        table += f"\n... {len(shown)} of {count}; --csv prints all, --save keeps them"
+        table += f"\n... {len(shown)} of {count}; {more}"
     return table
 
 

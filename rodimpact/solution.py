@@ -260,9 +260,9 @@ class Solution:
         return f"<Solution of {n} bodies to t = {self.t_end:.6g} s, stopped by {self.stopped_by}>"
 
     def _repr_html_(self) -> str:
-        from .report import as_html
+        from .plot.notebook import solution_html
 
-        return as_html(str(self))
+        return solution_html(self)
 
     # Bodies -------------------------------------------------------------------------------------
 

@@ -314,13 +314,17 @@ def describe(run: FrontRun) -> str:
             f" The transit time of {a.worst} was rounded by {a.transit_error:.2g} of itself to "
             "fit the clock."
         )
-    strain = float(np.abs(run.log.value).max()) / min(a.wave_speed[1:-1])
-    if strain > LARGE_STRAIN:
-        said += (
-            f" Strains reach up to {strain:.2g}, where the linear theory of small strains "
-            "(about 1 %) does not hold; check units and velocities."
-        )
-    return said
+    return said + _large(float(np.abs(run.log.value).max()) / min(a.wave_speed[1:-1]))
+
+
+def _large(strain: float) -> str:
+    """A warning of strains that are not small."""
+    if strain <= LARGE_STRAIN:
+        return ""
+    return (
+        f" Strains reach up to {strain:.2g}, where the linear theory of small strains "
+        "(about 1 %) does not hold; check units and velocities."
+    )
 
 
 def _final(run: FrontRun) -> str:
@@ -389,4 +393,4 @@ def describe_steps(run: Run, until: float | None = None) -> str:
         else:
             worst = max(run.estimates.values())
             said += f" Halving the step changed the outcome by {worst:.1g} at most."
-    return said
+    return said + _large(run.largest_strain)

@@ -293,6 +293,11 @@ class SweepResult:
         what = ", ".join(self.parameters) or "nothing"
         return f"<SweepResult of shape {self.shape} over {what}>"
 
+    def _repr_html_(self) -> str:
+        from .plot.notebook import sweep_html
+
+        return sweep_html(self)
+
 
 def sweep(
     system: System,

@@ -137,8 +137,8 @@ def test_sigint_ends_a_long_run_with_130_and_without_traceback(case):
     case.write_text(ENDLESS)
     code = (
         "import sys; from rodimpact.cli import main, run;"
-        "solve = run.solve;"
-        "run.solve = lambda *a, **k: (print('solving', flush=True), solve(*a, **k))[1];"
+        "solve = run.solved;"
+        "run.solved = lambda *a, **k: (print('solving', flush=True), solve(*a, **k))[1];"
         "sys.exit(main(['run', sys.argv[1]]))"
     )
     process = subprocess.Popen(
@@ -271,7 +271,7 @@ def test_an_existing_file_needs_force_and_is_left_alone(case, capsys):
 
 
 def test_outputs_are_checked_before_solving(case, monkeypatch):
-    monkeypatch.setattr("rodimpact.cli.run.solve", lambda *_, **__: pytest.fail("solved"))
+    monkeypatch.setattr("rodimpact.cli.run.solved", lambda *_, **__: pytest.fail("solved"))
     Path("a.npz").write_text("precious")
     assert main(["run", str(case), "--save", "a.npz"]) == 2
     assert main(["run", str(case), "--save", "nowhere/a.npz"]) == 1
@@ -330,7 +330,7 @@ def test_run_draws_a_plot(case):
 
 
 def test_a_plot_in_an_unknown_format_is_refused_before_solving(case, capsys, monkeypatch):
-    monkeypatch.setattr("rodimpact.cli.run.solve", lambda *_, **__: pytest.fail("solved"))
+    monkeypatch.setattr("rodimpact.cli.run.solved", lambda *_, **__: pytest.fail("solved"))
     assert main(["run", str(case), "--plot", "a.xyz"]) == 2
     err = capsys.readouterr().err
     assert err.startswith("rodimpact: --plot: ")

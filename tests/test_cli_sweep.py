@@ -15,6 +15,7 @@ import pytest
 import rodimpact as ri
 from rodimpact.cli import main
 from rodimpact.cli import sweep as command
+from rodimpact.cli.progress import ProgressBar, a_second, how_long
 
 ROOT = Path(__file__).parents[1]
 CASE = """\
@@ -508,7 +509,7 @@ def test_the_bar_is_erased_when_a_sweep_breaks_off(case, capsys, monkeypatch):
 
 
 def test_the_bar_fits_a_narrow_terminal(capsys, monkeypatch):
-    bar, clock = command._ProgressBar(), terminal(monkeypatch)
+    bar, clock = ProgressBar("rods"), terminal(monkeypatch)
     monkeypatch.setenv("COLUMNS", "40")
     bar(1, 1000)
     clock[0] += 1
@@ -517,7 +518,7 @@ def test_the_bar_fits_a_narrow_terminal(capsys, monkeypatch):
 
 
 def test_the_bar_is_not_redrawn_too_often(capsys, monkeypatch):
-    bar, clock = command._ProgressBar(), terminal(monkeypatch)
+    bar, clock = ProgressBar("rods"), terminal(monkeypatch)
     for i in range(1000):
         clock[0] += 1e-3
         bar(i, 1000)
@@ -534,11 +535,11 @@ def test_nothing_but_the_result_is_told_to_a_program(case, capsys):
     [(0.2, "0 s"), (59.4, "59 s"), (59.6, "1 min 0 s"), (3725, "1 h 2 min"), (1e6, "277 h 46 min")],
 )
 def test_times_left(seconds, said):
-    assert command._time(seconds) == said
+    assert how_long(seconds) == said
 
 
 @pytest.mark.parametrize(
     ("rate", "said"), [(0.01234, "0.0123"), (12.34, "12.3"), (2345678.0, "2,350,000")]
 )
 def test_rates(rate, said):
-    assert command._rate(rate) == f"{said} collisions/s"
+    assert a_second(rate, "frames") == f"{said} frames/s"

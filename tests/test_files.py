@@ -176,6 +176,19 @@ RUNS = {
         )
         for seed in range(12)
     },
+    "grid: damped taper": (
+        ri.System([SHORT, ri.Rod(0.3, area=ri.Samples([1e-4, 3e-4]),
+                                 material=STEEL.damped(0.01, 1e4))], gaps=[1e-6]), {"cells": 20},
+    ),
+    "grid: no time": (ri.System([SHORT, LONG]), {"until": 0, "cells": 10}),
+    "grid: chosen states": (ri.System([SHORT, LONG]), {"until": 2e-4, "snapshots": [1e-5, 1.3e-4],
+                                                       "cells": 10}),
+    **{
+        f"grid: random {seed}": (
+            random_network(seed, driven=seed % 2 == 0), {"until": 1.5, "cells": 8},
+        )
+        for seed in range(4)
+    },
 }
 
 
@@ -187,13 +200,16 @@ def facts(s):
         "outcome", "system",
     )}
     found["record"] = [repr(s.record)] + [
-        a.tobytes() for part in vars(s.record).values() for x in part
+        a.tobytes() for part in vars(s.record).values() if isinstance(part, list) for x in part
         for a in (x if isinstance(x, tuple) else [x]) if isinstance(a, np.ndarray)
     ]
     found["masses"] = {body: V.tobytes() for body, V in s.fields.masses.items()}
     found["t_final"] = repr(s.t_final)
     found["types"] = [type(getattr(s, name)) for name in ("until", "t_end", "t_final", "events")]
-    found["signals"] = [w and (w.ticks.tobytes(), w.values.tobytes()) for w in s.fields.signals]
+    if s.method == "finite-difference":
+        found["states"] = [x.tobytes() for x in s.fields.states]
+    else:
+        found["signals"] = [w and (w.ticks.tobytes(), w.values.tobytes()) for w in s.fields.signals]
     found["end"] = s.fields.end
     found["energy"] = s.energy(t).residual.tobytes()
     found["contacts"] = [

@@ -42,6 +42,8 @@ ALLOWED = {
     # printing and saving, imported when asked for
     ("outcome", "report"), ("solution", "report"), ("ring_down", "report"), ("solution", "files"),
     ("files", "sweeping"), ("gauges", "files"),
+    # pictures in notebooks
+    ("solution", "plot"), ("sweeping", "plot"),
 }
 LEVEL = {name: level for level, names in enumerate(LAYERS) for name in names}
 

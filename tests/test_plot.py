@@ -463,7 +463,7 @@ def test_overview_names_the_result_and_what_is_missing(solved, monkeypatch):
         "velocities after 0, 0, 0, 0, 1 m/s")
     assert solved["bouncing"].status in plot.overview(solved["bouncing"]).get_supxlabel()
     assert plot.overview(solved["unequal"]).get_supxlabel() == ""
-    monkeypatch.setattr("rodimpact.plot.page.REGIONS", 30)
+    monkeypatch.setattr("rodimpact.plot.polygons.REGIONS", 30)
     monkeypatch.setattr("rodimpact.plot.page.CONTACTS", 2)
     assert "the first 396 µs" in plot.overview(solved["impedances"]).get_supxlabel()
     assert "Contacts 0, 1 of 4" in plot.overview(solved["cradle"]).get_supxlabel()
@@ -534,6 +534,7 @@ rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
 solution = ri.solve(ri.System([rod, ri.Wall()]))
 assert "matplotlib" not in sys.modules
 ri.plot.overview(solution), ri.plot.snapshots(solution), ri.plot.gauge(solution.gauge(0, 0.1))
+ri.plot.animation(solution, frames=2).frame(1), solution._repr_html_()
 assert "matplotlib.pyplot" not in sys.modules
 """
     subprocess.run([sys.executable, "-c", code], check=True)

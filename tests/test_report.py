@@ -142,7 +142,7 @@ def test_a_single_rod_has_a_table_without_contacts():
 
 def test_html_is_escaped(unequal):
     assert report.as_html("a < b & c") == "<pre>a &lt; b &amp; c</pre>"
-    assert unequal._repr_html_().startswith("<pre>body")
+    assert unequal.outcome._repr_html_().startswith("<pre>body")
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])

@@ -127,6 +127,9 @@ def main() -> None:
         path = FOLDER / f"{name}.svg"
         ri.plot.save(ax.figure, path, force=True)
         print(f"{path.stat().st_size / 1e3:6.1f} kB  {path}")
+    with ri.plot.look(width=170):
+        film = ri.plot.animation(unequal, frames=60, fps=20)
+    film.save(FOLDER / "unequal_rods.gif", force=True)
 
 
 if __name__ == "__main__":

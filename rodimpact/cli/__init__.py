@@ -26,6 +26,7 @@ COMMANDS = {
     "sweep": "map a family of collisions over one or more numbers of a case",
     "explore": "play with a collision in the browser",
     "export": "write a collision as a page to hand out",
+    "animate": "make a moving picture of a case: GIF, HTML or MP4",
     "rigid": "collide two rigid bodies",
     "verify": "check the solver against closed forms",
     "materials": "list materials, with the source of each number",

@@ -15,9 +15,10 @@ from ..frozen import InvalidModel
 from ..gauges import gauges_to_csv
 from ..model import Rod
 from ..report import solution_dict, solution_table
-from ..solving import METHODS, solve
+from ..solving import METHODS
 from . import DONE, INCOMPLETE
 from .asking import Problems, check_format, check_outputs, note, quantity, whole_number
+from .progress import solved
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -73,7 +74,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     check_outputs(problems, {paths[key]: files[key] for key in files}, arguments.force)
     assert case is not None  # or there were problems
 
-    solution = solve(case.system, **{**case.solve, **options})
+    solution = solved(case.system, **{**case.solve, **options})
     if files["save"] is not None:
         solution.save(files["save"], force=arguments.force)
         note(f"wrote {files['save']}")

@@ -10,9 +10,6 @@ for `rodimpact run`. Exit status 3 if some did not come to their end; the status
 from __future__ import annotations
 
 import argparse
-import math
-import shutil
-import sys
 import time
 from collections.abc import Iterable
 from typing import Any
@@ -25,10 +22,9 @@ from ..report import sweep_json, sweep_table
 from ..sweeping import SweepError, SweepResult, sweep
 from . import DONE, FAULT, INCOMPLETE, complain
 from .asking import Mistakes, Problems, check_format, check_outputs, note, whole_number
+from .progress import a_second, progress_bar
 
 EXAMPLE = "bodies.0.length=0.05:1:200"
-REDRAWN = 0.1  # s between two states of the progress bar
-BAR = 30  # characters
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -138,10 +134,10 @@ def _check_case(problems: Problems, case: Case, draws: bool) -> None:
 
 def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:
     """Solve the family, with a progress bar on a terminal."""
-    bar = _ProgressBar() if sys.stderr is not None and sys.stderr.isatty() else None
     started = time.monotonic()
     try:
-        result = sweep(case.system, progress=bar, **{**case.solve, **options})
+        with progress_bar("collisions") as bar:
+            result = sweep(case.system, progress=bar, **{**case.solve, **options})
     except KeyboardInterrupt:
         kept = options["checkpoint"]
         raise KeyboardInterrupt(
@@ -153,52 +149,7 @@ def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:
         raise Mistakes([(case.path, said)]) from error
     except FileFormatError as error:
         raise Mistakes([("--checkpoint", str(error))]) from error
-    finally:
-        if bar:
-            bar.erase()
     seconds = time.monotonic() - started
     count = result.restitution.size
-    note(f"{count} collisions in {seconds:.3g} s, {_rate(count / seconds)}")
+    note(f"{count} collisions in {seconds:.3g} s, {a_second(count / seconds, 'collisions')}")
     return result
-
-
-class _ProgressBar:
-    """A line on a terminal: how much is done, how fast it goes, and how long it takes yet."""
-
-    def __init__(self) -> None:
-        self.width = 0  # of the line that stands there
-        self.drawn = -math.inf  # when it was drawn
-        self.start: tuple[float, int] | None = None  # the first news, and what was done by then
-
-    def __call__(self, done: int, total: int) -> None:
-        now = time.monotonic()
-        since, before = self.start = self.start or (now, done)
-        if now < self.drawn + REDRAWN:
-            return
-        self.drawn = now
-        part = done / total
-        line = f"{math.floor(100 * part):3} %  [{'#' * math.floor(BAR * part):{BAR}}]"
-        if now > since and done > before:  # what an earlier run had done tells nothing of the rate
-            rate = (done - before) / (now - since)
-            line += f"  {_rate(rate)}  {_time((total - done) / rate)} left"
-        self._show(line[: shutil.get_terminal_size().columns - 1])
-
-    def erase(self) -> None:
-        """Leave an empty line."""
-        self._show("")
-        print(end="\r", file=sys.stderr, flush=True)
-
-    def _show(self, line: str) -> None:
-        print(f"\r{line:{self.width}}", end="", file=sys.stderr, flush=True)
-        self.width = len(line)
-
-
-def _rate(rate: float) -> str:
-    number = f"{rate:.3g}" if rate < 100 else f"{float(f'{rate:.3g}'):,.0f}"
-    return f"{number} collisions/s"
-
-
-def _time(seconds: float) -> str:
-    minutes, s = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours} h {minutes} min" if hours else f"{minutes} min {s} s" if minutes else f"{s} s"

@@ -96,6 +96,13 @@ class StepRun:
         return found
 
     @property
+    def largest_strain(self) -> float:
+        """Bound of the strains."""
+        waves = [np.abs(self.wave(line)).max(initial=0.0) / self.clockwork.wave_speed[line // 2]
+                 for line in range(2, 2 * len(self.row.steps) - 2)]
+        return float(max(waves))
+
+    @property
     def resolved(self) -> float:
         """Gap that counts as an opening, m."""
         return 0.0

@@ -111,11 +111,22 @@ class GridRun:
 
     @property
     def events(self) -> int:
-        """Steps taken, times nodes."""
-        return self.steps * len(self.mesh.mass)
+        """Steps taken, times contacts and ends."""
+        return self.steps * len(self.plan.laws)
 
     def _signal(self, column: Array, start: int) -> Array:
         return column[start : start + self.steps]
+
+    @property
+    def largest_strain(self) -> float:
+        """Largest strain of the states that were kept."""
+        mesh, found = self.mesh, 0.0
+        for a, b, L, N in zip(
+            mesh.first[1:], mesh.last[1:], self.clockwork.length[1:-1], mesh.counts, strict=True
+        ):
+            stretched = self.states.force[:, a + 1 : b + 1] / mesh.stiffness[a + 1 : b + 1]
+            found = max(found, float(np.abs(stretched).max()) * N / L)
+        return found
 
     @property
     def resolved(self) -> float:
@@ -290,6 +301,7 @@ class Machine:
             np.ones(count, np.int64), (gap == 0).astype(np.int64),
             _whole([pair[0] for pair in nodes]), _whole([pair[1] for pair in nodes]),
             _whole(sides[0]), _whole(sides[1]), own, shared, np.zeros(count),
+            np.append(np.flatnonzero(shared == 0), count),
         )
         return links, Chain(*np.zeros((len(Chain._fields), count)))
 
@@ -517,7 +529,8 @@ def follow(
 def measures(found: GridRun) -> dict[str, Array]:
     """What is to stand still: velocities, impulses, and when 99.9 % of them has passed.
 
-    The largest force is left out: beside a jump waves overshoot, on any mesh.
+    The largest force is left out: beside a jump waves overshoot, on any mesh. Velocities change
+    beside their scale, so that the round-off of bodies at rest is none.
     """
     by_contact = contact_measures(found)
     del by_contact[MEASURES[1]]
@@ -527,7 +540,7 @@ def measures(found: GridRun) -> dict[str, Array]:
         for a, b in zip(found.mesh.starts, found.mesh.stops, strict=True)
         if not found.mesh.held[a : b + 1].any()
     ]
-    return {"velocity": np.array(free), **by_contact}
+    return {"velocity": np.array([*free, found.plan.scale]), **by_contact}
 
 
 def _mesh_size(plan: Plan, cells: int | None, dt: float | None) -> tuple[list[int], float]:
@@ -585,6 +598,7 @@ def _level(
     cap = max(1, max_events // len(plan.laws))
     proof, reason = -1, "until"
     room = 8 * longest if until is None else max(1, math.ceil(until / step * (1 - 1e-12)))
+    machine = Machine(mesh, step, keep, room)
     size = f"{sum(mesh.counts)} cells"
     per_step = cost(mesh)
     if announce and per_step * room > LONG:
@@ -598,7 +612,6 @@ def _level(
         if progress and time.monotonic() - began > 1.0:
             progress(taken, max(room, taken))
 
-    machine = Machine(mesh, step, keep, room)
     last = cap if until is None else room if until > 0 else 0
     machine.advance(0)
     while proof < 0:

@@ -98,6 +98,7 @@ class Links(NamedTuple):
     own: Any  # half the mobility of both sides together
     shared: Any  # half the mobility that it shares with the link before
     before: Any  # closing velocity at the start of the step
+    group: Any  # [group + 1] first links of those that feel each other
 
 
 class Bonds(NamedTuple):
@@ -483,7 +484,7 @@ def run(
     -------
     DONE, or SQUEEZED: a rigid mass was caught between walls that leave it no room.
     """
-    v, count, kept = grid.velocity, len(links.law), clock[KEPT]
+    v, kept = grid.velocity, clock[KEPT]
     j = clock[STEP]
     while True:
         if kept < len(states.when) and states.when[kept] == j:
@@ -499,15 +500,11 @@ def run(
         kick(grid)
         kick_implicit(grid, implicit, ends, signals, j)
         move_ends(grid, ends, signals, j)
-        i = 0
-        while i < count:
-            last = 0
-            while i + last + 1 < count and links.shared[i + last + 1] != 0:
-                last += 1
+        for g in range(len(links.group) - 1):
+            i, last = links.group[g], links.group[g + 1] - links.group[g] - 1
             if not meet(grid, implicit, links, chain, tally, signals, i, last, j, tol, speck):
                 clock[LINK] = i
                 return SQUEEZED
-            i += last + 1
         for p in range(len(grid.start)):
             grid.place[p] += v[grid.start[p]] / 2
         spend(grid, implicit)

@@ -12,10 +12,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..frozen import InvalidModel
 from ..model import Segment
 from .link_kernel import BOND, FORCE, FREE, RIGID
 from .plan import Array, Plan
 
+STIFFEST = 2.0**32  # times the inertia of a cell, beyond which round-off drowns its motion
 MODAL_CELLS, MODES = 200, 8  # of a rod whose lowest modes are asked for
 
 
@@ -53,6 +55,11 @@ class Mesh:
         Node on which the outside acts, left and right.
     interfaces : dict of int to Interface
         By bonded link whose force is asked for.
+
+    Raises
+    ------
+    InvalidModel
+        If viscosity or lateral inertia is out of all proportion to the mass.
     """
 
     def __init__(self, plan: Plan, counts: list[int]) -> None:
@@ -89,6 +96,7 @@ class Mesh:
             else:
                 self.first.append(node)
                 cells.append((node, _cells(plan.segments[s - 1], counts[s - 1])))
+                _refuse_stiff(plan.paths[s], cells[-1][1])
                 node += counts[s - 1]
                 self._nodes = node + 1
                 self.last.append(node)
@@ -183,6 +191,21 @@ def _cells(segment: Any, count: int) -> Array:
     return np.array([
         rho * area * dx, E * area / dx, float(material.viscosity) * area / dx, lateral
     ])
+
+
+def _refuse_stiff(path: str, columns: Array) -> None:
+    """Raise InvalidModel where cells resist changes of length so much that nothing else counts."""
+    mass, stiffness, viscous, lateral = columns
+    impedance = np.sqrt(stiffness) * np.sqrt(mass)
+    for name, size in (
+        ("material.viscosity", viscous / impedance), ("polar_moment", lateral / mass),
+    ):
+        if size.max() > STIFFEST:
+            message = (
+                f"holds cells together {size.max():.2g} times as much as their inertia does, so "
+                "that round-off would drown the motion; take less, or a RigidMass"
+            )
+            raise InvalidModel([(f"{path}.{name}", message)])
 
 
 def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:

@@ -2,7 +2,7 @@
 
 Nothing here shows a window or touches matplotlib's global state: without an Axes a new figure is
 made, which `save` writes to a file; in a notebook, run ``%matplotlib inline`` and end a cell with
-``picture.ax.figure``.
+``picture.ax.figure``. ``with look("dark", width=85):`` makes figures dark, or as wide as a column.
 
 >>> import rodimpact as ri
 >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
@@ -13,14 +13,17 @@ made, which `save` writes to a file; in a notebook, run ``%matplotlib inline`` a
 
 from .diagram import spacetime
 from .families import sweep
-from .histories import contact, gauge
+from .histories import contact
 from .law import restitution
 from .ledger import energy
+from .moving import animation
 from .page import overview
 from .saving import save
 from .stages import snapshots
+from .strains import gauge
+from .style import look
 
 __all__ = [
-    "contact", "energy", "gauge", "overview", "restitution", "save", "snapshots", "spacetime",
-    "sweep",
+    "animation", "contact", "energy", "gauge", "look", "overview", "restitution", "save",
+    "snapshots", "spacetime", "sweep",
 ]

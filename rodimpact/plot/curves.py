@@ -19,7 +19,7 @@ from ..signals import Floats
 from .closed_forms import Pairs
 from .scales import ROUND_OFF
 from .sides import Shown, Side, count_ticks, dress_side
-from .style import FAINT, INK, SERIES, SMALL, dress
+from .style import colours, dress, legend_above
 
 FEW = 40  # points of a curve that are marked
 SMOOTH = 400  # points of a curve of theory, at least
@@ -39,10 +39,11 @@ class Curve(NamedTuple):
 def draw_curve(ax: Axes, side: Side, shown: Shown, theory: Pairs | None) -> Curve:
     """Draw values over one axis."""
     dress_side(ax, "x", side)
+    ink = colours().ink
     law = None if theory is None else _law(ax, side, shown, theory)
     drawn: Line2D | StepPatch
     if shown.is_count:
-        drawn = ax.stairs(shown.values, side.edges, baseline=None, color=INK, linewidth=1.4)
+        drawn = ax.stairs(shown.values, side.edges, baseline=None, color=ink, linewidth=1.4)
         count_ticks(ax.yaxis, shown)
     else:
         x, y = _broken(side.numbers, shown.values)
@@ -50,7 +51,7 @@ def draw_curve(ax: Axes, side: Side, shown: Shown, theory: Pairs | None) -> Curv
         few = side.values.size <= FEW
         single = np.flatnonzero(~gaps[1:-1] & gaps[:-2] & gaps[2:]).tolist()
         (drawn,) = ax.plot(
-            x, y, color=INK, linewidth=1.2, linestyle="-" if law is None or not few else "",
+            x, y, color=ink, linewidth=1.2, linestyle="-" if law is None or not few else "",
             marker="o" if few or single else "", markevery=1 if few else single or None,
             markersize=3.5, markerfacecolor="none", markeredgewidth=0.8, label="computed",
         )
@@ -59,10 +60,9 @@ def draw_curve(ax: Axes, side: Side, shown: Shown, theory: Pairs | None) -> Curv
     room = 0.05 * (high - low) or 1.0
     ax.set_ylim(low if least > low + room else low - room, high + room)
     ax.set_ylabel(shown.scale.label)
-    ax.grid(color=FAINT, alpha=0.3, linewidth=0.5)
+    ax.grid(color=colours().faint, alpha=0.3, linewidth=0.5)
     if law is not None:
-        ax.legend(handles=[law, drawn], loc="lower left", bbox_to_anchor=(0, 1),
-                  borderaxespad=0.1, ncols=2, frameon=False, fontsize=SMALL + 1)
+        legend_above(ax, [law, drawn])
     dress(ax)
     return Curve(ax, drawn, law)
 
@@ -76,7 +76,7 @@ def _law(ax: Axes, side: Side, shown: Shown, theory: Pairs) -> Line2D:
     values = theory.along(known, wanted).column(shown.quantity)
     at = np.exp(wanted) if side.values[0] > 0 else wanted
     (law,) = ax.plot(*_broken(at * side.scale.factor, values * shown.scale.factor),
-                     color=SERIES[1], alpha=0.45, linewidth=5.0, label="closed form",
+                     color=colours().series[1], alpha=0.45, linewidth=5.0, label="closed form",
                      solid_capstyle="butt")
     return law
 

@@ -1,13 +1,14 @@
-"""The space-time diagram: place to the right and time upward, coloured by the state of the rods."""
+"""The space-time diagram: where every piece of rod is at every time, coloured by its state."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection, QuadMesh
+from matplotlib.collections import LineCollection, PolyCollection, QuadMesh, TriMesh
 from matplotlib.colorbar import Colorbar
 from matplotlib.patches import Polygon
 from matplotlib.text import Text
@@ -16,22 +17,24 @@ from ..model import Absorbing
 from ..solution import Solution
 from .borders import Borders, Cut, absorbing_end
 from .placing import placing
+from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster
 from .sampling import is_stepped
-from .scales import FIELDS, axis_scales, field_scale
-from .style import SMALL, centred, dress, new_axes, styled
+from .scales import FIELDS, Scale, axis_scales, field_scale, written
+from .style import centred, colour_bar, dress, legend_above, new_axes, styled
 
 
 class SpaceTime(NamedTuple):
     """Artists of a space-time diagram; `ends` are the ends of the rods.
 
-    `regions` are polygons of constant state, or the flat cells [times, places] of a solution on a
-    time step, masked between the rods; `walls` are fixed ends too.
+    `regions` are polygons of constant state, triangles between whose corners displacements are
+    linear, or the flat cells [times, places] of a solution on a time step, masked between the rods;
+    `scale` makes the numbers of the colour bar from SI values; `walls` are fixed ends too.
     """
 
     ax: Axes
-    regions: PolyCollection | QuadMesh
+    regions: PolyCollection | TriMesh | QuadMesh
     ends: LineCollection
     pressing: LineCollection
     touching: LineCollection
@@ -39,6 +42,7 @@ class SpaceTime(NamedTuple):
     labels: list[Text]
     colour_bar: Colorbar
     masses: list[Polygon]
+    scale: Scale
 
 
 @styled
@@ -50,19 +54,22 @@ def spacetime(
     start: float = 0.0,
     stop: float | None = None,
     magnification: float | None = None,
+    coordinates: str = "lab",
+    across: bool = False,
 ) -> SpaceTime:
     """Draw where every piece of rod is at every time, coloured by its state.
 
     Each polygon is a region of constant velocity and strain with its exact corners; the thin lines
     between them are wave fronts. A solution on a time step has flat cells instead, each with the
-    average over its time; they stay pixels in SVG and PDF.
+    average over its time; they stay pixels in SVG and PDF, and so do displacements.
 
     Bodies are drawn where they are in the laboratory, with displacements and gaps magnified by the
     factor named under the picture; where the whole row drifts much farther than it deforms, as seen
-    at the speed named there. A thick line marks a
-    contact that presses, a thin one a rigid contact that touches without force. Rigid masses are
-    dark strips of the width named under the picture, fixed ends are hatched as walls, absorbing
-    ends dashed, driven ends marked by arrow heads.
+    at the speed named there. In coordinates of the bodies, every piece stays at its place in the
+    undeformed row without gaps. A thick line marks a contact that presses, a thin one a rigid
+    contact that touches without force. Rigid masses are strips of the width named under the
+    picture, fixed ends are hatched as walls, absorbing ends dashed, driven ends marked by arrow
+    heads.
 
     Parameters
     ----------
@@ -70,14 +77,19 @@ def spacetime(
     ax : Axes, optional
         By default the Axes of a new figure.
     field : str
-        ``"velocity"``, ``"stress"`` or ``"strain"``, the latter two positive in tension.
+        ``"velocity"``, ``"stress"`` or ``"strain"``, both positive in tension, ``"displacement"``,
+        or ``"energy"``, kinetic and strain energy per length.
     dimensionless : bool
         Scale times by l1/c and places by l1, the transit time and length of the first rod;
-        velocities by the closing speed v0, stresses by rho c v0, strains by v0/c.
+        velocities by the closing speed v0, stresses by rho c v0, strains by v0/c, displacements by
+        l1 v0/c, energies by rho A v0^2 of the first rod.
     start, stop : float
         Interval of time, s; by default the whole solution.
     magnification : float, optional
         Of displacements and gaps; by default 1, 2 or 5 times a power of ten that shows them well.
+    coordinates : "lab" or "body"
+    across : bool
+        Whether time runs to the right and places lie upward, instead of the other way round.
 
     Returns
     -------
@@ -86,25 +98,36 @@ def spacetime(
     Raises
     ------
     ValueError
-        For an unknown field, an empty interval, more than 100 000 regions, a magnification that is
-        not positive, or a dimensionless picture of a row in which nothing approaches.
+        For an unknown field or coordinates, an empty interval, more than 100 000 regions, a
+        magnification that is not positive or given for coordinates of the bodies, or a
+        dimensionless picture of a row in which nothing approaches.
     """
     if field not in FIELDS:
         known = ", ".join(f'"{name}"' for name in FIELDS)
         raise ValueError(f"field: must be one of {known}, got {field!r}")
+    if coordinates not in ("lab", "body"):
+        raise ValueError(f'coordinates: must be "lab" or "body", got {coordinates!r}')
     cut: Cut = (Raster if is_stepped(solution) else Polygons)(solution, start, stop)
     stop = solution.t_end if stop is None else stop
     plan = placing(solution, start, stop, magnification)
-    values = cut.values(field)
+    if coordinates == "body":
+        if magnification is not None:
+            raise ValueError('magnification: nothing moves in coordinates="body"; leave it out')
+        plan = replace(plan, magnification=0.0)
+    values = cut.values(field, plan.frame)
     rest = plan.frame if field == "velocity" else 0.0
     reach = [float(np.nanmin(values)), float(np.nanmax(values))]
     scale = field_scale(solution, field, dimensionless, max(map(abs, reach)))
+    if plan.frame and field in ("displacement", "energy"):
+        seen = f"{scale.name}\nin a frame moving at {written(plan.frame, 'm/s')}"
+        scale = scale._replace(name=seen)
     time, place = axis_scales(solution, dimensionless, stop, plan.row)
-    ax = ax or new_axes(5.6, 5.2)
+    plane = Plane(time, place, (start, stop), across)
+    ax = ax or (new_axes(6.6, 4.4) if across else new_axes(5.6, 5.2))
 
     norm = centred([v * scale.factor for v in reach], rest * scale.factor)
-    drawn = cut.draw(ax, plan, values * scale.factor, norm, time, place)
-    borders = Borders(plan, cut, (start, stop), time, place)
+    drawn = cut.draw(ax, plan, plane, values * scale.factor, norm)
+    borders = Borders(plan, cut, plane)
     walls = borders.walls(ax)
     ends = borders.ends()
     pressing, touching = borders.contacts()
@@ -112,26 +135,16 @@ def spacetime(
         ax.add_collection(lines)
     masses, drives = borders.masses(ax), borders.drives(ax)
 
-    ax.autoscale_view()
-    ax.margins(x=0.02, y=0)
-    ax.set_ylim(start * time.factor, stop * time.factor)
-    ax.set_xlabel(plan.label(place))
-    ax.set_ylabel(time.label)
+    plane.dress(ax, plan.label(place))
     dress(ax)
-    bar = ax.figure.colorbar(drawn, ax=ax, label=scale.label, fraction=0.06, pad=0.02, aspect=30)
-    dress(bar.ax)
-    bar.outline.set_visible(False)
-    if bar.solids is not None:
-        bar.solids.set(rasterized=False, edgecolor="face")
-    shown: list[tuple[Artist, str]] = [
-        (lines, name) for lines, name in ((pressing, "pressing"), (touching, "touching"))
-        if lines.get_segments()]
-    marks: list[Artist] = [*masses[:1], *drives]
+    bar = colour_bar(ax, drawn, scale.label)
+    if field == "energy":
+        bar.ax.set_ylim(0.0, norm.vmax)
+    named: list[Artist] = [lines for lines in (pressing, touching) if lines.get_segments()]
+    named += [*masses[:1], *drives]
     if any(isinstance(end, Absorbing) for end in solution.system.ends):
-        marks.append(absorbing_end())
-    shown += [(mark, str(mark.get_label())) for mark in marks]
-    if shown:
-        ax.legend(*zip(*shown, strict=True), loc="lower left", bbox_to_anchor=(0, 1),
-                  borderaxespad=0.1, ncols=2 if len(shown) < 3 else 3, frameon=False,
-                  fontsize=SMALL + 1)
-    return SpaceTime(ax, drawn, ends, pressing, touching, walls, cut.finish(), bar, masses)
+        named.append(absorbing_end())
+    if named:
+        legend_above(ax, named)
+    return SpaceTime(ax, drawn, ends, pressing, touching, walls, cut.finish(), bar, masses,
+                     scale)

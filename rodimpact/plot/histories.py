@@ -1,4 +1,4 @@
-"""What a load cell, a gap gauge and a strain gauge would record: exact steps, nothing sampled.
+"""What a load cell and a gap gauge would record: exact steps, nothing sampled.
 
 Of very many steps the least and the largest in each of a thousand intervals are drawn.
 """
@@ -15,17 +15,14 @@ from matplotlib.patches import StepPatch
 from matplotlib.text import Annotation
 
 from ..contacts import ContactHistory
-from ..gauges import Gauge
 from ..model import Bonded, Rigid
 from ..signals import Floats
 from ..solution import Solution
 from .scales import Scale, engineering, time_scale, written
-from .style import DASHES, FAINT, INK, SERIES, SMALL, dress, new_axes, new_figure, styled
+from .style import DASHES, SMALL, colours, dress, legend_above, new_figure, styled
 from .thinning import telling
 
 MARKED_UP_TO = 3  # episodes of contact
-BOLD_UP_TO = 200  # steps of a record of strain
-MICROSTRAIN = (1e-8, 0.1)  # largest strains for which it is the unit to use
 
 
 class Contact(NamedTuple):
@@ -82,31 +79,19 @@ def contact(
     time = time_scale(end)
     records = [_record(history, end) for history in histories]
     laws = [history.law for history in histories]
-    impacts = any(getattr(law, "restitution", None) is not None for law in laws)
-    a = solution.fields.assembly
-    force = engineering(
-        "contact force" + (f",\nmean over {written(a.grain * a.tick, 's')}" if impacts else ""),
-        max(np.abs(f).max() for _, f, _ in records), "N")
+    force = force_scale(solution, histories)
     low, high = min(g.min() for *_, g in records), max(g.max() for *_, g in records)
     indented = low < 0 and not all(isinstance(law, Rigid | Bonded) for law in laws)
     gap = engineering("gap, below 0\nindentation" if indented else "gap", max(-low, high), "m")
 
-    forces: list[StepPatch] = []
+    forces = draw_forces(force_ax, histories, end, time, force)
     gaps: list[Line2D] = []
-    for i, (history, (times, f, g)) in enumerate(zip(histories, records, strict=True)):
-        look: dict[str, Any] = {
-            "color": SERIES[i % len(SERIES)], "linestyle": DASHES[i % len(DASHES)],
-        }
-        at = times * time.factor
-        kept = telling(f)
-        drawn, edges = f[kept] * force.factor, np.append(at[kept], at[-1])
-        force_ax.stairs(drawn, edges, fill=True, color=look["color"], alpha=0.15)
-        forces.append(force_ax.stairs(
-            drawn, edges, linewidth=1.5, label=f"contact {history.index}", **look))
+    for i, (times, _, g) in enumerate(records):
         kept = telling(g)
-        gaps += gap_ax.plot(at[kept], g[kept] * gap.factor, linewidth=1.5, **look)
+        gaps += gap_ax.plot(
+            times[kept] * time.factor, g[kept] * gap.factor, linewidth=1.5, **_line(i))
     if indented:
-        gap_ax.axhline(0.0, color=FAINT, linewidth=0.6, zorder=0)
+        gap_ax.axhline(0.0, color=colours().faint, linewidth=0.6, zorder=0)
     for ax, scale, column in ((force_ax, force, 1), (gap_ax, gap, 2)):
         dress(ax)
         ax.set_xlim(0, end * time.factor)
@@ -114,10 +99,41 @@ def contact(
         ax.set_ylabel(scale.label)
     gap_ax.set_xlabel(time.label)
     if len(histories) > 1:
-        force_ax.legend(loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1, ncols=4,
-                        frameon=False, fontsize=SMALL + 1)
+        legend_above(force_ax, forces, columns=4)
     marks = _marks(histories[0], force_ax, gap_ax, time) if len(histories) == 1 else []
     return Contact(force_ax, gap_ax, forces, gaps, marks)
+
+
+def force_scale(solution: Solution, histories: Sequence[ContactHistory]) -> Scale:
+    """Scale of an axis of contact forces; it says so if some are means over a time step."""
+    impacts = any(getattr(history.law, "restitution", None) is not None for history in histories)
+    a = solution.fields.assembly
+    said = f",\nmean over {written(a.grain * a.tick, 's')}" if impacts else ""
+    largest = max(np.abs(_record(history, solution.t_end)[1]).max() for history in histories)
+    return engineering(f"contact force{said}", largest, "N")
+
+
+def draw_forces(
+    ax: Axes, histories: Sequence[ContactHistory], end: float, time: Scale, force: Scale,
+    up: bool = False,
+) -> list[StepPatch]:
+    """Draw the forces of contacts until `end`, s, against time to the right, or upward."""
+    drawn = []
+    for i, history in enumerate(histories):
+        times, f, _ = _record(history, end)
+        kept = telling(f)
+        values, edges = f[kept] * force.factor, np.append(times[kept], times[-1]) * time.factor
+        how: Any = {"orientation": "horizontal" if up else "vertical"}
+        ax.stairs(values, edges, fill=True, color=_line(i)["color"], alpha=0.15, **how)
+        drawn.append(ax.stairs(
+            values, edges, linewidth=1.5, label=f"contact {history.index}", **_line(i), **how))
+    return drawn
+
+
+def _line(i: int) -> dict[str, Any]:
+    """Colour and dashes of the i-th of several curves."""
+    series = colours().series
+    return {"color": series[i % len(series)], "linestyle": DASHES[i % len(DASHES)]}
 
 
 def _record(history: ContactHistory, end: float) -> tuple[Floats, Floats, Floats]:
@@ -138,77 +154,18 @@ def _marks(history: ContactHistory, force_ax: Axes, gap_ax: Axes, time: Scale) -
     """Lines at the times when force ends and gap opens, each with its words."""
     if len(history.episodes) > MARKED_UP_TO:
         return []
-    marks = []
+    marks, (_, ink, faint, *_) = [], colours()
     for _, force_end, opening in history.episodes:
         for ax, t, what in ((force_ax, force_end, "force ends"), (gap_ax, opening, "gap opens")):
             if not t < np.inf:
                 continue
             for each in (force_ax, gap_ax):
-                each.axvline(t * time.factor, color=FAINT, linewidth=0.8, linestyle=":", zorder=0)
+                each.axvline(t * time.factor, color=faint, linewidth=0.8, linestyle=":", zorder=0)
             right = t * time.factor > 0.7 * ax.get_xlim()[1]
             marks.append(ax.annotate(
                 f"{what} at {time.write(t)}", (t * time.factor, 1.0),
                 xytext=(-4 if right else 4, -3), xycoords=ax.get_xaxis_transform(),
                 textcoords="offset points",
-                ha="right" if right else "left", va="top", fontsize=SMALL + 1, color=INK,
+                ha="right" if right else "left", va="top", fontsize=SMALL + 1, color=ink,
             ))
     return marks
-
-
-class GaugeRecord(NamedTuple):
-    """Artists of a strain gauge's record."""
-
-    ax: Axes
-    strain: StepPatch
-    rightward: StepPatch
-    leftward: StepPatch
-
-
-@styled
-def gauge(record: Gauge, ax: Axes | None = None) -> GaugeRecord:
-    """Draw the record of a strain gauge, with the two waves it is made of.
-
-    Strain is given in microstrain, or in another power of ten if that would be out of proportion.
-
-    Parameters
-    ----------
-    record : Gauge
-        From `Solution.gauge`.
-    ax : Axes, optional
-        By default the Axes of a new figure.
-
-    Returns
-    -------
-    GaugeRecord
-
-    Raises
-    ------
-    ValueError
-        If the record lasts no time.
-    """
-    ax = ax or new_axes(5.6, 2.6)
-    time = time_scale(record.end)
-    largest = float(np.abs(record.strain).max())
-    usual = largest == 0 or MICROSTRAIN[0] <= largest < MICROSTRAIN[1]
-    scale = Scale(1e6, "strain", "microstrain") if usual else engineering("strain", largest, "")
-    inside = record.times < record.end
-    edges = np.append(record.times[inside], record.end) * time.factor
-
-    def steps(values: Floats, name: str, **look: Any) -> StepPatch:
-        kept = telling(values[inside])
-        return ax.stairs(values[inside][kept] * scale.factor, np.append(edges[kept], edges[-1]),
-                         baseline=None, label=name, **look)
-
-    width = 5.0 if edges.size <= BOLD_UP_TO else 2.5
-    strain = steps(record.strain, "strain", color=FAINT, linewidth=width, zorder=1)
-    rightward = steps(record.rightward, "wave running right", color=SERIES[0], linewidth=1.4)
-    leftward = steps(record.leftward, "wave running left", color=SERIES[1], linestyle="--",
-                     linewidth=1.4)
-    ax.axhline(0.0, color=FAINT, linewidth=0.6, zorder=0)
-    ax.set_xlim(0, record.end * time.factor)
-    ax.set_xlabel(time.label)
-    ax.set_ylabel(scale.label)
-    ax.legend(handles=[strain, rightward, leftward], loc="lower left", bbox_to_anchor=(0, 1),
-              borderaxespad=0.1, ncols=3, frameon=False, fontsize=SMALL + 1)
-    dress(ax)
-    return GaugeRecord(ax, strain, rightward, leftward)

@@ -18,7 +18,7 @@ from ..solution import Solution
 from .placing import placing
 from .sampling import is_stepped
 from .scales import ROUND_OFF, engineering, time_scale, written
-from .style import INK, SMALL, dress, new_axes, styled
+from .style import INK, SMALL, dress, legend_above, new_axes, styled
 
 SAMPLES = 201  # energies bend like parabolas where a force acts
 STEPS_SUMMED = 15_000_000  # at all samples together: fewer samples of a very long solution
@@ -111,8 +111,7 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
         elif part.max() > ROUND_OFF * total.max():
             missing.append(band)
     if missing:
-        ax.legend(handles=missing, loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1,
-                  ncols=2, frameon=False, fontsize=SMALL + 1)
+        legend_above(ax, missing, columns=2)
     return Energy(ax, bands, labels, work)
 
 

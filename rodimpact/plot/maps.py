@@ -28,7 +28,7 @@ from .closed_forms import Pairs
 from .curves import jumps
 from .scales import ROUND_OFF, signed
 from .sides import Shown, Side, count_ticks, dress_side
-from .style import DIVERGING, FAINT, INK, SMALL, centred, dress, ink_on
+from .style import DIVERGING, SMALL, centred, colour_bar, colours, dress, ink_on, legend_above
 
 LINES = 150  # points a side, at most, from which lines are drawn
 CRUMB = 8  # points of a piece of a line, at least, unless the map itself is coarse
@@ -57,9 +57,9 @@ class _Plane(NamedTuple):
 
 def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: Pairs | None) -> Map:
     """Draw values over two axes, the first one to the right."""
-    colours, norm = _colours(shown)
+    palette, norm = _colours(shown)
     cells = ax.pcolormesh(
-        across.edges, up.edges, np.ma.masked_invalid(shown.values.T), cmap=colours, norm=norm,
+        across.edges, up.edges, np.ma.masked_invalid(shown.values.T), cmap=palette, norm=norm,
         shading="flat", rasterized=True, zorder=1,
     )
     dress_side(ax, "x", across)
@@ -68,6 +68,7 @@ def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: Pairs | Non
     plane = _Plane(across.numbers[i], up.numbers[j])
     contours, labels = (None, []) if shown.is_count else _contours(
         ax, plane, shown.values[np.ix_(i, j)], norm)
+    paper, ink, faint, *_ = colours()
     handles: list[Artist] = []
     lines: list[QuadContourSet] = []
     for name, dash, excess in _equalities(theory, across.is_log or up.is_log):
@@ -75,20 +76,14 @@ def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: Pairs | Non
         line = _zero(ax, plane, where_met[np.ix_(i, j)], dash)
         if line is not None:
             lines.append(line)
-            handles.append(Line2D([], [], color=INK, linewidth=1.4, linestyle=dash, label=name))
+            handles.append(Line2D([], [], color=ink, linewidth=1.4, linestyle=dash, label=name))
     if np.isnan(shown.values).any():
-        handles.append(Patch(facecolor="white", edgecolor=FAINT, label="no value"))
-    bar = ax.figure.colorbar(cells, ax=ax, label=shown.scale.label, fraction=0.06, pad=0.02,
-                             aspect=30)
-    dress(bar.ax)
-    bar.outline.set_visible(False)
+        handles.append(Patch(facecolor=paper, edgecolor=faint, label="no value"))
+    bar = colour_bar(ax, cells, shown.scale.label)
     if shown.is_count:
         count_ticks(bar.ax.yaxis, shown)
-    if bar.solids is not None:
-        bar.solids.set(rasterized=False, edgecolor="face")
     if handles:
-        ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1,
-                  ncols=3, frameon=False, fontsize=SMALL + 1)
+        legend_above(ax, handles)
     dress(ax)
     return Map(ax, cells, contours, labels, lines, bar)
 
@@ -169,9 +164,9 @@ def _zero(ax: Axes, plane: _Plane, values: Floats, dash: str) -> QuadContourSet 
     values = np.round(values, 12)
     if not (values < 0).any() or not (values > 0).any():
         return None
-    lines = ax.contour(plane.x, plane.y, np.ma.masked_invalid(values.T), levels=[0.0], colors=INK,
-                       linewidths=1.4, linestyles=dash, zorder=4)
-    lines.set_path_effects([withStroke(linewidth=2.6, foreground="white")])
+    lines = ax.contour(plane.x, plane.y, np.ma.masked_invalid(values.T), levels=[0.0],
+                       colors=colours().ink, linewidths=1.4, linestyles=dash, zorder=4)
+    lines.set_path_effects([withStroke(linewidth=2.6, foreground=colours().paper)])
     return lines
 
 

@@ -5,17 +5,15 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from ..model import RigidMass, Wall
-from ..regions import regions_of
 from ..solution import Solution
 from .diagram import spacetime
 from .histories import contact
 from .ledger import energy
-from .sampling import is_stepped
+from .polygons import drawn_until
 from .scales import closing_speed, digits, engineering, written
-from .style import INK, NORMAL, SMALL, new_figure, styled
+from .style import NORMAL, SMALL, colours, new_figure, styled
 
 CONTACTS = 4  # shown at most
-REGIONS = 20_000  # drawn at most
 NAMED_UP_TO = 6  # bodies whose velocities fit into the headline
 
 
@@ -40,7 +38,7 @@ def overview(solution: Solution) -> Figure:
     figure = new_figure(11.7, 8.3)
     halves = figure.add_gridspec(2, 1, height_ratios=(1.5, 1.0))
     upper, lower = halves[0].subgridspec(1, 2), halves[1].subgridspec(2, 2)
-    stop = _stop(solution)
+    stop = drawn_until(solution)
     for column, field in enumerate(("velocity", "stress")):
         spacetime(solution, figure.add_subplot(upper[column]), field, stop=stop)
     able_to_open = solution.outcome.unilateral[:CONTACTS]
@@ -52,7 +50,7 @@ def overview(solution: Solution) -> Figure:
         energy(solution, figure.add_subplot(lower[:, 1]))
     else:
         energy(solution, figure.add_subplot(lower[:, :]))
-    figure.suptitle(_headline(solution), fontsize=NORMAL + 3, color=INK)
+    figure.suptitle(headline(solution), fontsize=NORMAL + 3, color=colours().ink)
     notes = [] if solution.final else [solution.status]
     if stop < solution.t_end:
         notes.append(f"The upper pictures show the first {written(stop, 's')}; "
@@ -60,25 +58,11 @@ def overview(solution: Solution) -> Figure:
     if len(able_to_open) < len(solution.outcome.unilateral):
         notes.append(f"Contacts {', '.join(map(str, able_to_open))} of "
                      f"{len(solution.outcome.unilateral)} are shown.")
-    figure.supxlabel("\n".join(notes), fontsize=SMALL + 1, color=INK)
+    figure.supxlabel("\n".join(notes), fontsize=SMALL + 1, color=colours().ink)
     return figure
 
 
-def _stop(solution: Solution) -> float:
-    """Latest of the times t_end, t_end/2, t_end/4, ... up to which the regions can be drawn."""
-    if is_stepped(solution):
-        return solution.t_end
-    for halvings in range(40):
-        stop = solution.t_end / 2.0**halvings
-        try:
-            regions_of(solution, stop=stop, limit=REGIONS)
-        except ValueError:
-            continue
-        return stop
-    return solution.t_end
-
-
-def _headline(solution: Solution) -> str:
+def headline(solution: Solution) -> str:
     """What collided, how fast, and with what result."""
     bodies = solution.system.bodies
     walls = sum(isinstance(body, Wall) for body in bodies)
@@ -108,5 +92,5 @@ def _headline(solution: Solution) -> str:
                   for v in outcome.velocities_after]
         when = "after" if solution.final else "at the end"
         said.append(f"velocities {when} {', '.join(values)} {scale.unit}")
-    headline = ", ".join(said)
-    return headline[0].upper() + headline[1:]
+    line = ", ".join(said)
+    return line[0].upper() + line[1:]

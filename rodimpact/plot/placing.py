@@ -35,7 +35,7 @@ class Placing:
     ----------
     solution : Solution
     magnification : float
-        Of displacements and gaps.
+        Of displacements and gaps; 0 draws every body at its place in the undeformed row.
     frame : float
         Velocity of the frame of the picture, m/s.
     left : tuple of float
@@ -82,6 +82,8 @@ class Placing:
 
     def label(self, place: Scale) -> str:
         """Label of the axis of places."""
+        if not self.magnification:
+            return place._replace(name=f"{place.name} in the undeformed row, without gaps").label
         said = place.label
         if self.frame:
             said += f" in a frame moving at {written(self.frame, 'm/s')}"

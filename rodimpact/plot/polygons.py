@@ -6,19 +6,22 @@ import math
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import PolyCollection, TriMesh
 from matplotlib.colors import Normalize
 from matplotlib.text import Text
 
 from ..contacts import ContactHistory
 from ..regions import regions_of
-from ..signals import Floats
+from ..signals import Floats, Ints
 from ..solution import Solution
 from .placing import Placing
-from .scales import Scale, digits
-from .style import DIVERGING, INK, SMALL, ink_on
+from .plane import Plane
+from .sampling import energy_density, is_stepped
+from .scales import digits
+from .style import DIVERGING, SMALL, colours, ink_on
 
 CROWDED = 3.0  # typical thickness of a region, points, below which lines would hide the colours
+REGIONS = 20_000  # more cannot be read
 
 
 class Polygons:
@@ -31,12 +34,17 @@ class Polygons:
     """
 
     def __init__(self, solution: Solution, start: float, stop: float | None) -> None:
-        self.regions = regions_of(solution, start, stop)
+        self.system, self.regions = solution.system, regions_of(solution, start, stop)
         self._body = np.repeat(self.regions.body, np.diff(self.regions.start))
 
-    def values(self, field: str) -> Floats:
-        """Velocity, strain or stress of each region; SI."""
-        found: Floats = getattr(self.regions, field)
+    def values(self, field: str, frame: float) -> Floats:
+        """Values of a field in each region; displacements, in a frame, at its corners; SI."""
+        r = self.regions
+        if field == "displacement":
+            return r.displacement - frame * r.t
+        if field == "energy":
+            return energy_density(self.system, r.body, r.segment, r.velocity - frame, r.strain)
+        found: Floats = getattr(r, field)
         return found
 
     def bends(self, body: int, x: float) -> Floats:
@@ -53,32 +61,61 @@ class Polygons:
         return history.force(between), history.gap(between)
 
     def draw(
-        self, ax: Axes, plan: Placing, numbers: Floats, norm: Normalize, time: Scale, place: Scale
-    ) -> PolyCollection:
-        """Draw the regions with these numbers."""
+        self, ax: Axes, plan: Placing, plane: Plane, numbers: Floats, norm: Normalize
+    ) -> PolyCollection | TriMesh:
+        """Draw the regions with these numbers: one each, or one for each corner."""
         r, places = self.regions, np.empty(self.regions.x.shape)
         for i in np.unique(self._body):
             here = self._body == i
             places[here] = plan.place(int(i), r.x[here], r.t[here], r.displacement[here])
-        corners = np.column_stack((places * place.factor, r.t * time.factor))
+        corners = plane.points(places, r.t)
         self._polygons = np.split(corners, r.start[1:-1])
         self._norm = norm
         self._drawn = PolyCollection(
-            self._polygons, array=numbers, cmap=DIVERGING, norm=norm, zorder=2,
-            edgecolors=INK, linewidths=0.35,
+            self._polygons, cmap=DIVERGING, norm=norm, zorder=2, edgecolors=colours().ink,
+            linewidths=0.35,
         )
         ax.add_collection(self._drawn)
-        return self._drawn
+        if numbers.size == len(r):
+            self._drawn.set_array(numbers)
+            return self._drawn
+        self._drawn.set_facecolor("none")
+        return ax.tripcolor(
+            corners[:, 0], corners[:, 1], numbers, triangles=_fans(r.start), shading="gouraud",
+            cmap=DIVERGING, norm=norm, zorder=1.9, rasterized=True,
+        )
 
     def finish(self) -> list[Text]:
         """Once limits are set: write each number where it has room; no lines in a crowd."""
         ax, numbers = self._drawn.axes, self._drawn.get_array()
         assert isinstance(ax, Axes)
-        assert numbers is not None
         if _thickness(ax, self._polygons) < CROWDED:
-            self._drawn.set(edgecolor="face", linewidth=0.1)
+            self._drawn.set(edgecolor="none" if numbers is None else "face", linewidth=0.1)
             return []
-        return _labels(ax, self._polygons, numbers, self._norm)
+        return [] if numbers is None else _labels(ax, self._polygons, numbers, self._norm)
+
+
+def drawn_until(solution: Solution) -> float:
+    """Latest of the times t_end, t_end/2, t_end/4, ..., s, up to which the regions can be read."""
+    if is_stepped(solution):
+        return solution.t_end
+    for halvings in range(40):
+        stop = solution.t_end / 2.0**halvings
+        try:
+            regions_of(solution, stop=stop, limit=REGIONS)
+        except ValueError:
+            continue
+        return stop
+    return solution.t_end
+
+
+def _fans(start: Ints) -> Ints:
+    """[n, 3] corners of triangles that polygons, start[i] to start[i + 1], are made of."""
+    counts = np.diff(start) - 2
+    first = np.repeat(start[:-1], counts)
+    turn = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    second = first + 1 + turn
+    return np.column_stack((first, second, second + 1))
 
 
 def _labels(ax: Axes, polygons: list[Floats], values: Floats, norm: Normalize) -> list[Text]:

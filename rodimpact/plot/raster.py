@@ -13,8 +13,9 @@ from ..model import Rod
 from ..signals import Floats
 from ..solution import Solution
 from .placing import Placing
-from .sampling import averaged, pieces
-from .scales import ROUND_OFF, Scale
+from .plane import Plane
+from .sampling import averaged, energy_density, mean_areas, modulus, pieces
+from .scales import ROUND_OFF
 from .style import DIVERGING
 
 ROWS = 400  # cells one above the other
@@ -38,25 +39,37 @@ class Raster:
         self.times = np.linspace(start, stop, min(ROWS, ticks) + 1)
         self._rods = [i for i, b in enumerate(solution.system.bodies) if isinstance(b, Rod)]
 
-    def values(self, field: str) -> Floats:
-        """Velocity, strain or stress of each cell [times, places], SI; nan between rods."""
+    def values(self, field: str, frame: float) -> Floats:
+        """Values of a field in each cell [times, places], SI; nan between rods.
+
+        Displacements, in a frame, are those in the middle; the energy is that of the mean motion.
+        """
         columns = []
         for body in self._rods:
-            velocity, strain = averaged(self.solution, body, self.times)
-            if field == "velocity":
-                columns.append(velocity)
-            elif field == "strain":
-                columns.append(strain)
-            else:
-                edges, _ = pieces(self.solution, body)
-                rod = self.solution.system.bodies[body]
-                assert isinstance(rod, Rod)
-                ends = self.solution.fields.edges(body)[1:-1]
-                which = np.searchsorted(ends, (edges[:-1] + edges[1:]) / 2)
-                modulus = [float(s.material.youngs_modulus) for s in rod.segments]
-                columns.append(strain * np.array(modulus)[which, None])
+            columns.append(self._of_rod(body, field, frame))
             columns.append(np.full((1, self.times.size - 1), np.nan))
         return np.concatenate(columns[:-1]).T
+
+    def _of_rod(self, body: int, field: str, frame: float) -> Floats:
+        """Values [places, times] in a rod."""
+        edges, segment = pieces(self.solution, body)
+        if field == "displacement":
+            middle, t = (edges[:-1] + edges[1:]) / 2, (self.times[:-1] + self.times[1:]) / 2
+            x, t = np.broadcast_arrays(middle[:, None], t)
+            return self.solution.displacement(body, x, t) - frame * t
+        velocity, strain = averaged(self.solution, body, self.times)
+        if field == "velocity":
+            return velocity
+        if field == "strain":
+            return strain
+        which = (segment - segment[0])[:, None]
+        system = self.solution.system
+        if field == "stress":
+            return strain * modulus(system, body, which)
+        rod = system.bodies[body]
+        assert isinstance(rod, Rod)
+        area = mean_areas(rod, edges, which[:, 0])[:, None]
+        return energy_density(system, body, which, velocity - frame, strain, area)
 
     def bends(self, body: int, x: float) -> Floats:  # noqa: ARG002  (as in `Polygons`)
         """Times between which the path of a rod's end is drawn straight."""
@@ -77,7 +90,7 @@ class Raster:
             wider > ROUND_OFF * gap.max(), wider, 0.0)
 
     def draw(
-        self, ax: Axes, plan: Placing, numbers: Floats, norm: Normalize, time: Scale, place: Scale
+        self, ax: Axes, plan: Placing, plane: Plane, numbers: Floats, norm: Normalize
     ) -> QuadMesh:
         """Draw the cells with these numbers, as pixels in vector files too."""
         places = []
@@ -85,12 +98,14 @@ class Raster:
             edges, _ = pieces(self.solution, body)
             x, t = np.broadcast_arrays(edges, self.times[:, None])
             moved = self.solution.displacement(body, x, t)
-            places.append(plan.place(body, x, t, moved) * place.factor)
-        x = np.concatenate(places, axis=1)
-        y = np.broadcast_to(self.times[:, None] * time.factor, x.shape)
+            places.append(plan.place(body, x, t, moved))
+        across = np.concatenate(places, axis=1)
+        when = np.broadcast_to(self.times[:, None], across.shape)
+        corners = plane.points(across, when)
         return ax.pcolormesh(
-            x, y, np.ma.masked_invalid(numbers), cmap=DIVERGING, norm=norm, zorder=2,
-            shading="flat", rasterized=True, antialiased=False, edgecolors="none", linewidth=0,
+            corners[..., 0], corners[..., 1], np.ma.masked_invalid(numbers), cmap=DIVERGING,
+            norm=norm, zorder=2, shading="flat", rasterized=True, antialiased=False,
+            edgecolors="none", linewidth=0,
         )
 
     def finish(self) -> list[Text]:

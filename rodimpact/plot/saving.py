@@ -1,4 +1,4 @@
-"""Figures to files: format by suffix, whole or not at all, the same bytes every time."""
+"""Pictures to files: format by suffix, whole or not at all, the same bytes every time."""
 
 from __future__ import annotations
 
@@ -10,6 +10,9 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
+from ..files import write_bytes
+from .moving import Animation
+
 DOTS_PER_INCH = 200
 FORMATS: dict[str, dict[str, Any]] = {
     "png": {"Software": None},
@@ -19,13 +22,13 @@ FORMATS: dict[str, dict[str, Any]] = {
 
 
 def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> None:
-    """Write a figure as PNG, SVG or PDF, whichever the suffix of the path names.
+    """Write a figure as PNG, SVG or PDF, an animation as GIF, HTML or MP4, as the suffix says.
 
-    The same figure gives the same bytes: nothing in the file depends on date or chance.
+    The same picture gives the same bytes: nothing in the file depends on date or chance.
 
     Parameters
     ----------
-    picture : Figure, Axes, or what a function of this package returned
+    picture : Figure, Axes, Animation, or what a function of this package returned
     path : path
     force : bool
         Replace a file that is there.
@@ -37,8 +40,9 @@ def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> Non
     FileExistsError
         If the file is there and `force` is false.
     """
-    from ..files import write_bytes
-
+    if isinstance(picture, Animation):
+        picture.save(path, force=force)
+        return
     kind = Path(path).suffix.lower().removeprefix(".")
     if kind not in FORMATS:
         known = ", ".join(f".{name}" for name in FORMATS)

@@ -7,9 +7,10 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ..model import Rod
+from ..profiles import extremes
 from ..solution import Solution
 
-FIELDS = ("velocity", "stress", "strain")
+FIELDS = ("velocity", "stress", "strain", "displacement", "energy")
 ROUND_OFF = 1e-9  # beside the largest value shown, as good as nothing
 MINUS, TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
 SIGMA, RHO = "\N{GREEK SMALL LETTER SIGMA}", "\N{GREEK SMALL LETTER RHO}"
@@ -150,6 +151,8 @@ def field_scale(solution: Solution, field: str, dimensionless: bool, largest: fl
             "velocity": engineering("velocity", largest, "m/s"),
             "stress": engineering("stress, tension positive", largest, "Pa"),
             "strain": engineering("strain", largest, ""),
+            "displacement": engineering("displacement", largest, "m"),
+            "energy": engineering("kinetic and strain energy per length", largest, "J/m"),
         }[field]
     v0 = closing_speed(solution)
     if v0 == 0:
@@ -157,10 +160,13 @@ def field_scale(solution: Solution, field: str, dimensionless: bool, largest: fl
             "dimensionless: velocities are scaled by the closing speed, and nothing approaches in "
             "this row; use dimensionless=False"
         )
-    material = first_rod(solution).segments[0].material
+    rod = first_rod(solution)
+    material, area = rod.segments[0].material, extremes(rod.segments[0].area)[1]
     rho, c = float(material.density), float(material.wave_speed)
     return {
         "velocity": Scale(1 / v0, "velocity v/v₀"),
         "stress": Scale(1 / (rho * c * v0), f"stress {SIGMA}/({RHO} c v₀)"),
         "strain": Scale(c / v0, "strain ε c/v₀"),
+        "displacement": Scale(c / (v0 * float(rod.length)), "displacement u c/(v₀ ℓ₁)"),
+        "energy": Scale(1 / (rho * area * v0**2), f"energy per length w/({RHO} A₁ v₀²)"),
     }[field]

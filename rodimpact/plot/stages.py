@@ -15,14 +15,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
-from ..model import Absorbing, Fixed, RigidMass, Rod, Wall
-from ..profiles import extremes
+from ..model import RigidMass
 from ..signals import Floats
 from ..solution import Solution
-from .borders import DRIVEN, OPEN_END
+from .bars import Bars, Piece
 from .moments import happening, moments
 from .placing import Placing, placing
-from .sampling import is_stepped, sampled
+from .sampling import is_stepped
 from .scales import (
     MINUS,
     Scale,
@@ -35,24 +34,15 @@ from .scales import (
     written,
 )
 from .style import (
-    DIVERGING,
-    FAINT,
-    INK,
-    MASS,
     SMALL,
-    WALL,
+    broken,
     centred,
+    colours,
     dress,
     ink_on,
     new_axes,
     styled,
 )
-
-THICKNESS = 0.5  # of the thickest bar, in distances between rows
-SWELLING = 0.25  # relative thickening at the largest strain
-THINNEST = 0.35  # thinnest bar beside the thickest
-NARROWEST = 1e-9  # part of a rod that is drawn: fronts leave an end at no exact floating-point time
-
 
 ALIKE = 0.02  # velocities of a stretch that bears one label, in parts of the largest
 
@@ -73,17 +63,6 @@ class Snapshots(NamedTuple):
     masses: list[Rectangle]
     outlines: LineCollection | None
     colour_bar: Colorbar | None
-
-
-class _Piece(NamedTuple):
-    """A uniform piece of rod in a row of the picture: its ends, half thickness and state."""
-
-    row: int
-    body: int
-    left: float
-    right: float
-    half: float
-    velocity: float
 
 
 @styled
@@ -132,34 +111,25 @@ def snapshots(
     place = place_scale(plan.row)
     ax = ax or new_axes(6.6, 0.9 + 0.72 * when.size)
 
-    stepped = is_stepped(solution)
-    pieces, fronts = _rows(plan, when, place)
+    stepped, (_, ink, faint, *_) = is_stepped(solution), colours()
+    drawn = Bars(plan, when, place)
+    pieces = drawn.pieces
     velocities = np.array([piece.velocity for piece in pieces])
     v = closing_speed(solution)
     speed = engineering("velocity", float(np.abs(velocities).max()), "m/s")
     norm = centred(velocities, plan.frame)
-    bars = PolyCollection(
-        [[(p.left, -p.row - p.half), (p.right, -p.row - p.half),
-          (p.right, -p.row + p.half), (p.left, -p.row + p.half)] for p in pieces],
-        array=velocities, cmap=DIVERGING, norm=norm, zorder=2, rasterized=stepped,
-        **({"linewidths": 0.0, "antialiased": False} if stepped
-           else {"linewidths": 0.6, "edgecolors": INK}),
-    )
-    ax.add_collection(bars)
-    outlines = _outlines(pieces) if stepped else None
-    if outlines is not None:
-        ax.add_collection(outlines)
-    walls, masses = _walls(plan, ax, when, place), _masses(plan, ax, when, place)
-    _ends(plan, ax, when, place)
+    bars, outlines = drawn.rods(ax, velocities, norm), drawn.outlines(ax)
+    (walls, _), masses = drawn.walls(ax), drawn.masses(ax)
+    drawn.ends(ax)
     ax.autoscale_view()
     ax.margins(x=0.03)
     ax.set_ylim(0.45 - when.size, 0.6)
     for body in range(len(solution.system.bodies) - 1):
         x = plan.end(body, True, when[0]) * place.factor
-        ax.axvline(float(x), color=FAINT, linewidth=0.6, linestyle=(0, (4, 4)), zorder=1)
+        ax.axvline(float(x), color=faint, linewidth=0.6, linestyle=(0, (4, 4)), zorder=1)
     arrows = [
-        ax.plot(x, y, marker=">" if rightward else "<", color=INK, markersize=3.5, zorder=4)[0]
-        for x, y, rightward in fronts
+        ax.plot(x, y, marker=">" if rightward else "<", color=ink, markersize=3.5, zorder=4)[0]
+        for x, y, rightward in drawn.fronts
     ]
 
     time = engineering("time", solution.t_end, "s")
@@ -168,13 +138,14 @@ def snapshots(
     ax.set_yticks(-np.arange(when.size), [
         f"{t * time.factor:.{count}g} {time.unit}\n{t / transit:.{count}g} ℓ₁/c"
         for t in when.tolist()])
+    width = ax.get_window_extent().width
     for row, t in enumerate(when.tolist()):
-        ax.text(1.01, -row, happening(solution, t), transform=ax.get_yaxis_transform(),
-                va="center", fontsize=SMALL + 1)
-    ax.set_xlabel(f"{plan.label(place)}\n" + (
-        f"velocities in parts of the closing speed v = {written(v, 'm/s')}" if v
-        else f"velocities ({speed.unit})"
-    ))
+        words = [broken(line, width / 3) for line in happening(solution, t).splitlines()]
+        ax.text(1.01, -row, "\n".join(words), transform=ax.get_yaxis_transform(), va="center",
+                fontsize=SMALL + 1)
+    ax.set_xlabel(broken(plan.label(place), width) + "\n" + broken(
+        f"velocities in parts of the closing speed, v = {written(v, 'm/s')}" if v
+        else f"velocities ({speed.unit})", width))
     dress(ax)
     ax.tick_params(axis="y", length=0)
     ax.spines["left"].set_visible(False)
@@ -191,114 +162,16 @@ def snapshots(
     return Snapshots(ax, when, bars, labels, arrows, walls, masses, outlines, bar)
 
 
-def _rows(
-    plan: Placing, times: Floats, place: Scale
-) -> tuple[list[_Piece], list[tuple[float, float, bool]]]:
-    """Pieces of all rods at all times, and fronts inside them as (x, y, whether it runs right)."""
-    solution, fields = plan.solution, plan.solution.fields
-    rods = [(i, body) for i, body in enumerate(solution.system.bodies) if isinstance(body, Rod)]
-    widest = max(extremes(s.area)[1] for _, rod in rods for s in rod.segments)
-    stepped = is_stepped(solution)
-    states = [(row, i, rod, t, sampled(solution, i, t) if stepped
-               else fields.profile(i, int(fields.to_ticks(t))))
-              for row, t in enumerate(times.tolist()) for i, rod in rods]
-    largest = max(float(np.abs(profile.strain).max()) for *_, profile in states) or 1.0
-    pieces, fronts = [], []
-    for row, i, rod, t, profile in states:
-        displaced = solution.displacement(i, profile.edges, t)
-        edges = (plan.place(i, profile.edges, t, displaced) * place.factor).tolist()
-        first = fields.assembly.spans[i][0]
-        starts = np.cumsum([0.0, *(float(s.length) for s in rod.segments)])
-        wide = np.diff(profile.edges) > NARROWEST * profile.edges[-1]
-        for j, which in enumerate(profile.segment.tolist()):
-            if not wide[j]:
-                continue
-            segment = rod.segments[which - first]
-            v, strain = float(profile.velocity[j]), float(profile.strain[j])
-            [area] = segment.area_between(profile.edges[j : j + 2] - starts[which - first])
-            thickness = max(THINNEST, (float(area) / widest) ** 0.5) * THICKNESS
-            half = thickness / 2 * (1 - SWELLING * strain / largest)
-            pieces.append(_Piece(row, i, edges[j], edges[j + 1], half, v))
-            if not stepped and j and wide[j - 1] and which == profile.segment[j - 1]:
-                jump = v - float(profile.velocity[j - 1])
-                stretch = float(segment.wave_speed) * (strain - float(profile.strain[j - 1]))
-                if np.isclose(abs(jump), abs(stretch), rtol=1e-6, atol=0.0):
-                    fronts.append((edges[j], -row + 0.4, jump * stretch < 0))
-    return pieces, fronts
-
-
 def _differ(values: Floats, count: int) -> bool:
     """Whether values differ when written to so many digits."""
     different = np.unique(values)
     return len({f"{value:.{count}g}" for value in different.tolist()}) == different.size
 
 
-def _outlines(pieces: list[_Piece]) -> LineCollection:
-    """Lines round the rods."""
-    lines, start = [], 0
-    for i, piece in enumerate(pieces, 1):
-        if i < len(pieces) and pieces[i][:2] == piece[:2]:
-            continue
-        upper = [point for p in pieces[start:i]
-                 for point in ((p.left, -p.row + p.half), (p.right, -p.row + p.half))]
-        lower = [(x, -2.0 * piece.row - y) for x, y in reversed(upper)]
-        lines.append([*upper, *lower, upper[0]])
-        start = i
-    return LineCollection(lines, colors=INK, linewidths=0.6, zorder=2.5)
-
-
-def _walls(plan: Placing, ax: Axes, times: Floats, place: Scale) -> list[Rectangle]:
-    """A hatched block beyond the face of each wall and fixed end, at each time."""
-    depth = 0.04 * plan.row * place.factor
-    system, last = plan.solution.system, len(plan.solution.system.bodies) - 1
-    held = [(i, i > 0) for i, body in enumerate(system.bodies) if isinstance(body, Wall)]
-    held += [(side * last, bool(side)) for side, end in enumerate(system.ends)
-             if isinstance(end, Fixed)]
-    blocks = []
-    for i, right in held:
-        for row, face in enumerate(plan.end(i, right, times) * place.factor):
-            corner = (face if right else face - depth, -row - 0.45)
-            blocks.append(Rectangle(
-                corner, depth, 0.9, facecolor=WALL, edgecolor=FAINT, hatch="////", linewidth=0.0,
-            ))
-            ax.add_patch(blocks[-1])
-            ax.plot([face, face], [-row - 0.45, -row + 0.45], color=INK, linewidth=1.5)
-    return blocks
-
-
-def _masses(plan: Placing, ax: Axes, times: Floats, place: Scale) -> list[Rectangle]:
-    """A dark block for each rigid mass, at each time."""
-    blocks = []
-    for i, body in enumerate(plan.solution.system.bodies):
-        if not isinstance(body, RigidMass):
-            continue
-        for row, left in enumerate(plan.end(i, False, times) * place.factor):
-            blocks.append(Rectangle(
-                (left, -row - THICKNESS / 2), plan.block * place.factor, THICKNESS,
-                facecolor=MASS, edgecolor=INK, linewidth=0.6, zorder=3,
-            ))
-            ax.add_patch(blocks[-1])
-    return blocks
-
-
-def _ends(plan: Placing, ax: Axes, times: Floats, place: Scale) -> None:
-    """Dashes at absorbing ends, and arrow heads at driven ones, at each time."""
-    last = len(plan.solution.system.bodies) - 1
-    for side, end in enumerate(plan.solution.system.ends):
-        places = plan.end(side * last, bool(side), times) * place.factor
-        rows = -np.arange(times.size)
-        if isinstance(end, Absorbing):
-            for x, y in zip(places, rows, strict=True):
-                ax.plot([x, x], [y - 0.4, y + 0.4], color=INK, linewidth=1.6, linestyle=OPEN_END)
-        elif type(end) in DRIVEN:
-            ax.plot(places, rows, linestyle="", marker="<" if side else ">", markersize=6.0,
-                    color=INK, markerfacecolor="white", zorder=4)
-
-
-def _alike(pieces: list[_Piece], norm: Normalize) -> list[_Piece]:
+def _alike(pieces: list[Piece], norm: Normalize) -> list[Piece]:
     """Stretches of neighbouring pieces whose velocities hardly differ, with their mean."""
     room = ALIKE * float(np.ptp(norm.inverse(np.array([0.0, 1.0])))) / 2
-    found: list[list[_Piece]] = []
+    found: list[list[Piece]] = []
     for piece in pieces:
         last = found[-1] if found else []
         speeds = [p.velocity for p in (*last, piece)]
@@ -336,13 +209,13 @@ def _mass_labels(
             for row, (x, velocity) in enumerate(zip(middle, velocities, strict=True)):
                 said = _said(velocity, plan.frame, v, speed, max(map(abs, velocities)))
                 labels.append(ax.text(
-                    x, -row + (0.33 if above else -0.33), said, color=INK, ha="center",
+                    x, -row + (0.33 if above else -0.33), said, color=colours().ink, ha="center",
                     va="bottom" if above else "top", fontsize=SMALL + 1, zorder=5))
     return labels
 
 
 def _labels(
-    ax: Axes, pieces: list[_Piece], norm: Normalize, rest: float, v: float, speed: Scale,
+    ax: Axes, pieces: list[Piece], norm: Normalize, rest: float, v: float, speed: Scale,
     exact: bool,
 ) -> list[Text]:
     """Write the velocity into each piece, if it is exact below it where it is too narrow."""
@@ -363,7 +236,7 @@ def _labels(
         if (piece.right - piece.left) * per_unit > width:
             y, colour, va = float(-piece.row), ink_on(norm, piece.velocity), "center_baseline"
         elif exact and (row != piece.row or x * per_unit - width / 2 > taken):
-            y, colour, va = -piece.row - 0.33, INK, "top"
+            y, colour, va = -piece.row - 0.33, colours().ink, "top"
             row, taken = piece.row, x * per_unit + width / 2
         else:
             continue

@@ -1,37 +1,122 @@
-"""One look for all figures: fonts, colours, the diverging colour map, dressed axes.
+"""One look for all figures: fonts, colours on light and dark paper, sizes for print, dressed axes.
 
 The colour map runs from dark blue over grey to light yellow. Blue and yellow differ for every
 common kind of colour-blindness, and the lightness rises all the way, so that a print in grey still
-tells push from pull; paper stays white, so that a gap differs from a rod at rest.
+tells push from pull; paper stays white or nearly black, so that a gap differs from a rod at rest.
 """
 
 from __future__ import annotations
 
-from typing import Any
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import wraps
+from typing import Any, NamedTuple, ParamSpec, TypeVar
 
-from matplotlib import rc_context
+from matplotlib import rc_context, rcParams
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
 FONT = "DejaVu Sans"  # comes with matplotlib and has every sign used here
 INK, FAINT = "#1a1a1a", "#8a8a8a"
-WALL, MASS = "#d9d9d9", "#33302e"
 SERIES = ("#20409a", "#c77700", "#6b6b6b", "#117733", "#882255")
 DASHES = ("-", "--", "-.", ":", (0, (6, 2, 1, 2, 1, 2)))
 SMALL, NORMAL = 7.0, 9.0
-
-styled = rc_context({"font.family": [FONT], "font.size": NORMAL, "axes.titlesize": NORMAL,
-                     "axes.labelsize": NORMAL, "text.color": INK, "axes.labelcolor": INK,
-                     "text.usetex": False, "figure.facecolor": "white",
-                     "axes.facecolor": "white", "axes.edgecolor": FAINT,
-                     "axes.unicode_minus": True,
-                     "axes.formatter.useoffset": False})
-"""Decorator: what a function draws has the style, whatever the user's settings."""
+INCH = 25.4  # mm
+LETTER = 0.57  # mean width of a letter, in heights of the font
+COLUMN = 1.6  # width of a column of a legend, inches
 
 DIVERGING = LinearSegmentedColormap.from_list(
     "rodimpact", ["#16256e", "#53659f", "#a0a0a0", "#d6c05f", "#ffe94a"]
 )
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class Colours(NamedTuple):
+    """Colours beside those of the colour map: of paper, lines, bodies, and series of curves."""
+
+    paper: str
+    ink: str
+    faint: str
+    wall: str
+    mass: str
+    series: tuple[str, ...]
+
+
+LOOKS = {
+    "light": Colours("#ffffff", INK, FAINT, "#d9d9d9", "#33302e", SERIES),
+    "dark": Colours("#14161a", "#e8e8e8", "#8f939b", "#33373e", "#cfc8c0",
+                    ("#8ea6ff", "#f0a13c", "#b4b4b4", "#5cc588", "#e283ad")),
+}
+_colours: ContextVar[Colours] = ContextVar("colours", default=LOOKS["light"])
+_width: ContextVar[float | None] = ContextVar("width", default=None)
+
+
+def colours() -> Colours:
+    """Colours of what is being drawn."""
+    return _colours.get()
+
+
+@contextmanager
+def look(name: str = "light", width: float | None = None) -> Iterator[None]:
+    """Draw figures on light or dark paper, and as wide as the place they are for.
+
+    Parameters
+    ----------
+    name : "light" or "dark"
+    width : float, optional
+        Of new figures, in mm, with letters of the same size; a column of a journal has about 85, a
+        page about 175. By default each figure has its own width.
+
+    Raises
+    ------
+    ValueError
+        For an unknown name, or a width that is not between 50 and 1000 mm.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> solution = ri.solve(ri.System([rod, ri.Wall()]))
+    >>> with ri.plot.look("dark", width=85):
+    ...     picture = ri.plot.energy(solution)
+    >>> float(round(25.4 * picture.ax.figure.get_figwidth(), 3))
+    85.0
+    """
+    if name not in LOOKS:
+        raise ValueError(f'name: must be "light" or "dark", got {name!r}')
+    if width is not None and not 50 <= width <= 1000:
+        raise ValueError(f"width: must be 50 to 1000 mm, got {width!r}")
+    before = _colours.set(LOOKS[name]), _width.set(width)
+    try:
+        yield
+    finally:
+        _colours.reset(before[0])
+        _width.reset(before[1])
+
+
+def styled(draw: Callable[P, R]) -> Callable[P, R]:
+    """Decorator: what a function draws has the style, whatever the user's settings."""
+
+    @wraps(draw)
+    def drawn(*args: P.args, **kwargs: P.kwargs) -> R:
+        paper, ink, faint, *_ = colours()
+        with rc_context({
+            "font.family": [FONT], "font.size": NORMAL, "axes.titlesize": NORMAL,
+            "axes.labelsize": NORMAL, "text.color": ink, "axes.labelcolor": ink,
+            "text.usetex": False, "figure.facecolor": paper, "axes.facecolor": paper,
+            "axes.edgecolor": faint, "axes.unicode_minus": True, "axes.formatter.useoffset": False,
+        }):
+            return draw(*args, **kwargs)
+
+    return drawn
 
 
 def centred(values: Any, rest: float = 0.0) -> Normalize:
@@ -47,8 +132,11 @@ def ink_on(norm: Normalize, value: float) -> str:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Figure of a size in inches that pyplot does not keep."""
-    return Figure(figsize=(width, height), layout="constrained")
+    """Figure of a size in inches, or of the width asked for, that pyplot does not keep."""
+    wanted = _width.get()
+    scale = wanted / INCH / width if wanted else 1.0
+    tall = height * (scale if scale > 1 else math.sqrt(scale))  # labels take room as before
+    return Figure(figsize=(width * scale, tall), layout="constrained")
 
 
 def new_axes(width: float, height: float) -> Axes:
@@ -58,8 +146,42 @@ def new_axes(width: float, height: float) -> Axes:
 
 def dress(ax: Axes) -> None:
     """Ticks and frame of an Axes."""
-    ax.tick_params(labelsize=NORMAL - 1, labelfontfamily=FONT, labelcolor=INK, color=FAINT,
+    _, ink, faint, *_ = colours()
+    ax.tick_params(labelsize=NORMAL - 1, labelfontfamily=FONT, labelcolor=ink, color=faint,
                    length=3)
     for side, spine in ax.spines.items():
         spine.set_visible(side in ("left", "bottom"))
-        spine.set_color(FAINT)
+        spine.set_color(faint)
+
+
+def broken(label: str, pixels: float) -> str:
+    """A label in lines, broken after commas, that are no longer than so many pixels if possible."""
+    room = pixels / rcParams["figure.dpi"] * 72 / (LETTER * NORMAL)
+    lines: list[str] = []
+    for part in label.split(", "):
+        if lines and len(lines[-1]) + len(part) + 2 <= room:
+            lines[-1] += f", {part}"
+        else:
+            lines.append(part)
+    return ",\n".join(lines)
+
+
+def legend_above(
+    ax: Axes, shown: Sequence[Artist], columns: int = 3, size: float = SMALL + 1,
+    title: str | None = None,
+) -> None:
+    """Name artists above an Axes, in as many columns as the figure has room for."""
+    room = int(ax.figure.bbox.width / ax.figure.dpi / COLUMN)
+    ax.legend(handles=shown, loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1,
+              ncols=max(1, min(columns, room)), frameon=False, fontsize=size, title=title,
+              title_fontsize=size)
+
+
+def colour_bar(ax: Axes, drawn: ScalarMappable, label: str) -> Colorbar:
+    """Colour bar beside an Axes."""
+    bar = ax.figure.colorbar(drawn, ax=ax, label=label, fraction=0.06, pad=0.02, aspect=30)
+    dress(bar.ax)
+    bar.outline.set_visible(False)
+    if bar.solids is not None:
+        bar.solids.set(rasterized=False, edgecolor="face")
+    return bar

@@ -1,0 +1,99 @@
+"""Make a moving picture of a case: the row, its space-time diagram, and the forces of contacts.
+
+rodimpact animate CASE.toml -o collision.gif
+
+FILE ends in .gif, .html (one page that plays it, without any other file) or .mp4 (needs the program
+ffmpeg). [output] of the case is for `rodimpact run`. Exit status 3 if the run stopped before what
+was asked; the picture shows what there is.
+"""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from ..casefile import Case, read_case
+from ..frozen import InvalidModel
+from ..solving import METHODS
+from ..units import format_si
+from . import DONE, INCOMPLETE
+from .asking import Mistakes, Problems, check_outputs, note, quantity, whole_number
+from .progress import progress_bar, solved
+
+_OPTIONS = {"path": "--output", "magnification": "--magnify", "limit": "--until", "stop": "--until"}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """A case, where the picture goes, what it shows, how far to go."""
+    parser.add_argument("case", metavar="CASE.toml", help="the case file")
+    parser.add_argument("-o", "--output", metavar="FILE", required=True,
+                        help="the picture: .gif, .html or .mp4")
+    parser.add_argument("--field", choices=("velocity", "stress", "strain"), default="velocity",
+                        help="what the colours tell; default velocity")
+    parser.add_argument("--frames", metavar="N", default="120", help="2 to 10000; default 120")
+    parser.add_argument("--fps", metavar="N", default="25", help="frames a second; default 25")
+    parser.add_argument("--magnify", metavar="X",
+                        help="magnification of displacements and gaps, instead of one that suits")
+    parser.add_argument("--dark", action="store_true", help="light lines on dark paper")
+    parser.add_argument("--until", metavar="TIME", help="end of the run, instead of the case's")
+    parser.add_argument("--method", choices=("auto", *METHODS), help="instead of the case's")
+    parser.add_argument("--force", action="store_true", help="replace an existing file")
+
+
+def run(arguments: argparse.Namespace) -> tuple[str, int]:
+    """Check everything, solve, draw, and tell what was made."""
+    from .. import plot
+    from ..plot.film import check_film
+    from ..plot.moving import check_frames
+
+    problems: Problems = []
+    options: dict[str, Any] = {}
+    if arguments.until is not None:
+        options["until"] = quantity(problems, "--until", arguments.until, "time")
+    if arguments.method is not None:
+        options["method"] = arguments.method
+    shown: dict[str, Any] = {
+        "field": arguments.field,
+        "frames": whole_number(problems, "--frames", arguments.frames),
+        "fps": quantity(problems, "--fps", arguments.fps, "dimensionless"),
+    }
+    if arguments.magnify is not None:
+        shown["magnification"] = quantity(
+            problems, "--magnify", arguments.magnify, "dimensionless")
+    case: Case | None = None
+    try:
+        case = read_case(arguments.case)
+    except InvalidModel as error:
+        problems += error.problems
+    for check, given in (
+        (check_film, (arguments.output,)), (check_frames, (shown["frames"], shown["fps"])),
+    ):
+        try:
+            check(*given)
+        except ValueError as error:
+            option, said = _problem(error)
+            if option not in dict(problems):
+                problems.append((option, said))
+    check_outputs(problems, {"--output": arguments.output}, arguments.force)
+    assert case is not None  # or there were problems
+
+    solution = solved(case.system, **{**case.solve, **options})
+    note("drawing")
+    try:
+        with plot.look("dark" if arguments.dark else "light"):
+            film = plot.animation(solution, **shown)
+    except ValueError as error:
+        raise Mistakes([_problem(error)]) from error
+    with progress_bar("frames") as bar:
+        film.save(arguments.output, force=arguments.force, progress=bar)
+    start, stop = (format_si(float(t), "s") for t in film.times[[0, -1]])
+    text = (f"{len(film)} frames from {start} to {stop}, {len(film) / film.fps:.3g} s to watch: "
+            f"{arguments.output}")
+    done = solution.stopped_by not in ("max_events", "clock")
+    return (text, DONE) if done else (f"{text}\n{solution.status}", INCOMPLETE)
+
+
+def _problem(error: ValueError) -> tuple[str, str]:
+    """What is wrong with which option, from an error that names an argument of the picture."""
+    field, _, said = str(error).partition(": ")
+    return _OPTIONS.get(field, f"--{field}"), said

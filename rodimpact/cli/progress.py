@@ -1,0 +1,88 @@
+"""A line on a terminal: how much is done, how fast it goes, and how long it takes yet."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import sys
+import time
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from ..model import System
+from ..solution import Solution
+from ..solving import LongRun, solve
+from .asking import note
+
+REDRAWN = 0.1  # s between two states of the bar
+BAR = 30  # characters
+
+
+@contextmanager
+def progress_bar(of: str) -> Iterator[ProgressBar | None]:
+    """A bar for so many things, erased in the end; none where nobody looks."""
+    bar = ProgressBar(of) if sys.stderr is not None and sys.stderr.isatty() else None
+    try:
+        yield bar
+    finally:
+        if bar:
+            bar.erase()
+
+
+def solved(system: System, **options: Any) -> Solution:
+    """Solve, with a bar, and a word before a long run."""
+    with warnings.catch_warnings(), progress_bar("steps") as bar:
+        warnings.simplefilter("always", LongRun)
+        warnings.showwarning = lambda message, *_, **__: note(str(message))
+        return solve(system, progress=bar, **options)
+
+
+class ProgressBar:
+    """Called with the number of things done and of all, it shows them."""
+
+    def __init__(self, of: str) -> None:
+        self.of = of
+        self.width = 0  # of the line that stands there
+        self.drawn = -math.inf  # when it was drawn
+        self.start: tuple[float, int] | None = None  # the first news, and what was done by then
+
+    def __call__(self, done: int, total: int) -> None:
+        """Show that so many are done, unless the last news was just now."""
+        now = time.monotonic()
+        since, before = self.start = self.start or (now, done)
+        if now < self.drawn + REDRAWN:
+            return
+        self.drawn = now
+        part = done / total
+        line = f"{math.floor(100 * part):3} %  [{'#' * math.floor(BAR * part):{BAR}}]"
+        if now > since and done > before:  # what an earlier run had done tells nothing of the rate
+            rate = (done - before) / (now - since)
+            line += f"  {a_second(rate, self.of)}  {how_long((total - done) / rate)} left"
+        self._show(line[: shutil.get_terminal_size().columns - 1])
+
+    def erase(self) -> None:
+        """Leave an empty line, if anything was shown."""
+        if self.width:
+            self._show("")
+            print(end="\r", file=sys.stderr, flush=True)
+
+    def _show(self, line: str) -> None:
+        print(f"\r{line:{self.width}}", end="", file=sys.stderr, flush=True)
+        self.width = len(line)
+
+
+def a_second(rate: float, of: str) -> str:
+    """A number of things a second."""
+    number = f"{rate:.3g}" if rate < 100 else f"{float(f'{rate:.3g}'):,.0f}"
+    return f"{number} {of}/s"
+
+
+def how_long(s: float) -> str:
+    """A time of so many seconds."""
+    minutes, seconds = divmod(round(s), 60)
+    hours, minutes = divmod(minutes, 60)
+    if hours:
+        return f"{hours} h {minutes} min"
+    return f"{minutes} min {seconds} s" if minutes else f"{seconds} s"

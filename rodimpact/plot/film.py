@@ -1,0 +1,161 @@
+"""Frames to files: GIF, a page that plays them, or MP4."""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import html
+import io
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, BinaryIO, Protocol
+
+import numpy as np
+from PIL import Image
+
+from .player import PAGE
+from .style import Colours
+
+SHADES = 255  # colours of a GIF or a page, those of its last frame; one more is no colour
+ALIKE = 9  # of 255: shades that are no nearer to the paper than this are not taken for it
+Progress = Callable[[int, int], Any] | None
+
+
+class Film(Protocol):
+    """What there is to write."""
+
+    fps: float
+    title: str
+    colours: Colours
+
+    def __len__(self) -> int: ...
+
+    def frames(self, progress: Progress = None) -> Any:
+        """Pictures [height, width, 3]."""
+
+    def frame(self, number: int) -> Any:
+        """One of them."""
+
+    def clock(self, number: int) -> str:
+        """Its time."""
+
+
+def check_film(path: str | os.PathLike[str]) -> str:
+    """Kind of film that a path names.
+
+    Raises
+    ------
+    ValueError
+        If it names none.
+    OSError
+        If it names an MP4, and there is no ffmpeg to make it.
+    """
+    kind = Path(path).suffix.lower().removeprefix(".")
+    if kind not in _WRITERS:
+        known = ", ".join(f".{name}" for name in _WRITERS)
+        raise ValueError(f"path: must end in one of {known}, got {os.fspath(path)!r}")
+    if kind == "mp4" and shutil.which("ffmpeg") is None:
+        raise OSError(
+            f"cannot write {os.fspath(path)!r}: the program ffmpeg, which makes MP4 files, is not "
+            "on the path; install it, or write a .gif or .html"
+        )
+    return kind
+
+
+def write_film(kind: str, file: BinaryIO, film: Film, progress: Progress) -> None:
+    """Write a film of this kind."""
+    _WRITERS[kind](file, film, progress)
+
+
+def in_notebook(film: Film) -> str:
+    """The page with its player as HTML inside another page."""
+    page = io.BytesIO()
+    _write_page(page, film, None)
+    height, width, _ = film.frame(0).shape
+    return (f'<iframe srcdoc="{html.escape(page.getvalue().decode())}" width="{width + 32}" '
+            f'height="{height + 80}" style="border: 0; max-width: 100%"></iframe>')
+
+
+def _write_gif(file: BinaryIO, film: Film, progress: Progress) -> None:
+    pictures = _few_colours(film, progress)
+    next(pictures).save(
+        file, format="GIF", save_all=True, append_images=pictures, loop=0,
+        duration=10 * max(2, round(100 / film.fps)),
+    )
+
+
+def _write_page(file: BinaryIO, film: Film, progress: Progress) -> None:
+    paper, ink, *_ = film.colours
+    height, width, _ = film.frame(0).shape
+    said = {
+        "title": html.escape(film.title), "paper": paper, "ink": ink,
+        "width": str(width), "height": str(height), "fps": f"{film.fps:g}",
+        "clocks": json.dumps([film.clock(i) for i in range(len(film))], ensure_ascii=False),
+    }
+    head, tail = PAGE.split("{frames}")
+    for name, value in said.items():
+        head, tail = (part.replace(f"{{{name}}}", value) for part in (head, tail))
+    file.write(head.encode())
+    before = None
+    for picture in _few_colours(film, progress):
+        pixels = np.asarray(picture)
+        changes = pixels if before is None else np.where(pixels == before, SHADES, pixels)
+        drawn, memory = Image.fromarray(changes.astype(np.uint8)), io.BytesIO()
+        shades = picture.getpalette()
+        drawn.putpalette(shades + [0] * (3 * SHADES + 3 - len(shades)))
+        drawn.save(memory, format="PNG", transparency=SHADES)
+        file.write(b'"' + base64.b64encode(memory.getvalue()) + b'",\n')
+        before = pixels
+    file.write(tail.encode())
+
+
+def _write_mp4(file: BinaryIO, film: Film, progress: Progress) -> None:
+    height, width, _ = film.frame(0).shape
+    with tempfile.TemporaryDirectory() as folder:
+        target = Path(folder) / "film.mp4"
+        command = [
+            "ffmpeg", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
+            "-s", f"{width}x{height}", "-r", f"{film.fps:g}", "-i", "-",
+            "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2",  # the format takes even numbers of pixels
+            "-pix_fmt", "yuv420p", "-movflags", "+faststart", str(target),
+        ]
+        with (Path(folder) / "said").open("w+b") as said:
+            process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=said)
+            assert process.stdin is not None
+            try:
+                for picture in film.frames(progress):
+                    process.stdin.write(picture.tobytes())
+            except BrokenPipeError:
+                pass  # it has said why
+            except BaseException:
+                process.kill()
+                raise
+            finally:
+                with contextlib.suppress(BrokenPipeError):
+                    process.stdin.close()
+                process.wait()
+            said.seek(0)
+            words = said.read().decode(errors="replace").strip()
+        if process.returncode or not target.exists():
+            raise OSError(f"ffmpeg failed: {words or f'status {process.returncode}'}")
+        with target.open("rb") as made:
+            shutil.copyfileobj(made, file)
+
+
+def _few_colours(film: Film, progress: Progress) -> Any:
+    """Frames with the colours of the last one, in which everything is seen."""
+    last = Image.fromarray(film.frame(len(film) - 1))
+    palette: Any = last.quantize(SHADES)
+    shades, paper = np.reshape(palette.getpalette(), (-1, 3)), last.getpixel((0, 0))
+    shades[np.abs(shades - paper).max(axis=1) < ALIKE] = paper
+    palette.putpalette(shades.ravel().tolist())
+    for picture in film.frames(progress):
+        yield Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE)
+
+
+_WRITERS = {"gif": _write_gif, "html": _write_page, "mp4": _write_mp4}

@@ -1,0 +1,61 @@
+"""Results in a notebook: a picture, where there is one, above the table."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+
+from matplotlib.figure import Figure
+
+from ..report import as_html, solution_table, sweep_table
+from ..solution import Solution
+from ..sweeping import SweepResult
+from .families import sweep
+from .page import headline, overview
+from .quantities import parameter
+
+DOTS_PER_INCH = 90
+MORE = "to_csv writes all, save keeps them"
+
+
+def solution_html(solution: Solution) -> str:
+    """Overview and table of a solution."""
+    try:
+        picture = _image(overview(solution), headline(solution))
+    except ValueError:  # it lasts no time
+        picture = ""
+    return picture + as_html(solution_table(solution))
+
+
+def sweep_html(result: SweepResult) -> str:
+    """Curve or map, and table of a family."""
+    varied = [(*axis, _unit(result, axis.name)) for axis in result.axes]
+    return _family(result) + as_html(sweep_table(result, varied, MORE))
+
+
+def _unit(result: SweepResult, path: str) -> str:
+    """Unit of what varies, as tables write it."""
+    unit = parameter(result.system, path).unit.removeprefix("1")
+    return unit.replace("²", "^2").replace("³", "^3")
+
+
+def _family(result: SweepResult) -> str:
+    """Picture of e, or of the last body's velocity; none of a family with three axes, or none."""
+    for quantity in ("restitution", f"velocity_after.{len(result.system.bodies) - 1}"):
+        try:
+            ax = sweep(result, quantity=quantity).ax
+        except ValueError:
+            continue
+        assert isinstance(ax.figure, Figure)
+        return _image(ax.figure, f"{quantity} over {', '.join(result.parameters)}")
+    return ""
+
+
+def _image(figure: Figure, said: str) -> str:
+    """A figure as HTML that needs no file."""
+    memory = io.BytesIO()
+    figure.savefig(memory, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
+    data = base64.b64encode(memory.getvalue()).decode()
+    return (f'<img src="data:image/png;base64,{data}" alt="{html.escape(said)}" '
+            'style="max-width: 100%">')

@@ -1,0 +1,164 @@
+"""What a strain gauge records, and the pulses in it: exact steps, nothing sampled.
+
+Of very many steps the least and the largest in each of a thousand intervals are drawn.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle, StepPatch
+
+from ..gauges import Gauge
+from ..signals import Floats
+from .scales import Scale, engineering, time_scale
+from .style import colours, dress, legend_above, new_axes, styled
+from .thinning import telling
+
+BOLD_UP_TO = 200  # steps of a record of strain
+MICROSTRAIN = (1e-8, 0.1)  # largest strains for which it is the unit to use
+MICROSECONDS = (1e-6, 0.05)  # the same for times, s
+FAINTEST = 0.01  # of the largest strain that a wave carries: less is no pulse
+
+
+class GaugeRecord(NamedTuple):
+    """Artists of a strain gauge's record; `windows` are shaded, by name."""
+
+    ax: Axes
+    strain: StepPatch
+    rightward: StepPatch
+    leftward: StepPatch
+    transmitted: StepPatch | None
+    windows: dict[str, Rectangle]
+
+
+@styled
+def gauge(
+    record: Gauge, ax: Axes | None = None, transmitted: Gauge | None = None
+) -> GaugeRecord:
+    """Draw the record of a strain gauge, with the two waves it is made of and the pulses in it.
+
+    The first wave to pass is the incident pulse, the first that then runs the other way the
+    reflected one; the first to pass a second gauge, beyond the specimen, is the transmitted one.
+    The incident pulse lasts as long as that wave carries more than a hundredth of the largest
+    strain that a wave brings there; the windows of the others begin when they arrive and are as
+    long. Each is shaded on the side of its sign. A bar that vibrates at t = 0 has no such pulses.
+
+    Strain is given in microstrain and time in microseconds, or in another power of ten if that
+    would be out of proportion.
+
+    Parameters
+    ----------
+    record : Gauge
+        From `Solution.gauge`.
+    ax : Axes, optional
+        By default the Axes of a new figure.
+    transmitted : Gauge, optional
+        Record of a gauge on the bar beyond the specimen, of the same solution.
+
+    Returns
+    -------
+    GaugeRecord
+
+    Raises
+    ------
+    ValueError
+        If the record lasts no time.
+
+    Examples
+    --------
+    The pulse of a striker is twice as long as the striker:
+
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> bars = [ri.Rod(0.2, area=1e-4, material=steel, velocity=10.0),
+    ...         ri.Rod(1.0, area=1e-4, material=steel)]
+    >>> picture = ri.plot.gauge(ri.solve(ri.System(bars)).gauge(1, 0.5))
+    >>> window = picture.windows["incident"]
+    >>> print(f"{window.get_width():.2f} {2e6 * bars[0].transit_time:.2f}")
+    79.25 79.25
+    """
+    ax = ax or new_axes(5.6, 3.0)
+    records = [record] if transmitted is None else [record, transmitted]
+    usual = MICROSECONDS[0] <= record.end < MICROSECONDS[1]
+    time = Scale(1e6, "time t", "µs") if usual else time_scale(record.end)
+    largest = max(float(np.abs(r.strain).max()) for r in records)
+    usual = largest == 0 or MICROSTRAIN[0] <= largest < MICROSTRAIN[1]
+    scale = Scale(1e6, "strain", "microstrain") if usual else engineering("strain", largest, "")
+
+    def steps(of: Gauge, values: Floats, name: str, **how: Any) -> StepPatch:
+        inside = of.times < of.end
+        kept = telling(values[inside])
+        edges = np.append(of.times[inside][kept], of.end) * time.factor
+        return ax.stairs(values[inside][kept] * scale.factor, edges, baseline=None, label=name,
+                         **how)
+
+    faint, series = colours().faint, colours().series
+    shades = {"incident": series[0], "reflected": series[1], "transmitted": series[3]}
+    width = 5.0 if record.times.size <= BOLD_UP_TO else 2.5
+    strain = steps(record, record.strain, "strain", color=faint, linewidth=width, zorder=1)
+    rightward = steps(record, record.rightward, "wave running right", color=series[0],
+                      linewidth=1.4)
+    leftward = steps(record, record.leftward, "wave running left", color=series[1],
+                     linestyle="--", linewidth=1.4)
+    beyond = None if transmitted is None else steps(
+        transmitted, transmitted.strain, "transmitted strain", color=series[3],
+        linestyle="-.", linewidth=1.4)
+    ax.axhline(0.0, color=faint, linewidth=0.6, zorder=0)
+    ax.set_xlim(0, record.end * time.factor)
+    low, high = ax.get_ylim()
+    ax.set_ylim(low, high)
+    windows = {
+        pulse.name: Rectangle(
+            (pulse.start * time.factor, 0.0), (pulse.stop - pulse.start) * time.factor,
+            high if pulse.tension else low, color=shades[pulse.name], alpha=0.18, linewidth=0,
+            zorder=0, label=pulse.name)
+        for pulse in _pulses(record, transmitted)
+    }
+    for window in windows.values():
+        ax.add_patch(window)
+    ax.set_xlabel(time.label)
+    ax.set_ylabel(scale.label)
+    lines = [strain, rightward, leftward, *([] if beyond is None else [beyond])]
+    legend_above(ax, [*lines, *windows.values()])
+    dress(ax)
+    return GaugeRecord(ax, strain, rightward, leftward, beyond, windows)
+
+
+class _Pulse(NamedTuple):
+    """When a wave passes a gauge, s, and whether it stretches the bar."""
+
+    start: float
+    stop: float
+    tension: bool
+    name: str
+
+
+def _pulses(record: Gauge, transmitted: Gauge | None) -> list[_Pulse]:
+    """The pulses in one record, or two."""
+    passing = [_pulse(record, wave, "incident") for wave in (record.rightward, record.leftward)]
+    incident, reflected = sorted(passing, key=lambda pulse: pulse.start)
+    others = [reflected._replace(name="reflected")]
+    if transmitted is not None:
+        waves = transmitted.rightward, transmitted.leftward
+        others.append(min(_pulse(transmitted, wave, "transmitted") for wave in waves))
+    if any(pulse.start == 0 for pulse in others):
+        return []
+    last = incident.stop - incident.start
+    found = [incident, *(p._replace(stop=min(p.start + last, record.end)) for p in others)]
+    return [pulse for pulse in found if pulse.start < record.end]
+
+
+def _pulse(record: Gauge, wave: Floats, name: str) -> _Pulse:
+    """The first time a wave is more than faint; it begins at the end if it never is."""
+    largest = max(np.abs(record.rightward).max(), np.abs(record.leftward).max())
+    strong = np.abs(wave) > FAINTEST * largest
+    if not strong.any():
+        return _Pulse(record.end, record.end, False, name)
+    first = int(strong.argmax())
+    quiet = first + np.flatnonzero(~strong[first:])
+    stop = float(record.times[quiet[0]]) if quiet.size else record.end
+    here = wave[first : quiet[0] if quiet.size else None]
+    return _Pulse(float(record.times[first]), stop, bool(here[np.abs(here).argmax()] > 0), name)

@@ -1,0 +1,393 @@
+"""Moving pictures: every frame shows the row and its past, and files are whole or not there."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+import json
+import re
+import stat
+import sys
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+from PIL import Image
+
+import rodimpact as ri
+from rodimpact import plot
+from rodimpact.cli import main
+from rodimpact.plot.style import DIVERGING, LOOKS
+
+STEEL = ri.materials.steel
+C = STEEL.wave_speed
+CASE = """\
+schema = 1
+[[bodies]]
+kind = "rod"
+length = 0.4
+area = 1e-4
+material = "steel"
+velocity = 1.0
+[[bodies]]
+kind = "rod"
+length = 1.0
+area = 1e-4
+material = "steel"
+"""
+
+
+def rod(length=1.0, velocity=0.0, area=1e-4, **kwargs):
+    return ri.Rod(length, area=area, material=STEEL, velocity=velocity, **kwargs)
+
+
+ROWS = {
+    "unequal": (ri.System([rod(0.4, 1.0), rod()]), {}),
+    "chain": (ri.System([rod(0.3, 1.0), *[rod(0.3)] * 4]), {}),
+    "walls": (ri.System([ri.Wall(1.0), rod(0.3), rod(0.2, area=3e-4), ri.Wall()],
+                        gaps=[1e-5, 2e-5, 2e-5]), {"until": 3e-4}),
+    "single": (ri.System([rod(0.5, 1.0)]), {"until": 2e-4}),
+    "masses": (ri.System([ri.RigidMass(0.1, velocity=2.0), rod(0.4), ri.RigidMass(0.2), rod(0.2)],
+                         contacts=[ri.Hertz(1e10), ri.Bonded(), ri.Rigid()],
+                         ends=(ri.Free(), ri.Absorbing())), {"until": 3e-4, "dt": 1e-6}),
+    "driven": (ri.System([rod(0.4)], ends=(ri.Velocity(1.0), ri.Fixed())),
+               {"until": 2e-4, "dt": 1e-6, "method": "characteristics"}),
+}
+every_row = pytest.mark.parametrize("name", ROWS)
+
+
+@pytest.fixture(scope="module")
+def solved():
+    return {name: ri.solve(system, **how) for name, (system, how) in ROWS.items()}
+
+
+@pytest.fixture(scope="module")
+def film(solved):
+    with plot.look("light", width=120):
+        return plot.animation(solved["unequal"], frames=7, fps=10)
+
+
+def pixel(film, ax, x, y):
+    """Row and column of a point of an Axes in a frame."""
+    across, up = ax.transData.transform((x, y))
+    return round(film.figure.bbox.height - up), round(across)
+
+
+def colours(film, field):
+    """From SI values to what the frame should show."""
+    bar = next(ax for ax in film.figure.axes if ax.get_ylabel().startswith(field))
+    low, high = bar.get_ylim()
+    factor = {"m/s": 1.0, "MPa": 1e-6}[re.search(r"\((.*)\)", bar.get_ylabel())[1]]
+    return lambda value: np.array(DIVERGING((value * factor - low) / (high - low))[:3]) * 255
+
+
+# Frames -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("field", ["velocity", "stress"])
+def test_rods_are_where_they_are_in_the_colour_of_their_state(solved, field):
+    solution = solved["unequal"]
+    film = plot.animation(solution, field, frames=9, magnification=1.0)
+    expected, ax = colours(film, field), film.figure.axes[0].get_shared_x_axes()
+    below = film.figure.axes[0]
+    row = next(a for a in film.figure.axes if ax.joined(a, below) and a is not below)
+    for number in (1, 3, 6):
+        picture, t = film.frame(number).astype(float), film.times[number]
+        for body, x in ((0, 0.07), (0, 0.29), (1, 0.11), (1, 0.53), (1, 0.87)):
+            place = float(solution.position(body, x, t))
+            shown = picture[pixel(film, row, place, 0.1)]
+            value = float(getattr(solution, field)(body, x, t))
+            assert shown == pytest.approx(expected(value), abs=3)
+
+
+def test_displacements_are_magnified_and_the_factor_is_told(solved):
+    solution = solved["unequal"]
+    film = plot.animation(solution, frames=3, magnification=1000.0)
+    texts = [t.get_text() for ax in film.figure.axes for t in ax.texts]
+    assert any("displacements \N{MULTIPLICATION SIGN} 1000" in text for text in texts)
+    assert any("exaggerated" in text for text in texts)
+    below = film.figure.axes[0]
+    row = next(a for a in film.figure.axes
+               if below.get_shared_x_axes().joined(a, below) and a is not below)
+    picture = film.frame(2)
+    gap = 1000 * float(solution.contacts[0].gap(film.times[2]))
+    right = 0.4 + 1000 * float(solution.displacement(0, 0.4, film.times[2]))
+    inside = picture[pixel(film, row, right + gap / 2, 0.0)]
+    assert tuple(inside) == (255, 255, 255)
+    assert tuple(picture[pixel(film, row, right - 0.02, 0.1)]) != (255, 255, 255)
+
+
+def test_the_future_is_hidden_and_the_past_is_that_of_the_end(film):
+    below = film.figure.axes[0]
+    last = film.frame(6)
+    box = below.get_window_extent()
+    left, right = int(box.x0) + 3, int(box.x1) - 3
+    for number in (1, 4):
+        picture = film.frame(number)
+        line, _ = pixel(film, below, 0.0, film.times[number] * 1e6)
+        top = int(film.figure.bbox.height - box.y1) + 2
+        assert np.all(picture[top : line - 3, left:right] == 255)
+        bottom = int(film.figure.bbox.height - box.y0) - 3
+        assert np.array_equal(picture[line + 4 : bottom, left:right],
+                              last[line + 4 : bottom, left:right])
+        assert np.ptp(picture[line + 4 : bottom, left:right]) > 200
+
+
+def test_frames_may_be_asked_for_in_any_order(film):
+    first = film.frame(2)
+    film.frame(6)
+    assert np.array_equal(film.frame(2), first)
+
+
+def test_the_clock_goes_from_start_to_stop(solved):
+    film = plot.animation(solved["unequal"], frames=3, start=1e-4, stop=2e-4)
+    assert [film.clock(i) for i in range(3)] == ["t = 100 µs", "t = 150 µs", "t = 200 µs"]
+    assert film.figure.axes[0].get_ylim() == pytest.approx((100, 200))
+
+
+@every_row
+def test_every_row_moves(solved, name):
+    with plot.look("dark" if name in ("walls", "masses") else "light", width=160):
+        film = plot.animation(solved[name], "stress", frames=3)
+    frames = list(film.frames())
+    assert [frame.shape for frame in frames] == [frames[0].shape] * 3
+    assert not np.array_equal(frames[0], frames[1])
+    paper = np.round(np.array(to_rgb(film.colours.paper)) * 255)
+    assert np.array_equal(frames[0][0, 0], paper)
+    assert film.colours == LOOKS["dark" if name in ("walls", "masses") else "light"]
+    forces = [ax for ax in film.figure.axes if ax.get_xlabel().startswith("contact force")]
+    assert len(forces) == (name not in ("single", "driven"))
+
+
+def test_a_run_with_too_many_regions_is_shown_in_part(solved, monkeypatch):
+    monkeypatch.setattr("rodimpact.plot.polygons.REGIONS", 8)
+    solution = solved["unequal"]
+    film = plot.animation(solution, frames=2)
+    assert film.times[-1] < solution.t_end
+    texts = [t.get_text() for ax in film.figure.axes for t in ax.texts]
+    assert any(re.search(r"first \d+ µs of 555 µs", text) for text in texts)
+
+
+@pytest.mark.parametrize(("wrong", "named"), [
+    ({"field": "energy"}, 'field: must be one of "velocity", "stress", "strain"'),
+    ({"frames": 1}, "frames: must be a whole number from 2 to 10000"),
+    ({"frames": 2.5}, "frames"),
+    ({"fps": 51}, "fps: must be 1 to 50"),
+    ({"fps": float("nan")}, "fps"),
+    ({"stop": 0.0}, "stop: must be later than start"),
+    ({"stop": 1.0}, "t: must lie in the solution"),
+    ({"magnification": -1.0}, "magnification"),
+])
+def test_wrong_arguments_are_named(solved, wrong, named):
+    with pytest.raises(ValueError, match=named):
+        plot.animation(solved["unequal"], **wrong)
+
+
+# Files ------------------------------------------------------------------------------------------
+
+
+def alike(a, b):
+    """Whether two pictures hardly differ; a file has 255 colours."""
+    return np.abs(a.astype(int) - b.astype(int)).mean() < 1.0
+
+
+def test_a_gif_shows_every_frame_in_its_time_again_and_again(film, tmp_path):
+    plot.save(film, tmp_path / "a.gif")
+    plot.save(film, tmp_path / "b.GIF")
+    assert (tmp_path / "a.gif").read_bytes() == (tmp_path / "b.GIF").read_bytes()
+    with Image.open(tmp_path / "a.gif") as shown:
+        assert shown.n_frames == 7
+        assert shown.info["loop"] == 0
+        for number in range(7):
+            shown.seek(number)
+            assert shown.info["duration"] == 100
+            picture = np.asarray(shown.convert("RGB"))
+            assert alike(picture, film.frame(number))
+            assert tuple(picture[0, 0]) == (255, 255, 255)
+
+
+def test_the_page_holds_all_frames_and_asks_for_nothing(film, tmp_path):
+    film.save(tmp_path / "film.html")
+    text = (tmp_path / "film.html").read_text(encoding="utf-8")
+    words = re.sub(r'"[A-Za-z0-9+/=]{200,}"', "", text)
+    assert len(words) < 5000
+    assert not re.search(r"https?:|//[a-z]|<link|url\(|\{[a-z]+\}", words)
+    assert re.findall(r'src=|src = "[^"]*"', text) == ['src = "data:image/png;base64,"']
+    assert json.loads(re.search(r"clocks = (\[.*?\]);", text)[1]) == [
+        film.clock(i) for i in range(7)]
+    data = re.search(r"pictures = \[\n(.*?)\]\.map", text, re.DOTALL)[1]
+    frames = [Image.open(io.BytesIO(base64.b64decode(frame)))
+              for frame in re.findall('"([^"]+)"', data)]
+    assert len(frames) == 7
+    page = Image.new("RGBA", frames[0].size)
+    for number, frame in enumerate(frames):
+        page.alpha_composite(frame.convert("RGBA"))
+        assert alike(np.asarray(page)[..., :3], film.frame(number))
+    assert 'aria-label="2 rods, closing speed 1 m/s' in text
+
+
+def test_a_notebook_plays_it(film):
+    shown = re.fullmatch(r'<iframe srcdoc="(.*?)" width=.*</iframe>', film._repr_html_(),
+                         re.DOTALL)
+    assert html.unescape(shown[1]).startswith("<!doctype html>")
+
+
+def test_progress_counts_the_frames(film, tmp_path):
+    seen = []
+    film.save(tmp_path / "film.gif", progress=lambda done, total: seen.append((done, total)))
+    assert seen == [(i, 7) for i in range(1, 8)]
+
+
+@pytest.mark.parametrize("suffix", ["gif", "html"])
+def test_an_interruption_leaves_no_file(film, tmp_path, suffix):
+    def interrupt(done, total):
+        if done == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        film.save(tmp_path / f"film.{suffix}", progress=interrupt)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_that_is_there_is_kept(film, tmp_path):
+    target = tmp_path / "film.gif"
+    target.write_text("mine")
+    with pytest.raises(FileExistsError):
+        film.save(target)
+    assert target.read_text() == "mine"
+    film.save(target, force=True)
+    assert target.read_bytes().startswith(b"GIF89a")
+
+
+def test_other_suffixes_are_refused(film, tmp_path):
+    for name in ("film.png", "film"):
+        with pytest.raises(ValueError, match=r"\.gif, \.html, \.mp4"):
+            plot.save(film, tmp_path / name)
+
+
+def stand_in(folder, monkeypatch, program):
+    """A program in Python that is found under the name of ffmpeg."""
+    path = folder / "ffmpeg"
+    path.write_text(f"#!{sys.executable}\nimport sys\n{program}\n")
+    path.chmod(path.stat().st_mode | stat.S_IXUSR)
+    monkeypatch.setenv("PATH", str(folder))
+
+
+def test_an_mp4_is_made_by_ffmpeg_from_the_frames(film, tmp_path, monkeypatch):
+    stand_in(tmp_path, monkeypatch, """
+data = sys.stdin.buffer.read()
+open(sys.argv[-1], "wb").write(" ".join(sys.argv[1:]).encode() + b"|" + data)""")
+    film.save(tmp_path / "film.mp4")
+    said, _, data = (tmp_path / "film.mp4").read_bytes().partition(b"|")
+    height, width, _ = film.frame(0).shape
+    assert f"-s {width}x{height} -r 10 ".encode() in said
+    assert data == b"".join(frame.tobytes() for frame in film.frames())
+
+
+def test_what_ffmpeg_complains_of_is_told(film, tmp_path, monkeypatch):
+    stand_in(tmp_path, monkeypatch, 'sys.stderr.write("no such codec"); sys.exit(1)')
+    with pytest.raises(OSError, match=r"film\.mp4.*ffmpeg failed: no such codec"):
+        film.save(tmp_path / "film.mp4")
+    assert [path.name for path in tmp_path.iterdir()] == ["ffmpeg"]
+
+
+def test_an_interruption_ends_ffmpeg(film, tmp_path, monkeypatch):
+    stand_in(tmp_path, monkeypatch, "sys.stdin.buffer.read()")
+
+    def interrupt(done, total):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        film.save(tmp_path / "film.mp4", progress=interrupt)
+    assert [path.name for path in tmp_path.iterdir()] == ["ffmpeg"]
+
+
+# Command line -----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def case(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    (tmp_path / "case.toml").write_text(CASE)
+    return tmp_path
+
+
+def animate(*arguments):
+    return main(["animate", "case.toml", *arguments])
+
+
+def test_the_command_makes_the_film(case, capsys):
+    assert animate("-o", "film.gif", "--frames", "4", "--fps", "20", "--field", "stress",
+                   "--dark", "--until", "0.2 ms") == 0
+    out, err = capsys.readouterr()
+    assert out == "4 frames from 0 s to 200 us, 0.2 s to watch: film.gif\n"
+    assert err == ""
+    with Image.open("film.gif") as shown:
+        assert shown.n_frames == 4
+        assert shown.info["duration"] == 50
+        dark = np.round(np.array(to_rgb(LOOKS["dark"].paper)) * 255)
+        assert np.array_equal(np.asarray(shown.convert("RGB"))[0, 0], dark)
+
+
+def test_a_terminal_sees_how_far_it_is(case, capsys, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    assert animate("-o", "film.html", "--frames", "2") == 0
+    err = capsys.readouterr().err
+    assert err.startswith("drawing\n")
+    assert "%  [" in err
+
+
+def test_a_run_that_was_cut_short_is_shown_and_said(case, capsys):
+    text = (case / "case.toml").read_text()
+    (case / "case.toml").write_text(text + "[solve]\nuntil = 1e-3\nmax_events = 6\n")
+    assert animate("-o", "film.gif", "--frames", "2") == 3
+    assert "6 events" in capsys.readouterr().out.replace("max_events = 6", "6 events")
+    assert (case / "film.gif").exists()
+
+
+@pytest.mark.parametrize(("arguments", "said"), [
+    (["-o", "film.avi"], "--output: must end in one of .gif, .html, .mp4, got 'film.avi'"),
+    (["-o", "film.gif", "--frames", "1"], "--frames: must be a whole number from 2"),
+    (["-o", "film.gif", "--frames", "few"], "--frames: must be a positive whole number"),
+    (["-o", "film.gif", "--fps", "100"], "--fps: must be 1 to 50"),
+    (["-o", "film.gif", "--until", "soon"], "--until: "),
+    (["-o", "film.gif", "--until", "0"], "--until: must be later than start"),
+    (["-o", "film.gif", "--magnify", "0"], "--magnify: must be a positive number"),
+    (["-o", "film.gif", "--field", "heat"], "--field: invalid choice"),
+    ([], "required: -o/--output"),
+    (["-o", "case.toml"], "--output: must end in"),
+])
+def test_mistakes_are_told_and_nothing_is_made(case, capsys, arguments, said):
+    assert animate(*arguments) == 2
+    out, err = capsys.readouterr()
+    assert said in err
+    assert "Traceback" not in err
+    assert out == ""
+    assert [path.name for path in case.iterdir()] == ["case.toml"]
+
+
+def test_all_mistakes_are_told_at_once(case, capsys):
+    (case / "film.gif").write_text("mine")
+    (case / "case.toml").write_text(CASE.replace('"steel"', '"cheese"'))
+    assert animate("-o", "film.gif", "--frames", "0", "--fps", "x") == 2
+    err = capsys.readouterr().err
+    for said in ("bodies.0.material", "--frames: ", "--fps: ", "--output: "):
+        assert err.count(said) == 1
+    assert "exists already" in err
+
+
+def test_without_ffmpeg_the_remedy_is_named(case, capsys):
+    assert animate("-o", "film.mp4") == 1
+    assert "ffmpeg, which makes MP4 files, is not on the path; install it, or write a .gif" in (
+        capsys.readouterr().err)
+
+
+def test_the_command_can_be_interrupted(case, capsys, monkeypatch):
+    def interrupted(self, path, **_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("rodimpact.plot.moving.Animation.save", interrupted)
+    assert animate("-o", "film.gif", "--frames", "2") == 130
+    assert "interrupted" in capsys.readouterr().err

@@ -1,0 +1,74 @@
+"""What a notebook shows of a result: its picture, where there is one, and its table."""
+
+from __future__ import annotations
+
+import base64
+import io
+import re
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import rodimpact as ri
+
+STEEL = ri.materials.steel
+
+
+def rod(length=1.0, velocity=0.0, area=1e-4):
+    return ri.Rod(length, area=area, material=STEEL, velocity=velocity)
+
+
+def picture(html):
+    """The picture in it, if there is one, and the words that stand for it."""
+    found = re.search(r'<img src="data:image/png;base64,([^"]+)" alt="([^"]*)"', html)
+    return found and (Image.open(io.BytesIO(base64.b64decode(found[1]))), found[2])
+
+
+def table(html):
+    return re.search(r"<pre>(.*)</pre>$", html, re.DOTALL)[1]
+
+
+LENGTHS = np.linspace(0.2, 1.0, 5)
+FAMILIES = {
+    "curve": (ri.System([rod(LENGTHS, 1.0), rod()]), "restitution over bodies.0.length"),
+    "map": (ri.System([rod(LENGTHS[:, None], 1.0), rod(area=np.array([1e-4, 2e-4]))]),
+            "restitution over bodies.0.length, bodies.1.area"),
+    "chain": (ri.System([rod(LENGTHS, 1.0), rod(), rod()]),
+              "velocity_after.2 over bodies.0.length"),
+    "three axes": (ri.System([rod(LENGTHS[:, None, None], LENGTHS[:2, None]),
+                              rod(area=np.array([1e-4, 2e-4]))]), None),
+    "one": (ri.System([rod(0.4, 1.0), rod()]), None),
+}
+
+
+def test_a_solution_shows_its_overview_and_its_table():
+    solution = ri.solve(ri.System([rod(0.4, 1.0), rod()]))
+    html = solution._repr_html_()
+    shown, said = picture(html)
+    assert shown.width > shown.height > 500
+    assert said.startswith("2 rods, closing speed 1 m/s, restitution e = 0.4")
+    assert "coefficient of restitution e              0.4" in table(html)
+
+
+def test_a_solution_that_lasts_no_time_shows_its_table():
+    solution = ri.solve(ri.System([rod(0.4, 1.0), rod()]), until=0.0)
+    html = solution._repr_html_()
+    assert picture(html) is None
+    assert "run to" in table(html)
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_a_family_shows_a_picture_where_one_can_be_drawn_and_its_table(name):
+    system, expected = FAMILIES[name]
+    html = ri.sweep(system)._repr_html_()
+    found = picture(html)
+    assert (found and found[1]) == expected
+    assert "collisions" in table(html)
+
+
+def test_the_table_of_a_family_has_units_and_says_where_the_rest_is():
+    areas = np.linspace(1e-4, 2e-4, 30)
+    text = table(ri.sweep(ri.System([rod(0.4, 1.0), rod(area=areas)]))._repr_html_())
+    assert "0.0001 m^2" in text
+    assert "12 of 30; to_csv writes all, save keeps them" in text

@@ -1,0 +1,102 @@
+"""Records of strain gauges: the pulses in them are shaded when and as long as they pass."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import rodimpact as ri
+from rodimpact import plot
+
+STEEL = ri.materials.steel
+C = STEEL.wave_speed
+
+
+def rod(length=1.0, velocity=0.0, area=1e-4, **kwargs):
+    return ri.Rod(length, area=area, material=STEEL, velocity=velocity, **kwargs)
+
+
+def draw(record, **kwargs):
+    return plot.gauge(record, Figure(figsize=(5, 4)).add_subplot(), **kwargs)
+
+
+def spans(picture):
+    """By name: when a window begins and ends, in µs, and on which side of 0 it lies."""
+    return {name: (w.get_x(), w.get_x() + w.get_width(), np.sign(w.get_height()))
+            for name, w in picture.windows.items()}
+
+
+def legend(picture):
+    return [text.get_text() for text in picture.ax.get_legend().get_texts()]
+
+
+def test_incident_and_reflected_pulse_of_a_struck_bar():
+    solution = ri.solve(ri.System([rod(0.2, 10.0), rod()]), 6e-4)
+    picture = draw(solution.gauge(1, 0.4))
+    found = spans(picture)
+    assert found["incident"] == pytest.approx((0.4e6 / C, 0.8e6 / C, -1))
+    assert found["reflected"] == pytest.approx((1.6e6 / C, 2.0e6 / C, 1))
+    assert legend(picture) == [
+        "strain", "wave running right", "wave running left", "incident", "reflected"]
+
+
+def test_the_striker_may_come_from_the_right():
+    solution = ri.solve(ri.System([rod(), rod(0.2, -10.0)]), 6e-4)
+    found = spans(draw(solution.gauge(0, 0.6)))
+    assert found["incident"] == pytest.approx((0.4e6 / C, 0.8e6 / C, -1))
+    assert found["reflected"] == pytest.approx((1.6e6 / C, 2.0e6 / C, 1))
+
+
+def test_transmitted_pulse_beyond_a_specimen():
+    bars = [rod(0.2, 10.0), rod(), rod(0.02, area=2e-5), rod()]
+    solution = ri.solve(ri.System(bars), 5e-4)
+    picture = draw(solution.gauge(1, 0.5), transmitted=solution.gauge(3, 0.3))
+    found = spans(picture)
+    assert found["incident"] == pytest.approx((0.5e6 / C, 0.9e6 / C, -1))
+    assert found["reflected"] == pytest.approx((1.5e6 / C, 1.9e6 / C, 1))
+    assert found["transmitted"] == pytest.approx((1.32e6 / C, 1.72e6 / C, -1), rel=2e-3)
+    drawn = picture.transmitted.get_data().values
+    assert drawn.min() == pytest.approx(1e6 * solution.gauge(3, 0.3).strain.min())
+    assert "transmitted strain" in legend(picture)
+
+
+def test_on_a_time_step_the_windows_are_the_same():
+    bars = ri.System([rod(0.2, 10.0), rod(), rod()], contacts=[ri.Rigid(), ri.Spring(4e8)])
+    solution = ri.solve(bars, 4.5e-4, dt=1e-7)
+    found = spans(draw(solution.gauge(1, 0.5), transmitted=solution.gauge(2, 0.5)))
+    assert found["incident"] == pytest.approx((0.5e6 / C, 0.9e6 / C, -1), abs=0.3)
+    assert found["reflected"] == pytest.approx((1.5e6 / C, 1.9e6 / C, 1), abs=0.5)
+    assert found["transmitted"][:2] == pytest.approx((1.5e6 / C, 1.9e6 / C), abs=1.0)
+
+
+def test_windows_end_with_the_record():
+    solution = ri.solve(ri.System([rod(0.5, 10.0), rod()]), 3.2e-4)
+    found = spans(draw(solution.gauge(1, 0.5)))
+    assert found["incident"] == pytest.approx((0.5e6 / C, 1.5e6 / C, -1))
+    assert found["reflected"] == pytest.approx((1.5e6 / C, 320, 1))
+    early = ri.solve(ri.System([rod(0.5, 10.0), rod()]), 1.5e-4)
+    assert list(draw(early.gauge(1, 0.5)).windows) == ["incident"]
+
+
+@pytest.mark.parametrize("system", [
+    ri.System([rod(strain=ri.Steps([1e-4, 0.0], at=[0.5])), rod()]),  # the bar vibrates
+    ri.System([rod(velocity=-1.0), rod()]),                           # nothing collides
+])
+def test_where_there_is_no_pulse_nothing_is_shaded(system):
+    picture = draw(ri.solve(system, 3e-4).gauge(0, 0.3))
+    assert picture.windows == {}
+    assert len(legend(picture)) == 3
+
+
+def test_a_gauge_at_a_free_end_has_windows_too():
+    solution = ri.solve(ri.System([rod(0.2, 10.0), rod()]), 6e-4)
+    assert spans(draw(solution.gauge(1, 1.0)))["incident"][0] == pytest.approx(1e6 / C)
+
+
+def test_microseconds_as_long_as_they_are_in_proportion():
+    solution = ri.solve(ri.System([rod(0.2, 10.0), rod()]), 4e-3)
+    assert draw(solution.gauge(1, 0.4)).ax.get_xlabel() == "time t (µs)"
+    assert draw(solution.gauge(1, 0.4)).ax.get_xlim()[1] == pytest.approx(4000)
+    slow = ri.solve(ri.System([rod(0.2, 10.0), rod()]), 0.06)
+    assert draw(slow.gauge(1, 0.4)).ax.get_xlabel() == "time t (ms)"
