@@ -230,19 +230,16 @@ def _episodes_of_steps(
 ) -> tuple[Episode, ...]:
     """Touchings that carried force: from the first force to the first step that ends with a gap.
 
-    Gaps of at most `least` count only if they grow beyond it before the next force.
+    A gap begins where it passes `least`, if it does so before the next force.
     """
     pressing = np.flatnonzero(force > 0)
-    opened = np.flatnonzero((force <= 0) & (gap[1:] > 0))
+    opened = np.flatnonzero((force <= 0) & (gap[1:] > least))
     found, j = [], 0
     while j < len(pressing):
-        start, after = int(pressing[j]), j
-        while True:
-            k = int(np.searchsorted(opened, pressing[after]))
-            end = int(opened[k]) if k < len(opened) else len(force)
-            after = int(np.searchsorted(pressing, end))
-            if after == len(pressing) or gap[end + 1 : pressing[after] + 1].max() > least:
-                break
+        start = int(pressing[j])
+        k = int(np.searchsorted(opened, start))
+        end = int(opened[k]) if k < len(opened) else len(force)
+        after = int(np.searchsorted(pressing, end))
         last = int(pressing[after - 1]) + 1
         running = last == len(force)
         opening = end * step if k < len(opened) else np.nan

@@ -64,10 +64,12 @@ def regions_of(
     Raises
     ------
     ValueError
-        If there are more regions than `limit`, or the interval is empty or outside the solution.
+        If there are more regions than `limit`, the interval is empty or outside the solution, or
+        the method has no fronts.
     """
     fields = solution.fields
-    assert isinstance(fields, WaveFields)
+    if not isinstance(fields, WaveFields):
+        raise ValueError(f'solution: method "{solution.method}" has no fronts to draw between')
     first_tick = int(fields.to_ticks(start))
     last_tick = fields.end if stop is None else int(fields.to_ticks(stop))
     if last_tick <= first_tick:

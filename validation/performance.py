@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import rodimpact as ri
-from rodimpact.methods import characteristics, families, fronts, kernels
+from rodimpact.methods import characteristics, families, finite_difference, fronts, kernels
 from rodimpact.methods.assembly import Blueprint, start
 from rodimpact.methods.front_kernel import (
     CAP,
@@ -36,8 +36,11 @@ from rodimpact.methods.front_kernel import (
     Log,
     play,
 )
+from rodimpact.methods.mesh import Mesh
+from rodimpact.methods.plan import Plan
 
 CASE = Path(__file__).parent / "cases" / "unequal-rods.toml"
+STEEL = ri.materials.steel
 UNIT_MATERIAL = ri.Material("one", youngs_modulus=1.0, density=1.0)
 TOLERANCE, WINDOW = 2.0**-48, 1 << 9
 UNIT = 2**40  # ticks
@@ -252,7 +255,7 @@ def row_on_steps(law: Any, steps: int = 1_000_000) -> float:
     rods = [ri.Rod(step * n, area=1 + 0.1 * n, material=UNIT_MATERIAL, velocity=8 / n - 0.7)
             for n in lengths]
     system = ri.System([ri.Wall(), *rods, ri.Wall()], gaps=[0.05] * 6, contacts=[law] * 6)
-    plan, spans = characteristics.Plan(system), []
+    plan, spans = Plan(system), []
     for _ in range(4):
         machine = characteristics.Machine(plan, list(lengths), step, steps)
         begin = time.perf_counter()
@@ -267,7 +270,7 @@ def cell_on_grid(material: ri.Material, lateral: bool = False, steps: int = 20_0
     moment = "circular" if lateral else None
     rods = [ri.Rod(1.0, area=1e-4, material=material, velocity=v, polar_moment=moment)
             for v in (1.0, 0.0)]
-    mesh = Mesh(finite_difference.Plan(ri.System(rods)), [400, 400])
+    mesh = Mesh(Plan(ri.System(rods)), [400, 400])
     step = finite_difference.COURANT / 400 / float(material.wave_speed)
     machine = finite_difference.Machine(mesh, step, finite_difference.Keeper(4), 8 * steps)
     spans = []

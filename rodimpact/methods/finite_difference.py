@@ -49,6 +49,7 @@ from .plan import Array, Plan
 from .refinement import MEASURES, TooLong, contact_measures, refined
 
 TOLERANCE = 2.0**-40  # of the velocities, below which contacts graze: round-off of many steps
+SPECK = 1.0  # of what bodies cover in a step: a smaller gap is no opening, but dispersed waves
 RTOL = 1e-3
 COURANT = 0.999
 FIRST = 100  # fewest cells of the longest transit
@@ -130,8 +131,8 @@ class GridRun:
 
     @property
     def resolved(self) -> float:
-        """Gap that counts as an opening, m: what bodies cover in a step."""
-        return self.plan.scale * self.step
+        """Gap that counts as an opening, m."""
+        return SPECK * self.plan.scale * self.step
 
     def contact(self, contact: int) -> tuple[Array, Array]:
         """Mean force in each step, N, and gap at its end, m; of a contact that can open."""
@@ -216,7 +217,7 @@ class Machine:
         self.states = keep.make(self, room)
         self.clock = _whole([0, 0, 0])
         self.taken = 0
-        self.tol, self.speck = TOLERANCE * plan.scale, plan.scale
+        self.tol, self.speck = TOLERANCE * plan.scale, SPECK * plan.scale
 
     # Laying out ---------------------------------------------------------------------------------
 
