@@ -1421,3 +1421,27 @@ def test_clamped_bar():
     solution = solved("clamped-bar")
     assert solution.contacts[0].episodes == ((1.0, 2.0, 2.0), (4.0, 5.0, 5.0))
     assert solution.velocity(1, 0.3, 2.9) == solution.velocity(1, 0.3, 5.9)
+
+
+def test_lossy_rods():
+    solution = solved("lossy-rods")
+    assert solution.outcome.restitution == pytest.approx(0.4, abs=1e-4)
+    found = solution.ring_down()
+    assert found.vibration[0] == pytest.approx(54.75e-3, rel=1e-3)
+    assert found.vibration[-1] < 1e-6 * found.rigid
+    assert found.rigid == pytest.approx(62.8e-3, rel=1e-4)
+    assert found.frequency == pytest.approx(2524, rel=1e-3)
+    assert found.modal_decay_time == pytest.approx(1.249e-3, rel=1e-3)
+    assert found.decay_time == pytest.approx(found.modal_decay_time, rel=1e-2)
+    assert found.momentum_change < 1e-13
+    assert "falls to 1/e in" in str(found)
+
+
+def test_horn():
+    case = read_case(CASES / "horn.toml")
+    solution = ri.solve(case.system, cells=300, until=1.2e-4)
+    arrival = solution.system.bodies[1].transit_time
+    struck = solution.velocity(1, 0.0, 3e-6)
+    free = solution.velocity(1, 0.5, arrival + 4e-6)
+    assert struck == pytest.approx(0.5, rel=2e-2)
+    assert free == pytest.approx(4 * struck, rel=6e-2)
