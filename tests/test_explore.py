@@ -309,3 +309,26 @@ def test_a_curve_has_holes_where_there_is_no_collision():
 def test_a_gauge_place_is_a_fraction_of_the_rod():
     design = Design.of(ri.Case(PAIR))
     assert design.gauges == (GaugePlace(1, 0.5),)
+
+
+def test_lossy_and_tapered_rods_are_shown_from_a_grid():
+    """Damping, tapers: the page solves them on few cells, in bounded time."""
+    data = {"case": {
+        "schema": 1, "materials": {"lossy": {
+            "youngs_modulus": 2e11, "density": 7850, "loss_factor": 0.05, "loss_frequency": 1e4}},
+        "bodies": [
+            {"kind": "rod", "length": 0.4, "area": 1e-4, "material": "steel", "velocity": 1.0},
+            {"kind": "rod", "length": 1.0, "area": {"samples": [1e-4, 3e-4]}, "material": "lossy"},
+        ],
+    }}
+    design = Design.parse(data)
+    page = scene(design, design.solve())
+    assert not page["exact"]
+    assert page["restitution"]["closed_form"] is None
+    energy = next(plot for plot in page["plots"] if plot["key"] == "energy")
+    kinds = {series["name"]: series["y"] for series in energy["series"]}
+    assert kinds["lost in material"][-1] > 0
+    assert dict(page["bodies"][1]["given"])["area"] == "1 to 3 cm²"
+    data["case"]["solve"] = {"until": 10.0}
+    with pytest.raises(ri.InvalidModel, match=r"solve\.until: must not exceed"):
+        Design.parse(data).solve()

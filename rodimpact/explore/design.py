@@ -27,6 +27,7 @@ MOST_EVENTS = 20_000  # fronts that arrive at an end
 MOST_STEPS = 30_000  # time steps times ends, for what fronts cannot do
 STEPS = 256  # of the longest transit, where the end of the run is given
 CELLS, MOST_CELLS = 64, 256  # of the longest transit, for the method "finite-difference"
+MOST_UPDATES = 1_000_000  # of cells, for that method
 RTOL = 1e-3
 
 
@@ -125,15 +126,23 @@ class Design:
         ]
         if chosen == "finite-difference":
             cells = min(MOST_CELLS, max(CELLS, math.ceil(4 * max(transits) / min(transits))))
-            return solve(system, until, method, max_events=MOST_STEPS, cells=cells)
+            step = max(transits) / cells
+            most = int(MOST_UPDATES * step / sum(transits))
+            _check_end(until, step * most)
+            ends = len(transits) + len(system.bodies) + 1
+            return solve(system, until, method, max_events=most * ends, cells=cells)
         if until is None:
             return solve(system, None, method, max_events=MOST_STEPS, rtol=RTOL)
         step = min(max(transits) / STEPS, min(transits) / 4)
-        longest = step * MOST_STEPS / (len(transits) + 1)
-        if until > longest:
-            message = f"must not exceed {format_si(longest, 's', 3)} on this page, got {until!r} s"
-            raise InvalidModel([("solve.until", f"{message}; rodimpact run goes on")])
+        _check_end(until, step * MOST_STEPS / (len(transits) + 1))
         return solve(system, until, method, dt=step)
+
+
+def _check_end(until: float | None, longest: float) -> None:
+    """Refuse a run that takes too long for a page."""
+    if until is not None and until > longest:
+        message = f"must not exceed {format_si(longest, 's', 3)} on this page, got {until!r} s"
+        raise InvalidModel([("solve.until", f"{message}; rodimpact run goes on")])
 
 
 def _spelt_out(name: str) -> dict[str, Any] | None:
