@@ -23,7 +23,7 @@ from rodimpact.plot.style import (
     styled,
 )
 
-from . import hertz_ends
+from . import damping, hertz_ends
 from .length_effects import chain, cradle
 
 FOLDER = Path(__file__).parent / "figures"
@@ -122,6 +122,7 @@ def main() -> None:
         "contact_episodes": contact_episodes(),
         "chains": chains(),
         "hertz_ends": hertz_ends.draw(),
+        "ring_down": damping.draw(),
     }
     for name, ax in pictures.items():
         path = FOLDER / f"{name}.svg"

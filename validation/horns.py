@@ -2,14 +2,16 @@
 
 - Cone, A ~ s^2, s the distance from the apex: s u obeys d'Alembert. With a speed V given to the
   smaller end, v = V s0/s behind the front and 0 before it, until the wave is back; with a pressure,
-  `theory.cone_velocity`, whose time integral is u = (P s0^2/(E s)) (1 - exp(-(c t - x)/s0)).
+  `theory.cone_velocity`, v = (P c s0/(E s)) exp(-(c t - x)/s0).
 - The front arrives after L/c, grown by A^(-1/2), in a cone and in an exponential horn alike: at the
   free end it doubles. Time of the passage of half of it.
 - Exponential horn, A = A0 exp(2 beta x): omega^2 = c^2 (k^2 + beta^2). Between free ends, and
   between fixed ones, k = n pi/L, and u = exp(-beta x) (cos k x + (beta/k) sin k x) or
   exp(-beta x) sin k x. With beta L = 4 the lowest mode lies well above the cut-off c beta, below
   which no wave runs: without the taper it would lie below it. Read off as in `lateral_inertia`.
-- A rod strikes a horn: on a grid, and as a rod of 200 steps by "characteristics".
+- A rod strikes a horn: on a grid, and as a rod of 200 steps by "characteristics". They agree to
+  1e-5 where the horn widens and the force falls to zero slowly. Where it narrows, the force ends in
+  a jump, and what is left between them halves with the cells.
 
 Source: Lord Rayleigh, The Theory of Sound, chapter XIV; A. G. Webster, Acoustical impedance, and
 the theory of horns and of the phonograph, Proc. Natl. Acad. Sci. USA 5 (1919) 275-282; the modes by
@@ -61,16 +63,18 @@ def cone() -> list[Row]:
     moved = on_grid(ri.Velocity(1.0), t).velocity(0, x, t)
     exact = np.where(x < t, APEX / (APEX + x), 0.0)
     behind = x < t - 0.1
-    pushed = on_grid(ri.Force(1.0), t).displacement(0, x, t)
+    pushed = on_grid(ri.Force(1.0), t).velocity(0, x, t)
     after = np.maximum(t - x, 0.0)
-    by_pressure = APEX**2 / (APEX + x) * (1 - np.exp(-after / APEX))
+    by_pressure = np.where(x < t, APEX / (APEX + x) * np.exp(-after / APEX), 0.0)
     return [
         Row(case, "given speed: velocity, mean difference", source, 0.0,
-            float(np.abs(moved - exact).mean()), 5e-3),
+            float(np.abs(moved - exact).mean()), 2e-3),
         Row(case, "given speed: velocity 0.1 behind the front, largest difference", source, 0.0,
-            float(np.abs(moved - exact)[behind].max()), 5e-3),
-        Row(case, "given pressure: displacement, largest difference", source, 0.0,
-            float(np.abs(pushed - by_pressure).max()), 2e-3),
+            float(np.abs(moved - exact)[behind].max()), 1e-3),
+        Row(case, "given pressure: velocity, mean difference", source, 0.0,
+            float(np.abs(pushed - by_pressure).mean()), 2e-3),
+        Row(case, "given pressure: velocity 0.1 behind the front, largest difference", source, 0.0,
+            float(np.abs(pushed - by_pressure)[behind].max()), 1e-3),
     ]
 
 
@@ -115,7 +119,7 @@ def modes() -> list[Row]:
             exact = float(ri.theory.horn_frequency(1.0, k, beta))
             rows.append(Row(f"exponential horn, beta L = 4, {case} ends",
                             f"angular frequency of mode {n}", "c (k^2 + beta^2)^(1/2)", exact,
-                            frequency(v, 10 * dt), 1e-3 * exact))
+                            frequency(v, 10 * dt), 1e-4 * exact))
     return rows
 
 
@@ -123,10 +127,10 @@ def steps() -> list[Row]:
     """A rod strikes the smaller, and the larger end of a horn."""
     striker = ri.Rod(0.3, area=1.0, material=UNIT, velocity=1.0)
     rows = []
-    for case, area in (
-        ("rod strikes a cone, A1/A0 = 9", conical),
-        ("rod strikes an exponential horn, beta L = 1", exponential(1.0)),
-        ("rod strikes an exponential horn, beta L = -1", exponential(-1.0)),
+    for case, area, bound in (
+        ("rod strikes a cone, A1/A0 = 9", conical, 5e-5),
+        ("rod strikes an exponential horn, beta L = 1", exponential(1.0), 5e-5),
+        ("rod strikes an exponential horn, beta L = -1", exponential(-1.0), 2e-3),
     ):
         struck = horn(area)
         stepped = ri.solve(ri.System([striker, struck.in_steps(200)]), method="characteristics",
@@ -134,7 +138,7 @@ def steps() -> list[Row]:
         o = ri.solve(ri.System([striker, struck]), method=METHOD, cells=CELLS).outcome
         source = "200 steps by characteristics"
         rows += [
-            Row(case, "e", source, stepped.restitution, o.restitution, 2e-3),
-            Row(case, "impulse", source, stepped.impulse, o.impulse, 2e-3),
+            Row(case, "e", source, stepped.restitution, o.restitution, bound),
+            Row(case, "impulse", source, stepped.impulse, o.impulse, bound),
         ]
     return rows

@@ -41,6 +41,20 @@ class Row(NamedTuple):
                 f"{float(self.difference):.1e}", f"{self.bound:.1e}")
 
 
+class AtLeast(Row):
+    """A number that may exceed `expected`, and fall short of it by `bound`."""
+
+    @property
+    def difference(self) -> float:
+        """How much `got` falls short."""
+        return max(0.0, float(self.expected - self.got))
+
+    @property
+    def holds(self) -> bool:
+        """Whether it falls short by no more than the bound; never for nan."""
+        return bool(self.got >= self.expected - self.bound)
+
+
 def shown(value: float | Fraction) -> str:
     """A number as the table shows it: a fraction as it is, a float to 15 digits."""
     return str(value) if isinstance(value, Fraction) else f"{float(value):.15g}"

@@ -43,7 +43,7 @@ from .finite_difference_kernel import (
     run,
     substitute,
 )
-from .link_kernel import HERTZ, HUNT, Chain, Tally
+from .link_kernel import HERTZ, HUNT, RIGID, Chain, Tally
 from .mesh import Mesh
 from .plan import Array, Plan
 from .refinement import MEASURES, TooLong, contact_measures, refined
@@ -340,18 +340,58 @@ class Machine:
         weight = np.where(mesh.mass > 0, mesh.mass, 1.0)
         v[:] = np.where(mesh.mass > 0, v / weight - plan.frame, 0.0)
         for side, (kind, value) in enumerate(plan.outside):
-            if kind == "velocity":
+            # an end that others resist with their lateral inertia is moved by the first kick
+            if kind == "velocity" and not self._is_implicit(mesh.ends[side]):
                 v[mesh.ends[side]] = self._given(value, np.zeros(1))[0]
-        before = np.diff(v, prepend=v[0], append=v[-1])
-        grid.force[:] = mesh.stiffness * strain - grid.stiffness * before / 2
+        tension = mesh.stiffness * strain
+        kick = self._first_kick(tension)
+        grid.force[:] = tension + grid.stiffness * np.diff(kick - v, prepend=0.0, append=0.0) / 2
+        grid.place[:] = kick[mesh.starts] / 2
         for side, sign in ((0, 1), (1, -1)):
             cell = mesh.ends[side] + (1 if side == 0 else 0)
             if plan.outside[side][0] == "absorbing":  # v - F/Z, seen from the row
-                tension = float(mesh.stiffness[cell] * strain[cell])
-                self.ends.rest[side] = v[mesh.ends[side]] - sign * tension / self._impedance(side)
+                wave = sign * float(tension[cell]) / self._impedance(side)
+                self.ends.rest[side] = v[mesh.ends[side]] - wave
         links = self.links
         closing = v[links.left] - v[links.right]
         links.shut[links.gap <= closing / 2] = 1  # closes before the first kick
+
+    def _is_implicit(self, node: int) -> bool:
+        return any(a <= node <= b for a, b in zip(
+            self.implicit.first.tolist(), self.implicit.last.tolist(), strict=True))
+
+    def _first_kick(self, tension: Array) -> Array:
+        """Velocities that half a kick by the forces at t = 0 gives.
+
+        In the middle of the first step nodes are where these bring them: a force that begins at
+        t = 0 lies between two kicks, and would leave a wave from node to node otherwise.
+        """
+        mesh, links, plan = self.mesh, self.links, self.plan
+        force = np.diff(tension)
+        for side, (kind, value) in enumerate(plan.outside):
+            if kind == "force":
+                force[mesh.ends[side]] += (1, -1)[side] * self._pushes(value, 1)[0]
+            elif kind == "absorbing":
+                force[mesh.ends[side]] = 0.0
+        for law, gap, left, right in zip(
+            links.law, links.gap, links.left, links.right, strict=True
+        ):
+            if law == RIGID and gap == 0 and force[left] > force[right]:
+                force[left] = force[right] = 0.0
+        found: Array = self.grid.ease * force / 2
+        if len(self.implicit.first):
+            lists, x = _lists(self.implicit), np.where(mesh.held == 1, 0.0, force / 2).tolist()
+            for p, (a, b) in enumerate(zip(lists.first, lists.last, strict=True)):
+                substitute(lists, x, p)
+                found[a : b + 1] = x[a : b + 1]
+        return found
+
+    def _pushes(self, value: Any, steps: int) -> Array:
+        """A driving force at each kick, N: its mean over two steps, which waves can follow."""
+        halves = averages(value, self.step / 2 * np.arange(2 * steps + 2), 0.0)
+        around = np.concatenate((halves[:1], halves))
+        mean: Array = (around[:-3:2] + around[1:-2:2] + around[2:-1:2] + around[3::2]) / 4
+        return mean
 
     def _given(self, value: Any, t: Array) -> Array:
         """Velocity of a wall or a driven end, averaged over a step about times t, in the frame."""
@@ -381,7 +421,7 @@ class Machine:
             if kind == "velocity":
                 given[span] = self._given(value, edges[1:])
             elif kind == "force":
-                given[span] = averages(value, edges, 0.0)
+                given[span] = self._pushes(value, room)
         self.room = room
         return Signals._make([
             *np.zeros((3, links * room)), _whole([i * room for i in range(links)]),
