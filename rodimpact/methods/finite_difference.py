@@ -339,10 +339,12 @@ class Machine:
             v[node] += plan.masses[place] * plan.mass_velocity[place]
         weight = np.where(mesh.mass > 0, mesh.mass, 1.0)
         v[:] = np.where(mesh.mass > 0, v / weight - plan.frame, 0.0)
+        jump = np.zeros(len(v))
         for side, (kind, value) in enumerate(plan.outside):
-            # an end that others resist with their lateral inertia is moved by the first kick
-            if kind == "velocity" and not self._is_implicit(mesh.ends[side]):
-                v[mesh.ends[side]] = self._given(value, np.zeros(1))[0]
+            if kind == "velocity":
+                node = mesh.ends[side]
+                jump[node] = self._given(value, np.zeros(1))[0] - v[node]
+        v += self._dragged(jump)
         tension = mesh.stiffness * strain
         kick = self._first_kick(tension)
         grid.force[:] = tension + grid.stiffness * np.diff(kick - v, prepend=0.0, append=0.0) / 2
@@ -356,9 +358,18 @@ class Machine:
         closing = v[links.left] - v[links.right]
         links.shut[links.gap <= closing / 2] = 1  # closes before the first kick
 
-    def _is_implicit(self, node: int) -> bool:
-        return any(a <= node <= b for a, b in zip(
-            self.implicit.first.tolist(), self.implicit.last.tolist(), strict=True))
+    def _dragged(self, jump: Array) -> Array:
+        """Changes of velocity where held ends jump: lateral inertia takes neighbours along."""
+        mesh, bound = self.mesh, self.mesh.lateral / self.step
+        if not bound.any():
+            return jump
+        lists = _lists(self.implicit._replace(bound=bound))
+        diagonal = (mesh.mass / self.step + bound[:-1] + bound[1:]).tolist()
+        moved = jump.tolist()
+        for p in range(len(lists.first)):
+            factor(lists, diagonal, mesh.held.tolist(), p)
+            substitute(lists, moved, p)
+        return np.array(moved)
 
     def _first_kick(self, tension: Array) -> Array:
         """Velocities that half a kick by the forces at t = 0 gives.
