@@ -891,3 +891,30 @@ def test_a_ball_on_a_floor_bounces_by_its_restitution_and_comes_to_rest(moving, 
     assert np.abs(approach[t > 3.7]).max() <= 1e-13
     assert floor.force(t[t > 3.7][:-1]) == pytest.approx(2.0, abs=1e-10)
     assert np.abs(s.energy(t).residual).max() <= 1e-12
+
+
+@pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
+def test_velocities_whose_energy_is_no_number_are_refused(method):
+    row = ri.System([unit_rod(velocity=1e200), unit_rod()])
+    with pytest.raises(ri.InvalidModel, match=r"bodies: .*1e\+200 m/s overflow the energy"):
+        ri.solve(row, method=method, until=1.0)
+
+
+@pytest.mark.parametrize("law", [ri.Spring(1e12), ri.Spring(1e18), ri.Spring(1e23), ri.Hertz(1e23)])
+@pytest.mark.parametrize("options", [
+    {"method": "characteristics", "dt": 0.02}, {"method": "finite-difference", "cells": 50},
+])
+def test_ever_stiffer_contacts_become_rigid(law, options):
+    rods = [unit_rod(0.4, velocity=1.0), unit_rod(1.0)]
+    found = ri.solve(ri.System(rods, contacts=[law]), **options).outcome
+    rigid = ri.solve(ri.System(rods), **options).outcome
+    assert found.velocities_after == pytest.approx(rigid.velocities_after, abs=5e-3)
+    assert abs(found.energy_residual) < 1e-12
+
+
+@pytest.mark.parametrize("law", [ri.Spring(1e40), ri.Hertz(1e200), ri.HuntCrossley(1e30, 0.1)])
+@pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
+def test_contacts_as_good_as_rigid_are_refused(law, method):
+    row = ri.System([unit_rod(velocity=1.0), unit_rod()], contacts=[law])
+    with pytest.raises(ri.InvalidModel, match=r"contacts\.0\.stiffness: .*use Rigid\(\)"):
+        ri.solve(row, method=method, until=1.0)

@@ -605,7 +605,7 @@ def _mesh_size(plan: Plan, cells: int | None, dt: float | None) -> tuple[list[in
         if least > MOST_CELLS:
             message = (
                 f"its transit time is so short beside the longest, {T[longest]:.3g} s, that this "
-                f"would take {least:.3g} cells; leave it out, or give the number of cells"
+                f"would take {least:.3g} cells of {MOST_CELLS} at most; leave it out"
             )
             raise InvalidModel([(plan.paths[shortest + 1], message)])
         # of the numbers up to twice as many, the first for which all segments run nearest to 1

@@ -128,8 +128,12 @@ def squeeze(
         step = r / (1 + y * slope)
         F, x = F - slope * step, min(x - step, top)
         size = x if x > 0 else x0 - x
-        if abs(step) <= max(ENOUGH * size, 4 * EPS * (abs(x0) + abs(c))):
+        # the indentation of a stiff contact is small beside what it stops
+        near = 0.0 if y * slope > 1 else 4 * EPS * (abs(x0) + abs(c))
+        if abs(step) <= max(ENOUGH * size, near):
             break
+    if y * slope > 1:  # and its force better known from that
+        F = (top - x) / y
     return max(F, 0 * F), x, slope
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
+from ..frozen import InvalidModel, Problems
 from ..model import (
     Absorbing,
     Bonded,
@@ -25,6 +27,8 @@ from ..model import (
 from ..profiles import extremes
 from .link_kernel import BOND, FORCE, FREE, HERTZ, HUNT, IMPACT, RIGID, SPRING
 
+ROOM = 2.0**60  # for sums over steps and cells
+STIFFEST = 2.0**80  # of a contact, times transit time over impedance
 Array = np.ndarray[Any, np.dtype[Any]]
 
 
@@ -110,6 +114,28 @@ class Plan:
                 self.mass_of[i] = len(self.masses) + any(stop for _, stop in spans[:i])
         self.spans = tuple(spans)
         self.frame, self.scale = self._frame_and_scale()
+        largest = max(*self.masses, *(float(s.mass) for s in self.segments), 0.0)
+        if not self.scale * self.scale * largest * ROOM < math.inf:
+            size = f"velocities and strains of {self.scale!r} m/s"
+            raise InvalidModel([("bodies", f"{size} overflow the energy; use smaller")])
+
+        self._check_stiffness()
+
+    def _check_stiffness(self) -> None:
+        """Refuse contacts so stiff beside the rods that their indentation is lost in round-off."""
+        T = max(float(s.transit_time) for s in self.segments)
+        yielding = T / self._weakest()
+        problems: Problems = []
+        for i, link in enumerate(self.contact_link):
+            law = self.laws[link] if link >= 0 else BOND
+            power = 0.5 if law > SPRING else 0.0
+            if law >= SPRING and (
+                self.stiffness[link] * yielding * (self.scale * T) ** power > STIFFEST
+            ):
+                message = f"is as good as rigid beside these rods, got {self.stiffness[link]!r}"
+                problems.append((f"contacts.{i}.stiffness", f"{message}; use Rigid()"))
+        if problems:
+            raise InvalidModel(problems)
 
     def _add(
         self, law: int, stiffness: float = 0.0, damping: float = 0.0, gap: float = 0.0
