@@ -12,7 +12,7 @@ from test_characteristics import shifted
 from test_finite_difference_kernel import random_row, run_row
 
 import rodimpact as ri
-from rodimpact.methods import finite_difference, kernels
+from rodimpact.methods import finite_difference, grid_machine, kernels
 from rodimpact.methods.clockwork import PARTS
 from rodimpact.solving import LongRun
 
@@ -608,7 +608,7 @@ def test_fields_at_chosen_times_are_of_order_two(moment):
 def test_long_runs_are_announced_and_tell_how_far_they_are(monkeypatch):
     said = []
     monkeypatch.setattr(finite_difference, "LONG", 1e-9)
-    monkeypatch.setattr(finite_difference, "ROUND", 1e-9)
+    monkeypatch.setattr(grid_machine, "ROUND", 1e-9)
     seconds = iter(range(10**6))
     monkeypatch.setattr(finite_difference.time, "monotonic", lambda: float(next(seconds)))
     row = [unit_rod(velocity=1.0), unit_rod()]
@@ -634,7 +634,7 @@ def test_an_interrupted_run_leaves_no_harm(monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(finite_difference, "ROUND", 1e-9)
+        patch.setattr(grid_machine, "ROUND", 1e-9)
         seconds = iter(range(10**6))
         patch.setattr(finite_difference.time, "monotonic", lambda: float(next(seconds)))
         with pytest.raises(KeyboardInterrupt):

@@ -12,7 +12,8 @@ from networks import STEP, logarithmic, random_network, unit_rod
 import rodimpact as ri
 from rodimpact.methods import finite_difference_kernel as fk
 from rodimpact.methods import kernels
-from rodimpact.methods.finite_difference import Keeper, Machine, _mesh_size, _sway, follow
+from rodimpact.methods.finite_difference import _mesh_size, _sway, follow
+from rodimpact.methods.grid_machine import Keeper, Machine
 from rodimpact.methods.link_kernel import RIGID
 from rodimpact.methods.mesh import Mesh
 from rodimpact.methods.plan import Plan

@@ -36,6 +36,7 @@ from rodimpact.methods.front_kernel import (
     Log,
     play,
 )
+from rodimpact.methods.grid_machine import Keeper, Machine
 from rodimpact.methods.mesh import Mesh
 from rodimpact.methods.plan import Plan
 
@@ -272,7 +273,7 @@ def cell_on_grid(material: ri.Material, lateral: bool = False, steps: int = 20_0
             for v in (1.0, 0.0)]
     mesh = Mesh(Plan(ri.System(rods)), [400, 400])
     step = finite_difference.COURANT / 400 / float(material.wave_speed)
-    machine = finite_difference.Machine(mesh, step, finite_difference.Keeper(4), 8 * steps)
+    machine = Machine(mesh, step, Keeper(4), 8 * steps)
     spans = []
     for _ in range(7):
         begin = time.perf_counter()
