@@ -103,7 +103,9 @@ def solve(
         return wrap(track(assemble(system, end), end, int(max_events)), end)
     if chosen == "characteristics":
         return wrap_steps(characteristics.follow(system, end, int(max_events), dt, rtol), end)
-    kept: Any = snapshots if isinstance(snapshots, int | None) else np.asarray(snapshots, float)
+    kept: Any = snapshots
+    if kept is not None:
+        kept = int(kept) if _is_count(kept) else np.asarray(kept, dtype=np.float64)
     run = finite_difference.follow(
         system, end, int(max_events), cells=cells, dt=dt, rtol=rtol, snapshots=kept,
         progress=progress, announce=_announce,

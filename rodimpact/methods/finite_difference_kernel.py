@@ -290,7 +290,7 @@ def move_ends(grid: Grid, ends: Ends, signals: Signals, j: int) -> None:
         n = ends.node[side]
         if ends.kind[side] == MOVED:
             grid.velocity[n] = signals.given[side * signals.room[0] + j]
-        elif grid.ease[n] > 0:
+        elif ends.kind[side] != NOTHING and grid.ease[n] > 0:
             grid.velocity[n] += grid.ease[n] * outer_force(ends, signals, side, j, ends.old[side])
 
 
@@ -397,6 +397,8 @@ def listen(
     """Enter the forces at bonds and what passed the ends in step j."""
     v, room = grid.velocity, signals.room[0]
     for side in range(2):
+        if ends.kind[side] == NOTHING:
+            continue
         n = ends.node[side]
         mean = (ends.old[side] + v[n]) / 2
         signals.speed[side * room + j] = mean

@@ -216,7 +216,7 @@ def balance(row: Any, chain: Chain, i0: int, last: int, speed: float) -> bool:
         for q in range(last + 1):
             size = max(size, speed + abs(chain.force[q]) * chain.own[q])
             chain.kept[q] = chain.force[q]
-        if left <= 8 * EPS * size:
+        if last == 0 or left <= 8 * EPS * size:
             return True
         newton(row, chain, i0, last)
     return bool(left <= SNAP * size)
