@@ -45,7 +45,9 @@ class EnergyLedger:
     damped : array
         Lost in damped material since t = 0.
     numerical : array
-        Lost since t = 0 by rigid contacts that close within a time step, or on a grid.
+        Lost since t = 0 as rigid contacts shut: within a time step, or by the half cells at the
+        ends on a grid. It goes to zero with the step, but for rods with lateral inertia: their ends
+        have mass, and meet inelastically.
     radiated : array
         Gone since t = 0 through absorbing ends.
     wall_work, drive_work, gravity_work : array

@@ -58,8 +58,8 @@ class Outcome:
     contact_energy : float
         Stored in compliant contacts at the end, J.
     dissipated, numerical, radiated : float
-        Lost in contacts, by rigid contacts that close within a time step, and through absorbing
-        ends, J.
+        Lost in contacts, as rigid contacts shut (see `EnergyLedger`), and through absorbing ends,
+        J.
     damped : float
         Lost in damped material, J.
     drive_work, gravity_work : float

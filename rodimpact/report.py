@@ -144,9 +144,10 @@ def ring_down_table(found: RingDown) -> str:
         ["vibration when the collision is over", format_si(first, "J", 4)],
         ["vibration at the end", format_si(clean(last, first + found.rigid), "J", 4)],
         ["energy of the rigid motion", format_si(found.rigid, "J", 4)],
-        ["vibration falls to 1/e in", spell(found.decay_time)],
-        [f"mode of rod {found.body} at {format_si(found.frequency, 'Hz', 4)} falls to 1/e in",
+        ["energy of vibration falls to 1/e in", spell(found.decay_time)],
+        [f"that of rod {found.body}'s mode of {format_si(found.frequency, 'Hz', 4)} in",
          spell(found.modal_decay_time)],
+        ["read off the last third of", spell(float(found.times[-1] - found.times[0]))],
         ["momentum changed by, relative", _residual(found.momentum_change)],
     ])
 
@@ -333,7 +334,8 @@ def _exchanges(o: Outcome) -> list[tuple[str, float]]:
     return [
         ("work of moving walls", o.wall_work), ("work of driven ends", o.drive_work),
         ("work of gravity", o.gravity_work), ("lost in contacts", o.dissipated),
-        ("lost in material", o.damped), ("numerical loss", o.numerical), ("radiated", o.radiated),
+        ("lost in material", o.damped), ("lost as contacts shut", o.numerical),
+        ("radiated", o.radiated),
     ]
 
 

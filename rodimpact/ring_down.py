@@ -22,7 +22,7 @@ from .model import Rod, System
 from .outcome import groups
 from .signals import Floats
 
-SAMPLES = 400
+SAMPLES, FEWEST = 400, 50
 TAIL = 3  # the decay is read off the last third
 ENOUGH = 1e-12  # of the energy of the motion, below which vibration is round-off
 
@@ -74,6 +74,9 @@ def ring_down(
     free = movable(system)
     even = np.linspace(start, end, SAMPLES + 1)
     ticks = np.unique(fields.whole(fields.to_ticks(even)))
+    if len(ticks) < FEWEST and end - start > FEWEST * fields.assembly.grain * fields.assembly.tick:
+        message = f"only {len(ticks)} states were kept after the collision"
+        raise ValueError(f"ring_down: {message}; leave snapshots out, or give more of them")
     times = ticks * fields.assembly.tick
     rigid, vibration, momentum = (np.zeros(len(times)) for _ in range(3))
     for group in groups(system):

@@ -165,8 +165,8 @@ class Solution:
     def ring_down(self) -> RingDown:
         """How the vibration that the collision left dies out, until the end of the solution.
 
-        Solve with `until` well beyond the collision: the lowest mode of a rod needs about
-        E/(eta omega^2) to lose its energy.
+        Solve with `until` well beyond the collision: the energy of the lowest mode of a rod falls
+        to 1/e in E/(eta omega^2).
 
         Returns
         -------
@@ -177,7 +177,8 @@ class Solution:
         Raises
         ------
         ValueError
-            If the collision is not proved to be over, or something acts on the row from outside.
+            If the collision is not proved to be over, something acts on the row from outside, or
+            too few states were kept.
 
         Examples
         --------

@@ -65,15 +65,17 @@ def solve(
         Time step, s, of a method that has one. By default it is chosen, so that transit times are
         whole numbers of steps as nearly as possible, and halved until the outcome stands still.
     rtol : float, optional
-        To within how much: relative change of impulses, contact times, and of largest forces
-        ("characteristics", 1e-5) or velocities ("finite-difference", 1e-3).
+        Up to which the last halvings of the step may change the outcome: impulses, contact times,
+        and largest forces ("characteristics", 1e-5) or velocities ("finite-difference", 1e-3). A
+        result that converges as the step is wrong by about as much as the last change.
     cells : int, optional
-        Of the segment with the longest transit, for "finite-difference"; each other one gets as
-        many as its waves cross in whole steps. By default halved until the outcome stands still.
+        Of the segment with the longest transit, for "finite-difference", which "auto" then takes;
+        each other one gets as many as its waves cross in whole steps. By default doubled until the
+        outcome stands still.
     snapshots : int or array_like, optional
-        For "finite-difference": how many states to keep at most, at equal distances, or the times
-        at which to keep them, s; between them fields change evenly. By default all steps, as far
-        as they fit into 64 MB.
+        For "finite-difference", which "auto" then takes: how many states to keep at most, at equal
+        distances, or the times at which to keep them, s. Between them fields change evenly, and
+        energies are those of the nearest one. By default all steps, as far as they fit into 64 MB.
     progress : function, optional
         For "finite-difference": called during long runs with the steps that are done, and about how
         many there will be.
@@ -340,6 +342,8 @@ def _final(run: FrontRun) -> str:
         return f"Nothing changes any more; contact {', '.join(pressing)} goes on pressing."
     if not any(run.tally.episodes):
         return "No collision happens, now or later."
+    if run.stopped_by == "until" and run.settled >= run.end:
+        return "The collision is final: no new impact can happen."
     proof = format_si(run.settled * a.tick, "s")
     return f"The collision is final: no new impact can happen after {proof}."
 
@@ -356,10 +360,12 @@ def describe_steps(run: Run, until: float | None = None) -> str:
     end = format_si(run.steps * run.step if until is None else until, "s")
     contacts = [run.plan.laws[i] >= RIGID for i in run.plan.contact_link if i >= 0]
     if run.settled >= 0:
-        proof = format_si(run.settled * run.step, "s")
+        proof = f" after {format_si(run.settled * run.step, 's')}"
+        if run.stopped_by == "until" and run.settled >= run.steps:
+            proof = ""
         met = any(run.tally.episodes)
         said = (
-            f"The collision is final: no new impact can happen after {proof}."
+            f"The collision is final: no new impact can happen{proof}."
             if met else "No collision happens, now or later."
         )
         if run.stopped_by == "until":
@@ -395,4 +401,9 @@ def describe_steps(run: Run, until: float | None = None) -> str:
         else:
             worst = max(run.estimates.values())
             said += f" Halving the step changed the outcome by {worst:.1g} at most."
+    if isinstance(run, finite_difference.GridRun) and run.peak_change > max(run.rtol, 1e-2):
+        said += (
+            f" The largest force is that of this mesh: the last halving changed it by "
+            f"{run.peak_change:.1g}."
+        )
     return said + _large(run.largest_strain)

@@ -549,3 +549,15 @@ def test_box_needs_a_directory(no_figures, case, capsys):
     assert "is not a directory" in capsys.readouterr().err
     assert main(["box", "-o", "case.toml/in"]) == 1
     assert "Traceback" not in capsys.readouterr().err
+
+
+def test_options_replace_what_they_exclude_in_the_case(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    cases = Path(__file__).parents[1] / "validation" / "cases"
+    text = (cases / "lossy-rods.toml").read_text().replace("cells = 100", "cells = 20")
+    Path("lossy.toml").write_text(text.replace('until = "20 ms"', 'until = "1 ms"'))
+    assert main(["run", "lossy.toml", "--rtol", "0.05", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert "Halving the step changed the outcome" in found["outcome"]["status"]
+    assert main(["run", "lossy.toml", "--cells", "10", "--json"]) == 0
+    assert "14 cells" in json.loads(capsys.readouterr().out)["outcome"]["status"]

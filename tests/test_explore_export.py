@@ -113,3 +113,19 @@ def test_a_run_cut_short_says_so(tmp_path, monkeypatch):
     (tmp_path / "case.toml").write_text(ri.write_case(ri.Case(system, {"until": 1.0})))
     assert main(["export", "case.toml", "-o", "page.html"]) == 3
     assert (tmp_path / "page.html").exists()
+
+
+def test_the_page_shows_what_run_would_print(tmp_path, monkeypatch):
+    """A hand-out is solved as the case asks, not in the hurry of a slider."""
+    monkeypatch.chdir(tmp_path)
+    rods = [ri.Rod(0.137, area=1e-4, material=ri.materials.steel, velocity=1.0),
+            ri.Rod(1.0, area=1e-4, material=ri.materials.steel)]
+    system = ri.System(rods, contacts=[ri.Hertz(1e10)])
+    path = tmp_path / "hertz.toml"
+    path.write_text(ri.write_case(ri.Case(system, {"rtol": 1e-4})))
+    assert export(path) == 0
+    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    data = json.loads(Reader(text).texts["embedded"])
+    known = ri.solve(system, rtol=1e-4)
+    assert data["scene"]["restitution"]["value"] == known.outcome.restitution
+    assert known.status in data["scene"]["notes"]

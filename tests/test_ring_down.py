@@ -78,3 +78,8 @@ def test_what_has_no_ring_down_says_so():
     driven = ri.System(pair(LOSSY).bodies, ends=(ri.Free(), ri.Force(1.0)))
     with pytest.raises(ValueError, match="ring_down"):
         ri.solve(driven, until=1e-3, cells=20).ring_down()
+
+
+def test_too_few_states_are_no_record():
+    with pytest.raises(ValueError, match=r"ring_down: only .* states were kept .*snapshots"):
+        ri.solve(pair(LOSSY), until=8e-3, cells=40, snapshots=10).ring_down()

@@ -38,7 +38,7 @@ def whole_number(problems: Problems, option: str, text: str) -> int:
     """A positive whole number that a register can hold; 0 and a problem if it is none."""
     if re.fullmatch("0*[1-9][0-9]{0,17}", text.strip()):
         return int(text)
-    problems.append((option, f"must be a positive whole number below 10^18, got {text!r}"))
+    problems.append((option, f"must be a positive whole number below 10^18, got {text.strip()!r}"))
     return 0
 
 

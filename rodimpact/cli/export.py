@@ -17,6 +17,7 @@ from ..frozen import InvalidModel
 from ..units import format_si
 from . import DONE, INCOMPLETE
 from .asking import Problems, check_outputs
+from .progress import solved
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,8 +38,9 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     check_outputs(problems, {"--output": arguments.output}, arguments.force)
     assert design is not None  # or there were problems
 
-    solution = design.solve()
-    page = standalone(scene(design, solution), design.to_dict(), Path(arguments.case).stem)
+    solution = solved(design.case.system, **design.case.solve)
+    shown = scene(design, solution, as_asked=True)
+    page = standalone(shown, design.to_dict(), Path(arguments.case).stem)
     write_text(arguments.output, page, force=arguments.force)
     size = f"{len(page.encode()) / 1000:.0f} kB"
     said = f"{arguments.output}: {size}, {format_si(solution.t_end, 's', 4)} of the collision"

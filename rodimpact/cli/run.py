@@ -74,7 +74,13 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     check_outputs(problems, {paths[key]: files[key] for key in files}, arguments.force)
     assert case is not None  # or there were problems
 
-    solution = solved(case.system, **{**case.solve, **options})
+    given = set(options)
+    own = {
+        name: value for name, value in case.solve.items()
+        if not (name in ("dt", "cells") and "rtol" in given)
+        and not (name == "rtol" and given & {"dt", "cells"})
+    }
+    solution = solved(case.system, **{**own, **options})
     if files["save"] is not None:
         solution.save(files["save"], force=arguments.force)
         note(f"wrote {files['save']}")

@@ -33,7 +33,7 @@ Scene = dict[str, Any]
 Labelled = list[tuple[str, str]]
 
 
-def scene(design: Design, solution: Solution) -> Scene:
+def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
     """All that the page shows of a solution.
 
     Parameters
@@ -41,6 +41,8 @@ def scene(design: Design, solution: Solution) -> Scene:
     design : Design
     solution : Solution
         Of this design.
+    as_asked : bool
+        Whether it was solved as the case asks, not on a time step or cells of the page's own.
 
     Returns
     -------
@@ -54,8 +56,8 @@ def scene(design: Design, solution: Solution) -> Scene:
         notes.append(f"The picture ends at {format_si(stop, 's', 4)}: too many regions later.")
     if not exact:
         notes.append("The picture shows means over cells, not the fronts themselves.")
-    if not exact and {"dt", "rtol"} & set(design.case.solve):
-        notes.append("The page chooses its own time step; rodimpact run takes that of the case.")
+    if not exact and not as_asked:
+        notes.append("Solved quickly, on a coarse time step; rodimpact run is more accurate.")
     row = _row(solution, stop, tiling)
     theory = closed_form(solution.system)
     return {

@@ -65,6 +65,8 @@ class GridRun:
     estimates : dict of str to float
         As in `StepRun`.
     rtol : float
+    peak_change : float
+        Relative change of the largest force by the last halving; nan where there was none.
     """
 
     clockwork: Clockwork
@@ -80,6 +82,7 @@ class GridRun:
     stopped_by: str
     estimates: dict[str, float] = field(default_factory=dict)
     rtol: float = 0.0
+    peak_change: float = math.nan
 
     @property
     def plan(self) -> Plan:
@@ -198,23 +201,31 @@ def follow(
     plan = Plan(system)
     counts, step = _mesh_size(plan, cells, dt)
 
+    peaks: list[Array] = []
+
     def level(factor: int) -> GridRun:
         finer = Mesh(plan, [factor * N for N in counts])
         keep = Keeper(snapshots)
-        return _level(finer, step / factor, keep, until, max_events, progress, announce)
+        run = _level(finer, step / factor, keep, until, max_events, progress, announce)
+        peaks.append(contact_measures(run)[MEASURES[1]])
+        return run
 
     if cells is not None or dt is not None:
         return level(1)
     goal = RTOL if rtol is None else rtol
     found, estimates = refined(level, measures, goal, FINEST // max(counts))
-    return replace(found, estimates=estimates, rtol=goal)
+    change = math.nan
+    if len(peaks) > 1 and peaks[-1].max(initial=0.0) > 0:
+        change = float(np.abs(peaks[-1] - peaks[-2]).max() / peaks[-1].max())
+    return replace(found, estimates=estimates, rtol=goal, peak_change=change)
 
 
 def measures(found: GridRun) -> dict[str, Array]:
     """What is to stand still: velocities, impulses, and when 99.9 % of them has passed.
 
-    The largest force is left out: beside a jump waves overshoot, on any mesh. Velocities change
-    beside their scale, so that the round-off of bodies at rest is none.
+    The largest force is left out: beside a jump waves overshoot, on any mesh, and flat ends of
+    viscous rods, or of rods with lateral inertia, meet with a force that has no largest value.
+    Velocities change beside their scale, so that the round-off of bodies at rest is none.
     """
     by_contact = contact_measures(found)
     del by_contact[MEASURES[1]]
@@ -251,12 +262,13 @@ def _mesh_size(plan: Plan, cells: int | None, dt: float | None) -> tuple[list[in
     if cells is not None:
         counts[longest] = cells
     if counts.min() < 1:
-        name, value = ("cells", cells) if dt is None else ("dt", dt)
-        message = (
-            f"leaves {plan.paths[shortest + 1]} without a cell, whose transit time is "
-            f"{T[shortest]:.3g} s beside {T[longest]:.3g} s; give more cells, or a shorter step"
-        )
-        raise InvalidModel([(name, f"{message}, got {value!r}")])
+        where = f"transit time, {T[shortest]:.6g} s of {plan.paths[shortest + 1]}"
+        if cells is None:
+            message = f"must not exceed the shortest {where}, got {dt!r}"
+            raise InvalidModel([("dt", message)])
+        least = math.ceil(T[longest] / T[shortest] / STABLE)
+        message = f"must be {least} or more for a cell in the shortest {where}, got {cells!r}"
+        raise InvalidModel([("cells", message)])
     if counts.sum() > MOST_CELLS:
         message = f"asks for {counts.sum()} cells, of {MOST_CELLS} at most"
         raise InvalidModel([("cells" if dt is None else "dt", message)])
