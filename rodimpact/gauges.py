@@ -19,6 +19,8 @@ SAMPLES = 10_000  # of a record where no interval is given
 class Gauge:
     """Record of a strain gauge: strain and velocity are constant between jumps.
 
+    On a grid it has an entry for each state that was kept, which holds until the next.
+
     Attributes
     ----------
     body : int
