@@ -830,11 +830,12 @@ def test_it_runs_without_a_compiler(monkeypatch):
     assert plain.outcome == solved(row, 3.0, 30).outcome
 
 
-def test_a_peak_that_grows_with_the_mesh_is_named():
+def test_a_peak_that_grows_with_the_mesh_is_named(monkeypatch):
     """Flat ends of viscous rods meet with a force that has no largest value."""
+    monkeypatch.setattr(finite_difference, "FIRST", 16)
     lossy = ri.materials.steel.damped(0.02, 1e3)
     rods = [ri.Rod(x, area=1e-4, material=lossy, velocity=v) for x, v in ((0.4, 1.0), (1.0, 0.0))]
-    status = ri.solve(ri.System(rods), rtol=0.02).status
+    status = ri.solve(ri.System(rods), rtol=0.05).status
     assert "The largest force is that of this mesh: the last halving changed it by" in status
     soft = ri.System(rods, contacts=[ri.Spring(1e6)])
-    assert "largest force" not in ri.solve(soft, rtol=0.02).status
+    assert "largest force" not in ri.solve(soft, rtol=0.05).status
