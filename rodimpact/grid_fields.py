@@ -68,11 +68,6 @@ class GridFields(Fields):
 
     # Between the nodes ----------------------------------------------------------------------------
 
-    def _nodes(self, body: int, x: ArrayLike) -> tuple[Ints, Floats]:
-        """The node before each place, and the share of the next one."""
-        segment = self.segment_at(body, x)
-        return self._cell(body, segment, np.asarray(x, dtype=np.float64), 0.0)
-
     def _cell(self, body: int, segment: Ints, x: Floats, shift: float) -> tuple[Ints, Floats]:
         """Node before each place, moved by so many cells, and share; inside the segment."""
         first, a = self.assembly.spans[body][0], self.assembly
@@ -89,7 +84,8 @@ class GridFields(Fields):
     def _at_nodes(
         self, table: Floats, body: int, x: ArrayLike, ticks: Ints, first: int = 0
     ) -> Floats:
-        n, share = self._nodes(body, x)
+        segment = self.segment_at(body, x)
+        n, share = self._cell(body, segment, np.asarray(x, dtype=np.float64), 0.0)
         n = n - first
         self._together(n, ticks)
         before, after = (self._in_time(table, place, ticks) for place in (n, n + 1))
@@ -111,31 +107,20 @@ class GridFields(Fields):
     def _strain(self) -> Floats:
         """[state, cell]."""
         stiff = np.where(self.mesh.stiffness > 0, self.mesh.stiffness, np.inf)
-        found: Floats = self.states.force / stiff / self._width
+        found: Floats = self.states.force / stiff / self.mesh.width
         return found
 
     @cached_property
     def _rate(self) -> Floats:
         """[state, cell] rates of strain."""
         found: Floats = np.zeros(self.states.force.shape)
-        found[:, 1:-1] = np.diff(self.states.velocity, axis=1) / self._width[1:-1]
-        return found
-
-    @cached_property
-    def _width(self) -> Floats:
-        """[cell] m; 1 between pieces."""
-        found = np.ones(len(self.mesh.stiffness))
-        for a, b, L, N in zip(
-            self.mesh.first[1:], self.mesh.last[1:], self.assembly.length[1:-1], self.mesh.counts,
-            strict=True,
-        ):
-            found[a + 1 : b + 1] = L / N
+        found[:, 1:-1] = np.diff(self.states.velocity, axis=1) / self.mesh.width[1:-1]
         return found
 
     @cached_property
     def _displaced(self) -> dict[int, Floats]:
         """By rod: [state, node of the rod] displacements in the frame, m."""
-        stretched = np.cumsum(self._strain[:, :-1] * self._width[:-1], axis=1)
+        stretched = np.cumsum(self._strain[:, :-1] * self.mesh.width[:-1], axis=1)
         found = {}
         for body, (first, last) in enumerate(self.assembly.spans):
             if last:
@@ -205,9 +190,7 @@ class GridFields(Fields):
     def momentum(self, body: int, t: ArrayLike) -> Floats:  # noqa: D102
         nodes, _, mass = self._span(body)
         own = self.states.velocity[:, nodes] @ mass
-        i, share = self._when(self.to_ticks(t))
-        following = np.minimum(i + 1, len(own) - 1)
-        moving = own[i] * (1 - share) + own[following] * share
+        moving = self._in_time(own[:, None], 0, self.to_ticks(t))
         found: Floats = moving + mass.sum() * (self.assembly.frame + self._fallen(t))
         return found
 
@@ -234,25 +217,18 @@ class GridFields(Fields):
         return lost
 
     def profile(self, body: int, tick: int) -> Profile:  # noqa: D102
-        nodes, _, _ = self._span(body)
+        nodes, cells, _ = self._span(body)
         x = np.concatenate([
             np.linspace(left, right, N + 1)[:-1] for left, right, N in zip(
                 self.edges(body)[:-1], self.edges(body)[1:], self._counts(body), strict=True)
         ])
         edges = np.append(x, self.edges(body)[-1])
-        i, share = self._when(np.asarray(tick))
-        following = min(int(i) + 1, len(self.states.when) - 1)
         first, last = self.assembly.spans[body]
-
-        def now(table: Floats, places: slice) -> Floats:
-            found: Floats = table[i, places] * (1 - share) + table[following, places] * share
-            return found
-
-        v = now(self.states.velocity, nodes)
-        cells = slice(nodes.start + 1, nodes.stop)
+        v = self._in_time(self.states.velocity, nodes, np.asarray(tick))
+        strain = self._in_time(self._strain, cells, np.asarray(tick))
         drift = self.assembly.frame + self.assembly.gravity * tick * self.assembly.tick
         segments = np.repeat(np.arange(first, last + 1), self._counts(body))
-        return Profile(edges, (v[1:] + v[:-1]) / 2 + drift, now(self._strain, cells), segments)
+        return Profile(edges, (v[1:] + v[:-1]) / 2 + drift, strain, segments)
 
     def _counts(self, body: int) -> list[int]:
         first, last = self.assembly.spans[body]

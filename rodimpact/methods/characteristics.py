@@ -31,8 +31,8 @@ from .characteristics_kernel import (
     settled,
 )
 from .clockwork import PARTS, Clockwork
-from .link_kernel import HERTZ, HUNT, RIGID, SPRING, Chain, Tally
-from .plan import Array, Plan
+from .link_kernel import RIGID, SPRING, Chain, Tally
+from .plan import Array, Plan, squeezed, whole
 from .refinement import TooLong, contact_measures, refined
 
 TOLERANCE = 2.0**-48  # of the velocities, below which contacts graze
@@ -166,8 +166,7 @@ class StepRun:
         """Velocity of a mass at the ends of the steps, the first at t = 0, in the frame."""
         side = mass - len(self.plan.masses)
         if side >= 0:
-            wall = float(self.plan.outside[side][1]) - self.plan.frame
-            return wall - self.plan.gravity * self.step * np.arange(self.steps + 1.0)
+            return self.plan.wall_speed(side, self.step, self.steps)
         start = int(self.signals.mass_start[mass])
         initial = self.plan.mass_velocity[mass] - self.plan.frame
         return np.concatenate(([initial], self.signals.speed[start : start + self.steps]))
@@ -179,16 +178,13 @@ class Machine:
     def __init__(self, plan: Plan, counts: list[int], step: float, room: int) -> None:
         self.plan, self.step, self.room = plan, step, room
         n, h, links, masses = len(counts), step, len(plan.laws), len(plan.masses)
-        power = {HERTZ: 1.5, HUNT: 1.5}
-        stiffness = [k * h ** power.get(law, 1.0)
-                     for k, law in zip(plan.stiffness, plan.laws, strict=True)]
         mobility = [0.0, *(1 / float(s.impedance) for s in plan.segments), 0.0]
         for side, s in ((0, 1), (1, n)):
             if plan.outside[side][0] == "absorbing":
                 mobility[(n + 1) * side] = mobility[s]
         self.row = Row(
-            _whole([0, *counts, 0]), np.array(mobility), _whole(plan.first),
-            np.array(plan.masses) / h, _whole(plan.laws), np.array(stiffness),
+            whole([0, *counts, 0]), np.array(mobility), whole(plan.first),
+            np.array(plan.masses) / h, whole(plan.laws), plan.stiffness_in_steps(h),
             np.array(plan.damping), np.array(plan.gap) / h, np.zeros(links), np.zeros(links),
             np.ones(links, np.int64), np.array(plan.mass_velocity) - plan.frame,
         )
@@ -196,7 +192,7 @@ class Machine:
                            *(np.full(links, v, np.int64) for v in (-1, -1, 0, 0)))
         self.points = Points(*np.zeros((2, masses + 2)))
         self.links = Chain(*np.zeros((len(Chain._fields), masses + 1)))
-        self.clock = _whole([0, 0])
+        self.clock = whole([0, 0])
         self.taken = 0
         self.signals = self._allocate(room)
         self._initial_state(counts)
@@ -227,9 +223,9 @@ class Machine:
             )
             raise TooLong([("until", message)])
         return Signals(
-            np.zeros(size), _whole(starts), np.zeros(len(wanted) * room),
-            np.zeros(len(wanted) * room), _whole(link_start), np.zeros(len(plan.masses) * room),
-            _whole([m * room for m in range(len(plan.masses))]),
+            np.zeros(size), whole(starts), np.zeros(len(wanted) * room),
+            np.zeros(len(wanted) * room), whole(link_start), np.zeros(len(plan.masses) * room),
+            whole([m * room for m in range(len(plan.masses))]),
         )
 
     def _initial_state(self, counts: list[int]) -> None:
@@ -298,31 +294,22 @@ class Machine:
             )
         else:
             parts = (self.row, self.tally, self.signals, self.points, self.links)
-            lists: Any = [type(x)(*(c.tolist() for c in x)) for x in parts]
+            lists = [kernels.as_lists(x) for x in parts]
             clock = self.clock.tolist()
             row, tally, signals, points, links = lists
             flag = run(row, tally, signals, points, links, clock, end, self.tol)
             for part, found in zip(parts, lists, strict=True):
-                for column, values in zip(part, found, strict=True):
-                    column[:] = values
+                kernels.copy_back(found, part)
             self.clock[:] = clock
         self.taken = int(self.clock[STEP])
         if flag != DONE:
-            message = (
-                f"a rigid mass is squeezed between walls that leave it no room, at "
-                f"{self.taken * self.step:.6g} s; give a contact there a compliant law"
-            )
-            raise InvalidModel([("contacts", message)])
+            raise squeezed(self.taken * self.step)
 
     def settled(self) -> int:
         """Steps until it may be proved that the collision is over; NEVER if not as it is."""
         if driven(self.plan.system):
             return NEVER
         return int(settled(self.row, self.signals, self.taken, self.tol))
-
-
-def _whole(values: list[int]) -> Array:
-    return np.array(values, dtype=np.int64)
 
 
 def _counts(plan: Plan, step: float) -> list[int]:

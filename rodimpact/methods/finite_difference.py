@@ -100,13 +100,9 @@ class GridRun:
     @property
     def largest_strain(self) -> float:
         """Largest strain of the states that were kept."""
-        mesh, found = self.mesh, 0.0
-        for a, b, L, N in zip(
-            mesh.first[1:], mesh.last[1:], self.clockwork.length[1:-1], mesh.counts, strict=True
-        ):
-            stretched = self.states.force[:, a + 1 : b + 1] / mesh.stiffness[a + 1 : b + 1]
-            found = max(found, float(np.abs(stretched).max()) * N / L)
-        return found
+        inside = self.mesh.stiffness > 0
+        yielding = self.mesh.stiffness[inside] * self.mesh.width[inside]
+        return float(np.abs(self.states.force[:, inside] / yielding).max())
 
     @property
     def resolved(self) -> float:
@@ -156,8 +152,7 @@ class GridRun:
         """Velocity of a mass at the ends of the steps, the first at t = 0, in the frame."""
         side = mass - len(self.plan.masses)
         if side >= 0:
-            wall = float(self.plan.outside[side][1]) - self.plan.frame
-            return wall - self.plan.gravity * self.step * np.arange(self.steps + 1.0)
+            return self.plan.wall_speed(side, self.step, self.steps)
         initial = self.states.velocity[0, self.mesh.node_of_mass[mass]]
         start = mass * int(self.signals.room[0])
         return np.concatenate(([initial], self._signal(self.signals.mass_speed, start)))

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from ..frozen import InvalidModel
 from ..model import Rod
 from ..profiles import averages
 from . import kernels
@@ -30,9 +29,9 @@ from .finite_difference_kernel import (
     run,
     substitute,
 )
-from .link_kernel import HERTZ, HUNT, RIGID, Chain, Tally
+from .link_kernel import RIGID, Chain, Tally
 from .mesh import Mesh
-from .plan import Array
+from .plan import Array, squeezed, whole
 from .refinement import TooLong
 
 TOLERANCE = 2.0**-40  # of the velocities, below which contacts graze: round-off of many steps
@@ -66,7 +65,7 @@ class Machine:
         self.links, self.chain = self._links(ease, implicit)
         self.bonds = self._bonds()
         self.ends = Ends(
-            _whole([self._kind(side) for side in (0, 1)]), _whole(mesh.ends),
+            whole([self._kind(side) for side in (0, 1)]), whole(mesh.ends),
             np.array([self._impedance(side) for side in (0, 1)]), np.zeros(2), np.zeros(2),
         )
         count = len(mesh.touching)
@@ -76,7 +75,7 @@ class Machine:
         self.signals = self._allocate(room)
         self.keep = keep
         self.states = keep.make(self, room)
-        self.clock = _whole([0, 0, 0])
+        self.clock = whole([0, 0, 0])
         self.taken = 0
         self.tol, self.speck = TOLERANCE * plan.scale, SPECK * plan.scale
 
@@ -108,9 +107,9 @@ class Machine:
             kick.append(float(e[0]) if alike and len(e) else -1.0)
         n = len(mesh.mass)
         return Grid(
-            np.zeros(n), np.zeros(n + 1), ease, stiffness, _whole(first), _whole(last),
-            np.array(kick), np.array(stiff), _whole(sorted({*first, *last})),
-            _whole(mesh.starts), np.zeros(len(mesh.starts)),
+            np.zeros(n), np.zeros(n + 1), ease, stiffness, whole(first), whole(last),
+            np.array(kick), np.array(stiff), whole(sorted({*first, *last})),
+            whole(mesh.starts), np.zeros(len(mesh.starts)),
         )
 
     def _implicit(self, mass: Array, implicit: list[bool]) -> Implicit:
@@ -120,19 +119,19 @@ class Machine:
         spans = [(a, b) for a, b, hidden in zip(mesh.starts, mesh.stops, implicit, strict=True)
                  if hidden]
         found = Implicit._make([
-            _whole([a for a, _ in spans]), _whole([(a + b) // 2 for a, b in spans]),
-            _whole([b for _, b in spans]), *np.zeros((2, len(spans))), mesh.viscous, bound,
+            whole([a for a, _ in spans]), whole([(a + b) // 2 for a, b in spans]),
+            whole([b for _, b in spans]), *np.zeros((2, len(spans))), mesh.viscous, bound,
             *np.zeros((7, n)), np.zeros(n + 1),
         ])
         diagonal = (mass + bound[:-1] + bound[1:]).tolist()
-        lists = _lists(found)
+        lists = kernels.as_lists(found)
         for p, (a, b) in enumerate(spans):
             factor(lists, diagonal, mesh.held.tolist(), p)
             for node, answer in ((a, lists.by_first), (b, lists.by_last)):
                 if not mesh.held[node]:
                     answer[node] = 1.0
                 substitute(lists, answer, p)
-        _copy(lists, found)
+        kernels.copy_back(lists, found)
         return found
 
     def _links(self, ease: Array, implicit: list[bool]) -> tuple[Links, Chain]:
@@ -140,7 +139,6 @@ class Machine:
         hidden = [p for p, is_hidden in enumerate(implicit) if is_hidden]
         chosen, nodes = list(mesh.touching), list(mesh.touching.values())
         count = len(chosen)
-        power = {HERTZ: 1.5, HUNT: 1.5}
         sides: list[list[int]] = [[], []]
         own, shared = np.zeros((2, count))
         for q, pair in enumerate(nodes):
@@ -157,12 +155,12 @@ class Machine:
                     shared[q] = ease[pair[0]] / 2
         gap = np.array([plan.gap[i] for i in chosen]) / h
         links = Links(
-            _whole([plan.laws[i] for i in chosen]),
-            np.array([plan.stiffness[i] * h ** power.get(plan.laws[i], 1.0) for i in chosen]),
+            whole([plan.laws[i] for i in chosen]),
+            plan.stiffness_in_steps(h)[chosen],
             np.array([plan.damping[i] for i in chosen]), gap, np.zeros(count), np.zeros(count),
             np.ones(count, np.int64), (gap == 0).astype(np.int64),
-            _whole([pair[0] for pair in nodes]), _whole([pair[1] for pair in nodes]),
-            _whole(sides[0]), _whole(sides[1]), own, shared, np.zeros(count),
+            whole([pair[0] for pair in nodes]), whole([pair[1] for pair in nodes]),
+            whole(sides[0]), whole(sides[1]), own, shared, np.zeros(count),
             np.append(np.flatnonzero(shared == 0), count),
         )
         return links, Chain(*np.zeros((len(Chain._fields), count)))
@@ -171,9 +169,9 @@ class Machine:
         places = {link: q for q, link in enumerate(self.mesh.touching)}
         found = list(self.mesh.interfaces.values())
         return Bonds(
-            _whole([x.node for x in found]), np.array([x.mass / self.step for x in found]),
-            _whole([x.side for x in found]), _whole([x.cell for x in found]),
-            _whole([places.get(x.link, -1) for x in found]), _whole([x.end for x in found]),
+            whole([x.node for x in found]), np.array([x.mass / self.step for x in found]),
+            whole([x.side for x in found]), whole([x.cell for x in found]),
+            whole([places.get(x.link, -1) for x in found]), whole([x.end for x in found]),
             np.zeros(len(found)), np.zeros(len(found)),
         )
 
@@ -222,7 +220,7 @@ class Machine:
         mesh, bound = self.mesh, self.mesh.lateral / self.step
         if not bound.any():
             return jump
-        lists = _lists(self.implicit._replace(bound=bound))
+        lists = kernels.as_lists(self.implicit._replace(bound=bound))
         diagonal = (mesh.mass / self.step + bound[:-1] + bound[1:]).tolist()
         moved = jump.tolist()
         for p in range(len(lists.first)):
@@ -250,7 +248,8 @@ class Machine:
                 force[left] = force[right] = 0.0
         found: Array = self.grid.ease * force / 2
         if len(self.implicit.first):
-            lists, x = _lists(self.implicit), np.where(mesh.held == 1, 0.0, force / 2).tolist()
+            lists = kernels.as_lists(self.implicit)
+            x = np.where(mesh.held == 1, 0.0, force / 2).tolist()
             for p, (a, b) in enumerate(zip(lists.first, lists.last, strict=True)):
                 substitute(lists, x, p)
                 found[a : b + 1] = x[a : b + 1]
@@ -294,9 +293,9 @@ class Machine:
                 given[span] = self._pushes(value, room)
         self.room = room
         return Signals._make([
-            *np.zeros((3, links * room)), _whole([i * room for i in range(links)]),
-            np.zeros(bonds * room), given, *np.zeros((2, 2 * room)), _whole([room]),
-            _whole(self.mesh.node_of_mass), np.zeros(masses * room),
+            *np.zeros((3, links * room)), whole([i * room for i in range(links)]),
+            np.zeros(bonds * room), given, *np.zeros((2, 2 * room)), whole([room]),
+            whole(self.mesh.node_of_mass), np.zeros(masses * room),
         ])
 
     def _grow(self, room: int) -> None:
@@ -319,7 +318,7 @@ class Machine:
             self.signals, self.states,
         )
         fast = kernels.worth_compiling((end - self.taken) * cost(self.mesh, plain=True))
-        lists = parts if fast else tuple(_lists(x) for x in parts)
+        lists = parts if fast else tuple(kernels.as_lists(x) for x in parts)
         go: Callable[..., int] = kernels.compiled(run) if fast else run
         clock: Any = self.clock if fast else self.clock.tolist()
         chunk = max(1, int(ROUND / cost(self.mesh, plain=not fast)))
@@ -333,14 +332,10 @@ class Machine:
                 tell(self.taken)
         if not fast:
             for part, found in zip(parts, lists, strict=True):
-                _copy(found, part)
+                kernels.copy_back(found, part)
             self.clock[:] = clock
         if flag != DONE:
-            message = (
-                f"a rigid mass is squeezed between walls that leave it no room, at "
-                f"{self.taken * self.step:.6g} s; give a contact there a compliant law"
-            )
-            raise InvalidModel([("contacts", message)])
+            raise squeezed(self.taken * self.step)
 
 
 class Keeper:
@@ -357,7 +352,7 @@ class Keeper:
             self.most = max(64, STATES_BYTES // (16 * nodes))
         when = self._when(machine, room)
         n = len(when)
-        return States(_whole(when), np.zeros(n * nodes), np.zeros(n * (nodes + 1)),
+        return States(whole(when), np.zeros(n * nodes), np.zeros(n * (nodes + 1)),
                       np.zeros(n * pieces), np.zeros(n))
 
     def _when(self, machine: Machine, end: int) -> list[int]:
@@ -394,16 +389,3 @@ def cost(mesh: Mesh, plain: bool) -> float:
         (b - a + 1) * CELL_TIMES["implicit" if hidden else "explicit"][plain]
         for a, b, hidden in zip(mesh.starts, mesh.stops, mesh.implicit, strict=True)
     )
-
-
-def _whole(values: list[int]) -> Array:
-    return np.array(values, dtype=np.int64)
-
-
-def _lists(columns: Any) -> Any:
-    return type(columns)(*(column.tolist() for column in columns))
-
-
-def _copy(lists: Any, columns: Any) -> None:
-    for column, values in zip(columns, lists, strict=True):
-        column[:] = values

@@ -60,6 +60,17 @@ def worth_compiling(seconds: float) -> bool:
     return _spent > PATIENCE
 
 
+def as_lists(columns: Any) -> Any:
+    """Return a NamedTuple of arrays as one of lists, for a kernel in plain Python."""
+    return type(columns)(*(column.tolist() for column in columns))
+
+
+def copy_back(lists: Any, columns: Any) -> None:
+    """Copy what a kernel left in a NamedTuple of lists to the one of arrays."""
+    for column, values in zip(columns, lists, strict=True):
+        column[:] = values
+
+
 @functools.cache
 def _compiled(kernel: Kernel) -> Kernel:
     if not enabled():

@@ -49,6 +49,8 @@ class Mesh:
         kg; whether the velocity is given.
     cell_mass, stiffness, viscous, lateral : [cell] array
         rho A dx, E A/dx, eta A/dx and rho nu^2 I_p/dx: kg, N/m, N s/m, kg.
+    width : [cell] array
+        dx, m; 1 between pieces.
     touching : dict of int to (int, int)
         By link that can open: the nodes on its left and on its right.
     ends : list of int
@@ -102,6 +104,9 @@ class Mesh:
                 self.last.append(node)
             self.stops[-1] = node
         self._fill(held, cells)
+        self.width = np.ones(self._nodes + 1)
+        for a, b, s, N in zip(self.first[1:], self.last[1:], plan.segments, counts, strict=True):
+            self.width[a + 1 : b + 1] = float(s.length) / N
         self.interfaces = {
             i: self._interface(row, i) for i, law in enumerate(plan.laws)
             if law == BOND and self._asked(i)

@@ -204,3 +204,30 @@ class Plan:
             float(s.material.density) * float(s.wave_speed) * extremes(s.area)[0]
             for s in self.segments
         )
+
+    def stiffness_in_steps(self, step: float) -> Array:
+        """Stiffness of each link where time is counted in steps, s, and lengths as velocities."""
+        return np.array([
+            k * step ** (1.5 if law in (HERTZ, HUNT) else 1.0)
+            for k, law in zip(self.stiffness, self.laws, strict=True)
+        ])
+
+    def wall_speed(self, side: int, step: float, steps: int) -> Array:
+        """Velocity of the left or right wall at the ends of steps, s, in the frame."""
+        wall = float(self.outside[side][1]) - self.frame
+        found: Array = wall - self.gravity * step * np.arange(steps + 1.0)
+        return found
+
+
+def squeezed(seconds: float) -> InvalidModel:
+    """What to raise where a rigid mass cannot move."""
+    message = (
+        f"a rigid mass is squeezed between walls that leave it no room, at {seconds:.6g} s; give a "
+        "contact there a compliant law"
+    )
+    return InvalidModel([("contacts", message)])
+
+
+def whole(values: list[int]) -> Array:
+    """Return whole numbers as an array for a kernel."""
+    return np.array(values, dtype=np.int64)
