@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
@@ -10,11 +11,13 @@ from numpy.typing import ArrayLike
 
 from .fields import Fields
 from .methods.assembly import Assembly
-from .methods.clockwork import PARTS
 from .methods.front_kernel import OPEN, PRESS
 from .model import Bonded, Rigid
-from .signals import Floats, Side, StepSignal
+from .signals import Floats, Ints, Side, StepSignal
 from .wave_fields import WaveFields
+
+FAINT = 1e-6  # of the next mean force: what presses less is round-off
+SMOOTH = 0.1  # relative change of forces from step to step, beyond which they jump
 
 Turns: TypeAlias = tuple[list[int], list[int]]
 
@@ -192,14 +195,16 @@ def _episodes_of_turns(changes: StepSignal, beat: float) -> tuple[Episode, ...]:
 
 
 def histories_of_steps(
-    fields: Fields, forces: Sequence[Floats], gaps: Sequence[Floats], paths: Sequence[Floats],
-    tallies: Sequence[ContactTally], least: float,
+    fields: Fields, edges: Ints, forces: Sequence[Floats], gaps: Sequence[Floats],
+    paths: Sequence[Floats], tallies: Sequence[ContactTally], least: float,
 ) -> tuple[ContactHistory, ...]:
     """Histories of all contacts, from the mean force in each step and the gaps at step ends.
 
     Parameters
     ----------
     fields : Fields
+    edges : [steps + 1] array of int
+        Ticks.
     forces, gaps, paths : sequence of arrays
         By contact: [steps] N, [steps + 1] m from t = 0 on, and [steps] m by which the bodies
         approach under the force: beside the change of the gap what a grid loses as it shuts.
@@ -211,38 +216,110 @@ def histories_of_steps(
     for i, (force, gap, path, tally) in enumerate(
         zip(forces, gaps, paths, tallies, strict=True)
     ):
-        ticks = PARTS * np.arange(max(1, len(force)))
-        if not len(force):
-            force, gap, path = np.zeros(1), np.repeat(gap, 2), np.zeros(1)
         bonded = isinstance(fields.assembly.system.contacts[i], Bonded)
-        episodes = () if bonded else _episodes_of_steps(
-            force, gap, PARTS * fields.assembly.tick, least
-        )
+        times = edges * fields.assembly.tick
+        episodes = () if bonded else _episodes_of_steps(times, force, gap, least)
+        lasts = np.diff(edges)
+        if not len(force):
+            force, gap, path, lasts = np.zeros(1), np.repeat(gap, 2), np.zeros(1), np.ones(1)
+        ticks = edges[: len(force)]
         found.append(ContactHistory(
-            i, fields, tally, episodes, StepSignal(ticks, force), gap[:-1], np.diff(gap) / PARTS,
-            StepSignal(ticks, force * path / PARTS),
+            i, fields, tally, episodes, StepSignal(ticks, force), gap[:-1], np.diff(gap) / lasts,
+            StepSignal(ticks, force * path / lasts),
         ))
     return tuple(found)
 
 
-def _episodes_of_steps(
-    force: Floats, gap: Floats, step: float, least: float
-) -> tuple[Episode, ...]:
-    """Touchings that carried force: from the first force to the first step that ends with a gap.
+def pressed_spans(times: Floats, force: Floats, gap: Floats) -> list[tuple[float, float]]:
+    """When a contact presses, from the mean force in each step and the gaps at step ends.
 
-    A gap begins where it passes `least`, if it does so before the next force.
+    A compliant contact begins and ends where its indentation passes through 0. The force of a rigid
+    one begins and ends with a jump inside its first and last step: after that share of it which its
+    mean is of what the means beside lead to. If it falls evenly, it ends where the line through the
+    last means reaches 0.
+
+    Parameters
+    ----------
+    times : [steps + 1] array
+        Ends of steps, s.
+    force, gap : [steps], [steps + 1] arrays
+        N and m.
+
+    Returns
+    -------
+    list of (float, float)
+        Begin and end of each, s; nan for an end that does not come before the last time.
     """
-    pressing = np.flatnonzero(force > 0)
-    opened = np.flatnonzero((force <= 0) & (gap[1:] > least))
-    found, j = [], 0
-    while j < len(pressing):
-        start = int(pressing[j])
-        k = int(np.searchsorted(opened, start))
-        end = int(opened[k]) if k < len(opened) else len(force)
-        after = int(np.searchsorted(pressing, end))
-        last = int(pressing[after - 1]) + 1
-        running = last == len(force)
-        opening = end * step if k < len(opened) else np.nan
-        found.append(Episode(start * step, np.nan if running else last * step, opening))
-        j = after
+    pressing = np.concatenate(([False], force > 0, [False]))
+    first, last = np.flatnonzero(np.diff(pressing)).reshape(-1, 2).T
+    found = []
+    for i, j in zip(first.tolist(), last.tolist(), strict=True):
+        share = 1.0
+        if gap[i + 1] < 0:
+            share = float(gap[i + 1] / (gap[i + 1] - gap[i]))
+        elif gap[i] > 0 or force[i] <= FAINT * force[i : i + 2].max():
+            share = _share_of_jump(force[i : min(j, i + 3)])
+        begin = float(times[i + 1]) - share * float(times[i + 1] - times[i])
+        end = _end_of_force(times, force, gap, i, j) if j < len(force) else math.nan
+        found.append((begin, end))
+    return found
+
+
+def _end_of_force(times: Floats, force: Floats, gap: Floats, i: int, j: int) -> float:
+    """When the force ends that presses in the steps i to j - 1."""
+    start, end = float(times[j - 1]), float(times[j])
+    if gap[j - 1] < 0:
+        through = gap[j - 1] / (gap[j - 1] - gap[j]) if gap[j] > 0 else 1.0
+        return start + (end - start) * float(through)
+    if j - i >= 3:
+        middles = (times[j - 3 : j + 1] + times[j - 2 : j + 2]) / 2
+        fall, last_fall = (-np.diff(force[j - 3 : j]) / np.diff(middles[:-1])).tolist()
+        if 0 < fall <= 2 * last_fall <= 4 * fall:
+            zero = float(middles[2] + force[j - 1] / last_fall)
+            if zero <= middles[3]:
+                return zero
+    return start + (end - start) * _share_of_jump(force[max(i, j - 4) : j][::-1])
+
+
+def _share_of_jump(force: Floats) -> float:
+    """Share of its step that a force presses which jumps, from up to four means, its own first.
+
+    All of it where the mean differs from what those beside lead to by no more than their curvature.
+    """
+    own, *beside = force.tolist()
+    if not beside:
+        return 1.0
+    smooth = len(beside) > 1 and max(beside) - min(beside) <= SMOOTH * beside[0]
+    led = 2 * beside[0] - beside[1] if smooth else beside[0]
+    curvature = abs(beside[0] - 2 * beside[1] + beside[2]) if smooth and len(beside) > 2 else 0.0
+    return 1.0 if led - own <= 2 * curvature else float(own / led)
+
+
+def _episodes_of_steps(
+    times: Floats, force: Floats, gap: Floats, least: float
+) -> tuple[Episode, ...]:
+    """Touchings that carried force: from the first force to the opening of the gap.
+
+    The gap opens where it begins to grow beyond `least`, if it does so before the next force.
+    """
+    spans = pressed_spans(times, force, gap)
+    far = np.flatnonzero(gap > least)
+    found: list[Episode] = []
+    for begin, end in spans:
+        if found and not found[-1].opening < begin:
+            found[-1] = Episode(found[-1].start, end, math.nan)
+        else:
+            found.append(Episode(begin, end, math.nan))
+        k = int(np.searchsorted(far, np.searchsorted(times, end))) if end == end else len(far)
+        if k < len(far):
+            found[-1] = found[-1]._replace(opening=_opening(times, gap, int(far[k]), end))
     return tuple(found)
+
+
+def _opening(times: Floats, gap: Floats, k: int, end: float) -> float:
+    """When the gap begins that is there at step end k, after a force that ended at `end`."""
+    shut = np.flatnonzero(gap[:k] <= 0)
+    i = int(shut[-1]) if len(shut) else 0
+    low, high = float(gap[i]), float(gap[i + 1])
+    begin = float(times[i]) + float(times[i + 1] - times[i]) * (-low / (high - low))
+    return max(begin, end)

@@ -44,6 +44,13 @@ class Trace(NamedTuple):
     wave_speed: float
 
 
+def nearest(marks: Ints, ticks: Ints) -> Ints:
+    """The nearest of increasing marks to ticks."""
+    middles = (marks[1:] + marks[:-1]) / 2
+    found: Ints = marks[np.searchsorted(middles, ticks, "right")]
+    return found
+
+
 class Fields(ABC):
     """What a solution asks of the state of a row: at any place and time, and of whole bodies.
 
@@ -53,15 +60,19 @@ class Fields(ABC):
     end : int
         Last tick.
     masses : mapping of int to array
-        Velocities of rigid masses, by body, at equal intervals up to `end`, in the frame
-        `assembly.frame`, which falls with `assembly.gravity`.
+        Velocities of rigid masses, by body, at `edges`, in the frame `assembly.frame`, which falls
+        with `assembly.gravity`.
+    edges : [n] array of int, optional
+        Ticks from 0 to `end` between which a method on a time step resolves nothing; those at which
+        energies are known.
     """
 
     def __init__(
-        self, assembly: Clockwork, end: int, masses: Mapping[int, Floats] | None = None
+        self, assembly: Clockwork, end: int, masses: Mapping[int, Floats] | None = None,
+        edges: Ints | None = None,
     ) -> None:
         self.assembly, self.end = assembly, end
-        self.masses = masses or {}
+        self.masses, self.steps = masses or {}, edges
 
     @abstractmethod
     def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
@@ -101,12 +112,14 @@ class Fields(ABC):
 
     def whole(self, ticks: Ints) -> Ints:
         """The nearest ticks at which energies are known."""
-        grain = self.assembly.grain
-        found: Ints = np.rint(ticks / grain).astype(np.int64) * grain
-        return found
+        return ticks if self.steps is None else nearest(self.steps, ticks)
 
     def damped(self, ticks: Ints) -> Floats:
         """Energy lost in damped material since t = 0, J, at whole ticks."""
+        return np.zeros(np.shape(ticks))
+
+    def smeared(self, ticks: Ints) -> Floats:
+        """Energy lost since t = 0, J, where what arrives is a mean of two steps; at whole ticks."""
         return np.zeros(np.shape(ticks))
 
     # Where and when ---------------------------------------------------------------------------
@@ -173,8 +186,8 @@ class Fields(ABC):
     def mass_velocity(self, body: int, t: ArrayLike) -> Floats:
         """Velocity of a rigid mass, m/s."""
         V, ticks = self.masses[body], self.to_ticks(t)
-        places = np.linspace(0, self.end, len(V))
-        found: Floats = np.interp(ticks, places, V) + self.assembly.frame + self._fallen(t)
+        assert self.steps is not None
+        found: Floats = np.interp(ticks, self.steps, V) + self.assembly.frame + self._fallen(t)
         return found
 
     def mass_displacement(self, body: int, t: ArrayLike) -> Floats:
@@ -182,11 +195,12 @@ class Fields(ABC):
         a, V, ticks = self.assembly, self.masses[body], self.to_ticks(t)
         if len(V) == 1:
             return np.zeros(np.shape(ticks))
-        width = self.end // (len(V) - 1)
-        moved = np.concatenate(([0.0], np.cumsum((V[1:] + V[:-1]) / 2) * width))
-        i = np.clip(ticks // width, 0, len(V) - 2)
-        s = ticks - i * width
-        path = moved[i] + V[i] * s + (V[i + 1] - V[i]) / width * s * s / 2
+        assert self.steps is not None
+        width = np.diff(self.steps)
+        moved = np.concatenate(([0.0], np.cumsum((V[1:] + V[:-1]) / 2 * width)))
+        i = np.clip(np.searchsorted(self.steps, ticks, "right") - 1, 0, len(V) - 2)
+        s = ticks - self.steps[i]
+        path = moved[i] + V[i] * s + (V[i + 1] - V[i]) / width[i] * s * s / 2
         time = ticks * a.tick
         found: Floats = path * a.tick + a.frame * time + a.gravity * time * time / 2
         return found

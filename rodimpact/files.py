@@ -175,6 +175,7 @@ def save_solution(solution: Solution, path: PathLike, *, force: bool = False) ->
         "t_end": solution.t_end,
         "t_final": solution.t_final,
         "events": solution.events,
+        "accuracy": solution.accuracy,
     }
     fields, record = solution.fields, solution.record
     arrays: Arrays = {}
@@ -186,6 +187,8 @@ def save_solution(solution: Solution, path: PathLike, *, force: bool = False) ->
         waves = [s for s in fields.signals if s is not None]
         counts = [len(s.ticks) if s is not None else 0 for s in fields.signals]
         arrays["signal_values"] = np.concatenate([s.values for s in waves])
+        longest = max((s.ticks for s in waves), key=len)
+        arrays["before"] = longest[longest < 0]
         arrays["signal_counts"] = _whole(counts)
     if isinstance(record, FrontRecord):
         arrays |= {
@@ -203,6 +206,7 @@ def save_solution(solution: Solution, path: PathLike, *, force: bool = False) ->
         for side, end in enumerate(record.ends):
             if end is not None:
                 arrays |= {f"push.{side}": end[1], f"speed.{side}": end[2]}
+        arrays["edges"] = record.edges
         document["least"] = record.least
         document["ends"] = [end and end[0] for end in record.ends]
     write_npz(path, "solution", document, arrays, force=force)
@@ -298,6 +302,7 @@ def _read_solution(document: dict[str, Any], arrays: Arrays) -> Solution:
         system, fields, Outcome(**outcome), record, method=method, until=until,
         stopped_by=document["stopped_by"], status=document["status"], t_end=document["t_end"],
         t_final=_restored(document["t_final"]), events=document["events"],
+        accuracy=_restored(document["accuracy"]),
     )
 
 
@@ -324,18 +329,20 @@ def _read_fronts(
 def _read_steps(
     document: dict[str, Any], arrays: Arrays, system: System
 ) -> tuple[Fields, Record]:
-    clock, plan = document["clock"], Plan(system)
-    counts, steps = [ticks // PARTS for ticks in clock["ticks"][1:-1]], document["end"] // PARTS
-    work = clockwork(plan, counts, clock["tick"] * PARTS)
+    clock, plan, edges = document["clock"], Plan(system), arrays["edges"]
+    before = arrays["before"]
+    work = clockwork(plan, clock["ticks"][1:-1], clock["tick"] * PARTS)
     _compare_clocks(document, work)
     lines = 2 * len(work.ticks) - 2
     _check(arrays, "signal", {"values": np.float64}, lines)
     stops = np.cumsum(arrays["signal_counts"])
     waves = [arrays["signal_values"][stops[i] - n : stops[i]]
              for i, n in enumerate(arrays["signal_counts"]) if i > 1]
-    if any(len(w) != counts[i // 2] + steps for i, w in enumerate(waves)):
-        raise ValueError("signals do not fill the time")
-    fields = WaveFields.from_steps(work, waves, steps, _read_masses(arrays, plan))
+    for i, w in enumerate(waves):
+        begin = before[len(before) + len(edges) - 1 - len(w)]
+        if not begin <= -work.ticks[i // 2 + 1] < begin + PARTS:
+            raise ValueError("signals do not fill the time")
+    fields = WaveFields.from_steps(work, waves, edges, before, _read_masses(arrays, plan))
     return fields, _read_record(document, arrays, system)
 
 
@@ -367,7 +374,7 @@ def _read_record(document: dict[str, Any], arrays: Arrays, system: System) -> St
         [arrays[f"{name}.{k}"] for k in range(len(system.contacts))]
         for name in ("force", "gap", "path")
     )
-    return StepRecord(forces, gaps, paths, ends, document["least"])
+    return StepRecord(arrays["edges"], forces, gaps, paths, ends, document["least"])
 
 
 def _compare_clocks(document: dict[str, Any], clockwork: Clockwork) -> None:

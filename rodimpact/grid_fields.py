@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .fields import Fields, Profile, Trace
+from .fields import Fields, Profile, Trace, nearest
 from .methods.clockwork import PARTS, Clockwork
 from .methods.finite_difference_kernel import States
 from .methods.mesh import Mesh
@@ -41,7 +41,8 @@ class GridFields(Fields):
         self, assembly: Clockwork, mesh: Mesh, states: States, steps: int,
         masses: Mapping[int, Floats],
     ) -> None:
-        super().__init__(assembly, steps * PARTS, masses)
+        edges = PARTS * np.arange(steps + 1)
+        super().__init__(assembly, steps * PARTS, masses, edges)
         self.mesh, self.states = mesh, states
 
     @property
@@ -206,10 +207,7 @@ class GridFields(Fields):
         return kinetic, float(np.sum(self.states.force[place, cells] ** 2 / k)) / 2
 
     def whole(self, ticks: Ints) -> Ints:  # noqa: D102
-        when = self.states.when * PARTS
-        middles = (when[1:] + when[:-1]) / 2
-        found: Ints = when[np.searchsorted(middles, ticks, "right")]
-        return found
+        return nearest(self.states.when * PARTS, ticks)
 
     def damped(self, ticks: Ints) -> Floats:  # noqa: D102
         place = np.searchsorted(self.states.when, ticks // PARTS)

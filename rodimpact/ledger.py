@@ -45,9 +45,9 @@ class EnergyLedger:
     damped : array
         Lost in damped material since t = 0.
     numerical : array
-        Lost since t = 0 as rigid contacts shut: within a time step, or by the half cells at the
-        ends on a grid. It goes to zero with the step, but for rods with lateral inertia: their ends
-        have mass, and meet inelastically.
+        Lost since t = 0 to the time step: as rigid contacts shut inside of one, where a transit is
+        no whole number of them, or by the half cells at the ends on a grid. It goes to zero with
+        the step, but for rods with lateral inertia: their ends have mass, and meet inelastically.
     radiated : array
         Gone since t = 0 through absorbing ends.
     wall_work, drive_work, gravity_work : array
@@ -135,9 +135,9 @@ def ledger(
         path = momentum * t
         for side, sign in zip(outside, (1, -1), strict=True):
             if side is not None:  # the integral of (t - s) F(s) over s
-                middle = StepSignal(
-                    side.push.ticks, side.push.values * (side.push.ticks + a.grain / 2)
-                )
+                edges = np.append(side.push.ticks, fields.end)
+                middles = (edges[1:] + edges[:-1]) / 2
+                middle = StepSignal(side.push.ticks, side.push.values * middles)
                 lever = side.push.integral(0, ticks) * ticks - middle.integral(0, ticks)
                 path = path + sign * lever * a.tick * a.tick
         fallen = a.gravity * path
@@ -151,6 +151,7 @@ def ledger(
         else:
             dissipated += lost
     damped = fields.damped(ticks)
+    numerical += fields.smeared(ticks)
     missing = sum(now) + contact - sum(float(x[0]) for x in then)
     missing = missing + dissipated + damped + numerical
     for work in (*works.values(), fallen):

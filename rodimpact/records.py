@@ -18,9 +18,8 @@ from .contacts import (
 from .fields import Fields
 from .ledger import Outside
 from .methods.assembly import Assembly
-from .methods.clockwork import PARTS
 from .model import Absorbing, Fixed, Free, Wall
-from .signals import Floats, StepSignal
+from .signals import Floats, Ints, StepSignal
 from .wave_fields import WaveFields
 
 Ends = tuple[Outside | None, Outside | None]
@@ -89,6 +88,8 @@ class StepRecord:
 
     Attributes
     ----------
+    edges : [steps + 1] array of int
+        Ticks from 0 to the end, between which forces are means.
     forces, gaps : list of arrays
         By contact: [steps] mean force, N, and [steps + 1] gap, m, from t = 0 on.
     paths : list of arrays
@@ -99,6 +100,7 @@ class StepRecord:
         Left and right: kind, force on the row, N, and its velocity, m/s, by step.
     """
 
+    edges: Ints
     forces: list[Floats]
     gaps: list[Floats]
     paths: list[Floats]
@@ -108,7 +110,9 @@ class StepRecord:
     def histories(  # noqa: D102
         self, fields: Fields, tallies: Sequence[ContactTally]
     ) -> tuple[ContactHistory, ...]:
-        return histories_of_steps(fields, self.forces, self.gaps, self.paths, tallies, self.least)
+        return histories_of_steps(
+            fields, self.edges, self.forces, self.gaps, self.paths, tallies, self.least
+        )
 
     def outside(  # noqa: D102
         self, fields: Fields, contacts: Sequence[ContactHistory]  # noqa: ARG002
@@ -119,7 +123,7 @@ class StepRecord:
                 found.append(None)
                 continue
             kind, force, velocity = end
-            ticks = PARTS * np.arange(len(force))
+            ticks = self.edges[:-1]
             found.append(Outside(
                 kind, StepSignal(ticks, force), StepSignal(ticks, sign * force * velocity)
             ))

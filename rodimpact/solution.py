@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cached_property
 
 import numpy as np
@@ -48,6 +48,9 @@ class Solution:
         Largest relative change of a transit time by its rounding to the clock.
     events : int
         Arrivals at ends that were solved.
+    accuracy : dict of str to float
+        Estimated error of each measure of the outcome, relative to its largest value, where a time
+        step was chosen; empty where the method is exact or the step was given.
     fields : Fields
     method : str
     """
@@ -55,12 +58,13 @@ class Solution:
     def __init__(
         self, system: System, fields: Fields, outcome: Outcome, record: Record, *,
         method: str, until: float | None, stopped_by: str, status: str, t_end: float,
-        t_final: float, events: int,
+        t_final: float, events: int, accuracy: Mapping[str, float] | None = None,
     ) -> None:
         self.system, self.fields, self.outcome = system, fields, outcome
         self.method, self.until, self.stopped_by, self.status = method, until, stopped_by, status
         self.t_end, self.t_final, self.events = t_end, t_final, events
         self.final = outcome.final
+        self.accuracy = dict(accuracy or {})
         self.transit_error = fields.assembly.transit_error
         self.record = record
 

@@ -259,7 +259,7 @@ def wrap_steps(run: Run, until: float | None = None) -> Solution:
     """Make a solution of a run on a time step."""
     status = describe_steps(run, until)
     masses = {body: run.speed(m) for body, m in enumerate(run.plan.mass_of) if m >= 0}
-    record = read_record(run)
+    record, tick = read_record(run), run.clockwork.tick
     fields: Fields
     if isinstance(run, finite_difference.GridRun):
         method = "finite-difference"
@@ -267,12 +267,13 @@ def wrap_steps(run: Run, until: float | None = None) -> Solution:
     else:
         method = "characteristics"
         waves = [run.wave(line) for line in range(2, 2 * len(run.row.steps) - 2)]
-        fields = WaveFields.from_steps(run.clockwork, waves, run.steps, masses)
+        fields = WaveFields.from_steps(run.clockwork, waves, run.edges, run.edges_before, masses)
     return Solution(
         run.plan.system, fields, read_stepped(run, fields, record, status), record,
         method=method, until=until, stopped_by=run.stopped_by, status=status,
-        t_end=until if until is not None else run.steps * run.step,
-        t_final=run.settled * run.step if run.settled >= 0 else math.nan, events=run.events,
+        t_end=until if until is not None else float(run.edges[-1]) * tick,
+        t_final=float(run.edges[run.settled]) * tick if run.settled >= 0 else math.nan,
+        events=run.events, accuracy=run.estimates,
     )
 
 
@@ -357,10 +358,11 @@ def _at_walls(a: Assembly) -> list[ContactLaw]:
 
 def describe_steps(run: Run, until: float | None = None) -> str:
     """Why a run on a time step ended, and how accurate it is, with the remedy."""
-    end = format_si(run.steps * run.step if until is None else until, "s")
+    times = run.edges * run.clockwork.tick
+    end = format_si(float(times[-1]) if until is None else until, "s")
     contacts = [run.plan.laws[i] >= RIGID for i in run.plan.contact_link if i >= 0]
     if run.settled >= 0:
-        proof = f" after {format_si(run.settled * run.step, 's')}"
+        proof = f" after {format_si(float(times[run.settled]), 's')}"
         if run.stopped_by == "until" and run.settled >= run.steps:
             proof = ""
         met = any(run.tally.episodes)
@@ -395,12 +397,12 @@ def describe_steps(run: Run, until: float | None = None) -> str:
                 f"{name} to {value:.1g}" for name, value in late.items() if value < math.inf
             )
             said += (
-                f" Not converged to {run.rtol:g}: {which or 'too long a run to halve the step'}; "
+                f" Not converged to {run.rtol:g}: {which or 'too long a run to divide the step'}; "
                 f"a larger rtol is soon reached, {finer} goes on."
             )
         else:
             worst = max(run.estimates.values())
-            said += f" Halving the step changed the outcome by {worst:.1g} at most."
+            said += f" Comparing steps, the outcome is wrong by {worst:.1g} of itself at most."
     if isinstance(run, finite_difference.GridRun) and run.peak_change > max(run.rtol, 1e-2):
         said += (
             f" The largest force is that of this mesh: the last halving changed it by "

@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from .contacts import ContactTally
+from .contacts import ContactTally, pressed_spans
 from .fields import Fields
 from .ledger import ledger, momentum_of, movable
 from .methods.abilities import driven
@@ -46,7 +46,7 @@ def read_record(run: Run) -> StepRecord:
         wall = isinstance(plan.system.bodies[-side], Wall)
         ends.append(("wall" if wall else KINDS[kind], *run.outer(side)))
     _join_rigid_bodies(run, forces, [end[1] if end else np.zeros(run.steps) for end in ends])
-    return StepRecord(forces, gaps, paths, ends, run.resolved)
+    return StepRecord(run.edges, forces, gaps, paths, ends, run.resolved)
 
 
 def _join_rigid_bodies(run: Run, forces: list[Floats], pushes: list[Floats]) -> None:
@@ -60,7 +60,7 @@ def _join_rigid_bodies(run: Run, forces: list[Floats], pushes: list[Floats]) -> 
         mass = bodies[body]
         assert isinstance(mass, RigidMass)
         gained: Floats = float(mass.mass) * np.diff(run.speed(run.plan.mass_of[body]))
-        return gained / run.step
+        return gained / run.durations
 
     held = rigid.index(False) if isinstance(bodies[0], Wall) and False in rigid else 0
     for k in range(held - 1, -1, -1):
@@ -72,19 +72,24 @@ def _join_rigid_bodies(run: Run, forces: list[Floats], pushes: list[Floats]) -> 
 
 def read_tallies(run: Run, record: StepRecord) -> tuple[ContactTally, ...]:
     """Totals of every contact in SI units."""
-    found, t, h = [], run.tally, run.step
+    found, t, times = [], run.tally, run.edges * run.clockwork.tick
     for k, force in enumerate(record.forces):
-        if isinstance(run.plan.system.contacts[k], Bonded):
-            impulse = float(np.sum(force)) * h
+        law = run.plan.system.contacts[k]
+        if isinstance(law, Bonded):
+            impulse = float(force @ run.durations)
             found.append(ContactTally(impulse, float(np.max(force, initial=0.0)), 0.0,
                                       math.nan, math.nan, 0))
             continue
-        link = run.place(k)
+        link, spans = run.place(k), pressed_spans(times, force, record.gaps[k])
+        begins, ends = np.array(spans).reshape(-1, 2).T
+        ends = np.nan_to_num(ends, nan=float(times[-1]))
+        sudden = getattr(law, "restitution", None) is not None
         found.append(ContactTally(
-            impulse=float(t.impulse[link]) * h, peak_force=peak(force),
-            duration=int(t.pressed[link]) * h,
-            first=int(t.first[link]) * h if t.first[link] >= 0 else math.nan,
-            last=int(t.last[link]) * h if t.last[link] >= 0 else math.nan,
+            impulse=float(t.impulse[link]) * run.step,
+            peak_force=math.nan if sudden else peak(run.edges, force),
+            duration=float(np.sum(ends - begins)),
+            first=float(begins[0]) if spans else math.nan,
+            last=float(ends[-1]) if spans else math.nan,
             episodes=int(t.episodes[link]),
         ))
     return tuple(found)
@@ -94,7 +99,7 @@ def read_stepped(run: Run, fields: Fields, record: StepRecord, status: str) -> O
     """Read the outcome off a finished run on a time step."""
     system, plan, a = run.plan.system, run.plan, run.clockwork
     count = len(system.bodies)
-    end = run.steps * run.step
+    end = float(run.edges[-1]) * a.tick
     tallies = read_tallies(run, record)
     contacts = record.histories(fields, tallies)
     book = ledger(system, fields, contacts, record.outside(fields, contacts), np.array([0.0, end]))
@@ -115,7 +120,7 @@ def read_stepped(run: Run, fields: Fields, record: StepRecord, status: str) -> O
             if len(ground) == 2 and isinstance(system.bodies[group[-1]], Wall):
                 velocity[place, group[-1]] = ground[1]
     impulse = sum(
-        sign * float(np.sum(side[1])) * run.step
+        sign * float(side[1] @ run.durations)
         for side, sign in zip(record.ends, (1, -1), strict=True) if side is not None
     )
     momenta = [sum(float(momentum_of(fields, i, t)) for i in free) for t in (0.0, end)]

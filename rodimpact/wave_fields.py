@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 
 from .fields import Fields, Profile, Trace
 from .methods import kernels
-from .methods.clockwork import PARTS, Clockwork
+from .methods.clockwork import Clockwork
+from .methods.delays import lost_to_means
 from .methods.front_kernel import Log
 from .methods.grid_kernel import sum_on_grid
 from .signals import Floats, Ints, Side, StepSignal, integral_of_product
@@ -32,20 +33,21 @@ class WaveFields(Fields):
     assembly : Clockwork
     signals : list of StepSignal or None
         By line: 2s leaves the left end of segment s, 2s + 1 its right end; waves in the frame.
-    end, masses
+    end, masses, edges
         As in `Fields`.
     """
 
     def __init__(
         self, assembly: Clockwork, signals: list[StepSignal | None], end: int,
-        masses: Mapping[int, Floats] | None = None,
+        masses: Mapping[int, Floats] | None = None, edges: Ints | None = None,
     ) -> None:
-        super().__init__(assembly, end, masses)
+        super().__init__(assembly, end, masses, edges)
         self.signals = signals
 
     @classmethod
     def from_steps(
-        cls, assembly: Clockwork, waves: Sequence[Floats], steps: int, masses: Mapping[int, Floats]
+        cls, assembly: Clockwork, waves: Sequence[Floats], edges: Ints, before: Ints,
+        masses: Mapping[int, Floats],
     ) -> WaveFields:
         """Take signals that are constant in each time step.
 
@@ -54,13 +56,13 @@ class WaveFields(Fields):
         assembly : Clockwork
         waves : sequence of arrays
             By line from 2 on: what left its end in each step, first those of a transit before 0.
-        steps : int
+        edges, before : arrays of int
+            Ticks at which the steps begin, the last one's end included; and those before t = 0.
         masses : mapping of int to array
         """
-        longest = max(len(values) for values in waves)
-        ticks = PARTS * np.arange(steps - longest, steps)
-        signals = [StepSignal(ticks[longest - len(values) :], values) for values in waves]
-        return cls(assembly, [None, None, *signals], steps * PARTS, masses)
+        ticks = np.concatenate((before, edges[:-1]))
+        signals = [StepSignal(ticks[len(ticks) - len(values) :], values) for values in waves]
+        return cls(assembly, [None, None, *signals], int(edges[-1]), masses, edges)
 
     @classmethod
     def from_log(cls, assembly: Clockwork, log: Log, end: int) -> WaveFields:
@@ -271,7 +273,7 @@ class WaveFields(Fields):
         for s in range(first, last + 1):
             A, B = self.waves(s)
             T, V = a.ticks[s], velocity - a.frame - a.gravity * tick * a.tick
-            if a.grain > 1 and tick % a.grain == 0:
+            if self._even and tick % a.grain == 0 and T % a.grain == 0:
                 right, left = (self._stored(wave, tick - T, T) - V for wave in (A, B))
                 both = float(right @ right + left @ left) * a.grain / 4
                 difference = float(right @ left[::-1]) * a.grain / 2
@@ -283,6 +285,31 @@ class WaveFields(Fields):
             kinetic += scale * (both + difference) / 2
             strain += scale * (both - difference) / 2
         return kinetic, strain
+
+    @cached_property
+    def _even(self) -> bool:
+        """Whether all steps last as long, but for the last."""
+        return self.steps is not None and len(self.steps) > 1 and (
+            bool(np.all(np.diff(self.steps[:-1]) == self.assembly.grain))
+        )
+
+    def smeared(self, ticks: Ints) -> Floats:  # noqa: D102
+        found: Floats = np.zeros(np.shape(ticks))
+        if self.steps is not None:
+            found += self._smeared[np.searchsorted(self.steps, ticks)]
+        return found
+
+    @cached_property
+    def _smeared(self) -> Floats:
+        """Energy lost by the end of each step: of a mean of two values, their variance."""
+        a, steps = self.assembly, self.steps
+        assert steps is not None
+        lasts = np.diff(steps)
+        lost = np.zeros(len(lasts))
+        for s in range(1, len(a.ticks) - 1):
+            for wave in self.waves(s):
+                lost += a.impedance[s] * lost_to_means(wave.values, a.ticks[s], lasts)
+        return np.concatenate(([0.0], np.cumsum(lost))) * a.tick
 
     def _stored(self, wave: StepSignal, start: int, duration: int) -> Floats:
         """Step averages of a signal from the step that begins at `start` on."""

@@ -8,7 +8,9 @@ from itertools import pairwise
 import numpy as np
 
 import rodimpact as ri
-from rodimpact.methods.characteristics import StepRun, follow
+from rodimpact.methods.characteristics import StepRun, attempt
+from rodimpact.methods.delays import transit_ticks
+from rodimpact.methods.plan import Plan
 
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 QUICK = ri.Material("quick", youngs_modulus=8.0, density=2.0)
@@ -129,21 +131,28 @@ def random_network(seed, *, bodies=5, driven=False):
 
 
 def run_network(system, until=SECONDS, step=STEP) -> StepRun:
-    return follow(system, until, 10**9, step, None)
+    """A run of whole steps: they are not cut where rigid contacts close."""
+    plan = Plan(system)
+    return attempt(plan, transit_ticks(plan, step), step, [], until, 10**9, may_cut=False)
 
 
 # What the waves say, without the package's own bookkeeping
 
 
 def windows(run, segment):
-    """[steps + 1, 2 N] waves inside a segment at every step end, in the laboratory."""
-    N = int(run.row.steps[segment])
+    """[steps + 1, entries] waves inside a segment at every step end, in the laboratory.
+
+    And [entries] the times, in steps, for which each has been leaving; of runs without cuts.
+    """
+    N, w = int(run.row.steps[segment]), float(run.row.share[segment])
+    before = run.before(2 * segment)
     inside = [
-        np.lib.stride_tricks.sliding_window_view(run.wave(line), N)
+        np.lib.stride_tricks.sliding_window_view(run.wave(line), before)
         for line in (2 * segment, 2 * segment + 1)
     ]
     shift = run.plan.frame + run.plan.gravity * run.step * np.arange(run.steps + 1)
-    return np.concatenate(inside, axis=1) + shift[:, None]
+    weights = np.concatenate(([w] * (before - N), np.ones(N)))
+    return np.concatenate(inside, axis=1) + shift[:, None], np.tile(weights, 2)
 
 
 def free_masses(run):
@@ -156,9 +165,22 @@ def energy_of_bodies(run):
     """[steps + 1] kinetic and strain energy, J."""
     total = np.zeros(run.steps + 1)
     for s in range(1, len(run.row.steps) - 1):
-        total += run.step / run.row.mobility[s] / 4 * np.sum(windows(run, s) ** 2, axis=1)
+        waves, weights = windows(run, s)
+        total += run.step / run.row.mobility[s] / 4 * (waves**2 @ weights)
     for M, V in zip(run.plan.masses, free_masses(run), strict=True):
         total += M * V * V / 2
+    return total
+
+
+def smeared(run):
+    """[steps + 1] energy that means of two steps have lost, J: their variance."""
+    total = np.zeros(run.steps + 1)
+    for s in range(1, len(run.row.steps) - 1):
+        w = float(run.row.share[s])
+        for line in (2 * s, 2 * s + 1):
+            change = np.diff(run.wave(line))[: run.steps] if w else np.zeros(run.steps)
+            lost = w * (1 - w) * change**2 * run.step / run.row.mobility[s] / 4
+            total[1:] += np.cumsum(lost)
     return total
 
 
@@ -179,7 +201,8 @@ def momentum_of_bodies(run):
     """[steps + 1] kg m/s."""
     total = np.zeros(run.steps + 1)
     for s in range(1, len(run.row.steps) - 1):
-        total += run.step / run.row.mobility[s] / 2 * np.sum(windows(run, s), axis=1)
+        waves, weights = windows(run, s)
+        total += run.step / run.row.mobility[s] / 2 * (waves @ weights)
     for M, V in zip(run.plan.masses, free_masses(run), strict=True):
         total += M * V
     return total
@@ -190,8 +213,8 @@ def radiated(run):
     total, n = np.zeros(run.steps + 1), len(run.row.steps) - 2
     for side, s, out in ((0, 1, 2), (1, n, 2 * n + 1)):
         if run.plan.outside[side][0] == "absorbing":
-            into = run.wave(out)[run.row.steps[s] :] + run.plan.frame
-            away = run.wave(out ^ 1)[: run.steps] + run.plan.frame
+            into = run.wave(out)[run.before(out) :] + run.plan.frame
+            away = run.arriving(out ^ 1) + run.plan.frame
             flow = (away * away - into * into) * run.step / run.row.mobility[s] / 4
             total[1:] += np.cumsum(flow)
     return total

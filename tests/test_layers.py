@@ -17,7 +17,7 @@ LAYERS = [
     {"laws"},
     {"model"},
     {"materials", "theory", "methods.clockwork", "methods.abilities", "methods.plan"},
-    {"methods.refinement"},
+    {"methods.refinement", "methods.delays"},
     {"methods.assembly", "methods.mesh"},
     {"methods.characteristics", "methods.grid_machine"},
     {"methods.finite_difference"},

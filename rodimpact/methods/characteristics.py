@@ -8,29 +8,35 @@ are whole numbers of steps as nearly as possible, and halved until the outcome s
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..frozen import InvalidModel
-from ..model import Rod, System
+from ..model import Rod, Steps, System
 from ..profiles import averages
 from . import kernels
 from .abilities import driven, require_end
 from .characteristics_kernel import (
+    CUTS,
     DONE,
+    LINK,
     NEVER,
+    SQUEEZED,
     STEP,
     Points,
     Row,
     Signals,
     choose_step,
+    inside,
     run,
     settled,
 )
 from .clockwork import PARTS, Clockwork
+from .delays import WHOLE, arriving, edges_of_parts, lost_to_means, transit_ticks
 from .link_kernel import RIGID, SPRING, Chain, Tally
 from .plan import Array, Plan, squeezed, whole
 from .refinement import TooLong, contact_measures, refined
@@ -39,10 +45,22 @@ TOLERANCE = 2.0**-48  # of the velocities, below which contacts graze
 RTOL = 1e-5
 FIRST = 64  # fewest steps of the longest transit
 FINEST = 1 << 14  # most steps of the longest transit in the search for an accurate step
+ROUGHEST = 1 << 12  # the same where contacts close and open between steps, of which order 1 is left
 SHORTEST = 4  # fewest steps of the shortest transit
 MOST_STEPS = 1 << 16  # of the longest transit, that the shortest may ask for
+PROOF_TIME = 2e-6  # s, about what plain Python takes for a contact and an average in a rod
 LINK_TIME = 3e-6  # s, about what plain Python takes for a link and a step; in a chain 5 times that
 MOST_BYTES = 4 << 30  # of the signals
+MOST_CUTS = 24  # of a step, where rigid contacts close
+MOST_SEARCHED = 10_000  # steps of the longest transit, among which all transits may be whole
+SAME = 1 / 16  # steps: a contact that closes so near to where it did was placed badly before
+
+
+class Closing(NamedTuple):
+    """A rigid contact that closes: time, s, and its link."""
+
+    time: float
+    link: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,25 +74,30 @@ class StepRun:
     plan : Plan
     step : float
         s.
-    steps : int
-        Steps taken.
+    edges : [steps + 1] array of int
+        Ticks from 0 to the end, between which signals are averages: steps, or parts of steps.
+    edges_before : array of int
+        The same before t = 0.
     row, tally, signals
         The kernel's state at the end, on arrays.
     settled : int
-        Step at which the collision was proved final, -1 without proof.
+        Place in `edges` where the collision was proved final, -1 without proof.
     stopped_by : str
         ``"final"``, ``"until"`` or ``"max_events"``.
     estimates : dict of str to float
-        Relative change of each measure of the outcome by the last halvings of the step; empty where
-        the step was given.
+        Relative error of each measure of the outcome, as `refined` finds it; empty where the step
+        was given.
     rtol : float
         What they were to come to.
+    closings : list of Closing or None
+        Where rigid contacts close, and steps are cut; None where they are not.
     """
 
     clockwork: Clockwork
     plan: Plan
     step: float
-    steps: int
+    edges: Array
+    edges_before: Array
     row: Row
     tally: Tally
     signals: Signals
@@ -82,18 +105,79 @@ class StepRun:
     stopped_by: str
     estimates: dict[str, float] = field(default_factory=dict)
     rtol: float = 0.0
+    closings: list[Closing] | None = None
+
+    @property
+    def steps(self) -> int:
+        """Steps taken, or parts of steps."""
+        return len(self.edges) - 1
+
+    @property
+    def durations(self) -> Array:
+        """Of the steps, s."""
+        found: Array = np.diff(self.edges) * self.clockwork.tick
+        return found
 
     @property
     def events(self) -> int:
         """Steps taken, times ends solved."""
         return self.steps * (len(self.row.steps) - 1)
 
+    def before(self, line: int) -> int:
+        """How many averages a line has from before t = 0."""
+        return inside(self.row, line // 2)
+
     def wave(self, line: int) -> Array:
         """What left an end in each step, those before t = 0 first, in the falling frame."""
-        first = int(self.signals.wave_start[line]) - int(self.row.steps[line // 2])
-        last = int(self.signals.wave_start[line]) + self.steps
-        found: Array = self.signals.wave[first:last]
+        start = int(self.signals.wave_start[line])
+        found: Array = self.signals.wave[start - self.before(line) : start + self.steps]
         return found
+
+    def arriving(self, line: int) -> Array:
+        """What arrived at the other end in each step, in the falling frame."""
+        return arriving(self.wave(line), self.clockwork.ticks[line // 2], np.diff(self.edges))
+
+    @property
+    def free_velocities(self) -> Array:
+        """At the end, of the centres of mass of groups of bonded bodies that nothing holds, m/s."""
+        a, plan, found = self.clockwork, self.plan, []
+        fall = plan.frame + plan.gravity * a.tick * float(self.edges[-1])
+        mass = momentum = 0.0
+        held = plan.outside[0][0] in ("velocity", "absorbing")
+        for body, m in enumerate(plan.mass_of):
+            first, last = plan.spans[body]
+            for s in range(first, last + 1):
+                start = self.edges[-1] - a.ticks[s]
+                edges = np.concatenate((self.edges_before, self.edges))
+                for wave in (self.wave(2 * s), self.wave(2 * s + 1)):
+                    stays = np.diff(np.maximum(edges[-1 - len(wave) :], start))
+                    momentum += a.impedance[s] / 2 * float(wave @ stays) * a.tick
+                mass += a.impedance[s] * a.ticks[s] * a.tick
+            if 0 <= m < len(plan.masses) and (body == 0 or plan.mass_of[body - 1] != m):
+                mass += plan.masses[m]
+                momentum += plan.masses[m] * float(self.speed(m)[-1])
+            link = plan.contact_link[body] if body < len(plan.contact_link) else None
+            if link is None or (link >= 0 and plan.laws[link] >= RIGID):
+                held |= link is None and plan.outside[1][0] in ("velocity", "absorbing")
+                if mass and not held:
+                    found.append(momentum / mass + fall)
+                mass, momentum, held = 0.0, 0.0, False
+        return np.array(found)
+
+    @property
+    def energy_lost(self) -> float:
+        """Energy lost to the time step, of that which was there or was turned over."""
+        a, lasts = self.clockwork, np.diff(self.edges)
+        lost = float(np.sum(self.tally.numerical)) * self.step
+        there = sum(M * v * v for M, v in zip(
+            self.plan.masses, np.array(self.plan.mass_velocity) - self.plan.frame, strict=True)) / 2
+        for line in range(2, 2 * len(a.ticks) - 2):
+            s, wave = line // 2, self.wave(line)
+            lost += a.impedance[s] * a.tick * float(np.sum(lost_to_means(wave, a.ticks[s], lasts)))
+            before = np.maximum(np.append(self.edges_before[-self.before(line) :], 0), -a.ticks[s])
+            there += a.impedance[s] * a.tick / 4 * float(
+                np.diff(before) @ wave[: self.before(line)] ** 2)
+        return lost / there if there > 0 else 0.0
 
     @property
     def largest_strain(self) -> float:
@@ -129,8 +213,8 @@ class StepRun:
             first, last = self.plan.spans[body]
             if last:
                 s, out = (last, 2 * last + 1) if side else (first, 2 * first)
-                outgoing = self.wave(out)[self.row.steps[s] :]
-                incoming = self.wave(out ^ 1)[: self.steps]
+                outgoing = self.wave(out)[self.before(out) :]
+                incoming = self.arriving(out ^ 1)
                 force: Array = (incoming - outgoing) / (2 * self.row.mobility[s])
                 return force if side else -force
         raise ValueError(f"contact {contact} joins no rod")
@@ -143,8 +227,7 @@ class StepRun:
         plan, n = self.plan, len(self.row.steps) - 2
         kind, link = plan.outside[side][0], (0, len(plan.laws) - 1)[side]
         s, out = (1, 2) if side == 0 else (n, 2 * n + 1)
-        T = self.row.steps[s]
-        outgoing, incoming = self.wave(out)[T:], self.wave(out ^ 1)[: self.steps]
+        outgoing, incoming = self.wave(out)[self.before(out) :], self.arriving(out ^ 1)
         line = self.signals.wave_start[(2 * n + 3) * side]
         given = self.signals.wave[line : line + self.steps]
         if plan.laws[link] >= RIGID:
@@ -159,51 +242,79 @@ class StepRun:
         value = plan.outside[side][1]
         if kind == "velocity" and isinstance(value, float):
             return force, np.full(self.steps, value)
-        fall = plan.gravity * self.step * (np.arange(self.steps) + 0.5)
-        return force, v + plan.frame + fall
+        middles = (self.edges[1:] + self.edges[:-1]) / 2 * self.clockwork.tick
+        return force, v + plan.frame + plan.gravity * middles
 
     def speed(self, mass: int) -> Array:
-        """Velocity of a mass at the ends of the steps, the first at t = 0, in the frame."""
+        """Velocity of a mass at `edges`, in the frame."""
         side = mass - len(self.plan.masses)
         if side >= 0:
-            return self.plan.wall_speed(side, self.step, self.steps)
+            return self.plan.wall_speed(side, self.edges * self.clockwork.tick)
         start = int(self.signals.mass_start[mass])
         initial = self.plan.mass_velocity[mass] - self.plan.frame
         return np.concatenate(([initial], self.signals.speed[start : start + self.steps]))
 
 
 class Machine:
-    """The kernel's state on arrays, and the room that it needs."""
+    """The kernel's state on arrays, and the room that it needs.
 
-    def __init__(self, plan: Plan, counts: list[int], step: float, room: int) -> None:
+    Parameters
+    ----------
+    plan : Plan
+    ticks : list of int
+        Transit times of the segments.
+    step : float
+        s; of `PARTS` ticks.
+    room : int
+        Parts of steps to make room for.
+    cuts : list of int
+        Ticks inside a step where all steps are cut into parts.
+    """
+
+    def __init__(
+        self, plan: Plan, ticks: list[int], step: float, room: int, cuts: Sequence[int] = ()
+    ) -> None:
         self.plan, self.step, self.room = plan, step, room
-        n, h, links, masses = len(counts), step, len(plan.laws), len(plan.masses)
+        self.places = np.array([0, *sorted(cuts), PARTS])
+        n, h, links, masses = len(ticks), step, len(plan.laws), len(plan.masses)
+        parts = len(self.places) - 1
         mobility = [0.0, *(1 / float(s.impedance) for s in plan.segments), 0.0]
         for side, s in ((0, 1), (1, n)):
             if plan.outside[side][0] == "absorbing":
                 mobility[(n + 1) * side] = mobility[s]
+        transits = np.array([0, *ticks, 0])
         self.row = Row(
-            whole([0, *counts, 0]), np.array(mobility), whole(plan.first),
+            transits // PARTS * parts, transits % PARTS / PARTS, transits / PARTS,
+            np.diff(self.places) / PARTS, np.array(mobility), whole(plan.first),
             np.array(plan.masses) / h, whole(plan.laws), plan.stiffness_in_steps(h),
             np.array(plan.damping), np.array(plan.gap) / h, np.zeros(links), np.zeros(links),
-            np.ones(links, np.int64), np.array(plan.mass_velocity) - plan.frame,
+            np.ones(links, np.int64), np.array(plan.mass_velocity) - plan.frame, np.zeros(1),
         )
         self.tally = Tally(*(np.zeros(links) for _ in range(4)),
                            *(np.full(links, v, np.int64) for v in (-1, -1, 0, 0)))
         self.points = Points(*np.zeros((2, masses + 2)))
         self.links = Chain(*np.zeros((len(Chain._fields), masses + 1)))
-        self.clock = whole([0, 0])
+        self.clock = whole([0, 0, 0])
         self.taken = 0
         self.signals = self._allocate(room)
-        self._initial_state(counts)
+        self._initial_state(ticks)
         self._drive(-1)
         self.tol = TOLERANCE * plan.scale
+
+    def edges(self, first: int, last: int) -> Array:
+        """Ticks at which the parts from `first` on begin, up to `last`, where it ends."""
+        found: Array = edges_of_parts(self.places, first, last)
+        return found
+
+    def _before(self) -> list[int]:
+        """By line: averages from before t = 0."""
+        inner = [inside(self.row, line // 2) for line in range(1, 2 * len(self.row.steps) - 1)]
+        return [1, *inner, 1]
 
     def _allocate(self, room: int) -> Signals:
         """Empty signals with room for so many steps."""
         row, plan = self.row, self.plan
-        before = [int(row.steps[line // 2]) for line in range(2 * len(row.steps))]
-        before[0] = before[-1] = 1
+        before = self._before()
         n = len(row.steps) - 2
         kept = [line for line in range(2 * n + 4) if 2 <= line <= 2 * n + 1]
         kept += [line for side, line in ((0, 0), (1, 2 * n + 3)) if plan.outside[side][0] != "none"]
@@ -228,27 +339,28 @@ class Machine:
             whole([m * room for m in range(len(plan.masses))]),
         )
 
-    def _initial_state(self, counts: list[int]) -> None:
+    def _initial_state(self, ticks: list[int]) -> None:
         plan, signals = self.plan, self.signals
         for body, (start, stop) in zip(plan.system.bodies, plan.spans, strict=True):
             if not isinstance(body, Rod):
                 continue
-            left = 0.0
+            begin = 0.0
             for s in range(start, stop + 1):
-                N, L = counts[s - 1], float(plan.segments[s - 1].length)
-                edges = left + L * np.arange(N + 1) / N
-                v = averages(body.velocity, edges, float(body.length)) - plan.frame
-                stretch = averages(body.strain, edges, float(body.length))
-                stretch *= float(plan.segments[s - 1].wave_speed)
-                right, leftward = signals.wave_start[2 * s], signals.wave_start[2 * s + 1]
-                signals.wave[right - N : right] = (v - stretch)[::-1]
-                signals.wave[leftward - N : leftward] = v + stretch
-                left += L
+                T, L, c = ticks[s - 1], float(plan.segments[s - 1].length), float(
+                    plan.segments[s - 1].wave_speed)
+                ago = -np.maximum(self.edges(-inside(self.row, s), 0), -T) / T
+                for line, x in ((2 * s, begin + L * ago[::-1]), (2 * s + 1, begin + L * (1 - ago))):
+                    v = averages(body.velocity, x, float(body.length)) - plan.frame
+                    stretch = averages(body.strain, x, float(body.length)) * c
+                    wave = (v - stretch)[::-1] if line == 2 * s else v + stretch
+                    place = signals.wave_start[line]
+                    signals.wave[place - len(wave) : place] = wave
+                begin += L
 
     def _drive(self, since: int) -> None:
         """Fill the lines that come from outside, from step `since` on."""
         n, plan = len(self.row.steps) - 2, self.plan
-        edges = self.step * np.arange(since, self.room + 1)
+        edges = self.step / PARTS * self.edges(since, self.room)
         for side, line, own in ((0, 0, 2), (1, 2 * n + 3, 2 * n + 1)):
             kind, value = plan.outside[side]
             if kind == "none":
@@ -269,20 +381,17 @@ class Machine:
         for name, starts in (("wave", "wave_start"), ("force", "link_start"), ("gap", "link_start"),
                              ("speed", "mass_start")):
             source, target = getattr(old, name), getattr(self.signals, name)
-            before = self.row.steps[np.arange(len(getattr(old, starts))) // 2] if (
-                name == "wave"
-            ) else np.zeros(len(getattr(old, starts)), np.int64)
+            before = [0] * len(getattr(old, starts))
             if name == "wave":
-                before = before.copy()
-                before[0] = before[-1] = 1
+                before = self._before()
             for i, start in enumerate(getattr(old, starts)):
                 if start >= 0:
                     to = getattr(self.signals, starts)[i]
                     target[to - before[i] : to + was] = source[start - before[i] : start + was]
         self._drive(was)
 
-    def advance(self, end: int) -> None:
-        """Run to step `end`."""
+    def advance(self, end: int) -> bool:
+        """Run to part `end`; False where a contact closes inside a part, and the run is to stop."""
         if end > self.room:
             self.grow(max(end, 2 * self.room))
         chains = len(self.plan.masses) + len({*self.plan.first}) - 1
@@ -302,18 +411,34 @@ class Machine:
                 kernels.copy_back(found, part)
             self.clock[:] = clock
         self.taken = int(self.clock[STEP])
-        if flag != DONE:
-            raise squeezed(self.taken * self.step)
+        if flag == SQUEEZED:
+            raise squeezed(float(self.edges(self.taken, self.taken)[0]) / PARTS * self.step)
+        return bool(flag == DONE)
+
+    def finish(self, end: int) -> bool:
+        """Run on to tick `end`, with what there is of the last part of a step."""
+        rest = end - int(self.edges(self.taken, self.taken)[0])
+        if rest == 0:
+            return True
+        whole_row, d = self.row, rest / PARTS
+        last = self.taken % len(whole_row.part)
+        self.row = whole_row._replace(
+            part=np.where(np.arange(len(whole_row.part)) == last, d, whole_row.part),
+            share=np.minimum(1.0, whole_row.share / d),
+        )
+        going = self.advance(self.taken + 1)
+        self.row = whole_row
+        return going
 
     def settled(self) -> int:
-        """Steps until it may be proved that the collision is over; NEVER if not as it is."""
+        """Parts until it may be proved that the collision is over; NEVER if not as it is."""
         if driven(self.plan.system):
             return NEVER
-        return int(settled(self.row, self.signals, self.taken, self.tol))
-
-
-def _counts(plan: Plan, step: float) -> list[int]:
-    return [max(1, round(float(s.transit_time) / step)) for s in plan.segments]
+        averages_read = int(np.sum(self.row.steps)) * len(self.plan.laws)
+        slow = kernels.worth_compiling(averages_read * PROOF_TIME)
+        prove: Callable[..., int] = kernels.compiled(settled) if slow else settled
+        wait = int(prove(self.row, self.signals, self.taken, self.tol))
+        return wait if wait >= NEVER // len(self.row.part) else wait * len(self.row.part)
 
 
 def follow(
@@ -347,7 +472,7 @@ def follow(
         message = f"must not exceed the shortest transit time, {min(transits):.6g} s of {path}"
         raise InvalidModel([("dt", f"{message}, got {dt!r}")])
     if dt is not None:
-        return _level(plan, _counts(plan, dt), dt, until, max_events)
+        return _level(plan, dt, until, max_events, [])
     goal = RTOL if rtol is None else rtol
     least = max(FIRST, math.ceil(SHORTEST * max(transits) / min(transits)),
                 math.ceil(max(transits) / _resolving(plan)))
@@ -359,20 +484,49 @@ def follow(
             "the contact of a mass, or give the step dt"
         )
         raise InvalidModel([(plan.paths[short + 1], message)])
+    number, smear = _choose(transits, least, max(MOST_SEARCHED, 2 * least), 0.0)
+    fits = smear <= WHOLE / PARTS
+    abrupt = RIGID in plan.laws
+
+    closings: list[Closing] | None = [] if fits and abrupt else None
+
+    def level(factor: int) -> StepRun:
+        nonlocal closings
+        steps = factor * number
+        if not fits:  # another share of a step on every level
+            low = factor * least
+            steps, _ = _choose(transits, low, 4 * low // 3 - 1, float(abrupt))
+        found = _level(plan, max(transits) / steps, until, max_events, closings)
+        closings = found.closings
+        return found
+
+    first = number if fits else least
+    finest = FINEST if fits or not abrupt else ROUGHEST
+    found, estimates = refined(level, measures, goal, 2 * finest // first,
+                               _lost if abrupt else lambda _: {})
+    return replace(found, estimates=estimates, rtol=goal)
+
+
+def measures(found: StepRun) -> dict[str, Array]:
+    """What is to stand still: velocities, beside their scale, and what the contacts did."""
+    return {
+        "velocity": np.append(found.free_velocities, found.plan.scale), **contact_measures(found)
+    }
+
+
+def _lost(found: StepRun) -> dict[str, float]:
+    """Share of the energy that jumps inside steps lose: so much may be missing elsewhere."""
+    return {"energy": found.energy_lost}
+
+
+def _choose(transits: list[float], least: int, most: int, power: float) -> tuple[int, float]:
+    """Let `choose_step` choose, compiled where that costs nothing more."""
     choose: Callable[..., Any] = choose_step
     if kernels.enabled() and kernels.started():
         choose = kernels.compiled(choose_step)
-    number, _ = choose(np.array(transits).tolist() if choose is choose_step else np.array(transits),
-                       least, max(10_000, 2 * least), goal / 16)
-    counts = _counts(plan, max(transits) / number)
-    step = max(transits) / number
-
-    def level(factor: int) -> StepRun:
-        finer = [factor * N for N in counts]
-        return _level(plan, finer, step / factor, until, max_events)
-
-    found, estimates = refined(level, contact_measures, goal, 2 * FINEST // max(counts))
-    return replace(found, estimates=estimates, rtol=goal)
+    given: Any = transits if choose is choose_step else np.array(transits)
+    number, smear = choose(given, least, most, WHOLE / PARTS, power)
+    return int(number), float(smear)
 
 
 def _resolving(plan: Plan) -> float:
@@ -394,49 +548,117 @@ def _resolving(plan: Plan) -> float:
 
 
 def _level(
-    plan: Plan, counts: list[int], step: float, until: float | None, max_events: int
+    plan: Plan, step: float, until: float | None, max_events: int, closings: list[Closing] | None
 ) -> StepRun:
-    """One run with a given step."""
-    longest = max(sum(counts[first - 1 : last]) for first, last in plan.spans)
-    nodes = len(counts) + 1
-    proof, reason = -1, "until"
+    """One run with a given step, which is cut where rigid contacts close.
+
+    `closings` are those known of a run with another step; None if there are more than steps are cut
+    for. The run has its own.
+    """
+    ticks = transit_ticks(plan, step)
+    if closings is None or RIGID not in plan.laws or any(T % PARTS for T in ticks):
+        found = attempt(plan, ticks, step, [], until, max_events, may_cut=False)
+        assert isinstance(found, StepRun)
+        return replace(found, closings=None)
+    given = given_jumps(plan, ticks, step)
+    for _ in range(MOST_CUTS):
+        cuts = given | {round(x.time / step * PARTS) % PARTS for x in closings}
+        found = attempt(plan, ticks, step, sorted(cuts), until, max_events, may_cut=True)
+        if isinstance(found, StepRun):
+            return replace(found, closings=closings)
+        new = found
+        closings = [
+            x for x in closings if x.link != new.link or abs(x.time - new.time) > SAME * step
+        ] + [new]
+        if len(closings) > MOST_CUTS:
+            break
+    return _level(plan, step, until, max_events, None)
+
+
+def given_jumps(plan: Plan, ticks: list[int], step: float) -> set[int]:
+    """Ticks in a step at which jumps of the initial state and of drives pass the ends of segments.
+
+    None where there are more than a step is cut for.
+    """
+    found: list[float] = []
+    for body, (first, last) in zip(plan.system.bodies, plan.spans, strict=True):
+        profiles = (body.velocity, body.strain) if isinstance(body, Rod) else ()
+        at = [float(x) for p in profiles if isinstance(p, Steps) for x in p.at]
+        left = 0.0
+        for s in range(first, last + 1):
+            L = float(plan.segments[s - 1].length)
+            away = [(x - left) / L * ticks[s - 1] for x in at if left < x < left + L]
+            found += [*away, *(-x for x in away)]
+            left += L
+    for _, value in plan.outside:
+        if isinstance(value, Steps):
+            found += [float(t) / step * PARTS for t in value.at]
+    inside_step = sorted({round(x) % PARTS for x in found})
+    apart = [x for before, x in pairwise([0, *inside_step])
+             if x - before > WHOLE and PARTS - x > WHOLE]
+    return set(apart) if len(apart) <= MOST_CUTS else set()
+
+
+def attempt(
+    plan: Plan, ticks: list[int], step: float, cuts: list[int], until: float | None,
+    max_events: int, may_cut: bool,
+) -> StepRun | Closing:
+    """One run with given cuts, or the first rigid contact that closes inside a part of a step."""
+    parts, nodes = len(cuts) + 1, len(ticks) + 1
+    longest = max(
+        math.ceil(sum(ticks[first - 1 : last]) / PARTS) for first, last in plan.spans
+    ) * parts
+    proof, reason, going = -1, "until", True
     cap = max(1, max_events // nodes)
-    if until is not None:
-        machine = Machine(plan, counts, step, max(1, math.ceil(until / step * (1 - 1e-12))))
-        machine.advance(machine.room if until > 0 else 0)
-        if machine.settled() == 0:
+    end = None if until is None else round(until / step * PARTS)
+    room = 8 * longest if end is None else max(1, -(-end // PARTS)) * parts
+    machine = Machine(plan, ticks, step, room, cuts)
+    machine.clock[CUTS] = may_cut
+    if end is not None:
+        first = np.searchsorted(machine.places, end % PARTS, "right") - 1
+        going = machine.advance(end // PARTS * parts + int(first))
+        if going and machine.settled() == 0:
             proof = machine.taken
+        going = going and machine.finish(end)
     else:
-        machine = Machine(plan, counts, step, 8 * longest)
-        while proof < 0 and machine.taken < cap:
+        while going and proof < 0 and machine.taken < cap:
             wait = machine.settled()
             if wait == 0:
                 proof = machine.taken
             else:
                 # an eighth more each time, so that proofs and copies cost no more than the run
                 pause = min(wait, 8 * longest) if wait < NEVER else longest
-                machine.advance(min(cap, machine.taken + max(longest, pause, machine.taken // 8)))
+                more = max(longest, pause, machine.taken // 8)
+                going = machine.advance(min(cap, machine.taken + more))
         reason = "final" if proof >= 0 else "max_events"
         if proof >= 0:
-            machine.advance(machine.taken + 2 * longest)
+            going = machine.advance(machine.taken + 2 * longest)
+    if not going:
+        when = machine.taken // parts + float(machine.row.closed[0])
+        return Closing(when * step, int(machine.clock[LINK]))
+    edges = machine.edges(0, machine.taken)
+    if end is not None:
+        edges[-1] = end
     return StepRun(
-        clockwork=clockwork(plan, counts, step), plan=plan, step=step, steps=machine.taken,
+        clockwork=clockwork(plan, ticks, step), plan=plan, step=step, edges=edges,
+        edges_before=machine.edges(-max(inside(machine.row, s + 1) for s in range(len(ticks))), -1),
         row=machine.row, tally=machine.tally, signals=machine.signals, settled=proof,
         stopped_by=reason,
     )
 
 
-def clockwork(plan: Plan, counts: list[int], step: float) -> Clockwork:
-    """Put a row on the clock of a time step; `counts` are the steps of the segments' transits."""
-    errors = [abs(N * step / float(s.transit_time) - 1)
-              for N, s in zip(counts, plan.segments, strict=True)]
+def clockwork(plan: Plan, ticks: list[int], step: float) -> Clockwork:
+    """Put a row on the clock of a time step; `ticks` are the transit times of the segments."""
+    tick = step / PARTS
+    errors = [abs(T * tick / float(s.transit_time) - 1)
+              for T, s in zip(ticks, plan.segments, strict=True)]
     worst = max(range(len(errors)), key=errors.__getitem__)
     return Clockwork(
         system=plan.system, spans=plan.spans,
         wave_speed=[0.0, *(float(s.wave_speed) for s in plan.segments), 0.0],
         impedance=[0.0, *(float(s.impedance) for s in plan.segments), 0.0],
         length=[0.0, *(float(s.length) for s in plan.segments), 0.0],
-        ticks=[0, *(N * PARTS for N in counts), 0], tick=step / PARTS, frame=plan.frame,
+        ticks=[0, *ticks, 0], tick=tick, frame=plan.frame,
         gravity=plan.gravity, grain=PARTS, transit_error=errors[worst],
         worst=plan.paths[worst + 1],
     )

@@ -1,19 +1,25 @@
 """End signals on a common time step: rods as delay lines, everything else at their ends.
 
 In a uniform segment the velocity is v = (a + b)/2 with a travelling right and b travelling left,
-and a transit time is a whole number of steps. Signals are averages over steps, so a delay is
-exact. Node k joins the segments k and k + 1; line 2s carries a and line 2s + 1 carries b through
+and what leaves one end arrives at the other a transit time later. Signals are averages over steps.
+Where transit times are whole numbers of steps a delay is exact; otherwise what arrives in a step is
+the mean of what left during that time, (1 - w) of one step and w of the one before it, which keeps
+the momentum and never adds energy. Where all delays are whole, each step may be cut at the same
+places into parts: then a jump that begins at a cut, as where a rigid contact closes, lies between
+two parts for ever after. Places in signals are counted in parts, lengths of time in steps.
+
+Node k joins the segments k and k + 1; line 2s carries a and line 2s + 1 carries b through
 segment s. The segments 0 and n + 1 stand for what lies outside: lines 0 and 2n + 3 bring what comes
 from there, filled in advance: the velocity of a wall or a drive (mobility 0), the constant wave
 of an endless bar (absorbing end), or under the law FORCE the force itself.
 
 At a node stands a chain of points: the left rod end, masses, the right rod end; and of links, one
-between neighbours. A force F > 0 in a link pushes its two points apart. Over one step every point
-obeys v = v_free +- y F: a rod end with the arriving average and its mobility y = 1/Z, a mass M with
-its velocity V at the step's start and y = 1/(2M) (midpoint rule, V_end = 2v - V). Hence a link
-closes by w = c - A F with A a tridiagonal Stieltjes matrix, and its law gives F from w. The
-links of one node are solved together; different nodes meet only one transit later. A rigid contact
-leaves a gap >= 0 at the step's end. Laws and units are those of `link_kernel`.
+between neighbours. A force F > 0 in a link pushes its two points apart. Over one part of a step
+every point obeys v = v_free +- y F: a rod end with the arriving average and its mobility y = 1/Z, a
+mass M with its velocity V at the start and y = d/(2M) (midpoint rule, V_end = 2v - V), d the
+duration. Hence a link closes by d (c - A F) with A a tridiagonal Stieltjes matrix, and its law
+gives F from that. The links of one node are solved together; different nodes meet only one transit
+later. A rigid contact leaves a gap >= 0 at the end. Laws and units are those of `link_kernel`.
 """
 
 from __future__ import annotations
@@ -27,25 +33,30 @@ from .link_kernel import (
     FREE,
     IMPACT,
     RIGID,
-    SNAP,
     Chain,
     Tally,
     balance,
     book,
+    pushed,
     squeeze,
     stored,
     strike,
 )
 
-DONE, SQUEEZED = range(2)  # why a run stopped
-STEP, NODE = range(2)  # places in the clock
+DONE, SQUEEZED, CLOSED = range(3)  # why a run stopped
+STEP, LINK, CUTS = range(3)  # places in the clock
 NEVER = 1 << 62
+EARLY = 1 / (1 << 34)  # of one step's motion, by which a gap may close early
+PLACED = 1 / (1 << 20)  # of a step: how near to its ends a contact closes as if there
 
 
 class Row(NamedTuple):
-    """A row of n segments and m masses: lists or arrays; the last five change in place."""
+    """A row of n segments and m masses: lists or arrays; the last six change in place."""
 
-    steps: Any  # [segment] transit time, 0 outside
+    steps: Any  # [segment] whole parts of steps in the transit time, 0 outside
+    share: Any  # [segment] what of one more step there is
+    transit: Any  # [segment] both together, in steps
+    part: Any  # [part] durations of the parts of a step
     mobility: Any  # [segment] 1/Z; 0 for a wall, that of the rod for an absorbing end
     first: Any  # [node + 1] first mass at the node; links of node k begin at k + first[k]
     mass: Any  # [mass]
@@ -54,16 +65,18 @@ class Row(NamedTuple):
     damping: Any  # [link] of SPRING and HUNT: F = k x^(3/2) (1 + damping w); of IMPACT e
     gap: Any  # [link] minus the indentation
     force: Any  # [link] of the last step
-    closing: Any  # [link] w of the last step
+    closing: Any  # [link] by how much it closed in the last step
     open: Any  # [link] 1 if the gap has opened since the contact last pressed
     speed: Any  # [mass] velocity
+    closed: Any  # [1] where in its step a contact closed, after CLOSED
 
 
 class Signals(NamedTuple):
-    """Step averages of waves and forces, and gaps and velocities at step ends, one after the other.
+    """Averages of waves and forces, and gaps and velocities at the ends, by parts of steps.
 
     Entry j of a signal stands at its start + j. Lines have as many entries before as their segment
-    has steps: the initial state. The outside lines 0 and 2n + 3 have one; start -1 is not kept.
+    has parts, and one for a share: the initial state. The outside lines 0 and 2n + 3 have one;
+    start -1 is not kept.
     """
 
     wave: Any
@@ -94,13 +107,25 @@ class Group(NamedTuple):
     plain: bool  # low and high bound the velocity of the end at the contact as long as it is free
 
 
+def arriving(row: Row, signals: Signals, line: int, s: int, j: int) -> float:
+    """What comes through a line of segment s in part j."""
+    i, w = signals.wave_start[line] + j - row.steps[s], row.share[s]
+    found: float = signals.wave[i]
+    if w > 0:
+        found += w * (signals.wave[i - 1] - found)
+    return found
+
+
 def reflect(row: Row, signals: Signals, k: int, j0: int, j1: int) -> None:
     """Free end at either end of the row."""
     wave, start = signals.wave, signals.wave_start
     come, go = (3, 2) if k == 0 else (2 * k, 2 * k + 1)
-    p, q = start[come] - row.steps[come // 2], start[go]
+    p, q, w = start[come] - row.steps[come // 2], start[go], row.share[come // 2]
     for j in range(j0, j1):
-        wave[q + j] = wave[p + j]
+        a = wave[p + j]
+        if w > 0:
+            a += w * (wave[p + j - 1] - a)
+        wave[q + j] = a
 
 
 def join(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) -> None:
@@ -109,10 +134,17 @@ def join(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) -> 
     i, n = k + row.first[k], len(row.steps) - 2
     p, q = start[2 * k] - row.steps[k], start[2 * k + 3] - row.steps[k + 1]
     left, right = start[2 * k + 1], start[2 * k + 2]
+    wl, wr = row.share[k], row.share[k + 1]
     given = row.law[i] == FORCE
     impulse, F = tally.impulse[i], row.force[i]
+    parts = len(row.part)
+    m = j0 % parts
     for j in range(j0, j1):
         a, b = wave[p + j], wave[q + j]
+        if wl > 0:
+            a += wl * (wave[p + j - 1] - a)
+        if wr > 0:
+            b += wr * (wave[q + j - 1] - b)
         if not given:
             F = (a - b) / (Yl + Yr)
         else:
@@ -122,32 +154,43 @@ def join(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) -> 
         if k < n:
             wave[right + j] = b + 2 * F * Yr
         if k == 0 or k == n:
-            impulse += F
+            impulse += F * row.part[m]
+        m = m + 1 if m + 1 < parts else 0
     tally.impulse[i], row.force[i] = impulse, F
 
 
 def touch(
-    row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int, tol: float
-) -> None:
+    row: Row, tally: Tally, signals: Signals, clock: Any, k: int, j0: int, j1: int, tol: float
+) -> int:
     """Rigid contact between two rod ends, or between a rod end and a wall.
 
-    With r = a - b - gap, F = max(0, r/(Y1 + Y2)) leaves no gap behind. |r| <= tol is grazing:
-    closed, without force. What closes only in part of a step loses F gap.
+    With r = d (a - b) - gap, F = max(0, r/(d (Y1 + Y2))) leaves no gap behind. |r| <= tol is
+    grazing: closed, without force. What closes inside a part loses F gap, unless the run is to
+    stop there.
     """
     wave, start, Yl, Yr = signals.wave, signals.wave_start, row.mobility[k], row.mobility[k + 1]
     i, n = k + row.first[k], len(row.steps) - 2
     p, q = start[2 * k] - row.steps[k], start[2 * k + 3] - row.steps[k + 1]
     left, right, kept = start[2 * k + 1], start[2 * k + 2], signals.link_start[i]
+    wl, wr = row.share[k], row.share[k + 1]
     Z, gap, F = 1 / (Yl + Yr), row.gap[i], row.force[i]
     impulse, peak = tally.impulse[i], tally.peak[i]
     last, pressed = tally.last[i], tally.pressed[i]
+    parts = len(row.part)
+    m = j0 % parts
     for j in range(j0, j1):
-        a, b = wave[p + j], wave[q + j]
-        rest = gap - a + b
-        window = max(tol, SNAP * (a - b))
+        a, b, d = wave[p + j], wave[q + j], row.part[m]
+        if wl > 0:
+            a += wl * (wave[p + j - 1] - a)
+        if wr > 0:
+            b += wr * (wave[q + j - 1] - b)
+        rest = gap - d * (a - b)
+        window = d * max(tol, EARLY * (a - b))
         if rest < -window:
-            F = -rest * Z
+            F = -rest * Z / d
             if gap > 0:
+                if clock[CUTS] > 0 and closes_inside(row, clock, i, j, gap / (a - b)):
+                    return CLOSED
                 tally.numerical[i] += F * gap
                 gap = 0.0
             if tally.first[i] < 0:
@@ -155,7 +198,7 @@ def touch(
             if row.open[i] > 0:
                 tally.episodes[i] += 1
                 row.open[i] = 0
-            impulse += F
+            impulse += F * d
             peak = max(peak, F)
             pressed += 1
             last = j + 1
@@ -170,9 +213,24 @@ def touch(
             wave[right + j] = b + 2 * F * Yr
         signals.force[kept + j] = F
         signals.gap[kept + j] = gap
+        m = m + 1 if m + 1 < parts else 0
     row.gap[i], row.force[i] = gap, F
     tally.impulse[i], tally.peak[i] = impulse, peak
     tally.last[i], tally.pressed[i] = last, pressed
+    return DONE
+
+
+def closes_inside(row: Row, clock: Any, i: int, j: int, after: float) -> bool:
+    """Note where in its step link i closes, `after` part j begins, if that is inside the part."""
+    m = j % len(row.part)
+    if after <= PLACED or after >= row.part[m] - PLACED:
+        return False
+    before: float = 0.0
+    for q in range(m):
+        before += row.part[q]
+    row.closed[0] = before + after
+    clock[STEP], clock[LINK] = j, i
+    return True
 
 
 def press(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) -> None:
@@ -181,12 +239,19 @@ def press(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) ->
     i, n = k + row.first[k], len(row.steps) - 2
     p, q = start[2 * k] - row.steps[k], start[2 * k + 3] - row.steps[k + 1]
     left, right = start[2 * k + 1], start[2 * k + 2]
+    wl, wr = row.share[k], row.share[k + 1]
     law, stiffness, damping, w = row.law[i], row.stiffness[i], row.damping[i], row.closing[i]
+    parts = len(row.part)
+    m = j0 % parts
     for j in range(j0, j1):
-        a, b, gap = wave[p + j], wave[q + j], row.gap[i]
-        F, rest = 0.0, gap - a + b
+        a, b, gap, d = wave[p + j], wave[q + j], row.gap[i], row.part[m]
+        if wl > 0:
+            a += wl * (wave[p + j - 1] - a)
+        if wr > 0:
+            b += wr * (wave[q + j - 1] - b)
+        F, rest = 0.0, gap - d * (a - b)
         if gap < 0 or rest < 0:
-            F, x, _ = squeeze(law, stiffness, damping, -gap, a - b, Yl + Yr, w)
+            F, x, _ = squeeze(law, stiffness, damping / d, -gap, d * (a - b), d * (Yl + Yr), w)
             w, rest = x + gap, -x
             if damping > 0:
                 drop = stored(law, stiffness, gap) - stored(law, stiffness, rest)
@@ -195,18 +260,21 @@ def press(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) ->
             wave[left + j] = a - 2 * F * Yl
         if k < n:
             wave[right + j] = b + 2 * F * Yr
-        book(row, tally, signals, i, j, F, rest)
+        book(row, tally, signals, i, j, F, rest, d)
+        m = m + 1 if m + 1 < parts else 0
     row.closing[i] = w
 
 
-def gather(row: Row, signals: Signals, points: Points, links: Chain, k: int, j: int) -> float:
-    """Lay out the chain at node k: what its points would do in step j without forces.
+def gather(
+    row: Row, signals: Signals, points: Points, links: Chain, k: int, j: int, d: float
+) -> float:
+    """Lay out the chain at node k: what its points would do in part j, of duration d, unforced.
 
     Returns the largest velocity of two neighbours together.
     """
     m0, m1, i0, n = row.first[k], row.first[k + 1], k + row.first[k], len(row.steps) - 2
     for q in range(m1 - m0):
-        points.free[q + 1], points.ease[q + 1] = row.speed[m0 + q], 1 / (2 * row.mass[m0 + q])
+        points.free[q + 1], points.ease[q + 1] = row.speed[m0 + q], d / (2 * row.mass[m0 + q])
     for q in range(m1 - m0 + 1):
         i = i0 + q
         links.force[q], links.slope[q] = row.force[i], 0.0
@@ -218,7 +286,7 @@ def gather(row: Row, signals: Signals, points: Points, links: Chain, k: int, j: 
         law = row.law[i0 + q]
         value = 0.0
         if law != FREE:
-            value = signals.wave[signals.wave_start[line] + j - row.steps[s]]
+            value = arriving(row, signals, line, s, j)
         outside = s == 0 or s == n + 1
         points.free[p], points.ease[p] = value, row.mobility[s]
         if outside and law <= FORCE:
@@ -226,8 +294,8 @@ def gather(row: Row, signals: Signals, points: Points, links: Chain, k: int, j: 
     speed = 0.0
     for q in range(m1 - m0 + 1):
         u, v = points.free[q], points.free[q + 1]
-        links.free[q], links.own[q] = u - v, points.ease[q] + points.ease[q + 1]
-        links.shared[q] = points.ease[q]
+        links.free[q], links.own[q] = d * (u - v), d * (points.ease[q] + points.ease[q + 1])
+        links.shared[q] = d * points.ease[q]
         speed = max(speed, abs(u) + abs(v))
     return speed
 
@@ -251,9 +319,9 @@ def approach(row: Row, signals: Signals, k: int, q: int, j: int) -> float:
 
 
 def settle(
-    row: Row, tally: Tally, links: Chain, i: int, q: int, F: float, w: float, tol: float
+    row: Row, tally: Tally, links: Chain, i: int, q: int, F: float, w: float, d: float, tol: float
 ) -> float:
-    """Enter what link i of a chain loses while it closes by w; return its gap at the end."""
+    """Enter what link i of a chain loses while it closes by w in d; return its gap at the end."""
     law = row.law[i]
     gap: float = row.gap[i]
     row.closing[i] = w
@@ -262,12 +330,12 @@ def settle(
     if law == RIGID:
         tally.numerical[i] += F * gap
         rest = gap - w
-        return 0.0 if F > 0 or rest <= max(tol, SNAP * w) else rest
+        return 0.0 if F > 0 or rest <= max(d * tol, EARLY * w) else rest
     if law == IMPACT:
         if F > 0:
             tally.lost[i] += F * links.limit[q]
             return gap - float(links.limit[q])
-        return gap if gap <= 0 and abs(w) <= tol else gap - w
+        return gap if gap <= 0 and abs(w) <= d * tol else gap - w
     rest = -float(links.place[q])
     if row.damping[i] > 0:
         drop = stored(law, row.stiffness[i], gap) - stored(law, row.stiffness[i], rest)
@@ -276,21 +344,28 @@ def settle(
 
 
 def meet(
-    row: Row, tally: Tally, signals: Signals, points: Points, links: Chain, k: int, j: int,
-    tol: float,
-) -> bool:
-    """Masses and contacts at node k in step j; return False where they cannot move."""
+    row: Row, tally: Tally, signals: Signals, points: Points, links: Chain, clock: Any, k: int,
+    j: int, tol: float,
+) -> int:
+    """Masses and contacts at node k in part j; SQUEEZED where they cannot move."""
     m0, i0, last = row.first[k], k + row.first[k], row.first[k + 1] - row.first[k]
     n, free, ease, force = len(row.steps) - 2, points.free, points.ease, links.force
-    speed = gather(row, signals, points, links, k, j)
+    d: float = row.part[j % len(row.part)]
+    speed = gather(row, signals, points, links, k, j, d)
     struck = True
     while struck:
-        if not balance(row, links, i0, last, speed):
-            return False
-        struck = strike(row, links, i0, last, tol)
+        if not balance(row, links, i0, last, speed, d):
+            clock[STEP], clock[LINK] = j, i0
+            return SQUEEZED
+        struck = strike(row, links, i0, last, tol, d)
     for q in range(last + 1):
-        if RIGID <= row.law[i0 + q] <= IMPACT and force[q] * (ease[q] + ease[q + 1]) <= tol:
+        i = i0 + q
+        if RIGID <= row.law[i] <= IMPACT and force[q] * (ease[q] + ease[q + 1]) <= tol:
             force[q] = 0.0
+        if clock[CUTS] > 0 and row.law[i] == RIGID and force[q] > 0 and row.gap[i] > 0:
+            speed = pushed(links, q, last) / d
+            if closes_inside(row, clock, i, j, row.gap[i] / speed):
+                return CLOSED
     v = free[0] - ease[0] * force[0]
     for q in range(last + 1):
         i, F = i0 + q, force[q]
@@ -298,12 +373,12 @@ def meet(
         if q < last:
             right -= ease[q + 1] * force[q + 1]
             row.speed[m0 + q] = 2 * right - free[q + 1]
-        gap = settle(row, tally, links, i, q, F, v - right, tol)
+        gap = settle(row, tally, links, i, q, F, d * (v - right), d, tol)
         if row.law[i] <= BOND:
-            tally.impulse[i] += F
+            tally.impulse[i] += F * d
             row.force[i] = F
         else:
-            book(row, tally, signals, i, j, F, gap)
+            book(row, tally, signals, i, j, F, gap, d)
         v = right
     for q in range(last):
         if signals.mass_start[m0 + q] >= 0:
@@ -313,30 +388,33 @@ def meet(
     if k < n:
         out = free[last + 1] + 2 * ease[last + 1] * force[last]
         signals.wave[signals.wave_start[2 * k + 2] + j] = out
-    return True
+    return DONE
 
 
 def run(
     row: Row, tally: Tally, signals: Signals, points: Points, links: Chain, clock: Any, end: int,
     tol: float,
 ) -> int:
-    """Go on from step clock[STEP] to step `end`.
+    """Go on from part clock[STEP] to part `end`.
 
     What leaves an end comes to the next node no sooner than after the shortest transit, so each
-    node is taken that many steps at a time.
+    node is taken that many parts at a time.
 
     Parameters
     ----------
     row, tally, signals, points, links
-    clock : [2] int
-        Next step; node of the trouble after SQUEEZED.
+    clock : [3] int
+        Next part; link of the trouble after SQUEEZED, or of the contact after CLOSED; whether to
+        stop where a rigid contact closes inside a part.
     end : int
     tol : float
         Velocity below which contacts graze and impacts rest.
 
     Returns
     -------
-    DONE, or SQUEEZED: a rigid mass was caught between walls that leave it no room.
+    DONE; SQUEEZED: a rigid mass was caught between walls that leave it no room; or CLOSED: a rigid
+    contact closes inside a part, row.closed[0] steps after its step began. After the last two the
+    run cannot go on.
     """
     n = len(row.steps) - 2
     block = end
@@ -346,18 +424,20 @@ def run(
     while j < end:
         stop = min(j + block, end)
         for k in range(n + 1):
-            law = row.law[k + row.first[k]]
+            law, flag = row.law[k + row.first[k]], DONE
             if row.first[k + 1] > row.first[k]:
                 for i in range(j, stop):
-                    if not meet(row, tally, signals, points, links, k, i, tol):
-                        clock[STEP], clock[NODE] = i, k
-                        return SQUEEZED
+                    flag = meet(row, tally, signals, points, links, clock, k, i, tol)
+                    if flag != DONE:
+                        return flag
             elif law == FREE:
                 reflect(row, signals, k, j, stop)
             elif law <= BOND:
                 join(row, tally, signals, k, j, stop)
             elif law == RIGID:
-                touch(row, tally, signals, k, j, stop, tol)
+                flag = touch(row, tally, signals, clock, k, j, stop, tol)
+                if flag != DONE:
+                    return flag
             else:
                 press(row, tally, signals, k, j, stop)
         j = clock[STEP] = stop
@@ -386,10 +466,23 @@ def beyond(row: Row, k: int, q: int, right: bool) -> tuple[int, int, int]:
     return k, k - 1, row.first[k] - row.first[k - 1]
 
 
+def inside(row: Row, s: int) -> int:
+    """How many averages of a line are on their way through segment s."""
+    count: int = row.steps[s]
+    return count + 1 if row.share[s] > 0 else count
+
+
+def stay(row: Row, s: int, i: int, j: int) -> float:
+    """How long, of what left in part i, is still on its way through segment s before part j."""
+    if i < j - row.steps[s]:
+        return float(row.share[s])
+    return float(row.part[(i + 2 * row.steps[s]) % len(row.part)])
+
+
 def motion(
     row: Row, signals: Signals, k: int, q: int, right: bool, j: int, tol: float
 ) -> Group:
-    """Motion of everything bonded together on one side of contact q of node k, before step j."""
+    """Motion of everything bonded together on one side of contact q of node k, before part j."""
     mass = momentum = mean = 0.0
     ground, parts, low, high = 0, 0, math.inf, -math.inf
     while True:
@@ -407,13 +500,12 @@ def motion(
             momentum += row.mass[-element - 1] * v
             low, high = min(low, v), max(high, v)
         else:
-            N, Z = row.steps[element], 1 / row.mobility[element]
-            mass += N * Z
+            Z = 1 / row.mobility[element]
+            mass += row.transit[element] * Z
             for l in (2 * element, 2 * element + 1):
-                start = signals.wave_start[l] + j - N
-                for i in range(start, start + N):
-                    v = signals.wave[i]
-                    momentum += Z * v / 2
+                for i in range(j - inside(row, element), j):
+                    v, d = signals.wave[signals.wave_start[l] + i], stay(row, element, i, j)
+                    momentum += Z * v * d / 2
                     low, high = min(low, v), max(high, v)
         if row.law[k + row.first[k] + q] != BOND:
             mean = momentum / mass
@@ -454,21 +546,23 @@ def sway(
             if ground == 0:
                 g -= row.mass[-element - 1] / mass
         else:
-            N, y = row.steps[element], row.mobility[element]
+            T, y = row.transit[element], row.mobility[element]
             g0 = g
             if ground == 0:
-                g -= N / (y * mass)
-            slack += y * N * (g0 * g0 + g0 * g + g * g) / 3
+                g -= T / (y * mass)
+            slack += y * T * (g0 * g0 + g0 * g + g * g) / 3
             for l in (2 * element, 2 * element + 1):
                 sign = 1 if l % 2 == 1 else -1
-                start = signals.wave_start[l] + j - N
-                for i in range(N):
-                    v = signals.wave[start + i] - mean
-                    place = (2 * i + 1) / (2 * N)
-                    if (l % 2 == 1) != right:  # runs away from the contact
+                passed = 0.0
+                for i in range(j - 1, j - 1 - inside(row, element), -1):
+                    v = signals.wave[signals.wave_start[l] + i] - mean
+                    lasts = stay(row, element, i, j)
+                    place = (passed + lasts / 2) / T
+                    if (l % 2 == 1) == right:  # runs towards the contact
                         place = 1 - place
-                    energy += v * v / (4 * y)
-                    d += sign * v * (g0 + (g - g0) * place) / 2
+                    passed += lasts
+                    energy += lasts * v * v / (4 * y)
+                    d += lasts * sign * v * (g0 + (g - g0) * place) / 2
         if row.law[k + row.first[k] + q] != BOND:
             break
     if right:
@@ -518,34 +612,36 @@ def settled(row: Row, signals: Signals, j: int, tol: float) -> int:
     return wait
 
 
-def choose_step(transits: Any, least: int, most: int, enough: float) -> tuple[int, float]:
+def choose_step(
+    transits: Any, least: int, most: int, enough: float, power: float
+) -> tuple[int, float]:
     """Choose into how many steps the longest transit is divided.
 
-    Of the numbers from `least` to `most`, the first for which no transit changes by more than
-    `enough` of itself when it becomes a whole number of steps; without one, that with the smallest
-    change (simultaneous rational approximation; with n incommensurate transits the change falls
-    like most^-(1 + 1/(n - 1))).
+    A transit that is no whole number of steps, but w more, smears a jump by w (1 - w) of a step.
+    Of the numbers from `least` to `most`, the first for which no transit smears by more than
+    `enough`; without one, that with the least smear, divided by number^power.
 
     Returns
     -------
     number : int
-    error : float
-        Largest relative change of a transit.
+    smear : float
+        Largest w (1 - w) of a transit.
     """
     longest = 0.0
     for T in transits:
         longest = max(longest, T)
-    best, error = least, math.inf
+    best, smear, least_cost = least, math.inf, math.inf
     for number in range(least, most + 1):
+        scale = number**power
         worst = 0.0
         for T in transits:
-            ratio = T / longest * number
-            off = abs(max(1, int(ratio + 0.5)) / ratio - 1)
-            worst = max(worst, off)
-            if worst >= error:
+            steps = T / longest * number
+            w = steps - math.floor(steps)
+            worst = max(worst, w * (1 - w))
+            if worst >= least_cost * scale:
                 break
-        if worst < error:
-            best, error = number, worst
-            if error <= enough:
+        if worst < least_cost * scale:
+            best, smear, least_cost = number, worst, worst / scale
+            if worst <= enough:
                 break
-    return best, error
+    return best, smear

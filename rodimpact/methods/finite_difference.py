@@ -90,6 +90,17 @@ class GridRun:
         return self.mesh.plan
 
     @property
+    def edges(self) -> Array:
+        """Ticks of the ends of steps, from 0 on."""
+        found: Array = PARTS * np.arange(self.steps + 1)
+        return found
+
+    @property
+    def durations(self) -> Array:
+        """Of the steps, s."""
+        return np.full(self.steps, self.step)
+
+    @property
     def events(self) -> int:
         """Steps taken, times contacts and ends."""
         return self.steps * len(self.plan.laws)
@@ -152,7 +163,7 @@ class GridRun:
         """Velocity of a mass at the ends of the steps, the first at t = 0, in the frame."""
         side = mass - len(self.plan.masses)
         if side >= 0:
-            return self.plan.wall_speed(side, self.step, self.steps)
+            return self.plan.wall_speed(side, self.step * np.arange(self.steps + 1.0))
         initial = self.states.velocity[0, self.mesh.node_of_mass[mass]]
         start = mass * int(self.signals.room[0])
         return np.concatenate(([initial], self._signal(self.signals.mass_speed, start)))

@@ -364,9 +364,9 @@ def meet(
             chain.limit[q] = math.inf
     struck = True
     while struck:
-        if not balance(links, chain, i0, last, speed):
+        if not balance(links, chain, i0, last, speed, 1.0):
             return False
-        struck = strike(links, chain, i0, last, tol)
+        struck = strike(links, chain, i0, last, tol, 1.0)
     for q in range(last + 1):
         i, F = i0 + q, chain.force[q]
         if RIGID <= links.law[i] <= IMPACT and F * links.own[i] <= tol:
@@ -385,7 +385,7 @@ def meet(
         if links.law[i] == RIGID:
             signals.closing[signals.link_start[i] + j] = w
         opened = links.open[i]
-        book(links, tally, signals, i, j, F, gap)
+        book(links, tally, signals, i, j, F, gap, 1.0)
         if gap <= speck:
             links.open[i] = min(opened, links.open[i])
     return True

@@ -12,7 +12,8 @@ An impact of rigid bodies takes the force that leaves a closing velocity of at m
 before (Moreau, CISM 302, 1988).
 
 Time is counted in steps: lengths are velocity times steps, and masses and stiffnesses are scaled to
-match: M/h, k h (spring), k h^(3/2) (Hertz), a dashpot's constant as it is. `row` stands for any
+match: M/h, k h (spring), k h^(3/2) (Hertz), a dashpot's constant as it is. What happens lasts d, a
+step or a part of one; links close by lengths. `row` stands for any
 NamedTuple with the columns of the links: law, stiffness, damping and gap.
 """
 
@@ -23,7 +24,7 @@ from typing import Any, NamedTuple
 
 FREE, FORCE, BOND, RIGID, IMPACT, SPRING, HERTZ, HUNT = range(8)  # laws of links
 EPS = 1 / (1 << 52)
-SNAP = 1 / (1 << 24)  # of one step's motion, by which a gap may close early
+ROUGH = 1 / (1 << 24)  # of the motion: forces that are no better known are none
 ENOUGH = 1 / (1 << 27)  # relative Newton step after which the next one is round-off
 NEWTON = 100  # iterations of one contact: a bound that is not met in practice
 SWEEPS = 1000  # of one chain, see `balance`
@@ -32,7 +33,7 @@ SWEEPS = 1000  # of one chain, see `balance`
 class Tally(NamedTuple):
     """What has passed through each link, kept as the run goes."""
 
-    impulse: Any  # [link] sum of F
+    impulse: Any  # [link] sum of F times durations
     lost: Any  # [link] turned to heat by dashpots and impacts
     numerical: Any  # [link] lost by rigid contacts that close within a step
     peak: Any  # [link] largest F
@@ -45,15 +46,15 @@ class Tally(NamedTuple):
 class Chain(NamedTuple):
     """Room for links that are solved together; lists or arrays of floats."""
 
-    free: Any  # velocity at which the link would close without forces
-    own: Any  # mobility of its two sides together
-    shared: Any  # mobility that it shares with the link before
-    before: Any  # velocity at which an impact closes as the step begins
+    free: Any  # by how much the link would close without forces
+    own: Any  # mobility of its two sides together, times d
+    shared: Any  # mobility that it shares with the link before, times d
+    before: Any  # velocity at which an impact closes as it begins
     force: Any
     kept: Any  # forces before a Newton step
-    limit: Any  # greatest w of a pressing rigid contact or impact; a given force
+    limit: Any  # greatest closing of a pressing rigid contact or impact; a given force
     place: Any  # indentation at the step's end
-    slope: Any  # dF/dw, -1 where w is fixed
+    slope: Any  # dF/dw, -1 where the closing w is fixed
     upper: Any  # for the elimination
 
 
@@ -111,9 +112,9 @@ def squeeze(
     Parameters
     ----------
     x0 : indentation at the step's start
-    c : velocity at which the contact would close without force
-    y : mobility of both sides together
-    w : guess of the velocity at which it closes
+    c : by how much the contact would close without force
+    y : mobility of both sides together, times the duration
+    w : guess of how much it closes
 
     Returns
     -------
@@ -138,7 +139,7 @@ def squeeze(
 
 
 def pushed(chain: Chain, q: int, last: int) -> float:
-    """Velocity at which link q would close without its own force."""
+    """By how much link q would close without its own force."""
     c: float = chain.free[q]
     if q > 0:
         c += chain.shared[q] * chain.force[q - 1]
@@ -147,8 +148,8 @@ def pushed(chain: Chain, q: int, last: int) -> float:
     return c
 
 
-def relax(row: Any, chain: Chain, i0: int, last: int) -> float:
-    """Solve link after link, the others as they are; return the largest change, as a velocity."""
+def relax(row: Any, chain: Chain, i0: int, last: int, d: float) -> float:
+    """Solve link after link, the others as they are; return the largest change of a closing."""
     change = 0.0
     for q in range(last + 1):
         i, y, c = i0 + q, chain.own[q], pushed(chain, q, last)
@@ -164,7 +165,7 @@ def relax(row: Any, chain: Chain, i0: int, last: int) -> float:
             gap = row.gap[i]
             guess = chain.place[q] + gap
             F, chain.place[q], slope = squeeze(
-                law, row.stiffness[i], row.damping[i], -gap, c, y, guess
+                law, row.stiffness[i], row.damping[i] / d, -gap, c, y, guess
             )
         change = max(change, abs(F - chain.force[q]) * y)
         chain.force[q], chain.slope[q] = F, slope
@@ -197,33 +198,34 @@ def newton(row: Any, chain: Chain, i0: int, last: int) -> None:
             F[q] = max(F[q], 0.0)
 
 
-def balance(row: Any, chain: Chain, i0: int, last: int, speed: float) -> bool:
+def balance(row: Any, chain: Chain, i0: int, last: int, speed: float, d: float) -> bool:
     """Find the forces of a chain; return False where there are none (a mass squeezed by walls).
 
     Sweeps of `relax` descend on a convex function, the dual energy of the step, and so always
     converge, if slowly; a Newton step is kept where it halves what the next sweep has to change.
     `speed` is that of the bodies, whose round-off is no change.
     """
-    left, tried, size = math.inf, False, speed
+    path = d * speed
+    left, tried, size = math.inf, False, path
     for _ in range(2 * SWEEPS):
-        new = relax(row, chain, i0, last)
+        new = relax(row, chain, i0, last, d)
         if tried and new > left / 2:
             for q in range(last + 1):
                 chain.force[q] = chain.kept[q]
             tried = False
             continue
-        left, tried, size = new, True, speed
+        left, tried, size = new, True, path
         for q in range(last + 1):
-            size = max(size, speed + abs(chain.force[q]) * chain.own[q])
+            size = max(size, path + abs(chain.force[q]) * chain.own[q])
             chain.kept[q] = chain.force[q]
         if last == 0 or left <= 8 * EPS * size:
             return True
         newton(row, chain, i0, last)
-    return bool(left <= SNAP * size)
+    return bool(left <= ROUGH * size)
 
 
-def strike(row: Any, chain: Chain, i0: int, last: int, tol: float) -> bool:
-    """Let impacts happen whose gaps would close in this step; return whether there is a new one.
+def strike(row: Any, chain: Chain, i0: int, last: int, tol: float, d: float) -> bool:
+    """Let impacts happen whose gaps would close in this time d; return whether there is a new one.
 
     An impact waits with an infinite limit.
     """
@@ -232,24 +234,27 @@ def strike(row: Any, chain: Chain, i0: int, last: int, tol: float) -> bool:
         i = i0 + q
         if row.law[i] == IMPACT and chain.limit[q] == math.inf:
             w = pushed(chain, q, last) - chain.force[q] * chain.own[q]
-            if row.gap[i] - w < -tol:
+            if row.gap[i] - w < -d * tol:
                 u = chain.before[q]
-                chain.limit[q] = 0.0 if u <= tol else (1 - row.damping[i]) * u / 2
+                chain.limit[q] = 0.0 if u <= tol else (1 - row.damping[i]) * u * d / 2
                 found = True
     return found
 
 
 def book(
-    row: Any, tally: Tally, signals: Any, i: int, j: int, F: float, gap: float
+    row: Any, tally: Tally, signals: Any, i: int, j: int, F: float, gap: float, d: float
 ) -> None:
-    """Enter step j of contact i: force, and gap at the end; `row.open` is 1 once it has opened."""
+    """Enter step j, or a part of duration d, of contact i: its force, and the gap at the end.
+
+    `row.open` is 1 once the contact has opened.
+    """
     start = signals.link_start[i]
     if start >= 0:
         signals.force[start + j] = F
         signals.gap[start + j] = gap
     row.force[i], row.gap[i] = F, gap
     if F > 0:
-        tally.impulse[i] += F
+        tally.impulse[i] += F * d
         tally.peak[i] = max(tally.peak[i], F)
         if tally.first[i] < 0:
             tally.first[i] = j

@@ -212,10 +212,10 @@ class Plan:
             for k, law in zip(self.stiffness, self.laws, strict=True)
         ])
 
-    def wall_speed(self, side: int, step: float, steps: int) -> Array:
-        """Velocity of the left or right wall at the ends of steps, s, in the frame."""
+    def wall_speed(self, side: int, times: Array) -> Array:
+        """Velocity of the left or right wall at times, s, in the frame."""
         wall = float(self.outside[side][1]) - self.frame
-        found: Array = wall - self.gravity * step * np.arange(steps + 1.0)
+        found: Array = wall - self.gravity * times
         return found
 
 

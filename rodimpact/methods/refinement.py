@@ -1,18 +1,20 @@
-"""Halve a step until the outcome of a run stands still, and tell how still."""
+"""Divide a step until the outcome of a run stands still, and tell how wrong it may be."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Protocol, TypeVar
 
 import numpy as np
 
 from ..frozen import InvalidModel
-from .link_kernel import RIGID
+from .link_kernel import IMPACT, RIGID
 from .plan import Array, Plan
 
 MEASURES = ("impulse", "largest force", "time of 99.9 % of the impulse")
+LOOK_BACK = 3  # coarser levels with which the finest is compared
+FEWEST = 4  # levels
 
 
 class TooLong(InvalidModel):
@@ -31,6 +33,14 @@ class Run(Protocol):
         """s."""
 
     @property
+    def durations(self) -> Array:
+        """Of the steps, or parts of steps, s."""
+
+    @property
+    def edges(self) -> Array:
+        """Between steps, or parts of steps, in ticks."""
+
+    @property
     def stopped_by(self) -> str:
         """Why it ended."""
 
@@ -41,97 +51,145 @@ class Run(Protocol):
 R = TypeVar("R", bound=Run)
 
 
+def factors() -> Iterator[int]:
+    """By how much the step is divided from level to level: 1, 2, 3, 4, 6, 8, 12, 16, 24, ...
+
+    Not by powers of two only: an error that depends on where in a step something happens may be the
+    same on all of those.
+    """
+    yield 1
+    power = 2
+    while True:
+        yield power
+        yield 3 * power // 2
+        power *= 2
+
+
 def refined(
-    level: Callable[[int], R], measures: Callable[[R], dict[str, Array]], goal: float, last: int
+    level: Callable[[int], R], measures: Callable[[R], dict[str, Array]], goal: float, last: int,
+    known: Callable[[R], dict[str, float]] = lambda _: {},
 ) -> tuple[R, dict[str, float]]:
-    """Halve the step until no measure changes by more than `goal`, or as far as it goes.
+    """Divide the step until no measure is wrong by more than `goal`, or as far as it goes.
+
+    An error that falls in proportion to the step h is |q(g) - q(h)| h/(g - h), q(g) the result of a
+    coarser step g; one of higher order is less. The largest over the last coarser levels is the
+    estimate: errors that differ from level to level are not all equal by accident.
 
     Parameters
     ----------
     level : function
-        Run with the step divided by a factor; raises `TooLong` where there is no room for it. One
-        that met a cap on events goes no further.
+        Run with the step divided by about a factor; raises `TooLong` where there is no room for it.
+        One that met a cap on events goes no further.
     measures : function
         What is to stand still, of a run.
     goal : float
     last : int
         Largest factor, 4 at least.
+    known : function, optional
+        Errors of a run that need no other one to be known.
 
     Returns
     -------
     run
         The finest.
     estimates : dict of str to float
-        Relative change of each measure by the last halvings; inf where there were fewer than two.
+        Error of each measure, relative to its largest value; inf where there are too few levels.
     """
-    found = level(1)
-    reached = measures(found)
-    estimates = dict.fromkeys(reached, math.inf)
-    before: dict[str, float] = {}
-    factor = 2
-    while found.stopped_by != "max_events" and max(estimates.values()) > goal:
+    found: R | None = None
+    levels: list[tuple[float, dict[str, Array]]] = []
+    estimates: dict[str, float] = {}
+    for factor in factors():
         if factor > max(4, last):
             break
         try:
             finer = level(factor)
         except TooLong:
+            if found is None:
+                raise
             break
-        if finer.stopped_by == "max_events":
+        if found is not None and finer.stopped_by == "max_events":
             break
-        then = measures(finer)
-        changes = {
-            name: float(np.max(np.abs(reached[name] - then[name]), initial=0.0))
-            / (float(np.max(np.abs(then[name]), initial=0.0)) or 1.0)
-            for name in then
-        }
-        if before:
-            estimates = {name: max(v, before[name] / 2) for name, v in changes.items()}
-        found, reached, before, factor = finer, then, changes, 2 * factor
+        found, values = finer, measures(finer)
+        levels.append((found.step, values))
+        estimates = {**{name: _error(levels, name) for name in values}, **known(found)}
+        if found.stopped_by == "max_events" or max(estimates.values()) <= goal:
+            break
+    assert found is not None
     return found, estimates
+
+
+def _error(levels: list[tuple[float, dict[str, Array]]], name: str) -> float:
+    """Estimated error of a measure on the last level."""
+    if len(levels) < FEWEST:
+        return math.inf
+    step, values = levels[-1][0], levels[-1][1][name]
+    scale = float(np.max(np.abs(values), initial=0.0)) or 1.0
+    return max(
+        float(np.max(np.abs(coarse[name] - values), initial=0.0)) / scale * step / (wider - step)
+        for wider, coarse in levels[-1 - LOOK_BACK : -1]
+    )
 
 
 def contact_measures(found: Run) -> dict[str, Array]:
     """Impulse, largest force, and time of 99.9 % of the impulse, by contact that can open.
 
-    Restitution follows from the impulses.
+    Restitution follows from the impulses. An impact of rigid bodies has no largest force.
     """
     plan = found.plan
     contacts = [k for k, i in enumerate(plan.contact_link) if i >= 0 and plan.laws[i] >= RIGID]
     forces = [found.contact(k)[0] for k in contacts]
     measured = (
-        [float(np.sum(F)) * found.step for F in forces], [peak(F) for F in forces],
-        [_most_of(F) * found.step for F in forces],
+        [float(F @ found.durations) for F in forces],
+        [0.0 if plan.laws[plan.contact_link[k]] == IMPACT else peak(found.edges, F)
+         for k, F in zip(contacts, forces, strict=True)],
+        [_most_of(F, found.durations) for F in forces],
     )
     return {name: np.array(values) for name, values in zip(MEASURES, measured, strict=True)}
 
 
-def _most_of(force: Array) -> float:
-    """Steps in which 99.9 % of the impulse has passed."""
-    passed = np.cumsum(force)
+def _most_of(force: Array, durations: Array) -> float:
+    """Time in which 99.9 % of the impulse has passed, s."""
+    passed = np.cumsum(force * durations)
     if not len(passed) or passed[-1] <= 0:
         return 0.0
     goal = 0.999 * passed[-1]
     j = int(np.searchsorted(passed, goal))
     before = passed[j - 1] if j else 0.0
-    return float(j + (goal - before) / (passed[j] - before))
+    times = np.cumsum(durations)
+    return float(times[j] - durations[j] * (1 - (goal - before) / (passed[j] - before)))
 
 
-def peak(force: Array) -> float:
-    """Largest force behind step averages.
+def peak(edges: Array, force: Array) -> float:
+    """Largest force behind averages between edges.
 
-    At a jump half a step's change beyond the average next to it; at a smooth top that of the
-    parabola with the averages of three steps.
+    That of the parabola with the averages of three steps: at a smooth top its largest value, behind
+    a jump the one at the jump.
     """
     if not len(force) or force.max() <= 0:
         return 0.0
     G = np.concatenate(([0.0, 0.0], force, [0.0, 0.0]))
+    width = np.pad(np.diff(edges) / np.diff(edges).max(), 2, mode="edge")
     j = int(np.argmax(G))
     before, after = float(G[j] - G[j - 1]), float(G[j] - G[j + 1])
     if before > 4 * after:
-        return float(G[j]) + (after / 2 if abs(after - (G[j + 1] - G[j + 2])) < after else 0.0)
+        return _at_jump(G[j : j + 3], width[j : j + 3])
     if after > 4 * before:
-        return float(G[j]) + (before / 2 if abs(before - (G[j - 1] - G[j - 2])) < before else 0.0)
-    both = before + after
-    if both <= 0:
+        return _at_jump(G[j - 2 : j + 1][::-1], width[j - 2 : j + 1][::-1])
+    if before + after <= 0:
         return float(G[j])
-    return float(G[j]) + both / 24 + (before - after) ** 2 / (8 * both)
+    value, slope, curve = _parabola(G[j - 1 : j + 2], width[j - 1 : j + 2])
+    return value - slope * slope / (4 * curve) if curve < 0 else float(G[j])
+
+
+def _at_jump(means: Array, width: Array) -> float:
+    """Force just behind a jump, from the averages of three steps behind it, the next one first."""
+    rate, next_rate = -np.diff(means) / (width[1:] + width[:-1])
+    return _parabola(means, width)[0] if abs(rate - next_rate) < rate else float(means[0])
+
+
+def _parabola(means: Array, width: Array) -> tuple[float, float, float]:
+    """Coefficients of the parabola with averages over three steps, from where the first begins."""
+    ends = np.concatenate(([0.0], np.cumsum(width)))
+    passed = np.concatenate(([0.0], np.cumsum(means * width)))
+    _, value, slope, curve = np.linalg.solve(np.vander(ends, increasing=True), passed).tolist()
+    return value, 2 * slope, 3 * curve
