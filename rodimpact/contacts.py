@@ -255,9 +255,9 @@ def pressed_spans(times: Floats, force: Floats, gap: Floats) -> list[tuple[float
     found = []
     for i, j in zip(first.tolist(), last.tolist(), strict=True):
         share = 1.0
-        if gap[i + 1] < 0:
+        if gap[i + 1] < 0 < gap[i]:
             share = float(gap[i + 1] / (gap[i + 1] - gap[i]))
-        elif gap[i] > 0 or force[i] <= FAINT * force[i : i + 2].max():
+        elif gap[i + 1] == 0 and (gap[i] > 0 or force[i] <= FAINT * force[i : i + 2].max()):
             share = _share_of_jump(force[i : min(j, i + 3)])
         begin = float(times[i + 1]) - share * float(times[i + 1] - times[i])
         end = _end_of_force(times, force, gap, i, j) if j < len(force) else math.nan
