@@ -7,20 +7,30 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .quantities import numbers_in
+
 Array: TypeAlias = NDArray[np.float64]
 Number: TypeAlias = float | Array
 
 
+def array(name: str, value: ArrayLike, unit: str) -> Array:
+    """The argument as an array in that unit, "" for a pure number; ValueError if it has none."""
+    try:
+        return np.asarray(numbers_in(value, unit), dtype=np.float64)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+
+
 def positive(name: str, value: ArrayLike, unit: str) -> Array:
     """The argument as an array; ValueError if any of it is not positive and finite."""
-    x = np.asarray(value, dtype=np.float64)
-    refuse(~((x > 0) & (x < np.inf)), f"must be positive and finite [{unit}]", **{name: x})
+    x = array(name, value, unit)
+    refuse(~((x > 0) & (x < np.inf)), f"must be positive and finite [{unit or 1}]", **{name: x})
     return x
 
 
-def finite(name: str, value: ArrayLike) -> Array:
+def finite(name: str, value: ArrayLike, unit: str) -> Array:
     """The argument as an array; ValueError if any of it is not finite."""
-    x = np.asarray(value, dtype=np.float64)
+    x = array(name, value, unit)
     refuse(~np.isfinite(x), "must be finite", **{name: x})
     return x
 

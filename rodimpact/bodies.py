@@ -19,6 +19,7 @@ from .frozen import (
     InvalidModel,
     Number,
     Problems,
+    family_shape,
     first_false,
     holds,
     in_range,
@@ -89,9 +90,9 @@ class Material(Frozen):
         problems: Problems = []
         if not isinstance(name, str) or not name:
             problems.append(("name", f"must be a word, got {name!r}"))
-        E = number(problems, "youngs_modulus", youngs_modulus, " of pascals", "positive")
-        rho = number(problems, "density", density, " of kg/m^3", "positive")
-        eta = number(problems, "viscosity", viscosity, " of Pa s", "non-negative")
+        E = number(problems, "youngs_modulus", youngs_modulus, "Pa", "positive")
+        rho = number(problems, "density", density, "kg/m^3", "positive")
+        eta = number(problems, "viscosity", viscosity, "Pa s", "non-negative")
         nu = None
         if poisson_ratio is not None:
             nu = number(problems, "poisson_ratio", poisson_ratio, "")
@@ -100,6 +101,9 @@ class Material(Frozen):
                 at, (got,) = first_false(good, nu)
                 problems.append((f"poisson_ratio{at}", f"must lie in (-1, 0.5], got {got!r}"))
         if not problems:
+            family_shape([
+                ("youngs_modulus", E), ("density", rho), ("viscosity", eta), ("poisson_ratio", nu)
+            ])
             with np.errstate(all="ignore"):
                 ratio = E / rho
             if not holds(good := in_range(ratio)):
@@ -146,9 +150,12 @@ class Material(Frozen):
         """
         problems: Problems = []
         tangent = number(problems, "loss_factor", loss_factor, "", "non-negative")
-        f = number(problems, "frequency", frequency, " of hertz", "positive")
+        f = number(problems, "frequency", frequency, "Hz", "positive")
         if problems:
             raise InvalidModel(problems)
+        family_shape([
+            ("youngs_modulus", self.youngs_modulus), ("loss_factor", tangent), ("frequency", f)
+        ])
         with np.errstate(all="ignore"):  # what is out of range, the material will refuse
             eta = self.youngs_modulus * tangent / (2 * math.pi * np.asarray(f))
         return Material(
@@ -212,12 +219,12 @@ class Segment(Frozen):
         self, length: Any, area: Any, material: Any, *, polar_moment: Any = None
     ) -> None:
         problems: Problems = []
-        L = number(problems, "length", length, " of metres", "positive")
+        L = number(problems, "length", length, "m", "positive")
         if isinstance(area, Steps):
             message = "jumps inside a segment; give Rod(area=Steps(...)), or a segment for each"
             problems.append(("area", f"{message} of its values"))
         known = None if problems else L
-        A: Any = along_rod(problems, "area", area, " of square metres", known, "positive")
+        A: Any = along_rod(problems, "area", area, "m^2", known, "positive")
         if not isinstance(material, Material):
             message = f"must be a Material, such as materials.steel, got {material!r}"
             problems.append(("material", message))
@@ -230,9 +237,13 @@ class Segment(Frozen):
             for bound in extremes(A):
                 Segment(L, bound, material)
             return
-        with np.errstate(all="ignore"):
-            Z, T = self.impedance, self.transit_time
-            derived = (Z, T, Z * T)
+        try:
+            with np.errstate(all="ignore"):
+                Z, T = self.impedance, self.transit_time
+                derived = (Z, T, Z * T)
+        except ValueError:  # from NumPy, whose sentence names no field
+            family_shape(self._numbers())
+            raise
         if not holds(good := in_range(*derived)):
             at, (long, wide) = first_false(good, L, A)
             message = (
@@ -362,7 +373,7 @@ def _polar_moment(problems: Problems, value: Any, area: Any, material: Any) -> N
         message = f'must be "{CIRCULAR}" along a taper, or left out, got {value!r}'
         problems.append(("polar_moment", message))
         return math.nan
-    return number(problems, "polar_moment", value, " of m^4", "positive")
+    return number(problems, "polar_moment", value, "m^4", "positive")
 
 
 class Rod(Frozen):
@@ -429,10 +440,12 @@ class Rod(Frozen):
         else:
             message = f"must be a list of at least one Segment, got {segments!r}"
             problems.append(("segments", message))
+        if len(pieces) > 1 and not problems:
+            family_shape((f"segments.{i}.length", s.length) for i, s in enumerate(pieces))
         total = None if problems else sum(s.length for s in pieces)
         profiles = {
             name: along_rod(problems, name, value, unit, total)
-            for name, value, unit in (("velocity", velocity, " of m/s"), ("strain", strain, ""))
+            for name, value, unit in (("velocity", velocity, "m/s"), ("strain", strain, ""))
         }
         if problems:
             raise InvalidModel(problems)
@@ -511,7 +524,7 @@ def _between_jumps(
     problems: Problems, length: Any, area: Steps, material: Any, polar_moment: Any
 ) -> tuple[Segment, ...]:
     """Segments of a rod whose area jumps; mistakes are noted in `problems`."""
-    L = number(problems, "length", length, " of metres", "positive")
+    L = number(problems, "length", length, "m", "positive")
     along_rod(problems, "area", area, "", None if problems else L)
     edges = (0.0, *area.at, L)
     if problems:
@@ -549,8 +562,8 @@ class RigidMass(Frozen):
 
     def __init__(self, mass: Any, *, velocity: Any = 0.0) -> None:
         problems: Problems = []
-        m = number(problems, "mass", mass, " of kilograms", "positive")
-        v = number(problems, "velocity", velocity, " of m/s")
+        m = number(problems, "mass", mass, "kg", "positive")
+        v = number(problems, "velocity", velocity, "m/s")
         if problems:
             raise InvalidModel(problems)
         self._set(mass=m, velocity=v)
@@ -572,7 +585,7 @@ class Wall(Frozen):
 
     def __init__(self, velocity: Any = 0.0) -> None:
         problems: Problems = []
-        v = number(problems, "velocity", velocity, " of m/s")
+        v = number(problems, "velocity", velocity, "m/s")
         if problems:
             raise InvalidModel(problems)
         self._set(velocity=v)

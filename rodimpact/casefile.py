@@ -639,7 +639,7 @@ def _area(table: _Table) -> Profile:
 def _round_area(diameter: Number) -> Number:
     """pi d^2/4, m^2."""
     problems: Problems = []
-    d = number(problems, "diameter", diameter, " of metres", "positive")
+    d = number(problems, "diameter", diameter, "m", "positive")
     if problems:
         raise InvalidModel(problems)
     with np.errstate(all="ignore"):  # an area out of range is for the model to refuse

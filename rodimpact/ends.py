@@ -70,7 +70,7 @@ class Force(_End):
 
     def __init__(self, value: Any, *, duration: Any = None) -> None:
         problems: Problems = []
-        F = in_time(problems, "value", value, " of newtons", duration)
+        F = in_time(problems, "value", value, "N", duration)
         if problems:
             raise InvalidModel(problems)
         self._set(value=F)
@@ -99,7 +99,7 @@ class Velocity(_End):
 
     def __init__(self, value: Any, *, duration: Any = None) -> None:
         problems: Problems = []
-        v = in_time(problems, "value", value, " of m/s", duration)
+        v = in_time(problems, "value", value, "m/s", duration)
         if problems:
             raise InvalidModel(problems)
         self._set(value=v)

@@ -1,7 +1,7 @@
 """Values made once: checked when they are made, frozen, compared and stored by what they say.
 
-A number may be an array, which makes a family. All mistakes of one object are reported together in
-one `InvalidModel`, each with the path of its field.
+Every number goes through `number`; it may be an array, which makes a family. All mistakes of one
+object are reported together in one `InvalidModel`, each with the path of its field.
 """
 
 from __future__ import annotations
@@ -10,13 +10,20 @@ import hashlib
 import json
 import math
 import reprlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
 
+from .quantities import numbers_in
+
 Number: TypeAlias = "float | np.ndarray[Any, np.dtype[np.float64]]"
 Problems: TypeAlias = list[tuple[str, str]]
+
+_WORDS = {
+    "m": "metres", "m^2": "square metres", "s": "seconds", "Hz": "hertz", "kg": "kilograms",
+    "N": "newtons", "Pa": "pascals",
+}
 
 
 class InvalidModel(ValueError):
@@ -39,24 +46,31 @@ class InvalidModel(ValueError):
 def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "any") -> Number:
     """Return `value` as a float or a read-only array; note a mistake in `problems`.
 
-    `sign` is ``"positive"``, ``"positive or infinite"``, ``"non-negative"`` or ``"any"``. -0.0
-    becomes 0.0, so that equal numbers are described alike.
+    `unit` is that of the field in the SI, to which quantities are converted: ``"kg/m^3"``, or
+    ``""`` for a pure number. `sign` is ``"positive"``, ``"positive or infinite"``,
+    ``"non-negative"`` or ``"any"``. -0.0 becomes 0.0, so that equal numbers are described alike.
     """
     if type(value) is float:
         array: Any = value
     elif isinstance(value, bool | np.bool_) or value is None or isinstance(value, str | bytes):
         hint = "; units.parse reads text with a unit" if isinstance(value, str) else ""
-        problems.append((path, f"must be a number{unit}, got {value!r}{hint}"))
+        problems.append((path, f"must be a number{_of(unit)}, got {value!r}{hint}"))
         return math.nan
     else:
         try:
-            array = np.array(value)
+            bare = numbers_in(value, unit)
+        except ValueError as error:
+            problems.append((path, str(error)))
+            return math.nan
+        try:
+            array = np.array(bare)
             if array.dtype.kind not in "fiu":
                 raise TypeError
             array = array.astype(np.float64)
         except (TypeError, ValueError, OverflowError):
             shown = reprlib.repr(value)
-            problems.append((path, f"must be a number or an array of numbers{unit}, got {shown}"))
+            message = f"must be a number or an array of numbers{_of(unit)}, got {shown}"
+            problems.append((path, message))
             return math.nan
         if array.ndim == 0:
             array = float(array)
@@ -75,6 +89,11 @@ def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "an
     return array  # type: ignore[no-any-return]
 
 
+def _of(unit: str) -> str:
+    """How a sentence goes on after "a number": " of metres", or nothing where there is no unit."""
+    return f" of {_WORDS.get(unit, unit)}" if unit else ""
+
+
 def _allowed(value: Any, sign: str) -> Any:
     """Where numbers are finite and of that sign."""
     if sign == "positive or infinite":
@@ -87,9 +106,32 @@ def _allowed(value: Any, sign: str) -> Any:
 
 def _wanted(unit: str, sign: str, value: float) -> str:
     if sign == "positive or infinite":
-        return f"must be a positive number{unit} or infinite, got {value!r}"
+        return f"must be a positive number{_of(unit)} or infinite, got {value!r}"
     kind = "a finite number" if sign == "any" else f"a finite {sign} number"
-    return f"must be {kind}{unit}, got {value!r}"
+    return f"must be {kind}{_of(unit)}, got {value!r}"
+
+
+def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
+    """Shape to which arrays among the numbers broadcast.
+
+    Parameters
+    ----------
+    numbers : iterable of (str, number)
+        Each with its path.
+
+    Raises
+    ------
+    InvalidModel
+        If they do not broadcast, naming all arrays with their shapes.
+    """
+    shapes = [(path, v.shape) for path, v in numbers if isinstance(v, np.ndarray)]
+    try:
+        return np.broadcast_shapes(*(shape for _, shape in shapes))
+    except ValueError:
+        message = "arrays of the family do not broadcast: " + ", ".join(
+            f"{path} has shape {shape}" for path, shape in shapes
+        )
+        raise InvalidModel([(shapes[0][0], message)]) from None
 
 
 def in_range(*values: Number) -> Any:

@@ -12,7 +12,17 @@ from typing import Any, ClassVar, Self, TypeAlias
 import numpy as np
 
 from .bodies import Material
-from .frozen import Frozen, InvalidModel, Number, Problems, first_false, holds, number, plain
+from .frozen import (
+    Frozen,
+    InvalidModel,
+    Number,
+    Problems,
+    family_shape,
+    first_false,
+    holds,
+    number,
+    plain,
+)
 
 
 class _Law(Frozen):
@@ -84,7 +94,7 @@ class Spring(_Law):
 
     def __init__(self, stiffness: Any) -> None:
         problems: Problems = []
-        k = number(problems, "stiffness", stiffness, " of N/m", "positive")
+        k = number(problems, "stiffness", stiffness, "N/m", "positive")
         if problems:
             raise InvalidModel(problems)
         self._set(stiffness=k)
@@ -112,8 +122,8 @@ class SpringDashpot(_Law):
 
     def __init__(self, stiffness: Any, damping: Any) -> None:
         problems: Problems = []
-        k = number(problems, "stiffness", stiffness, " of N/m", "positive")
-        c = number(problems, "damping", damping, " of N s/m", "non-negative")
+        k = number(problems, "stiffness", stiffness, "N/m", "positive")
+        c = number(problems, "damping", damping, "N s/m", "non-negative")
         if problems:
             raise InvalidModel(problems)
         self._set(stiffness=k, damping=c)
@@ -138,7 +148,7 @@ class Hertz(_Law):
 
     def __init__(self, stiffness: Any) -> None:
         problems: Problems = []
-        k = number(problems, "stiffness", stiffness, " of N/m^1.5", "positive")
+        k = number(problems, "stiffness", stiffness, "N/m^1.5", "positive")
         if problems:
             raise InvalidModel(problems)
         self._set(stiffness=k)
@@ -179,17 +189,18 @@ class Hertz(_Law):
         """
         problems: Problems = []
         radii = []
-        compliance: Number = 0.0
+        meeting: list[tuple[str, Number]] = []
+        yielding = []
         faces = (("left", left_radius, left_material), ("right", right_radius, right_material))
         for side, radius, material in faces:
-            unit = " of metres"
-            radii.append(
-                number(problems, f"{side}_radius", radius, unit, "positive or infinite")
-            )
+            R = number(problems, f"{side}_radius", radius, "m", "positive or infinite")
+            radii.append(R)
+            meeting.append((f"{side}_radius", R))
             if isinstance(material, Material) and material.poisson_ratio is not None:
-                with np.errstate(all="ignore"):  # what is out of range, the law will refuse
-                    plane = material.youngs_modulus / (1 - material.poisson_ratio**2)
-                    compliance = compliance + 1 / plane
+                E, nu = material.youngs_modulus, material.poisson_ratio
+                yielding.append((E, nu))
+                meeting += [(f"{side}_material.youngs_modulus", E),
+                            (f"{side}_material.poisson_ratio", nu)]
             elif isinstance(material, Material):
                 message = f"needs a poisson_ratio for Hertz contact, {material.name!r} has none"
                 problems.append((f"{side}_material", message))
@@ -201,12 +212,14 @@ class Hertz(_Law):
             problems.append(("right_material", message))
         if problems:
             raise InvalidModel(problems)
+        family_shape(meeting)
         curvature = 1 / radii[0] + 1 / radii[1]
         if not holds(good := curvature > 0):
             at, _ = first_false(good)
             message = "is infinite as that of the left face; two flat faces make no Hertz contact"
             raise InvalidModel([(f"right_radius{at}", message)])
-        with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"):  # what is out of range, the law will refuse
+            compliance: Number = sum(1 / (E / (1 - nu**2)) for E, nu in yielding)
             return cls(np.divide(4 / 3, compliance * curvature**0.5))
 
 
@@ -235,8 +248,8 @@ class HuntCrossley(_Law):
 
     def __init__(self, stiffness: Any, damping: Any) -> None:
         problems: Problems = []
-        k = number(problems, "stiffness", stiffness, " of N/m^1.5", "positive")
-        chi = number(problems, "damping", damping, " of s/m", "non-negative")
+        k = number(problems, "stiffness", stiffness, "N/m^1.5", "positive")
+        chi = number(problems, "damping", damping, "s/m", "non-negative")
         if problems:
             raise InvalidModel(problems)
         self._set(stiffness=k, damping=chi)

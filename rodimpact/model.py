@@ -15,7 +15,7 @@ import numpy as np
 
 from .bodies import Body, Material, RigidMass, Rod, Segment, Wall, body_from
 from .ends import ENDS, FREE, Absorbing, End, Fixed, Force, Free, Velocity, end_from
-from .frozen import Frozen, InvalidModel, Number, Problems, first_false, number, plain
+from .frozen import Frozen, InvalidModel, Number, Problems, family_shape, first_false, number, plain
 from .laws import (
     CONTACT_LAWS,
     RIGID,
@@ -103,7 +103,7 @@ class System(Frozen):
         gaps = _per_pair(problems, "gaps", gaps, 0.0, pairs)
         contacts = _per_pair(problems, "contacts", contacts, RIGID, pairs)
         widths = tuple(
-            number(problems, f"gaps.{i}", gap, " of metres", "non-negative")
+            number(problems, f"gaps.{i}", gap, "m", "non-negative")
             for i, gap in enumerate(gaps)
         )
         for i, law in enumerate(contacts):
@@ -116,7 +116,7 @@ class System(Frozen):
                 problems.append((f"gaps.{i}{at}", message))
             elif isinstance(law, Rigid):
                 _check_rigid(problems, i, law, *bodies[i : i + 2])
-        g = number(problems, "gravity", gravity, " of m/s^2")
+        g = number(problems, "gravity", gravity, "m/s^2")
         ends = (FREE, FREE) if ends is None else ends
         if not isinstance(ends, list | tuple) or len(ends) != 2:
             message = f"must be a pair, such as (Free(), Absorbing()), got {ends!r}"
@@ -128,15 +128,8 @@ class System(Frozen):
             raise InvalidModel(problems)
         self._set(bodies=tuple(bodies), gaps=widths, contacts=tuple(contacts), gravity=g,
                   ends=tuple(ends))
-        shapes = [v.shape for _, v in self._numbers() if isinstance(v, np.ndarray)]
-        try:
-            shape = np.broadcast_shapes(*shapes) if shapes else ()
-        except ValueError:
-            message = "arrays of the family do not broadcast: " + ", ".join(
-                f"{path} has shape {v.shape}" for path, v in self.parameters.items()
-            )
-            raise InvalidModel([(next(iter(self.parameters)), message)]) from None
-        self._set(_shape=shape)
+        several = any(isinstance(v, np.ndarray) for _, v in self._numbers())
+        self._set(_shape=family_shape(self._named_numbers()) if several else ())
         _check_joined(self)
 
     @property

@@ -13,7 +13,17 @@ from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
-from .frozen import Frozen, InvalidModel, Number, Problems, first_false, number, plain
+from .frozen import (
+    Frozen,
+    InvalidModel,
+    Number,
+    Problems,
+    family_shape,
+    first_false,
+    number,
+    plain,
+)
+from .quantities import numbers_in
 
 Floats: TypeAlias = "np.ndarray[Any, np.dtype[np.float64]]"
 
@@ -45,6 +55,12 @@ class Steps(Frozen):
         problems: Problems = []
         lists: dict[str, tuple[Number, ...]] = {}
         for name, items, sign in (("values", values, "any"), ("at", at, "positive")):
+            if not isinstance(items, list | tuple):
+                try:
+                    items = numbers_in(items, "")
+                except ValueError as error:
+                    problems.append((name, str(error)))
+                    items = ()
             if isinstance(items, str) or not np.iterable(items):
                 problems.append((name, f"must be a list of numbers, got {items!r}"))
                 items = ()
@@ -54,13 +70,15 @@ class Steps(Frozen):
         if not problems and len(lists["values"]) != len(lists["at"]) + 1:
             message = f"needs one value more than jumps, got {len(lists['values'])} values"
             problems.append(("values", f"{message} for {len(lists['at'])} jumps"))
-        for i, (a, b) in enumerate(zip(lists["at"], lists["at"][1:], strict=False)):
-            if not problems and not np.all(good := np.asarray(b) > a):
-                at, (before, got) = first_false(good, a, b)
-                problems.append((f"at.{i + 1}{at}", f"must lie beyond {before!r}, got {got!r}"))
         if problems:
             raise InvalidModel(problems)
         self._set(**lists)
+        family_shape(self._numbers())
+        for i, (a, b) in enumerate(pairwise(self.at)):
+            if not np.all(good := np.asarray(b) > a):
+                at, (before, got) = first_false(good, a, b)
+                message = f"must lie beyond {before!r}, got {got!r}"
+                raise InvalidModel([(f"at.{i + 1}{at}", message)])
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
         return {"values": plain(self.values), "at": plain(self.at)}
@@ -101,7 +119,7 @@ class Samples(Frozen):
             message = f"must be a list of at least two numbers, got {reprlib.repr(values)}"
             problems.append(("values", message))
         if step is not None:
-            step = number(problems, "step", step, " of seconds", "positive")
+            step = number(problems, "step", step, "s", "positive")
         if problems:
             raise InvalidModel(problems)
         self._set(values=samples, step=step)
@@ -127,6 +145,7 @@ def along_rod(
         return number(problems, path, value, unit, sign)
     if isinstance(value, Steps):
         if value.at and length is not None:
+            family_shape([("length", length), *value._numbers(path)])
             last, end = len(value.at) - 1, value.at[-1]
             if not np.all(good := np.asarray(end) < length):
                 at, (long, got) = first_false(good, length, end)
@@ -147,7 +166,7 @@ def along_rod(
         problems.append((path, message))
     elif length is not None:
         places = np.linspace(0.0, length, ALONG_ROD)
-        values = _sampled(problems, path, value, places)
+        values = _sampled(problems, path, value, places, unit)
         if values is not None and sign == "positive" and not np.all(good := values > 0):
             _, (x, got) = first_false(good, places, values)
             message = f"must be a function that returns positive numbers, got {got!r} at {x!r}"
@@ -173,11 +192,13 @@ def in_time(problems: Problems, path: str, value: Any, unit: str, duration: Any)
         problems.append(("duration", message))
         return 0.0
     mistakes: Problems = []
-    end = number(mistakes, "duration", duration, " of seconds", "positive")
+    end = number(mistakes, "duration", duration, "s", "positive")
     if not mistakes and isinstance(end, np.ndarray):
         message = "must be a single number of seconds; members of a family share a function"
         mistakes.append(("duration", message))
-    values = None if mistakes else _sampled(mistakes, path, value, np.linspace(0.0, end, IN_TIME))
+    values = None
+    if not mistakes:
+        values = _sampled(mistakes, path, value, np.linspace(0.0, end, IN_TIME), unit)
     problems += mistakes
     return 0.0 if values is None else Samples(values, step=end / (IN_TIME - 1))
 
@@ -267,16 +288,16 @@ def profile_from(data: Any) -> Any:
 
 
 def _sampled(
-    problems: Problems, path: str, function: Callable[[Any], Any], places: Floats
+    problems: Problems, path: str, function: Callable[[Any], Any], places: Floats, unit: str
 ) -> Floats | None:
     """Values of a function of arrays, or else of numbers; None, with the mistake noted."""
     try:
-        values = np.asarray(function(places.copy()))
+        values = np.asarray(numbers_in(function(places.copy()), unit))
         if values.shape != places.shape:
             raise TypeError
     except Exception:
         try:
-            values = np.array([function(x) for x in places.tolist()])
+            values = np.array(numbers_in([function(x) for x in places.tolist()], unit))
         except Exception as error:
             reason = f"{type(error).__name__}: {error}"
             problems.append((path, f"is a function that cannot be evaluated: {reason}"))

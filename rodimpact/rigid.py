@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arguments import Array, Number, finite, plain, positive, refuse
+from .arguments import Array, Number, array, finite, plain, positive, refuse
 
 NEWTON_RATIOS = {"wool": Fraction(5, 9), "glass": Fraction(15, 16)}
 """Restitution of balls that Newton measured with pendulums, allowing for the drag of the air.
@@ -308,8 +308,10 @@ def restitution_from_velocities(
     >>> restitution_from_velocities(10.0, 5.0, 6.0, 7.0)
     0.2
     """
-    before_1, before_2 = finite("v1_before", v1_before), finite("v2_before", v2_before)
-    after_1, after_2 = finite("v1_after", v1_after), finite("v2_after", v2_after)
+    before_1 = finite("v1_before", v1_before, "m/s")
+    before_2 = finite("v2_before", v2_before, "m/s")
+    after_1 = finite("v1_after", v1_after, "m/s")
+    after_2 = finite("v2_after", v2_after, "m/s")
     refuse(before_1 <= before_2, _APART, v1_before=before_1, v2_before=before_2)
     return plain((after_2 - after_1) / (before_1 - before_2))
 
@@ -342,7 +344,7 @@ def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
     >>> restitution_from_heights(10.0, 6.4)
     0.8
     """
-    fall, rise = positive("drop", drop, "m"), finite("rebound", rebound)
+    fall, rise = positive("drop", drop, "m"), finite("rebound", rebound, "m")
     wanted = "a ball released from rest rebounds to a height from 0 to the drop"
     refuse((rise < 0) | (rise > fall), wanted, drop=fall, rebound=rise)
     return plain(np.sqrt(rise / fall))
@@ -553,7 +555,7 @@ def raised_cosine_force(time: ArrayLike, peak_force: ArrayLike, duration: ArrayL
     >>> raised_cosine_force([0.0, 0.025, 0.05, 0.1], peak_force=190.0, duration=0.1).tolist()
     [190.0, 95.0, 0.0, 0.0]
     """
-    t, T = finite("time", time), positive("duration", duration, "s")
+    t, T = finite("time", time, "s"), positive("duration", duration, "s")
     F0 = positive("peak_force", peak_force, "N")
     inside = np.abs(t) <= T / 2
     return plain(np.where(inside, F0 / 2 * (1 + np.cos(2 * np.pi * (t / T))), 0.0))
@@ -619,7 +621,7 @@ def pulse_impulse(force: Callable[[float], Any], duration: float) -> float:
     from scipy.integrate import quad  # slow to import
 
     half = float(positive("duration", duration, "s")) / 2
-    return float(quad(force, -half, half)[0])
+    return float(quad(lambda t: array("force", force(t), "N"), -half, half)[0])
 
 
 def _collision(
@@ -628,10 +630,10 @@ def _collision(
     """The arguments of a collision, checked and broadcast."""
     M1, V1, M2, V2, e = np.broadcast_arrays(
         _mass("m1", m1),
-        finite("v1", v1),
+        finite("v1", v1, "m/s"),
         _mass("m2", m2),
-        finite("v2", v2),
-        finite("restitution", restitution),
+        finite("v2", v2, "m/s"),
+        finite("restitution", restitution, ""),
     )
     refuse(V1 <= V2, _APART, v1=V1, v2=V2)
     return M1, V1, M2, V2, e
@@ -649,12 +651,12 @@ def _kinetic_energy(mass: Array, velocity: Array) -> Array:
 
 
 def _mass(name: str, value: ArrayLike) -> Array:
-    M = np.asarray(value, dtype=np.float64)
+    M = array(name, value, "kg")
     refuse(~(M > 0), "a mass must be positive [kg], or inf for an immovable body", **{name: M})
     return M
 
 
 def _fraction(name: str, value: ArrayLike) -> Array:
-    x = np.asarray(value, dtype=np.float64)
+    x = array(name, value, "")
     refuse(~((x >= 0) & (x <= 1)), "must be from 0 to 1", **{name: x})
     return x

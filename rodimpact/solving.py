@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .arguments import array
 from .fields import Fields
 from .frozen import InvalidModel, Number, Problems, number
 from .grid_fields import GridFields
@@ -21,6 +22,7 @@ from .methods.fronts import MAX_EVENTS, FrontRun, track
 from .methods.link_kernel import RIGID
 from .model import Body, Bonded, ContactLaw, System, Wall
 from .outcome import Outcome, read_outcome
+from .quantities import numbers_in
 from .records import FrontRecord
 from .solution import Solution
 from .stepped import Run, read_record, read_stepped
@@ -100,6 +102,7 @@ def solve(
     0.0
     """
     chosen = check(system, until, method, max_events, dt, rtol, cells, snapshots)
+    until, dt, rtol = numbers_in(until, "s"), numbers_in(dt, "s"), numbers_in(rtol, "")
     end = None if until is None else float(until)
     if chosen == "fronts":
         return wrap(track(assemble(system, end), end, int(max_events)), end)
@@ -107,7 +110,7 @@ def solve(
         return wrap_steps(characteristics.follow(system, end, int(max_events), dt, rtol), end)
     kept: Any = snapshots
     if kept is not None:
-        kept = int(kept) if _is_count(kept) else np.asarray(kept, dtype=np.float64)
+        kept = int(kept) if _is_count(kept) else array("snapshots", kept, "s")
     run = finite_difference.follow(
         system, end, int(max_events), cells=cells, dt=dt, rtol=rtol, snapshots=kept,
         progress=progress, announce=_announce,
@@ -176,7 +179,7 @@ def check(
         ("until", until, "non-negative"), ("dt", dt, "positive"), ("rtol", rtol, "positive"),
     ):
         if value is not None:
-            unit = "" if name == "rtol" else " of seconds"
+            unit = "" if name == "rtol" else "s"
             found: Number = number(problems, name, value, unit, sign)
             if not isinstance(found, float):
                 problems.append((name, f"must be a single number, got {value!r}"))
@@ -218,7 +221,7 @@ def _check_snapshots(problems: Problems, snapshots: Any, until: float | None) ->
     if _is_count(snapshots):
         return
     try:
-        times = np.asarray(snapshots, dtype=np.float64)
+        times = array("snapshots", snapshots, "s")
     except (TypeError, ValueError):
         times = np.zeros(0)
     if times.ndim != 1 or not times.size or isinstance(snapshots, str):

@@ -197,7 +197,7 @@ def saint_venant_force(
     >>> saint_venant_force([0.0, 2.0, 4.0, 6.0], 3.0, 1.0, 1.0, 3.0).tolist()
     [0.75, 0.375, 0.1875, 0.0]
     """
-    t = finite("time", time)
+    t = finite("time", time, "s")
     pair = _pair(
         *_checked(
             impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed
@@ -391,7 +391,8 @@ def cone_velocity(
     >>> cone_velocity(time=0.5, distance=1.0, apex_distance=1.0, wave_speed=2.0)
     0.5
     """
-    t, x, V = finite("time", time), finite("distance", distance), finite("end_speed", end_speed)
+    t, x = finite("time", time, "s"), finite("distance", distance, "m")
+    V = finite("end_speed", end_speed, "m/s")
     refuse(x < 0, "must not be negative [m]", distance=x)
     s0 = positive("apex_distance", apex_distance, "m")
     behind = positive("wave_speed", wave_speed, "m/s") * t - x
@@ -433,7 +434,8 @@ def horn_frequency(wave_speed: ArrayLike, wave_number: ArrayLike, taper: ArrayLi
     10.0
     """
     c = positive("wave_speed", wave_speed, "m/s")
-    return plain(c * np.hypot(finite("wave_number", wave_number), finite("taper", taper)))
+    k, beta = finite("wave_number", wave_number, "rad/m"), finite("taper", taper, "1/m")
+    return plain(c * np.hypot(k, beta))
 
 
 def kelvin_voigt_decay(
@@ -519,7 +521,7 @@ def rayleigh_love_speed(
     """
     c = positive("wave_speed", wave_speed, "m/s")
     kappa = positive("gyration_radius", gyration_radius, "m")
-    nu, k = finite("poisson_ratio", poisson_ratio), finite("wave_number", wave_number)
+    nu, k = finite("poisson_ratio", poisson_ratio, ""), finite("wave_number", wave_number, "rad/m")
     return plain(c / np.hypot(1.0, nu * kappa * k))
 
 
@@ -578,7 +580,7 @@ def rayleigh_love_rise(
     """
     x = positive("distance", distance, "m")
     c = positive("wave_speed", wave_speed, "m/s")
-    nu = positive("poisson_ratio", poisson_ratio, "1")
+    nu = positive("poisson_ratio", poisson_ratio, "")
     size = nu * positive("gyration_radius", gyration_radius, "m")
     x, c, size = np.broadcast_arrays(x, c, size)
     way = x / size

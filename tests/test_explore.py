@@ -194,6 +194,32 @@ def test_a_scene_is_strict_json_with_whole_polygons(key):
     assert {plot["key"] for plot in found["plots"]} == {"force", "gap", "energy", "gauge"}
 
 
+def lengths_at(found, t):
+    """Lengths of the rods that the polygons show at a time, bodies from left to right."""
+    tiling, lengths = found["tiling"], {}
+    for i, (start, stop) in enumerate(itertools.pairwise(tiling["start"])):
+        x, times = np.array(tiling["x"][start:stop]), np.array(tiling["t"][start:stop])
+        places = []
+        for a, b, from_x, to_x in zip(times, np.roll(times, -1), x, np.roll(x, -1), strict=True):
+            if min(a, b) <= t <= max(a, b):
+                share = 0.0 if a == b else (t - a) / (b - a)
+                places += [from_x + (to_x - from_x) * share]
+                places += [to_x] if a == b else []
+        body = tiling["body"][i]
+        lengths[body] = lengths.get(body, 0.0) + (max(places) - min(places) if places else 0.0)
+    return lengths
+
+
+@pytest.mark.parametrize("key", [*PRESETS, "cells"])
+def test_whole_rods_are_shown_from_the_first_instant_to_the_last(key):
+    solution, found = shown(COMPLIANT) if key == "cells" else shown(PRESETS[key].case.system)
+    rods = {
+        i: body.length for i, body in enumerate(solution.system.bodies) if isinstance(body, ri.Rod)
+    }
+    for share in (0.0, 0.123, 1.0):
+        assert lengths_at(found, share * found["end"]) == pytest.approx(rods, rel=1e-7)
+
+
 def test_numbers_are_those_of_the_solution():
     solution, found = shown(PAIR)
     assert found["restitution"]["value"] == solution.outcome.restitution

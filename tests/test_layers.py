@@ -9,7 +9,8 @@ import rodimpact
 
 ROOT = Path(rodimpact.__file__).parent
 LAYERS = [
-    {"units", "frozen", "arguments", "methods", "methods.kernels", "methods.layout_kernel",
+    {"units", "quantities"},
+    {"frozen", "arguments", "methods", "methods.kernels", "methods.layout_kernel",
      "methods.front_kernel", "methods.grid_kernel", "methods.link_kernel",
      "methods.characteristics_kernel", "methods.finite_difference_kernel"},
     {"profiles", "rigid"},

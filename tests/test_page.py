@@ -219,6 +219,34 @@ def test_play_pause_and_scrub(visit):
     assert float(page.input_value("#time")) == moved
 
 
+def rods_at(page, share):
+    """Left and right end of every rod in the picture, at a thousandth of the film."""
+    page.locator("#time").fill(str(share))
+    pieces = page.evaluate("""() => slice(shown.scene, now()).map(({ polygon, low, high }) =>
+        [shown.scene.tiling.body[polygon], low, high])""")
+    found = {}
+    for body, low, high in pieces:
+        left, right = found.get(body, (low, high))
+        found[body] = (min(left, low), max(right, high))
+    return found
+
+
+def assert_the_film_ends_with_its_rods(page):
+    before, last = rods_at(page, 999), rods_at(page, 1000)
+    assert last.keys() == before.keys()
+    for body, ends in last.items():
+        assert ends == pytest.approx(before[body], abs=0.01)
+
+
+@pytest.mark.parametrize("key", PRESETS)
+def test_no_rod_vanishes_at_the_end_of_the_film(visit, key):
+    page = visit()
+    page.select_option("#preset", key)
+    outcome = PRESETS[key].solve().outcome
+    wait_for_e(page, "-" if outcome.why_no_restitution() else shown_e(outcome))
+    assert_the_film_ends_with_its_rods(page)
+
+
 def test_pointing_reads_the_value_of_the_solution(visit):
     page = visit()
     wait_for_e(page, "0.4")
@@ -364,6 +392,7 @@ def test_the_exported_page_plays_from_disk_without_a_network(visit, exported):
     sync_api.expect(page.locator("#readout")).to_contain_text("t =")
     with page.expect_download():
         page.click("#save-svg")
+    assert_the_film_ends_with_its_rods(page)
 
 
 def test_scene_numbers_reach_the_exported_page_unchanged(visit, exported):

@@ -59,19 +59,14 @@ def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
     if not exact and not as_asked:
         notes.append("Solved quickly, on a coarse time step; rodimpact run is more accurate.")
     row = _row(solution, stop, tiling)
+    drawn = _tiling(tiling)
     theory = closed_form(solution.system)
     return {
-        "end": stop,
+        "end": max(drawn["t"]),  # as rounded there: a moment later no polygon is left to cut
         "exact": exact,
         "row": row,
         "bodies": _bodies(solution, stop, row),
-        "tiling": {
-            "body": tiling.body.tolist(),
-            "start": tiling.start.tolist(),
-            "x": _short(tiling.x), "t": _short(tiling.t),
-            "displacement": _short(tiling.displacement),
-            "velocity": _short(tiling.velocity), "stress": _short(tiling.stress),
-        },
+        "tiling": drawn,
         "plots": [
             *_contacts(solution, stop, exact),
             _energy(solution, stop, tiling, exact),
@@ -82,6 +77,17 @@ def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
         "ratio": ratio_of(solution.system),
         "results": _results(solution),
         "notes": notes,
+    }
+
+
+def _tiling(tiling: Tiling) -> Scene:
+    """The polygons for JSON."""
+    return {
+        "body": tiling.body.tolist(),
+        "start": tiling.start.tolist(),
+        "x": _short(tiling.x), "t": _short(tiling.t),
+        "displacement": _short(tiling.displacement),
+        "velocity": _short(tiling.velocity), "stress": _short(tiling.stress),
     }
 
 
