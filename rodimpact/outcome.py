@@ -21,6 +21,11 @@ from .methods.layout_kernel import TOLERANCE
 from .model import Absorbing, Bonded, Fixed, Free, System, Wall
 from .rigid import RigidCollision, collide
 
+ROUND_OFF = 2.0**-40
+"""Parting velocity, over closing velocity, up to which bodies count as staying together: 256 times
+the `TOLERANCE` of a front, and a fifth of the least ratio of two transit times, so of the least e of
+a pair, that a clock holds."""
+
 
 class UndefinedRestitution(ValueError):
     """The collision has no coefficient of restitution; the message says why."""
@@ -96,7 +101,8 @@ class Outcome:
     def restitution(self) -> float:
         """Effective coefficient of restitution e of a collision at a single contact.
 
-        e = (V2+ - V1+)/(V1- - V2-), V the velocities of the centres of mass.
+        e = (V2+ - V1+)/(V1- - V2-), V the velocities of the centres of mass; 0 where the bodies
+        part with no more than round-off.
 
         Raises
         ------
@@ -211,6 +217,9 @@ def effective_restitution(
 ) -> Any:
     """e = (V2+ - V1+)/(V1- - V2-) of one contact, nan where there is none; arrays broadcast.
 
+    After their last contact bodies do not approach each other: where they seem to, or part by no
+    more than round-off, as when a bar without end is pushed for ever, they stay together: e is 0.
+
     Parameters
     ----------
     final, episodes
@@ -221,8 +230,11 @@ def effective_restitution(
     closing = np.asarray(before[0] - before[1])
     defined = np.asarray(final) & (np.asarray(episodes) > 0) & (closing > 0)
     parting = np.asarray(after[1] - after[0])
+    largest = np.maximum(np.abs(after[0]), np.abs(after[1]))
+    stays = parting <= ROUND_OFF * closing + 2.0**-51 * largest
     e = np.full(np.broadcast_shapes(parting.shape, defined.shape), math.nan)
-    return np.divide(parting, closing, out=e, where=defined)
+    np.divide(parting, closing, out=e, where=defined)
+    return np.where(defined & stays, 0.0, e)
 
 
 def groups(system: System) -> list[list[int]]:

@@ -7,6 +7,7 @@ import pytest
 
 import rodimpact as ri
 from rodimpact import rigid
+from rodimpact.outcome import effective_restitution
 from rodimpact.theory import saint_venant
 
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)  # impedance = area, transit = length
@@ -132,6 +133,31 @@ def test_a_rod_bonded_to_a_wall_is_immovable():
     assert body.impulse == pytest.approx(1.5)
     assert body.energy_lost == pytest.approx(1 / 2 - 1 / 8)
     assert body.energy_lost > sum(outcome.vibration_after)
+
+
+# Where nothing parts
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize(
+    "impedances", [(1, 2, 4), (1, 3, 9), (1, 1.5, 3), (2, 3, 4), (1, 5, 1), (4, 1, 4)]
+)
+def test_a_bar_without_end_that_a_wall_pushes_stays_at_the_wall(impedances, mirrored):
+    system = ri.System([ri.Wall(1.0), stepped(impedances)], ends=(ri.Free(), ri.Absorbing()))
+    if mirrored:
+        system = system.mirrored()
+    assert ri.solve(system).outcome.restitution == 0.0
+    assert ri.sweep(system).restitution == 0.0
+
+
+def test_round_off_is_no_restitution_and_a_small_one_is():
+    parting = np.array([-1e-3, -6e-14, 0.0, 6e-14, 5e-12, 0.4])
+    after = (np.zeros(6), parting)
+    e = effective_restitution(True, 1, (np.ones(6), np.zeros(6)), after)
+    assert e.tolist() == [0.0, 0.0, 0.0, 0.0, 5e-12, 0.4]
+    far = effective_restitution(True, 1, (1e4 + 0.125, 1e4), (1e4, math.nextafter(1e4, 2e4)))
+    assert float(far) == 0.0
+    assert np.isnan(effective_restitution(False, 1, (1.0, 0.0), (0.0, -1e-14)))
 
 
 # Vibration before
