@@ -42,7 +42,8 @@ class Outcome:
     masses : tuple of float
         kg, with the transit times in use; infinite for a wall.
     velocities_before, velocities_after : tuple of float
-        Of the centres of mass, m/s; rods bonded to a wall have the wall's, about which they swing.
+        Of the centres of mass, m/s; rods bonded to a wall have the wall's, about which they swing,
+        those between two walls of different velocity their own.
     kinetic_before, kinetic_after : float
         Energy of the motion of the centres of mass, J.
     vibration_before, vibration_after : tuple of float
@@ -259,16 +260,44 @@ def body_velocities(
     first : sequence of int
         First segment of each body.
     velocity : sequence of float or array
-        By segment, in the frame; for a family, one array a segment.
+        By segment, in the frame; for a family, one array of its shape a segment.
     frame : float or array
     """
     found: list[Any] = []
     for group in groups(system):
-        ground = grounds(system, group)
-        found += [ground[0] if ground else velocity[first[i]] + frame for i in group]
-        if len(ground) == 2 and isinstance(system.bodies[group[-1]], Wall):
-            found[-1] = ground[1]
+        inside = [i for i in group if not isinstance(system.bodies[i], Wall)]
+        own = velocity[first[(inside or group)[0]]] + frame
+        found += velocities_in_group(system, group, inside, own)
     return found
+
+
+def velocities_in_group(
+    system: System, group: list[int], inside: list[int], own: Any
+) -> list[Any]:
+    """Velocities of bodies bonded together: that of the ground that holds them, or their own.
+
+    Between two grounds of different velocity a group has its own: there is none about which it
+    swings.
+
+    Parameters
+    ----------
+    system : System
+    group : list of int
+    inside : list of int
+        Those of them that can move against their ground; there are none in a lone wall.
+    own : float or array
+        Momentum over mass of those inside, m/s.
+    """
+    ground = grounds(system, group)
+    if not ground:
+        return [own] * len(group)
+    shared = ground[0]
+    if len(ground) == 2:
+        shared = np.where(np.equal(*ground), shared, own)[()]
+    moving = inside or group
+    return [
+        ground[0] if i < moving[0] else ground[-1] if i > moving[-1] else shared for i in group
+    ]
 
 
 def grounds(system: System, group: list[int]) -> list[Any]:
@@ -285,7 +314,10 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
     a = run.assembly
     system, count, first = a.system, len(a.spans), [span[0] for span in a.spans]
     masses = [a.mass(i) for i in range(count)]
-    after = body_velocities(system, first, run.closing.velocity, a.frame)
+    before, after = (
+        [float(v) for v in body_velocities(system, first, stock.velocity, a.frame)]
+        for stock in (run.opening, run.closing)
+    )
     vibration_before, vibration_after = (
         [math.fsum(stock.vibration[s : e + 1]) * a.tick for s, e in a.spans]
         for stock in (run.opening, run.closing)
@@ -333,9 +365,7 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
     return Outcome(
         bodies=tuple("wall" if isinstance(b, Wall) else "rod" for b in system.bodies),
         masses=tuple(masses),
-        velocities_before=tuple(
-            body_velocities(system, first, run.opening.velocity, a.frame)
-        ),
+        velocities_before=tuple(before),
         velocities_after=tuple(after),
         kinetic_before=kinetic_before,
         kinetic_after=kinetic_after,

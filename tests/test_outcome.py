@@ -135,6 +135,53 @@ def test_a_rod_bonded_to_a_wall_is_immovable():
     assert body.energy_lost > sum(outcome.vibration_after)
 
 
+# Held at both ends
+
+METHODS = {"fronts": 1e-14}
+
+
+def held(piece, left, right):
+    """A rod whose ends follow walls; `None` for a fixed end."""
+    bodies = [piece]
+    for v, place in ((left, 0), (right, 2)):
+        if v is not None:
+            bodies.insert(place, ri.Wall(v))
+    ends = [ri.Fixed() if v is None else ri.Free() for v in (left, right)]
+    return ri.System(bodies, contacts=[ri.Bonded()] * (len(bodies) - 1), ends=ends)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("walls", [(1.0, 0.0), (1.0, None), (None, -1.0)])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_rod_between_walls_that_move_apart_has_its_own_velocity(method, walls, mirrored):
+    # The wave of the one that moves has been at the other and come back a quarter of the way.
+    system, turn = held(rod(1.0, 1.0), *walls), -1 if mirrored else 1
+    if walls[0] is None:
+        turn = -turn
+    if mirrored:
+        system = system.mirrored()
+    outcome = ri.solve(system, 1.25, method).outcome
+    near = METHODS[method]
+    for body, before, after in zip(
+        system.bodies, outcome.velocities_before, outcome.velocities_after, strict=True
+    ):
+        if isinstance(body, ri.Wall):
+            assert before == after == body.velocity
+        else:
+            assert before == pytest.approx(0.0, abs=near)
+            assert after == pytest.approx(turn * 0.75, abs=near)
+    assert sum(outcome.vibration_after) == pytest.approx(0.96875, abs=near)
+    assert outcome.kinetic_after == pytest.approx(0.75**2 / 2, abs=near)
+    assert outcome.final  # no contact of this row can open
+
+
+@pytest.mark.parametrize("walls", [(0.5, 0.5), (0.0, None), (None, 0.0), (None, None)])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_rod_between_walls_of_one_velocity_has_theirs(method, walls):
+    outcome = ri.solve(held(rod(1.0, 1.0, 1.0), *walls), 1.25, method).outcome
+    assert set(outcome.velocities_after) == {walls[0] or 0.0}
+
+
 # Where nothing parts
 
 
