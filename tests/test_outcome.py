@@ -137,7 +137,7 @@ def test_a_rod_bonded_to_a_wall_is_immovable():
 
 # Held at both ends
 
-METHODS = {"fronts": 1e-14}
+METHODS = {"fronts": 1e-14, "characteristics": 1e-14, "finite-difference": 2e-3}
 
 
 def held(piece, left, right):
@@ -180,6 +180,14 @@ def test_a_rod_between_walls_that_move_apart_has_its_own_velocity(method, walls,
 def test_a_rod_between_walls_of_one_velocity_has_theirs(method, walls):
     outcome = ri.solve(held(rod(1.0, 1.0, 1.0), *walls), 1.25, method).outcome
     assert set(outcome.velocities_after) == {walls[0] or 0.0}
+
+
+def test_a_mass_on_a_wall_moves_as_the_wall():
+    mass = ri.RigidMass(2.0, velocity=1.0)
+    system = ri.System([ri.Wall(1.0), mass, rod(1.0, 1.0), ri.Wall()], contacts=[ri.Bonded()] * 3)
+    for row, expected in ((system, [1, 1, 0.75, 0]), (system.mirrored(), [0, -0.75, -1, -1])):
+        outcome = ri.solve(row, 1.25, dt=1 / 16).outcome
+        assert outcome.velocities_after == pytest.approx(expected, abs=1e-14)
 
 
 # Where nothing parts
