@@ -23,8 +23,8 @@ from .rigid import RigidCollision, collide
 
 ROUND_OFF = 2.0**-40
 """Parting velocity, over closing velocity, up to which bodies count as staying together: 256 times
-the `TOLERANCE` of a front, and a fifth of the least ratio of two transit times, so of the least e of
-a pair, that a clock holds."""
+the `TOLERANCE` of a front, and a fifth of the least ratio of two transit times that a clock holds,
+so of the least e of a pair."""
 
 
 class UndefinedRestitution(ValueError):
