@@ -232,9 +232,9 @@ def effective_restitution(
     defined = np.asarray(final) & (np.asarray(episodes) > 0) & (closing > 0)
     parting = np.asarray(after[1] - after[0])
     largest = np.maximum(np.abs(after[0]), np.abs(after[1]))
-    stays = parting <= ROUND_OFF * closing + 2.0**-51 * largest
     e = np.full(np.broadcast_shapes(parting.shape, defined.shape), math.nan)
     np.divide(parting, closing, out=e, where=defined)
+    stays = (e <= ROUND_OFF) | (parting <= 2 * np.spacing(largest))
     return np.where(defined & stays, 0.0, e)
 
 
