@@ -21,6 +21,11 @@ from .methods.layout_kernel import TOLERANCE
 from .model import Absorbing, Bonded, Fixed, Free, System, Wall
 from .rigid import RigidCollision, collide
 
+ROUND_OFF = 2.0**-40
+"""Parting velocity, over closing velocity, up to which bodies count as staying together: 256 times
+the `TOLERANCE` of a front, and a fifth of the least ratio of two transit times that a clock holds,
+so of the least e of a pair."""
+
 
 class UndefinedRestitution(ValueError):
     """The collision has no coefficient of restitution; the message says why."""
@@ -37,7 +42,8 @@ class Outcome:
     masses : tuple of float
         kg, with the transit times in use; infinite for a wall.
     velocities_before, velocities_after : tuple of float
-        Of the centres of mass, m/s; rods bonded to a wall have the wall's, about which they swing.
+        Of the centres of mass, m/s; rods bonded to a wall have the wall's, about which they swing,
+        those between two walls of different velocity their own.
     kinetic_before, kinetic_after : float
         Energy of the motion of the centres of mass, J.
     vibration_before, vibration_after : tuple of float
@@ -96,7 +102,8 @@ class Outcome:
     def restitution(self) -> float:
         """Effective coefficient of restitution e of a collision at a single contact.
 
-        e = (V2+ - V1+)/(V1- - V2-), V the velocities of the centres of mass.
+        e = (V2+ - V1+)/(V1- - V2-), V the velocities of the centres of mass; 0 where the bodies
+        part with no more than round-off.
 
         Raises
         ------
@@ -211,6 +218,9 @@ def effective_restitution(
 ) -> Any:
     """e = (V2+ - V1+)/(V1- - V2-) of one contact, nan where there is none; arrays broadcast.
 
+    After their last contact bodies do not approach each other: where they seem to, or part by no
+    more than round-off, as when a bar without end is pushed for ever, they stay together: e is 0.
+
     Parameters
     ----------
     final, episodes
@@ -221,8 +231,11 @@ def effective_restitution(
     closing = np.asarray(before[0] - before[1])
     defined = np.asarray(final) & (np.asarray(episodes) > 0) & (closing > 0)
     parting = np.asarray(after[1] - after[0])
+    largest = np.maximum(np.abs(after[0]), np.abs(after[1]))
     e = np.full(np.broadcast_shapes(parting.shape, defined.shape), math.nan)
-    return np.divide(parting, closing, out=e, where=defined)
+    np.divide(parting, closing, out=e, where=defined)
+    stays = (e <= ROUND_OFF) | (parting <= 2 * np.spacing(largest))
+    return np.where(defined & stays, 0.0, e)
 
 
 def groups(system: System) -> list[list[int]]:
@@ -247,16 +260,44 @@ def body_velocities(
     first : sequence of int
         First segment of each body.
     velocity : sequence of float or array
-        By segment, in the frame; for a family, one array a segment.
+        By segment, in the frame; for a family, one array of its shape a segment.
     frame : float or array
     """
     found: list[Any] = []
     for group in groups(system):
-        ground = grounds(system, group)
-        found += [ground[0] if ground else velocity[first[i]] + frame for i in group]
-        if len(ground) == 2 and isinstance(system.bodies[group[-1]], Wall):
-            found[-1] = ground[1]
+        inside = [i for i in group if not isinstance(system.bodies[i], Wall)]
+        own = velocity[first[(inside or group)[0]]] + frame
+        found += velocities_in_group(system, group, inside, own)
     return found
+
+
+def velocities_in_group(
+    system: System, group: list[int], inside: list[int], own: Any
+) -> list[Any]:
+    """Velocities of bodies bonded together: that of the ground that holds them, or their own.
+
+    Between two grounds of different velocity a group has its own: there is none about which it
+    swings.
+
+    Parameters
+    ----------
+    system : System
+    group : list of int
+    inside : list of int
+        Those of them that can move against their ground; there are none in a lone wall.
+    own : float or array
+        Momentum over mass of those inside, m/s.
+    """
+    ground = grounds(system, group)
+    if not ground:
+        return [own] * len(group)
+    shared = ground[0]
+    if len(ground) == 2:
+        shared = np.where(np.equal(*ground), shared, own)[()]
+    moving = inside or group
+    return [
+        ground[0] if i < moving[0] else ground[-1] if i > moving[-1] else shared for i in group
+    ]
 
 
 def grounds(system: System, group: list[int]) -> list[Any]:
@@ -273,7 +314,10 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
     a = run.assembly
     system, count, first = a.system, len(a.spans), [span[0] for span in a.spans]
     masses = [a.mass(i) for i in range(count)]
-    after = body_velocities(system, first, run.closing.velocity, a.frame)
+    before, after = (
+        [float(v) for v in body_velocities(system, first, stock.velocity, a.frame)]
+        for stock in (run.opening, run.closing)
+    )
     vibration_before, vibration_after = (
         [math.fsum(stock.vibration[s : e + 1]) * a.tick for s, e in a.spans]
         for stock in (run.opening, run.closing)
@@ -321,9 +365,7 @@ def read_outcome(run: FrontRun, status: str) -> Outcome:
     return Outcome(
         bodies=tuple("wall" if isinstance(b, Wall) else "rod" for b in system.bodies),
         masses=tuple(masses),
-        velocities_before=tuple(
-            body_velocities(system, first, run.opening.velocity, a.frame)
-        ),
+        velocities_before=tuple(before),
         velocities_after=tuple(after),
         kinetic_before=kinetic_before,
         kinetic_after=kinetic_after,

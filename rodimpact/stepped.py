@@ -16,7 +16,7 @@ from .methods.finite_difference import GridRun
 from .methods.link_kernel import RIGID
 from .methods.refinement import peak
 from .model import Bonded, RigidMass, Wall
-from .outcome import Outcome, grounds, groups
+from .outcome import Outcome, groups, velocities_in_group
 from .records import StepRecord
 from .signals import Floats
 
@@ -108,17 +108,13 @@ def read_stepped(run: Run, fields: Fields, record: StepRecord, status: str) -> O
     for place, t in enumerate((0.0, end)):
         for group in groups(system):
             inside = [i for i in group if i in free]
-            ground = [float(v) for v in grounds(system, group)]
             mean = 0.0
             if inside:
                 momentum = sum(float(momentum_of(fields, i, t)) for i in inside)
                 mean = momentum / sum(masses[i] for i in inside)
-            for i in group:
-                velocity[place, i] = ground[0] if ground else mean
-                if i in inside:
-                    vibration[place, i] = _vibration(fields, i, t, mean, masses[i])
-            if len(ground) == 2 and isinstance(system.bodies[group[-1]], Wall):
-                velocity[place, group[-1]] = ground[1]
+            velocity[place, group] = velocities_in_group(system, group, inside, mean)
+            for i in inside:
+                vibration[place, i] = _vibration(fields, i, t, mean, masses[i])
     impulse = sum(
         sign * float(side[1] @ run.durations)
         for side, sign in zip(record.ends, (1, -1), strict=True) if side is not None

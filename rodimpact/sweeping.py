@@ -456,8 +456,9 @@ def _together(
     contacts = range(len(system.contacts))
     unknown = np.where(run.flag == FULL, math.nan, 0.0)
     before, after = (
-        [unknown + _flat(v, system.shape)
-         for v in body_velocities(system, first, by_segment.T, 0.0)]
+        [unknown + np.broadcast_to(v, system.shape).ravel()
+         for v in body_velocities(system, first, [x.reshape(system.shape) for x in by_segment.T],
+                                  0.0)]
         for by_segment in (run.before, run.after)
     )
     unilateral = _unilateral(system)
@@ -482,12 +483,6 @@ def _together(
     return {
         **found, "vibration": unknown + run.vibration, "final": run.final, "status": status,
     }
-
-
-def _flat(number: Any, shape: tuple[int, ...]) -> Any:
-    """A number of a family by flat index; results, of one axis already, stay as they are."""
-    flat = np.shape(number) == (math.prod(shape),)
-    return number if flat else np.broadcast_to(number, shape).ravel()
 
 
 def _kinds(system: System) -> dict[str, Any]:

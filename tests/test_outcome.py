@@ -7,6 +7,7 @@ import pytest
 
 import rodimpact as ri
 from rodimpact import rigid
+from rodimpact.outcome import effective_restitution
 from rodimpact.theory import saint_venant
 
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)  # impedance = area, transit = length
@@ -132,6 +133,86 @@ def test_a_rod_bonded_to_a_wall_is_immovable():
     assert body.impulse == pytest.approx(1.5)
     assert body.energy_lost == pytest.approx(1 / 2 - 1 / 8)
     assert body.energy_lost > sum(outcome.vibration_after)
+
+
+# Held at both ends
+
+METHODS = {"fronts": 1e-14, "characteristics": 1e-14, "finite-difference": 2e-3}
+
+
+def held(piece, left, right):
+    """A rod whose ends follow walls; `None` for a fixed end."""
+    bodies = [piece]
+    for v, place in ((left, 0), (right, 2)):
+        if v is not None:
+            bodies.insert(place, ri.Wall(v))
+    ends = [ri.Fixed() if v is None else ri.Free() for v in (left, right)]
+    return ri.System(bodies, contacts=[ri.Bonded()] * (len(bodies) - 1), ends=ends)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("walls", [(1.0, 0.0), (1.0, None), (None, -1.0)])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_rod_between_walls_that_move_apart_has_its_own_velocity(method, walls, mirrored):
+    # The wave of the one that moves has been at the other and come back a quarter of the way.
+    system, turn = held(rod(1.0, 1.0), *walls), -1 if mirrored else 1
+    if walls[0] is None:
+        turn = -turn
+    if mirrored:
+        system = system.mirrored()
+    outcome = ri.solve(system, 1.25, method).outcome
+    near = METHODS[method]
+    for body, before, after in zip(
+        system.bodies, outcome.velocities_before, outcome.velocities_after, strict=True
+    ):
+        if isinstance(body, ri.Wall):
+            assert before == after == body.velocity
+        else:
+            assert before == pytest.approx(0.0, abs=near)
+            assert after == pytest.approx(turn * 0.75, abs=near)
+    assert sum(outcome.vibration_after) == pytest.approx(0.96875, abs=near)
+    assert outcome.kinetic_after == pytest.approx(0.75**2 / 2, abs=near)
+    assert outcome.final  # no contact of this row can open
+
+
+@pytest.mark.parametrize("walls", [(0.5, 0.5), (0.0, None), (None, 0.0), (None, None)])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_rod_between_walls_of_one_velocity_has_theirs(method, walls):
+    outcome = ri.solve(held(rod(1.0, 1.0, 1.0), *walls), 1.25, method).outcome
+    assert set(outcome.velocities_after) == {walls[0] or 0.0}
+
+
+def test_a_mass_on_a_wall_moves_as_the_wall():
+    mass = ri.RigidMass(2.0, velocity=1.0)
+    system = ri.System([ri.Wall(1.0), mass, rod(1.0, 1.0), ri.Wall()], contacts=[ri.Bonded()] * 3)
+    for row, expected in ((system, [1, 1, 0.75, 0]), (system.mirrored(), [0, -0.75, -1, -1])):
+        outcome = ri.solve(row, 1.25, dt=1 / 16).outcome
+        assert outcome.velocities_after == pytest.approx(expected, abs=1e-14)
+
+
+# Where nothing parts
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize(
+    "impedances", [(1, 2, 4), (1, 3, 9), (1, 1.5, 3), (2, 3, 4), (1, 5, 1), (4, 1, 4)]
+)
+def test_a_bar_without_end_that_a_wall_pushes_stays_at_the_wall(impedances, mirrored):
+    system = ri.System([ri.Wall(1.0), stepped(impedances)], ends=(ri.Free(), ri.Absorbing()))
+    if mirrored:
+        system = system.mirrored()
+    assert ri.solve(system).outcome.restitution == 0.0
+    assert ri.sweep(system).restitution == 0.0
+
+
+def test_round_off_is_no_restitution_and_a_small_one_is():
+    parting = np.array([-1e-3, -6e-14, 0.0, 6e-14, 5e-12, 0.4])
+    after = (np.zeros(6), parting)
+    e = effective_restitution(True, 1, (np.ones(6), np.zeros(6)), after)
+    assert e.tolist() == [0.0, 0.0, 0.0, 0.0, 5e-12, 0.4]
+    far = effective_restitution(True, 1, (1e4 + 0.125, 1e4), (1e4, math.nextafter(1e4, 2e4)))
+    assert float(far) == 0.0
+    assert np.isnan(effective_restitution(False, 1, (1.0, 0.0), (0.0, -1e-14)))
 
 
 # Vibration before

@@ -126,6 +126,22 @@ def test_profiles_may_vary():
     assert_equal_to_one_at_a_time(result)
 
 
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_rods_between_walls_of_any_velocities_equal_one_at_a_time(mirrored):
+    rods = [
+        ri.Rod(L, area=A, material=MATERIALS[0], velocity=0.2)
+        for L, A in ((0.3, np.array([[1e-4], [3e-4]])), (0.21, 2e-4))
+    ]
+    system = ri.System(
+        [ri.Wall(np.array([0.0, 0.5, -0.3])), *rods, ri.Wall(0.5)], contacts=[ri.Bonded()] * 3
+    )
+    result = ri.sweep(system.mirrored() if mirrored else system)
+    assert_equal_to_one_at_a_time(result)
+    left, right = result.velocities_after[1:3]
+    assert (left == right).all()
+    assert np.isin(np.abs(left), [0.3, 0.5]).tolist() == [[False, True, False]] * 2
+
+
 def test_families_of_the_other_method_are_solved_one_by_one():
     masses = np.array([0.05, 0.2, 0.8])
     system = ri.System([ri.RigidMass(masses, velocity=1.0), ri.Rod(0.5, area=1e-4, material=STEEL)])

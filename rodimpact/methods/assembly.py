@@ -146,7 +146,8 @@ class Blueprint:
         places = [3 * n + contacts + place for place in places]
         size = [n, len(self.numbers), 2 * (n + sum(jumps)) + 2]
         outside = [OUTSIDE[type(end)] for end in system.ends]
-        self.make = Make(first, last, nodes, places, jumps, outside, size)
+        joined = [int(all(isinstance(law, Bonded) for law in system.contacts))]
+        self.make = Make(first, last, nodes, places, jumps, outside, size, joined)
         left, right = (
             FREE if isinstance(end, Free) else PUSH if isinstance(end, Force) else BOND
             for end in system.ends

@@ -47,6 +47,7 @@ class Make(NamedTuple):
     jumps: Any  # [2 * body] jumps of its velocity, of its strain
     outside: Any  # [2] STEADY: nothing or a wall; MOVED, PUSHED: velocity or force; ENDLESS: a bar
     size: Any  # [3] segments, numbers in a row of `given`, most fronts at t = 0
+    joined: Any  # [1] whether every contact is bonded
 
 
 class Layout(NamedTuple):
@@ -370,14 +371,30 @@ def prolong(make: Make, m: int, i: int, begun: int, layout: Layout, r: int) -> i
             layout.value[r] = layout.value[f]
     layout.tick[r], layout.line[r] = 0, i * (2 * n + 3)
     layout.mobility[cell + i * (n + 1)] = layout.mobility[cell + 1 + i * (n - 1)]
-    longest = 0
+    return r + 1
+
+
+def momentum_varies(make: Make, m: int, layout: Layout) -> bool:
+    """Whether what bodies have for momentum after a run depends on when that ends.
+
+    So it is for what radiates, and for what walls or fixed ends of different velocity hold.
+    """
+    last = len(make.last) - 1
+    endless = make.outside[0] == ENDLESS or make.outside[1] == ENDLESS
+    held = make.joined[0] == 1 and make.last[0] == 0 and make.last[last] == 0
+    varies: bool = endless or (held and layout.outside[2 * m] != layout.outside[2 * m + 1])
+    return varies
+
+
+def round_trip(make: Make, m: int, layout: Layout) -> int:
+    """Ticks in which a wave goes through the longest body and back."""
+    longest, cell = 0, m * (make.size[0] + 2)
     for body in range(len(make.first)):
         span = 0
         for s in range(make.first[body], make.last[body] + 1):
             span += layout.transit[cell + s]
         longest = max(longest, span)
-    layout.onward[m] = 2 * longest  # the momentum of what radiates depends on when it is taken
-    return r + 1
+    return 2 * longest
 
 
 def fill(c: float, T: int, s: int, n: int, work: Work, frame: float, tol: float, layout: Layout,
@@ -467,13 +484,13 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
         return SHORT
     tol = TOLERANCE * scale
     layout.beat[m], layout.window[m], layout.tolerance[m] = beat, window, tol
-    layout.onward[m] = 1
     for i in range(gaps):
         layout.gap[node + make.node[i]] = given[row + 3 * n + i] / beat
     for i in range(2):
         body = i * (len(make.first) - 1)
         if make.last[body] == 0 and make.outside[i] == STEADY:
             layout.outside[2 * m + i] = given[row + make.profile[body]] - frame
+    layout.onward[m] = round_trip(make, m, layout) if momentum_varies(make, m, layout) else 1
     r = m * fronts
     for s in range(1, n + 1):
         r = fill(given[row + s - 1], layout.transit[cell + s], s, n, work, frame, tol, layout, r)
