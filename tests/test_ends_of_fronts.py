@@ -201,6 +201,14 @@ def test_momentum_and_energy_balance(seed):
                 assert there == pytest.approx(v, abs=1e-10)
 
 
+@settings(max_examples=40)
+@given(seeds)
+def test_where_no_end_is_driven_none_works(seed):
+    """Not even round-off of the speed of a fixed end."""
+    system = with_ends(seed, driven=False)
+    assert ri.solve(system, horizon(system, 6.0), "fronts", max_events=CAP).outcome.drive_work == 0
+
+
 @settings(max_examples=50)
 @given(seeds)
 def test_the_ledger_balances_at_every_time(seed):
