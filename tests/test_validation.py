@@ -43,10 +43,12 @@ def test_case(case, written):
     assert rows
     for row in rows:
         assert row.holds, row
-        source, expected, got, _, bound = written[row.case, row.quantity]
-        assert (source, expected, bound) == (row.source, row.cells()[3], row.cells()[6])
-        slack = 2 * row.bound + 1e-14 * abs(row.expected)  # both within the bound, 15 digits shown
-        assert abs(Fraction(got) - Fraction(row.got)) <= slack
+        source, expected, got, bound = written[row.case, row.quantity]
+        assert source == row.source
+        assert float(bound) == pytest.approx(row.bound, rel=0.05)  # two digits are shown
+        rounding = 0 if row.places is None else Fraction(10) ** -row.places / 2
+        for shown, now, slack in ((expected, row.expected, row.bound), (got, row.got, 2 * row.bound)):
+            assert abs(Fraction(shown) - Fraction(now)) <= Fraction(slack) + rounding
 
 
 def test_readme_has_no_other_lines(written):
