@@ -62,3 +62,20 @@ def test_a_broken_bound_shows():
     assert good.holds
     assert not good._replace(got=1.1).holds
     assert not good._replace(got=float("nan")).holds
+
+
+@pytest.mark.parametrize(
+    ("expected", "got", "bound", "shown"),
+    [
+        (1 / 3, 1 / 3 + 1e-16, 1e-13, ("0.3333333333333", "0.3333333333333", "1.0e-13")),
+        (0.0, -8e-16, 2e-15, ("0", "0", "2.0e-15")),
+        (19000.0, 19000.0 + 4e-12, 1.9e-11, ("19000", "19000", "1.9e-11")),
+        (2.0, 1.99929280504747, 2e-2, ("2", "1.9993", "2.0e-02")),
+        (5000.0, 5047.54465125069, 100.0, ("5000", "5048", "1.0e+02")),
+        (Fraction(1, 3), Fraction(1, 3), 0.0, ("1/3", "1/3", "0.0e+00")),
+        (3.0, 3.0, 0.0, ("3", "3", "0.0e+00")),
+    ],
+)
+def test_no_digit_is_shown_that_round_off_decides(expected, got, bound, shown):
+    row = table.Row("case", "quantity", "source", expected, got, bound)
+    assert row.cells()[3:] == shown
