@@ -1,7 +1,7 @@
 """Every case of validation/ within its bounds, and its README.md the table they make."""
 
-import functools
 import importlib.util
+import re
 import sys
 from fractions import Fraction
 from pathlib import Path
@@ -19,42 +19,38 @@ def load_package():
 
 table = load_package()
 CASES = table.cases()
-rows_of = functools.cache(table.run)
 
 
 @pytest.fixture(scope="module")
 def written():
-    """Lines of the table in README.md, cut into cells, by (case, quantity)."""
-    lines = (FOLDER / "README.md").read_text(encoding="utf-8").splitlines()
-    cells = [tuple(cell.strip() for cell in line.strip("|").split("|"))
-             for line in lines if line.startswith("|")]
-    assert cells.count(table.HEAD) == len(CASES)
-    ruled = ("---",) * len(table.HEAD)
-    return {line[:2]: line[2:] for line in cells if line not in (table.HEAD, ruled)}
+    """Lines of the tables in README.md, cut into cells, by the name of the case's file."""
+    text = (FOLDER / "README.md").read_text(encoding="utf-8")
+    found = {}
+    for name, section in re.findall(r"^## \[(\w+)\.py\].*?$(.*?)(?=^## )", text, re.S | re.M):
+        lines = [line for line in section.splitlines() if line.startswith("|")]
+        head, ruled, *found[name] = [
+            tuple(cell.strip() for cell in line.strip("|").split("|")) for line in lines]
+        assert (head, ruled) == (table.HEAD, ("---",) * len(table.HEAD))
+    return found
 
 
-def test_cases_are_found():
+def test_every_case_is_found_and_written(written):
     assert {"box_10_4", "saint_venant", "rational_proof", "rows"} <= set(CASES)
+    assert list(written) == CASES
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_case(case, written):
-    rows = rows_of(case)
+    rows = table.run(case)
     assert rows
-    for row in rows:
+    for row, (*names, expected, got, bound) in zip(rows, written[case], strict=True):
         assert row.holds, row
-        source, expected, got, bound = written[row.case, row.quantity]
-        assert source == row.source
+        assert names == [row.case, row.quantity, row.source]
         assert float(bound) == pytest.approx(row.bound, rel=0.05)  # two digits are shown
         rounding = 0 if row.places is None else Fraction(10) ** -row.places / 2
         slack = Fraction(row.bound)  # both numbers lie within it of what is expected
         assert abs(Fraction(expected) - Fraction(row.expected)) <= slack + rounding
         assert abs(Fraction(got) - Fraction(row.got)) <= 2 * slack + rounding
-
-
-def test_readme_has_no_other_lines(written):
-    rows = [row for case in CASES for row in rows_of(case)]
-    assert [row[:2] for row in rows] == list(written)
 
 
 def test_a_broken_bound_shows():
