@@ -249,8 +249,8 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
 
     Examples
     --------
-    >>> averages(Samples([0.0, 1.0, 4.0]), np.array([0.0, 0.5, 2.0]), length=2.0).tolist()
-    [0.25, 1.9166666666666667]
+    >>> averages(Samples([0.0, 1.0, 4.0]), np.array([0.0, 0.5, 2.0]), length=2.0).round(9).tolist()
+    [0.25, 1.916666667]
     """
     if isinstance(profile, Steps):
         at = np.array([float(x) for x in profile.at])

@@ -194,7 +194,7 @@ def saint_venant_force(
 
     Examples
     --------
-    >>> saint_venant_force([0.0, 2.0, 4.0, 6.0], 3.0, 1.0, 1.0, 3.0).tolist()
+    >>> saint_venant_force([0.0, 2.0, 4.0, 6.0], 3.0, 1.0, 1.0, 3.0).round(9).tolist()
     [0.75, 0.375, 0.1875, 0.0]
     """
     t = finite("time", time, "s")

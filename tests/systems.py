@@ -39,15 +39,21 @@ def random_rod(rng, unit, vibrating, stepped):
 
 
 def random_system(
-    seed, *, bodies=6, walls=True, vibrating=True, stepped=True, bonded=True, unit=0.05
+    seed, *, bodies=6, walls=True, moving_walls=True, vibrating=True, stepped=True, bonded=True,
+    unit=0.05,
 ):
     rng = np.random.default_rng(seed)
     row = [random_rod(rng, unit, vibrating, stepped)
            for _ in range(rng.integers(1 if walls else 2, bodies + 1))]
+
+    def random_wall(slowest, fastest):
+        moves = rng.random() < 0.5 and moving_walls
+        return ri.Wall(float(rng.uniform(slowest, fastest)) if moves else 0.0)
+
     if walls and rng.random() < 0.4:
-        row.insert(0, ri.Wall(float(rng.uniform(-0.2, 0.3)) if rng.random() < 0.5 else 0.0))
+        row.insert(0, random_wall(-0.2, 0.3))
     if walls and rng.random() < 0.4:
-        row.append(ri.Wall(float(rng.uniform(-0.3, 0.2)) if rng.random() < 0.5 else 0.0))
+        row.append(random_wall(-0.3, 0.2))
     pairs = len(row) - 1
     contacts = [ri.Bonded() if bonded and rng.random() < 0.1 else ri.Rigid() for _ in range(pairs)]
     gaps = [

@@ -133,6 +133,7 @@ def test_an_interrupt_ends_with_130(monkeypatch, capsys):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no such signals")
+@pytest.mark.usefixtures("ctrl_c_is_heard")
 def test_sigint_ends_a_long_run_with_130_and_without_traceback(case):
     case.write_text(ENDLESS)
     code = (

@@ -110,7 +110,8 @@ def test_a_run_cut_short_says_so(tmp_path, monkeypatch):
         ri.Segment(L, A, ri.materials.steel) for L, A in ((0.41421356, 1e-4), (0.73205081, 3e-4))
     ]
     system = ri.System([ri.Wall(), ri.Rod(segments=pieces, velocity=1.0), ri.Wall()])
-    (tmp_path / "case.toml").write_text(ri.write_case(ri.Case(system, {"until": 1.0})))
+    case = ri.Case(system, {"until": 1.0, "max_events": 2000})
+    (tmp_path / "case.toml").write_text(ri.write_case(case))
     assert main(["export", "case.toml", "-o", "page.html"]) == 3
     assert (tmp_path / "page.html").exists()
 

@@ -1,5 +1,6 @@
 """The server behind the page: it answers its own page, refuses the rest cleanly, and lives on."""
 
+import contextlib
 import http.client
 import json
 import signal
@@ -231,13 +232,19 @@ def test_many_ask_at_once(server):
 # The command
 
 
+@contextlib.contextmanager
 def explore(*arguments):
-    return subprocess.Popen(
+    with subprocess.Popen(
         [sys.executable, "-m", "rodimpact", "explore", *arguments], cwd=ROOT, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-    )
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
 
 
+@pytest.mark.usefixtures("ctrl_c_is_heard")
 def test_the_command_says_where_it_serves_and_ends_with_ctrl_c(tmp_path):
     case = tmp_path / "case.toml"
     case.write_text(ri.write_case(DESIGN.case))

@@ -356,6 +356,23 @@ def test_the_loss_of_shutting_contacts_goes_with_the_cells():
     assert lost[-1] < 2e-3
 
 
+@pytest.mark.parametrize(
+    "pair", [(unit_rod(velocity=0.5), unit_rod(velocity=-0.5)),
+             (ri.RigidMass(1.0, velocity=0.5), ri.RigidMass(1.0, velocity=-0.5))],
+    ids=["rods", "masses"],
+)
+def test_what_stops_no_more_than_the_tolerance_is_no_force(pair):
+    """A contact without rebound takes half of the closing velocity, 1, in its first step."""
+    laws = [ri.Rigid() if isinstance(pair[0], ri.Rod) else ri.Rigid(restitution=0.0), ri.Rigid()]
+    system = ri.System([*pair, unit_rod()], [0.0, 10.0], laws)
+    for slack, pressed in ((1.0, 0), (1.0 - 2**-50, 1)):
+        machine = machine_of(system, 1)
+        own = float(machine.links.own[0])
+        machine.tol = 0.5 / own * own * slack
+        machine.advance(1)
+        assert machine.tally.pressed[0] == pressed
+
+
 @pytest.mark.parametrize("law", [ri.Rigid(), ri.Rigid(restitution=0.5)])
 def test_a_mass_squeezed_between_walls_stops_the_run(law):
     """A rod whose end is nailed down from within is the second wall."""

@@ -1,6 +1,7 @@
 """Energy and momentum of runs on a time step: where it comes from and where it goes."""
 
 import math
+from itertools import count, pairwise
 
 import numpy as np
 import pytest
@@ -51,14 +52,24 @@ def test_energy_never_rises_without_work(seed):
     assert lost == pytest.approx(total[0] - total[-1], abs=1e-11 * total[0])
 
 
-@settings(max_examples=60)
+def has_rigid_bodies_in_contact(row):
+    return any(
+        isinstance(law, ri.Rigid) and not any(isinstance(body, ri.Rod) for body in pair)
+        for law, pair in zip(row.contacts, pairwise(row.bodies), strict=True)
+    )
+
+
+@settings(max_examples=40)
 @given(seeds)
 def test_impacts_of_rigid_bodies_never_overlap_by_more_than_a_step(seed):
-    run = run_network(random_network(seed))
-    for k, link in enumerate(run.plan.contact_link):
-        if link >= 0 and run.plan.laws[link] == IMPACT:
-            _, gap = run.contact(k)
-            assert gap.min() >= -run.plan.scale * run.step
+    row = next(filter(has_rigid_bodies_in_contact, map(random_network, count(seed))))
+    run = run_network(row)
+    impacts = [k for k, link in enumerate(run.plan.contact_link)
+               if link >= 0 and run.plan.laws[link] == IMPACT]
+    assert impacts
+    for k in impacts:
+        _, gap = run.contact(k)
+        assert gap.min() >= -run.plan.scale * run.step
 
 
 @settings(max_examples=150)

@@ -1,4 +1,4 @@
-"""A collision of rods as rigid-body mechanics sees it: `Outcome.as_rigid`."""
+"""What a collision did: `Outcome.as_rigid` in rigid-body mechanics, and what its balances miss."""
 
 import math
 
@@ -7,7 +7,9 @@ import pytest
 
 import rodimpact as ri
 from rodimpact import rigid
-from rodimpact.outcome import effective_restitution
+from rodimpact.methods.assembly import assemble
+from rodimpact.methods.fronts import track
+from rodimpact.outcome import effective_restitution, read_outcome
 from rodimpact.theory import saint_venant
 
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)  # impedance = area, transit = length
@@ -257,3 +259,31 @@ def test_no_rigid_bodies_before_the_end(until, why):
     system = ri.System([rod(1.0, 1.0, 1.0), rod(1.0, 2.0)], gaps=[1.0])
     with pytest.raises(ri.UndefinedRestitution, match=why):
         ri.solve(system, until=until).outcome.as_rigid()
+
+
+# Balances
+
+
+@pytest.mark.parametrize(
+    ("bodies", "ends", "until", "momentum", "energy"),
+    [
+        # two rods of mass 1 and 2: |1 2| + |2 (-1)|, and 1 2^2/2 + 2 1^2/2
+        ([rod(1, 1, 2.0), rod(1, 2, -1.0)], (ri.Free(), ri.Free()), None, 4.0, 3.0),
+        # a wave of half a rod: m |3|/2 + m |-1|/2, and m 3^2/4 + m 1^2/4
+        ([rod(1, 1, ri.Steps([3.0, -1.0], [0.5]))], (ri.Free(), ri.Free()), 1.0, 2.0, 2.5),
+        # held at its left end: its own momentum, and the impulse Z v T of that end
+        ([rod(1, 1, -2.0)], (ri.Fixed(), ri.Free()), 1.0, 4.0, 2.0),
+        # an endless end hands in Z v T/4 and Z v^2 T/8; m v and m v^2/2 may go in and out there
+        ([rod(1, 1, ri.Steps([2.0, 0.0], [0.5]))], (ri.Absorbing(), ri.Free()), 1.0, 3.5, 3.5),
+    ],
+)
+def test_what_is_missing_is_told_relative_to_what_took_part(bodies, ends, until, momentum, energy):
+    run = track(assemble(ri.System(bodies, ends=ends), until), until)
+    whole = read_outcome(run, "")
+    assert whole.momentum_residual == pytest.approx(0.0, abs=1e-15)
+    assert whole.energy_residual == pytest.approx(0.0, abs=1e-15)
+    run.closing.momentum[1] += 1e-3 / run.assembly.tick
+    run.closing.vibration[1] += 1e-3 / run.assembly.tick
+    wrong = read_outcome(run, "")
+    assert wrong.momentum_residual == pytest.approx(1e-3 / momentum, rel=1e-9)
+    assert wrong.energy_residual == pytest.approx(1e-3 / energy, rel=1e-9)

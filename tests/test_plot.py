@@ -9,6 +9,7 @@ import time
 import matplotlib as mpl
 import numpy as np
 import pytest
+from exhaustive import few_of
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
@@ -438,7 +439,7 @@ def test_small_rows_are_measured_in_millimetres():
 # Page, files, manners ---------------------------------------------------------------------------
 
 
-@every_row
+@pytest.mark.parametrize("name", few_of(ROWS, {"unequal", "bonded", "moving wall", "single"}))
 def test_overview_of_any_row_renders(solved, name):
     figure = plot.overview(solved[name])
     render(figure)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
@@ -315,7 +316,7 @@ def test_only_entries_that_are_not_zero_are_shown_and_named(solved):
 # Page, command line -----------------------------------------------------------------------------
 
 
-@every_row
+@pytest.mark.parametrize("name", few_of(ROWS, {"hertz", "falling", "driven", "masses"}))
 def test_every_picture_renders(solved, name):
     solution = solved[name]
     render(plot.overview(solution))

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from systems import horizon, random_system
 
@@ -90,11 +90,12 @@ def test_displacement_of_the_ends_gives_the_gap(seed):
 @settings(max_examples=80)
 @given(seeds)
 def test_nothing_touches_after_the_proof_of_finality(seed):
-    solution = ri.solve(random_system(seed, bodies=4), max_events=CAP)
-    if not solution.final:
-        return
-    far = 4 * solution.t_end + horizon(solution.system, 30)
-    longer = ri.solve(solution.system, until=far, max_events=10 * CAP)
+    system = random_system(seed, bodies=4)
+    assume(any(isinstance(law, ri.Rigid) for law in system.contacts))
+    solution = ri.solve(system, max_events=CAP)
+    assume(solution.final)
+    far = 4 * solution.t_end + horizon(system, 30)
+    longer = ri.solve(system, until=far, max_events=10 * CAP)
     just_after = solution.t_final * (1 + 1e-9)
     for contact in longer.contacts:
         if isinstance(contact.law, ri.Rigid):
@@ -110,9 +111,9 @@ def test_mirror_is_exact(seed):
     """Lengths in sixteenths, so that positions measured from the other end are exact too."""
     system = random_system(seed, unit=1 / 16)
     solution = run(system)
+    assume(solution.stopped_by == "until")
     mirrored = ri.solve(system.mirrored(), solution.t_end, max_events=CAP)
-    if "max_events" in (solution.stopped_by, mirrored.stopped_by):
-        return
+    assert mirrored.stopped_by == "until"
     lines, images = waves(solution), waves(mirrored, -1.0)
     last = len(lines) + 1
     assert all(lines[i] == images[last - i] for i in range(2, len(lines)))
@@ -150,8 +151,7 @@ def test_scaling_by_powers_of_two_is_exact(seed):
     system = random_system(seed, bodies=4)
     until = horizon(system, 10)
     reference = ri.solve(system, until, max_events=CAP)
-    if reference.stopped_by != "until":
-        return
+    assume(reference.stopped_by == "until")
 
     def same(scaled, time=1.0, factor=1.0):
         other = ri.solve(scaled, until * time)
@@ -194,8 +194,7 @@ def test_bonded_split_changes_nothing(seed):
     system = random_system(seed, bodies=4)
     i = next(k for k, b in enumerate(system.bodies) if isinstance(b, ri.Rod))
     rod = system.bodies[i]
-    if isinstance(rod.velocity, ri.Steps) or isinstance(rod.strain, ri.Steps):
-        return
+    assume(not isinstance(rod.velocity, ri.Steps) and not isinstance(rod.strain, ri.Steps))
     first = rod.segments[0]
     half = ri.Segment(first.length / 2, first.area, first.material)
     parts = [
@@ -220,8 +219,7 @@ def test_a_state_can_be_continued(seed, part):
     system = random_system(seed, bodies=4)
     until = horizon(system, 8)
     whole = ri.solve(system, until, max_events=CAP)
-    if whole.stopped_by != "until":
-        return
+    assume(whole.stopped_by == "until")
     t = part * until
     rest = ri.solve(whole.system_at(t), until - t, max_events=2 * CAP)
     for body in range(len(system.bodies)):
@@ -232,12 +230,9 @@ def test_a_state_can_be_continued(seed, part):
 @settings(max_examples=80)
 @given(seeds)
 def test_the_film_runs_backwards(seed):
-    system = random_system(seed, bodies=4, vibrating=False, bonded=False)
-    if any(isinstance(b, ri.Wall) and b.velocity for b in system.bodies):
-        return
+    system = random_system(seed, bodies=4, moving_walls=False, vibrating=False, bonded=False)
     forward = ri.solve(system, max_events=CAP // 4)
-    if not forward.final:
-        return
+    assume(forward.final and any(contact.episodes for contact in forward.contacts))
     back = ri.solve(forward.system_at(forward.t_end).reversed(), forward.t_end, max_events=CAP)
     energy = forward.outcome.kinetic_before
     for body, velocity in enumerate(forward.outcome.velocities_before):

@@ -13,6 +13,7 @@ from fractions import Fraction
 from itertools import pairwise
 
 import pytest
+from exhaustive import few_of
 
 import rodimpact as ri
 
@@ -195,7 +196,7 @@ def random_row(seed):
     return ri.System(row, gaps, laws), pick
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", few_of(SEEDS, range(80)))
 def test_agrees_with_brute_force(seed):
     system, pick = random_row(seed)
     until = Fraction(pick.randint(10, 50)) + Fraction(1, 7)

@@ -58,7 +58,7 @@ def test_lengths_too_far_apart_say_so():
 def test_random_pairs_against_saint_venant():
     rng = np.random.default_rng(0)
     grazed = 0
-    for _ in range(2000):
+    for _ in range(500):
         L = rng.uniform(0.1, 2, 2)
         A = np.exp(rng.uniform(-2, 2, 2)) * 1e-4
         materials = [ri.Material("m", youngs_modulus=E, density=rho) for E, rho in
@@ -76,7 +76,7 @@ def test_random_pairs_against_saint_venant():
             grazed += 1  # the last of the force is below the velocity tolerance
         else:
             assert outcome.duration == pytest.approx(exact.duration, rel=1e-11)
-    assert grazed < 200
+    assert grazed < 50
 
 
 def test_the_box(unequal):

@@ -1,7 +1,7 @@
 """Every case of validation/ within its bounds, and its README.md the table they make."""
 
-import functools
 import importlib.util
+import re
 import sys
 from fractions import Fraction
 from pathlib import Path
@@ -19,39 +19,38 @@ def load_package():
 
 table = load_package()
 CASES = table.cases()
-rows_of = functools.cache(table.run)
 
 
 @pytest.fixture(scope="module")
 def written():
-    """Lines of the table in README.md, cut into cells, by (case, quantity)."""
-    lines = (FOLDER / "README.md").read_text(encoding="utf-8").splitlines()
-    cells = [tuple(cell.strip() for cell in line.strip("|").split("|"))
-             for line in lines if line.startswith("|")]
-    assert cells.count(table.HEAD) == len(CASES)
-    ruled = ("---",) * len(table.HEAD)
-    return {line[:2]: line[2:] for line in cells if line not in (table.HEAD, ruled)}
+    """Lines of the tables in README.md, cut into cells, by the name of the case's file."""
+    text = (FOLDER / "README.md").read_text(encoding="utf-8")
+    found = {}
+    for name, section in re.findall(r"^## \[(\w+)\.py\].*?$(.*?)(?=^## )", text, re.S | re.M):
+        lines = [line for line in section.splitlines() if line.startswith("|")]
+        head, ruled, *found[name] = [
+            tuple(cell.strip() for cell in line.strip("|").split("|")) for line in lines]
+        assert (head, ruled) == (table.HEAD, ("---",) * len(table.HEAD))
+    return found
 
 
-def test_cases_are_found():
+def test_every_case_is_found_and_written(written):
     assert {"box_10_4", "saint_venant", "rational_proof", "rows"} <= set(CASES)
+    assert list(written) == CASES
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_case(case, written):
-    rows = rows_of(case)
+    rows = table.run(case)
     assert rows
-    for row in rows:
+    for row, (*names, expected, got, bound) in zip(rows, written[case], strict=True):
         assert row.holds, row
-        source, expected, got, _, bound = written[row.case, row.quantity]
-        assert (source, expected, bound) == (row.source, row.cells()[3], row.cells()[6])
-        slack = 2 * row.bound + 1e-14 * abs(row.expected)  # both within the bound, 15 digits shown
-        assert abs(Fraction(got) - Fraction(row.got)) <= slack
-
-
-def test_readme_has_no_other_lines(written):
-    rows = [row for case in CASES for row in rows_of(case)]
-    assert [row[:2] for row in rows] == list(written)
+        assert names == [row.case, row.quantity, row.source]
+        assert float(bound) == pytest.approx(row.bound, rel=0.05)  # two digits are shown
+        rounding = 0 if row.places is None else Fraction(10) ** -row.places / 2
+        slack = Fraction(row.bound)  # both numbers lie within it of what is expected
+        assert abs(Fraction(expected) - Fraction(row.expected)) <= slack + rounding
+        assert abs(Fraction(got) - Fraction(row.got)) <= 2 * slack + rounding
 
 
 def test_a_broken_bound_shows():
@@ -59,3 +58,20 @@ def test_a_broken_bound_shows():
     assert good.holds
     assert not good._replace(got=1.1).holds
     assert not good._replace(got=float("nan")).holds
+
+
+@pytest.mark.parametrize(
+    ("expected", "got", "bound", "shown"),
+    [
+        (1 / 3, 1 / 3 + 1e-16, 1e-13, ("0.3333333333333", "0.3333333333333", "1.0e-13")),
+        (0.0, -8e-16, 2e-15, ("0", "0", "2.0e-15")),
+        (19000.0, 19000.0 + 4e-12, 1.9e-11, ("19000", "19000", "1.9e-11")),
+        (2.0, 1.99929280504747, 2e-2, ("2", "1.9993", "2.0e-02")),
+        (5000.0, 5047.54465125069, 100.0, ("5000", "5048", "1.0e+02")),
+        (Fraction(1, 3), Fraction(1, 3), 0.0, ("1/3", "1/3", "0.0e+00")),
+        (3.0, 3.0, 0.0, ("3", "3", "0.0e+00")),
+    ],
+)
+def test_no_digit_is_shown_that_round_off_decides(expected, got, bound, shown):
+    row = table.Row("case", "quantity", "source", expected, got, bound)
+    assert row.cells()[3:] == shown

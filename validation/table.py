@@ -1,4 +1,4 @@
-"""The table of validation: what each case expects, what rodimpact gets, and how far apart they are.
+"""The table of validation: what each case expects, what rodimpact gets, how far apart they may be.
 
 A case is a file of this folder with a function `run() -> list[Row]`.
 """
@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 FOLDER = Path(__file__).parent
-HEAD = ("case", "quantity", "source", "expected", "got", "difference", "bound")
+ROUND_OFF = 1e-8  # of a number of size 1: a bound above it is none of round-off
+HEAD = ("case", "quantity", "source", "expected", "got", "bound")
 
 
 class Row(NamedTuple):
@@ -36,9 +37,29 @@ class Row(NamedTuple):
 
     def cells(self) -> tuple[str, ...]:
         """Texts of one line of the table."""
-        numbers = (shown(self.expected), shown(self.got))
-        return (self.case, self.quantity, self.source, *numbers,
-                f"{float(self.difference):.1e}", f"{self.bound:.1e}")
+        numbers = (self.shown(self.expected), self.shown(self.got))
+        return (self.case, self.quantity, self.source, *numbers, f"{self.bound:.1e}")
+
+    @property
+    def places(self) -> int | None:
+        """Decimal places to which numbers are shown: no digit is one that a processor decides.
+
+        Those of a bound on round-off, rounded up to a power of ten, and two more than those of a
+        wider bound; all of them where nothing may differ.
+        """
+        if self.bound == 0:
+            return None
+        tight = self.bound <= ROUND_OFF * max(1.0, abs(float(self.expected)))
+        digit, exponent = f"{self.bound:.1e}".split("e")
+        return -int(exponent) - (digit != "1.0") if tight else 2 - int(exponent)
+
+    def shown(self, value: float | Fraction) -> str:
+        """A number as the table shows it: a fraction as it is, a float to its places."""
+        if isinstance(value, Fraction):
+            return str(value)
+        places = self.places
+        number = float(value) if places is None else round(float(value), places) + 0.0
+        return repr(number).removesuffix(".0")
 
 
 class AtLeast(Row):
@@ -53,11 +74,6 @@ class AtLeast(Row):
     def holds(self) -> bool:
         """Whether it falls short by no more than the bound; never for nan."""
         return bool(self.got >= self.expected - self.bound)
-
-
-def shown(value: float | Fraction) -> str:
-    """A number as the table shows it: a fraction as it is, a float to 15 digits."""
-    return str(value) if isinstance(value, Fraction) else f"{float(value):.15g}"
 
 
 def cases() -> list[str]:
@@ -87,9 +103,9 @@ def page(rows: dict[str, list[Row]]) -> str:
 INTRODUCTION = """# Validation
 
 Every line compares a number that rodimpact computes with one from elsewhere: a closed form, a
-published test problem, the textbook. `difference` is absolute, in the unit of the quantity, and
-`tests/test_validation.py` holds it below `bound`. The head of each file says what is compared, and
-where the numbers come from.
+published test problem, the textbook. They may be `bound` apart, in the unit of the quantity, which
+`tests/test_validation.py` sees to; more digits than the bound gives a meaning to are not shown. The
+head of each file says what is compared, and where the numbers come from.
 
 This page is written by `python -m validation`; `python -m validation.performance` measures speed
 and `python -m validation.figures` draws the pictures.
