@@ -1,17 +1,22 @@
 """Halving a step until an outcome stands still."""
 
 import math
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from rodimpact.methods.refinement import TooLong, peak, refined
+from rodimpact.methods.refinement import TooLong, factors, peak, refined
 
 
 class Run(NamedTuple):
     factor: int
     stopped_by: str = "final"
+
+    @property
+    def step(self):
+        return 1 / self.factor
 
 
 def search(values, goal, last=64):
@@ -25,12 +30,23 @@ def search(values, goal, last=64):
     return *refined(level, lambda r: {"impulse": np.array([values(r.factor)])}, goal, last), run
 
 
-def test_one_small_change_is_no_convergence():
-    """Half the change before the last one counts."""
-    found, estimates, run = search({1: 0.0, 2: 1.0, 4: 1.1, 8: 1.1, 16: 1.1}.get, 1e-3)
-    assert run == [1, 2, 4, 8, 16]
-    assert found.factor == 16
+def test_levels_are_not_powers_of_two_only():
+    assert list(islice(factors(), 10)) == [1, 2, 3, 4, 6, 8, 12, 16, 24, 32]
+
+
+def test_three_coarser_levels_must_agree():
+    values = {1: 0.0, 2: 0.0, 3: 1.0, 4: 1.0, 6: 1.0, 8: 1.0, 12: 1.0}.get
+    found, estimates, run = search(values, 1e-3)
+    assert run == [1, 2, 3, 4, 6, 8]
+    assert found.factor == 8
     assert estimates == {"impulse": 0.0}
+
+
+def test_what_powers_of_two_do_not_see_is_seen():
+    """A sawtooth that is the same on all of them, as of a contact that closes inside a step."""
+    found, estimates, run = search(lambda n: 1 + 0.1 * (0.3 * n % 0.1 > 1e-9) / n + n % 3 / n, 1e-9)
+    assert run[-1] == 64
+    assert estimates["impulse"] > 1e-3
 
 
 @pytest.mark.parametrize("order", [1, 2])
@@ -42,10 +58,18 @@ def test_the_estimate_of_a_first_order_method_is_its_error(order):
 
 
 def test_the_search_ends_at_the_last_factor():
-    found, estimates, run = search(lambda factor: (-1) ** int(math.log2(factor)), 1e-3, last=8)
-    assert run == [1, 2, 4, 8]
-    assert estimates["impulse"] == 2.0
+    found, estimates, run = search(lambda factor: float(factor % 3), 1e-3, last=8)
+    assert run == [1, 2, 3, 4, 6, 8]
+    assert estimates["impulse"] == pytest.approx(3.0)  # 6 gives 0 and 8 gives 2, 6/(8 - 6) times
     assert found.factor == 8
+
+
+def test_an_error_that_is_known_counts_as_one_that_is_estimated():
+    found, estimates = refined(
+        Run, lambda _: {"impulse": np.ones(1)}, 1e-2, 64, lambda r: {"energy": 0.1 / r.factor}
+    )
+    assert found.factor == 12
+    assert estimates == {"impulse": 0.0, "energy": pytest.approx(0.1 / 12)}
 
 
 def test_a_run_that_is_too_long_ends_the_search():
@@ -59,6 +83,14 @@ def test_a_run_that_is_too_long_ends_the_search():
     assert estimates == {"impulse": math.inf}
 
 
+def test_a_first_run_that_is_too_long_is_refused():
+    def level(factor):
+        raise TooLong([("until", "no room")])
+
+    with pytest.raises(TooLong, match="no room"):
+        refined(level, lambda _: {"impulse": np.ones(1)}, 1e-3, 64)
+
+
 def test_a_run_that_met_its_cap_is_not_taken():
     def level(factor):
         return Run(factor, "max_events" if factor > 2 else "final")
@@ -67,8 +99,19 @@ def test_a_run_that_met_its_cap_is_not_taken():
     assert found.factor == 2
 
 
-def test_peaks_behind_averages():
-    t = np.arange(101.0)
-    smooth = 1 - ((t - 50.3) / 40) ** 2
-    assert peak(smooth) == pytest.approx(1.0, abs=1e-4)
-    assert peak(np.zeros(3)) == 0.0
+def means(force, edges):
+    """Mean values between edges of a polynomial."""
+    return np.diff(np.polyval(np.polyint(force), edges)) / np.diff(edges)
+
+
+@pytest.mark.parametrize("cut", [1.0, 0.3])
+def test_peaks_behind_averages(cut):
+    edges = np.sort(np.concatenate((np.arange(101.0), np.arange(100) + cut)))[:: 2 if cut == 1 else 1]
+    top = [-1 / 1600, 2 * 50.3 / 1600, 1 - 50.3**2 / 1600]
+    assert peak(edges, means(top, edges)) == pytest.approx(1.0, abs=1e-12)
+    assert peak(np.arange(4), np.zeros(3)) == 0.0
+    jump = means([1e-4, -0.02, 1.0], edges)
+    for force, ends in ((jump, edges), (jump[::-1], 100 - edges[::-1])):
+        padded = np.concatenate(([0.0, 0.0], force))
+        after = np.concatenate((ends[0] - [2.0, 1.0], ends))
+        assert peak(after, padded) == pytest.approx(1.0, abs=1e-12)
