@@ -181,8 +181,8 @@ class Fields(ABC):
         """Displacement of a rigid mass, m, whose velocity changes evenly in each step."""
         a, V, ticks = self.assembly, self.masses[body], self.to_ticks(t)
         if len(V) == 1:
-            return np.zeros(np.shape(ticks))
-        width = self.end // (len(V) - 1)
+            V = np.repeat(V, 2)
+        width = max(self.end, 1) // (len(V) - 1)
         moved = np.concatenate(([0.0], np.cumsum((V[1:] + V[:-1]) / 2) * width))
         i = np.clip(ticks // width, 0, len(V) - 2)
         s = ticks - i * width
