@@ -342,7 +342,7 @@ def _read_steps(
 def _read_grid(
     document: dict[str, Any], arrays: Arrays, system: System
 ) -> tuple[Fields, Record]:
-    mesh, steps = Mesh(Plan(system), document["cells"]), document["end"] // PARTS
+    mesh = Mesh(Plan(system), document["cells"])
     work = grid_clockwork(mesh, document["clock"]["tick"] * PARTS)
     _compare_clocks(document, work)
     states = States(*(arrays[f"state_{name}"] for name in States._fields))
@@ -350,7 +350,7 @@ def _read_grid(
     shapes = [x.shape for x in states[1:]]
     if shapes != [(kept, nodes), (kept, nodes + 1), (kept, len(mesh.starts)), (kept,)]:
         raise ValueError("states do not fit the cells")
-    fields = GridFields(work, mesh, states, steps, _read_masses(arrays, mesh.plan))
+    fields = GridFields(work, mesh, states, document["end"], _read_masses(arrays, mesh.plan))
     return fields, _read_record(document, arrays, system)
 
 

@@ -31,17 +31,17 @@ class GridFields(Fields):
     states : States
         `when` [state] in steps; velocity [state, node] in m/s, in the frame; force [state, cell]
         in N; place [state, piece] in m/s times steps; lost [state] in W times steps.
-    steps : int
-        Steps of the run.
+    end : int
+        Last tick.
     masses : mapping of int to array
         As in `Fields`.
     """
 
     def __init__(
-        self, assembly: Clockwork, mesh: Mesh, states: States, steps: int,
+        self, assembly: Clockwork, mesh: Mesh, states: States, end: int,
         masses: Mapping[int, Floats],
     ) -> None:
-        super().__init__(assembly, steps * PARTS, masses)
+        super().__init__(assembly, end, masses)
         self.mesh, self.states = mesh, states
 
     @property

@@ -50,8 +50,7 @@ def solve(
     system : System
         A single collision, of shape ().
     until : float, optional
-        Time to run to, s; on a time step, the outcome is that at the end of the step. By default
-        the run goes on until it is proved that no contact can happen
+        Time to run to, s. By default the run goes on until it is proved that no contact can happen
         again, and one round trip of the longest rod more.
     method : str
         ``"fronts"``: exact wave-front tracking. ``"characteristics"``: end signals averaged over a
@@ -263,7 +262,7 @@ def wrap_steps(run: Run, until: float | None = None) -> Solution:
     fields: Fields
     if isinstance(run, finite_difference.GridRun):
         method = "finite-difference"
-        fields = GridFields(run.clockwork, run.mesh, run.states, run.steps, masses)
+        fields = GridFields(run.clockwork, run.mesh, run.states, run.end, masses)
     else:
         method = "characteristics"
         waves = [run.wave(line) for line in range(2, 2 * len(run.row.steps) - 2)]

@@ -33,7 +33,7 @@ from .refinement import MEASURES, contact_measures, refined
 RTOL = 1e-3
 COURANT = 0.999
 FIRST = 100  # fewest cells of the longest transit
-FEWEST = 8  # cells of a segment, where nothing else is asked for
+FEWEST = 8  # cells of a segment, where nothing else is asked for, and steps of a short run
 FINEST = 1 << 13  # most cells of the longest transit in the search for an accurate mesh
 MOST_CELLS = 1 << 20
 STABLE = 1 + 2.0**-30  # Courant number up to which a mesh is taken; beyond 1 by round-off only
@@ -53,7 +53,9 @@ class GridRun:
     step : float
         s.
     steps : int
-        Steps taken.
+        Steps taken; none where the end that was asked for comes before half a step.
+    end : int
+        Last tick: of the steps, or of that end.
     grid, links, tally, signals
         The kernel's state at the end, on arrays.
     states : States
@@ -73,6 +75,7 @@ class GridRun:
     mesh: Mesh
     step: float
     steps: int
+    end: int
     grid: Grid
     links: Links
     tally: Tally
@@ -176,7 +179,7 @@ def follow(
     cells : int, optional
         Of the segment with the longest transit.
     dt : float, optional
-        Step, s.
+        Step, s; less where `until` is no multiple of it.
     rtol : float, optional
         Relative accuracy to which cells and step are halved, where neither is given.
     snapshots : int or array, optional
@@ -194,7 +197,10 @@ def follow(
     """
     require_end(system, until)
     plan = Plan(system)
-    counts, step = _mesh_size(plan, cells, dt)
+    counts, step = _mesh_size(plan, cells, dt, until)
+    stepping = until is None or 2 * until > step
+    if until is not None and stepping:
+        step = until / math.ceil(until / step * (1 - 1e-12))
 
     peaks: list[Array] = []
 
@@ -205,7 +211,7 @@ def follow(
         peaks.append(contact_measures(run)[MEASURES[1]])
         return run
 
-    if cells is not None or dt is not None:
+    if cells is not None or dt is not None or not stepping:
         return level(1)
     goal = RTOL if rtol is None else rtol
     found, estimates = refined(level, measures, goal, FINEST // max(counts))
@@ -233,7 +239,9 @@ def measures(found: GridRun) -> dict[str, Array]:
     return {"velocity": np.array([*free, found.plan.scale]), **by_contact}
 
 
-def _mesh_size(plan: Plan, cells: int | None, dt: float | None) -> tuple[list[int], float]:
+def _mesh_size(
+    plan: Plan, cells: int | None, dt: float | None, until: float | None
+) -> tuple[list[int], float]:
     """Cells of each segment, and the step, s, that is stable for them."""
     T = np.array([float(s.transit_time) for s in plan.segments])
     longest, shortest = int(np.argmax(T)), int(np.argmin(T))
@@ -245,6 +253,8 @@ def _mesh_size(plan: Plan, cells: int | None, dt: float | None) -> tuple[list[in
                 f"would take {least:.3g} cells of {MOST_CELLS} at most; leave it out"
             )
             raise InvalidModel([(plan.paths[shortest + 1], message)])
+        if until:
+            least = max(least, math.ceil(min(FINEST / 4, FEWEST * float(T[longest]) / until)))
         # of the numbers up to twice as many, the first for which all segments run nearest to 1
         numbers = np.arange(least, 2 * least)
         steps = numbers[:, None] * (T / T[longest])
@@ -288,7 +298,8 @@ def _level(
     longest = max(1, math.ceil(work.longest / PARTS))
     cap = max(1, max_events // len(plan.laws))
     proof, reason = -1, "until"
-    room = 8 * longest if until is None else max(1, math.ceil(until / step * (1 - 1e-12)))
+    steps = 0 if until is None else round(until / step)
+    room = 8 * longest if until is None else max(1, steps)
     machine = Machine(mesh, step, keep, room)
     size = f"{sum(mesh.counts)} cells"
     per_step = cost(mesh, plain=not kernels.enabled())
@@ -303,7 +314,7 @@ def _level(
         if progress and time.monotonic() - began > 1.0:
             progress(taken, max(room, taken))
 
-    last = cap if until is None else room if until > 0 else 0
+    last = cap if until is None else steps
     machine.advance(0)
     while proof < 0:
         wait = settled(machine)
@@ -321,6 +332,9 @@ def _level(
         reason = "final" if proof >= 0 else "max_events"
         if proof >= 0:
             machine.advance(machine.taken + 2 * longest, tell)
+    end = machine.taken * PARTS
+    if until is not None and not steps:
+        end = math.ceil(until / step * PARTS)
     kept = int(machine.clock[1])
     when = machine.states.when
     states = States._make([
@@ -328,7 +342,7 @@ def _level(
         machine.states.lost[:kept],
     ])
     return GridRun(
-        clockwork=work, mesh=mesh, step=step, steps=machine.taken, grid=machine.grid,
+        clockwork=work, mesh=mesh, step=step, steps=machine.taken, end=end, grid=machine.grid,
         links=machine.links, tally=machine.tally, signals=machine.signals, states=states,
         settled=proof, stopped_by=reason,
     )
