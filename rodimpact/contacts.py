@@ -18,6 +18,8 @@ from .wave_fields import WaveFields
 
 Turns: TypeAlias = tuple[list[int], list[int]]
 
+LATEST = 2.0  # steps, by which a gap can close later than its contact first presses
+
 
 class Episode(NamedTuple):
     """One uninterrupted touching that carried force; times in s.
@@ -228,9 +230,9 @@ def histories_of_steps(
 def _episodes_of_steps(
     force: Floats, gap: Floats, step: float, least: float
 ) -> tuple[Episode, ...]:
-    """Touchings that carried force: from the first force to the first step that ends with a gap.
+    """Touchings that carried force: from the first force until a gap has opened.
 
-    A gap begins where it passes `least`, if it does so before the next force.
+    A gap has opened once it passes `least`, if it does so before the next force.
     """
     pressing = np.flatnonzero(force > 0)
     opened = np.flatnonzero((force <= 0) & (gap[1:] > least))
@@ -240,9 +242,35 @@ def _episodes_of_steps(
         k = int(np.searchsorted(opened, start))
         end = int(opened[k]) if k < len(opened) else len(force)
         after = int(np.searchsorted(pressing, end))
-        last = int(pressing[after - 1]) + 1
-        running = last == len(force)
-        opening = end * step if k < len(opened) else np.nan
-        found.append(Episode(start * step, np.nan if running else last * step, opening))
+        last = int(pressing[after - 1])
+        force_end = opening = np.nan
+        if last + 1 < len(force):
+            force_end = max(_end_of_force(gap, last), _closing(gap, start))
+        if k < len(opened):
+            opening = max(_opening(gap, end), force_end)
+        found.append(Episode(_closing(gap, start) * step, force_end * step, opening * step))
         j = after
     return tuple(found)
+
+
+def _closing(gap: Floats, j: int) -> float:
+    """When a contact closed that presses in step j for the first time; in steps.
+
+    Its gap goes on as in the step before.
+    """
+    fell = float(gap[j - 1] - gap[j]) if j else float(gap[0] - gap[1])
+    return j + (float(gap[j]) / fell if 0 < gap[j] < LATEST * fell else 0.0)
+
+
+def _end_of_force(gap: Floats, j: int) -> float:
+    """When a force ends that acts in step j for the last time; in steps."""
+    return j + (float(gap[j] / (gap[j] - gap[j + 1])) if gap[j] < 0 < gap[j + 1] else 1.0)
+
+
+def _opening(gap: Floats, j: int) -> float:
+    """When a gap that is open at the end of step j was 0 for the last time; in steps."""
+    shut = np.flatnonzero(gap[: j + 1] <= 0)
+    if not len(shut):
+        return j
+    i = int(shut[-1])
+    return i + float(gap[i] / (gap[i] - gap[i + 1]))

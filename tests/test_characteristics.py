@@ -584,14 +584,14 @@ def test_contact_forces_follow_their_laws(row):
         force = contact.force(t)
         assert len(contact.episodes) == tally.episodes
         assert tally.duration == pytest.approx((force > 0).sum() / 64)
-        assert contact.episodes[0].start == tally.first
+        assert tally.first <= contact.episodes[0].start < tally.first + 2 / 64
         assert force.max() <= tally.peak_force * (1 + 1e-12)
         assert tally.peak_force == pytest.approx(force.max(), rel=0.05)
         for episode in contact.episodes:
             assert contact.force(episode.start) > 0
             if not math.isnan(episode.force_end):
                 assert contact.force(episode.force_end, "left") > 0
-                assert contact.force(episode.force_end) == 0
+                assert contact.force(episode.force_end + 1 / 64) == 0
             if not math.isnan(episode.opening):
                 assert contact.gap(episode.opening + 1 / 64) > 0
 
