@@ -145,6 +145,42 @@ def test_the_same_ends_of_contact():
         assert b.opening == pytest.approx(a.opening, abs=0.05)
 
 
+@pytest.mark.parametrize("name", ["a gap", "three rods", "four rods"])
+def test_contacts_begin_inside_the_step(name):
+    """A gap that rods at rest inside close is met as the fronts meet it."""
+    exact = ri.solve(ROWS[name], method="fronts")
+    found = [ri.solve(ROWS[name], exact.t_end, METHOD, cells=n).contacts for n in (70, 110)]
+    first = min(range(len(exact.contacts)), key=lambda k: exact.contacts[k].episodes[0].start)
+    for k, contact in enumerate(exact.contacts):
+        starts = [contacts[k].episodes[0].start for contacts in found]
+        allowed = 1e-9 if k == first else 0.6 / 110  # others close on dispersed waves
+        assert starts[1] == pytest.approx(contact.episodes[0].start, abs=allowed)
+
+
+@pytest.mark.parametrize(("left", "right"), [(0.7, 1.1), (0.5, 1.0), (0.9, 0.4)])
+def test_an_opening_is_where_the_gap_begins(left, right):
+    """Damped rods part slowly: the gap is 0 there, and open from then on."""
+    lossy = material(viscosity=0.01)
+    pair = [ri.Rod(x, area=1.0, material=lossy, velocity=v) for x, v in ((left, 1.0), (right, 0.0))]
+    s = solved(pair, None, 200)
+    contact, h = s.contacts[0], s.fields.assembly.tick * PARTS
+    (episode,) = contact.episodes
+    assert episode.force_end <= episode.opening <= episode.force_end + 2 * h
+    assert contact.gap(episode.opening) <= 1e-4 * h
+    later = np.linspace(episode.opening + 0.01 * h, s.t_end, 999)
+    assert np.all(contact.gap(later) > 0)
+
+
+def test_a_compliant_contact_opens_as_its_indentation_ends():
+    """A mass on a spring swings half a period, pi sqrt(m/k); the rod behind is heavy."""
+    row = [ri.RigidMass(1.0, velocity=1.0), unit_rod(area=1e9)]
+    s = solved(row, 1.5, 160, contacts=[ri.Spring(16.0)], gaps=[0.123456])
+    (episode,) = s.contacts[0].episodes
+    assert episode.start == pytest.approx(0.123456, abs=1e-12)
+    assert episode.opening == pytest.approx(0.123456 + math.pi / 4, abs=1e-4)
+    assert episode.force_end == pytest.approx(episode.opening, abs=1e-12)
+
+
 # Against characteristics --------------------------------------------------------------------------
 
 RAMP = ri.Samples([0.0, 0.5, -0.3, 0.2, 0.0], step=0.5)
