@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from .fields import Fields
 from .frozen import InvalidModel, Number, Problems, number
-from .grid_fields import GridFields
+from .grid_fields import GridFields, outer_forces
 from .methods import characteristics, finite_difference
 from .methods.abilities import LACKS, choose, driven, refuse
 from .methods.assembly import Assembly, assemble
@@ -262,7 +262,8 @@ def wrap_steps(run: Run, until: float | None = None) -> Solution:
     fields: Fields
     if isinstance(run, finite_difference.GridRun):
         method = "finite-difference"
-        fields = GridFields(run.clockwork, run.mesh, run.states, run.end, masses)
+        pushes = outer_forces(run.mesh, record.forces, record.ends)
+        fields = GridFields(run.clockwork, run.mesh, run.states, run.end, masses, pushes)
     else:
         method = "characteristics"
         waves = [run.wave(line) for line in range(2, 2 * len(run.row.steps) - 2)]
