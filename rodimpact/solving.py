@@ -29,6 +29,7 @@ from .wave_fields import WaveFields
 
 METHODS = tuple(LACKS)
 Progress = finite_difference.Progress
+LARGE_CHANGE = 0.01  # of the largest force, from which it is named
 LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
 ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come to rest
 
@@ -355,6 +356,19 @@ def _at_walls(a: Assembly) -> list[ContactLaw]:
     return [laws[k] for i, k in ends if isinstance(bodies[i], Wall)]
 
 
+def _own_peak(run: finite_difference.GridRun) -> str:
+    """A warning of a largest force that is not that of the bodies."""
+    reasons, large = [], max(run.rtol, LARGE_CHANGE)
+    if run.peak_change > large:
+        reasons.append(f"the last halving changed it by {run.peak_change:.1g}")
+    if run.overshoot > large:
+        reasons.append(
+            f"beside jumps waves overshoot, and over {finite_difference.RINGING} steps it is less "
+            f"by {run.overshoot:.1g} of itself"
+        )
+    return f" The largest force is that of this mesh: {'; '.join(reasons)}." if reasons else ""
+
+
 def describe_steps(run: Run, until: float | None = None) -> str:
     """Why a run on a time step ended, and how accurate it is, with the remedy."""
     end = format_si(run.steps * run.step if until is None else until, "s")
@@ -401,9 +415,6 @@ def describe_steps(run: Run, until: float | None = None) -> str:
         else:
             worst = max(run.estimates.values())
             said += f" Halving the step changed the outcome by {worst:.1g} at most."
-    if isinstance(run, finite_difference.GridRun) and run.peak_change > max(run.rtol, 1e-2):
-        said += (
-            f" The largest force is that of this mesh: the last halving changed it by "
-            f"{run.peak_change:.1g}."
-        )
+    if isinstance(run, finite_difference.GridRun):
+        said += _own_peak(run)
     return said + _large(run.largest_strain)

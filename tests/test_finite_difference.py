@@ -899,3 +899,35 @@ def test_a_peak_that_grows_with_the_mesh_is_named(monkeypatch):
     assert "The largest force is that of this mesh: the last halving changed it by" in status
     soft = ri.System(rods, contacts=[ri.Spring(1e6)])
     assert "largest force" not in ri.solve(soft, rtol=0.05).status
+
+
+STEPPED_PAIR = [
+    ri.Rod(segments=[piece(1, 1, 0.15 * ROOT), piece(2.5, 1, 0.3)], velocity=1.0),
+    ri.Rod(segments=[piece(0.6, 1.1, 0.41), piece(2, 1.1, 0.2)]),
+]
+
+
+@pytest.mark.parametrize("cells", [100, 400])
+def test_a_peak_that_overshoots_is_named(cells):
+    """The status says by how much the largest force is beyond that of the fronts, or more."""
+    said = "The largest force is that of this mesh: beside jumps waves overshoot"
+    named = 0
+    for area in (0.5, 1.0, 2.0):
+        row = ri.System([STEPPED_PAIR[0], ri.Rod(0.7, area=area, material=UNIT), ri.Wall()])
+        exact = ri.solve(row, 3.0, "fronts")
+        s = ri.solve(row, 3.0, METHOD, cells=cells)
+        highest = max(c.peak_force for c in exact.outcome.contacts)
+        beyond = max(c.peak_force for c in s.outcome.contacts) / highest - 1
+        assert (said in s.status) == (beyond > 0.01)
+        named += beyond > 0.02
+        if beyond > 0.02:
+            assert 0.75 * beyond <= float(s.status.split("less by ")[1].split()[0])
+    assert named
+
+
+def test_a_peak_that_does_not_overshoot_is_not_named():
+    heavy = solved([ri.RigidMass(4.0, velocity=1.0), unit_rod()], 3.0, 200)
+    assert "largest force" not in heavy.status
+    swinging = solved([ri.RigidMass(1.0, velocity=1.0), unit_rod(velocity=WAVE)], 3.0, 100,
+                      contacts=[ri.Spring(4.0)])
+    assert "largest force" not in swinging.status
