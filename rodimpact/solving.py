@@ -360,7 +360,7 @@ def _own_peak(run: finite_difference.GridRun) -> str:
     """A warning of a largest force that is not that of the bodies."""
     reasons, large = [], max(run.rtol, LARGE_CHANGE)
     if run.peak_change > large:
-        reasons.append(f"the last halving changed it by {run.peak_change:.1g}")
+        reasons.append(f"refining changed it by {run.peak_change:.1g}")
     if run.overshoot > large:
         reasons.append(
             f"beside jumps waves overshoot, and over {finite_difference.RINGING} steps it is less "
