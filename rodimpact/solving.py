@@ -62,8 +62,9 @@ def solve(
         Arrivals at ends after which the run gives up; `Solution.status` then says so. On a time
         step, steps times ends, where `until` is not given.
     dt : float, optional
-        Time step, s, of a method that has one. By default it is chosen, so that transit times are
-        whole numbers of steps as nearly as possible, and halved until the outcome stands still.
+        Time step, s, of a method that has one; on a grid less where `until` is no multiple of it.
+        By default it is chosen, so that transit times are whole numbers of steps as nearly as
+        possible, and halved until the outcome stands still.
     rtol : float, optional
         Up to which the last halvings of the step may change the outcome: impulses, contact times,
         and largest forces ("characteristics", 1e-5) or velocities ("finite-difference", 1e-3). A
@@ -401,6 +402,8 @@ def describe_steps(run: Run, until: float | None = None) -> str:
             f"{run.clockwork.transit_error:.2g} of itself"
         )
     said += "."
+    if until and not run.steps:
+        said += " The end comes before half a step: none was taken. More cells shorten it."
     if run.estimates and any(contacts):
         finer = "more cells" if isinstance(run, finite_difference.GridRun) else "a smaller dt"
         late = {name: value for name, value in run.estimates.items() if value > run.rtol}

@@ -548,6 +548,7 @@ def test_any_end(until, size):
     steps = s.fields.end // PARTS
     assert s.t_end == until
     assert steps == (0 if until < 0.02 else math.ceil(until / 0.04995))
+    assert ("none was taken" in s.status) == (steps == 0 and until > 0)
     if steps:
         assert s.fields.end * s.fields.assembly.tick == pytest.approx(until, rel=1e-14)
     assert float(s.velocity(0, 0.5, until)) == pytest.approx(1.0 if until < 0.5 else 0.36, abs=0.1)
