@@ -119,37 +119,63 @@ class GridFields(Fields):
         return found
 
     @cached_property
-    def _stretch(self) -> tuple[Floats, Floats]:
-        """Strains and rates of strain: of each segment at its left end, in its cells, at its right.
+    def _stretch(self) -> Floats:
+        """Strains: of each segment at its left end, in its cells, and at its right end."""
+        return self._with_ends(self._strain, self._at_ends[0])
 
-        Lateral inertia takes its share of the force at an end; there they are extrapolated.
-        """
-        mesh, plan = self.mesh, self.mesh.plan
-        total = self.states.force + mesh.viscous * mesh.width * self._rate
+    @cached_property
+    def _stretching(self) -> Floats:
+        """Rates of strain, as in `_stretch`."""
+        return self._with_ends(self._rate, self._at_ends[1])
+
+    def _with_ends(self, table: Floats, ends: Floats) -> Floats:
+        mesh, edge = self.mesh, self._edge[1:]
         columns = [np.arange(a, b + 2) for a, b in zip(mesh.first[1:], mesh.last[1:], strict=True)]
-        cells = np.concatenate(columns)
-        strain, rate = self._strain[:, cells], self._rate[:, cells]
-        for s, segment in enumerate(plan.segments, 1):
-            a, b, N = mesh.first[s], mesh.last[s], mesh.counts[s - 1]
+        found: Floats = table[:, np.concatenate(columns)]
+        found[:, edge], found[:, edge + self._counts[1:] + 1] = ends[:, ::2], ends[:, 1::2]
+        return found
+
+    @cached_property
+    def _at_ends(self) -> tuple[Floats, Floats]:
+        """Strains and their rates [state, end], left and right end of segment after segment.
+
+        Both are extrapolated, and then changed to give the stress that the node's momentum asks
+        for: in a step, viscosity eta resists a change of strain by eta/step. Where lateral inertia
+        takes a share of the force they stay.
+        """
+        mesh, strains, rates = self.mesh, [], []
+        for segment, a, b, N in zip(
+            mesh.plan.segments, mesh.first[1:], mesh.last[1:], mesh.counts, strict=True
+        ):
             E, eta = float(segment.material.youngs_modulus), float(segment.material.viscosity)
-            share = E / (E + eta / self._step)
-            ends = segment.area.values if isinstance(segment.area, Samples) else [segment.area]
-            for place, node, cell, inward, area in (
-                (0, a, a + 1, 1, ends[0]), (N + 1, b, b, -1, ends[-1])
-            ):
-                at, next_cell = self._edge[s] + place, cell + inward * (N > 1)
-                for table, values in ((strain, self._strain), (rate, self._rate)):
-                    table[:, at] = 1.5 * values[:, cell] - 0.5 * values[:, next_cell]
-                if mesh.lateral[node] or mesh.lateral[node + 1]:
-                    continue
-                net = total[:, node + 1] - total[:, node] + self._pushed(node)
-                gained = mesh.cell_mass[cell] / 2 * net / mesh.mass[node]
-                stress = (total[:, cell] - inward * gained) / float(area)
-                missing = stress - E * strain[:, at] - eta * rate[:, at]
-                strain[:, at] += share * missing / E
-                if eta:
-                    rate[:, at] += (1 - share) * missing / eta
-        return strain, rate
+            areas = segment.area.values if isinstance(segment.area, Samples) else [segment.area]
+            for node, cell, inward, area in ((a, a + 1, 1, areas[0]), (b, b, -1, areas[-1])):
+                behind = cell + inward * (N > 1)
+                strain = 1.5 * self._strain[:, cell] - 0.5 * self._strain[:, behind]
+                rate = 1.5 * self._rate_in(cell) - 0.5 * self._rate_in(behind)
+                if not mesh.lateral[node] and not mesh.lateral[node + 1]:
+                    pull = self._pull(node + 1) - self._pull(node) + self._pushed(node)
+                    gained = pull * mesh.cell_mass[cell] / 2 / mesh.mass[node]
+                    stress = (self._pull(cell) - inward * gained) / float(area)
+                    missing = stress - E * strain - eta * rate
+                    strain += missing / (E + eta / self._step)
+                    rate += missing / (E * self._step + eta)
+                strains.append(strain)
+                rates.append(rate)
+        return np.array(strains).T, np.array(rates).T
+
+    def _rate_in(self, cell: int) -> Floats:
+        """Rate of strain of a cell, at the states."""
+        v = self.states.velocity
+        found: Floats = (v[:, cell] - v[:, cell - 1]) / self.mesh.width[cell]
+        return found
+
+    def _pull(self, cell: int) -> Floats:
+        """Elastic and viscous tension of a cell, at the states; none between pieces."""
+        found: Floats = self.states.force[:, cell]
+        if self.mesh.viscous[cell]:
+            found = found + self.mesh.viscous[cell] * self.mesh.width[cell] * self._rate_in(cell)
+        return found
 
     def _pushed(self, node: int) -> Floats:
         """Force to the right on a node from outside its piece, at the states."""
@@ -200,10 +226,10 @@ class GridFields(Fields):
     def strain(  # noqa: D102
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
-        return self._at_cells(self._stretch[0], body, x, self.to_ticks(t, side))
+        return self._at_cells(self._stretch, body, x, self.to_ticks(t, side))
 
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:  # noqa: D102
-        return self._at_cells(self._stretch[1], body, x, self.to_ticks(t))
+        return self._at_cells(self._stretching, body, x, self.to_ticks(t))
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:  # noqa: D102
         a, ticks = self.assembly, self.to_ticks(t)
@@ -232,7 +258,7 @@ class GridFields(Fields):
         times = ticks * a.tick
         c = a.wave_speed[int(self.segment_at(body, x))]
         v = self._at_nodes(self.states.velocity, body, x, ticks)
-        stretch = c * self._at_cells(self._stretch[0], body, x, ticks)
+        stretch = c * self._at_cells(self._stretch, body, x, ticks)
         return Trace(times, v - stretch, v + stretch, a.frame + a.gravity * times, c)
 
     # Integrals over bodies ------------------------------------------------------------------------

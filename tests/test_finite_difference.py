@@ -919,7 +919,7 @@ STEPPED_PAIR = [
 ]
 
 
-@pytest.mark.parametrize("cells", [100, 400])
+@pytest.mark.parametrize("cells", [100, 200])
 def test_a_peak_that_overshoots_is_named(cells):
     """The status says by how much the largest force is beyond that of the fronts, or more."""
     said = "The largest force is that of this mesh: beside jumps waves overshoot"
