@@ -568,11 +568,11 @@ def test_the_outcome_is_that_at_the_end_not_at_the_end_of_a_step(cells):
         assert float(s.mean_velocity(0, until)) == pytest.approx(0.5 * until, rel=1e-12)
 
 
-def test_a_short_run_has_steps_enough(monkeypatch):
-    monkeypatch.setattr(finite_difference, "RTOL", 0.05)
-    s = solved([unit_rod(velocity=1.0), unit_rod()], 0.013)
-    assert s.fields.end // PARTS >= 8
-    assert s.outcome.impulse == pytest.approx(0.013 / 2, rel=0.05)
+def test_a_short_run_has_steps_enough():
+    """Eight on the coarsest mesh, which is refined at least twice."""
+    s = solved([unit_rod(velocity=1.0), unit_rod()], 0.013, rtol=0.5)
+    assert s.fields.end // PARTS >= 3 * 8
+    assert s.outcome.impulse == pytest.approx(0.013 / 2, rel=0.03)
 
 
 def test_max_events_caps_a_run_that_does_not_end():
