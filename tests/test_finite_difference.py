@@ -943,3 +943,11 @@ def test_a_peak_that_does_not_overshoot_is_not_named():
     swinging = solved([ri.RigidMass(1.0, velocity=1.0), unit_rod(velocity=WAVE)], 3.0, 100,
                       contacts=[ri.Spring(4.0)])
     assert "largest force" not in swinging.status
+
+
+@pytest.mark.parametrize(("closing", "episodes"), [(2.0**-39, 0), (2.0**-39 + 2.0**-52, 1)])
+def test_grazing_is_up_to_the_tolerance(closing, episodes):
+    """Half of what touching ends close by is the velocity that the contact takes away."""
+    row = [unit_rod(velocity=closing), unit_rod(), unit_rod(velocity=1.0)]
+    s = solved(row, 0.25, dt=1 / 32, gaps=[0.0, 1.0])
+    assert s.outcome.contacts[0].episodes == episodes
