@@ -16,6 +16,7 @@ from .model import Bonded, Rigid
 from .signals import Floats, Ints, Side, StepSignal
 from .wave_fields import WaveFields
 
+LATEST = 2.0  # steps, by which a gap can close later than its contact first presses
 FAINT = 1e-6  # of the next mean force: what presses less is round-off
 SMOOTH = 0.1  # relative change of forces from step to step, beyond which they jump
 
@@ -233,10 +234,10 @@ def histories_of_steps(
 def pressed_spans(times: Floats, force: Floats, gap: Floats) -> list[tuple[float, float]]:
     """When a contact presses, from the mean force in each step and the gaps at step ends.
 
-    A compliant contact begins and ends where its indentation passes through 0. The force of a rigid
-    one begins and ends with a jump inside its first and last step: after that share of it which its
-    mean is of what the means beside lead to. If it falls evenly, it ends where the line through the
-    last means reaches 0.
+    A contact begins where its gap is closed that goes on as in the step before. A compliant one
+    ends where its indentation does. The force of a rigid one ends with a jump inside its last step:
+    after that share of it which its mean is of what the means before lead to. If it falls evenly,
+    it ends where the line through the last means reaches 0.
 
     Parameters
     ----------
@@ -250,19 +251,29 @@ def pressed_spans(times: Floats, force: Floats, gap: Floats) -> list[tuple[float
     list of (float, float)
         Begin and end of each, s; nan for an end that does not come before the last time.
     """
-    pressing = np.concatenate(([False], force > 0, [False]))
-    first, last = np.flatnonzero(np.diff(pressing)).reshape(-1, 2).T
     found = []
-    for i, j in zip(first.tolist(), last.tolist(), strict=True):
-        share = 1.0
-        if gap[i + 1] < 0 < gap[i]:
-            share = float(gap[i + 1] / (gap[i + 1] - gap[i]))
-        elif gap[i + 1] == 0 and (gap[i] > 0 or force[i] <= FAINT * force[i : i + 2].max()):
-            share = _share_of_jump(force[i : min(j, i + 3)])
-        begin = float(times[i + 1]) - share * float(times[i + 1] - times[i])
-        end = _end_of_force(times, force, gap, i, j) if j < len(force) else math.nan
+    for i, j in _pressing(force):
+        begin = _begin_of_force(times, force, gap, i)
+        running = j == len(force)
+        end = math.nan if running else max(begin, _end_of_force(times, force, gap, i, j))
         found.append((begin, end))
     return found
+
+
+def _pressing(force: Floats) -> list[tuple[int, int]]:
+    """First and behind the last of the steps in which a contact presses without a break."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], force > 0, [False]))))
+    return [(int(i), int(j)) for i, j in edges.reshape(-1, 2)]
+
+
+def _begin_of_force(times: Floats, force: Floats, gap: Floats, i: int) -> float:
+    """When the force begins that first presses in step i."""
+    start, width = float(times[i]), float(times[i + 1] - times[i])
+    if force[i] <= FAINT * force[i : i + 2].max():
+        return start + width
+    before = max(i - 1, 0)
+    fell = float(gap[before] - gap[before + 1]) / float(times[before + 1] - times[before]) * width
+    return start + (width * float(gap[i]) / fell if 0 < gap[i] < LATEST * fell else 0.0)
 
 
 def _end_of_force(times: Floats, force: Floats, gap: Floats, i: int, j: int) -> float:
@@ -298,28 +309,29 @@ def _share_of_jump(force: Floats) -> float:
 def _episodes_of_steps(
     times: Floats, force: Floats, gap: Floats, least: float
 ) -> tuple[Episode, ...]:
-    """Touchings that carried force: from the first force to the opening of the gap.
+    """Touchings that carried force: from the first force until a gap has opened.
 
-    The gap opens where it begins to grow beyond `least`, if it does so before the next force.
+    A gap has opened once it passes `least`, if it does so before the next force.
     """
-    spans = pressed_spans(times, force, gap)
+    steps, spans = _pressing(force), pressed_spans(times, force, gap)
     far = np.flatnonzero(gap > least)
     found: list[Episode] = []
-    for begin, end in spans:
-        if found and not found[-1].opening < begin:
-            found[-1] = Episode(found[-1].start, end, math.nan)
-        else:
-            found.append(Episode(begin, end, math.nan))
-        k = int(np.searchsorted(far, np.searchsorted(times, end))) if end == end else len(far)
-        if k < len(far):
-            found[-1] = found[-1]._replace(opening=_opening(times, gap, int(far[k]), end))
+    for n, ((_, j), (begin, end)) in enumerate(zip(steps, spans, strict=True)):
+        if found and found[-1].opening != found[-1].opening:
+            begin = found.pop().start
+        k = int(np.searchsorted(far, j))
+        last = steps[n + 1][0] if n + 1 < len(steps) else len(force)
+        opens = k < len(far) and far[k] <= last
+        opening = max(_opening(times, gap, int(far[k])), end) if opens else math.nan
+        found.append(Episode(begin, end, opening))
     return tuple(found)
 
 
-def _opening(times: Floats, gap: Floats, k: int, end: float) -> float:
-    """When the gap begins that is there at step end k, after a force that ended at `end`."""
+def _opening(times: Floats, gap: Floats, k: int) -> float:
+    """When a gap that is open at step end k was 0 for the last time."""
     shut = np.flatnonzero(gap[:k] <= 0)
-    i = int(shut[-1]) if len(shut) else 0
-    low, high = float(gap[i]), float(gap[i + 1])
-    begin = float(times[i]) + float(times[i + 1] - times[i]) * (-low / (high - low))
-    return max(begin, end)
+    if not len(shut):
+        return float(times[max(k - 1, 0)])
+    i = int(shut[-1])
+    share = float(gap[i] / (gap[i] - gap[i + 1]))
+    return float(times[i]) + share * float(times[i + 1] - times[i])

@@ -194,13 +194,14 @@ class Fields(ABC):
         """Displacement of a rigid mass, m, whose velocity changes evenly in each step."""
         a, V, ticks = self.assembly, self.masses[body], self.to_ticks(t)
         if len(V) == 1:
-            return np.zeros(np.shape(ticks))
-        assert self.steps is not None
-        width = np.diff(self.steps)
-        moved = np.concatenate(([0.0], np.cumsum((V[1:] + V[:-1]) / 2 * width)))
-        i = np.clip(np.searchsorted(self.steps, ticks, "right") - 1, 0, len(V) - 2)
-        s = ticks - self.steps[i]
-        path = moved[i] + V[i] * s + (V[i + 1] - V[i]) / width[i] * s * s / 2
+            path = V[0] * ticks
+        else:
+            assert self.steps is not None
+            width = np.diff(self.steps)
+            moved = np.concatenate(([0.0], np.cumsum((V[1:] + V[:-1]) / 2 * width)))
+            i = np.clip(np.searchsorted(self.steps, ticks, "right") - 1, 0, len(V) - 2)
+            s = ticks - self.steps[i]
+            path = moved[i] + V[i] * s + (V[i + 1] - V[i]) / width[i] * s * s / 2
         time = ticks * a.tick
         found: Floats = path * a.tick + a.frame * time + a.gravity * time * time / 2
         return found

@@ -23,7 +23,7 @@ import numpy as np
 from . import __version__
 from .contacts import ContactTally
 from .fields import Fields
-from .grid_fields import GridFields
+from .grid_fields import GridFields, outer_forces
 from .methods.assembly import Assembly, assemble
 from .methods.characteristics import clockwork
 from .methods.clockwork import PARTS, Clockwork
@@ -349,7 +349,7 @@ def _read_steps(
 def _read_grid(
     document: dict[str, Any], arrays: Arrays, system: System
 ) -> tuple[Fields, Record]:
-    mesh, steps = Mesh(Plan(system), document["cells"]), document["end"] // PARTS
+    mesh = Mesh(Plan(system), document["cells"])
     work = grid_clockwork(mesh, document["clock"]["tick"] * PARTS)
     _compare_clocks(document, work)
     states = States(*(arrays[f"state_{name}"] for name in States._fields))
@@ -357,8 +357,12 @@ def _read_grid(
     shapes = [x.shape for x in states[1:]]
     if shapes != [(kept, nodes), (kept, nodes + 1), (kept, len(mesh.starts)), (kept,)]:
         raise ValueError("states do not fit the cells")
-    fields = GridFields(work, mesh, states, steps, _read_masses(arrays, mesh.plan))
-    return fields, _read_record(document, arrays, system)
+    record = _read_record(document, arrays, system)
+    fields = GridFields(
+        work, mesh, states, document["end"], _read_masses(arrays, mesh.plan),
+        outer_forces(mesh, record.forces, record.ends),
+    )
+    return fields, record
 
 
 def _read_masses(arrays: Arrays, plan: Plan) -> dict[int, Any]:

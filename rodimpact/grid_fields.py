@@ -1,13 +1,17 @@
 """Fields from states of a grid: velocities of nodes and strains of cells at some times.
 
-Between nodes, between the middles of cells, and between two states fields change evenly. Energies
-are those that the scheme keeps: kinetic energy is less by what the change of velocity along a cell
-would strain it in half a step, which keeps both kinetic and strain energy from being negative.
+Between nodes, between the middles of cells, and between two states fields change evenly. At the
+ends of a segment the force is what the momentum of the node there asks for: none at a free end,
+that of the contact where rods touch, and the same on both sides of a step; strains follow.
+
+Energies are those that the scheme keeps: kinetic energy is less by what the change of velocity
+along a cell would strain it in half a step, which keeps both kinetic and strain energy from being
+negative.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -18,6 +22,7 @@ from .fields import Fields, Profile, Trace, nearest
 from .methods.clockwork import PARTS, Clockwork
 from .methods.finite_difference_kernel import States
 from .methods.mesh import Mesh
+from .profiles import Samples
 from .signals import Floats, Ints, Side
 
 
@@ -31,19 +36,20 @@ class GridFields(Fields):
     states : States
         `when` [state] in steps; velocity [state, node] in m/s, in the frame; force [state, cell]
         in N; place [state, piece] in m/s times steps; lost [state] in W times steps.
-    steps : int
-        Steps of the run.
+    end : int
+        Last tick.
     masses : mapping of int to array
         As in `Fields`.
+    pushes : mapping of int to array
+        As `outer_forces` gives them.
     """
 
     def __init__(
-        self, assembly: Clockwork, mesh: Mesh, states: States, steps: int,
-        masses: Mapping[int, Floats],
+        self, assembly: Clockwork, mesh: Mesh, states: States, end: int,
+        masses: Mapping[int, Floats], pushes: Mapping[int, Floats],
     ) -> None:
-        edges = PARTS * np.arange(steps + 1)
-        super().__init__(assembly, steps * PARTS, masses, edges)
-        self.mesh, self.states = mesh, states
+        super().__init__(assembly, end, masses, np.arange(0, end + 1, PARTS))
+        self.mesh, self.states, self._pushes = mesh, states, pushes
 
     @property
     def _step(self) -> float:
@@ -69,39 +75,116 @@ class GridFields(Fields):
 
     # Between the nodes ----------------------------------------------------------------------------
 
-    def _cell(self, body: int, segment: Ints, x: Floats, shift: float) -> tuple[Ints, Floats]:
-        """Node before each place, moved by so many cells, and share; inside the segment."""
+    def _cells(self, body: int, segment: Ints, x: ArrayLike) -> Floats:
+        """Cells between the left end of its segment and each place."""
         first, a = self.assembly.spans[body][0], self.assembly
         begin = self.edges(body)[segment - first]
-        counts = np.array([0, *self.mesh.counts])[segment]
-        y = (x - begin) / np.array(a.length)[segment] * counts + shift
-        low, high = 0.0, counts - 1.0
-        if shift:
-            y = np.clip(y, 0.0, counts - 1.0)
-            high = np.maximum(counts - 2.0, 0.0)
-        i = np.clip(np.floor(y), low, high)
-        return np.array(self.mesh.first)[segment] + i.astype(np.int64), np.clip(y - i, 0.0, 1.0)
+        share = (np.asarray(x) - begin) / np.array(a.length)[segment]
+        found: Floats = share * self._counts[segment]
+        return found
+
+    def _at(self, table: Floats, y: Floats, base: Ints, count: Ints, ticks: Ints) -> Floats:
+        """Values of `count` columns of [state, column] from `base` on, at y columns from there."""
+        i = np.clip(np.floor(y), 0.0, count - 2.0)
+        share = np.clip(y - i, 0.0, 1.0)
+        place = base + i.astype(np.int64)
+        self._together(place, ticks)
+        before, after = (self._in_time(table, at, ticks) for at in (place, place + 1))
+        found: Floats = before * (1 - share) + after * share
+        return found
 
     def _at_nodes(
         self, table: Floats, body: int, x: ArrayLike, ticks: Ints, first: int = 0
     ) -> Floats:
         segment = self.segment_at(body, x)
-        n, share = self._cell(body, segment, np.asarray(x, dtype=np.float64), 0.0)
-        n = n - first
-        self._together(n, ticks)
-        before, after = (self._in_time(table, place, ticks) for place in (n, n + 1))
-        found: Floats = before * (1 - share) + after * share
-        return found
+        y, base = self._cells(body, segment, x), np.array(self.mesh.first)[segment] - first
+        return self._at(table, y, base, self._counts[segment] + 1, ticks)
 
     def _at_cells(self, table: Floats, body: int, x: ArrayLike, ticks: Ints) -> Floats:
+        """Values at places of a table like `_stretch`."""
         segment = self.segment_at(body, x)
-        c, share = self._cell(body, segment, np.asarray(x, dtype=np.float64), -0.5)
-        self._together(c, ticks)
-        last = np.array(self.mesh.last)[segment]
-        before, after = (
-            self._in_time(table, np.minimum(place, last), ticks) for place in (c + 1, c + 2)
-        )
-        found: Floats = before * (1 - share) + after * share
+        y, N = self._cells(body, segment, x), self._counts[segment]
+        y = np.where(y < 0.5, 2 * y, np.where(y > N - 0.5, 2 * y - N + 1, y + 0.5))
+        return self._at(table, y, self._edge[segment], N + 2, ticks)
+
+    @cached_property
+    def _counts(self) -> Ints:
+        """Cells by segment."""
+        return np.array([0, *self.mesh.counts])
+
+    @cached_property
+    def _edge(self) -> Ints:
+        """By segment: the column of `_stretch` that is its left end."""
+        found: Ints = np.cumsum([-2, *(self._counts + 2)[:-1]])
+        return found
+
+    @cached_property
+    def _stretch(self) -> Floats:
+        """Strains: of each segment at its left end, in its cells, and at its right end."""
+        return self._with_ends(self._strain, self._at_ends[0])
+
+    @cached_property
+    def _stretching(self) -> Floats:
+        """Rates of strain, as in `_stretch`."""
+        return self._with_ends(self._rate, self._at_ends[1])
+
+    def _with_ends(self, table: Floats, ends: Floats) -> Floats:
+        mesh, edge = self.mesh, self._edge[1:]
+        columns = [np.arange(a, b + 2) for a, b in zip(mesh.first[1:], mesh.last[1:], strict=True)]
+        found: Floats = table[:, np.concatenate(columns)]
+        found[:, edge], found[:, edge + self._counts[1:] + 1] = ends[:, ::2], ends[:, 1::2]
+        return found
+
+    @cached_property
+    def _at_ends(self) -> tuple[Floats, Floats]:
+        """Strains and their rates [state, end], left and right end of segment after segment.
+
+        Both are extrapolated, and then changed to give the stress that the node's momentum asks
+        for: in a step, viscosity eta resists a change of strain by eta/step. Where lateral inertia
+        takes a share of the force they stay.
+        """
+        mesh, strains, rates = self.mesh, [], []
+        for segment, a, b, N in zip(
+            mesh.plan.segments, mesh.first[1:], mesh.last[1:], mesh.counts, strict=True
+        ):
+            E, eta = float(segment.material.youngs_modulus), float(segment.material.viscosity)
+            areas = segment.area.values if isinstance(segment.area, Samples) else [segment.area]
+            for node, cell, inward, area in ((a, a + 1, 1, areas[0]), (b, b, -1, areas[-1])):
+                behind = cell + inward * (N > 1)
+                strain = 1.5 * self._strain[:, cell] - 0.5 * self._strain[:, behind]
+                rate = 1.5 * self._rate_in(cell) - 0.5 * self._rate_in(behind)
+                if not mesh.lateral[node] and not mesh.lateral[node + 1]:
+                    pull = self._pull(node + 1) - self._pull(node) + self._pushed(node)
+                    gained = pull * mesh.cell_mass[cell] / 2 / mesh.mass[node]
+                    stress = (self._pull(cell) - inward * gained) / float(area)
+                    missing = stress - E * strain - eta * rate
+                    strain += missing / (E + eta / self._step)
+                    rate += missing / (E * self._step + eta)
+                strains.append(strain)
+                rates.append(rate)
+        return np.array(strains).T, np.array(rates).T
+
+    def _rate_in(self, cell: int) -> Floats:
+        """Rate of strain of a cell, at the states."""
+        v = self.states.velocity
+        found: Floats = (v[:, cell] - v[:, cell - 1]) / self.mesh.width[cell]
+        return found
+
+    def _pull(self, cell: int) -> Floats:
+        """Elastic and viscous tension of a cell, at the states; none between pieces."""
+        found: Floats = self.states.force[:, cell]
+        if self.mesh.viscous[cell]:
+            found = found + self.mesh.viscous[cell] * self.mesh.width[cell] * self._rate_in(cell)
+        return found
+
+    def _pushed(self, node: int) -> Floats:
+        """Force to the right on a node from outside its piece, at the states."""
+        F = self._pushes.get(node, np.zeros(1))
+        if len(F) < 2:
+            return np.repeat(F, len(self.states.when)) if len(F) else np.zeros(1)
+        ends = 1.5 * F[[0, -1]] - 0.5 * F[[1, -2]]
+        at_steps: Floats = np.concatenate((ends[:1], (F[1:] + F[:-1]) / 2, ends[1:]))
+        found: Floats = at_steps[self.states.when]
         return found
 
     @cached_property
@@ -143,10 +226,10 @@ class GridFields(Fields):
     def strain(  # noqa: D102
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
-        return self._at_cells(self._strain, body, x, self.to_ticks(t, side))
+        return self._at_cells(self._stretch, body, x, self.to_ticks(t, side))
 
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:  # noqa: D102
-        return self._at_cells(self._rate, body, x, self.to_ticks(t))
+        return self._at_cells(self._stretching, body, x, self.to_ticks(t))
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:  # noqa: D102
         a, ticks = self.assembly, self.to_ticks(t)
@@ -175,7 +258,7 @@ class GridFields(Fields):
         times = ticks * a.tick
         c = a.wave_speed[int(self.segment_at(body, x))]
         v = self._at_nodes(self.states.velocity, body, x, ticks)
-        stretch = c * self._at_cells(self._strain, body, x, ticks)
+        stretch = c * self._at_cells(self._stretch, body, x, ticks)
         return Trace(times, v - stretch, v + stretch, a.frame + a.gravity * times, c)
 
     # Integrals over bodies ------------------------------------------------------------------------
@@ -216,18 +299,44 @@ class GridFields(Fields):
 
     def profile(self, body: int, tick: int) -> Profile:  # noqa: D102
         nodes, cells, _ = self._span(body)
+        first, last = self.assembly.spans[body]
+        counts = self.mesh.counts[first - 1 : last]
         x = np.concatenate([
             np.linspace(left, right, N + 1)[:-1] for left, right, N in zip(
-                self.edges(body)[:-1], self.edges(body)[1:], self._counts(body), strict=True)
+                self.edges(body)[:-1], self.edges(body)[1:], counts, strict=True)
         ])
         edges = np.append(x, self.edges(body)[-1])
-        first, last = self.assembly.spans[body]
         v = self._in_time(self.states.velocity, nodes, np.asarray(tick))
         strain = self._in_time(self._strain, cells, np.asarray(tick))
         drift = self.assembly.frame + self.assembly.gravity * tick * self.assembly.tick
-        segments = np.repeat(np.arange(first, last + 1), self._counts(body))
+        segments = np.repeat(np.arange(first, last + 1), counts)
         return Profile(edges, (v[1:] + v[:-1]) / 2 + drift, strain, segments)
 
-    def _counts(self, body: int) -> list[int]:
-        first, last = self.assembly.spans[body]
-        return self.mesh.counts[first - 1 : last]
+
+def outer_forces(
+    mesh: Mesh, forces: Sequence[Floats], ends: Sequence[tuple[str, Floats, Floats] | None]
+) -> dict[int, Floats]:
+    """Forces to the right on nodes: of contacts that can open, and of what is outside the row.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    forces, ends
+        As in `StepRecord`.
+
+    Returns
+    -------
+    dict of int to array
+        By node: [steps] mean force, N.
+    """
+    found: dict[int, Floats] = {}
+    for k, link in enumerate(mesh.plan.contact_link):
+        if link in mesh.touching:
+            for node, sign in zip(mesh.touching[link], (-1, 1), strict=True):
+                found[node] = found.get(node, 0.0) + sign * forces[k]
+    for node, sign, link, end in zip(
+        mesh.ends, (1, -1), (0, len(mesh.plan.laws) - 1), ends, strict=True
+    ):
+        if end is not None and link not in mesh.touching:
+            found[node] = found.get(node, 0.0) + sign * end[1]
+    return found

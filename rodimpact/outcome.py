@@ -64,7 +64,7 @@ class Outcome:
     contact_energy : float
         Stored in compliant contacts at the end, J.
     dissipated, numerical, radiated : float
-        Lost in contacts, as rigid contacts shut (see `EnergyLedger`), and through absorbing ends,
+        Lost in contacts, to the time step (see `EnergyLedger`), and through absorbing ends,
         J.
     damped : float
         Lost in damped material, J.

@@ -334,7 +334,7 @@ def _exchanges(o: Outcome) -> list[tuple[str, float]]:
     return [
         ("work of moving walls", o.wall_work), ("work of driven ends", o.drive_work),
         ("work of gravity", o.gravity_work), ("lost in contacts", o.dissipated),
-        ("lost in material", o.damped), ("lost as contacts shut", o.numerical),
+        ("lost in material", o.damped), ("lost to the time step", o.numerical),
         ("radiated", o.radiated),
     ]
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from .arguments import array
 from .fields import Fields
 from .frozen import InvalidModel, Number, Problems, number
-from .grid_fields import GridFields
+from .grid_fields import GridFields, outer_forces
 from .methods import characteristics, finite_difference
 from .methods.abilities import LACKS, choose, driven, refuse
 from .methods.assembly import Assembly, assemble
@@ -31,6 +31,7 @@ from .wave_fields import WaveFields
 
 METHODS = tuple(LACKS)
 Progress = finite_difference.Progress
+LARGE_CHANGE = 0.01  # of the largest force, from which it is named
 LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
 ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come to rest
 
@@ -52,8 +53,7 @@ def solve(
     system : System
         A single collision, of shape ().
     until : float, optional
-        Time to run to, s; on a time step, the outcome is that at the end of the step. By default
-        the run goes on until it is proved that no contact can happen
+        Time to run to, s. By default the run goes on until it is proved that no contact can happen
         again, and one round trip of the longest rod more.
     method : str
         ``"fronts"``: exact wave-front tracking. ``"characteristics"``: end signals averaged over a
@@ -64,8 +64,9 @@ def solve(
         Arrivals at ends after which the run gives up; `Solution.status` then says so. On a time
         step, steps times ends, where `until` is not given.
     dt : float, optional
-        Time step, s, of a method that has one. By default it is chosen, so that transit times are
-        whole numbers of steps as nearly as possible, and halved until the outcome stands still.
+        Time step, s, of a method that has one; on a grid less where `until` is no multiple of it.
+        By default it is chosen, so that transit times are whole numbers of steps as nearly as
+        possible, and halved until the outcome stands still.
     rtol : float, optional
         Up to which the last halvings of the step may change the outcome: impulses, contact times,
         and largest forces ("characteristics", 1e-5) or velocities ("finite-difference", 1e-3). A
@@ -266,7 +267,8 @@ def wrap_steps(run: Run, until: float | None = None) -> Solution:
     fields: Fields
     if isinstance(run, finite_difference.GridRun):
         method = "finite-difference"
-        fields = GridFields(run.clockwork, run.mesh, run.states, run.steps, masses)
+        pushes = outer_forces(run.mesh, record.forces, record.ends)
+        fields = GridFields(run.clockwork, run.mesh, run.states, run.end, masses, pushes)
     else:
         method = "characteristics"
         waves = [run.wave(line) for line in range(2, 2 * len(run.row.steps) - 2)]
@@ -359,6 +361,19 @@ def _at_walls(a: Assembly) -> list[ContactLaw]:
     return [laws[k] for i, k in ends if isinstance(bodies[i], Wall)]
 
 
+def _own_peak(run: finite_difference.GridRun) -> str:
+    """A warning of a largest force that is not that of the bodies."""
+    reasons, large = [], max(run.rtol, LARGE_CHANGE)
+    if run.peak_change > large:
+        reasons.append(f"refining changed it by {run.peak_change:.1g}")
+    if run.overshoot > large:
+        reasons.append(
+            f"beside jumps waves overshoot, and over {finite_difference.RINGING} steps it is less "
+            f"by {run.overshoot:.1g} of itself"
+        )
+    return f" The largest force is that of this mesh: {'; '.join(reasons)}." if reasons else ""
+
+
 def describe_steps(run: Run, until: float | None = None) -> str:
     """Why a run on a time step ended, and how accurate it is, with the remedy."""
     times = run.edges * run.clockwork.tick
@@ -392,6 +407,8 @@ def describe_steps(run: Run, until: float | None = None) -> str:
             f"{run.clockwork.transit_error:.2g} of itself"
         )
     said += "."
+    if until and not run.steps:
+        said += " The end comes before half a step: none was taken. More cells shorten it."
     if run.estimates and any(contacts):
         finer = "more cells" if isinstance(run, finite_difference.GridRun) else "a smaller dt"
         late = {name: value for name, value in run.estimates.items() if value > run.rtol}
@@ -406,9 +423,6 @@ def describe_steps(run: Run, until: float | None = None) -> str:
         else:
             worst = max(run.estimates.values())
             said += f" Comparing steps, the outcome is wrong by {worst:.1g} of itself at most."
-    if isinstance(run, finite_difference.GridRun) and run.peak_change > max(run.rtol, 1e-2):
-        said += (
-            f" The largest force is that of this mesh: the last halving changed it by "
-            f"{run.peak_change:.1g}."
-        )
+    if isinstance(run, finite_difference.GridRun):
+        said += _own_peak(run)
     return said + _large(run.largest_strain)

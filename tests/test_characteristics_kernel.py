@@ -29,11 +29,11 @@ def machine_of(system, room, step=STEP, cuts=()):
 
 
 def whole_network(seed):
-    """A row without absorbing ends whose transits are whole numbers of steps, which may be cut."""
+    """A row with free ends whose transits are whole numbers of steps, so that these may be cut."""
     rng = np.random.default_rng(seed)
     while True:
         system = random_network(int(rng.integers(10**6)))
-        closed = all(isinstance(end, ri.Free | ri.Fixed) for end in system.ends)
+        closed = all(isinstance(end, ri.Free) for end in system.ends)
         if closed and not any(T % TICKS for T in transit_ticks(Plan(system), STEP)):
             return system
 
@@ -295,7 +295,7 @@ def by_steps(values, places, steps):
 def test_cuts_change_nothing_where_waves_are_even():
     """Rods, rigid contacts and walls do not care how a step is divided: the means are the same."""
     cuts, found = [TICKS // 5, TICKS // 2, TICKS // 8 * 7], 0
-    for seed in range(40):
+    for seed in range(80):
         system = whole_network(seed)
         plain = all(isinstance(b, ri.Rod | ri.Wall) for b in system.bodies) and all(
             isinstance(law, ri.Bonded) for law in system.contacts)

@@ -56,7 +56,7 @@ def run_row(system, until=SECONDS, step=STEP):
 
 def machine_of(system, room, snapshots=None, step=STEP):
     plan = Plan(system)
-    counts, step = _mesh_size(plan, None, step)
+    counts, step = _mesh_size(plan, None, step, None)
     return Machine(Mesh(plan, counts), step, Keeper(snapshots), room)
 
 

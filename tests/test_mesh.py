@@ -86,7 +86,7 @@ def test_a_taper_keeps_its_volume():
 def test_every_row(seed, driven):
     system = random_row(seed, driven=driven)
     plan = Plan(system)
-    counts, step = _mesh_size(plan, None, 1 / 32)
+    counts, step = _mesh_size(plan, None, 1 / 32, None)
     mesh = Mesh(plan, counts)
     assert mesh.starts[0] == 0
     assert mesh.starts[1:] == [b + 1 for b in mesh.stops[:-1]]
@@ -132,10 +132,10 @@ def test_cells_that_hardly_move_are_refused(options, polar, field):
 def test_the_mesh_that_wastes_least():
     """Courant numbers are as near to 1 as the first hundred numbers of cells allow."""
     row = [unit_rod(1.0), unit_rod(0.75), unit_rod(math.sqrt(0.5))]
-    counts, step = _mesh_size(Plan(ri.System(row)), None, None)
+    counts, step = _mesh_size(Plan(ri.System(row)), None, None, None)
     courant = step * np.array(counts) / [1.0, 0.75, math.sqrt(0.5)]
     assert 100 <= counts[0] < 200
     assert courant.max() == pytest.approx(0.999, rel=1e-12)
     assert courant.min() >= 0.997
-    counts, _ = _mesh_size(Plan(ri.System([unit_rod(), unit_rod(0.02)])), None, None)
+    counts, _ = _mesh_size(Plan(ri.System([unit_rod(), unit_rod(0.02)])), None, None, None)
     assert min(counts) >= 8

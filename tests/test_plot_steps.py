@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 import rodimpact as ri
 from rodimpact import plot
+from rodimpact.methods.clockwork import PARTS
 from rodimpact.plot.moments import moments
 from rodimpact.plot.thinning import INTERVALS, telling
 
@@ -163,7 +164,9 @@ def test_contacts_press_as_long_as_their_episodes(solved):
     expected = sum(
         min(e.force_end if e.force_end == e.force_end else np.inf, solution.t_end) - e.start
         for c in solution.contacts for e in c.episodes)
-    assert pressing == pytest.approx(expected, rel=1e-6)
+    step = solution.fields.assembly.tick * PARTS
+    count = sum(len(c.episodes) for c in solution.contacts)
+    assert expected <= pressing <= expected + 2 * count * step  # drawn in whole steps
 
 
 def test_a_rod_that_touches_without_force_has_a_thin_line(solved):
@@ -306,7 +309,7 @@ def test_only_entries_that_are_not_zero_are_shown_and_named(solved):
         return set(said) - {"motion of the centres of mass", "vibration, kinetic",
                             "vibration, strain"}
 
-    assert named("hertz") == {"in compliant contacts", "gone through absorbing ends"}
+    assert named("hertz") - {"lost to the time step"} == {"in compliant contacts", "gone through absorbing ends"}
     assert {"in compliant contacts", "lost in contacts",
             "initial energy and work of the driven ends"} <= named("pushed")
     assert "lost in contacts" in named("masses")

@@ -106,7 +106,7 @@ def means(force, edges):
 
 @pytest.mark.parametrize("cut", [1.0, 0.3])
 def test_peaks_behind_averages(cut):
-    edges = np.sort(np.concatenate((np.arange(101.0), np.arange(100) + cut)))[:: 2 if cut == 1 else 1]
+    edges = np.unique(np.concatenate((np.arange(101.0), np.arange(100) + cut)))
     top = [-1 / 1600, 2 * 50.3 / 1600, 1 - 50.3**2 / 1600]
     assert peak(edges, means(top, edges)) == pytest.approx(1.0, abs=1e-12)
     assert peak(np.arange(4), np.zeros(3)) == 0.0

@@ -25,18 +25,19 @@ from .abilities import driven, require_end
 from .clockwork import PARTS, Clockwork
 from .finite_difference_kernel import ENDLESS, Grid, Links, Signals, States
 from .grid_machine import SPECK, Keeper, Machine, cost
-from .link_kernel import Tally
+from .link_kernel import RIGID, Tally
 from .mesh import Mesh
 from .plan import Array, Plan
-from .refinement import MEASURES, contact_measures, refined
+from .refinement import MEASURES, contact_measures, peak, refined
 
 RTOL = 1e-3
 COURANT = 0.999
 FIRST = 100  # fewest cells of the longest transit
-FEWEST = 8  # cells of a segment, where nothing else is asked for
+FEWEST = 8  # cells of a segment, where nothing else is asked for, and steps of a short run
 FINEST = 1 << 13  # most cells of the longest transit in the search for an accurate mesh
 MOST_CELLS = 1 << 20
 STABLE = 1 + 2.0**-30  # Courant number up to which a mesh is taken; beyond 1 by round-off only
+RINGING = 8  # steps in which waves beside a jump swing about their mean
 LONG = 60.0  # s, from which a run is announced
 
 Progress = Callable[[int, int], None]
@@ -53,7 +54,9 @@ class GridRun:
     step : float
         s.
     steps : int
-        Steps taken.
+        Steps taken; none where the end that was asked for comes before half a step.
+    end : int
+        Last tick: of the steps, or of that end.
     grid, links, tally, signals
         The kernel's state at the end, on arrays.
     states : States
@@ -66,13 +69,14 @@ class GridRun:
         As in `StepRun`.
     rtol : float
     peak_change : float
-        Relative change of the largest force by the last halving; nan where there was none.
+        Relative change of the largest force from a mesh at most half as fine; nan without one.
     """
 
     clockwork: Clockwork
     mesh: Mesh
     step: float
     steps: int
+    end: int
     grid: Grid
     links: Links
     tally: Tally
@@ -114,6 +118,23 @@ class GridRun:
         inside = self.mesh.stiffness > 0
         yielding = self.mesh.stiffness[inside] * self.mesh.width[inside]
         return float(np.abs(self.states.force[:, inside] / yielding).max())
+
+    @property
+    def overshoot(self) -> float:
+        """How much less the largest force of rigid contacts is over a few steps; relative.
+
+        Beside a jump waves on a grid overshoot by a share that no finer mesh makes less; averages
+        over a few steps do not.
+        """
+        peaks, less = [0.0], [0.0]
+        for contact, link in enumerate(self.plan.contact_link):
+            if link >= 0 and self.plan.laws[link] == RIGID:
+                force = self.contact(contact)[0]
+                passed = np.concatenate((np.zeros(RINGING), np.cumsum(force)))
+                means = (passed[RINGING:] - passed[:-RINGING]) / RINGING
+                peaks.append(peak(self.edges, force))
+                less.append(peaks[-1] - float(means.max(initial=0.0)))
+        return max(less) / (max(peaks) or 1.0)
 
     @property
     def resolved(self) -> float:
@@ -187,7 +208,7 @@ def follow(
     cells : int, optional
         Of the segment with the longest transit.
     dt : float, optional
-        Step, s.
+        Step, s; less where `until` is no multiple of it.
     rtol : float, optional
         Relative accuracy to which cells and step are halved, where neither is given.
     snapshots : int or array, optional
@@ -205,29 +226,36 @@ def follow(
     """
     require_end(system, until)
     plan = Plan(system)
-    counts, step = _mesh_size(plan, cells, dt)
+    counts, step = _mesh_size(plan, cells, dt, until)
+    stepping = until is None or 2 * until > step
+    if until is not None and stepping:
+        step = until / math.ceil(until / step * (1 - 1e-12))
 
-    peaks: list[Array] = []
+    peaks: dict[int, Array] = {}
 
     def level(factor: int) -> GridRun:
         finer = Mesh(plan, [factor * N for N in counts])
         keep = Keeper(snapshots)
         run = _level(finer, step / factor, keep, until, max_events, progress, announce)
-        peaks.append(contact_measures(run)[MEASURES[1]])
+        peaks[factor] = contact_measures(run)[MEASURES[1]]
         return run
 
-    if cells is not None or dt is not None:
+    if cells is not None or dt is not None or not stepping:
         return level(1)
     goal = RTOL if rtol is None else rtol
     found, estimates = refined(level, measures, goal, FINEST // max(counts))
-    change = math.nan
-    if len(peaks) > 1 and peaks[-1].max(initial=0.0) > 0:
-        change = float(np.abs(peaks[-1] - peaks[-2]).max() / peaks[-1].max())
+    change, last = math.nan, max(peaks)
+    rougher = [factor for factor in peaks if 2 * factor <= last]
+    if rougher and peaks[last].max(initial=0.0) > 0:
+        change = float(np.abs(peaks[last] - peaks[max(rougher)]).max() / peaks[last].max())
     return replace(found, estimates=estimates, rtol=goal, peak_change=change)
 
 
 def measures(found: GridRun) -> dict[str, Array]:
     """What is to stand still: velocities, impulses, and when 99.9 % of them has passed.
+
+    Velocities are those of free bodies, and of each of them seen from the next, which restitution
+    is made of: its error may be twice that of theirs.
 
     The largest force is left out: beside a jump waves overshoot, on any mesh, and flat ends of
     viscous rods, or of rods with lateral inertia, meet with a force that has no largest value.
@@ -241,10 +269,12 @@ def measures(found: GridRun) -> dict[str, Array]:
         for a, b in zip(found.mesh.starts, found.mesh.stops, strict=True)
         if not found.mesh.held[a : b + 1].any()
     ]
-    return {"velocity": np.array([*free, found.plan.scale]), **by_contact}
+    return {"velocity": np.array([*free, *np.diff(free), found.plan.scale]), **by_contact}
 
 
-def _mesh_size(plan: Plan, cells: int | None, dt: float | None) -> tuple[list[int], float]:
+def _mesh_size(
+    plan: Plan, cells: int | None, dt: float | None, until: float | None
+) -> tuple[list[int], float]:
     """Cells of each segment, and the step, s, that is stable for them."""
     T = np.array([float(s.transit_time) for s in plan.segments])
     longest, shortest = int(np.argmax(T)), int(np.argmin(T))
@@ -256,6 +286,8 @@ def _mesh_size(plan: Plan, cells: int | None, dt: float | None) -> tuple[list[in
                 f"would take {least:.3g} cells of {MOST_CELLS} at most; leave it out"
             )
             raise InvalidModel([(plan.paths[shortest + 1], message)])
+        if until:
+            least = max(least, math.ceil(min(FINEST / 4, FEWEST * float(T[longest]) / until)))
         # of the numbers up to twice as many, the first for which all segments run nearest to 1
         numbers = np.arange(least, 2 * least)
         steps = numbers[:, None] * (T / T[longest])
@@ -299,7 +331,8 @@ def _level(
     longest = max(1, math.ceil(work.longest / PARTS))
     cap = max(1, max_events // len(plan.laws))
     proof, reason = -1, "until"
-    room = 8 * longest if until is None else max(1, math.ceil(until / step * (1 - 1e-12)))
+    steps = 0 if until is None else round(until / step)
+    room = 8 * longest if until is None else max(1, steps)
     machine = Machine(mesh, step, keep, room)
     size = f"{sum(mesh.counts)} cells"
     per_step = cost(mesh, plain=not kernels.enabled())
@@ -314,7 +347,7 @@ def _level(
         if progress and time.monotonic() - began > 1.0:
             progress(taken, max(room, taken))
 
-    last = cap if until is None else room if until > 0 else 0
+    last = cap if until is None else steps
     machine.advance(0)
     while proof < 0:
         wait = settled(machine)
@@ -332,6 +365,9 @@ def _level(
         reason = "final" if proof >= 0 else "max_events"
         if proof >= 0:
             machine.advance(machine.taken + 2 * longest, tell)
+    end = machine.taken * PARTS
+    if until is not None and not steps:
+        end = math.ceil(until / step * PARTS)
     kept = int(machine.clock[1])
     when = machine.states.when
     states = States._make([
@@ -339,7 +375,7 @@ def _level(
         machine.states.lost[:kept],
     ])
     return GridRun(
-        clockwork=work, mesh=mesh, step=step, steps=machine.taken, grid=machine.grid,
+        clockwork=work, mesh=mesh, step=step, steps=machine.taken, end=end, grid=machine.grid,
         links=machine.links, tally=machine.tally, signals=machine.signals, states=states,
         settled=proof, stopped_by=reason,
     )

@@ -33,7 +33,7 @@ BANDS = {
     "dissipated": ("lost in contacts", "#d9b3a6", INK),
     "radiated": ("gone through absorbing ends", "#e3e3e3", INK),
     "damped": ("lost in material", "#e0c39a", INK),
-    "numerical": ("lost as contacts shut", "#c7a3c4", INK),
+    "numerical": ("lost to the time step", "#c7a3c4", INK),
 }
 """Entries of the ledger that are stacked, with words, colour, and colour of the words."""
 ALWAYS = ("kinetic", "vibration", "strain")
@@ -54,7 +54,7 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
     """Draw the energy of all bodies against time, split into motion, vibration and strain.
 
     Above it lies what is stored in compliant contacts, lost there and in damped material, gone
-    through absorbing ends and lost as contacts shut, each if there is any. If the whole row drifts,
+    through absorbing ends and lost to the time step, each if there is any. If the whole row drifts,
     the energy is that seen from the frame in which `spacetime` draws it, since the drift would hide
     all else. Where walls move, ends are driven or gravity acts, a dashed line shows the initial
     energy and their work;
