@@ -309,7 +309,9 @@ def test_only_entries_that_are_not_zero_are_shown_and_named(solved):
         return set(said) - {"motion of the centres of mass", "vibration, kinetic",
                             "vibration, strain"}
 
-    assert named("hertz") - {"lost to the time step"} == {"in compliant contacts", "gone through absorbing ends"}
+    assert named("hertz") == {
+        "in compliant contacts", "gone through absorbing ends", "lost to the time step"
+    }
     assert {"in compliant contacts", "lost in contacts",
             "initial energy and work of the driven ends"} <= named("pushed")
     assert "lost in contacts" in named("masses")

@@ -119,9 +119,16 @@ def first_contact(ratio: float, N: int) -> np.ndarray:
     """Contact time, velocity of the mass after it, peak stress at struck and fixed end."""
     solution = ri.solve(on_fixed_rod(ratio), until=8.0, dt=1 / N)
     end = solution.contacts[0].episodes[0].force_end
-    last = round(end * N)
-    middles = (np.arange(last) + 0.5) / N
-    force = solution.contacts[0].force(middles)
-    let_go = middles[-1] + force[-1] / (force[-3] - force[-2]) / N
-    stress = -solution.stress(1, 1.0, (np.arange(8 * N) + 0.5) / N)[: last + N]
-    return np.array([let_go, solution.velocity(0, 0.0, end), force.max(), stress.max()])
+    edges = solution.fields.steps * solution.fields.assembly.tick
+    middles = (edges[1:] + edges[:-1]) / 2
+    force = whole_steps(edges, solution.contacts[0].force(middles), N)[: round(end * N)]
+    stress = whole_steps(edges, -solution.stress(1, 1.0, middles), N)[: round((end + 1) * N)]
+    after = float(solution.velocity(0, 0.0, end + 1 / N))
+    return np.array([end, after, force.max(), stress.max()])
+
+
+def whole_steps(edges: np.ndarray, values: np.ndarray, N: int) -> np.ndarray:
+    """Means over steps 1/N of what is known by their parts: steps are cut where contacts close."""
+    passed = np.concatenate(([0.0], np.cumsum(values * np.diff(edges))))
+    found: np.ndarray = N * np.diff(np.interp(np.arange(8 * N + 1) / N, edges, passed))
+    return found
