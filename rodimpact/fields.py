@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .arguments import array
 from .methods.clockwork import Clockwork
 from .signals import Floats, Ints, Side
 
@@ -130,7 +131,7 @@ class Fields(ABC):
         A float cannot name a single tick beyond 2^51 of them. With `side`, the tick is moved to
         that side by as much as is uncertain, so that a jump at the time given is before or after.
         """
-        t = np.asarray(t, dtype=np.float64)
+        t = array("t", t, "s")
         end = self.end * self.assembly.tick
         inside = np.isfinite(t) & (t >= 0) & (t <= end * (1 + 1e-12) + self.assembly.tick)
         if not inside.all():
@@ -153,7 +154,7 @@ class Fields(ABC):
         if self.assembly.spans[body][1] == 0:
             kind = "a rigid mass" if body in self.masses else "a wall"
             raise ValueError(f"body: {body} is {kind} and has no inside; ask for a rod")
-        x = np.asarray(x, dtype=np.float64)
+        x = array("x", x, "m")
         edges = self.edges(body)
         inside = np.isfinite(x) & (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
         if not inside.all():

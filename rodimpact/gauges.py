@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .arguments import array
 from .frozen import InvalidModel
 from .signals import Floats
 
@@ -63,7 +64,7 @@ class Gauge:
 
     def strain_at(self, t: ArrayLike) -> Floats:
         """Strain at times t in s, from 0 to `end`."""
-        place = np.searchsorted(self.times, np.asarray(t, dtype=float), "right") - 1
+        place = np.searchsorted(self.times, array("t", t, "s"), "right") - 1
         found: Floats = self.strain[np.maximum(place, 0)]
         return found
 

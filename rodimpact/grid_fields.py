@@ -79,7 +79,7 @@ class GridFields(Fields):
         """Cells between the left end of its segment and each place."""
         first, a = self.assembly.spans[body][0], self.assembly
         begin = self.edges(body)[segment - first]
-        share = (np.asarray(x) - begin) / np.array(a.length)[segment]
+        share = (self.check(body, x) - begin) / np.array(a.length)[segment]
         found: Floats = share * self._counts[segment]
         return found
 
@@ -238,10 +238,11 @@ class GridFields(Fields):
         return moved + a.frame * time + a.gravity * time * time / 2
 
     def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:  # noqa: D102
-        u = self.displacement(body, np.asarray(x)[:, None], t)
+        x = self.check(body, x)[:, None]
+        u = self.displacement(body, x, t)
         velocity = np.diff(u) / np.diff(self.to_ticks(t) * self.assembly.tick)
         when = self.states.when * PARTS
-        strain = self.strain(body, np.asarray(x)[:, None], when * self.assembly.tick)
+        strain = self.strain(body, x, when * self.assembly.tick)
         passed = np.zeros_like(strain)
         passed[:, 1:] = np.cumsum((strain[:, 1:] + strain[:, :-1]) / 2 * np.diff(when), axis=1)
         ticks = self.to_ticks(t)

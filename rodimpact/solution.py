@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .arguments import array
 from .contacts import ContactHistory
 from .fields import Fields
 from .frozen import Number
@@ -138,7 +139,7 @@ class Solution:
         base = self.fields.positions[self._index(body)]
         if not isinstance(self.system.bodies[body], Rod):
             return base + self.displacement(body, 0.0, t)
-        return base + np.asarray(x) + self.displacement(body, x, t)
+        return base + self.fields.check(body, x) + self.displacement(body, x, t)
 
     def mean_velocity(self, body: int, t: ArrayLike) -> Floats:
         """Velocity of a body's centre of mass in m/s at times t in s."""
@@ -154,15 +155,16 @@ class Solution:
         right, left, per_wave = seen.rightward, seen.leftward, 0.5 / seen.wave_speed
         rest = (right[0] + left[0]) / 2
         return Gauge(
-            body, float(x), seen.times, (left - right) * per_wave, (left + right) / 2 + seen.moving,
-            (rest - right) * per_wave, (left - rest) * per_wave, self.t_end,
+            body, float(self.fields.check(body, x)), seen.times, (left - right) * per_wave,
+            (left + right) / 2 + seen.moving, (rest - right) * per_wave, (left - rest) * per_wave,
+            self.t_end,
         )
 
     # Energy and state ---------------------------------------------------------------------------
 
     def energy(self, t: ArrayLike) -> EnergyLedger:
         """Energy ledger at times t in s."""
-        times = np.asarray(t, dtype=float)
+        times = array("t", t, "s")
         outside = self.record.outside(self.fields, self.contacts)
         return ledger(self.system, self.fields, self.contacts, outside, times)
 
@@ -292,7 +294,8 @@ class Solution:
     ) -> Floats:
         """What segments have at places x, m from the left end of a rod."""
         segment = self.fields.segment_at(body, x)
-        x, found = np.broadcast_to(x, segment.shape), np.empty(segment.shape)
+        x = np.broadcast_to(self.fields.check(body, x), segment.shape)
+        found = np.empty(segment.shape)
         rod = self.system.bodies[body]
         assert isinstance(rod, Rod)
         first, edges = self.fields.assembly.spans[body][0], self.fields.edges(body)

@@ -96,7 +96,7 @@ class WaveFields(Fields):
 
     def locate(self, body: int, x: ArrayLike) -> tuple[Ints, Ints]:
         """Segment and ticks from its left end of places x in a body, m from its left end."""
-        segment, x = self.segment_at(body, x), np.asarray(x, dtype=np.float64)
+        segment, x = self.segment_at(body, x), self.check(body, x)
         first, last = self.assembly.spans[body]
         piece, edges = segment - first, self.edges(body)
         lengths = np.array(self.assembly.length[first : last + 1])[piece]

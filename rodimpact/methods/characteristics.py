@@ -51,13 +51,13 @@ MOST_STEPS = 1 << 16  # of the longest transit, that the shortest may ask for
 PROOF_TIME = 2e-6  # s, about what plain Python takes for a contact and an average in a rod
 LINK_TIME = 3e-6  # s, about what plain Python takes for a link and a step; in a chain 5 times that
 MOST_BYTES = 4 << 30  # of the signals
-MOST_CUTS = 24  # of a step, where rigid contacts close
+MOST_CUTS = 24  # of a step, where contacts close
 MOST_SEARCHED = 10_000  # steps of the longest transit, among which all transits may be whole
 SAME = 1 / 16  # steps: a contact that closes so near to where it did was placed badly before
 
 
 class Closing(NamedTuple):
-    """A rigid contact that closes: time, s, and its link."""
+    """A contact that closes, and whose force begins with a jump: time, s, and its link."""
 
     time: float
     link: int
@@ -90,7 +90,7 @@ class StepRun:
     rtol : float
         What they were to come to.
     closings : list of Closing or None
-        Where rigid contacts close, and steps are cut; None where they are not.
+        Where contacts close and steps are cut; None where they are not.
     """
 
     clockwork: Clockwork
@@ -486,7 +486,7 @@ def follow(
         raise InvalidModel([(plan.paths[short + 1], message)])
     number, smear = _choose(transits, least, max(MOST_SEARCHED, 2 * least), 0.0)
     fits = smear <= WHOLE / PARTS
-    abrupt = RIGID in plan.laws
+    abrupt = begins_with_jumps(plan)
 
     closings: list[Closing] | None = [] if fits and abrupt else None
 
@@ -503,7 +503,7 @@ def follow(
     first = number if fits else least
     finest = FINEST if fits or not abrupt else ROUGHEST
     found, estimates = refined(level, measures, goal, 2 * finest // first,
-                               _lost if abrupt else lambda _: {})
+                               _lost if RIGID in plan.laws else lambda _: {})
     return replace(found, estimates=estimates, rtol=goal)
 
 
@@ -516,6 +516,14 @@ def measures(found: StepRun) -> dict[str, Array]:
     return {
         "velocity": np.array([*free, *np.diff(free), found.plan.scale]), **contact_measures(found)
     }
+
+
+def begins_with_jumps(plan: Plan) -> bool:
+    """Whether a contact is rigid or has a dashpot, so that its force begins with a jump."""
+    return any(
+        law == RIGID or (law == SPRING and damping > 0)
+        for law, damping in zip(plan.laws, plan.damping, strict=True)
+    )
 
 
 def _lost(found: StepRun) -> dict[str, float]:
@@ -554,13 +562,13 @@ def _resolving(plan: Plan) -> float:
 def _level(
     plan: Plan, step: float, until: float | None, max_events: int, closings: list[Closing] | None
 ) -> StepRun:
-    """One run with a given step, which is cut where rigid contacts close.
+    """One run with a given step, which is cut where contacts close whose force begins with a jump.
 
     `closings` are those known of a run with another step; None if there are more than steps are cut
     for. The run has its own.
     """
     ticks = transit_ticks(plan, step)
-    if closings is None or RIGID not in plan.laws or any(T % PARTS for T in ticks):
+    if closings is None or not begins_with_jumps(plan) or any(T % PARTS for T in ticks):
         found = attempt(plan, ticks, step, [], until, max_events, may_cut=False)
         assert isinstance(found, StepRun)
         return replace(found, closings=None)
@@ -607,7 +615,7 @@ def attempt(
     plan: Plan, ticks: list[int], step: float, cuts: list[int], until: float | None,
     max_events: int, may_cut: bool,
 ) -> StepRun | Closing:
-    """One run with given cuts, or the first rigid contact that closes inside a part of a step."""
+    """One run with given cuts, or the first closing inside a part of a step."""
     parts, nodes = len(cuts) + 1, len(ticks) + 1
     longest = max(
         math.ceil(sum(ticks[first - 1 : last]) / PARTS) for first, last in plan.spans

@@ -33,6 +33,7 @@ from .link_kernel import (
     FREE,
     IMPACT,
     RIGID,
+    SPRING,
     Chain,
     Tally,
     balance,
@@ -233,8 +234,13 @@ def closes_inside(row: Row, clock: Any, i: int, j: int, after: float) -> bool:
     return True
 
 
-def press(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) -> None:
-    """Compliant contact between two rod ends, or between a rod end and a wall."""
+def press(
+    row: Row, tally: Tally, signals: Signals, clock: Any, k: int, j0: int, j1: int
+) -> int:
+    """Compliant contact between two rod ends, or between a rod end and a wall.
+
+    A dashpot's force begins with a jump: as in `touch`, the run may be to stop where it does.
+    """
     wave, start, Yl, Yr = signals.wave, signals.wave_start, row.mobility[k], row.mobility[k + 1]
     i, n = k + row.first[k], len(row.steps) - 2
     p, q = start[2 * k] - row.steps[k], start[2 * k + 3] - row.steps[k + 1]
@@ -251,6 +257,9 @@ def press(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) ->
             b += wr * (wave[q + j - 1] - b)
         F, rest = 0.0, gap - d * (a - b)
         if gap < 0 or rest < 0:
+            jumps = clock[CUTS] > 0 and gap > 0 and law == SPRING and damping > 0
+            if jumps and closes_inside(row, clock, i, j, gap / (a - b)):
+                return CLOSED
             F, x, _ = squeeze(law, stiffness, damping / d, -gap, d * (a - b), d * (Yl + Yr), w)
             w, rest = x + gap, -x
             if damping > 0:
@@ -263,6 +272,7 @@ def press(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) ->
         book(row, tally, signals, i, j, F, rest, d)
         m = m + 1 if m + 1 < parts else 0
     row.closing[i] = w
+    return DONE
 
 
 def gather(
@@ -362,7 +372,8 @@ def meet(
         i = i0 + q
         if RIGID <= row.law[i] <= IMPACT and force[q] * (ease[q] + ease[q + 1]) <= tol:
             force[q] = 0.0
-        if clock[CUTS] > 0 and row.law[i] == RIGID and force[q] > 0 and row.gap[i] > 0:
+        abrupt = row.law[i] == RIGID or (row.law[i] == SPRING and row.damping[i] > 0)
+        if clock[CUTS] > 0 and abrupt and force[q] > 0 and row.gap[i] > 0:
             speed = pushed(links, q, last) / d
             if closes_inside(row, clock, i, j, row.gap[i] / speed):
                 return CLOSED
@@ -405,16 +416,16 @@ def run(
     row, tally, signals, points, links
     clock : [3] int
         Next part; link of the trouble after SQUEEZED, or of the contact after CLOSED; whether to
-        stop where a rigid contact closes inside a part.
+        stop where a contact closes inside a part whose force begins with a jump.
     end : int
     tol : float
         Velocity below which contacts graze and impacts rest.
 
     Returns
     -------
-    DONE; SQUEEZED: a rigid mass was caught between walls that leave it no room; or CLOSED: a rigid
-    contact closes inside a part, row.closed[0] steps after its step began. After the last two the
-    run cannot go on.
+    DONE; SQUEEZED: a rigid mass was caught between walls that leave it no room; or CLOSED: a
+    contact whose force begins with a jump closes inside a part, row.closed[0] steps after its step
+    began. After the last two the run cannot go on.
     """
     n = len(row.steps) - 2
     block = end
@@ -429,17 +440,17 @@ def run(
                 for i in range(j, stop):
                     flag = meet(row, tally, signals, points, links, clock, k, i, tol)
                     if flag != DONE:
-                        return flag
+                        break
             elif law == FREE:
                 reflect(row, signals, k, j, stop)
             elif law <= BOND:
                 join(row, tally, signals, k, j, stop)
             elif law == RIGID:
                 flag = touch(row, tally, signals, clock, k, j, stop, tol)
-                if flag != DONE:
-                    return flag
             else:
-                press(row, tally, signals, k, j, stop)
+                flag = press(row, tally, signals, clock, k, j, stop)
+            if flag != DONE:
+                return flag
         j = clock[STEP] = stop
     return DONE
 
