@@ -65,12 +65,13 @@ def solve(
         step, steps times ends, where `until` is not given.
     dt : float, optional
         Time step, s, of a method that has one; on a grid less where `until` is no multiple of it.
-        By default it is chosen, so that transit times are whole numbers of steps as nearly as
-        possible, and halved until the outcome stands still.
+        By default it is chosen, so that transit times are whole numbers of steps where they can be,
+        and divided until the outcome stands still.
     rtol : float, optional
-        Up to which the last halvings of the step may change the outcome: impulses, contact times,
-        and largest forces ("characteristics", 1e-5) or velocities ("finite-difference", 1e-3). A
-        result that converges as the step is wrong by about as much as the last change.
+        By how much the outcome may be wrong, as far as comparing steps can tell: velocities,
+        impulses, contact times and, for "characteristics", largest forces, each relative to the
+        largest; 1e-5 for "characteristics" and 1e-3 for "finite-difference". `Solution.accuracy`
+        has what was reached.
     cells : int, optional
         Of the segment with the longest transit, for "finite-difference", which "auto" then takes;
         each other one gets as many as its waves cross in whole steps. By default doubled until the

@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--max-events", metavar="N", help="cap on events, instead of the case's")
     parser.add_argument("--method", choices=("auto", *METHODS), help="instead of the case's")
     parser.add_argument("--dt", metavar="TIME", help="time step of characteristics")
-    parser.add_argument("--rtol", metavar="X", help="accuracy to which it halves the step")
+    parser.add_argument("--rtol", metavar="X", help="relative accuracy it divides the step for")
     parser.add_argument("--cells", metavar="N", help="cells of finite-difference")
     parser.add_argument("--snapshots", metavar="N", help="states of the rods that it keeps")
     parser.add_argument("--force", action="store_true", help="replace existing files")

@@ -8,7 +8,7 @@ are whole numbers of steps as nearly as possible, and halved until the outcome s
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -574,8 +574,8 @@ def _level(
         return replace(found, closings=None)
     given = given_jumps(plan, ticks, step)
     for _ in range(MOST_CUTS):
-        cuts = given | {round(x.time / step * PARTS) % PARTS for x in closings}
-        found = attempt(plan, ticks, step, sorted(cuts), until, max_events, may_cut=True)
+        cuts = places_inside([*given, *(x.time / step * PARTS for x in closings)])
+        found = attempt(plan, ticks, step, cuts, until, max_events, may_cut=True)
         if isinstance(found, StepRun):
             return replace(found, closings=closings)
         new = found
@@ -587,7 +587,14 @@ def _level(
     return _level(plan, step, until, max_events, None)
 
 
-def given_jumps(plan: Plan, ticks: list[int], step: float) -> set[int]:
+def places_inside(ticks: Iterable[float]) -> list[int]:
+    """Places of ticks in their steps, in order, without those at the ends and beside others."""
+    inside_step = sorted({round(x) % PARTS for x in ticks})
+    return [x for before, x in pairwise([0, *inside_step])
+            if x - before > WHOLE and PARTS - x > WHOLE]
+
+
+def given_jumps(plan: Plan, ticks: list[int], step: float) -> list[int]:
     """Ticks in a step at which jumps of the initial state and of drives pass the ends of segments.
 
     None where there are more than a step is cut for.
@@ -605,10 +612,8 @@ def given_jumps(plan: Plan, ticks: list[int], step: float) -> set[int]:
     for _, value in plan.outside:
         if isinstance(value, Steps):
             found += [float(t) / step * PARTS for t in value.at]
-    inside_step = sorted({round(x) % PARTS for x in found})
-    apart = [x for before, x in pairwise([0, *inside_step])
-             if x - before > WHOLE and PARTS - x > WHOLE]
-    return set(apart) if len(apart) <= MOST_CUTS else set()
+    places = places_inside(found)
+    return places if len(places) <= MOST_CUTS else []
 
 
 def attempt(
