@@ -7,22 +7,16 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from .contacts import ContactHistory
 from .fields import Fields
+from .groups import GroupStates
 from .model import (
-    Bonded,
     Hertz,
     HuntCrossley,
-    RigidMass,
-    Rod,
     Spring,
     SpringDashpot,
-    System,
-    Wall,
 )
-from .outcome import groups
 from .signals import Floats, StepSignal
 
 
@@ -34,7 +28,7 @@ class EnergyLedger:
     ----------
     kinetic : array
         Of the motion of the centres of mass; walls, and masses bonded to them, not counted.
-    vibration : array
+    vibrational_kinetic : array
         Kinetic energy relative to the centres of mass.
     strain : array
         Strain energy.
@@ -57,7 +51,7 @@ class EnergyLedger:
     """
 
     kinetic: Floats
-    vibration: Floats
+    vibrational_kinetic: Floats
     strain: Floats
     contact: Floats
     dissipated: Floats
@@ -70,9 +64,14 @@ class EnergyLedger:
     residual: Floats
 
     @property
+    def vibration(self) -> Floats:
+        """Energy of the motion relative to the centres of mass, and of strain, J."""
+        return self.vibrational_kinetic + self.strain
+
+    @property
     def total(self) -> Floats:
         """All the energy in the bodies and their contacts, J."""
-        return self.kinetic + self.vibration + self.strain + self.contact
+        return self.kinetic + self.vibration + self.contact
 
 
 class Outside(NamedTuple):
@@ -97,42 +96,20 @@ def stored(law: Any, gap: Floats) -> Floats:
     return np.zeros(x.shape)
 
 
-def movable(system: System) -> list[int]:
-    """Bodies that can move against the walls: all but the walls and the masses bonded to them."""
-    count, held = len(system.bodies), set()
-    for start, step in ((0, 1), (count - 1, -1)):
-        i, bonded = start, isinstance(system.bodies[start], Wall)
-        while bonded:
-            held.add(i)
-            i += step
-            bonded = (
-                0 <= i < count
-                and isinstance(system.bodies[i], RigidMass)
-                and isinstance(system.contacts[min(i, i - step)], Bonded)
-            )
-    return [i for i in range(count) if i not in held]
-
-
 def ledger(
-    system: System, fields: Fields, contacts: Sequence[ContactHistory],
-    outside: tuple[Outside | None, Outside | None], times: Floats,
+    fields: Fields, contacts: Sequence[ContactHistory],
+    outside: tuple[Outside | None, Outside | None], states: GroupStates,
 ) -> EnergyLedger:
-    """Energy ledger at times in s; with a time step, at the nearest ends of steps."""
-    a = fields.assembly
-    ticks = fields.whole(fields.to_ticks(times))
+    """Energy ledger at the ticks of the states, the first of which is 0."""
+    a, ticks = fields.assembly, states.ticks
     t = ticks * a.tick
-    now, then = (_held(system, fields, x) for x in (ticks, np.zeros(1, np.int64)))
     works = {"wall": np.zeros(t.shape), "drive": np.zeros(t.shape), "absorbing": np.zeros(t.shape)}
     for side in outside:
         if side is not None:
             works[side.kind] += side.power.integral(0, ticks) * a.tick
-    free = movable(system)
-    total = sum(a.mass(i) for i in free)
     fallen = np.zeros(t.shape)
     if a.gravity:
-        momentum: Any = total * a.gravity * t / 2
-        momentum = momentum + sum(float(momentum_of(fields, i, np.zeros(1))[0]) for i in free)
-        path = momentum * t
+        path = (states.mass.sum() * a.gravity * t / 2 + states.momentum[0]) * t
         for side, sign in zip(outside, (1, -1), strict=True):
             if side is not None:  # the integral of (t - s) F(s) over s
                 edges = np.append(side.push.ticks, fields.end)
@@ -152,43 +129,11 @@ def ledger(
             dissipated += lost
     damped = fields.damped(ticks)
     numerical += fields.smeared(ticks)
-    missing = sum(now) + contact - sum(float(x[0]) for x in then)
-    missing = missing + dissipated + damped + numerical
+    held = states.kinetic, states.moving.sum(axis=0), states.strained.sum(axis=0)
+    missing = sum(x - x[0] for x in held) + contact + dissipated + damped + numerical
     for work in (*works.values(), fallen):
         missing = missing - work
     return EnergyLedger(
-        *now, contact, dissipated, damped, numerical, -works["absorbing"], works["wall"],
+        *held, contact, dissipated, damped, numerical, -works["absorbing"], works["wall"],
         works["drive"], fallen, missing,
     )
-
-
-def momentum_of(fields: Fields, body: int, times: ArrayLike) -> Floats:
-    """Momentum of a rod or a rigid mass, kg m/s, at times in s."""
-    if body in fields.masses:
-        found: Floats = fields.assembly.mass(body) * fields.mass_velocity(body, times)
-        return found
-    return fields.momentum(body, times)
-
-
-def _held(system: System, fields: Fields, ticks: Any) -> tuple[Floats, Floats, Floats]:
-    """Kinetic energy of the groups, and vibration and strain in them."""
-    a, free = fields.assembly, movable(system)
-    times = ticks * a.tick
-    kinetic, vibration, strain = (np.zeros(times.shape) for _ in range(3))
-    for group in groups(system):
-        inside = [i for i in group if i in free]
-        if not inside:
-            continue
-        mass = sum(a.mass(i) for i in inside)
-        mean: Any = sum(momentum_of(fields, i, times) for i in inside) / mass
-        kinetic += mass * mean * mean / 2
-        for i in inside:
-            if not isinstance(system.bodies[i], Rod):
-                off = fields.mass_velocity(i, times) - mean
-                vibration += a.mass(i) * off * off / 2
-                continue
-            for index in np.ndindex(times.shape):
-                moving, strained = fields.energy(i, int(ticks[index]), float(mean[index]))
-                vibration[index] += moving
-                strain[index] += strained
-    return kinetic, vibration, strain

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from .contacts import ContactTally
+from .groups import groups, velocities_in_group
 from .methods.abilities import driven
 from .methods.assembly import Assembly
 from .methods.fronts import FrontRun
@@ -238,17 +239,6 @@ def effective_restitution(
     return np.where(defined & stays, 0.0, e)
 
 
-def groups(system: System) -> list[list[int]]:
-    """Bodies that are bonded together, from left to right."""
-    found: list[list[int]] = [[0]]
-    for i, law in enumerate(system.contacts):
-        if isinstance(law, Bonded):
-            found[-1].append(i + 1)
-        else:
-            found.append([i + 1])
-    return found
-
-
 def body_velocities(
     system: System, first: Sequence[int], velocity: Sequence[Any], frame: Any
 ) -> list[Any]:
@@ -269,44 +259,6 @@ def body_velocities(
         own = velocity[first[(inside or group)[0]]] + frame
         found += velocities_in_group(system, group, inside, own)
     return found
-
-
-def velocities_in_group(
-    system: System, group: list[int], inside: list[int], own: Any
-) -> list[Any]:
-    """Velocities of bodies bonded together: that of the ground that holds them, or their own.
-
-    Between two grounds of different velocity a group has its own: there is none about which it
-    swings.
-
-    Parameters
-    ----------
-    system : System
-    group : list of int
-    inside : list of int
-        Those of them that can move against their ground; there are none in a lone wall.
-    own : float or array
-        Momentum over mass of those inside, m/s.
-    """
-    ground = grounds(system, group)
-    if not ground:
-        return [own] * len(group)
-    shared = ground[0]
-    if len(ground) == 2:
-        shared = np.where(np.equal(*ground), shared, own)[()]
-    moving = inside or group
-    return [
-        ground[0] if i < moving[0] else ground[-1] if i > moving[-1] else shared for i in group
-    ]
-
-
-def grounds(system: System, group: list[int]) -> list[Any]:
-    """Velocities of the walls and fixed ends that hold a group, from left to right."""
-    walls = [b.velocity for i in group if isinstance(b := system.bodies[i], Wall)]
-    left = [0.0] if 0 in group and isinstance(system.ends[0], Fixed) else []
-    last = len(system.bodies) - 1
-    right = [0.0] if last in group and isinstance(system.ends[1], Fixed) else []
-    return [*left, *walls, *right]
 
 
 def read_outcome(run: FrontRun, status: str) -> Outcome:

@@ -16,10 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from .fields import Fields
-from .ledger import momentum_of, movable
+from .groups import group_states
 from .methods.mesh import lasting_mode
 from .model import Rod, System
-from .outcome import groups
 from .signals import Floats
 
 SAMPLES, FEWEST = 400, 50
@@ -71,35 +70,22 @@ def ring_down(
     system: System, fields: Fields, masses: Sequence[float], start: float, end: float
 ) -> RingDown:
     """Read how vibration dies out from `start` to `end`, s; see `Solution.ring_down`."""
-    free = movable(system)
     even = np.linspace(start, end, SAMPLES + 1)
     ticks = np.unique(fields.whole(fields.to_ticks(even)))
     if len(ticks) < FEWEST and end - start > FEWEST * fields.assembly.grain * fields.assembly.tick:
         message = f"only {len(ticks)} states were kept after the collision"
         raise ValueError(f"ring_down: {message}; leave snapshots out, or give more of them")
     times = ticks * fields.assembly.tick
-    rigid, vibration, momentum = (np.zeros(len(times)) for _ in range(3))
-    for group in groups(system):
-        inside = [i for i in group if i in free]
-        if not inside:
-            continue
-        rods = [i for i in inside if isinstance(system.bodies[i], Rod)]
-        own = {i: momentum_of(fields, i, times) for i in inside}
-        mass, total = sum(masses[i] for i in inside), np.sum(list(own.values()), axis=0)
-        mean = total / mass
-        momentum += total
-        rigid += total * mean / 2
-        for i in inside:
-            if i not in rods:
-                vibration += masses[i] * (own[i] / masses[i] - mean) ** 2 / 2
-                continue
-            for place, tick in enumerate(ticks.tolist()):
-                kinetic, strain = fields.energy(i, tick, float(mean[place]))
-                vibration[place] += kinetic + strain
-    scale = sum(masses[i] * math.sqrt(2 * (rigid + vibration).max() / masses[i]) for i in free)
+    states = group_states(system, fields, ticks)
+    rigid, vibration = states.kinetic, (states.moving + states.strained).sum(axis=0)
+    scale = sum(
+        masses[i] * math.sqrt(2 * (rigid + vibration).max() / masses[i])
+        for group in states.bodies for i in group
+    )
     body, frequency, modal = _longest_mode(system)
     return RingDown(
-        times, vibration, float(rigid[-1]), float(np.ptp(momentum)) / scale if scale else 0.0,
+        times, vibration, float(rigid[-1]),
+        float(np.ptp(states.momentum)) / scale if scale else 0.0,
         _decay_time(times, vibration, ENOUGH * float(rigid.max() + vibration.max())), modal, body,
         frequency,
     )

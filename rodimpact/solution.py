@@ -9,11 +9,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arguments import array
 from .contacts import ContactHistory
 from .fields import Fields
 from .frozen import Number
 from .gauges import Gauge
+from .groups import group_states
 from .ledger import EnergyLedger, ledger, stored
 from .model import Body, RigidMass, Rod, Samples, Segment, Steps, System, Wall
 from .outcome import Outcome
@@ -164,9 +164,13 @@ class Solution:
 
     def energy(self, t: ArrayLike) -> EnergyLedger:
         """Energy ledger at times t in s."""
-        times = array("t", t, "s")
+        ticks = self.fields.whole(self.fields.to_ticks(t))
+        states = group_states(self.system, self.fields, np.concatenate(([0], ticks.ravel())))
         outside = self.record.outside(self.fields, self.contacts)
-        return ledger(self.system, self.fields, self.contacts, outside, times)
+        found = ledger(self.fields, self.contacts, outside, states)
+        return EnergyLedger(**{
+            name: entry[1:].reshape(ticks.shape) for name, entry in vars(found).items()
+        })
 
     def ring_down(self) -> RingDown:
         """How the vibration that the collision left dies out, until the end of the solution.

@@ -9,14 +9,15 @@ import numpy as np
 
 from .contacts import ContactTally, pressed_spans
 from .fields import Fields
-from .ledger import ledger, momentum_of, movable
+from .groups import group_states, groups, velocities_in_group
+from .ledger import ledger
 from .methods.abilities import driven
 from .methods.characteristics import StepRun
 from .methods.finite_difference import GridRun
 from .methods.link_kernel import RIGID
 from .methods.refinement import peak
 from .model import Bonded, RigidMass, Wall
-from .outcome import Outcome, groups, velocities_in_group
+from .outcome import Outcome
 from .records import StepRecord
 from .signals import Floats
 
@@ -102,31 +103,28 @@ def read_stepped(run: Run, fields: Fields, record: StepRecord, status: str) -> O
     end = float(run.edges[-1]) * a.tick
     tallies = read_tallies(run, record)
     contacts = record.histories(fields, tallies)
-    book = ledger(system, fields, contacts, record.outside(fields, contacts), np.array([0.0, end]))
-    masses, free = [a.mass(i) for i in range(count)], movable(system)
-    velocity, vibration = np.zeros((2, count)), np.zeros((2, count))
-    for place, t in enumerate((0.0, end)):
-        for group in groups(system):
-            inside = [i for i in group if i in free]
-            mean = 0.0
-            if inside:
-                momentum = sum(float(momentum_of(fields, i, t)) for i in inside)
-                mean = momentum / sum(masses[i] for i in inside)
-            velocity[place, group] = velocities_in_group(system, group, inside, mean)
-            for i in inside:
-                vibration[place, i] = _vibration(fields, i, t, mean, masses[i])
+    states = group_states(system, fields, np.unique(run.edges[[0, -1]]))
+    book = ledger(fields, contacts, record.outside(fields, contacts), states)
+    masses = [a.mass(i) for i in range(count)]
+    velocity, vibration = np.zeros((2, count)), (states.moving + states.strained).T
+    own = {inside[0]: v for inside, v in zip(states.bodies, states.velocity, strict=True)}
+    for group in groups(system):
+        inside = next((x for x in states.bodies if x[0] in group), [])
+        mean = own[inside[0]] if inside else np.zeros(1)
+        for place in (0, -1):
+            velocity[place, group] = velocities_in_group(system, group, inside, mean[place])
     impulse = sum(
         sign * float(side[1] @ run.durations)
         for side, sign in zip(record.ends, (1, -1), strict=True) if side is not None
     )
-    momenta = [sum(float(momentum_of(fields, i, t)) for i in free) for t in (0.0, end)]
-    total = sum(masses[i] for i in free)
-    missing = momenta[1] - momenta[0] - impulse - total * plan.gravity * end
+    total = float(states.mass.sum())
+    gained = float(states.momentum[-1] - states.momentum[0])
+    missing = gained - impulse - total * plan.gravity * end
     pushed = sum(abs(tally.impulse) for tally in tallies if tally.impulse == tally.impulse)
     absolute = total * plan.scale + pushed
     energy = book.total
-    turnover = float(energy[0]) + abs(float(book.gravity_work[1])) + sum(
-        abs(float(x[1])) for x in (book.wall_work, book.drive_work, book.radiated)
+    turnover = float(energy[0]) + abs(float(book.gravity_work[-1])) + sum(
+        abs(float(x[-1])) for x in (book.wall_work, book.drive_work, book.radiated)
     ) + total * plan.scale**2 / 2
     names = {Wall: "wall", RigidMass: "mass"}
     return Outcome(
@@ -134,25 +132,19 @@ def read_stepped(run: Run, fields: Fields, record: StepRecord, status: str) -> O
         masses=tuple(masses),
         velocities_before=tuple(velocity[0].tolist()),
         velocities_after=tuple(velocity[1].tolist()),
-        kinetic_before=float(book.kinetic[0]), kinetic_after=float(book.kinetic[1]),
+        kinetic_before=float(book.kinetic[0]), kinetic_after=float(book.kinetic[-1]),
         vibration_before=tuple(vibration[0].tolist()),
-        vibration_after=tuple(vibration[1].tolist()),
+        vibration_after=tuple(vibration[-1].tolist()),
         contacts=tallies,
         unilateral=tuple(k for k, law in enumerate(system.contacts) if not isinstance(law, Bonded)),
-        wall_work=float(book.wall_work[1]),
+        wall_work=float(book.wall_work[-1]),
         momentum_residual=missing / absolute if absolute > 0 else 0.0,
-        energy_residual=float(book.residual[1]) / turnover if turnover > 0 else 0.0,
+        energy_residual=float(book.residual[-1]) / turnover if turnover > 0 else 0.0,
         final=run.settled >= 0, status=status,
-        contact_energy=float(book.contact[1]), dissipated=float(book.dissipated[1]),
-        damped=float(book.damped[1]), numerical=float(book.numerical[1]),
-        radiated=float(book.radiated[1]),
-        drive_work=float(book.drive_work[1]), gravity_work=float(book.gravity_work[1]),
+        contact_energy=float(book.contact[-1]), dissipated=float(book.dissipated[-1]),
+        damped=float(book.damped[-1]), numerical=float(book.numerical[-1]),
+        radiated=float(book.radiated[-1]),
+        drive_work=float(book.drive_work[-1]), gravity_work=float(book.gravity_work[-1]),
         driven=driven(system) or plan.gravity != 0,
     )
 
-
-def _vibration(fields: Fields, body: int, t: float, mean: float, mass: float) -> float:
-    """Energy of a body relative to a velocity."""
-    if body in fields.masses:
-        return mass * (float(fields.mass_velocity(body, t)) - mean) ** 2 / 2
-    return sum(fields.energy(body, int(fields.to_ticks(t)), mean))

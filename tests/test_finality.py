@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from systems import horizon, random_system
 
 import rodimpact as ri
+from rodimpact.groups import groups
 from rodimpact.methods.assembly import assemble
 from rodimpact.methods.front_kernel import BOND, FREE, OPEN, motion, parting, sway
 from rodimpact.methods.fronts import track
-from rodimpact.outcome import groups
 from rodimpact.solving import wrap
 
 M = ri.Material("m", youngs_modulus=1.0, density=1.0)

@@ -263,7 +263,7 @@ def _energy(solution: Solution, stop: float, tiling: Tiling, exact: bool) -> Sce
         times = np.linspace(0.0, stop, MOMENTS)
         e = solution.energy(times)
         kinds = {
-            "moving as a whole": e.kinetic, "vibration": e.vibration, "strain": e.strain,
+            "moving as a whole": e.kinetic, "vibration": e.vibrational_kinetic, "strain": e.strain,
             "in contacts": e.contact, "lost in material": e.damped, "total": e.total,
         }
     for rare in ("in contacts", "lost in material"):

@@ -12,9 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..ledger import movable
+from ..groups import groups, movable
 from ..model import Rod
-from ..outcome import groups
 from ..regions import regions_of
 from ..signals import Floats, Ints
 from ..solution import Solution

@@ -11,7 +11,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
-from ..ledger import movable
+from ..groups import movable
 from ..regions import regions_of
 from ..signals import Floats
 from ..solution import Solution
@@ -27,7 +27,7 @@ TURNS = 6  # of contacts that are sampled too
 CORNERS_UP_TO = 500
 BANDS = {
     "kinetic": ("motion of the centres of mass", "#53659f", "white"),
-    "vibration": ("vibration, kinetic", "#f0dc78", INK),
+    "vibrational_kinetic": ("vibration, kinetic", "#f0dc78", INK),
     "strain": ("vibration, strain", "#a0a0a0", INK),
     "contact": ("in compliant contacts", "#7aa6a1", INK),
     "dissipated": ("lost in contacts", "#d9b3a6", INK),
@@ -36,7 +36,7 @@ BANDS = {
     "numerical": ("lost to the time step", "#c7a3c4", INK),
 }
 """Entries of the ledger that are stacked, with words, colour, and colour of the words."""
-ALWAYS = ("kinetic", "vibration", "strain")
+ALWAYS = ("kinetic", "vibrational_kinetic", "strain")
 WORKS = {"wall_work": "the walls", "drive_work": "the driven ends", "gravity_work": "gravity"}
 
 
