@@ -15,25 +15,20 @@ from .fields import Fields
 from .frozen import InvalidModel, Number, Problems, number
 from .grid_fields import GridFields, outer_forces
 from .methods import characteristics, finite_difference
-from .methods.abilities import LACKS, choose, driven, refuse
-from .methods.assembly import Assembly, assemble
-from .methods.front_kernel import PRESS
+from .methods.abilities import LACKS, choose, refuse
+from .methods.assembly import assemble
 from .methods.fronts import MAX_EVENTS, FrontRun, track
-from .methods.link_kernel import RIGID
-from .model import Body, Bonded, ContactLaw, System, Wall
+from .model import Body, ContactLaw, System
 from .outcome import Outcome, read_outcome
 from .quantities import numbers_in
 from .records import FrontRecord
 from .solution import Solution
+from .status import describe, describe_steps
 from .stepped import Run, read_record, read_stepped
-from .units import format_si
 from .wave_fields import WaveFields
 
 METHODS = tuple(LACKS)
 Progress = finite_difference.Progress
-LARGE_CHANGE = 0.01  # of the largest force, from which it is named
-LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
-ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come to rest
 
 
 class LongRun(UserWarning):
@@ -285,145 +280,3 @@ def wrap_steps(run: Run, until: float | None = None) -> Solution:
 
 def _plain(column: Any) -> list[int]:
     return column if isinstance(column, list) else column.tolist()
-
-
-def describe(run: FrontRun) -> str:
-    """Why the run ended, in a sentence with the remedy."""
-    a = run.assembly
-    end = format_si(run.end * a.tick, "s")
-    final = _final(run) if run.settled >= 0 else ""
-    if run.stopped_by == "final":
-        said = final
-    elif run.stopped_by == "until" and final:
-        said = f"Stopped at the time asked for. {final}"
-    elif run.stopped_by == "until":
-        walls = _at_walls(a)
-        endless = len(walls) == 2 or any(isinstance(law, Bonded) for law in walls)
-        remedy = (
-            "while an end is driven, no contact is known to be the last" if driven(a.system)
-            else "a row between walls, or bonded to one, may never come to an end" if endless
-            else "leave out until= to run to the proof"
-        )
-        said = f"Stopped at the time asked for, {end}, before the collision was final; {remedy}."
-    elif run.stopped_by == "max_events" and final:
-        said = (
-            f"{final} The cap of {run.events} events ended the run at {end}; raise max_events to "
-            "see more of the vibration."
-        )
-    elif run.stopped_by == "max_events":
-        said = (
-            f"Stopped by the cap of {run.events} events at {end}; fronts multiply where transit "
-            "times have no common measure. Raise max_events, or make lengths commensurate."
-        )
-    else:
-        said = (
-            f"Stopped by the clock after {end}: a contact may close later than it can count, if "
-            "ever. Give until= to set another end."
-        )
-    if a.transit_error > 2.0**-36:
-        said += (
-            f" The transit time of {a.worst} was rounded by {a.transit_error:.2g} of itself to "
-            "fit the clock."
-        )
-    return said + _large(float(np.abs(run.log.value).max()) / min(a.wave_speed[1:-1]))
-
-
-def _large(strain: float) -> str:
-    """A warning of strains that are not small."""
-    if strain <= LARGE_STRAIN:
-        return ""
-    return (
-        f" Strains reach up to {strain:.2g}, where the linear theory of small strains "
-        "(about 1 %) does not hold; check units and velocities."
-    )
-
-
-def _final(run: FrontRun) -> str:
-    """What the proof of finality says."""
-    a = run.assembly
-    pressing = [
-        str(i) for i, node in enumerate(a.nodes)
-        if run.row.status[node] == PRESS and run.row.force[node] > ROUND_OFF * run.tally.peak[node]
-    ]
-    if pressing:
-        return f"Nothing changes any more; contact {', '.join(pressing)} goes on pressing."
-    if not any(run.tally.episodes):
-        return "No collision happens, now or later."
-    if run.stopped_by == "until" and run.settled >= run.end:
-        return "The collision is final: no new impact can happen."
-    proof = format_si(run.settled * a.tick, "s")
-    return f"The collision is final: no new impact can happen after {proof}."
-
-
-def _at_walls(a: Assembly) -> list[ContactLaw]:
-    """Contact laws at the walls of the row."""
-    bodies, laws = a.system.bodies, a.system.contacts
-    ends = ((0, 0), (len(bodies) - 1, -1))
-    return [laws[k] for i, k in ends if isinstance(bodies[i], Wall)]
-
-
-def _own_peak(run: finite_difference.GridRun) -> str:
-    """A warning of a largest force that is not that of the bodies."""
-    reasons, large = [], max(run.rtol, LARGE_CHANGE)
-    if run.peak_change > large:
-        reasons.append(f"refining changed it by {run.peak_change:.1g}")
-    if run.overshoot > large:
-        reasons.append(
-            f"beside jumps waves overshoot, and over {finite_difference.RINGING} steps it is less "
-            f"by {run.overshoot:.1g} of itself"
-        )
-    return f" The largest force is that of this mesh: {'; '.join(reasons)}." if reasons else ""
-
-
-def describe_steps(run: Run, until: float | None = None) -> str:
-    """Why a run on a time step ended, and how accurate it is, with the remedy."""
-    times = run.edges * run.clockwork.tick
-    end = format_si(float(times[-1]) if until is None else until, "s")
-    contacts = [run.plan.laws[i] >= RIGID for i in run.plan.contact_link if i >= 0]
-    if run.settled >= 0:
-        proof = f" after {format_si(float(times[run.settled]), 's')}"
-        if run.stopped_by == "until" and run.settled >= run.steps:
-            proof = ""
-        met = any(run.tally.episodes)
-        said = (
-            f"The collision is final: no new impact can happen{proof}."
-            if met else "No collision happens, now or later."
-        )
-        if run.stopped_by == "until":
-            said = f"Stopped at the time asked for. {said}"
-    elif run.stopped_by == "until":
-        said = f"Stopped at the time asked for, {end}, before the collision was final."
-    else:
-        said = (
-            f"Stopped by the cap of {run.events} steps times ends at {end}, before the collision "
-            "was final. Raise max_events, or give until= to set another end."
-        )
-    step = format_si(run.step, "s")
-    said += f" Time step {step}"
-    if isinstance(run, finite_difference.GridRun):
-        said += f", {sum(run.mesh.counts)} cells"
-    if run.clockwork.transit_error > 2.0**-36:
-        said += (
-            f", for which the transit time of {run.clockwork.worst} changed by "
-            f"{run.clockwork.transit_error:.2g} of itself"
-        )
-    said += "."
-    if until and not run.steps:
-        said += " The end comes before half a step: none was taken. More cells shorten it."
-    if run.estimates and any(contacts):
-        finer = "more cells" if isinstance(run, finite_difference.GridRun) else "a smaller dt"
-        late = {name: value for name, value in run.estimates.items() if value > run.rtol}
-        if late:
-            which = ", ".join(
-                f"{name} to {value:.1g}" for name, value in late.items() if value < math.inf
-            )
-            said += (
-                f" Not converged to {run.rtol:g}: {which or 'too long a run to divide the step'}; "
-                f"a larger rtol is soon reached, {finer} goes on."
-            )
-        else:
-            worst = max(run.estimates.values())
-            said += f" Comparing steps, the outcome is wrong by {worst:.1g} of itself at most."
-    if isinstance(run, finite_difference.GridRun):
-        said += _own_peak(run)
-    return said + _large(run.largest_strain)

@@ -340,6 +340,22 @@ def contents(machine):
 
 
 @pytest.mark.parametrize("mass", [0.0, 2.0])
+@pytest.mark.parametrize("law", [ri.SpringDashpot(5.0, 2.0), ri.HuntCrossley(20.0, 3.0)])
+def test_losses_do_not_depend_on_cuts(law, mass):
+    """Rates are lengths over durations of parts."""
+    body = ri.RigidMass(mass, velocity=1.0) if mass else unit_rod(velocity=1.0)
+    system = ri.System([body, unit_rod(1.5, 2.0)], [0.25], [law])
+    whole, cut = machine_of(system, 256, 1 / 64), machine_of(
+        system, 1024, 1 / 64, cuts=[TICKS // 9, TICKS // 4, TICKS // 8 * 5])
+    whole.advance(256)
+    cut.advance(1024)
+    for name in ("impulse", "lost"):
+        a, b = getattr(whole.tally, name)[1], getattr(cut.tally, name)[1]
+        assert a > 0.01
+        assert b == pytest.approx(a, rel=2e-3)
+
+
+@pytest.mark.parametrize("mass", [0.0, 2.0])
 def test_a_rigid_contact_tells_where_in_its_step_it_closes(mass):
     body = ri.RigidMass(mass, velocity=1.0) if mass else unit_rod(velocity=1.0)
     system = ri.System([body, unit_rod(2.0, 3.0)], [0.3])

@@ -31,6 +31,7 @@ LAYERS = [
     {"records", "ring_down"},
     {"solution"},
     {"stepped"},
+    {"status"},
     {"solving", "regions", "files"},
     {"checkpoint"},
     {"sweeping"},
