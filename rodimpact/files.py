@@ -14,7 +14,6 @@ import math
 import os
 import secrets
 from collections.abc import Callable, Iterator
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
@@ -161,15 +160,13 @@ def save_solution(solution: Solution, path: PathLike, *, force: bool = False) ->
     FileExistsError, OSError
         As `write_bytes`.
     """
-    outcome = asdict(solution.outcome)
-    outcome["contacts"] = [tally._asdict() for tally in solution.outcome.contacts]
     document: dict[str, Any] = {
         "method": solution.method,
         "system": solution.system.to_dict(),
         "until": solution.until,
         "clock": _clock(solution.fields.assembly),
         "end": solution.fields.end,
-        "outcome": outcome,
+        "outcome": solution.outcome.to_dict(),
         "stopped_by": solution.stopped_by,
         "status": solution.status,
         "t_end": solution.t_end,

@@ -1,31 +1,47 @@
 """What a collision did: velocities of the bodies before and after, impulse, restitution, energy.
 
-Read off the tallies that the kernel keeps while it runs and off the waves left at the end; the
-signals are not needed. Bodies bonded together move, for an outcome, with their common velocity.
+Every method hands over its totals, which have their names here. Bodies bonded together move, for an
+outcome, with their common velocity.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .contacts import ContactTally
+from .frozen import plain
 from .groups import groups, velocities_in_group
 from .methods.abilities import driven
-from .methods.assembly import Assembly
-from .methods.fronts import FrontRun
-from .methods.layout_kernel import TOLERANCE
-from .model import Absorbing, Bonded, Fixed, Free, System, Wall
+from .model import Bonded, RigidMass, System, Wall
 from .rigid import RigidCollision, collide
 
 ROUND_OFF = 2.0**-40
 """Parting velocity, over closing velocity, up to which bodies count as staying together: 256 times
 the `TOLERANCE` of a front, and a fifth of the least ratio of two transit times that a clock holds,
 so of the least e of a pair."""
+
+
+class Totals(NamedTuple):
+    """What a run of any method adds up to, in SI units.
+
+    masses [body]; velocities, vibration: [body] before and after; kinetic: of the centres of mass,
+    before and after; contacts: a tally each; momentum, energy: what is missing in the balance, and
+    what took part in it; works: works and losses, by the names that an `Outcome` has for them.
+    """
+
+    masses: Sequence[float]
+    velocities: tuple[Sequence[float], Sequence[float]]
+    kinetic: tuple[float, float]
+    vibration: tuple[Sequence[float], Sequence[float]]
+    contacts: tuple[ContactTally, ...]
+    momentum: tuple[float, float]
+    energy: tuple[float, float]
+    works: Mapping[str, float]
 
 
 class UndefinedRestitution(ValueError):
@@ -203,6 +219,11 @@ class Outcome:
             e, allow_energy_release=e > 1,
         )
 
+    def to_dict(self) -> dict[str, Any]:
+        """All entries by name, those of contacts too, in JSON's terms; nan stays a float."""
+        contacts = [tally._asdict() for tally in self.contacts]
+        return {**{name: plain(v) for name, v in vars(self).items()}, "contacts": contacts}
+
     def __str__(self) -> str:
         from .report import outcome_table
 
@@ -261,105 +282,21 @@ def body_velocities(
     return found
 
 
-def read_outcome(run: FrontRun, status: str) -> Outcome:
-    """Read the outcome off a finished run."""
-    a = run.assembly
-    system, count, first = a.system, len(a.spans), [span[0] for span in a.spans]
-    masses = [a.mass(i) for i in range(count)]
-    before, after = (
-        [float(v) for v in body_velocities(system, first, stock.velocity, a.frame)]
-        for stock in (run.opening, run.closing)
+def outcome_of(system: System, totals: Totals, final: bool, status: str) -> Outcome:
+    """Name the totals of a run, whether it is final, and what is said of it."""
+    kinds = {Wall: "wall", RigidMass: "mass"}
+    (before, after), (started, stopped) = totals.velocities, totals.vibration
+    momentum, energy = (
+        missing / scale if scale > 0 else 0.0 for missing, scale in (totals.momentum, totals.energy)
     )
-    vibration_before, vibration_after = (
-        [math.fsum(stock.vibration[s : e + 1]) * a.tick for s, e in a.spans]
-        for stock in (run.opening, run.closing)
-    )
-    kinetic_before, kinetic_after = (
-        sum(m * (stock.velocity[s] + a.frame) ** 2 / 2
-            for m, (s, e) in zip(masses, a.spans, strict=True) if e)
-        for stock in (run.opening, run.closing)
-    )
-    tallies = read_tallies(run)
-    absolute = _absolute_momentum(a)
-    outside_impulse = wall_work = lent = 0.0
-    for i, k, sign in ((0, 0, 1), (count - 1, count - 2, -1)):
-        if masses[i] == math.inf:
-            impulse = sign * tallies[k].impulse
-            outside_impulse += impulse
-            wall_work += impulse * after[i]
-            absolute += abs(impulse)
-            if isinstance(system.contacts[k], Bonded):  # the wall lends energy and takes it back
-                group = next(g for g in groups(system) if i in g)
-                swinging = sum(masses[j] for j in group if masses[j] < math.inf)
-                lent += swinging * abs(after[i]) * a.tolerance / TOLERANCE
-    drive_work = radiated = 0.0
-    for end, node, sign in zip(system.ends, (0, -1), (1, -1), strict=True):
-        if isinstance(end, Free):
-            continue
-        impulse = run.tally.impulse[node] * a.tick
-        work = sign * (run.tally.work[node] * a.tick + a.frame * impulse)
-        outside_impulse += sign * impulse
-        absolute += abs(impulse)
-        if isinstance(end, Absorbing):
-            radiated -= work
-        elif not isinstance(end, Fixed):
-            drive_work += work
-        if not isinstance(end, Fixed):  # what goes in and out again is no more exact than this
-            scale = a.tolerance / TOLERANCE
-            mass = sum(m for m in masses if m < math.inf)
-            absolute += mass * scale
-            lent += mass * scale**2 / 2
-    gained = math.fsum(run.closing.momentum) - math.fsum(run.opening.momentum)
-    missing = gained * a.tick - outside_impulse
-    energy_before = kinetic_before + sum(vibration_before)
-    energy_gained = kinetic_after + sum(vibration_after) - energy_before
-    turnover = energy_before + abs(wall_work) + lent + abs(drive_work) + abs(radiated)
     return Outcome(
-        bodies=tuple("wall" if isinstance(b, Wall) else "rod" for b in system.bodies),
-        masses=tuple(masses),
-        velocities_before=tuple(before),
-        velocities_after=tuple(after),
-        kinetic_before=kinetic_before,
-        kinetic_after=kinetic_after,
-        vibration_before=tuple(vibration_before),
-        vibration_after=tuple(vibration_after),
-        contacts=tallies,
-        unilateral=tuple(
-            i for i, law in enumerate(system.contacts) if not isinstance(law, Bonded)
-        ),
-        wall_work=wall_work,
-        momentum_residual=missing / absolute if absolute > 0 else 0.0,
-        energy_residual=(energy_gained - wall_work - drive_work + radiated) / turnover
-        if turnover > 0 else 0.0,
-        final=run.settled >= 0,
-        status=status,
-        radiated=radiated,
-        drive_work=drive_work,
-        driven=driven(system),
+        bodies=tuple(kinds.get(type(body), "rod") for body in system.bodies),
+        masses=tuple(totals.masses),
+        velocities_before=tuple(before), velocities_after=tuple(after),
+        kinetic_before=totals.kinetic[0], kinetic_after=totals.kinetic[1],
+        vibration_before=tuple(started), vibration_after=tuple(stopped),
+        contacts=totals.contacts,
+        unilateral=tuple(i for i, law in enumerate(system.contacts) if not isinstance(law, Bonded)),
+        momentum_residual=momentum, energy_residual=energy, final=final, status=status,
+        driven=driven(system) or bool(system.gravity), **totals.works,
     )
-
-
-def read_tallies(run: FrontRun) -> tuple[ContactTally, ...]:
-    """Totals of every contact in SI units."""
-    t, tick = run.tally, run.assembly.tick
-    return tuple(
-        ContactTally(
-            impulse=t.impulse[k] * tick,
-            peak_force=t.peak[k],
-            duration=t.pressed[k] * tick,
-            first=t.first[k] * tick if t.first[k] >= 0 else math.nan,
-            last=t.last[k] * tick if t.last[k] >= 0 else math.nan,
-            episodes=t.episodes[k],
-        )
-        for k in run.assembly.nodes
-    )
-
-
-def _absolute_momentum(a: Assembly) -> float:
-    """Total of the absolute momenta of all waves at t = 0, kg m/s."""
-    total = 0.0
-    for line, fronts in enumerate(a.waves[2:-2], 2):
-        ends = [tick for tick, _ in fronts[1:]] + [0]
-        for (tick, wave), end in zip(fronts, ends, strict=True):
-            total += a.impedance[line // 2] / 2 * (end - tick) * a.tick * abs(wave + a.frame)
-    return total

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from .arguments import array
 from .fields import Fields
+from .front_totals import totals_of_fronts
 from .frozen import InvalidModel, Number, Problems, number
 from .grid_fields import GridFields, outer_forces
 from .methods import characteristics, finite_difference
@@ -19,12 +20,12 @@ from .methods.abilities import LACKS, choose, refuse
 from .methods.assembly import assemble
 from .methods.fronts import MAX_EVENTS, FrontRun, track
 from .model import Body, ContactLaw, System
-from .outcome import Outcome, read_outcome
+from .outcome import Outcome, outcome_of
 from .quantities import numbers_in
 from .records import FrontRecord
 from .solution import Solution
 from .status import describe, describe_steps
-from .stepped import Run, read_record, read_stepped
+from .stepped import Run, read_record, totals_of_steps
 from .wave_fields import WaveFields
 
 METHODS = tuple(LACKS)
@@ -150,7 +151,7 @@ def collide(left: Body, right: Body, gap: float = 0.0,
     if check(system, None, "auto", MAX_EVENTS) != "fronts":
         return solve(system).outcome
     run = track(assemble(system))
-    return read_outcome(run, describe(run))
+    return outcome_of(system, totals_of_fronts(run), run.settled >= 0, describe(run))
 
 
 def _announce(sentence: str) -> None:
@@ -247,7 +248,8 @@ def wrap(run: FrontRun, until: float | None = None) -> Solution:
         turns[node][1].append(value)
     reached = run.end * a.tick
     return Solution(
-        a.system, WaveFields.from_log(a, log, run.end), read_outcome(run, status),
+        a.system, WaveFields.from_log(a, log, run.end),
+        outcome_of(a.system, totals_of_fronts(run), run.settled >= 0, status),
         FrontRecord([turns[node] for node in a.nodes]),
         method="fronts", until=until, stopped_by=run.stopped_by, status=status,
         t_end=until if until is not None and run.stopped_by == "until" else reached,
@@ -269,8 +271,10 @@ def wrap_steps(run: Run, until: float | None = None) -> Solution:
         method = "characteristics"
         waves = [run.wave(line) for line in range(2, 2 * len(run.row.steps) - 2)]
         fields = WaveFields.from_steps(run.clockwork, waves, run.edges, run.edges_before, masses)
+    system = run.plan.system
+    outcome = outcome_of(system, totals_of_steps(run, fields, record), run.settled >= 0, status)
     return Solution(
-        run.plan.system, fields, read_stepped(run, fields, record, status), record,
+        system, fields, outcome, record,
         method=method, until=until, stopped_by=run.stopped_by, status=status,
         t_end=until if until is not None else float(run.edges[-1]) * tick,
         t_final=float(run.edges[run.settled]) * tick if run.settled >= 0 else math.nan,

@@ -11,13 +11,12 @@ from .contacts import ContactTally, pressed_spans
 from .fields import Fields
 from .groups import group_states, groups, velocities_in_group
 from .ledger import ledger
-from .methods.abilities import driven
 from .methods.characteristics import StepRun
 from .methods.finite_difference import GridRun
 from .methods.link_kernel import RIGID
 from .methods.refinement import peak
 from .model import Bonded, RigidMass, Wall
-from .outcome import Outcome
+from .outcome import Totals
 from .records import StepRecord
 from .signals import Floats
 
@@ -71,7 +70,7 @@ def _join_rigid_bodies(run: Run, forces: list[Floats], pushes: list[Floats]) -> 
             forces[k] = (forces[k - 1] if k else pushes[0]) - spent(k)
 
 
-def read_tallies(run: Run, record: StepRecord) -> tuple[ContactTally, ...]:
+def _tallies(run: Run, record: StepRecord) -> tuple[ContactTally, ...]:
     """Totals of every contact in SI units."""
     found, t, times = [], run.tally, run.edges * run.clockwork.tick
     for k, force in enumerate(record.forces):
@@ -96,12 +95,12 @@ def read_tallies(run: Run, record: StepRecord) -> tuple[ContactTally, ...]:
     return tuple(found)
 
 
-def read_stepped(run: Run, fields: Fields, record: StepRecord, status: str) -> Outcome:
-    """Read the outcome off a finished run on a time step."""
+def totals_of_steps(run: Run, fields: Fields, record: StepRecord) -> Totals:
+    """Read the totals off a finished run on a time step."""
     system, plan, a = run.plan.system, run.plan, run.clockwork
     count = len(system.bodies)
     end = float(run.edges[-1]) * a.tick
-    tallies = read_tallies(run, record)
+    tallies = _tallies(run, record)
     contacts = record.histories(fields, tallies)
     states = group_states(system, fields, np.unique(run.edges[[0, -1]]))
     book = ledger(fields, contacts, record.outside(fields, contacts), states)
@@ -126,25 +125,13 @@ def read_stepped(run: Run, fields: Fields, record: StepRecord, status: str) -> O
     turnover = float(energy[0]) + abs(float(book.gravity_work[-1])) + sum(
         abs(float(x[-1])) for x in (book.wall_work, book.drive_work, book.radiated)
     ) + total * plan.scale**2 / 2
-    names = {Wall: "wall", RigidMass: "mass"}
-    return Outcome(
-        bodies=tuple(names.get(type(b), "rod") for b in system.bodies),
-        masses=tuple(masses),
-        velocities_before=tuple(velocity[0].tolist()),
-        velocities_after=tuple(velocity[1].tolist()),
-        kinetic_before=float(book.kinetic[0]), kinetic_after=float(book.kinetic[-1]),
-        vibration_before=tuple(vibration[0].tolist()),
-        vibration_after=tuple(vibration[-1].tolist()),
-        contacts=tallies,
-        unilateral=tuple(k for k, law in enumerate(system.contacts) if not isinstance(law, Bonded)),
-        wall_work=float(book.wall_work[-1]),
-        momentum_residual=missing / absolute if absolute > 0 else 0.0,
-        energy_residual=float(book.residual[-1]) / turnover if turnover > 0 else 0.0,
-        final=run.settled >= 0, status=status,
-        contact_energy=float(book.contact[-1]), dissipated=float(book.dissipated[-1]),
-        damped=float(book.damped[-1]), numerical=float(book.numerical[-1]),
-        radiated=float(book.radiated[-1]),
-        drive_work=float(book.drive_work[-1]), gravity_work=float(book.gravity_work[-1]),
-        driven=driven(system) or plan.gravity != 0,
+    works = ("wall_work", "drive_work", "gravity_work", "radiated", "dissipated", "damped",
+             "numerical")
+    return Totals(
+        masses=masses, velocities=(velocity[0].tolist(), velocity[-1].tolist()),
+        kinetic=(float(book.kinetic[0]), float(book.kinetic[-1])),
+        vibration=(vibration[0].tolist(), vibration[-1].tolist()), contacts=tallies,
+        momentum=(missing, absolute), energy=(float(book.residual[-1]), turnover),
+        works={"contact_energy": float(book.contact[-1]),
+               **{name: float(getattr(book, name)[-1]) for name in works}},
     )
-

@@ -410,6 +410,32 @@ def test_after_the_proof_nothing_presses():
     assert met >= 30
 
 
+@pytest.mark.parametrize("right", [False, True])
+@pytest.mark.parametrize("cuts", [(), (TICKS // 5, TICKS // 2)])
+def test_an_end_is_where_its_strains_put_it(right, cuts):
+    """integral(strain g dx), g the mass fraction beyond: uneven waves tell left from right."""
+    wave = ri.Samples([0.0, 1.0, 0.0, 0.0, 0.0, 0.3, -0.8, 0.0])
+    rod = unit_rod(velocity=wave, strain=ri.Samples([0.4, 0.0, -0.1, 0.7]))
+    system = ri.System([ri.Wall(), rod] if right else [rod, ri.Wall()], [5.0])
+    machine = machine_of(system, 128, step=1 / 32, cuts=cuts)
+    machine.advance(7 * len(machine.row.part))
+    row, signals, j, k = machine.row, machine.signals, machine.taken, 0 if right else 1
+    group = ck.motion(row, signals, k, 0, right, j, machine.tol)
+    away, bound2 = ck.sway(row, signals, k, 0, right, j, group, machine.tol)
+    steps = int(row.steps[1])
+    edges = machine.edges(j - steps, j) / TICKS
+    a, b = (signals.wave[signals.wave_start[line] + j - steps : signals.wave_start[line] + j]
+            for line in (2, 3))
+    age = (edges[-1] - (edges[1:] + edges[:-1]) / 2) / 32  # of waves that left, in transits
+
+    def beyond(x):
+        return 1 - x if right else x
+
+    expected = np.sum((b * beyond(1 - age) - a * beyond(age)) * np.diff(edges)) / 2
+    assert away == pytest.approx(-expected if right else expected, rel=1e-12)
+    assert away**2 < bound2
+
+
 def test_the_proof_waits_no_longer_than_it_says():
     """`settled` promises when it may be asked again: not before, if nothing happens until then."""
     for seed in range(150):

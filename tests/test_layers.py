@@ -27,6 +27,7 @@ LAYERS = [
     {"wave_fields", "grid_fields"},
     {"contacts", "groups"},
     {"outcome"},
+    {"front_totals"},
     {"ledger", "gauges"},
     {"records", "ring_down"},
     {"solution"},
