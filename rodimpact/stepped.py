@@ -84,6 +84,8 @@ def _tallies(run: Run, record: StepRecord) -> tuple[ContactTally, ...]:
         begins, ends = np.array(spans).reshape(-1, 2).T
         ends = np.nan_to_num(ends, nan=float(times[-1]))
         sudden = getattr(law, "restitution", None) is not None
+        if sudden:  # an impact takes no time, though it takes a step here
+            ends = np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
         found.append(ContactTally(
             impulse=float(t.impulse[link]) * run.step,
             peak_force=math.nan if sudden else peak(run.edges, force),

@@ -845,6 +845,17 @@ def test_what_delays_lose_is_told():
     assert solved([unit_rod(velocity=1.0), unit_rod(1.75, 2.0)], 6.0, 1 / 16).outcome.numerical == 0
 
 
+@pytest.mark.parametrize("dt", [1 / 16, 1 / 50, 1 / 64])
+def test_an_impact_happens_at_its_moment(dt):
+    """The mass that was hit leaves at (1 + e) m V/(m + M) = 1/2, and meets the rod at 0.1 + 0.4."""
+    row = [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0), unit_rod()]
+    s = solved(row, 2.0, dt, gaps=[0.1, 0.2], contacts=[ri.Rigid(restitution=0.5), ri.Rigid()])
+    impact, meeting = (contact.episodes[0] for contact in s.contacts)
+    assert impact == pytest.approx((0.1, 0.1, 0.1), abs=4e-6 * dt)
+    assert meeting.start == pytest.approx(0.5, abs=1e-5 * dt)
+    assert s.outcome.contacts[0].duration == 0
+
+
 def test_impacts_of_rigid_bodies_have_no_largest_force_to_wait_for():
     row = [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0), unit_rod()]
     s = solved(row, 4.0, gaps=[0.1, 0.2], contacts=[ri.Rigid(restitution=0.5), ri.Hertz(10.0)])

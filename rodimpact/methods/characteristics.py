@@ -37,7 +37,7 @@ from .characteristics_kernel import (
 )
 from .clockwork import PARTS, Clockwork
 from .delays import WHOLE, arriving, edges_of_parts, lost_to_means, transit_ticks
-from .link_kernel import RIGID, SPRING, Chain, Tally
+from .link_kernel import IMPACT, RIGID, SPRING, Chain, Tally
 from .plan import Array, Plan, squeezed, whole
 from .refinement import TooLong, contact_measures, refined
 
@@ -53,6 +53,7 @@ LINK_TIME = 3e-6  # s, about what plain Python takes for a link and a step; in a
 MOST_BYTES = 4 << 30  # of the signals
 MOST_CUTS = 24  # of a step, where contacts close
 MOST_SEARCHED = 10_000  # steps of the longest transit, among which all transits may be whole
+MOMENT = PARTS >> 21  # ticks before and after an impact
 SAME = 1 / 16  # steps: a contact that closes so near to where it did was placed badly before
 
 
@@ -61,6 +62,14 @@ class Closing(NamedTuple):
 
     time: float
     link: int
+
+    def places(self, plan: Plan, step: float) -> list[float]:
+        """Ticks at which steps are cut: where the force begins, or around the moment of an impact.
+
+        The bodies of an impact change their velocity in the middle of a part, so that is short.
+        """
+        tick = self.time / step * PARTS
+        return [tick - MOMENT, tick + MOMENT] if plan.laws[self.link] == IMPACT else [tick]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -519,9 +528,9 @@ def measures(found: StepRun) -> dict[str, Array]:
 
 
 def begins_with_jumps(plan: Plan) -> bool:
-    """Whether a contact is rigid or has a dashpot, so that its force begins with a jump."""
+    """Whether a contact is rigid, an impact or a dashpot, so that its force begins with a jump."""
     return any(
-        law == RIGID or (law == SPRING and damping > 0)
+        RIGID <= law <= IMPACT or (law == SPRING and damping > 0)
         for law, damping in zip(plan.laws, plan.damping, strict=True)
     )
 
@@ -574,7 +583,7 @@ def _level(
         return replace(found, closings=None)
     given = given_jumps(plan, ticks, step)
     for _ in range(MOST_CUTS):
-        cuts = places_inside([*given, *(x.time / step * PARTS for x in closings)])
+        cuts = places_inside([*given, *(x for c in closings for x in c.places(plan, step))])
         found = attempt(plan, ticks, step, cuts, until, max_events, may_cut=True)
         if isinstance(found, StepRun):
             return replace(found, closings=closings)
@@ -612,6 +621,8 @@ def given_jumps(plan: Plan, ticks: list[int], step: float) -> list[int]:
     for _, value in plan.outside:
         if isinstance(value, Steps):
             found += [float(t) / step * PARTS for t in value.at]
+    if any(law == IMPACT and gap == 0 for law, gap in zip(plan.laws, plan.gap, strict=True)):
+        found.append(MOMENT)
     places = places_inside(found)
     return places if len(places) <= MOST_CUTS else []
 

@@ -372,7 +372,7 @@ def meet(
         i = i0 + q
         if RIGID <= row.law[i] <= IMPACT and force[q] * (ease[q] + ease[q + 1]) <= tol:
             force[q] = 0.0
-        abrupt = row.law[i] == RIGID or (row.law[i] == SPRING and row.damping[i] > 0)
+        abrupt = RIGID <= row.law[i] <= SPRING and (row.law[i] < SPRING or row.damping[i] > 0)
         if clock[CUTS] > 0 and abrupt and force[q] > 0 and row.gap[i] > 0:
             speed = pushed(links, q, last) / d
             if closes_inside(row, clock, i, j, row.gap[i] / speed):
