@@ -269,7 +269,7 @@ def _pressing(force: Floats) -> list[tuple[int, int]]:
 def _begin_of_force(times: Floats, force: Floats, gap: Floats, i: int) -> float:
     """When the force begins that first presses in step i."""
     start, width = float(times[i]), float(times[i + 1] - times[i])
-    if force[i] <= FAINT * force[i : i + 2].max():
+    if i + 1 < len(force) and force[i] <= FAINT * force[i + 1]:
         return start + width
     before = max(i - 1, 0)
     fell = float(gap[before] - gap[before + 1]) / float(times[before + 1] - times[before]) * width
@@ -314,7 +314,7 @@ def _episodes_of_steps(
     A gap has opened once it passes `least`, if it does so before the next force.
     """
     steps, spans = _pressing(force), pressed_spans(times, force, gap)
-    far = np.flatnonzero(gap > least)
+    far, shut = np.flatnonzero(gap > least), np.flatnonzero(gap <= 0)
     found: list[Episode] = []
     for n, ((_, j), (begin, end)) in enumerate(zip(steps, spans, strict=True)):
         if found and found[-1].opening != found[-1].opening:
@@ -322,16 +322,16 @@ def _episodes_of_steps(
         k = int(np.searchsorted(far, j))
         last = steps[n + 1][0] if n + 1 < len(steps) else len(force)
         opens = k < len(far) and far[k] <= last
-        opening = max(_opening(times, gap, int(far[k])), end) if opens else math.nan
+        opening = max(_opening(times, gap, shut, int(far[k])), end) if opens else math.nan
         found.append(Episode(begin, end, opening))
     return tuple(found)
 
 
-def _opening(times: Floats, gap: Floats, k: int) -> float:
-    """When a gap that is open at step end k was 0 for the last time."""
-    shut = np.flatnonzero(gap[:k] <= 0)
-    if not len(shut):
+def _opening(times: Floats, gap: Floats, shut: Ints, k: int) -> float:
+    """When a gap that is open at step end k was 0 for the last time; `shut` are ends where it is."""
+    last = int(np.searchsorted(shut, k)) - 1
+    if last < 0:
         return float(times[max(k - 1, 0)])
-    i = int(shut[-1])
+    i = int(shut[last])
     share = float(gap[i] / (gap[i] - gap[i + 1]))
     return float(times[i]) + share * float(times[i + 1] - times[i])

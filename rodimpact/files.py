@@ -43,7 +43,7 @@ PathLike: TypeAlias = "str | os.PathLike[str]"
 Arrays: TypeAlias = dict[str, Any]
 
 FORMAT = "rodimpact"
-SCHEMA = 1
+SCHEMA = 2
 """Version of what a saved file holds; older readers refuse files with a higher one."""
 
 
