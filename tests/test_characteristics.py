@@ -845,6 +845,16 @@ def test_what_delays_lose_is_told():
     assert solved([unit_rod(velocity=1.0), unit_rod(1.75, 2.0)], 6.0, 1 / 16).outcome.numerical == 0
 
 
+@pytest.mark.parametrize("rest", [0.01, 0.05])
+def test_a_run_whose_delays_are_no_whole_steps_ends_inside_one(rest):
+    """Less than the share of the earlier step arrives of what is left of the last step, or more."""
+    uneven = ri.Samples([1.0, 0.3, 0.9, 0.2])
+    row = [unit_rod(velocity=uneven), unit_rod(math.sqrt(3), 2.0)]  # the shares are .29 and .74
+    o = solved(row, 60 * 0.07 + rest, 0.07).outcome
+    assert abs(o.energy_residual) <= 1e-13
+    assert abs(o.momentum_residual) <= 1e-13
+
+
 @pytest.mark.parametrize("dt", [1 / 16, 1 / 50, 1 / 64])
 def test_an_impact_happens_at_its_moment(dt):
     """The mass that was hit leaves at (1 + e) m V/(m + M) = 1/2, and meets the rod at 0.1 + 0.4."""

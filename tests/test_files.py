@@ -15,7 +15,7 @@ from systems import horizon, random_system
 
 import rodimpact as ri
 from rodimpact import files
-from rodimpact.files import FileFormatError, check_target, load, write_bytes, write_text
+from rodimpact.files import SCHEMA, FileFormatError, check_target, load, write_bytes, write_text
 
 STEEL = ri.materials.steel
 SHORT = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
@@ -374,7 +374,7 @@ def test_foreign_archives(tmp_path, arrays):
     refused(tmp_path / "a.npz", "not one that rodimpact saved")
 
 
-@pytest.mark.parametrize("change", [{"schema": 2}, {"kind": "hologram"}, {"schema": None}])
+@pytest.mark.parametrize("change", [{"schema": SCHEMA + 1}, {"kind": "hologram"}, {"schema": None}])
 def test_what_a_newer_version_saved(saved, change):
     edit(saved, {**change, "rodimpact": "9.8.7"})
     refused(saved, rf"saved by rodimpact 9\.8\.7; this is rodimpact {ri.__version__}.*newer")
