@@ -162,7 +162,7 @@ def test_errors_are_raised_again_when_resumed(tmp_path):
                         ri.Rod(1.0, area=1e-4, material=STEEL)])
     ri.sweep(system, on_error="record", checkpoint=tmp_path)
     with pytest.raises(ri.SweepError, match=r"member \[1\]"):
-        ri.sweep(system, checkpoint=tmp_path)
+        ri.sweep(system, on_error="raise", checkpoint=tmp_path)
 
 
 def test_marks_follow_the_numbers(tmp_path, monkeypatch):

@@ -364,17 +364,28 @@ def test_something_must_vary(case, no_sweep, capsys):
     assert err == "rodimpact: --vary: name what to vary: --vary bodies.0.length=0.05:1:200\n"
 
 
-def test_an_end_in_time_makes_no_sense(case, no_sweep, capsys):
-    case.write_text(CASE + "[solve]\nuntil = 1\n")
+def test_a_sweep_keeps_no_states(case, no_sweep, capsys):
+    case.write_text(CASE + "[solve]\nsnapshots = 1\n")
     assert sweep("--vary", LENGTHS) == 2
-    assert capsys.readouterr().err.startswith("rodimpact: solve.until: a sweep runs every")
+    assert capsys.readouterr().err.startswith("rodimpact: solve.snapshots: a sweep keeps no states")
 
 
-@pytest.mark.parametrize("key", ["dt", "rtol", "cells", "snapshots"])
-def test_steps_of_a_single_run_make_no_sense(case, no_sweep, capsys, key):
-    case.write_text(CASE + f"[solve]\n{key} = 1\n")
-    assert sweep("--vary", LENGTHS) == 2
-    assert capsys.readouterr().err.startswith(f"rodimpact: solve.{key}: a sweep chooses its steps")
+@pytest.mark.parametrize(("solve", "argv", "path", "said"), [
+    ("", ["--until", "-1 s"], "--until", "non-negative number of seconds, got -1.0"),
+    ("", ["--dt", "1 us", "--rtol", "1e-3"], "--dt", "give one of them"),
+    ("", ["--dt", "1 us", "--method", "fronts"], "--dt", "has no time step"),
+    ("cells = 20", ["--method", "fronts"], "solve.cells", 'is for method "finite-difference"'),
+    ("dt = 1e-6\nmethod = 'fronts'", [], "solve.dt", "has no time step"),
+    ("", ["--until", "soon"], "--until", "cannot read 'soon' as time"),
+])
+def test_options_are_checked_as_for_a_single_run(case, no_sweep, capsys, solve, argv, path, said):
+    case.write_text(CASE + f"[solve]\n{solve}\n")
+    assert sweep("--vary", LENGTHS, *argv) == 2
+    swept = capsys.readouterr().err
+    assert swept.startswith(f"rodimpact: {path}: ")
+    assert said in swept
+    assert main(["run", "case.toml", *argv]) == 2
+    assert capsys.readouterr().err == swept
 
 
 def test_csv_and_json_exclude_each_other(case, no_sweep, capsys):

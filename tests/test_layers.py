@@ -25,7 +25,7 @@ LAYERS = [
     {"methods.fronts", "methods.families", "signals"},
     {"fields"},
     {"wave_fields", "grid_fields"},
-    {"contacts"},
+    {"contacts", "options"},
     {"outcome"},
     {"ledger", "gauges"},
     {"records", "ring_down"},

@@ -201,7 +201,7 @@ def test_one_bad_member_does_not_lose_the_others():
 def test_the_first_bad_member_is_named_with_its_parameters():
     system, index = with_one_bad(400)
     with pytest.raises(ri.SweepError) as caught:
-        ri.sweep(system)
+        ri.sweep(system, on_error="raise")
     error = caught.value
     assert error.index == index
     assert error.parameters == {"bodies.0.length": 1e-13}
@@ -223,7 +223,7 @@ def test_a_cap_is_recorded_and_raised():
     assert [STATUS[code] for code in result.status] == ["max_events"] * 2
     assert np.isnan(result.restitution).all()
     with pytest.raises(ri.SweepError, match="cap of 50 events"):
-        ri.sweep(system, max_events=50)
+        ri.sweep(system, max_events=50, on_error="raise")
 
 
 def test_no_collision_is_no_error():
@@ -383,13 +383,14 @@ def test_several_contacts_have_columns_of_their_own():
 
 def test_saving_and_loading(tmp_path):
     system = varied(3)
-    result = ri.sweep(system, on_error="record", max_events=2000)
+    result = ri.sweep(system, max_events=2000)
     result.save(tmp_path / "family.npz")
     loaded = ri.load(tmp_path / "family.npz")
     assert same(loaded, result)
     assert loaded.system == system
     assert loaded.shape == result.shape
-    assert (loaded.method, loaded.max_events) == ("fronts", 2000)
+    assert loaded.options == result.options
+    assert (loaded.options.method, loaded.options.max_events) == ("fronts", 2000)
     with pytest.raises(FileExistsError):
         result.save(tmp_path / "family.npz")
 
