@@ -31,7 +31,7 @@
     value = "1 kN"           # or a profile in time; for "force" and "velocity" only
 
     [solve]                  # until, method, max_events, dt, rtol, cells, snapshots: as for
-                             # `rodimpact.solve`
+                             # `rodimpact.solve`; all but the last for `rodimpact.sweep` too
     [output]                 # plot, save: names of files to write
 
     law               takes

@@ -544,7 +544,7 @@ def _one_by_one(
             for name in ContactColumns._fields:
                 found[f"{name}.{k}"][place] = getattr(o.contacts[k], name)
         for g, (body, x) in enumerate(readings.gauges):
-            inside = readings.times <= solution.t_end
+            inside = readings.times <= solution.t_end * (1 + 1e-12)
             record = solution.gauge(body, x)
             found["strain"][place, g, inside] = record.strain_at(readings.times[inside])
     return found
@@ -698,10 +698,12 @@ def _readings(problems: Problems, system: System, gauges: Any, times: Any) -> Re
 
 def _explain(member: System, options: Options) -> str:
     try:
-        outcome = run_method(member, options.method, options).outcome
+        solution = run_method(member, options.method, options)
     except InvalidModel as error:
         return "; ".join(f"{path}: {said}" for path, said in error.problems)
-    return (outcome.final and outcome.why_no_restitution()) or outcome.status
+    o = solution.outcome
+    never = o.final or (o.driven and solution.stopped_by == "until")  # however long it runs
+    return (never and o.why_no_restitution()) or o.status
 
 
 def _raise_first(status: Any, start: int, system: System, options: Options) -> None:

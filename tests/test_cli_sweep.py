@@ -388,6 +388,50 @@ def test_options_are_checked_as_for_a_single_run(case, no_sweep, capsys, solve, 
     assert capsys.readouterr().err == swept
 
 
+FALLING = """\
+schema = 1
+gravity = "9.81 m/s^2"
+bodies = [
+    {kind = "rod", length = 0.3, area = 1e-4, material = "steel", velocity = 1.0},
+    {kind = "wall"},
+]
+contacts = [{gap = "10 um"}]
+"""
+
+
+def test_a_case_with_gravity_runs_to_its_end(case, capsys):
+    case.write_text(FALLING + "[solve]\nuntil = '0.3 ms'\n")
+    argv = ["--vary", "bodies.0.velocity=0.5:2:4"]
+    assert sweep(*argv, "--csv") == 0
+    rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
+    assert [row["status"] for row in rows] == ["until"] * 4
+    family = ri.read_case(case, {"bodies.0.velocity": "0.5:2:4"}).system
+    for i, row in enumerate(rows):
+        outcome = ri.solve(family[i], 3e-4).outcome
+        assert row["restitution"] == ""
+        assert float(row["velocity_after.0"]) == outcome.velocities_after[0]
+        assert float(row["impulse.0"]) == outcome.impulse
+    assert sweep(*argv) == 0
+    out = capsys.readouterr().out
+    assert "4 collisions have no e." in out
+    assert "gravity" in out
+    assert sweep(*argv, "--on-error", "raise") == 0
+
+
+def test_options_replace_those_of_the_case(case, capsys):
+    case.write_text(FALLING)
+    argv = ["--vary", "bodies.0.velocity=1,2", "--csv"]
+    assert sweep(*argv) == 2
+    assert capsys.readouterr().err.startswith("rodimpact: --until: must be given")
+    case.write_text(FALLING + "[solve]\nuntil = 1\nrtol = 1e-3\n")
+    assert sweep(*argv, "--until", "0.3 ms", "--dt", "2 us") == 0
+    rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
+    family = ri.read_case(case, {"bodies.0.velocity": "1,2"}).system
+    for i, row in enumerate(rows):
+        outcome = ri.solve(family[i], 3e-4, dt=2e-6).outcome
+        assert float(row["velocity_after.0"]) == outcome.velocities_after[0]
+
+
 def test_csv_and_json_exclude_each_other(case, no_sweep, capsys):
     assert sweep("--vary", LENGTHS, "--csv", "--json") == 2
     assert "not allowed with" in capsys.readouterr().err

@@ -16,8 +16,8 @@ from matplotlib.patches import StepPatch
 
 import rodimpact as ri
 from rodimpact import plot
-from rodimpact.plot import closed_forms, quantities
 from rodimpact.options import Options
+from rodimpact.plot import closed_forms, quantities
 from rodimpact.sweeping import SweepResult
 
 STEEL = ri.materials.steel
@@ -68,7 +68,8 @@ def showing(values):
     if values.ndim == 2:
         lengths, areas = column(lengths), np.linspace(1e-4, 2e-4, values.shape[1])
     system = ri.System([rod(lengths, 1.0, strain=1e-6), rod(area=areas)])
-    return SweepResult(system, Options(method="fronts"), {"restitution": values, "episodes.0": values})
+    columns = {"restitution": values, "episodes.0": values}
+    return SweepResult(system, Options(method="fronts"), columns)
 
 
 def render(picture):
