@@ -416,6 +416,8 @@ def test_a_case_with_gravity_runs_to_its_end(case, capsys):
     assert "4 collisions have no e." in out
     assert "gravity" in out
     assert sweep(*argv, "--on-error", "raise") == 0
+    assert sweep(*argv, "--plot", "a.png") == 2
+    assert "--plot: a figure shows e, which a row held under gravity" in capsys.readouterr().err
 
 
 def test_options_replace_those_of_the_case(case, capsys):

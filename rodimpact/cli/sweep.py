@@ -18,6 +18,7 @@ from typing import Any
 from ..casefile import Case, read_case
 from ..files import FileFormatError
 from ..frozen import InvalidModel
+from ..methods.abilities import driven
 from ..model import Bonded
 from ..report import sweep_json, sweep_table
 from ..sweeping import SweepError, SweepResult, sweep
@@ -122,6 +123,9 @@ def _check_case(problems: Problems, case: Case, draws: bool) -> None:
         problems.append(("--plot", message))
     elif draws and contacts != 1:
         message = f"a figure shows e, which a row with {contacts} contacts has not"
+        problems.append(("--plot", f"{message}; --save, and draw something else in Python"))
+    elif draws and driven(case.system):
+        message = "a figure shows e, which a row held under gravity, or driven, has not"
         problems.append(("--plot", f"{message}; --save, and draw something else in Python"))
 
 
