@@ -47,6 +47,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .laws import SpringDashpot as SpringDashpot
     from .ledger import EnergyLedger as EnergyLedger
     from .model import System as System
+    from .options import Options as Options
     from .outcome import Outcome as Outcome
     from .outcome import UndefinedRestitution as UndefinedRestitution
     from .profiles import Samples as Samples
@@ -68,6 +69,7 @@ _HOME = {
     "laws": ("Bonded", "Hertz", "HuntCrossley", "Rigid", "Spring", "SpringDashpot"),
     "ends": ("Absorbing", "Fixed", "Force", "Free", "Velocity"),
     "model": ("System",),
+    "options": ("Options",),
     "solving": ("collide", "solve"),
     "ledger": ("EnergyLedger",),
     "gauges": ("Gauge", "gauges_to_csv"),

@@ -31,7 +31,7 @@
     value = "1 kN"           # or a profile in time; for "force" and "velocity" only
 
     [solve]                  # until, method, max_events, dt, rtol, cells, snapshots: as for
-                             # `rodimpact.solve`
+                             # `rodimpact.solve`; all but the last for `rodimpact.sweep` too
     [output]                 # plot, save: names of files to write
 
     law               takes
@@ -81,8 +81,8 @@ from .ends import ENDS, FREE, End
 from .frozen import InvalidModel, Number, Problems, number
 from .laws import CONTACT_LAWS, ContactLaw, Hertz, Rigid, Spring
 from .model import SIDES, System
+from .options import METHODS, Options
 from .profiles import Profile, Samples, Steps
-from .solving import METHODS
 
 SCHEMA = 1
 MISSING = math.nan  # default of an entry that must be there, and what stands for it then
@@ -761,24 +761,15 @@ def _read_end(table: _Table) -> End:
 
 def _read_solve(table: _Table) -> dict[str, Any]:
     options: dict[str, Any] = {}
-    if table.has("until"):
-        options["until"] = table.quantity("until", table.data["until"], "time")
-        if options["until"] < 0:
-            table.note("until", f"must not be negative, got {options['until']!r}")
-    if table.has("method"):
-        options["method"] = table.word("method", ("auto", *METHODS))
-    for key, dimension in (("dt", "time"), ("rtol", "dimensionless")):
+    for key, dimension in (("until", "time"), ("dt", "time"), ("rtol", "dimensionless")):
         if table.has(key):
             options[key] = table.quantity(key, table.data[key], dimension)
-            if options[key] <= 0:
-                table.note(key, f"must be positive, got {options[key]!r}")
-    if "dt" in options and "rtol" in options:
-        table.note("dt", "fixes the step, rtol chooses it; give one of them")
+    if table.has("method"):
+        options["method"] = table.word("method", METHODS)
     for key in ("max_events", "cells", "snapshots"):
         if table.has(key):
-            options[key] = count = table.data[key]
-            if type(count) is not int or count < 1:
-                table.note(key, f"must be a positive whole number, got {_short(count)}")
+            options[key] = table.data[key]
+    table.make(Options, **options)
     table.close()
     return options
 

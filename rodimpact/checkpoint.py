@@ -105,7 +105,7 @@ class Checkpoint:
         """Write a chunk, whose first member has the flat index `start`."""
         for name, values in columns.items():
             file = self._open[name]
-            file.seek(self._start[name] + start * values.itemsize)
+            file.seek(self._start[name] + start * values[:1].nbytes)
             file.write(values.tobytes())
         self._waiting.append(chunk)
         if time.monotonic() - self._synced > SYNC_EVERY:

@@ -328,7 +328,7 @@ def _episodes_of_steps(
 
 
 def _opening(times: Floats, gap: Floats, shut: Ints, k: int) -> float:
-    """When a gap that is open at step end k was 0 for the last time, as it is at the ends `shut`."""
+    """When a gap that is open at step end k was 0 for the last time; `shut` are all such ends."""
     last = int(np.searchsorted(shut, k)) - 1
     if last < 0:
         return float(times[max(k - 1, 0)])

@@ -1,34 +1,31 @@
-"""solve() and collide(): choose the method, run it, wrap what it found."""
+"""solve() and collide(): run the method that can do it, wrap what it found."""
 
 from __future__ import annotations
 
 import math
 import warnings
-from numbers import Integral
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arguments import array
 from .fields import Fields
 from .front_totals import totals_of_fronts
-from .frozen import InvalidModel, Number, Problems, number
+from .frozen import InvalidModel
 from .grid_fields import GridFields, outer_forces
 from .methods import characteristics, finite_difference
-from .methods.abilities import LACKS, choose, refuse
 from .methods.assembly import assemble
 from .methods.fronts import MAX_EVENTS, FrontRun, track
 from .model import Body, ContactLaw, System
+from .options import Options
 from .outcome import Outcome, outcome_of
-from .quantities import numbers_in
 from .records import FrontRecord
 from .solution import Solution
 from .status import describe, describe_steps
 from .stepped import Run, read_record, totals_of_steps
 from .wave_fields import WaveFields
 
-METHODS = tuple(LACKS)
+AUTO = Options()
 Progress = finite_difference.Progress
 
 
@@ -99,21 +96,35 @@ def solve(
     >>> round(float(solution.velocity(body=0, x=0.2, t=solution.t_end)), 12)
     0.0
     """
-    chosen = check(system, until, method, max_events, dt, rtol, cells, snapshots)
-    until, dt, rtol = numbers_in(until, "s"), numbers_in(dt, "s"), numbers_in(rtol, "")
-    end = None if until is None else float(until)
-    if chosen == "fronts":
-        return wrap(track(assemble(system, end), end, int(max_events)), end)
-    if chosen == "characteristics":
-        return wrap_steps(characteristics.follow(system, end, int(max_events), dt, rtol), end)
-    kept: Any = snapshots
-    if kept is not None:
-        kept = int(kept) if _is_count(kept) else array("snapshots", kept, "s")
-    run = finite_difference.follow(
-        system, end, int(max_events), cells=cells, dt=dt, rtol=rtol, snapshots=kept,
+    options = Options(until, method, max_events, dt, rtol, cells, snapshots)
+    chosen = options.method_for(system)
+    if system.shape != ():
+        message = (
+            f"this is a family of shape {system.shape}, which is for sweep(system); or "
+            "solve a member, solve(system[index]). Values along a rod are Steps(values, at)"
+        )
+        raise InvalidModel([("system", message)])
+    return run_method(system, chosen, options, progress)
+
+
+def run_method(
+    system: System, method: str, options: Options, progress: Progress | None = None
+) -> Solution:
+    """Solve a single collision by the method that `Options.method_for` chose."""
+    end, cap = options.until, options.max_events
+    if method == "fronts":
+        return wrap(track(assemble(system, end), end, cap), end)
+    if method == "characteristics":
+        return wrap_steps(
+            characteristics.follow(system, end, cap, options.dt, options.rtol), end
+        )
+    kept: Any = options.snapshots
+    found = finite_difference.follow(
+        system, end, cap, cells=options.cells, dt=options.dt, rtol=options.rtol,
+        snapshots=np.array(kept) if isinstance(kept, tuple) else kept,
         progress=progress, announce=_announce,
     )
-    return wrap_steps(run, end)
+    return wrap_steps(found, end)
 
 
 def collide(left: Body, right: Body, gap: float = 0.0,
@@ -148,7 +159,7 @@ def collide(left: Body, right: Body, gap: float = 0.0,
     0.4
     """
     system = System([left, right], [gap], None if contact is None else [contact])
-    if check(system, None, "auto", MAX_EVENTS) != "fronts":
+    if system.shape or AUTO.method_for(system) != "fronts":
         return solve(system).outcome
     run = track(assemble(system))
     return outcome_of(system, totals_of_fronts(run), run.settled >= 0, describe(run))
@@ -156,83 +167,6 @@ def collide(left: Body, right: Body, gap: float = 0.0,
 
 def _announce(sentence: str) -> None:
     warnings.warn(sentence, LongRun, stacklevel=3)
-
-
-def check(
-    system: Any, until: float | None, method: str, max_events: Any, dt: Any = None,
-    rtol: Any = None, cells: Any = None, snapshots: Any = None,
-) -> str:
-    """Check the arguments of `solve`; return the method that is to run."""
-    problems: Problems = []
-    if not isinstance(system, System):
-        message = f"must be a System, such as System([rod, Wall()]), got {system!r}"
-        raise InvalidModel([("system", message)])
-    if system.shape != ():
-        message = (
-            f"this is a family of shape {system.shape}, which is for sweep(system); or "
-            "solve a member, solve(system[index]). Values along a rod are Steps(values, at)"
-        )
-        problems.append(("system", message))
-    for name, value, sign in (
-        ("until", until, "non-negative"), ("dt", dt, "positive"), ("rtol", rtol, "positive"),
-    ):
-        if value is not None:
-            unit = "" if name == "rtol" else "s"
-            found: Number = number(problems, name, value, unit, sign)
-            if not isinstance(found, float):
-                problems.append((name, f"must be a single number, got {value!r}"))
-    for name, fixed in (("dt", dt), ("cells", cells)):
-        if fixed is not None and rtol is not None:
-            problems.append((name, "fixes the step, rtol chooses it; give one of them"))
-    if cells is not None and not _is_count(cells):
-        problems.append(("cells", f"must be a positive whole number, got {cells!r}"))
-    if snapshots is not None:
-        _check_snapshots(problems, snapshots, until)
-    if method not in ("auto", *METHODS):
-        known = ", ".join(f'"{m}"' for m in ("auto", *METHODS))
-        problems.append(("method", f"must be one of {known}, got {method!r}"))
-    if not _is_count(max_events):
-        problems.append(("max_events", f"must be a positive whole number, got {max_events!r}"))
-    if problems:
-        raise InvalidModel(problems)
-    stepping = [name for name, v in (("dt", dt), ("rtol", rtol)) if v is not None]
-    gridded = [name for name, v in (("cells", cells), ("snapshots", snapshots)) if v is not None]
-    if method == "auto":
-        method = choose(system, 2 if gridded else 1 if stepping else 0)
-    refuse(method, system)
-    if method == "fronts" and stepping:
-        problems = [(n, 'method "fronts" is exact and has no time step; leave it out')
-                    for n in stepping]
-    if method != "finite-difference":
-        problems += [(n, f'is for method "finite-difference", not "{method}"; leave it out')
-                     for n in gridded]
-    if problems:
-        raise InvalidModel(problems)
-    return method
-
-
-def _is_count(value: Any) -> bool:
-    return not isinstance(value, bool) and isinstance(value, Integral) and int(value) >= 1
-
-
-def _check_snapshots(problems: Problems, snapshots: Any, until: float | None) -> None:
-    if _is_count(snapshots):
-        return
-    try:
-        times = array("snapshots", snapshots, "s")
-    except (TypeError, ValueError):
-        times = np.zeros(0)
-    if times.ndim != 1 or not times.size or isinstance(snapshots, str):
-        message = f"must be a positive whole number, or a list of times, got {snapshots!r}"
-        problems.append(("snapshots", message))
-        return
-    good = np.isfinite(times) & (times >= 0)
-    if not good.all():
-        bad = float(times[~good][0])
-        problems.append(("snapshots", f"must be times of 0 s or more, got {bad!r}"))
-    elif isinstance(until, int | float) and times.max() > until:
-        message = f"must lie before until = {until!r} s, got {float(times.max())!r}"
-        problems.append(("snapshots", message))
 
 
 def wrap(run: FrontRun, until: float | None = None) -> Solution:

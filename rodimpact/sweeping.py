@@ -11,29 +11,32 @@ import math
 import os
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field, replace
 from numbers import Integral
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import __version__
 from .checkpoint import Checkpoint
 from .files import PathLike, write_npz, written
-from .frozen import InvalidModel, Problems
-from .methods.abilities import choose, driven, refuse
+from .frozen import InvalidModel, Problems, number
+from .methods.abilities import driven
 from .methods.assembly import Blueprint
 from .methods.families import Stopped, chunk_members, run_family
 from .methods.front_kernel import CAP, CLOCK, FULL
 from .methods.fronts import MAX_EVENTS
-from .model import Bonded, System
+from .model import Bonded, Rod, System
+from .options import Options, count
 from .outcome import body_velocities, effective_restitution
-from .solving import METHODS, solve
+from .solving import run_method
 
-STATUS = ("final", "max_events", "clock", "refused")
+STATUS = ("final", "max_events", "clock", "refused", "until")
 """Why each run stopped; `SweepResult.status` holds places in this tuple."""
+ENDED = [STATUS.index("final"), STATUS.index("until")]
 
 ONE_BY_ONE = 16  # members of a chunk where each is solved alone
 AHEAD = 32  # chunks handed to an executor before the first is waited for
@@ -73,6 +76,17 @@ class Axis(NamedTuple):
     values: Any
 
 
+class Readings(NamedTuple):
+    """Strain gauges, (body, m from its left end), and the times at which they are read, s."""
+
+    gauges: tuple[tuple[int, float], ...] = ()
+    times: Any = np.zeros(0)
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready."""
+        return {"gauges": [list(place) for place in self.gauges], "times": self.times.tolist()}
+
+
 class ContactColumns(NamedTuple):
     """Totals of one contact; arrays of the family's shape, SI units."""
 
@@ -90,15 +104,19 @@ class SweepResult:
     ----------
     system : System
         The family.
-    method : str
-    max_events : int
-        Cap on the events of a member.
+    options : Options
+        How each member was solved, by which method.
     columns : dict of str to array
         By name: ``restitution``; ``velocity_after.I`` of body I, m/s; ``impulse.K`` (N s),
         ``peak_force.K`` (N), ``duration.K`` (time under force, s) and ``episodes.K`` of contact K;
         ``vibration``, energy left in vibration and strain, J; ``final``; ``status``. Totals count
-        up to the proof that the collision is over. A number that does not exist is nan, as the
-        impulse of a bonded contact, which never ends.
+        up to the end of the run: `until`, the proof that the collision is over, or what stopped it
+        before. A number that does not exist is nan, as the impulse of a bonded contact, which never
+        ends.
+    readings : Readings
+        The `gauges`, and the `times` at which they are read.
+    strain : array or None
+        At the gauges, of the family's shape + (gauge, time); nan after the end of a member's run.
 
     Examples
     --------
@@ -110,9 +128,25 @@ class SweepResult:
     """
 
     system: System
-    method: str
-    max_events: int
+    options: Options
     columns: Columns
+    readings: Readings = field(default_factory=Readings)
+    strain: Any = None
+
+    @property
+    def method(self) -> str:
+        """Name of the method."""
+        return self.options.method
+
+    @property
+    def gauges(self) -> tuple[tuple[int, float], ...]:
+        """Strain gauges: body, and place in m from its left end."""
+        return self.readings.gauges
+
+    @property
+    def times(self) -> Any:
+        """Times of `strain`, s."""
+        return self.readings.times
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -162,6 +196,11 @@ class SweepResult:
         return self.columns["status"]
 
     @property
+    def incomplete(self) -> Any:
+        """Where a run did not come to its end, but to the cap on events or the clock, or failed."""
+        return ~np.isin(self.status, ENDED)
+
+    @property
     def contacts(self) -> tuple[ContactColumns, ...]:
         """Totals of each contact, walls counted."""
         return tuple(
@@ -203,7 +242,7 @@ class SweepResult:
         ----------
         index : int or tuple of int
         """
-        return _explain(self.system[index], self.method, self.max_events)
+        return _explain(self.system[index], self.options)
 
     def save(self, path: PathLike, *, force: bool = False) -> None:
         """Write an NPZ file that `rodimpact.load` reads.
@@ -221,10 +260,11 @@ class SweepResult:
             return {"array": name}
 
         document = {
-            "system": self.system._mapped(put).to_dict(), "method": self.method,
-            "max_events": self.max_events, "shape": list(self.shape),
+            "system": self.system._mapped(put).to_dict(), "options": asdict(self.options),
+            "shape": list(self.shape), **self.readings.to_dict(),
         }
-        write_npz(path, "sweep", document, {**numbers, **self.columns}, force=force)
+        strain = {} if self.strain is None else {"strain": self.strain}
+        write_npz(path, "sweep", document, {**numbers, **self.columns, **strain}, force=force)
 
     @classmethod
     def restored(cls, document: dict[str, Any], arrays: Columns) -> SweepResult:
@@ -237,10 +277,14 @@ class SweepResult:
             return [take(v) for v in value] if isinstance(value, list) else value
 
         system = System.from_dict(take(document["system"]))
-        columns = {name: arrays[name] for name in _kinds(system)}
-        if any(c.shape != system.shape for c in columns.values()):
+        gauges = tuple((body, x) for body, x in document["gauges"])
+        readings = Readings(gauges, np.array(document["times"], dtype=np.float64))
+        of = _arrays(system, readings)
+        columns = {name: arrays[name] for name in of}
+        if any(columns[name].shape != (*system.shape, *beyond) for name, (_, beyond) in of.items()):
             raise ValueError("columns do not have the family's shape")
-        return cls(system, document["method"], document["max_events"], columns)
+        options, strain = Options(**document["options"]), columns.pop("strain", None)
+        return cls(system, options, columns, readings, strain)
 
     def table(self, start: int = 0, stop: int | None = None) -> Columns:
         """Varied numbers and results of the members `start` to `stop` in C order, by name."""
@@ -279,7 +323,10 @@ class SweepResult:
         return frame
 
     def to_xarray(self) -> Any:
-        """Everything as an xarray Dataset (extra ``xarray``), a dimension an axis."""
+        """Everything as an xarray Dataset (extra ``xarray``), a dimension an axis.
+
+        Strains have the dimensions ``gauge`` and ``time`` besides.
+        """
         xarray = _extra("xarray", "xarray")
         names = [axis.name for axis in self.axes]
         coordinates = {axis.name: axis.values for axis in self.axes}
@@ -287,6 +334,11 @@ class SweepResult:
             if path not in coordinates:
                 coordinates[path] = (names, np.broadcast_to(values, self.shape))
         columns = {name: (names, values) for name, values in self.columns.items()}
+        if self.strain is not None:
+            coordinates |= {"time": self.times}
+            coordinates |= {"body": ("gauge", [body for body, _ in self.gauges])}
+            coordinates |= {"x": ("gauge", [x for _, x in self.gauges])}
+            columns["strain"] = ([*names, "gauge", "time"], self.strain)
         return xarray.Dataset(columns, coordinates, {"status": ", ".join(STATUS)})
 
     def __repr__(self) -> str:
@@ -304,11 +356,17 @@ def sweep(
     method: str = "auto",
     executor: Executor | None = None,
     *,
+    until: float | None = None,
+    max_events: int = MAX_EVENTS,
+    dt: float | None = None,
+    rtol: float | None = None,
+    cells: int | None = None,
+    gauges: Sequence[tuple[int, float]] = (),
+    times: ArrayLike | None = None,
     workers: int | None = None,
     progress: Callable[[int, int], Any] | None = None,
-    on_error: str = "raise",
+    on_error: str = "record",
     checkpoint: PathLike | None = None,
-    max_events: int = MAX_EVENTS,
 ) -> SweepResult:
     """Solve every collision of a family.
 
@@ -317,23 +375,31 @@ def sweep(
     system : System
         Of any shape: numbers of the model that are arrays make a family, as NumPy broadcasts them.
     method : str
-        As for `solve`.
+        As for `solve`; one for all members.
     executor : concurrent.futures.Executor, optional
         Who runs the chunks: threads of this process if not given, else processes, a cluster by
         ``dask.distributed.Client.get_executor()`` or ``mpi4py.futures.MPIPoolExecutor``. The result
         is the same bit for bit.
+    until : float, optional
+        Time to which each member runs, s; by default to the proof that its collision is over. Where
+        drives or gravity act there is none, and chains that touch again and again may have none for
+        a long time.
+    max_events, dt, rtol, cells
+        Of each member, as for `solve`.
+    gauges : sequence of (int, float), optional
+        Strain gauges: body, and place in m from its left end.
+    times : array_like, optional
+        Times at which the strain at the gauges is wanted, s, for all members; [time].
     workers : int, optional
         Number of threads where there is no executor; default: the processors at hand.
     progress : callable, optional
         Called with the number of collisions done and of all, after each chunk.
-    on_error : "raise" or "record"
-        What to do about a member that cannot be run to the proof that it is over: raise, or go on
-        and leave nan and its `status`.
+    on_error : "record" or "raise"
+        What to do about a member that cannot be solved, or is stopped by the cap on events or the
+        clock: go on, with its `status` and what is known of it, or raise.
     checkpoint : path, optional
-        Directory that keeps finished chunks, so that a sweep that was interrupted goes on where it
-        was. The columns of the result then stay on disk until they are looked at.
-    max_events : int
-        Cap on the events of each member.
+        Directory that keeps finished chunks, strains included, so that a sweep that was interrupted
+        goes on where it was. The arrays of the result then stay on disk until they are looked at.
 
     Returns
     -------
@@ -342,42 +408,66 @@ def sweep(
     Raises
     ------
     InvalidModel
-        If an argument is wrong, or the method lacks something that the system has.
+        If an argument is wrong or missing, or the method lacks something that the system has.
     SweepError
-        With ``on_error="raise"``, for the first member in C order that did not come to an end.
+        With ``on_error="raise"``, for the first member in C order that did not come to its end.
     FileFormatError, OSError
         If the checkpoint directory holds something else, or cannot be written.
+
+    Examples
+    --------
+    Strain at a gauge in the middle of a bar, for three strikers:
+
+    >>> import numpy as np, rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> striker = ri.Rod(np.array([0.1, 0.2, 0.4]), area=1e-4, material=steel, velocity=10.0)
+    >>> bar = ri.Rod(2.0, area=1e-4, material=steel)
+    >>> pulses = ri.sweep(ri.System([striker, bar]), until=5e-4, gauges=[(1, 1.0)],
+    ...                   times=np.linspace(0, 5e-4, 6))
+    >>> pulses.strain.shape
+    (3, 1, 6)
     """
-    _check(system, method, workers, on_error, max_events)
-    chosen = choose(system) if method == "auto" else method
-    refuse(chosen, system)
-    most = chunk_members(Blueprint(system)) if chosen == "fronts" else ONE_BY_ONE
-    chunks = _Chunks(system.shape, most)
-    kinds = _kinds(system)
+    problems: Problems = []
+    if on_error not in ("raise", "record"):
+        problems.append(("on_error", f'must be "raise" or "record", got {on_error!r}'))
+    if workers is not None:
+        workers = count(problems, "workers", workers)
+    try:
+        options = Options(until, method, max_events, dt, rtol, cells)
+        options = replace(options, method=options.method_for(system))
+        readings = _readings(problems, system, gauges, times)
+    except InvalidModel as error:
+        problems += error.problems
+    if problems:
+        raise InvalidModel(problems)
+    of = _arrays(system, readings)
+    chunks = _Chunks(system.shape, _chunk_members(system, options, readings))
+    size = math.prod(system.shape)
     keep: Checkpoint | None = None
     if checkpoint is None:
-        columns = {name: np.empty(math.prod(system.shape), kind) for name, kind in kinds.items()}
+        columns = {name: np.empty((size, *beyond), kind) for name, (kind, beyond) in of.items()}
         done = np.zeros(len(chunks), dtype=bool)
     else:
         described = {
             "format": "rodimpact sweep", "rodimpact": __version__, "system": system.digest,
-            "shape": list(system.shape), "method": chosen, "max_events": max_events,
+            "shape": list(system.shape), **asdict(options), **readings.to_dict(),
         }
-        of = {name: (np.dtype(kind), system.shape) for name, kind in kinds.items()}
-        keep = Checkpoint(checkpoint, described, of, len(chunks))
+        shapes = {name: (np.dtype(kind), (*system.shape, *beyond))
+                  for name, (kind, beyond) in of.items()}
+        keep = Checkpoint(checkpoint, described, shapes, len(chunks))
         columns, done = keep.columns(), keep.done.copy()
 
     def arrived(number: int, found: Columns) -> None:
         start, stop = chunks.span(number)
         if on_error == "raise":
-            _raise_first(found["status"], start, system, chosen, max_events)
+            _raise_first(found["status"], start, system, options)
         if keep is not None and not done[number]:
             keep.write(number, start, found)
         elif keep is None:
             for name, values in found.items():
                 columns[name][start:stop] = values
         if progress is not None:
-            progress(stop, math.prod(system.shape))
+            progress(stop, size)
 
     waiting: deque[tuple[int, Any]] = deque()
     try:
@@ -390,9 +480,7 @@ def sweep(
                     first, job = waiting.popleft()
                     arrived(first, job.result())
                 part = system[chunks.box(number)]
-                waiting.append((number, pool.submit(
-                    run_chunk, part, chosen, max_events, *asking
-                )))
+                waiting.append((number, pool.submit(run_chunk, part, options, readings, *asking)))
             while waiting:
                 first, job = waiting.popleft()
                 arrived(first, job.result())
@@ -403,38 +491,50 @@ def sweep(
             keep.close()
     if keep is not None:
         columns = keep.columns()
-    shaped = {name: values.reshape(system.shape) for name, values in columns.items()}
-    return SweepResult(system, chosen, max_events, shaped)
+    shaped = {
+        name: columns[name].reshape((*system.shape, *beyond)) for name, (_, beyond) in of.items()
+    }
+    strain = shaped.pop("strain", None)
+    return SweepResult(system, options, shaped, readings, strain)
 
 
 def run_chunk(
-    system: System, method: str, max_events: int, stop: Callable[[], bool] = lambda: False
+    system: System, options: Options, readings: Readings, stop: Callable[[], bool] = lambda: False
 ) -> Columns:
-    """Columns of the members of a family, in C order; what executors run."""
-    together = method == "fronts" and not driven(system)
-    found = (_together if together else _one_by_one)(system, method, max_events, stop)
-    return {name: found[name].astype(kind) for name, kind in _kinds(system).items()}
+    """Columns of the members of a family, in C order; what executors run.
+
+    The method is chosen, and `options` hold for the family.
+    """
+    found: Columns = {}
+    if options.method == "fronts":
+        found = _together(system, options, stop)
+    if options.method != "fronts" or readings.gauges:
+        found = _one_by_one(system, options, readings, stop) | found
+    return {name: found[name].astype(kind) for name, (kind, _) in _arrays(system, readings).items()}
 
 
 def _one_by_one(
-    system: System, method: str, max_events: int, stop: Callable[[], bool]
+    system: System, options: Options, readings: Readings, stop: Callable[[], bool]
 ) -> Columns:
     """Columns of members that are solved each alone."""
-    kinds = _kinds(system)
-    count = math.prod(system.shape)
+    size = math.prod(system.shape)
     found: Columns = {
-        name: np.full(count, math.nan if kind is np.float64 else 0) for name, kind in kinds.items()
+        name: np.full((size, *beyond), math.nan if kind is np.float64 else 0)
+        for name, (kind, beyond) in _arrays(system, readings).items()
     }
     found["status"][:] = STATUS.index("refused")
     for place, index in enumerate(np.ndindex(system.shape)):
         if stop():
             raise Stopped
         try:
-            solution = solve(system[index], method=method, max_events=max_events)
+            solution = run_method(system[index], options.method, options)
         except InvalidModel:
             continue
         o = solution.outcome
-        found["status"][place] = STATUS.index("final" if o.final else solution.stopped_by)
+        as_asked = options.until is None or solution.stopped_by == "until"
+        found["status"][place] = STATUS.index(
+            "final" if o.final and as_asked else solution.stopped_by
+        )
         found["final"][place], found["vibration"][place] = o.final, sum(o.vibration_after)
         if not o.why_no_restitution():
             found["restitution"][place] = o.restitution
@@ -443,17 +543,20 @@ def _one_by_one(
         for k in o.unilateral:
             for name in ContactColumns._fields:
                 found[f"{name}.{k}"][place] = getattr(o.contacts[k], name)
+        for g, (body, x) in enumerate(readings.gauges):
+            inside = readings.times <= solution.t_end * (1 + 1e-12)
+            record = solution.gauge(body, x)
+            found["strain"][place, g, inside] = record.strain_at(readings.times[inside])
     return found
 
 
-def _together(
-    system: System, _: str, max_events: int, stop: Callable[[], bool]
-) -> Columns:
+def _together(system: System, options: Options, stop: Callable[[], bool]) -> Columns:
     """Columns of members that the fronts method runs in compiled code."""
     plan = Blueprint(system)
-    run = run_family(plan, system.shape, max_events, stop)
+    run = run_family(plan, system.shape, options.until, options.max_events, stop)
     first, nodes = [span[0] for span in plan.spans], plan.make.node
     contacts = range(len(system.contacts))
+    final = run.final & (not driven(system))
     unknown = np.where(run.flag == FULL, math.nan, 0.0)
     before, after = (
         [unknown + np.broadcast_to(v, system.shape).ravel()
@@ -466,7 +569,7 @@ def _together(
     if len(unilateral) == 1:
         k = unilateral[0]
         e = effective_restitution(
-            run.final, run.episodes[:, nodes[k]], before[k : k + 2], after[k : k + 2]
+            final, run.episodes[:, nodes[k]], before[k : k + 2], after[k : k + 2]
         )
     found = {"restitution": e}
     found |= {f"velocity_after.{i}": v for i, v in enumerate(after)}
@@ -477,23 +580,34 @@ def _together(
             if name != "episodes":
                 values = unknown + values if k in unilateral else np.full(len(e), math.nan)
             found[f"{name}.{k}"] = values
+    capped = (run.flag == CAP) & (~final | (options.until is not None))
+    places = [STATUS.index(name) for name in ("max_events", "clock", "refused", "final")]
     status = np.select(
-        [run.final, run.flag == CAP, run.flag == CLOCK], [0, 1, 2], STATUS.index("refused")
+        [capped, run.flag == CLOCK, run.flag == FULL, final], places, STATUS.index("until")
     )
-    return {
-        **found, "vibration": unknown + run.vibration, "final": run.final, "status": status,
-    }
+    return {**found, "vibration": unknown + run.vibration, "final": final, "status": status}
 
 
-def _kinds(system: System) -> dict[str, Any]:
-    """Names and types of the columns."""
+def _chunk_members(system: System, options: Options, readings: Readings) -> int:
+    """How many members to hand over at a time."""
+    if options.method != "fronts" or readings.gauges:
+        return ONE_BY_ONE
+    return chunk_members(Blueprint(system))
+
+
+def _arrays(system: System, readings: Readings) -> dict[str, tuple[Any, tuple[int, ...]]]:
+    """Names of what is found out about each member, with types and shapes beyond the family's."""
     contacts = range(len(system.contacts))
     kinds: dict[str, Any] = {"restitution": np.float64}
     kinds |= {f"velocity_after.{i}": np.float64 for i in range(len(system.bodies))}
     for name in ContactColumns._fields:
         kind = np.int32 if name == "episodes" else np.float64
         kinds |= {f"{name}.{k}": kind for k in contacts}
-    return {**kinds, "vibration": np.float64, "final": np.bool_, "status": np.int8}
+    kinds |= {"vibration": np.float64, "final": np.bool_, "status": np.int8}
+    arrays: dict[str, tuple[Any, tuple[int, ...]]] = {name: (k, ()) for name, k in kinds.items()}
+    if readings.gauges:
+        arrays["strain"] = np.float64, (len(readings.gauges), len(readings.times))
+    return arrays
 
 
 def _unilateral(system: System) -> list[int]:
@@ -550,40 +664,55 @@ def _processors() -> int:
     return os.cpu_count() or 1
 
 
-def _check(system: Any, method: str, workers: Any, on_error: str, max_events: Any) -> None:
-    problems: Problems = []
-    if not isinstance(system, System):
-        message = f"must be a System, such as System([rod, Wall()]), got {system!r}"
-        problems.append(("system", message))
-    if method not in ("auto", *METHODS):
-        known = ", ".join(f'"{m}"' for m in ("auto", *METHODS))
-        problems.append(("method", f"must be one of {known}, got {method!r}"))
-    if on_error not in ("raise", "record"):
-        problems.append(("on_error", f'must be "raise" or "record", got {on_error!r}'))
-    for name, value in (("max_events", max_events), ("workers", 1 if workers is None else workers)):
-        if isinstance(value, bool) or not isinstance(value, Integral) or value < 1:
-            problems.append((name, f"must be a positive whole number, got {value!r}"))
-    if problems:
-        raise InvalidModel(problems)
+def _readings(problems: Problems, system: System, gauges: Any, times: Any) -> Readings:
+    """Check gauges and times; note mistakes."""
+    if times is None and not len(gauges):
+        return Readings()
+    if times is None or not len(gauges):
+        problems.append(("times", "go with gauges=[(body, x), ...]; give both or neither"))
+        return Readings()
+    lengths = {i: b.length for i, b in enumerate(system.bodies) if isinstance(b, Rod)}
+    places = []
+    for i, given in enumerate(gauges):
+        try:
+            body, x = given
+        except (TypeError, ValueError):
+            problems.append((f"gauges.{i}", f"must be (body, x), such as (1, 0.5), got {given!r}"))
+            continue
+        x = number(problems, f"gauges.{i}.x", x, "m", "non-negative")
+        if isinstance(body, bool) or not isinstance(body, Integral) or body not in lengths:
+            known = ", ".join(map(str, lengths))
+            problems.append((f"gauges.{i}.body", f"must be a rod, {known}; got {body!r}"))
+        elif not isinstance(x, float):
+            problems.append((f"gauges.{i}.x", f"must be a single number, got {x!r}"))
+        elif x > (shortest := float(np.min(lengths[int(body)]))):
+            message = f"must lie in body {body} of every member, 0 to {shortest!r} m, got {x!r}"
+            problems.append((f"gauges.{i}.x", message))
+        else:
+            places.append((int(body), x))
+    wanted: Any = number(problems, "times", times, "s", "non-negative")
+    if np.ndim(wanted) != 1:
+        problems.append(("times", f"must be a list of times, got {times!r}"))
+    return Readings(tuple(places), wanted)
 
 
-def _explain(member: System, method: str, max_events: int) -> str:
+def _explain(member: System, options: Options) -> str:
     try:
-        outcome = solve(member, method=method, max_events=max_events).outcome
+        solution = run_method(member, options.method, options)
     except InvalidModel as error:
         return "; ".join(f"{path}: {said}" for path, said in error.problems)
-    return (outcome.final and outcome.why_no_restitution()) or outcome.status
+    o = solution.outcome
+    never = o.final or (o.driven and solution.stopped_by == "until")  # however long it runs
+    return (never and o.why_no_restitution()) or o.status
 
 
-def _raise_first(
-    status: Any, start: int, system: System, method: str, max_events: int
-) -> None:
+def _raise_first(status: Any, start: int, system: System, options: Options) -> None:
     """Raise for the first member of a chunk that did not come to its end."""
-    bad = np.flatnonzero(status != STATUS.index("final"))
+    bad = np.flatnonzero(~np.isin(status, ENDED))
     if not bad.size:
         return
     index = tuple(int(i) for i in np.unravel_index(start + bad[0], system.shape))
-    reason = _explain(system[index], method, max_events)
+    reason = _explain(system[index], options)
     parameters = {
         path: float(np.broadcast_to(values, system.shape)[index])
         for path, values in system.parameters.items()

@@ -67,6 +67,22 @@ def test_an_interrupted_sweep_goes_on(tmp_path, monkeypatch):
     assert same(result, ri.sweep(family()))
 
 
+def test_strains_are_kept_too(tmp_path):
+    options = {"until": 3e-4, "gauges": [(0, 0.05), (1, 0.5)], "times": [0.0, 1e-4, 2e-4]}
+
+    def interrupt(done, total):
+        if done >= 20:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        ri.sweep(family(), checkpoint=tmp_path, progress=interrupt, **options)
+    result = ri.sweep(family(), checkpoint=tmp_path, **options)
+    assert result.strain.tobytes() == ri.sweep(family(), **options).strain.tobytes()
+    assert np.load(tmp_path / "strain.npy").shape == (30, 2, 2, 3)
+    with pytest.raises(ri.FileFormatError, match="another times;"):
+        ri.sweep(family(), checkpoint=tmp_path, **{**options, "times": [0.0, 1e-4, 3e-4]})
+
+
 KILLED = """
 import sys, time
 import numpy as np
@@ -115,7 +131,7 @@ def test_a_full_disk_is_an_error_that_loses_nothing(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("system", "options", "what"), [
     (family(area=2e-4), {}, "system"), (family(31), {}, "system and shape"),
-    (family(), {"max_events": 7}, "max_events"),
+    (family(), {"max_events": 7}, "max_events"), (family(), {"until": 1e-3}, "until"),
 ])
 def test_another_sweep_is_refused(tmp_path, system, options, what):
     ri.sweep(family(), checkpoint=tmp_path)
@@ -162,7 +178,7 @@ def test_errors_are_raised_again_when_resumed(tmp_path):
                         ri.Rod(1.0, area=1e-4, material=STEEL)])
     ri.sweep(system, on_error="record", checkpoint=tmp_path)
     with pytest.raises(ri.SweepError, match=r"member \[1\]"):
-        ri.sweep(system, checkpoint=tmp_path)
+        ri.sweep(system, on_error="raise", checkpoint=tmp_path)
 
 
 def test_marks_follow_the_numbers(tmp_path, monkeypatch):

@@ -364,17 +364,74 @@ def test_something_must_vary(case, no_sweep, capsys):
     assert err == "rodimpact: --vary: name what to vary: --vary bodies.0.length=0.05:1:200\n"
 
 
-def test_an_end_in_time_makes_no_sense(case, no_sweep, capsys):
-    case.write_text(CASE + "[solve]\nuntil = 1\n")
+def test_a_sweep_keeps_no_states(case, no_sweep, capsys):
+    case.write_text(CASE + "[solve]\nsnapshots = 1\n")
     assert sweep("--vary", LENGTHS) == 2
-    assert capsys.readouterr().err.startswith("rodimpact: solve.until: a sweep runs every")
+    assert capsys.readouterr().err.startswith("rodimpact: solve.snapshots: a sweep keeps no states")
 
 
-@pytest.mark.parametrize("key", ["dt", "rtol", "cells", "snapshots"])
-def test_steps_of_a_single_run_make_no_sense(case, no_sweep, capsys, key):
-    case.write_text(CASE + f"[solve]\n{key} = 1\n")
-    assert sweep("--vary", LENGTHS) == 2
-    assert capsys.readouterr().err.startswith(f"rodimpact: solve.{key}: a sweep chooses its steps")
+@pytest.mark.parametrize(("solve", "argv", "path", "said"), [
+    ("", ["--until", "-1 s"], "--until", "non-negative number of seconds, got -1.0"),
+    ("", ["--dt", "1 us", "--rtol", "1e-3"], "--dt", "give one of them"),
+    ("", ["--dt", "1 us", "--method", "fronts"], "--dt", "has no time step"),
+    ("cells = 20", ["--method", "fronts"], "solve.cells", 'is for method "finite-difference"'),
+    ("dt = 1e-6\nmethod = 'fronts'", [], "solve.dt", "has no time step"),
+    ("", ["--until", "soon"], "--until", "cannot read 'soon' as time"),
+])
+def test_options_are_checked_as_for_a_single_run(case, no_sweep, capsys, solve, argv, path, said):
+    case.write_text(CASE + f"[solve]\n{solve}\n")
+    assert sweep("--vary", LENGTHS, *argv) == 2
+    swept = capsys.readouterr().err
+    assert swept.startswith(f"rodimpact: {path}: ")
+    assert said in swept
+    assert main(["run", "case.toml", *argv]) == 2
+    assert capsys.readouterr().err == swept
+
+
+FALLING = """\
+schema = 1
+gravity = "9.81 m/s^2"
+bodies = [
+    {kind = "rod", length = 0.3, area = 1e-4, material = "steel", velocity = 1.0},
+    {kind = "wall"},
+]
+contacts = [{gap = "10 um"}]
+"""
+
+
+def test_a_case_with_gravity_runs_to_its_end(case, capsys):
+    case.write_text(FALLING + "[solve]\nuntil = '0.3 ms'\n")
+    argv = ["--vary", "bodies.0.velocity=0.5:2:4"]
+    assert sweep(*argv, "--csv") == 0
+    rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
+    assert [row["status"] for row in rows] == ["until"] * 4
+    family = ri.read_case(case, {"bodies.0.velocity": "0.5:2:4"}).system
+    for i, row in enumerate(rows):
+        outcome = ri.solve(family[i], 3e-4).outcome
+        assert row["restitution"] == ""
+        assert float(row["velocity_after.0"]) == outcome.velocities_after[0]
+        assert float(row["impulse.0"]) == outcome.impulse
+    assert sweep(*argv) == 0
+    out = capsys.readouterr().out
+    assert "4 collisions have no e." in out
+    assert "gravity" in out
+    assert sweep(*argv, "--on-error", "raise") == 0
+    assert sweep(*argv, "--plot", "a.png") == 2
+    assert "--plot: a figure shows e, which a row held under gravity" in capsys.readouterr().err
+
+
+def test_options_replace_those_of_the_case(case, capsys):
+    case.write_text(FALLING)
+    argv = ["--vary", "bodies.0.velocity=1,2", "--csv"]
+    assert sweep(*argv) == 2
+    assert capsys.readouterr().err.startswith("rodimpact: --until: must be given")
+    case.write_text(FALLING + "[solve]\nuntil = 1\nrtol = 1e-3\n")
+    assert sweep(*argv, "--until", "0.3 ms", "--dt", "2 us") == 0
+    rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
+    family = ri.read_case(case, {"bodies.0.velocity": "1,2"}).system
+    for i, row in enumerate(rows):
+        outcome = ri.solve(family[i], 3e-4, dt=2e-6).outcome
+        assert float(row["velocity_after.0"]) == outcome.velocities_after[0]
 
 
 def test_csv_and_json_exclude_each_other(case, no_sweep, capsys):

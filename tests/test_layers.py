@@ -25,7 +25,7 @@ LAYERS = [
     {"methods.fronts", "methods.families", "signals"},
     {"fields"},
     {"wave_fields", "grid_fields"},
-    {"contacts", "groups"},
+    {"contacts", "groups", "options"},
     {"outcome"},
     {"front_totals"},
     {"ledger", "gauges"},

@@ -16,6 +16,7 @@ from matplotlib.patches import StepPatch
 
 import rodimpact as ri
 from rodimpact import plot
+from rodimpact.options import Options
 from rodimpact.plot import closed_forms, quantities
 from rodimpact.sweeping import SweepResult
 
@@ -67,7 +68,8 @@ def showing(values):
     if values.ndim == 2:
         lengths, areas = column(lengths), np.linspace(1e-4, 2e-4, values.shape[1])
     system = ri.System([rod(lengths, 1.0, strain=1e-6), rod(area=areas)])
-    return SweepResult(system, "fronts", 1, {"restitution": values, "episodes.0": values})
+    columns = {"restitution": values, "episodes.0": values}
+    return SweepResult(system, Options(method="fronts"), columns)
 
 
 def render(picture):
@@ -229,7 +231,7 @@ def test_counts_are_steps_half_way_between():
 def test_words_instead_of_codes(swept):
     picture = plot.sweep(swept["lengths"], axes(), "status")
     assert [t.get_text() for t in picture.ax.get_yticklabels()] == [
-        "final", "max_events", "clock", "refused"]
+        "final", "max_events", "clock", "refused", "until"]
     picture = plot.sweep(swept["map"], axes(), "final")
     assert [t.get_text() for t in picture.colour_bar.ax.get_yticklabels()] == [
         "not proved", "proved"]

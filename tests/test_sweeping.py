@@ -175,6 +175,198 @@ def test_a_member_that_outgrows_the_work_space_runs_again(monkeypatch):
     assert same(ri.sweep(system), roomy)
 
 
+# Runs to a time ----------------------------------------------------------------------------------
+
+
+def chain(count=200, bodies=10):
+    """Rods with gaps, the first of many lengths: they meet again and again."""
+    others = [ri.Rod(0.1, area=1e-4, material=STEEL) for _ in range(bodies - 1)]
+    lengths = np.linspace(0.05, 0.5, count)
+    first = ri.Rod(lengths, area=1e-4, material=STEEL, velocity=1.0)
+    return ri.System([first, *others], gaps=[1e-4] * (bodies - 1))
+
+
+def test_a_chain_of_ten_rods_with_gaps_has_velocities():
+    count = 200 if os.environ.get("NUMBA_DISABLE_JIT", "0") == "0" else 5
+    result = ri.sweep(chain(count), until=3e-3)
+    velocities = np.transpose(result.velocities_after)
+    assert velocities.shape == (count, 10)
+    assert np.isfinite(velocities).all()
+    assert set(result.status) <= {STATUS.index("final"), STATUS.index("until")}
+    assert not result.incomplete.any()
+    masses = [body.mass for body in result.system.bodies]
+    momentum = sum(m * v for m, v in zip(masses, velocities.T, strict=True))
+    np.testing.assert_allclose(momentum, masses[0], rtol=1e-12)
+    for index in range(0, count, 20):
+        outcome = ri.solve(result.system[index], 3e-3).outcome
+        assert tuple(velocities[index]) == outcome.velocities_after
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("transits", [0.0, 0.7, 9.3])
+def test_members_that_end_at_a_time_equal_one_at_a_time(seed, transits):
+    system = varied(seed)
+    options = {"until": transits * 2e-4, "max_events": 2000}
+    result = ri.sweep(system, **options)
+    assert_equal_to_one_at_a_time(result, **options)
+    for index in np.ndindex(result.shape):
+        solution = ri.solve(system[index], **options)
+        if solution.stopped_by == "until":
+            assert STATUS[result.status[index]] == ("final" if solution.final else "until")
+        else:
+            assert STATUS[result.status[index]] == "max_events"
+    assert result.incomplete.tolist() == (result.status == STATUS.index("max_events")).tolist()
+
+
+@pytest.mark.parametrize("end", [
+    ri.Force(np.array([-1e3, 0.0, 2e3])),
+    ri.Force(ri.Steps([1e3, np.array([-1e3, 0.0, 2e3]), 0.0], [3e-5, 1.1e-4])),
+    ri.Velocity(ri.Steps([0.0, 1.0], [np.array([1e-5, 1e-4, 1.0])])),
+])
+def test_driven_rows_run_together_to_a_time(end):
+    rods = [ri.Rod(L, area=1e-4, material=STEEL) for L in (0.3, np.array([[0.2], [0.5]]))]
+    system = ri.System(rods, gaps=[1e-7], ends=(end, ri.Absorbing()))
+    result = ri.sweep(system, until=4e-4)
+    assert result.method == "fronts"
+    assert {STATUS[code] for code in result.status.ravel()} == {"until"}
+    assert_equal_to_one_at_a_time(result, until=4e-4)
+
+
+@pytest.mark.parametrize("options", [
+    {}, {"dt": 2e-6}, {"rtol": 1e-2}, {"method": "finite-difference", "cells": 30},
+])
+def test_rows_under_gravity_run_to_a_time(options):
+    falling = ri.Rod(0.3, area=1e-4, material=STEEL, velocity=np.array([0.5, 1.0, 2.0]))
+    system = ri.System([falling, ri.Wall()], gaps=[1e-5], gravity=9.81)
+    result = ri.sweep(system, until=3e-4, **options)
+    assert [STATUS[code] for code in result.status] == ["until"] * 3
+    assert np.isnan(result.restitution).all()
+    assert (result.impulse > 0).all()
+    for index in range(3):
+        outcome = ri.solve(system[index], 3e-4, **options).outcome
+        found = {name: column[index] for name, column in result.columns.items()}
+        assert found["velocity_after.0"] == outcome.velocities_after[0]
+        assert found["vibration"] == sum(outcome.vibration_after)
+        for name in ("impulse", "peak_force", "duration", "episodes"):
+            assert found[f"{name}.0"] == getattr(outcome.contacts[0], name)
+
+
+def test_rods_between_walls_run_to_a_time():
+    system = ri.System([
+        ri.Wall(), ri.Rod(0.3, area=np.array([1e-4, 3e-4]), material=MATERIALS[0], velocity=1.0),
+        ri.Rod(0.1 * 2**0.5, area=1e-4, material=MATERIALS[2]), ri.Wall(),
+    ], gaps=[1e-3, 0.0, 1e-3])
+    result = ri.sweep(system, until=5e-3, on_error="raise")
+    assert [STATUS[code] for code in result.status] == ["until"] * 2
+    assert_equal_to_one_at_a_time(result, until=5e-3)
+    assert "Stopped at the time asked for" in result.explain(0)
+
+
+def test_a_member_that_stops_early_keeps_what_is_known():
+    result = ri.sweep(chain(3), max_events=200)
+    assert [STATUS[code] for code in result.status] == ["max_events"] * 3
+    assert result.incomplete.all()
+    assert np.isnan(result.restitution).all()
+    assert_equal_to_one_at_a_time(result, max_events=200)
+    with pytest.raises(ri.SweepError, match=r"cap of 20\d events"):
+        ri.sweep(chain(3), max_events=200, on_error="raise")
+
+
+def test_a_cap_before_the_time_asked_for_is_no_end():
+    """Although nothing can happen any more."""
+    system = pair(np.array([0.4, 0.7]), 1e-4)
+    result = ri.sweep(system, until=1.0, max_events=500)
+    assert result.final.all()
+    assert [STATUS[code] for code in result.status] == ["max_events"] * 2
+    with pytest.raises(ri.SweepError, match="cap of"):
+        ri.sweep(system, until=1.0, max_events=500, on_error="raise")
+
+
+# Strain gauges -----------------------------------------------------------------------------------
+
+TIMES = np.linspace(0.0, 4e-4, 41)
+
+
+@pytest.mark.parametrize(("make", "options", "gauges"), [
+    (lambda: small_map((3, 2)), {"until": 3e-4}, [(0, 0.05), (1, 0.5), (1, 0.0), (0, 0.1)]),
+    (lambda: small_map((3, 2)), {}, [(1, 0.7)]),
+    (lambda: small_map((2, 2)), {"until": 3e-4, "max_events": 5}, [(1, 0.3)]),
+    (lambda: ri.System([
+        ri.Wall(), ri.Rod(segments=[ri.Segment(0.1, np.array([1e-4, 2e-4]), STEEL),
+                                    ri.Segment(0.2, 2e-4, STEEL)], velocity=-1.0,
+                          strain=ri.Steps([1e-5, 0.0], [0.15])),
+    ]), {"until": 4e-4}, [(1, 0.1), (1, 0.25)]),
+    (lambda: ri.System([ri.RigidMass(0.1, velocity=np.array([1.0, 2.0])),
+                        ri.Rod(0.5, area=1e-4, material=STEEL), ri.Wall()], gravity=9.81),
+     {"until": 3e-4, "dt": 4e-6}, [(1, 0.2)]),
+    (lambda: ri.System([ri.Rod(0.3, area=1e-4, material=STEEL, velocity=np.array([1.0, 2.0])),
+                        ri.Wall()]), {"until": 3e-4, "cells": 20}, [(0, 0.1), (0, 0.3)]),
+])
+def test_gauges_equal_those_of_single_solutions(make, options, gauges):
+    system = make()
+    result = ri.sweep(system, gauges=gauges, times=TIMES, **options)
+    assert result.strain.shape == (*system.shape, len(gauges), len(TIMES))
+    assert result.gauges == tuple(gauges)
+    assert result.times.tolist() == TIMES.tolist()
+    for index in np.ndindex(system.shape):
+        solution = ri.solve(system[index], **options)
+        inside = solution.t_end * (1 + 1e-12) >= TIMES
+        for found, place in zip(result.strain[index], gauges, strict=True):
+            record = solution.gauge(*place)
+            assert found[inside].tolist() == record.strain_at(TIMES[inside]).tolist()
+            assert np.isnan(found[~inside]).all()
+    assert np.nanmax(np.abs(result.strain)) > 0
+    assert same(result, ri.sweep(system, **options))
+
+
+def test_gauges_are_the_same_whoever_reads_them():
+    system = small_map()
+    options = {"until": 3e-4, "gauges": [(0, 0.05), (1, 0.5)], "times": TIMES}
+    serial = ri.sweep(system, executor=InOrder(), **options).strain
+    assert ri.sweep(system, workers=3, **options).strain.tobytes() == serial.tobytes()
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(2, mp_context=spawn) as pool:
+        assert ri.sweep(system, executor=pool, **options).strain.tobytes() == serial.tobytes()
+
+
+def test_a_refused_member_has_no_strain():
+    result = ri.sweep(pair(np.array([0.5, 1e-13]), 1e-4), gauges=[(1, 0.5)], times=TIMES)
+    assert np.isnan(result.strain).all(axis=(1, 2)).tolist() == [False, True]
+
+
+@pytest.mark.parametrize(("given", "path"), [
+    ({"gauges": [(1, 0.5)]}, "times"), ({"times": TIMES}, "times"),
+    ({"gauges": [(1, 0.5)], "times": 1.0}, "times"),
+    ({"gauges": [(1, 0.5)], "times": [-1.0]}, "times[0]"),
+    ({"gauges": [(2, 0.5)], "times": TIMES}, "gauges.0.body"),
+    ({"gauges": [(1, 0.5), (1.0, 0.5)], "times": TIMES}, "gauges.1.body"),
+    ({"gauges": [(0, 0.3)], "times": TIMES}, "gauges.0.x"),
+    ({"gauges": [(1, -0.3)], "times": TIMES}, "gauges.0.x"),
+    ({"gauges": [(1, [0.1, 0.2])], "times": TIMES}, "gauges.0.x"),
+    ({"gauges": [1], "times": TIMES}, "gauges.0"),
+])
+def test_gauges_are_checked(given, path):
+    with pytest.raises(ri.InvalidModel) as caught:
+        ri.sweep(pair(np.array([0.4, 0.2]), 1e-4), **given)
+    assert [p for p, _ in caught.value.problems] == [path]
+
+
+def test_gauges_are_saved_and_have_dimensions(tmp_path):
+    result = ri.sweep(small_map((3, 2)), until=3e-4, gauges=[(1, 0.5)], times=TIMES)
+    result.save(tmp_path / "family.npz")
+    loaded = ri.load(tmp_path / "family.npz")
+    assert loaded.strain.tobytes() == result.strain.tobytes()
+    assert (loaded.gauges, loaded.options) == (result.gauges, result.options)
+    assert loaded.times.tolist() == TIMES.tolist()
+    pytest.importorskip("xarray")
+    data = result.to_xarray()
+    assert data["strain"].dims == ("bodies.0.length", "bodies.1.area", "gauge", "time")
+    chosen = data["strain"].sel(time=TIMES[30]).isel(gauge=0)
+    assert chosen.values.tolist() == result.strain[:, :, 0, 30].tolist()
+    assert np.isfinite(chosen.values).all()
+    assert (data["body"].values.tolist(), data["x"].values.tolist()) == ([1], [0.5])
+
+
 # Members without a result ------------------------------------------------------------------------
 
 
@@ -201,7 +393,7 @@ def test_one_bad_member_does_not_lose_the_others():
 def test_the_first_bad_member_is_named_with_its_parameters():
     system, index = with_one_bad(400)
     with pytest.raises(ri.SweepError) as caught:
-        ri.sweep(system)
+        ri.sweep(system, on_error="raise")
     error = caught.value
     assert error.index == index
     assert error.parameters == {"bodies.0.length": 1e-13}
@@ -223,7 +415,7 @@ def test_a_cap_is_recorded_and_raised():
     assert [STATUS[code] for code in result.status] == ["max_events"] * 2
     assert np.isnan(result.restitution).all()
     with pytest.raises(ri.SweepError, match="cap of 50 events"):
-        ri.sweep(system, max_events=50)
+        ri.sweep(system, max_events=50, on_error="raise")
 
 
 def test_no_collision_is_no_error():
@@ -383,13 +575,14 @@ def test_several_contacts_have_columns_of_their_own():
 
 def test_saving_and_loading(tmp_path):
     system = varied(3)
-    result = ri.sweep(system, on_error="record", max_events=2000)
+    result = ri.sweep(system, max_events=2000)
     result.save(tmp_path / "family.npz")
     loaded = ri.load(tmp_path / "family.npz")
     assert same(loaded, result)
     assert loaded.system == system
     assert loaded.shape == result.shape
-    assert (loaded.method, loaded.max_events) == ("fronts", 2000)
+    assert loaded.options == result.options
+    assert (loaded.options.method, loaded.options.max_events) == ("fronts", 2000)
     with pytest.raises(FileExistsError):
         result.save(tmp_path / "family.npz")
 

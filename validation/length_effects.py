@@ -78,7 +78,8 @@ def second_contacts() -> list[Row]:
     z, L = np.linspace(1.01, 2.6, 32)[:, None], np.linspace(1.05, 3.0, 40)
     Z, length = BODY
     struck = ri.Rod(segments=[ri.Segment(L, z, UNIT), ri.Segment(length, Z, UNIT)])
-    result = ri.sweep(ri.System([ri.Rod(1.0, area=1.0, material=UNIT, velocity=1.0), struck]))
+    striker = ri.Rod(1.0, area=1.0, material=UNIT, velocity=1.0)
+    result = ri.sweep(ri.System([striker, struck]), on_error="raise")
     expected = np.where(z < 1 + 2 * (Z - z) / (Z + z) / L, 2, 1)
     case = f"rods with a nose, impedances 1 : z : {Z:g}, {expected.size} pairs"
     return [
@@ -124,8 +125,8 @@ def chains() -> list[Row]:
 def cradle(length: object = 1.0, area: object = 1.0) -> ri.SweepResult:
     """Five rods, the first of 1 m and 1 cm^2 at 1 m/s; the others so many times as long, thick."""
     others = ri.Rod(np.asarray(length), area=AREA * np.asarray(area), material=STEEL)
-    return ri.sweep(ri.System(
-        [ri.Rod(1.0, area=AREA, material=STEEL, velocity=1.0), *[others] * 4]))
+    first = ri.Rod(1.0, area=AREA, material=STEEL, velocity=1.0)
+    return ri.sweep(ri.System([first, *[others] * 4]), on_error="raise")
 
 
 def cradles() -> list[Row]:

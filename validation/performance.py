@@ -28,10 +28,8 @@ from rodimpact.methods.front_kernel import (
     CAP,
     EVENTS,
     FREE,
-    IDLE,
     NEVER,
     OPEN,
-    REST,
     TOUCH,
     Log,
     play,
@@ -140,7 +138,6 @@ def per_event(*system: Any) -> float:
     spans = []
     for _ in range(5):
         row, tally, log, clock = state(*system, room=2 * RUN + 4096)
-        clock[REST] = IDLE
         begin = time.perf_counter()
         flag = fast(row, tally, log, clock, NEVER - 1, RUN, TOLERANCE, WINDOW)
         spans.append((time.perf_counter() - begin) / clock[EVENTS])

@@ -14,11 +14,11 @@ from typing import Any
 
 from ..casefile import Case, read_case
 from ..frozen import InvalidModel
-from ..solving import METHODS
 from ..units import format_si
 from . import DONE, INCOMPLETE
 from .asking import Mistakes, Problems, check_outputs, note, quantity, whole_number
 from .progress import progress_bar, solved
+from .run_options import add_run_options, run_options
 
 _OPTIONS = {"path": "--output", "magnification": "--magnify", "limit": "--until", "stop": "--until"}
 
@@ -35,8 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--magnify", metavar="X",
                         help="magnification of displacements and gaps, instead of one that suits")
     parser.add_argument("--dark", action="store_true", help="light lines on dark paper")
-    parser.add_argument("--until", metavar="TIME", help="end of the run, instead of the case's")
-    parser.add_argument("--method", choices=("auto", *METHODS), help="instead of the case's")
+    add_run_options(parser, ("until",))
     parser.add_argument("--force", action="store_true", help="replace an existing file")
 
 
@@ -47,11 +46,6 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     from ..plot.moving import check_frames
 
     problems: Problems = []
-    options: dict[str, Any] = {}
-    if arguments.until is not None:
-        options["until"] = quantity(problems, "--until", arguments.until, "time")
-    if arguments.method is not None:
-        options["method"] = arguments.method
     shown: dict[str, Any] = {
         "field": arguments.field,
         "frames": whole_number(problems, "--frames", arguments.frames),
@@ -65,6 +59,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         case = read_case(arguments.case)
     except InvalidModel as error:
         problems += error.problems
+    options = run_options(problems, arguments, case)
     for check, given in (
         (check_film, (arguments.output,)), (check_frames, (shown["frames"], shown["fps"])),
     ):
@@ -77,7 +72,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     check_outputs(problems, {"--output": arguments.output}, arguments.force)
     assert case is not None  # or there were problems
 
-    solution = solved(case.system, **{**case.solve, **options})
+    solution = solved(case.system, **options)
     note("drawing")
     try:
         with plot.look("dark" if arguments.dark else "light"):

@@ -8,17 +8,16 @@ from __future__ import annotations
 
 import argparse
 import json
-from typing import Any
 
 from ..casefile import Case, read_case
 from ..frozen import InvalidModel
 from ..gauges import gauges_to_csv
 from ..model import Rod
 from ..report import solution_dict, solution_table
-from ..solving import METHODS
 from . import DONE, INCOMPLETE
-from .asking import Problems, check_format, check_outputs, note, quantity, whole_number
+from .asking import Problems, check_format, check_outputs, note, quantity
 from .progress import solved
+from .run_options import NUMBERS, add_run_options, run_options
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,35 +30,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help="write strains against time, as tools for Hopkinson bars read them")
     parser.add_argument("--gauge", metavar="NAME=BODY:X", action="append", default=[],
                         help="a column of --gauges: incident=1:0.5 is 0.5 m into body 1")
-    parser.add_argument("--until", metavar="TIME", help="end of the run, instead of the case's")
-    parser.add_argument("--max-events", metavar="N", help="cap on events, instead of the case's")
-    parser.add_argument("--method", choices=("auto", *METHODS), help="instead of the case's")
-    parser.add_argument("--dt", metavar="TIME", help="time step of characteristics")
-    parser.add_argument("--rtol", metavar="X", help="relative accuracy it divides the step for")
-    parser.add_argument("--cells", metavar="N", help="cells of finite-difference")
-    parser.add_argument("--snapshots", metavar="N", help="states of the rods that it keeps")
+    add_run_options(parser, tuple(NUMBERS))
     parser.add_argument("--force", action="store_true", help="replace existing files")
 
 
 def run(arguments: argparse.Namespace) -> tuple[str, int]:
     """Check everything, solve, write the files, and hand back the table or JSON."""
     problems: Problems = []
-    options: dict[str, Any] = {}
-    for name, dimension in (("until", "time"), ("dt", "time"), ("rtol", "dimensionless")):
-        if getattr(arguments, name) is not None:
-            given = getattr(arguments, name)
-            options[name] = quantity(problems, f"--{name}", given, dimension)
-    if arguments.method is not None:
-        options["method"] = arguments.method
-    for name in ("max_events", "cells", "snapshots"):
-        if getattr(arguments, name) is not None:
-            option, given = f"--{name.replace('_', '-')}", getattr(arguments, name)
-            options[name] = whole_number(problems, option, given)
     case: Case | None = None
     try:
         case = read_case(arguments.case)
     except InvalidModel as error:
         problems += error.problems
+    options = run_options(problems, arguments, case)
     places = _places(problems, arguments.gauge, case)
     if (arguments.gauges is None) != (not arguments.gauge):
         problems.append(("--gauges", "goes with --gauge NAME=BODY:X, one for each column"))
@@ -74,13 +57,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     check_outputs(problems, {paths[key]: files[key] for key in files}, arguments.force)
     assert case is not None  # or there were problems
 
-    given = set(options)
-    own = {
-        name: value for name, value in case.solve.items()
-        if not (name in ("dt", "cells") and "rtol" in given)
-        and not (name == "rtol" and given & {"dt", "cells"})
-    }
-    solution = solved(case.system, **{**own, **options})
+    solution = solved(case.system, **options)
     if files["save"] is not None:
         solution.save(files["save"], force=arguments.force)
         note(f"wrote {files['save']}")

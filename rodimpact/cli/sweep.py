@@ -3,8 +3,9 @@
 rodimpact sweep CASE.toml --vary bodies.0.length=0.05:1:200 --vary "contacts.0.gap=0,1 um,10 um"
 
 A grid is start:stop:count, start:stop:count:log for equal ratios, or a list; a number may have a
-unit. The first --vary is the first axis. Every collision runs to its proof; [output] of the case is
-for `rodimpact run`. Exit status 3 if some did not come to their end; the status of each says why.
+unit. The first --vary is the first axis. Every collision runs as [solve] of the case says, or what
+is given here instead, and without an end in time to its proof; [output] is for `rodimpact run`.
+Exit status 3 if some did not come to their end; the status of each says why.
 """
 
 from __future__ import annotations
@@ -17,12 +18,14 @@ from typing import Any
 from ..casefile import Case, read_case
 from ..files import FileFormatError
 from ..frozen import InvalidModel
+from ..methods.abilities import driven
 from ..model import Bonded
 from ..report import sweep_json, sweep_table
 from ..sweeping import SweepError, SweepResult, sweep
 from . import DONE, FAULT, INCOMPLETE, complain
 from .asking import Mistakes, Problems, check_format, check_outputs, note, whole_number
 from .progress import a_second, progress_bar
+from .run_options import add_run_options, run_options
 
 EXAMPLE = "bodies.0.length=0.05:1:200"
 
@@ -38,8 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--on-error", choices=("record", "raise"), default="record",
                         help="where a collision does not come to its end: record that and go on "
                         "(default), or stop the sweep")
-    parser.add_argument("--max-events", metavar="N",
-                        help="cap on events of each collision, instead of the case's")
+    add_run_options(parser, ("until", "max_events", "dt", "rtol", "cells"))
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--csv", action="store_true", help="print a row for each collision")
     form.add_argument("--json", action="store_true", help="print JSON")
@@ -52,31 +54,27 @@ def run(arguments: argparse.Namespace) -> tuple[str | Iterable[str], int]:
     """Check everything, solve, write the files, and hand back the table, CSV or JSON."""
     problems: Problems = []
     vary = _vary(problems, arguments.vary)
-    options: dict[str, Any] = {
-        "on_error": arguments.on_error, "checkpoint": arguments.checkpoint,
-    }
-    for name in ("workers", "max_events"):
-        given = getattr(arguments, name)
-        if given is not None:
-            option = f"--{name.replace('_', '-')}"
-            options[name] = whole_number(problems, option, given)
+    how: dict[str, Any] = {"on_error": arguments.on_error, "checkpoint": arguments.checkpoint}
+    if arguments.workers is not None:
+        how["workers"] = whole_number(problems, "--workers", arguments.workers)
     case: Case | None = None
     try:
         case = read_case(arguments.case, vary)
         _check_case(problems, case, draws=arguments.plot is not None)
     except InvalidModel as error:
         problems += error.problems
+    options = run_options(problems, arguments, case)
     if arguments.plot is not None:
         check_format(problems, "--plot", arguments.plot)
     files = {"--save": arguments.save, "--plot": arguments.plot}
     check_outputs(problems, files, arguments.force)
     assert case is not None  # or there were problems
 
-    result = _sweep(case, options)
+    result = _sweep(case, {**options, **how})
     if arguments.save is not None:
         result.save(arguments.save, force=arguments.force)
         note(f"wrote {arguments.save}")
-    status = DONE if result.final.all() else INCOMPLETE
+    status = INCOMPLETE if result.incomplete.any() else DONE
     if arguments.plot is not None:
         from .. import plot
 
@@ -115,13 +113,9 @@ def _vary(problems: Problems, given: list[str]) -> dict[str, str]:
 
 def _check_case(problems: Problems, case: Case, draws: bool) -> None:
     """Refuse what only a single run takes, and a figure that cannot be drawn."""
-    if "until" in case.solve:
-        message = "a sweep runs every collision to its proof; take until out of the case"
-        problems.append(("solve.until", message))
-    for key in ("dt", "rtol", "cells", "snapshots"):
-        if key in case.solve:
-            message = f"a sweep chooses its steps itself; take {key} out of the case"
-            problems.append((f"solve.{key}", message))
+    if "snapshots" in case.solve:
+        message = "a sweep keeps no states; take snapshots out of the case"
+        problems.append(("solve.snapshots", message))
     wide = sum(len(axis.values) > 1 for axis in case.varied)
     contacts = sum(not isinstance(law, Bonded) for law in case.system.contacts)
     if draws and case.varied and not 1 <= wide <= 2:
@@ -130,6 +124,9 @@ def _check_case(problems: Problems, case: Case, draws: bool) -> None:
     elif draws and contacts != 1:
         message = f"a figure shows e, which a row with {contacts} contacts has not"
         problems.append(("--plot", f"{message}; --save, and draw something else in Python"))
+    elif draws and driven(case.system):
+        message = "a figure shows e, which a row held under gravity, or driven, has not"
+        problems.append(("--plot", f"{message}; --save, and draw something else in Python"))
 
 
 def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:
@@ -137,7 +134,7 @@ def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:
     started = time.monotonic()
     try:
         with progress_bar("collisions") as bar:
-            result = sweep(case.system, progress=bar, **{**case.solve, **options})
+            result = sweep(case.system, progress=bar, **options)
     except KeyboardInterrupt:
         kept = options["checkpoint"]
         raise KeyboardInterrupt(

@@ -15,8 +15,9 @@ from .. import materials
 from ..casefile import Case, case_from, write_case
 from ..frozen import InvalidModel, Problems
 from ..model import Rod, System
+from ..options import Options
 from ..solution import Solution
-from ..solving import check, solve
+from ..solving import solve
 from ..units import format_si, parse
 
 MOST_BODIES = 12
@@ -118,7 +119,7 @@ class Design:
         system, asked = self.case.system, self.case.solve
         until, method = asked.get("until"), asked.get("method", "auto")
         events = asked.get("max_events", MOST_EVENTS)
-        chosen = check(system, until, method, events)
+        chosen = Options(until, method, events).method_for(system)
         if chosen == "fronts":
             return solve(system, until, method, max_events=events)
         transits = [

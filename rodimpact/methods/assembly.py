@@ -28,7 +28,7 @@ from ..model import (
     Velocity,
 )
 from . import kernels
-from .abilities import refuse, require_end
+from .abilities import refuse
 from .clockwork import Clockwork
 from .front_kernel import BOND, FREE, OPEN, PUSH, TOUCH, Log, Row, Tally, begin
 from .layout_kernel import (
@@ -185,9 +185,8 @@ def assemble(system: System, until: float | None = None) -> Assembly:
     ------
     InvalidModel
         When velocities overflow, transit times are too far apart for one clock, the system has
-        physics that the method lacks, or an end is driven and there is no time to run to.
+        physics that the method lacks.
     """
-    require_end(system, until)
     plan = Blueprint(system)
     make, given = plan.make, [float(x) for x in plan.numbers]
     n = make.size[0]

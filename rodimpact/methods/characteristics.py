@@ -19,7 +19,7 @@ from ..frozen import InvalidModel
 from ..model import Rod, Steps, System
 from ..profiles import averages
 from . import kernels
-from .abilities import driven, require_end
+from .abilities import driven
 from .characteristics_kernel import (
     CUTS,
     DONE,
@@ -471,9 +471,8 @@ def follow(
     Raises
     ------
     InvalidModel
-        If there is no end to run to, or the run is too long for the memory.
+        If the run is too long for the memory.
     """
-    require_end(system, until)
     plan = Plan(system)
     transits = [float(s.transit_time) for s in plan.segments]
     if dt is not None and dt > min(transits) * (1 + 2.0**-36):

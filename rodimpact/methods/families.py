@@ -39,16 +39,18 @@ def chunk_members(plan: Blueprint) -> int:
 
 
 def run_family(
-    plan: Blueprint, shape: tuple[int, ...], max_events: int,
+    plan: Blueprint, shape: tuple[int, ...], until: float | None, max_events: int,
     stop: Callable[[], bool] = lambda: False,
 ) -> Results:
-    """Run every member of a family to its proof of finality.
+    """Run every member of a family to `until`, or to its proof of finality.
 
     Parameters
     ----------
     plan : Blueprint
     shape : tuple of int
         Of the family.
+    until : float or None
+        Time to be reached, s.
     max_events : int
         Cap for each member.
     stop : callable
@@ -75,7 +77,7 @@ def run_family(
     results = space(count, n)
     waiting, room = np.arange(count), ROOM
     while len(waiting):
-        waiting = _run_blocks(plan, given, waiting, results, room, max_events, stop)
+        waiting = _run_blocks(plan, given, waiting, results, room, until, max_events, stop)
         room *= 8
     return results
 
@@ -91,11 +93,11 @@ def space(count: int, n: int) -> Results:
 
 
 def _run_blocks(
-    plan: Blueprint, given: Array, which: Array, results: Results, room: int, max_events: int,
-    stop: Callable[[], bool],
+    plan: Blueprint, given: Array, which: Array, results: Results, room: int,
+    until: float | None, max_events: int, stop: Callable[[], bool],
 ) -> Array:
     """Run some members; return those that filled the log."""
-    block = Block(plan, room)
+    block = Block(plan, room, until)
     again, first, size = [], 0, FIRST_BLOCK
     while first < len(which):
         if stop():
@@ -118,8 +120,9 @@ def _run_blocks(
 class Block:
     """Work space for some members at a time: arrays, or lists where nothing is compiled."""
 
-    def __init__(self, plan: Blueprint, room: int) -> None:
+    def __init__(self, plan: Blueprint, room: int, until: float | None = None) -> None:
         self.plan, self.compiled = plan, kernels.enabled()
+        self.until = -1.0 if until is None else until
         self.make: Any = plan.make
         n = self.make.size[0]
         self.state: Any = start(
@@ -141,13 +144,14 @@ class Block:
         rows: Any = given.ravel()
         x: Layout = self.layout
         kernels.compiled(lay_out_all)(
-            self.make, rows if self.compiled else rows.tolist(), x, self.work, self.fates
+            self.make, rows if self.compiled else rows.tolist(), self.until, x, self.work,
+            self.fates,
         )
         status: Any = np.tile(self.plan.status, count)
         status[np.asarray(x.gap) > 0] = OPEN
         return Members(
             x.transit, x.mobility, status if self.compiled else status.tolist(), x.gap, x.outside,
-            x.count, x.tick, x.line, x.value, x.tolerance, x.window, x.onward, x.frame, x.beat,
+            x.count, x.tick, x.line, x.value, x.tolerance, x.window, x.target, x.frame, x.beat,
         )
 
     def run(self, members: Members, max_events: int, results: Results) -> Array:

@@ -21,7 +21,7 @@ import numpy as np
 from ..frozen import InvalidModel
 from ..model import System
 from . import kernels
-from .abilities import driven, require_end
+from .abilities import driven
 from .clockwork import PARTS, Clockwork
 from .finite_difference_kernel import ENDLESS, Grid, Links, Signals, States
 from .grid_machine import SPECK, Keeper, Machine, cost
@@ -221,10 +221,8 @@ def follow(
     Raises
     ------
     InvalidModel
-        If there is no end to run to, the mesh would be unstable, or the run is too long for the
-        memory.
+        If the mesh would be unstable, or the run is too long for the memory.
     """
-    require_end(system, until)
     plan = Plan(system)
     counts, step = _mesh_size(plan, cells, dt, until)
     stepping = until is None or 2 * until > step

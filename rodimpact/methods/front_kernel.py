@@ -92,7 +92,7 @@ class Members(NamedTuple):
     value: Any  # [member * fronts]
     tolerance: Any  # [member]
     window: Any  # [member]
-    onward: Any  # [member] ticks to run on after the proof of finality
+    target: Any  # [member] as `play` wants it
     frame: Any  # [member] velocity of the frame of the waves
     beat: Any  # [member] duration of a tick
 
@@ -478,7 +478,9 @@ def play(
     waits for an eighth more events, so that proofs cost no more than the run itself.
     """
     horizon = until
-    if until < 0:
+    if until >= 0:
+        clock[REST] = IDLE  # nothing is to be proved on the way
+    else:
         horizon = NEVER - 1 if clock[SETTLED] < 0 else min(clock[SETTLED] - until, NEVER - 1)
     while True:
         flag = advance(row, tally, log, clock, horizon, limit, tol, window)
@@ -587,7 +589,7 @@ def family(
     row: Row, tally: Tally, log: Log, clock: Any, stocks: tuple[Stock, Stock], members: Members,
     limit: int, results: Results,
 ) -> None:
-    """Run every member to its proof of finality, and `onward`, in the same work space.
+    """Run every member to its target, in the same work space.
 
     Parameters
     ----------
@@ -620,7 +622,7 @@ def family(
         begin(row, tally, log, clock, members.count[m])
         opening_stock(row, log, stocks[0])
         flag = play(
-            row, tally, log, clock, -members.onward[m], limit, members.tolerance[m],
+            row, tally, log, clock, members.target[m], limit, members.tolerance[m],
             members.window[m],
         )
         results.flag[m], results.final[m] = flag, clock[SETTLED] >= 0

@@ -16,9 +16,7 @@ from .front_kernel import (
     EVENTS,
     FINAL,
     FULL,
-    IDLE,
     NOW,
-    REST,
     ROWS,
     SETTLED,
     TURNS,
@@ -101,7 +99,6 @@ def track(
     target = -2 * a.longest
     if until is not None:
         target = round(until / a.tick)
-        clock[REST] = IDLE
     if compile_after is None:
         compile_after = LISTS_WARM if kernels.started() else LISTS_COLD
     kernel: Any = play

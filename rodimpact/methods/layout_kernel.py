@@ -63,7 +63,7 @@ class Layout(NamedTuple):
     value: Any  # [member * fronts] wave behind it
     tolerance: Any  # [member] velocity
     window: Any  # [member] ticks by which a closing may move to an arrival
-    onward: Any  # [member] ticks to run on after the proof of finality
+    target: Any  # [member] tick to run to, or if negative ticks to run on after the proof
     frame: Any  # [member] velocity of the frame of the waves
     scale: Any  # [member] of velocities
     horizon: Any  # [member] time for which the clock has room
@@ -490,7 +490,11 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
         body = i * (len(make.first) - 1)
         if make.last[body] == 0 and make.outside[i] == STEADY:
             layout.outside[2 * m + i] = given[row + make.profile[body]] - frame
-    layout.onward[m] = round_trip(make, m, layout) if momentum_varies(make, m, layout) else 1
+    layout.target[m] = -1
+    if until >= 0:
+        layout.target[m] = round(until / beat)
+    elif momentum_varies(make, m, layout):
+        layout.target[m] = -round_trip(make, m, layout)
     r = m * fronts
     for s in range(1, n + 1):
         r = fill(given[row + s - 1], layout.transit[cell + s], s, n, work, frame, tol, layout, r)
@@ -505,7 +509,9 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
     return LAID
 
 
-def lay_out_all(make: Make, given: Any, layout: Layout, work: Work, fates: Any) -> None:
+def lay_out_all(
+    make: Make, given: Any, until: float, layout: Layout, work: Work, fates: Any
+) -> None:
     """Lay out every member of a family; `fates` [member] gets what `lay_out` returns."""
     for m in range(len(fates)):
-        fates[m] = lay_out(make, given, m, -1.0, layout, work)
+        fates[m] = lay_out(make, given, m, until, layout, work)

@@ -1,0 +1,74 @@
+"""How to run, from the command line and, where that says nothing, from the case."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from ..casefile import Case
+from ..frozen import InvalidModel
+from ..options import METHODS, Options
+from .asking import Problems, quantity, whole_number
+
+
+class _Option(NamedTuple):
+    metavar: str
+    dimension: str  # of a number with a unit; "" for a whole number
+    help: str
+
+
+NUMBERS = {
+    "until": _Option("TIME", "time", "end of the run, instead of the case's"),
+    "dt": _Option("TIME", "time", "time step of characteristics"),
+    "rtol": _Option("X", "dimensionless", "relative accuracy it divides the step for"),
+    "max_events": _Option("N", "", "cap on events, instead of the case's"),
+    "cells": _Option("N", "", "cells of finite-difference"),
+    "snapshots": _Option("N", "", "states of the rods that it keeps"),
+}
+
+
+def add_run_options(parser: argparse.ArgumentParser, names: Sequence[str]) -> None:
+    """Options of those names, and the method."""
+    parser.add_argument("--method", choices=METHODS, help="instead of the case's")
+    for name in names:
+        option = NUMBERS[name]
+        parser.add_argument(_flag(name), metavar=option.metavar, help=option.help)
+
+
+def run_options(
+    problems: Problems, arguments: argparse.Namespace, case: Case | None
+) -> dict[str, Any]:
+    """Options for `solve` and `sweep`; mistakes bear the name of the option, or of the entry."""
+    given: dict[str, Any] = {}
+    for name, option in NUMBERS.items():
+        text = getattr(arguments, name, None)
+        if text is not None and option.dimension:
+            given[name] = quantity(problems, _flag(name), text, option.dimension)
+        elif text is not None:
+            given[name] = whole_number(problems, _flag(name), text)
+    if arguments.method is not None:
+        given["method"] = arguments.method
+    own = {
+        name: value for name, value in (case.solve if case else {}).items()
+        if not (name in ("dt", "cells") and "rtol" in given)
+        and not (name == "rtol" and given.keys() & {"dt", "cells"})
+    }
+    options = {**own, **given}
+    known = {path for path, _ in problems}
+    try:
+        checked = Options(**options)
+        if case:
+            checked.method_for(case.system)
+    except InvalidModel as error:
+        for name, message in error.problems:
+            path = f"solve.{name}" if name in own.keys() - given.keys() else _flag(name)
+            if name not in NUMBERS:
+                path = name
+            if path not in known:
+                problems.append((path, message))
+    return options
+
+
+def _flag(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
