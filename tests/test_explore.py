@@ -239,7 +239,7 @@ def test_rods_that_touch_touch_in_the_picture():
     row = found["row"]
     for t in (0.0, 50e-6, 150e-6):
         places = [
-            row["left"][i] + x + row["exaggeration"] * (
+            row["left"][i] + x + row["magnification"] * (
                 row["apart"][i] + solution.displacement(i, x, t) - row["frame"] * t)
             for i, x in ((0, 0.4), (1, 0.0))
         ]
@@ -254,7 +254,7 @@ def test_a_row_that_flies_past_is_seen_from_beside_it():
     _, found = shown(ri.System(rods))
     assert found["row"]["frame"] == 100.0
     assert "frame moving at 100 m/s" in found["row"]["note"]
-    assert found["row"]["exaggeration"] > 100
+    assert found["row"]["magnification"] > 100
 
 
 def test_what_is_sampled_says_so():

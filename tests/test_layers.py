@@ -31,7 +31,7 @@ LAYERS = [
     {"records", "ring_down"},
     {"solution"},
     {"stepped"},
-    {"solving", "regions", "files"},
+    {"solving", "regions", "placing", "files"},
     {"checkpoint"},
     {"sweeping"},
     {"report"},
