@@ -31,7 +31,7 @@ LAYERS = [
     {"records", "ring_down"},
     {"solution"},
     {"stepped"},
-    {"solving", "regions", "placing", "files"},
+    {"solving", "regions", "placing", "closed_forms", "files"},
     {"checkpoint"},
     {"sweeping"},
     {"report"},

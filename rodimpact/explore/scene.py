@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..closed_forms import ClosedForm, closed_form
 from ..contacts import ContactHistory
 from ..model import Bonded, Rigid, RigidMass, Rod, Wall
 from ..placing import Placing, placing
@@ -18,7 +19,7 @@ from ..report import clean
 from ..signals import Floats
 from ..solution import Solution
 from ..units import format_si
-from .comparison import Curve, Theory, closed_curve, closed_form, ratio_of
+from .comparison import Curve, closed_curve, ratio_of
 from .design import Design
 from .tiling import Tiling, cells, regions, sliced_energy
 
@@ -257,14 +258,14 @@ def _gauges(design: Design, solution: Solution, stop: float, exact: bool) -> lis
 # Numbers ------------------------------------------------------------------------------------------
 
 
-def _restitution(solution: Solution, theory: Theory | None) -> Scene:
+def _restitution(solution: Solution, theory: ClosedForm | None) -> Scene:
     """e beside its closed form."""
     why = solution.outcome.why_no_restitution()
     value = None if why else float(solution.outcome.restitution)
     count = len(solution.outcome.unilateral)
     if count > 1:
         why = f"A coefficient e belongs to one contact; this row has {count}, see the velocities"
-    closed = None if theory is None else float(theory.collision.restitution)
+    closed = None if theory is None else float(theory.collision().restitution)
     found: Scene = {
         "value": value, "text": "-", "why": why[:1].upper() + why[1:],
         "closed_form": closed, "source": "" if theory is None else theory.source,
