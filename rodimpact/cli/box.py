@@ -167,7 +167,7 @@ def draw(
         drawn = {
             "velocity": plot.spacetime(solution, field="velocity").ax,
             "stress": plot.spacetime(solution, field="stress").ax,
-            "stages": plot.snapshots(solution, times).ax,
+            "stages": plot.snapshots(solution, times=times).ax,
             "contact": plot.contact(solution).force_ax,
             "energy": plot.energy(solution).ax,
         }

@@ -200,7 +200,8 @@ def animation(
 
     Above, the row moves and deforms, with displacements magnified as in `spacetime` and by the
     factor named there; compressed pieces are thicker, stretched ones thinner. Below, the space-time
-    diagram grows, and beside it the force of the contacts.
+    diagram grows, and beside it the force of the contacts. They are arranged on a figure of the
+    film's own, so it takes no Axes.
 
     Parameters
     ----------

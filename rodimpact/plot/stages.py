@@ -69,8 +69,8 @@ class Snapshots(NamedTuple):
 @styled
 def snapshots(
     solution: Solution,
-    times: Sequence[float] | Floats | None = None,
     ax: Axes | None = None,
+    times: Sequence[float] | Floats | None = None,
     magnification: float | None = None,
 ) -> Snapshots:
     """Draw the row at chosen times, one below the other, coloured by velocity.
@@ -87,11 +87,11 @@ def snapshots(
     Parameters
     ----------
     solution : Solution
+    ax : Axes, optional
+        By default the Axes of a new figure.
     times : sequence of float, optional
         s; by default the instructive instants: start, waves half-way, reflections, what happens at
         the contacts, and the end.
-    ax : Axes, optional
-        By default the Axes of a new figure.
     magnification : float, optional
         Of displacements and gaps; by default chosen as in `spacetime`.
 
