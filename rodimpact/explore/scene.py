@@ -6,6 +6,8 @@ Polygons cut at time t are the rods at time t, so the page slices them and needs
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -198,8 +200,9 @@ def _contacts(solution: Solution, stop: float, exact: bool) -> list[Scene]:
     forces, gaps = [], []
     for contact in solution.contacts:
         name = f"contact {contact.index}-{contact.index + 1}"
-        times, force, steps = _force(contact, stop, exact)
-        forces.append(_series(name, times, force, steps))
+        times, force = _record(
+            *contact.breakpoints()[:2], stop, exact, partial(_mean_force, contact))
+        forces.append(_series(name, times, force, steps=True))
         if not isinstance(contact.law, Bonded):
             gaps.append(_series(name, times, contact.gap(times)))
     found = [_plot("force", "Contact force", "N", forces)] if forces else []
@@ -208,16 +211,22 @@ def _contacts(solution: Solution, stop: float, exact: bool) -> list[Scene]:
     return found + ([_plot("gap", title, "m", gaps)] if gaps else [])
 
 
-def _force(contact: ContactHistory, stop: float, exact: bool) -> tuple[Floats, Floats, bool]:
-    """Times, force after each of them, and whether it stays so until the next."""
-    times, force, _ = contact.breakpoints()
+def _record(
+    times: Floats, values: Floats, stop: float, exact: bool, sampled: Callable[[Floats], Floats]
+) -> tuple[Floats, Floats]:
+    """The steps of a record up to `stop`; samples if they are too many, or no steps."""
     inside = times < stop
     if exact and inside.sum() <= SAMPLES:
-        last = force[inside][-1:]
-        return np.append(times[inside], stop), np.append(force[inside], last), True
-    times = np.linspace(0.0, stop, SAMPLES + 1)
+        last = values[inside][-1:]
+        return np.append(times[inside], stop), np.append(values[inside], last)
+    even = np.linspace(0.0, stop, SAMPLES + 1)
+    return even, sampled(even)
+
+
+def _mean_force(contact: ContactHistory, times: Floats) -> Floats:
+    """Mean force from each time to the next; the last one again at the end."""
     mean = np.diff(contact.impulse_until(times)) / np.diff(times)
-    return times, np.append(mean, mean[-1]), True
+    return np.append(mean, mean[-1])
 
 
 def _energy(solution: Solution, stop: float, tiling: Tiling, exact: bool) -> Scene:
@@ -244,13 +253,7 @@ def _gauges(design: Design, solution: Solution, stop: float, exact: bool) -> lis
         x = fraction * float(solution.fields.edges(body)[-1])
         record = solution.gauge(body, x)
         name = f"rod {body} at {format_si(x, 'm', 4)}"
-        inside = record.times < stop
-        if exact and inside.sum() <= SAMPLES:
-            times, strain = record.times[inside], record.strain[inside]
-            times, strain = np.append(times, stop), np.append(strain, strain[-1:])
-        else:
-            times = np.linspace(0.0, stop, SAMPLES + 1)
-            strain = record.strain_at(times)
+        times, strain = _record(record.times, record.strain, stop, exact, record.strain_at)
         series.append(_series(name, times, 1e6 * strain, steps=True))
     return [_plot("gauge", "Strain gauges", "µε", series)] if series else []
 

@@ -15,7 +15,7 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, BinaryIO, Protocol
 
@@ -49,6 +49,15 @@ class Film(Protocol):
         """Its time."""
 
 
+def format_of(path: str | os.PathLike[str], known: Collection[str]) -> str:
+    """The one of the formats that the suffix of a path names; ValueError if it names none."""
+    kind = Path(path).suffix.lower().removeprefix(".")
+    if kind not in known:
+        suffixes = ", ".join(f".{name}" for name in known)
+        raise ValueError(f"path: must end in one of {suffixes}, got {os.fspath(path)!r}")
+    return kind
+
+
 def check_film(path: str | os.PathLike[str]) -> str:
     """Kind of film that a path names.
 
@@ -59,10 +68,7 @@ def check_film(path: str | os.PathLike[str]) -> str:
     OSError
         If it names an MP4, and there is no ffmpeg to make it.
     """
-    kind = Path(path).suffix.lower().removeprefix(".")
-    if kind not in _WRITERS:
-        known = ", ".join(f".{name}" for name in _WRITERS)
-        raise ValueError(f"path: must end in one of {known}, got {os.fspath(path)!r}")
+    kind = format_of(path, _WRITERS)
     if kind == "mp4" and shutil.which("ffmpeg") is None:
         raise OSError(
             f"cannot write {os.fspath(path)!r}: the program ffmpeg, which makes MP4 files, is not "
