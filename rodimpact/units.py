@@ -12,6 +12,8 @@ import math
 import re
 from decimal import Decimal
 
+TIMES = "\N{MULTIPLICATION SIGN}"
+
 UNITS: dict[str, dict[str, int]] = {
     "length": {"m": 0, "cm": -2, "mm": -3, "um": -6, "nm": -9, "km": 3},
     "area": {"m^2": 0, "cm^2": -4, "mm^2": -6},
@@ -41,6 +43,7 @@ _SPELLINGS = str.maketrans(
     {"\u00b5": "u", "\u03bc": "u", "\u00b2": "^2", "\u00b3": "^3", "\u2074": "^4", "\u00b7": " ",
      "*": " "}
 )
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXES = {-9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 # A prefix on m^2 would be squared as well, and kg has one already.
 _TAKES_PREFIX = re.compile(r"(?!kg)[A-Za-z]+(?![A-Za-z^])")
@@ -158,3 +161,17 @@ def format_si(value: float, unit: str, digits: int = 6) -> str:
             number = Decimal(mantissa).scaleb(within).normalize() + 0
             return f"{number:f} {_PREFIXES[thousands]}{unit}"
     return f"{value + 0.0:.{digits}g} {unit}".rstrip()
+
+
+def format_power(exponent: int) -> str:
+    """Write a power of ten in superscripts."""
+    return "10" + str(exponent).translate(_SUPERSCRIPTS)
+
+
+def format_factor(number: float) -> str:
+    """Write a factor 1, 2 or 5 times a power of ten, or any other."""
+    if number < 1e5:
+        return f"{number:g}"
+    exponent = math.floor(math.log10(number) + 1e-9)
+    lead = f"{number / 10.0**exponent:.3g}"
+    return format_power(exponent) if lead == "1" else f"{lead}{TIMES}{format_power(exponent)}"

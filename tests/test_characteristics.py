@@ -845,6 +845,16 @@ def test_what_delays_lose_is_told():
     assert solved([unit_rod(velocity=1.0), unit_rod(1.75, 2.0)], 6.0, 1 / 16).outcome.numerical == 0
 
 
+def test_jumps_of_the_initial_state_and_of_drives_cut_the_steps():
+    """One at 0.3 reaches the left end after 2.4 steps, and the right one after 5.6."""
+    rod = unit_rod(velocity=ri.Steps([1.0, 0.0], [0.3]))
+    drive = ri.Steps([0.0, 1.0], [0.65])  # of 0.2 steps
+    system = ri.System([rod, ri.RigidMass(1.0)], ends=(ri.Velocity(drive), ri.Free()))
+    plan = characteristics.Plan(system)
+    places = characteristics.given_jumps(plan, [8 * PARTS], 1 / 8)
+    assert np.array(places) / PARTS == pytest.approx([0.2, 0.4, 0.6], abs=1e-10)
+
+
 @pytest.mark.parametrize("rest", [0.01, 0.05])
 def test_a_run_whose_delays_are_no_whole_steps_ends_inside_one(rest):
     """Less than the share of the earlier step arrives of what is left of the last step, or more."""

@@ -33,7 +33,7 @@ LAYERS = [
     {"solution"},
     {"stepped"},
     {"status"},
-    {"solving", "regions", "files"},
+    {"solving", "regions", "placing", "closed_forms", "files"},
     {"checkpoint"},
     {"sweeping"},
     {"report"},

@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
+from inspect import signature
 
 import matplotlib as mpl
 import numpy as np
@@ -272,19 +273,19 @@ def test_every_happening_at_the_contact_is_told(solved):
 
 def test_pieces_bear_their_velocity_in_parts_of_the_closing_speed(solved):
     half_way = 0.5 / C
-    picture = plot.snapshots(solved["identical"], [0.0, half_way, 3 / C])
+    picture = plot.snapshots(solved["identical"], times=[0.0, half_way, 3 / C])
     assert [t.get_text() for t in picture.labels] == [
         "v", "0", "v", "v/2", "v/2", "0", "0", "v"]
     assert "v = 1 m/s" in picture.ax.get_xlabel()
     assert [t.get_text() for t in picture.ax.get_yticklabels()] == [
         "0 µs\n0 ℓ₁/c", "99.1 µs\n0.5 ℓ₁/c", "594 µs\n3 ℓ₁/c"]
-    picture = plot.snapshots(solved["receding"], [0.0])
+    picture = plot.snapshots(solved["receding"], times=[0.0])
     assert [t.get_text() for t in picture.labels] == [MINUS + "1", "0.5"]
     assert picture.ax.get_xlabel().endswith("velocities (m/s)")
 
 
 def test_compressed_pieces_are_shorter_and_thicker_and_fronts_point_their_way(solved):
-    picture = plot.snapshots(solved["identical"], [0.0, 0.5 / C])
+    picture = plot.snapshots(solved["identical"], times=[0.0, 0.5 / C])
     boxes = [path.get_extents() for path in picture.bars.get_paths()]
     free, pressed = boxes[2], boxes[3]
     assert pressed.width < free.width
@@ -295,7 +296,7 @@ def test_compressed_pieces_are_shorter_and_thicker_and_fronts_point_their_way(so
 
 def test_gap_between_bars_is_magnified(solved):
     solution = solved["identical"]
-    picture = plot.snapshots(solution, [solution.t_end], magnification=100.0)
+    picture = plot.snapshots(solution, times=[solution.t_end], magnification=100.0)
     left, right = (path.get_extents() for path in picture.bars.get_paths())
     gap = float(solution.contacts[0].gap(solution.t_end))
     assert right.x0 - left.x1 == pytest.approx(100.0 * gap)
@@ -303,9 +304,9 @@ def test_gap_between_bars_is_magnified(solved):
 
 def test_snapshots_refuse_wrong_times(solved):
     with pytest.raises(ValueError, match="at least one time"):
-        plot.snapshots(solved["unequal"], [])
+        plot.snapshots(solved["unequal"], times=[])
     with pytest.raises(ValueError, match="must lie in the solution"):
-        plot.snapshots(solved["unequal"], [1.0])
+        plot.snapshots(solved["unequal"], times=[1.0])
 
 
 # Histories --------------------------------------------------------------------------------------
@@ -345,8 +346,15 @@ def test_contact_refuses_what_is_not_there(solved):
         plot.contact(solved["cradle"], contact=4)
     with pytest.raises(ValueError, match="two bodies"):
         plot.contact(solved["single"])
-    with pytest.raises(ValueError, match="needs two"):
-        plot.contact(solved["unequal"], [axes()])
+    for ax in (axes(), [axes()]):
+        with pytest.raises(ValueError, match="ax: needs a pair of Axes"):
+            plot.contact(solved["unequal"], ax=ax)
+
+
+def test_contact_is_drawn_on_the_axes_given(solved):
+    pair = Figure().subplots(2, 1)
+    drawn = plot.contact(solved["unequal"], ax=pair)
+    assert (drawn.force_ax, drawn.gap_ax) == tuple(pair)
 
 
 def band_tops(drawn):
@@ -525,6 +533,13 @@ def test_a_given_axes_is_used_and_settings_are_left_alone(solved):
     assert to_rgb(fresh.get_facecolor()) == (1.0, 1.0, 1.0)
     assert fresh.axes[0].xaxis.label.get_fontsize() < 12
     assert settings() == before
+
+
+def test_axes_are_the_first_that_any_figure_takes_after_its_subject():
+    whole = {"overview", "animation"}  # several Axes, arranged on a figure of their own
+    for name in set(plot.__all__) - {"look", "save"} - whole:
+        _, *names = signature(getattr(plot, name)).parameters
+        assert names[name == "restitution"] == "ax", name
 
 
 def test_drawing_needs_no_pyplot_and_the_package_no_matplotlib():

@@ -148,7 +148,7 @@ def test_a_fixed_end_is_hatched_like_a_wall_by_every_method():
         assert wall.get_hatch()
         assert wall.get_xy()[:2, 0] == pytest.approx([1.4, 1.4])
         assert all(wall.get_xy()[2:4, 0] > 1.4)
-        blocks = plot.snapshots(solution, [0.0, 5e-4], axes()).walls
+        blocks = plot.snapshots(solution, axes(), [0.0, 5e-4]).walls
         assert [block.get_x() for block in blocks] == pytest.approx([1.4, 1.4])
 
 
@@ -216,7 +216,7 @@ def test_moments_hold_what_happens_at_the_contacts(solved):
 def test_pieces_have_the_velocity_and_outline_of_the_rods(solved):
     solution = solved["hopkinson"]
     t = 2.5e-4
-    picture = plot.snapshots(solution, [t], axes(), magnification=1.0)
+    picture = plot.snapshots(solution, axes(), [t], magnification=1.0)
     boxes = [path.get_extents() for path in picture.bars.get_paths()]
     assert 250 < len(boxes) < 350
     count = round(300 * 0.3 / 2.1)
@@ -230,13 +230,13 @@ def test_pieces_have_the_velocity_and_outline_of_the_rods(solved):
 
 
 def test_labels_of_neighbouring_masses_do_not_meet(solved):
-    picture = plot.snapshots(solved["masses"], [0.0], axes())
+    picture = plot.snapshots(solved["masses"], axes(), [0.0])
     assert [text.get_position()[1] for text in picture.labels[-2:]] == [-0.33, 0.33]
 
 
 def test_masses_are_blocks_that_bear_their_velocity(solved):
     solution = solved["mass"]
-    picture = plot.snapshots(solution, [0.0, solution.t_end], axes(), magnification=1.0)
+    picture = plot.snapshots(solution, axes(), [0.0, solution.t_end], magnification=1.0)
     assert [b.get_x() for b in picture.masses] == pytest.approx(
         solution.position(0, 0.0, np.array([0.0, solution.t_end])).tolist())
     texts = [t.get_text() for t in picture.labels]

@@ -17,7 +17,7 @@ from matplotlib.patches import StepPatch
 import rodimpact as ri
 from rodimpact import plot
 from rodimpact.options import Options
-from rodimpact.plot import closed_forms, quantities
+from rodimpact.plot import quantities
 from rodimpact.sweeping import SweepResult
 
 STEEL = ri.materials.steel
@@ -157,12 +157,6 @@ def test_no_theory_where_none_is_known(swept):
         picture = plot.sweep(swept[name], axes(), quantity)
         assert picture.theory is None
         assert legend(picture) == []
-    steps = rod(velocity=ri.Steps([1.0, 2.0], [0.5]))
-    strained = rod(strain=ri.Steps([0.0, 1e-5], [0.5]))
-    for left in (steps, strained):
-        assert closed_forms.pairs(ri.System([left, rod(area=[1e-4, 2e-4])])) is None
-    damped = ri.Material("damped", youngs_modulus=1e9, density=1000.0, viscosity=[1.0, 2.0])
-    assert closed_forms.pairs(ri.System([rod(velocity=1.0), rod(material=damped)])) is None
 
 
 def test_a_curve_is_broken_where_it_jumps_and_only_there(swept):

@@ -9,7 +9,6 @@ import math
 import re
 import sys
 from collections.abc import Mapping
-from pathlib import Path
 
 from ..files import check_target
 from ..units import parse
@@ -76,11 +75,13 @@ def check_outputs(problems: Problems, files: Mapping[str, str | None], force: bo
 
 def check_format(problems: Problems, option: str, path: str) -> None:
     """Refuse a figure in a format that cannot be written."""
+    from ..plot.film import format_of
     from ..plot.saving import FORMATS
 
-    if Path(path).suffix.lower().removeprefix(".") not in FORMATS:
-        known = ", ".join(f".{name}" for name in FORMATS)
-        problems.append((option, f"must end in one of {known}, got {path!r}"))
+    try:
+        format_of(path, FORMATS)
+    except ValueError as error:
+        problems.append((option, str(error).removeprefix("path: ")))
 
 
 def note(text: str) -> None:

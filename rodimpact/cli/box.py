@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from .. import materials
+from ..closed_forms import closed_form
 from ..model import Rod, System, Wall
 from ..report import align, clean
 from ..solution import Solution
 from ..solving import collide, solve
-from ..theory import rod_on_wall, saint_venant
 from ..units import format_si
 from . import DONE
 from .asking import Mistakes, Problems, note, quantity
@@ -120,15 +120,10 @@ def describe(replay: Replay) -> str:
 
 def results(replay: Replay) -> str:
     """What the collision did, beside the closed form."""
-    o, (left, right) = replay.solution.outcome, replay.solution.system.bodies
-    assert isinstance(left, Rod)
-    first = left.segments[0]
-    if isinstance(right, Rod):
-        second = right.segments[0]
-        theory = saint_venant(
-            first.impedance, first.transit_time, second.impedance, second.transit_time)
-    else:
-        theory = rod_on_wall(first.impedance, first.transit_time, 1.0)
+    o, system = replay.solution.outcome, replay.solution.system
+    known = closed_form(system)
+    assert known is not None
+    theory = known.collision()
     e = o.restitution
     episode = replay.solution.contacts[0].episodes[0]
 
@@ -150,6 +145,8 @@ def results(replay: Replay) -> str:
         ["momentum balance, relative error", f"{abs(o.momentum_residual):.2g}", "0"],
         ["energy balance, relative error", f"{abs(o.energy_residual):.2g}", "0"],
     ])
+    left, right = system.bodies
+    assert isinstance(left, Rod)
     trip = 2 * float(left.transit_time)
     remark = f"2 l/c of the {replay.names[0]} is {format_si(trip, 's')}"
     if isinstance(right, Rod):
@@ -170,7 +167,7 @@ def draw(
         drawn = {
             "velocity": plot.spacetime(solution, field="velocity").ax,
             "stress": plot.spacetime(solution, field="stress").ax,
-            "stages": plot.snapshots(solution, times).ax,
+            "stages": plot.snapshots(solution, times=times).ax,
             "contact": plot.contact(solution).force_ax,
             "energy": plot.energy(solution).ax,
         }

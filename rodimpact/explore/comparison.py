@@ -7,20 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..ends import FREE
+from ..closed_forms import ClosedForm
 from ..frozen import InvalidModel
-from ..model import Body, Rigid, RigidMass, Rod, System, Wall
-from ..theory import PairCollision, mass_on_rod, rod_on_wall, saint_venant
+from ..model import Rod, System
 from .design import Design
 
 CLOSED, SOLVED = 81, 21  # points of the curve
-
-
-class Theory(NamedTuple):
-    """A closed form that holds for a collision, and where it comes from."""
-
-    collision: PairCollision
-    source: str
 
 
 class Curve(NamedTuple):
@@ -34,27 +26,6 @@ class Curve(NamedTuple):
     source: str
 
 
-def closed_form(system: System) -> Theory | None:
-    """Closed form of two bodies that meet rigidly and do not vibrate before; None without one."""
-    pair = system.bodies
-    if len(pair) != 2 or not isinstance(system.contacts[0], Rigid) or system.gravity:
-        return None
-    if system.ends != (FREE, FREE) or not all(map(_plain, pair)):
-        return None
-    closing = float(pair[0].velocity) - float(pair[1].velocity)  # type: ignore[arg-type]
-    if closing <= 0:
-        return None
-    rods = [body.segments[0] for body in pair if isinstance(body, Rod)]
-    waves = [(float(s.impedance), float(s.transit_time)) for s in rods]
-    if len(rods) == 2:
-        found = saint_venant(*waves[0], *waves[1], closing)
-        return Theory(found, "Saint-Venant 1867")
-    if any(isinstance(body, Wall) for body in pair):
-        return Theory(rod_on_wall(*waves[0], closing), "textbook, box 10.4")
-    mass = next(float(body.mass) for body in pair if isinstance(body, RigidMass))
-    return Theory(mass_on_rod(mass, *waves[0], closing), "Boussinesq")
-
-
 def ratio_of(system: System) -> float | None:
     """l1/l2 of two uniform rods; None for any other row."""
     pair = system.bodies
@@ -66,19 +37,16 @@ def ratio_of(system: System) -> float | None:
     return float(left.length) / float(right.length)
 
 
-def closed_curve(system: System, theory: Theory | None) -> Curve | None:
+def closed_curve(system: System, theory: ClosedForm | None) -> Curve | None:
     """Curve by the closed form that holds; None where there is none, or no l1/l2."""
     ratio = ratio_of(system)
     if ratio is None or theory is None:
         return None
-    left, right = (b.segments[0] for b in system.bodies if isinstance(b, Rod))
     ratios = np.linspace(0.0, _reach(ratio), CLOSED)[1:]
-    transits = ratios * float(right.length) / float(left.wave_speed)
-    found = saint_venant(
-        float(left.impedance), transits, float(right.impedance), float(right.transit_time)
-    )
+    left, right = theory.transit_time
+    varied = theory._replace(transit_time=(left * ratios / ratio, right))
     return Curve(
-        ratios.tolist(), np.asarray(found.restitution).tolist(),
+        ratios.tolist(), np.asarray(varied.collision().restitution).tolist(),
         f"closed form, {theory.source}",
     )
 
@@ -115,14 +83,6 @@ def _restitution(design: Design) -> float:
     except InvalidModel:
         return math.nan
     return math.nan if outcome.why_no_restitution() else outcome.restitution
-
-
-def _plain(body: Body) -> bool:
-    """Whether a body moves as a whole before the collision, and is uniform."""
-    if not isinstance(body, Rod):
-        return True
-    still = isinstance(body.velocity, float) and body.strain == 0.0
-    return still and len(body.segments) == 1 and body.segments[0].ideal
 
 
 def _reach(ratio: float) -> float:

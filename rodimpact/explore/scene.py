@@ -6,27 +6,27 @@ Polygons cut at time t are the rods at time t, so the page slices them and needs
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from ..closed_forms import ClosedForm, closed_form
 from ..contacts import ContactHistory
-from ..model import Bonded, Rigid, RigidMass, Rod, System, Wall
+from ..model import Bonded, Rigid, RigidMass, Rod, Wall
+from ..placing import Placing, placing
 from ..profiles import extremes
 from ..report import clean
 from ..signals import Floats
 from ..solution import Solution
 from ..units import format_si
-from .comparison import Curve, Theory, closed_curve, closed_form, ratio_of
+from .comparison import Curve, closed_curve, ratio_of
 from .design import Design
 from .tiling import Tiling, cells, regions, sliced_energy
 
 SAMPLES = 400  # of a curve whose jumps are too many
 MOMENTS = 33  # of the energy, where it is sampled
-REACH, SQUEEZE = 0.3, 0.3  # movement in the picture, in lengths of the row; largest strain there
-DRIFT = 3.0  # how much farther than its inner movement a row may move before the picture follows
-BLOCK = 0.05  # width of a rigid mass in the picture, in lengths of all rods
-TIMES = "\N{MULTIPLICATION SIGN}"
 DIGITS = 9  # of the numbers that are drawn
 
 Scene = dict[str, Any]
@@ -58,14 +58,14 @@ def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
         notes.append("The picture shows means over cells, not the fronts themselves.")
     if not exact and not as_asked:
         notes.append("Solved quickly, on a coarse time step; rodimpact run is more accurate.")
-    row = _row(solution, stop, tiling)
+    plan = placing(solution, 0.0, stop)
     drawn = _tiling(tiling)
     theory = closed_form(solution.system)
     return {
         "end": max(drawn["t"]),  # as rounded there: a moment later no polygon is left to cut
         "exact": exact,
-        "row": row,
-        "bodies": _bodies(solution, stop, row),
+        "row": _row(plan, tiling, stop),
+        "bodies": _bodies(plan, stop),
         "tiling": drawn,
         "plots": [
             *_contacts(solution, stop, exact),
@@ -102,50 +102,29 @@ def curve_dict(curve: Curve | None) -> Scene | None:
 # The row ------------------------------------------------------------------------------------------
 
 
-def _row(solution: Solution, stop: float, tiling: Tiling) -> Scene:
-    """How the row is laid out: X = left + x + exaggeration * (apart + displacement - frame t)."""
-    bodies = solution.system.bodies
-    lengths = [_length(solution.system, i) for i in range(len(bodies))]
-    total = sum(lengths)
-    block = BLOCK * total
-    widths = np.array(lengths)
-    widths[[isinstance(body, RigidMass) for body in bodies]] = block
-    left = np.concatenate(([0.0], np.cumsum(widths)[:-1]))
-    unmoved = np.concatenate(([0.0], np.cumsum(lengths)[:-1]))
-    apart = np.array(solution.fields.positions) - unmoved
-    times, moved = [tiling.t], [apart[tiling.body_of_vertices()] + tiling.displacement]
-    for i, body in enumerate(bodies):
-        if not isinstance(body, Rod):
-            t, displacement = _path(solution, i, stop)
-            times.append(t)
-            moved.append(apart[i] + displacement)
-    t, u = np.concatenate(times), np.concatenate(moved)
-    seen = min(solution.outcome.velocities_before, key=abs)
-    reach, inner = float(np.ptp(u)), float(np.ptp(u - seen * t))
-    frame = seen if 0 < inner < reach / DRIFT else 0.0
-    reach = inner if frame else reach
-    strain = float(np.abs(tiling.strain).max())
-    wanted = min(
-        REACH * total / reach if reach > 0 else 1.0, SQUEEZE / strain if strain > 0 else math.inf
-    )
-    exaggeration = max(1.0, _round_down(wanted))
-    shown = exaggeration * (u - frame * t)
-    times_it = f"{exaggeration:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
-    note = "true to scale" if exaggeration == 1 else f"displacements {TIMES} {times_it}"
-    if frame:
-        note += f", frame moving at {format_si(frame, 'm/s', 4)}"
+def _row(plan: Placing, tiling: Tiling, stop: float) -> Scene:
+    """How the row is laid out: X = left + x + magnification * (apart + displacement - frame t)."""
+    times = np.linspace(0.0, stop, SAMPLES)
+    shown = [plan.place(tiling.body_of_vertices(), tiling.x, tiling.t, tiling.displacement)]
+    shown += [
+        plan.end(i, right, times) for i, body in enumerate(plan.solution.system.bodies)
+        if not isinstance(body, Rod) for right in (False, True)
+    ]
+    note = plan.scale
+    if plan.frame:
+        note += f", frame moving at {format_si(plan.frame, 'm/s', 4)}"
     return {
-        "left": _short(left), "apart": _short(apart), "exaggeration": exaggeration,
-        "frame": frame, "block": block, "note": note,
-        "span": [min(0.0, float(shown.min())), total + max(0.0, float(shown.max()))],
+        "left": _short(plan.left), "apart": _short(plan.apart),
+        "magnification": plan.magnification, "frame": plan.frame, "note": note,
+        "span": [min(float(x.min()) for x in shown), max(float(x.max()) for x in shown)],
     }
 
 
-def _bodies(solution: Solution, stop: float, row: Scene) -> list[Scene]:
+def _bodies(plan: Placing, stop: float) -> list[Scene]:
     """What each body is, and how those without inside move."""
     found = []
-    for i, body in enumerate(solution.system.bodies):
-        entry: Scene = {"width": _length(solution.system, i), "path": None}
+    for i, body in enumerate(plan.solution.system.bodies):
+        entry: Scene = {"width": plan.width(i), "path": None}
         if isinstance(body, Rod):
             pieces = body.segments
             entry |= {"kind": "rod", "title": f"Rod {i}"}
@@ -154,11 +133,11 @@ def _bodies(solution: Solution, stop: float, row: Scene) -> list[Scene]:
             ]
             entry["derived"] = [_derived(piece) for piece in pieces]
         else:
-            times, moved = _path(solution, i, stop)
+            times, moved = _path(plan.solution, i, stop)
             entry["path"] = {"t": _short(times), "displacement": _short(moved)}
             entry["derived"] = []
         if isinstance(body, RigidMass):
-            entry |= {"kind": "mass", "title": f"Mass {i}", "width": row["block"]}
+            entry |= {"kind": "mass", "title": f"Mass {i}"}
             entry["given"] = [("mass", format_si(float(body.mass), "kg"))]
         elif isinstance(body, Wall):
             entry |= {"kind": "wall", "title": f"Wall {i}", "given": []}
@@ -204,18 +183,6 @@ def _range(values: list[float], factor: float, digits: int) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def _length(system: System, body: int) -> float:
-    """Length of a body, m; 0 for a wall or a mass."""
-    rod = system.bodies[body]
-    return float(rod.length) if isinstance(rod, Rod) else 0.0
-
-
-def _round_down(number: float) -> float:
-    """Largest of 1, 2, 5 times a power of ten that is no larger."""
-    base = 10.0 ** math.floor(math.log10(number) + 1e-9)
-    return next(lead * base for lead in (5, 2, 1) if lead * base <= number * (1 + 1e-9))
-
-
 # Curves -------------------------------------------------------------------------------------------
 
 
@@ -233,8 +200,9 @@ def _contacts(solution: Solution, stop: float, exact: bool) -> list[Scene]:
     forces, gaps = [], []
     for contact in solution.contacts:
         name = f"contact {contact.index}-{contact.index + 1}"
-        times, force, steps = _force(contact, stop, exact)
-        forces.append(_series(name, times, force, steps))
+        times, force = _record(
+            *contact.breakpoints()[:2], stop, exact, partial(_mean_force, contact))
+        forces.append(_series(name, times, force, steps=True))
         if not isinstance(contact.law, Bonded):
             gaps.append(_series(name, times, contact.gap(times)))
     found = [_plot("force", "Contact force", "N", forces)] if forces else []
@@ -243,16 +211,22 @@ def _contacts(solution: Solution, stop: float, exact: bool) -> list[Scene]:
     return found + ([_plot("gap", title, "m", gaps)] if gaps else [])
 
 
-def _force(contact: ContactHistory, stop: float, exact: bool) -> tuple[Floats, Floats, bool]:
-    """Times, force after each of them, and whether it stays so until the next."""
-    times, force, _ = contact.breakpoints()
+def _record(
+    times: Floats, values: Floats, stop: float, exact: bool, sampled: Callable[[Floats], Floats]
+) -> tuple[Floats, Floats]:
+    """The steps of a record up to `stop`; samples if they are too many, or no steps."""
     inside = times < stop
     if exact and inside.sum() <= SAMPLES:
-        last = force[inside][-1:]
-        return np.append(times[inside], stop), np.append(force[inside], last), True
-    times = np.linspace(0.0, stop, SAMPLES + 1)
+        last = values[inside][-1:]
+        return np.append(times[inside], stop), np.append(values[inside], last)
+    even = np.linspace(0.0, stop, SAMPLES + 1)
+    return even, sampled(even)
+
+
+def _mean_force(contact: ContactHistory, times: Floats) -> Floats:
+    """Mean force from each time to the next; the last one again at the end."""
     mean = np.diff(contact.impulse_until(times)) / np.diff(times)
-    return times, np.append(mean, mean[-1]), True
+    return np.append(mean, mean[-1])
 
 
 def _energy(solution: Solution, stop: float, tiling: Tiling, exact: bool) -> Scene:
@@ -276,16 +250,10 @@ def _energy(solution: Solution, stop: float, tiling: Tiling, exact: bool) -> Sce
 def _gauges(design: Design, solution: Solution, stop: float, exact: bool) -> list[Scene]:
     series = []
     for body, fraction in design.gauges:
-        x = fraction * _length(solution.system, body)
+        x = fraction * float(solution.fields.edges(body)[-1])
         record = solution.gauge(body, x)
         name = f"rod {body} at {format_si(x, 'm', 4)}"
-        inside = record.times < stop
-        if exact and inside.sum() <= SAMPLES:
-            times, strain = record.times[inside], record.strain[inside]
-            times, strain = np.append(times, stop), np.append(strain, strain[-1:])
-        else:
-            times = np.linspace(0.0, stop, SAMPLES + 1)
-            strain = record.strain_at(times)
+        times, strain = _record(record.times, record.strain, stop, exact, record.strain_at)
         series.append(_series(name, times, 1e6 * strain, steps=True))
     return [_plot("gauge", "Strain gauges", "µε", series)] if series else []
 
@@ -293,14 +261,14 @@ def _gauges(design: Design, solution: Solution, stop: float, exact: bool) -> lis
 # Numbers ------------------------------------------------------------------------------------------
 
 
-def _restitution(solution: Solution, theory: Theory | None) -> Scene:
+def _restitution(solution: Solution, theory: ClosedForm | None) -> Scene:
     """e beside its closed form."""
     why = solution.outcome.why_no_restitution()
     value = None if why else float(solution.outcome.restitution)
     count = len(solution.outcome.unilateral)
     if count > 1:
         why = f"A coefficient e belongs to one contact; this row has {count}, see the velocities"
-    closed = None if theory is None else float(theory.collision.restitution)
+    closed = None if theory is None else float(theory.collision().restitution)
     found: Scene = {
         "value": value, "text": "-", "why": why[:1].upper() + why[1:],
         "closed_form": closed, "source": "" if theory is None else theory.source,

@@ -11,11 +11,11 @@ from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from ..model import Absorbing, Fixed, RigidMass, Rod, Wall
+from ..model import Absorbing, RigidMass, Rod
+from ..placing import Placing
 from ..profiles import extremes
 from ..signals import Floats
-from .borders import DRIVEN, OPEN_END
-from .placing import Placing
+from .borders import DRIVEN, OPEN_END, WALL
 from .sampling import is_stepped, mean_areas, sampled
 from .scales import Scale
 from .style import DIVERGING, colours
@@ -125,13 +125,9 @@ class Bars:
     def walls(self, ax: Axes) -> tuple[list[Rectangle], list[Line2D]]:
         """A hatched block beyond the face of each wall and fixed end, and the faces."""
         _, ink, faint, wall, *_ = self.colours
-        depth = 0.04 * self.plan.row * self.place.factor
-        last = len(self.system.bodies) - 1
-        held = [(i, i > 0) for i, body in enumerate(self.system.bodies) if isinstance(body, Wall)]
-        held += [(side * last, bool(side)) for side, end in enumerate(self.system.ends)
-                 if isinstance(end, Fixed)]
+        depth = WALL * self.plan.row * self.place.factor
         blocks, faces = [], []
-        for i, right in held:
+        for i, right in self.plan.walls():
             for row, face in enumerate(self._end(i, right)):
                 corner = (face if right else face - depth, -row - 0.45)
                 blocks.append(Rectangle(corner, depth, 0.9, facecolor=wall, edgecolor=faint,

@@ -12,15 +12,16 @@ from matplotlib.patches import Polygon
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from ..model import Absorbing, Bonded, Fixed, Force, Rigid, RigidMass, Rod, Velocity, Wall
+from ..model import Absorbing, Bonded, Force, Rigid, RigidMass, Rod, Velocity
+from ..placing import Placing
 from ..signals import Floats
-from .placing import Placing
 from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster
 from .style import colours
 
 Cut: TypeAlias = Polygons | Raster
+WALL = 0.04  # depth of a wall, in lengths of the row
 OPEN_END = (0, (3, 2))  # dashes of an end through which waves leave
 DRIVEN = {Force: "driven by a force", Velocity: "driven at a velocity"}
 ARROWS = 8  # marks of a driven end
@@ -76,22 +77,17 @@ class Borders:
 
     def walls(self, ax: Axes) -> list[Polygon]:
         """Hatched bands beyond the faces of walls and fixed ends."""
-        depth = 0.04 * self.plan.row
-        last, times = len(self.system.bodies) - 1, np.array(self.plane.span)
-        bands = []
-        for i, body in enumerate(self.system.bodies):
-            fixed = [right for right, outermost in ((False, 0), (True, last)) if i == outermost
-                     and isinstance(self.system.ends[right], Fixed)]
-            for right in [i > 0] if isinstance(body, Wall) else fixed:
-                places = self.plan.end(i, right, times)
-                face = self.plane.points(places, times)
-                back = self.plane.points(places + (depth if right else -depth), times)
-                bands.append(Polygon(
-                    np.concatenate((face, back[::-1])), facecolor=self.colours.wall,
-                    edgecolor=self.colours.faint, hatch="////", linewidth=0.0, zorder=1,
-                ))
-                ax.add_patch(bands[-1])
-                ax.plot(*face.T, color=self.colours.ink, linewidth=1.5, zorder=3.5)
+        depth, times, bands = WALL * self.plan.row, np.array(self.plane.span), []
+        for i, right in self.plan.walls():
+            places = self.plan.end(i, right, times)
+            face = self.plane.points(places, times)
+            back = self.plane.points(places + (depth if right else -depth), times)
+            bands.append(Polygon(
+                np.concatenate((face, back[::-1])), facecolor=self.colours.wall,
+                edgecolor=self.colours.faint, hatch="////", linewidth=0.0, zorder=1,
+            ))
+            ax.add_patch(bands[-1])
+            ax.plot(*face.T, color=self.colours.ink, linewidth=1.5, zorder=3.5)
         return bands
 
     def masses(self, ax: Axes) -> list[Polygon]:

@@ -15,8 +15,8 @@ from matplotlib.patches import StepPatch
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from ..closed_forms import ClosedForm
 from ..signals import Floats
-from .closed_forms import Pairs
 from .scales import ROUND_OFF
 from .sides import Shown, Side, count_ticks, dress_side
 from .style import colours, dress, legend_above
@@ -36,7 +36,7 @@ class Curve(NamedTuple):
     theory: Line2D | None
 
 
-def draw_curve(ax: Axes, side: Side, shown: Shown, theory: Pairs | None) -> Curve:
+def draw_curve(ax: Axes, side: Side, shown: Shown, theory: ClosedForm | None) -> Curve:
     """Draw values over one axis."""
     dress_side(ax, "x", side)
     ink = colours().ink
@@ -67,7 +67,7 @@ def draw_curve(ax: Axes, side: Side, shown: Shown, theory: Pairs | None) -> Curv
     return Curve(ax, drawn, law)
 
 
-def _law(ax: Axes, side: Side, shown: Shown, theory: Pairs) -> Line2D:
+def _law(ax: Axes, side: Side, shown: Shown, theory: ClosedForm) -> Line2D:
     """Draw the closed form as a wide line, smooth between the values of the family."""
     known = np.log(side.values) if side.values[0] > 0 else side.values
     count = side.values.size - 1

@@ -14,14 +14,14 @@ from matplotlib.patches import Polygon
 from matplotlib.text import Text
 
 from ..model import Absorbing
+from ..placing import placing
 from ..solution import Solution
 from .borders import Borders, Cut, absorbing_end
-from .placing import placing
 from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster
 from .sampling import is_stepped
-from .scales import FIELDS, Scale, axis_scales, field_scale, written
+from .scales import FIELDS, Scale, axis_scales, field_scale, place_label, written
 from .style import centred, colour_bar, dress, legend_above, new_axes, styled
 
 
@@ -135,7 +135,7 @@ def spacetime(
         ax.add_collection(lines)
     masses, drives = borders.masses(ax), borders.drives(ax)
 
-    plane.dress(ax, plan.label(place))
+    plane.dress(ax, place_label(plan, place))
     dress(ax)
     bar = colour_bar(ax, drawn, scale.label)
     if field == "energy":

@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from ..closed_forms import COLUMNS, closed_form
 from ..sweeping import SweepResult
-from .closed_forms import COLUMNS, pairs
 from .curves import Curve, draw_curve
 from .maps import Map, draw_map
 from .quantities import outcome
@@ -60,7 +60,7 @@ def sweep(
     values = arranged(column).astype(float)
     largest = float(np.nanmax(np.abs(values)))
     scale = outcome(result.system, quantity).scale(largest)
-    family = pairs(result.system) if quantity in COLUMNS else None
+    family = closed_form(result.system) if quantity in COLUMNS else None
     theory = None if family is None else family.each(arranged)
     shown = Shown(quantity, values * scale.factor, scale, column.dtype.kind in "iub")
     if len(sides) == 1:

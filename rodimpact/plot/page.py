@@ -21,6 +21,8 @@ NAMED_UP_TO = 6  # bodies whose velocities fit into the headline
 def overview(solution: Solution) -> Figure:
     """Draw velocity and stress in space and time, force and gap of the first contacts, and energy.
 
+    Its many Axes are arranged on a figure of its own, so it takes none.
+
     Parameters
     ----------
     solution : Solution

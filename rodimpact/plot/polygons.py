@@ -11,10 +11,10 @@ from matplotlib.colors import Normalize
 from matplotlib.text import Text
 
 from ..contacts import ContactHistory
+from ..placing import Placing
 from ..regions import regions_of
 from ..signals import Floats, Ints
 from ..solution import Solution
-from .placing import Placing
 from .plane import Plane
 from .sampling import energy_density, is_stepped
 from .scales import digits

@@ -10,9 +10,9 @@ from matplotlib.text import Text
 
 from ..contacts import ContactHistory
 from ..model import Rod
+from ..placing import Placing
 from ..signals import Floats
 from ..solution import Solution
-from .placing import Placing
 from .plane import Plane
 from .sampling import averaged, energy_density, mean_areas, modulus, pieces
 from .scales import ROUND_OFF

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import io
 import os
-from pathlib import Path
 from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from ..files import write_bytes
+from .film import format_of
 from .moving import Animation
 
 DOTS_PER_INCH = 200
@@ -43,10 +43,7 @@ def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> Non
     if isinstance(picture, Animation):
         picture.save(path, force=force)
         return
-    kind = Path(path).suffix.lower().removeprefix(".")
-    if kind not in FORMATS:
-        known = ", ".join(f".{name}" for name in FORMATS)
-        raise ValueError(f"path: must end in one of {known}, got {os.fspath(path)!r}")
+    kind = format_of(path, FORMATS)
     figure = _figure_of(picture)
     memory = io.BytesIO()
     with rc_context({"svg.hashsalt": "rodimpact", "svg.fonttype": "path", "pdf.fonttype": 42}):

@@ -7,15 +7,16 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ..model import Rod
+from ..placing import Placing
 from ..profiles import extremes
 from ..solution import Solution
+from ..units import format_power
 
 FIELDS = ("velocity", "stress", "strain", "displacement", "energy")
 ROUND_OFF = 1e-9  # beside the largest value shown, as good as nothing
-MINUS, TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
+MINUS = "\N{MINUS SIGN}"
 SIGMA, RHO = "\N{GREEK SMALL LETTER SIGMA}", "\N{GREEK SMALL LETTER RHO}"
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 class Scale(NamedTuple):
@@ -56,23 +57,9 @@ def engineering(name: str, largest: float, unit: str) -> Scale:
     whole = math.log10(largest * (1 + ROUND_OFF)) / 3 if largest > 0 else 0.0
     exponent = 3 * math.floor(whole)
     if not unit:
-        return Scale(10.0**-exponent, name, power(exponent) if exponent else "")
+        return Scale(10.0**-exponent, name, format_power(exponent) if exponent else "")
     exponent = min(max(exponent, min(_PREFIXES)), max(_PREFIXES))
     return Scale(10.0**-exponent, name, _PREFIXES[exponent] + unit)
-
-
-def power(exponent: int) -> str:
-    """Power of ten in superscripts."""
-    return "10" + str(exponent).translate(_SUPERSCRIPTS)
-
-
-def magnified(number: float) -> str:
-    """Write a factor 1, 2 or 5 times a power of ten, or any other."""
-    if number < 1e5:
-        return f"{number:g}"
-    exponent = math.floor(math.log10(number) + 1e-9)
-    lead = f"{number / 10.0**exponent:.3g}"
-    return power(exponent) if lead == "1" else f"{lead}{TIMES}{power(exponent)}"
 
 
 def digits(value: float, largest: float, count: int = 3) -> str:
@@ -125,6 +112,18 @@ def time_scale(end: float) -> Scale:
 def place_scale(width: float) -> Scale:
     """Scale of an axis of places, for a row `width` m wide: metres unless it is small."""
     return Scale(1.0, "place x", "m") if width >= 0.1 else engineering("place x", width, "m")
+
+
+def place_label(plan: Placing, place: Scale) -> str:
+    """Label of an axis of places: in which frame and how much magnified they are drawn."""
+    if not plan.magnification:
+        return place._replace(name=f"{place.name} in the undeformed row, without gaps").label
+    said = place.label
+    if plan.frame:
+        said += f" in a frame moving at {written(plan.frame, 'm/s')}"
+    if plan.block:
+        said += f", masses drawn {plan.block * place.factor:g} {place.unit}".rstrip() + " wide"
+    return f"{said}, {plan.scale}"
 
 
 def axis_scales(

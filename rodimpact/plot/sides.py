@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from ..signals import Floats
 from ..sweeping import STATUS, SweepResult
+from ..units import format_factor, format_power
 from .quantities import parameter
-from .scales import Scale, magnified, power
+from .scales import Scale
 
 WIDE = 3.0  # last over first value from which an axis may be logarithmic
 
@@ -99,7 +100,7 @@ def dress_side(ax: Axes, which: Literal["x", "y"], side: Side) -> None:
 
 def _plain(value: float) -> str:
     """A tick of a logarithmic axis: a number, or a power of ten if it is small."""
-    return magnified(value) if value > 0.9e-3 else power(round(math.log10(value)))
+    return format_factor(value) if value > 0.9e-3 else format_power(round(math.log10(value)))
 
 
 def count_ticks(axis: Axis, shown: Shown) -> None:

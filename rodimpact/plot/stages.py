@@ -16,11 +16,11 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
 from ..model import RigidMass
+from ..placing import Placing, placing
 from ..signals import Floats
 from ..solution import Solution
 from .bars import Bars, Piece
 from .moments import happening, moments
-from .placing import Placing, placing
 from .sampling import is_stepped
 from .scales import (
     MINUS,
@@ -30,6 +30,7 @@ from .scales import (
     engineering,
     first_rod,
     multiple,
+    place_label,
     place_scale,
     written,
 )
@@ -68,8 +69,8 @@ class Snapshots(NamedTuple):
 @styled
 def snapshots(
     solution: Solution,
-    times: Sequence[float] | Floats | None = None,
     ax: Axes | None = None,
+    times: Sequence[float] | Floats | None = None,
     magnification: float | None = None,
 ) -> Snapshots:
     """Draw the row at chosen times, one below the other, coloured by velocity.
@@ -86,11 +87,11 @@ def snapshots(
     Parameters
     ----------
     solution : Solution
+    ax : Axes, optional
+        By default the Axes of a new figure.
     times : sequence of float, optional
         s; by default the instructive instants: start, waves half-way, reflections, what happens at
         the contacts, and the end.
-    ax : Axes, optional
-        By default the Axes of a new figure.
     magnification : float, optional
         Of displacements and gaps; by default chosen as in `spacetime`.
 
@@ -143,7 +144,7 @@ def snapshots(
         words = [broken(line, width / 3) for line in happening(solution, t).splitlines()]
         ax.text(1.01, -row, "\n".join(words), transform=ax.get_yaxis_transform(), va="center",
                 fontsize=SMALL + 1)
-    ax.set_xlabel(broken(plan.label(place), width) + "\n" + broken(
+    ax.set_xlabel(broken(place_label(plan, place), width) + "\n" + broken(
         f"velocities in parts of the closing speed, v = {written(v, 'm/s')}" if v
         else f"velocities ({speed.unit})", width))
     dress(ax)

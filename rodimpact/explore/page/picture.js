@@ -15,7 +15,7 @@ function colourOf(share) {
 
 /** Place in the picture of a point of a body, displaced, at a time. */
 function placeOf(row, body, x, t, displacement) {
-  return row.left[body] + x + row.exaggeration * (row.apart[body] + displacement - row.frame * t);
+  return row.left[body] + x + row.magnification * (row.apart[body] + displacement - row.frame * t);
 }
 
 /** Adds what drawing asks for again and again: places in the picture, largest values. */

@@ -1,10 +1,11 @@
 """Where a point is drawn: its place in the laboratory with its displacement magnified.
 
-Rods a metre long move by a tenth of a millimetre while they collide. Pictures therefore magnify
-displacements and gaps, all by the same factor, so that bodies that touch touch in the picture too:
+Rods a metre long move by a tenth of a millimetre while they collide. Figures, films and the page
+therefore magnify displacements and gaps, all by the same factor, so that bodies that touch touch in
+the picture too:
 X = place in the row of unstrained rods without gaps + factor * (gaps to the left + displacement).
 A row that drifts much farther than its bodies move against each other is drawn in a moving frame.
-A rigid mass has no length; in pictures it is a block of a width that the label of places names.
+A rigid mass has no length; in pictures it is a block.
 """
 
 from __future__ import annotations
@@ -16,14 +17,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..model import Fixed, RigidMass, Rod, Velocity, Wall
-from ..signals import Floats
-from ..solution import Solution
-from .scales import ROUND_OFF, TIMES, Scale, magnified, written
+from .model import Fixed, RigidMass, Rod, Velocity, Wall
+from .signals import Floats, Ints
+from .solution import Solution
+from .units import TIMES, format_factor
 
 REACH = 0.35  # movement in the picture, in lengths of the row
 SQUEEZE = 0.3  # largest strain in the picture
 DRIFT = 3.0  # how much farther than its inner movement a row may drift
+ROUND_OFF = 1e-9  # of its drift: inner movement that is none
 BLOCK = 0.05  # largest width of a mass in the picture, in lengths of all rods
 
 
@@ -38,9 +40,9 @@ class Placing:
         Of displacements and gaps; 0 draws every body at its place in the undeformed row.
     frame : float
         Velocity of the frame of the picture, m/s.
-    left : tuple of float
+    left : array
         Left end of each body in the row of unstrained rods without gaps, m.
-    apart : tuple of float
+    apart : array
         How much farther to the right each body begins: gaps, and strain at t = 0, m.
     block : float
         Width of a rigid mass in the picture, m; 0 if there is none.
@@ -49,14 +51,21 @@ class Placing:
     solution: Solution
     magnification: float
     frame: float
-    left: tuple[float, ...]
-    apart: tuple[float, ...]
+    left: Floats
+    apart: Floats
     block: float
 
     @property
     def row(self) -> float:
         """Length of all rods and blocks together, m."""
-        return self.left[-1] + self.width(len(self.left) - 1)
+        return float(self.left[-1]) + self.width(len(self.left) - 1)
+
+    @property
+    def scale(self) -> str:
+        """How displacements are drawn, in words."""
+        if self.magnification == 1:
+            return "true to scale"
+        return f"displacements {TIMES} {format_factor(self.magnification)}"
 
     def width(self, body: int) -> float:
         """Width of a body in the picture before it moves, m."""
@@ -64,11 +73,20 @@ class Placing:
             return self.block
         return _length(self.solution, body)
 
-    def place(self, body: int, x: ArrayLike, t: ArrayLike, displacement: Any) -> Floats:
-        """Place X in the picture, m, of points x (m) of a body at t (s), displaced (m)."""
+    def place(self, body: int | Ints, x: ArrayLike, t: ArrayLike, displacement: Any) -> Floats:
+        """Place X in the picture, m, of points x (m) of bodies at t (s), displaced (m)."""
         moved = self.apart[body] + displacement - self.frame * np.asarray(t)
         result: Floats = self.left[body] + np.asarray(x) + self.magnification * moved
         return result
+
+    def walls(self) -> list[tuple[int, bool]]:
+        """Bodies that are walls or have a fixed end, and whether that is their right end."""
+        bodies, ends = self.solution.system.bodies, self.solution.system.ends
+        return [
+            *((i, i > 0) for i, body in enumerate(bodies) if isinstance(body, Wall)),
+            *((side * (len(bodies) - 1), bool(side)) for side, end in enumerate(ends)
+              if isinstance(end, Fixed)),
+        ]
 
     def end(self, body: int, right: bool, t: ArrayLike) -> Floats:
         """Place X of the left or right end of a body at t."""
@@ -79,19 +97,6 @@ class Placing:
         """Place X of a contact at t: half-way between the faces where they overlap."""
         left, right = self.end(contact, True, t), self.end(contact + 1, False, t)
         return np.where(right < left, (left + right) / 2, left)
-
-    def label(self, place: Scale) -> str:
-        """Label of the axis of places."""
-        if not self.magnification:
-            return place._replace(name=f"{place.name} in the undeformed row, without gaps").label
-        said = place.label
-        if self.frame:
-            said += f" in a frame moving at {written(self.frame, 'm/s')}"
-        if self.block:
-            said += f", masses drawn {self.block * place.factor:g} {place.unit}".rstrip() + " wide"
-        if self.magnification == 1:
-            return said + ", true to scale"
-        return said + f", displacements {TIMES} {magnified(self.magnification)}"
 
 
 def placing(
@@ -117,10 +122,10 @@ def placing(
     bodies = range(len(solution.system.bodies))
     lengths = [_length(solution, body) for body in bodies]
     begin = np.cumsum([0.0, *lengths[:-1]])
-    apart = tuple(float(x - x0) for x, x0 in zip(solution.fields.positions, begin, strict=True))
+    apart = np.array(solution.fields.positions) - begin
     masses = np.array([isinstance(body, RigidMass) for body in solution.system.bodies])
-    block = round_down(BLOCK * sum(lengths)) if masses.any() else 0.0
-    left = tuple(float(x) for x in begin + block * (np.cumsum(masses) - masses))
+    block = _round_down(BLOCK * sum(lengths)) if masses.any() else 0.0
+    left = begin + block * (np.cumsum(masses) - masses)
     times = np.linspace(start, stop, 101)
     moved = np.array([
         apart[body] + solution.displacement(body, x, times)
@@ -138,7 +143,7 @@ def placing(
             if lengths[body]:
                 x, t = np.broadcast_arrays(np.linspace(0, lengths[body], 33)[:, None], times)
                 strain = max(strain, float(np.abs(solution.strain(body, x, t)).max()))
-        magnification = max(1.0, round_down(min(wanted, SQUEEZE / strain if strain else wanted)))
+        magnification = max(1.0, _round_down(min(wanted, SQUEEZE / strain if strain else wanted)))
     frame = seen if drifts else 0.0
     return Placing(solution, magnification, frame, left, apart, block)
 
@@ -156,7 +161,7 @@ def _slowest(solution: Solution) -> float:
     return min(held or solution.outcome.velocities_before, key=abs)
 
 
-def round_down(number: float) -> float:
+def _round_down(number: float) -> float:
     """Largest of 1, 2, 5 times a power of ten that is no larger."""
     base = 10.0 ** math.floor(math.log10(number) + 1e-9)
     return next(lead * base for lead in (5, 2, 1) if lead * base <= number * (1 + 1e-9))
