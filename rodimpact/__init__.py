@@ -31,9 +31,9 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .contacts import Episode as Episode
     from .ends import Absorbing as Absorbing
     from .ends import Fixed as Fixed
-    from .ends import Force as Force
     from .ends import Free as Free
-    from .ends import Velocity as Velocity
+    from .ends import Moved as Moved
+    from .ends import Pushed as Pushed
     from .files import FileFormatError as FileFormatError
     from .files import load as load
     from .frozen import InvalidModel as InvalidModel
@@ -66,7 +66,7 @@ _HOME = {
     "profiles": ("Samples", "Steps"),
     "bodies": ("Material", "RigidMass", "Rod", "Segment", "Wall"),
     "laws": ("Bonded", "Hertz", "HuntCrossley", "Rigid", "Spring", "SpringDashpot"),
-    "ends": ("Absorbing", "Fixed", "Force", "Free", "Velocity"),
+    "ends": ("Absorbing", "Fixed", "Free", "Moved", "Pushed"),
     "model": ("System",),
     "solving": ("collide", "solve"),
     "ledger": ("EnergyLedger",),

@@ -10,9 +10,11 @@ from __future__ import annotations
 from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .bodies import Material
 from .frozen import (
+    Field,
     Frozen,
     InvalidModel,
     Number,
@@ -21,7 +23,6 @@ from .frozen import (
     first_false,
     holds,
     number,
-    plain,
 )
 
 
@@ -31,7 +32,7 @@ class _Law(Frozen):
     law: ClassVar[str]
 
     def to_dict(self) -> dict[str, Any]:
-        numbers = {name: plain(v) for name, v in self.__dict__.items() if v is not None}
+        numbers = {name: v for name, v in super().to_dict().items() if v is not None}
         return {"law": self.law, **numbers}
 
 
@@ -54,19 +55,13 @@ class Rigid(_Law):
     """
 
     law: ClassVar[str] = "rigid"
+    fields: ClassVar[dict[str, Field]] = {
+        "restitution": Field("", "[0, 1]", "coefficient of restitution", optional=True),
+    }
     restitution: Number | None
 
-    def __init__(self, restitution: Any = None) -> None:
-        problems: Problems = []
-        if restitution is not None:
-            restitution = number(problems, "restitution", restitution, "")
-            good = (np.asarray(restitution) >= 0) & (np.asarray(restitution) <= 1)
-            if not problems and not np.all(good):
-                at, (got,) = first_false(good, restitution)
-                problems.append((f"restitution{at}", f"must lie in [0, 1], got {got!r}"))
-        if problems:
-            raise InvalidModel(problems)
-        self._set(restitution=restitution)
+    def __init__(self, restitution: ArrayLike | None = None) -> None:
+        self._take(restitution=restitution)
 
 
 class Bonded(_Law):
@@ -90,14 +85,11 @@ class Spring(_Law):
     """
 
     law: ClassVar[str] = "spring"
+    fields: ClassVar[dict[str, Field]] = {"stiffness": Field("N/m", "positive")}
     stiffness: Number
 
-    def __init__(self, stiffness: Any) -> None:
-        problems: Problems = []
-        k = number(problems, "stiffness", stiffness, "N/m", "positive")
-        if problems:
-            raise InvalidModel(problems)
-        self._set(stiffness=k)
+    def __init__(self, stiffness: ArrayLike) -> None:
+        self._take(stiffness=stiffness)
 
 
 class SpringDashpot(_Law):
@@ -117,16 +109,14 @@ class SpringDashpot(_Law):
     """
 
     law: ClassVar[str] = "spring-dashpot"
+    fields: ClassVar[dict[str, Field]] = {
+        "stiffness": Field("N/m", "positive"), "damping": Field("N s/m", "non-negative"),
+    }
     stiffness: Number
     damping: Number
 
-    def __init__(self, stiffness: Any, damping: Any) -> None:
-        problems: Problems = []
-        k = number(problems, "stiffness", stiffness, "N/m", "positive")
-        c = number(problems, "damping", damping, "N s/m", "non-negative")
-        if problems:
-            raise InvalidModel(problems)
-        self._set(stiffness=k, damping=c)
+    def __init__(self, stiffness: ArrayLike, damping: ArrayLike) -> None:
+        self._take(stiffness=stiffness, damping=damping)
 
 
 class Hertz(_Law):
@@ -144,22 +134,19 @@ class Hertz(_Law):
     """
 
     law: ClassVar[str] = "hertz"
+    fields: ClassVar[dict[str, Field]] = {"stiffness": Field("N/m^1.5", "positive")}
     stiffness: Number
 
-    def __init__(self, stiffness: Any) -> None:
-        problems: Problems = []
-        k = number(problems, "stiffness", stiffness, "N/m^1.5", "positive")
-        if problems:
-            raise InvalidModel(problems)
-        self._set(stiffness=k)
+    def __init__(self, stiffness: ArrayLike) -> None:
+        self._take(stiffness=stiffness)
 
     @classmethod
     def from_radii(
         cls,
-        left_radius: Any,
-        right_radius: Any,
-        left_material: Any,
-        right_material: Any,
+        left_radius: ArrayLike,
+        right_radius: ArrayLike,
+        left_material: Material | None,
+        right_material: Material | None,
     ) -> Self:
         """Find the stiffness from the radii and the materials of two spherical faces.
 
@@ -191,7 +178,7 @@ class Hertz(_Law):
         radii = []
         meeting: list[tuple[str, Number]] = []
         yielding = []
-        faces = (("left", left_radius, left_material), ("right", right_radius, right_material))
+        faces: Any = (("left", left_radius, left_material), ("right", right_radius, right_material))
         for side, radius, material in faces:
             R = number(problems, f"{side}_radius", radius, "m", "positive or infinite")
             radii.append(R)
@@ -243,16 +230,14 @@ class HuntCrossley(_Law):
     """
 
     law: ClassVar[str] = "hunt-crossley"
+    fields: ClassVar[dict[str, Field]] = {
+        "stiffness": Field("N/m^1.5", "positive"), "damping": Field("s/m", "non-negative"),
+    }
     stiffness: Number
     damping: Number
 
-    def __init__(self, stiffness: Any, damping: Any) -> None:
-        problems: Problems = []
-        k = number(problems, "stiffness", stiffness, "N/m^1.5", "positive")
-        chi = number(problems, "damping", damping, "s/m", "non-negative")
-        if problems:
-            raise InvalidModel(problems)
-        self._set(stiffness=k, damping=chi)
+    def __init__(self, stiffness: ArrayLike, damping: ArrayLike) -> None:
+        self._take(stiffness=stiffness, damping=damping)
 
 
 ContactLaw: TypeAlias = Rigid | Bonded | Spring | SpringDashpot | Hertz | HuntCrossley

@@ -197,7 +197,7 @@ def test_numbers_of_every_kind_make_families_by_their_paths():
         gaps=[0.0, two, 0.0, 0.0, 0.0],
         contacts=[ri.Rigid(two / 2), ri.SpringDashpot(three, two), ri.Hertz(two),
                   ri.HuntCrossley(two, three), ri.Spring(three)],
-        gravity=two, ends=(ri.Free(), ri.Force(three)),
+        gravity=two, ends=(ri.Free(), ri.Pushed(three)),
     )
     assert row.shape == (3, 2)
     assert set(row.parameters) == {
@@ -211,7 +211,7 @@ def test_numbers_of_every_kind_make_families_by_their_paths():
     assert member.shape == ()
     assert member.bodies[1] == ri.RigidMass(2.0, velocity=3.0)
     assert member.contacts[1] == ri.SpringDashpot(3.0, 2.0)
-    assert (member.gravity, member.ends[1]) == (2.0, ri.Force(3.0))
+    assert (member.gravity, member.ends[1]) == (2.0, ri.Pushed(3.0))
 
 
 def test_steps_are_checked():
@@ -289,13 +289,13 @@ def test_mirror_and_reversal_undo_themselves():
 
 
 def test_a_mirror_turns_gravity_and_drives():
-    push = ri.Force(ri.Steps([1.0, 2.0], [1e-3]))
-    pull = ri.Velocity(ri.Samples([1.0, 2.0], step=1e-3))
+    push = ri.Pushed(ri.Steps([1.0, 2.0], [1e-3]))
+    pull = ri.Moved(ri.Samples([1.0, 2.0], step=1e-3))
     row = ri.System([rod(velocity=1.0), MASS, rod()], [0.0, 0.5], [ri.Rigid(), ri.Hertz(1.0)],
                     gravity=9.81, ends=(push, pull))
     image = row.mirrored()
     assert image.gravity == -9.81
-    assert image.ends == (ri.Velocity(ri.Samples([-1.0, -2.0], step=1e-3)), push)
+    assert image.ends == (ri.Moved(ri.Samples([-1.0, -2.0], step=1e-3)), push)
     assert image.bodies[1] == ri.RigidMass(2.0, velocity=1.0)
     assert image.contacts == (ri.Hertz(1.0), ri.Rigid())
     assert image.mirrored() == row
@@ -324,7 +324,7 @@ def test_no_film_runs_backwards_where_something_is_lost_or_driven():
         "bodies.1.material.viscosity", "bodies.2.segments.1.material.viscosity",
         "contacts.0.damping", "contacts.1.damping", "contacts.3.restitution", "ends.left",
     ]
-    for end in (ri.Force(0.0), ri.Velocity(0.0)):
+    for end in (ri.Pushed(0.0), ri.Moved(0.0)):
         found = problems(ri.System([rod()], ends=(ri.Free(), end)).reversed)
         assert [path for path, _ in found] == ["ends.right"]
     calm = [ri.SpringDashpot(1.0, 0.0), ri.HuntCrossley(1.0, 0.0)]

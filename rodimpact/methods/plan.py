@@ -12,16 +12,16 @@ from ..model import (
     Absorbing,
     Bonded,
     Fixed,
-    Force,
     Hertz,
     HuntCrossley,
+    Moved,
+    Pushed,
     Rigid,
     RigidMass,
     Rod,
     Spring,
     SpringDashpot,
     System,
-    Velocity,
     Wall,
 )
 from ..profiles import extremes
@@ -157,7 +157,7 @@ class Plan:
             self._add(kind[type(law)], float(law.stiffness), damping, gap)
 
     def _end(self, side: int, end: Any) -> None:
-        kinds = {Fixed: "velocity", Velocity: "velocity", Force: "force", Absorbing: "absorbing"}
+        kinds = {Fixed: "velocity", Moved: "velocity", Pushed: "force", Absorbing: "absorbing"}
         kind = kinds.get(type(end), "none")
         self.outside[side] = (kind, getattr(end, "value", 0.0))
         self._add({"none": FREE, "force": FORCE}.get(kind, BOND))

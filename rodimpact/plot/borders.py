@@ -12,7 +12,7 @@ from matplotlib.patches import Polygon
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from ..model import Absorbing, Bonded, Fixed, Force, Rigid, RigidMass, Rod, Velocity, Wall
+from ..model import Absorbing, Bonded, Fixed, Moved, Pushed, Rigid, RigidMass, Rod, Wall
 from ..signals import Floats
 from .placing import Placing
 from .plane import Plane
@@ -22,7 +22,7 @@ from .style import colours
 
 Cut: TypeAlias = Polygons | Raster
 OPEN_END = (0, (3, 2))  # dashes of an end through which waves leave
-DRIVEN = {Force: "driven by a force", Velocity: "driven at a velocity"}
+DRIVEN = {Pushed: "driven by a force", Moved: "driven at a velocity"}
 ARROWS = 8  # marks of a driven end
 
 
@@ -114,7 +114,7 @@ class Borders:
         times = np.linspace(*self.plane.span, 2 * ARROWS + 1)[1::2]
         heads = "^v" if self.plane.across else "><"
         for side, end in enumerate(self.system.ends):
-            if isinstance(end, Force | Velocity):
+            if isinstance(end, Pushed | Moved):
                 path = self._track(side * (len(self.system.bodies) - 1), bool(side), times)
                 marks += ax.plot(
                     *path.T, linestyle="", marker=heads[side], markersize=5.0,

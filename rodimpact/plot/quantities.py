@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..model import Force, Hertz, HuntCrossley, RigidMass, Rod, System, Wall
+from ..model import Hertz, HuntCrossley, Pushed, RigidMass, Rod, System, Wall
 from .scales import Scale, engineering, place_scale
 
 _PARAMETERS = {
@@ -139,7 +139,7 @@ def _of_law(system: System, contact: str, field: str) -> Quantity:
 
 def _of_end(system: System, side: str, rest: list[str]) -> Quantity:
     """A number of what drives an end."""
-    pushed = isinstance(system.ends[side == "right"], Force)
+    pushed = isinstance(system.ends[side == "right"], Pushed)
     name, unit = (f"force on the {side} end", "N") if pushed else (
         f"velocity of the {side} end", "m/s")
     match rest:
