@@ -18,6 +18,7 @@ from typing import Any, ClassVar, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
+from . import units
 from .quantities import numbers_in
 
 Number: TypeAlias = "float | np.ndarray[Any, np.dtype[np.float64]]"
@@ -68,6 +69,11 @@ class Field(NamedTuple):
     sign: str = "any"
     label: str = ""
     optional: bool = False
+
+    @property
+    def dimension(self) -> str:
+        """What kind of quantity it is, for `units.parse`."""
+        return units.dimension_of(self.unit)
 
 
 def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "any") -> Number:
