@@ -36,6 +36,18 @@ class _Law(Frozen):
         return {"law": self.law, **numbers}
 
 
+class _Compliant(_Law):
+    """A law whose elastic part is k d^p, k its `stiffness` and p its `exponent`."""
+
+    exponent: Number
+    stiffness: Number
+
+    def stored(self, indentation: ArrayLike) -> Any:
+        """Energy stored at an indentation d >= 0, m: k d^(p+1)/(p+1), J."""
+        q = self.exponent + 1
+        return self.stiffness * np.asarray(indentation) ** q / q
+
+
 class Rigid(_Law):
     """Unilateral contact without compliance: gap >= 0, force >= 0, force times gap = 0.
 
@@ -70,7 +82,7 @@ class Bonded(_Law):
     law: ClassVar[str] = "bonded"
 
 
-class Spring(_Law):
+class Spring(_Compliant):
     """A linear spring between the bodies: F = k d.
 
     Parameters
@@ -86,13 +98,13 @@ class Spring(_Law):
 
     law: ClassVar[str] = "spring"
     fields: ClassVar[dict[str, Field]] = {"stiffness": Field("N/m", "positive")}
-    stiffness: Number
+    exponent = 1.0
 
     def __init__(self, stiffness: ArrayLike) -> None:
         self._take(stiffness=stiffness)
 
 
-class SpringDashpot(_Law):
+class SpringDashpot(_Compliant):
     """A linear spring and a dashpot side by side: F = max(0, k d + c d').
 
     Parameters
@@ -112,14 +124,14 @@ class SpringDashpot(_Law):
     fields: ClassVar[dict[str, Field]] = {
         "stiffness": Field("N/m", "positive"), "damping": Field("N s/m", "non-negative"),
     }
-    stiffness: Number
+    exponent = 1.0
     damping: Number
 
     def __init__(self, stiffness: ArrayLike, damping: ArrayLike) -> None:
         self._take(stiffness=stiffness, damping=damping)
 
 
-class Hertz(_Law):
+class Hertz(_Compliant):
     """Elastic contact of rounded faces: F = k d^(3/2).
 
     Parameters
@@ -135,7 +147,7 @@ class Hertz(_Law):
 
     law: ClassVar[str] = "hertz"
     fields: ClassVar[dict[str, Field]] = {"stiffness": Field("N/m^1.5", "positive")}
-    stiffness: Number
+    exponent = 1.5
 
     def __init__(self, stiffness: ArrayLike) -> None:
         self._take(stiffness=stiffness)
@@ -210,7 +222,7 @@ class Hertz(_Law):
             return cls(np.divide(4 / 3, compliance * curvature**0.5))
 
 
-class HuntCrossley(_Law):
+class HuntCrossley(_Compliant):
     """Hertz contact with losses: F = k d^(3/2) max(0, 1 + chi d').
 
     K. H. Hunt and F. R. E. Crossley, Coefficient of restitution interpreted as damping in
@@ -233,7 +245,7 @@ class HuntCrossley(_Law):
     fields: ClassVar[dict[str, Field]] = {
         "stiffness": Field("N/m^1.5", "positive"), "damping": Field("s/m", "non-negative"),
     }
-    stiffness: Number
+    exponent = 1.5
     damping: Number
 
     def __init__(self, stiffness: ArrayLike, damping: ArrayLike) -> None:
