@@ -42,6 +42,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .laws import Bonded as Bonded
     from .laws import Hertz as Hertz
     from .laws import HuntCrossley as HuntCrossley
+    from .laws import PowerLaw as PowerLaw
     from .laws import Rigid as Rigid
     from .laws import Spring as Spring
     from .laws import SpringDashpot as SpringDashpot
@@ -65,7 +66,7 @@ _HOME = {
     "frozen": ("InvalidModel",),
     "profiles": ("Samples", "Steps"),
     "bodies": ("Material", "RigidMass", "Rod", "Segment", "Wall"),
-    "laws": ("Bonded", "Hertz", "HuntCrossley", "Rigid", "Spring", "SpringDashpot"),
+    "laws": ("Bonded", "Hertz", "HuntCrossley", "PowerLaw", "Rigid", "Spring", "SpringDashpot"),
     "ends": ("Absorbing", "Fixed", "Free", "Moved", "Pushed"),
     "model": ("System",),
     "solving": ("collide", "solve"),

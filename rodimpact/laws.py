@@ -252,9 +252,36 @@ class HuntCrossley(_Compliant):
         self._take(stiffness=stiffness, damping=damping)
 
 
-ContactLaw: TypeAlias = Rigid | Bonded | Spring | SpringDashpot | Hertz | HuntCrossley
+class PowerLaw(_Compliant):
+    """Elastic contact whose force is a power of the indentation: F = k d^p.
+
+    So do faces meet that fit together (p near 1), round (3/2) or pointed ones (2).
+
+    Parameters
+    ----------
+    stiffness : float or array
+        k, N/m^p, a bare number.
+    exponent : float or array
+        p, at least 1.
+
+    Raises
+    ------
+    InvalidModel
+        If the stiffness is not positive or the exponent below 1.
+    """
+
+    law: ClassVar[str] = "power"
+    fields: ClassVar[dict[str, Field]] = {
+        "stiffness": Field("N/m^p", "positive"), "exponent": Field("", "[1, inf)"),
+    }
+
+    def __init__(self, stiffness: ArrayLike, exponent: ArrayLike) -> None:
+        self._take(stiffness=stiffness, exponent=exponent)
+
+
+ContactLaw: TypeAlias = Rigid | Bonded | Spring | SpringDashpot | Hertz | HuntCrossley | PowerLaw
 CONTACT_LAWS: dict[str, type[ContactLaw]] = {
-    law.law: law for law in (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley)
+    law.law: law for law in (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw)
 }
 RIGID = Rigid()
 

@@ -22,13 +22,15 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-FREE, FORCE, BOND, RIGID, IMPACT, SPRING, HERTZ, HUNT = range(8)  # laws of links
+FREE, FORCE, BOND, RIGID, IMPACT, SPRING, HERTZ, HUNT, POWER = range(9)  # laws of links
 COMPLIANT = {  # and their names in the model
     "spring": SPRING, "spring-dashpot": SPRING, "hertz": HERTZ, "hunt-crossley": HUNT,
+    "power": POWER,
 }
 EPS = 1 / (1 << 52)
 ROUGH = 1 / (1 << 24)  # of the motion: forces that are no better known are none
 ENOUGH = 1 / (1 << 27)  # relative Newton step after which the next one is round-off
+NEAR = 1 / (1 << 6)  # relative change below which a difference quotient is a series
 NEWTON = 100  # iterations of one contact: a bound that is not met in practice
 SWEEPS = 1000  # of one chain, see `balance`
 
@@ -67,7 +69,31 @@ def stored(law: int, k: float, p: float, gap: float) -> float:
         return 0.0
     if p == 1:
         return k * gap * gap / 2
-    return 2 * k * gap * gap * math.sqrt(-gap) / 5
+    if p == 1.5:
+        return 2 * k * gap * gap * math.sqrt(-gap) / 5
+    energy: float = k * (-gap) ** (p + 1) / (p + 1)
+    return energy
+
+
+def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
+    """Mean of k x^p from x0 > 0 to x1 > 0, and its derivative by x1; accurate where they are near.
+
+    With h = x1/x0 - 1 it is k x0^p ((1 + h)^(p+1) - 1)/((p + 1) h), or its series in h.
+    """
+    q, w = p + 1, x1 - x0
+    h = w / x0
+    force: float = k * x0**p
+    if abs(h) > 0.5:
+        F = (k * x1**p * x1 - force * x0) / (q * w)
+    elif h != 0:
+        F = force * math.expm1(q * math.log1p(h)) / (q * h)
+    else:
+        F = force
+    if abs(q * h) > NEAR:
+        return F, (k * x1**p - F) / w
+    third = (p - 1) * h
+    fourth = third * (p - 2) * h
+    return F, force / x0 * p * (1 / 2 + third / 3 + fourth / 8 + fourth * (p - 3) * h / 30)
 
 
 def mean_force(
@@ -76,7 +102,7 @@ def mean_force(
     """Mean force of a compliant contact while its indentation goes from x0 to x1, and dF/dx1.
 
     SPRING: k q + d dq/dt with q = max(x, 0); HERTZ: k q^(3/2); HUNT: the same times (1 + d dx/dt);
-    averaged along the straight path, cut at 0. The exponent of q is p.
+    POWER: k q^p; averaged along the straight path, cut at 0.
     """
     if x0 <= 0 and x1 <= 0:
         return 0.0, 0.0
@@ -89,7 +115,7 @@ def mean_force(
             F, dF = k * x1 * share / 2 + d * x1, k * share * (2 - share) / 2 + d
         else:
             F, dF = k * (x0 + x1) / 2 + d * (x1 - x0), k / 2 + d
-    else:
+    elif p == 1.5:
         if x1 <= 0:
             F = 2 * k * x0 * x0 * math.sqrt(x0) / (5 * (x0 - x1))
             dF = F / (x0 - x1)
@@ -101,6 +127,14 @@ def mean_force(
             rr, rs, ss, sum_ = r * r, r * s, s * s, r + s
             F = 2 * k * (ss * (ss + rs + rr) + rs * rr + rr * rr) / (5 * sum_)
             dF = k * (3 * ss * s + 6 * ss * r + 4 * s * rr + 2 * rr * r) / (5 * sum_ * sum_)
+    elif x1 <= 0:
+        F = k * x0**p * x0 / ((p + 1) * (x0 - x1))
+        dF = F / (x0 - x1)
+    elif x0 <= 0:
+        share = x1 / (x1 - x0) / (p + 1)
+        F, dF = k * x1**p * share, k * x1 ** (p - 1) * share * (p + 1) * (1 - share)
+    else:
+        F, dF = mean_power(k, p, x0, x1)
     if law == HUNT:
         stretch = 1 + d * (x1 - x0)
         F, dF = F * stretch, dF * stretch + F * d
