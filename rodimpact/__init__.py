@@ -28,12 +28,13 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .casefile import read_case as read_case
     from .casefile import write_case as write_case
     from .contacts import ContactHistory as ContactHistory
+    from .contacts import ContactTally as ContactTally
     from .contacts import Episode as Episode
     from .ends import Absorbing as Absorbing
     from .ends import Fixed as Fixed
-    from .ends import Force as Force
     from .ends import Free as Free
-    from .ends import Velocity as Velocity
+    from .ends import Moved as Moved
+    from .ends import Pushed as Pushed
     from .files import FileFormatError as FileFormatError
     from .files import load as load
     from .frozen import InvalidModel as InvalidModel
@@ -42,6 +43,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .laws import Bonded as Bonded
     from .laws import Hertz as Hertz
     from .laws import HuntCrossley as HuntCrossley
+    from .laws import PowerLaw as PowerLaw
     from .laws import Rigid as Rigid
     from .laws import Spring as Spring
     from .laws import SpringDashpot as SpringDashpot
@@ -54,7 +56,9 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .profiles import Steps as Steps
     from .regions import Regions as Regions
     from .regions import regions_of as regions_of
+    from .ring_down import RingDown as RingDown
     from .solution import Solution as Solution
+    from .solving import LongRun as LongRun
     from .solving import collide as collide
     from .solving import solve as solve
     from .sweeping import Axis as Axis
@@ -66,17 +70,18 @@ _HOME = {
     "frozen": ("InvalidModel",),
     "profiles": ("Samples", "Steps"),
     "bodies": ("Material", "RigidMass", "Rod", "Segment", "Wall"),
-    "laws": ("Bonded", "Hertz", "HuntCrossley", "Rigid", "Spring", "SpringDashpot"),
-    "ends": ("Absorbing", "Fixed", "Force", "Free", "Velocity"),
+    "laws": ("Bonded", "Hertz", "HuntCrossley", "PowerLaw", "Rigid", "Spring", "SpringDashpot"),
+    "ends": ("Absorbing", "Fixed", "Free", "Moved", "Pushed"),
     "model": ("System",),
     "options": ("Options",),
-    "solving": ("collide", "solve"),
+    "solving": ("LongRun", "collide", "solve"),
     "ledger": ("EnergyLedger",),
     "gauges": ("Gauge", "gauges_to_csv"),
     "solution": ("Solution",),
-    "contacts": ("ContactHistory", "Episode"),
+    "contacts": ("ContactHistory", "ContactTally", "Episode"),
     "outcome": ("Outcome", "UndefinedRestitution"),
     "regions": ("Regions", "regions_of"),
+    "ring_down": ("RingDown",),
     "files": ("FileFormatError", "load"),
     "sweeping": ("Axis", "SweepError", "SweepResult", "sweep"),
     "casefile": ("Case", "parse_case", "read_case", "write_case"),

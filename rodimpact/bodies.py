@@ -7,14 +7,16 @@ Any number may be an array, which makes a family.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 from numbers import Integral
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .frozen import (
+    Field,
     Frozen,
     InvalidModel,
     Number,
@@ -24,12 +26,12 @@ from .frozen import (
     holds,
     in_range,
     number,
-    plain,
     short,
 )
 from .profiles import (
     Floats,
     Profile,
+    ProfileLike,
     Samples,
     Steps,
     along_rod,
@@ -72,6 +74,12 @@ class Material(Frozen):
     5048
     """
 
+    fields: ClassVar[dict[str, Field]] = {
+        "youngs_modulus": Field("Pa", "positive", "Young's modulus"),
+        "density": Field("kg/m^3", "positive"),
+        "poisson_ratio": Field("", "(-1, 0.5]", "Poisson's ratio", optional=True),
+        "viscosity": Field("Pa s", "non-negative"),
+    }
     name: str
     youngs_modulus: Number
     density: Number
@@ -82,24 +90,18 @@ class Material(Frozen):
         self,
         name: str,
         *,
-        youngs_modulus: Any,
-        density: Any,
-        poisson_ratio: Any = None,
-        viscosity: Any = 0.0,
+        youngs_modulus: ArrayLike,
+        density: ArrayLike,
+        poisson_ratio: ArrayLike | None = None,
+        viscosity: ArrayLike = 0.0,
     ) -> None:
         problems: Problems = []
         if not isinstance(name, str) or not name:
             problems.append(("name", f"must be a word, got {name!r}"))
-        E = number(problems, "youngs_modulus", youngs_modulus, "Pa", "positive")
-        rho = number(problems, "density", density, "kg/m^3", "positive")
-        eta = number(problems, "viscosity", viscosity, "Pa s", "non-negative")
-        nu = None
-        if poisson_ratio is not None:
-            nu = number(problems, "poisson_ratio", poisson_ratio, "")
-            good = (np.asarray(nu) > -1) & (np.asarray(nu) <= 0.5)
-            if not problems and not np.all(good):
-                at, (got,) = first_false(good, nu)
-                problems.append((f"poisson_ratio{at}", f"must lie in (-1, 0.5], got {got!r}"))
+        E, rho, eta, nu = self._checked(
+            problems, youngs_modulus=youngs_modulus, density=density, viscosity=viscosity,
+            poisson_ratio=poisson_ratio,
+        )
         if not problems:
             family_shape([
                 ("youngs_modulus", E), ("density", rho), ("viscosity", eta), ("poisson_ratio", nu)
@@ -120,7 +122,7 @@ class Material(Frozen):
         ratio = self.youngs_modulus / self.density
         return math.sqrt(ratio) if isinstance(ratio, float) else np.sqrt(ratio)
 
-    def damped(self, loss_factor: Any, frequency: Any) -> Material:
+    def damped(self, loss_factor: ArrayLike, frequency: ArrayLike) -> Material:
         """Return the same material with the viscosity that gives it a loss factor.
 
         eta = E tan(delta)/(2 pi f): the loss factor tan(delta) of a Kelvin-Voigt material is
@@ -158,19 +160,7 @@ class Material(Frozen):
         ])
         with np.errstate(all="ignore"):  # what is out of range, the material will refuse
             eta = self.youngs_modulus * tangent / (2 * math.pi * np.asarray(f))
-        return Material(
-            self.name, youngs_modulus=self.youngs_modulus, density=self.density,
-            poisson_ratio=self.poisson_ratio, viscosity=eta,
-        )
-
-    def to_dict(self) -> dict[str, Any]:  # noqa: D102  (documented in Frozen)
-        return {
-            "name": self.name,
-            "youngs_modulus": plain(self.youngs_modulus),
-            "density": plain(self.density),
-            "poisson_ratio": plain(self.poisson_ratio),
-            "viscosity": plain(self.viscosity),
-        }
+        return self.replace(viscosity=eta)
 
 
 class Segment(Frozen):
@@ -184,6 +174,8 @@ class Segment(Frozen):
         Cross-section, m^2. `Samples` make the segment tapered; so does a function of the distance
         from its left end, m, which is sampled at 1025 places from end to end.
     material : Material
+    diameter : float or array
+        Of a solid round section, m, in place of the area.
     polar_moment : float, array or "circular", optional
         Polar second moment I_p of the cross-section about the axis, m^4, if the inertia of the
         motion sideways is to count; the material then needs a `poisson_ratio`. ``"circular"`` is
@@ -210,21 +202,36 @@ class Segment(Frozen):
     [0.00015, 0.00025]
     """
 
+    fields: ClassVar[dict[str, Field]] = {
+        "length": Field("m", "positive"),
+        "area": Field("m^2", "positive"),
+        "diameter": Field("m", "positive"),
+        "polar_moment": Field("m^4", "positive", optional=True),
+    }
+    _instead: ClassVar[dict[str, tuple[str, ...]]] = {"diameter": ("area",)}
     length: Number
     area: Number | Samples
     material: Material
     polar_moment: Number | str | None
 
     def __init__(
-        self, length: Any, area: Any, material: Any, *, polar_moment: Any = None
+        self,
+        length: ArrayLike,
+        area: ProfileLike | None = None,
+        material: Material | None = None,
+        *,
+        diameter: ArrayLike | None = None,
+        polar_moment: ArrayLike | str | None = None,
     ) -> None:
         problems: Problems = []
-        L = number(problems, "length", length, "m", "positive")
+        L = number(problems, "length", length, *self.fields["length"][:2])
         if isinstance(area, Steps):
             message = "jumps inside a segment; give Rod(area=Steps(...)), or a segment for each"
             problems.append(("area", f"{message} of its values"))
         known = None if problems else L
-        A: Any = along_rod(problems, "area", area, "m^2", known, "positive")
+        if diameter is not None:
+            area = self._round(problems, area, diameter)
+        A: Any = along_rod(problems, "area", area, self.fields["area"], known)
         if not isinstance(material, Material):
             message = f"must be a Material, such as materials.steel, got {material!r}"
             problems.append(("material", message))
@@ -251,6 +258,17 @@ class Segment(Frozen):
                 "positive impedance, transit time and mass; use consistent units"
             )
             raise InvalidModel([(f"area{at}", message)])
+
+    def _round(self, problems: Problems, area: Any, diameter: Any) -> Any:
+        """Area of a solid round section, m^2; mistakes are noted in `problems`."""
+        if area is not None:
+            problems.append(("diameter", "give either area or diameter, not both"))
+            return area
+        mistakes: Problems = []
+        (d,) = self._checked(mistakes, diameter=diameter)
+        problems += mistakes
+        with np.errstate(all="ignore"):  # an area out of range is refused as an area
+            return 1.0 if mistakes else math.pi * d * d / 4
 
     @property
     def tapered(self) -> bool:
@@ -332,8 +350,7 @@ class Segment(Frozen):
         """Return the segment seen in a mirror."""
         if not self.tapered:
             return self
-        area = flipped(self.area, self.length)
-        return Segment(self.length, area, self.material, polar_moment=self.polar_moment)
+        return self.replace(area=flipped(self.area, self.length))
 
     def in_steps(self, n: int) -> list[Segment]:
         """Uniform segments of equal lengths, each of the volume of its piece of the taper.
@@ -342,10 +359,7 @@ class Segment(Frozen):
         """
         if not self.tapered:
             return [self]
-        return [
-            Segment(self.length / n, area, self.material, polar_moment=self.polar_moment)
-            for area in self._mean_areas(n)
-        ]
+        return [self.replace(length=self.length / n, area=area) for area in self._mean_areas(n)]
 
     def _mean_areas(self, n: int) -> list[float]:
         """Mean areas of `n` pieces of equal length, whatever that is, m^2."""
@@ -353,9 +367,9 @@ class Segment(Frozen):
         return areas
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        described = {name: plain(getattr(self, name)) for name in ("length", "area", "material")}
-        if self.polar_moment is not None:
-            described["polar_moment"] = plain(self.polar_moment)
+        described = super().to_dict()
+        if self.polar_moment is None:
+            del described["polar_moment"]
         return described
 
 
@@ -373,13 +387,13 @@ def _polar_moment(problems: Problems, value: Any, area: Any, material: Any) -> N
         message = f'must be "{CIRCULAR}" along a taper, or left out, got {value!r}'
         problems.append(("polar_moment", message))
         return math.nan
-    return number(problems, "polar_moment", value, "m^4", "positive")
+    return number(problems, "polar_moment", value, *Segment.fields["polar_moment"][:2])
 
 
 class Rod(Frozen):
     """An elastic rod: uniform, stepped or tapered.
 
-    Give `length`, `area` and `material`, or `segments`.
+    Give `length`, `area` or `diameter`, and `material`; or `segments`.
 
     Parameters
     ----------
@@ -389,6 +403,8 @@ class Rod(Frozen):
         Cross-section, m^2. `Steps` make a stepped rod, with a segment for each value; `Samples`, or
         a function of the distance from the left end, m, a tapered one.
     material : Material
+    diameter : float or array
+        Of a solid round section, m, in place of the area.
     polar_moment : float, array or "circular", optional
         m^4, for lateral inertia, as in `Segment`.
     segments : sequence of Segment
@@ -405,51 +421,57 @@ class Rod(Frozen):
         Naming every field that is not what it should be.
     """
 
+    fields: ClassVar[dict[str, Field]] = {"velocity": Field("m/s"), "strain": Field()}
+    _instead: ClassVar[dict[str, tuple[str, ...]]] = {
+        "diameter": ("area",), "segments": ("length", "area", "material", "polar_moment"),
+    }
     segments: tuple[Segment, ...]
     velocity: Profile
     strain: Profile
 
     def __init__(
         self,
-        length: Any = None,
+        length: ArrayLike | None = None,
         *,
-        area: Any = None,
-        material: Any = None,
-        polar_moment: Any = None,
-        segments: Any = None,
-        velocity: Any = 0.0,
-        strain: Any = 0.0,
+        area: ProfileLike | None = None,
+        diameter: ArrayLike | None = None,
+        material: Material | None = None,
+        polar_moment: ArrayLike | str | None = None,
+        segments: Sequence[Segment] | None = None,
+        velocity: ProfileLike = 0.0,
+        strain: ProfileLike = 0.0,
     ) -> None:
         problems: Problems = []
         pieces: tuple[Segment, ...] = ()
-        if segments is None and isinstance(area, Steps):
+        if segments is not None:
+            uniform = (length, area, diameter, material, polar_moment)
+            pieces = _joined(problems, segments, any(given is not None for given in uniform))
+        elif isinstance(area, Steps):
+            if diameter is not None:
+                problems.append(("diameter", "give either area or diameter, not both"))
             pieces = _between_jumps(problems, length, area, material, polar_moment)
-        elif segments is None:
+        else:
+            L: Any = length
             try:
-                pieces = (Segment(length, area, material, polar_moment=polar_moment),)
+                pieces = (
+                    Segment(L, area, material, diameter=diameter, polar_moment=polar_moment),
+                )
             except InvalidModel as error:
                 problems += error.problems
-        elif any(given is not None for given in (length, area, material, polar_moment)):
-            message = "give either segments or length, area, material and polar_moment, not both"
-            problems.append(("segments", message))
-        elif isinstance(segments, list | tuple) and segments:
-            for i, segment in enumerate(segments):
-                if not isinstance(segment, Segment):
-                    problems.append((f"segments.{i}", f"must be a Segment, got {segment!r}"))
-            pieces = tuple(segments)
-        else:
-            message = f"must be a list of at least one Segment, got {segments!r}"
-            problems.append(("segments", message))
         if len(pieces) > 1 and not problems:
             family_shape((f"segments.{i}.length", s.length) for i, s in enumerate(pieces))
         total = None if problems else sum(s.length for s in pieces)
-        profiles = {
-            name: along_rod(problems, name, value, unit, total)
-            for name, value, unit in (("velocity", velocity, "m/s"), ("strain", strain, ""))
-        }
+        v = along_rod(problems, "velocity", velocity, self.fields["velocity"], total)
+        e = along_rod(problems, "strain", strain, self.fields["strain"], total)
         if problems:
             raise InvalidModel(problems)
-        self._set(segments=pieces, **profiles)
+        self._set(segments=pieces, velocity=v, strain=e)
+
+    def _parameters(self) -> dict[str, Any]:
+        if len(self.segments) > 1:
+            return super()._parameters()
+        shape = self.segments[0]._parameters()
+        return {**shape, "velocity": self.velocity, "strain": self.strain}
 
     @property
     def length(self) -> Number:
@@ -502,16 +524,13 @@ class Rod(Frozen):
         if isinstance(count, bool) or not isinstance(count, Integral) or count < 1:
             raise InvalidModel([("n", f"must be a positive whole number, got {count!r}")])
         pieces = [piece for segment in self.segments for piece in segment.in_steps(n)]
-        return Rod(segments=pieces, velocity=self.velocity, strain=self.strain)
+        return self.replace(segments=pieces)
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        shape = (
-            self.segments[0].to_dict()
-            if len(self.segments) == 1
-            else {"segments": plain(self.segments)}
-        )
-        moving = {"velocity": plain(self.velocity), "strain": plain(self.strain)}
-        return {"kind": "rod", **shape, **moving}
+        described = {"kind": "rod", **super().to_dict()}
+        if described.get("polar_moment", 0.0) is None:
+            del described["polar_moment"]
+        return described
 
     def __repr__(self) -> str:
         if len(self.segments) > 1:
@@ -520,12 +539,28 @@ class Rod(Frozen):
         return f"Rod({piece}, velocity={short(self.velocity)}, strain={short(self.strain)})"
 
 
+def _joined(problems: Problems, segments: Any, described: bool) -> tuple[Segment, ...]:
+    """Segments as given; `described` says whether the shape is told otherwise, too."""
+    if described:
+        message = "give either segments or length, area, material and polar_moment, not both"
+        problems.append(("segments", message))
+    elif not isinstance(segments, list | tuple) or not segments:
+        message = f"must be a list of at least one Segment, got {segments!r}"
+        problems.append(("segments", message))
+    else:
+        for i, segment in enumerate(segments):
+            if not isinstance(segment, Segment):
+                problems.append((f"segments.{i}", f"must be a Segment, got {segment!r}"))
+        return tuple(segments)
+    return ()
+
+
 def _between_jumps(
     problems: Problems, length: Any, area: Steps, material: Any, polar_moment: Any
 ) -> tuple[Segment, ...]:
     """Segments of a rod whose area jumps; mistakes are noted in `problems`."""
-    L = number(problems, "length", length, "m", "positive")
-    along_rod(problems, "area", area, "", None if problems else L)
+    L = number(problems, "length", length, *Segment.fields["length"][:2])
+    along_rod(problems, "area", area, Segment.fields["area"], None if problems else L)
     edges = (0.0, *area.at, L)
     if problems:
         edges = tuple(map(float, range(len(edges))))  # the values can be checked all the same
@@ -557,19 +592,17 @@ class RigidMass(Frozen):
         Naming every field that is not what it should be.
     """
 
+    fields: ClassVar[dict[str, Field]] = {
+        "mass": Field("kg", "positive"), "velocity": Field("m/s"),
+    }
     mass: Number
     velocity: Number
 
-    def __init__(self, mass: Any, *, velocity: Any = 0.0) -> None:
-        problems: Problems = []
-        m = number(problems, "mass", mass, "kg", "positive")
-        v = number(problems, "velocity", velocity, "m/s")
-        if problems:
-            raise InvalidModel(problems)
-        self._set(mass=m, velocity=v)
+    def __init__(self, mass: ArrayLike, *, velocity: ArrayLike = 0.0) -> None:
+        self._take(mass=mass, velocity=velocity)
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        return {"kind": "mass", "mass": plain(self.mass), "velocity": plain(self.velocity)}
+        return {"kind": "mass", **super().to_dict()}
 
 
 class Wall(Frozen):
@@ -581,17 +614,14 @@ class Wall(Frozen):
         m/s.
     """
 
+    fields: ClassVar[dict[str, Field]] = {"velocity": Field("m/s")}
     velocity: Number
 
-    def __init__(self, velocity: Any = 0.0) -> None:
-        problems: Problems = []
-        v = number(problems, "velocity", velocity, "m/s")
-        if problems:
-            raise InvalidModel(problems)
-        self._set(velocity=v)
+    def __init__(self, velocity: ArrayLike = 0.0) -> None:
+        self._take(velocity=velocity)
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        return {"kind": "wall", "velocity": plain(self.velocity)}
+        return {"kind": "wall", **super().to_dict()}
 
 
 Body: TypeAlias = Rod | RigidMass | Wall

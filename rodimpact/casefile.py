@@ -20,7 +20,7 @@
 
     [[contacts]]             # entry i lies between body i and i + 1; leave all out for touching
     gap = "50 um"
-    law = "rigid"            # or a law of the table below
+    law = "rigid"            # or another of `rodimpact.laws`
 
     [[contacts]]
     law = "spring"
@@ -34,13 +34,8 @@
                              # `rodimpact.solve`; all but the last for `rodimpact.sweep` too
     [output]                 # plot, save: names of files to write
 
-    law               takes
-    "rigid"           restitution, between rigid bodies only
-    "bonded"          nothing
-    "spring"          stiffness (N/m)
-    "spring-dashpot"  stiffness (N/m), damping (N s/m)
-    "hertz"           stiffness (N/m^1.5), or left_radius and right_radius
-    "hunt-crossley"   stiffness (N/m^1.5), damping (s/m)
+A law, "rigid", "bonded", "spring", "spring-dashpot", "hertz", "hunt-crossley" and so on, takes the
+numbers of its class, under their names; Hertz contact a stiffness, or left_radius and right_radius.
 
 A [materials.NAME] takes youngs_modulus, density, poisson_ratio and viscosity, or for the latter a
 loss_factor and the loss_frequency at which it is that; a stepped rod takes [[bodies.segments]] with
@@ -60,7 +55,7 @@ may then be absent, and the case becomes a family with one axis a grid.
 
 from __future__ import annotations
 
-import difflib
+import inspect
 import json
 import math
 import os
@@ -78,30 +73,20 @@ import numpy as np
 from . import materials, units
 from .bodies import CIRCULAR, Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import ENDS, FREE, End
-from .frozen import InvalidModel, Number, Problems, number
-from .laws import CONTACT_LAWS, ContactLaw, Hertz, Rigid, Spring
+from .frozen import Field, Frozen, InvalidModel, Number, Problems, nearest
+from .laws import CONTACT_LAWS, ContactLaw, Hertz, Spring
 from .model import SIDES, System
 from .options import METHODS, Options
-from .profiles import Profile, Samples, Steps
+from .profiles import Samples, Steps
 
 SCHEMA = 1
 MISSING = math.nan  # default of an entry that must be there, and what stands for it then
 MOST_COLLISIONS = 10**9  # in one family
-MOST_CHOICES = 12  # named in a message
 GRID_FORM = "start:stop:count, start:stop:count:log or a list such as 0.1,0.2,0.4"
 PROFILES = {  # how a profile is written along a rod, and in time
     "length": "{values = [...], at = [...]} or {samples = [...]}",
     "time": "{values = [...], at = [...]} or {samples = [...], step = ...}",
 }
-LAW_NUMBERS = {  # and their dimensions
-    "bonded": {},
-    "spring": {"stiffness": "stiffness"},
-    "spring-dashpot": {"stiffness": "stiffness", "damping": "damping"},
-    "hertz": {"stiffness": "Hertz stiffness"},
-    "hunt-crossley": {"stiffness": "Hertz stiffness", "damping": "inverse velocity"},
-}
-END_VALUES = {"force": "force", "velocity": "velocity"}  # dimension of what drives it
-
 Materials = dict[str, Material]
 
 
@@ -254,7 +239,7 @@ def case_from(
     top = _Table(problems, "", data, grids)
     _check_schema(top)
     known = _read_materials(top)
-    gravity = top.number("gravity", "acceleration", 0.0)
+    gravity = top.number("gravity", System.fields["gravity"].dimension, 0.0)
     read = [_read_body(table, known) for table in top.tables("bodies")]
     if not read:
         top.note("bodies", "is missing; describe each body in a [[bodies]] table")
@@ -309,6 +294,17 @@ class _Table:
             self.note(key, f"is missing; give {_unit_hint(dimension)}")
         return default
 
+    def numbers_of(self, kind: type[Frozen]) -> dict[str, Any]:
+        """All numbers that an object of this class is made of."""
+        taken = inspect.signature(kind).parameters
+        return {
+            key: self.number(
+                key, field.dimension,
+                MISSING if taken[key].default is inspect.Parameter.empty else taken[key].default,
+            )
+            for key, field in kind.fields.items()
+        }
+
     def variable(self, key: str, value: Any, dimension: str, profiles: str = "") -> Number:
         """The grid that varies this number, or else what the file says it is.
 
@@ -338,13 +334,14 @@ class _Table:
             return MISSING
 
     def profile(
-        self, key: str, dimension: str, default: float = 0.0, over: str = "length",
+        self, key: str, field: Field, default: float = 0.0, over: str = "length",
         stand_in: float = 0.0,
     ) -> Any:
         """A number, `Steps` or `Samples` over a length or a time.
 
         `stand_in` stands for a profile where mistakes allow none.
         """
+        dimension = field.dimension
         if not isinstance(self.data.get(key), dict):
             return self.number(key, dimension, default, PROFILES[over])
         inner, made = self.table(key), None
@@ -389,7 +386,7 @@ class _Table:
         value = self.data[key]
         if isinstance(value, str) and value in choices:
             return value
-        self.note(key, f"unknown {key} {_short(value)}; {_nearest(value, choices)}")
+        self.note(key, f"unknown {key} {_short(value)}; {nearest(value, choices)}")
         return None
 
     def table(self, key: str) -> _Table:
@@ -426,7 +423,7 @@ class _Table:
         """Note every entry that nobody asked for."""
         for key in self.data:
             if key not in self.asked:
-                self.note(key, f"unknown key; {_nearest(key, dict.fromkeys(self.asked))}")
+                self.note(key, f"unknown key; {nearest(key, dict.fromkeys(self.asked))}")
 
 
 class _Grids:
@@ -453,8 +450,7 @@ class _Grids:
     def take(self, path: str, dimension: str) -> Number:
         """Array along the axis of this grid; ValueError for a text that is none."""
         values = _Grid(self.texts[path]).values(dimension, only_ends=self.too_many)
-        unit, power = next(iter(units.UNITS[dimension].items()))
-        self.taken[path] = Varied(path, values, unit if power == 0 else "")
+        self.taken[path] = Varied(path, values, units.si_unit(dimension))
         return values.reshape([-1 if other == path else 1 for other in self.texts])
 
 
@@ -548,12 +544,7 @@ def _read_materials(top: _Table) -> Materials:
     for name in group.data:
         table = group.table(name)
         made = table.make(
-            Material,
-            name=name,
-            youngs_modulus=table.number("youngs_modulus", "pressure"),
-            density=table.number("density", "density"),
-            poisson_ratio=table.number("poisson_ratio", "dimensionless", None),
-            viscosity=table.number("viscosity", "viscosity", 0.0),
+            Material, name=name, **table.numbers_of(Material)
         ) or materials.steel
         if table.gives("loss_factor") or table.gives("loss_frequency"):
             if table.gives("viscosity"):
@@ -588,16 +579,14 @@ def _read_body(table: _Table, known: Materials) -> Body | None:
         return None
     body: Body | None = None
     if kind == "wall":
-        body = table.make(Wall, velocity=table.number("velocity", "velocity", 0.0)) or Wall()
+        body = table.make(Wall, **table.numbers_of(Wall)) or Wall()
     elif kind == "mass":
-        mass, velocity = table.number("mass", "mass"), table.number("velocity", "velocity", 0.0)
-        body = table.make(RigidMass, mass=mass, velocity=velocity) or RigidMass(1.0)
+        body = table.make(RigidMass, **table.numbers_of(RigidMass)) or RigidMass(1.0)
     else:
         shape = _read_segments(table, known) if table.has("segments") else _shape(table, known)
-        velocity = table.profile("velocity", "velocity")
-        strain = table.profile("strain", "dimensionless")
+        state = {key: table.profile(key, field) for key, field in Rod.fields.items()}
         if None not in shape.get("segments", ()):
-            body = table.make(Rod, **shape, velocity=velocity, strain=strain)
+            body = table.make(Rod, **shape, **state)
     table.close()
     return body or Rod(1.0, area=1.0, material=materials.steel)
 
@@ -616,34 +605,23 @@ def _read_segments(table: _Table, known: Materials) -> dict[str, Any]:
 
 def _shape(table: _Table, known: Materials) -> dict[str, Any]:
     return {
-        "length": table.number("length", "length"),
-        "area": _area(table),
+        "length": table.number("length", Segment.fields["length"].dimension),
+        **_section(table),
         "material": _material(table, known),
         "polar_moment": _polar_moment(table),
     }
 
 
-def _area(table: _Table) -> Profile:
-    """Area of the cross-section, m^2, given as such or by the diameter of a round one."""
-    if not table.gives("diameter"):
-        if not isinstance(table.data.get("area"), dict) and not table.gives("area"):
-            table.note("area", "is missing; give it, or the diameter of a round rod")
-        area: Profile = table.profile("area", "area", MISSING, stand_in=1.0)
-        return area
-    if table.gives("area"):
-        table.note("diameter", "give either area or diameter, not both")
-    round_area = table.make(_round_area, diameter=table.number("diameter", "length"))
-    return 1.0 if round_area is None else round_area
-
-
-def _round_area(diameter: Number) -> Number:
-    """pi d^2/4, m^2."""
-    problems: Problems = []
-    d = number(problems, "diameter", diameter, "m", "positive")
-    if problems:
-        raise InvalidModel(problems)
-    with np.errstate(all="ignore"):  # an area out of range is for the model to refuse
-        return math.pi * d * d / 4
+def _section(table: _Table) -> dict[str, Any]:
+    """What says how wide the rod is: the area of its cross-section, the diameter, or both."""
+    given = {}
+    if table.gives("diameter"):
+        given["diameter"] = table.number("diameter", Segment.fields["diameter"].dimension)
+    if isinstance(table.data.get("area"), dict) or table.gives("area"):
+        given["area"] = table.profile("area", Segment.fields["area"], stand_in=1.0)
+    if not given:
+        table.note("area", "is missing; give it, or the diameter of a round rod")
+    return given
 
 
 def _polar_moment(table: _Table) -> Any:
@@ -652,7 +630,7 @@ def _polar_moment(table: _Table) -> Any:
     varied = table.grids.ask(table.where("polar_moment"))
     if not varied and isinstance(value, str) and value[:1].isalpha():
         return table.word("polar_moment", (CIRCULAR,))
-    return table.number("polar_moment", "polar moment", None)
+    return table.number("polar_moment", Segment.fields["polar_moment"].dimension, None)
 
 
 def _material(table: _Table, known: Materials, key: str = "material") -> Material:
@@ -663,7 +641,7 @@ def _material(table: _Table, known: Materials, key: str = "material") -> Materia
     name = table.data[key]
     if isinstance(name, str) and name in known:
         return known[name]
-    table.note(key, f"unknown material {_short(name)}; {_nearest(name, known)}")
+    table.note(key, f"unknown material {_short(name)}; {nearest(name, known)}")
     return materials.steel
 
 
@@ -678,7 +656,7 @@ def _read_contacts(
     tables += [top.inner(f"contacts.{i}", {}) for i in range(len(tables), pairs)]
     gaps, laws = [], []
     for i, table in enumerate(tables):
-        gaps.append(table.number("gap", "length", 0.0))
+        gaps.append(table.number("gap", System.fields["gaps"].dimension, 0.0))
         laws.append(_read_law(table, (*bodies[i : i + 2], None, None)[:2], known))
     return gaps[:pairs], laws[:pairs]
 
@@ -691,16 +669,13 @@ def _read_law(
     law: ContactLaw | None = None
     if name is None:  # who knows which keys are right
         return Spring(1.0)
-    if name == "rigid":
-        restitution = table.number("restitution", "dimensionless", None)
-        law = table.make(Rigid, restitution=restitution)
-        if restitution is not None and None in pair:  # who knows if it is right here
-            law = None
-    elif name == "hertz" and (faces := _read_faces(table, pair, known)):
+    if name == Hertz.law and (faces := _read_faces(table, pair, known)):
         law = table.make(Hertz.from_radii, **faces)
     else:
-        numbers = {key: table.number(key, of) for key, of in LAW_NUMBERS[name].items()}
+        numbers = table.numbers_of(CONTACT_LAWS[name])
         law = table.make(CONTACT_LAWS[name], **numbers)
+        if numbers.get("restitution") is not None and None in pair:  # is it right here?
+            law = None
     table.close()
     return law or Spring(1.0)
 
@@ -751,9 +726,9 @@ def _read_end(table: _Table) -> End:
     kind = table.word("kind", ENDS)
     if kind is None:
         return FREE
-    driven = {}
-    if kind in END_VALUES:
-        driven["value"] = table.profile("value", END_VALUES[kind], MISSING, "time")
+    driven = {
+        key: table.profile(key, field, MISSING, "time") for key, field in ENDS[kind].fields.items()
+    }
     end: End | None = table.make(ENDS[kind], **driven)
     table.close()
     return end or FREE
@@ -786,29 +761,21 @@ def _read_output(table: _Table) -> dict[str, str]:
 def _unit_hint(dimension: str) -> str:
     if dimension == "dimensionless":
         return "a number"
+    if dimension not in units.UNITS:
+        return f"a number of {dimension}"
     article = "an" if dimension[0] in "aeiou" else "a"
     known = ", ".join(units.UNITS[dimension])
     return f"{article} {dimension}, in SI units or as text with one of {known}"
 
 
-def _nearest(word: Any, choices: Collection[str], head: str = "") -> str:
-    """Which of the choices may be meant; `head` is put before them when they are named."""
-    plain = {choice.casefold(): head + choice for choice in choices}
-    near = difflib.get_close_matches(str(word).casefold(), plain, n=1)
-    if near:
-        return f"perhaps {plain[near[0]]!r} is meant"
-    first = list(plain.values())[:MOST_CHOICES]
-    return f"use one of {', '.join(first)}" + (", ..." if len(plain) > len(first) else "")
-
-
 def _nearest_path(path: str, choices: Collection[str]) -> str:
-    """As `_nearest`, of the choices in the innermost table of the path that has any."""
+    """As `nearest`, of the choices in the innermost table of the path that has any."""
     head = ""
     for dot in re.finditer(r"\.", path):
         if any(choice.startswith(path[: dot.end()]) for choice in choices):
             head = path[: dot.end()]
     inside = [choice.removeprefix(head) for choice in choices if choice.startswith(head)]
-    return _nearest(path.removeprefix(head), inside, head)
+    return nearest(path.removeprefix(head), inside, head)
 
 
 def _short(value: Any) -> str:

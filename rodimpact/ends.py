@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import Any, ClassVar, TypeAlias
 
-from .frozen import Frozen, InvalidModel, Problems, plain
-from .profiles import Profile, in_time, profile_from
+from .frozen import Field, Frozen, InvalidModel, Problems
+from .profiles import Profile, ProfileLike, in_time, profile_from
 
 
 class _End(Frozen):
@@ -17,7 +17,7 @@ class _End(Frozen):
     kind: ClassVar[str]
 
     def to_dict(self) -> dict[str, Any]:
-        return {"kind": self.kind, **{name: plain(v) for name, v in self.__dict__.items()}}
+        return {"kind": self.kind, **super().to_dict()}
 
 
 class Free(_End):
@@ -41,7 +41,20 @@ class Absorbing(_End):
     kind: ClassVar[str] = "absorbing"
 
 
-class Force(_End):
+class _Driven(_End):
+    """An end at which something follows a profile in time."""
+
+    value: Profile
+
+    def __init__(self, value: ProfileLike, *, duration: float | None = None) -> None:
+        problems: Problems = []
+        profile = in_time(problems, "value", value, self.fields["value"], duration)
+        if problems:
+            raise InvalidModel(problems)
+        self._set(value=profile)
+
+
+class Pushed(_Driven):
     """A force pushes on the end of a rod or on a mass.
 
     Parameters
@@ -61,22 +74,15 @@ class Force(_End):
     Examples
     --------
     >>> from rodimpact.profiles import Steps
-    >>> Force(Steps([1e3, 0.0], at=[1e-4]))
-    Force(value=Steps(values=(1000.0, 0.0), at=(0.0001,)))
+    >>> Pushed(Steps([1e3, 0.0], at=[1e-4]))
+    Pushed(value=Steps(values=(1000.0, 0.0), at=(0.0001,)))
     """
 
     kind: ClassVar[str] = "force"
-    value: Profile
-
-    def __init__(self, value: Any, *, duration: Any = None) -> None:
-        problems: Problems = []
-        F = in_time(problems, "value", value, "N", duration)
-        if problems:
-            raise InvalidModel(problems)
-        self._set(value=F)
+    fields: ClassVar[dict[str, Field]] = {"value": Field("N", label="force")}
 
 
-class Velocity(_End):
+class Moved(_Driven):
     """The end of a rod moves as prescribed, whatever force that takes, in tension too.
 
     Parameters
@@ -95,19 +101,12 @@ class Velocity(_End):
     """
 
     kind: ClassVar[str] = "velocity"
-    value: Profile
-
-    def __init__(self, value: Any, *, duration: Any = None) -> None:
-        problems: Problems = []
-        v = in_time(problems, "value", value, "m/s", duration)
-        if problems:
-            raise InvalidModel(problems)
-        self._set(value=v)
+    fields: ClassVar[dict[str, Field]] = {"value": Field("m/s", label="velocity")}
 
 
-End: TypeAlias = Free | Fixed | Absorbing | Force | Velocity
+End: TypeAlias = Free | Fixed | Absorbing | Pushed | Moved
 ENDS: dict[str, type[End]] = {
-    end.kind: end for end in (Free, Fixed, Absorbing, Force, Velocity)
+    end.kind: end for end in (Free, Fixed, Absorbing, Pushed, Moved)
 }
 FREE = Free()
 

@@ -1,25 +1,31 @@
 """Values made once: checked when they are made, frozen, compared and stored by what they say.
 
 Every number goes through `number`; it may be an array, which makes a family. All mistakes of one
-object are reported together in one `InvalidModel`, each with the path of its field.
+object are reported together in one `InvalidModel`, each with the path of its field. What a class
+says of its numbers in `fields` serves its checks, case files and figures.
 """
 
 from __future__ import annotations
 
+import difflib
 import hashlib
+import inspect
 import json
 import math
 import reprlib
-from collections.abc import Callable, Iterable
-from typing import Any, ClassVar, Self, TypeAlias
+from collections.abc import Callable, Collection, Iterable
+from typing import Any, ClassVar, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
+from . import units
 from .quantities import numbers_in
 
 Number: TypeAlias = "float | np.ndarray[Any, np.dtype[np.float64]]"
 Problems: TypeAlias = list[tuple[str, str]]
 
+MOST_CHOICES = 12  # named in a message
+_SIGNS = frozenset({"positive", "positive or infinite", "non-negative", "any"})
 _WORDS = {
     "m": "metres", "m^2": "square metres", "s": "seconds", "Hz": "hertz", "kg": "kilograms",
     "N": "newtons", "Pa": "pascals",
@@ -43,14 +49,43 @@ class InvalidModel(ValueError):
         return InvalidModel, (self.problems,)
 
 
+class Field(NamedTuple):
+    """What a number of the model is.
+
+    Attributes
+    ----------
+    unit : str
+        Of the SI: ``"kg/m^3"``; ``""`` for a pure number.
+    sign : str
+        ``"positive"``, ``"positive or infinite"``, ``"non-negative"``, ``"any"``, or an interval
+        such as ``"[0, 1]"`` or ``"(-1, 0.5]"``.
+    label : str
+        What figures call it, where that is not its name.
+    optional : bool
+        Whether it may be None.
+    """
+
+    unit: str = ""
+    sign: str = "any"
+    label: str = ""
+    optional: bool = False
+
+    @property
+    def dimension(self) -> str:
+        """What kind of quantity it is, for `units.parse`."""
+        return units.dimension_of(self.unit)
+
+
 def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "any") -> Number:
     """Return `value` as a float or a read-only array; note a mistake in `problems`.
 
     `unit` is that of the field in the SI, to which quantities are converted: ``"kg/m^3"``, or
-    ``""`` for a pure number. `sign` is ``"positive"``, ``"positive or infinite"``,
-    ``"non-negative"`` or ``"any"``. -0.0 becomes 0.0, so that equal numbers are described alike.
+    ``""`` for a pure number. `sign` is that of a `Field`. -0.0 becomes 0.0, so that equal numbers
+    are described alike.
     """
     if type(value) is float:
+        if 0.0 < value < math.inf and sign in _SIGNS:
+            return value
         array: Any = value
     elif isinstance(value, bool | np.bool_) or value is None or isinstance(value, str | bytes):
         hint = "; units.parse reads text with a unit" if isinstance(value, str) else ""
@@ -101,13 +136,21 @@ def _allowed(value: Any, sign: str) -> Any:
     finite = math.isfinite(value) if isinstance(value, float) else np.isfinite(value)
     if sign == "any":
         return finite
-    return finite & (value > 0 if sign == "positive" else value >= 0)
+    if sign == "positive":
+        return finite & (value > 0)
+    if sign == "non-negative":
+        return finite & (value >= 0)
+    low, high = map(float, sign[1:-1].split(","))
+    above = value >= low if sign[0] == "[" else value > low
+    return finite & above & (value <= high if sign[-1] == "]" else value < high)
 
 
 def _wanted(unit: str, sign: str, value: float) -> str:
     if sign == "positive or infinite":
         return f"must be a positive number{_of(unit)} or infinite, got {value!r}"
-    kind = "a finite number" if sign == "any" else f"a finite {sign} number"
+    if sign not in _SIGNS and math.isfinite(value):
+        return f"must lie in {sign}, got {value!r}"
+    kind = f"a finite {sign} number" if sign in ("positive", "non-negative") else "a finite number"
     return f"must be {kind}{_of(unit)}, got {value!r}"
 
 
@@ -163,8 +206,15 @@ def first_false(good: Any, *values: Number) -> tuple[str, list[float]]:
 
 
 class Frozen:
-    """A value made once: compared, hashed and stored through its `to_dict`."""
+    """A value made once: compared, hashed and stored through its `to_dict`.
 
+    Parameters of the constructor are attributes, but for those in `_instead`.
+    """
+
+    fields: ClassVar[dict[str, Field]] = {}
+    """The numbers of which it is made."""
+    _instead: ClassVar[dict[str, tuple[str, ...]]] = {}
+    """Parameters that stand for others: ``{"diameter": ("area",)}``."""
     _whole: ClassVar[tuple[str, ...]] = ()
     """Fields whose array is one thing: the members of a family share it."""
 
@@ -177,9 +227,54 @@ class Frozen:
     def _set(self, **fields: Any) -> None:
         self.__dict__.update(fields)
 
+    def _checked(self, problems: Problems, **given: Any) -> list[Any]:
+        """Return these numbers as their fields want them; note mistakes in `problems`."""
+        values: list[Any] = []
+        for name, value in given.items():
+            unit, sign, _, optional = self.fields[name]
+            left_out = optional and value is None
+            values.append(None if left_out else number(problems, name, value, unit, sign))
+        return values
+
+    def _take(self, **given: Any) -> None:
+        """Become what these numbers say; InvalidModel with all mistakes in them."""
+        problems: Problems = []
+        values = self._checked(problems, **given)
+        if problems:
+            raise InvalidModel(problems)
+        self.__dict__.update(zip(given, values, strict=True))
+
+    def replace(self, **changes: Any) -> Self:
+        """Return the same object with other values for some parameters of its constructor.
+
+        Parameters
+        ----------
+        **changes
+            By name, as the constructor takes them; arrays make a family.
+
+        Raises
+        ------
+        InvalidModel
+            Naming every change that is no parameter, or is not what it should be.
+        """
+        known = inspect.signature(type(self)).parameters
+        if unknown := [name for name in changes if name not in known]:
+            where = f"is no parameter of {type(self).__name__}"
+            raise InvalidModel([
+                (name, f"{where}; {nearest(name, known) if known else 'it has none'}")
+                for name in unknown
+            ])
+        gone = {other for name in changes for other in self._instead.get(name, ())}
+        kept = {name: v for name, v in self._parameters().items() if name not in gone}
+        return type(self)(**{**kept, **changes})
+
+    def _parameters(self) -> dict[str, Any]:
+        """What the constructor would be given to make this object."""
+        return {name: v for name, v in self.__dict__.items() if name[0] != "_"}
+
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON-ready description from which an equal object can be made."""
-        raise NotImplementedError
+        return {name: plain(v) for name, v in self._parameters().items()}
 
     @property
     def digest(self) -> str:
@@ -265,6 +360,16 @@ def short(value: Any) -> str:
     if isinstance(value, np.ndarray):
         return f"array{value.shape}"
     return getattr(value, "name", None) or repr(value)
+
+
+def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
+    """Which of the choices may be meant; `head` is put before them when they are named."""
+    known = {choice.casefold(): head + choice for choice in choices}
+    near = difflib.get_close_matches(str(word).casefold(), known, n=1)
+    if near:
+        return f"perhaps {known[near[0]]!r} is meant"
+    first = list(known.values())[:MOST_CHOICES]
+    return f"use one of {', '.join(first)}" + (", ..." if len(known) > len(first) else "")
 
 
 def plain(value: Any) -> Any:

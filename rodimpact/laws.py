@@ -10,9 +10,11 @@ from __future__ import annotations
 from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .bodies import Material
 from .frozen import (
+    Field,
     Frozen,
     InvalidModel,
     Number,
@@ -21,7 +23,6 @@ from .frozen import (
     first_false,
     holds,
     number,
-    plain,
 )
 
 
@@ -31,8 +32,20 @@ class _Law(Frozen):
     law: ClassVar[str]
 
     def to_dict(self) -> dict[str, Any]:
-        numbers = {name: plain(v) for name, v in self.__dict__.items() if v is not None}
+        numbers = {name: v for name, v in super().to_dict().items() if v is not None}
         return {"law": self.law, **numbers}
+
+
+class _Compliant(_Law):
+    """A law whose elastic part is k d^p, k its `stiffness` and p its `exponent`."""
+
+    exponent: Number
+    stiffness: Number
+
+    def stored(self, indentation: ArrayLike) -> Any:
+        """Energy stored at an indentation d >= 0, m: k d^(p+1)/(p+1), J."""
+        q = self.exponent + 1
+        return self.stiffness * np.asarray(indentation) ** q / q
 
 
 class Rigid(_Law):
@@ -54,19 +67,13 @@ class Rigid(_Law):
     """
 
     law: ClassVar[str] = "rigid"
+    fields: ClassVar[dict[str, Field]] = {
+        "restitution": Field("", "[0, 1]", "coefficient of restitution", optional=True),
+    }
     restitution: Number | None
 
-    def __init__(self, restitution: Any = None) -> None:
-        problems: Problems = []
-        if restitution is not None:
-            restitution = number(problems, "restitution", restitution, "")
-            good = (np.asarray(restitution) >= 0) & (np.asarray(restitution) <= 1)
-            if not problems and not np.all(good):
-                at, (got,) = first_false(good, restitution)
-                problems.append((f"restitution{at}", f"must lie in [0, 1], got {got!r}"))
-        if problems:
-            raise InvalidModel(problems)
-        self._set(restitution=restitution)
+    def __init__(self, restitution: ArrayLike | None = None) -> None:
+        self._take(restitution=restitution)
 
 
 class Bonded(_Law):
@@ -75,7 +82,7 @@ class Bonded(_Law):
     law: ClassVar[str] = "bonded"
 
 
-class Spring(_Law):
+class Spring(_Compliant):
     """A linear spring between the bodies: F = k d.
 
     Parameters
@@ -90,17 +97,14 @@ class Spring(_Law):
     """
 
     law: ClassVar[str] = "spring"
-    stiffness: Number
+    fields: ClassVar[dict[str, Field]] = {"stiffness": Field("N/m", "positive")}
+    exponent = 1.0
 
-    def __init__(self, stiffness: Any) -> None:
-        problems: Problems = []
-        k = number(problems, "stiffness", stiffness, "N/m", "positive")
-        if problems:
-            raise InvalidModel(problems)
-        self._set(stiffness=k)
+    def __init__(self, stiffness: ArrayLike) -> None:
+        self._take(stiffness=stiffness)
 
 
-class SpringDashpot(_Law):
+class SpringDashpot(_Compliant):
     """A linear spring and a dashpot side by side: F = max(0, k d + c d').
 
     Parameters
@@ -117,19 +121,17 @@ class SpringDashpot(_Law):
     """
 
     law: ClassVar[str] = "spring-dashpot"
-    stiffness: Number
+    fields: ClassVar[dict[str, Field]] = {
+        "stiffness": Field("N/m", "positive"), "damping": Field("N s/m", "non-negative"),
+    }
+    exponent = 1.0
     damping: Number
 
-    def __init__(self, stiffness: Any, damping: Any) -> None:
-        problems: Problems = []
-        k = number(problems, "stiffness", stiffness, "N/m", "positive")
-        c = number(problems, "damping", damping, "N s/m", "non-negative")
-        if problems:
-            raise InvalidModel(problems)
-        self._set(stiffness=k, damping=c)
+    def __init__(self, stiffness: ArrayLike, damping: ArrayLike) -> None:
+        self._take(stiffness=stiffness, damping=damping)
 
 
-class Hertz(_Law):
+class Hertz(_Compliant):
     """Elastic contact of rounded faces: F = k d^(3/2).
 
     Parameters
@@ -144,22 +146,19 @@ class Hertz(_Law):
     """
 
     law: ClassVar[str] = "hertz"
-    stiffness: Number
+    fields: ClassVar[dict[str, Field]] = {"stiffness": Field("N/m^1.5", "positive")}
+    exponent = 1.5
 
-    def __init__(self, stiffness: Any) -> None:
-        problems: Problems = []
-        k = number(problems, "stiffness", stiffness, "N/m^1.5", "positive")
-        if problems:
-            raise InvalidModel(problems)
-        self._set(stiffness=k)
+    def __init__(self, stiffness: ArrayLike) -> None:
+        self._take(stiffness=stiffness)
 
     @classmethod
     def from_radii(
         cls,
-        left_radius: Any,
-        right_radius: Any,
-        left_material: Any,
-        right_material: Any,
+        left_radius: ArrayLike,
+        right_radius: ArrayLike,
+        left_material: Material | None,
+        right_material: Material | None,
     ) -> Self:
         """Find the stiffness from the radii and the materials of two spherical faces.
 
@@ -191,7 +190,7 @@ class Hertz(_Law):
         radii = []
         meeting: list[tuple[str, Number]] = []
         yielding = []
-        faces = (("left", left_radius, left_material), ("right", right_radius, right_material))
+        faces: Any = (("left", left_radius, left_material), ("right", right_radius, right_material))
         for side, radius, material in faces:
             R = number(problems, f"{side}_radius", radius, "m", "positive or infinite")
             radii.append(R)
@@ -223,7 +222,7 @@ class Hertz(_Law):
             return cls(np.divide(4 / 3, compliance * curvature**0.5))
 
 
-class HuntCrossley(_Law):
+class HuntCrossley(_Compliant):
     """Hertz contact with losses: F = k d^(3/2) max(0, 1 + chi d').
 
     K. H. Hunt and F. R. E. Crossley, Coefficient of restitution interpreted as damping in
@@ -243,21 +242,46 @@ class HuntCrossley(_Law):
     """
 
     law: ClassVar[str] = "hunt-crossley"
-    stiffness: Number
+    fields: ClassVar[dict[str, Field]] = {
+        "stiffness": Field("N/m^1.5", "positive"), "damping": Field("s/m", "non-negative"),
+    }
+    exponent = 1.5
     damping: Number
 
-    def __init__(self, stiffness: Any, damping: Any) -> None:
-        problems: Problems = []
-        k = number(problems, "stiffness", stiffness, "N/m^1.5", "positive")
-        chi = number(problems, "damping", damping, "s/m", "non-negative")
-        if problems:
-            raise InvalidModel(problems)
-        self._set(stiffness=k, damping=chi)
+    def __init__(self, stiffness: ArrayLike, damping: ArrayLike) -> None:
+        self._take(stiffness=stiffness, damping=damping)
 
 
-ContactLaw: TypeAlias = Rigid | Bonded | Spring | SpringDashpot | Hertz | HuntCrossley
+class PowerLaw(_Compliant):
+    """Elastic contact whose force is a power of the indentation: F = k d^p.
+
+    So do faces meet that fit together (p near 1), round (3/2) or pointed ones (2).
+
+    Parameters
+    ----------
+    stiffness : float or array
+        k, N/m^p, a bare number.
+    exponent : float or array
+        p, at least 1.
+
+    Raises
+    ------
+    InvalidModel
+        If the stiffness is not positive or the exponent below 1.
+    """
+
+    law: ClassVar[str] = "power"
+    fields: ClassVar[dict[str, Field]] = {
+        "stiffness": Field("N/m^p", "positive"), "exponent": Field("", "[1, inf)"),
+    }
+
+    def __init__(self, stiffness: ArrayLike, exponent: ArrayLike) -> None:
+        self._take(stiffness=stiffness, exponent=exponent)
+
+
+ContactLaw: TypeAlias = Rigid | Bonded | Spring | SpringDashpot | Hertz | HuntCrossley | PowerLaw
 CONTACT_LAWS: dict[str, type[ContactLaw]] = {
-    law.law: law for law in (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley)
+    law.law: law for law in (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw)
 }
 RIGID = Rigid()
 

@@ -11,12 +11,6 @@ import numpy as np
 from .contacts import ContactHistory
 from .fields import Fields
 from .groups import GroupStates
-from .model import (
-    Hertz,
-    HuntCrossley,
-    Spring,
-    SpringDashpot,
-)
 from .signals import Floats, StepSignal
 
 
@@ -89,11 +83,8 @@ class Outside(NamedTuple):
 def stored(law: Any, gap: Floats) -> Floats:
     """Energy in a contact whose gap is minus the indentation, J."""
     x = np.maximum(-np.asarray(gap), 0.0)
-    if isinstance(law, Spring | SpringDashpot):
-        return float(law.stiffness) * x * x / 2
-    if isinstance(law, Hertz | HuntCrossley):
-        return float(law.stiffness) * x * x * np.sqrt(x) * 0.4
-    return np.zeros(x.shape)
+    energy: Floats = law.stored(x) if hasattr(law, "stored") else np.zeros(x.shape)
+    return energy
 
 
 def ledger(

@@ -9,13 +9,25 @@ Axis x points to the right; velocity is positive to the right, strain positive i
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .bodies import Body, Material, RigidMass, Rod, Segment, Wall, body_from
-from .ends import ENDS, FREE, Absorbing, End, Fixed, Force, Free, Velocity, end_from
-from .frozen import Frozen, InvalidModel, Number, Problems, family_shape, first_false, number, plain
+from .ends import ENDS, FREE, Absorbing, End, Fixed, Free, Moved, Pushed, end_from
+from .frozen import (
+    Field,
+    Frozen,
+    InvalidModel,
+    Number,
+    Problems,
+    family_shape,
+    first_false,
+    number,
+    plain,
+)
 from .laws import (
     CONTACT_LAWS,
     RIGID,
@@ -31,9 +43,9 @@ from .laws import (
 from .profiles import Profile, Samples, Steps, flipped, negative
 
 __all__ = [
-    "CONTACT_LAWS", "ENDS", "Absorbing", "Body", "Bonded", "ContactLaw", "End", "Fixed", "Force",
-    "Free", "Hertz", "HuntCrossley", "Material", "Profile", "Rigid", "RigidMass", "Rod", "Samples",
-    "Segment", "Spring", "SpringDashpot", "Steps", "System", "Velocity", "Wall",
+    "CONTACT_LAWS", "ENDS", "Absorbing", "Body", "Bonded", "ContactLaw", "End", "Fixed", "Free",
+    "Hertz", "HuntCrossley", "Material", "Moved", "Profile", "Pushed", "Rigid", "RigidMass", "Rod",
+    "Samples", "Segment", "Spring", "SpringDashpot", "Steps", "System", "Wall",
 ]
 
 SIDES = ("left", "right")
@@ -55,8 +67,8 @@ class System(Frozen):
         Acceleration of free bodies, m/s^2, positive to the right.
     ends : (End, End), optional
         What happens at the left and at the right end of the row: `Free`, `Fixed`, `Absorbing`,
-        `Force` or `Velocity`; default `Free`, as it must be where a wall stands. A mass
-        takes `Free` and `Force` only.
+        `Pushed` or `Moved`; default `Free`, as it must be where a wall stands. A mass takes `Free`
+        and `Pushed` only.
 
     Raises
     ------
@@ -71,6 +83,9 @@ class System(Frozen):
     (3,)
     """
 
+    fields: ClassVar[dict[str, Field]] = {
+        "gaps": Field("m", "non-negative", "gap"), "gravity": Field("m/s^2"),
+    }
     bodies: tuple[Body, ...]
     gaps: tuple[Number, ...]
     contacts: tuple[ContactLaw, ...]
@@ -80,17 +95,17 @@ class System(Frozen):
 
     def __init__(
         self,
-        bodies: Any,
-        gaps: Any = None,
-        contacts: Any = None,
+        bodies: Sequence[Body],
+        gaps: Sequence[ArrayLike] | None = None,
+        contacts: Sequence[ContactLaw] | None = None,
         *,
-        gravity: Any = 0.0,
-        ends: Any = None,
+        gravity: ArrayLike = 0.0,
+        ends: Sequence[End] | None = None,
     ) -> None:
         problems: Problems = []
         if not isinstance(bodies, list | tuple) or not bodies:
             raise InvalidModel([("bodies", f"must be a list of at least one rod, got {bodies!r}")])
-        for i, body in enumerate(bodies):
+        for i, body in enumerate[Any](bodies):
             if not isinstance(body, Body):
                 message = f"must be a Rod, a RigidMass or a Wall, got {body!r}"
                 problems.append((f"bodies.{i}", message))
@@ -100,13 +115,12 @@ class System(Frozen):
         if not problems and not any(isinstance(body, Rod) for body in bodies):
             problems.append(("bodies", "needs at least one rod; rigid.collide takes rigid bodies"))
         pairs = len(bodies) - 1
-        gaps = _per_pair(problems, "gaps", gaps, 0.0, pairs)
-        contacts = _per_pair(problems, "contacts", contacts, RIGID, pairs)
         widths = tuple(
-            number(problems, f"gaps.{i}", gap, "m", "non-negative")
-            for i, gap in enumerate(gaps)
+            number(problems, f"gaps.{i}", gap, *self.fields["gaps"][:2])
+            for i, gap in enumerate(_per_pair(problems, "gaps", gaps, 0.0, pairs))
         )
-        for i, law in enumerate(contacts):
+        laws = _per_pair(problems, "contacts", contacts, RIGID, pairs)
+        for i, law in enumerate(laws):
             if not isinstance(law, ContactLaw):
                 message = f"must be a contact law, such as Rigid() or Hertz(...), got {law!r}"
                 problems.append((f"contacts.{i}", message))
@@ -116,18 +130,18 @@ class System(Frozen):
                 problems.append((f"gaps.{i}{at}", message))
             elif isinstance(law, Rigid):
                 _check_rigid(problems, i, law, *bodies[i : i + 2])
-        g = number(problems, "gravity", gravity, "m/s^2")
-        ends = (FREE, FREE) if ends is None else ends
-        if not isinstance(ends, list | tuple) or len(ends) != 2:
+        (g,) = self._checked(problems, gravity=gravity)
+        both = (FREE, FREE) if ends is None else ends
+        if not isinstance(both, list | tuple) or len(both) != 2:
             message = f"must be a pair, such as (Free(), Absorbing()), got {ends!r}"
             problems.append(("ends", message))
         else:
-            for side, end, body in zip(SIDES, ends, (bodies[0], bodies[-1]), strict=True):
+            for side, end, body in zip(SIDES, both, (bodies[0], bodies[-1]), strict=True):
                 _check_end(problems, side, end, body)
         if problems:
             raise InvalidModel(problems)
-        self._set(bodies=tuple(bodies), gaps=widths, contacts=tuple(contacts), gravity=g,
-                  ends=tuple(ends))
+        self._set(bodies=tuple(bodies), gaps=widths, contacts=tuple(laws), gravity=g,
+                  ends=tuple(both))
         several = any(isinstance(v, np.ndarray) for _, v in self._numbers())
         self._set(_shape=family_shape(self._named_numbers()) if several else ())
         _check_joined(self)
@@ -216,7 +230,7 @@ class System(Frozen):
                     where = f"bodies.{i}" if self._is_uniform(i) else f"bodies.{i}.segments.{j}"
                     problems.append((f"{where}.material.viscosity", "must be 0"))
         for i, law in enumerate(self.contacts):
-            if isinstance(law, SpringDashpot | HuntCrossley) and np.any(law.damping):
+            if np.any(getattr(law, "damping", 0.0)):
                 problems.append((f"contacts.{i}.damping", "must be 0"))
             e = law.restitution if isinstance(law, Rigid) else None
             if e is not None and np.any(np.asarray(e) < 1):
@@ -224,18 +238,13 @@ class System(Frozen):
         problems += [
             (f"ends.{side}", f"must be Free() or Fixed(), not {type(end).__name__}")
             for side, end in zip(SIDES, self.ends, strict=True)
-            if isinstance(end, Absorbing | Force | Velocity)
+            if isinstance(end, Absorbing | Pushed | Moved)
         ]
         if problems:
             why = "; nothing that is lost or driven can be turned round in time"
             raise InvalidModel([(path, message + why) for path, message in problems])
-        bodies = [
-            Rod(segments=body.segments, velocity=negative(body.velocity), strain=body.strain)
-            if isinstance(body, Rod)
-            else _turned(body)
-            for body in self.bodies
-        ]
-        return System(bodies, self.gaps, self.contacts, gravity=self.gravity, ends=self.ends)
+        bodies = [body.replace(velocity=negative(body.velocity)) for body in self.bodies]
+        return self.replace(bodies=bodies)
 
     def mirrored(self) -> System:
         """Return the row seen in a mirror: right becomes left."""
@@ -246,11 +255,11 @@ class System(Frozen):
                 strain=flipped(body.strain, body.length),
             )
             if isinstance(body, Rod)
-            else _turned(body)
+            else body.replace(velocity=-body.velocity)
             for body in reversed(self.bodies)
         ]
         ends = [
-            Velocity(negative(end.value)) if isinstance(end, Velocity) else end
+            Moved(negative(end.value)) if isinstance(end, Moved) else end
             for end in reversed(self.ends)
         ]
         return System(
@@ -304,17 +313,10 @@ def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
     elif isinstance(body, Wall) and not isinstance(end, Free):
         message = f"{name} has no place beyond a wall; leave this end out, or the wall"
         problems.append((path, message))
-    elif isinstance(body, RigidMass) and not isinstance(end, Free | Force):
+    elif isinstance(body, RigidMass) and not isinstance(end, Free | Pushed):
         remedy = {
             Fixed: "put a Wall() there with Bonded() or another contact law",
-            Velocity: "put a Wall(velocity) there with Bonded() or another contact law",
+            Moved: "put a Wall(velocity) there with Bonded() or another contact law",
             Absorbing: "put a Rod with an absorbing end there",
         }[type(end)]
         problems.append((path, f"{name} needs a rod, and a mass is there; {remedy}"))
-
-
-def _turned(body: RigidMass | Wall) -> RigidMass | Wall:
-    """Return the same body with its velocity turned round."""
-    if isinstance(body, Wall):
-        return Wall(-body.velocity)
-    return RigidMass(body.mass, velocity=-body.velocity)

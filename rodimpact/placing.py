@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .model import Fixed, RigidMass, Rod, Velocity, Wall
+from .model import Fixed, Moved, RigidMass, Rod, Wall
 from .signals import Floats, Ints
 from .solution import Solution
 from .units import TIMES, format_factor
@@ -157,7 +157,7 @@ def _length(solution: Solution, body: int) -> float:
 def _slowest(solution: Solution) -> float:
     """Velocity of a wall, 0 if an end is held, else the least of the bodies' velocities."""
     held = [float(b.velocity) for b in solution.system.bodies if isinstance(b, Wall)]
-    held += [0.0 for end in solution.system.ends if isinstance(end, Fixed | Velocity)]
+    held += [0.0 for end in solution.system.ends if isinstance(end, Fixed | Moved)]
     return min(held or solution.outcome.velocities_before, key=abs)
 
 

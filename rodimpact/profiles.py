@@ -7,13 +7,15 @@ the drive is made: what is stored and compared are numbers only.
 from __future__ import annotations
 
 import reprlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .frozen import (
+    Field,
     Frozen,
     InvalidModel,
     Number,
@@ -51,10 +53,11 @@ class Steps(Frozen):
     values: tuple[Number, ...]
     at: tuple[Number, ...]
 
-    def __init__(self, values: Any, at: Any) -> None:
+    def __init__(self, values: Sequence[ArrayLike], at: Sequence[ArrayLike]) -> None:
         problems: Problems = []
         lists: dict[str, tuple[Number, ...]] = {}
-        for name, items, sign in (("values", values, "any"), ("at", at, "positive")):
+        given: Any = (("values", values, "any"), ("at", at, "positive"))
+        for name, items, sign in given:
             if not isinstance(items, list | tuple):
                 try:
                     items = numbers_in(items, "")
@@ -79,9 +82,6 @@ class Steps(Frozen):
                 at, (before, got) = first_false(good, a, b)
                 message = f"must lie beyond {before!r}, got {got!r}"
                 raise InvalidModel([(f"at.{i + 1}{at}", message)])
-
-    def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        return {"values": plain(self.values), "at": plain(self.at)}
 
 
 class Samples(Frozen):
@@ -108,21 +108,21 @@ class Samples(Frozen):
     Samples(values=array(3,), step=0.0001)
     """
 
+    fields: ClassVar[dict[str, Field]] = {"step": Field("s", "positive", optional=True)}
     values: Floats
     step: Number | None
     _whole: ClassVar[tuple[str, ...]] = ("values",)
 
-    def __init__(self, values: Any, step: Any = None) -> None:
+    def __init__(self, values: ArrayLike, step: ArrayLike | None = None) -> None:
         problems: Problems = []
         samples = number(problems, "values", values, "")
         if not problems and (isinstance(samples, float) or samples.ndim > 1 or samples.size < 2):
             message = f"must be a list of at least two numbers, got {reprlib.repr(values)}"
             problems.append(("values", message))
-        if step is not None:
-            step = number(problems, "step", step, "s", "positive")
+        (h,) = self._checked(problems, step=step)
         if problems:
             raise InvalidModel(problems)
-        self._set(values=samples, step=step)
+        self._set(values=samples, step=h)
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
         step = {} if self.step is None else {"step": plain(self.step)}
@@ -130,17 +130,18 @@ class Samples(Frozen):
 
 
 Profile: TypeAlias = "Number | Steps | Samples"
+ProfileLike: TypeAlias = "ArrayLike | Steps | Samples | Callable[[Any], Any]"
 
 
 def along_rod(
-    problems: Problems, path: str, value: Any, unit: str, length: Number | None, sign: str = "any"
+    problems: Problems, path: str, value: Any, field: Field, length: Number | None
 ) -> Profile:
     """Return `value` as a profile along a rod of that length, m; note a mistake in `problems`.
 
     A function is sampled at `ALONG_ROD` places from end to end. Without a length, which a mistake
-    elsewhere leaves unknown, only what does not depend on it is checked. `sign` is that of
-    `number`; `Steps` bear any.
+    elsewhere leaves unknown, only what does not depend on it is checked. `Steps` bear any sign.
     """
+    unit, sign = field[:2]
     if type(value) is float:
         return number(problems, path, value, unit, sign)
     if isinstance(value, Steps):
@@ -175,7 +176,7 @@ def along_rod(
     return 0.0
 
 
-def in_time(problems: Problems, path: str, value: Any, unit: str, duration: Any) -> Profile:
+def in_time(problems: Problems, path: str, value: Any, field: Field, duration: Any) -> Profile:
     """Return `value` as a profile from t = 0 on; note a mistake in `problems`.
 
     A function is sampled at `IN_TIME` times from 0 to `duration`, s, which only a function has.
@@ -186,7 +187,9 @@ def in_time(problems: Problems, path: str, value: Any, unit: str, duration: Any)
             problems.append(("duration", f"{message}, got {duration!r}"))
         if isinstance(value, Samples) and value.step is None:
             problems.append((f"{path}.step", "is missing; give the seconds between two samples"))
-        return value if isinstance(value, Steps | Samples) else number(problems, path, value, unit)
+        if isinstance(value, Steps | Samples):
+            return value
+        return number(problems, path, value, field.unit, field.sign)
     if duration is None:
         message = "is missing; give the seconds for which the function is to be sampled"
         problems.append(("duration", message))
@@ -198,7 +201,7 @@ def in_time(problems: Problems, path: str, value: Any, unit: str, duration: Any)
         mistakes.append(("duration", message))
     values = None
     if not mistakes:
-        values = _sampled(mistakes, path, value, np.linspace(0.0, end, IN_TIME), unit)
+        values = _sampled(mistakes, path, value, np.linspace(0.0, end, IN_TIME), field.unit)
     problems += mistakes
     return 0.0 if values is None else Samples(values, step=end / (IN_TIME - 1))
 

@@ -58,7 +58,8 @@ def parse(text: str | float | int, dimension: str) -> float:
         A decimal number with a unit ("200 GPa"), or a bare number, taken to be in SI units
         already.
     dimension : str
-        What the quantity must be: a key of `UNITS`, such as "length" or "pressure".
+        What the quantity must be: a key of `UNITS`, such as "length" or "pressure", or a compound
+        unit that stands there under none, such as "N/m^p", and is then the only one.
 
     Returns
     -------
@@ -83,9 +84,9 @@ def parse(text: str | float | int, dimension: str) -> float:
     ValueError: cannot read '5 m/s' as time: 'm/s' is a unit of velocity. \
 Use one of s, ms, us, ns, or a bare number in SI units.
     """
-    if dimension not in UNITS:
+    if dimension not in UNITS and "/" not in dimension:
         raise ValueError(f"unknown dimension {dimension!r}. Use one of {', '.join(UNITS)}.")
-    units = UNITS[dimension]
+    units = UNITS.get(dimension, {dimension: 0})
 
     def refusal(reason: str) -> ValueError:
         return ValueError(
@@ -112,6 +113,23 @@ Use one of s, ms, us, ns, or a bare number in SI units.
     if not math.isfinite(value):
         raise refusal("it is not a finite number")
     return value
+
+
+def dimension_of(unit: str) -> str:
+    """Dimension of which this is the SI unit; the unit itself if it stands in no dimension.
+
+    Examples
+    --------
+    >>> dimension_of("N/m"), dimension_of(""), dimension_of("N/m^p")
+    ('stiffness', 'dimensionless', 'N/m^p')
+    """
+    return next((name for name in UNITS if unit == si_unit(name)), unit)
+
+
+def si_unit(dimension: str) -> str:
+    """SI unit of a dimension; "" for pure numbers."""
+    units = UNITS.get(dimension, {dimension: 0})
+    return next((unit for unit, power in units.items() if power == 0), "")
 
 
 def _explain(unit: str, units: dict[str, int]) -> str:

@@ -81,11 +81,11 @@ def random_end(rng, body, driven):
     if isinstance(body, ri.Rod):
         kinds += [ri.Absorbing, ri.Fixed]
     if driven:
-        kinds += [ri.Force] * 2 + ([ri.Velocity] * 2 if isinstance(body, ri.Rod) else [])
+        kinds += [ri.Pushed] * 2 + ([ri.Moved] * 2 if isinstance(body, ri.Rod) else [])
     kind = kinds[rng.integers(len(kinds))]
-    if kind is ri.Force:
-        return ri.Force(random_drive(rng, 1.0))
-    return ri.Velocity(random_drive(rng, 0.3)) if kind is ri.Velocity else kind()
+    if kind is ri.Pushed:
+        return ri.Pushed(random_drive(rng, 1.0))
+    return ri.Moved(random_drive(rng, 0.3)) if kind is ri.Moved else kind()
 
 
 def move_together(row, contacts):

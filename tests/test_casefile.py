@@ -190,7 +190,7 @@ def test_masses_gravity_laws_ends_and_steps_of_time():
         contacts=[ri.Rigid(0.8), ri.SpringDashpot(3e6, 4.0), ri.Hertz(12e9),
                   ri.HuntCrossley(1e9, 0.2), ri.Spring(1e6)],
         gravity=-9.81,
-        ends=(ri.Force(ri.Steps([1e3, 0], [1e-3])), ri.Velocity(ri.Samples([0, 0.01], step=1e-5))),
+        ends=(ri.Pushed(ri.Steps([1e3, 0], [1e-3])), ri.Moved(ri.Samples([0, 0.01], step=1e-5))),
     )
     assert case.solve == {"dt": 1e-7, "method": "auto"}
     assert parse_case(write_case(case)) == case
@@ -246,7 +246,7 @@ def test_tapers_lateral_inertia_damping_and_a_grid_in_space():
 
 @pytest.mark.parametrize(("written", "end"), [
     ('"fixed"', ri.Fixed()), ('"absorbing"', ri.Absorbing()), ('"free"', ri.Free()),
-    ('"force"\nvalue = "-2 kN"', ri.Force(-2000)), ('"velocity"\nvalue = 3', ri.Velocity(3)),
+    ('"force"\nvalue = "-2 kN"', ri.Pushed(-2000)), ('"velocity"\nvalue = 3', ri.Moved(3)),
 ])
 def test_ends(written, end):
     case = parse_case(HEAD + A_ROD + LEFT + written)
@@ -1258,8 +1258,8 @@ def random_row(seed):
     ]
     bodies = [rod(), *(mass() if rng.random() < 0.5 else rod() for _ in range(rng.integers(5)))]
     rng.shuffle(bodies)
-    ends = [ri.Free(), ri.Force(random_profile(rng, 2.0)), ri.Fixed(), ri.Absorbing(),
-            ri.Velocity(random_profile(rng, 2.0))]
+    ends = [ri.Free(), ri.Pushed(random_profile(rng, 2.0)), ri.Fixed(), ri.Absorbing(),
+            ri.Moved(random_profile(rng, 2.0))]
     pair = [ends[rng.integers(2 if isinstance(bodies[i], ri.RigidMass) else 5)] for i in (0, -1)]
     if rng.random() < 0.3:
         bodies, pair[1] = [*bodies, ri.Wall(rng.normal())], ri.Free()

@@ -197,7 +197,7 @@ def test_forces_in_bonds_of_rigid_bodies(gravity):
     laws, rod = [ri.Bonded(), ri.Bonded(), ri.Hertz(9.0)], unit_rod(velocity=-1.0)
     t = (np.arange(64) + 0.5) / 32
     s = solved([*masses, rod], 2.0, 1 / 32, contacts=laws, gravity=gravity,
-               ends=(ri.Force(0.7), ri.Free()))
+               ends=(ri.Pushed(0.7), ri.Free()))
     first, second, last = (c.force(t) for c in s.contacts)
     a = (0.7 - last) / 6
     assert first == pytest.approx(0.7 - a, abs=1e-13)
@@ -380,7 +380,7 @@ def at(profile, t):
 
 
 @pytest.mark.parametrize("profile", [0.7, STEPS, SAMPLES], ids=["number", "steps", "samples"])
-@pytest.mark.parametrize("kind", [ri.Force, ri.Velocity])
+@pytest.mark.parametrize("kind", [ri.Pushed, ri.Moved])
 @pytest.mark.parametrize("side", [0, 1])
 @pytest.mark.parametrize("gravity", [0.0, 0.3])
 def test_a_driven_end_sends_what_drives_it(profile, kind, side, gravity):
@@ -392,7 +392,7 @@ def test_a_driven_end_sends_what_drives_it(profile, kind, side, gravity):
     late = t - (x if side == 0 else 1 - x)
     expected = at(profile, late)
     # in the falling frame; an end driven with v moves there with v - g t
-    if kind is ri.Force:
+    if kind is ri.Pushed:
         expected = (1, -1)[side] * expected / Z + gravity * t
     else:
         expected = expected + gravity * (t - late * (late > 0))
@@ -404,7 +404,7 @@ def test_a_driven_end_sends_what_drives_it(profile, kind, side, gravity):
 @pytest.mark.parametrize("side", [0, 1])
 def test_a_force_drives_a_mass(side):
     row = [ri.RigidMass(2.0), unit_rod()]
-    system = ri.System(row, [9.0], [ri.Rigid()], ends=(ri.Force(STEPS), ri.Free()))
+    system = ri.System(row, [9.0], [ri.Rigid()], ends=(ri.Pushed(STEPS), ri.Free()))
     s = ri.solve(system if side == 0 else system.mirrored(), 2.0, dt=1 / 16)
     sign, body = ((1, 0), (-1, 1))[side]
     impulse = 0.25 - 0.5 * 1.25 + 0.25 * 0.5
@@ -414,7 +414,7 @@ def test_a_force_drives_a_mass(side):
 
 def test_a_piston_that_stops_in_time():
     """A velocity that follows the free flight of the rod needs no force."""
-    s = solved([unit_rod(velocity=0.5)], 3.0, 1 / 16, ends=(ri.Velocity(0.5), ri.Free()))
+    s = solved([unit_rod(velocity=0.5)], 3.0, 1 / 16, ends=(ri.Moved(0.5), ri.Free()))
     assert abs(s.outcome.drive_work) <= 1e-15
     assert s.velocity(0, 0.5, np.linspace(0, 3, 9)) == pytest.approx(np.full(9, 0.5), abs=1e-15)
 
@@ -489,8 +489,8 @@ def shifted(system, v):
 
     def end(e):
         if isinstance(e, ri.Fixed):
-            return ri.Velocity(v)
-        return ri.Velocity(profile(e.value)) if isinstance(e, ri.Velocity) else e
+            return ri.Moved(v)
+        return ri.Moved(profile(e.value)) if isinstance(e, ri.Moved) else e
 
     return ri.System([body(b) for b in system.bodies], system.gaps, system.contacts,
                      gravity=system.gravity, ends=[end(e) for e in system.ends])
@@ -520,7 +520,7 @@ ROW = {
     ],
     "gaps": [0.1, 0.05, 0.0],
     "contacts": [ri.Hertz(20.0), ri.Rigid(), ri.HuntCrossley(10.0, 0.3)],
-    "ends": (ri.Velocity(ri.Samples([0.5, 1.0, -0.5], step=1.0)), ri.Force(0.2)),
+    "ends": (ri.Moved(ri.Samples([0.5, 1.0, -0.5], step=1.0)), ri.Pushed(0.2)),
     "gravity": -0.4,
 }
 
@@ -632,7 +632,7 @@ def test_a_state_can_be_continued(law, close):
     """Steps that are cut where a rigid contact closes are cut elsewhere in the rest of the run."""
     contacts = [ROW["contacts"][0], law, ROW["contacts"][2]]
     system = ri.System(ROW["row"], [0.1, 0.05, 0.4], contacts, gravity=-0.4,
-                       ends=(ri.Absorbing(), ri.Force(0.2)))
+                       ends=(ri.Absorbing(), ri.Pushed(0.2)))
     whole = ri.solve(system, 3.0, dt=1 / 64)
     open_at = [t for t in np.arange(1, 128) / 64
                if all(float(c.gap(t)) >= 0 for c in whole.contacts)]
@@ -849,7 +849,7 @@ def test_jumps_of_the_initial_state_and_of_drives_cut_the_steps():
     """One at 0.3 reaches the left end after 2.4 steps, and the right one after 5.6."""
     rod = unit_rod(velocity=ri.Steps([1.0, 0.0], [0.3]))
     drive = ri.Steps([0.0, 1.0], [0.65])  # of 0.2 steps
-    system = ri.System([rod, ri.RigidMass(1.0)], ends=(ri.Velocity(drive), ri.Free()))
+    system = ri.System([rod, ri.RigidMass(1.0)], ends=(ri.Moved(drive), ri.Free()))
     plan = characteristics.Plan(system)
     places = characteristics.given_jumps(plan, [8 * PARTS], 1 / 8)
     assert np.array(places) / PARTS == pytest.approx([0.2, 0.4, 0.6], abs=1e-10)
@@ -904,7 +904,7 @@ def test_a_run_ends_where_it_was_asked_to_end(until):
 
 
 def test_without_an_end_a_driven_row_is_refused():
-    driven = {"ends": (ri.Force(1.0), ri.Free())}, {"ends": (ri.Free(), ri.Velocity(0.0))}
+    driven = {"ends": (ri.Pushed(1.0), ri.Free())}, {"ends": (ri.Free(), ri.Moved(0.0))}
     for options in driven:
         assert refused("must be given: .*drive", solved, [unit_rod()], **options) == ["until"]
     falling = [unit_rod(), ri.Wall()]
@@ -957,8 +957,8 @@ CAN_NOT = {
     "gravity": ri.System([unit_rod()], gravity=1.0),
     "bodies.0.velocity": ri.System([unit_rod(velocity=ri.Samples([0.0, 1.0]))]),
     "bodies.0.strain": ri.System([unit_rod(strain=ri.Samples([0.0, 1.0]))]),
-    "ends.left.value": ri.System([unit_rod()], ends=(ri.Velocity(RAMP), ri.Free())),
-    "ends.right.value": ri.System([unit_rod()], ends=(ri.Free(), ri.Force(RAMP))),
+    "ends.left.value": ri.System([unit_rod()], ends=(ri.Moved(RAMP), ri.Free())),
+    "ends.right.value": ri.System([unit_rod()], ends=(ri.Free(), ri.Pushed(RAMP))),
 }
 
 
@@ -1009,7 +1009,7 @@ def test_step_and_tolerance_are_one_too_many():
     ("row", "options", "said"),
     [
         ([unit_rod(velocity=1.0), ri.Wall()], {"gravity": 0.1}, "gravity, or what drives an end"),
-        ([unit_rod(velocity=1.0), unit_rod()], {"ends": (ri.Force(1.0), ri.Free())}, "drives an"),
+        ([unit_rod(velocity=1.0), unit_rod()], {"ends": (ri.Pushed(1.0), ri.Free())}, "drives an"),
         ([unit_rod(velocity=1.0), unit_rod(), unit_rod()], {}, "this row has 2"),
         ([unit_rod(), unit_rod(velocity=1.0)], {}, "move apart"),
         ([unit_rod(velocity=1.0), unit_rod()], {"gaps": [90.0]}, "nothing collided"),

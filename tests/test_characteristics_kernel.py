@@ -120,6 +120,7 @@ def test_signals_that_grow_are_the_signals_of_enough_room(driven):
 
 # Laws ---------------------------------------------------------------------------------------------
 
+EXPONENT = {lk.SPRING: 1.0, lk.HERTZ: 1.5, lk.HUNT: 1.5}
 indentations = st.floats(-2, 2).filter(lambda x: x == 0 or abs(x) > 1e-3)
 
 
@@ -136,7 +137,7 @@ def force(law, k, d, x, w):
 def test_mean_force_is_the_mean_along_a_straight_path(law, k, d, x0, x1):
     if law == lk.HERTZ:
         d = 0.0
-    found, dF = lk.mean_force(law, k, d, x0, x1)
+    found, dF = lk.mean_force(law, k, EXPONENT[law], d, x0, x1)
     w = x1 - x0
     cuts = [-x0 / w] if x0 * x1 < 0 else None
     if abs(w) > 1e-9:
@@ -144,7 +145,7 @@ def test_mean_force_is_the_mean_along_a_straight_path(law, k, d, x0, x1):
         assert found == pytest.approx(max(mean, 0.0), rel=1e-7, abs=1e-9 * k)
     if found > 1e-6 * k and x1 != 0:  # where a dashpot lets go, the slope jumps
         eps = 1e-6 * max(1.0, abs(x1))
-        up, down = (lk.mean_force(law, k, d, x0, x1 + s)[0] for s in (eps, -eps))
+        up, down = (lk.mean_force(law, k, EXPONENT[law], d, x0, x1 + s)[0] for s in (eps, -eps))
         assert dF == pytest.approx((up - down) / (2 * eps), rel=1e-4, abs=1e-4 * k)
     assert found >= 0
     assert dF >= 0
@@ -153,8 +154,8 @@ def test_mean_force_is_the_mean_along_a_straight_path(law, k, d, x0, x1):
 @settings(max_examples=150)
 @given(st.sampled_from([lk.SPRING, lk.HERTZ]), st.floats(0.1, 1e3), indentations, indentations)
 def test_elastic_mean_force_is_the_discrete_gradient(law, k, x0, x1):
-    F, _ = lk.mean_force(law, k, 0.0, x0, x1)
-    gained = lk.stored(law, k, -x1) - lk.stored(law, k, -x0)
+    F, _ = lk.mean_force(law, k, EXPONENT[law], 0.0, x0, x1)
+    gained = lk.stored(law, k, EXPONENT[law], -x1) - lk.stored(law, k, EXPONENT[law], -x0)
     assert F * (x1 - x0) == pytest.approx(gained, rel=1e-12, abs=1e-13 * k)
 
 
@@ -163,18 +164,18 @@ def test_elastic_mean_force_is_the_discrete_gradient(law, k, x0, x1):
        st.floats(0, 0.5), st.floats(-2, 2), st.floats(-3, 3), st.floats(-2, 2))
 def test_squeeze_solves_its_equation_from_any_guess(law, power, d, x0, c, q, guess):
     k, y, d = 10.0**power, 10.0**q, 0.0 if law == lk.HERTZ else d
-    F, x1, _ = lk.squeeze(law, k, d, x0, c, y, guess)
+    F, x1, _ = lk.squeeze(law, k, EXPONENT[law], d, x0, c, y, guess)
     assert F >= 0
     size = abs(x0) + abs(c) + y * F
     assert x1 == pytest.approx(x0 + c - y * F, abs=1e-14 * size + 1e-300)
-    expected, slope = lk.mean_force(law, k, d, x0, x1)
+    expected, slope = lk.mean_force(law, k, EXPONENT[law], d, x0, x1)
     assert pytest.approx(expected, rel=1e-11, abs=(1 + slope) * 1e-13 * size) == F
 
 
 def test_stored_energy():
-    assert lk.stored(lk.SPRING, 3.0, -0.5) == 0.375
-    assert lk.stored(lk.HERTZ, 5.0, -0.25) == lk.stored(lk.HUNT, 5.0, -0.25) == 0.0625
-    assert lk.stored(lk.SPRING, 3.0, 0.5) == lk.stored(lk.RIGID, 3.0, -0.5) == 0.0
+    assert lk.stored(lk.SPRING, 3.0, 1.0, -0.5) == 0.375
+    assert lk.stored(lk.HERTZ, 5.0, 1.5, -0.25) == lk.stored(lk.HUNT, 5.0, 1.5, -0.25) == 0.0625
+    assert lk.stored(lk.SPRING, 3.0, 1.0, 0.5) == lk.stored(lk.RIGID, 3.0, 1.0, -0.5) == 0.0
 
 
 # A chain on its own: masses and walls, no rod -----------------------------------------------------
@@ -188,8 +189,8 @@ def chain(masses, speeds, laws, gaps=None, walls=(None, None), damping=0.0, stif
            lk.FREE if walls[1] is None else laws[-1]]
     row = ck.Row(
         [0, 0], [0.0, 0.0], [0.0, 0.0], [1.0], [0.0, 0.0], [0, m], list(masses), law,
-        [stiffness] * links, [damping] * links, gaps or [0.0] * links, [0.0] * links,
-        [0.0] * links, [1] * links, list(speeds), [0.0],
+        [stiffness] * links, [EXPONENT.get(each, 1.0) for each in laws], [damping] * links,
+        gaps or [0.0] * links, [0.0] * links, [0.0] * links, [1] * links, list(speeds), [0.0],
     )
     wave = [w or 0.0 for w in walls for _ in range(room + 1)]
     signals = ck.Signals(
@@ -240,7 +241,7 @@ def test_stiff_chain_keeps_energy_and_momentum():
             M, V = rng.uniform(0.1, 10, 6).tolist(), rng.uniform(-1, 1, 6).tolist()
             row, tally, *rest = chain(M, V, [lk.FREE, *[law] * 5, lk.FREE], stiffness=k)
             ck.run(row, tally, *rest, 50, 1e-12)
-            held = sum(lk.stored(law, k, g) for g in row.gap)
+            held = sum(lk.stored(law, k, EXPONENT[law], g) for g in row.gap)
             before, after = (sum(m * v * v for m, v in zip(M, S, strict=True)) / 2 + E
                              for S, E in ((V, 0.0), (row.speed, held)))
             assert after == pytest.approx(before, rel=1e-12)
@@ -330,7 +331,7 @@ def contents(machine):
     row, tally = machine.row, machine.tally
     energy = sum(
         M * v * v / 2 for M, v in zip(row.mass, row.speed, strict=True)
-    ) + sum(lk.stored(*x) for x in zip(row.law, row.stiffness, row.gap, strict=True))
+    ) + sum(lk.stored(*x) for x in zip(row.law, row.stiffness, row.exponent, row.gap, strict=True))
     for s in range(1, len(row.steps) - 1):
         for line in (2 * s, 2 * s + 1):
             for i in range(machine.taken - row.steps[s], machine.taken):

@@ -10,8 +10,8 @@ ROD = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
 MASS = ri.RigidMass(2.0)
 HERTZ = ri.Hertz(1e9)
 OTHERS = [
-    ri.Fixed(), ri.Absorbing(), ri.Force(1e3), ri.Velocity(2.0),
-    ri.Force(ri.Steps([1e3, 0.0], [1e-4])), ri.Velocity(ri.Samples([0.0, 1.0], step=1e-5)),
+    ri.Fixed(), ri.Absorbing(), ri.Pushed(1e3), ri.Moved(2.0),
+    ri.Pushed(ri.Steps([1e3, 0.0], [1e-4])), ri.Moved(ri.Samples([0.0, 1.0], step=1e-5)),
 ]
 
 
@@ -55,12 +55,12 @@ def test_nothing_is_beyond_a_wall(end):
     ("end", "remedy"),
     [
         (ri.Fixed(), "put a Wall() there with Bonded()"),
-        (ri.Velocity(1.0), "put a Wall(velocity) there"),
+        (ri.Moved(1.0), "put a Wall(velocity) there"),
         (ri.Absorbing(), "put a Rod with an absorbing end there"),
     ],
 )
 def test_a_mass_is_only_pushed(end, remedy):
-    for force in (ri.Force(1.0), ri.Force(ri.Steps([1.0, 2.0], [1.0]))):
+    for force in (ri.Pushed(1.0), ri.Pushed(ri.Steps([1.0, 2.0], [1.0]))):
         assert ri.System([MASS, ROD], ends=(force, end)).ends == (force, end)
     [(path, message)] = problems(lambda: ri.System([MASS, ROD], ends=(end, ri.Free()))).items()
     assert path == "ends.left"
@@ -79,11 +79,11 @@ def test_each_of_the_pair_is_an_end():
 
 
 def test_drives_make_families():
-    force = ri.Force(ri.Steps([np.array([1.0, 2.0]), 0.0], [np.array([[1e-3], [2e-3]])]))
-    row = ri.System([ROD], ends=(ri.Velocity([[1.0]]), force))
+    force = ri.Pushed(ri.Steps([np.array([1.0, 2.0]), 0.0], [np.array([[1e-3], [2e-3]])]))
+    row = ri.System([ROD], ends=(ri.Moved([[1.0]]), force))
     assert row.shape == (2, 2)
     assert list(row.parameters) == [
         "ends.left.value", "ends.right.value.values.0", "ends.right.value.at.0",
     ]
-    assert row[1, 0].ends == (ri.Velocity(1.0), ri.Force(ri.Steps([1.0, 0.0], [2e-3])))
+    assert row[1, 0].ends == (ri.Moved(1.0), ri.Pushed(ri.Steps([1.0, 0.0], [2e-3])))
     assert ri.System.from_dict(row.to_dict()) == row

@@ -40,10 +40,10 @@ def random_end(rng, body, time, driven):
     if isinstance(body, ri.Wall):
         return ri.Free()
     kinds = [ri.Free, ri.Fixed, ri.Absorbing, ri.Absorbing]
-    kind = (kinds + [ri.Force, ri.Velocity] * 3 * driven)[rng.integers(4 + 6 * driven)]
-    if kind is ri.Force:
-        return ri.Force(random_drive(rng, float(body.segments[0].impedance), time))
-    return ri.Velocity(random_drive(rng, 0.5, time)) if kind is ri.Velocity else kind()
+    kind = (kinds + [ri.Pushed, ri.Moved] * 3 * driven)[rng.integers(4 + 6 * driven)]
+    if kind is ri.Pushed:
+        return ri.Pushed(random_drive(rng, float(body.segments[0].impedance), time))
+    return ri.Moved(random_drive(rng, 0.5, time)) if kind is ri.Moved else kind()
 
 
 def with_ends(seed, driven=True, **switches):
@@ -89,7 +89,7 @@ def test_fields_are_those_of_the_other_method(seed):
 
 
 @pytest.mark.parametrize("end", [
-    ri.Absorbing(), ri.Force(ri.Steps([0.0, 0.3, 0.0], [0.5, 2.5])), ri.Velocity(-0.25),
+    ri.Absorbing(), ri.Pushed(ri.Steps([0.0, 0.3, 0.0], [0.5, 2.5])), ri.Moved(-0.25),
 ], ids=["absorbing", "force", "velocity"])
 def test_contacts_are_those_of_the_other_method(end):
     """A short rod strikes a long one; until they meet again, which is in the midst of a step."""
@@ -138,7 +138,7 @@ def test_what_is_outside_goes_on_as_the_rod_begins():
 def test_a_steady_force_makes_staircases(side, area):
     """The driven end of a free rod moves at F/Z (2 k + 1) after k round trips, the other at 2 k."""
     ends = [ri.Free(), ri.Free()]
-    ends[side] = ri.Force(0.7)
+    ends[side] = ri.Pushed(0.7)
     solution = ri.solve(ri.System([rod(area=area)], ends=ends), until=12.5)
     t = np.arange(0.25, 12.5, 0.5)
     sign, trips = (1, -1)[side], np.floor(t / 2)
@@ -155,7 +155,7 @@ def test_a_steady_force_makes_staircases(side, area):
 def test_a_driven_velocity_is_a_moving_wall_that_holds():
     walled = ri.System([ri.Wall(0.4), rod(1.0), rod(0.75, -0.2, 2.0)],
                        contacts=[ri.Bonded(), ri.Rigid()])
-    moved = ri.System(walled.bodies[1:], ends=(ri.Velocity(0.4), ri.Free()))
+    moved = ri.System(walled.bodies[1:], ends=(ri.Moved(0.4), ri.Free()))
     a, b = ri.solve(walled, until=20.0), ri.solve(moved, until=20.0)
     for one, other in zip(a.fields.signals[2:], b.fields.signals[2:], strict=True):
         assert one.ticks.tolist() == other.ticks.tolist()
@@ -166,7 +166,7 @@ def test_a_driven_velocity_is_a_moving_wall_that_holds():
 
 
 def test_a_pulse_of_force_runs_along_the_rod():
-    force = ri.Force(ri.Steps([0.0, 2.0, 0.0], [0.25, 0.5]))
+    force = ri.Pushed(ri.Steps([0.0, 2.0, 0.0], [0.25, 0.5]))
     solution = ri.solve(ri.System([rod(2.0)], ends=(force, ri.Absorbing())), until=5.0)
     t = np.arange(0.05, 5, 0.1)
     pulse = np.where((t > 1.25) & (t < 1.5), 2.0, 0.0)
@@ -308,7 +308,7 @@ def test_a_striker_on_an_endless_bar_comes_to_its_end(area):
 
 
 def test_driven_rows_are_never_final():
-    for end in (ri.Force(0.0), ri.Velocity(0.0), ri.Force(ri.Steps([1.0, 0.0], [1.0]))):
+    for end in (ri.Pushed(0.0), ri.Moved(0.0), ri.Pushed(ri.Steps([1.0, 0.0], [1.0]))):
         system = ri.System([rod(), rod()], [1.0], ends=(end, ri.Free()))
         solution = ri.solve(system, until=5.0)
         assert solution.method == "fronts"
@@ -334,7 +334,7 @@ def test_a_drive_that_ends_as_a_wave_returns_leaves_no_sliver(trips):
     slow, fast = ri.materials.aluminium, ri.materials.steel
     row = [ri.Rod(0.3, area=1e-4, material=slow), ri.Rod(0.7, area=2e-4, material=fast)]
     T = float(row[0].transit_time)
-    force = ri.Force(ri.Steps([1e3, 0.0], [2 * trips * T]))
+    force = ri.Pushed(ri.Steps([1e3, 0.0], [2 * trips * T]))
     system = ri.System(row, contacts=[ri.Bonded()], ends=(force, ri.Absorbing()))
     solution = ri.solve(system, until=2.5 * trips * T)
     ticks = solution.fields.signals[2].ticks.tolist()
@@ -345,7 +345,7 @@ def test_a_drive_that_ends_as_a_wave_returns_leaves_no_sliver(trips):
 def test_times_beyond_the_longest_transit_change_no_transit():
     """Lengths 0.3 and 0.1 stay 3 to 1, whatever the times of the drive are."""
     rods = [rod(0.3), rod(0.1)]
-    force = ri.Force(ri.Steps([0.0, 1.0, 2.0, 3.0], [0.1 * np.pi, 7.0, 1e3]))
+    force = ri.Pushed(ri.Steps([0.0, 1.0, 2.0, 3.0], [0.1 * np.pi, 7.0, 1e3]))
     a = assemble(ri.System(rods, ends=(force, ri.Free())), 50.0)
     assert a.ticks[1] == 3 * a.ticks[2]
     assert a.transit_error < 1e-15
@@ -357,7 +357,7 @@ def test_times_beyond_the_longest_transit_change_no_transit():
 
 def test_jumps_that_fall_into_one_tick_are_one():
     at = [1e-18, 2e-18, 1.0]
-    velocity = ri.Velocity(ri.Steps([5.0, 6.0, 1.0, 2.0], at))
+    velocity = ri.Moved(ri.Steps([5.0, 6.0, 1.0, 2.0], at))
     a = assemble(ri.System([rod()], ends=(ri.Free(), velocity)), 50.0)
     assert [wave + a.frame for _, wave in a.waves[-1]] == [1.0, 2.0]
     assert [t for t, _ in a.waves[-1]] == [0, a.ticks[1]]
@@ -411,12 +411,12 @@ def test_members_of_a_family_are_single_collisions():
 
 
 def test_a_family_of_driven_rows_says_what_it_needs():
-    family = ri.System([rod(), rod()], ends=(ri.Force(np.array([1.0, 2.0])), ri.Free()))
+    family = ri.System([rod(), rod()], ends=(ri.Pushed(np.array([1.0, 2.0])), ri.Free()))
     with pytest.raises(ri.InvalidModel, match="until: must be given"):
         ri.sweep(family)
 
 
-@pytest.mark.parametrize("kind", [ri.Force, ri.Velocity])
+@pytest.mark.parametrize("kind", [ri.Pushed, ri.Moved])
 def test_smooth_drives_are_for_the_other_method(kind):
     system = ri.System([rod()], ends=(ri.Free(), kind(ri.Samples([0.0, 1.0], step=1.0))))
     with pytest.raises(ri.InvalidModel) as caught:
@@ -429,7 +429,7 @@ def test_smooth_drives_are_for_the_other_method(kind):
 
 
 def test_a_force_too_large_for_its_energy_is_refused():
-    system = ri.System([rod()], ends=(ri.Force(1e200), ri.Free()))
+    system = ri.System([rod()], ends=(ri.Pushed(1e200), ri.Free()))
     with pytest.raises(ri.InvalidModel, match="overflow the energy"):
         ri.solve(system, 1.0, "fronts")
 

@@ -162,8 +162,8 @@ RUNS = {
         ri.System([ri.Wall(), unit_rod(velocity=1.0), ri.Wall()]), {"dt": STEP, "max_events": 99},
     ),
     "steps: nothing but a driven rod": (
-        ri.System([unit_rod()], gravity=0.5, ends=(ri.Velocity(ri.Samples([0.0, 1.0], step=0.7)),
-                                                  ri.Force(ri.Steps([1.0, 0.0], [0.5])))),
+        ri.System([unit_rod()], gravity=0.5, ends=(ri.Moved(ri.Samples([0.0, 1.0], step=0.7)),
+                                                  ri.Pushed(ri.Steps([1.0, 0.0], [0.5])))),
         {"until": 2.03, "dt": STEP},
     ),
     "steps: bonded to a wall": (

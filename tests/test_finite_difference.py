@@ -203,15 +203,15 @@ COMPLIANT = {
     "gravity": ([ri.Wall(), unit_rod(), ri.RigidMass(0.4)], [ri.Hertz(20.0), ri.Spring(5.0)],
                 {"gaps": [0.1, 0.1], "gravity": -0.6}),
     "a force": ([unit_rod(), unit_rod(0.7, 0.5)], [ri.Spring(5.0)],
-                {"gaps": [0.02], "ends": (ri.Force(RAMP), ri.Absorbing())}),
+                {"gaps": [0.02], "ends": (ri.Pushed(RAMP), ri.Absorbing())}),
     "a velocity": ([unit_rod(), unit_rod(0.7, 0.5)], [ri.Hertz(5.0)],
-                   {"gaps": [0.02], "ends": (ri.Velocity(RAMP), ri.Fixed())}),
+                   {"gaps": [0.02], "ends": (ri.Moved(RAMP), ri.Fixed())}),
     "a force on a mass": ([ri.RigidMass(0.6), unit_rod()], [ri.Bonded()],
-                          {"ends": (ri.Force(RAMP), ri.Velocity(RAMP))}),
+                          {"ends": (ri.Pushed(RAMP), ri.Moved(RAMP))}),
     "bonds between driven ends": (
         [unit_rod(velocity=WAVE), ri.RigidMass(0.5, velocity=WAVE.values[-1]), unit_rod(0.6, 2.0)],
         [ri.Bonded(), ri.Spring(4.0)],
-        {"gravity": 0.3, "ends": (ri.Velocity(0.3), ri.Force(np.sin, duration=3.0))}),
+        {"gravity": 0.3, "ends": (ri.Moved(0.3), ri.Pushed(np.sin, duration=3.0))}),
     "an absorbing end": ([ri.RigidMass(0.5, velocity=0.6), unit_rod(velocity=WAVE)],
                          [ri.Spring(4.0)], {"ends": (ri.Free(), ri.Absorbing())}),
 }
@@ -249,7 +249,7 @@ def test_rows_meet_characteristics(name):
 
 @pytest.mark.parametrize("profile", [0.7, ri.Steps([1.0, -0.5, 0.25], [0.25, 1.5]), RAMP],
                          ids=["number", "steps", "samples"])
-@pytest.mark.parametrize("kind", [ri.Force, ri.Velocity])
+@pytest.mark.parametrize("kind", [ri.Pushed, ri.Moved])
 @pytest.mark.parametrize("side", [0, 1])
 @pytest.mark.parametrize("viscosity", [0.0, 1e-9])
 def test_a_driven_end_sends_what_drives_it(profile, kind, side, viscosity):
@@ -266,7 +266,7 @@ def test_a_driven_end_sends_what_drives_it(profile, kind, side, viscosity):
     s = solved([rod], 3.0, 200, ends=ends[::-1] if side == 0 else ends)
     x, t = (np.arange(40) + 0.5) / 40, np.linspace(0.0137, 2.98, 41)[:, None]
     late = t - (x if side == 0 else 1 - x)
-    expected = at(late) * ((1, -1)[side] / 2 if kind is ri.Force else 1.0)
+    expected = at(late) * ((1, -1)[side] / 2 if kind is ri.Pushed else 1.0)
     allowed = 2e-3 if profile is RAMP else 5e-3
     assert np.abs(s.velocity(0, x, t) - expected).mean() <= allowed
     assert np.abs(s.energy(np.linspace(0, 3, 25)).residual).max() <= 1e-12
@@ -275,7 +275,7 @@ def test_a_driven_end_sends_what_drives_it(profile, kind, side, viscosity):
 def test_forces_in_bonds_of_rigid_bodies():
     masses = [ri.RigidMass(m) for m in (1.0, 2.0, 3.0)]
     laws, rod = [ri.Bonded(), ri.Bonded(), ri.Hertz(9.0)], unit_rod(velocity=-1.0)
-    s = solved([*masses, rod], 2.0, 32, contacts=laws, ends=(ri.Force(0.7), ri.Free()))
+    s = solved([*masses, rod], 2.0, 32, contacts=laws, ends=(ri.Pushed(0.7), ri.Free()))
     t = s.fields.assembly.tick * PARTS * (np.arange(64) + 0.5)
     t = t[t < 2.0]
     first, second, last = (c.force(t) for c in s.contacts)
@@ -534,7 +534,7 @@ def test_families_are_for_sweep(monkeypatch):
 
 
 def test_without_an_end_a_driven_row_is_refused():
-    assert refused("must be given: .*drive", solved, [unit_rod()], ends=(ri.Force(1.0), ri.Free()),
+    assert refused("must be given: .*drive", solved, [unit_rod()], ends=(ri.Pushed(1.0), ri.Free()),
                    ) == ["until"]
     assert refused("must be given: .*gravity", solved, [unit_rod(), ri.Wall()],
                    gravity=1.0) == ["until"]
@@ -564,7 +564,7 @@ def test_any_end(until, size):
 def test_the_outcome_is_that_at_the_end_not_at_the_end_of_a_step(cells):
     """A driven rod by itself: momentum is the impulse of the drive up to the end."""
     for until in (0.311, 0.4712, 0.7):
-        s = solved([unit_rod()], until, cells, ends=(ri.Force(0.5), ri.Free()))
+        s = solved([unit_rod()], until, cells, ends=(ri.Pushed(0.5), ri.Free()))
         assert s.outcome.velocities_after[0] == pytest.approx(0.5 * until, rel=1e-12)
         assert float(s.mean_velocity(0, until)) == pytest.approx(0.5 * until, rel=1e-12)
 

@@ -221,7 +221,7 @@ def test_steps_against_dense_matrices(seed, ends):
     rod = ri.Rod(segments=segments, velocity=ri.Samples([1.0, -1.0, 0.5]),
                  strain=ri.Samples([0.1, 0.0, -0.2]))
     kinds = {"free": (ri.Free(), ri.Free()), "fixed": (ri.Fixed(), ri.Free()),
-             "pushed": (ri.Force(0.3), ri.Force(-0.2))}
+             "pushed": (ri.Pushed(0.3), ri.Pushed(-0.2))}
     row, push = [rod], (0.3, -0.2) if ends == "pushed" else (0.0, 0.0)
     if ends == "pushed" and seed % 2:
         row = [rod, ri.RigidMass(0.8, velocity=0.4)]

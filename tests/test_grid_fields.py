@@ -23,7 +23,7 @@ ROW = ri.System(
     [0.1, 0.05, 0.0, 0.1, 0.0],
     [ri.Hertz(20.0), ri.Rigid(), ri.HuntCrossley(10.0, 0.3), ri.Rigid(restitution=0.5),
      ri.Bonded()],
-    gravity=-0.4, ends=(ri.Velocity(ri.Samples([0.5, 1.0, -0.5], step=1.0)), ri.Force(0.2)),
+    gravity=-0.4, ends=(ri.Moved(ri.Samples([0.5, 1.0, -0.5], step=1.0)), ri.Pushed(0.2)),
 )
 
 
@@ -138,7 +138,7 @@ def test_strains_beside_contacts_steps_and_masses_are_of_order_two():
 
 
 def test_an_end_that_is_driven_or_absorbs_shows_its_force():
-    ends = ri.Force(lambda t: 0.3 * math.sin(2 * t), duration=3.0), ri.Absorbing()
+    ends = ri.Pushed(lambda t: 0.3 * math.sin(2 * t), duration=3.0), ri.Absorbing()
     t, errors = np.linspace(0.1, 2.9, 57), []
     for n in (20, 40, 80):
         s = ri.solve(ri.System([unit_rod(area=2.0)], ends=ends), 3.0, METHOD, cells=n)

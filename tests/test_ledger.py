@@ -152,9 +152,9 @@ def test_walls_and_drives_work_along_the_way_of_their_point(seed):
             t = np.arange(run.steps + 1) * run.step
             moved = np.diff(solution.displacement(body, x, t))
             drive += (1, -1)[side] * np.sum(force * moved)
-            if isinstance(end, ri.Force) and isinstance(end.value, float):
+            if isinstance(end, ri.Pushed) and isinstance(end.value, float):
                 assert force == pytest.approx(end.value, abs=1e-15)
-            if isinstance(end, ri.Velocity) and isinstance(end.value, float):
+            if isinstance(end, ri.Moved) and isinstance(end.value, float):
                 assert moved == pytest.approx(end.value * run.step, abs=1e-13)
     assert ledger.wall_work[-1] == pytest.approx(wall, abs=1e-12 * scale)
     assert ledger.drive_work[-1] == pytest.approx(drive, abs=1e-12 * scale)
@@ -248,7 +248,7 @@ def test_forces_and_steps_that_pump_a_row():
     mass, rod = ri.RigidMass(2.0, velocity=0.5), unit_rod()
     for g in (0.0, -3.0):
         s = solved([mass, rod], until=1.0, gaps=[100.0], gravity=g,
-                   contacts=[ri.Spring(1.0)], ends=(ri.Force(4.0), ri.Free()))
+                   contacts=[ri.Spring(1.0)], ends=(ri.Pushed(4.0), ri.Free()))
         way = 0.5 + (2.0 + g) / 2
         assert float(s.displacement(0, 0.0, 1.0)) == pytest.approx(way, rel=1e-14)
         assert float(s.velocity(0, 0.0, 1.0)) == pytest.approx(2.5 + g, rel=1e-14)

@@ -53,13 +53,13 @@ def test_what_stands_at_bonds():
     mesh = mesh_of([unit_rod(), ri.RigidMass(3.0), unit_rod()], [2, 2], laws)
     assert mesh.interfaces == {2: Interface(3, 3.0, 0, -1, 1, -1)}
     mesh = mesh_of([ri.RigidMass(3.0), unit_rod()], [2], [ri.Bonded()],
-                   ends=(ri.Force(1.0), ri.Free()))
+                   ends=(ri.Pushed(1.0), ri.Free()))
     assert mesh.interfaces == {1: Interface(0, 3.0, 0, -1, -1, 0)}
-    mesh = mesh_of([unit_rod()], [2], ends=(ri.Fixed(), ri.Velocity(1.0)))
+    mesh = mesh_of([unit_rod()], [2], ends=(ri.Fixed(), ri.Moved(1.0)))
     assert mesh.interfaces == {0: Interface(0, 0.25, 1, 1, -1, -1),
                                1: Interface(2, 0.25, 0, 2, -1, -1)}
     assert np.flatnonzero(mesh.held).tolist() == [0, 2]
-    mesh = mesh_of([unit_rod()], [2], ends=(ri.Absorbing(), ri.Force(1.0)))
+    mesh = mesh_of([unit_rod()], [2], ends=(ri.Absorbing(), ri.Pushed(1.0)))
     assert mesh.interfaces == {}
     assert not np.any(mesh.held)
 

@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -197,7 +199,7 @@ def test_numbers_of_every_kind_make_families_by_their_paths():
         gaps=[0.0, two, 0.0, 0.0, 0.0],
         contacts=[ri.Rigid(two / 2), ri.SpringDashpot(three, two), ri.Hertz(two),
                   ri.HuntCrossley(two, three), ri.Spring(three)],
-        gravity=two, ends=(ri.Free(), ri.Force(three)),
+        gravity=two, ends=(ri.Free(), ri.Pushed(three)),
     )
     assert row.shape == (3, 2)
     assert set(row.parameters) == {
@@ -211,7 +213,7 @@ def test_numbers_of_every_kind_make_families_by_their_paths():
     assert member.shape == ()
     assert member.bodies[1] == ri.RigidMass(2.0, velocity=3.0)
     assert member.contacts[1] == ri.SpringDashpot(3.0, 2.0)
-    assert (member.gravity, member.ends[1]) == (2.0, ri.Force(3.0))
+    assert (member.gravity, member.ends[1]) == (2.0, ri.Pushed(3.0))
 
 
 def test_steps_are_checked():
@@ -289,13 +291,13 @@ def test_mirror_and_reversal_undo_themselves():
 
 
 def test_a_mirror_turns_gravity_and_drives():
-    push = ri.Force(ri.Steps([1.0, 2.0], [1e-3]))
-    pull = ri.Velocity(ri.Samples([1.0, 2.0], step=1e-3))
+    push = ri.Pushed(ri.Steps([1.0, 2.0], [1e-3]))
+    pull = ri.Moved(ri.Samples([1.0, 2.0], step=1e-3))
     row = ri.System([rod(velocity=1.0), MASS, rod()], [0.0, 0.5], [ri.Rigid(), ri.Hertz(1.0)],
                     gravity=9.81, ends=(push, pull))
     image = row.mirrored()
     assert image.gravity == -9.81
-    assert image.ends == (ri.Velocity(ri.Samples([-1.0, -2.0], step=1e-3)), push)
+    assert image.ends == (ri.Moved(ri.Samples([-1.0, -2.0], step=1e-3)), push)
     assert image.bodies[1] == ri.RigidMass(2.0, velocity=1.0)
     assert image.contacts == (ri.Hertz(1.0), ri.Rigid())
     assert image.mirrored() == row
@@ -324,7 +326,7 @@ def test_no_film_runs_backwards_where_something_is_lost_or_driven():
         "bodies.1.material.viscosity", "bodies.2.segments.1.material.viscosity",
         "contacts.0.damping", "contacts.1.damping", "contacts.3.restitution", "ends.left",
     ]
-    for end in (ri.Force(0.0), ri.Velocity(0.0)):
+    for end in (ri.Pushed(0.0), ri.Moved(0.0)):
         found = problems(ri.System([rod()], ends=(ri.Free(), end)).reversed)
         assert [path for path, _ in found] == ["ends.right"]
     calm = [ri.SpringDashpot(1.0, 0.0), ri.HuntCrossley(1.0, 0.0)]
@@ -631,3 +633,60 @@ def test_a_taper_in_steps_is_for_every_method():
     assert abilities.choose(ri.System([cone()])) == "finite-difference"
     assert not abilities.lacking("finite-difference", ri.System([cone(), MASS]))
     assert ri.solve(row).outcome.momentum_residual == pytest.approx(0, abs=1e-12)
+
+
+# The same with other values
+
+EVERYTHING = [
+    steel, ri.Segment(0.4, 1e-4, steel, polar_moment="circular"),
+    ri.Segment(0.4, ri.Samples([1e-4, 2e-4]), steel),
+    ri.Rod(0.4, area=1e-4, material=steel, velocity=ri.Steps([1.0, 0.0], [0.1])),
+    ri.Rod(segments=[ri.Segment(0.4, 1e-4, steel), ri.Segment(0.1, 2e-4, steel)], strain=1e-4),
+    ri.RigidMass(2.0, velocity=1.0), ri.Wall(0.5), ri.Steps([1.0, 2.0], [0.1]),
+    ri.Samples([1.0, 2.0], step=0.1), ri.Rigid(0.5), ri.Bonded(), ri.Spring(1e6),
+    ri.SpringDashpot(1e6, 2.0), ri.Hertz(1e9), ri.HuntCrossley(1e9, 0.1), ri.PowerLaw(1e9, 2.0),
+    ri.Free(), ri.Fixed(), ri.Absorbing(), ri.Pushed(1e3), ri.Moved(1.0),
+    ri.System([ri.Rod(0.4, area=1e-4, material=steel), ri.Wall()], [1e-3], gravity=1.0),
+]
+
+
+@pytest.mark.parametrize("thing", EVERYTHING, ids=lambda thing: type(thing).__name__)
+def test_replace_changes_only_what_it_is_told(thing):
+    assert thing.replace() == thing
+    for name, value in thing.__dict__.items():
+        if name in thing.fields and isinstance(value, float):
+            changed = thing.replace(**{name: value / 2})
+            assert getattr(changed, name) == value / 2
+            assert changed.replace(**{name: value}) == thing
+    with pytest.raises(ri.InvalidModel, match=f"colour: is no parameter of {type(thing).__name__}"):
+        thing.replace(colour="red")
+
+
+def test_replace_names_the_nearest_parameter_and_checks_values():
+    with pytest.raises(ri.InvalidModel, match="lenght: is no parameter of Rod; perhaps 'length'"):
+        EVERYTHING[3].replace(lenght=1.0)
+    with pytest.raises(ri.InvalidModel, match="stiffness: must be a finite positive number of N/m"):
+        ri.Spring(1.0).replace(stiffness=-1.0)
+
+
+def test_replace_makes_families_and_puts_one_description_for_another():
+    rod = EVERYTHING[3]
+    assert rod.replace(length=[0.4, 0.5]).length.tolist() == [0.4, 0.5]
+    assert rod.replace(diameter=0.02) == rod.replace(area=math.pi * 0.02 * 0.02 / 4)
+    stepped = EVERYTHING[4]
+    assert rod.replace(segments=stepped.segments, velocity=0.0, strain=1e-4) == stepped
+    with pytest.raises(ri.InvalidModel, match="not both"):
+        stepped.replace(length=1.0)
+    assert EVERYTHING[-1].replace(gravity=[1.0, 2.0]).shape == (2,)
+
+
+@pytest.mark.parametrize("kind", [ri.Rod, ri.Segment])
+def test_a_diameter_is_that_of_a_round_section(kind):
+    d = np.array([0.01, 0.02])
+    assert kind(0.4, material=steel, diameter=d) == kind(0.4, area=math.pi * d * d / 4,
+                                                         material=steel)
+    for wrong, path in (({"diameter": -1.0}, "diameter"), ({}, "area"),
+                        ({"diameter": 0.1, "area": 1.0}, "diameter")):
+        with pytest.raises(ri.InvalidModel) as caught:
+            kind(0.4, material=steel, **wrong)
+        assert [where for where, _ in caught.value.problems] == [path]

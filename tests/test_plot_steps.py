@@ -38,8 +38,8 @@ ROWS = {
     "pushed": (ri.System(
         [rod(0.5), ri.RigidMass(0.2), rod(0.3)], gaps=[0.0, 1e-6],
         contacts=[ri.Bonded(), ri.HuntCrossley(1e10, 0.2)],
-        ends=(ri.Force(PULSE), ri.Fixed())), 1e-3),
-    "driven": (ri.System([rod(0.5)], ends=(ri.Velocity(1.0), ri.Absorbing())), 3e-4),
+        ends=(ri.Pushed(PULSE), ri.Fixed())), 1e-3),
+    "driven": (ri.System([rod(0.5)], ends=(ri.Moved(1.0), ri.Absorbing())), 3e-4),
     "stepped": (ri.System([ri.RigidMass(1.0, velocity=1.0), ri.Rod(segments=[
         ri.Segment(0.3, 1e-4, STEEL), ri.Segment(0.2, 3e-4, ri.materials.aluminium)])]), 4e-4),
     "masses": (ri.System(

@@ -467,7 +467,7 @@ def test_parameters_of_masses_laws_and_ends_in_words(path, largest, label):
         [rod(), ri.RigidMass(1.0), ri.RigidMass(1.0), ri.RigidMass(1.0), rod()],
         contacts=[ri.SpringDashpot(1e8, 1e3), ri.HuntCrossley(1e9, 0.1), ri.Rigid(0.5),
                   ri.Rigid()],
-        ends=(ri.Force(1e3), ri.Velocity(1.0)))
+        ends=(ri.Pushed(1e3), ri.Moved(1.0)))
     assert quantities.parameter(system, path).scale(largest).label == label
 
 

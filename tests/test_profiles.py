@@ -84,14 +84,14 @@ def test_samples_are_one_thing_and_no_family():
 
 
 def test_the_step_between_samples_may_be_a_family():
-    drive = ri.Force(ri.Samples([0.0, 1.0], step=[1e-6, 2e-6]))
+    drive = ri.Pushed(ri.Samples([0.0, 1.0], step=[1e-6, 2e-6]))
     row = ri.System([rod()], ends=(drive, ri.Free()))
     assert list(row.parameters) == ["ends.left.value.step"]
-    assert row[1].ends[0] == ri.Force(ri.Samples([0.0, 1.0], step=2e-6))
+    assert row[1].ends[0] == ri.Pushed(ri.Samples([0.0, 1.0], step=2e-6))
 
 
 def test_a_hundred_thousand_samples_enter_no_list_of_numbers():
-    row = ri.System([rod()], ends=(ri.Velocity(ri.Samples(np.ones(100_000), 1e-9)), ri.Free()))
+    row = ri.System([rod()], ends=(ri.Moved(ri.Samples(np.ones(100_000), 1e-9)), ri.Free()))
     assert len(row._numbers()) < 20
 
 
@@ -168,7 +168,7 @@ def test_mistakes_of_profiles_beside_others():
 # In time
 
 
-@pytest.mark.parametrize("drive", [ri.Force, ri.Velocity])
+@pytest.mark.parametrize("drive", [ri.Pushed, ri.Moved])
 def test_a_function_of_time_is_sampled(drive):
     value = drive(lambda t: 3 * t, duration=2e-3).value
     assert value.step == 2e-3 / (IN_TIME - 1)
@@ -189,7 +189,7 @@ def test_a_function_of_time_is_sampled(drive):
         ({"value": lambda t: 1 / t, "duration": 1.0}, "value", "ZeroDivisionError"),
     ],
 )
-@pytest.mark.parametrize("drive", [ri.Force, ri.Velocity])
+@pytest.mark.parametrize("drive", [ri.Pushed, ri.Moved])
 def test_what_drives_nothing(drive, arguments, path, said):
     found = problems(lambda: drive(**arguments))
     assert list(found) == [path]

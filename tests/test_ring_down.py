@@ -75,7 +75,7 @@ def test_the_lasting_mode_of_a_rod_damped_in_one_half():
 def test_what_has_no_ring_down_says_so():
     with pytest.raises(ValueError, match=r"ring_down: the collision is not over\. Stopped at"):
         ri.solve(pair(LOSSY), until=1e-5, cells=20).ring_down()
-    driven = ri.System(pair(LOSSY).bodies, ends=(ri.Free(), ri.Force(1.0)))
+    driven = ri.System(pair(LOSSY).bodies, ends=(ri.Free(), ri.Pushed(1.0)))
     with pytest.raises(ValueError, match="ring_down"):
         ri.solve(driven, until=1e-3, cells=20).ring_down()
 

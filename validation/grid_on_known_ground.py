@@ -100,7 +100,7 @@ def pushed() -> list[Row]:
     """A constant force on the left end of a free rod, 200 cells."""
     case = "force of 1 on a free rod of mass 1, 200 cells"
     times = np.array([0.5, 1.5, 3.7])
-    row = ri.System([bar(1.0)], ends=(ri.Force(1.0), ri.Free()))
+    row = ri.System([bar(1.0)], ends=(ri.Pushed(1.0), ri.Free()))
     solution = ri.solve(row, method=METHOD, cells=200, until=3.8, snapshots=times)
     book = solution.energy(3.8)
     x = ((np.arange(400) + 0.5) / 400)[:, None]

@@ -60,10 +60,10 @@ def cone() -> list[Row]:
     """A speed, then a pressure on the smaller end."""
     case, source = "cone, A1/A0 = 9", "s u obeys d'Alembert"
     t, x = np.array([0.3, 0.6, 0.9]), ((np.arange(2000) + 0.5) / 2000)[:, None]
-    moved = on_grid(ri.Velocity(1.0), t).velocity(0, x, t)
+    moved = on_grid(ri.Moved(1.0), t).velocity(0, x, t)
     exact = np.where(x < t, APEX / (APEX + x), 0.0)
     behind = x < t - 0.1
-    pushed = on_grid(ri.Force(1.0), t).velocity(0, x, t)
+    pushed = on_grid(ri.Pushed(1.0), t).velocity(0, x, t)
     after = np.maximum(t - x, 0.0)
     by_pressure = np.where(x < t, APEX / (APEX + x) * np.exp(-after / APEX), 0.0)
     return [
@@ -78,7 +78,7 @@ def cone() -> list[Row]:
     ]
 
 
-def on_grid(end: ri.Velocity | ri.Force, times: np.ndarray) -> ri.Solution:
+def on_grid(end: ri.Moved | ri.Pushed, times: np.ndarray) -> ri.Solution:
     """The cone, driven at its smaller end."""
     row = ri.System([horn(conical)], ends=(end, ri.Free()))
     longest_step = 0.999 / CELLS  # by which waves disperse least; the end is a multiple
@@ -92,7 +92,7 @@ def fronts() -> list[Row]:
     for case, area in (("cone, A1/A0 = 9", conical), ("exponential horn, beta L = 1",
                                                        exponential(1.0))):
         t = np.linspace(0.98, 1.05, 701)
-        row = ri.System([horn(area)], ends=(ri.Velocity(1.0), ri.Free()))
+        row = ri.System([horn(area)], ends=(ri.Moved(1.0), ri.Free()))
         v = ri.solve(row, method=METHOD, cells=CELLS, until=1.05, snapshots=t).velocity(0, 1.0, t)
         growth = 2 * ri.theory.horn_amplification(1.0, float(area(np.array(1.0))))
         i = int(np.argmax(v > growth / 2))

@@ -82,7 +82,7 @@ def rises() -> list[Row]:
     """From 10 to 90 % in microseconds."""
     c, case = float(STEEL.wave_speed), "step of velocity in a steel bar of 19 mm"
     bar = ri.Rod(8.2, area=math.pi * RADIUS**2, material=STEEL, polar_moment="circular")
-    row = ri.System([bar], ends=(ri.Velocity(1.0), ri.Absorbing()))
+    row = ri.System([bar], ends=(ri.Moved(1.0), ri.Absorbing()))
     width = {x: 3e-6 * x ** (1 / 3) for x in QUOTED}  # about the time scale of the front
     windows = {x: x / c + width[x] * np.linspace(-4.0, 2.6, 200) for x in QUOTED}
     times = np.concatenate(list(windows.values()))

@@ -12,15 +12,15 @@ import numpy as np
 from ..frozen import InvalidModel, Problems
 from ..model import (
     Bonded,
-    Force,
     Free,
+    Moved,
+    Pushed,
     Rigid,
     RigidMass,
     Rod,
     Samples,
     Segment,
     System,
-    Velocity,
     Wall,
 )
 
@@ -56,7 +56,7 @@ def _smooth_states(system: System) -> Found:
 
 def _smooth_drives(system: System) -> Found:
     for side, end in zip(("left", "right"), system.ends, strict=True):
-        if isinstance(end, Force | Velocity) and isinstance(end.value, Samples):
+        if isinstance(end, Pushed | Moved) and isinstance(end.value, Samples):
             yield f"ends.{side}.value", "drives other than steps"
 
 
@@ -121,7 +121,7 @@ def choose(system: System, first: int = 0) -> str:
 
 def driven(system: System) -> bool:
     """Whether forces from outside act: no bound says when the last contact is over."""
-    if any(isinstance(end, Force | Velocity) for end in system.ends):
+    if any(isinstance(end, Pushed | Moved) for end in system.ends):
         return True
     held = isinstance(system.bodies[0], Wall) or isinstance(system.bodies[-1], Wall) or any(
         not isinstance(end, Free) for end in system.ends

@@ -19,13 +19,13 @@ from ..model import (
     Bonded,
     End,
     Fixed,
-    Force,
     Free,
+    Moved,
+    Pushed,
     Rod,
     Segment,
     Steps,
     System,
-    Velocity,
 )
 from . import kernels
 from .abilities import refuse
@@ -48,7 +48,7 @@ from .layout_kernel import (
 )
 
 OUTSIDE: dict[type[End], int] = {
-    Free: STEADY, Fixed: STEADY, Absorbing: ENDLESS, Force: PUSHED, Velocity: MOVED,
+    Free: STEADY, Fixed: STEADY, Absorbing: ENDLESS, Pushed: PUSHED, Moved: MOVED,
 }
 INTERPRETED = 200  # durations up to which the tick rule is not worth compiling
 
@@ -149,7 +149,7 @@ class Blueprint:
         joined = [int(all(isinstance(law, Bonded) for law in system.contacts))]
         self.make = Make(first, last, nodes, places, jumps, outside, size, joined)
         left, right = (
-            FREE if isinstance(end, Free) else PUSH if isinstance(end, Force) else BOND
+            FREE if isinstance(end, Free) else PUSH if isinstance(end, Pushed) else BOND
             for end in system.ends
         )
         self.status = [left, *[BOND] * (n - 1), right]

@@ -296,8 +296,9 @@ class Machine:
             transits // PARTS * parts, transits % PARTS / PARTS, transits / PARTS,
             np.diff(self.places) / PARTS, np.array(mobility), whole(plan.first),
             np.array(plan.masses) / h, whole(plan.laws), plan.stiffness_in_steps(h),
-            np.array(plan.damping), np.array(plan.gap) / h, np.zeros(links), np.zeros(links),
-            np.ones(links, np.int64), np.array(plan.mass_velocity) - plan.frame, np.zeros(1),
+            np.array(plan.exponent), np.array(plan.damping), np.array(plan.gap) / h,
+            np.zeros(links), np.zeros(links), np.ones(links, np.int64),
+            np.array(plan.mass_velocity) - plan.frame, np.zeros(1),
         )
         self.tally = Tally(*(np.zeros(links) for _ in range(4)),
                            *(np.full(links, v, np.int64) for v in (-1, -1, 0, 0)))
@@ -559,10 +560,12 @@ def _resolving(plan: Plan) -> float:
             i = k + m0 + q
             around = [plan.masses[m] for m in (m0 + q - 1, m0 + q) if m0 <= m < m1]
             m, stiff = 1 / sum(1 / M for M in around), plan.stiffness[i]
-            if plan.laws[i] == SPRING:
+            power = plan.exponent[i] + 1
+            if plan.laws[i] >= SPRING and power == 2:
                 finest = min(finest, math.pi * math.sqrt(m / stiff) / 20)
-            elif plan.laws[i] > SPRING:
-                finest = min(finest, 2.9432 * (1.25 * m * v * v / stiff) ** 0.4 / v / 20)
+            elif plan.laws[i] >= SPRING:
+                deepest = (power / 2 * m * v * v / stiff) ** (1 / power)
+                finest = min(finest, 2.9432 * deepest / v / 20)
     longest = max(float(s.transit_time) for s in plan.segments)
     return max(finest, longest / FINEST * 4)
 

@@ -62,7 +62,8 @@ class Row(NamedTuple):
     first: Any  # [node + 1] first mass at the node; links of node k begin at k + first[k]
     mass: Any  # [mass]
     law: Any  # [link]
-    stiffness: Any  # [link] of SPRING, HERTZ, HUNT
+    stiffness: Any  # [link] of what is compliant
+    exponent: Any  # [link] of the indentation
     damping: Any  # [link] of SPRING and HUNT: F = k x^(3/2) (1 + damping w); of IMPACT e
     gap: Any  # [link] minus the indentation
     force: Any  # [link] of the last step
@@ -246,7 +247,8 @@ def press(
     p, q = start[2 * k] - row.steps[k], start[2 * k + 3] - row.steps[k + 1]
     left, right = start[2 * k + 1], start[2 * k + 2]
     wl, wr = row.share[k], row.share[k + 1]
-    law, stiffness, damping, w = row.law[i], row.stiffness[i], row.damping[i], row.closing[i]
+    law, stiffness, exponent = row.law[i], row.stiffness[i], row.exponent[i]
+    damping, w = row.damping[i], row.closing[i]
     parts = len(row.part)
     m = j0 % parts
     for j in range(j0, j1):
@@ -260,10 +262,13 @@ def press(
             jumps = clock[CUTS] > 0 and gap > 0 and law == SPRING and damping > 0
             if jumps and closes_inside(row, clock, i, j, gap / (a - b)):
                 return CLOSED
-            F, x, _ = squeeze(law, stiffness, damping / d, -gap, d * (a - b), d * (Yl + Yr), w)
+            F, x, _ = squeeze(
+                law, stiffness, exponent, damping / d, -gap, d * (a - b), d * (Yl + Yr), w
+            )
             w, rest = x + gap, -x
             if damping > 0:
-                drop = stored(law, stiffness, gap) - stored(law, stiffness, rest)
+                drop = stored(law, stiffness, exponent, gap)
+                drop -= stored(law, stiffness, exponent, rest)
                 tally.lost[i] += F * w + drop
         if k > 0:
             wave[left + j] = a - 2 * F * Yl
@@ -348,7 +353,8 @@ def settle(
         return gap if gap <= 0 and abs(w) <= d * tol else gap - w
     rest = -float(links.place[q])
     if row.damping[i] > 0:
-        drop = stored(law, row.stiffness[i], gap) - stored(law, row.stiffness[i], rest)
+        k, p = row.stiffness[i], row.exponent[i]
+        drop = stored(law, k, p, gap) - stored(law, k, p, rest)
         tally.lost[i] += F * (gap - rest) + drop
     return rest
 

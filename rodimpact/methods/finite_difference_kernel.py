@@ -85,6 +85,7 @@ class Links(NamedTuple):
 
     law: Any
     stiffness: Any
+    exponent: Any
     damping: Any
     gap: Any
     force: Any
@@ -336,8 +337,8 @@ def settle(
     elif law >= SPRING:
         rest = -chain.place[q]
         if links.damping[i] > 0:
-            k = links.stiffness[i]
-            tally.lost[i] += F * (gap - rest) + stored(law, k, gap) - stored(law, k, rest)
+            k, p = links.stiffness[i], links.exponent[i]
+            tally.lost[i] += F * (gap - rest) + stored(law, k, p, gap) - stored(law, k, p, rest)
     return rest
 
 

@@ -156,8 +156,8 @@ class Machine:
         gap = np.array([plan.gap[i] for i in chosen]) / h
         links = Links(
             whole([plan.laws[i] for i in chosen]),
-            plan.stiffness_in_steps(h)[chosen],
-            np.array([plan.damping[i] for i in chosen]), gap, np.zeros(count), np.zeros(count),
+            plan.stiffness_in_steps(h)[chosen], np.array(plan.exponent)[chosen],
+            np.array(plan.damping)[chosen], gap, np.zeros(count), np.zeros(count),
             np.ones(count, np.int64), (gap == 0).astype(np.int64),
             whole([pair[0] for pair in nodes]), whole([pair[1] for pair in nodes]),
             whole(sides[0]), whole(sides[1]), own, shared, np.zeros(count),

@@ -12,9 +12,9 @@ An impact of rigid bodies takes the force that leaves a closing velocity of at m
 before (Moreau, CISM 302, 1988).
 
 Time is counted in steps: lengths are velocity times steps, and masses and stiffnesses are scaled to
-match: M/h, k h (spring), k h^(3/2) (Hertz), a dashpot's constant as it is. What happens lasts d, a
+match: M/h, k h^p for a force k x^p, a dashpot's constant as it is. What happens lasts d, a
 step or a part of one; links close by lengths. `row` stands for any
-NamedTuple with the columns of the links: law, stiffness, damping and gap.
+NamedTuple with the columns of the links: law, stiffness, exponent, damping and gap.
 """
 
 from __future__ import annotations
@@ -22,10 +22,15 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-FREE, FORCE, BOND, RIGID, IMPACT, SPRING, HERTZ, HUNT = range(8)  # laws of links
+FREE, FORCE, BOND, RIGID, IMPACT, SPRING, HERTZ, HUNT, POWER = range(9)  # laws of links
+COMPLIANT = {  # and their names in the model
+    "spring": SPRING, "spring-dashpot": SPRING, "hertz": HERTZ, "hunt-crossley": HUNT,
+    "power": POWER,
+}
 EPS = 1 / (1 << 52)
 ROUGH = 1 / (1 << 24)  # of the motion: forces that are no better known are none
 ENOUGH = 1 / (1 << 27)  # relative Newton step after which the next one is round-off
+NEAR = 1 / (1 << 6)  # relative change below which a difference quotient is a series
 NEWTON = 100  # iterations of one contact: a bound that is not met in practice
 SWEEPS = 1000  # of one chain, see `balance`
 
@@ -58,24 +63,50 @@ class Chain(NamedTuple):
     upper: Any  # for the elimination
 
 
-def stored(law: int, k: float, gap: float) -> float:
+def stored(law: int, k: float, p: float, gap: float) -> float:
     """Energy stored in a compliant contact."""
     if gap >= 0 or law < SPRING:
         return 0.0
-    if law == SPRING:
+    if p == 1:
         return k * gap * gap / 2
-    return 2 * k * gap * gap * math.sqrt(-gap) / 5
+    if p == 1.5:
+        return 2 * k * gap * gap * math.sqrt(-gap) / 5
+    energy: float = k * (-gap) ** (p + 1) / (p + 1)
+    return energy
 
 
-def mean_force(law: int, k: float, d: float, x0: float, x1: float) -> tuple[float, float]:
+def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
+    """Mean of k x^p from x0 > 0 to x1 > 0, and its derivative by x1; accurate where they are near.
+
+    With h = x1/x0 - 1 it is k x0^p ((1 + h)^(p+1) - 1)/((p + 1) h), or its series in h.
+    """
+    q, w = p + 1, x1 - x0
+    h = w / x0
+    force: float = k * x0**p
+    if abs(h) > 0.5:
+        F = (k * x1**p * x1 - force * x0) / (q * w)
+    elif h != 0:
+        F = force * math.expm1(q * math.log1p(h)) / (q * h)
+    else:
+        F = force
+    if abs(q * h) > NEAR:
+        return F, (k * x1**p - F) / w
+    third = (p - 1) * h
+    fourth = third * (p - 2) * h
+    return F, force / x0 * p * (1 / 2 + third / 3 + fourth / 8 + fourth * (p - 3) * h / 30)
+
+
+def mean_force(
+    law: int, k: float, p: float, d: float, x0: float, x1: float
+) -> tuple[float, float]:
     """Mean force of a compliant contact while its indentation goes from x0 to x1, and dF/dx1.
 
-    SPRING: k p + d dp/dt with p = max(x, 0); HERTZ: k p^(3/2); HUNT: the same times (1 + d dx/dt);
-    averaged along the straight path, cut at 0.
+    SPRING: k q + d dq/dt with q = max(x, 0); HERTZ: k q^(3/2); HUNT: the same times (1 + d dx/dt);
+    POWER: k q^p; averaged along the straight path, cut at 0.
     """
     if x0 <= 0 and x1 <= 0:
         return 0.0, 0.0
-    if law == SPRING:
+    if p == 1:
         if x1 <= 0:
             share = x0 / (x0 - x1)
             F, dF = k * x0 * share / 2 - d * x0, k * share * share / 2
@@ -84,7 +115,7 @@ def mean_force(law: int, k: float, d: float, x0: float, x1: float) -> tuple[floa
             F, dF = k * x1 * share / 2 + d * x1, k * share * (2 - share) / 2 + d
         else:
             F, dF = k * (x0 + x1) / 2 + d * (x1 - x0), k / 2 + d
-    else:
+    elif p == 1.5:
         if x1 <= 0:
             F = 2 * k * x0 * x0 * math.sqrt(x0) / (5 * (x0 - x1))
             dF = F / (x0 - x1)
@@ -92,20 +123,28 @@ def mean_force(law: int, k: float, d: float, x0: float, x1: float) -> tuple[floa
             s, share = math.sqrt(x1), x1 / (x1 - x0)
             F, dF = 2 * k * x1 * s * share / 5, k * s * share * (5 - 2 * share) / 5
         else:
-            p, s = math.sqrt(x0), math.sqrt(x1)
-            pp, ps, ss, sum_ = p * p, p * s, s * s, p + s
-            F = 2 * k * (ss * (ss + ps + pp) + ps * pp + pp * pp) / (5 * sum_)
-            dF = k * (3 * ss * s + 6 * ss * p + 4 * s * pp + 2 * pp * p) / (5 * sum_ * sum_)
-        if law == HUNT:
-            stretch = 1 + d * (x1 - x0)
-            F, dF = F * stretch, dF * stretch + F * d
+            r, s = math.sqrt(x0), math.sqrt(x1)
+            rr, rs, ss, sum_ = r * r, r * s, s * s, r + s
+            F = 2 * k * (ss * (ss + rs + rr) + rs * rr + rr * rr) / (5 * sum_)
+            dF = k * (3 * ss * s + 6 * ss * r + 4 * s * rr + 2 * rr * r) / (5 * sum_ * sum_)
+    elif x1 <= 0:
+        F = k * x0**p * x0 / ((p + 1) * (x0 - x1))
+        dF = F / (x0 - x1)
+    elif x0 <= 0:
+        share = x1 / (x1 - x0) / (p + 1)
+        F, dF = k * x1**p * share, k * x1 ** (p - 1) * share * (p + 1) * (1 - share)
+    else:
+        F, dF = mean_power(k, p, x0, x1)
+    if law == HUNT:
+        stretch = 1 + d * (x1 - x0)
+        F, dF = F * stretch, dF * stretch + F * d
     if F <= 0:
         return 0.0, 0.0
     return F, dF
 
 
 def squeeze(
-    law: int, k: float, d: float, x0: float, c: float, y: float, w: float
+    law: int, k: float, p: float, d: float, x0: float, c: float, y: float, w: float
 ) -> tuple[float, float, float]:
     """Solve x1 = x0 + c - y F(x0, x1) for a compliant contact.
 
@@ -124,7 +163,7 @@ def squeeze(
     x = min(x0 + w, top)
     F = slope = 0.0
     for _ in range(NEWTON):
-        F, slope = mean_force(law, k, d, x0, x)
+        F, slope = mean_force(law, k, p, d, x0, x)
         r = x - x0 - c + y * F
         step = r / (1 + y * slope)
         F, x = F - slope * step, min(x - step, top)
@@ -165,7 +204,7 @@ def relax(row: Any, chain: Chain, i0: int, last: int, d: float) -> float:
             gap = row.gap[i]
             guess = chain.place[q] + gap
             F, chain.place[q], slope = squeeze(
-                law, row.stiffness[i], row.damping[i] / d, -gap, c, y, guess
+                law, row.stiffness[i], row.exponent[i], row.damping[i] / d, -gap, c, y, guess
             )
         change = max(change, abs(F - chain.force[q]) * y)
         chain.force[q], chain.slope[q] = F, slope

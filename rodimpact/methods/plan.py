@@ -12,23 +12,20 @@ from ..model import (
     Absorbing,
     Bonded,
     Fixed,
-    Force,
-    Hertz,
-    HuntCrossley,
+    Moved,
+    Pushed,
     Rigid,
     RigidMass,
     Rod,
-    Spring,
-    SpringDashpot,
     System,
-    Velocity,
     Wall,
 )
 from ..profiles import extremes
-from .link_kernel import BOND, FORCE, FREE, HERTZ, HUNT, IMPACT, RIGID, SPRING
+from .link_kernel import BOND, COMPLIANT, FORCE, FREE, IMPACT, RIGID, SPRING
 
 ROOM = 2.0**60  # for sums over steps and cells
 STIFFEST = 2.0**80  # of a contact, times transit time over impedance
+LEAST = 2.0**-800  # stiffness, where time is counted in steps
 Array = np.ndarray[Any, np.dtype[Any]]
 
 
@@ -46,7 +43,7 @@ class Plan:
     mass_of : list of int
         Mass of each body; len(masses) + 0 or 1 if bonded to the left or right wall, -1 for a rod or
         a wall.
-    laws, stiffness, damping, gap : list
+    laws, stiffness, exponent, damping, gap : list
         By link.
     contact_link : list of int
         Link of each contact, -1 where it joins rigid bodies for good.
@@ -61,6 +58,7 @@ class Plan:
         self.gravity = float(system.gravity)
         self.laws: list[int] = []
         self.stiffness: list[float] = []
+        self.exponent: list[float] = []
         self.damping: list[float] = []
         self.gap: list[float] = []
         self.contact_link: list[int] = []
@@ -128,9 +126,9 @@ class Plan:
         problems: Problems = []
         for i, link in enumerate(self.contact_link):
             law = self.laws[link] if link >= 0 else BOND
-            power = 0.5 if law > SPRING else 0.0
             if law >= SPRING and (
-                self.stiffness[link] * yielding * (self.scale * T) ** power > STIFFEST
+                self.stiffness[link] * yielding * (self.scale * T) ** (self.exponent[link] - 1)
+                > STIFFEST
             ):
                 message = f"is as good as rigid beside these rods, got {self.stiffness[link]!r}"
                 problems.append((f"contacts.{i}.stiffness", f"{message}; use Rigid()"))
@@ -138,10 +136,12 @@ class Plan:
             raise InvalidModel(problems)
 
     def _add(
-        self, law: int, stiffness: float = 0.0, damping: float = 0.0, gap: float = 0.0
+        self, law: int, damping: float = 0.0, gap: float = 0.0, stiffness: float = 0.0,
+        exponent: float = 1.0,
     ) -> None:
         self.laws.append(law)
         self.stiffness.append(stiffness)
+        self.exponent.append(exponent)
         self.damping.append(damping)
         self.gap.append(gap)
 
@@ -150,14 +150,14 @@ class Plan:
             self._add(BOND)
         elif isinstance(law, Rigid):
             impact = law.restitution is not None
-            self._add(IMPACT if impact else RIGID, 0.0, float(law.restitution or 0.0), gap)
+            self._add(IMPACT if impact else RIGID, float(law.restitution or 0.0), gap)
         else:
-            kind = {Spring: SPRING, SpringDashpot: SPRING, Hertz: HERTZ, HuntCrossley: HUNT}
             damping = float(getattr(law, "damping", 0.0))
-            self._add(kind[type(law)], float(law.stiffness), damping, gap)
+            stiffness, exponent = float(law.stiffness), float(law.exponent)
+            self._add(COMPLIANT[law.law], damping, gap, stiffness, exponent)
 
     def _end(self, side: int, end: Any) -> None:
-        kinds = {Fixed: "velocity", Velocity: "velocity", Force: "force", Absorbing: "absorbing"}
+        kinds = {Fixed: "velocity", Moved: "velocity", Pushed: "force", Absorbing: "absorbing"}
         kind = kinds.get(type(end), "none")
         self.outside[side] = (kind, getattr(end, "value", 0.0))
         self._add({"none": FREE, "force": FORCE}.get(kind, BOND))
@@ -207,10 +207,12 @@ class Plan:
 
     def stiffness_in_steps(self, step: float) -> Array:
         """Stiffness of each link where time is counted in steps, s, and lengths as velocities."""
-        return np.array([
-            k * step ** (1.5 if law in (HERTZ, HUNT) else 1.0)
-            for k, law in zip(self.stiffness, self.laws, strict=True)
-        ])
+        scaled = [k * step**p for k, p in zip(self.stiffness, self.exponent, strict=True)]
+        for k, p, small in zip(self.stiffness, self.exponent, scaled, strict=True):
+            if k > 0 and small < LEAST:
+                message = f"a force of {k!r} times the indentation to the {p:g} vanishes in steps"
+                raise InvalidModel([("contacts", f"{message} of {step:.3g} s; use a lower power")])
+        return np.array(scaled)
 
     def wall_speed(self, side: int, times: Array) -> Array:
         """Velocity of the left or right wall at times, s, in the frame."""

@@ -12,7 +12,7 @@ from matplotlib.patches import Polygon
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from ..model import Absorbing, Bonded, Force, Rigid, RigidMass, Rod, Velocity
+from ..model import Absorbing, Bonded, Moved, Pushed, Rigid, RigidMass, Rod
 from ..placing import Placing
 from ..signals import Floats
 from .plane import Plane
@@ -23,7 +23,7 @@ from .style import colours
 Cut: TypeAlias = Polygons | Raster
 WALL = 0.04  # depth of a wall, in lengths of the row
 OPEN_END = (0, (3, 2))  # dashes of an end through which waves leave
-DRIVEN = {Force: "driven by a force", Velocity: "driven at a velocity"}
+DRIVEN = {Pushed: "driven by a force", Moved: "driven at a velocity"}
 ARROWS = 8  # marks of a driven end
 
 
@@ -110,7 +110,7 @@ class Borders:
         times = np.linspace(*self.plane.span, 2 * ARROWS + 1)[1::2]
         heads = "^v" if self.plane.across else "><"
         for side, end in enumerate(self.system.ends):
-            if isinstance(end, Force | Velocity):
+            if isinstance(end, Pushed | Moved):
                 path = self._track(side * (len(self.system.bodies) - 1), bool(side), times)
                 marks += ax.plot(
                     *path.T, linestyle="", marker=heads[side], markersize=5.0,

@@ -7,22 +7,14 @@ numbers in the unit an engineer would choose.
 from __future__ import annotations
 
 import math
+import re
 from typing import NamedTuple
 
-from ..model import Force, Hertz, HuntCrossley, RigidMass, Rod, System, Wall
+from ..frozen import Field
+from ..model import Material, RigidMass, Rod, Segment, System, Wall
 from .scales import Scale, engineering, place_scale
 
-_PARAMETERS = {
-    "length": ("length", "m"),
-    "area": ("area", "m²"),
-    "polar_moment": ("polar moment", "m⁴"),
-    "velocity": ("velocity", "m/s"),
-    "strain": ("strain", ""),
-    "youngs_modulus": ("Young's modulus", "Pa"),
-    "density": ("density", "kg/m³"),
-    "poisson_ratio": ("Poisson's ratio", "1"),
-    "viscosity": ("viscosity", "Pa s"),
-}
+_OF_A_BODY = {**Material.fields, **Segment.fields, **Rod.fields, **RigidMass.fields}
 _OF_THE_FAMILY = {
     "restitution": ("coefficient of restitution e", "1"),
     "vibration": ("energy left in vibration", "J"),
@@ -73,27 +65,32 @@ def parameter(system: System, path: str) -> Quantity:
     """
     match path.split("."):
         case ["gravity"]:
-            return Quantity("gravity", "m/s²")
+            return _quantity(path, System.fields["gravity"])
         case ["bodies", body, "mass"]:
             return Quantity(_body(system, body), "kg")
-        case ["contacts", contact, ("stiffness" | "damping" | "restitution") as field]:
-            return _of_law(system, contact, field)
+        case ["contacts", contact, "gap"]:
+            gap = _quantity("gap", System.fields["gaps"])
+            return gap._replace(name=f"{gap.name} {_pair(contact)}")
+        case ["contacts", contact, field]:
+            law = system.contacts[int(contact)]
+            if getattr(law, field, None) is None:
+                return Quantity(path, "1")
+            name, unit = _quantity(field, law.fields[field])
+            return Quantity(f"{name} of contact {_pair(contact)}", unit)
         case ["ends", ("left" | "right") as side, "value", *rest]:
             return _of_end(system, side, rest)
         case ["bodies", body, "segments", segment, *_, field]:
             owner = f"segment {segment} of {_body(system, body)}"
         case ["bodies", body, field, ("values" | "at") as what, number]:
-            name, unit = _PARAMETERS[field]
+            name, unit = _quantity(field, _OF_A_BODY[field])
             if what == "at":
                 return Quantity(f"place of jump {number} of {name}, {_body(system, body)}", "m")
             return Quantity(f"{name} of piece {number} of {_body(system, body)}", unit)
         case ["bodies", body, *_, field]:
             owner = _body(system, body)
-        case ["contacts", contact, "gap"]:
-            return Quantity(f"gap {_pair(contact)}", "m")
         case _:
             return Quantity(path, "1")
-    name, unit = _PARAMETERS.get(field, (field, "1"))
+    name, unit = _quantity(field, _OF_A_BODY.get(field, Field()))
     return Quantity(f"{name} of {owner}", unit)
 
 
@@ -123,25 +120,17 @@ def _body(system: System, index: str) -> str:
     return next(f"{word} {index}" for kind, word in kinds if isinstance(body, kind))
 
 
-def _of_law(system: System, contact: str, field: str) -> Quantity:
-    """A number of a contact law; its path, if the law has no such number."""
-    law = system.contacts[int(contact)]
-    if getattr(law, field, None) is None:
-        return Quantity(f"contacts.{contact}.{field}", "1")
-    rounded = isinstance(law, Hertz | HuntCrossley)
-    name, unit = {
-        "stiffness": ("stiffness", "N/m^1.5" if rounded else "N/m"),
-        "damping": ("damping", "s/m" if rounded else "N s/m"),
-        "restitution": ("coefficient of restitution", "1"),
-    }[field]
-    return Quantity(f"{name} of contact {_pair(contact)}", unit)
+def _quantity(name: str, field: Field) -> Quantity:
+    """What the number of that name is."""
+    unit = re.sub(r"\^([234])$", lambda power: "²³⁴"[int(power[1]) - 2], field.unit)
+    pure = "" if name == "strain" else "1"
+    return Quantity(field.label or name.replace("_", " "), unit or pure)
 
 
 def _of_end(system: System, side: str, rest: list[str]) -> Quantity:
     """A number of what drives an end."""
-    pushed = isinstance(system.ends[side == "right"], Force)
-    name, unit = (f"force on the {side} end", "N") if pushed else (
-        f"velocity of the {side} end", "m/s")
+    what, unit = _quantity("value", system.ends[side == "right"].fields["value"])
+    name = f"{what} {'on' if what == 'force' else 'of'} the {side} end"
     match rest:
         case ["values", number]:
             return Quantity(f"piece {number} of {name}", unit)
