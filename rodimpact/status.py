@@ -94,7 +94,8 @@ def _way_to_the_proof(system: System) -> str:
     ends = ((0, 0), (len(system.bodies) - 1, -1))
     walls = [system.contacts[k] for i, k in ends if isinstance(system.bodies[i], Wall)]
     if driven(system):
-        return "while an end is driven or gravity acts, no contact is known to be the last"
+        what = "gravity acts" if system.gravity else "an end is driven"
+        return f"while {what}, no contact is known to be the last"
     if len(walls) == 2 or any(isinstance(law, Bonded) for law in walls):
         return "a row between walls, or bonded to one, may never come to an end"
     return "leave out until= to run to the proof"
