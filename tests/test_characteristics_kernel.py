@@ -164,7 +164,7 @@ def test_elastic_mean_force_is_the_discrete_gradient(law, k, x0, x1):
        st.floats(0, 0.5), st.floats(-2, 2), st.floats(-3, 3), st.floats(-2, 2))
 def test_squeeze_solves_its_equation_from_any_guess(law, power, d, x0, c, q, guess):
     k, y, d = 10.0**power, 10.0**q, 0.0 if law == lk.HERTZ else d
-    F, x1, _ = lk.squeeze(law, k, EXPONENT[law], d, x0, c, y, guess)
+    F, x1, _ = lk.solve_law(law, k, EXPONENT[law], d, x0, c, y, guess)
     assert F >= 0
     size = abs(x0) + abs(c) + y * F
     assert x1 == pytest.approx(x0 + c - y * F, abs=1e-14 * size + 1e-300)
@@ -421,8 +421,8 @@ def test_an_end_is_where_its_strains_put_it(right, cuts):
     machine = machine_of(system, 128, step=1 / 32, cuts=cuts)
     machine.advance(7 * len(machine.row.part))
     row, signals, j, k = machine.row, machine.signals, machine.taken, 0 if right else 1
-    group = ck.motion(row, signals, k, 0, right, j, machine.tol)
-    away, bound2 = ck.sway(row, signals, k, 0, right, j, group, machine.tol)
+    group = ck.group_motion(row, signals, k, 0, right, j, machine.tol)
+    away, bound2 = ck.deviation_bound(row, signals, k, 0, right, j, group, machine.tol)
     steps = int(row.steps[1])
     edges = machine.edges(j - steps, j) / TICKS
     a, b = (signals.wave[signals.wave_start[line] + j - steps : signals.wave_start[line] + j]

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import rodimpact as ri
 from rodimpact.methods import front_kernel, kernels
 from rodimpact.methods.assembly import assemble, start
-from rodimpact.methods.front_kernel import BOND, PUSH, TOUCH, motion, sway
+from rodimpact.methods.front_kernel import BOND, PUSH, TOUCH, deviation_bound, group_motion
 from rodimpact.methods.fronts import track
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -275,8 +275,8 @@ def test_an_endless_end_stays_within_its_bound(seed, right):
     row = ri.System(row, [10.0], ends=ends)
     run = track(assemble(row, 0.0), 0.0)
     a, node = run.assembly, run.assembly.nodes[0]
-    mean, *_ = motion(run.row, run.log, node, right, 0)
-    d, bound2 = sway(run.row, run.log, node, right, 0, mean)
+    mean, *_ = group_motion(run.row, run.log, node, right, 0)
+    d, bound2 = deviation_bound(run.row, run.log, node, right, 0, mean)
     until = horizon(row, 30.0)
     solution = ri.solve(row, until, max_events=10 * CAP)
     assume(solution.stopped_by == "until")
@@ -447,8 +447,8 @@ def test_fractions_stay_exact():
         (zero, zero), [[(0, one / 3), (7, zero)], [], *still, [], [(0, zero)]],
     )
     front_kernel.play(row, tally, log, clock, 23, 10**6, zero, 1)
-    stock = front_kernel.Stock([zero] * 4, [zero] * 4, [zero] * 4)
-    front_kernel.contents(row, log, 23, stock)
+    stock = front_kernel.GroupState([zero] * 4, [zero] * 4, [zero] * 4)
+    front_kernel.segment_totals(row, log, 23, stock)
     assert tally.impulse[0] == 7
     assert stock.momentum[1] == tally.impulse[0] - tally.impulse[1]
     assert stock.momentum[2] == tally.impulse[1] - tally.impulse[2]

@@ -10,7 +10,14 @@ from systems import horizon, random_system
 import rodimpact as ri
 from rodimpact.groups import groups
 from rodimpact.methods.assembly import assemble
-from rodimpact.methods.front_kernel import BOND, FREE, OPEN, motion, parting, sway
+from rodimpact.methods.front_kernel import (
+    BOND,
+    FREE,
+    OPEN,
+    deviation_bound,
+    group_motion,
+    separation_time,
+)
 from rodimpact.methods.fronts import track
 from rodimpact.solving import wrap
 
@@ -70,9 +77,9 @@ def test_mean_motion_and_bounds(seed, transits):
             assert run.row.status[node] not in (BOND, FREE)
             mean, deviation, bound2 = expected_sway(
                 pieces[::-1] if right_side else pieces, walls[0] if walls else None)
-            v, low, high, bounded = motion(run.row, run.log, node, right_side, run.end)
+            v, low, high, bounded = group_motion(run.row, run.log, node, right_side, run.end)
             assert v + a.frame == pytest.approx(mean, abs=1e-11)
-            d, b2 = sway(run.row, run.log, node, right_side, run.end, v)
+            d, b2 = deviation_bound(run.row, run.log, node, right_side, run.end, v)
             sign = -1 if right_side else 1
             assert d * a.tick == pytest.approx(sign * deviation, abs=1e-11 * horizon(system))
             if b2:
@@ -98,7 +105,7 @@ def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
     mean_gap = 0.001 + left + right  # both deviations are measured outwards, towards the gap
     wait = (np.sqrt(2 * (bound_left + bound_right)) - mean_gap) / 1e-3
     a = run.assembly
-    when = parting(run.row, run.log, a.nodes[0], 0, a.tolerance)
+    when = separation_time(run.row, run.log, a.nodes[0], 0, a.tolerance)
     assert when * tick == pytest.approx(wait, rel=2e-6)
 
 
@@ -107,7 +114,7 @@ def test_the_bound_of_a_uniform_rod_is_the_textbook_integral():
     rod = ri.Rod(2.0, area=3.0, material=M, strain=ri.Steps([1e-3, 0.0], [1.0]))
     system = ri.System([rod, ri.Wall()], gaps=[1.0])
     run = track(assemble(system, 0.1), 0.1)
-    _, bound2 = sway(run.row, run.log, 1, False, run.end, 0.0)
+    _, bound2 = deviation_bound(run.row, run.log, 1, False, run.end, 0.0)
     energy = 0.5 * 3.0 * 1e-6 * 1.0
     assert bound2 * run.assembly.tick**2 == pytest.approx(2 * energy * 2.0 / (3 * 3.0), rel=1e-12)
 
@@ -122,8 +129,8 @@ def test_an_end_stays_within_its_bound(seed):
     until = horizon(row, 30.0)
     run = track(assemble(row, 0.0), 0.0)
     node = run.assembly.nodes[0]
-    v, *_ = motion(run.row, run.log, node, False, 0)
-    d, bound2 = sway(run.row, run.log, node, False, 0, v)
+    v, *_ = group_motion(run.row, run.log, node, False, 0)
+    d, bound2 = deviation_bound(run.row, run.log, node, False, 0, v)
     solution = ri.solve(row, until, max_events=20_000)
     assume(solution.stopped_by == "until")
     t = np.linspace(0, until, 4000)
@@ -225,16 +232,16 @@ def state_of_two(gap, rate, a, b):
 
 
 def test_a_gap_about_to_close_closes_now():
-    from rodimpact.methods.front_kernel import PRESS, meet
+    from rodimpact.methods.front_kernel import PRESS, resolve_contact
 
     row = state_of_two(gap=5.0, rate=0.0, a=1.0, b=0.0)
-    assert meet(row, 1, 100, 1e-9, 10) == PRESS  # by the new velocities
+    assert resolve_contact(row, 1, 100, 1e-9, 10) == PRESS  # by the new velocities
     assert (row.gap[1], row.rate[1]) == (0.0, 0.0)
     row = state_of_two(gap=105.0, rate=-1.0, a=0.0, b=1.0)
-    assert meet(row, 1, 100, 1e-9, 10) == OPEN  # touched by the old ones, and parted
+    assert resolve_contact(row, 1, 100, 1e-9, 10) == OPEN  # touched by the old ones, and parted
     assert (row.gap[1], row.rate[1]) == (0.0, 1.0)
     row = state_of_two(gap=200.0, rate=-1.0, a=1.0, b=0.0)
-    assert meet(row, 1, 100, 1e-9, 10) == OPEN
+    assert resolve_contact(row, 1, 100, 1e-9, 10) == OPEN
     assert (row.gap[1], row.rate[1]) == (100.0, -1.0)
 
 

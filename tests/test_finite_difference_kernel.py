@@ -71,7 +71,7 @@ def run_as(machine, end, go, convert):
     machine.states = machine.keep.room_for(machine, end)
     parts = [getattr(machine, name) for name in PARTS]
     given_ = [type(x)(*(convert(c) for c in x)) for x in parts]
-    flag = go(*given_, convert(machine.clock), end, machine.tol, machine.speck)
+    flag = go(*given_, convert(machine.clock), end, machine.tol, machine.gap_resolution)
     assert flag == fk.DONE
     for whole, found in zip(parts, given_, strict=True):
         for column, values in zip(whole, found, strict=True):
@@ -380,8 +380,8 @@ def test_a_mass_squeezed_between_walls_stops_the_run(law):
     system = ri.System([ri.Wall(0.5), ri.RigidMass(1.0), unit_rod()], [0.1, 0.1], laws)
     machine = machine_of(system, 50)
     node = int(machine.links.left[0]) + 1
-    machine.links.own[1] -= machine.grid.ease[node + 1] / 2
-    machine.grid.ease[node + 1] = 0.0
+    machine.links.own[1] -= machine.grid.mobility[node + 1] / 2
+    machine.grid.mobility[node + 1] = 0.0
     with pytest.raises(ri.InvalidModel, match=r"squeezed between walls .* at 0\.\d+ s; give") as e:
         machine.advance(50)
     assert [path for path, _ in e.value.problems] == ["contacts"]

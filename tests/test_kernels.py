@@ -2,6 +2,9 @@
 
 import ast
 import math
+import os
+import subprocess
+import sys
 from fractions import Fraction
 from pathlib import Path
 
@@ -238,3 +241,33 @@ def test_disabled_compiling_returns_the_kernel_itself(monkeypatch):
     finally:
         kernels._compiled.cache_clear()
 
+
+
+@pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
+@pytest.mark.parametrize("damage", [b"", b"\x80\x04\x95", "other names", "cut short"])
+def test_a_damaged_cache_is_made_anew(tmp_path, damage):
+    """Indices that name what another version had, and files that a crash left half written."""
+    run = (
+        "import numpy as np; from rodimpact.methods import kernels, grid_kernel as k\n"
+        "print(kernels.compiled(k.first_at_or_after)(np.array([1, 5, 9]), 6, 0))"
+    )
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+
+    def found():
+        return subprocess.run(
+            [sys.executable, "-c", run], env=environment, capture_output=True, text=True, check=True
+        ).stdout.strip()
+
+    assert found() == "2"
+    kept = [*tmp_path.rglob("*.nb?")]
+    assert kept
+    for file in kept:
+        whole = file.read_bytes()
+        if damage == "other names":
+            file.write_bytes(whole.replace(b"rodimpact", b"rodimpakt"))
+        elif damage == "cut short":
+            file.write_bytes(whole[: len(whole) // 2])
+        else:
+            file.write_bytes(damage)
+    assert found() == "2"
+    assert found() == "2"

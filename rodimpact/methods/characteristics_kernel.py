@@ -37,11 +37,11 @@ from .link_kernel import (
     Chain,
     Tally,
     balance,
-    book,
     pushed,
-    squeeze,
+    record_step,
+    solve_law,
+    start_impacts,
     stored,
-    strike,
 )
 
 DONE, SQUEEZED, CLOSED = range(3)  # why a run stopped
@@ -94,7 +94,7 @@ class Points(NamedTuple):
     """Room for the points of one node; lists or arrays of floats, two longer than the masses."""
 
     free: Any  # velocity without forces
-    ease: Any  # mobility
+    mobility: Any  # mobility
 
 
 class Group(NamedTuple):
@@ -262,7 +262,7 @@ def press(
             jumps = clock[CUTS] > 0 and gap > 0 and law == SPRING and damping > 0
             if jumps and closes_inside(row, clock, i, j, gap / (a - b)):
                 return CLOSED
-            F, x, _ = squeeze(
+            F, x, _ = solve_law(
                 law, stiffness, exponent, damping / d, -gap, d * (a - b), d * (Yl + Yr), w
             )
             w, rest = x + gap, -x
@@ -274,7 +274,7 @@ def press(
             wave[left + j] = a - 2 * F * Yl
         if k < n:
             wave[right + j] = b + 2 * F * Yr
-        book(row, tally, signals, i, j, F, rest, d)
+        record_step(row, tally, signals, i, j, F, rest, d)
         m = m + 1 if m + 1 < parts else 0
     row.closing[i] = w
     return DONE
@@ -289,7 +289,7 @@ def gather(
     """
     m0, m1, i0, n = row.first[k], row.first[k + 1], k + row.first[k], len(row.steps) - 2
     for q in range(m1 - m0):
-        points.free[q + 1], points.ease[q + 1] = row.speed[m0 + q], d / (2 * row.mass[m0 + q])
+        points.free[q + 1], points.mobility[q + 1] = row.speed[m0 + q], d / (2 * row.mass[m0 + q])
     for q in range(m1 - m0 + 1):
         i = i0 + q
         links.force[q], links.slope[q] = row.force[i], 0.0
@@ -303,14 +303,14 @@ def gather(
         if law != FREE:
             value = arriving(row, signals, line, s, j)
         outside = s == 0 or s == n + 1
-        points.free[p], points.ease[p] = value, row.mobility[s]
+        points.free[p], points.mobility[p] = value, row.mobility[s]
         if outside and law <= FORCE:
-            points.free[p], points.ease[p], links.limit[q] = 0.0, 0.0, value
+            points.free[p], points.mobility[p], links.limit[q] = 0.0, 0.0, value
     speed = 0.0
     for q in range(m1 - m0 + 1):
         u, v = points.free[q], points.free[q + 1]
-        links.free[q], links.own[q] = d * (u - v), d * (points.ease[q] + points.ease[q + 1])
-        links.shared[q] = d * points.ease[q]
+        links.free[q], links.own[q] = d * (u - v), d * (points.mobility[q] + points.mobility[q + 1])
+        links.shared[q] = d * points.mobility[q]
         speed = max(speed, abs(u) + abs(v))
     return speed
 
@@ -359,13 +359,13 @@ def settle(
     return rest
 
 
-def meet(
+def resolve_contact(
     row: Row, tally: Tally, signals: Signals, points: Points, links: Chain, clock: Any, k: int,
     j: int, tol: float,
 ) -> int:
     """Masses and contacts at node k in part j; SQUEEZED where they cannot move."""
     m0, i0, last = row.first[k], k + row.first[k], row.first[k + 1] - row.first[k]
-    n, free, ease, force = len(row.steps) - 2, points.free, points.ease, links.force
+    n, free, mobility, force = len(row.steps) - 2, points.free, points.mobility, links.force
     d: float = row.part[j % len(row.part)]
     speed = gather(row, signals, points, links, k, j, d)
     struck = True
@@ -373,37 +373,37 @@ def meet(
         if not balance(row, links, i0, last, speed, d):
             clock[STEP], clock[LINK] = j, i0
             return SQUEEZED
-        struck = strike(row, links, i0, last, tol, d)
+        struck = start_impacts(row, links, i0, last, tol, d)
     for q in range(last + 1):
         i = i0 + q
-        if RIGID <= row.law[i] <= IMPACT and force[q] * (ease[q] + ease[q + 1]) <= tol:
+        if RIGID <= row.law[i] <= IMPACT and force[q] * (mobility[q] + mobility[q + 1]) <= tol:
             force[q] = 0.0
         abrupt = RIGID <= row.law[i] <= SPRING and (row.law[i] < SPRING or row.damping[i] > 0)
         if clock[CUTS] > 0 and abrupt and force[q] > 0 and row.gap[i] > 0:
             speed = pushed(links, q, last) / d
             if closes_inside(row, clock, i, j, row.gap[i] / speed):
                 return CLOSED
-    v = free[0] - ease[0] * force[0]
+    v = free[0] - mobility[0] * force[0]
     for q in range(last + 1):
         i, F = i0 + q, force[q]
-        right = free[q + 1] + ease[q + 1] * F
+        right = free[q + 1] + mobility[q + 1] * F
         if q < last:
-            right -= ease[q + 1] * force[q + 1]
+            right -= mobility[q + 1] * force[q + 1]
             row.speed[m0 + q] = 2 * right - free[q + 1]
         gap = settle(row, tally, links, i, q, F, d * (v - right), d, tol)
         if row.law[i] <= BOND:
             tally.impulse[i] += F * d
             row.force[i] = F
         else:
-            book(row, tally, signals, i, j, F, gap, d)
+            record_step(row, tally, signals, i, j, F, gap, d)
         v = right
     for q in range(last):
         if signals.mass_start[m0 + q] >= 0:
             signals.speed[signals.mass_start[m0 + q] + j] = row.speed[m0 + q]
     if k > 0:
-        signals.wave[signals.wave_start[2 * k + 1] + j] = free[0] - 2 * ease[0] * force[0]
+        signals.wave[signals.wave_start[2 * k + 1] + j] = free[0] - 2 * mobility[0] * force[0]
     if k < n:
-        out = free[last + 1] + 2 * ease[last + 1] * force[last]
+        out = free[last + 1] + 2 * mobility[last + 1] * force[last]
         signals.wave[signals.wave_start[2 * k + 2] + j] = out
     return DONE
 
@@ -444,7 +444,7 @@ def run(
             law, flag = row.law[k + row.first[k]], DONE
             if row.first[k + 1] > row.first[k]:
                 for i in range(j, stop):
-                    flag = meet(row, tally, signals, points, links, clock, k, i, tol)
+                    flag = resolve_contact(row, tally, signals, points, links, clock, k, i, tol)
                     if flag != DONE:
                         break
             elif law == FREE:
@@ -496,7 +496,7 @@ def stay(row: Row, s: int, i: int, j: int) -> float:
     return float(row.part[(i + 2 * row.steps[s]) % len(row.part)])
 
 
-def motion(
+def group_motion(
     row: Row, signals: Signals, k: int, q: int, right: bool, j: int, tol: float
 ) -> Group:
     """Motion of everything bonded together on one side of contact q of node k, before part j."""
@@ -531,7 +531,7 @@ def motion(
     return Group(mass, momentum, mean, low, high, ground, plain)
 
 
-def sway(
+def deviation_bound(
     row: Row, signals: Signals, k: int, q: int, right: bool, j: int, group: Group, tol: float
 ) -> tuple[float, float]:
     """How far a group's end at a contact is from its mean motion, and can ever get.
@@ -592,20 +592,20 @@ def sway(
     return d, 2 * energy * slack
 
 
-def parting(row: Row, signals: Signals, k: int, q: int, j: int, tol: float) -> int:
+def separation_time(row: Row, signals: Signals, k: int, q: int, j: int, tol: float) -> int:
     """Steps until contact q of node k may be proved not to close again: 0 if it is, or NEVER."""
     i = k + row.first[k] + q
     if row.gap[i] < 0:
         return NEVER
-    left = motion(row, signals, k, q, False, j, tol)
-    right = motion(row, signals, k, q, True, j, tol)
+    left = group_motion(row, signals, k, q, False, j, tol)
+    right = group_motion(row, signals, k, q, True, j, tol)
     if left.plain and right.plain and right.low - left.high >= -tol:
         return 0
     opening = right.mean - left.mean
     if opening < -tol:
         return NEVER
-    dl, bl = sway(row, signals, k, q, False, j, left, tol)
-    dr, br = sway(row, signals, k, q, True, j, right, tol)
+    dl, bl = deviation_bound(row, signals, k, q, False, j, left, tol)
+    dr, br = deviation_bound(row, signals, k, q, True, j, right, tol)
     gap = row.gap[i] - dr + dl
     if gap > 0 and gap * gap > 2 * (bl + br):
         return 0
@@ -625,7 +625,7 @@ def settled(row: Row, signals: Signals, j: int, tol: float) -> int:
     for k in range(len(row.first) - 1):
         for q in range(row.first[k + 1] - row.first[k] + 1):
             if row.law[k + row.first[k] + q] >= RIGID and wait < NEVER:
-                wait = max(wait, parting(row, signals, k, q, j, tol))
+                wait = max(wait, separation_time(row, signals, k, q, j, tol))
     return wait
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from . import kernels
 from .assembly import Blueprint, start
-from .front_kernel import FREE, FULL, OPEN, Members, Results, Stock, family
+from .front_kernel import FREE, FULL, OPEN, GroupState, Members, Results, family
 from .fronts import as_arrays, on_arrays
 from .layout_kernel import LAID, Layout, Make, lay_out_all
 
@@ -128,7 +128,7 @@ class Block:
         self.state: Any = start(
             [1] * (n + 2), [1.0] * (n + 2), [FREE] * (n + 1), [0.0] * (n + 1), (0.0, 0.0), [], room
         )
-        self.stocks = tuple(Stock(*([0.0] * (n + 2) for _ in range(3))) for _ in range(2))
+        self.stocks = tuple(GroupState(*([0.0] * (n + 2) for _ in range(3))) for _ in range(2))
         if self.compiled:
             self.make = Make(*(np.array(x, dtype=np.int64) for x in self.make))
             self.state, self.stocks = on_arrays(*self.state), tuple(map(as_arrays, self.stocks))

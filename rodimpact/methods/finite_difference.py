@@ -24,7 +24,7 @@ from . import kernels
 from .abilities import driven
 from .clockwork import PARTS, Clockwork
 from .finite_difference_kernel import ENDLESS, Grid, Links, Signals, States
-from .grid_machine import SPECK, Keeper, Machine, cost
+from .grid_machine import GAP_RESOLUTION, Keeper, Machine, cost
 from .link_kernel import RIGID, Tally
 from .mesh import Mesh
 from .plan import Array, Plan
@@ -139,7 +139,7 @@ class GridRun:
     @property
     def resolved(self) -> float:
         """Gap that counts as an opening, m."""
-        return SPECK * self.plan.scale * self.step
+        return GAP_RESOLUTION * self.plan.scale * self.step
 
     def contact(self, contact: int) -> tuple[Array, Array]:
         """Mean force in each step, N, and gap at its end, m; of a contact that can open."""

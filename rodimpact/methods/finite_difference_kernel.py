@@ -33,9 +33,9 @@ from .link_kernel import (
     Chain,
     Tally,
     balance,
-    book,
+    record_step,
+    start_impacts,
     stored,
-    strike,
 )
 
 DONE, SQUEEZED = range(2)  # why a run stopped
@@ -49,7 +49,7 @@ class Grid(NamedTuple):
 
     velocity: Any  # [node]
     force: Any  # [cell] elastic tension in the middle of the last step; 0 between pieces
-    ease: Any  # [node] 1/mass; 0 where the velocity is given, or the piece is implicit
+    mobility: Any  # [node] 1/mass; 0 where the velocity is given, or the piece is implicit
     stiffness: Any  # [cell]
     first: Any  # [stretch] of nodes of an explicit piece: its first and
     last: Any  # [stretch] last node
@@ -235,7 +235,7 @@ def drift(grid: Grid, implicit: Implicit) -> None:
 
 def kick(grid: Grid) -> None:
     """Velocities of explicit pieces."""
-    v, force, ease = grid.velocity, grid.force, grid.ease
+    v, force, mobility = grid.velocity, grid.force, grid.mobility
     for g in range(len(grid.first)):
         a, b, k = grid.first[g] & FAR, grid.last[g] & FAR, grid.kick[g]
         if k >= 0:
@@ -243,9 +243,9 @@ def kick(grid: Grid) -> None:
                 v[i] += k * (force[i + 1] - force[i])
         else:
             for i in range(a + 1, b):
-                v[i] += ease[i] * (force[i + 1] - force[i])
+                v[i] += mobility[i] * (force[i + 1] - force[i])
     for i in grid.joint:
-        v[i] += ease[i] * (force[i + 1] - force[i])
+        v[i] += mobility[i] * (force[i + 1] - force[i])
 
 
 def kick_implicit(grid: Grid, implicit: Implicit, ends: Ends, signals: Signals, j: int) -> None:
@@ -291,8 +291,9 @@ def move_ends(grid: Grid, ends: Ends, signals: Signals, j: int) -> None:
         n = ends.node[side]
         if ends.kind[side] == MOVED:
             grid.velocity[n] = signals.given[side * signals.room[0] + j]
-        elif ends.kind[side] != NOTHING and grid.ease[n] > 0:
-            grid.velocity[n] += grid.ease[n] * outer_force(ends, signals, side, j, ends.old[side])
+        elif ends.kind[side] != NOTHING and grid.mobility[n] > 0:
+            F = outer_force(ends, signals, side, j, ends.old[side])
+            grid.velocity[n] += grid.mobility[n] * F
 
 
 def push(grid: Grid, implicit: Implicit, links: Links, i: int, F: float) -> None:
@@ -300,12 +301,12 @@ def push(grid: Grid, implicit: Implicit, links: Links, i: int, F: float) -> None
     v, l, r = grid.velocity, links.left[i], links.right[i]
     p, q = links.left_implicit[i], links.right_implicit[i]
     if p < 0:
-        v[l] -= grid.ease[l] * F
+        v[l] -= grid.mobility[l] * F
     else:
         for n in range(implicit.first[p] & FAR, (l & FAR) + 1):
             v[n] -= implicit.by_last[n] * F
     if q < 0:
-        v[r] += grid.ease[r] * F
+        v[r] += grid.mobility[r] * F
     else:
         for n in range(r & FAR, (implicit.last[q] & FAR) + 1):
             v[n] += implicit.by_first[n] * F
@@ -342,9 +343,9 @@ def settle(
     return rest
 
 
-def meet(
+def resolve_contact(
     grid: Grid, implicit: Implicit, links: Links, chain: Chain, tally: Tally, signals: Signals,
-    i0: int, last: int, j: int, tol: float, speck: float,
+    i0: int, last: int, j: int, tol: float, gap_resolution: float,
 ) -> bool:
     """Solve the links i0 to i0 + last in step j; return False where their bodies cannot move."""
     v, speed = grid.velocity, 0.0
@@ -367,7 +368,7 @@ def meet(
     while struck:
         if not balance(links, chain, i0, last, speed, 1.0):
             return False
-        struck = strike(links, chain, i0, last, tol, 1.0)
+        struck = start_impacts(links, chain, i0, last, tol, 1.0)
     for q in range(last + 1):
         i, F = i0 + q, chain.force[q]
         if RIGID <= links.law[i] <= IMPACT and F * links.own[i] <= tol:
@@ -386,13 +387,13 @@ def meet(
         if links.law[i] == RIGID:
             signals.closing[signals.link_start[i] + j] = w
         opened = links.open[i]
-        book(links, tally, signals, i, j, F, gap, 1.0)
-        if gap <= speck:
+        record_step(links, tally, signals, i, j, F, gap, 1.0)
+        if gap <= gap_resolution:
             links.open[i] = min(opened, links.open[i])
     return True
 
 
-def listen(
+def record_bond_forces(
     grid: Grid, implicit: Implicit, bonds: Bonds, links: Links, ends: Ends, signals: Signals, j: int
 ) -> None:
     """Enter the forces at bonds and what passed the ends in step j."""
@@ -440,7 +441,7 @@ def remember(grid: Grid, links: Links, bonds: Bonds, ends: Ends) -> None:
             bonds.there[b] = v[n - 1 if c == n else n + 1]
 
 
-def spend(grid: Grid, implicit: Implicit) -> None:
+def dissipate(grid: Grid, implicit: Implicit) -> None:
     """Enter what viscosity turned to heat."""
     v, old, viscous, lost = grid.velocity, implicit.old, implicit.viscous, implicit.lost
     for p in range(len(implicit.first)):
@@ -468,7 +469,8 @@ def keep(grid: Grid, implicit: Implicit, states: States, place: int) -> None:
 
 def run(
     grid: Grid, implicit: Implicit, links: Links, chain: Chain, bonds: Bonds, ends: Ends,
-    tally: Tally, signals: Signals, states: States, clock: Any, end: int, tol: float, speck: float,
+    tally: Tally, signals: Signals, states: States, clock: Any, end: int, tol: float,
+    gap_resolution: float,
 ) -> int:
     """Go on from the end of step clock[STEP] to that of step `end`.
 
@@ -505,11 +507,13 @@ def run(
         move_ends(grid, ends, signals, j)
         for g in range(len(links.group) - 1):
             i, last = links.group[g], links.group[g + 1] - links.group[g] - 1
-            if not meet(grid, implicit, links, chain, tally, signals, i, last, j, tol, speck):
+            if not resolve_contact(
+                grid, implicit, links, chain, tally, signals, i, last, j, tol, gap_resolution
+            ):
                 clock[LINK] = i
                 return SQUEEZED
         for p in range(len(grid.start)):
             grid.place[p] += v[grid.start[p]] / 2
-        spend(grid, implicit)
-        listen(grid, implicit, bonds, links, ends, signals, j)
+        dissipate(grid, implicit)
+        record_bond_forces(grid, implicit, bonds, links, ends, signals, j)
         j += 1

@@ -22,7 +22,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-FREE, BOND, PUSH, OPEN, TOUCH, GRAZE, PRESS = range(7)  # status of a node, see `meet`
+FREE, BOND, PUSH, OPEN, TOUCH, GRAZE, PRESS = range(7)  # status of a node, see `resolve_contact`
 DONE, FULL, CHECK, CAP, FINAL, CLOCK = range(6)  # why a run stopped
 NEVER = 1 << 62  # the clock ends here
 IDLE = (1 << 63) - 1  # tick of a node at which nothing is due
@@ -70,7 +70,7 @@ class Log(NamedTuple):
     turn_status: Any  # [turn] the new status
 
 
-class Stock(NamedTuple):
+class GroupState(NamedTuple):
     """What the segments hold at one time, in the frame of the waves."""
 
     velocity: Any  # [segment] of the motion about which it vibrates
@@ -161,7 +161,7 @@ def begin(row: Row, tally: Tally, log: Log, clock: Any, count: int) -> None:
     clock[PROBE], clock[REST], clock[SETTLED] = 0, 0, -1
 
 
-def meet(row: Row, k: int, dt: int, tol: Any, window: int) -> int:
+def resolve_contact(row: Row, k: int, dt: int, tol: Any, window: int) -> int:
     """Decide contact k after its arrivals; return its new status.
 
     With the gap closed, force = max(0, (a - b)/(Y1 + Y2)) (Signorini). OPEN: a gap, or parting.
@@ -247,7 +247,7 @@ def advance(
         if status[k] >= OPEN:
             if status[k] == PRESS:
                 tally.pressed[k] += dt
-            new = meet(row, k, dt, tol, window)
+            new = resolve_contact(row, k, dt, tol, window)
             if new != status[k] or (new == OPEN and dt > 0 and row.gap[k] == 0):
                 record(row, tally, log, clock, k, t, new)
                 probe = clock[PROBE]
@@ -312,7 +312,7 @@ def quiet(row: Row, k: int, right: bool) -> bool:
     return True
 
 
-def motion(row: Row, log: Log, k: int, right: bool, t: int) -> tuple[Any, Any, Any, bool]:
+def group_motion(row: Row, log: Log, k: int, right: bool, t: int) -> tuple[Any, Any, Any, bool]:
     """Mean velocity of the bonded group beside contact k, and bounds of its ends' velocities.
 
     Returns
@@ -357,7 +357,7 @@ def motion(row: Row, log: Log, k: int, right: bool, t: int) -> tuple[Any, Any, A
     return mean, low, high, bounded
 
 
-def sway(row: Row, log: Log, k: int, right: bool, t: int, mean: Any) -> tuple[Any, Any]:
+def deviation_bound(row: Row, log: Log, k: int, right: bool, t: int, mean: Any) -> tuple[Any, Any]:
     """How far the group's end at contact k is from its mean motion, and can ever get.
 
     The end of a free body deviates from the motion of the centre of mass by
@@ -417,19 +417,19 @@ def sway(row: Row, log: Log, k: int, right: bool, t: int, mean: Any) -> tuple[An
     return d, 2 * energy * slack
 
 
-def parting(row: Row, log: Log, k: int, t: int, tol: Any) -> int:
+def separation_time(row: Row, log: Log, k: int, t: int, tol: Any) -> int:
     """When contact k is proved not to close again: t if now, IDLE if not before a new contact."""
     if row.rate[k] >= 0 and quiet(row, k, False) and quiet(row, k, True):
         return t
-    vl, _, high, bounded_l = motion(row, log, k, False, t)
-    vr, low, _, bounded_r = motion(row, log, k, True, t)
+    vl, _, high, bounded_l = group_motion(row, log, k, False, t)
+    vr, low, _, bounded_r = group_motion(row, log, k, True, t)
     if bounded_l and bounded_r and low - high >= -tol:
         return t
     opening = vr - vl
     if opening < -tol:
         return IDLE
-    dl, bl = sway(row, log, k, False, t, vl)
-    dr, br = sway(row, log, k, True, t, vr)
+    dl, bl = deviation_bound(row, log, k, False, t, vl)
+    dr, br = deviation_bound(row, log, k, True, t, vr)
     gap = row.gap[k] + row.rate[k] * (t - row.since[k]) - dr + dl
     if gap > 0 and gap * gap > 2 * (bl + br):
         return t
@@ -449,7 +449,7 @@ def settled(row: Row, log: Log, t: int, tol: Any) -> int:
     latest = t
     for k in range(len(row.status)):
         if row.status[k] >= OPEN and latest < IDLE:
-            latest = max(latest, parting(row, log, k, t, tol))
+            latest = max(latest, separation_time(row, log, k, t, tol))
     return latest
 
 
@@ -514,7 +514,7 @@ def play(
     return flag
 
 
-def contents(row: Row, log: Log, t: int, stock: Stock) -> None:
+def segment_totals(row: Row, log: Log, t: int, stock: GroupState) -> None:
     """Take stock at tick t: momentum, and energy of vibration about stock.velocity, by segment.
 
     Momentum is (Z/2) integral(a + b), energy (Z/4) integral((a - V)^2 + (b - V)^2).
@@ -534,7 +534,7 @@ def contents(row: Row, log: Log, t: int, stock: Stock) -> None:
         stock.momentum[s], stock.vibration[s] = Z * total / 2, Z * square / 4
 
 
-def drift(row: Row, stock: Stock) -> None:
+def group_velocity(row: Row, stock: GroupState) -> None:
     """Set the velocities of bonded groups from their momenta."""
     first, n = 1, len(row.status) - 1
     while first <= n:
@@ -549,16 +549,16 @@ def drift(row: Row, stock: Stock) -> None:
         first = last + 1
 
 
-def opening_stock(row: Row, log: Log, stock: Stock) -> None:
+def initial_state(row: Row, log: Log, stock: GroupState) -> None:
     """Take stock at t = 0: momenta, and the velocities that go with them."""
     for s in range(len(stock.velocity)):
         stock.velocity[s] = 0 * row.mobility[1]
-    contents(row, log, 0, stock)
-    drift(row, stock)
+    segment_totals(row, log, 0, stock)
+    group_velocity(row, stock)
 
 
-def closing_stock(
-    row: Row, tally: Tally, log: Log, t: int, opening: Stock, stock: Stock
+def final_state(
+    row: Row, tally: Tally, log: Log, t: int, opening: GroupState, stock: GroupState
 ) -> None:
     """Take stock at the end, tick t: free groups have the velocity that their impulses gave them.
 
@@ -569,8 +569,8 @@ def closing_stock(
     for s in range(n + 2):
         stock.velocity[s] = opening.velocity[s]
     if row.status[0] == BOND or row.status[n] == BOND:
-        contents(row, log, t, stock)
-        drift(row, stock)
+        segment_totals(row, log, t, stock)
+        group_velocity(row, stock)
     first = 1
     while first <= n:
         last, mass = first, row.transit[first] / row.mobility[first]
@@ -582,12 +582,12 @@ def closing_stock(
             for s in range(first, last + 1):
                 stock.velocity[s] = opening.velocity[s] + pushed
         first = last + 1
-    contents(row, log, t, stock)
+    segment_totals(row, log, t, stock)
 
 
 def family(
-    row: Row, tally: Tally, log: Log, clock: Any, stocks: tuple[Stock, Stock], members: Members,
-    limit: int, results: Results,
+    row: Row, tally: Tally, log: Log, clock: Any, stocks: tuple[GroupState, GroupState],
+    members: Members, limit: int, results: Results,
 ) -> None:
     """Run every member to its target, in the same work space.
 
@@ -620,7 +620,7 @@ def family(
             log.tick[r], log.line[r] = members.tick[f], members.line[f]
             log.value[r] = members.value[f]
         begin(row, tally, log, clock, members.count[m])
-        opening_stock(row, log, stocks[0])
+        initial_state(row, log, stocks[0])
         flag = play(
             row, tally, log, clock, members.target[m], limit, members.tolerance[m],
             members.window[m],
@@ -628,7 +628,7 @@ def family(
         results.flag[m], results.final[m] = flag, clock[SETTLED] >= 0
         if flag == FULL:
             continue
-        closing_stock(row, tally, log, clock[NOW], stocks[0], stocks[1])
+        final_state(row, tally, log, clock[NOW], stocks[0], stocks[1])
         frame, beat, vibration = members.frame[m], members.beat[m], 0 * row.mobility[1]
         for s in range(segments):
             i = m * segments + s

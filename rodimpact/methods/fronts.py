@@ -20,14 +20,14 @@ from .front_kernel import (
     ROWS,
     SETTLED,
     TURNS,
+    GroupState,
     Log,
     Row,
-    Stock,
     Tally,
-    closing_stock,
-    contents,
-    opening_stock,
+    final_state,
+    initial_state,
     play,
+    segment_totals,
 )
 
 MAX_EVENTS = 5_000_000
@@ -61,8 +61,8 @@ class FrontRun:
     row: Row
     tally: Tally
     log: Log
-    opening: Stock
-    closing: Stock
+    opening: GroupState
+    closing: GroupState
     end: int
     settled: int
     events: int
@@ -93,9 +93,9 @@ def track(
     mobility = [1 / Z if Z else 0.0 for Z in a.impedance]
     state: Any = start(a.ticks, mobility, a.status, a.gaps, a.outside, a.waves)
     row, tally, log, clock = state
-    opening, closing = (Stock(*([0.0] * len(a.ticks) for _ in range(3))) for _ in range(2))
-    opening_stock(row, log, opening)
-    contents(row, log, 0, opening)
+    opening, closing = (GroupState(*([0.0] * len(a.ticks) for _ in range(3))) for _ in range(2))
+    initial_state(row, log, opening)
+    segment_totals(row, log, 0, opening)
     target = -2 * a.longest
     if until is not None:
         target = round(until / a.tick)
@@ -114,8 +114,8 @@ def track(
     if not on_lists:
         row, tally = Row(*(x.tolist() for x in row)), Tally(*(x.tolist() for x in tally))
         clock = clock.tolist()
-    closing_stock(row, tally, log, clock[NOW], opening, closing)
-    closing = Stock(*([float(x) for x in column] for column in closing))
+    final_state(row, tally, log, clock[NOW], opening, closing)
+    closing = GroupState(*([float(x) for x in column] for column in closing))
     n, m = clock[ROWS], clock[TURNS]
     log = Log(*(x[:n] for x in log[:4]), *(x[:m] for x in log[4:]))
     settled = -1 if until is not None and driven(a.system) else clock[SETTLED]

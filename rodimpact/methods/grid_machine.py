@@ -35,7 +35,7 @@ from .plan import Array, squeezed, whole
 from .refinement import TooLong
 
 TOLERANCE = 2.0**-40  # of the velocities, below which contacts graze: round-off of many steps
-SPECK = 1.0  # of what bodies cover in a step: a smaller gap is no opening, but dispersed waves
+GAP_RESOLUTION = 1.0  # of what bodies cover in a step: dispersed waves open smaller gaps
 MOST_BYTES = 4 << 30  # of signals
 STATES_BYTES = 64 << 20  # of kept states, where their number is not given
 CELL_TIMES = {"explicit": (7e-10, 8e-7), "implicit": (6e-9, 2.5e-6)}
@@ -57,12 +57,12 @@ class Machine:
             if kind == "absorbing":
                 mass[mesh.ends[side]] += self._impedance(side) / 2
         self.implicit = self._implicit(mass, implicit)
-        ease = np.where(mesh.held == 1, 0.0, 1 / np.where(mass > 0, mass, 1.0))
+        mobility = np.where(mesh.held == 1, 0.0, 1 / np.where(mass > 0, mass, 1.0))
         for a, b, hidden in zip(mesh.starts, mesh.stops, implicit, strict=True):
             if hidden:
-                ease[a : b + 1] = 0.0
-        self.grid = self._grid(ease, implicit)
-        self.links, self.chain = self._links(ease, implicit)
+                mobility[a : b + 1] = 0.0
+        self.grid = self._grid(mobility, implicit)
+        self.links, self.chain = self._links(mobility, implicit)
         self.bonds = self._bonds()
         self.ends = Ends(
             whole([self._kind(side) for side in (0, 1)]), whole(mesh.ends),
@@ -77,7 +77,7 @@ class Machine:
         self.states = keep.make(self, room)
         self.clock = whole([0, 0, 0])
         self.taken = 0
-        self.tol, self.speck = TOLERANCE * plan.scale, SPECK * plan.scale
+        self.tol, self.gap_resolution = TOLERANCE * plan.scale, GAP_RESOLUTION * plan.scale
 
     # Laying out ---------------------------------------------------------------------------------
 
@@ -91,7 +91,7 @@ class Machine:
         cell = self.mesh.ends[side] + (1 if side == 0 else 0)
         return math.sqrt(float(self.mesh.stiffness[cell] * self.mesh.cell_mass[cell]))
 
-    def _grid(self, ease: Array, implicit: list[bool]) -> Grid:
+    def _grid(self, mobility: Array, implicit: list[bool]) -> Grid:
         mesh, h = self.mesh, self.step
         stiffness = mesh.stiffness * h
         first, last, kick, stiff = [], [], [], []
@@ -99,7 +99,7 @@ class Machine:
             a, b = mesh.first[s], mesh.last[s]
             if implicit[mesh.piece_of(a)]:
                 continue
-            k, e = stiffness[a + 1 : b + 1], ease[a + 1 : b]
+            k, e = stiffness[a + 1 : b + 1], mobility[a + 1 : b]
             alike = np.all(k == k[0]) and np.all(e == e[:1])
             first.append(a)
             last.append(b)
@@ -107,7 +107,7 @@ class Machine:
             kick.append(float(e[0]) if alike and len(e) else -1.0)
         n = len(mesh.mass)
         return Grid(
-            np.zeros(n), np.zeros(n + 1), ease, stiffness, whole(first), whole(last),
+            np.zeros(n), np.zeros(n + 1), mobility, stiffness, whole(first), whole(last),
             np.array(kick), np.array(stiff), whole(sorted({*first, *last})),
             whole(mesh.starts), np.zeros(len(mesh.starts)),
         )
@@ -134,7 +134,7 @@ class Machine:
         kernels.copy_back(lists, found)
         return found
 
-    def _links(self, ease: Array, implicit: list[bool]) -> tuple[Links, Chain]:
+    def _links(self, mobility: Array, implicit: list[bool]) -> tuple[Links, Chain]:
         mesh, plan, h = self.mesh, self.plan, self.step
         hidden = [p for p, is_hidden in enumerate(implicit) if is_hidden]
         chosen, nodes = list(mesh.touching), list(mesh.touching.values())
@@ -147,12 +147,12 @@ class Machine:
                 place = hidden.index(piece) if piece in hidden else -1
                 sides[side].append(place)
                 answer = (self.implicit.by_last, self.implicit.by_first)[side]
-                own[q] += (ease if place < 0 else answer)[node] / 2
+                own[q] += (mobility if place < 0 else answer)[node] / 2
             if q and mesh.piece_of(pair[0]) == mesh.piece_of(nodes[q - 1][1]):
                 if sides[0][q] >= 0:
                     shared[q] = self.implicit.by_first[pair[0]] / 2
                 elif pair[0] == nodes[q - 1][1]:
-                    shared[q] = ease[pair[0]] / 2
+                    shared[q] = mobility[pair[0]] / 2
         gap = np.array([plan.gap[i] for i in chosen]) / h
         links = Links(
             whole([plan.laws[i] for i in chosen]),
@@ -246,7 +246,7 @@ class Machine:
         ):
             if law == RIGID and gap == 0 and force[left] > force[right]:
                 force[left] = force[right] = 0.0
-        found: Array = self.grid.ease * force / 2
+        found: Array = self.grid.mobility * force / 2
         if len(self.implicit.first):
             lists = kernels.as_lists(self.implicit)
             x = np.where(mesh.held == 1, 0.0, force / 2).tolist()
@@ -324,7 +324,7 @@ class Machine:
         chunk = max(1, int(ROUND / cost(self.mesh, plain=not fast)))
         while True:
             target = min(end, self.taken + chunk)
-            flag = go(*lists, clock, target, self.tol, self.speck)
+            flag = go(*lists, clock, target, self.tol, self.gap_resolution)
             self.taken = int(clock[STEP])
             if flag != DONE or self.taken >= end:
                 break

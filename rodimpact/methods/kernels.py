@@ -11,6 +11,7 @@ import contextlib
 import dis
 import functools
 import os
+import pickle
 import sys
 import threading
 import types
@@ -18,6 +19,8 @@ from collections.abc import Callable
 from typing import Any
 
 Kernel = Callable[..., Any]
+UNREADABLE = (AttributeError, ImportError, EOFError, pickle.UnpicklingError, ValueError)
+"""What reading a damaged cache raises; kernels raise none of them."""
 
 
 def enabled() -> bool:
@@ -87,9 +90,19 @@ def _compiled(kernel: Kernel) -> Kernel:
             return fast(*arguments)
         except OSError:  # the cache could not be written; nothing has run yet
             fast = _translate(kernel, False)
-            return fast(*arguments)
+        except UNREADABLE:  # a damaged cache, or one of another version with other names
+            _forget(kernel)
+        return fast(*arguments)
 
     return call
+
+
+def _forget(kernel: Kernel) -> None:
+    """Empty the cache on disk of a kernel and of all that it calls."""
+    assert isinstance(kernel, types.FunctionType)
+    for part in _parts(kernel):
+        with contextlib.suppress(AttributeError, OSError):  # a numba that keeps it elsewhere
+            _translate(part, True)._cache.flush()  # type: ignore[attr-defined]
 
 
 def cache_directory(kernel: Kernel) -> str:
@@ -134,13 +147,19 @@ def _callees(kernel: types.FunctionType) -> list[types.FunctionType]:
     ]
 
 
-def _watch(fast: Any, kernel: types.FunctionType) -> None:
-    """Let the cache notice a change in any file that the kernel is made of."""
+def _parts(kernel: types.FunctionType) -> set[types.FunctionType]:
+    """A kernel and all that it calls, directly or not."""
     parts, waiting = {kernel}, [kernel]
     while waiting:
         new = set(_callees(waiting.pop())) - parts
         parts |= new
         waiting += new
+    return parts
+
+
+def _watch(fast: Any, kernel: types.FunctionType) -> None:
+    """Let the cache notice a change in any file that the kernel is made of."""
+    parts = _parts(kernel)
     found = [os.stat(name) for name in sorted({f.__code__.co_filename for f in parts})]
     stamps = [(file.st_mtime, file.st_size) for file in found]
     with contextlib.suppress(AttributeError):  # a numba that keeps its stamp elsewhere

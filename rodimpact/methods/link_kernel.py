@@ -143,7 +143,7 @@ def mean_force(
     return F, dF
 
 
-def squeeze(
+def solve_law(
     law: int, k: float, p: float, d: float, x0: float, c: float, y: float, w: float
 ) -> tuple[float, float, float]:
     """Solve x1 = x0 + c - y F(x0, x1) for a compliant contact.
@@ -203,7 +203,7 @@ def relax(row: Any, chain: Chain, i0: int, last: int, d: float) -> float:
         else:
             gap = row.gap[i]
             guess = chain.place[q] + gap
-            F, chain.place[q], slope = squeeze(
+            F, chain.place[q], slope = solve_law(
                 law, row.stiffness[i], row.exponent[i], row.damping[i] / d, -gap, c, y, guess
             )
         change = max(change, abs(F - chain.force[q]) * y)
@@ -263,7 +263,7 @@ def balance(row: Any, chain: Chain, i0: int, last: int, speed: float, d: float) 
     return bool(left <= ROUGH * size)
 
 
-def strike(row: Any, chain: Chain, i0: int, last: int, tol: float, d: float) -> bool:
+def start_impacts(row: Any, chain: Chain, i0: int, last: int, tol: float, d: float) -> bool:
     """Let impacts happen whose gaps would close in this time d; return whether there is a new one.
 
     An impact waits with an infinite limit.
@@ -280,7 +280,7 @@ def strike(row: Any, chain: Chain, i0: int, last: int, tol: float, d: float) -> 
     return found
 
 
-def book(
+def record_step(
     row: Any, tally: Tally, signals: Any, i: int, j: int, F: float, gap: float, d: float
 ) -> None:
     """Enter step j, or a part of duration d, of contact i: its force, and the gap at the end.
