@@ -15,10 +15,10 @@ import rodimpact as ri
 from rodimpact.methods import characteristics_kernel as ck
 from rodimpact.methods import kernels
 from rodimpact.methods import link_kernel as lk
-from rodimpact.methods.characteristics import Machine
 from rodimpact.methods.clockwork import PARTS as TICKS
 from rodimpact.methods.delays import transit_ticks
 from rodimpact.methods.plan import Plan
+from rodimpact.methods.step_machine import Machine
 
 PARTS = ("row", "tally", "signals")
 
@@ -453,10 +453,10 @@ def test_the_proof_waits_no_longer_than_it_says():
 
 def test_a_squeezed_mass_is_told_in_a_sentence(monkeypatch):
     from rodimpact import InvalidModel
-    from rodimpact.methods import characteristics
+    from rodimpact.methods import step_machine
 
     machine = machine_of(random_network(0), 8)
-    monkeypatch.setattr(characteristics, "run", lambda *_: ck.SQUEEZED)
+    monkeypatch.setattr(step_machine, "run", lambda *_: ck.SQUEEZED)
     monkeypatch.setattr(kernels, "enabled", lambda: False)
     with pytest.raises(InvalidModel, match=r"squeezed.*no room.*compliant law"):
         machine.advance(8)
