@@ -35,7 +35,6 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .ends import Free as Free
     from .ends import Moved as Moved
     from .ends import Pushed as Pushed
-    from .files import FileFormatError as FileFormatError
     from .files import load as load
     from .frozen import InvalidModel as InvalidModel
     from .gauges import Gauge as Gauge
@@ -65,6 +64,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .sweeping import SweepError as SweepError
     from .sweeping import SweepResult as SweepResult
     from .sweeping import sweep as sweep
+    from .writing import FileFormatError as FileFormatError
 
 _HOME = {
     "frozen": ("InvalidModel",),
@@ -82,7 +82,8 @@ _HOME = {
     "outcome": ("Outcome", "UndefinedRestitution"),
     "regions": ("Regions", "regions_of"),
     "ring_down": ("RingDown",),
-    "files": ("FileFormatError", "load"),
+    "files": ("load",),
+    "writing": ("FileFormatError",),
     "sweeping": ("Axis", "SweepError", "SweepResult", "sweep"),
     "casefile": ("Case", "parse_case", "read_case", "write_case"),
 }

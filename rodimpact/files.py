@@ -1,21 +1,17 @@
-"""Files appear whole or not at all, and a solution survives in one of them.
+"""A solution survives in a file: it is saved as an NPZ and loaded without solving again.
 
-A file is written under a passing name beside its target and moved into place when it is complete.
-A saved solution is an NPZ: its end signals as arrays, everything else in one JSON document. Reading
-it back solves nothing again, so what `load` returns equals what was saved, bit for bit.
+Its end signals or states are arrays, everything else stands in one JSON document. What `load`
+returns equals what was saved, bit for bit.
 """
 
 from __future__ import annotations
 
-import contextlib
 import io
 import json
-import math
 import os
-import secrets
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -35,114 +31,10 @@ from .outcome import Outcome
 from .records import FrontRecord, Record, StepRecord
 from .solution import Solution
 from .wave_fields import WaveFields
+from .writing import FORMAT, SCHEMA, Arrays, FileFormatError, PathLike, restored, write_npz
 
 if TYPE_CHECKING:
     from .sweeping import SweepResult
-
-PathLike: TypeAlias = "str | os.PathLike[str]"
-Arrays: TypeAlias = dict[str, Any]
-
-FORMAT = "rodimpact"
-SCHEMA = 2
-"""Version of what a saved file holds; older readers refuse files with a higher one."""
-
-
-class FileFormatError(ValueError):
-    """A file is not what rodimpact saved: foreign, damaged, or of a newer version."""
-
-
-# Writing ------------------------------------------------------------------------------------------
-
-
-def check_target(path: PathLike, *, force: bool = False) -> Path:
-    """Make sure that a file may be written at `path`; worth asking before a long computation.
-
-    Parameters
-    ----------
-    path : str or path
-    force : bool
-        Whether an existing file may be replaced.
-
-    Returns
-    -------
-    Path
-        Absolute, with symbolic links followed.
-
-    Raises
-    ------
-    FileExistsError
-        If the file is there and `force` is false.
-    OSError
-        The subclass that fits (`IsADirectoryError`, `NotADirectoryError`, `FileNotFoundError` for a
-        missing directory): where no file can be.
-    """
-    target = Path(os.path.realpath(path))
-    refused = f"cannot write {os.fspath(path)!r}: "
-    if target.is_dir() or not os.path.basename(path):
-        raise IsADirectoryError(refused + "it is a directory; add the name of a file")
-    if target.exists():
-        if not target.is_file():
-            raise OSError(refused + "it is not a regular file")
-        if not force:
-            message = "it exists already; give --force (in Python force=True) to replace it"
-            raise FileExistsError(refused + message)
-    elif not target.parent.exists():
-        raise FileNotFoundError(refused + f"there is no directory {str(target.parent)!r}; make it")
-    elif not target.parent.is_dir():
-        raise NotADirectoryError(refused + f"{str(target.parent)!r} is not a directory")
-    return target
-
-
-def write_bytes(path: PathLike, data: bytes, *, force: bool = False) -> None:
-    """Write a file as a whole or not at all.
-
-    Parameters
-    ----------
-    path : str or path
-    data : bytes
-    force : bool
-        Whether to replace an existing file.
-
-    Raises
-    ------
-    FileExistsError
-        If the file is there and `force` is false.
-    OSError
-        Or a subclass, with a sentence, if the file cannot be written; an existing one is unharmed.
-    """
-    with written(path, force=force) as file:
-        file.write(data)
-
-
-@contextlib.contextmanager
-def written(path: PathLike, *, force: bool = False) -> Iterator[BinaryIO]:
-    """Open a file to be written piece by piece; it appears when all is written, or not at all.
-
-    Parameters and errors are those of `write_bytes`.
-    """
-    target = check_target(path, force=force)
-    passing = target.with_name(f".rodimpact-{secrets.token_hex(8)}")
-    try:
-        with open(passing, "xb") as file:
-            yield file
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(passing, target)
-    except BaseException as error:
-        with contextlib.suppress(OSError):
-            passing.unlink()
-        if isinstance(error, OSError):
-            message = f"cannot write {os.fspath(path)!r}: {error.strerror or error}"
-            raise type(error)(message) from error
-        raise
-
-
-def write_text(path: PathLike, text: str, *, force: bool = False) -> None:
-    """Write a text file in UTF-8, as `write_bytes` does."""
-    write_bytes(path, text.encode(), force=force)
-
-
-# Saving and loading -------------------------------------------------------------------------------
 
 
 def save_solution(solution: Solution, path: PathLike, *, force: bool = False) -> None:
@@ -207,17 +99,6 @@ def save_solution(solution: Solution, path: PathLike, *, force: bool = False) ->
         document["least"] = record.least
         document["ends"] = [end and end[0] for end in record.ends]
     write_npz(path, "solution", document, arrays, force=force)
-
-
-def write_npz(
-    path: PathLike, kind: str, document: dict[str, Any], arrays: Arrays, *, force: bool = False
-) -> None:
-    """Write arrays and a JSON document as one compressed NPZ that `load` knows by its `kind`."""
-    head = {"format": FORMAT, "schema": SCHEMA, "rodimpact": __version__, "kind": kind}
-    text = json.dumps(_finite({**head, **document}), allow_nan=False)
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, document=np.array(text), **arrays)
-    write_bytes(path, buffer.getvalue(), force=force)
 
 
 def load(path: PathLike) -> Any:
@@ -293,13 +174,13 @@ def _read_solution(document: dict[str, Any], arrays: Arrays) -> Solution:
         "fronts": _read_fronts, "characteristics": _read_steps, "finite-difference": _read_grid,
     }[method]
     fields, record = read(document, arrays, system)
-    outcome = _restored(document["outcome"])
+    outcome = restored(document["outcome"])
     outcome["contacts"] = tuple(ContactTally(**tally) for tally in outcome["contacts"])
     return Solution(
         system, fields, Outcome(**outcome), record, method=method, until=until,
         stopped_by=document["stopped_by"], status=document["status"], t_end=document["t_end"],
-        t_final=_restored(document["t_final"]), events=document["events"],
-        accuracy=_restored(document["accuracy"]),
+        t_final=restored(document["t_final"]), events=document["events"],
+        accuracy=restored(document["accuracy"]),
     )
 
 
@@ -418,24 +299,3 @@ def _check(arrays: Arrays, what: str, columns: dict[str, Any], parts: int) -> No
 
 def _whole(numbers: list[int]) -> Any:
     return np.array(numbers, dtype=np.int64)
-
-
-_SPECIAL = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # JSON has no such numbers
-
-
-def _finite(value: Any) -> Any:
-    """The same with numbers that JSON lacks as words."""
-    if isinstance(value, float) and not math.isfinite(value):
-        return str(float(value))
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    return [_finite(item) for item in value] if isinstance(value, list | tuple) else value
-
-
-def _restored(value: Any) -> Any:
-    """Undo `_finite`; lists become tuples."""
-    if isinstance(value, dict):
-        return {key: _restored(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return tuple(_restored(item) for item in value)
-    return _SPECIAL.get(value, value) if isinstance(value, str) else value

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from .arguments import array
 from .frozen import InvalidModel
 from .signals import Floats
+from .writing import write_text, written
 
 SAMPLES = 10_000  # of a record where no interval is given
 
@@ -55,8 +56,6 @@ class Gauge:
         FileExistsError
             If the file is there and `force` is false.
         """
-        from .files import write_text
-
         names = ("time", "strain", "rightward", "leftward", "velocity")
         columns = (self.times, self.strain, self.rightward, self.leftward, self.velocity)
         rows = [names, *zip(*([repr(v) for v in c.tolist()] for c in columns), strict=True)]
@@ -108,8 +107,6 @@ def gauges_to_csv(
     ...     pathlib.Path(f"{folder}/bars.csv").read_text().splitlines()[0]
     'time,incident,transmitted'
     """
-    from .files import written
-
     if not gauges:
         message = "needs at least one record, such as solution.gauge(1, 0.5)"
         raise InvalidModel([("gauges", message)])

@@ -22,7 +22,6 @@ from numpy.typing import ArrayLike
 
 from . import __version__
 from .checkpoint import Checkpoint
-from .files import PathLike, write_npz, written
 from .frozen import InvalidModel, Problems, number
 from .methods.abilities import driven
 from .methods.assembly import Blueprint
@@ -33,6 +32,7 @@ from .model import Bonded, Rod, System
 from .options import Options, count
 from .outcome import body_velocities, effective_restitution
 from .solving import run_method
+from .writing import PathLike, write_npz, written
 
 STATUS = ("final", "max_events", "clock", "refused", "until")
 """Why each run stopped; `SweepResult.status` holds places in this tuple."""

@@ -14,8 +14,9 @@ from networks import STEP, random_network, unit_rod
 from systems import horizon, random_system
 
 import rodimpact as ri
-from rodimpact import files
-from rodimpact.files import SCHEMA, FileFormatError, check_target, load, write_bytes, write_text
+from rodimpact import writing
+from rodimpact.files import load
+from rodimpact.writing import SCHEMA, FileFormatError, check_target, write_bytes, write_text
 
 STEEL = ri.materials.steel
 SHORT = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
@@ -110,7 +111,7 @@ def fail(error):
 def test_a_failure_leaves_everything_as_it_was(tmp_path, monkeypatch, step, error):
     path = tmp_path / "a.txt"
     path.write_text("old")
-    monkeypatch.setattr(files.os, step, fail(error))
+    monkeypatch.setattr(writing.os, step, fail(error))
     with pytest.raises(type(error)) as caught:
         write_text(path, "new", force=True)
     assert type(caught.value) is type(error)

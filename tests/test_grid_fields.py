@@ -7,8 +7,8 @@ import pytest
 from networks import UNIT, unit_rod
 
 import rodimpact as ri
-from rodimpact.files import FileFormatError
 from rodimpact.methods.clockwork import PARTS
+from rodimpact.writing import FileFormatError
 
 METHOD = "finite-difference"
 THICK = ri.Material("thick", youngs_modulus=2.0, density=0.5, viscosity=0.02, poisson_ratio=0.3)

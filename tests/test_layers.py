@@ -9,7 +9,7 @@ import rodimpact
 
 ROOT = Path(rodimpact.__file__).parent
 LAYERS = [
-    {"units", "quantities"},
+    {"units", "quantities", "writing"},
     {"frozen", "arguments", "methods", "methods.kernels", "methods.layout_kernel",
      "methods.front_kernel", "methods.grid_kernel", "methods.link_kernel",
      "methods.characteristics_kernel", "methods.finite_difference_kernel"},
@@ -45,7 +45,7 @@ LAYERS = [
 ALLOWED = {
     # printing and saving, imported when asked for
     ("outcome", "report"), ("solution", "report"), ("ring_down", "report"), ("solution", "files"),
-    ("files", "sweeping"), ("gauges", "files"),
+    ("files", "sweeping"),
     # pictures in notebooks
     ("solution", "plot"), ("sweeping", "plot"),
 }

@@ -2,7 +2,7 @@
 
 import sys
 
-from rodimpact.files import write_text
+from rodimpact.writing import write_text
 
 from .table import FOLDER, cases, page, run
 

@@ -12,9 +12,9 @@ from ..casefile import read_case
 from ..explore.design import Design
 from ..explore.page_files import standalone
 from ..explore.scene import scene
-from ..files import write_text
 from ..frozen import InvalidModel
 from ..units import format_si
+from ..writing import write_text
 from . import DONE, INCOMPLETE
 from .asking import Problems, check_outputs
 from .progress import solved
