@@ -855,6 +855,17 @@ def test_jumps_of_the_initial_state_and_of_drives_cut_the_steps():
     assert np.array(places) / PARTS == pytest.approx([0.2, 0.4, 0.6], abs=1e-10)
 
 
+@pytest.mark.parametrize("rest", [0.1, 0.6])
+def test_gravity_and_drives_work_to_the_end_of_a_run_inside_a_step(rest):
+    """The floor accelerates in the frame that falls with the rod."""
+    pressed = {"row": [ri.Wall(0.1), unit_rod()], "gravity": -1.0}
+    for row in (ROW, pressed):
+        o = solved(**row, until=3 + rest / 64, dt=1 / 64).outcome
+        assert o.gravity_work != 0
+        assert abs(o.energy_residual) <= 1e-13
+        assert abs(o.momentum_residual) <= 1e-13
+
+
 @pytest.mark.parametrize("rest", [0.01, 0.05])
 def test_a_run_whose_delays_are_no_whole_steps_ends_inside_one(rest):
     """Less than the share of the earlier step arrives of what is left of the last step, or more."""

@@ -79,7 +79,7 @@ class Machine:
         self.taken = 0
         self.signals = self._allocate(room)
         self._initial_state(ticks)
-        self._drive(-1)
+        self._drive(-1, self.edges(-1, room))
         self.tol = TOLERANCE * plan.scale
 
     def edges(self, first: int, last: int) -> Array:
@@ -138,10 +138,10 @@ class Machine:
                     signals.wave[place - len(wave) : place] = wave
                 begin += L
 
-    def _drive(self, since: int) -> None:
-        """Fill the lines that come from outside, from step `since` on."""
+    def _drive(self, since: int, ticks: Array) -> None:
+        """Fill the lines that come from outside, from part `since` on, with means between ticks."""
         n, plan = len(self.row.steps) - 2, self.plan
-        edges = self.step / PARTS * self.edges(since, self.room)
+        edges = self.step / PARTS * ticks
         for side, line, own in ((0, 0, 2), (1, 2 * n + 3, 2 * n + 1)):
             kind, value = plan.outside[side]
             if kind == "none":
@@ -153,7 +153,7 @@ class Machine:
                 found = averages(value, edges, 0.0)
                 if kind == "velocity":
                     found = found - plan.frame - plan.gravity * (edges[1:] + edges[:-1]) / 2
-            self.signals.wave[start + since : start + self.room] = found
+            self.signals.wave[start + since : start + since + len(ticks) - 1] = found
 
     def grow(self, room: int) -> None:
         """Make room for more steps."""
@@ -169,7 +169,7 @@ class Machine:
                 if start >= 0:
                     to = getattr(self.signals, starts)[i]
                     target[to - before[i] : to + was] = source[start - before[i] : start + was]
-        self._drive(was)
+        self._drive(was, self.edges(was, room))
 
     def advance(self, end: int) -> bool:
         """Run to part `end`; False where a contact closes inside a part, and the run is to stop."""
@@ -207,6 +207,7 @@ class Machine:
             part=np.where(np.arange(len(whole_row.part)) == last, d, whole_row.part),
             share=np.minimum(1.0, whole_row.share / d),
         )
+        self._drive(self.taken, np.array([end - rest, end]))
         going = self.advance(self.taken + 1)
         self.row = whole_row
         return going
