@@ -133,16 +133,18 @@ def _error(levels: list[tuple[float, dict[str, Array]]], name: str) -> float:
 def contact_measures(found: Run) -> dict[str, Array]:
     """Impulse, largest force, and time of 99.9 % of the impulse, by contact that can open.
 
-    Restitution follows from the impulses. An impact of rigid bodies has no largest force.
+    Restitution follows from the impulses. Impacts of rigid bodies have neither of the other two:
+    their impulse grows in jumps.
     """
     plan = found.plan
     contacts = [k for k, i in enumerate(plan.contact_link) if i >= 0 and plan.laws[i] >= RIGID]
     forces = [found.contact(k)[0] for k in contacts]
+    lasting = [plan.laws[plan.contact_link[k]] != IMPACT for k in contacts]
     measured = (
         [float(F @ found.durations) for F in forces],
-        [0.0 if plan.laws[plan.contact_link[k]] == IMPACT else peak(found.edges, F)
-         for k, F in zip(contacts, forces, strict=True)],
-        [_most_of(F, found.durations) for F in forces],
+        [peak(found.edges, F) if lasts else 0.0 for F, lasts in zip(forces, lasting, strict=True)],
+        [_most_of(F, found.durations) if lasts else 0.0
+         for F, lasts in zip(forces, lasting, strict=True)],
     )
     return {name: np.array(values) for name, values in zip(MEASURES, measured, strict=True)}
 
