@@ -18,7 +18,7 @@ from .wave_fields import WaveFields
 
 LATEST = 2.0  # steps, by which a gap can close later than its contact first presses
 FAINT = 1e-6  # of the next mean force: what presses less is round-off
-SMOOTH = 0.1  # relative change of forces from step to step, beyond which they jump
+SMOOTH = 0.3  # relative change of forces from step to step, beyond which they jump
 
 Turns: TypeAlias = tuple[list[int], list[int]]
 

@@ -887,6 +887,13 @@ def test_an_impact_happens_at_its_moment(dt):
     assert s.outcome.contacts[0].duration == 0
 
 
+@pytest.mark.parametrize("dt", [0.07, 0.3, 1 / 16])
+def test_the_initial_state_ends_where_the_rod_does(dt):
+    """Also where it fills no whole number of steps: mean 0.75 of the samples, at t = 0."""
+    s = solved([unit_rod(velocity=ri.Samples([3.0, 0.0, 0.0])), unit_rod(2.0)], 0.0, dt)
+    assert float(s.mean_velocity(0, 0.0)) == pytest.approx(0.75, abs=1e-10)
+
+
 def test_impacts_of_rigid_bodies_have_no_largest_force_to_wait_for():
     row = [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0), unit_rod()]
     s = solved(row, 4.0, gaps=[0.1, 0.2], contacts=[ri.Rigid(restitution=0.5), ri.Hertz(10.0)])
