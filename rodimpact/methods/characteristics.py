@@ -32,7 +32,7 @@ from .clockwork import PARTS, Clockwork
 from .delays import WHOLE, arriving, lost_to_means, transit_ticks
 from .link_kernel import IMPACT, RIGID, SPRING, Tally
 from .plan import Array, Plan
-from .refinement import contact_measures, refined
+from .refinement import contact_measures, refined, velocity_measure
 from .step_machine import Machine
 
 RTOL = 1e-5
@@ -320,14 +320,9 @@ def follow(
 
 
 def measures(found: StepRun) -> dict[str, Array]:
-    """What is to stand still: velocities and their differences, and what the contacts did.
-
-    Velocities change beside their scale, so that the round-off of bodies at rest is none.
-    """
-    free = found.free_velocities
-    return {
-        "velocity": np.array([*free, *np.diff(free), found.plan.scale]), **contact_measures(found)
-    }
+    """What is to stand still: velocities, and what the contacts did."""
+    velocity = velocity_measure(found.free_velocities.tolist(), found.plan.scale)
+    return {"velocity": velocity, **contact_measures(found)}
 
 
 def begins_with_jumps(plan: Plan) -> bool:

@@ -28,7 +28,7 @@ from .grid_machine import GAP_RESOLUTION, Keeper, Machine, cost
 from .link_kernel import RIGID, Tally
 from .mesh import Mesh
 from .plan import Array, Plan
-from .refinement import MEASURES, contact_measures, peak, refined
+from .refinement import MEASURES, contact_measures, peak, refined, velocity_measure
 
 RTOL = 1e-3
 COURANT = 0.999
@@ -252,12 +252,8 @@ def follow(
 def measures(found: GridRun) -> dict[str, Array]:
     """What is to stand still: velocities, impulses, and when 99.9 % of them has passed.
 
-    Velocities are those of free bodies, and of each of them seen from the next, which restitution
-    is made of: its error may be twice that of theirs.
-
     The largest force is left out: beside a jump waves overshoot, on any mesh, and flat ends of
     viscous rods, or of rods with lateral inertia, meet with a force that has no largest value.
-    Velocities change beside their scale, so that the round-off of bodies at rest is none.
     """
     by_contact = contact_measures(found)
     del by_contact[MEASURES[1]]
@@ -267,7 +263,7 @@ def measures(found: GridRun) -> dict[str, Array]:
         for a, b in zip(found.mesh.starts, found.mesh.stops, strict=True)
         if not found.mesh.held[a : b + 1].any()
     ]
-    return {"velocity": np.array([*free, *np.diff(free), found.plan.scale]), **by_contact}
+    return {"velocity": velocity_measure(free, found.plan.scale), **by_contact}
 
 
 def _mesh_size(

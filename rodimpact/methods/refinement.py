@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -128,6 +128,15 @@ def _error(levels: list[tuple[float, dict[str, Array]]], name: str) -> float:
         float(np.max(np.abs(coarse[name] - values), initial=0.0)) / scale * step / (wider - step)
         for wider, coarse in levels[-1 - LOOK_BACK : -1]
     )
+
+
+def velocity_measure(free: Sequence[float], scale: float) -> Array:
+    """Velocities of free bodies, and of each of them seen from the next, beside their scale.
+
+    The error of restitution may be twice that of velocities. Beside the scale, the round-off of
+    bodies at rest is none.
+    """
+    return np.array([*free, *np.diff(free), scale])
 
 
 def contact_measures(found: Run) -> dict[str, Array]:
