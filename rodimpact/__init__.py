@@ -10,6 +10,8 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from .results import notebook
+
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:  # names under their own names, so that type checkers take them as public
@@ -18,79 +20,91 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from . import rigid as rigid
     from . import theory as theory
     from . import units as units
-    from .bodies import Material as Material
-    from .bodies import RigidMass as RigidMass
-    from .bodies import Rod as Rod
-    from .bodies import Segment as Segment
-    from .bodies import Wall as Wall
-    from .casefile import Case as Case
-    from .casefile import parse_case as parse_case
-    from .casefile import read_case as read_case
-    from .casefile import write_case as write_case
-    from .contacts import ContactHistory as ContactHistory
-    from .contacts import ContactTally as ContactTally
-    from .contacts import Episode as Episode
-    from .ends import Absorbing as Absorbing
-    from .ends import Fixed as Fixed
-    from .ends import Free as Free
-    from .ends import Moved as Moved
-    from .ends import Pushed as Pushed
-    from .files import load as load
-    from .frozen import InvalidModel as InvalidModel
-    from .gauges import Gauge as Gauge
-    from .gauges import gauges_to_csv as gauges_to_csv
-    from .laws import Bonded as Bonded
-    from .laws import Hertz as Hertz
-    from .laws import HuntCrossley as HuntCrossley
-    from .laws import PowerLaw as PowerLaw
-    from .laws import Rigid as Rigid
-    from .laws import Spring as Spring
-    from .laws import SpringDashpot as SpringDashpot
-    from .ledger import EnergyLedger as EnergyLedger
+    from .methods.options import Options as Options
     from .model import System as System
-    from .options import Options as Options
-    from .outcome import Outcome as Outcome
-    from .outcome import UndefinedRestitution as UndefinedRestitution
-    from .profiles import Samples as Samples
-    from .profiles import Steps as Steps
-    from .regions import Regions as Regions
-    from .regions import regions_of as regions_of
-    from .ring_down import RingDown as RingDown
-    from .solution import Solution as Solution
-    from .solving import LongRun as LongRun
-    from .solving import collide as collide
-    from .solving import solve as solve
-    from .sweeping import Axis as Axis
-    from .sweeping import SweepError as SweepError
-    from .sweeping import SweepResult as SweepResult
-    from .sweeping import sweep as sweep
-    from .writing import FileFormatError as FileFormatError
+    from .model.bodies import Material as Material
+    from .model.bodies import RigidMass as RigidMass
+    from .model.bodies import Rod as Rod
+    from .model.bodies import Segment as Segment
+    from .model.bodies import Wall as Wall
+    from .model.ends import Absorbing as Absorbing
+    from .model.ends import Fixed as Fixed
+    from .model.ends import Free as Free
+    from .model.ends import Moved as Moved
+    from .model.ends import Pushed as Pushed
+    from .model.frozen import InvalidModel as InvalidModel
+    from .model.laws import Bonded as Bonded
+    from .model.laws import Hertz as Hertz
+    from .model.laws import HuntCrossley as HuntCrossley
+    from .model.laws import PowerLaw as PowerLaw
+    from .model.laws import Rigid as Rigid
+    from .model.laws import Spring as Spring
+    from .model.laws import SpringDashpot as SpringDashpot
+    from .model.profiles import Samples as Samples
+    from .model.profiles import Steps as Steps
+    from .results.contacts import ContactHistory as ContactHistory
+    from .results.contacts import ContactTally as ContactTally
+    from .results.contacts import Episode as Episode
+    from .results.energy import EnergyLedger as EnergyLedger
+    from .results.gauges import Gauge as Gauge
+    from .results.gauges import gauges_to_csv as gauges_to_csv
+    from .results.outcome import Outcome as Outcome
+    from .results.outcome import UndefinedRestitution as UndefinedRestitution
+    from .results.regions import Regions as Regions
+    from .results.regions import regions_of as regions_of
+    from .results.ring_down import RingDown as RingDown
+    from .results.solution import Solution as Solution
+    from .running.loading import load as load
+    from .running.solving import LongRun as LongRun
+    from .running.solving import collide as collide
+    from .running.solving import solve as solve
+    from .running.sweeping import Axis as Axis
+    from .running.sweeping import SweepError as SweepError
+    from .running.sweeping import SweepResult as SweepResult
+    from .running.sweeping import sweep as sweep
+    from .storage.casefile import Case as Case
+    from .storage.casefile import parse_case as parse_case
+    from .storage.casefile import read_case as read_case
+    from .storage.casefile import write_case as write_case
+    from .storage.writing import FileFormatError as FileFormatError
 
 _HOME = {
-    "frozen": ("InvalidModel",),
-    "profiles": ("Samples", "Steps"),
-    "bodies": ("Material", "RigidMass", "Rod", "Segment", "Wall"),
-    "laws": ("Bonded", "Hertz", "HuntCrossley", "PowerLaw", "Rigid", "Spring", "SpringDashpot"),
-    "ends": ("Absorbing", "Fixed", "Free", "Moved", "Pushed"),
-    "model": ("System",),
-    "options": ("Options",),
-    "solving": ("LongRun", "collide", "solve"),
-    "ledger": ("EnergyLedger",),
-    "gauges": ("Gauge", "gauges_to_csv"),
-    "solution": ("Solution",),
-    "contacts": ("ContactHistory", "ContactTally", "Episode"),
-    "outcome": ("Outcome", "UndefinedRestitution"),
-    "regions": ("Regions", "regions_of"),
-    "ring_down": ("RingDown",),
-    "files": ("load",),
-    "writing": ("FileFormatError",),
-    "sweeping": ("Axis", "SweepError", "SweepResult", "sweep"),
-    "casefile": ("Case", "parse_case", "read_case", "write_case"),
+    "model.frozen": ("InvalidModel",),
+    "model.profiles": ("Samples", "Steps"),
+    "model.bodies": ("Material", "RigidMass", "Rod", "Segment", "Wall"),
+    "model.laws": (
+        "Bonded", "Hertz", "HuntCrossley", "PowerLaw", "Rigid", "Spring", "SpringDashpot",
+    ),
+    "model.ends": ("Absorbing", "Fixed", "Free", "Moved", "Pushed"),
+    "model.system": ("System",),
+    "methods.options": ("Options",),
+    "running.solving": ("LongRun", "collide", "solve"),
+    "results.energy": ("EnergyLedger",),
+    "results.gauges": ("Gauge", "gauges_to_csv"),
+    "results.solution": ("Solution",),
+    "results.contacts": ("ContactHistory", "ContactTally", "Episode"),
+    "results.outcome": ("Outcome", "UndefinedRestitution"),
+    "results.regions": ("Regions", "regions_of"),
+    "results.ring_down": ("RingDown",),
+    "running.loading": ("load",),
+    "storage.writing": ("FileFormatError",),
+    "running.sweeping": ("Axis", "SweepError", "SweepResult", "sweep"),
+    "storage.casefile": ("Case", "parse_case", "read_case", "write_case"),
 }
 _MODULES = ("materials", "plot", "rigid", "theory", "units")
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
 
 __all__ = [*sorted(_WHERE), *_MODULES]
+
+
+def _in_notebook(result: Any) -> str:
+    """Pictures are drawn only where they are asked for."""
+    from .plot.notebook import html_of
+
+    return html_of(result)
+
+
+notebook.html = _in_notebook
 
 
 def __getattr__(name: str) -> Any:

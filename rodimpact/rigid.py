@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arguments import Array, Number, array, finite, plain, positive, refuse
+from .model.arguments import Array, Number, array, finite, plain, positive, refuse
 
 NEWTON_RATIOS = {"wool": Fraction(5, 9), "glass": Fraction(15, 16)}
 """Restitution of balls that Newton measured with pendulums, allowing for the drag of the air.

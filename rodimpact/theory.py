@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arguments import Array, Number, finite, plain, positive, refuse
+from .model.arguments import Array, Number, finite, plain, positive, refuse
 from .rigid import contact_mass
 
 EQUAL_IMPEDANCES = 2.0**-48

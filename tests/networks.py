@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 
 import rodimpact as ri
-from rodimpact.methods.characteristics import StepRun, attempt
-from rodimpact.methods.delays import transit_ticks
 from rodimpact.methods.plan import Plan
+from rodimpact.methods.steps.delays import transit_ticks
+from rodimpact.methods.steps.method import StepRun, attempt
 
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 QUICK = ri.Material("quick", youngs_modulus=8.0, density=2.0)
@@ -218,3 +218,26 @@ def radiated(run):
             flow = (away * away - into * into) * run.step / run.row.mobility[s] / 4
             total[1:] += np.cumsum(flow)
     return total
+
+
+def shifted(system, v):
+    """The same system seen by someone who moves at -v."""
+    def profile(p):
+        if isinstance(p, ri.Steps):
+            return ri.Steps([x + v for x in p.values], p.at)
+        return ri.Samples(p.values + v, p.step) if isinstance(p, ri.Samples) else p + v
+
+    def body(b):
+        if isinstance(b, ri.Rod):
+            return ri.Rod(segments=b.segments, velocity=profile(b.velocity), strain=b.strain)
+        if isinstance(b, ri.Wall):
+            return ri.Wall(b.velocity + v)
+        return ri.RigidMass(b.mass, velocity=b.velocity + v)
+
+    def end(e):
+        if isinstance(e, ri.Fixed):
+            return ri.Moved(v)
+        return ri.Moved(profile(e.value)) if isinstance(e, ri.Moved) else e
+
+    return ri.System([body(b) for b in system.bodies], system.gaps, system.contacts,
+                     gravity=system.gravity, ends=[end(e) for e in system.ends])

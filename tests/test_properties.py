@@ -10,8 +10,8 @@ from systems import horizon, random_system
 
 import rodimpact as ri
 from rodimpact.methods import kernels
-from rodimpact.methods.assembly import assemble
-from rodimpact.methods.fronts import track
+from rodimpact.methods.fronts.assembly import assemble
+from rodimpact.methods.fronts.method import track
 
 seeds = st.integers(0, 10**6)
 CAP = 20_000

@@ -2,7 +2,7 @@
 
 import sys
 
-from rodimpact.writing import write_text
+from rodimpact.storage.writing import write_text
 
 from .table import FOLDER, cases, page, run
 

@@ -13,15 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
 import rodimpact as ri
-from rodimpact.plot.style import (
-    DASHES,
-    FAINT,
-    SERIES,
-    SMALL,
-    dress,
-    new_figure,
-    styled,
-)
+from rodimpact.plot.style import DASHES, FAINT, SERIES, SMALL, dress, new_figure, styled
 
 from . import damping, hertz_ends
 from .length_effects import chain, cradle

@@ -22,9 +22,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import rodimpact as ri
-from rodimpact.methods import characteristics, families, finite_difference, fronts, kernels
-from rodimpact.methods.assembly import Blueprint, start
-from rodimpact.methods.front_kernel import (
+from rodimpact.methods import kernels
+from rodimpact.methods.fronts.assembly import Blueprint, start
+from rodimpact.methods.fronts.front_kernel import (
     CAP,
     EVENTS,
     FREE,
@@ -34,9 +34,13 @@ from rodimpact.methods.front_kernel import (
     Log,
     play,
 )
-from rodimpact.methods.grid_machine import Keeper, Machine
-from rodimpact.methods.mesh import Mesh
+from rodimpact.methods.fronts.method import families
+from rodimpact.methods.fronts.method import method as fronts
+from rodimpact.methods.grid.machine import Keeper, Machine
+from rodimpact.methods.grid.mesh import Mesh
+from rodimpact.methods.grid.method import COURANT
 from rodimpact.methods.plan import Plan
+from rodimpact.methods.steps import method as characteristics
 
 CASE = Path(__file__).parent / "cases" / "unequal-rods.toml"
 STEEL = ri.materials.steel
@@ -271,7 +275,7 @@ def cell_on_grid(
     row = [ri.Rod(1.0, area=1e-4, material=material, velocity=v, polar_moment=moment)
            for v in (1.0, 0.0)[:rods]]
     mesh = Mesh(Plan(ri.System(row)), [cells] * rods)
-    step = finite_difference.COURANT / cells / float(material.wave_speed)
+    step = COURANT / cells / float(material.wave_speed)
     machine = Machine(mesh, step, Keeper(4), 8 * steps)
     spans = []
     for _ in range(7):

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from rodimpact.methods.assembly import start
-from rodimpact.methods.front_kernel import FINAL, FREE, TOUCH, play
+from rodimpact.methods.fronts.assembly import start
+from rodimpact.methods.fronts.front_kernel import FINAL, FREE, TOUCH, play
 
 from .table import Row
 

@@ -12,8 +12,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from ..casefile import Case, read_case
-from ..frozen import InvalidModel
+from ..model.frozen import InvalidModel
+from ..storage.casefile import Case, read_case
 from ..units import format_si
 from . import DONE, INCOMPLETE
 from .asking import Mistakes, Problems, check_outputs, note, quantity, whole_number

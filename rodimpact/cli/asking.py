@@ -10,8 +10,8 @@ import re
 import sys
 from collections.abc import Mapping
 
+from ..storage.writing import check_target
 from ..units import parse
-from ..writing import check_target
 
 Problems = list[tuple[str, str]]
 

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from .. import materials
-from ..closed_forms import closed_form
 from ..model import Rod, System, Wall
-from ..report import align, clean
-from ..solution import Solution
-from ..solving import collide, solve
+from ..results.closed_forms import closed_form
+from ..results.solution import Solution
+from ..running.solving import collide, solve
+from ..storage.tables import align, clean
 from ..units import format_si
 from . import DONE
 from .asking import Mistakes, Problems, note, quantity
@@ -158,7 +158,7 @@ def draw(
     replays: list[Replay], ratios: list[float], values: list[float], directory: Path
 ) -> list[Path]:
     """Draw every collision, and e against the ratio of lengths; return the files."""
-    from .. import plot  # here, because it is slow to import
+    from .. import plot
 
     figures: dict[str, Any] = {}
     for title, slug, names, solution in replays:

@@ -15,11 +15,11 @@ from importlib import metadata
 from .. import __version__
 from ..materials import aluminium, brass, steel
 from ..methods import kernels
-from ..methods.assembly import assemble
-from ..methods.front_kernel import play
-from ..methods.fronts import track
+from ..methods.fronts.assembly import assemble
+from ..methods.fronts.front_kernel import play
+from ..methods.fronts.method import track
 from ..model import Rod, System, Wall
-from ..report import SCHEMA_VERSION, align
+from ..storage.tables import SCHEMA_VERSION, align
 from . import DONE, UNVERIFIED
 from .asking import note
 

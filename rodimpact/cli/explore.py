@@ -11,7 +11,7 @@ import os
 import threading
 import webbrowser
 
-from ..casefile import read_case
+from ..storage.casefile import read_case
 from . import DONE
 from .asking import Mistakes, Problems, note
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..casefile import read_case
 from ..explore.design import Design
 from ..explore.page_files import standalone
 from ..explore.scene import scene
-from ..frozen import InvalidModel
+from ..model.frozen import InvalidModel
+from ..storage.casefile import read_case
+from ..storage.writing import write_text
 from ..units import format_si
-from ..writing import write_text
 from . import DONE, INCOMPLETE
 from .asking import Problems, check_outputs
 from .progress import solved

@@ -6,7 +6,7 @@ import argparse
 import json
 
 from ..materials import SOURCES, TABLE
-from ..report import SCHEMA_VERSION, align
+from ..storage.tables import SCHEMA_VERSION, align
 from ..units import format_si
 from . import DONE
 

@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from typing import Any
 
 from ..model import System
-from ..solution import Solution
-from ..solving import LongRun, solve
+from ..results.solution import Solution
+from ..running.solving import LongRun, solve
 from .asking import note
 
 REDRAWN = 0.1  # s between two states of the bar

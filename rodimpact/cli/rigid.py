@@ -10,7 +10,7 @@ import json
 import math
 
 from .. import rigid
-from ..report import SCHEMA_VERSION, align, clean
+from ..storage.tables import SCHEMA_VERSION, align, clean
 from ..units import format_si
 from . import DONE
 from .asking import Mistakes, Problems, quantity

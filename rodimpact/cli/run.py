@@ -9,11 +9,11 @@ from __future__ import annotations
 import argparse
 import json
 
-from ..casefile import Case, read_case
-from ..frozen import InvalidModel
-from ..gauges import gauges_to_csv
 from ..model import Rod
-from ..report import solution_dict, solution_table
+from ..model.frozen import InvalidModel
+from ..results.gauges import gauges_to_csv
+from ..storage.casefile import Case, read_case
+from ..storage.report import solution_dict, solution_table
 from . import DONE, INCOMPLETE
 from .asking import Problems, check_format, check_outputs, note, quantity
 from .progress import solved

@@ -6,9 +6,9 @@ import argparse
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from ..casefile import Case
-from ..frozen import InvalidModel
-from ..options import METHODS, Options
+from ..methods.options import METHODS, Options
+from ..model.frozen import InvalidModel
+from ..storage.casefile import Case
 from .asking import Problems, quantity, whole_number
 
 

@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..model import Rod
-from ..regions import regions_of
-from ..report import clean
-from ..solution import Solution
+from ..results.regions import regions_of
+from ..results.solution import Solution
+from ..storage.tables import clean
 from ..units import format_si
 
 LEGEND = "<| is a wave front that runs to the left, |> one that runs to the right."

@@ -15,13 +15,13 @@ import time
 from collections.abc import Iterable
 from typing import Any
 
-from ..casefile import Case, read_case
-from ..frozen import InvalidModel
 from ..methods.abilities import driven
 from ..model import Bonded
-from ..report import sweep_json, sweep_table
-from ..sweeping import SweepError, SweepResult, sweep
-from ..writing import FileFormatError
+from ..model.frozen import InvalidModel
+from ..running.sweep_report import sweep_json, sweep_table
+from ..running.sweeping import SweepError, SweepResult, sweep
+from ..storage.casefile import Case, read_case
+from ..storage.writing import FileFormatError
 from . import DONE, FAULT, INCOMPLETE, complain
 from .asking import Mistakes, Problems, check_format, check_outputs, note, whole_number
 from .progress import a_second, progress_bar

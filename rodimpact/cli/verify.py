@@ -6,9 +6,9 @@ import argparse
 import json
 import math
 
-from .. import verify
-from ..report import SCHEMA_VERSION, align
+from ..storage.tables import SCHEMA_VERSION, align
 from . import DONE, UNVERIFIED
+from . import selfcheck as verify
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..closed_forms import ClosedForm
-from ..frozen import InvalidModel
 from ..model import Rod, System
+from ..model.frozen import InvalidModel
+from ..results.closed_forms import ClosedForm
 from .design import Design
 
 CLOSED, SOLVED = 81, 21  # points of the curve

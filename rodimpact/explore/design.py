@@ -12,12 +12,12 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from .. import materials
-from ..casefile import Case, case_from, write_case
-from ..frozen import InvalidModel, Problems
+from ..methods.options import Options
 from ..model import Rod, System
-from ..options import Options
-from ..solution import Solution
-from ..solving import solve
+from ..model.frozen import InvalidModel, Problems
+from ..results.solution import Solution
+from ..running.solving import solve
+from ..storage.casefile import Case, case_from, write_case
 from ..units import format_si, parse
 
 MOST_BODIES = 12

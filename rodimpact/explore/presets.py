@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..bodies import Material, Rod, Wall
-from ..casefile import Case
 from ..materials import steel
 from ..model import System
+from ..model.bodies import Material, Rod, Wall
+from ..storage.casefile import Case
 from .design import Design, GaugePlace
 
 AREA = 1e-4  # m^2, of the rods of the box

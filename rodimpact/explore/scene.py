@@ -12,14 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from ..closed_forms import ClosedForm, closed_form
-from ..contacts import ContactHistory
 from ..model import Bonded, Rigid, RigidMass, Rod, Wall
-from ..placing import Placing, placing
-from ..profiles import extremes
-from ..report import clean
-from ..signals import Floats
-from ..solution import Solution
+from ..model.profiles import extremes
+from ..results.closed_forms import ClosedForm, closed_form
+from ..results.contacts import ContactHistory
+from ..results.placing import Placing, placing
+from ..results.signals import Floats
+from ..results.solution import Solution
+from ..storage.tables import clean
 from ..units import format_si
 from .comparison import Curve, closed_curve, ratio_of
 from .design import Design

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from .. import __version__, materials
-from ..casefile import write_case
-from ..frozen import InvalidModel
+from ..model.frozen import InvalidModel
+from ..storage.casefile import write_case
 from . import page_files
 from .comparison import solved_curve
 from .design import Design

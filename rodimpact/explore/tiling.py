@@ -12,11 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..groups import groups, movable
 from ..model import Rod
-from ..regions import regions_of
-from ..signals import Floats, Ints
-from ..solution import Solution
+from ..results.groups import groups, movable
+from ..results.regions import regions_of
+from ..results.signals import Floats, Ints
+from ..results.solution import Solution
 
 REGIONS = 3000  # at most
 CELLS, ROWS = 2000, 50  # in all, about, and one above the other

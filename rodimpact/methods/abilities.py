@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from ..frozen import InvalidModel, Problems
 from ..model import (
     Bonded,
     Free,
@@ -23,6 +22,7 @@ from ..model import (
     System,
     Wall,
 )
+from ..model.frozen import InvalidModel, Problems
 
 Found = Iterator[tuple[str, str]]
 

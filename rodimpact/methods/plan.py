@@ -7,21 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from ..frozen import InvalidModel, Problems
-from ..model import (
-    Absorbing,
-    Bonded,
-    Fixed,
-    Moved,
-    Pushed,
-    Rigid,
-    RigidMass,
-    Rod,
-    System,
-    Wall,
-)
-from ..profiles import extremes
-from .link_kernel import BOND, COMPLIANT, FORCE, FREE, IMPACT, RIGID, SPRING
+from ..model import Absorbing, Bonded, Fixed, Moved, Pushed, Rigid, RigidMass, Rod, System, Wall
+from ..model.frozen import InvalidModel, Problems
+from ..model.profiles import extremes
+from .contact_law_kernel import BOND, COMPLIANT, FORCE, FREE, IMPACT, RIGID, SPRING
 
 ROOM = 2.0**60  # for sums over steps and cells
 STIFFEST = 2.0**80  # of a contact, times transit time over impedance

@@ -8,8 +8,8 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from ..frozen import InvalidModel
-from .link_kernel import IMPACT, RIGID
+from ..model.frozen import InvalidModel
+from .contact_law_kernel import IMPACT, RIGID
 from .plan import Array, Plan
 
 MEASURES = ("impulse", "largest force", "time of 99.9 % of the impulse")

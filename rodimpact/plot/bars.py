@@ -12,9 +12,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from ..model import Absorbing, RigidMass, Rod
-from ..placing import Placing
-from ..profiles import extremes
-from ..signals import Floats
+from ..model.profiles import extremes
+from ..results.placing import Placing
+from ..results.signals import Floats
 from .borders import DRIVEN, OPEN_END, WALL
 from .sampling import is_stepped, mean_areas, sampled
 from .scales import Scale

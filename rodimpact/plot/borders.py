@@ -13,8 +13,8 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from ..model import Absorbing, Bonded, Moved, Pushed, Rigid, RigidMass, Rod
-from ..placing import Placing
-from ..signals import Floats
+from ..results.placing import Placing
+from ..results.signals import Floats
 from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster

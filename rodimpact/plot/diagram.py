@@ -14,8 +14,8 @@ from matplotlib.patches import Polygon
 from matplotlib.text import Text
 
 from ..model import Absorbing
-from ..placing import placing
-from ..solution import Solution
+from ..results.placing import placing
+from ..results.solution import Solution
 from .borders import Borders, Cut, absorbing_end
 from .plane import Plane
 from .polygons import Polygons

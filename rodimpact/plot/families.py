@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from ..closed_forms import COLUMNS, closed_form
-from ..sweeping import SweepResult
+from ..results.closed_forms import COLUMNS, closed_form
+from ..running.sweeping import SweepResult
 from .curves import Curve, draw_curve
 from .maps import Map, draw_map
 from .quantities import outcome

@@ -14,10 +14,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import StepPatch
 from matplotlib.text import Annotation
 
-from ..contacts import ContactHistory
 from ..model import Bonded, Rigid
-from ..signals import Floats
-from ..solution import Solution
+from ..results.contacts import ContactHistory
+from ..results.signals import Floats
+from ..results.solution import Solution
 from .scales import Scale, engineering, time_scale, written
 from .style import DASHES, SMALL, colours, dress, legend_above, new_figure, styled
 from .thinning import telling

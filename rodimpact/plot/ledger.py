@@ -11,11 +11,11 @@ from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
-from ..groups import movable
-from ..placing import placing
-from ..regions import regions_of
-from ..signals import Floats
-from ..solution import Solution
+from ..results.groups import movable
+from ..results.placing import placing
+from ..results.regions import regions_of
+from ..results.signals import Floats
+from ..results.solution import Solution
 from .sampling import is_stepped
 from .scales import ROUND_OFF, engineering, time_scale, written
 from .style import INK, SMALL, dress, legend_above, new_axes, styled

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..signals import Floats
-from ..solution import Solution
-from ..wave_fields import WaveFields
+from ..results.signals import Floats
+from ..results.solution import Solution
+from ..results.wave_fields import WaveFields
 from .sampling import is_stepped
 
 EVEN = 6  # instants of a solution in which nothing stands out

@@ -20,9 +20,9 @@ from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 from PIL import Image
 
-from ..placing import placing
-from ..solution import Solution
-from ..writing import written as file_written
+from ..results.placing import placing
+from ..results.solution import Solution
+from ..storage.writing import written as file_written
 from .bars import Bars
 from .diagram import spacetime
 from .film import check_film, in_notebook, write_film

@@ -8,9 +8,11 @@ import io
 
 from matplotlib.figure import Figure
 
-from ..report import as_html, solution_table, sweep_table
-from ..solution import Solution
-from ..sweeping import SweepResult
+from ..results.solution import Solution
+from ..running.sweep_report import sweep_table
+from ..running.sweeping import SweepResult
+from ..storage.report import solution_table
+from ..storage.tables import as_html
 from .families import sweep
 from .page import headline, overview
 from .quantities import parameter
@@ -19,7 +21,12 @@ DOTS_PER_INCH = 90
 MORE = "to_csv writes all, save keeps them"
 
 
-def solution_html(solution: Solution) -> str:
+def html_of(result: Solution | SweepResult) -> str:
+    """Picture and table of a result."""
+    return _solution(result) if isinstance(result, Solution) else _sweep(result)
+
+
+def _solution(solution: Solution) -> str:
     """Overview and table of a solution."""
     try:
         picture = _image(overview(solution), headline(solution))
@@ -28,7 +35,7 @@ def solution_html(solution: Solution) -> str:
     return picture + as_html(solution_table(solution))
 
 
-def sweep_html(result: SweepResult) -> str:
+def _sweep(result: SweepResult) -> str:
     """Curve or map, and table of a family."""
     varied = [(*axis, _unit(result, axis.name)) for axis in result.axes]
     return _family(result) + as_html(sweep_table(result, varied, MORE))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from ..model import RigidMass, Wall
-from ..solution import Solution
+from ..results.solution import Solution
 from .diagram import spacetime
 from .histories import contact
 from .ledger import energy

@@ -10,8 +10,8 @@ import math
 import re
 from typing import NamedTuple
 
-from ..frozen import Field
 from ..model import Material, RigidMass, Rod, Segment, System, Wall
+from ..model.frozen import Field
 from .scales import Scale, engineering, place_scale
 
 _OF_A_BODY = {**Material.fields, **Segment.fields, **Rod.fields, **RigidMass.fields}

@@ -8,11 +8,11 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import Normalize
 from matplotlib.text import Text
 
-from ..contacts import ContactHistory
 from ..model import Rod
-from ..placing import Placing
-from ..signals import Floats
-from ..solution import Solution
+from ..results.contacts import ContactHistory
+from ..results.placing import Placing
+from ..results.signals import Floats
+from ..results.solution import Solution
 from .plane import Plane
 from .sampling import averaged, energy_density, mean_areas, modulus, pieces
 from .scales import ROUND_OFF

@@ -10,10 +10,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..fields import Profile
 from ..model import Rod, Segment, System
-from ..signals import Floats, Ints
-from ..solution import Solution
+from ..results.fields import Profile
+from ..results.signals import Floats, Ints
+from ..results.solution import Solution
 
 COLUMNS = 300  # pieces of the whole row
 

@@ -9,7 +9,7 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from ..writing import write_bytes
+from ..storage.writing import write_bytes
 from .film import format_of
 from .moving import Animation
 

@@ -7,9 +7,9 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ..model import Rod
-from ..placing import Placing
-from ..profiles import extremes
-from ..solution import Solution
+from ..model.profiles import extremes
+from ..results.placing import Placing
+from ..results.solution import Solution
 from ..units import format_power
 
 FIELDS = ("velocity", "stress", "strain", "displacement", "energy")

@@ -11,8 +11,8 @@ from matplotlib.axis import Axis
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
-from ..signals import Floats
-from ..sweeping import STATUS, SweepResult
+from ..results.signals import Floats
+from ..running.sweeping import STATUS, SweepResult
 from ..units import format_factor, format_power
 from .quantities import parameter
 from .scales import Scale

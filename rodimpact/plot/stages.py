@@ -16,9 +16,9 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
 from ..model import RigidMass
-from ..placing import Placing, placing
-from ..signals import Floats
-from ..solution import Solution
+from ..results.placing import Placing, placing
+from ..results.signals import Floats
+from ..results.solution import Solution
 from .bars import Bars, Piece
 from .moments import happening, moments
 from .sampling import is_stepped
@@ -34,16 +34,7 @@ from .scales import (
     place_scale,
     written,
 )
-from .style import (
-    SMALL,
-    broken,
-    centred,
-    colours,
-    dress,
-    ink_on,
-    new_axes,
-    styled,
-)
+from .style import SMALL, broken, centred, colours, dress, ink_on, new_axes, styled
 
 ALIKE = 0.02  # velocities of a stretch that bears one label, in parts of the largest
 

@@ -1,0 +1,248 @@
+"""Self-check: closed forms against the solver, in a fraction of a second.
+
+Every check compares a number that is known beforehand with the one the solver finds. A family of
+cases is one check and shows its worst member.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from fractions import Fraction
+from itertools import product
+from typing import NamedTuple, SupportsFloat
+
+from .. import materials
+from ..methods.fronts.assembly import start
+from ..methods.fronts.front_kernel import FREE, TOUCH, play
+from ..model import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall
+from ..results.solution import Solution
+from ..rigid import contact_mass
+from ..running.solving import solve
+from ..theory import mass_on_rod, rod_on_wall, saint_venant
+
+BOUND = 1e-12
+"""Largest relative residual that passes; the solver's round-off stays below a hundredth of it."""
+
+IMPEDANCES = (1e-6, 0.2, 0.5, 1.0, 3.0, 8.0, 1e6)
+TRANSIT_TIMES = (0.1, 0.3, 0.5, 0.77, 1.0)
+
+
+class Check(NamedTuple):
+    """One comparison.
+
+    Attributes
+    ----------
+    name : str
+        What is compared.
+    expected : float
+        Known beforehand, SI units.
+    got : float
+        Found by the solver.
+    bound : float
+        Largest residual that passes.
+    """
+
+    name: str
+    expected: float
+    got: float
+    bound: float = BOUND
+
+    @property
+    def residual(self) -> float:
+        """|got - expected|, relative to `expected` unless that is 0."""
+        return abs(self.got - self.expected) / (abs(self.expected) or 1.0)
+
+    @property
+    def passed(self) -> bool:
+        """Whether the residual is within the bound; nan is not."""
+        return self.residual <= self.bound
+
+
+def checks() -> list[Check]:
+    """Run all checks.
+
+    Returns
+    -------
+    list of Check
+
+    Examples
+    --------
+    >>> all(check.passed for check in checks())
+    True
+    """
+    groups = (equal_rods, length_ratios, pairs, walls, steps, chain, fractions, masses)
+    return [check for group in groups for check in group()]
+
+
+def equal_rods() -> Iterator[Check]:
+    """Identical rods exchange their motion; in between, half the speed and compression."""
+    rod, steel = _steel(1.0, velocity=1.0), materials.steel
+    solution = _solve(rod, _steel(1.0))
+    transit = float(rod.transit_time)
+    yield Check("identical rods: e", 1.0, solution.outcome.restitution)
+    yield Check("identical rods: contact lasts 2 L/c", 2 * transit, solution.outcome.duration)
+    speeds = solution.velocity(0, [0.1, 0.9], transit / 2)
+    yield _worst("identical rods: v ahead of the wave, v/2 behind it", [1.0, 0.5], speeds)
+    stress = -float(steel.density) * float(steel.wave_speed) / 2
+    found = float(solution.stress(0, 0.9, transit / 2))
+    yield Check("identical rods: stress -rho c v/2 behind the wave", stress, found)
+    after = [solution.velocity(i, 0.5, solution.t_end) for i in (0, 1)]
+    yield _worst("identical rods: afterwards at rest and at v", [0.0, 1.0], after)
+
+
+def length_ratios() -> Iterator[Check]:
+    """Rods that differ in length only."""
+    ratios = [k / 20 for k in range(1, 20)]
+    runs = [_solve(_steel(ratio, velocity=1.0), _steel(1.0)) for ratio in ratios]
+    transit = float(_steel(1.0).transit_time)
+    found = [run.outcome.restitution for run in runs]
+    yield _worst("lengths l1 < l2: e = l1/l2", ratios, found)
+    durations = [run.outcome.duration for run in runs]
+    yield _worst(
+        "lengths l1 < l2: force until 2 l1/c", [2 * r * transit for r in ratios], durations
+    )
+    openings = [run.contacts[0].episodes[0].opening for run in runs]
+    yield _worst("lengths l1 < l2: gap opens at 2 l2/c", [2 * transit] * len(runs), openings)
+
+
+def pairs() -> Iterator[Check]:
+    """Two free rods of any impedances and transit times (Saint-Venant)."""
+    cases = list(product(IMPEDANCES, TRANSIT_TIMES))
+    known = [saint_venant(Z, T, 1.0, 1.0) for Z, T in cases]
+    runs = [_solve(_rod(Z, T, velocity=1.0), _rod(1.0, 1.0)) for Z, T in cases]
+    who = f"{len(cases)} pairs of rods"
+    for name in ("restitution", "impulse", "duration", "peak_force"):
+        expected = [getattr(case, name) for case in known]
+        got = [getattr(run.outcome, name) for run in runs]
+        yield _worst(f"{who}: {name.replace('_', ' ')}", expected, got)
+    openings = [run.contacts[0].episodes[-1].opening for run in runs]
+    yield _worst(f"{who}: opening", [case.opening for case in known], openings)
+    shares = []
+    for (Z, T), run in zip(cases, runs, strict=True):
+        before = contact_mass(Z * T, 1.0) / 2
+        shares.append(run.outcome.restitution**2 + sum(run.outcome.vibration_after) / before)
+    yield _worst(f"{who}: e^2 and the share of vibration add up to 1", [1.0] * len(runs), shares)
+
+
+def walls() -> Iterator[Check]:
+    """A rod against a wall at rest, and a wall against a rod at rest."""
+    known = rod_on_wall(impedance=3.0, transit_time=0.7, speed=1.0)
+    outcome = _solve(_rod(3.0, 0.7, velocity=1.0), Wall()).outcome
+    yield Check("rod on a wall: e", 1.0, outcome.restitution)
+    yield Check("rod on a wall: contact lasts 2 L/c", float(known.duration), outcome.duration)
+    yield Check("rod on a wall: impulse 2 m v", float(known.impulse), outcome.impulse)
+    outcome = _solve(Wall(velocity=1.0), _rod(3.0, 0.7)).outcome
+    yield Check("moving wall: the rod leaves at 2 v", 2.0, outcome.velocities_after[1])
+    yield Check("moving wall: its work is 2 m v^2", 2 * 3.0 * 0.7, outcome.wall_work)
+
+
+def steps() -> Iterator[Check]:
+    """Cutting a rod in pieces changes nothing; a true step splits a wave as impedances say."""
+    striker, whole = _steel(0.4, velocity=1.0), _steel(1.0)
+    pieces = [Segment(length, 1e-4, materials.steel) for length in (0.2, 0.5, 0.3)]
+    segmented = _solve(striker, Rod(segments=pieces)).outcome
+    yield Check("a rod in three segments: e", 0.4, segmented.restitution)
+    row = [striker, *(Rod(segments=[piece]) for piece in pieces)]
+    bonded = solve(System(row, contacts=[Rigid(), Bonded(), Bonded()])).outcome
+    yield Check("a rod of three bonded bodies: e", 0.4, bonded.restitution)
+    impulse = bonded.contacts[0].impulse
+    plain = _solve(striker, whole).outcome.impulse
+    yield Check("a rod of three bonded bodies: impulse", plain, impulse)
+    step = [Segment(1.0, area, _unit(1.0)) for area in (1.0, 3.0)]
+    run = _solve(_rod(1.0, 2.0, velocity=1.0), Rod(segments=step))
+    speed = float(run.velocity(1, 1.5, 1.75))
+    yield Check("a step in impedance, 1 to 3: v Z1/(Z1 + Z2) behind it", 0.25, speed)
+
+
+def chain() -> Iterator[Check]:
+    """A row of rods with gaps, without and with a wall that sends them back."""
+    gap, first = 1e-4, _steel(0.5, velocity=1.0)
+    run = solve(System([first, _steel(0.5), _steel(0.5)], gaps=[0.0, gap]))
+    after = run.outcome.velocities_after
+    yield _worst("three equal rods: only the last one moves", [0.0, 0.0, 1.0], after)
+    yield Check(
+        "three equal rods: second contact at L/c + gap/v",
+        float(first.transit_time) + gap, run.contacts[1].episodes[0].start,
+    )
+    lengths = (0.3, 0.5, 0.2, 0.7, 0.4)
+    row = [_steel(length, velocity=1.0 - i / 4) for i, length in enumerate(lengths)]
+    run = solve(System([*row, Wall()], gaps=[0.0, 1e-5, 2e-5, 1e-5, 3e-5]))
+    yield Check("five rods, gaps and a wall: momentum balance", 0.0, run.outcome.momentum_residual)
+    yield Check("five rods, gaps and a wall: energy balance", 0.0, run.outcome.energy_residual)
+    total = run.energy([run.t_end * k / 8 for k in range(9)]).total
+    yield _worst("five rods, gaps and a wall: energy at nine times", [total[0]] * 9, total)
+
+
+def fractions() -> Iterator[Check]:
+    """The solver's kernel run on fractions gives e as a fraction, without any error."""
+    for (Z1, Z2), (T1, T2), known in (
+        ((1, 1), (2, 5), Fraction(2, 5)),
+        ((3, 1), (1, 3), Fraction(3, 4)),
+        ((5, 1), (3, 10), Fraction(409, 486)),
+    ):
+        off = exact_restitution(Z1, T1, Z2, T2) - known
+        name = f"on fractions, impedances {Z1}:{Z2}, transit times {T1}:{T2}: e - {known}"
+        yield Check(name, 0.0, float(off), 0.0)
+
+
+def masses() -> Iterator[Check]:
+    """A rigid mass on a free rod, by the method on a time step."""
+    expected, got = [], []
+    for mass in (0.25, 1.0, 4.0):
+        expected.append(mass_on_rod(mass, 1.0, 1.0, 1.0).restitution)
+        system = System([RigidMass(mass, velocity=1.0), _rod(1.0, 1.0)])
+        got.append(solve(system, rtol=1e-4).outcome.restitution)
+    yield _worst("e of a mass on a rod, time step", expected, got)._replace(bound=1e-5)
+
+
+def exact_restitution(Z1: int, T1: int, Z2: int, T2: int) -> Fraction:
+    """Restitution of two free rods from the solver's own kernel run on fractions.
+
+    Parameters
+    ----------
+    Z1, Z2 : int
+        Impedances, in any unit.
+    T1, T2 : int
+        Transit times, in any unit.
+
+    Returns
+    -------
+    Fraction
+
+    Examples
+    --------
+    >>> exact_restitution(1, 2, 1, 5)
+    Fraction(2, 5)
+    """
+    zero, one = Fraction(0), Fraction(1)
+    waves = [[], [], [(-T1, one)], [(-T1, one)], [(-T2, zero)], [(-T2, zero)]]
+    row, tally, log, clock = start(
+        [0, T1, T2, 0], [zero, one / Z1, one / Z2, zero], [FREE, TOUCH, FREE], [zero] * 3,
+        (zero, zero), waves,
+    )
+    play(row, tally, log, clock, -2 * max(T1, T2), 10_000, zero, 1)
+    impulse: Fraction = tally.impulse[1]
+    return impulse * (one / (Z1 * T1) + one / (Z2 * T2)) - 1
+
+
+def _worst(name: str, expected: Iterable[SupportsFloat], got: Iterable[SupportsFloat]) -> Check:
+    """Check of the member of a family that is farthest off."""
+    members = [Check(name, float(e), float(g)) for e, g in zip(expected, got, strict=True)]
+    return max(members, key=lambda check: (not check.passed, check.residual))
+
+
+def _solve(left: Rod | Wall, right: Rod | Wall) -> Solution:
+    return solve(System([left, right]))
+
+
+def _steel(length: float, velocity: float = 0.0) -> Rod:
+    return Rod(length, area=1e-4, material=materials.steel, velocity=velocity)
+
+
+def _unit(impedance: float) -> Material:
+    """Material in which waves cover 1 m in 1 s; a rod of 1 m^2 has this impedance."""
+    return Material("unit", youngs_modulus=impedance, density=impedance)
+
+
+def _rod(impedance: float, transit_time: float, velocity: float = 0.0) -> Rod:
+    return Rod(transit_time, area=1.0, material=_unit(impedance), velocity=velocity)

@@ -1,0 +1,1 @@
+"""The method "fronts": every wave front from end to end, exact."""

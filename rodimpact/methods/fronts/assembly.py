@@ -1,0 +1,282 @@
+"""From a system to flat lists: segments, nodes, ticks and the waves under way at t = 0.
+
+Bodies are laid end to end as segments 1 to n; the segments 0 and n + 1 are what lies outside. What
+holds or drives an end is a body without segments, as is a wall. What members of a family share is
+their `Make`; the numbers in which they differ go to the layout kernel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...model import Absorbing, Bonded, End, Fixed, Free, Moved, Pushed, Rod, Segment, Steps, System
+from ...model.frozen import InvalidModel, Number
+from .. import kernels
+from ..abilities import refuse
+from ..clock import Clockwork
+from .front_kernel import BOND, FREE, OPEN, PUSH, TOUCH, Log, Row, Tally, begin
+from .layout_kernel import (
+    CLOCK_BITS,
+    COARSEST,
+    ENDLESS,
+    LAID,
+    LONG,
+    MOVED,
+    OVERFLOW,
+    PUSHED,
+    STEADY,
+    Layout,
+    Make,
+    Work,
+    lay_out,
+)
+
+OUTSIDE: dict[type[End], int] = {
+    Free: STEADY, Fixed: STEADY, Absorbing: ENDLESS, Pushed: PUSHED, Moved: MOVED,
+}
+INTERPRETED = 200  # durations up to which the tick rule is not worth compiling
+
+
+@dataclass(frozen=True, kw_only=True)
+class Assembly(Clockwork):
+    """A single collision in flat lists, for the fronts method.
+
+    Attributes
+    ----------
+    nodes : tuple of int
+        Node of each contact.
+    tolerance : float
+        Velocity below which two waves are the same, m/s.
+    window : int
+        Ticks by which a closing may move to an arrival.
+    status : list of int
+        Of each node at t = 0, before anything is solved.
+    gaps : list of float
+        At each node, velocity times ticks.
+    outside : (float, float)
+        Wave arriving from the left and from the right wall.
+    waves : list of list of (int, float)
+        By line: ticks at which fronts left (the first at minus one transit) and values behind them;
+        on the first and the last line what an end that goes on for ever, or is driven, gets from
+        outside.
+    """
+
+    nodes: tuple[int, ...]
+    tolerance: float
+    window: int
+    status: list[int]
+    gaps: list[float]
+    outside: tuple[float, float]
+    waves: list[list[tuple[int, float]]]
+
+
+class Blueprint:
+    """A system, or a family of them, as numbers for the layout kernel.
+
+    Attributes
+    ----------
+    make : Make
+        On lists.
+    numbers : list of float or array
+        One row of the kernel's `given`; arrays where members differ.
+    status : list of int
+        Of each node while its gap is 0.
+    spans : tuple of (int, int)
+        First and last segment of each body; (1, 0) for a wall.
+    paths : list of str
+        By segment, what the user calls it; "" for 0.
+
+    Raises
+    ------
+    InvalidModel
+        If the system has physics that the method lacks.
+    """
+
+    def __init__(self, system: System) -> None:
+        refuse("fronts", system)
+        pieces: list[Segment] = []
+        spans, places, jumps = [], [], []
+        profiles: list[Number] = []
+        self.paths = [""]
+        for i, body in enumerate(system.bodies):
+            places.append(len(profiles))
+            for profile in (body.velocity, body.strain if isinstance(body, Rod) else 0.0):
+                numbers = _in_pieces(profile)
+                jumps.append(len(numbers) // 2)
+                profiles += numbers
+            if not isinstance(body, Rod):
+                spans.append((1, 0))
+                continue
+            spans.append((len(pieces) + 1, len(pieces) + len(body.segments)))
+            pieces += body.segments
+            stepped = len(body.segments) > 1
+            self.paths += [f"bodies.{i}.segments.{j}" if stepped else f"bodies.{i}"
+                           for j in range(len(body.segments))]
+        n, contacts, self.spans = len(pieces), len(system.gaps), tuple(spans)
+        nodes = [last for _, last in spans[:contacts]]
+        for side, end in enumerate(system.ends):
+            if isinstance(end, Free | Absorbing):
+                continue
+            numbers = _in_pieces(0.0 if isinstance(end, Fixed) else end.value)
+            spans.insert(side * len(spans), (1, 0))
+            places.insert(side * len(places), len(profiles))
+            jumps[side * len(jumps) : side * len(jumps)] = [len(numbers) // 2, 0]
+            profiles += [*numbers, 0.0]
+        first, last = (list(ends) for ends in zip(*spans, strict=True))
+        self.numbers: list[Number] = [
+            *(p.wave_speed for p in pieces), *(p.impedance for p in pieces),
+            *(p.length for p in pieces), *system.gaps, *profiles,
+        ]
+        places = [3 * n + contacts + place for place in places]
+        size = [n, len(self.numbers), 2 * (n + sum(jumps)) + 2]
+        outside = [OUTSIDE[type(end)] for end in system.ends]
+        joined = [int(all(isinstance(law, Bonded) for law in system.contacts))]
+        self.make = Make(first, last, nodes, places, jumps, outside, size, joined)
+        left, right = (
+            FREE if isinstance(end, Free) else PUSH if isinstance(end, Pushed) else BOND
+            for end in system.ends
+        )
+        self.status = [left, *[BOND] * (n - 1), right]
+        for node, law in zip(nodes, system.contacts, strict=True):
+            self.status[node] = BOND if isinstance(law, Bonded) else TOUCH
+
+    def space(
+        self, members: int, full: Callable[[int, Any], Any] = lambda size, zero: [zero] * size
+    ) -> tuple[Layout, Work]:
+        """Room for the layout of that many members, on lists or what `full` makes."""
+        n, _, fronts = self.make.size
+        marks = n + sum(self.make.jumps)
+        rows = [n + 2, n + 2, n + 1, 2, 1, fronts, fronts, fronts, *[1] * 8]
+        kinds = [0, 0.0, 0.0, 0.0, 0, 0, 0, 0.0, 0.0, 0, 0, 0.0, 0.0, 0.0, 0.0, 0]
+        layout = [full(members * row, zero) for row, zero in zip(rows, kinds, strict=True)]
+        sizes = [marks, marks, marks, marks, marks, n + 2, marks, marks, marks, 2]
+        kinds = [0.0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0]
+        work = [full(size, zero) for size, zero in zip(sizes, kinds, strict=True)]
+        return Layout(*layout), Work(*work)
+
+
+def assemble(system: System, until: float | None = None) -> Assembly:
+    """Lay out a single collision for the fronts method.
+
+    Parameters
+    ----------
+    system : System
+        Of shape ().
+    until : float, optional
+        Time to be reached, s; sets how fine a tick can be.
+
+    Raises
+    ------
+    InvalidModel
+        When velocities overflow, transit times are too far apart for one clock, the system has
+        physics that the method lacks.
+    """
+    plan = Blueprint(system)
+    make, given = plan.make, [float(x) for x in plan.numbers]
+    n = make.size[0]
+    end = -1.0 if until is None else until
+    if make.size[2] > 2 * INTERPRETED and kernels.enabled():
+        layout, work = plan.space(1, np.full)
+        arrays = Make(*(np.array(x, dtype=np.int64) for x in make))
+        fate = kernels.compiled(lay_out)(arrays, np.array(given), 0, end, layout, work)
+        layout = Layout(*(x.tolist() for x in layout))
+        work = Work(*(x.tolist() for x in work))
+    else:
+        layout, work = plan.space(1)
+        fate = lay_out(make, given, 0, end, layout, work)
+    if fate != LAID:
+        raise InvalidModel([_refusal(fate, plan, layout, work.duration)])
+    waves: list[list[tuple[int, float]]] = [[] for _ in range(2 * n + 4)]
+    for r in range(layout.count[0]):
+        waves[layout.line[r]].append((layout.tick[r], layout.value[r]))
+    beat = layout.beat[0]
+    errors = [abs(layout.transit[s] * beat / work.duration[s - 1] - 1) for s in range(1, n + 1)]
+    worst = max(range(n), key=errors.__getitem__)
+    status = [OPEN if gap > 0 else at for gap, at in zip(layout.gap, plan.status, strict=True)]
+    endless = [given[n + s] if kind == ENDLESS else 0.0
+               for kind, s in zip(make.outside, (0, n - 1), strict=True)]
+    return Assembly(
+        system=system, spans=plan.spans,
+        nodes=tuple(make.node), wave_speed=[0.0, *given[:n], 0.0],
+        impedance=[endless[0], *given[n : 2 * n], endless[1]],
+        length=[0.0, *given[2 * n : 3 * n], 0.0],
+        ticks=layout.transit, tick=beat, frame=layout.frame[0], tolerance=layout.tolerance[0],
+        window=layout.window[0], status=status, gaps=layout.gap,
+        outside=(layout.outside[0], layout.outside[1]), waves=waves,
+        transit_error=errors[worst], worst=plan.paths[worst + 1],
+    )
+
+
+def _in_pieces(profile: Any) -> list[Number]:
+    """Values of a profile, and where it jumps."""
+    return [*profile.values, *profile.at] if isinstance(profile, Steps) else [profile]
+
+
+def _refusal(fate: int, plan: Blueprint, layout: Layout, durations: Any) -> tuple[str, str]:
+    """Path and sentence for a member that cannot be laid out."""
+    if fate == OVERFLOW:
+        scale = float(layout.scale[0])
+        return "bodies", f"velocities and strains of {scale!r} m/s overflow the energy; use smaller"
+    longest = max(durations[: plan.make.size[0]])
+    if fate == LONG:
+        horizon, most = layout.horizon[0], longest * 2.0 ** (CLOCK_BITS - 1 - COARSEST)
+        return "until", (
+            f"a run of {horizon:g} s is {horizon / longest:.3g} times the longest transit time "
+            f"{longest:g} s, more than the clock can count; stop before {most:.3g} s"
+        )
+    short = layout.short[0]
+    return plan.paths[short], (
+        f"its transit time {durations[short - 1]:.3g} s is too short beside the longest, "
+        f"{longest:.3g} s: one exact clock holds ratios up to about 2e11; leave it out"
+    )
+
+
+def start(
+    ticks: Sequence[int],
+    mobility: Sequence[Any],
+    status: Sequence[int],
+    gaps: Sequence[Any],
+    outside: tuple[Any, Any],
+    waves: Sequence[Sequence[tuple[int, Any]]],
+    room: int = 256,
+) -> tuple[Row, Tally, Log, list[int]]:
+    """Make the kernel's state at t = 0, on lists, of whatever kind of number the amplitudes are.
+
+    Parameters
+    ----------
+    ticks, mobility : [n + 2]
+        Transit times and 1/Z by segment; outside 0, but for the 1/Z of an endless bar.
+    status, gaps : [n + 1]
+        By node.
+    outside : pair
+        Waves of the walls.
+    waves : [2 n + 2] or [2 n + 4] lists of (tick, value)
+        By line; that of line 1 is empty.
+    room : int
+        Log rows to provide beyond the initial ones.
+    """
+    n = len(ticks) - 2
+    zero = 0 * mobility[1]
+    more = [0] * room
+    turns = [0] * room
+    fronts = [(t, l, wave) for l, line in enumerate(waves) for t, wave in line]
+    log = Log(
+        [t for t, _, _ in fronts] + more, [-1] * (len(fronts) + room),
+        [l for _, l, _ in fronts] + more, [wave for _, _, wave in fronts] + [zero] * room,
+        turns, turns[:], turns[:],
+    )
+    nodes, lines = [zero] * (n + 1), [-1] * (2 * n + 4)
+    arrived = [outside[0], *[zero] * (2 * n + 2), outside[1]]
+    row = Row(
+        list(ticks), list(mobility), list(status), [0] * (n + 1), list(gaps), nodes, nodes[:],
+        nodes[:], arrived, lines, lines[:], [0] * (2 << n.bit_length()),
+    )
+    counts = [0] * (n + 1)
+    tally = Tally(nodes[:], nodes[:], nodes[:], counts, counts[:], counts[:], counts[:])
+    clock = [0] * 7
+    begin(row, tally, log, clock, len(fronts))
+    return row, tally, log, clock

@@ -1,0 +1,167 @@
+"""The method "fronts" for many collisions of one make, laid out and run in compiled code.
+
+No Python object is made for a single collision. Members run in blocks that share a work space small
+enough for the processor's cache; one whose log outgrows it is run again with more room, to the same
+result.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from .. import kernels
+from .assembly import Blueprint, start
+from .front_kernel import FREE, FULL, OPEN, GroupState, Members, Results, family
+from .layout_kernel import LAID, Layout, Make, lay_out_all
+from .method import as_arrays, on_arrays
+
+ROOM = 256  # rows of the log at first
+FIRST_BLOCK, LAST_BLOCK = 512, 2048  # members of a block
+PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
+MOST_MEMBERS, MOST_BYTES = 16384, 1 << 24  # of one call of `run_family`, for memory's sake
+
+Array = np.ndarray[Any, np.dtype[Any]]
+
+
+class Stopped(Exception):
+    """A run was told to stop."""
+
+
+def chunk_members(plan: Blueprint) -> int:
+    """How many members to run in one call."""
+    n, width, _ = plan.make.size
+    return int(max(1, min(MOST_MEMBERS, MOST_BYTES // (8 * (width + 6 * (n + 2))))))
+
+
+def run_family(
+    plan: Blueprint, shape: tuple[int, ...], until: float | None, max_events: int,
+    stop: Callable[[], bool] = lambda: False,
+) -> Results:
+    """Run every member of a family to `until`, or to its proof of finality.
+
+    Parameters
+    ----------
+    plan : Blueprint
+    shape : tuple of int
+        Of the family.
+    until : float or None
+        Time to be reached, s.
+    max_events : int
+        Cap for each member.
+    stop : callable
+        Asked now and then whether to give up.
+
+    Returns
+    -------
+    Results
+        Arrays with one row a member, in C order and SI units; `flag` is FULL for a member for which
+        there is no clock.
+
+    Raises
+    ------
+    Stopped
+        If `stop` said so.
+    """
+    n, width, _ = plan.make.size
+    count = math.prod(shape)
+    given = np.empty((count, width))
+    given[:] = [x if isinstance(x, float) else 0.0 for x in plan.numbers]
+    for column, number in enumerate(plan.numbers):
+        if not isinstance(number, float):
+            given[:, column] = np.broadcast_to(number, shape).ravel()
+    results = space(count, n)
+    waiting, room = np.arange(count), ROOM
+    while len(waiting):
+        waiting = _run_blocks(plan, given, waiting, results, room, until, max_events, stop)
+        room *= 8
+    return results
+
+
+def space(count: int, n: int) -> Results:
+    """Space for the results of so many members."""
+    widths = [(), (), (n + 2,), (n + 2,), (), *[(n + 1,)] * 4]
+    kinds = [np.int64, np.bool_, *[np.float64] * 6, np.int64]
+    columns: list[Any] = [
+        np.zeros((count, *width), kind) for width, kind in zip(widths, kinds, strict=True)
+    ]
+    return Results(*columns)
+
+
+def _run_blocks(
+    plan: Blueprint, given: Array, which: Array, results: Results, room: int,
+    until: float | None, max_events: int, stop: Callable[[], bool],
+) -> Array:
+    """Run some members; return those that filled the log."""
+    block = Block(plan, room, until)
+    again, first, size = [], 0, FIRST_BLOCK
+    while first < len(which):
+        if stop():
+            raise Stopped
+        members, begun = which[first : first + size], time.perf_counter()
+        everyone = len(which) == len(given)
+        place = slice(first, first + len(members)) if everyone else members
+        found = Results(*(column[place] for column in results))
+        full = block.run(block.lay_out(given[place]), max_events, found)
+        if not everyone:
+            for column, values in zip(results, found, strict=True):
+                column[members] = values
+        again.append(members[full])
+        first += len(members)
+        quick = time.perf_counter() - begun < PATIENCE / 4
+        size = min(4 * size, LAST_BLOCK) if quick else max(1, size // 2)
+    return np.concatenate(again)
+
+
+class Block:
+    """Work space for some members at a time: arrays, or lists where nothing is compiled."""
+
+    def __init__(self, plan: Blueprint, room: int, until: float | None = None) -> None:
+        self.plan, self.compiled = plan, kernels.enabled()
+        self.until = -1.0 if until is None else until
+        self.make: Any = plan.make
+        n = self.make.size[0]
+        self.state: Any = start(
+            [1] * (n + 2), [1.0] * (n + 2), [FREE] * (n + 1), [0.0] * (n + 1), (0.0, 0.0), [], room
+        )
+        self.stocks = tuple(GroupState(*([0.0] * (n + 2) for _ in range(3))) for _ in range(2))
+        if self.compiled:
+            self.make = Make(*(np.array(x, dtype=np.int64) for x in self.make))
+            self.state, self.stocks = on_arrays(*self.state), tuple(map(as_arrays, self.stocks))
+        self.fates: Any = []
+
+    def lay_out(self, given: Array) -> Members:
+        """Put members on their clocks; `fates` says for whom there is none."""
+        count = len(given)
+        if len(self.fates) != count:
+            full = np.full if self.compiled else lambda size, zero: [zero] * size
+            self.layout, self.work = self.plan.space(count, full)
+            self.fates = full(count, LAID)
+        rows: Any = given.ravel()
+        x: Layout = self.layout
+        kernels.compiled(lay_out_all)(
+            self.make, rows if self.compiled else rows.tolist(), self.until, x, self.work,
+            self.fates,
+        )
+        status: Any = np.tile(self.plan.status, count)
+        status[np.asarray(x.gap) > 0] = OPEN
+        return Members(
+            x.transit, x.mobility, status if self.compiled else status.tolist(), x.gap, x.outside,
+            x.count, x.tick, x.line, x.value, x.tolerance, x.window, x.target, x.frame, x.beat,
+        )
+
+    def run(self, members: Members, max_events: int, results: Results) -> Array:
+        """Run members; return which of them filled the log."""
+        flat: Any = Results(*(column.reshape(-1) for column in results))
+        if not self.compiled:
+            flat = Results(*(column.tolist() for column in flat))
+        kernels.compiled(family)(*self.state, self.stocks, members, max_events, flat)
+        if not self.compiled:
+            for column, values in zip(results, flat, strict=True):
+                column[...] = np.reshape(values, column.shape)
+        filled: Array = (np.asarray(self.fates) == LAID) & (results.flag == FULL)
+        return filled

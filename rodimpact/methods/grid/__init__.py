@@ -1,0 +1,1 @@
+"""The method "finite-difference": states on a staggered grid."""

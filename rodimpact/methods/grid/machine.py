@@ -1,0 +1,391 @@
+"""The grid of the method "finite-difference" on arrays: laid out, run, and what is kept of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ...model import Rod
+from ...model.profiles import averages
+from .. import kernels
+from ..contact_law_kernel import RIGID, Chain, Tally
+from ..plan import Array, squeezed, whole
+from ..refinement import TooLong
+from .grid_kernel import (
+    DONE,
+    ENDLESS,
+    MOVED,
+    NOTHING,
+    PUSHED,
+    STEP,
+    Bonds,
+    Ends,
+    Grid,
+    Implicit,
+    Links,
+    Signals,
+    States,
+    factor,
+    run,
+    substitute,
+)
+from .mesh import Mesh
+
+TOLERANCE = 2.0**-40  # of the velocities, below which contacts graze: round-off of many steps
+GAP_RESOLUTION = 1.0  # of what bodies cover in a step: dispersed waves open smaller gaps
+MOST_BYTES = 4 << 30  # of signals
+STATES_BYTES = 64 << 20  # of kept states, where their number is not given
+CELL_TIMES = {"explicit": (7e-10, 8e-7), "implicit": (6e-9, 2.5e-6)}
+"""Time of a cell and a step, s, compiled and in plain Python."""
+
+ROUND = 0.25  # s between two looks at the clock
+
+
+class Machine:
+    """The kernel's state on arrays, and the room that it needs."""
+
+    def __init__(self, mesh: Mesh, step: float, keep: Keeper, room: int) -> None:
+        self.mesh, self.step, self.room = mesh, step, 0
+        plan, h = mesh.plan, step
+        self.plan = plan
+        implicit = mesh.implicit
+        mass = mesh.mass / h
+        for side, (kind, _) in enumerate(plan.outside):
+            if kind == "absorbing":
+                mass[mesh.ends[side]] += self._impedance(side) / 2
+        self.implicit = self._implicit(mass, implicit)
+        mobility = np.where(mesh.held == 1, 0.0, 1 / np.where(mass > 0, mass, 1.0))
+        for a, b, hidden in zip(mesh.starts, mesh.stops, implicit, strict=True):
+            if hidden:
+                mobility[a : b + 1] = 0.0
+        self.grid = self._grid(mobility, implicit)
+        self.links, self.chain = self._links(mobility, implicit)
+        self.bonds = self._bonds()
+        self.ends = Ends(
+            whole([self._kind(side) for side in (0, 1)]), whole(mesh.ends),
+            np.array([self._impedance(side) for side in (0, 1)]), np.zeros(2), np.zeros(2),
+        )
+        count = len(mesh.touching)
+        self.tally = Tally(*(np.zeros(count) for _ in range(4)),
+                           *(np.full(count, v, np.int64) for v in (-1, -1, 0, 0)))
+        self._set_initial_state()
+        self.signals = self._allocate(room)
+        self.keep = keep
+        self.states = keep.make(self, room)
+        self.clock = whole([0, 0, 0])
+        self.taken = 0
+        self.tol, self.gap_resolution = TOLERANCE * plan.scale, GAP_RESOLUTION * plan.scale
+
+    # Laying out ---------------------------------------------------------------------------------
+
+    def _kind(self, side: int) -> int:
+        return {"none": NOTHING, "force": PUSHED, "velocity": MOVED, "absorbing": ENDLESS}[
+            self.plan.outside[side][0]
+        ]
+
+    def _impedance(self, side: int) -> float:
+        """Impedance sqrt(E A rho A) of the rod's last cell at an end."""
+        cell = self.mesh.ends[side] + (1 if side == 0 else 0)
+        return math.sqrt(float(self.mesh.stiffness[cell] * self.mesh.cell_mass[cell]))
+
+    def _grid(self, mobility: Array, implicit: list[bool]) -> Grid:
+        mesh, h = self.mesh, self.step
+        stiffness = mesh.stiffness * h
+        first, last, kick, stiff = [], [], [], []
+        for s in range(1, len(mesh.first)):
+            a, b = mesh.first[s], mesh.last[s]
+            if implicit[mesh.piece_of(a)]:
+                continue
+            k, e = stiffness[a + 1 : b + 1], mobility[a + 1 : b]
+            alike = np.all(k == k[0]) and np.all(e == e[:1])
+            first.append(a)
+            last.append(b)
+            stiff.append(float(k[0]) if alike else -1.0)
+            kick.append(float(e[0]) if alike and len(e) else -1.0)
+        n = len(mesh.mass)
+        return Grid(
+            np.zeros(n), np.zeros(n + 1), mobility, stiffness, whole(first), whole(last),
+            np.array(kick), np.array(stiff), whole(sorted({*first, *last})),
+            whole(mesh.starts), np.zeros(len(mesh.starts)),
+        )
+
+    def _implicit(self, mass: Array, implicit: list[bool]) -> Implicit:
+        mesh, h = self.mesh, self.step
+        n = len(mass)
+        bound = mesh.lateral / h + mesh.viscous / 2
+        spans = [(a, b) for a, b, hidden in zip(mesh.starts, mesh.stops, implicit, strict=True)
+                 if hidden]
+        found = Implicit._make([
+            whole([a for a, _ in spans]), whole([(a + b) // 2 for a, b in spans]),
+            whole([b for _, b in spans]), *np.zeros((2, len(spans))), mesh.viscous, bound,
+            *np.zeros((7, n)), np.zeros(n + 1),
+        ])
+        diagonal = (mass + bound[:-1] + bound[1:]).tolist()
+        lists = kernels.as_lists(found)
+        for p, (a, b) in enumerate(spans):
+            factor(lists, diagonal, mesh.held.tolist(), p)
+            for node, answer in ((a, lists.by_first), (b, lists.by_last)):
+                if not mesh.held[node]:
+                    answer[node] = 1.0
+                substitute(lists, answer, p)
+        kernels.copy_back(lists, found)
+        return found
+
+    def _links(self, mobility: Array, implicit: list[bool]) -> tuple[Links, Chain]:
+        mesh, plan, h = self.mesh, self.plan, self.step
+        hidden = [p for p, is_hidden in enumerate(implicit) if is_hidden]
+        chosen, nodes = list(mesh.touching), list(mesh.touching.values())
+        count = len(chosen)
+        sides: list[list[int]] = [[], []]
+        own, shared = np.zeros((2, count))
+        for q, pair in enumerate(nodes):
+            for side, node in enumerate(pair):
+                piece = mesh.piece_of(node)
+                place = hidden.index(piece) if piece in hidden else -1
+                sides[side].append(place)
+                answer = (self.implicit.by_last, self.implicit.by_first)[side]
+                own[q] += (mobility if place < 0 else answer)[node] / 2
+            if q and mesh.piece_of(pair[0]) == mesh.piece_of(nodes[q - 1][1]):
+                if sides[0][q] >= 0:
+                    shared[q] = self.implicit.by_first[pair[0]] / 2
+                elif pair[0] == nodes[q - 1][1]:
+                    shared[q] = mobility[pair[0]] / 2
+        gap = np.array([plan.gap[i] for i in chosen]) / h
+        links = Links(
+            whole([plan.laws[i] for i in chosen]),
+            plan.stiffness_in_steps(h)[chosen], np.array(plan.exponent)[chosen],
+            np.array(plan.damping)[chosen], gap, np.zeros(count), np.zeros(count),
+            np.ones(count, np.int64), (gap == 0).astype(np.int64),
+            whole([pair[0] for pair in nodes]), whole([pair[1] for pair in nodes]),
+            whole(sides[0]), whole(sides[1]), own, shared, np.zeros(count),
+            np.append(np.flatnonzero(shared == 0), count),
+        )
+        return links, Chain(*np.zeros((len(Chain._fields), count)))
+
+    def _bonds(self) -> Bonds:
+        places = {link: q for q, link in enumerate(self.mesh.touching)}
+        found = list(self.mesh.interfaces.values())
+        return Bonds(
+            whole([x.node for x in found]), np.array([x.mass / self.step for x in found]),
+            whole([x.side for x in found]), whole([x.cell for x in found]),
+            whole([places.get(x.link, -1) for x in found]), whole([x.end for x in found]),
+            np.zeros(len(found)), np.zeros(len(found)),
+        )
+
+    def _set_initial_state(self) -> None:
+        mesh, plan, grid = self.mesh, self.plan, self.grid
+        v, strain = grid.velocity, np.zeros(len(mesh.mass) + 1)
+        for body, (start, stop) in zip(plan.system.bodies, plan.spans, strict=True):
+            if not isinstance(body, Rod):
+                continue
+            left = 0.0
+            for s in range(start, stop + 1):
+                a, b, L = mesh.first[s], mesh.last[s], float(plan.segments[s - 1].length)
+                N = mesh.counts[s - 1]
+                halves = averages(body.velocity, left + L * np.arange(2 * N + 1) / (2 * N),
+                                  float(body.length))
+                m = np.repeat(mesh.cell_mass[a + 1 : b + 1] / 2, 2)
+                v[a : b + 1] += np.bincount((np.arange(2 * N) + 1) // 2, m * halves)
+                edges = left + L * np.arange(N + 1) / N
+                strain[a + 1 : b + 1] = averages(body.strain, edges, float(body.length)) * L / N
+                left += L
+        for place, node in enumerate(mesh.node_of_mass):
+            v[node] += plan.masses[place] * plan.mass_velocity[place]
+        weight = np.where(mesh.mass > 0, mesh.mass, 1.0)
+        v[:] = np.where(mesh.mass > 0, v / weight - plan.frame, 0.0)
+        jump = np.zeros(len(v))
+        for side, (kind, value) in enumerate(plan.outside):
+            if kind == "velocity":
+                node = mesh.ends[side]
+                jump[node] = self._given(value, np.zeros(1))[0] - v[node]
+        v += self._dragged(jump)
+        tension = mesh.stiffness * strain
+        kick = self._first_kick(tension)
+        grid.force[:] = tension + grid.stiffness * np.diff(kick - v, prepend=0.0, append=0.0) / 2
+        grid.place[:] = kick[mesh.starts] / 2
+        for side, sign in ((0, 1), (1, -1)):
+            cell = mesh.ends[side] + (1 if side == 0 else 0)
+            if plan.outside[side][0] == "absorbing":  # v - F/Z, seen from the row
+                wave = sign * float(tension[cell]) / self._impedance(side)
+                self.ends.rest[side] = v[mesh.ends[side]] - wave
+        links = self.links
+        closing = v[links.left] - v[links.right]
+        links.shut[links.gap <= closing / 2] = 1  # closes before the first kick
+
+    def _dragged(self, jump: Array) -> Array:
+        """Changes of velocity where held ends jump: lateral inertia takes neighbours along."""
+        mesh, bound = self.mesh, self.mesh.lateral / self.step
+        if not bound.any():
+            return jump
+        lists = kernels.as_lists(self.implicit._replace(bound=bound))
+        diagonal = (mesh.mass / self.step + bound[:-1] + bound[1:]).tolist()
+        moved = jump.tolist()
+        for p in range(len(lists.first)):
+            factor(lists, diagonal, mesh.held.tolist(), p)
+            substitute(lists, moved, p)
+        return np.array(moved)
+
+    def _first_kick(self, tension: Array) -> Array:
+        """Velocities that half a kick by the forces at t = 0 gives.
+
+        In the middle of the first step nodes are where these bring them: a force that begins at
+        t = 0 lies between two kicks, and would leave a wave from node to node otherwise.
+        """
+        mesh, links, plan = self.mesh, self.links, self.plan
+        force = np.diff(tension)
+        for side, (kind, value) in enumerate(plan.outside):
+            if kind == "force":
+                force[mesh.ends[side]] += (1, -1)[side] * self._pushes(value, 1)[0]
+            elif kind == "absorbing":
+                force[mesh.ends[side]] = 0.0
+        for law, gap, left, right in zip(
+            links.law, links.gap, links.left, links.right, strict=True
+        ):
+            if law == RIGID and gap == 0 and force[left] > force[right]:
+                force[left] = force[right] = 0.0
+        found: Array = self.grid.mobility * force / 2
+        if len(self.implicit.first):
+            lists = kernels.as_lists(self.implicit)
+            x = np.where(mesh.held == 1, 0.0, force / 2).tolist()
+            for p, (a, b) in enumerate(zip(lists.first, lists.last, strict=True)):
+                substitute(lists, x, p)
+                found[a : b + 1] = x[a : b + 1]
+        return found
+
+    def _pushes(self, value: Any, steps: int) -> Array:
+        """A driving force at each kick, N: its mean over two steps, which waves can follow."""
+        halves = averages(value, self.step / 2 * np.arange(2 * steps + 2), 0.0)
+        around = np.concatenate((halves[:1], halves))
+        mean: Array = (around[:-3:2] + around[1:-2:2] + around[2:-1:2] + around[3::2]) / 4
+        return mean
+
+    def _given(self, value: Any, t: Array) -> Array:
+        """Velocity of a wall or a driven end, averaged over a step about times t, in the frame."""
+        if isinstance(value, float):
+            found: Array = np.full(len(t), value)
+        else:
+            edges = np.append(t - self.step / 2, t[-1:] + self.step / 2)
+            found = averages(value, np.maximum(edges, 0.0), 0.0)
+        result: Array = found - self.plan.frame - self.plan.gravity * t
+        return result
+
+    # Room ---------------------------------------------------------------------------------------
+
+    def _allocate(self, room: int) -> Signals:
+        links, bonds = len(self.mesh.touching), len(self.mesh.interfaces)
+        masses = len(self.mesh.node_of_mass)
+        if 8 * room * (3 * links + bonds + 6 + masses) > MOST_BYTES:
+            message = (
+                f"a run of {room} steps of {self.step:.3g} s needs more than "
+                f"{MOST_BYTES / 1e9:.3g} GB; stop earlier, or take fewer cells"
+            )
+            raise TooLong([("until", message)])
+        given = np.zeros(2 * room)
+        for side, (kind, value) in enumerate(self.plan.outside):
+            span = slice(side * room, (side + 1) * room)
+            edges = self.step * np.arange(room + 1)
+            if kind == "velocity":
+                given[span] = self._given(value, edges[1:])
+            elif kind == "force":
+                given[span] = self._pushes(value, room)
+        self.room = room
+        return Signals._make([
+            *np.zeros((3, links * room)), whole([i * room for i in range(links)]),
+            np.zeros(bonds * room), given, *np.zeros((2, 2 * room)), whole([room]),
+            whole(self.mesh.node_of_mass), np.zeros(masses * room),
+        ])
+
+    def _grow(self, room: int) -> None:
+        old, was = self.signals, self.room
+        self.signals = self._allocate(room)
+        for name in ("force", "gap", "closing", "bond", "push", "speed", "mass_speed"):
+            source, target = getattr(old, name), getattr(self.signals, name)
+            if len(source):
+                target.reshape(-1, room)[:, :was] = source.reshape(-1, was)
+
+    # Running ------------------------------------------------------------------------------------
+
+    def advance(self, end: int, tell: Callable[[int], None] | None = None) -> None:
+        """Run to step `end`; `tell` hears of the steps taken, several times a second."""
+        if end > self.room:
+            self._grow(max(end, 2 * self.room))
+        self.states = self.keep.room_for(self, end)
+        parts: tuple[Any, ...] = (
+            self.grid, self.implicit, self.links, self.chain, self.bonds, self.ends, self.tally,
+            self.signals, self.states,
+        )
+        fast = kernels.worth_compiling((end - self.taken) * cost(self.mesh, plain=True))
+        lists = parts if fast else tuple(kernels.as_lists(x) for x in parts)
+        go: Callable[..., int] = kernels.compiled(run) if fast else run
+        clock: Any = self.clock if fast else self.clock.tolist()
+        chunk = max(1, int(ROUND / cost(self.mesh, plain=not fast)))
+        while True:
+            target = min(end, self.taken + chunk)
+            flag = go(*lists, clock, target, self.tol, self.gap_resolution)
+            self.taken = int(clock[STEP])
+            if flag != DONE or self.taken >= end:
+                break
+            if tell:
+                tell(self.taken)
+        if not fast:
+            for part, found in zip(parts, lists, strict=True):
+                kernels.copy_back(found, part)
+            self.clock[:] = clock
+        if flag != DONE:
+            raise squeezed(self.taken * self.step)
+
+
+class Keeper:
+    """Which states are kept: at chosen times, or so many at equal distances, all if they fit."""
+
+    def __init__(self, snapshots: int | Array | None) -> None:
+        self.snapshots, self.stride = snapshots, 1
+        self.most = snapshots if isinstance(snapshots, int) else 0
+
+    def make(self, machine: Machine, room: int) -> States:
+        """Empty states."""
+        nodes, pieces = len(machine.mesh.mass), len(machine.mesh.starts)
+        if self.most == 0:
+            self.most = max(64, STATES_BYTES // (16 * nodes))
+        when = self._when(machine, room)
+        n = len(when)
+        return States(whole(when), np.zeros(n * nodes), np.zeros(n * (nodes + 1)),
+                      np.zeros(n * pieces), np.zeros(n))
+
+    def _when(self, machine: Machine, end: int) -> list[int]:
+        if isinstance(self.snapshots, np.ndarray):
+            steps = self.snapshots / machine.step
+            both = np.concatenate((np.floor(steps), np.ceil(steps), [0.0]))
+            chosen: list[int] = np.unique(both[both <= end].astype(int)).tolist()
+            return chosen
+        while end // self.stride + 2 > max(self.most, 3):
+            self.stride *= 2
+        return list(range(0, end + 1, self.stride))
+
+    def room_for(self, machine: Machine, end: int) -> States:
+        """Keep what is kept already, thinned where there is no room, and make room up to `end`."""
+        old = machine.states
+        new = self.make(machine, end)
+        have = int(machine.clock[1])
+        if end not in new.when:
+            new = States(np.append(new.when, end), *(
+                np.append(x, np.zeros(len(x) // len(new.when))) for x in new[1:]
+            ))
+        kept = np.flatnonzero(np.isin(old.when[:have], new.when))
+        for x, y in zip(old[1:], new[1:], strict=True):
+            if len(y):
+                rows = x.reshape(len(old.when), -1)[kept]
+                y.reshape(len(new.when), -1)[: len(kept)] = rows
+        machine.clock[1] = len(kept)
+        return new
+
+
+def cost(mesh: Mesh, plain: bool) -> float:
+    """About how long a step takes, s, in plain Python or compiled."""
+    return sum(
+        (b - a + 1) * CELL_TIMES["implicit" if hidden else "explicit"][plain]
+        for a, b, hidden in zip(mesh.starts, mesh.stops, mesh.implicit, strict=True)
+    )

@@ -1,0 +1,241 @@
+"""A row of bodies on a staggered grid: which node and which cell belongs to what.
+
+A segment of N cells has N + 1 nodes; half of each cell's mass sits at either. Bodies that are
+bonded share a node, and make one piece. A wall that can be touched is a node by itself. Cell i lies
+between the nodes i - 1 and i, so the cells 0, those between pieces, and the last stand for nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...model import Segment
+from ...model.frozen import InvalidModel
+from ..contact_law_kernel import BOND, FORCE, FREE, RIGID
+from ..plan import Array, Plan
+
+STIFFEST = 2.0**32  # times the inertia of a cell, beyond which round-off drowns its motion
+MODAL_CELLS, MODES = 200, 8  # of a rod whose lowest modes are asked for
+
+
+class Interface(NamedTuple):
+    """What stands at a node on one side of a bond, as in `grid_kernel.Bonds`."""
+
+    node: int
+    mass: float
+    side: int
+    cell: int
+    link: int
+    end: int
+
+
+class Mesh:
+    """A plan on a grid, in SI.
+
+    Attributes
+    ----------
+    plan : Plan
+    counts : list of int
+        Cells of each segment.
+    first, last : list of int
+        Nodes of each segment, counted from 1 as in the plan; entry 0 is empty.
+    node_of_mass : list of int
+    starts, stops : list of int
+        First and last node of each piece.
+    mass, held : [node] array
+        kg; whether the velocity is given.
+    cell_mass, stiffness, viscous, lateral : [cell] array
+        rho A dx, E A/dx, eta A/dx and rho nu^2 I_p/dx: kg, N/m, N s/m, kg.
+    width : [cell] array
+        dx, m; 1 between pieces.
+    touching : dict of int to (int, int)
+        By link that can open: the nodes on its left and on its right.
+    ends : list of int
+        Node on which the outside acts, left and right.
+    interfaces : dict of int to Interface
+        By bonded link whose force is asked for.
+
+    Raises
+    ------
+    InvalidModel
+        If viscosity or lateral inertia is out of all proportion to the mass.
+    """
+
+    def __init__(self, plan: Plan, counts: list[int]) -> None:
+        self.plan, self.counts = plan, counts
+        self.first, self.last = [-1], [-1]
+        self.node_of_mass: list[int] = []
+        self.starts: list[int] = []
+        self.stops: list[int] = []
+        self.touching: dict[int, tuple[int, int]] = {}
+        self.ends = [0, 0]
+        self._nodes = 0
+        held: list[int] = []
+        cells: list[tuple[int, Array]] = []
+        row = _row(plan)
+        node = -1
+        for i, (left, right) in enumerate(row):
+            law = plan.laws[i]
+            joined = law <= BOND
+            if left == ("outside", 0):
+                node = self._new_piece()
+                self.ends[0] = node
+                if law >= BOND and plan.outside[0][0] == "velocity":
+                    held.append(node)
+            if not joined:
+                self.touching[i] = node, node + 1
+                node = self._new_piece()
+            kind, s = right
+            if kind == "outside":
+                self.ends[1] = node
+                if law >= BOND and plan.outside[1][0] == "velocity":
+                    held.append(node)
+            elif kind == "mass":
+                self.node_of_mass.append(node)
+            else:
+                self.first.append(node)
+                cells.append((node, _cells(plan.segments[s - 1], counts[s - 1])))
+                _refuse_stiff(plan.paths[s], cells[-1][1])
+                node += counts[s - 1]
+                self._nodes = node + 1
+                self.last.append(node)
+            self.stops[-1] = node
+        self._fill(held, cells)
+        self.width = np.ones(self._nodes + 1)
+        for a, b, s, N in zip(self.first[1:], self.last[1:], plan.segments, counts, strict=True):
+            self.width[a + 1 : b + 1] = float(s.length) / N
+        self.interfaces = {
+            i: self._interface(row, i) for i, law in enumerate(plan.laws)
+            if law == BOND and self._asked(i)
+        }
+
+    def _new_piece(self) -> int:
+        node = self._nodes
+        self.starts.append(node)
+        self.stops.append(node)
+        self._nodes += 1
+        return node
+
+    def _fill(self, held: list[int], cells: list[tuple[int, Array]]) -> None:
+        n = self._nodes
+        self.mass, self.held = np.zeros(n), np.zeros(n, np.int64)
+        self.cell_mass, self.stiffness, self.viscous, self.lateral = np.zeros((4, n + 1))
+        for node, columns in cells:
+            span = slice(node + 1, node + 1 + columns.shape[1])
+            for whole, part in zip(
+                (self.cell_mass, self.stiffness, self.viscous, self.lateral), columns, strict=True
+            ):
+                whole[span] = part
+        self.mass += (self.cell_mass[:-1] + self.cell_mass[1:]) / 2
+        for m, node in enumerate(self.node_of_mass):
+            self.mass[node] += self.plan.masses[m]
+        self.held[held] = 1
+
+    def _asked(self, link: int) -> bool:
+        """Whether a bond is a contact, or holds an end."""
+        side = {0: 0, len(self.plan.laws) - 1: 1}.get(link)
+        holds = side is not None and self.plan.outside[side][0] == "velocity"
+        return holds or link in self.plan.contact_link
+
+    def _interface(self, row: list[Any], link: int) -> Interface:
+        side = 1 if link == 0 else 0
+        mass, i = 0.0, link
+        while row[i][side][0] == "mass":
+            m = row[i][side][1]
+            node, mass = self.node_of_mass[m], mass + self.plan.masses[m]
+            i += 1 if side else -1
+            law = self.plan.laws[i]
+            if law >= RIGID:
+                return Interface(node, mass, side, -1, i, -1)
+            if law in (FREE, FORCE):
+                return Interface(node, mass, side, -1, -1, side if law == FORCE else -1)
+        s = row[i][side][1]
+        node = self.first[s] if side else self.last[s]
+        cell = node + side
+        return Interface(node, mass + self.cell_mass[cell] / 2, side, cell, -1, -1)
+
+    @property
+    def implicit(self) -> list[bool]:
+        """Whether each piece has damping or lateral inertia."""
+        return [
+            bool(np.any(self.viscous[a + 1 : b + 1]) or np.any(self.lateral[a + 1 : b + 1]))
+            for a, b in zip(self.starts, self.stops, strict=True)
+        ]
+
+    def piece_of(self, node: int) -> int:
+        """Piece to which a node belongs."""
+        return int(np.searchsorted(self.starts, node, "right")) - 1
+
+
+def _row(plan: Plan) -> list[tuple[tuple[str, int], tuple[str, int]]]:
+    """What stands left and right of each link: ("outside", side), ("mass", m), ("segment", s)."""
+    n = len(plan.segments)
+    found = []
+    before = ("outside", 0)
+    for k in range(n + 1):
+        for m in range(plan.first[k], plan.first[k + 1]):
+            found.append((before, ("mass", m)))
+            before = ("mass", m)
+        after = ("segment", k + 1) if k < n else ("outside", 1)
+        found.append((before, after))
+        before = after
+    return found
+
+
+def _cells(segment: Any, count: int) -> Array:
+    """Mass, stiffness, viscosity and lateral inertia of the cells of a segment [4, cells]."""
+    material, dx = segment.material, float(segment.length) / count
+    area = segment.area_between(np.linspace(0.0, float(segment.length), count + 1))
+    E, rho = float(material.youngs_modulus), float(material.density)
+    lateral = np.zeros(count)
+    if segment.polar_moment is not None:
+        lateral += rho * float(material.poisson_ratio) ** 2 * segment.polar_moments(area) / dx
+    return np.array([
+        rho * area * dx, E * area / dx, float(material.viscosity) * area / dx, lateral
+    ])
+
+
+def _refuse_stiff(path: str, columns: Array) -> None:
+    """Raise InvalidModel where cells resist changes of length so much that nothing else counts."""
+    mass, stiffness, viscous, lateral = columns
+    impedance = np.sqrt(stiffness) * np.sqrt(mass)
+    for name, size in (
+        ("material.viscosity", viscous / impedance), ("polar_moment", lateral / mass),
+    ):
+        if size.max() > STIFFEST:
+            message = (
+                f"holds cells together {size.max():.2g} times as much as their inertia does, so "
+                "that round-off would drown the motion; take less, or a RigidMass"
+            )
+            raise InvalidModel([(f"{path}.{name}", message)])
+
+
+def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
+    """Mode of a free rod by itself that lasts longest.
+
+    Returns
+    -------
+    angular frequency, decay rate of the amplitude : float
+        rad/s and 1/s; a mode x of K x = omega^2 M x decays at x D x/(2 x M x).
+    """
+    from scipy.linalg import eigh
+
+    transit = sum(float(s.transit_time) for s in segments)
+    counts = [max(4, round(MODAL_CELLS * float(s.transit_time) / transit)) for s in segments]
+    parts = [_cells(s, N) for s, N in zip(segments, counts, strict=True)]
+    mass, stiffness, viscous, lateral = np.concatenate(parts, axis=1)
+    M = np.diag((np.append(mass, 0.0) + np.append(0.0, mass)) / 2) + _chain(lateral)
+    squares, modes = eigh(_chain(stiffness), M, subset_by_index=[1, MODES])
+    rates = np.einsum("im,ij,jm->m", modes, _chain(viscous), modes) / 2
+    slowest = int(np.argmin(rates))
+    return float(np.sqrt(squares[slowest])), float(rates[slowest])
+
+
+def _chain(values: Array) -> Array:
+    """Matrix of springs, dashpots or inertances between neighbouring nodes."""
+    difference = np.diff(np.eye(len(values) + 1), axis=0)
+    found: Array = difference.T @ (values[:, None] * difference)
+    return found

@@ -1,0 +1,464 @@
+"""The method "finite-difference": rods on a staggered grid, for physics that breaks d'Alembert.
+
+It carries everything the other methods carry, and damping, tapers and lateral inertia; it stores
+states and rebuilds nothing from signals at the ends. Waves cross all but a cell in a step (Courant
+number 0.999) in the segment with the longest transit; every other segment gets as many cells as its
+transit has whole steps of this, so that it runs just below: one cell more would be unstable, one
+less disperses waves more than it must. At 1 exactly leapfrog has no error, but the even and the odd
+nodes do not know of each other: what a contact does between two steps makes them part for good, and
+velocities never converge.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ...model import System
+from ...model.frozen import InvalidModel
+from .. import kernels
+from ..abilities import driven
+from ..clock import PARTS, Clockwork
+from ..contact_law_kernel import RIGID, Tally
+from ..plan import Array, Plan
+from ..refinement import MEASURES, contact_measures, peak, refined, velocity_measure
+from .grid_kernel import ENDLESS, Grid, Links, Signals, States
+from .machine import GAP_RESOLUTION, Keeper, Machine, cost
+from .mesh import Mesh
+
+RTOL = 1e-3
+COURANT = 0.999
+FIRST = 100  # fewest cells of the longest transit
+FEWEST = 8  # cells of a segment, where nothing else is asked for, and steps of a short run
+FINEST = 1 << 13  # most cells of the longest transit in the search for an accurate mesh
+MOST_CELLS = 1 << 20
+STABLE = 1 + 2.0**-30  # Courant number up to which a mesh is taken; beyond 1 by round-off only
+RINGING = 8  # steps in which waves beside a jump swing about their mean
+LONG = 60.0  # s, from which a run is announced
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class GridRun:
+    """A finished run.
+
+    Attributes
+    ----------
+    clockwork : Clockwork
+    mesh : Mesh
+    step : float
+        s.
+    steps : int
+        Steps taken; none where the end that was asked for comes before half a step.
+    end : int
+        Last tick: of the steps, or of that end.
+    grid, links, tally, signals
+        The kernel's state at the end, on arrays.
+    states : States
+        What was kept: columns [state, node], [state, cell], [state, piece] and [state].
+    settled : int
+        Step at which the collision was proved final, -1 without proof.
+    stopped_by : str
+        ``"final"``, ``"until"`` or ``"max_events"``.
+    estimates : dict of str to float
+        As in `StepRun`.
+    rtol : float
+    peak_change : float
+        Relative change of the largest force from a mesh at most half as fine; nan without one.
+    """
+
+    clockwork: Clockwork
+    mesh: Mesh
+    step: float
+    steps: int
+    end: int
+    grid: Grid
+    links: Links
+    tally: Tally
+    signals: Signals
+    states: States
+    settled: int
+    stopped_by: str
+    estimates: dict[str, float] = field(default_factory=dict)
+    rtol: float = 0.0
+    peak_change: float = math.nan
+
+    @property
+    def plan(self) -> Plan:
+        """The row."""
+        return self.mesh.plan
+
+    @property
+    def edges(self) -> Array:
+        """Ticks of the ends of steps, from 0 on."""
+        found: Array = PARTS * np.arange(self.steps + 1)
+        return found
+
+    @property
+    def durations(self) -> Array:
+        """Of the steps, s."""
+        return np.full(self.steps, self.step)
+
+    @property
+    def events(self) -> int:
+        """Steps taken, times contacts and ends."""
+        return self.steps * len(self.plan.laws)
+
+    def _signal(self, column: Array, start: int) -> Array:
+        return column[start : start + self.steps]
+
+    @property
+    def largest_strain(self) -> float:
+        """Largest strain of the states that were kept."""
+        inside = self.mesh.stiffness > 0
+        yielding = self.mesh.stiffness[inside] * self.mesh.width[inside]
+        return float(np.abs(self.states.force[:, inside] / yielding).max())
+
+    @property
+    def overshoot(self) -> float:
+        """How much less the largest force of rigid contacts is over a few steps; relative.
+
+        Beside a jump waves on a grid overshoot by a share that no finer mesh makes less; averages
+        over a few steps do not.
+        """
+        peaks, less = [0.0], [0.0]
+        for contact, link in enumerate(self.plan.contact_link):
+            if link >= 0 and self.plan.laws[link] == RIGID:
+                force = self.contact(contact)[0]
+                passed = np.concatenate((np.zeros(RINGING), np.cumsum(force)))
+                means = (passed[RINGING:] - passed[:-RINGING]) / RINGING
+                peaks.append(peak(self.edges, force))
+                less.append(peaks[-1] - float(means.max(initial=0.0)))
+        return max(less) / (max(peaks) or 1.0)
+
+    @property
+    def resolved(self) -> float:
+        """Gap that counts as an opening, m."""
+        return GAP_RESOLUTION * self.plan.scale * self.step
+
+    def contact(self, contact: int) -> tuple[Array, Array]:
+        """Mean force in each step, N, and gap at its end, m; of a contact that can open."""
+        start = int(self.signals.link_start[self.place(contact)])
+        gap = self._signal(self.signals.gap, start) * self.step
+        return self._signal(self.signals.force, start), gap
+
+    def path(self, contact: int) -> Array:
+        """How far a contact that can open closes in each step, m."""
+        start = int(self.signals.link_start[self.place(contact)])
+        return self._signal(self.signals.closing, start) * self.step
+
+    def place(self, contact: int) -> int:
+        """Place in the tally of a contact that can open."""
+        return list(self.mesh.touching).index(self.plan.contact_link[contact])
+
+    def bond(self, contact: int) -> Array:
+        """Mean force in a bonded contact in each step, N."""
+        return self._bond(self.plan.contact_link[contact])
+
+    def _bond(self, link: int) -> Array:
+        place = list(self.mesh.interfaces).index(link)
+        return self._signal(self.signals.bond, place * int(self.signals.room[0]))
+
+    def outer(self, side: int) -> tuple[Array, Array]:
+        """Force of what is outside the left or right end on the row, and its velocity, by steps.
+
+        N and m/s, in the laboratory; positive to the inside, and to the right.
+        """
+        start, link = side * int(self.signals.room[0]), (0, len(self.plan.laws) - 1)[side]
+        if link in self.mesh.touching:
+            place = int(self.signals.link_start[list(self.mesh.touching).index(link)])
+            force = self._signal(self.signals.force, place)
+        elif self.plan.outside[side][0] == "velocity":
+            force = self._bond(link)
+        else:
+            force = self._signal(self.signals.push, start)
+        fall = self.plan.gravity * self.step * (np.arange(self.steps) + 0.5)
+        return force, self._signal(self.signals.speed, start) + self.plan.frame + fall
+
+    def speed(self, mass: int) -> Array:
+        """Velocity of a mass at the ends of the steps, the first at t = 0, in the frame."""
+        side = mass - len(self.plan.masses)
+        if side >= 0:
+            return self.plan.wall_speed(side, self.step * np.arange(self.steps + 1.0))
+        initial = self.states.velocity[0, self.mesh.node_of_mass[mass]]
+        start = mass * int(self.signals.room[0])
+        return np.concatenate(([initial], self._signal(self.signals.mass_speed, start)))
+
+
+def follow(
+    system: System, until: float | None, max_events: int, *, cells: int | None = None,
+    dt: float | None = None, rtol: float | None = None, snapshots: int | Array | None = None,
+    progress: Progress | None = None, announce: Callable[[str], None] | None = None,
+) -> GridRun:
+    """Run a single collision.
+
+    Parameters
+    ----------
+    system : System
+        Of shape ().
+    until : float, optional
+        s; by default the run ends a round trip of the longest rod after the proof of finality.
+    max_events : int
+        Cap on steps times contacts and ends, where no end is given.
+    cells : int, optional
+        Of the segment with the longest transit.
+    dt : float, optional
+        Step, s; less where `until` is no multiple of it.
+    rtol : float, optional
+        Relative accuracy to which cells and step are halved, where neither is given.
+    snapshots : int or array, optional
+        How many states to keep at most, or the times at which to keep them, s.
+    progress : function, optional
+        Called during long runs with the steps done, and about how many there will be.
+    announce : function, optional
+        Called with a sentence before a run that would take over a minute.
+
+    Raises
+    ------
+    InvalidModel
+        If the mesh would be unstable, or the run is too long for the memory.
+    """
+    plan = Plan(system)
+    counts, step = _mesh_size(plan, cells, dt, until)
+    stepping = until is None or 2 * until > step
+    if until is not None and stepping:
+        step = until / math.ceil(until / step * (1 - 1e-12))
+
+    peaks: dict[int, Array] = {}
+
+    def level(factor: int) -> GridRun:
+        finer = Mesh(plan, [factor * N for N in counts])
+        keep = Keeper(snapshots)
+        run = _level(finer, step / factor, keep, until, max_events, progress, announce)
+        peaks[factor] = contact_measures(run)[MEASURES[1]]
+        return run
+
+    if cells is not None or dt is not None or not stepping:
+        return level(1)
+    goal = RTOL if rtol is None else rtol
+    found, estimates = refined(level, measures, goal, FINEST // max(counts))
+    change, last = math.nan, max(peaks)
+    rougher = [factor for factor in peaks if 2 * factor <= last]
+    if rougher and peaks[last].max(initial=0.0) > 0:
+        change = float(np.abs(peaks[last] - peaks[max(rougher)]).max() / peaks[last].max())
+    return replace(found, estimates=estimates, rtol=goal, peak_change=change)
+
+
+def measures(found: GridRun) -> dict[str, Array]:
+    """What is to stand still: velocities, impulses, and when 99.9 % of them has passed.
+
+    The largest force is left out: beside a jump waves overshoot, on any mesh, and flat ends of
+    viscous rods, or of rods with lateral inertia, meet with a force that has no largest value.
+    """
+    by_contact = contact_measures(found)
+    del by_contact[MEASURES[1]]
+    m, v = found.mesh.mass, found.grid.velocity
+    free = [
+        float(m[a : b + 1] @ v[a : b + 1] / m[a : b + 1].sum())
+        for a, b in zip(found.mesh.starts, found.mesh.stops, strict=True)
+        if not found.mesh.held[a : b + 1].any()
+    ]
+    return {"velocity": velocity_measure(free, found.plan.scale), **by_contact}
+
+
+def _mesh_size(
+    plan: Plan, cells: int | None, dt: float | None, until: float | None
+) -> tuple[list[int], float]:
+    """Cells of each segment, and the step, s, that is stable for them."""
+    T = np.array([float(s.transit_time) for s in plan.segments])
+    longest, shortest = int(np.argmax(T)), int(np.argmin(T))
+    if cells is None and dt is None:
+        least = max(FIRST, math.ceil(FEWEST * T[longest] / T[shortest]))
+        if least > MOST_CELLS:
+            message = (
+                f"its transit time is so short beside the longest, {T[longest]:.3g} s, that this "
+                f"would take {least:.3g} cells of {MOST_CELLS} at most; leave it out"
+            )
+            raise InvalidModel([(plan.paths[shortest + 1], message)])
+        if until:
+            least = max(least, math.ceil(min(FINEST / 4, FEWEST * float(T[longest]) / until)))
+        # of the numbers up to twice as many, the first for which all segments run nearest to 1
+        numbers = np.arange(least, 2 * least)
+        steps = numbers[:, None] * (T / T[longest])
+        waste = (1 - np.floor(steps * STABLE) / steps).max(axis=1)
+        cells = int(numbers[int(np.argmax(waste <= waste.min() + 2.0**-20))])
+    base = float(T[longest]) / cells if cells is not None else dt
+    assert base is not None
+    counts = np.floor(T / base * STABLE).astype(int)
+    step = float((T / np.maximum(counts, 1)).min()) * COURANT if dt is None else dt
+    if cells is not None:
+        counts[longest] = cells
+    if counts.min() < 1:
+        where = f"transit time, {T[shortest]:.6g} s of {plan.paths[shortest + 1]}"
+        if cells is None:
+            message = f"must not exceed the shortest {where}, got {dt!r}"
+            raise InvalidModel([("dt", message)])
+        least = math.ceil(T[longest] / T[shortest] / STABLE)
+        message = f"must be {least} or more for a cell in the shortest {where}, got {cells!r}"
+        raise InvalidModel([("cells", message)])
+    if counts.sum() > MOST_CELLS:
+        message = f"asks for {counts.sum()} cells, of {MOST_CELLS} at most"
+        raise InvalidModel([("cells" if dt is None else "dt", message)])
+    courant = step * counts / T
+    if courant.max() > STABLE:
+        worst = int(np.argmax(courant))
+        message = (
+            f"would be unstable: waves would cross {courant.max():.6g} cells of "
+            f"{plan.paths[worst + 1]} in a step; at most {T[worst] / counts[worst]:.6g} s"
+        )
+        raise InvalidModel([("dt", f"{message}, got {dt!r}")])
+    return counts.tolist(), step
+
+
+def _level(
+    mesh: Mesh, step: float, keep: Keeper, until: float | None, max_events: int,
+    progress: Progress | None, announce: Callable[[str], None] | None,
+) -> GridRun:
+    """One run on a given mesh."""
+    plan = mesh.plan
+    work = clockwork(mesh, step)
+    longest = max(1, math.ceil(work.longest / PARTS))
+    cap = max(1, max_events // len(plan.laws))
+    proof, reason = -1, "until"
+    steps = 0 if until is None else round(until / step)
+    room = 8 * longest if until is None else max(1, steps)
+    machine = Machine(mesh, step, keep, room)
+    size = f"{sum(mesh.counts)} cells"
+    per_step = cost(mesh, plain=not kernels.enabled())
+    if announce and per_step * room > LONG:
+        announce(
+            f"the run with {size} takes about {_spell(per_step * room)}, {room} steps; fewer cells "
+            "or a larger rtol take less"
+        )
+    began = time.monotonic()
+
+    def tell(taken: int) -> None:
+        if progress and time.monotonic() - began > 1.0:
+            progress(taken, max(room, taken))
+
+    last = cap if until is None else steps
+    machine.advance(0)
+    while proof < 0:
+        wait = settled(machine)
+        if wait == 0:
+            proof = machine.taken
+        elif machine.taken < last:
+            pause = min(wait, 8.0 * longest) if wait < math.inf else longest
+            more = max(longest, math.ceil(pause), machine.taken // 8)
+            machine.advance(min(last, machine.taken + more), tell)
+        else:
+            break
+    if until is not None:
+        machine.advance(last, tell)
+    else:
+        reason = "final" if proof >= 0 else "max_events"
+        if proof >= 0:
+            machine.advance(machine.taken + 2 * longest, tell)
+    end = machine.taken * PARTS
+    if until is not None and not steps:
+        end = math.ceil(until / step * PARTS)
+    kept = int(machine.clock[1])
+    when = machine.states.when
+    states = States._make([
+        when[:kept], *(x.reshape(len(when), -1)[:kept] for x in machine.states[1:4]),
+        machine.states.lost[:kept],
+    ])
+    return GridRun(
+        clockwork=work, mesh=mesh, step=step, steps=machine.taken, end=end, grid=machine.grid,
+        links=machine.links, tally=machine.tally, signals=machine.signals, states=states,
+        settled=proof, stopped_by=reason,
+    )
+
+
+def _spell(seconds: float) -> str:
+    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
+
+
+def clockwork(mesh: Mesh, step: float) -> Clockwork:
+    """Put a row on the clock of a mesh; impedances are means, so that Z T is the mass."""
+    plan, tick = mesh.plan, step / PARTS
+    ticks = [max(1, round(float(s.transit_time) / tick)) for s in plan.segments]
+    masses = [
+        float(mesh.cell_mass[a + 1 : b + 1].sum())
+        for a, b in zip(mesh.first[1:], mesh.last[1:], strict=True)
+    ]
+    return Clockwork(
+        system=plan.system, spans=plan.spans,
+        wave_speed=[0.0, *(float(s.wave_speed) for s in plan.segments), 0.0],
+        impedance=[0.0, *(m / (T * tick) for m, T in zip(masses, ticks, strict=True)), 0.0],
+        length=[0.0, *(float(s.length) for s in plan.segments), 0.0],
+        ticks=[0, *ticks, 0], tick=tick, frame=plan.frame, gravity=plan.gravity, grain=PARTS,
+        transit_error=0.0, worst="",
+    )
+
+
+# Proof of finality ------------------------------------------------------------------------------
+
+
+def settled(machine: Machine) -> float:
+    """Steps until it may be proved that nothing meets again: 0 if it is, inf if not as it is.
+
+    The end of a piece deviates from the motion of its centre of mass, or of the wall that holds it,
+    by d = sum(strain g dx), g the mass fraction beyond, hence by at most
+    sqrt(2 E sum(g^2 dx/(E A))), E the energy of vibration, which the scheme never lets grow. A far
+    endless bar of impedance Z gives way by the momentum it has taken, over Z.
+    """
+    if driven(machine.plan.system):
+        return math.inf
+    wait = 0.0
+    for i, (left, right) in enumerate(machine.mesh.touching.values()):
+        gap = float(machine.links.gap[i])
+        if gap < 0:
+            return math.inf
+        (V, d, bound), (W, e, other) = _sway(machine, left, 1), _sway(machine, right, 0)
+        opening, apart, reach = W - V, gap - e + d, bound + other
+        if reach <= machine.tol and opening >= -machine.tol:
+            continue
+        if apart > reach and opening >= -machine.tol:
+            continue
+        if opening <= machine.tol:
+            return math.inf
+        wait = max(wait, (reach - apart) / opening + 1)
+    return wait
+
+
+def _sway(machine: Machine, node: int, right_end: int) -> tuple[float, float, float]:
+    """Mean velocity of a piece, how far its end is from the mean motion, and can ever get."""
+    mesh, grid, h = machine.mesh, machine.grid, machine.step
+    p = mesh.piece_of(node)
+    a, b = mesh.starts[p], mesh.stops[p]
+    v, cells = grid.velocity[a : b + 1], slice(a + 1, b + 1)
+    m = mesh.mass[a : b + 1] / h
+    far = a if right_end else b
+    endless = [s for s in (0, 1) if mesh.ends[s] == far and machine.ends.kind[s] == ENDLESS]
+    held = bool(mesh.held[far])
+    if held or mesh.held[node]:
+        mean = float(grid.velocity[far if held else node])
+    elif endless:
+        mean = float(machine.ends.rest[endless[0]])
+    else:
+        mean = float(m @ v / m.sum())
+    if a == b:
+        return mean, 0.0, 0.0
+    k, change = grid.stiffness[cells], np.diff(v)
+    now = grid.force[cells] + k * change / 2
+    energy = float(m @ (v - mean) ** 2 + (mesh.lateral[cells] / h) @ change**2) / 2
+    energy += float(np.sum((now**2 - (k * change / 2) ** 2) / k)) / 2
+    energy = max(energy, 0.0)
+    g = np.ones(b - a)
+    if not held and not endless:
+        beyond = np.cumsum(m)[:-1] / m.sum()
+        g = beyond if right_end else 1 - beyond
+    d = float(now / k @ g) * (1 if right_end else -1)
+    slack = float(np.sum(g * g / k))
+    if endless:
+        Z = float(machine.ends.impedance[endless[0]])
+        d -= float(m @ (v - mean)) / Z
+        slack = 2 * (slack + float(m.sum()) / Z**2)
+    inertia = float(m[-1] if right_end else m[0])
+    return mean, d, math.sqrt(2 * energy * slack) + math.sqrt(energy / (2 * inertia))

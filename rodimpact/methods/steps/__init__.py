@@ -1,0 +1,1 @@
+"""The method "characteristics": end signals averaged over a common time step."""

@@ -1,0 +1,484 @@
+"""The method "characteristics": end signals as averages over a common time step.
+
+It carries what piecewise constant fronts cannot: rigid masses, compliant contacts, gravity, driven
+ends and smooth initial states. The row is laid out once; the step is chosen so that transit times
+are whole numbers of steps where they can be, and divided until the outcome stands still. Steps are
+cut where contacts close, which a run finds one after the other and begins anew for each.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...model import Rod, Steps, System
+from ...model.frozen import InvalidModel
+from .. import kernels
+from ..clock import PARTS, Clockwork
+from ..contact_law_kernel import IMPACT, RIGID, SPRING, Tally
+from ..plan import Array, Plan
+from ..refinement import contact_measures, refined, velocity_measure
+from .delays import WHOLE, arriving, lost_to_means, transit_ticks
+from .machine import Machine
+from .step_kernel import CUTS, LINK, NEVER, Row, Signals, choose_step, inside
+
+RTOL = 1e-5
+FIRST = 64  # fewest steps of the longest transit
+FINEST = 1 << 14  # most steps of the longest transit in the search for an accurate step
+ROUGHEST = 1 << 12  # the same where contacts close and open between steps, of which order 1 is left
+SHORTEST = 4  # fewest steps of the shortest transit
+MOST_STEPS = 1 << 16  # of the longest transit, that the shortest may ask for
+MOST_CUTS = 24  # of a step, where contacts close
+MOST_SEARCHED = 10_000  # steps of the longest transit, among which all transits may be whole
+MOMENT = PARTS >> 21  # ticks before and after an impact
+SAME = 1 / 16  # steps: a contact that closes so near to where it did was placed badly before
+
+
+class Closing(NamedTuple):
+    """A contact that closes, and whose force begins with a jump: time, s, and its link."""
+
+    time: float
+    link: int
+
+    def places(self, plan: Plan, step: float) -> list[float]:
+        """Ticks at which steps are cut: where the force begins, or around the moment of an impact.
+
+        The bodies of an impact change their velocity in the middle of a part, so that is short.
+        """
+        tick = self.time / step * PARTS
+        return [tick - MOMENT, tick + MOMENT] if plan.laws[self.link] == IMPACT else [tick]
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepRun:
+    """A finished run.
+
+    Attributes
+    ----------
+    clockwork : Clockwork
+        Its tick is the step's `PARTS`-th part.
+    plan : Plan
+    step : float
+        s.
+    edges : [steps + 1] array of int
+        Ticks from 0 to the end, between which signals are averages: steps, or parts of steps.
+    edges_before : array of int
+        The same before t = 0.
+    row, tally, signals
+        The kernel's state at the end, on arrays.
+    settled : int
+        Place in `edges` where the collision was proved final, -1 without proof.
+    stopped_by : str
+        ``"final"``, ``"until"`` or ``"max_events"``.
+    estimates : dict of str to float
+        Relative error of each measure of the outcome, as `refined` finds it; empty where the step
+        was given.
+    rtol : float
+        What they were to come to.
+    closings : list of Closing or None
+        Where contacts close and steps are cut; None where they are not.
+    """
+
+    clockwork: Clockwork
+    plan: Plan
+    step: float
+    edges: Array
+    edges_before: Array
+    row: Row
+    tally: Tally
+    signals: Signals
+    settled: int
+    stopped_by: str
+    estimates: dict[str, float] = field(default_factory=dict)
+    rtol: float = 0.0
+    closings: list[Closing] | None = None
+
+    @property
+    def steps(self) -> int:
+        """Steps taken, or parts of steps."""
+        return len(self.edges) - 1
+
+    @property
+    def durations(self) -> Array:
+        """Of the steps, s."""
+        found: Array = np.diff(self.edges) * self.clockwork.tick
+        return found
+
+    @property
+    def events(self) -> int:
+        """Steps taken, times ends solved."""
+        return self.steps * (len(self.row.steps) - 1)
+
+    def before(self, line: int) -> int:
+        """How many averages a line has from before t = 0."""
+        return inside(self.row, line // 2)
+
+    def wave(self, line: int) -> Array:
+        """What left an end in each step, those before t = 0 first, in the falling frame."""
+        start = int(self.signals.wave_start[line])
+        found: Array = self.signals.wave[start - self.before(line) : start + self.steps]
+        return found
+
+    def arriving(self, line: int) -> Array:
+        """What arrived at the other end in each step, in the falling frame."""
+        return arriving(self.wave(line), self.clockwork.ticks[line // 2], np.diff(self.edges))
+
+    @property
+    def free_velocities(self) -> Array:
+        """At the end, of the centres of mass of groups of bonded bodies that nothing holds, m/s."""
+        a, plan, found = self.clockwork, self.plan, []
+        fall = plan.frame + plan.gravity * a.tick * float(self.edges[-1])
+        mass = momentum = 0.0
+        held = plan.outside[0][0] in ("velocity", "absorbing")
+        for body, m in enumerate(plan.mass_of):
+            first, last = plan.spans[body]
+            for s in range(first, last + 1):
+                start = self.edges[-1] - a.ticks[s]
+                edges = np.concatenate((self.edges_before, self.edges))
+                for wave in (self.wave(2 * s), self.wave(2 * s + 1)):
+                    stays = np.diff(np.maximum(edges[-1 - len(wave) :], start))
+                    momentum += a.impedance[s] / 2 * float(wave @ stays) * a.tick
+                mass += a.impedance[s] * a.ticks[s] * a.tick
+            if 0 <= m < len(plan.masses) and (body == 0 or plan.mass_of[body - 1] != m):
+                mass += plan.masses[m]
+                momentum += plan.masses[m] * float(self.speed(m)[-1])
+            link = plan.contact_link[body] if body < len(plan.contact_link) else None
+            if link is None or (link >= 0 and plan.laws[link] >= RIGID):
+                held |= link is None and plan.outside[1][0] in ("velocity", "absorbing")
+                if mass and not held:
+                    found.append(momentum / mass + fall)
+                mass, momentum, held = 0.0, 0.0, False
+        return np.array(found)
+
+    @property
+    def energy_lost(self) -> float:
+        """Energy lost to the time step, of that which was there or was turned over."""
+        a, lasts = self.clockwork, np.diff(self.edges)
+        lost = float(np.sum(self.tally.numerical)) * self.step
+        there = sum(M * v * v for M, v in zip(
+            self.plan.masses, np.array(self.plan.mass_velocity) - self.plan.frame, strict=True)) / 2
+        for line in range(2, 2 * len(a.ticks) - 2):
+            s, wave = line // 2, self.wave(line)
+            lost += a.impedance[s] * a.tick * float(np.sum(lost_to_means(wave, a.ticks[s], lasts)))
+            before = np.maximum(np.append(self.edges_before[-self.before(line) :], 0), -a.ticks[s])
+            there += a.impedance[s] * a.tick / 4 * float(
+                np.diff(before) @ wave[: self.before(line)] ** 2)
+        return lost / there if there > 0 else 0.0
+
+    @property
+    def largest_strain(self) -> float:
+        """Bound of the strains."""
+        waves = [np.abs(self.wave(line)).max(initial=0.0) / self.clockwork.wave_speed[line // 2]
+                 for line in range(2, 2 * len(self.row.steps) - 2)]
+        return float(max(waves))
+
+    @property
+    def resolved(self) -> float:
+        """Gap that counts as an opening, m."""
+        return 0.0
+
+    def place(self, contact: int) -> int:
+        """Place in the tally of a contact that can open."""
+        return self.plan.contact_link[contact]
+
+    def contact(self, contact: int) -> tuple[Array, Array]:
+        """Mean force in each step, N, and gap at its end, m; of a contact that can open."""
+        start = int(self.signals.link_start[self.plan.contact_link[contact]])
+        span = slice(start, start + self.steps)
+        return self.signals.force[span], self.signals.gap[span] * self.step
+
+    def path(self, contact: int) -> Array:
+        """How far a contact that can open closes in each step, m."""
+        _, gap = self.contact(contact)
+        closed: Array = -np.diff(gap, prepend=float(self.plan.system.gaps[contact]))
+        return closed
+
+    def bond(self, contact: int) -> Array:
+        """Mean force in a bonded contact in each step, N, from the waves of a rod that it joins."""
+        for body, side in ((contact, 1), (contact + 1, 0)):
+            first, last = self.plan.spans[body]
+            if last:
+                s, out = (last, 2 * last + 1) if side else (first, 2 * first)
+                outgoing = self.wave(out)[self.before(out) :]
+                incoming = self.arriving(out ^ 1)
+                force: Array = (incoming - outgoing) / (2 * self.row.mobility[s])
+                return force if side else -force
+        raise ValueError(f"contact {contact} joins no rod")
+
+    def outer(self, side: int) -> tuple[Array, Array]:
+        """Force of what is outside the left or right end on the row, and its velocity, by steps.
+
+        N and m/s, in the laboratory; positive to the inside, and to the right.
+        """
+        plan, n = self.plan, len(self.row.steps) - 2
+        kind, link = plan.outside[side][0], (0, len(plan.laws) - 1)[side]
+        s, out = (1, 2) if side == 0 else (n, 2 * n + 1)
+        outgoing, incoming = self.wave(out)[self.before(out) :], self.arriving(out ^ 1)
+        line = self.signals.wave_start[(2 * n + 3) * side]
+        given = self.signals.wave[line : line + self.steps]
+        if plan.laws[link] >= RIGID:
+            start = int(self.signals.link_start[link])
+            force, v = self.signals.force[start : start + self.steps], given
+        elif kind == "force" and plan.first[1 + side * n] > plan.first[side * n]:
+            speed = self.speed(0 if side == 0 else len(plan.masses) - 1)
+            force, v = given, (speed[1:] + speed[:-1]) / 2
+        else:
+            force = (1, -1)[side] * (outgoing - incoming) / (2 * self.row.mobility[s])
+            v = (outgoing + incoming) / 2
+        value = plan.outside[side][1]
+        if kind == "velocity" and isinstance(value, float):
+            return force, np.full(self.steps, value)
+        middles = (self.edges[1:] + self.edges[:-1]) / 2 * self.clockwork.tick
+        return force, v + plan.frame + plan.gravity * middles
+
+    def speed(self, mass: int) -> Array:
+        """Velocity of a mass at `edges`, in the frame."""
+        side = mass - len(self.plan.masses)
+        if side >= 0:
+            return self.plan.wall_speed(side, self.edges * self.clockwork.tick)
+        start = int(self.signals.mass_start[mass])
+        initial = self.plan.mass_velocity[mass] - self.plan.frame
+        return np.concatenate(([initial], self.signals.speed[start : start + self.steps]))
+
+
+def follow(
+    system: System, until: float | None, max_events: int, dt: float | None, rtol: float | None
+) -> StepRun:
+    """Run a single collision.
+
+    Parameters
+    ----------
+    system : System
+        Of shape ().
+    until : float, optional
+        s; by default the run ends a round trip of the longest rod after the proof of finality.
+    max_events : int
+        Cap on steps times ends, where no end is given.
+    dt : float, optional
+        Step, s; chosen if not given.
+    rtol : float, optional
+        Relative accuracy to which the step is halved.
+
+    Raises
+    ------
+    InvalidModel
+        If the run is too long for the memory.
+    """
+    plan = Plan(system)
+    transits = [float(s.transit_time) for s in plan.segments]
+    if dt is not None and dt > min(transits) * (1 + 2.0**-36):
+        path = plan.paths[1 + transits.index(min(transits))]
+        message = f"must not exceed the shortest transit time, {min(transits):.6g} s of {path}"
+        raise InvalidModel([("dt", f"{message}, got {dt!r}")])
+    if dt is not None:
+        return _level(plan, dt, until, max_events, [])
+    goal = RTOL if rtol is None else rtol
+    least = max(FIRST, math.ceil(SHORTEST * max(transits) / min(transits)),
+                math.ceil(max(transits) / _resolving(plan)))
+    if least > MOST_STEPS:
+        short = min(range(len(transits)), key=transits.__getitem__)
+        message = (
+            f"its transit time or that of a contact is so short beside the longest, "
+            f"{max(transits):.3g} s, that this would take {least:.3g} steps; leave it out, soften "
+            "the contact of a mass, or give the step dt"
+        )
+        raise InvalidModel([(plan.paths[short + 1], message)])
+    number, smear = _choose(transits, least, max(MOST_SEARCHED, 2 * least), 0.0)
+    fits = smear <= WHOLE / PARTS
+    abrupt = begins_with_jumps(plan)
+
+    closings: list[Closing] | None = [] if fits and abrupt else None
+
+    def level(factor: int) -> StepRun:
+        nonlocal closings
+        steps = factor * number
+        if not fits:  # another share of a step on every level
+            low = factor * least
+            steps, _ = _choose(transits, low, 4 * low // 3 - 1, float(abrupt))
+        found = _level(plan, max(transits) / steps, until, max_events, closings)
+        closings = found.closings
+        return found
+
+    first = number if fits else least
+    finest = FINEST if fits or not abrupt else ROUGHEST
+    found, estimates = refined(level, measures, goal, 2 * finest // first,
+                               _lost if RIGID in plan.laws else lambda _: {})
+    return replace(found, estimates=estimates, rtol=goal)
+
+
+def measures(found: StepRun) -> dict[str, Array]:
+    """What is to stand still: velocities, and what the contacts did."""
+    velocity = velocity_measure(found.free_velocities.tolist(), found.plan.scale)
+    return {"velocity": velocity, **contact_measures(found)}
+
+
+def begins_with_jumps(plan: Plan) -> bool:
+    """Whether a contact is rigid, an impact or a dashpot, so that its force begins with a jump."""
+    return any(
+        RIGID <= law <= IMPACT or (law == SPRING and damping > 0)
+        for law, damping in zip(plan.laws, plan.damping, strict=True)
+    )
+
+
+def _lost(found: StepRun) -> dict[str, float]:
+    """Share of the energy that jumps inside steps lose: so much may be missing elsewhere."""
+    return {"energy": found.energy_lost}
+
+
+def _choose(transits: list[float], least: int, most: int, power: float) -> tuple[int, float]:
+    """Let `choose_step` choose, compiled where that costs nothing more."""
+    choose: Callable[..., Any] = choose_step
+    if kernels.enabled() and kernels.started():
+        choose = kernels.compiled(choose_step)
+    given: Any = transits if choose is choose_step else np.array(transits)
+    number, smear = choose(given, least, most, WHOLE / PARTS, power)
+    return int(number), float(smear)
+
+
+def _resolving(plan: Plan) -> float:
+    """Step that resolves the contact of a mass with a stiff neighbour: a twentieth of its time."""
+    finest = math.inf
+    v = 2 * plan.scale or 1.0
+    for k in range(len(plan.first) - 1):
+        m0, m1 = plan.first[k], plan.first[k + 1]
+        for q in range(m1 - m0 + 1 if m1 > m0 else 0):
+            i = k + m0 + q
+            around = [plan.masses[m] for m in (m0 + q - 1, m0 + q) if m0 <= m < m1]
+            m, stiff = 1 / sum(1 / M for M in around), plan.stiffness[i]
+            power = plan.exponent[i] + 1
+            if plan.laws[i] >= SPRING and power == 2:
+                finest = min(finest, math.pi * math.sqrt(m / stiff) / 20)
+            elif plan.laws[i] >= SPRING:
+                deepest = (power / 2 * m * v * v / stiff) ** (1 / power)
+                finest = min(finest, 2.9432 * deepest / v / 20)
+    longest = max(float(s.transit_time) for s in plan.segments)
+    return max(finest, longest / FINEST * 4)
+
+
+def _level(
+    plan: Plan, step: float, until: float | None, max_events: int, closings: list[Closing] | None
+) -> StepRun:
+    """One run with a given step, which is cut where contacts close whose force begins with a jump.
+
+    `closings` are those known of a run with another step; None if there are more than steps are cut
+    for. The run has its own.
+    """
+    ticks = transit_ticks(plan, step)
+    if closings is None or not begins_with_jumps(plan) or any(T % PARTS for T in ticks):
+        found = attempt(plan, ticks, step, [], until, max_events, may_cut=False)
+        assert isinstance(found, StepRun)
+        return replace(found, closings=None)
+    given = given_jumps(plan, ticks, step)
+    for _ in range(MOST_CUTS):
+        cuts = places_inside([*given, *(x for c in closings for x in c.places(plan, step))])
+        found = attempt(plan, ticks, step, cuts, until, max_events, may_cut=True)
+        if isinstance(found, StepRun):
+            return replace(found, closings=closings)
+        new = found
+        closings = [
+            x for x in closings if x.link != new.link or abs(x.time - new.time) > SAME * step
+        ] + [new]
+        if len(closings) > MOST_CUTS:
+            break
+    return _level(plan, step, until, max_events, None)
+
+
+def places_inside(ticks: Iterable[float]) -> list[int]:
+    """Places of ticks in their steps, in order, without those at the ends and beside others."""
+    inside_step = sorted({round(x) % PARTS for x in ticks})
+    return [x for before, x in pairwise([0, *inside_step])
+            if x - before > WHOLE and PARTS - x > WHOLE]
+
+
+def given_jumps(plan: Plan, ticks: list[int], step: float) -> list[int]:
+    """Ticks in a step at which jumps of the initial state and of drives pass the ends of segments.
+
+    None where there are more than a step is cut for.
+    """
+    found: list[float] = []
+    for body, (first, last) in zip(plan.system.bodies, plan.spans, strict=True):
+        profiles = (body.velocity, body.strain) if isinstance(body, Rod) else ()
+        at = [float(x) for p in profiles if isinstance(p, Steps) for x in p.at]
+        left = 0.0
+        for s in range(first, last + 1):
+            L = float(plan.segments[s - 1].length)
+            away = [(x - left) / L * ticks[s - 1] for x in at if left < x < left + L]
+            found += [*away, *(-x for x in away)]
+            left += L
+    for _, value in plan.outside:
+        if isinstance(value, Steps):
+            found += [float(t) / step * PARTS for t in value.at]
+    if any(law == IMPACT and gap == 0 for law, gap in zip(plan.laws, plan.gap, strict=True)):
+        found.append(MOMENT)
+    places = places_inside(found)
+    return places if len(places) <= MOST_CUTS else []
+
+
+def attempt(
+    plan: Plan, ticks: list[int], step: float, cuts: list[int], until: float | None,
+    max_events: int, may_cut: bool,
+) -> StepRun | Closing:
+    """One run with given cuts, or the first closing inside a part of a step."""
+    parts, nodes = len(cuts) + 1, len(ticks) + 1
+    longest = max(
+        math.ceil(sum(ticks[first - 1 : last]) / PARTS) for first, last in plan.spans
+    ) * parts
+    proof, reason, going = -1, "until", True
+    cap = max(1, max_events // nodes)
+    end = None if until is None else round(until / step * PARTS)
+    room = 8 * longest if end is None else max(1, -(-end // PARTS)) * parts
+    machine = Machine(plan, ticks, step, room, cuts)
+    machine.clock[CUTS] = may_cut
+    if end is not None:
+        first = np.searchsorted(machine.places, end % PARTS, "right") - 1
+        going = machine.advance(end // PARTS * parts + int(first))
+        if going and machine.settled() == 0:
+            proof = machine.taken
+        going = going and machine.finish(end)
+    else:
+        while going and proof < 0 and machine.taken < cap:
+            wait = machine.settled()
+            if wait == 0:
+                proof = machine.taken
+            else:
+                # an eighth more each time, so that proofs and copies cost no more than the run
+                pause = min(wait, 8 * longest) if wait < NEVER else longest
+                more = max(longest, pause, machine.taken // 8)
+                going = machine.advance(min(cap, machine.taken + more))
+        reason = "final" if proof >= 0 else "max_events"
+        if proof >= 0:
+            going = machine.advance(machine.taken + 2 * longest)
+    if not going:
+        when = machine.taken // parts + float(machine.row.closed[0])
+        return Closing(when * step, int(machine.clock[LINK]))
+    edges = machine.edges(0, machine.taken)
+    if end is not None:
+        edges[-1] = end
+    return StepRun(
+        clockwork=clockwork(plan, ticks, step), plan=plan, step=step, edges=edges,
+        edges_before=machine.edges(-max(inside(machine.row, s + 1) for s in range(len(ticks))), -1),
+        row=machine.row, tally=machine.tally, signals=machine.signals, settled=proof,
+        stopped_by=reason,
+    )
+
+
+def clockwork(plan: Plan, ticks: list[int], step: float) -> Clockwork:
+    """Put a row on the clock of a time step; `ticks` are the transit times of the segments."""
+    tick = step / PARTS
+    errors = [abs(T * tick / float(s.transit_time) - 1)
+              for T, s in zip(ticks, plan.segments, strict=True)]
+    worst = max(range(len(errors)), key=errors.__getitem__)
+    return Clockwork(
+        system=plan.system, spans=plan.spans,
+        wave_speed=[0.0, *(float(s.wave_speed) for s in plan.segments), 0.0],
+        impedance=[0.0, *(float(s.impedance) for s in plan.segments), 0.0],
+        length=[0.0, *(float(s.length) for s in plan.segments), 0.0],
+        ticks=[0, *ticks, 0], tick=tick, frame=plan.frame,
+        gravity=plan.gravity, grain=PARTS, transit_error=errors[worst],
+        worst=plan.paths[worst + 1],
+    )

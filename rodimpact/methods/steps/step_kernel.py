@@ -1,0 +1,664 @@
+"""End signals on a common time step: rods as delay lines, everything else at their ends.
+
+In a uniform segment the velocity is v = (a + b)/2 with a travelling right and b travelling left,
+and what leaves one end arrives at the other a transit time later. Signals are averages over steps.
+Where transit times are whole numbers of steps a delay is exact; otherwise what arrives in a step is
+the mean of what left during that time, (1 - w) of one step and w of the one before it, which keeps
+the momentum and never adds energy. Where all delays are whole, each step may be cut at the same
+places into parts: then a jump that begins at a cut, as where a rigid contact closes, lies between
+two parts for ever after. Places in signals are counted in parts, lengths of time in steps.
+
+Node k joins the segments k and k + 1; line 2s carries a and line 2s + 1 carries b through
+segment s. The segments 0 and n + 1 stand for what lies outside: lines 0 and 2n + 3 bring what comes
+from there, filled in advance: the velocity of a wall or a drive (mobility 0), the constant wave
+of an endless bar (absorbing end), or under the law FORCE the force itself.
+
+At a node stands a chain of points: the left rod end, masses, the right rod end; and of links, one
+between neighbours. A force F > 0 in a link pushes its two points apart. Over one part of a step
+every point obeys v = v_free +- y F: a rod end with the arriving average and its mobility y = 1/Z, a
+mass M with its velocity V at the start and y = d/(2M) (midpoint rule, V_end = 2v - V), d the
+duration. Hence a link closes by d (c - A F) with A a tridiagonal Stieltjes matrix, and its law
+gives F from that. The links of one node are solved together; different nodes meet only one transit
+later. A rigid contact leaves a gap >= 0 at the end. Laws and units: see `contact_law_kernel`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from ..contact_law_kernel import (
+    BOND,
+    FORCE,
+    FREE,
+    IMPACT,
+    RIGID,
+    SPRING,
+    Chain,
+    Tally,
+    balance,
+    pushed,
+    record_step,
+    solve_law,
+    start_impacts,
+    stored,
+)
+
+DONE, SQUEEZED, CLOSED = range(3)  # why a run stopped
+STEP, LINK, CUTS = range(3)  # places in the clock
+NEVER = 1 << 62
+EARLY = 1 / (1 << 34)  # of one step's motion, by which a gap may close early
+PLACED = 1 / (1 << 20)  # of a step: how near to its ends a contact closes as if there
+
+
+class Row(NamedTuple):
+    """A row of n segments and m masses: lists or arrays; the last six change in place."""
+
+    steps: Any  # [segment] whole parts of steps in the transit time, 0 outside
+    share: Any  # [segment] what of one more step there is
+    transit: Any  # [segment] both together, in steps
+    part: Any  # [part] durations of the parts of a step
+    mobility: Any  # [segment] 1/Z; 0 for a wall, that of the rod for an absorbing end
+    first: Any  # [node + 1] first mass at the node; links of node k begin at k + first[k]
+    mass: Any  # [mass]
+    law: Any  # [link]
+    stiffness: Any  # [link] of what is compliant
+    exponent: Any  # [link] of the indentation
+    damping: Any  # [link] of SPRING and HUNT: F = k x^(3/2) (1 + damping w); of IMPACT e
+    gap: Any  # [link] minus the indentation
+    force: Any  # [link] of the last step
+    closing: Any  # [link] by how much it closed in the last step
+    open: Any  # [link] 1 if the gap has opened since the contact last pressed
+    speed: Any  # [mass] velocity
+    closed: Any  # [1] where in its step a contact closed, after CLOSED
+
+
+class Signals(NamedTuple):
+    """Averages of waves and forces, and gaps and velocities at the ends, by parts of steps.
+
+    Entry j of a signal stands at its start + j. Lines have as many entries before as their segment
+    has parts, and one for a share: the initial state. The outside lines 0 and 2n + 3 have one;
+    start -1 is not kept.
+    """
+
+    wave: Any
+    wave_start: Any  # [line]
+    force: Any
+    gap: Any
+    link_start: Any  # [link]
+    speed: Any
+    mass_start: Any  # [mass]
+
+
+class Points(NamedTuple):
+    """Room for the points of one node; lists or arrays of floats, two longer than the masses."""
+
+    free: Any  # velocity without forces
+    mobility: Any  # mobility
+
+
+class Group(NamedTuple):
+    """What is bonded together on one side of a contact."""
+
+    mass: float
+    momentum: float
+    mean: float  # velocity of the centre of mass; of the wall or the endless bar, if there is one
+    low: float  # least wave or velocity of a mass
+    high: float
+    ground: int  # 1 if bonded to a wall, 2 to an endless bar, else 0
+    plain: bool  # low and high bound the velocity of the end at the contact as long as it is free
+
+
+def arriving(row: Row, signals: Signals, line: int, s: int, j: int) -> float:
+    """What comes through a line of segment s in part j."""
+    i, w = signals.wave_start[line] + j - row.steps[s], row.share[s]
+    found: float = signals.wave[i]
+    if w > 0:
+        found += w * (signals.wave[i - 1] - found)
+    return found
+
+
+def reflect(row: Row, signals: Signals, k: int, j0: int, j1: int) -> None:
+    """Free end at either end of the row."""
+    wave, start = signals.wave, signals.wave_start
+    come, go = (3, 2) if k == 0 else (2 * k, 2 * k + 1)
+    p, q, w = start[come] - row.steps[come // 2], start[go], row.share[come // 2]
+    for j in range(j0, j1):
+        a = wave[p + j]
+        if w > 0:
+            a += w * (wave[p + j - 1] - a)
+        wave[q + j] = a
+
+
+def join(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) -> None:
+    """Two rod ends that share velocity and force; or an end under a given force."""
+    wave, start, Yl, Yr = signals.wave, signals.wave_start, row.mobility[k], row.mobility[k + 1]
+    i, n = k + row.first[k], len(row.steps) - 2
+    p, q = start[2 * k] - row.steps[k], start[2 * k + 3] - row.steps[k + 1]
+    left, right = start[2 * k + 1], start[2 * k + 2]
+    wl, wr = row.share[k], row.share[k + 1]
+    given = row.law[i] == FORCE
+    impulse, F = tally.impulse[i], row.force[i]
+    parts = len(row.part)
+    m = j0 % parts
+    for j in range(j0, j1):
+        a, b = wave[p + j], wave[q + j]
+        if wl > 0:
+            a += wl * (wave[p + j - 1] - a)
+        if wr > 0:
+            b += wr * (wave[q + j - 1] - b)
+        if not given:
+            F = (a - b) / (Yl + Yr)
+        else:
+            F = a if k == 0 else b
+        if k > 0:
+            wave[left + j] = a - 2 * F * Yl
+        if k < n:
+            wave[right + j] = b + 2 * F * Yr
+        if k == 0 or k == n:
+            impulse += F * row.part[m]
+        m = m + 1 if m + 1 < parts else 0
+    tally.impulse[i], row.force[i] = impulse, F
+
+
+def touch(
+    row: Row, tally: Tally, signals: Signals, clock: Any, k: int, j0: int, j1: int, tol: float
+) -> int:
+    """Rigid contact between two rod ends, or between a rod end and a wall.
+
+    With r = d (a - b) - gap, F = max(0, r/(d (Y1 + Y2))) leaves no gap behind. |r| <= tol is
+    grazing: closed, without force. What closes inside a part loses F gap, unless the run is to
+    stop there.
+    """
+    wave, start, Yl, Yr = signals.wave, signals.wave_start, row.mobility[k], row.mobility[k + 1]
+    i, n = k + row.first[k], len(row.steps) - 2
+    p, q = start[2 * k] - row.steps[k], start[2 * k + 3] - row.steps[k + 1]
+    left, right, kept = start[2 * k + 1], start[2 * k + 2], signals.link_start[i]
+    wl, wr = row.share[k], row.share[k + 1]
+    Z, gap, F = 1 / (Yl + Yr), row.gap[i], row.force[i]
+    impulse, peak = tally.impulse[i], tally.peak[i]
+    last, pressed = tally.last[i], tally.pressed[i]
+    parts = len(row.part)
+    m = j0 % parts
+    for j in range(j0, j1):
+        a, b, d = wave[p + j], wave[q + j], row.part[m]
+        if wl > 0:
+            a += wl * (wave[p + j - 1] - a)
+        if wr > 0:
+            b += wr * (wave[q + j - 1] - b)
+        rest = gap - d * (a - b)
+        window = d * max(tol, EARLY * (a - b))
+        if rest < -window:
+            F = -rest * Z / d
+            if gap > 0:
+                if clock[CUTS] > 0 and closes_inside(row, clock, i, j, gap / (a - b)):
+                    return CLOSED
+                tally.numerical[i] += F * gap
+                gap = 0.0
+            if tally.first[i] < 0:
+                tally.first[i] = j
+            if row.open[i] > 0:
+                tally.episodes[i] += 1
+                row.open[i] = 0
+            impulse += F * d
+            peak = max(peak, F)
+            pressed += 1
+            last = j + 1
+        else:
+            F = gap = 0.0
+            if rest > window:
+                gap = rest
+                row.open[i] = 1
+        if k > 0:
+            wave[left + j] = a - 2 * F * Yl
+        if k < n:
+            wave[right + j] = b + 2 * F * Yr
+        signals.force[kept + j] = F
+        signals.gap[kept + j] = gap
+        m = m + 1 if m + 1 < parts else 0
+    row.gap[i], row.force[i] = gap, F
+    tally.impulse[i], tally.peak[i] = impulse, peak
+    tally.last[i], tally.pressed[i] = last, pressed
+    return DONE
+
+
+def closes_inside(row: Row, clock: Any, i: int, j: int, after: float) -> bool:
+    """Note where in its step link i closes, `after` part j begins, if that is inside the part."""
+    m = j % len(row.part)
+    if after <= PLACED or after >= row.part[m] - PLACED:
+        return False
+    before: float = 0.0
+    for q in range(m):
+        before += row.part[q]
+    row.closed[0] = before + after
+    clock[STEP], clock[LINK] = j, i
+    return True
+
+
+def press(
+    row: Row, tally: Tally, signals: Signals, clock: Any, k: int, j0: int, j1: int
+) -> int:
+    """Compliant contact between two rod ends, or between a rod end and a wall.
+
+    A dashpot's force begins with a jump: as in `touch`, the run may be to stop where it does.
+    """
+    wave, start, Yl, Yr = signals.wave, signals.wave_start, row.mobility[k], row.mobility[k + 1]
+    i, n = k + row.first[k], len(row.steps) - 2
+    p, q = start[2 * k] - row.steps[k], start[2 * k + 3] - row.steps[k + 1]
+    left, right = start[2 * k + 1], start[2 * k + 2]
+    wl, wr = row.share[k], row.share[k + 1]
+    law, stiffness, exponent = row.law[i], row.stiffness[i], row.exponent[i]
+    damping, w = row.damping[i], row.closing[i]
+    parts = len(row.part)
+    m = j0 % parts
+    for j in range(j0, j1):
+        a, b, gap, d = wave[p + j], wave[q + j], row.gap[i], row.part[m]
+        if wl > 0:
+            a += wl * (wave[p + j - 1] - a)
+        if wr > 0:
+            b += wr * (wave[q + j - 1] - b)
+        F, rest = 0.0, gap - d * (a - b)
+        if gap < 0 or rest < 0:
+            jumps = clock[CUTS] > 0 and gap > 0 and law == SPRING and damping > 0
+            if jumps and closes_inside(row, clock, i, j, gap / (a - b)):
+                return CLOSED
+            F, x, _ = solve_law(
+                law, stiffness, exponent, damping / d, -gap, d * (a - b), d * (Yl + Yr), w
+            )
+            w, rest = x + gap, -x
+            if damping > 0:
+                drop = stored(law, stiffness, exponent, gap)
+                drop -= stored(law, stiffness, exponent, rest)
+                tally.lost[i] += F * w + drop
+        if k > 0:
+            wave[left + j] = a - 2 * F * Yl
+        if k < n:
+            wave[right + j] = b + 2 * F * Yr
+        record_step(row, tally, signals, i, j, F, rest, d)
+        m = m + 1 if m + 1 < parts else 0
+    row.closing[i] = w
+    return DONE
+
+
+def gather(
+    row: Row, signals: Signals, points: Points, links: Chain, k: int, j: int, d: float
+) -> float:
+    """Lay out the chain at node k: what its points would do in part j, of duration d, unforced.
+
+    Returns the largest velocity of two neighbours together.
+    """
+    m0, m1, i0, n = row.first[k], row.first[k + 1], k + row.first[k], len(row.steps) - 2
+    for q in range(m1 - m0):
+        points.free[q + 1], points.mobility[q + 1] = row.speed[m0 + q], d / (2 * row.mass[m0 + q])
+    for q in range(m1 - m0 + 1):
+        i = i0 + q
+        links.force[q], links.slope[q] = row.force[i], 0.0
+        links.place[q] = row.closing[i] - row.gap[i]
+        links.limit[q] = row.gap[i] if row.law[i] == RIGID else 0.0
+        if row.law[i] == IMPACT:
+            links.limit[q], links.before[q] = math.inf, approach(row, signals, k, q, j)
+    for line, s, p, q in ((2 * k, k, 0, 0), (2 * k + 3, k + 1, m1 - m0 + 1, m1 - m0)):
+        law = row.law[i0 + q]
+        value = 0.0
+        if law != FREE:
+            value = arriving(row, signals, line, s, j)
+        outside = s == 0 or s == n + 1
+        points.free[p], points.mobility[p] = value, row.mobility[s]
+        if outside and law <= FORCE:
+            points.free[p], points.mobility[p], links.limit[q] = 0.0, 0.0, value
+    speed = 0.0
+    for q in range(m1 - m0 + 1):
+        u, v = points.free[q], points.free[q + 1]
+        links.free[q], links.own[q] = d * (u - v), d * (points.mobility[q] + points.mobility[q + 1])
+        links.shared[q] = d * points.mobility[q]
+        speed = max(speed, abs(u) + abs(v))
+    return speed
+
+
+def approach(row: Row, signals: Signals, k: int, q: int, j: int) -> float:
+    """Velocity at which the points of an impact approach each other as step j begins."""
+    m0, m1, n = row.first[k], row.first[k + 1], len(row.steps) - 2
+    left: float = 0.0
+    right: float = 0.0
+    if q > 0:
+        left = row.speed[m0 + q - 1]
+    elif k == 0:
+        r = signals.wave_start[0] + j
+        left = (signals.wave[r - 1] + signals.wave[r]) / 2
+    if q < m1 - m0:
+        right = row.speed[m0 + q]
+    elif k == n:
+        r = signals.wave_start[2 * n + 3] + j
+        right = (signals.wave[r - 1] + signals.wave[r]) / 2
+    return left - right
+
+
+def settle(
+    row: Row, tally: Tally, links: Chain, i: int, q: int, F: float, w: float, d: float, tol: float
+) -> float:
+    """Enter what link i of a chain loses while it closes by w in d; return its gap at the end."""
+    law = row.law[i]
+    gap: float = row.gap[i]
+    row.closing[i] = w
+    if law <= BOND:
+        return gap
+    if law == RIGID:
+        tally.numerical[i] += F * gap
+        rest = gap - w
+        return 0.0 if F > 0 or rest <= max(d * tol, EARLY * w) else rest
+    if law == IMPACT:
+        if F > 0:
+            tally.lost[i] += F * links.limit[q]
+            return gap - float(links.limit[q])
+        return gap if gap <= 0 and abs(w) <= d * tol else gap - w
+    rest = -float(links.place[q])
+    if row.damping[i] > 0:
+        k, p = row.stiffness[i], row.exponent[i]
+        drop = stored(law, k, p, gap) - stored(law, k, p, rest)
+        tally.lost[i] += F * (gap - rest) + drop
+    return rest
+
+
+def resolve_contact(
+    row: Row, tally: Tally, signals: Signals, points: Points, links: Chain, clock: Any, k: int,
+    j: int, tol: float,
+) -> int:
+    """Masses and contacts at node k in part j; SQUEEZED where they cannot move."""
+    m0, i0, last = row.first[k], k + row.first[k], row.first[k + 1] - row.first[k]
+    n, free, mobility, force = len(row.steps) - 2, points.free, points.mobility, links.force
+    d: float = row.part[j % len(row.part)]
+    speed = gather(row, signals, points, links, k, j, d)
+    struck = True
+    while struck:
+        if not balance(row, links, i0, last, speed, d):
+            clock[STEP], clock[LINK] = j, i0
+            return SQUEEZED
+        struck = start_impacts(row, links, i0, last, tol, d)
+    for q in range(last + 1):
+        i = i0 + q
+        if RIGID <= row.law[i] <= IMPACT and force[q] * (mobility[q] + mobility[q + 1]) <= tol:
+            force[q] = 0.0
+        abrupt = RIGID <= row.law[i] <= SPRING and (row.law[i] < SPRING or row.damping[i] > 0)
+        if clock[CUTS] > 0 and abrupt and force[q] > 0 and row.gap[i] > 0:
+            speed = pushed(links, q, last) / d
+            if closes_inside(row, clock, i, j, row.gap[i] / speed):
+                return CLOSED
+    v = free[0] - mobility[0] * force[0]
+    for q in range(last + 1):
+        i, F = i0 + q, force[q]
+        right = free[q + 1] + mobility[q + 1] * F
+        if q < last:
+            right -= mobility[q + 1] * force[q + 1]
+            row.speed[m0 + q] = 2 * right - free[q + 1]
+        gap = settle(row, tally, links, i, q, F, d * (v - right), d, tol)
+        if row.law[i] <= BOND:
+            tally.impulse[i] += F * d
+            row.force[i] = F
+        else:
+            record_step(row, tally, signals, i, j, F, gap, d)
+        v = right
+    for q in range(last):
+        if signals.mass_start[m0 + q] >= 0:
+            signals.speed[signals.mass_start[m0 + q] + j] = row.speed[m0 + q]
+    if k > 0:
+        signals.wave[signals.wave_start[2 * k + 1] + j] = free[0] - 2 * mobility[0] * force[0]
+    if k < n:
+        out = free[last + 1] + 2 * mobility[last + 1] * force[last]
+        signals.wave[signals.wave_start[2 * k + 2] + j] = out
+    return DONE
+
+
+def run(
+    row: Row, tally: Tally, signals: Signals, points: Points, links: Chain, clock: Any, end: int,
+    tol: float,
+) -> int:
+    """Go on from part clock[STEP] to part `end`.
+
+    What leaves an end comes to the next node no sooner than after the shortest transit, so each
+    node is taken that many parts at a time.
+
+    Parameters
+    ----------
+    row, tally, signals, points, links
+    clock : [3] int
+        Next part; link of the trouble after SQUEEZED, or of the contact after CLOSED; whether to
+        stop where a contact closes inside a part whose force begins with a jump.
+    end : int
+    tol : float
+        Velocity below which contacts graze and impacts rest.
+
+    Returns
+    -------
+    DONE; SQUEEZED: a rigid mass was caught between walls that leave it no room; or CLOSED: a
+    contact whose force begins with a jump closes inside a part, row.closed[0] steps after its step
+    began. After the last two the run cannot go on.
+    """
+    n = len(row.steps) - 2
+    block = end
+    for s in range(1, n + 1):
+        block = min(block, row.steps[s])
+    j = clock[STEP]
+    while j < end:
+        stop = min(j + block, end)
+        for k in range(n + 1):
+            law, flag = row.law[k + row.first[k]], DONE
+            if row.first[k + 1] > row.first[k]:
+                for i in range(j, stop):
+                    flag = resolve_contact(row, tally, signals, points, links, clock, k, i, tol)
+                    if flag != DONE:
+                        break
+            elif law == FREE:
+                reflect(row, signals, k, j, stop)
+            elif law <= BOND:
+                join(row, tally, signals, k, j, stop)
+            elif law == RIGID:
+                flag = touch(row, tally, signals, clock, k, j, stop, tol)
+            else:
+                flag = press(row, tally, signals, clock, k, j, stop)
+            if flag != DONE:
+                return flag
+        j = clock[STEP] = stop
+    return DONE
+
+
+def beyond(row: Row, k: int, q: int, right: bool) -> tuple[int, int, int]:
+    """What stands on one side of link q of node k, and the next link on that side.
+
+    Returns
+    -------
+    element, k, q : int
+        s for segment s, -m for mass m - 1, NEVER for what lies outside.
+    """
+    m0, last = row.first[k], row.first[k + 1] - row.first[k]
+    if right:
+        if q < last:
+            return -(m0 + q + 1), k, q + 1
+        if k == len(row.steps) - 2:
+            return NEVER, k, q
+        return k + 1, k + 1, 0
+    if q > 0:
+        return -(m0 + q), k, q - 1
+    if k == 0:
+        return NEVER, k, q
+    return k, k - 1, row.first[k] - row.first[k - 1]
+
+
+def inside(row: Row, s: int) -> int:
+    """How many averages of a line are on their way through segment s."""
+    count: int = row.steps[s]
+    return count + 1 if row.share[s] > 0 else count
+
+
+def stay(row: Row, s: int, i: int, j: int) -> float:
+    """How long, of what left in part i, is still on its way through segment s before part j."""
+    if i < j - row.steps[s]:
+        return float(row.share[s])
+    return float(row.part[(i + 2 * row.steps[s]) % len(row.part)])
+
+
+def group_motion(
+    row: Row, signals: Signals, k: int, q: int, right: bool, j: int, tol: float
+) -> Group:
+    """Motion of everything bonded together on one side of contact q of node k, before part j."""
+    mass = momentum = mean = 0.0
+    ground, parts, low, high = 0, 0, math.inf, -math.inf
+    while True:
+        element, k, q = beyond(row, k, q, right)
+        parts += 1
+        if element == NEVER:
+            outside = 2 * len(row.steps) - 1 if right else 0
+            ground = 2 if row.mobility[outside // 2] > 0 else 1
+            mean = signals.wave[signals.wave_start[outside] + j - 1]
+            low, high = min(low, mean), max(high, mean)
+            break
+        if element < 0:
+            v = row.speed[-element - 1]
+            mass += row.mass[-element - 1]
+            momentum += row.mass[-element - 1] * v
+            low, high = min(low, v), max(high, v)
+        else:
+            Z = 1 / row.mobility[element]
+            mass += row.transit[element] * Z
+            for l in (2 * element, 2 * element + 1):
+                for i in range(j - inside(row, element), j):
+                    v, d = signals.wave[signals.wave_start[l] + i], stay(row, element, i, j)
+                    momentum += Z * v * d / 2
+                    low, high = min(low, v), max(high, v)
+        if row.law[k + row.first[k] + q] != BOND:
+            mean = momentum / mass
+            break
+    plain = parts == 1 or (parts == 2 and ground == 2) or high - low <= tol
+    return Group(mass, momentum, mean, low, high, ground, plain)
+
+
+def deviation_bound(
+    row: Row, signals: Signals, k: int, q: int, right: bool, j: int, group: Group, tol: float
+) -> tuple[float, float]:
+    """How far a group's end at a contact is from its mean motion, and can ever get.
+
+    The end of a free group deviates from the motion of the centre of mass by
+    d = integral(strain * g dx), g the mass fraction beyond x as seen from that end, hence by at
+    most sqrt(2 E integral(g^2 dx/(E A))), E the energy of vibration. A wall at the far end has all
+    the mass. A far endless bar of impedance Z gives way by the momentum it has taken, over Z, so
+    that momentum, of which there is at most sqrt(2 m E), counts as well.
+
+    Returns
+    -------
+    d : length
+        Deviation now, positive to the right.
+    bound2 : length squared
+        The bound's square.
+    """
+    mass, mean, ground = group.mass, group.mean, group.ground
+    energy = slack = d = 0.0
+    g, Y = 1.0, 0.0
+    while True:
+        element, k, q = beyond(row, k, q, right)
+        if element == NEVER:
+            Y = row.mobility[len(row.steps) - 1 if right else 0]
+            break
+        if element < 0:
+            v = row.speed[-element - 1] - mean
+            energy += row.mass[-element - 1] * v * v / 2
+            if ground == 0:
+                g -= row.mass[-element - 1] / mass
+        else:
+            T, y = row.transit[element], row.mobility[element]
+            g0 = g
+            if ground == 0:
+                g -= T / (y * mass)
+            slack += y * T * (g0 * g0 + g0 * g + g * g) / 3
+            for l in (2 * element, 2 * element + 1):
+                sign = 1 if l % 2 == 1 else -1
+                passed = 0.0
+                for i in range(j - 1, j - 1 - inside(row, element), -1):
+                    v = signals.wave[signals.wave_start[l] + i] - mean
+                    lasts = stay(row, element, i, j)
+                    place = (passed + lasts / 2) / T
+                    if (l % 2 == 1) == right:  # runs towards the contact
+                        place = 1 - place
+                    passed += lasts
+                    energy += lasts * v * v / (4 * y)
+                    d += lasts * sign * v * (g0 + (g - g0) * place) / 2
+        if row.law[k + row.first[k] + q] != BOND:
+            break
+    if right:
+        d = -d
+    if ground == 2:
+        d -= (group.momentum - mass * mean) * Y
+        slack = 2 * (slack + mass * Y * Y)
+    if group.high - group.low <= tol:
+        return d, 0.0
+    return d, 2 * energy * slack
+
+
+def separation_time(row: Row, signals: Signals, k: int, q: int, j: int, tol: float) -> int:
+    """Steps until contact q of node k may be proved not to close again: 0 if it is, or NEVER."""
+    i = k + row.first[k] + q
+    if row.gap[i] < 0:
+        return NEVER
+    left = group_motion(row, signals, k, q, False, j, tol)
+    right = group_motion(row, signals, k, q, True, j, tol)
+    if left.plain and right.plain and right.low - left.high >= -tol:
+        return 0
+    opening = right.mean - left.mean
+    if opening < -tol:
+        return NEVER
+    dl, bl = deviation_bound(row, signals, k, q, False, j, left, tol)
+    dr, br = deviation_bound(row, signals, k, q, True, j, right, tol)
+    gap = row.gap[i] - dr + dl
+    if gap > 0 and gap * gap > 2 * (bl + br):
+        return 0
+    if opening <= tol:
+        return NEVER
+    wait = (math.sqrt(2 * (bl + br)) - gap) / opening
+    return NEVER if wait > NEVER // 2 else int(wait) + 1
+
+
+def settled(row: Row, signals: Signals, j: int, tol: float) -> int:
+    """Steps until it may be proved that nothing meets again: 0 if it is, NEVER if not as it is.
+
+    For rows whose walls move steadily and whose ends are not driven: no bound holds for a body
+    that falls on a floor, or that is pushed.
+    """
+    wait = 0
+    for k in range(len(row.first) - 1):
+        for q in range(row.first[k + 1] - row.first[k] + 1):
+            if row.law[k + row.first[k] + q] >= RIGID and wait < NEVER:
+                wait = max(wait, separation_time(row, signals, k, q, j, tol))
+    return wait
+
+
+def choose_step(
+    transits: Any, least: int, most: int, enough: float, power: float
+) -> tuple[int, float]:
+    """Choose into how many steps the longest transit is divided.
+
+    A transit that is no whole number of steps, but w more, smears a jump by w (1 - w) of a step.
+    Of the numbers from `least` to `most`, the first for which no transit smears by more than
+    `enough`; without one, that with the least smear, divided by number^power.
+
+    Returns
+    -------
+    number : int
+    smear : float
+        Largest w (1 - w) of a transit.
+    """
+    longest = 0.0
+    for T in transits:
+        longest = max(longest, T)
+    best, smear, least_cost = least, math.inf, math.inf
+    for number in range(least, most + 1):
+        scale = number**power
+        worst = 0.0
+        for T in transits:
+            steps = T / longest * number
+            w = steps - math.floor(steps)
+            worst = max(worst, w * (1 - w))
+            if worst >= least_cost * scale:
+                break
+        if worst < least_cost * scale:
+            best, smear, least_cost = number, worst, worst / scale
+            if worst <= enough:
+                break
+    return best, smear

@@ -1,0 +1,117 @@
+"""The two ends of a row: free, held, endless or driven.
+
+A driven end follows a profile in time. SI units; a number may be an array, which makes a family.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, TypeAlias
+
+from .frozen import Field, Frozen, InvalidModel, Problems
+from .profiles import Profile, ProfileLike, in_time, profile_from
+
+
+class _End(Frozen):
+    """An end of a row, described by its kind and what drives it."""
+
+    kind: ClassVar[str]
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"kind": self.kind, **super().to_dict()}
+
+
+class Free(_End):
+    """No force acts."""
+
+    kind: ClassVar[str] = "free"
+
+
+class Fixed(_End):
+    """The end of a rod is held at rest, in tension too."""
+
+    kind: ClassVar[str] = "fixed"
+
+
+class Absorbing(_End):
+    """The rod goes on for ever: waves leave and none comes back.
+
+    What comes from outside stays what the initial state of the rod has there.
+    """
+
+    kind: ClassVar[str] = "absorbing"
+
+
+class _Driven(_End):
+    """An end at which something follows a profile in time."""
+
+    value: Profile
+
+    def __init__(self, value: ProfileLike, *, duration: float | None = None) -> None:
+        problems: Problems = []
+        profile = in_time(problems, "value", value, self.fields["value"], duration)
+        if problems:
+            raise InvalidModel(problems)
+        self._set(value=profile)
+
+
+class Pushed(_Driven):
+    """A force pushes on the end of a rod or on a mass.
+
+    Parameters
+    ----------
+    value : float, array, Steps, Samples or function
+        N over time, s; positive pushes into the row, which compresses it, at both ends. `Steps`
+        take times for `at`, `Samples` need their `step`; a function of time is sampled.
+    duration : float, optional
+        s, for a function only: it is sampled at 4097 times from 0 to this, and its last value holds
+        on.
+
+    Raises
+    ------
+    InvalidModel
+        Naming every field that is not what it should be.
+
+    Examples
+    --------
+    >>> from rodimpact.model.profiles import Steps
+    >>> Pushed(Steps([1e3, 0.0], at=[1e-4]))
+    Pushed(value=Steps(values=(1000.0, 0.0), at=(0.0001,)))
+    """
+
+    kind: ClassVar[str] = "force"
+    fields: ClassVar[dict[str, Field]] = {"value": Field("N", label="force")}
+
+
+class Moved(_Driven):
+    """The end of a rod moves as prescribed, whatever force that takes, in tension too.
+
+    Parameters
+    ----------
+    value : float, array, Steps, Samples or function
+        m/s over time, s, positive to the right at both ends. `Steps` take times for `at`, `Samples`
+        need their `step`; a function of time is sampled.
+    duration : float, optional
+        s, for a function only: it is sampled at 4097 times from 0 to this, and its last value holds
+        on.
+
+    Raises
+    ------
+    InvalidModel
+        Naming every field that is not what it should be.
+    """
+
+    kind: ClassVar[str] = "velocity"
+    fields: ClassVar[dict[str, Field]] = {"value": Field("m/s", label="velocity")}
+
+
+End: TypeAlias = Free | Fixed | Absorbing | Pushed | Moved
+ENDS: dict[str, type[End]] = {
+    end.kind: end for end in (Free, Fixed, Absorbing, Pushed, Moved)
+}
+FREE = Free()
+
+
+def end_from(data: dict[str, Any]) -> End:
+    """Make the end that `to_dict` described."""
+    driven = {"value": profile_from(data["value"])} if "value" in data else {}
+    return ENDS[data["kind"]](**driven)

@@ -1,0 +1,381 @@
+"""Values made once: checked when they are made, frozen, compared and stored by what they say.
+
+Every number goes through `number`; it may be an array, which makes a family. All mistakes of one
+object are reported together in one `InvalidModel`, each with the path of its field. What a class
+says of its numbers in `fields` serves its checks, case files and figures.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import inspect
+import json
+import math
+import reprlib
+from collections.abc import Callable, Collection, Iterable
+from typing import Any, ClassVar, NamedTuple, Self, TypeAlias
+
+import numpy as np
+
+from .. import units
+from .quantities import numbers_in
+
+Number: TypeAlias = "float | np.ndarray[Any, np.dtype[np.float64]]"
+Problems: TypeAlias = list[tuple[str, str]]
+
+MOST_CHOICES = 12  # named in a message
+_SIGNS = frozenset({"positive", "positive or infinite", "non-negative", "any"})
+_WORDS = {
+    "m": "metres", "m^2": "square metres", "s": "seconds", "Hz": "hertz", "kg": "kilograms",
+    "N": "newtons", "Pa": "pascals",
+}
+
+
+class InvalidModel(ValueError):
+    """The description of a collision has mistakes.
+
+    Attributes
+    ----------
+    problems : list of (str, str)
+        Path of each faulty field (``bodies.0.length``) and what is wrong with it.
+    """
+
+    def __init__(self, problems: Problems) -> None:
+        self.problems = problems
+        super().__init__("\n".join(f"{path}: {message}" for path, message in problems))
+
+    def __reduce__(self) -> tuple[type[InvalidModel], tuple[Problems]]:
+        return InvalidModel, (self.problems,)
+
+
+class Field(NamedTuple):
+    """What a number of the model is.
+
+    Attributes
+    ----------
+    unit : str
+        Of the SI: ``"kg/m^3"``; ``""`` for a pure number.
+    sign : str
+        ``"positive"``, ``"positive or infinite"``, ``"non-negative"``, ``"any"``, or an interval
+        such as ``"[0, 1]"`` or ``"(-1, 0.5]"``.
+    label : str
+        What figures call it, where that is not its name.
+    optional : bool
+        Whether it may be None.
+    """
+
+    unit: str = ""
+    sign: str = "any"
+    label: str = ""
+    optional: bool = False
+
+    @property
+    def dimension(self) -> str:
+        """What kind of quantity it is, for `units.parse`."""
+        return units.dimension_of(self.unit)
+
+
+def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "any") -> Number:
+    """Return `value` as a float or a read-only array; note a mistake in `problems`.
+
+    `unit` is that of the field in the SI, to which quantities are converted: ``"kg/m^3"``, or
+    ``""`` for a pure number. `sign` is that of a `Field`. -0.0 becomes 0.0, so that equal numbers
+    are described alike.
+    """
+    if type(value) is float:
+        if 0.0 < value < math.inf and sign in _SIGNS:
+            return value
+        array: Any = value
+    elif isinstance(value, bool | np.bool_) or value is None or isinstance(value, str | bytes):
+        hint = "; units.parse reads text with a unit" if isinstance(value, str) else ""
+        problems.append((path, f"must be a number{_of(unit)}, got {value!r}{hint}"))
+        return math.nan
+    else:
+        try:
+            bare = numbers_in(value, unit)
+        except ValueError as error:
+            problems.append((path, str(error)))
+            return math.nan
+        try:
+            array = np.array(bare)
+            if array.dtype.kind not in "fiu":
+                raise TypeError
+            array = array.astype(np.float64)
+        except (TypeError, ValueError, OverflowError):
+            shown = reprlib.repr(value)
+            message = f"must be a number or an array of numbers{_of(unit)}, got {shown}"
+            problems.append((path, message))
+            return math.nan
+        if array.ndim == 0:
+            array = float(array)
+        elif array.size == 0:
+            problems.append((path, "must not be an empty array"))
+            return math.nan
+    array = array + 0.0
+    if isinstance(array, float):
+        if not _allowed(array, sign):
+            problems.append((path, _wanted(unit, sign, array)))
+        return array
+    array.flags.writeable = False
+    if not holds(good := _allowed(array, sign)):
+        at, (got,) = first_false(good, array)
+        problems.append((f"{path}{at}", _wanted(unit, sign, got)))
+    return array  # type: ignore[no-any-return]
+
+
+def _of(unit: str) -> str:
+    """How a sentence goes on after "a number": " of metres", or nothing where there is no unit."""
+    return f" of {_WORDS.get(unit, unit)}" if unit else ""
+
+
+def _allowed(value: Any, sign: str) -> Any:
+    """Where numbers are finite and of that sign."""
+    if sign == "positive or infinite":
+        return value > 0
+    finite = math.isfinite(value) if isinstance(value, float) else np.isfinite(value)
+    if sign == "any":
+        return finite
+    if sign == "positive":
+        return finite & (value > 0)
+    if sign == "non-negative":
+        return finite & (value >= 0)
+    low, high = map(float, sign[1:-1].split(","))
+    above = value >= low if sign[0] == "[" else value > low
+    return finite & above & (value <= high if sign[-1] == "]" else value < high)
+
+
+def _wanted(unit: str, sign: str, value: float) -> str:
+    if sign == "positive or infinite":
+        return f"must be a positive number{_of(unit)} or infinite, got {value!r}"
+    if sign not in _SIGNS and math.isfinite(value):
+        return f"must lie in {sign}, got {value!r}"
+    kind = f"a finite {sign} number" if sign in ("positive", "non-negative") else "a finite number"
+    return f"must be {kind}{_of(unit)}, got {value!r}"
+
+
+def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
+    """Shape to which arrays among the numbers broadcast.
+
+    Parameters
+    ----------
+    numbers : iterable of (str, number)
+        Each with its path.
+
+    Raises
+    ------
+    InvalidModel
+        If they do not broadcast, naming all arrays with their shapes.
+    """
+    shapes = [(path, v.shape) for path, v in numbers if isinstance(v, np.ndarray)]
+    try:
+        return np.broadcast_shapes(*(shape for _, shape in shapes))
+    except ValueError:
+        message = "arrays of the family do not broadcast: " + ", ".join(
+            f"{path} has shape {shape}" for path, shape in shapes
+        )
+        raise InvalidModel([(shapes[0][0], message)]) from None
+
+
+def in_range(*values: Number) -> Any:
+    """Where derived quantities neither overflow nor vanish."""
+    good: Any = True
+    for v in values:
+        good = good & (v > 0) & (v < math.inf)
+    return good
+
+
+def holds(good: Any) -> bool:
+    """Whether a condition holds for every member."""
+    return good is True or bool(np.all(good))
+
+
+def first_false(good: Any, *values: Number) -> tuple[str, list[float]]:
+    """First member of a family where something does not hold: its index, and its values.
+
+    Returns
+    -------
+    str
+        As ``[3,1]``; empty where nothing is an array.
+    list of float
+    """
+    good = np.asarray(good)
+    index = tuple(int(i) for i in np.argwhere(~good)[0])
+    at = f"[{','.join(map(str, index))}]" if index else ""
+    return at, [float(np.broadcast_to(v, good.shape)[index]) for v in values]
+
+
+class Frozen:
+    """A value made once: compared, hashed and stored through its `to_dict`.
+
+    Parameters of the constructor are attributes, but for those in `_instead`.
+    """
+
+    fields: ClassVar[dict[str, Field]] = {}
+    """The numbers of which it is made."""
+    _instead: ClassVar[dict[str, tuple[str, ...]]] = {}
+    """Parameters that stand for others: ``{"diameter": ("area",)}``."""
+    _whole: ClassVar[tuple[str, ...]] = ()
+    """Fields whose array is one thing: the members of a family share it."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"{type(self).__name__} is frozen; make a new one with another {name}")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"{type(self).__name__} is frozen")
+
+    def _set(self, **fields: Any) -> None:
+        self.__dict__.update(fields)
+
+    def _checked(self, problems: Problems, **given: Any) -> list[Any]:
+        """Return these numbers as their fields want them; note mistakes in `problems`."""
+        values: list[Any] = []
+        for name, value in given.items():
+            unit, sign, _, optional = self.fields[name]
+            left_out = optional and value is None
+            values.append(None if left_out else number(problems, name, value, unit, sign))
+        return values
+
+    def _take(self, **given: Any) -> None:
+        """Become what these numbers say; InvalidModel with all mistakes in them."""
+        problems: Problems = []
+        values = self._checked(problems, **given)
+        if problems:
+            raise InvalidModel(problems)
+        self.__dict__.update(zip(given, values, strict=True))
+
+    def replace(self, **changes: Any) -> Self:
+        """Return the same object with other values for some parameters of its constructor.
+
+        Parameters
+        ----------
+        **changes
+            By name, as the constructor takes them; arrays make a family.
+
+        Raises
+        ------
+        InvalidModel
+            Naming every change that is no parameter, or is not what it should be.
+        """
+        known = inspect.signature(type(self)).parameters
+        if unknown := [name for name in changes if name not in known]:
+            where = f"is no parameter of {type(self).__name__}"
+            raise InvalidModel([
+                (name, f"{where}; {nearest(name, known) if known else 'it has none'}")
+                for name in unknown
+            ])
+        gone = {other for name in changes for other in self._instead.get(name, ())}
+        kept = {name: v for name, v in self._parameters().items() if name not in gone}
+        return type(self)(**{**kept, **changes})
+
+    def _parameters(self) -> dict[str, Any]:
+        """What the constructor would be given to make this object."""
+        return {name: v for name, v in self.__dict__.items() if name[0] != "_"}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return a JSON-ready description from which an equal object can be made."""
+        return {name: plain(v) for name, v in self._parameters().items()}
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the description: the same for equal objects in any process."""
+        arrays = [v for _, v in self._numbers() if isinstance(v, np.ndarray)]
+        outline = self._mapped(lambda array: list(array.shape)).to_dict() if arrays else (
+            self.to_dict()
+        )
+        found = hashlib.sha256(json.dumps(outline, sort_keys=True).encode())
+        for array in arrays:
+            found.update(array.tobytes())
+        return found.hexdigest()
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Frozen) or type(self) is not type(other):
+            return NotImplemented
+        return self.to_dict() == other.to_dict()
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    def __repr__(self) -> str:
+        fields = ((k, v) for k, v in self.__dict__.items() if k[0] != "_" and v is not None)
+        shown = ", ".join(f"{k}={short(v)}" for k, v in fields)
+        return f"{type(self).__name__}({shown})"
+
+    def _numbers(self, path: str = "") -> list[tuple[str, Number]]:
+        """Every number of this object and of what it holds, with its path."""
+        found: list[tuple[str, Number]] = []
+        for name, value in self.__dict__.items():
+            if name in self._whole:
+                continue
+            where = f"{path}.{name}" if path else name
+            for inner, item in (
+                [(f"{where}.{i}", v) for i, v in enumerate(value)]
+                if isinstance(value, tuple)
+                else [(where, value)]
+            ):
+                if isinstance(item, Frozen):
+                    found += item._numbers(inner)
+                elif isinstance(item, float | np.ndarray):
+                    found.append((inner, item))
+        return found
+
+    def _mapped(self, change: Callable[[Any], Any]) -> Self:
+        """The same object with every array replaced by what `change` makes of it."""
+
+        def mapped(value: Any) -> Any:
+            if isinstance(value, np.ndarray):
+                return change(value)
+            if isinstance(value, Frozen):
+                return value._mapped(change)
+            return tuple(mapped(v) for v in value) if isinstance(value, tuple) else value
+
+        twin = object.__new__(type(self))
+        twin._set(**{
+            name: value if name in self._whole else mapped(value)
+            for name, value in self.__dict__.items()
+        })
+        return twin
+
+    def _member(self, shape: tuple[int, ...], index: Any, lean: bool) -> Self:
+        """The same object with every array, broadcast to `shape`, replaced by its `index`.
+
+        A `lean` one keeps an array only along the axes along which it varies.
+        """
+
+        def pick(array: Any) -> Any:
+            view = np.broadcast_to(array, shape)[index]
+            if lean and view.ndim:
+                view = view[tuple(slice(0, 1) if s == 0 else slice(None) for s in view.strides)]
+            chosen = np.array(view)
+            if chosen.ndim == 0 or (lean and chosen.size == 1):
+                return float(chosen.item())
+            chosen.flags.writeable = False
+            return chosen
+
+        return self._mapped(pick)
+
+
+def short(value: Any) -> str:
+    """A value in few words, for a repr."""
+    if isinstance(value, np.ndarray):
+        return f"array{value.shape}"
+    return getattr(value, "name", None) or repr(value)
+
+
+def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
+    """Which of the choices may be meant; `head` is put before them when they are named."""
+    known = {choice.casefold(): head + choice for choice in choices}
+    near = difflib.get_close_matches(str(word).casefold(), known, n=1)
+    if near:
+        return f"perhaps {known[near[0]]!r} is meant"
+    first = list(known.values())[:MOST_CHOICES]
+    return f"use one of {', '.join(first)}" + (", ..." if len(known) > len(first) else "")
+
+
+def plain(value: Any) -> Any:
+    """A number, array, tuple or `Frozen` in JSON's terms."""
+    if isinstance(value, Frozen):
+        return value.to_dict()
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return [plain(v) for v in value] if isinstance(value, tuple) else value

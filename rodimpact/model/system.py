@@ -1,0 +1,311 @@
+"""The description of a collision: a row of bodies, the contacts between them, and its ends.
+
+Everything here is frozen and checked when it is made; nothing here moves. A `System` is the
+bodies from left to right with the gaps and contact laws between neighbours. Any number may be an
+array: the system is then a family of collisions whose `shape` is the NumPy broadcast of them all.
+
+Axis x points to the right; velocity is positive to the right, strain positive in tension; SI units.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .bodies import Body, RigidMass, Rod, Wall, body_from
+from .ends import FREE, Absorbing, End, Fixed, Free, Moved, Pushed, end_from
+from .frozen import (
+    Field,
+    Frozen,
+    InvalidModel,
+    Number,
+    Problems,
+    family_shape,
+    first_false,
+    number,
+    plain,
+)
+from .laws import (
+    RIGID,
+    Bonded,
+    ContactLaw,
+    Rigid,
+    law_from,
+)
+from .profiles import flipped, negative
+
+SIDES = ("left", "right")
+
+
+class System(Frozen):
+    """A row of bodies from left to right.
+
+    Parameters
+    ----------
+    bodies : sequence of Rod, RigidMass or Wall
+        At least one rod; a wall may stand only at the ends of the row.
+    gaps : sequence of numbers, optional
+        Initial distance between each body and its right neighbour, m, walls counted; default 0.
+    contacts : sequence of contact laws, optional
+        What acts between each body and its right neighbour, walls counted; default `Rigid`.
+        Between rigid bodies a plain `Rigid` decides nothing and is refused.
+    gravity : float or array, optional
+        Acceleration of free bodies, m/s^2, positive to the right.
+    ends : (End, End), optional
+        What happens at the left and at the right end of the row: `Free`, `Fixed`, `Absorbing`,
+        `Pushed` or `Moved`; default `Free`, as it must be where a wall stands. A mass takes `Free`
+        and `Pushed` only.
+
+    Raises
+    ------
+    InvalidModel
+        Naming every field that is not what it should be.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=[1.0, 2.0, 3.0])
+    >>> ri.System([rod, ri.Wall()]).shape
+    (3,)
+    """
+
+    fields: ClassVar[dict[str, Field]] = {
+        "gaps": Field("m", "non-negative", "gap"), "gravity": Field("m/s^2"),
+    }
+    bodies: tuple[Body, ...]
+    gaps: tuple[Number, ...]
+    contacts: tuple[ContactLaw, ...]
+    gravity: Number
+    ends: tuple[End, End]
+    _shape: tuple[int, ...]
+
+    def __init__(
+        self,
+        bodies: Sequence[Body],
+        gaps: Sequence[ArrayLike] | None = None,
+        contacts: Sequence[ContactLaw] | None = None,
+        *,
+        gravity: ArrayLike = 0.0,
+        ends: Sequence[End] | None = None,
+    ) -> None:
+        problems: Problems = []
+        if not isinstance(bodies, list | tuple) or not bodies:
+            raise InvalidModel([("bodies", f"must be a list of at least one rod, got {bodies!r}")])
+        for i, body in enumerate[Any](bodies):
+            if not isinstance(body, Body):
+                message = f"must be a Rod, a RigidMass or a Wall, got {body!r}"
+                problems.append((f"bodies.{i}", message))
+            elif isinstance(body, Wall) and 0 < i < len(bodies) - 1:
+                message = "a wall may stand only at an end of the row; make two systems of this one"
+                problems.append((f"bodies.{i}", message))
+        if not problems and not any(isinstance(body, Rod) for body in bodies):
+            problems.append(("bodies", "needs at least one rod; rigid.collide takes rigid bodies"))
+        pairs = len(bodies) - 1
+        widths = tuple(
+            number(problems, f"gaps.{i}", gap, *self.fields["gaps"][:2])
+            for i, gap in enumerate(_per_pair(problems, "gaps", gaps, 0.0, pairs))
+        )
+        laws = _per_pair(problems, "contacts", contacts, RIGID, pairs)
+        for i, law in enumerate(laws):
+            if not isinstance(law, ContactLaw):
+                message = f"must be a contact law, such as Rigid() or Hertz(...), got {law!r}"
+                problems.append((f"contacts.{i}", message))
+            elif isinstance(law, Bonded) and i < len(widths) and np.any(widths[i]):
+                at, (got,) = first_false(np.asarray(widths[i]) == 0, widths[i])
+                message = f"must be 0 where bodies are bonded, got {got!r}"
+                problems.append((f"gaps.{i}{at}", message))
+            elif isinstance(law, Rigid):
+                _check_rigid(problems, i, law, *bodies[i : i + 2])
+        (g,) = self._checked(problems, gravity=gravity)
+        both = (FREE, FREE) if ends is None else ends
+        if not isinstance(both, list | tuple) or len(both) != 2:
+            message = f"must be a pair, such as (Free(), Absorbing()), got {ends!r}"
+            problems.append(("ends", message))
+        else:
+            for side, end, body in zip(SIDES, both, (bodies[0], bodies[-1]), strict=True):
+                _check_end(problems, side, end, body)
+        if problems:
+            raise InvalidModel(problems)
+        self._set(bodies=tuple(bodies), gaps=widths, contacts=tuple(laws), gravity=g,
+                  ends=tuple(both))
+        several = any(isinstance(v, np.ndarray) for _, v in self._numbers())
+        self._set(_shape=family_shape(self._named_numbers()) if several else ())
+        _check_joined(self)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the family; () for a single collision."""
+        return self._shape
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Numbers in which the members of a family differ, by the paths of a case file.
+
+        Arrays as they were given: they broadcast to `shape`.
+        """
+        return {path: v for path, v in self._named_numbers() if isinstance(v, np.ndarray)}
+
+    def _named_numbers(self) -> list[tuple[str, Number]]:
+        """Every number with the path that it has in a case file."""
+        found = []
+        for path, value in self._numbers():
+            match path.split("."):
+                case ["gaps", i]:
+                    path = f"contacts.{i}.gap"
+                case ["ends", i, *rest]:
+                    path = ".".join(["ends", SIDES[int(i)], *rest])
+                case ["bodies", i, "segments", _, *rest] if self._is_uniform(int(i)):
+                    path = ".".join(["bodies", i, *rest])
+            found.append((path, value))
+        return found
+
+    def _is_uniform(self, body: int) -> bool:
+        rod = self.bodies[body]
+        return isinstance(rod, Rod) and len(rod.segments) == 1
+
+    def __getitem__(self, index: Any) -> System:
+        """Member of a family, or a smaller family, by NumPy's rules of indexing."""
+        for lean in (True, False):
+            member = self._member(self.shape, index, lean)
+            arrays = [v for _, v in member._numbers() if isinstance(v, np.ndarray)]
+            member._set(_shape=np.broadcast_shapes(*(v.shape for v in arrays)))
+            if member.shape == np.broadcast_to(0.0, self.shape)[index].shape:
+                break
+        return member
+
+    def to_dict(self) -> dict[str, Any]:  # noqa: D102
+        contacts = [
+            {"gap": plain(gap), **law.to_dict()}
+            for gap, law in zip(self.gaps, self.contacts, strict=True)
+        ]
+        described = {"bodies": plain(self.bodies), "contacts": contacts}
+        if not isinstance(self.gravity, float) or self.gravity:
+            described["gravity"] = plain(self.gravity)
+        if self.ends != (FREE, FREE):
+            described["ends"] = dict(zip(SIDES, plain(self.ends), strict=True))
+        return described
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> System:
+        """Make the system that `to_dict` described."""
+        ends = data.get("ends")
+        return cls(
+            [body_from(body) for body in data["bodies"]],
+            gaps=[contact["gap"] for contact in data["contacts"]],
+            contacts=[
+                law_from({name: value for name, value in contact.items() if name != "gap"})
+                for contact in data["contacts"]
+            ],
+            gravity=data.get("gravity", 0.0),
+            ends=ends and [end_from(ends[side]) for side in SIDES],
+        )
+
+    def reversed(self) -> System:
+        """Return the same state with every velocity turned round: the film run backwards.
+
+        Raises
+        ------
+        InvalidModel
+            If something is lost on the way or comes from outside, so that no film runs backwards:
+            damping, a restitution below 1, absorbing or driven ends.
+        """
+        problems: Problems = []
+        for i, body in enumerate(self.bodies):
+            for j, piece in enumerate(body.segments if isinstance(body, Rod) else ()):
+                if np.any(piece.material.viscosity):
+                    where = f"bodies.{i}" if self._is_uniform(i) else f"bodies.{i}.segments.{j}"
+                    problems.append((f"{where}.material.viscosity", "must be 0"))
+        for i, law in enumerate(self.contacts):
+            if np.any(getattr(law, "damping", 0.0)):
+                problems.append((f"contacts.{i}.damping", "must be 0"))
+            e = law.restitution if isinstance(law, Rigid) else None
+            if e is not None and np.any(np.asarray(e) < 1):
+                problems.append((f"contacts.{i}.restitution", "must be 1"))
+        problems += [
+            (f"ends.{side}", f"must be Free() or Fixed(), not {type(end).__name__}")
+            for side, end in zip(SIDES, self.ends, strict=True)
+            if isinstance(end, Absorbing | Pushed | Moved)
+        ]
+        if problems:
+            why = "; nothing that is lost or driven can be turned round in time"
+            raise InvalidModel([(path, message + why) for path, message in problems])
+        bodies = [body.replace(velocity=negative(body.velocity)) for body in self.bodies]
+        return self.replace(bodies=bodies)
+
+    def mirrored(self) -> System:
+        """Return the row seen in a mirror: right becomes left."""
+        bodies = [
+            Rod(
+                segments=[segment.mirrored() for segment in reversed(body.segments)],
+                velocity=negative(flipped(body.velocity, body.length)),
+                strain=flipped(body.strain, body.length),
+            )
+            if isinstance(body, Rod)
+            else body.replace(velocity=-body.velocity)
+            for body in reversed(self.bodies)
+        ]
+        ends = [
+            Moved(negative(end.value)) if isinstance(end, Moved) else end
+            for end in reversed(self.ends)
+        ]
+        return System(
+            bodies, self.gaps[::-1], self.contacts[::-1], gravity=-self.gravity, ends=ends
+        )
+
+
+def _per_pair(problems: Problems, name: str, items: Any, default: Any, pairs: int) -> Any:
+    if items is None:
+        return (default,) * pairs
+    if not isinstance(items, list | tuple):
+        message = f"must be a list with one entry for each neighbouring pair, got {items!r}"
+        problems.append((name, message))
+        return ()
+    if len(items) != pairs:
+        message = f"needs one entry for each of the {pairs} neighbouring pairs, got {len(items)}"
+        problems.append((name, message))
+    return items
+
+
+def _check_rigid(problems: Problems, i: int, law: Rigid, *pair: Any) -> None:
+    """Note a rigid contact that nothing decides, and one that two things would decide."""
+    if len(pair) != 2 or not all(isinstance(body, Body) for body in pair):
+        return
+    has_rod = any(isinstance(body, Rod) for body in pair)
+    if law.restitution is None and not has_rod and any(isinstance(b, RigidMass) for b in pair):
+        message = "no wave decides this contact: give Rigid(restitution=...) or a compliant law"
+        problems.append((f"contacts.{i}", f"{message} such as Hertz"))
+    elif law.restitution is not None and has_rod:
+        message = "belongs between rigid bodies; the waves of a rod decide this contact: leave it"
+        problems.append((f"contacts.{i}.restitution", f"{message} out"))
+
+
+def _check_joined(system: System) -> None:
+    """Refuse rigid bodies that are bonded and yet move apart."""
+    for i, law in enumerate(system.contacts):
+        left, right = system.bodies[i : i + 2]
+        if not isinstance(law, Bonded) or isinstance(left, Rod) or isinstance(right, Rod):
+            continue
+        if not np.all(same := np.equal(left.velocity, right.velocity)):
+            at, (wanted, got) = first_false(same, left.velocity, right.velocity)
+            message = f"must be {wanted!r}, that of the rigid body it is bonded to, got {got!r}"
+            raise InvalidModel([(f"bodies.{i + 1}.velocity{at}", message)])
+
+
+def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
+    """Note what is no end, and one that does not go with the body there."""
+    path, name = f"ends.{side}", type(end).__name__
+    if not isinstance(end, End):
+        problems.append((path, f"must be an end, such as Free() or Absorbing(), got {end!r}"))
+    elif isinstance(body, Wall) and not isinstance(end, Free):
+        message = f"{name} has no place beyond a wall; leave this end out, or the wall"
+        problems.append((path, message))
+    elif isinstance(body, RigidMass) and not isinstance(end, Free | Pushed):
+        remedy = {
+            Fixed: "put a Wall() there with Bonded() or another contact law",
+            Moved: "put a Wall(velocity) there with Bonded() or another contact law",
+            Absorbing: "put a Rod with an absorbing end there",
+        }[type(end)]
+        problems.append((path, f"{name} needs a rod, and a mass is there; {remedy}"))

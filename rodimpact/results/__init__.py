@@ -1,0 +1,1 @@
+"""What a run is read as: signals, fields, contacts, energy, outcome."""

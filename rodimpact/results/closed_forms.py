@@ -1,0 +1,120 @@
+"""The closed form of `rodimpact.theory` that holds for a collision, or a family of them.
+
+There is one for two bodies that meet rigidly, two uniform rods or one and a wall or a rigid mass,
+which do not vibrate before and on which nothing else acts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from ..model import Body, Rigid, RigidMass, Rod, System
+from ..theory import PairCollision, mass_on_rod, rod_on_wall, saint_venant
+from .signals import Floats
+
+Two: TypeAlias = tuple[Floats, Floats]
+COLUMNS = (
+    "restitution", "velocity_after.0", "velocity_after.1", "impulse.0", "peak_force.0",
+    "duration.0", "vibration",
+)
+"""Columns of a sweep that have a closed form."""
+
+
+class ClosedForm(NamedTuple):
+    """A family of two bodies, the left and the right one, whose collision has a closed form.
+
+    Attributes
+    ----------
+    impedance, transit_time : two arrays of the shape of the family
+        kg/s and s; infinite for a wall, infinite and 0 for a rigid mass.
+    mass, velocity : two arrays of the shape of the family
+        kg and m/s.
+    """
+
+    impedance: Two
+    transit_time: Two
+    mass: Two
+    velocity: Two
+
+    @property
+    def source(self) -> str:
+        """Where the closed form comes from."""
+        if np.isfinite(self.impedance).all():
+            return "Saint-Venant 1867"
+        return "textbook, box 10.4" if np.isinf(self.mass).any() else "Boussinesq"
+
+    def each(self, change: Callable[[Floats], Floats]) -> ClosedForm:
+        """The family with every array changed."""
+        return ClosedForm(*((change(left), change(right)) for left, right in self))
+
+    def along(self, known: Floats, wanted: Floats) -> ClosedForm:
+        """A family with one axis, given at `known`, at `wanted` values of its parameter.
+
+        With logarithms as parameter this is exact: impedances, transit times and masses are powers
+        of lengths, areas, densities and moduli.
+        """
+
+        def between(values: Floats) -> Floats:
+            if (values <= 0).any() or np.isinf(values).any():
+                return np.interp(wanted, known, values)
+            return np.exp(np.interp(wanted, known, np.log(values)))
+
+        return self.each(between)
+
+    def collision(self) -> PairCollision:
+        """What theory says; at a closing speed of 1 m/s where the bodies do not approach."""
+        (Z1, Z2), (T1, T2), (m1, m2), (v1, v2) = self
+        V = np.where(v1 > v2, v1 - v2, 1.0)
+        if np.isfinite(self.impedance).all():
+            return saint_venant(Z1, T1, Z2, T2, V)
+        Z, T, mass = (Z2, T2, m1) if np.isinf(Z1).any() else (Z1, T1, m2)
+        return rod_on_wall(Z, T, V) if np.isinf(mass).any() else mass_on_rod(mass, Z, T, V)
+
+    def column(self, name: str) -> Floats:
+        """Results of one of `COLUMNS`, nan where the bodies do not approach each other."""
+        (m1, m2), (v1, v2) = self.mass, self.velocity
+        found = self.collision()
+        value = {
+            "restitution": found.restitution,
+            "velocity_after.0": v1 - found.impulse / m1,
+            "velocity_after.1": v2 + found.impulse / m2,
+            "impulse.0": found.impulse,
+            "peak_force.0": found.peak_force,
+            "duration.0": found.duration,
+            "vibration": found.vibration_energy,
+        }[name]
+        return np.where(v1 > v2, value, np.nan)
+
+
+def closed_form(system: System) -> ClosedForm | None:
+    """The closed form that holds for a family; None if there is none or no members collide."""
+    if len(system.bodies) != 2 or not isinstance(system.contacts[0], Rigid):
+        return None
+    if system != System(system.bodies, system.gaps, system.contacts):  # more acts on the row
+        return None
+    left, right = map(_numbers, system.bodies)
+    if left is None or right is None:
+        return None
+    family = ClosedForm(*zip(left, right, strict=True)).each(
+        lambda x: np.broadcast_to(x, system.shape))
+    v1, v2 = family.velocity
+    return family if (v1 > v2).any() else None
+
+
+def _numbers(body: Body) -> tuple[Floats, ...] | None:
+    """Impedance, transit time, mass and velocity; None of a rod that has more to it."""
+    if isinstance(body, Rod):
+        segment, velocity = body.segments[0], body.velocity
+        if len(body.segments) > 1 or not segment.ideal or np.any(body.strain != 0):
+            return None
+        if not isinstance(velocity, float | np.ndarray):
+            return None
+        found = (segment.impedance, segment.transit_time, segment.mass, velocity)
+    elif isinstance(body, RigidMass):
+        found = (np.inf, 0.0, body.mass, body.velocity)
+    else:
+        found = (np.inf, np.inf, np.inf, body.velocity)
+    return tuple(map(np.asarray, found))

@@ -1,0 +1,224 @@
+"""The state of every point of the row at every time: what solutions ask of any method.
+
+A method that finds end signals has `WaveFields`, one that finds states on a grid `GridFields`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from functools import cached_property
+from itertools import accumulate
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..methods.clock import Clockwork
+from ..model.arguments import array
+from .signals import Floats, Ints, Side
+
+
+class Profile(NamedTuple):
+    """State of one body at one time: pieces from left to right, each constant.
+
+    edges [n + 1] in m from the left end; velocity [n] in m/s; strain [n]; segment [n] of the row.
+    """
+
+    edges: Floats
+    velocity: Floats
+    strain: Floats
+    segment: Ints
+
+
+class Trace(NamedTuple):
+    """What passes a place: states that hold from each time on, of a rod.
+
+    times [n] in s; rightward, leftward [n], the waves v - c eps and v + c eps in m/s, in the frame
+    at t = 0; moving [n], the velocity of that frame; wave_speed in m/s.
+    """
+
+    times: Floats
+    rightward: Floats
+    leftward: Floats
+    moving: Floats
+    wave_speed: float
+
+
+def nearest(marks: Ints, ticks: Ints) -> Ints:
+    """The nearest of increasing marks to ticks."""
+    middles = (marks[1:] + marks[:-1]) / 2
+    found: Ints = marks[np.searchsorted(middles, ticks, "right")]
+    return found
+
+
+class Fields(ABC):
+    """What a solution asks of the state of a row: at any place and time, and of whole bodies.
+
+    Parameters
+    ----------
+    assembly : Clockwork
+    end : int
+        Last tick.
+    masses : mapping of int to array
+        Velocities of rigid masses, by body, at `edges`, in the frame `assembly.frame`, which falls
+        with `assembly.gravity`.
+    edges : [n] array of int, optional
+        Ticks from 0 to `end` between which a method on a time step resolves nothing; those at which
+        energies are known.
+    """
+
+    def __init__(
+        self, assembly: Clockwork, end: int, masses: Mapping[int, Floats] | None = None,
+        edges: Ints | None = None,
+    ) -> None:
+        self.assembly, self.end = assembly, end
+        self.masses, self.steps = masses or {}, edges
+
+    @abstractmethod
+    def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+        """m/s; x and t broadcast."""
+
+    @abstractmethod
+    def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+        """Positive in tension; x and t broadcast."""
+
+    def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
+        """1/s; asked for where material is viscous."""
+        raise NotImplementedError
+
+    @abstractmethod
+    def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
+        """m from the unstrained rod whose left end is at rest at t = 0; x and t broadcast."""
+
+    @abstractmethod
+    def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
+        """Mean velocity and strain [places, intervals] at places x between increasing times t."""
+
+    @abstractmethod
+    def trace(self, body: int, x: float) -> Trace:
+        """What passes a place."""
+
+    @abstractmethod
+    def momentum(self, body: int, t: ArrayLike) -> Floats:
+        """kg m/s; of a rod."""
+
+    @abstractmethod
+    def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
+        """Kinetic energy of the motion relative to `velocity`, and strain energy; J, of a rod."""
+
+    @abstractmethod
+    def profile(self, body: int, tick: int) -> Profile:
+        """State just after `tick`, in pieces of constant velocity and strain."""
+
+    def whole(self, ticks: Ints) -> Ints:
+        """The nearest ticks at which energies are known."""
+        return ticks if self.steps is None else nearest(self.steps, ticks)
+
+    def damped(self, ticks: Ints) -> Floats:
+        """Energy lost in damped material since t = 0, J, at whole ticks."""
+        return np.zeros(np.shape(ticks))
+
+    def smeared(self, ticks: Ints) -> Floats:
+        """Energy lost since t = 0, J, where what arrives is a mean of two steps; at whole ticks."""
+        return np.zeros(np.shape(ticks))
+
+    # Where and when ---------------------------------------------------------------------------
+
+    def to_ticks(self, t: ArrayLike, side: Side | None = None) -> Ints:
+        """Nearest ticks of times in s; raise ValueError outside the solution.
+
+        A float cannot name a single tick beyond 2^51 of them. With `side`, the tick is moved to
+        that side by as much as is uncertain, so that a jump at the time given is before or after.
+        """
+        t = array("t", t, "s")
+        end = self.end * self.assembly.tick
+        inside = np.isfinite(t) & (t >= 0) & (t <= end * (1 + 1e-12) + self.assembly.tick)
+        if not inside.all():
+            bad = float(t[~inside].flat[0])
+            raise ValueError(f"t: must lie in the solution, 0 to {end:.9g} s, got {bad!r}")
+        ticks: Ints = np.minimum(np.rint(t / self.assembly.tick).astype(np.int64), self.end)
+        if side is None:
+            return ticks
+        if side not in ("right", "left"):
+            raise ValueError(f'side: must be "right" or "left", got {side!r}')
+        return ticks + (ticks >> 51) if side == "right" else ticks - (ticks >> 51)
+
+    def edges(self, body: int) -> Floats:
+        """Ends of the body's segments, m from its left end."""
+        first, last = self.assembly.spans[body]
+        return np.array([0.0, *accumulate(self.assembly.length[first : last + 1])])
+
+    def check(self, body: int, x: ArrayLike) -> Floats:
+        """Return places in a rod, m from its left end; raise ValueError outside."""
+        if self.assembly.spans[body][1] == 0:
+            kind = "a rigid mass" if body in self.masses else "a wall"
+            raise ValueError(f"body: {body} is {kind} and has no inside; ask for a rod")
+        x = array("x", x, "m")
+        edges = self.edges(body)
+        inside = np.isfinite(x) & (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
+        if not inside.all():
+            bad = float(x[~inside].flat[0])
+            raise ValueError(f"x: must lie in body {body}, 0 to {edges[-1]:.9g} m, got {bad!r}")
+        return x
+
+    def segment_at(self, body: int, x: ArrayLike) -> Ints:
+        """Segment of the row in which places lie."""
+        first, last = self.assembly.spans[body]
+        x, edges = self.check(body, x), self.edges(body)
+        piece: Ints = np.clip(np.searchsorted(edges, x, "right") - 1, 0, last - first)
+        return piece + first
+
+    def _together(self, x: Any, t: Any) -> tuple[int, ...]:
+        """Shape that places and times broadcast to; raise ValueError where they do not."""
+        try:
+            return np.broadcast_shapes(np.shape(x), np.shape(t))
+        except ValueError:
+            message = f"x: shape {np.shape(x)} does not broadcast with shape {np.shape(t)} of t"
+            raise ValueError(f"{message}; for a grid ask for x[:, None] and t") from None
+
+    # Rigid bodies -----------------------------------------------------------------------------
+
+    def _fallen(self, t: ArrayLike) -> Floats:
+        """Velocity that the frame has gained at times t."""
+        result: Floats = self.assembly.gravity * self.to_ticks(t) * self.assembly.tick
+        return result
+
+    def mass_velocity(self, body: int, t: ArrayLike) -> Floats:
+        """Velocity of a rigid mass, m/s."""
+        V, ticks = self.masses[body], self.to_ticks(t)
+        assert self.steps is not None
+        found: Floats = np.interp(ticks, self.steps, V) + self.assembly.frame + self._fallen(t)
+        return found
+
+    def mass_displacement(self, body: int, t: ArrayLike) -> Floats:
+        """Displacement of a rigid mass, m, whose velocity changes evenly in each step."""
+        a, V, ticks = self.assembly, self.masses[body], self.to_ticks(t)
+        if len(V) == 1:
+            path = V[0] * ticks
+        else:
+            assert self.steps is not None
+            width = np.diff(self.steps)
+            moved = np.concatenate(([0.0], np.cumsum((V[1:] + V[:-1]) / 2 * width)))
+            i = np.clip(np.searchsorted(self.steps, ticks, "right") - 1, 0, len(V) - 2)
+            s = ticks - self.steps[i]
+            path = moved[i] + V[i] * s + (V[i + 1] - V[i]) / width[i] * s * s / 2
+        time = ticks * a.tick
+        found: Floats = path * a.tick + a.frame * time + a.gravity * time * time / 2
+        return found
+
+    @cached_property
+    def positions(self) -> list[float]:
+        """Where each body's left end would lie unstrained at t = 0, m; the first at 0.
+
+        The place of a point is position + x + displacement; a wall's is its face.
+        """
+        a, found, x = self.assembly, [], 0.0
+        for body, (first, last) in enumerate(a.spans):
+            if body:
+                x += float(a.system.gaps[body - 1])
+            found.append(x)
+            if last:
+                x += sum(a.length[first : last + 1])
+                x += float(self.displacement(body, self.edges(body)[-1], 0.0))
+        return found

@@ -1,0 +1,302 @@
+"""What a collision did: velocities of the bodies before and after, impulse, restitution, energy.
+
+Every method hands over its totals, which have their names here. Bodies bonded together move, for an
+outcome, with their common velocity.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..methods.abilities import driven
+from ..model import Bonded, RigidMass, System, Wall
+from ..model.frozen import plain
+from ..rigid import RigidCollision, collide
+from .contacts import ContactTally
+from .groups import groups, velocities_in_group
+
+ROUND_OFF = 2.0**-40
+"""Parting velocity, over closing velocity, up to which bodies count as staying together: 256 times
+the `TOLERANCE` of a front, and a fifth of the least ratio of two transit times that a clock holds,
+so of the least e of a pair."""
+
+
+class Totals(NamedTuple):
+    """What a run of any method adds up to, in SI units.
+
+    masses [body]; velocities, vibration: [body] before and after; kinetic: of the centres of mass,
+    before and after; contacts: a tally each; momentum, energy: what is missing in the balance, and
+    what took part in it; works: works and losses, by the names that an `Outcome` has for them.
+    """
+
+    masses: Sequence[float]
+    velocities: tuple[Sequence[float], Sequence[float]]
+    kinetic: tuple[float, float]
+    vibration: tuple[Sequence[float], Sequence[float]]
+    contacts: tuple[ContactTally, ...]
+    momentum: tuple[float, float]
+    energy: tuple[float, float]
+    works: Mapping[str, float]
+
+
+class UndefinedRestitution(ValueError):
+    """The collision has no coefficient of restitution; the message says why."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Result of a collision; one entry a body or a contact, walls counted.
+
+    Attributes
+    ----------
+    bodies : tuple of str
+        What each body is.
+    masses : tuple of float
+        kg, with the transit times in use; infinite for a wall.
+    velocities_before, velocities_after : tuple of float
+        Of the centres of mass, m/s; rods bonded to a wall have the wall's, about which they swing,
+        those between two walls of different velocity their own.
+    kinetic_before, kinetic_after : float
+        Energy of the motion of the centres of mass, J.
+    vibration_before, vibration_after : tuple of float
+        Energy of the motion relative to the centre of mass, and of strain, J.
+    contacts : tuple of ContactTally
+        Impulse, peak force, time under force and episodes of each contact.
+    unilateral : tuple of int
+        Indices of the contacts that can open.
+    wall_work : float
+        Work done by moving walls, J.
+    momentum_residual, energy_residual : float
+        What is missing in the balance of the waves left at the end, relative to the total absolute
+        momentum and to the energy that took part.
+    final : bool
+        Whether it is proved that no contact can happen again.
+    status : str
+        Why the run ended, and what to do if that is not enough.
+    contact_energy : float
+        Stored in compliant contacts at the end, J.
+    dissipated, numerical, radiated : float
+        Lost in contacts, to the time step (see `EnergyLedger`), and through absorbing ends,
+        J.
+    damped : float
+        Lost in damped material, J.
+    drive_work, gravity_work : float
+        Work of driven ends and of gravity, J.
+    driven : bool
+        Whether gravity or driven ends change the velocities besides the contacts.
+    """
+
+    bodies: tuple[str, ...]
+    masses: tuple[float, ...]
+    velocities_before: tuple[float, ...]
+    velocities_after: tuple[float, ...]
+    kinetic_before: float
+    kinetic_after: float
+    vibration_before: tuple[float, ...]
+    vibration_after: tuple[float, ...]
+    contacts: tuple[ContactTally, ...]
+    unilateral: tuple[int, ...]
+    wall_work: float
+    momentum_residual: float
+    energy_residual: float
+    final: bool
+    status: str
+    contact_energy: float = 0.0
+    dissipated: float = 0.0
+    numerical: float = 0.0
+    radiated: float = 0.0
+    damped: float = 0.0
+    drive_work: float = 0.0
+    gravity_work: float = 0.0
+    driven: bool = False
+
+    @property
+    def restitution(self) -> float:
+        """Effective coefficient of restitution e of a collision at a single contact.
+
+        e = (V2+ - V1+)/(V1- - V2-), V the velocities of the centres of mass; 0 where the bodies
+        part with no more than round-off.
+
+        Raises
+        ------
+        UndefinedRestitution
+            If the run is not final, nothing met, the bodies did not approach each other, or there
+            is more than one contact.
+        """
+        reason = self.why_no_restitution()
+        if reason:
+            raise UndefinedRestitution(reason)
+        k = self.unilateral[0]
+        before, after = self.velocities_before[k : k + 2], self.velocities_after[k : k + 2]
+        return float(effective_restitution(True, 1, before, after))
+
+    def why_no_restitution(self) -> str:
+        """Return the sentence that says why `restitution` is undefined, empty if it is defined."""
+        if not self.unilateral:
+            return "restitution is undefined: no contact of this row can open"
+        if len(self.unilateral) != 1:
+            return (
+                f"restitution is defined for one contact, this row has {len(self.unilateral)}; "
+                "read velocities_after instead"
+            )
+        if self.driven:
+            return (
+                "restitution is undefined: gravity, or what drives an end, changes the velocities "
+                "too; read impulse and velocities instead"
+            )
+        k = self.unilateral[0]
+        if self.contacts[k].episodes == 0:
+            closing = self.velocities_before[k] - self.velocities_before[k + 1]
+            how = "move apart" if closing < 0 else "do not approach each other"
+            return "restitution is undefined: nothing collided" + (
+                f"; the bodies {how}" if closing <= 0 else f"; {self.status}"
+            )
+        if not self.final:
+            return f"restitution is undefined: the collision is not over. {self.status}"
+        if self.velocities_before[k] <= self.velocities_before[k + 1]:
+            return (
+                "restitution is undefined: the centres of mass did not approach each other; only "
+                "vibration brought the bodies together"
+            )
+        return ""
+
+    def _only(self) -> ContactTally:
+        if len(self.unilateral) != 1:
+            message = f"this row has {len(self.unilateral)} contacts that can open, not 1"
+            raise ValueError(f"{message}; use outcome.contacts")
+        return self.contacts[self.unilateral[0]]
+
+    @property
+    def impulse(self) -> float:
+        """Impulse of the only contact, N s; ValueError where there are several."""
+        return self._only().impulse
+
+    @property
+    def duration(self) -> float:
+        """Time under force of the only contact, s; ValueError where there are several."""
+        return self._only().duration
+
+    @property
+    def peak_force(self) -> float:
+        """Largest force of the only contact, N; ValueError where there are several."""
+        return self._only().peak_force
+
+    def as_rigid(self) -> RigidCollision:
+        """Return the collision as rigid-body mechanics sees it.
+
+        The two sides of the only contact collide with the effective `restitution`; the velocities
+        and the impulse are those of the rods, and the energy that looks lost is what vibration
+        gained. (Where a side is bonded to a wall, its swing has gained some of it.)
+
+        Returns
+        -------
+        rigid.RigidCollision
+
+        Raises
+        ------
+        UndefinedRestitution
+            As `restitution`.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+        >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+        >>> outcome = ri.collide(left, right)
+        >>> round(outcome.as_rigid().energy_lost / sum(outcome.vibration_after), 12)
+        1.0
+        """
+        e = self.restitution
+        k = self.unilateral[0] + 1
+        return collide(
+            sum(self.masses[:k]), self.velocities_before[0],
+            sum(self.masses[k:]), self.velocities_before[-1],
+            e, allow_energy_release=e > 1,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """All entries by name, those of contacts too, in JSON's terms; nan stays a float."""
+        contacts = [tally._asdict() for tally in self.contacts]
+        return {**{name: plain(v) for name, v in vars(self).items()}, "contacts": contacts}
+
+    def __str__(self) -> str:
+        from ..storage.report import outcome_table
+
+        return outcome_table(self)
+
+    def _repr_html_(self) -> str:
+        from ..storage.tables import as_html
+
+        return as_html(str(self))
+
+
+def effective_restitution(
+    final: Any, episodes: Any, before: Sequence[Any], after: Sequence[Any]
+) -> Any:
+    """e = (V2+ - V1+)/(V1- - V2-) of one contact, nan where there is none; arrays broadcast.
+
+    After their last contact bodies do not approach each other: where they seem to, or part by no
+    more than round-off, as when a bar without end is pushed for ever, they stay together: e is 0.
+
+    Parameters
+    ----------
+    final, episodes
+        Whether the collision is over, and how often the contact pressed.
+    before, after : pair
+        Velocities of the left and of the right centre of mass, m/s.
+    """
+    closing = np.asarray(before[0] - before[1])
+    defined = np.asarray(final) & (np.asarray(episodes) > 0) & (closing > 0)
+    parting = np.asarray(after[1] - after[0])
+    largest = np.maximum(np.abs(after[0]), np.abs(after[1]))
+    e = np.full(np.broadcast_shapes(parting.shape, defined.shape), math.nan)
+    np.divide(parting, closing, out=e, where=defined)
+    stays = (e <= ROUND_OFF) | (parting <= 2 * np.spacing(largest))
+    return np.where(defined & stays, 0.0, e)
+
+
+def body_velocities(
+    system: System, first: Sequence[int], velocity: Sequence[Any], frame: Any
+) -> list[Any]:
+    """Velocities of the bodies, m/s: of their group, or of the wall that it is bonded to.
+
+    Parameters
+    ----------
+    system : System
+    first : sequence of int
+        First segment of each body.
+    velocity : sequence of float or array
+        By segment, in the frame; for a family, one array of its shape a segment.
+    frame : float or array
+    """
+    found: list[Any] = []
+    for group in groups(system):
+        inside = [i for i in group if not isinstance(system.bodies[i], Wall)]
+        own = velocity[first[(inside or group)[0]]] + frame
+        found += velocities_in_group(system, group, inside, own)
+    return found
+
+
+def outcome_of(system: System, totals: Totals, final: bool, status: str) -> Outcome:
+    """Name the totals of a run, whether it is final, and what is said of it."""
+    kinds = {Wall: "wall", RigidMass: "mass"}
+    (before, after), (started, stopped) = totals.velocities, totals.vibration
+    momentum, energy = (
+        missing / scale if scale > 0 else 0.0 for missing, scale in (totals.momentum, totals.energy)
+    )
+    return Outcome(
+        bodies=tuple(kinds.get(type(body), "rod") for body in system.bodies),
+        masses=tuple(totals.masses),
+        velocities_before=tuple(before), velocities_after=tuple(after),
+        kinetic_before=totals.kinetic[0], kinetic_after=totals.kinetic[1],
+        vibration_before=tuple(started), vibration_after=tuple(stopped),
+        contacts=totals.contacts,
+        unilateral=tuple(i for i, law in enumerate(system.contacts) if not isinstance(law, Bonded)),
+        momentum_residual=momentum, energy_residual=energy, final=final, status=status,
+        driven=driven(system) or bool(system.gravity), **totals.works,
+    )

@@ -1,0 +1,160 @@
+"""The exact picture of a solution: polygons of constant state in the (x, t) plane.
+
+The two families of fronts cut each segment's strip of the plane into regions in which velocity and
+strain are constant. With p and q the ticks at which the waves seen at (x, t) left the left and the
+right end, a region is a rectangle in (p, q), cut by the ends of the segment and of the interval;
+all its corners have whole p and q. Plots, page and animation draw these polygons.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model import Rod
+from .signals import Floats, Ints
+from .solution import Solution
+from .wave_fields import WaveFields
+
+
+@dataclass(frozen=True)
+class Regions:
+    """Polygons of constant state, ordered by body and segment.
+
+    Attributes
+    ----------
+    body, segment : [n] int
+        Body (walls counted) and segment within it.
+    velocity, strain, stress : [n]
+        m/s, 1, Pa.
+    start : [n + 1] int
+        Polygon i has the vertices start[i] to start[i + 1].
+    x, t, displacement : [vertices]
+        m from the left end of the body, s, and m.
+    """
+
+    body: Ints
+    segment: Ints
+    velocity: Floats
+    strain: Floats
+    stress: Floats
+    start: Ints
+    x: Floats
+    t: Floats
+    displacement: Floats
+
+    def __len__(self) -> int:
+        return len(self.body)
+
+
+def regions_of(
+    solution: Solution, start: float = 0.0, stop: float | None = None, limit: int = 100_000
+) -> Regions:
+    """Cut the (x, t) plane of every rod into regions of constant state.
+
+    Parameters
+    ----------
+    solution : Solution
+    start, stop : float
+        Interval of time, s; by default the whole solution.
+    limit : int
+        Largest number of regions wanted.
+
+    Raises
+    ------
+    ValueError
+        If there are more regions than `limit`, the interval is empty or outside the solution, or
+        the method has no fronts.
+    """
+    fields = solution.fields
+    if not isinstance(fields, WaveFields):
+        raise ValueError(f'solution: method "{solution.method}" has no fronts to draw between')
+    first_tick = int(fields.to_ticks(start))
+    last_tick = fields.end if stop is None else int(fields.to_ticks(stop))
+    if last_tick <= first_tick:
+        raise ValueError(f"stop: must be later than start = {start!r} s, got {stop!r}")
+    bodies: list[int] = []
+    segments: list[int] = []
+    counts: list[int] = []
+    states: list[tuple[float, float, float]] = []
+    xs: list[Floats] = [np.empty(0)]
+    ts: list[Floats] = [np.empty(0)]
+    us: list[Floats] = [np.empty(0)]
+    a = fields.assembly
+    for body, rod in enumerate(solution.system.bodies):
+        if not isinstance(rod, Rod):
+            continue
+        edges = fields.edges(body)
+        for j, piece in enumerate(rod.segments):
+            s = a.spans[body][0] + j
+            polygons, waves = _polygons(fields, s, first_tick, last_tick, limit - len(bodies))
+            if len(bodies) + len(polygons) > limit:
+                raise ValueError(f"limit: more than {limit} regions; choose a shorter interval")
+            corners = np.array([c for polygon in polygons for c in polygon], dtype=np.int64)
+            counts += [len(polygon) for polygon in polygons]
+            p, q = corners.reshape(-1, 2).T
+            xs.append(edges[j] + (q - p + a.ticks[s]) / 2 / a.ticks[s] * a.length[s])
+            ts.append((p + q + a.ticks[s]) / 2 * a.tick)
+            us.append(fields.displacement_of_waves(s, p, q))
+            modulus = float(piece.material.youngs_modulus)
+            for right, left in waves:
+                eps = (left - right) * (0.5 / a.wave_speed[s])
+                states.append(((right + left) / 2 + a.frame, eps, modulus * eps))
+            bodies += [body] * len(polygons)
+            segments += [j] * len(polygons)
+    velocity, strain, stress = np.array(states).reshape(-1, 3).T
+    return Regions(
+        np.array(bodies), np.array(segments), velocity, strain, stress,
+        np.concatenate(([0], np.cumsum(counts))).astype(np.int64),
+        np.concatenate(xs), np.concatenate(ts), np.concatenate(us),
+    )
+
+
+Corner = tuple[int, int]
+
+
+def _polygons(
+    fields: WaveFields, s: int, start: int, stop: int, limit: int
+) -> tuple[list[list[Corner]], list[tuple[float, float]]]:
+    """Regions of one segment as corners (p, q), and the two waves in each; stops above `limit`."""
+    A, B = fields.waves(s)
+    T = fields.assembly.ticks[s]
+    ps = [start - T, *A.jumps_in(start - T, stop).tolist(), stop]
+    qs = [start - T, *B.jumps_in(start - T, stop).tolist(), stop]
+    right, left = A.at(ps[:-1]).tolist(), B.at(qs[:-1]).tolist()
+    polygons, waves = [], []
+    for p0, p1, a in zip(ps, ps[1:], right, strict=False):
+        low = max(0, int(np.searchsorted(qs, p0 - T, "right")) - 1)
+        for q0, q1, b in zip(qs[low:], qs[low + 1 :], left[low:], strict=False):
+            if q0 >= p1 + T:
+                break
+            corners: list[Corner] = [(p0, q0), (p1, q0), (p1, q1), (p0, q1)]
+            for normal, bound in (
+                ((-1, 1), T), ((1, -1), T), ((1, 1), 2 * stop - T), ((-1, -1), T - 2 * start)
+            ):
+                corners = _clip(corners, normal, bound)
+            if len(corners) > 2:
+                polygons.append(corners)
+                waves.append((a, b))
+        if len(polygons) > limit:
+            break
+    return polygons, waves
+
+
+def _clip(corners: list[Corner], normal: Corner, bound: int) -> list[Corner]:
+    """Part of a polygon in which normal . corner <= bound; nothing if that has no area."""
+    kept: list[Corner] = []
+    n0, n1 = normal
+    depth = [bound - n0 * p - n1 * q for p, q in corners]
+    if max(depth, default=0) <= 0:
+        return []
+    for i, (p, q) in enumerate(corners):
+        if depth[i] >= 0:
+            kept.append((p, q))
+        j = (i + 1) % len(corners)
+        if depth[i] * depth[j] < 0:
+            part, whole = depth[i], depth[i] - depth[j]
+            pj, qj = corners[j]
+            kept.append((p + (pj - p) * part // whole, q + (qj - q) * part // whole))
+    return kept

@@ -1,0 +1,333 @@
+"""A solution is a function, not a grid: ask it for any field at any place and time."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..model import Body, RigidMass, Rod, Samples, Segment, Steps, System, Wall
+from ..model.frozen import Number
+from . import notebook
+from .contacts import ContactHistory
+from .energy import EnergyLedger, ledger, stored
+from .fields import Fields
+from .gauges import Gauge
+from .groups import group_states
+from .outcome import Outcome
+from .records import Record
+from .ring_down import RingDown, ring_down
+from .signals import Floats, Side
+from .solution_file import save_solution
+
+
+class Solution:
+    """Everything about one collision, as functions of place and time.
+
+    Made by `rodimpact.solve`; places are m from the left end of a body, times s from 0 to `t_end`.
+
+    Attributes
+    ----------
+    system : System
+    outcome : Outcome
+    contacts : tuple of ContactHistory
+        One for each neighbouring pair, walls counted.
+    final : bool
+        Whether it is proved that no contact can happen again.
+    t_final : float
+        When that was proved, s; nan without proof.
+    stopped_by : str
+        ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
+    status : str
+        The same in a sentence, with the remedy.
+    t_end : float
+        s.
+    until : float or None
+        The end that was asked for, s.
+    transit_error : float
+        Largest relative change of a transit time by its rounding to the clock.
+    events : int
+        Arrivals at ends that were solved.
+    accuracy : dict of str to float
+        Estimated error of each measure of the outcome, relative to its largest value, where a time
+        step was chosen; empty where the method is exact or the step was given.
+    fields : Fields
+    method : str
+    """
+
+    def __init__(
+        self, system: System, fields: Fields, outcome: Outcome, record: Record, *,
+        method: str, until: float | None, stopped_by: str, status: str, t_end: float,
+        t_final: float, events: int, accuracy: Mapping[str, float] | None = None,
+    ) -> None:
+        self.system, self.fields, self.outcome = system, fields, outcome
+        self.method, self.until, self.stopped_by, self.status = method, until, stopped_by, status
+        self.t_end, self.t_final, self.events = t_end, t_final, events
+        self.final = outcome.final
+        self.accuracy = dict(accuracy or {})
+        self.transit_error = fields.assembly.transit_error
+        self.record = record
+
+    @cached_property
+    def contacts(self) -> tuple[ContactHistory, ...]:
+        """History of each contact."""
+        return self.record.histories(self.fields, self.outcome.contacts)
+
+    # Fields -------------------------------------------------------------------------------------
+
+    def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+        """Velocity of the material.
+
+        Parameters
+        ----------
+        body : int
+            Counted from the left, walls included.
+        x : array_like
+            m from the left end of the body.
+        t : array_like
+            s; broadcasts with x.
+        side : "right" or "left"
+            Which limit in time to take at a jump: just after or just before.
+
+        Returns
+        -------
+        array
+            m/s.
+
+        Raises
+        ------
+        ValueError
+            For a place or time outside the solution.
+        """
+        if self._is_wall(body):
+            return self._wall_velocity(body) + 0.0 * self.fields.to_ticks(t)
+        if self._index(body) in self.fields.masses:
+            return self.fields.mass_velocity(body, t)
+        return self.fields.velocity(body, x, t, side)
+
+    def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+        """Strain, positive in tension; arguments as in `velocity`."""
+        return self.fields.strain(self._index(body), x, t, side)
+
+    def stress(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+        """Stress E eps + eta d(eps)/dt in Pa, positive in tension; arguments as in `velocity`."""
+        found = self.strain(body, x, t, side) * self._along(body, x, _modulus)
+        rod = self.system.bodies[body]
+        if isinstance(rod, Rod) and any(float(s.material.viscosity) for s in rod.segments):
+            rate = self.fields.strain_rate(body, x, t)
+            found = found + rate * self._along(body, x, _viscosity)
+        return found
+
+    def axial_force(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+        """Stress times area in N, positive in tension; arguments as in `velocity`."""
+        return self.stress(body, x, t, side) * self._along(body, x, _area)
+
+    def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
+        """Displacement in m; arguments as in `velocity`.
+
+        It counts from the unstrained body whose left end is at its place at t = 0.
+        """
+        if self._is_wall(body):
+            return self._wall_velocity(body) * self.fields.to_ticks(t) * self.fields.assembly.tick
+        if self._index(body) in self.fields.masses:
+            return self.fields.mass_displacement(body, t)
+        return self.fields.displacement(body, x, t)
+
+    def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
+        """Place in the laboratory in m; the left end of the row starts at 0. As `velocity`."""
+        base = self.fields.positions[self._index(body)]
+        if not isinstance(self.system.bodies[body], Rod):
+            return base + self.displacement(body, 0.0, t)
+        return base + self.fields.check(body, x) + self.displacement(body, x, t)
+
+    def mean_velocity(self, body: int, t: ArrayLike) -> Floats:
+        """Velocity of a body's centre of mass in m/s at times t in s."""
+        if self._is_wall(body):
+            return self._wall_velocity(body) + 0.0 * self.fields.to_ticks(t)
+        if body in self.fields.masses:
+            return self.fields.mass_velocity(body, t)
+        return self.fields.momentum(body, t) / self.outcome.masses[body]
+
+    def gauge(self, body: int, x: float) -> Gauge:
+        """Record of a strain gauge at x, m from the left end of a body."""
+        seen = self.fields.trace(self._index(body), x)
+        right, left, per_wave = seen.rightward, seen.leftward, 0.5 / seen.wave_speed
+        rest = (right[0] + left[0]) / 2
+        return Gauge(
+            body, float(self.fields.check(body, x)), seen.times, (left - right) * per_wave,
+            (left + right) / 2 + seen.moving, (rest - right) * per_wave, (left - rest) * per_wave,
+            self.t_end,
+        )
+
+    # Energy and state ---------------------------------------------------------------------------
+
+    def energy(self, t: ArrayLike) -> EnergyLedger:
+        """Energy ledger at times t in s."""
+        ticks = self.fields.whole(self.fields.to_ticks(t))
+        states = group_states(self.system, self.fields, np.concatenate(([0], ticks.ravel())))
+        outside = self.record.outside(self.fields, self.contacts)
+        found = ledger(self.fields, self.contacts, outside, states)
+        return EnergyLedger(**{
+            name: entry[1:].reshape(ticks.shape) for name, entry in vars(found).items()
+        })
+
+    def ring_down(self) -> RingDown:
+        """How the vibration that the collision left dies out, until the end of the solution.
+
+        Solve with `until` well beyond the collision: the energy of the lowest mode of a rod falls
+        to 1/e in E/(eta omega^2).
+
+        Returns
+        -------
+        RingDown
+            Energy of vibration over time, the time in which it falls to 1/e, and that of the mode
+            that should last longest.
+
+        Raises
+        ------
+        ValueError
+            If the collision is not proved to be over, something acts on the row from outside, or
+            too few states were kept.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> steel = ri.materials.steel.damped(loss_factor=0.02, frequency=1e3)
+        >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+        >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+        >>> found = ri.solve(ri.System([left, right]), until=10e-3, cells=50).ring_down()
+        >>> round(found.decay_time / found.modal_decay_time, 1)
+        1.0
+        """
+        if not self.final:
+            raise ValueError(f"ring_down: the collision is not over. {self.status}")
+        if self.outcome.driven:
+            raise ValueError("ring_down: gravity or a driven end acts on and on")
+        return ring_down(
+            self.system, self.fields, self.outcome.masses,
+            min(self.t_final, self.t_end), self.t_end,
+        )
+
+    def system_at(self, t: float) -> System:
+        """State at time t in s as a new system: continue it, change it, or reverse it.
+
+        Gaps, velocities and strains are those just after t; the clock starts anew.
+
+        Raises
+        ------
+        ValueError
+            Where a compliant contact is pressed at t, or an end is driven by a function of time:
+            a system cannot begin like that.
+        """
+        tick = int(self.fields.to_ticks(t))
+        for side, end in zip(("left", "right"), self.system.ends, strict=True):
+            if isinstance(getattr(end, "value", 0.0), Steps | Samples):
+                raise ValueError(f"ends.{side}: is driven by a function of time; drive it anew")
+        pressed = [c.index for c in self.contacts if stored(c.law, c.gap(t)) > 0]
+        if pressed:
+            message = f"compliant contact {pressed[0]} is pressed at that time; choose another"
+            raise ValueError(f"t: {message}")
+        bodies: list[Body] = []
+        for i, body in enumerate(self.system.bodies):
+            if isinstance(body, Wall):
+                bodies.append(body)
+                continue
+            if isinstance(body, RigidMass):
+                bodies.append(RigidMass(body.mass, velocity=float(self.velocity(i, 0.0, t))))
+                continue
+            profile = self.fields.profile(i, tick)
+            bodies.append(Rod(
+                segments=body.segments,
+                velocity=_steps(profile.edges, profile.velocity),
+                strain=_steps(profile.edges, profile.strain),
+            ))
+        gaps = [max(0.0, float(contact.gap(t))) for contact in self.contacts]
+        return System(
+            bodies, gaps, self.system.contacts, gravity=self.system.gravity, ends=self.system.ends
+        )
+
+    # Files and pictures -------------------------------------------------------------------------
+
+    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """Write the solution to an NPZ file that `rodimpact.load` reads.
+
+        Raises
+        ------
+        FileExistsError
+            If the file is there and `force` is false.
+        """
+        save_solution(self, path, force=force)
+
+    def __str__(self) -> str:
+        from ..storage.report import solution_table
+
+        return solution_table(self)
+
+    def __repr__(self) -> str:
+        n = len(self.system.bodies)
+        return f"<Solution of {n} bodies to t = {self.t_end:.6g} s, stopped by {self.stopped_by}>"
+
+    def _repr_html_(self) -> str:
+        return notebook.html(self)
+
+    # Bodies -------------------------------------------------------------------------------------
+
+    def _index(self, body: int) -> int:
+        count = len(self.system.bodies)
+        if isinstance(body, bool) or not isinstance(body, int | np.integer):
+            raise TypeError(f"body: must be a whole number from 0 to {count - 1}, got {body!r}")
+        if not 0 <= body < count:
+            raise ValueError(f"body: must be from 0 to {count - 1} (walls counted), got {body}")
+        return int(body)
+
+    def _is_wall(self, body: int) -> bool:
+        return isinstance(self.system.bodies[self._index(body)], Wall)
+
+    def _wall_velocity(self, body: int) -> float:
+        wall = self.system.bodies[body]
+        assert isinstance(wall, Wall)
+        return float(wall.velocity)
+
+    def _along(
+        self, body: int, x: ArrayLike, value: Callable[[Segment, Floats], Floats | float]
+    ) -> Floats:
+        """What segments have at places x, m from the left end of a rod."""
+        segment = self.fields.segment_at(body, x)
+        x = np.broadcast_to(self.fields.check(body, x), segment.shape)
+        found = np.empty(segment.shape)
+        rod = self.system.bodies[body]
+        assert isinstance(rod, Rod)
+        first, edges = self.fields.assembly.spans[body][0], self.fields.edges(body)
+        for i, piece in enumerate(rod.segments):
+            here = segment == first + i
+            found[here] = value(piece, x[here] - edges[i])
+        return found
+
+
+def _modulus(segment: Segment, x: Floats) -> float:  # noqa: ARG001  (as in `_area`)
+    return float(segment.material.youngs_modulus)
+
+
+def _viscosity(segment: Segment, x: Floats) -> float:  # noqa: ARG001
+    return float(segment.material.viscosity)
+
+
+def _area(segment: Segment, x: Floats) -> Floats | float:
+    if isinstance(segment.area, Samples):
+        places = np.linspace(0.0, float(segment.length), len(segment.area.values))
+        found: Floats = np.interp(x, places, segment.area.values)
+        return found
+    return float(segment.area)
+
+
+def _steps(edges: Floats, values: Floats) -> Number | Steps:
+    keep = np.concatenate(([True], values[1:] != values[:-1]))
+    if keep.sum() == 1:
+        return float(values[0])
+    return Steps(values[keep].tolist(), edges[:-1][keep][1:].tolist())
+
+
+

@@ -1,0 +1,359 @@
+"""Fields from the signals that leave the ends of rods.
+
+A wave seen at x left its end x/c earlier, so fields are look-ups: v = (a + b)/2 and
+strain = (b - a)/(2c), with a and b the end signals delayed. Their integrals give displacement,
+momentum and energy. Times are rounded to the nearest tick, so that one-sided limits are defined.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..methods import kernels
+from ..methods.clock import Clockwork
+from ..methods.fronts.front_kernel import Log
+from ..methods.steps.delays import lost_to_means
+from .field_kernel import sum_on_grid
+from .fields import Fields, Profile, Trace
+from .signals import Floats, Ints, Side, StepSignal, integral_of_product
+
+COMPILED_GRID = 100_000  # points from which a grid is worth a compiled loop
+
+
+class WaveFields(Fields):
+    """Fields of a row of rods from its end signals.
+
+    Parameters
+    ----------
+    assembly : Clockwork
+    signals : list of StepSignal or None
+        By line: 2s leaves the left end of segment s, 2s + 1 its right end; waves in the frame.
+    end, masses, edges
+        As in `Fields`.
+    """
+
+    def __init__(
+        self, assembly: Clockwork, signals: list[StepSignal | None], end: int,
+        masses: Mapping[int, Floats] | None = None, edges: Ints | None = None,
+    ) -> None:
+        super().__init__(assembly, end, masses, edges)
+        self.signals = signals
+
+    @classmethod
+    def from_steps(
+        cls, assembly: Clockwork, waves: Sequence[Floats], edges: Ints, before: Ints,
+        masses: Mapping[int, Floats],
+    ) -> WaveFields:
+        """Take signals that are constant in each time step.
+
+        Parameters
+        ----------
+        assembly : Clockwork
+        waves : sequence of arrays
+            By line from 2 on: what left its end in each step, first those of a transit before 0.
+        edges, before : arrays of int
+            Ticks at which the steps begin, the last one's end included; and those before t = 0.
+        masses : mapping of int to array
+        """
+        ticks = np.concatenate((before, edges[:-1]))
+        signals = [StepSignal(ticks[len(ticks) - len(values) :], values) for values in waves]
+        return cls(assembly, [None, None, *signals], int(edges[-1]), masses, edges)
+
+    @classmethod
+    def from_log(cls, assembly: Clockwork, log: Log, end: int) -> WaveFields:
+        """Sort the kernel's log into one signal a line of a segment."""
+        line = np.asarray(log.line, dtype=np.int32)
+        order = np.argsort(line, kind="stable")
+        counts = np.bincount(line, minlength=2 * len(assembly.ticks))
+        order, counts = order[counts[0] : len(order) - counts[-1]], counts[:-2]
+        counts[0] = 0
+        ticks = np.asarray(log.tick, dtype=np.int64)[order]
+        values = np.asarray(log.value, dtype=np.float64)[order]
+        return cls(assembly, cls.split(ticks, values, counts), end)
+
+    @staticmethod
+    def split(ticks: Ints, values: Floats, counts: Ints) -> list[StepSignal | None]:
+        """Cut concatenated signals apart; `counts` are their lengths."""
+        stops = np.cumsum(counts)
+        return [
+            StepSignal(ticks[stop - n : stop], values[stop - n : stop]) if n else None
+            for n, stop in zip(counts.tolist(), stops.tolist(), strict=True)
+        ]
+
+    def waves(self, segment: int) -> tuple[StepSignal, StepSignal]:
+        """Signals leaving the left and the right end of a segment."""
+        a, b = self.signals[2 * segment], self.signals[2 * segment + 1]
+        assert a is not None
+        assert b is not None
+        return a, b
+
+    # Where ------------------------------------------------------------------------------------
+
+    def locate(self, body: int, x: ArrayLike) -> tuple[Ints, Ints]:
+        """Segment and ticks from its left end of places x in a body, m from its left end."""
+        segment, x = self.segment_at(body, x), self.check(body, x)
+        first, last = self.assembly.spans[body]
+        piece, edges = segment - first, self.edges(body)
+        lengths = np.array(self.assembly.length[first : last + 1])[piece]
+        transit = np.array(self.assembly.ticks[first : last + 1])[piece]
+        offset = np.rint((x - edges[piece]) / lengths * transit).astype(np.int64)
+        return segment, np.clip(offset, 0, transit)
+
+    # Fields -----------------------------------------------------------------------------------
+
+    def velocity(  # noqa: D102
+        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
+    ) -> Floats:
+        found = self._combine(body, x, t, side, 1.0, lambda _: 0.5, self.assembly.frame)
+        return found + self._fallen(t) if self.assembly.gravity else found
+
+    def strain(  # noqa: D102
+        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
+    ) -> Floats:
+        c = self.assembly.wave_speed
+        return self._combine(body, x, t, side, -1.0, lambda s: 0.5 / c[s], 0.0)
+
+    def _combine(
+        self, body: int, x: ArrayLike, t: ArrayLike, side: Side, sign: float, factor: Any,
+        shift: float,
+    ) -> Floats:
+        """(sign a + b) * factor(segment) + shift."""
+        segment, offset = self.locate(body, x)
+        ticks = self.to_ticks(t, side)
+        shape = self._together(offset, ticks)
+        grid = self._open_grid(offset, ticks, shape)
+        if grid is not None and side == "right":
+            flat, when, x_first = grid
+            out: Floats = np.empty((flat.size, when.size))
+            where = segment.ravel()
+            for s in np.unique(where):
+                rows = where == s
+                values = self._on_grid(int(s), flat[rows], when, sign, factor(int(s)), shift)
+                if rows.all():
+                    out = values
+                else:
+                    out[rows] = values
+            return out.reshape(shape) if x_first else np.ascontiguousarray(out.T).reshape(shape)
+        segment, offset, ticks = np.broadcast_arrays(segment, offset, ticks)
+        out = np.empty(shape)
+        for s in np.unique(segment):
+            here = segment == s
+            A, B = self.waves(int(s))
+            T, o, when = self.assembly.ticks[s], offset[here], ticks[here]
+            total = sign * A.at(when - o, side) + B.at(when - (T - o), side)
+            out[here] = total * factor(int(s)) + shift
+        return out
+
+    @staticmethod
+    def _open_grid(x: Ints, t: Ints, shape: tuple[int, ...]) -> tuple[Ints, Ints, bool] | None:
+        """Flat places and times, and whether places come first, if the two span a grid."""
+        if x.size * t.size != np.prod(shape, dtype=int) or min(x.size, t.size) < 2:
+            return None
+        xs, ts = [i for i, n in enumerate(x.shape[::-1]) if n > 1], [
+            i for i, n in enumerate(t.shape[::-1]) if n > 1
+        ]
+        when = t.ravel()
+        if len(xs) != 1 or len(ts) != 1 or np.any(when[1:] < when[:-1]):
+            return None
+        return x.ravel(), when, xs[0] > ts[0]
+
+    def _on_grid(
+        self, s: int, offset: Ints, when: Ints, sign: float, factor: float, shift: float
+    ) -> Floats:
+        A, B = self.waves(s)
+        a, delay = sign * A.values, self.assembly.ticks[s] - offset
+        if kernels.started() and offset.size * when.size >= COMPILED_GRID:
+            out = np.empty((offset.size, when.size))
+            kernels.compiled(sum_on_grid)(
+                out, when, A.ticks, a, offset, B.ticks, B.values, delay, factor, shift
+            )
+            return out
+        total = _steps_on_grid(A.ticks, a, offset, when)
+        total += _steps_on_grid(B.ticks, B.values, delay, when)
+        total *= factor
+        total += shift
+        return total
+
+    def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:  # noqa: D102
+        segment, offset = self.locate(body, x)
+        ticks = self.to_ticks(t)
+        time = ticks * self.assembly.tick
+        found: Floats = self._displacement(segment, offset, ticks)
+        return found + self.assembly.gravity * time * time / 2
+
+    def _displacement(self, segment: ArrayLike, offset: ArrayLike, ticks: ArrayLike) -> Floats:
+        a = self.assembly
+        segment, offset, ticks = np.broadcast_arrays(segment, offset, ticks)
+        out = np.empty(offset.shape)
+        for s in np.unique(segment):
+            here = segment == s
+            o, t, T = offset[here], ticks[here], a.ticks[s]
+            out[here] = self.displacement_of_waves(int(s), t - o, t - T + o)
+        return out
+
+    def displacement_of_waves(self, segment: int, p: Ints, q: Ints) -> Floats:
+        """Displacement, m, where the waves meet that left the two ends at ticks p and q."""
+        a = self.assembly
+        A, B = self.waves(segment)
+        T = a.ticks[segment]
+        moved = A.integral(0, p) + B.integral(-T, q) + a.frame * (p + q + T)
+        result: Floats = moved / 2 * a.tick + self._initial_stretch[segment]
+        return result
+
+    @cached_property
+    def _initial_stretch(self) -> list[float]:
+        """Initial displacement of each segment's left end."""
+        a = self.assembly
+        found = [0.0] * len(a.ticks)
+        for first, last in a.spans:
+            for s in range(first, last):
+                A, B = self.waves(s)
+                T = a.ticks[s]
+                stretch = float(A.integral(0, -T) + B.integral(-T, 0)) / 2
+                found[s + 1] = found[s] + stretch * a.tick
+        return found
+
+    def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:  # noqa: D102
+        a = self.assembly
+        segment, offset = self.locate(body, x)
+        ticks = self.to_ticks(t)
+        velocity, strain = np.empty((2, segment.size, ticks.size - 1))
+        for s in np.unique(segment):
+            here = segment == s
+            A, B = self.waves(int(s))
+            away = offset[here, None]
+            right, left = (
+                np.diff(wave.integral(0, ticks - delay)) / np.diff(ticks)
+                for wave, delay in ((A, away), (B, a.ticks[s] - away))
+            )
+            velocity[here] = (left + right) / 2
+            strain[here] = (left - right) * (0.5 / a.wave_speed[s])
+        fallen = a.gravity * a.tick * (ticks[:-1] + ticks[1:]) / 2
+        return velocity + a.frame + fallen, strain
+
+    def trace(self, body: int, x: float) -> Trace:  # noqa: D102
+        a = self.assembly
+        segment, offset = (int(v) for v in self.locate(body, x))
+        A, B = self.waves(segment)
+        T = a.ticks[segment]
+        ticks = np.unique(np.concatenate(([0], A.ticks + offset, B.ticks + (T - offset))))
+        ticks = ticks[(ticks >= 0) & (ticks <= self.end)]
+        times = ticks * a.tick
+        moving = a.frame + a.gravity * times
+        return Trace(
+            times, A.at(ticks - offset), B.at(ticks - (T - offset)), moving, a.wave_speed[segment]
+        )
+
+    # Integrals over bodies ----------------------------------------------------------------------
+
+    def momentum(self, body: int, t: ArrayLike) -> Floats:  # noqa: D102
+        ticks, a = self.to_ticks(t), self.assembly
+        total: Any = 0.0
+        first, last = a.spans[body]
+        for s in range(first, last + 1):
+            A, B = self.waves(s)
+            T = a.ticks[s]
+            inside = A.integral(ticks - T, ticks) + B.integral(ticks - T, ticks)
+            total = total + a.impedance[s] * (inside / 2 + a.frame * T) * a.tick
+        if a.gravity:
+            total = total + a.mass(body) * self._fallen(t)
+        return np.asarray(total)
+
+    def energy(  # noqa: D102
+        self, body: int, tick: int, velocity: float
+    ) -> tuple[float, float]:
+        a = self.assembly
+        kinetic = strain = 0.0
+        first, last = a.spans[body]
+        for s in range(first, last + 1):
+            A, B = self.waves(s)
+            T, V = a.ticks[s], velocity - a.frame - a.gravity * tick * a.tick
+            if self._even and tick % a.grain == 0 and T % a.grain == 0:
+                right, left = (self._stored(wave, tick - T, T) - V for wave in (A, B))
+                both = float(right @ right + left @ left) * a.grain / 4
+                difference = float(right @ left[::-1]) * a.grain / 2
+            else:
+                A, B = StepSignal(A.ticks, A.values - V), StepSignal(B.ticks, B.values - V)
+                both = sum(integral_of_product(w, w, tick - T, tick) for w in (A, B)) / 4
+                difference = integral_of_product(A, B, tick - T, tick, about=2 * tick - T) / 2
+            scale = a.impedance[s] * a.tick
+            kinetic += scale * (both + difference) / 2
+            strain += scale * (both - difference) / 2
+        return kinetic, strain
+
+    @cached_property
+    def _even(self) -> bool:
+        """Whether all steps last as long, but for the last."""
+        return self.steps is not None and len(self.steps) > 1 and (
+            bool(np.all(np.diff(self.steps[:-1]) == self.assembly.grain))
+        )
+
+    def smeared(self, ticks: Ints) -> Floats:  # noqa: D102
+        found: Floats = np.zeros(np.shape(ticks))
+        if self.steps is not None:
+            found += self._smeared[np.searchsorted(self.steps, ticks)]
+        return found
+
+    @cached_property
+    def _smeared(self) -> Floats:
+        """Energy lost by the end of each step: of a mean of two values, their variance."""
+        a, steps = self.assembly, self.steps
+        assert steps is not None
+        lasts = np.diff(steps)
+        lost = np.zeros(len(lasts))
+        for s in range(1, len(a.ticks) - 1):
+            for wave in self.waves(s):
+                lost += a.impedance[s] * lost_to_means(wave.values, a.ticks[s], lasts)
+        return np.concatenate(([0.0], np.cumsum(lost))) * a.tick
+
+    def _stored(self, wave: StepSignal, start: int, duration: int) -> Floats:
+        """Step averages of a signal from the step that begins at `start` on."""
+        first = int(np.searchsorted(wave.ticks, start, "right")) - 1
+        found: Floats = wave.values[first : first + duration // self.assembly.grain]
+        return found
+
+    def profile(self, body: int, tick: int) -> Profile:
+        """State just after `tick`, in pieces of constant velocity and strain.
+
+        `tick` comes from a time, so a front that left an end within its uncertainty has just left.
+        """
+        a = self.assembly
+        first, last = a.spans[body]
+        starts = self.edges(body)
+        edges, velocity, strain, segments = [0.0], [], [], []
+        for s in range(first, last + 1):
+            A, B = self.waves(s)
+            T = a.ticks[s]
+            cuts = np.union1d(
+                tick - A.jumps_in(tick - T, tick), B.jumps_in(tick - T, tick) - tick + T
+            )
+            unsure = tick >> 51
+            bounds = np.concatenate(([0], cuts[(cuts > unsure) & (cuts < T - unsure)], [T]))
+            middle = (bounds[:-1] + bounds[1:]) // 2
+            right = A.at(tick - middle)
+            left = B.at(tick - T + middle)
+            x0, L = starts[s - first], a.length[s]
+            edges += [*(x0 + L * (bounds[1:-1] / T)).tolist(), float(starts[s - first + 1])]
+            drift = a.frame + a.gravity * tick * a.tick
+            velocity += ((right + left) / 2 + drift).tolist()
+            strain += ((left - right) * (0.5 / a.wave_speed[s])).tolist()
+            segments += [s] * (len(bounds) - 1)
+        return Profile(
+            np.array(edges), np.array(velocity), np.array(strain), np.array(segments)
+        )
+
+
+def _steps_on_grid(ticks: Ints, values: Floats, delay: Ints, when: Ints) -> Floats:
+    """[places, times] values of a step signal seen after each place's delay."""
+    arrivals = ticks[1:, None] + delay
+    starts = np.searchsorted(when, arrivals)
+    bounds = np.concatenate((np.zeros((1, delay.size), int), starts,
+                             np.full((1, delay.size), when.size)))
+    counts = np.diff(bounds, axis=0).T
+    repeated = np.repeat(np.tile(values, delay.size), counts.ravel())
+    return repeated.reshape(delay.size, when.size)

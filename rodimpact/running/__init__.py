@@ -1,0 +1,1 @@
+"""From a system to a result: one collision, a family, a file."""

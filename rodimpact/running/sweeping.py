@@ -1,0 +1,729 @@
+"""sweep(): every collision of a family, on any executor, as arrays of the family's shape.
+
+A family is cut into chunks, which are smaller families; a chunk's result is a table of columns, one
+row a collision. Whoever runs a chunk, and in which order, its numbers are the same bit for bit.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import threading
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import asdict, dataclass, field, replace
+from numbers import Integral
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .. import __version__
+from ..methods.abilities import driven
+from ..methods.fronts.assembly import Blueprint
+from ..methods.fronts.families import Stopped, chunk_members, run_family
+from ..methods.fronts.front_kernel import CAP, CLOCK, FULL
+from ..methods.options import MAX_EVENTS, Options, count
+from ..model import Bonded, Rod, System
+from ..model.frozen import InvalidModel, Problems, number
+from ..results import notebook
+from ..results.outcome import body_velocities, effective_restitution
+from ..storage.checkpoint import Checkpoint
+from ..storage.writing import PathLike, write_npz, written
+from .solving import run_method
+
+STATUS = ("final", "max_events", "clock", "refused", "until")
+"""Why each run stopped; `SweepResult.status` holds places in this tuple."""
+ENDED = [STATUS.index("final"), STATUS.index("until")]
+
+ONE_BY_ONE = 16  # members of a chunk where each is solved alone
+AHEAD = 32  # chunks handed to an executor before the first is waited for
+Columns = dict[str, Any]
+
+
+class SweepError(ValueError):
+    """A member of the family could not be run to its end.
+
+    Attributes
+    ----------
+    index : tuple of int
+    parameters : dict of str to float
+        What is special about this member, by path.
+    problems : list of (str, str)
+        The member, and what is wrong with it.
+    """
+
+    def __init__(self, index: tuple[int, ...], parameters: dict[str, float], reason: str) -> None:
+        self.index, self.parameters = index, parameters
+        numbers = ", ".join(f"{path} = {value!r}" for path, value in parameters.items())
+        self.problems = [(f"member {list(index)} ({numbers})", reason)]
+        super().__init__(f"{self.problems[0][0]}: {reason}")
+        self._given = (index, parameters, reason)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return SweepError, self._given
+
+
+class Axis(NamedTuple):
+    """One dimension of a family: the path of the number that varies along it alone, and its values.
+
+    Where there is no such number, the name is ``"axis 0"`` and the values count from 0.
+    """
+
+    name: str
+    values: Any
+
+
+class Readings(NamedTuple):
+    """Strain gauges, (body, m from its left end), and the times at which they are read, s."""
+
+    gauges: tuple[tuple[int, float], ...] = ()
+    times: Any = np.zeros(0)
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready."""
+        return {"gauges": [list(place) for place in self.gauges], "times": self.times.tolist()}
+
+
+class ContactColumns(NamedTuple):
+    """Totals of one contact; arrays of the family's shape, SI units."""
+
+    impulse: Any
+    peak_force: Any
+    duration: Any
+    episodes: Any
+
+
+@dataclass(frozen=True, eq=False)
+class SweepResult:
+    """Outcomes of a family of collisions; every array has its `shape`.
+
+    Attributes
+    ----------
+    system : System
+        The family.
+    options : Options
+        How each member was solved, by which method.
+    columns : dict of str to array
+        By name: ``restitution``; ``velocity_after.I`` of body I, m/s; ``impulse.K`` (N s),
+        ``peak_force.K`` (N), ``duration.K`` (time under force, s) and ``episodes.K`` of contact K;
+        ``vibration``, energy left in vibration and strain, J; ``final``; ``status``. Totals count
+        up to the end of the run: `until`, the proof that the collision is over, or what stopped it
+        before. A number that does not exist is nan, as the impulse of a bonded contact, which never
+        ends.
+    readings : Readings
+        The `gauges`, and the `times` at which they are read.
+    strain : array or None
+        At the gauges, of the family's shape + (gauge, time); nan after the end of a member's run.
+
+    Examples
+    --------
+    >>> import numpy as np, rodimpact as ri
+    >>> left = ri.Rod(np.array([0.2, 0.4, 0.8]), area=1e-4, material=ri.materials.steel, velocity=1)
+    >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+    >>> ri.sweep(ri.System([left, right])).restitution.round(12)
+    array([0.2, 0.4, 0.8])
+    """
+
+    system: System
+    options: Options
+    columns: Columns
+    readings: Readings = field(default_factory=Readings)
+    strain: Any = None
+
+    @property
+    def method(self) -> str:
+        """Name of the method."""
+        return self.options.method
+
+    @property
+    def gauges(self) -> tuple[tuple[int, float], ...]:
+        """Strain gauges: body, and place in m from its left end."""
+        return self.readings.gauges
+
+    @property
+    def times(self) -> Any:
+        """Times of `strain`, s."""
+        return self.readings.times
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the family."""
+        return self.system.shape
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Numbers in which the members differ, by path; they broadcast to `shape`."""
+        return self.system.parameters
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """What varies along each dimension."""
+        found = [Axis(f"axis {d}", np.arange(size)) for d, size in enumerate(self.shape)]
+        for path, values in reversed(self.parameters.items()):
+            wide = [d for d, size in enumerate(values.shape) if size > 1]
+            if len(wide) == 1:
+                found[wide[0] - values.ndim] = Axis(path, values.ravel())
+        return tuple(found)
+
+    @property
+    def restitution(self) -> Any:
+        """Effective coefficient of restitution e; nan where undefined, see `explain`."""
+        return self.columns["restitution"]
+
+    @property
+    def velocities_after(self) -> tuple[Any, ...]:
+        """Velocities of the centres of mass, one array a body, m/s."""
+        return tuple(
+            self.columns[f"velocity_after.{i}"] for i in range(len(self.system.bodies))
+        )
+
+    @property
+    def vibration(self) -> Any:
+        """Energy left in vibration and strain, J."""
+        return self.columns["vibration"]
+
+    @property
+    def final(self) -> Any:
+        """Whether it is proved that no contact can happen again."""
+        return self.columns["final"]
+
+    @property
+    def status(self) -> Any:
+        """Why each run stopped: places in `STATUS`."""
+        return self.columns["status"]
+
+    @property
+    def incomplete(self) -> Any:
+        """Where a run did not come to its end, but to the cap on events or the clock, or failed."""
+        return ~np.isin(self.status, ENDED)
+
+    @property
+    def contacts(self) -> tuple[ContactColumns, ...]:
+        """Totals of each contact, walls counted."""
+        return tuple(
+            ContactColumns(*(self.columns[f"{name}.{k}"] for name in ContactColumns._fields))
+            for k in range(len(self.system.contacts))
+        )
+
+    def _only(self) -> ContactColumns:
+        unilateral = _unilateral(self.system)
+        if len(unilateral) != 1:
+            message = f"these rows have {len(unilateral)} contacts that can open, not 1"
+            raise ValueError(f"{message}; use result.contacts")
+        return self.contacts[unilateral[0]]
+
+    @property
+    def impulse(self) -> Any:
+        """Impulse of the only contact, N s; ValueError where there are several."""
+        return self._only().impulse
+
+    @property
+    def duration(self) -> Any:
+        """Time under force of the only contact, s; ValueError where there are several."""
+        return self._only().duration
+
+    @property
+    def peak_force(self) -> Any:
+        """Largest force of the only contact, N; ValueError where there are several."""
+        return self._only().peak_force
+
+    @property
+    def episodes(self) -> Any:
+        """How often the only contact pressed; ValueError where there are several."""
+        return self._only().episodes
+
+    def explain(self, index: Any) -> str:
+        """Say of one member why it ended as it did, and why it has no restitution if it has none.
+
+        Parameters
+        ----------
+        index : int or tuple of int
+        """
+        return _explain(self.system[index], self.options)
+
+    def save(self, path: PathLike, *, force: bool = False) -> None:
+        """Write an NPZ file that `rodimpact.load` reads.
+
+        Raises
+        ------
+        FileExistsError
+            If the file is there and `force` is false.
+        """
+        numbers: Columns = {}
+
+        def put(array: Any) -> dict[str, str]:
+            name = f"number.{len(numbers)}"
+            numbers[name] = array
+            return {"array": name}
+
+        document = {
+            "system": self.system._mapped(put).to_dict(), "options": asdict(self.options),
+            "shape": list(self.shape), **self.readings.to_dict(),
+        }
+        strain = {} if self.strain is None else {"strain": self.strain}
+        write_npz(path, "sweep", document, {**numbers, **self.columns, **strain}, force=force)
+
+    @classmethod
+    def restored(cls, document: dict[str, Any], arrays: Columns) -> SweepResult:
+        """Make again what `save` wrote."""
+
+        def take(value: Any) -> Any:
+            if isinstance(value, dict):
+                name = value.get("array")
+                return arrays[name] if name else {key: take(v) for key, v in value.items()}
+            return [take(v) for v in value] if isinstance(value, list) else value
+
+        system = System.from_dict(take(document["system"]))
+        gauges = tuple((body, x) for body, x in document["gauges"])
+        readings = Readings(gauges, np.array(document["times"], dtype=np.float64))
+        of = _arrays(system, readings)
+        columns = {name: arrays[name] for name in of}
+        if any(columns[name].shape != (*system.shape, *beyond) for name, (_, beyond) in of.items()):
+            raise ValueError("columns do not have the family's shape")
+        options, strain = Options(**document["options"]), columns.pop("strain", None)
+        return cls(system, options, columns, readings, strain)
+
+    def table(self, start: int = 0, stop: int | None = None) -> Columns:
+        """Varied numbers and results of the members `start` to `stop` in C order, by name."""
+        which = np.arange(math.prod(self.shape))[start:stop]
+        index = np.unravel_index(which, self.shape)
+        both = {**self.parameters, **self.columns}
+        return {name: np.broadcast_to(v, self.shape)[index] for name, v in both.items()}
+
+    def csv_lines(self) -> Iterator[str]:
+        """Lines of a table of all members, names first: every digit, an empty cell for nan."""
+        yield ",".join([*self.parameters, *self.columns])
+        size = math.prod(self.shape)
+        for start in range(0, size, 4096):
+            table = self.table(start, start + 4096)
+            table["status"] = np.array(STATUS)[table["status"]]
+            for row in zip(*(values.tolist() for values in table.values()), strict=True):
+                yield ",".join("" if v != v else str(v) for v in row)
+
+    def to_csv(self, path: PathLike, *, force: bool = False) -> None:
+        """Write a table of all members, one a line, with what varies and what came out.
+
+        Raises
+        ------
+        FileExistsError
+            If the file is there and `force` is false.
+        """
+        with written(path, force=force) as file:
+            for line in self.csv_lines():
+                file.write(f"{line}\n".encode())
+
+    def to_dataframe(self) -> Any:
+        """All members as a pandas DataFrame (extra ``dataframe``), one a row."""
+        pandas = _extra("pandas", "dataframe")
+        frame = pandas.DataFrame(self.table())
+        frame["status"] = pandas.Categorical.from_codes(frame["status"], STATUS)
+        return frame
+
+    def to_xarray(self) -> Any:
+        """Everything as an xarray Dataset (extra ``xarray``), a dimension an axis.
+
+        Strains have the dimensions ``gauge`` and ``time`` besides.
+        """
+        xarray = _extra("xarray", "xarray")
+        names = [axis.name for axis in self.axes]
+        coordinates = {axis.name: axis.values for axis in self.axes}
+        for path, values in self.parameters.items():
+            if path not in coordinates:
+                coordinates[path] = (names, np.broadcast_to(values, self.shape))
+        columns = {name: (names, values) for name, values in self.columns.items()}
+        if self.strain is not None:
+            coordinates |= {"time": self.times}
+            coordinates |= {"body": ("gauge", [body for body, _ in self.gauges])}
+            coordinates |= {"x": ("gauge", [x for _, x in self.gauges])}
+            columns["strain"] = ([*names, "gauge", "time"], self.strain)
+        return xarray.Dataset(columns, coordinates, {"status": ", ".join(STATUS)})
+
+    def __repr__(self) -> str:
+        what = ", ".join(self.parameters) or "nothing"
+        return f"<SweepResult of shape {self.shape} over {what}>"
+
+    def _repr_html_(self) -> str:
+        return notebook.html(self)
+
+
+def sweep(
+    system: System,
+    method: str = "auto",
+    executor: Executor | None = None,
+    *,
+    until: float | None = None,
+    max_events: int = MAX_EVENTS,
+    dt: float | None = None,
+    rtol: float | None = None,
+    cells: int | None = None,
+    gauges: Sequence[tuple[int, float]] = (),
+    times: ArrayLike | None = None,
+    workers: int | None = None,
+    progress: Callable[[int, int], Any] | None = None,
+    on_error: str = "record",
+    checkpoint: PathLike | None = None,
+) -> SweepResult:
+    """Solve every collision of a family.
+
+    Parameters
+    ----------
+    system : System
+        Of any shape: numbers of the model that are arrays make a family, as NumPy broadcasts them.
+    method : str
+        As for `solve`; one for all members.
+    executor : concurrent.futures.Executor, optional
+        Who runs the chunks: threads of this process if not given, else processes, a cluster by
+        ``dask.distributed.Client.get_executor()`` or ``mpi4py.futures.MPIPoolExecutor``. The result
+        is the same bit for bit.
+    until : float, optional
+        Time to which each member runs, s; by default to the proof that its collision is over. Where
+        drives or gravity act there is none, and chains that touch again and again may have none for
+        a long time.
+    max_events, dt, rtol, cells
+        Of each member, as for `solve`.
+    gauges : sequence of (int, float), optional
+        Strain gauges: body, and place in m from its left end.
+    times : array_like, optional
+        Times at which the strain at the gauges is wanted, s, for all members; [time].
+    workers : int, optional
+        Number of threads where there is no executor; default: the processors at hand.
+    progress : callable, optional
+        Called with the number of collisions done and of all, after each chunk.
+    on_error : "record" or "raise"
+        What to do about a member that cannot be solved, or is stopped by the cap on events or the
+        clock: go on, with its `status` and what is known of it, or raise.
+    checkpoint : path, optional
+        Directory that keeps finished chunks, strains included, so that a sweep that was interrupted
+        goes on where it was. The arrays of the result then stay on disk until they are looked at.
+
+    Returns
+    -------
+    SweepResult
+
+    Raises
+    ------
+    InvalidModel
+        If an argument is wrong or missing, or the method lacks something that the system has.
+    SweepError
+        With ``on_error="raise"``, for the first member in C order that did not come to its end.
+    FileFormatError, OSError
+        If the checkpoint directory holds something else, or cannot be written.
+
+    Examples
+    --------
+    Strain at a gauge in the middle of a bar, for three strikers:
+
+    >>> import numpy as np, rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> striker = ri.Rod(np.array([0.1, 0.2, 0.4]), area=1e-4, material=steel, velocity=10.0)
+    >>> bar = ri.Rod(2.0, area=1e-4, material=steel)
+    >>> pulses = ri.sweep(ri.System([striker, bar]), until=5e-4, gauges=[(1, 1.0)],
+    ...                   times=np.linspace(0, 5e-4, 6))
+    >>> pulses.strain.shape
+    (3, 1, 6)
+    """
+    problems: Problems = []
+    if on_error not in ("raise", "record"):
+        problems.append(("on_error", f'must be "raise" or "record", got {on_error!r}'))
+    if workers is not None:
+        workers = count(problems, "workers", workers)
+    try:
+        options = Options(until, method, max_events, dt, rtol, cells)
+        options = replace(options, method=options.method_for(system))
+        readings = _readings(problems, system, gauges, times)
+    except InvalidModel as error:
+        problems += error.problems
+    if problems:
+        raise InvalidModel(problems)
+    of = _arrays(system, readings)
+    chunks = _Chunks(system.shape, _chunk_members(system, options, readings))
+    size = math.prod(system.shape)
+    keep: Checkpoint | None = None
+    if checkpoint is None:
+        columns = {name: np.empty((size, *beyond), kind) for name, (kind, beyond) in of.items()}
+        done = np.zeros(len(chunks), dtype=bool)
+    else:
+        described = {
+            "format": "rodimpact sweep", "rodimpact": __version__, "system": system.digest,
+            "shape": list(system.shape), **asdict(options), **readings.to_dict(),
+        }
+        shapes = {name: (np.dtype(kind), (*system.shape, *beyond))
+                  for name, (kind, beyond) in of.items()}
+        keep = Checkpoint(checkpoint, described, shapes, len(chunks))
+        columns, done = keep.columns(), keep.done.copy()
+
+    def arrived(number: int, found: Columns) -> None:
+        start, stop = chunks.span(number)
+        if on_error == "raise":
+            _raise_first(found["status"], start, system, options)
+        if keep is not None and not done[number]:
+            keep.write(number, start, found)
+        elif keep is None:
+            for name, values in found.items():
+                columns[name][start:stop] = values
+        if progress is not None:
+            progress(stop, size)
+
+    waiting: deque[tuple[int, Any]] = deque()
+    try:
+        for number in np.flatnonzero(done).tolist():
+            start, stop = chunks.span(number)
+            arrived(number, {"status": columns["status"].reshape(-1)[start:stop]})
+        with _pool(executor, workers) as (pool, *asking):
+            for number in np.flatnonzero(~done).tolist():
+                if len(waiting) == AHEAD:
+                    first, job = waiting.popleft()
+                    arrived(first, job.result())
+                part = system[chunks.box(number)]
+                waiting.append((number, pool.submit(run_chunk, part, options, readings, *asking)))
+            while waiting:
+                first, job = waiting.popleft()
+                arrived(first, job.result())
+    finally:
+        for _, job in waiting:
+            job.cancel()
+        if keep is not None:
+            keep.close()
+    if keep is not None:
+        columns = keep.columns()
+    shaped = {
+        name: columns[name].reshape((*system.shape, *beyond)) for name, (_, beyond) in of.items()
+    }
+    strain = shaped.pop("strain", None)
+    return SweepResult(system, options, shaped, readings, strain)
+
+
+def run_chunk(
+    system: System, options: Options, readings: Readings, stop: Callable[[], bool] = lambda: False
+) -> Columns:
+    """Columns of the members of a family, in C order; what executors run.
+
+    The method is chosen, and `options` hold for the family.
+    """
+    found: Columns = {}
+    if options.method == "fronts":
+        found = _together(system, options, stop)
+    if options.method != "fronts" or readings.gauges:
+        found = _one_by_one(system, options, readings, stop) | found
+    return {name: found[name].astype(kind) for name, (kind, _) in _arrays(system, readings).items()}
+
+
+def _one_by_one(
+    system: System, options: Options, readings: Readings, stop: Callable[[], bool]
+) -> Columns:
+    """Columns of members that are solved each alone."""
+    size = math.prod(system.shape)
+    found: Columns = {
+        name: np.full((size, *beyond), math.nan if kind is np.float64 else 0)
+        for name, (kind, beyond) in _arrays(system, readings).items()
+    }
+    found["status"][:] = STATUS.index("refused")
+    for place, index in enumerate(np.ndindex(system.shape)):
+        if stop():
+            raise Stopped
+        try:
+            solution = run_method(system[index], options.method, options)
+        except InvalidModel:
+            continue
+        o = solution.outcome
+        as_asked = options.until is None or solution.stopped_by == "until"
+        found["status"][place] = STATUS.index(
+            "final" if o.final and as_asked else solution.stopped_by
+        )
+        found["final"][place], found["vibration"][place] = o.final, sum(o.vibration_after)
+        if not o.why_no_restitution():
+            found["restitution"][place] = o.restitution
+        for i, v in enumerate(o.velocities_after):
+            found[f"velocity_after.{i}"][place] = v
+        for k in o.unilateral:
+            for name in ContactColumns._fields:
+                found[f"{name}.{k}"][place] = getattr(o.contacts[k], name)
+        for g, (body, x) in enumerate(readings.gauges):
+            inside = readings.times <= solution.t_end * (1 + 1e-12)
+            record = solution.gauge(body, x)
+            found["strain"][place, g, inside] = record.strain_at(readings.times[inside])
+    return found
+
+
+def _together(system: System, options: Options, stop: Callable[[], bool]) -> Columns:
+    """Columns of members that the fronts method runs in compiled code."""
+    plan = Blueprint(system)
+    run = run_family(plan, system.shape, options.until, options.max_events, stop)
+    first, nodes = [span[0] for span in plan.spans], plan.make.node
+    contacts = range(len(system.contacts))
+    final = run.final & (not driven(system))
+    unknown = np.where(run.flag == FULL, math.nan, 0.0)
+    before, after = (
+        [unknown + np.broadcast_to(v, system.shape).ravel()
+         for v in body_velocities(system, first, [x.reshape(system.shape) for x in by_segment.T],
+                                  0.0)]
+        for by_segment in (run.before, run.after)
+    )
+    unilateral = _unilateral(system)
+    e = np.full(len(unknown), math.nan)
+    if len(unilateral) == 1:
+        k = unilateral[0]
+        e = effective_restitution(
+            final, run.episodes[:, nodes[k]], before[k : k + 2], after[k : k + 2]
+        )
+    found = {"restitution": e}
+    found |= {f"velocity_after.{i}": v for i, v in enumerate(after)}
+    for name in ContactColumns._fields:
+        by_node = getattr(run, name)
+        for k in contacts:
+            values = by_node[:, nodes[k]]
+            if name != "episodes":
+                values = unknown + values if k in unilateral else np.full(len(e), math.nan)
+            found[f"{name}.{k}"] = values
+    capped = (run.flag == CAP) & (~final | (options.until is not None))
+    places = [STATUS.index(name) for name in ("max_events", "clock", "refused", "final")]
+    status = np.select(
+        [capped, run.flag == CLOCK, run.flag == FULL, final], places, STATUS.index("until")
+    )
+    return {**found, "vibration": unknown + run.vibration, "final": final, "status": status}
+
+
+def _chunk_members(system: System, options: Options, readings: Readings) -> int:
+    """How many members to hand over at a time."""
+    if options.method != "fronts" or readings.gauges:
+        return ONE_BY_ONE
+    return chunk_members(Blueprint(system))
+
+
+def _arrays(system: System, readings: Readings) -> dict[str, tuple[Any, tuple[int, ...]]]:
+    """Names of what is found out about each member, with types and shapes beyond the family's."""
+    contacts = range(len(system.contacts))
+    kinds: dict[str, Any] = {"restitution": np.float64}
+    kinds |= {f"velocity_after.{i}": np.float64 for i in range(len(system.bodies))}
+    for name in ContactColumns._fields:
+        kind = np.int32 if name == "episodes" else np.float64
+        kinds |= {f"{name}.{k}": kind for k in contacts}
+    kinds |= {"vibration": np.float64, "final": np.bool_, "status": np.int8}
+    arrays: dict[str, tuple[Any, tuple[int, ...]]] = {name: (k, ()) for name, k in kinds.items()}
+    if readings.gauges:
+        arrays["strain"] = np.float64, (len(readings.gauges), len(readings.times))
+    return arrays
+
+
+def _unilateral(system: System) -> list[int]:
+    return [k for k, law in enumerate(system.contacts) if not isinstance(law, Bonded)]
+
+
+class _Chunks:
+    """A shape cut into boxes that are contiguous in C order and hold at most `most` members."""
+
+    def __init__(self, shape: tuple[int, ...], most: int) -> None:
+        padded = (1, *shape)
+        axis = min(d for d in range(len(padded)) if math.prod(padded[d + 1 :]) <= most)
+        self._outer, self._inner = padded[:axis], math.prod(padded[axis + 1 :])
+        self._whole = (slice(None),) * (len(shape) - axis)
+        parts = -(-padded[axis] // (most // self._inner))
+        self._cuts = [padded[axis] * i // parts for i in range(parts + 1)]
+
+    def __len__(self) -> int:
+        return math.prod(self._outer) * (len(self._cuts) - 1)
+
+    def span(self, number: int) -> tuple[int, int]:
+        """First and last flat index of a chunk."""
+        outer, part = divmod(number, len(self._cuts) - 1)
+        low, high = (outer * self._cuts[-1] + cut for cut in self._cuts[part : part + 2])
+        return low * self._inner, high * self._inner
+
+    def box(self, number: int) -> tuple[slice, ...]:
+        """Index of a chunk in the family."""
+        outer, part = divmod(number, len(self._cuts) - 1)
+        leading = [slice(int(i), int(i) + 1) for i in np.unravel_index(outer, self._outer)]
+        return (*leading, slice(*self._cuts[part : part + 2]), *self._whole)[1:]
+
+
+@contextlib.contextmanager
+def _pool(executor: Executor | None, workers: int | None) -> Iterator[tuple[Any, ...]]:
+    """An executor, and for our own what its jobs ask whether to stop."""
+    if executor is not None:
+        yield (executor,)
+        return
+    stopping = threading.Event()
+    with ThreadPoolExecutor(workers or _processors()) as pool:
+        try:
+            yield pool, stopping.is_set
+        except BaseException:
+            stopping.set()
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _processors() -> int:
+    """Processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _readings(problems: Problems, system: System, gauges: Any, times: Any) -> Readings:
+    """Check gauges and times; note mistakes."""
+    if times is None and not len(gauges):
+        return Readings()
+    if times is None or not len(gauges):
+        problems.append(("times", "go with gauges=[(body, x), ...]; give both or neither"))
+        return Readings()
+    lengths = {i: b.length for i, b in enumerate(system.bodies) if isinstance(b, Rod)}
+    places = []
+    for i, given in enumerate(gauges):
+        try:
+            body, x = given
+        except (TypeError, ValueError):
+            problems.append((f"gauges.{i}", f"must be (body, x), such as (1, 0.5), got {given!r}"))
+            continue
+        x = number(problems, f"gauges.{i}.x", x, "m", "non-negative")
+        if isinstance(body, bool) or not isinstance(body, Integral) or body not in lengths:
+            known = ", ".join(map(str, lengths))
+            problems.append((f"gauges.{i}.body", f"must be a rod, {known}; got {body!r}"))
+        elif not isinstance(x, float):
+            problems.append((f"gauges.{i}.x", f"must be a single number, got {x!r}"))
+        elif x > (shortest := float(np.min(lengths[int(body)]))):
+            message = f"must lie in body {body} of every member, 0 to {shortest!r} m, got {x!r}"
+            problems.append((f"gauges.{i}.x", message))
+        else:
+            places.append((int(body), x))
+    wanted: Any = number(problems, "times", times, "s", "non-negative")
+    if np.ndim(wanted) != 1:
+        problems.append(("times", f"must be a list of times, got {times!r}"))
+    return Readings(tuple(places), wanted)
+
+
+def _explain(member: System, options: Options) -> str:
+    try:
+        solution = run_method(member, options.method, options)
+    except InvalidModel as error:
+        return "; ".join(f"{path}: {said}" for path, said in error.problems)
+    o = solution.outcome
+    never = o.final or (o.driven and solution.stopped_by == "until")  # however long it runs
+    return (never and o.why_no_restitution()) or o.status
+
+
+def _raise_first(status: Any, start: int, system: System, options: Options) -> None:
+    """Raise for the first member of a chunk that did not come to its end."""
+    bad = np.flatnonzero(~np.isin(status, ENDED))
+    if not bad.size:
+        return
+    index = tuple(int(i) for i in np.unravel_index(start + bad[0], system.shape))
+    reason = _explain(system[index], options)
+    parameters = {
+        path: float(np.broadcast_to(values, system.shape)[index])
+        for path, values in system.parameters.items()
+    }
+    raise SweepError(index, parameters, f'{reason} (on_error="record" keeps the others)')
+
+
+def _extra(name: str, extra: str) -> Any:
+    """An optional package, imported on demand."""
+    from importlib import import_module
+
+    try:
+        return import_module(name)
+    except ImportError:
+        message = f"{name} is not installed; pip install 'rodimpact[{extra}]' adds it"
+        raise ImportError(message) from None

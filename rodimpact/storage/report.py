@@ -1,0 +1,293 @@
+"""Outcomes, solutions and ring-downs as tables for people and as JSON for programs.
+
+JSON gives every digit, and null where there is no such number.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ..units import format_si
+from .tables import SCHEMA_VERSION, align, clean, finite, joules
+
+MOST_EPISODES = 12  # listed in a table
+
+
+def outcome_table(outcome: Any) -> str:
+    """What a collision did, for people.
+
+    Parameters
+    ----------
+    outcome : Outcome
+
+    Returns
+    -------
+    str
+        Bodies, contacts, energy, restitution and balances, and the sentences that go with them.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+    >>> print(outcome_table(ri.collide(left, right)).splitlines()[2])
+    1     rod  0.785 kg            0 m/s         0.4 m/s                 94.2 mJ
+    """
+    return "\n\n".join([*_tables(outcome), _sentences(outcome)])
+
+
+def solution_table(solution: Any) -> str:
+    """What a collision did and how the run went, for people.
+
+    Parameters
+    ----------
+    solution : Solution
+
+    Returns
+    -------
+    str
+        The tables of `outcome_table`, and when each contact pressed and opened.
+    """
+    outcome = solution.outcome
+    run = [
+        ["run to", format_si(solution.t_end, "s")],
+        ["method", solution.method],
+        ["events", str(solution.events)],
+    ]
+    blocks = [*_tables(outcome), *_episodes(solution), align(run), _sentences(outcome)]
+    return "\n\n".join(blocks)
+
+
+def ring_down_table(found: Any) -> str:
+    """How vibration dies out, for people.
+
+    Parameters
+    ----------
+    found : RingDown
+
+    Returns
+    -------
+    str
+    """
+    def spell(seconds: float) -> str:
+        return format_si(seconds, "s", 4) if seconds < math.inf else "never"
+
+    first, last = float(found.vibration[0]), float(found.vibration[-1])
+    return align([
+        ["vibration when the collision is over", format_si(first, "J", 4)],
+        ["vibration at the end", format_si(clean(last, first + found.rigid), "J", 4)],
+        ["energy of the rigid motion", format_si(found.rigid, "J", 4)],
+        ["energy of vibration falls to 1/e in", spell(found.decay_time)],
+        [f"that of rod {found.body}'s mode of {format_si(found.frequency, 'Hz', 4)} in",
+         spell(found.modal_decay_time)],
+        ["read off the last third of", spell(float(found.times[-1] - found.times[0]))],
+        ["momentum changed by, relative", _residual(found.momentum_change)],
+    ])
+
+
+def outcome_dict(outcome: Any) -> dict[str, Any]:
+    """What a collision did, for programs: JSON-ready, SI units, full precision, None for null.
+
+    Parameters
+    ----------
+    outcome : Outcome
+
+    Returns
+    -------
+    dict
+        With ``schema_version``; numbers that do not exist or are infinite are None, and
+        ``restitution_undefined`` is then the reason.
+    """
+    return {"schema_version": SCHEMA_VERSION, **_outcome(outcome)}
+
+
+def solution_dict(solution: Any) -> dict[str, Any]:
+    """What a collision did and how the run went, for programs; as `outcome_dict`.
+
+    Parameters
+    ----------
+    solution : Solution
+
+    Returns
+    -------
+    dict
+        With ``schema_version``, the system, the outcome, and for each contact its episodes.
+    """
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "system": solution.system.to_dict(),
+        "method": solution.method,
+        "outcome": _outcome(solution.outcome),
+        "episodes": [
+            [{name: finite(t) for name, t in episode._asdict().items()} for episode in c.episodes]
+            for c in solution.contacts
+        ],
+        "final": solution.final,
+        "stopped_by": solution.stopped_by,
+        "status": solution.status,
+        "t_end": solution.t_end,
+        "t_final": finite(solution.t_final),
+        "events": solution.events,
+        "transit_error": solution.transit_error,
+    }
+
+
+def _tables(outcome: Any) -> list[str]:
+    contacts = [_contacts(outcome)] if outcome.contacts else []
+    return [_bodies(outcome), *contacts, _energy(outcome), _balances(outcome)]
+
+
+def _bodies(o: Any) -> str:
+    velocities = [*o.velocities_before, *o.velocities_after]
+    largest = max(map(abs, velocities))
+    spread = clean(max(velocities) - min(velocities), largest)
+    common = math.floor(math.log10(largest / spread)) if spread > 0 else 0
+    digits = min(6 + common, 15)  # so that the differences have six
+
+    def velocity(v: float) -> str:
+        return f"{clean(v, largest):.{digits}g} m/s"
+
+    then = _then(o)
+    rows = [["body", "", "mass", "velocity before", f"velocity {then}", f"vibration energy {then}"]]
+    scale = _vibration_scale(o)
+    for i, (kind, mass, before, after, vibration) in enumerate(zip(
+        o.bodies, o.masses, o.velocities_before, o.velocities_after, o.vibration_after, strict=True
+    )):
+        rigid = mass == math.inf
+        rows.append([
+            str(i), kind, "-" if rigid else format_si(mass, "kg"), velocity(before),
+            velocity(after), "-" if rigid else joules(vibration, scale),
+        ])
+    return align(rows, left=(0, 1))
+
+
+def _contacts(o: Any) -> str:
+    rows = [["contact", "impulse", "peak force", "time under force", "episodes"]]
+    scale = max(abs(c.impulse) for c in o.contacts)
+    for i, c in enumerate(o.contacts):
+        name, impulse = f"{i}-{i + 1}", format_si(clean(c.impulse, scale), "N s")
+        if i in o.unilateral:
+            force, time = format_si(c.peak_force, "N"), format_si(c.duration, "s")
+            rows.append([name, impulse, force, time, str(c.episodes)])
+        else:
+            rows.append([f"{name} bonded", impulse, "-", "-", "-"])
+    return align(rows)
+
+
+def _energy(o: Any) -> str:
+    vibration = sum(o.vibration_before), sum(o.vibration_after)
+    total = o.kinetic_before + vibration[0], o.kinetic_after + vibration[1] + o.contact_energy
+    scale, inner = max(total), _vibration_scale(o)
+
+    def row(name: str, before: float, after: float, scale: float) -> list[str]:
+        return [name, joules(before, scale), joules(after, scale)]
+
+    rows = [
+        ["energy", "before", _then(o)],
+        row("moving as a whole", o.kinetic_before, o.kinetic_after, scale),
+        row("vibration and strain", *vibration, inner),
+    ]
+    if o.contact_energy:
+        rows.append(["in compliant contacts", "", joules(o.contact_energy, scale)])
+    rows.append(row("total", *total, scale))
+    scale = max(scale, *(abs(value) for _, value in _exchanges(o)))
+    rows += [[name, "", joules(value, scale)]
+             for name, value in _exchanges(o) if clean(value, scale)]
+    return align(rows)
+
+
+def _exchanges(o: Any) -> list[tuple[str, float]]:
+    """Works and losses between before and after, J."""
+    return [
+        ("work of moving walls", o.wall_work), ("work of driven ends", o.drive_work),
+        ("work of gravity", o.gravity_work), ("lost in contacts", o.dissipated),
+        ("lost in material", o.damped), ("lost to the time step", o.numerical),
+        ("radiated", o.radiated),
+    ]
+
+
+def _balances(o: Any) -> str:
+    e = "-" if o.why_no_restitution() else f"{clean(o.restitution, 1.0):.9g}"
+    return align([
+        ["coefficient of restitution e", e],
+        ["momentum balance, relative error", _residual(o.momentum_residual)],
+        ["energy balance, relative error", _residual(o.energy_residual)],
+    ])
+
+
+def _residual(value: float) -> str:
+    return "below 1e-15" if abs(value) < 1e-15 else f"{abs(value):.2g}"
+
+
+def _episodes(solution: Any) -> list[str]:
+    found: list[tuple[int, Any]] = [
+        (contact.index, episode) for contact in solution.contacts for episode in contact.episodes
+    ]
+    if not found:
+        return []
+    rows = [["contact", "force from", "force ends", "gap opens"]]
+    rows += [[f"{i}-{i + 1}", *(format_si(t, "s") for t in e)] for i, e in found[:MOST_EPISODES]]
+    hidden = len(found) - MOST_EPISODES
+    return [align(rows) + (f"\n... and {hidden} more" if hidden > 0 else "")]
+
+
+def _sentences(o: Any) -> str:
+    reason = o.why_no_restitution()
+    said = [reason[:1].upper() + reason[1:]] if reason else []
+    if o.status not in reason:
+        said.append(o.status)
+    return "\n".join(text if text.endswith(".") else f"{text}." for text in said)
+
+
+def _then(o: Any) -> str:
+    return "after" if o.final else "at the end"
+
+
+def _vibration_scale(o: Any) -> Any:
+    """Energy of the motion of the bodies relative to each other."""
+    velocities = o.velocities_before
+    spread = max(velocities) - min(velocities)
+    mass = sum(m for m in o.masses if m < math.inf)
+    return mass * spread * spread / 2 + sum(o.vibration_before)
+
+
+def _outcome(o: Any) -> dict[str, Any]:
+    bodies = zip(
+        o.bodies, o.masses, o.velocities_before, o.velocities_after,
+        o.vibration_before, o.vibration_after, strict=True,
+    )
+    names = (
+        "mass", "velocity_before", "velocity_after", "vibration_before", "vibration_after",
+    )
+    reason = o.why_no_restitution()
+    return {
+        "bodies": [
+            {"kind": kind, **dict(zip(names, map(finite, numbers), strict=True))}
+            for kind, *numbers in bodies
+        ],
+        "contacts": [
+            {
+                "left": i, "right": i + 1, "bonded": i not in o.unilateral,
+                **{name: finite(value) if i in o.unilateral or name == "impulse" else None
+                   for name, value in c._asdict().items()},
+            }
+            for i, c in enumerate(o.contacts)
+        ],
+        "restitution": None if reason else finite(o.restitution),
+        "restitution_undefined": reason or None,
+        "kinetic_before": finite(o.kinetic_before),
+        "kinetic_after": finite(o.kinetic_after),
+        "contact_energy": finite(o.contact_energy),
+        "dissipated": finite(o.dissipated),
+        "damped": finite(o.damped),
+        "numerical": finite(o.numerical),
+        "radiated": finite(o.radiated),
+        "wall_work": finite(o.wall_work),
+        "drive_work": finite(o.drive_work),
+        "gravity_work": finite(o.gravity_work),
+        "momentum_residual": finite(o.momentum_residual),
+        "energy_residual": finite(o.energy_residual),
+        "final": o.final,
+        "status": o.status,
+    }

@@ -1,0 +1,72 @@
+"""Numbers as text: tables for people, JSON for programs.
+
+A table gives six digits with units, a dash where there is no such number, and 0 where only
+round-off is left.
+"""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Sequence
+
+from ..units import format_si
+
+SCHEMA_VERSION = 1
+"""Of JSON for programs."""
+
+ROUND_OFF = 2.0**-44
+"""A table shows values below this fraction of their scale as 0. A wave is known to 2^-48 of the
+velocities for each end it has passed."""
+
+
+def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
+    """Set rows of text in columns, two spaces apart.
+
+    Parameters
+    ----------
+    rows : sequence of rows of str
+        All rows have as many cells.
+    left : sequence of int
+        Columns whose text starts at the left; in the others it ends at the right.
+
+    Returns
+    -------
+    str
+        One line a row, without a final newline.
+
+    Examples
+    --------
+    >>> print(align([["rod", "length"], ["left", "0.4 m"], ["right", "1 m"]]))
+    rod    length
+    left    0.4 m
+    right     1 m
+    """
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "\n".join(
+        "  ".join(
+            cell.ljust(width) if i in left else cell.rjust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    )
+
+
+def clean(value: float, scale: float) -> float:
+    """A value for a table: 0 if it is only round-off beside `scale`."""
+    return 0.0 if abs(value) <= ROUND_OFF * scale else value
+
+
+def as_html(text: str) -> str:
+    """A table as HTML, for notebooks."""
+    return f"<pre>{html.escape(text)}</pre>"
+
+
+def joules(value: float, scale: float) -> str:
+    """An energy for a table."""
+    return format_si(clean(value, scale), "J")
+
+
+def finite(value: float) -> float | None:
+    """A number for JSON, which has no infinite ones and no nan."""
+    return value if math.isfinite(value) else None

@@ -1,0 +1,564 @@
+"""The command line: what is printed, where, and with which exit status."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import rodimpact as ri
+from rodimpact.cli import COMMANDS, main
+from rodimpact.cli.doctor import version_of
+from rodimpact.cli.selfcheck import Check, checks
+
+ROOT = Path(ri.__file__).parent.parent
+CASE = """\
+schema = 1
+
+[[bodies]]
+kind = "rod"
+length = "0.4 m"
+area = "1 cm^2"
+material = "steel"
+velocity = 1.0
+
+[[bodies]]
+kind = "rod"
+length = "1 m"
+area = "1 cm^2"
+material = "steel"
+"""
+ENDLESS = """\
+schema = 1
+bodies = [
+    {kind = "wall"},
+    {kind = "rod", velocity = 1.0, segments = [
+        {length = 0.41421356, area = 1e-4, material = "steel"},
+        {length = 0.73205081, area = 3e-4, material = "brass"},
+        {length = 0.23606798, area = 1e-4, material = "copper"},
+    ]},
+    {kind = "wall"},
+]
+solve.until = 1.0
+"""
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"}
+
+
+@pytest.fixture
+def case(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "case.toml"
+    path.write_text(CASE)
+    return path
+
+
+def python(*arguments, **options):
+    """Run Python on the package in a process of its own."""
+    how = {"env": ENVIRONMENT, "text": True, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    command = [sys.executable, *map(str, arguments)]
+    return subprocess.run(command, timeout=60, check=False, **(how | options))
+
+
+# The program --------------------------------------------------------------------------------------
+
+
+def test_version(capsys):
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"rodimpact {ri.__version__}\n"
+
+
+def test_version_and_help_need_no_numpy():
+    code = (
+        "import sys; from rodimpact.cli import main; main([{!r}]);"
+        "assert not {{'numpy', 'numba', 'matplotlib'}} & set(sys.modules)"
+    )
+    for option in ("--version", "--help"):
+        done = python("-c", code.format(option))
+        assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_python_m_rodimpact_is_the_program():
+    done = python("-m", "rodimpact", "--version")
+    assert (done.returncode, done.stdout) == (0, f"rodimpact {ri.__version__}\n")
+
+
+def test_help_lists_every_command_with_its_own_help(capsys):
+    assert main(["--help"]) == 0
+    text = capsys.readouterr().out
+    for command in COMMANDS:
+        assert f"\n  {command} " in text
+        assert main([command, "--help"]) == 0
+        assert f"usage: rodimpact {command}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [
+        ([], "name a command: box, run"),
+        (["verfy"], "unknown command 'verfy'; perhaps verify is meant"),
+        (["zzz"], "choose one of box, run"),
+        (["run"], "the following arguments are required: CASE.toml"),
+        (["verify", "--js"], "unrecognized arguments: --js"),
+        (["--js"], "unrecognized arguments: --js"),
+    ],
+)
+def test_a_wrong_call_ends_with_2_and_says_what_is_meant(argv, said, capsys):
+    assert main(argv) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert said in err
+
+
+def test_an_internal_fault_ends_with_1_and_shows_where(monkeypatch, capsys):
+    def broken():
+        raise RuntimeError("boiler")
+
+    monkeypatch.setattr("rodimpact.cli.selfcheck.checks", broken)
+    assert main(["verify"]) == 1
+    err = capsys.readouterr().err
+    assert "RuntimeError: boiler" in err
+    assert "a fault of rodimpact, not yours" in err
+
+
+def test_an_interrupt_ends_with_130(monkeypatch, capsys):
+    def interrupted():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("rodimpact.cli.selfcheck.checks", interrupted)
+    assert main(["verify"]) == 130
+    assert capsys.readouterr().err == "rodimpact: interrupted\n"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such signals")
+@pytest.mark.usefixtures("ctrl_c_is_heard")
+def test_sigint_ends_a_long_run_with_130_and_without_traceback(case):
+    case.write_text(ENDLESS)
+    code = (
+        "import sys; from rodimpact.cli import main, run;"
+        "solve = run.solved;"
+        "run.solved = lambda *a, **k: (print('solving', flush=True), solve(*a, **k))[1];"
+        "sys.exit(main(['run', sys.argv[1]]))"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, str(case)], env=ENVIRONMENT | {"NUMBA_DISABLE_JIT": "1"},
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )
+    assert process.stdout.readline() == "solving\n"
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=30)
+    assert (process.returncode, out, err) == (130, "", "rodimpact: interrupted\n")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such pipes")
+@pytest.mark.parametrize("command", ["materials", "verify", "--help"])
+def test_a_reader_who_has_gone_is_no_failure(command):
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = python("-m", "rodimpact", command, stdout=writing)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_a_full_disk_under_standard_output_ends_with_1():
+    with open("/dev/full", "w") as full:
+        done = python("-m", "rodimpact", "materials", stdout=full)
+    assert done.returncode == 1
+    assert done.stderr.startswith("rodimpact: cannot write the result: ")
+    assert done.stderr.count("\n") == 1
+
+
+def test_a_poor_encoding_of_the_output_is_no_fault(case):
+    umlaut = CASE.replace('"steel"', '"St\u00e4hl"')
+    material = "[materials.'St\u00e4hl']\nyoungs_modulus = 2e11\ndensity = 7850\n"
+    case.write_text(umlaut + material, encoding="utf-8")
+    poor = ENVIRONMENT | {"PYTHONIOENCODING": "ascii:strict"}
+    done = python("-m", "rodimpact", "run", case, "--json", env=poor)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["system"]["bodies"][0]["material"]["name"] == "St\u00e4hl"
+
+
+# run ----------------------------------------------------------------------------------------------
+
+
+def test_run_prints_the_table(case, capsys):
+    assert main(["run", str(case)]) == 0
+    out, err = capsys.readouterr()
+    assert "coefficient of restitution e" in out
+    assert "158.493 us" in out
+    assert err == ""  # notes are for terminals
+
+
+def test_run_prints_json_in_full_precision(case, capsys):
+    assert main(["run", str(case), "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    expected = ri.collide(
+        ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0),
+        ri.Rod(1.0, area=1e-4, material=ri.materials.steel),
+    )
+    assert data["schema_version"] == 1
+    assert data["outcome"]["restitution"] == expected.restitution
+
+
+def test_run_without_plots_imports_no_matplotlib_and_no_numba(case):
+    code = (
+        "import sys; from rodimpact.cli import main;"
+        "assert main(['run', sys.argv[1], '--save', 'a.npz']) == 0;"
+        "assert not {'matplotlib', 'numba', 'scipy'} & set(sys.modules)"
+    )
+    done = python("-c", code, case)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_run_saves_what_load_reads(case):
+    assert main(["run", str(case), "--save", "a.npz"]) == 0
+    assert ri.load("a.npz").outcome.restitution == pytest.approx(0.4, rel=1e-14)
+
+
+def test_notes_go_to_a_terminal(case, capsys, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    assert main(["run", str(case), "--save", "a.npz"]) == 0
+    out, err = capsys.readouterr()
+    assert err == "wrote a.npz\n"
+    assert "wrote" not in out
+
+
+def test_run_takes_files_and_limits_from_the_case(case, capsys):
+    case.write_text(CASE + '[solve]\nuntil = "0.1 ms"\n[output]\nsave = "b.npz"\n')
+    assert main(["run", str(case), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["t_end"] == 1e-4
+    assert Path("b.npz").exists()
+
+
+def test_options_overrule_the_case(case, capsys):
+    case.write_text(CASE + '[solve]\nuntil = "0.1 ms"\n[output]\nsave = "b.npz"\n')
+    argv = ["run", str(case), "--json", "--until", "200 us", "--save", "c.npz"]
+    assert main(argv) == 0
+    assert json.loads(capsys.readouterr().out)["t_end"] == 2e-4
+    assert Path("c.npz").exists()
+    assert not Path("b.npz").exists()
+
+
+def test_a_run_that_stops_early_ends_with_3_and_still_reports_and_saves(case, capsys):
+    case.write_text(ENDLESS)
+    assert main(["run", str(case), "--max-events", "500", "--save", "a.npz"]) == 3
+    out = capsys.readouterr().out
+    assert "velocity at the end" in out
+    assert "Raise max_events" in out
+    assert ri.load("a.npz").stopped_by == "max_events"
+
+
+def test_five_events_are_too_few(case):
+    assert main(["run", str(case), "--max-events", "5"]) == 3
+
+
+def test_an_end_that_was_asked_for_is_no_early_stop(case):
+    assert main(["run", str(case), "--until", "1e-5"]) == 0
+
+
+def test_an_existing_file_needs_force_and_is_left_alone(case, capsys):
+    Path("a.npz").write_text("precious")
+    assert main(["run", str(case), "--save", "a.npz"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("rodimpact: --save: ")
+    assert "--force" in err
+    assert Path("a.npz").read_text() == "precious"
+    assert main(["run", str(case), "--save", "a.npz", "--force"]) == 0
+    assert ri.load("a.npz").final
+
+
+def test_outputs_are_checked_before_solving(case, monkeypatch):
+    monkeypatch.setattr("rodimpact.cli.run.solved", lambda *_, **__: pytest.fail("solved"))
+    Path("a.npz").write_text("precious")
+    assert main(["run", str(case), "--save", "a.npz"]) == 2
+    assert main(["run", str(case), "--save", "nowhere/a.npz"]) == 1
+
+
+def test_a_file_that_cannot_be_written_ends_with_1(case, capsys):
+    assert main(["run", str(case), "--save", "nowhere/a.npz"]) == 1
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "nowhere" in err
+    assert "Traceback" not in err
+
+
+def test_all_mistakes_are_reported_at_once(case, capsys):
+    Path("a.npz").write_text("precious")
+    case.write_text(CASE.replace('"0.4 m"', "-1").replace('"steel"\n\n', '"stel"\n\n', 1)
+                    + '[output]\nsave = "a.npz"\n')
+    argv = ["run", str(case), "--until", "3 kg", "--max-events", "0", "--cells", "1.5",
+            "--snapshots", "no", "--plot", "a.npz"]
+    assert main(argv) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    said = {line.split(": ")[1]: line for line in err.splitlines()}
+    options = {"--until", "--max-events", "--cells", "--snapshots", "--plot"}
+    assert options | {"bodies.0.length"} <= set(said)
+    assert "unit of mass" in said["--until"]
+    assert all(line.startswith("rodimpact: ") for line in err.splitlines())
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [("schema = 1\nbodies = [", "case.toml: "), ("", "schema: "), ("\x00", "case.toml: ")],
+)
+def test_a_broken_case_ends_with_2(case, capsys, text, said):
+    case.write_text(text)
+    assert main(["run", "case.toml"]) == 2
+    err = capsys.readouterr().err
+    assert said in err
+    assert "Traceback" not in err
+
+
+@pytest.mark.parametrize("name", ["missing.toml", "."])
+def test_a_case_that_cannot_be_read_ends_with_2(case, capsys, name):
+    assert main(["run", name]) == 2
+    assert f"{name}: cannot be read" in capsys.readouterr().err
+
+
+def test_what_solve_refuses_ends_with_2(case, capsys):
+    assert main(["run", str(case), "--until", "1e300"]) == 2
+    assert capsys.readouterr().err.startswith("rodimpact: until: ")
+
+
+def test_run_draws_a_plot(case):
+    assert main(["run", str(case), "--plot", "a.png"]) == 0
+    assert Path("a.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_plot_in_an_unknown_format_is_refused_before_solving(case, capsys, monkeypatch):
+    monkeypatch.setattr("rodimpact.cli.run.solved", lambda *_, **__: pytest.fail("solved"))
+    assert main(["run", str(case), "--plot", "a.xyz"]) == 2
+    err = capsys.readouterr().err
+    assert err.startswith("rodimpact: --plot: ")
+    assert "svg" in err
+    assert not Path("a.xyz").exists()
+
+
+# rigid --------------------------------------------------------------------------------------------
+
+SAMPLE = ["rigid", "--m1", "2", "--v1", "0.5", "--m2", "10", "--v2", "0.2"]
+
+
+def test_rigid_prints_sample_10_19(capsys):
+    assert main([*SAMPLE, "-e", "1"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert " ".join(lines[1].split()) == "1 2 kg 0.5 m/s 0 m/s 1 N s 0 N s"
+    assert " ".join(lines[2].split()) == "2 10 kg 0.2 m/s 0.3 m/s 2 N s 3 N s"
+
+
+def test_rigid_takes_units_signs_walls_and_percent(capsys):
+    argv = ["rigid", "--m1", "500 g", "--v1", "10", "--m2", "inf", "--v2", "-20cm/s", "-e", "90%",
+            "--json"]
+    assert main(argv) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["m2"] is data["energy_before"] is None
+    assert data["velocity_1"] == pytest.approx(-0.2 - 0.9 * 10.2, rel=1e-14)
+    assert data["impulse"] == pytest.approx(0.5 * 1.9 * 10.2, rel=1e-14)
+
+
+def test_rigid_prints_round_off_as_zero(capsys):
+    argv = ["rigid", "--m1", "0.3", "--v1", "0.7", "--m2", "0.1", "--v2", "-2.1", "-e", "0"]
+    assert main(argv) == 0
+    lines = capsys.readouterr().out.splitlines()
+    for line in lines[1:3]:
+        assert line.split()[5:7] == ["0", "m/s"]
+        assert line.split()[10:] == ["0", "N", "s"]
+
+
+def test_rigid_reports_all_mistakes_at_once(capsys):
+    assert main(["rigid", "--m1", "2 m", "--v1", "x", "--m2", "1", "--v2", "0", "-e", "1 s"]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.split(": ")[1] for line in lines] == ["--m1", "--v1", "-e"]
+
+
+def test_rigid_refuses_energy_unless_it_is_released(capsys):
+    assert main([*SAMPLE, "-e", "1.5"]) == 2
+    error = capsys.readouterr().err
+    assert "-e = 1.5" in error
+    assert "--energy-release" in error
+    assert main([*SAMPLE, "-e", "1.5", "--energy-release"]) == 0
+    assert "-93.75 mJ" in capsys.readouterr().out
+    assert main(["rigid", "--m1", "-2", "--v1", "1", "--m2", "1", "--v2", "0", "-e", "1"]) == 2
+    assert "--m1 = -2.0" in capsys.readouterr().err
+
+
+def test_rigid_bodies_that_do_not_meet_are_a_mistake(capsys):
+    assert main(["rigid", "--m1", "2", "--v1", "0", "--m2", "1", "--v2", "1", "-e", "1"]) == 2
+    assert "the bodies do not approach" in capsys.readouterr().err
+
+
+# verify, materials, doctor ------------------------------------------------------------------------
+
+
+def test_verify_prints_every_check(capsys):
+    assert main(["verify"]) == 0
+    out = capsys.readouterr().out
+    assert out.count("  ok\n") == len(checks())
+    assert "checks passed" in out.splitlines()[-1]
+    assert main(["verify", "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["passed"] is True
+    assert all(check["residual"] <= check["bound"] for check in data["checks"])
+
+
+@pytest.mark.parametrize("got", [1.5, float("nan")])
+def test_verify_ends_with_4_if_a_number_is_off(monkeypatch, capsys, got):
+    found = [Check("a", 1.0, 1.0), Check("b", 1.0, got)]
+    monkeypatch.setattr("rodimpact.cli.selfcheck.checks", lambda: found)
+    assert main(["verify"]) == 4
+    out = capsys.readouterr().out
+    assert "1 checks FAILED" in out
+    assert main(["verify", "--json"]) == 4
+    data = json.loads(capsys.readouterr().out)
+    assert [check["passed"] for check in data["checks"]] == [True, False]
+
+
+def test_materials_names_speeds_and_sources(capsys):
+    assert main(["materials"]) == 0
+    out = capsys.readouterr().out
+    steel = next(line for line in out.splitlines() if line.startswith("steel"))
+    assert steel.split() == ["steel", "200", "GPa", "7850", "kg/m^3", "5048", "m/s", "0.29"]
+    assert main(["materials", "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)["materials"]
+    assert {m["name"] for m in data} == set(ri.materials.TABLE)
+    assert all(m["source"] for m in data)
+
+
+def test_doctor_finds_nothing_wrong(capsys):
+    assert main(["doctor", "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["versions"]["rodimpact"] == ri.__version__
+    assert data["agrees"] is (None if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0" else True)
+    assert main(["doctor"]) == 0
+    assert "compiled code" in capsys.readouterr().out
+
+
+def test_doctor_names_what_is_missing():
+    assert version_of("numpy").count(".") >= 1
+    assert version_of("no-such-package-anywhere") is None
+
+
+def test_doctor_notices_compiled_code_that_disagrees(monkeypatch, capsys):
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "0")
+    monkeypatch.setattr("rodimpact.cli.doctor.solve_a_row", lambda compile_after: [compile_after])
+    assert main(["doctor"]) == 4
+    assert "does not agree" in capsys.readouterr().out
+
+
+def test_doctor_reports_compiled_code_that_fails(monkeypatch, capsys):
+    def fails(compile_after):
+        raise ImportError("no compiler")
+
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "0")
+    monkeypatch.setattr("rodimpact.cli.doctor.solve_a_row", fails)
+    assert main(["doctor"]) == 4
+    assert "fails: ImportError: no compiler" in capsys.readouterr().out
+
+
+# box ----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def box(tmp_path_factory):
+    """What `box` prints, and the directory it fills."""
+    directory = tmp_path_factory.mktemp("box")
+    (directory / "restitution.png").write_text("of an earlier run")
+    done = python("-m", "rodimpact", "box", "-o", directory)
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout, directory
+
+
+def story(text, title):
+    """Stages and results of one collision, without the blanks between words."""
+    part = text.split(f"\n{title}")[1].split("\n\n\n")[0]
+    return [" ".join(line.split()) for line in part.splitlines()]
+
+
+def test_box_tells_the_stages_of_identical_rods(box):
+    lines = story(box[0], "Identical rods")
+    turn = "the wave turns back at the free ends of the left rod and of the right rod"
+    at = lines.index(f"198.116 us {turn}")
+    assert lines[at - 2 : at] == [
+        "left rod 1 m/s, no stress <| 0.5 m/s, 19.8 MPa compression",
+        "right rod 0.5 m/s, 19.8 MPa compression |> 0 m/s, no stress",
+    ]
+    assert lines[at + 1 : at + 6] == [
+        "left rod 0 m/s, no stress |> 0.5 m/s, 19.8 MPa compression",
+        "right rod 0.5 m/s, 19.8 MPa compression <| 1 m/s, no stress",
+        "396.232 us the wave is back at the contact; the contact force ends; the gap opens",
+        "left rod 0 m/s, no stress",
+        "right rod 1 m/s, no stress",
+    ]
+
+
+def test_box_puts_theory_beside_what_it_found(box):
+    lines = story(box[0], "Rods of different length, l1/l2 = 0.4")
+    assert "coefficient of restitution e 0.4 0.4" in lines
+    assert "contact force lasts 158.493 us 158.493 us" in lines
+    assert "gap opens after 396.232 us 396.232 us" in lines
+    assert "energy left in vibration 94.2 mJ 94.2 mJ" in lines
+    assert "277.363 us two fronts cross in the right rod, 600 mm from its left end" in lines
+    assert "coefficient of restitution e 1 1" in story(box[0], "A rod on a rigid wall")
+
+
+def test_box_corrects_the_speed_of_sound(box):
+    assert "5048 m/s" in box[0]
+    assert "about 0.4 ms" in box[0]
+
+
+def test_box_draws_what_it_lists(box):
+    text, directory = box
+    names = {path.name for path in directory.iterdir()}
+    assert len(names) == 16
+    assert all(name in text for name in names)
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in directory.iterdir())
+
+
+@pytest.fixture
+def no_figures(monkeypatch):
+    monkeypatch.setattr("rodimpact.cli.box.draw", lambda *_: [])
+
+
+def test_box_follows_the_ratio(no_figures, tmp_path, capsys):
+    assert main(["box", "--ratio", "25 %", "-o", str(tmp_path)]) == 0
+    lines = story(capsys.readouterr().out, "Rods of different length, l1/l2 = 0.25")
+    assert "coefficient of restitution e 0.25 0.25" in lines
+
+
+def test_box_defaults_to_a_directory_of_its_own(no_figures, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["box"]) == 0
+    assert (tmp_path / "rodimpact-box").is_dir()
+    assert main(["box", "-o", "a/b"]) == 0
+    assert (tmp_path / "a" / "b").is_dir()
+
+
+@pytest.mark.parametrize("ratio", ["0", "1.5", "-0.4", "x"])
+def test_box_refuses_a_ratio_that_is_none(no_figures, tmp_path, capsys, ratio):
+    assert main(["box", "--ratio", ratio, "-o", str(tmp_path / "new")]) == 2
+    assert capsys.readouterr().err.startswith("rodimpact: --ratio: ")
+    assert not (tmp_path / "new").exists()
+
+
+def test_box_needs_a_directory(no_figures, case, capsys):
+    assert main(["box", "-o", "case.toml"]) == 2
+    assert "is not a directory" in capsys.readouterr().err
+    assert main(["box", "-o", "case.toml/in"]) == 1
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_options_replace_what_they_exclude_in_the_case(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    cases = Path(__file__).parents[2] / "validation" / "cases"
+    text = (cases / "lossy-rods.toml").read_text().replace("cells = 100", "cells = 20")
+    Path("lossy.toml").write_text(text.replace('until = "20 ms"', 'until = "1 ms"'))
+    assert main(["run", "lossy.toml", "--rtol", "0.05", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert "Comparing steps, the outcome is wrong by" in found["outcome"]["status"]
+    assert main(["run", "lossy.toml", "--cells", "10", "--json"]) == 0
+    assert "14 cells" in json.loads(capsys.readouterr().out)["outcome"]["status"]

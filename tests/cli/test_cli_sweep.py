@@ -1,0 +1,602 @@
+"""rodimpact sweep: what it prints, draws and saves, and how it ends."""
+
+import csv
+import io
+import json
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact.cli import main
+from rodimpact.cli import sweep as command
+from rodimpact.cli.progress import ProgressBar, a_second, how_long
+
+ROOT = Path(__file__).parents[2]
+CASE = """\
+schema = 1
+
+[[bodies]]
+kind = "rod"
+length = "0.4 m"
+area = "1 cm^2"
+material = "steel"
+velocity = 1.0
+
+[[bodies]]
+kind = "rod"
+length = "1 m"
+area = "1 cm^2"
+material = "steel"
+"""
+# fronts multiply for ever where these lengths do not fit together
+STEPPED = """\
+schema = 1
+bodies = [
+    {kind = "wall"},
+    {kind = "rod", velocity = -1.0, segments = [
+        {length = 0.41421356, area = 1e-4, material = "steel"},
+        {length = 0.73205081, area = 3e-4, material = "brass"},
+    ]},
+]
+"""
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"}
+LENGTHS = "bodies.0.length=50 mm:1 m:5"
+
+
+@pytest.fixture
+def case(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "case.toml"
+    path.write_text(CASE)
+    return path
+
+
+@pytest.fixture
+def no_sweep(monkeypatch):
+    """Whatever is refused is refused before any work."""
+    monkeypatch.setattr(command, "sweep", lambda *_, **__: pytest.fail("solved"))
+
+
+def sweep(*argv):
+    return main(["sweep", "case.toml", *argv])
+
+
+def lines_of(text, start):
+    return [" ".join(line.split()) for line in text.splitlines() if line.lstrip().startswith(start)]
+
+
+# What is printed ----------------------------------------------------------------------------------
+
+
+def test_the_table_tells_what_varied_and_what_came_out(case, capsys):
+    assert sweep("--vary", LENGTHS) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert lines_of(out, "bodies.0.length")[0] == "bodies.0.length 5 50 mm 1 m"
+    assert "collisions 5 in a grid of 5" in lines_of(out, "collisions")
+    [least] = lines_of(out, "smallest")
+    assert least == "smallest coefficient of restitution e 0.05 bodies.0.length = 50 mm"
+    [most] = lines_of(out, "largest")
+    assert most == "largest coefficient of restitution e 1 bodies.0.length = 1 m"
+    # e = l1/l2; impulse m1 v; the force lasts 2 l1/c
+    [row] = lines_of(out, "287.5 mm")
+    assert row == "287.5 mm 0.2875 225.688 mN s 1.98116 kN 113.917 us 1 80.4012 mJ"
+    [row] = lines_of(out, "1 m")
+    assert row.endswith(" 1 0 J")
+    assert "no e" not in out
+    assert all(line == line.rstrip() for line in out.splitlines())
+
+
+def test_the_first_grid_is_the_first_axis(case, capsys):
+    assert sweep("--vary", LENGTHS, "--vary", "contacts.0.gap=0,1 um") == 0
+    out = capsys.readouterr().out
+    assert "collisions 10 in a grid of 5 x 2" in lines_of(out, "collisions")
+    assert [line.split()[:4] for line in lines_of(out, "50 mm")] == [
+        ["50", "mm", "0", "m"], ["50", "mm", "1", "um"]]
+
+
+def test_a_large_family_is_shown_in_part_with_the_way_to_all(case, capsys):
+    assert sweep("--vary", "bodies.0.length=0.05:1:20") == 0
+    out = capsys.readouterr().out
+    assert len(lines_of(out, "")) > 20
+    assert "..." not in out
+    assert sweep("--vary", "bodies.0.length=0.05:1:21") == 0
+    out = capsys.readouterr().out
+    rows = out.split("\n\n")[2].splitlines()
+    assert len(rows) == 1 + 12 + 1
+    assert rows[1].split()[:2] == ["50", "mm"]
+    assert rows[12].split()[:2] == ["1", "m"]
+    assert rows[13] == "... 12 of 21; --csv prints all, --save keeps them"
+
+
+def test_collisions_without_e_are_counted_with_the_reason(case, capsys):
+    assert sweep("--vary", "bodies.0.velocity=-2,0,1,2") == 0
+    out = capsys.readouterr().out
+    rows = out.split("\n\n")[2].splitlines()[1:]
+    assert [row.split()[2] for row in rows] == ["-", "-", "0.4", "0.4"]
+    assert "2 collisions have no e. At bodies.0.velocity = -2 m/s: " in out
+    assert "nothing collided" in out.splitlines()[-1]
+    assert out.endswith(".\n")
+    assert sweep("--vary", "bodies.0.velocity=-2,1") == 0
+    assert "1 collision has no e." in capsys.readouterr().out
+
+
+def test_round_off_shows_as_zero(case, capsys):
+    case.write_text(CASE.replace("0.4 m", "0.37").replace("velocity = 1.0", "velocity = -1e-3"))
+    assert sweep("--vary", "bodies.1.length=0.1:0.9:9") == 0
+    rows = capsys.readouterr().out.split("\n\n")[2].splitlines()[1:]
+    assert all(row.endswith(" 0 J") for row in rows)
+
+
+def test_rows_of_several_contacts_show_velocities(case, capsys):
+    rod = CASE.partition("\n\n")[2].rpartition("[[bodies]]")[2]
+    case.write_text(CASE + "\n[[bodies]]" + rod)
+    assert sweep("--vary", "bodies.1.length=0.4,1") == 0
+    out = capsys.readouterr().out
+    assert "velocity 2 after" in out
+    assert "smallest" not in out
+    family = ri.read_case(case, {"bodies.1.length": "0.4,1"}).system
+    for i, row in enumerate(out.split("\n\n")[2].splitlines()[1:]):
+        shown = [float(cell) for cell in row.replace("m/s", "").split()[2:5]]
+        assert shown == pytest.approx(ri.solve(family[i]).outcome.velocities_after, abs=1e-6)
+    assert "2 collisions have no e." in out
+    assert "this row has 2" in out
+
+
+def test_a_long_row_shows_its_ends(case, capsys):
+    rod = '[[bodies]]\nkind="rod"\nlength=0.1\narea=1e-4\nmaterial="steel"\n'
+    case.write_text("schema = 1\n" + rod + "velocity = 1\n" + 9 * rod)
+    assert sweep("--vary", "bodies.0.velocity=1,2") == 0
+    head = capsys.readouterr().out.split("\n\n")[2].splitlines()[0]
+    assert [i for i in range(10) if f"velocity {i} after" in head] == [0, 1, 2, 3, 6, 7, 8, 9]
+
+
+def test_csv_has_a_row_for_every_collision(case, capsys):
+    assert sweep("--vary", LENGTHS, "--vary", "bodies.0.velocity=-1,1", "--csv") == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    rows = list(csv.DictReader(io.StringIO(out)))
+    assert len(rows) == 10
+    for row in rows:
+        length, velocity = float(row["bodies.0.length"]), float(row["bodies.0.velocity"])
+        e = float(row["restitution"] or "nan")
+        assert e == pytest.approx(length if velocity > 0 else math.nan, rel=1e-14, nan_ok=True)
+    result = ri.sweep(ri.read_case(case, {"bodies.0.length": "50 mm:1 m:5",
+                                          "bodies.0.velocity": "-1,1"}).system)
+    assert [float(row["vibration"]) for row in rows] == result.vibration.ravel().tolist()
+
+
+def test_json_has_the_same_columns_in_full_precision(case, capsys):
+    argv = ["--vary", LENGTHS, "--vary", "bodies.0.velocity=-1,1"]
+    assert sweep(*argv, "--json") == 0
+    data = json.loads(capsys.readouterr().out)
+    assert (data["schema_version"], data["method"], data["shape"]) == (1, "fronts", [5, 2])
+    assert data["varied"][0] == {
+        "path": "bodies.0.length", "unit": "m", "values": np.linspace(0.05, 1, 5).tolist()}
+    assert data["varied"][1]["values"] == [-1, 1]
+    columns = data["columns"]
+    assert {len(column) for column in columns.values()} == {10}
+    result = ri.sweep(ri.read_case(case, {"bodies.0.length": "50 mm:1 m:5",
+                                          "bodies.0.velocity": "-1,1"}).system)
+    assert columns["restitution"][0] is None
+    assert columns["restitution"][1::2] == result.restitution[:, 1].tolist()
+    assert columns["final"] == [True] * 10
+    assert columns["status"] == ["final"] * 10
+    assert columns["episodes.0"][:2] == [0, 1]
+    assert columns["bodies.0.velocity"] == [-1, 1] * 5
+    assert sweep(*argv, "--csv") == 0
+    assert capsys.readouterr().out.splitlines()[0].split(",") == list(columns)
+
+
+def test_a_varied_diameter_is_called_so(case, capsys):
+    case.write_text(CASE.replace('area = "1 cm^2"', 'diameter = "1 cm"', 1))
+    argv = ["--vary", "bodies.0.diameter=1 cm,2 cm"]
+    assert sweep(*argv) == 0
+    assert lines_of(capsys.readouterr().out, "bodies.0.diameter")[0].endswith("2 10 mm 20 mm")
+    assert sweep(*argv, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["varied"] == [
+        {"path": "bodies.0.diameter", "unit": "m", "values": [0.01, 0.02]}]
+
+
+def test_the_example_of_the_readme_runs(monkeypatch, tmp_path, capsys):
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    example = text.partition("rodimpact sweep validation")[2].partition("```")[0]
+    argv = ("validation" + example.replace("\\\n", " ")).replace(":200", ":3").split()
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "validation").symlink_to(ROOT / "validation")
+    assert main(["sweep", *argv]) == 0
+    assert ri.load("map.npz").shape == (3, 3)
+    assert Path("map.png").read_bytes().startswith(b"\x89PNG")
+
+
+# Files --------------------------------------------------------------------------------------------
+
+
+def test_what_is_saved_can_be_loaded(case):
+    assert sweep("--vary", LENGTHS, "--save", "a.npz") == 0
+    assert ri.load("a.npz").restitution == pytest.approx([0.05, 0.2875, 0.525, 0.7625, 1.0])
+
+
+def test_an_existing_file_needs_force(case, capsys):
+    Path("a.npz").write_text("precious")
+    assert sweep("--vary", LENGTHS, "--save", "a.npz") == 2
+    out, err = capsys.readouterr()
+    assert (out, Path("a.npz").read_text()) == ("", "precious")
+    assert err.startswith("rodimpact: --save: ")
+    assert sweep("--vary", LENGTHS, "--save", "a.npz", "--force") == 0
+    assert ri.load("a.npz").shape == (5,)
+
+
+def test_files_are_checked_before_the_sweep(case, no_sweep, capsys):
+    assert sweep("--vary", LENGTHS, "--save", "nowhere/a.npz") == 1
+    assert sweep("--vary", LENGTHS, "--plot", "a.xyz") == 2
+    assert "rodimpact: --plot: must end in one of" in capsys.readouterr().err
+
+
+def test_a_map_is_drawn(case):
+    argv = ["--vary", LENGTHS, "--vary", "bodies.1.area=1e-5:1e-3:3:log"]
+    assert sweep(*argv, "--plot", "a.png") == 0
+    assert Path("a.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_what_no_figure_can_show_is_refused_before_the_sweep(case, no_sweep, capsys):
+    three = ["--vary", LENGTHS, "--vary", "bodies.0.velocity=1,2", "--vary", "contacts.0.gap=0,1"]
+    assert sweep(*three, "--plot", "a.png") == 2
+    assert "--plot: a figure has one or two axes, and 3 numbers vary" in capsys.readouterr().err
+    assert sweep("--vary", "contacts.0.gap=1", "--plot", "a.png") == 2
+    assert "and 0 numbers vary" in capsys.readouterr().err
+    rod = CASE.rpartition("[[bodies]]")[2]
+    case.write_text(CASE + "\n[[bodies]]" + rod)
+    assert sweep("--vary", LENGTHS, "--plot", "a.png") == 2
+    assert "a row with 2 contacts has not; --save" in capsys.readouterr().err
+
+
+def test_where_no_collision_has_e_the_table_is_there_and_the_figure_is_not(case, capsys):
+    assert sweep("--vary", "bodies.0.velocity=-1,-2", "--plot", "a.png", "--save", "a.npz") == 1
+    out, err = capsys.readouterr()
+    assert "2 collisions have no e." in out
+    assert err.startswith("rodimpact: --plot: ")
+    assert err.count("\n") == 1
+    assert not Path("a.png").exists()
+    assert ri.load("a.npz").shape == (2,)
+
+
+def test_without_plots_no_matplotlib(case):
+    code = (
+        "import sys; from rodimpact.cli import main;"
+        "assert main(['sweep', 'case.toml', '--vary', sys.argv[1], '--save', 'a.npz']) == 0;"
+        "assert 'matplotlib' not in sys.modules"
+    )
+    done = subprocess.run([sys.executable, "-c", code, LENGTHS], env=ENVIRONMENT, timeout=60,
+                          capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_files_of_the_case_are_for_a_single_run(case):
+    case.write_text(CASE + "[output]\nsave = 'b.npz'\n")
+    assert sweep("--vary", LENGTHS) == 0
+    assert not Path("b.npz").exists()
+
+
+# How it ends --------------------------------------------------------------------------------------
+
+
+def test_collisions_that_stop_early_are_recorded_and_end_with_3(case, capsys):
+    case.write_text(STEPPED)
+    argv = ["--vary", "bodies.1.segments.0.length=0.41421356,0.5", "--max-events", "5"]
+    assert sweep(*argv) == 3
+    out = capsys.readouterr().out
+    assert "2 collisions have no e." in out
+    assert "max_events" in out
+    assert sweep(*argv, "--json") == 3
+    assert json.loads(capsys.readouterr().out)["columns"]["status"] == ["max_events"] * 2
+
+
+def test_the_cap_of_the_case_holds_unless_another_is_given(case):
+    case.write_text(STEPPED + "solve.max_events = 5\n")
+    assert sweep("--vary", "bodies.1.velocity=-1,-2") == 3
+    assert sweep("--vary", "bodies.1.velocity=-1,-2", "--max-events", "100000") == 0
+
+
+REFUSED = ["--vary", "bodies.0.length=1e-30,0.4"]  # too short for the clock of the other rod
+
+
+def test_a_refused_collision_ends_the_sweep_with_its_place(case, capsys):
+    assert sweep(*REFUSED, "--on-error", "raise") == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "Traceback" not in err
+    assert err.startswith("rodimpact: case.toml: ")
+    assert "bodies.0.length" in err
+    assert "1e-30" in err
+    assert "--on-error record" in err
+
+
+def test_refused_collisions_are_recorded_beside_the_others(case, capsys):
+    assert sweep(*REFUSED) == 3
+    out = capsys.readouterr().out
+    rows = out.split("\n\n")[2].splitlines()[1:]
+    assert rows[0].split()[2:] == ["-"] * 6
+    assert rows[1].split()[2] == "0.4"
+    assert "1 collision has no e. At bodies.0.length = 1e-30 m: " in out
+    assert sweep(*REFUSED, "--json") == 3
+    columns = json.loads(capsys.readouterr().out)["columns"]
+    assert columns["status"] == ["refused", "final"]
+    assert columns["vibration"][0] is None
+
+
+def test_all_mistakes_are_reported_at_once(case, no_sweep, capsys):
+    Path("a.npz").write_text("precious")
+    case.write_text(CASE.replace('"1 m"', "-1") + "[solve]\nuntil = 1\n")
+    argv = ["--vary", "bodies.0.lenth=1,2", "--vary", "bodies.0.area=1:2", "--vary", "x",
+            "--vary", "=1,2", "--vary", "contacts.0.gap=0,1", "--vary", "contacts.0.gap=0:1:3",
+            "--workers", "0", "--max-events", "many", "--save", "a.npz", "--plot", "a.gif"]
+    assert sweep(*argv) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    said = [line.split(": ")[1] for line in err.splitlines()]
+    assert sorted(said) == sorted([
+        "--vary", "--vary", "contacts.0.gap", "--workers", "--max-events", "bodies.0.area",
+        "bodies.1.length", "bodies.0.lenth", "--plot", "--save",
+    ])
+    assert "is varied twice" in err
+    assert "must be PATH=GRID, such as bodies.0.length=0.05:1:200, got 'x'" in err
+    assert "perhaps 'bodies.0.length' is meant" in err
+
+
+@pytest.mark.parametrize("given", ["0", "-1", "1.5", "many", "\u00b2", "9" * 30, "9" * 5000])
+@pytest.mark.parametrize("option", ["--workers", "--max-events"])
+def test_whole_numbers(case, no_sweep, capsys, option, given):
+    assert sweep("--vary", LENGTHS, option, given) == 2
+    err = capsys.readouterr().err
+    assert err.startswith(f"rodimpact: {option}: must be a positive whole number")
+
+
+def test_something_must_vary(case, no_sweep, capsys):
+    assert sweep() == 2
+    err = capsys.readouterr().err
+    assert err == "rodimpact: --vary: name what to vary: --vary bodies.0.length=0.05:1:200\n"
+
+
+def test_a_sweep_keeps_no_states(case, no_sweep, capsys):
+    case.write_text(CASE + "[solve]\nsnapshots = 1\n")
+    assert sweep("--vary", LENGTHS) == 2
+    assert capsys.readouterr().err.startswith("rodimpact: solve.snapshots: a sweep keeps no states")
+
+
+@pytest.mark.parametrize(("solve", "argv", "path", "said"), [
+    ("", ["--until", "-1 s"], "--until", "non-negative number of seconds, got -1.0"),
+    ("", ["--dt", "1 us", "--rtol", "1e-3"], "--dt", "give one of them"),
+    ("", ["--dt", "1 us", "--method", "fronts"], "--dt", "has no time step"),
+    ("cells = 20", ["--method", "fronts"], "solve.cells", 'is for method "finite-difference"'),
+    ("dt = 1e-6\nmethod = 'fronts'", [], "solve.dt", "has no time step"),
+    ("", ["--until", "soon"], "--until", "cannot read 'soon' as time"),
+])
+def test_options_are_checked_as_for_a_single_run(case, no_sweep, capsys, solve, argv, path, said):
+    case.write_text(CASE + f"[solve]\n{solve}\n")
+    assert sweep("--vary", LENGTHS, *argv) == 2
+    swept = capsys.readouterr().err
+    assert swept.startswith(f"rodimpact: {path}: ")
+    assert said in swept
+    assert main(["run", "case.toml", *argv]) == 2
+    assert capsys.readouterr().err == swept
+
+
+FALLING = """\
+schema = 1
+gravity = "9.81 m/s^2"
+bodies = [
+    {kind = "rod", length = 0.3, area = 1e-4, material = "steel", velocity = 1.0},
+    {kind = "wall"},
+]
+contacts = [{gap = "10 um"}]
+"""
+
+
+def test_a_case_with_gravity_runs_to_its_end(case, capsys):
+    case.write_text(FALLING + "[solve]\nuntil = '0.3 ms'\n")
+    argv = ["--vary", "bodies.0.velocity=0.5:2:4"]
+    assert sweep(*argv, "--csv") == 0
+    rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
+    assert [row["status"] for row in rows] == ["until"] * 4
+    family = ri.read_case(case, {"bodies.0.velocity": "0.5:2:4"}).system
+    for i, row in enumerate(rows):
+        outcome = ri.solve(family[i], 3e-4).outcome
+        assert row["restitution"] == ""
+        assert float(row["velocity_after.0"]) == outcome.velocities_after[0]
+        assert float(row["impulse.0"]) == outcome.impulse
+    assert sweep(*argv) == 0
+    out = capsys.readouterr().out
+    assert "4 collisions have no e." in out
+    assert "gravity" in out
+    assert sweep(*argv, "--on-error", "raise") == 0
+    assert sweep(*argv, "--plot", "a.png") == 2
+    assert "--plot: a figure shows e, which a row held under gravity" in capsys.readouterr().err
+
+
+def test_options_replace_those_of_the_case(case, capsys):
+    case.write_text(FALLING)
+    argv = ["--vary", "bodies.0.velocity=1,2", "--csv"]
+    assert sweep(*argv) == 2
+    assert capsys.readouterr().err.startswith("rodimpact: --until: must be given")
+    case.write_text(FALLING + "[solve]\nuntil = 1\nrtol = 1e-3\n")
+    assert sweep(*argv, "--until", "0.3 ms", "--dt", "2 us") == 0
+    rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
+    family = ri.read_case(case, {"bodies.0.velocity": "1,2"}).system
+    for i, row in enumerate(rows):
+        outcome = ri.solve(family[i], 3e-4, dt=2e-6).outcome
+        assert float(row["velocity_after.0"]) == outcome.velocities_after[0]
+
+
+def test_csv_and_json_exclude_each_other(case, no_sweep, capsys):
+    assert sweep("--vary", LENGTHS, "--csv", "--json") == 2
+    assert "not allowed with" in capsys.readouterr().err
+
+
+def test_the_options_reach_the_sweep(case, monkeypatch):
+    given = {}
+
+    def spy(system, **options):
+        given.update(options, shape=system.shape)
+        return ri.sweep(system)
+
+    monkeypatch.setattr(command, "sweep", spy)
+    case.write_text(CASE + "[solve]\nmethod = 'fronts'\nmax_events = 7\n")
+    assert sweep("--vary", LENGTHS) == 0
+    assert given == {"shape": (5,), "method": "fronts", "max_events": 7, "on_error": "record",
+                     "checkpoint": None, "progress": None}
+    assert sweep("--vary", LENGTHS, "--workers", "2", "--max-events", "8", "--on-error", "raise",
+                 "--checkpoint", "d") == 0
+    assert given == {"shape": (5,), "method": "fronts", "max_events": 8, "on_error": "raise",
+                     "checkpoint": "d", "progress": None, "workers": 2}
+
+
+def test_a_checkpoint_keeps_the_sweep(case, capsys):
+    assert sweep("--vary", LENGTHS, "--checkpoint", "kept") == 0
+    first = capsys.readouterr().out
+    assert sweep("--vary", LENGTHS, "--checkpoint", "kept") == 0
+    assert capsys.readouterr().out == first
+    assert sweep("--vary", "bodies.0.length=50 mm:1 m:6", "--checkpoint", "kept") == 2
+    err = capsys.readouterr().err
+    assert err.startswith("rodimpact: --checkpoint: kept")
+    assert err.count("\n") == 1
+
+
+def test_a_checkpoint_that_cannot_be_written_ends_with_1(case, capsys):
+    assert sweep("--vary", LENGTHS, "--checkpoint", "case.toml/kept") == 1
+    err = capsys.readouterr().err
+    assert "case.toml" in err
+    assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [
+        ([], "interrupted; with --checkpoint DIR a sweep can go on where it stopped"),
+        (["--checkpoint", "kept"], "interrupted; the same command goes on from what kept holds"),
+    ],
+)
+def test_an_interrupt_ends_with_130_and_tells_how_to_go_on(case, capsys, monkeypatch, argv, said):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(command, "sweep", interrupted)
+    assert sweep("--vary", LENGTHS, *argv) == 130
+    assert capsys.readouterr() == ("", f"rodimpact: {said}\n")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such pipes")
+@pytest.mark.parametrize("form", ["--csv", "--json"])
+def test_a_reader_who_has_gone_is_no_failure(case, form):
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(
+        [sys.executable, "-m", "rodimpact", "sweep", "case.toml", "--vary",
+         "bodies.0.length=1:2:2000", form],
+        env=ENVIRONMENT, stdout=writing, stderr=subprocess.PIPE, timeout=60, check=False,
+    )
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+# The progress bar ---------------------------------------------------------------------------------
+
+
+def terminal(monkeypatch):
+    """A terminal on standard error and a clock that goes by hand; set clock[0]."""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    monkeypatch.setenv("COLUMNS", "80")
+    clock = [100.0]
+    monkeypatch.setattr(command.time, "monotonic", lambda: clock[0])
+    return clock
+
+
+def screen(text):
+    """What a terminal shows in the end of what was written to it."""
+    lines = []
+    for line in text.split("\n"):
+        cells = []
+        for part in line.split("\r"):
+            cells[: len(part)] = part
+        lines.append("".join(cells).rstrip())
+    return lines
+
+
+def test_the_bar_tells_how_much_how_fast_how_long(case, capsys, monkeypatch):
+    shown, clock = [], terminal(monkeypatch)
+
+    def slow(system, progress, **_):
+        for seconds, done in ((0, 100), (1, 200), (2, 400), (62, 990)):
+            clock[0] = 100.0 + seconds
+            progress(done, 1000)
+            shown.append(screen(capsys.readouterr().err)[0])
+        return ri.sweep(system)
+
+    monkeypatch.setattr(command, "sweep", slow)
+    assert sweep("--vary", LENGTHS) == 0
+    assert shown == [
+        " 10 %  [###                           ]",
+        " 20 %  [######                        ]  100 collisions/s  8 s left",
+        " 40 %  [############                  ]  150 collisions/s  4 s left",
+        " 99 %  [############################# ]  14.4 collisions/s  1 s left",
+    ]
+    out, err = capsys.readouterr()
+    assert screen(err) == ["5 collisions in 62 s, 0.0806 collisions/s", ""]
+    assert err.startswith("\r")
+    assert "\x1b" not in err
+    assert "collisions/s" not in out
+
+
+def test_the_bar_is_erased_when_a_sweep_breaks_off(case, capsys, monkeypatch):
+    terminal(monkeypatch)
+
+    def broken(system, progress, **_):
+        progress(1, 5)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(command, "sweep", broken)
+    assert sweep("--vary", LENGTHS) == 130
+    assert screen(capsys.readouterr().err)[0].startswith("rodimpact: interrupted")
+
+
+def test_the_bar_fits_a_narrow_terminal(capsys, monkeypatch):
+    bar, clock = ProgressBar("rods"), terminal(monkeypatch)
+    monkeypatch.setenv("COLUMNS", "40")
+    bar(1, 1000)
+    clock[0] += 1
+    bar(2, 1000)
+    assert max(map(len, capsys.readouterr().err.split("\r"))) == 39
+
+
+def test_the_bar_is_not_redrawn_too_often(capsys, monkeypatch):
+    bar, clock = ProgressBar("rods"), terminal(monkeypatch)
+    for i in range(1000):
+        clock[0] += 1e-3
+        bar(i, 1000)
+    assert 5 <= capsys.readouterr().err.count("\r") <= 12
+
+
+def test_nothing_but_the_result_is_told_to_a_program(case, capsys):
+    assert sweep("--vary", LENGTHS) == 0
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("seconds", "said"),
+    [(0.2, "0 s"), (59.4, "59 s"), (59.6, "1 min 0 s"), (3725, "1 h 2 min"), (1e6, "277 h 46 min")],
+)
+def test_times_left(seconds, said):
+    assert how_long(seconds) == said
+
+
+@pytest.mark.parametrize(
+    ("rate", "said"), [(0.01234, "0.0123"), (12.34, "12.3"), (2345678.0, "2,350,000")]
+)
+def test_rates(rate, said):
+    assert a_second(rate, "frames") == f"{said} frames/s"

@@ -1,0 +1,337 @@
+"""What the page shows: its polygons, curves and numbers are those of the solution."""
+
+import itertools
+import json
+import math
+
+import numpy as np
+import pytest
+from systems import random_rod
+
+import rodimpact as ri
+from rodimpact.explore.comparison import closed_curve, ratio_of, solved_curve
+from rodimpact.explore.design import MOST_BODIES, MOST_EVENTS, Design, GaugePlace
+from rodimpact.explore.presets import presets
+from rodimpact.explore.scene import scene
+from rodimpact.explore.tiling import cells, regions, sliced_energy
+from rodimpact.results.closed_forms import closed_form
+
+STEEL = ri.materials.steel
+LEFT = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
+RIGHT = ri.Rod(1.0, area=1e-4, material=STEEL)
+PAIR = ri.System([LEFT, RIGHT])
+COMPLIANT = ri.System([LEFT, RIGHT], contacts=[ri.Hertz(1e10)])
+PRESETS = {preset.key: preset.design for preset in presets()}
+
+
+def shown(system, **solve):
+    design = Design.of(ri.Case(system, solve))
+    solution = design.solve()
+    return solution, scene(design, solution)
+
+
+def polygons(tiling):
+    for i, (start, stop) in enumerate(itertools.pairwise(tiling.start)):
+        yield i, slice(start, stop)
+
+
+def areas(tiling):
+    found = []
+    for _, part in polygons(tiling):
+        x, t = tiling.x[part], tiling.t[part]
+        found.append(abs(x @ np.roll(t, -1) - t @ np.roll(x, -1)) / 2)
+    return np.array(found)
+
+
+# Design
+
+
+@pytest.mark.parametrize("key", PRESETS)
+def test_a_preset_survives_the_way_to_the_page_and_back(key):
+    sent = json.loads(json.dumps(PRESETS[key].to_dict()))
+    assert Design.parse(sent) == PRESETS[key]
+
+
+def test_presets_show_what_their_remarks_say():
+    e = {key: PRESETS[key].solve().outcome for key in ("identical", "wall", "unequal")}
+    assert [o.restitution for o in e.values()] == pytest.approx([1.0, 1.0, 0.4], abs=1e-14)
+    assert PRESETS["equal-transits"].solve().outcome.restitution == pytest.approx(1.0, abs=1e-14)
+    chain = PRESETS["chain"].solve().outcome.velocities_after
+    assert chain == pytest.approx((0, 0, 0, 0, 1), abs=1e-14)
+    assert PRESETS["hopkinson"].solve().outcome.velocities_after[0] == pytest.approx(0, abs=1e-13)
+
+
+def test_a_material_of_ones_own_is_kept_and_those_of_the_library_go_by_name():
+    own = ri.Material("own 0", youngs_modulus=50e9, density=7850.0)
+    system = ri.System([LEFT, ri.Rod(1.0, area=1e-4, material=own)])
+    sent = Design.of(ri.Case(system)).to_dict()["case"]
+    assert list(sent["materials"]) == ["own 0"]
+    assert Design.parse({"case": sent}).case.system == system
+
+
+def test_a_stepped_rod_and_a_profile_reach_the_page():
+    rod = ri.Rod(
+        segments=[ri.Segment(0.1, 1e-4, STEEL), ri.Segment(0.2, 2e-4, STEEL)],
+        velocity=ri.Steps([1.0, 0.5], [0.1]),
+    )
+    design = Design.of(ri.Case(ri.System([rod, RIGHT])))
+    assert Design.parse(design.to_dict()) == design
+
+
+@pytest.mark.parametrize(
+    ("change", "path"),
+    [
+        ({"case": {"schema": 1, "bodies": [{"kind": "rod"}]}}, "bodies.0.length"),
+        ({"gauges": [{"body": 7, "fraction": 0.5}]}, "gauges.0.body"),
+        ({"gauges": [{"body": 1, "fraction": 1.5}]}, "gauges.0.fraction"),
+        ({"gauges": [{"body": 1, "fraction": "x"}]}, "gauges.0.fraction"),
+        ({"gauges": [{"body": True, "fraction": 0.5}]}, "gauges.0.body"),
+        ({"gauges": [3]}, "gauges.0.body"),
+        ({"gauges": [{}] * 5}, "gauges"),
+        ({"gauges": 3}, "gauges"),
+        ({"more": 1}, "more"),
+        ({"case": 1}, "case"),
+    ],
+)
+def test_a_mistake_bears_the_path_of_its_field(change, path):
+    with pytest.raises(ri.InvalidModel) as error:
+        Design.parse({**Design.of(ri.Case(PAIR)).to_dict(), **change})
+    assert path in [where for where, _ in error.value.problems]
+
+
+@pytest.mark.parametrize(
+    ("case", "path"),
+    [
+        ({"bodies": [{"kind": "rod"}] * (MOST_BODIES + 1)}, "bodies"),
+        ({"bodies": [{"kind": "rod", "segments": [{}] * 25}]}, "bodies"),
+        ({"bodies": [{"kind": "rod", "velocity": {"samples": [0.0] * 9999}}]}, "case"),
+        ({"solve": {"max_events": 10**9}}, "solve.max_events"),
+        ({"solve": {"until": 0}}, "solve.until"),
+    ],
+)
+def test_more_than_a_page_may_ask_for_is_refused(case, path):
+    whole = {**Design.of(ri.Case(PAIR)).to_dict()["case"], **case}
+    with pytest.raises(ri.InvalidModel) as error:
+        Design.parse({"case": whole})
+    assert path in [where for where, _ in error.value.problems]
+
+
+def test_a_run_of_a_million_steps_is_refused():
+    with pytest.raises(ri.InvalidModel, match=r"solve\.until"):
+        Design.of(ri.Case(COMPLIANT, {"until": 100.0})).solve()
+
+
+def test_fronts_that_multiply_stop_at_the_cap():
+    pieces = [ri.Segment(L, A, STEEL) for L, A in ((0.41421356, 1e-4), (0.73205081, 3e-4))]
+    system = ri.System([ri.Wall(), ri.Rod(segments=pieces, velocity=1.0), ri.Wall()])
+    solution, found = shown(system, until=10.0)
+    assert solution.events <= MOST_EVENTS + 10
+    assert found["end"] < solution.t_end
+    assert any("too many regions" in note for note in found["notes"])
+
+
+# Polygons
+
+
+@pytest.mark.parametrize("make", [regions, cells])
+def test_polygons_tile_the_plane(make):
+    solution = ri.solve(PAIR if make is regions else COMPLIANT)
+    tiling = make(solution)[1] if make is regions else make(solution)
+    for body, length in ((0, 0.4), (1, 1.0)):
+        total = areas(tiling)[tiling.body == body].sum()
+        assert total == pytest.approx(length * solution.t_end, rel=1e-12)
+
+
+@pytest.mark.parametrize("make", [regions, cells])
+def test_vertices_carry_the_displacement_of_the_solution(make):
+    solution = ri.solve(PAIR if make is regions else COMPLIANT)
+    tiling = make(solution)[1] if make is regions else make(solution)
+    for i, part in polygons(tiling):
+        u = solution.displacement(tiling.body[i], tiling.x[part], tiling.t[part])
+        assert tiling.displacement[part] == pytest.approx(u, abs=1e-12)
+
+
+def test_cells_hold_the_mean_state():
+    solution = ri.solve(COMPLIANT)
+    tiling = cells(solution)
+    for i, part in list(polygons(tiling))[::97]:
+        x, t = tiling.x[part], tiling.t[part]
+        xs = np.linspace(x.min(), x.max(), 41)[:, None]
+        ts = np.linspace(t.min(), t.max(), 41)
+        mean = solution.velocity(tiling.body[i], xs, ts).mean()
+        assert tiling.velocity[i] == pytest.approx(mean, abs=0.03)
+
+
+def test_slices_hold_the_energy_of_the_ledger():
+    rng = np.random.default_rng(5)
+    for _ in range(10):
+        rods = [random_rod(rng, 0.1, vibrating=True, stepped=True) for _ in range(3)]
+        system = ri.System(
+            rods, contacts=[ri.Bonded(), ri.Rigid()] if rng.random() < 0.5 else None
+        )
+        solution = ri.solve(system, until=1e-3)
+        _, tiling = regions(solution)
+        times, energy = sliced_energy(solution, tiling)
+        ledger = solution.energy(np.minimum(times[:: len(times) // 30 + 1], solution.t_end))
+        scale = ledger.total.max()
+        for name, kind in (("moving as a whole", "kinetic"), ("vibration", "vibrational_kinetic"),
+                           ("strain", "strain"), ("total", "total")):
+            found = energy[name][:: len(times) // 30 + 1]
+            assert found == pytest.approx(getattr(ledger, kind), abs=1e-9 * scale)
+
+
+# Scene
+
+
+@pytest.mark.parametrize("key", PRESETS)
+def test_a_scene_is_strict_json_with_whole_polygons(key):
+    found = json.loads(json.dumps(scene(PRESETS[key], PRESETS[key].solve()), allow_nan=False))
+    tiling = found["tiling"]
+    count = len(tiling["body"])
+    assert len(tiling["start"]) == count + 1
+    assert len(tiling["velocity"]) == len(tiling["stress"]) == count
+    sizes = {len(tiling[name]) for name in ("x", "t", "displacement")}
+    assert sizes == {tiling["start"][-1]}
+    assert {plot["key"] for plot in found["plots"]} == {"force", "gap", "energy", "gauge"}
+
+
+def lengths_at(found, t):
+    """Lengths of the rods that the polygons show at a time, bodies from left to right."""
+    tiling, lengths = found["tiling"], {}
+    for i, (start, stop) in enumerate(itertools.pairwise(tiling["start"])):
+        x, times = np.array(tiling["x"][start:stop]), np.array(tiling["t"][start:stop])
+        places = []
+        for a, b, from_x, to_x in zip(times, np.roll(times, -1), x, np.roll(x, -1), strict=True):
+            if min(a, b) <= t <= max(a, b):
+                share = 0.0 if a == b else (t - a) / (b - a)
+                places += [from_x + (to_x - from_x) * share]
+                places += [to_x] if a == b else []
+        body = tiling["body"][i]
+        lengths[body] = lengths.get(body, 0.0) + (max(places) - min(places) if places else 0.0)
+    return lengths
+
+
+@pytest.mark.parametrize("key", [*PRESETS, "cells"])
+def test_whole_rods_are_shown_from_the_first_instant_to_the_last(key):
+    solution, found = shown(COMPLIANT) if key == "cells" else shown(PRESETS[key].case.system)
+    rods = {
+        i: body.length for i, body in enumerate(solution.system.bodies) if isinstance(body, ri.Rod)
+    }
+    for share in (0.0, 0.123, 1.0):
+        assert lengths_at(found, share * found["end"]) == pytest.approx(rods, rel=1e-7)
+
+
+def test_numbers_are_those_of_the_solution():
+    solution, found = shown(PAIR)
+    assert found["restitution"]["value"] == solution.outcome.restitution
+    assert found["restitution"]["text"] == "0.4"
+    assert found["restitution"]["closed_form"] == pytest.approx(0.4, abs=1e-15)
+    assert ["velocity of rod 1 after", "0.4 m/s"] in [list(row) for row in found["results"]]
+    force = next(plot for plot in found["plots"] if plot["key"] == "force")["series"][0]
+    assert max(force["y"]) == pytest.approx(solution.outcome.contacts[0].peak_force, rel=1e-8)
+    gauge = next(plot for plot in found["plots"] if plot["key"] == "gauge")["series"][0]
+    middle = (gauge["t"][1] + gauge["t"][2]) / 2
+    assert gauge["y"][1] == pytest.approx(
+        1e6 * solution.strain(1, 0.5, middle).item(), rel=1e-8)
+
+
+def test_rods_that_touch_touch_in_the_picture():
+    solution, found = shown(PAIR)
+    row = found["row"]
+    for t in (0.0, 50e-6, 150e-6):
+        places = [
+            row["left"][i] + x + row["magnification"] * (
+                row["apart"][i] + solution.displacement(i, x, t) - row["frame"] * t)
+            for i, x in ((0, 0.4), (1, 0.0))
+        ]
+        assert places[0] == pytest.approx(places[1], abs=1e-12)
+
+
+def test_a_row_that_flies_past_is_seen_from_beside_it():
+    rods = [
+        ri.Rod(0.4, area=1e-4, material=STEEL, velocity=101.0),
+        ri.Rod(1.0, area=1e-4, material=STEEL, velocity=100.0),
+    ]
+    _, found = shown(ri.System(rods))
+    assert found["row"]["frame"] == 100.0
+    assert "frame moving at 100 m/s" in found["row"]["note"]
+    assert found["row"]["magnification"] > 100
+
+
+def test_what_is_sampled_says_so():
+    solution, found = shown(COMPLIANT)
+    assert solution.method == "characteristics"
+    assert not found["exact"]
+    assert "means over cells" in " ".join(found["notes"])
+    assert "rodimpact run is more accurate" in " ".join(found["notes"])
+
+
+def test_masses_and_walls_bring_their_paths():
+    system = ri.System([ri.RigidMass(0.5, velocity=2.0), RIGHT, ri.Wall()])
+    solution, found = shown(system, until=1e-3)
+    mass, rod, wall = found["bodies"]
+    assert rod["path"] is None
+    assert mass["path"]["displacement"][-1] == pytest.approx(
+        solution.displacement(0, 0.0, 1e-3).item(), rel=1e-8)
+    assert wall["path"]["displacement"] == [0.0, 0.0]
+    assert mass["width"] > 0 == wall["width"]
+
+
+def test_a_row_that_never_meets_has_a_picture_too():
+    _, found = shown(ri.System([RIGHT, RIGHT], [1e-3]))
+    assert found["restitution"]["value"] is None
+    assert "nothing collided" in found["restitution"]["why"]
+
+
+# Comparison
+
+
+def test_both_curves_pass_through_the_collision_shown():
+    curve = closed_curve(PAIR, closed_form(PAIR))
+    assert np.interp(0.4, curve.ratios, curve.values) == pytest.approx(0.4, abs=1e-12)
+    assert "closed form" in curve.source
+    solved = solved_curve(Design.of(ri.Case(PAIR)))
+    expected = [min(r, 1 / r) for r in solved.ratios]
+    assert solved.values == pytest.approx(expected, abs=1e-12)
+    assert solved.source == "solved at 20 ratios"
+
+
+def test_a_curve_needs_two_uniform_rods():
+    wall = ri.System([LEFT, ri.Wall()])
+    assert ratio_of(wall) is None
+    assert solved_curve(Design.of(ri.Case(wall))) is None
+    assert closed_curve(wall, closed_form(wall)) is None
+    assert ratio_of(PAIR) == pytest.approx(0.4)
+
+
+def test_a_curve_has_holes_where_there_is_no_collision():
+    apart = Design.of(ri.Case(ri.System([RIGHT, LEFT])))
+    assert all(math.isnan(e) for e in solved_curve(apart).values)
+
+
+def test_a_gauge_place_is_a_fraction_of_the_rod():
+    design = Design.of(ri.Case(PAIR))
+    assert design.gauges == (GaugePlace(1, 0.5),)
+
+
+def test_lossy_and_tapered_rods_are_shown_from_a_grid():
+    """Damping, tapers: the page solves them on few cells, in bounded time."""
+    data = {"case": {
+        "schema": 1, "materials": {"lossy": {
+            "youngs_modulus": 2e11, "density": 7850, "loss_factor": 0.05, "loss_frequency": 1e4}},
+        "bodies": [
+            {"kind": "rod", "length": 0.4, "area": 1e-4, "material": "steel", "velocity": 1.0},
+            {"kind": "rod", "length": 1.0, "area": {"samples": [1e-4, 3e-4]}, "material": "lossy"},
+        ],
+    }}
+    design = Design.parse(data)
+    page = scene(design, design.solve())
+    assert not page["exact"]
+    assert page["restitution"]["closed_form"] is None
+    energy = next(plot for plot in page["plots"] if plot["key"] == "energy")
+    kinds = {series["name"]: series["y"] for series in energy["series"]}
+    assert kinds["lost in material"][-1] > 0
+    assert dict(page["bodies"][1]["given"])["area"] == "1 to 3 cm²"
+    data["case"]["solve"] = {"until": 10.0}
+    with pytest.raises(ri.InvalidModel, match=r"solve\.until: must not exceed"):
+        Design.parse(data).solve()

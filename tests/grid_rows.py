@@ -1,0 +1,41 @@
+"""Random rows with everything that a grid can carry."""
+
+from __future__ import annotations
+
+import numpy as np
+from networks import STEP, logarithmic, random_network
+
+import rodimpact as ri
+from rodimpact.methods.grid.method import follow
+
+SECONDS = 3.0
+
+
+def thicken(rng, segment):
+    """The same segment, perhaps damped, with lateral inertia, or tapered."""
+    m, area, polar = segment.material, segment.area, None
+    eta = m.youngs_modulus * logarithmic(rng, 1e-4, 10) if rng.random() < 0.5 else 0.0
+    if rng.random() < 0.4:
+        polar = logarithmic(rng, 1e-4, 1)
+    if rng.random() < 0.4:
+        area = ri.Samples((area * rng.uniform(0.3, 3, rng.integers(2, 6))).tolist())
+        polar = polar and "circular"
+    material = ri.Material("thick", youngs_modulus=m.youngs_modulus, density=m.density,
+                           poisson_ratio=0.3, viscosity=eta)
+    return ri.Segment(segment.length, area, material, polar_moment=polar)
+
+
+def random_row(seed, *, driven=False, bodies=5):
+    """A random network, half of whose rods are damped, tapered, or have lateral inertia."""
+    system = random_network(seed, bodies=bodies, driven=driven)
+    rng = np.random.default_rng([seed, 1])
+    row = [
+        ri.Rod(segments=[thicken(rng, s) for s in body.segments], velocity=body.velocity,
+               strain=body.strain)
+        if isinstance(body, ri.Rod) and rng.random() < 0.5 else body for body in system.bodies
+    ]
+    return ri.System(row, system.gaps, system.contacts, gravity=system.gravity, ends=system.ends)
+
+
+def run_row(system, until=SECONDS, step=STEP):
+    return follow(system, until, 10**9, dt=step)

@@ -1,0 +1,479 @@
+"""Absorbing and driven ends, carried by the fronts themselves."""
+
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+import rodimpact as ri
+from rodimpact.methods import kernels
+from rodimpact.methods.fronts import front_kernel
+from rodimpact.methods.fronts.assembly import assemble, start
+from rodimpact.methods.fronts.front_kernel import (
+    BOND,
+    PUSH,
+    TOUCH,
+    deviation_bound,
+    group_motion,
+)
+from rodimpact.methods.fronts.method import track
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from systems import horizon, random_system
+
+M = ri.Material("m", youngs_modulus=1.0, density=1.0)
+STEP = 1 / 16
+CAP = 20_000
+seeds = st.integers(0, 10**6)
+
+
+def rod(length=1.0, velocity=0.0, area=1.0, strain=0.0):
+    return ri.Rod(length, area=area, material=M, velocity=velocity, strain=strain)
+
+
+def random_drive(rng, scale, time):
+    """A number, or steps at sixteenths of a time."""
+    if rng.random() < 0.3:
+        return float(scale * rng.uniform(-1, 1))
+    at = np.sort(rng.choice(np.arange(1, 64), size=rng.integers(1, 5), replace=False)) / 16 * time
+    return ri.Steps((scale * rng.uniform(-1, 1, len(at) + 1)).tolist(), at.tolist())
+
+
+def random_end(rng, body, time, driven):
+    if isinstance(body, ri.Wall):
+        return ri.Free()
+    kinds = [ri.Free, ri.Fixed, ri.Absorbing, ri.Absorbing]
+    kind = (kinds + [ri.Pushed, ri.Moved] * 3 * driven)[rng.integers(4 + 6 * driven)]
+    if kind is ri.Pushed:
+        return ri.Pushed(random_drive(rng, float(body.segments[0].impedance), time))
+    return ri.Moved(random_drive(rng, 0.5, time)) if kind is ri.Moved else kind()
+
+
+def with_ends(seed, driven=True, **switches):
+    """A random row with random ends."""
+    system = random_system(seed, bodies=4, **switches)
+    rng = np.random.default_rng([seed, 1])
+    ends = [random_end(rng, system.bodies[i], horizon(system, 1), driven) for i in (0, -1)]
+    return ri.System(system.bodies, system.gaps, system.contacts, ends=ends)
+
+
+def commensurate(seed):
+    """Bonded rods of whole numbers of steps, with any ends."""
+    rng = np.random.default_rng(seed)
+    rods = []
+    for _ in range(rng.integers(1, 4)):
+        length = float(rng.integers(2, 9)) / 4
+        state = [ri.Steps(rng.uniform(-1, 1, 2).tolist(), [length / 2]) for _ in range(2)]
+        rods.append(rod(length, state[0], float(rng.uniform(0.3, 3)), state[1]))
+    ends = [random_end(rng, body, 1.0, True) for body in (rods[0], rods[-1])]
+    return ri.System(rods, contacts=[ri.Bonded()] * (len(rods) - 1), ends=ends)
+
+
+# Against the other method ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_fields_are_those_of_the_other_method(seed):
+    system, until = commensurate(seed), 8.0
+    exact = ri.solve(system, until, "fronts")
+    steps = ri.solve(system, until, "characteristics", dt=STEP)
+    t = STEP * (np.arange(until / STEP) + 0.5)
+    for body, piece in enumerate(system.bodies):
+        x = np.linspace(0, float(piece.length), 9)[:, None]
+        for name in ("velocity", "strain"):
+            ours, theirs = (getattr(s, name)(body, x, t) for s in (exact, steps))
+            assert np.abs(ours - theirs).max() < 1e-9
+    ours, theirs = exact.outcome, steps.outcome
+    assert ours.velocities_after == pytest.approx(theirs.velocities_after, abs=1e-9)
+    assert ours.velocities_before == pytest.approx(theirs.velocities_before, abs=1e-9)
+    assert ours.vibration_after == pytest.approx(theirs.vibration_after, abs=1e-9)
+    for name in ("radiated", "drive_work", "kinetic_after", "driven"):
+        assert getattr(ours, name) == pytest.approx(getattr(theirs, name), abs=1e-9), name
+
+
+@pytest.mark.parametrize("end", [
+    ri.Absorbing(), ri.Pushed(ri.Steps([0.0, 0.3, 0.0], [0.5, 2.5])), ri.Moved(-0.25),
+], ids=["absorbing", "force", "velocity"])
+def test_contacts_are_those_of_the_other_method(end):
+    """A short rod strikes a long one; until they meet again, which is in the midst of a step."""
+    system = ri.System([rod(0.5, 1.0, 0.7), rod(4.0)], ends=(ri.Free(), end))
+    exact = ri.solve(system, 5.5, "fronts")
+    steps = ri.solve(system, 5.5, "characteristics", dt=STEP)
+    ours, theirs = exact.outcome.contacts[0], steps.outcome.contacts[0]
+    assert ours.impulse == pytest.approx(theirs.impulse, abs=1e-9)
+    assert (ours.peak_force, ours.duration) == pytest.approx((theirs.peak_force, theirs.duration))
+    assert exact.outcome.velocities_after == pytest.approx(steps.outcome.velocities_after, abs=1e-9)
+    times = np.linspace(0, 5.5, 23)
+    assert exact.energy(times).radiated == pytest.approx(steps.energy(times).radiated, abs=1e-9)
+    assert exact.energy(times).drive_work == pytest.approx(steps.energy(times).drive_work, abs=1e-9)
+
+
+# Closed forms ------------------------------------------------------------------------------------
+
+
+def test_nothing_comes_back_from_an_absorbing_end():
+    """The pulse of a striker leaves the bar, whose other end stays where it is."""
+    system = ri.System([rod(0.5, 1.0), rod(2.0)], ends=(ri.Free(), ri.Absorbing()))
+    solution = ri.solve(system)
+    assert solution.method == "fronts"
+    assert solution.final
+    assert solution.t_final == 1.0
+    t = np.linspace(0.01, 8, 100)
+    longer = ri.solve(system, until=8.0)
+    inside = (t > 1.0) & (t < 2.0)
+    assert longer.velocity(1, 1.0, t) == pytest.approx(np.where(inside, 0.5, 0.0), abs=1e-15)
+    assert longer.outcome.velocities_after == pytest.approx((0.0, 0.0), abs=1e-15)
+    assert longer.outcome.radiated == pytest.approx(0.25, rel=1e-14)
+    assert solution.outcome.restitution == pytest.approx(0.0, abs=1e-15)
+
+
+def test_what_is_outside_goes_on_as_the_rod_begins():
+    """A strained moving rod that goes on for ever does not know where it was cut."""
+    system = ri.System([rod(1.0, 0.3, strain=0.2)], ends=(ri.Absorbing(), ri.Absorbing()))
+    solution = ri.solve(system, until=9.0)
+    assert solution.events == 2
+    x, t = np.linspace(0, 1, 5)[:, None], np.linspace(0, 9, 50)
+    assert np.allclose(solution.velocity(0, x, t), 0.3, atol=1e-15)
+    assert np.allclose(solution.strain(0, x, t), 0.2, atol=1e-15)
+
+
+@pytest.mark.parametrize(("side", "area"), [(0, 1.0), (1, 3.0)])
+def test_a_steady_force_makes_staircases(side, area):
+    """The driven end of a free rod moves at F/Z (2 k + 1) after k round trips, the other at 2 k."""
+    ends = [ri.Free(), ri.Free()]
+    ends[side] = ri.Pushed(0.7)
+    solution = ri.solve(ri.System([rod(area=area)], ends=ends), until=12.5)
+    t = np.arange(0.25, 12.5, 0.5)
+    sign, trips = (1, -1)[side], np.floor(t / 2)
+    near, far = (0.0, 1.0) if side == 0 else (1.0, 0.0)
+    v = sign * 0.7 / area
+    assert solution.velocity(0, near, t) == pytest.approx(v * (2 * trips + 1), rel=1e-14)
+    later = np.floor((t + 1) / 2)
+    assert solution.velocity(0, far, t) == pytest.approx(v * 2 * later, rel=1e-14, abs=1e-15)
+    assert solution.mean_velocity(0, t) == pytest.approx(v * t, rel=1e-13)
+    assert solution.outcome.velocities_after == pytest.approx((v * 12.5,), rel=1e-14)
+    assert solution.axial_force(0, near, t) == pytest.approx(-0.7, rel=1e-13)
+
+
+def test_a_driven_velocity_is_a_moving_wall_that_holds():
+    walled = ri.System([ri.Wall(0.4), rod(1.0), rod(0.75, -0.2, 2.0)],
+                       contacts=[ri.Bonded(), ri.Rigid()])
+    moved = ri.System(walled.bodies[1:], ends=(ri.Moved(0.4), ri.Free()))
+    a, b = ri.solve(walled, until=20.0), ri.solve(moved, until=20.0)
+    for one, other in zip(a.fields.signals[2:], b.fields.signals[2:], strict=True):
+        assert one.ticks.tolist() == other.ticks.tolist()
+        assert one.values + a.fields.assembly.frame == pytest.approx(
+            other.values + b.fields.assembly.frame, abs=1e-13)
+    assert b.outcome.drive_work == pytest.approx(a.outcome.wall_work, rel=1e-13)
+    assert b.outcome.contacts[0].impulse == pytest.approx(a.outcome.contacts[1].impulse, rel=1e-13)
+
+
+def test_a_pulse_of_force_runs_along_the_rod():
+    force = ri.Pushed(ri.Steps([0.0, 2.0, 0.0], [0.25, 0.5]))
+    solution = ri.solve(ri.System([rod(2.0)], ends=(force, ri.Absorbing())), until=5.0)
+    t = np.arange(0.05, 5, 0.1)
+    pulse = np.where((t > 1.25) & (t < 1.5), 2.0, 0.0)
+    assert -solution.axial_force(0, 1.0, t) == pytest.approx(pulse, abs=1e-15)
+    assert solution.outcome.drive_work == solution.outcome.radiated == pytest.approx(1.0, rel=1e-14)
+    ledger = solution.energy([0.3, 0.75, 2.4, 4.0])
+    assert ledger.drive_work == pytest.approx([0.2, 1.0, 1.0, 1.0], rel=1e-13)
+    assert ledger.radiated == pytest.approx([0.0, 0.0, 0.6, 1.0], rel=1e-13, abs=1e-15)
+
+
+# Balances ----------------------------------------------------------------------------------------
+
+
+@settings(max_examples=150)
+@given(seeds)
+def test_momentum_and_energy_balance(seed):
+    system = with_ends(seed)
+    solution = ri.solve(system, horizon(system, 12.0), "fronts", max_events=CAP)
+    outcome = solution.outcome
+    assert abs(outcome.momentum_residual) <= 1e-12
+    assert abs(outcome.energy_residual) <= 1e-11
+    book = solution.energy([0.0, solution.t_end])
+    scale = outcome.kinetic_before + sum(outcome.vibration_before) + sum(
+        abs(x) for x in (outcome.drive_work, outcome.radiated, outcome.wall_work)) + 1e-300
+    for name in ("drive_work", "radiated", "wall_work"):
+        assert getattr(book, name)[1] == pytest.approx(getattr(outcome, name), abs=1e-10 * scale)
+    if not any(isinstance(c, ri.Bonded) for c in system.contacts):
+        held = [isinstance(end, ri.Fixed) for end in system.ends]
+        for body, v in enumerate(outcome.velocities_after):
+            if not (held[0] and body == 0) and not (held[1] and body == len(system.bodies) - 1):
+                there = float(solution.mean_velocity(body, solution.t_end))
+                assert there == pytest.approx(v, abs=1e-10)
+
+
+@settings(max_examples=40)
+@given(seeds)
+def test_where_no_end_is_driven_none_works(seed):
+    """Not even round-off of the speed of a fixed end."""
+    system = with_ends(seed, driven=False)
+    assert ri.solve(system, horizon(system, 6.0), "fronts", max_events=CAP).outcome.drive_work == 0
+
+
+@settings(max_examples=50)
+@given(seeds)
+def test_the_ledger_balances_at_every_time(seed):
+    system = with_ends(seed)
+    solution = ri.solve(system, horizon(system, 6.0), "fronts", max_events=CAP)
+    book = solution.energy(np.linspace(0, solution.t_end, 7))
+    works = sum(np.abs(w).max() for w in (book.wall_work, book.drive_work, book.radiated))
+    mass = sum(m for m in solution.outcome.masses if m < np.inf)
+    assert np.abs(book.residual).max() <= 1e-11 * (book.total[0] + works + mass)
+
+
+@settings(max_examples=60)
+@given(seeds)
+def test_mirror_is_exact(seed):
+    system = with_ends(seed, unit=1 / 16)
+    until = horizon(system, 6.0)
+    solution, image = (ri.solve(s, until, "fronts", max_events=CAP)
+                       for s in (system, system.mirrored()))
+    assume(solution.stopped_by == "until")
+    assert image.stopped_by == "until"
+    lines, images = solution.fields.signals, image.fields.signals
+    last = len(lines) + 1
+    for i in range(2, len(lines)):
+        assert lines[i].ticks.tolist() == images[last - i].ticks.tolist()
+        assert lines[i].values.tolist() == (-images[last - i].values).tolist()
+    assert solution.outcome.drive_work == pytest.approx(image.outcome.drive_work, rel=1e-12)
+
+
+# Finality ----------------------------------------------------------------------------------------
+
+
+@settings(max_examples=120)
+@given(seeds)
+def test_nothing_touches_after_the_proof(seed):
+    system = with_ends(seed, driven=False)
+    assume(any(isinstance(law, ri.Rigid) for law in system.contacts))
+    solution = ri.solve(system, method="fronts", max_events=CAP)
+    assume(solution.final)
+    far = 20 * solution.t_final + horizon(system, 20)
+    longer = ri.solve(system, far, "fronts", max_events=10 * CAP)
+    just_after = solution.t_final * (1 + 1e-9)
+    for contact in longer.contacts:
+        if isinstance(contact.law, ri.Rigid):
+            assert all(episode.start <= just_after for episode in contact.episodes)
+            times, force, _ = contact.breakpoints()
+            assert (force[times > just_after] == force[-1]).all()
+
+
+@settings(max_examples=60)
+@given(seeds, st.booleans())
+def test_an_endless_end_stays_within_its_bound(seed, right):
+    """A vibrating group that goes on for ever, watched until it has come to rest."""
+    system = random_system(seed, bodies=3, walls=False)
+    pieces = [s for b in system.bodies for s in b.segments]
+    length = sum(float(s.length) for s in pieces)
+    rng = np.random.default_rng(seed)
+    v, strain = (ri.Steps((size * rng.uniform(-1, 1, 2)).tolist(), [length * part])
+                 for size, part in ((1.0, 0.3), (1e-4, 0.7)))
+    body = ri.Rod(segments=pieces, velocity=v, strain=strain)
+    other = ri.Rod(0.1, area=1e-4, material=pieces[0].material, velocity=-9.0 if right else 9.0)
+    row, ends = [body, other], (ri.Absorbing(), ri.Free())
+    if right:
+        row, ends = row[::-1], ends[::-1]
+    row = ri.System(row, [10.0], ends=ends)
+    run = track(assemble(row, 0.0), 0.0)
+    a, node = run.assembly, run.assembly.nodes[0]
+    mean, *_ = group_motion(run.row, run.log, node, right, 0)
+    d, bound2 = deviation_bound(run.row, run.log, node, right, 0, mean)
+    until = horizon(row, 30.0)
+    solution = ri.solve(row, until, max_events=10 * CAP)
+    assume(solution.stopped_by == "until")
+    t = np.linspace(0, until, 2000)
+    end = solution.displacement(int(right), 0.0 if right else length, t)
+    place = end - end[0] - (mean + a.frame) * t + d * a.tick
+    assert np.abs(place).max() <= np.sqrt(bound2) * a.tick * (1 + 1e-9) + 1e-12 * np.abs(end).max()
+    late = np.abs(place[t > 0.9 * until]).max()
+    assert late <= 0.25 * np.sqrt(bound2) * a.tick + 1e-12 * np.abs(end).max()
+
+
+def test_an_endless_bar_that_pushes_a_wall_pushes_on():
+    solution = ri.solve(ri.System([rod(velocity=1e-3), ri.Wall()],
+                                  ends=(ri.Absorbing(), ri.Free())))
+    assert solution.final
+    assert "goes on pressing" in solution.status
+    assert solution.contacts[0].force(solution.t_end) == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize("area", [0.3, 1.0, 1.1, 2.0, 10.0])
+def test_a_striker_on_an_endless_bar_comes_to_its_end(area):
+    """e = (1 - r)/(1 + r), r the ratio of impedances, or 0 if the striker has the larger one."""
+    row = ri.System([rod(velocity=1e-3, area=area), rod(0.5)], ends=(ri.Free(), ri.Absorbing()))
+    solution = ri.solve(row)
+    assert solution.final
+    assert "The collision is final" in solution.status
+    e = max(0.0, (1 - area) / (1 + area))
+    assert solution.outcome.restitution == pytest.approx(e, abs=1e-12)
+
+
+def test_driven_rows_are_never_final():
+    for end in (ri.Pushed(0.0), ri.Moved(0.0), ri.Pushed(ri.Steps([1.0, 0.0], [1.0]))):
+        system = ri.System([rod(), rod()], [1.0], ends=(end, ri.Free()))
+        solution = ri.solve(system, until=5.0)
+        assert solution.method == "fronts"
+        assert not solution.final
+        assert solution.outcome.driven
+        assert "while an end is driven" in solution.status
+        assert "gravity, or what drives" in solution.outcome.why_no_restitution()
+        with pytest.raises(ri.InvalidModel, match="until: must be given"):
+            ri.solve(system)
+
+
+# Times -------------------------------------------------------------------------------------------
+
+
+def gaps_between_fronts(solution):
+    found = [np.diff(w.ticks) for w in solution.fields.signals if w]
+    return min(int(spans.min()) for spans in found if len(spans))
+
+
+@pytest.mark.parametrize("trips", [1, 3, 40])
+def test_a_drive_that_ends_as_a_wave_returns_leaves_no_sliver(trips):
+    """Aluminium and steel are no whole ratio; the drive is timed by the aluminium."""
+    slow, fast = ri.materials.aluminium, ri.materials.steel
+    row = [ri.Rod(0.3, area=1e-4, material=slow), ri.Rod(0.7, area=2e-4, material=fast)]
+    T = float(row[0].transit_time)
+    force = ri.Pushed(ri.Steps([1e3, 0.0], [2 * trips * T]))
+    system = ri.System(row, contacts=[ri.Bonded()], ends=(force, ri.Absorbing()))
+    solution = ri.solve(system, until=2.5 * trips * T)
+    ticks = solution.fields.signals[2].ticks.tolist()
+    assert 2 * trips * solution.fields.assembly.ticks[1] in ticks
+    assert gaps_between_fronts(solution) > 2**20
+
+
+def test_times_beyond_the_longest_transit_change_no_transit():
+    """Lengths 0.3 and 0.1 stay 3 to 1, whatever the times of the drive are."""
+    rods = [rod(0.3), rod(0.1)]
+    force = ri.Pushed(ri.Steps([0.0, 1.0, 2.0, 3.0], [0.1 * np.pi, 7.0, 1e3]))
+    a = assemble(ri.System(rods, ends=(force, ri.Free())), 50.0)
+    assert a.ticks[1] == 3 * a.ticks[2]
+    assert a.transit_error < 1e-15
+    [(_, f0), (t1, _), (t2, _)] = a.waves[0]
+    assert f0 == 0.0
+    assert t1 * a.tick == pytest.approx(0.1 * np.pi, rel=1e-14)
+    assert 3 * t2 == 70 * a.ticks[1]  # the last jump is never reached
+
+
+def test_jumps_that_fall_into_one_tick_are_one():
+    at = [1e-18, 2e-18, 1.0]
+    velocity = ri.Moved(ri.Steps([5.0, 6.0, 1.0, 2.0], at))
+    a = assemble(ri.System([rod()], ends=(ri.Free(), velocity)), 50.0)
+    assert [wave + a.frame for _, wave in a.waves[-1]] == [1.0, 2.0]
+    assert [t for t, _ in a.waves[-1]] == [0, a.ticks[1]]
+
+
+# States, files, families -------------------------------------------------------------------------
+
+
+@settings(max_examples=40)
+@given(seeds, st.floats(0.05, 0.95))
+def test_a_state_can_be_continued(seed, part):
+    system = with_ends(seed, driven=False)
+    until = horizon(system, 8)
+    whole = ri.solve(system, until, "fronts", max_events=CAP)
+    assume(whole.stopped_by == "until")
+    t = part * until
+    rest = ri.solve(whole.system_at(t), until - t, "fronts", max_events=2 * CAP)
+    for body in range(len(system.bodies)):
+        there = float(rest.mean_velocity(body, rest.t_end))
+        assert there == pytest.approx(float(whole.mean_velocity(body, until)), abs=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_solution_is_kept_in_a_file(seed, tmp_path):
+    system = with_ends(seed)
+    solution = ri.solve(system, horizon(system, 5), "fronts", max_events=CAP)
+    solution.save(tmp_path / "run.npz")
+    again = ri.load(tmp_path / "run.npz")
+    assert again.outcome == solution.outcome
+    assert again.system == system
+    times = np.linspace(0, solution.t_end, 9)
+    for name in ("total", "drive_work", "radiated", "residual"):
+        ours, theirs = (getattr(s.energy(times), name) for s in (solution, again))
+        assert ours.tolist() == theirs.tolist()
+
+
+def test_members_of_a_family_are_single_collisions():
+    striker = rod(np.array([0.3, 0.5, 1.7]), 1e-3, np.array([[0.3], [2.0]]))
+    stepped = ri.Rod(segments=[ri.Segment(0.5, 1.0, M), ri.Segment(0.7, 2.0, M)],
+                     velocity=ri.Steps([0.0, 1e-4], [0.4]))
+    family = ri.System([striker, stepped], [1e-3], ends=(ri.Free(), ri.Absorbing()))
+    result = ri.sweep(family, on_error="record")
+    assert result.method == "fronts"
+    assert result.final.all()
+    for index in np.ndindex(family.shape):
+        outcome = ri.solve(family[index]).outcome
+        assert tuple(v[index] for v in result.velocities_after) == outcome.velocities_after
+        assert result.impulse[index] == outcome.impulse
+        assert result.vibration[index] == pytest.approx(sum(outcome.vibration_after), rel=1e-12)
+        assert result.restitution[index] == outcome.restitution
+
+
+def test_a_family_of_driven_rows_says_what_it_needs():
+    family = ri.System([rod(), rod()], ends=(ri.Pushed(np.array([1.0, 2.0])), ri.Free()))
+    with pytest.raises(ri.InvalidModel, match="until: must be given"):
+        ri.sweep(family)
+
+
+@pytest.mark.parametrize("kind", [ri.Pushed, ri.Moved])
+def test_smooth_drives_are_for_the_other_method(kind):
+    system = ri.System([rod()], ends=(ri.Free(), kind(ri.Samples([0.0, 1.0], step=1.0))))
+    with pytest.raises(ri.InvalidModel) as caught:
+        ri.solve(system, 1.0, "fronts")
+    [(path, message)] = caught.value.problems
+    assert path == "ends.right.value"
+    assert message == (
+        'method "fronts" has no drives other than steps; method "characteristics" has')
+    assert ri.solve(system, 1.0).method == "characteristics"
+
+
+def test_a_force_too_large_for_its_energy_is_refused():
+    system = ri.System([rod()], ends=(ri.Pushed(1e200), ri.Free()))
+    with pytest.raises(ri.InvalidModel, match="overflow the energy"):
+        ri.solve(system, 1.0, "fronts")
+
+
+# Kernels -----------------------------------------------------------------------------------------
+
+
+def test_fractions_stay_exact():
+    """A force of 1 on a rod of impedance 3, that pushes one of impedance 2 which goes on for ever:
+    momentum and energy balance without any error."""
+    one, zero = Fraction(1), Fraction(0)
+    still = [[(-T, zero)] for T in (2, 2, 5, 5)]
+    row, tally, log, clock = start(
+        [0, 2, 5, 0], [zero, one / 3, one / 2, one / 2], [PUSH, TOUCH, BOND], [zero] * 3,
+        (zero, zero), [[(0, one / 3), (7, zero)], [], *still, [], [(0, zero)]],
+    )
+    front_kernel.play(row, tally, log, clock, 23, 10**6, zero, 1)
+    stock = front_kernel.GroupState([zero] * 4, [zero] * 4, [zero] * 4)
+    front_kernel.segment_totals(row, log, 23, stock)
+    assert tally.impulse[0] == 7
+    assert stock.momentum[1] == tally.impulse[0] - tally.impulse[1]
+    assert stock.momentum[2] == tally.impulse[1] - tally.impulse[2]
+    assert stock.vibration[1] == tally.work[0] - tally.work[1]
+    assert stock.vibration[2] == tally.work[1] - tally.work[2]
+    assert tally.work[2] > 0
+
+
+@pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
+def test_compiled_and_interpreted_runs_are_bit_identical():
+    for seed in range(300):
+        system = with_ends(seed)
+        until = horizon(system, 4)
+        assembly = assemble(system, until)
+        plain = track(assembly, until, 4000, compile_after=10**9)
+        fast = track(assembly, until, 4000, compile_after=0)
+        assert plain.row == fast.row
+        assert plain.tally == fast.tally
+        assert (plain.end, plain.settled, plain.events) == (fast.end, fast.settled, fast.events)
+        for a, b in zip(plain.log, fast.log, strict=True):
+            assert a == b.tolist()

@@ -1,0 +1,331 @@
+"""The proof that a collision is over: its bounds, against independent sums, and its timing."""
+
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from systems import horizon, random_system
+
+import rodimpact as ri
+from rodimpact.methods.fronts.assembly import assemble
+from rodimpact.methods.fronts.front_kernel import (
+    BOND,
+    FREE,
+    OPEN,
+    deviation_bound,
+    group_motion,
+    separation_time,
+)
+from rodimpact.methods.fronts.method import track
+from rodimpact.results.groups import groups
+from rodimpact.running.solving import wrap
+
+M = ri.Material("m", youngs_modulus=1.0, density=1.0)
+
+
+def pieces_of(solution, bodies):
+    """The group's pieces at the end: (length, mass per length, E A, velocity, strain)."""
+    a, found = solution.fields.assembly, []
+    for body in bodies:
+        rod = solution.system.bodies[body]
+        if isinstance(rod, ri.Wall):
+            continue
+        state = solution.fields.profile(body, solution.fields.end)
+        for i, s in enumerate(state.segment):
+            piece = rod.segments[s - a.spans[body][0]]
+            found.append((
+                state.edges[i + 1] - state.edges[i], piece.material.density * piece.area,
+                piece.material.youngs_modulus * piece.area, state.velocity[i], state.strain[i],
+            ))
+    return found
+
+
+def expected_sway(pieces, wall_velocity):
+    """Deviation of the right end from the mean motion, and the square of its bound."""
+    length, density, stiffness, v, strain = (np.array(x) for x in zip(*pieces, strict=True))
+    mass = length * density
+    mean = wall_velocity
+    if mean is None:
+        mean = np.sum(mass * v) / mass.sum()
+    beyond = np.cumsum(mass) / mass.sum()
+    g0, g1 = np.concatenate(([0.0], beyond[:-1])), beyond
+    if wall_velocity is not None:
+        g0 = g1 = np.ones(len(pieces))
+    deviation = np.sum(strain * length * (g0 + g1) / 2)
+    energy = np.sum(mass * (v - mean) ** 2 + stiffness * strain**2 * length) / 2
+    compliance = np.sum(length / stiffness * (g0**2 + g0 * g1 + g1**2) / 3)
+    return mean, deviation, 2 * energy * compliance
+
+
+@settings(max_examples=120)
+@given(st.integers(0, 10**6), st.floats(0.5, 6.0))
+def test_mean_motion_and_bounds(seed, transits):
+    system = random_system(seed, bodies=4)
+    until = horizon(system, transits)
+    run = track(assemble(system, until), until, 20_000)
+    solution, a = wrap(run, until), run.assembly
+    for group in groups(a.system):
+        walls = [b.velocity for i in group if isinstance(b := system.bodies[i], ri.Wall)]
+        pieces = pieces_of(solution, group)
+        if not pieces or len(walls) > 1:
+            continue
+        for right_side, contact in ((False, group[-1]), (True, group[0] - 1)):
+            if not 0 <= contact < len(a.nodes):
+                continue
+            node = a.nodes[contact]
+            assert run.row.status[node] not in (BOND, FREE)
+            mean, deviation, bound2 = expected_sway(
+                pieces[::-1] if right_side else pieces, walls[0] if walls else None)
+            v, low, high, bounded = group_motion(run.row, run.log, node, right_side, run.end)
+            assert v + a.frame == pytest.approx(mean, abs=1e-11)
+            d, b2 = deviation_bound(run.row, run.log, node, right_side, run.end, v)
+            sign = -1 if right_side else 1
+            assert d * a.tick == pytest.approx(sign * deviation, abs=1e-11 * horizon(system))
+            if b2:
+                assert b2 * a.tick**2 == pytest.approx(bound2, rel=1e-9, abs=1e-24)
+            moving = any(len(np.unique([p[k] for p in pieces])) > 1 for k in (3, 4))
+            stepped = len(pieces_of(solution, group)) > 1 and (
+                walls or sum(len(system.bodies[i].segments) for i in group) > 1)
+            if bounded and moving and stepped:
+                assert low == high  # nothing under way
+
+
+def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
+    """Two stretched stepped rods drift apart; the gap of their mean motions is not the gap."""
+    def stretched(velocity, strain):
+        pieces = [ri.Segment(1.0, 1.0, M), ri.Segment(0.7, 2.0, M)]
+        return ri.Rod(segments=pieces, velocity=velocity, strain=strain)
+
+    system = ri.System([stretched(0.0, 0.02), stretched(1e-3, -0.01)], gaps=[0.001])
+    run = track(assemble(system, 0.0), 0.0)
+    solution, tick = wrap(run, 0.0), run.assembly.tick
+    _, left, bound_left = expected_sway(pieces_of(solution, [0]), None)
+    _, right, bound_right = expected_sway(pieces_of(solution, [1])[::-1], None)
+    mean_gap = 0.001 + left + right  # both deviations are measured outwards, towards the gap
+    wait = (np.sqrt(2 * (bound_left + bound_right)) - mean_gap) / 1e-3
+    a = run.assembly
+    when = separation_time(run.row, run.log, a.nodes[0], 0, a.tolerance)
+    assert when * tick == pytest.approx(wait, rel=2e-6)
+
+
+def test_the_bound_of_a_uniform_rod_is_the_textbook_integral():
+    """With all mass fractions linear, integral g^2 dx/(E A) = L/(3 E A)."""
+    rod = ri.Rod(2.0, area=3.0, material=M, strain=ri.Steps([1e-3, 0.0], [1.0]))
+    system = ri.System([rod, ri.Wall()], gaps=[1.0])
+    run = track(assemble(system, 0.1), 0.1)
+    _, bound2 = deviation_bound(run.row, run.log, 1, False, run.end, 0.0)
+    energy = 0.5 * 3.0 * 1e-6 * 1.0
+    assert bound2 * run.assembly.tick**2 == pytest.approx(2 * energy * 2.0 / (3 * 3.0), rel=1e-12)
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 10**6))
+def test_an_end_stays_within_its_bound(seed):
+    """A vibrating free rod far from anything, watched for a long time."""
+    system = random_system(seed, bodies=2, walls=False)
+    rod = system.bodies[0]
+    row = ri.System([rod, ri.Rod(1.0, area=1.0, material=M, velocity=2.0)], [10.0])
+    until = horizon(row, 30.0)
+    run = track(assemble(row, 0.0), 0.0)
+    node = run.assembly.nodes[0]
+    v, *_ = group_motion(run.row, run.log, node, False, 0)
+    d, bound2 = deviation_bound(run.row, run.log, node, False, 0, v)
+    solution = ri.solve(row, until, max_events=20_000)
+    assume(solution.stopped_by == "until")
+    t = np.linspace(0, until, 4000)
+    end = solution.displacement(0, rod.length, t)
+    tick = run.assembly.tick
+    mean = end[0] + (v + run.assembly.frame) * t - d * tick
+    round_off = 1e-13 * np.abs(end).max()
+    assert np.abs(end - mean).max() <= np.sqrt(bound2) * tick * (1 + 1e-9) + round_off
+
+
+@settings(max_examples=80)
+@given(st.integers(0, 10**6))
+def test_every_free_row_settles(seed):
+    system = random_system(seed, bodies=3, walls=False)
+    solution = ri.solve(system, max_events=200_000)
+    assert solution.stopped_by == "final", solution.status
+
+
+def test_the_proof_comes_with_the_last_contact_of_uniform_pairs():
+    for ratio, area in ((0.4, 1.0), (0.7, 2.0), (0.3, 0.5)):
+        left = ri.Rod(ratio, area=area, material=M, velocity=1.0)
+        solution = ri.solve(ri.System([left, ri.Rod(1.0, area=1.0, material=M)]))
+        assert solution.t_final == pytest.approx(solution.outcome.contacts[0].last, rel=1e-12)
+
+
+def test_a_slow_parting_of_a_stepped_rod_is_proved_by_the_bound():
+    stepped = ri.Rod(segments=[ri.Segment(1.0, 1.0, M), ri.Segment(0.5, 3.0, M)], velocity=1.0)
+    solution = ri.solve(ri.System([stepped, ri.Rod(1.25, area=2.0, material=M)]))
+    assert solution.final
+    last = solution.outcome.contacts[0].last
+    assert last < solution.t_final < 60 * last
+    longer = ri.solve(solution.system, until=10 * solution.t_final)
+    assert longer.outcome.contacts[0].last == pytest.approx(last)
+
+
+def test_a_clamped_rod_swings_back():
+    """Velocities in a rod with a fixed end change sign, so its waves bound nothing."""
+    row = ri.System(
+        [ri.Rod(0.2, area=0.1, material=M, velocity=0.2), ri.Rod(1.0, area=1.0, material=M),
+         ri.Wall()],
+        contacts=[ri.Rigid(), ri.Bonded()],
+    )
+    solution = ri.solve(row)
+    longer = ri.solve(row, until=20 * solution.t_end)
+    assert solution.final
+    assert longer.outcome.contacts[0].last <= solution.t_final
+    assert longer.outcome.contacts[0].episodes == solution.outcome.contacts[0].episodes
+
+
+def test_a_ball_between_walls_is_never_final():
+    row = ri.System([ri.Wall(), ri.Rod(1.0, area=1.0, material=M, velocity=1.0), ri.Wall()], [1, 1])
+    solution = ri.solve(row, max_events=500)
+    assert not solution.final
+    assert solution.stopped_by == "max_events"
+    assert "Raise max_events" in solution.status
+
+
+def test_the_state_at_a_cap_is_complete():
+    rods = [ri.Rod(1.0 + i % 3, area=1.0 + i % 2, material=M, velocity=float(i == 0))
+            for i in range(6)]
+    system = ri.System(rods)
+    for cap in range(1, 120):
+        capped = ri.solve(system, max_events=cap)
+        whole = ri.solve(system, until=capped.t_end)
+        for body, rod in enumerate(rods):
+            ends = [0.0, rod.length]
+            now = capped.velocity(body, ends, capped.t_end)
+            assert now == pytest.approx(whole.velocity(body, ends, capped.t_end), abs=1e-12)
+
+
+def test_a_grazing_contact_that_presses_again_is_one_episode():
+    """Two compressive pulses, one after the other, pass from rod to rod; between them the ends
+    only touch."""
+    at = [1.0, 1.5, 2.0, 2.5]
+    pulse = ri.Rod(
+        3.0, area=1.0, material=M, velocity=ri.Steps([0, 1, 0, 1, 0], at),
+        strain=ri.Steps([0, -1, 0, -1, 0], at),
+    )
+    solution = ri.solve(ri.System([pulse, ri.Rod(3.0, area=1.0, material=M)]), until=3.0)
+    contact = solution.contacts[0]
+    assert contact.force([0.25, 0.75, 1.25, 1.75, 2.25]).tolist() == [0, 1, 0, 1, 0]
+    assert solution.outcome.contacts[0].episodes == 1
+    assert len(contact.episodes) == 1
+    assert contact.episodes[0].start == 0.5
+    assert contact.episodes[0].force_end == 2.0
+    tally = solution.outcome.contacts[0]
+    assert (tally.first, tally.last, tally.duration) == (0.5, 2.0, 1.0)
+
+
+def state_of_two(gap, rate, a, b):
+    """Kernel state of two rods of 1000 ticks with a gap, just before an event at tick 100."""
+    system = ri.System(
+        [ri.Rod(1.0, area=1.0, material=M, velocity=v) for v in (a, b)], [1.0])
+    run = track(assemble(system, 0.0), 0.0)
+    row = run.row
+    row.gap[1], row.rate[1] = gap, rate
+    row.arrived[2], row.arrived[5] = a, b
+    return row
+
+
+def test_a_gap_about_to_close_closes_now():
+    from rodimpact.methods.fronts.front_kernel import PRESS, resolve_contact
+
+    row = state_of_two(gap=5.0, rate=0.0, a=1.0, b=0.0)
+    assert resolve_contact(row, 1, 100, 1e-9, 10) == PRESS  # by the new velocities
+    assert (row.gap[1], row.rate[1]) == (0.0, 0.0)
+    row = state_of_two(gap=105.0, rate=-1.0, a=0.0, b=1.0)
+    assert resolve_contact(row, 1, 100, 1e-9, 10) == OPEN  # touched by the old ones, and parted
+    assert (row.gap[1], row.rate[1]) == (0.0, 1.0)
+    row = state_of_two(gap=200.0, rate=-1.0, a=1.0, b=0.0)
+    assert resolve_contact(row, 1, 100, 1e-9, 10) == OPEN
+    assert (row.gap[1], row.rate[1]) == (100.0, -1.0)
+
+
+@pytest.mark.parametrize("delay", [0, 3, 900])
+def test_a_closing_joins_an_arrival_within_the_window(delay):
+    """The gap closes `delay` ticks before a front comes back from the far end."""
+    system = ri.System(
+        [ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, 0.5], [0.5])),
+         ri.Rod(1.0, area=1.0, material=M)], [1e-3])
+    a = assemble(system, 1.0)
+    arrival = a.ticks[1] // 2
+    gap = (arrival - delay) * (0.5 - 0.0 - 0.0)
+    object.__setattr__(a, "gaps", [0.0, float(gap), 0.0])
+    run = track(a, 1.0)
+    closed = run.tally.first[1]
+    assert a.window > 900
+    assert closed == arrival
+
+
+def test_round_off_makes_no_fronts():
+    """A rod cut into bonded pieces of awkward impedance sends no echoes from the cuts."""
+    odd = ri.Material("odd", youngs_modulus=1.23456789, density=0.987654321)
+    pieces = [ri.Segment(0.1, 0.7654321, odd)] * 7
+    sizes = {"length": 0.7, "area": 0.7654321, "material": odd}
+    state = {"velocity": 0.3, "strain": ri.Steps([0.1, 0.0], [0.33])}
+    cut, whole = ri.Rod(segments=pieces, **state), ri.Rod(**sizes, **state)
+    broken, one = (ri.solve(ri.System([r, ri.Rod(**sizes)]), until=100.0) for r in (cut, whole))
+    assert broken.outcome.velocities_after == pytest.approx(one.outcome.velocities_after, abs=1e-12)
+    assert broken.events <= 2 * one.events
+
+
+def test_work_tallies_are_the_energy_handed_over():
+    rods = [ri.Rod(1.0 + i, area=1.0 + i, material=M, velocity=1.0 - i) for i in range(3)]
+    run = track(assemble(ri.System(rods)))
+    solution, a = wrap(run), run.assembly
+    work = [run.tally.work[k] * a.tick for k in a.nodes]
+    for i, (gained, lost) in enumerate(((0, work[0]), (work[0], work[1]), (work[1], 0))):
+        ends = (0, solution.fields.end)
+        energy = [sum(solution.fields.energy(i, end, a.frame)) for end in ends]
+        assert energy[1] - energy[0] == pytest.approx(gained - lost, abs=1e-12)
+
+
+def test_waves_that_coincide_after_a_gap_closed_leave_no_sliver():
+    """All times are simple fractions; the gap closes at a seventh of a transit."""
+    fast = ri.Material("fast", youngs_modulus=4.0, density=1.0)
+    row = ri.System(
+        [ri.Wall(-1.0), ri.Rod(6.0, area=1.0, material=M),
+         ri.Rod(8.0, area=1.0, material=fast, velocity=-3.0),
+         ri.Rod(4.0, area=0.5, material=fast, velocity=-2.0)],
+        [0.0, 3.0, 3.0], [ri.Bonded(), ri.Rigid(), ri.Rigid()],
+    )
+    solution = ri.solve(row, until=30 + 1 / 7)
+    assert solution.outcome.contacts[2].peak_force == pytest.approx(46 / 27, rel=1e-12)
+
+
+def test_a_vibrating_rod_alone_is_final_at_once():
+    vibrating = ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, -1.0], [0.5]))
+    solution = ri.solve(ri.System([vibrating]))
+    assert (solution.stopped_by, solution.t_final, solution.t_end) == ("final", 0.0, 2.0)
+
+
+def test_vibrating_rods_that_recede_slowly_are_proved_apart():
+    vibrating = ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, -1.0], [0.5]))
+    other = ri.Rod(1.0, area=1.0, material=M, velocity=1e-9)
+    solution = ri.solve(ri.System([vibrating, other], [1.0]))
+    assert solution.stopped_by == "final"
+    assert solution.events < 50
+
+
+@pytest.mark.parametrize(("drift", "end"), [(1e-4, "final"), (1e-8, "clock")])
+def test_a_slow_drift_is_waited_for_as_long_as_the_clock_counts(drift, end):
+    vibrating = ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, -1.0], [0.5]))
+    other = ri.Rod(1.0, area=1.0, material=M, velocity=drift)
+    solution = ri.solve(ri.System([vibrating, other], [0.7]), max_events=50_000)
+    assert solution.stopped_by == end
+    assert solution.outcome.contacts[0].episodes == 0
+    assert 1000 < solution.events < 20_000
+
+
+def test_a_final_collision_is_known_at_the_cap_too():
+    """However long the rest of the run was to be."""
+    rods = [ri.Rod(0.4, area=1.0, material=M, velocity=1.0), ri.Rod(1.0, area=1.0, material=M)]
+    solution = ri.solve(ri.System(rods), until=1e4, max_events=1000)
+    assert solution.stopped_by == "max_events"
+    assert solution.final
+    assert solution.outcome.restitution == pytest.approx(0.4)
+    assert "The collision is final" in solution.status

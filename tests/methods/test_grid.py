@@ -1,0 +1,955 @@
+"""The method "finite-difference" through solve(): other methods, closed forms, symmetry, limits."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+from grid_rows import random_row, run_row
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from networks import UNIT, shifted, unit_rod
+
+import rodimpact as ri
+from rodimpact.methods import kernels
+from rodimpact.methods.clock import PARTS
+from rodimpact.methods.grid import machine as grid_machine
+from rodimpact.methods.grid import method as finite_difference
+from rodimpact.running.solving import LongRun, wrap_steps
+
+seeds = st.integers(0, 10**6)
+METHOD = "finite-difference"
+MASS = ri.RigidMass(1.0)
+
+
+def material(E=1.0, rho=1.0, **options):
+    return ri.Material("m", youngs_modulus=E, density=rho, **options)
+
+
+def bar(Z, c, T, velocity=0.0, **options):
+    """A rod of unit area by impedance, wave speed and transit time."""
+    return ri.Rod(T * c, area=1.0, material=material(Z * c, Z / c), velocity=velocity, **options)
+
+
+def piece(Z, c, T):
+    return ri.Segment(T * c, 1.0, material(Z * c, Z / c))
+
+
+def solved(row, until=None, cells=None, gaps=None, contacts=None, **options):
+    names = ("rtol", "dt", "max_events", "snapshots", "progress")
+    arguments = {name: options.pop(name) for name in names if name in options}
+    system = ri.System(row, gaps, contacts, **options)
+    return ri.solve(system, until, METHOD, cells=cells, **arguments)
+
+
+def refused(match, function, *args, **options):
+    with pytest.raises(ri.InvalidModel, match=match) as caught:
+        function(*args, **options)
+    return [path for path, _ in caught.value.problems]
+
+
+def order(errors, factor=2):
+    """Mean order of convergence."""
+    return math.log(errors[0] / errors[-1]) / math.log(factor) / (len(errors) - 1)
+
+
+# Against exact fronts -----------------------------------------------------------------------------
+
+ROOT = 2**0.5
+ROWS = {
+    "unequal impedances": ri.System([bar(1, 1, 0.7, 1.0), bar(0.5, 1.3, 1.1 / 1.3)]),
+    "a gap": ri.System([bar(1, 1, 0.7, 1.0), bar(0.5, 1.3, 1.1 / 1.3)], gaps=[0.0317]),
+    "heavy on light": ri.System([bar(3, 1, 0.5, 1.0), bar(1, 1.7, 1.37)]),
+    "a stepped rod": ri.System([
+        ri.Rod(segments=[piece(1, 1, 0.5), piece(3, 1.2, 0.37)], velocity=1.0), bar(2, 0.9, ROOT)]),
+    "three steps": ri.System([
+        bar(1.5, 1.1, 0.61, 1.0),
+        ri.Rod(segments=[piece(2, 1, 0.4), piece(0.7, 1.3, 0.53), piece(1.1, 0.8, 0.3)])]),
+    "a wall": ri.System([
+        ri.Rod(segments=[piece(1, 1, 0.5), piece(3, 1.2, 0.37)], velocity=1.0), ri.Wall()],
+        gaps=[0.2]),
+    "a wall that is touched": ri.System([
+        ri.Rod(segments=[piece(3, 1, 0.5), piece(1, 1.2, 0.61)], velocity=1.0), ri.Wall()]),
+    "three rods": ri.System([bar(1, 1, 0.5, 1.0), bar(2, 1.3, 0.8), bar(0.7, 0.9, 0.6)],
+                            gaps=[0.0, 0.02]),
+    "four rods": ri.System(
+        [bar(1, 1, 0.5, 1.0), bar(1.5, 1, 0.7), bar(2, 1, 0.3), bar(0.8, 1, 0.45)],
+        gaps=[0.01, 0.0, 0.03]),
+    "a bond": ri.System([bar(1, 1, 0.5, 1.0), bar(1.5, 1, 0.7), bar(2, 1.1, 0.3)],
+                        contacts=[ri.Rigid(), ri.Bonded()]),
+    "contact again": ri.System([
+        ri.Rod(segments=[piece(1, 1, 0.2), piece(8, 1, 0.9)], velocity=1.0),
+        ri.Rod(segments=[piece(0.5, 1.2, 0.33), piece(5, 1, 0.7)])]),
+    "strained before": ri.System([
+        bar(1, 1, 0.7, 1.0, strain=ri.Steps([0.0, -0.3], [0.31])), bar(0.5, 1.3, 1.1)],
+        gaps=[0.05]),
+}
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_rows_of_rods_meet_the_exact_method_without_chatter(name):
+    """Episodes are those of the fronts; a shut gap stays exactly 0."""
+    system = ROWS[name]
+    exact = ri.solve(system, method="fronts")
+    until = exact.t_end
+    errors, impulses = [], []
+    for n in (70, 110):
+        s = ri.solve(system, until, METHOD, cells=n, snapshots=5)
+        assert [c.episodes for c in s.outcome.contacts] == [
+            c.episodes for c in exact.outcome.contacts]
+        for k, (a, b) in enumerate(zip(exact.contacts, s.contacts, strict=True)):
+            assert len(b.episodes) == len(a.episodes)
+            if isinstance(a.law, ri.Rigid):
+                force, gap = s.record.forces[k], s.record.gaps[k]
+                assert gap.min() >= 0
+                shut = (force[:-1] > 0) & (force[1:] > 0)  # it shuts in the middle of a step
+                assert np.all(gap[2:][shut] == 0)
+        errors.append(np.abs(np.subtract(s.outcome.velocities_after,
+                                         exact.outcome.velocities_after)).max())
+        impulses.append(max(abs(b.impulse - a.impulse) for a, b in zip(
+            exact.outcome.contacts, s.outcome.contacts, strict=True)))
+    assert errors[-1] <= 2e-2
+    assert impulses[-1] <= 2e-2
+
+
+def test_the_impulse_converges_with_the_cells():
+    for name in ("unequal impedances", "a wall"):
+        exact = ri.solve(ROWS[name], method="fronts")
+        errors = [
+            max(abs(b.impulse - a.impulse) for a, b in zip(exact.outcome.contacts, ri.solve(
+                ROWS[name], exact.t_end, METHOD, cells=n, snapshots=2).outcome.contacts,
+                strict=True)) for n in (50, 100, 200, 400)]
+        assert order(errors) >= 0.6
+
+
+def test_fields_at_jumps_are_of_order_one_half():
+    system = ROWS["unequal impedances"]
+    exact, t = ri.solve(system, method="fronts"), np.array([0.4, 1.3, 2.0])
+    errors = []
+    for n in (50, 100, 200, 400):
+        s = ri.solve(system, exact.t_end, METHOD, cells=n, snapshots=t)
+        errors.append(0.0)
+        for i, rod in enumerate(system.bodies):
+            x = (np.arange(500)[:, None] + 0.5) / 500 * rod.length
+            errors[-1] += np.abs(s.velocity(i, x, t) - exact.velocity(i, x, t)).mean()
+            errors[-1] += np.abs(s.strain(i, x, t) - exact.strain(i, x, t)).mean()
+    assert order(errors) >= 0.4
+    assert errors[-1] <= 0.06
+
+
+def test_the_same_ends_of_contact():
+    exact = ri.solve(ROWS["contact again"], method="fronts")
+    s = ri.solve(exact.system, exact.t_end, METHOD, cells=200)
+    for a, b in zip(exact.contacts[0].episodes, s.contacts[0].episodes, strict=True):
+        assert b.start == pytest.approx(a.start, abs=0.02)
+        assert b.force_end == pytest.approx(a.force_end, abs=0.05)
+        assert b.opening == pytest.approx(a.opening, abs=0.05)
+
+
+@pytest.mark.parametrize("name", ["a gap", "three rods", "four rods"])
+def test_contacts_begin_inside_the_step(name):
+    """A gap that rods at rest inside close is met as the fronts meet it."""
+    exact = ri.solve(ROWS[name], method="fronts")
+    found = [ri.solve(ROWS[name], exact.t_end, METHOD, cells=n).contacts for n in (70, 110)]
+    first = min(range(len(exact.contacts)), key=lambda k: exact.contacts[k].episodes[0].start)
+    for k, contact in enumerate(exact.contacts):
+        starts = [contacts[k].episodes[0].start for contacts in found]
+        allowed = 1e-9 if k == first else 0.6 / 110  # others close on dispersed waves
+        assert starts[1] == pytest.approx(contact.episodes[0].start, abs=allowed)
+
+
+@pytest.mark.parametrize(("left", "right"), [(0.7, 1.1), (0.5, 1.0), (0.9, 0.4)])
+def test_an_opening_is_where_the_gap_begins(left, right):
+    """Damped rods part slowly: the gap is 0 there, and open from then on."""
+    lossy = material(viscosity=0.01)
+    pair = [ri.Rod(x, area=1.0, material=lossy, velocity=v) for x, v in ((left, 1.0), (right, 0.0))]
+    s = solved(pair, None, 200)
+    contact, h = s.contacts[0], s.fields.assembly.tick * PARTS
+    (episode,) = contact.episodes
+    assert episode.force_end <= episode.opening <= episode.force_end + 2 * h
+    assert contact.gap(episode.opening) <= 1e-4 * h
+    later = np.linspace(episode.opening + 0.01 * h, s.t_end, 999)
+    assert np.all(contact.gap(later) > 0)
+
+
+def test_a_compliant_contact_opens_as_its_indentation_ends():
+    """A mass on a spring swings half a period, pi sqrt(m/k); the rod behind is heavy."""
+    row = [ri.RigidMass(1.0, velocity=1.0), unit_rod(area=1e9)]
+    s = solved(row, 1.5, 160, contacts=[ri.Spring(16.0)], gaps=[0.123456])
+    (episode,) = s.contacts[0].episodes
+    assert episode.start == pytest.approx(0.123456, abs=1e-12)
+    assert episode.opening == pytest.approx(0.123456 + math.pi / 4, abs=1e-4)
+    assert episode.force_end == pytest.approx(episode.opening, abs=1e-12)
+
+
+# Against characteristics --------------------------------------------------------------------------
+
+RAMP = ri.Samples([0.0, 0.5, -0.3, 0.2, 0.0], step=0.5)
+WAVE = ri.Samples((0.3 * np.cos(np.linspace(0, 3, 65))).tolist())
+COMPLIANT = {
+    "spring": ([unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)], [ri.Spring(3.0)], {}),
+    "dashpot": ([unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)],
+                [ri.SpringDashpot(3.0, 0.4)], {}),
+    "Hertz": ([unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)], [ri.Hertz(5.0)],
+              {"gaps": [0.05]}),
+    "Hunt-Crossley": ([unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)],
+                      [ri.HuntCrossley(5.0, 0.3)], {}),
+    "masses": ([ri.RigidMass(0.5, velocity=1.0), unit_rod(), ri.RigidMass(0.7)],
+               [ri.Hertz(5.0), ri.Spring(4.0)], {"gaps": [0.1, 0.05]}),
+    "bonded masses": (
+        [ri.RigidMass(0.5, velocity=1.0), ri.RigidMass(0.2), unit_rod(), ri.RigidMass(0.3),
+         unit_rod(0.7, 0.5)], [ri.Spring(4.0), ri.Bonded(), ri.Bonded(), ri.Bonded()], {}),
+    "a wall": ([ri.Wall(), unit_rod(velocity=-0.5), ri.RigidMass(0.4), ri.Wall()],
+               [ri.Spring(9.0), ri.Bonded(), ri.Hertz(30.0)], {"gaps": [0.1, 0.0, 0.1]}),
+    "gravity": ([ri.Wall(), unit_rod(), ri.RigidMass(0.4)], [ri.Hertz(20.0), ri.Spring(5.0)],
+                {"gaps": [0.1, 0.1], "gravity": -0.6}),
+    "a force": ([unit_rod(), unit_rod(0.7, 0.5)], [ri.Spring(5.0)],
+                {"gaps": [0.02], "ends": (ri.Pushed(RAMP), ri.Absorbing())}),
+    "a velocity": ([unit_rod(), unit_rod(0.7, 0.5)], [ri.Hertz(5.0)],
+                   {"gaps": [0.02], "ends": (ri.Moved(RAMP), ri.Fixed())}),
+    "a force on a mass": ([ri.RigidMass(0.6), unit_rod()], [ri.Bonded()],
+                          {"ends": (ri.Pushed(RAMP), ri.Moved(RAMP))}),
+    "bonds between driven ends": (
+        [unit_rod(velocity=WAVE), ri.RigidMass(0.5, velocity=WAVE.values[-1]), unit_rod(0.6, 2.0)],
+        [ri.Bonded(), ri.Spring(4.0)],
+        {"gravity": 0.3, "ends": (ri.Moved(0.3), ri.Pushed(np.sin, duration=3.0))}),
+    "an absorbing end": ([ri.RigidMass(0.5, velocity=0.6), unit_rod(velocity=WAVE)],
+                         [ri.Spring(4.0)], {"ends": (ri.Free(), ri.Absorbing())}),
+}
+
+
+JUMPS = "dashpot", "a wall"  # of velocity, as they meet
+SMOOTH = "masses", "bonded masses"
+
+
+@pytest.mark.parametrize("name", COMPLIANT)
+def test_rows_meet_characteristics(name):
+    """Second order where all is smooth, between one and two where forces have kinks."""
+    row, contacts, options = COMPLIANT[name]
+    system = ri.System(row, contacts=contacts, **options)
+    until, t = 2.3, np.linspace(0, 2.3, 24)
+    fine = ri.solve(system, until, "characteristics", dt=1 / 1280)
+    errors = []
+    for n in (40, 80, 160):
+        s = ri.solve(system, until, METHOD, cells=n)
+        found = []
+        for i, body in enumerate(row):
+            found.append(s.mean_velocity(i, t) - fine.mean_velocity(i, t))
+            if not isinstance(body, ri.Wall):
+                x = float(getattr(body, "length", 0.0)) * 0.37
+                found.append(s.displacement(i, x, t) - fine.displacement(i, x, t))
+        for a, b in zip(fine.contacts, s.contacts, strict=True):
+            found.append(b.impulse_until(t) - a.impulse_until(t))
+            found.append(b.gap(t) - a.gap(t))
+        errors.append(max(np.abs(x).max() for x in found))
+        assert abs(s.outcome.energy_residual) <= 1e-12
+        assert abs(s.outcome.momentum_residual) <= 1e-12
+    assert errors[-1] <= (6e-3 if name in JUMPS else 2e-4)
+    assert order(errors) >= (0.3 if name in JUMPS else 1.85 if name in SMOOTH else 1.1)
+
+
+@pytest.mark.parametrize("profile", [0.7, ri.Steps([1.0, -0.5, 0.25], [0.25, 1.5]), RAMP],
+                         ids=["number", "steps", "samples"])
+@pytest.mark.parametrize("kind", [ri.Pushed, ri.Moved])
+@pytest.mark.parametrize("side", [0, 1])
+@pytest.mark.parametrize("viscosity", [0.0, 1e-9])
+def test_a_driven_end_sends_what_drives_it(profile, kind, side, viscosity):
+    """Into a bar that absorbs; as well where the rod is eliminated implicitly."""
+    def at(t):
+        if isinstance(profile, ri.Steps):
+            return np.where(t < 0.25, 1.0, np.where(t < 1.5, -0.5, 0.25)) * (t >= 0)
+        if isinstance(profile, ri.Samples):
+            return np.interp(t, 0.5 * np.arange(5), profile.values) * (t >= 0)
+        return profile * (t >= 0)
+
+    ends = [ri.Absorbing(), kind(profile)]
+    rod = ri.Rod(1.0, area=2.0, material=material(viscosity=viscosity))
+    s = solved([rod], 3.0, 200, ends=ends[::-1] if side == 0 else ends)
+    x, t = (np.arange(40) + 0.5) / 40, np.linspace(0.0137, 2.98, 41)[:, None]
+    late = t - (x if side == 0 else 1 - x)
+    expected = at(late) * ((1, -1)[side] / 2 if kind is ri.Pushed else 1.0)
+    allowed = 2e-3 if profile is RAMP else 5e-3
+    assert np.abs(s.velocity(0, x, t) - expected).mean() <= allowed
+    assert np.abs(s.energy(np.linspace(0, 3, 25)).residual).max() <= 1e-12
+
+
+def test_forces_in_bonds_of_rigid_bodies():
+    masses = [ri.RigidMass(m) for m in (1.0, 2.0, 3.0)]
+    laws, rod = [ri.Bonded(), ri.Bonded(), ri.Hertz(9.0)], unit_rod(velocity=-1.0)
+    s = solved([*masses, rod], 2.0, 32, contacts=laws, ends=(ri.Pushed(0.7), ri.Free()))
+    t = s.fields.assembly.tick * PARTS * (np.arange(64) + 0.5)
+    t = t[t < 2.0]
+    first, second, last = (c.force(t) for c in s.contacts)
+    a = (0.7 - last) / 6
+    assert last.max() > 0.3
+    assert first == pytest.approx(0.7 - a, abs=1e-12)
+    assert second == pytest.approx(0.7 - 3 * a, abs=1e-12)
+
+
+def test_the_force_in_a_bond_is_that_in_the_rod():
+    damped = material(viscosity=0.05)
+    row = [ri.Rod(1.0, area=1.0, material=damped, velocity=WAVE),
+           ri.Rod(0.8, area=2.0, material=damped, velocity=WAVE.values[-1])]
+    s = solved(row, 2.0, 200, contacts=[ri.Bonded()])
+    t = np.linspace(0.1, 1.9, 37)
+    assert s.contacts[0].force(t) == pytest.approx(-s.axial_force(0, 1.0, t), abs=5e-3)
+    assert s.contacts[0].force(t) == pytest.approx(-s.axial_force(1, 0.0, t), abs=5e-3)
+    gained = s.outcome.masses[1] * (s.mean_velocity(1, t[-1]) - s.mean_velocity(1, 0.0))
+    assert s.contacts[0].impulse_until(t[-1]) == pytest.approx(gained, abs=1e-3)
+
+
+# Closed forms -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mu", [0.25, 1.0, 4.0])
+def test_mass_on_a_free_rod(mu):
+    s = ri.solve(ri.System([ri.RigidMass(1 / mu, velocity=1.0), unit_rod()]), method=METHOD,
+                 cells=200)
+    e = (1 - math.exp(-2 * mu)) / mu - math.exp(-2 * mu)
+    assert s.final
+    assert s.outcome.restitution == pytest.approx(e, abs=4e-3)
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_a_damped_mode_decays_and_slows(held):
+    """u = cos(pi x) or sin(pi x): u'' + eta w^2/E u' + w^2 u = 0."""
+    eta, w = 0.04, math.pi
+    shape, end = (math.sin, ri.Fixed()) if held else (math.cos, ri.Free())
+    errors = []
+    for n in (20, 40):
+        rod = ri.Rod(1.0, area=2.0, material=material(viscosity=eta),
+                     velocity=lambda x: shape(math.pi * x))
+        s = solved([rod], 4.0, n, ends=(end, end))
+        t, beta = np.linspace(0, 4, 41), eta * w * w / 2
+        W = math.sqrt(w * w - beta * beta)
+        exact = np.exp(-beta * t) * (np.cos(W * t) - beta / W * np.sin(W * t))
+        x = 0.5 if held else 0.0
+        errors.append(np.abs(s.velocity(0, x, t) - exact).max())
+        assert np.all(np.diff(s.energy(t).damped) >= 0)
+    assert errors[-1] <= 3e-3
+    assert order(errors) >= 1.8
+
+
+@pytest.mark.parametrize("wave", [1, 3])
+def test_a_mode_with_lateral_inertia_swings_slower(wave):
+    """w^2 = E k^2/(rho (1 + nu^2 k^2 I_p/A)), with sigma = 0 at free ends: v = cos(k x)."""
+    nu, polar, area, k = 0.3, 0.8, 2.0, wave * math.pi
+    w = k / math.sqrt(1 + nu * nu * k * k * polar / area)
+    errors = []
+    for n in (40, 80):
+        rod = ri.Rod(1.0, area=area, material=material(poisson_ratio=nu), polar_moment=polar,
+                     velocity=lambda x: math.cos(k * x))
+        s = solved([rod], 4.0, n)
+        t = s.fields.states.when[:-1] * s.fields.assembly.tick * PARTS
+        errors.append(np.abs(s.velocity(0, 0.0, t) - np.cos(w * t)).max())
+    assert errors[-1] <= 8e-3
+    assert order(errors) >= 1.8
+
+
+def test_a_cone_in_steps_is_the_cone():
+    cone = ri.Rod(1.0, area=lambda x: (1 + x) ** 2, material=UNIT, velocity=0.7)
+    other = unit_rod(0.8, 2.0)
+    whole = ri.solve(ri.System([cone, other]), 4.0, cells=300)
+    assert whole.method == METHOD
+    steps = ri.solve(ri.System([cone.in_steps(64), other]), 4.0, "characteristics", dt=1 / 640)
+    assert whole.outcome.velocities_after == pytest.approx(steps.outcome.velocities_after, abs=3e-3)
+    assert whole.outcome.impulse == pytest.approx(steps.outcome.impulse, rel=4e-3)
+
+
+def test_little_damping_is_none_and_much_is_a_rigid_body():
+    def e(eta, cells=100):
+        row = [ri.Rod(L, area=1.0, material=material(viscosity=eta), velocity=v)
+               for L, v in ((0.5, 1.0), (1.0, 0.0))]
+        return solved(row, 20.0, cells, snapshots=2).outcome.restitution
+
+    plain = solved([unit_rod(0.5, velocity=1.0), unit_rod()], 20.0, 100).outcome.restitution
+    assert e(1e-13) == pytest.approx(plain, abs=1e-10)
+    assert e(1e6) == pytest.approx(0.0, abs=1e-4)
+    assert plain > e(0.1) > e(1.0) > e(10.0) > 0
+
+
+# Symmetry -----------------------------------------------------------------------------------------
+
+
+def velocities(solution, t):
+    return np.array([solution.mean_velocity(i, t) for i in range(len(solution.system.bodies))])
+
+
+@settings(max_examples=35)
+@given(seeds)
+def test_mirror(seed):
+    system = random_row(seed, bodies=4, driven=True)
+    run, image = run_row(system, 2.0), run_row(system.mirrored(), 2.0)
+    scale = np.abs(run.states.velocity).max() + run.plan.scale
+    inside = run.mesh.mass > 0
+    assert image.states.velocity[:, ::-1][:, inside] == pytest.approx(
+        -run.states.velocity[:, inside], abs=1e-9 * scale)
+    assert np.array_equal(image.tally.episodes[::-1], run.tally.episodes)
+    for k in range(len(system.contacts)):
+        if run.plan.contact_link[k] >= 0 and isinstance(system.contacts[k], ri.Bonded):
+            force = run.bond(k)
+            assert image.bond(len(system.contacts) - 1 - k) == pytest.approx(
+                force, abs=1e-9 * (1 + np.abs(force).max()))
+
+
+@settings(max_examples=35)
+@given(seeds, st.sampled_from([1.0, -30.0]))
+def test_galilean_shift_changes_nothing(seed, v):
+    system = random_row(seed, bodies=4, driven=True)
+    still, moving = (ri.solve(s, 1.5, METHOD, dt=1 / 32) for s in (system, shifted(system, v)))
+    t, scale = np.linspace(0, 1.5, 17), 1e-9 * (1 + abs(v))
+    assert velocities(moving, t) - v == pytest.approx(velocities(still, t), abs=scale)
+    for a, b in zip(still.contacts, moving.contacts, strict=True):
+        assert b.gap(t) == pytest.approx(a.gap(t), abs=scale)
+
+
+def test_units_do_not_matter():
+    """Lengths by L, times by T and masses by M: forces by M L/T^2, and so on."""
+    L, T, M = 1e-3, 2e-6, 3e-5
+
+    def row(L, T, M):
+        stuff = ri.Material("m", youngs_modulus=M / L / T**2, density=M / L**3, poisson_ratio=0.3,
+                            viscosity=0.02 * M / L / T)
+        rod = ri.Rod(1.0 * L, area=1.3 * L**2, material=stuff, velocity=1.0 * L / T,
+                     polar_moment=0.2 * L**4)
+        other = ri.Rod(0.8 * L, area=0.7 * L**2, material=stuff)
+        return ri.System(
+            [rod, ri.RigidMass(0.4 * M), other, ri.Wall()], [0.0, 0.1 * L, 0.1 * L],
+            [ri.Spring(3 * M / T**2), ri.Hertz(9 * M / T**2 / L**0.5), ri.Rigid()],
+            gravity=0.2 * L / T**2)
+
+    one = ri.solve(row(1.0, 1.0, 1.0), 4.0, METHOD, cells=50)
+    other = ri.solve(row(L, T, M), 4.0 * T, METHOD, cells=50)
+    t = np.linspace(0, 4, 33)
+    assert velocities(other, t * T) * T / L == pytest.approx(velocities(one, t), abs=1e-9)
+    assert other.energy(t * T).total * T**2 / L**2 / M == pytest.approx(one.energy(t).total,
+                                                                       rel=1e-9)
+
+
+@pytest.mark.parametrize("viscosity", [0.0, 0.03])
+def test_a_rod_cut_into_pieces_is_the_same_rod(viscosity):
+    stuff, state = material(viscosity=viscosity), {"velocity": 0.3, "strain": 0.1}
+    whole = ri.Rod(1.0, area=1.3, material=stuff, **state)
+    segments = ri.Rod(segments=[ri.Segment(L, 1.3, stuff) for L in (0.25, 0.5, 0.25)], **state)
+    bonded = [ri.Rod(L, area=1.3, material=stuff, **state) for L in (0.25, 0.75)]
+    hit, t = unit_rod(0.75, velocity=-0.4), np.linspace(0, 3, 31)
+    runs = [
+        solved([*row, hit], 3.0, dt=1 / 64, contacts=[ri.Bonded()] * (len(row) - 1) + [ri.Rigid()])
+        for row in ([whole], [segments], bonded)
+    ]
+    force = runs[0].contacts[-1].force(t)
+    for s in runs[1:]:
+        assert s.contacts[-1].force(t) == pytest.approx(force, abs=1e-12)
+        assert s.velocity(0, 0.125, t) == pytest.approx(runs[0].velocity(0, 0.125, t), abs=1e-12)
+        assert s.energy(t).total == pytest.approx(runs[0].energy(t).total, abs=1e-12)
+    inside = -runs[0].axial_force(0, 0.25, t)
+    assert np.abs(runs[2].contacts[0].force(t) - inside).mean() <= 0.03
+
+
+# Options ------------------------------------------------------------------------------------------
+
+
+def test_cells_and_steps():
+    row = [unit_rod(velocity=1.0), unit_rod(0.37)]
+    s = solved(row, 2.0, 50)
+    assert s.fields.mesh.counts == [50, 18]
+    step = s.fields.assembly.tick * PARTS
+    assert step == pytest.approx(2.0 / 101)  # at most 0.999 / 50
+    assert "68 cells." in s.status
+    s = solved(row, 2.0, dt=0.03)
+    assert s.fields.mesh.counts == [33, 12]
+    assert s.fields.assembly.tick * PARTS == pytest.approx(2.0 / 67, rel=1e-14)
+    assert "Time step 29.8507 ms" in s.status
+    assert s.t_end == 2.0
+    assert s.fields.end == PARTS * 67
+    s = solved(row, 2.0, 10, dt=0.1)  # a Courant number of 1
+    assert s.fields.mesh.counts == [10, 3]
+    assert s.outcome.energy_residual == pytest.approx(0, abs=1e-13)
+
+
+def test_an_unstable_step_is_refused():
+    row = [unit_rod(velocity=1.0), unit_rod(0.37)]
+    said = r"unstable: waves would cross 1\.5 cells of bodies\.0 in a step; at most 0\.1 s, got 0"
+    assert refused(said, solved, row, 2.0, 10, dt=0.15) == ["dt"]
+    said = r"must not exceed the shortest transit time, 0\.37 s of bodies\.1, got 0\.5"
+    assert refused(said, solved, row, 2.0, dt=0.5) == ["dt"]
+    said = "must be 3 or more for a cell in the shortest.*got 2"
+    assert refused(said, solved, row, 2.0, 2) == ["cells"]
+
+
+def test_an_overlong_or_too_fine_run_is_refused():
+    row = [unit_rod(velocity=1.0), unit_rod()]
+    assert refused(r"asks for 2000000 cells, of 1048576", solved, row, 2.0, 10**6) == ["cells"]
+    assert refused(r"asks for .* cells, of", solved, row, 2.0, dt=1e-7) == ["dt"]
+    said = r"a run of \d+ steps .* needs more than 4.29 GB; stop earlier, or take fewer cells"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # before any word on how long it takes
+        assert refused(said, solved, row, 1e8, 100) == ["until"]
+    short = ri.Rod(segments=[ri.Segment(1.0, 1.0, UNIT), ri.Segment(1e-7, 1.0, UNIT)])
+    said = r"its transit time is so short beside the longest, 1 s"
+    assert refused(said, solved, [short], 1.0) == ["bodies.0.segments.1"]
+
+
+@pytest.mark.parametrize("bad", [0, -1, 1.5, math.nan, math.inf, "x", True, [10]])
+def test_bad_cells(bad):
+    assert refused("cells: must be a positive whole number", solved, [unit_rod()], 1.0,
+                   bad) == ["cells"]
+
+
+@pytest.mark.parametrize("bad", [0, -1, True, "x", "12", [], [[0.1]], [-0.1], [math.nan], [2.0],
+                                 [math.inf], None, ["a"]])
+def test_bad_snapshots(bad):
+    if bad is None:
+        assert solved([unit_rod()], 1.0, 4, snapshots=None).t_end == 1.0
+    else:
+        assert refused("snapshots: ", solved, [unit_rod()], 1.0, 4, snapshots=bad) == ["snapshots"]
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, math.nan, math.inf, "x", True, [0.1]])
+@pytest.mark.parametrize("name", ["dt", "rtol"])
+def test_bad_steps_and_tolerances(name, bad):
+    assert refused(f"{name}: ", solved, [unit_rod()], 1.0, **{name: bad}) == [name]
+
+
+def test_options_that_contradict_each_other():
+    row = [unit_rod(velocity=1.0), unit_rod()]
+    assert refused("give one of them", solved, row, 1.0, 10, rtol=0.1) == ["cells"]
+    assert refused("give one of them", solved, row, 1.0, dt=0.1, rtol=0.1) == ["dt"]
+    for method in ("fronts", "characteristics"):
+        for options in ({"cells": 10}, {"snapshots": 3}):
+            found = refused('is for method "finite-difference"', ri.solve, ri.System(row), 1.0,
+                            method, **options)
+            assert found == list(options)
+    assert ri.solve(ri.System(row), 1.0, cells=10).method == METHOD
+    assert ri.solve(ri.System(row), 1.0, snapshots=3, dt=0.1).method == METHOD
+
+
+def test_families_are_for_sweep(monkeypatch):
+    family = ri.System([unit_rod(velocity=np.array([1.0, 2.0])), unit_rod(2.0)])
+    assert refused("a family of shape", ri.solve, family, None, METHOD) == ["system"]
+    monkeypatch.setattr(finite_difference, "FIRST", 8)
+    monkeypatch.setattr(finite_difference, "RTOL", 0.5)
+    swept = ri.sweep(family, method=METHOD)
+    for i in (0, 1):
+        assert swept.restitution[i] == ri.solve(family[i], method=METHOD).outcome.restitution
+
+
+def test_without_an_end_a_driven_row_is_refused():
+    assert refused("must be given: .*drive", solved, [unit_rod()], ends=(ri.Pushed(1.0), ri.Free()),
+                   ) == ["until"]
+    assert refused("must be given: .*gravity", solved, [unit_rod(), ri.Wall()],
+                   gravity=1.0) == ["until"]
+
+
+@pytest.mark.parametrize("until", [0.0, 1e-300, 1e-12, 0.013, 0.026, 0.1, 1.0])
+@pytest.mark.parametrize("size", [{"cells": 20}, {"dt": 0.04995}])
+def test_any_end(until, size):
+    """The run ends there; before half a step nothing is resolved, and no step is taken."""
+    s = solved([unit_rod(velocity=1.0), ri.RigidMass(1.0)], until, **size)
+    steps = s.fields.end // PARTS
+    assert s.t_end == until
+    assert steps == (0 if until < 0.02 else math.ceil(until / 0.04995))
+    assert ("none was taken" in s.status) == (steps == 0 and until > 0)
+    if steps:
+        assert s.fields.end * s.fields.assembly.tick == pytest.approx(until, rel=1e-14)
+    assert float(s.velocity(0, 0.5, until)) == pytest.approx(1.0 if until < 0.5 else 0.36, abs=0.1)
+    assert np.abs(s.energy(np.array([0.0, until])).residual).max() <= 1e-14
+    if steps == 0:
+        assert s.outcome.velocities_after == s.outcome.velocities_before
+        assert s.outcome.velocities_after == pytest.approx((1.0, 0.0), abs=1e-15)
+        assert s.outcome.impulse == 0.0
+        assert s.displacement(1, 0.0, until) == pytest.approx(0.0, abs=1e-300)
+
+
+@pytest.mark.parametrize("cells", [20, 70])
+def test_the_outcome_is_that_at_the_end_not_at_the_end_of_a_step(cells):
+    """A driven rod by itself: momentum is the impulse of the drive up to the end."""
+    for until in (0.311, 0.4712, 0.7):
+        s = solved([unit_rod()], until, cells, ends=(ri.Pushed(0.5), ri.Free()))
+        assert s.outcome.velocities_after[0] == pytest.approx(0.5 * until, rel=1e-12)
+        assert float(s.mean_velocity(0, until)) == pytest.approx(0.5 * until, rel=1e-12)
+
+
+def test_a_short_run_has_steps_enough():
+    """Eight on the coarsest mesh, which is refined at least twice."""
+    s = solved([unit_rod(velocity=1.0), unit_rod()], 0.013, rtol=0.5)
+    assert s.fields.end // PARTS >= 3 * 8
+    assert s.outcome.impulse == pytest.approx(0.013 / 2, rel=0.03)
+
+
+def test_max_events_caps_a_run_that_does_not_end():
+    row = [ri.Wall(), unit_rod(velocity=1.0), ri.Wall()]
+    s = solved(row, None, 16, max_events=1000, gaps=[0.1, 0.1])
+    assert (s.stopped_by, s.final) == ("max_events", False)
+    assert s.events == s.fields.end // PARTS * 2 == 1000
+    assert "Stopped by the cap of 1000 steps times ends" in s.status
+    assert math.isnan(s.t_final)
+    s = solved(row, None, 16, max_events=1)
+    assert s.fields.end == PARTS
+
+
+def test_stops_and_their_sentences():
+    pair = [unit_rod(0.5, velocity=1.0), unit_rod()]
+    s = solved(pair, 0.5, 20)
+    assert (s.stopped_by, s.final) == ("until", False)
+    assert s.status.startswith("Stopped at the time asked for, 500 ms, before the collision was")
+    s = solved(pair, 20.0, 20)
+    assert (s.stopped_by, s.final) == ("until", True)
+    assert s.status.startswith("Stopped at the time asked for. The collision is final")
+    s = solved(pair, None, 20)
+    assert s.stopped_by == "final"
+    assert s.t_end - s.t_final == pytest.approx(2.0, abs=0.2)
+    s = solved(pair[::-1], None, 20, gaps=[1.0])
+    assert s.status.startswith("No collision happens, now or later.")
+
+
+def test_rtol_tells_how_still_the_outcome_stands(monkeypatch):
+    row = [unit_rod(0.7, velocity=1.0), unit_rod(1.1, 0.5)]
+    e = ri.collide(*row).restitution
+    monkeypatch.setattr(finite_difference, "FIRST", 20)
+    s = solved(row, rtol=2e-2)
+    assert "Comparing steps, the outcome is wrong by" in s.status
+    assert s.outcome.restitution == pytest.approx(e, abs=2e-2)
+    monkeypatch.setattr(finite_difference, "FINEST", 40)
+    s = solved(row, rtol=1e-9)
+    assert "Not converged to 1e-09: velocity to " in s.status
+    assert "more cells goes on" in s.status
+
+
+@pytest.mark.parametrize("rods", [((0.5, 0.786, 0.674), (0.1875, 1.176, -0.255)),
+                                  ((0.125, 0.883, 0.740), (0.4375, 0.456, 0.577))])
+def test_what_is_stated_bounds_the_error_of_restitution(rods):
+    """To within a factor of three: waves at jumps converge slower than the step."""
+    system = ri.System([unit_rod(L, A, velocity=v) for L, A, v in rods])
+    run = finite_difference.follow(system, None, 10**9)
+    assert max(run.estimates.values()) <= run.rtol
+    error = abs(wrap_steps(run).outcome.restitution - ri.collide(*system.bodies).restitution)
+    assert error <= 3 * max(run.estimates.values())
+
+
+def test_bodies_at_rest_need_no_refinement(monkeypatch):
+    """A rod squeezed by both sides keeps its place; its round-off is no change."""
+    monkeypatch.setattr(finite_difference, "FIRST", 10)
+    row = [ri.Wall(0.5), unit_rod(), ri.Wall(-0.5)]
+    s = solved(row, 0.4, rtol=1e-2)
+    assert "Not converged" not in s.status
+    vibrating = solved([unit_rod(velocity=ri.Steps([1.0, -1.0], [0.5]))])
+    assert sum(vibrating.fields.mesh.counts) == 4 * 10
+
+
+def test_snapshots_by_number_and_by_time():
+    row = [unit_rod(velocity=WAVE), unit_rod(0.7)]
+    contacts = [ri.Spring(2.0)]
+    full = solved(row, 3.0, 40, contacts=contacts)
+    few = solved(row, 3.0, 40, contacts=contacts, snapshots=10)
+    assert 4 <= len(few.fields.states.when) <= 12
+    assert few.outcome.impulse == full.outcome.impulse
+    assert few.outcome.velocities_after == pytest.approx(full.outcome.velocities_after, abs=1e-14)
+    times = np.array([0.31, 1.234567, 2.9])
+    chosen = solved(row, 3.0, 40, contacts=contacts, snapshots=times)
+    assert len(chosen.fields.states.when) <= 2 * 3 + 2
+    x = np.linspace(0, 1, 23)[:, None]
+    assert np.array_equal(chosen.velocity(0, x, times), full.velocity(0, x, times))
+    assert np.array_equal(chosen.strain(0, x, times), full.strain(0, x, times))
+    assert np.abs(chosen.energy(times).residual).max() <= 1e-13
+    late = solved(row, None, 40, contacts=contacts, snapshots=[0.5, 1e9])
+    assert late.fields.states.when.max() == late.fields.end // PARTS
+
+
+@pytest.mark.parametrize("moment", ["kept", "between"])
+def test_fields_at_chosen_times_are_of_order_two(moment):
+    """v = cos(pi x) cos(pi t), at the states and between two of them."""
+    x, errors = np.linspace(0.06, 0.94, 21)[:, None], {"velocity": [], "strain": []}
+    for n in (20, 40, 80):
+        t = np.array([0.377, 1.411, 2.9])
+        if moment == "kept":
+            t = np.rint(t * n / 0.999) * 0.999 / n
+        else:
+            t = (np.rint(t * n / 0.999) + 0.5) * 0.999 / n
+        exact = {"velocity": np.cos(math.pi * x) * np.cos(math.pi * t),
+                 "strain": -np.sin(math.pi * x) * np.sin(math.pi * t)}
+        s = solved([unit_rod(velocity=lambda x: np.cos(math.pi * x))], 60 * 0.999 / 20, n,
+                   snapshots=t)
+        for name, value in exact.items():
+            errors[name].append(np.abs(getattr(s, name)(0, x, t) - value).max())
+    for found in errors.values():
+        assert order(found) >= 1.8
+        assert found[-1] <= 1e-3
+
+
+# Long runs ----------------------------------------------------------------------------------------
+
+
+def test_long_runs_are_announced_and_tell_how_far_they_are(monkeypatch):
+    said = []
+    monkeypatch.setattr(finite_difference, "LONG", 1e-9)
+    monkeypatch.setattr(grid_machine, "ROUND", 1e-9)
+    seconds = iter(range(10**6))
+    monkeypatch.setattr(finite_difference.time, "monotonic", lambda: float(next(seconds)))
+    row = [unit_rod(velocity=1.0), unit_rod()]
+    with pytest.warns(LongRun, match=r"the run with 20 cells takes about .*, 101 steps; fewer"):
+        solved(row, 10.0, 10, progress=lambda *news: said.append(news))
+    done = [news[0] for news in said]
+    assert len(done) > 20
+    assert done == sorted(done)
+    assert done[-1] <= said[-1][1]
+
+
+def test_short_runs_say_nothing():
+    said = []
+    solved([unit_rod(velocity=1.0), unit_rod()], 2.0, 10, progress=lambda *news: said.append(news))
+    assert not said
+
+
+def test_an_interrupted_run_leaves_no_harm(monkeypatch):
+    row = [unit_rod(velocity=1.0), unit_rod(0.7)]
+    before = solved(row, 4.0, 20)
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(grid_machine, "ROUND", 1e-9)
+        seconds = iter(range(10**6))
+        patch.setattr(finite_difference.time, "monotonic", lambda: float(next(seconds)))
+        with pytest.raises(KeyboardInterrupt):
+            solved(row, 4.0, 20, progress=interrupt)
+    after = solved(row, 4.0, 20)
+    assert after.outcome == before.outcome
+    assert np.array_equal(after.fields.states.velocity, before.fields.states.velocity)
+
+
+# Finality -----------------------------------------------------------------------------------------
+
+
+def test_what_is_proved_final_never_meets_again():
+    """Runs to 20 times the proof have the same contacts."""
+    proved = 0
+    for seed in range(36):
+        system = random_row(seed, bodies=3)
+        if len(system.bodies) < 2:
+            continue
+        s = ri.solve(system, None, METHOD, dt=1 / 32, max_events=1500, snapshots=2)
+        if not s.final or not any(c.episodes for c in s.outcome.contacts):
+            continue
+        proved += 1
+        longer = ri.solve(system, 20 * s.t_end, METHOD, dt=1 / 32, snapshots=2)
+        assert longer.final
+        for a, b in zip(s.outcome.contacts, longer.outcome.contacts, strict=True):
+            assert b.episodes == a.episodes, seed
+            if not math.isnan(a.last):
+                assert b.last <= s.t_final + 1e-9, seed
+    assert proved >= 6
+
+
+def test_free_pairs_settle():
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        row = [ri.Rod(float(rng.uniform(0.3, 1)), area=float(rng.uniform(0.2, 2)),
+                      material=material(viscosity=float(rng.choice([0, 0.01, 1.0]))), velocity=v)
+               for v in (1.0, 0.0)]
+        s = solved(row, None, 16, snapshots=2)
+        assert s.stopped_by == "final"
+        assert 0 <= s.outcome.restitution <= 1
+
+
+def test_a_rod_held_or_into_an_endless_bar_settles():
+    hit = unit_rod(0.5, velocity=1.0)
+    for row, laws, ends in (
+        ([hit, unit_rod()], None, (ri.Free(), ri.Absorbing())),
+        ([hit, unit_rod()], None, (ri.Free(), ri.Fixed())),
+        ([hit, unit_rod(), ri.Wall()], [ri.Rigid(), ri.Bonded()], None),
+        ([ri.RigidMass(0.3, velocity=1.0), unit_rod()], None, (ri.Free(), ri.Absorbing())),
+    ):
+        s = solved(row, None, 32, contacts=laws, ends=ends, snapshots=2)
+        assert s.final
+        longer = solved(row, 20 * s.t_end, 32, contacts=laws, ends=ends, snapshots=2)
+        assert longer.outcome.contacts[0].last <= s.t_final
+        assert longer.outcome.contacts[0].episodes == s.outcome.contacts[0].episodes
+
+
+# Odd input ----------------------------------------------------------------------------------------
+
+
+def test_impedances_far_apart():
+    for area in (1e6, 1e-6):
+        s = solved([unit_rod(velocity=1.0), unit_rod(area=area)], None, 100)
+        expected = (-1.0, 0.0) if area > 1 else (1.0, 2.0)
+        assert s.outcome.velocities_after == pytest.approx(expected, abs=5e-3)
+        assert abs(s.outcome.energy_residual) <= 1e-12
+
+
+def test_a_very_short_segment(monkeypatch):
+    monkeypatch.setattr(finite_difference, "FINEST", 100)
+    long, short = ri.Segment(1.0, 1.0, UNIT), ri.Segment(0.1, 1.0, UNIT)
+    one = ri.Rod(segments=[long, short], velocity=1.0)
+    s = solved([one, unit_rod(1.1)], 4.0)
+    assert min(s.fields.mesh.counts) >= 8
+    assert s.outcome.restitution == pytest.approx(1.0, abs=3e-3)
+
+
+def test_one_cell():
+    s = solved([unit_rod(velocity=1.0), unit_rod()], None, 1)
+    assert s.fields.mesh.counts == [1, 1]
+    assert s.final
+    assert 0 < s.outcome.restitution < 1
+    assert s.velocity(0, [0.0, 0.5, 1.0], [[0.0], [0.7], [s.t_end]]).shape == (3, 3)
+    assert s.strain(0, [0.0, 0.5, 1.0], s.t_end).shape == (3,)
+    held = solved([unit_rod(velocity=1.0)], 2.0, 1, ends=(ri.Fixed(), ri.Fixed()))
+    assert not np.any(held.velocity(0, 0.5, np.linspace(0, 2, 9)))
+
+
+@pytest.mark.parametrize("options", [{"viscosity": 1e12}, {"viscosity": 1e300},
+                                     {"polar_moment": 1e14}, {"polar_moment": 1e300}])
+def test_what_round_off_would_drown_is_refused(options):
+    polar = options.pop("polar_moment", None)
+    rod = ri.Rod(1.0, area=1.0, material=material(poisson_ratio=0.3, **options),
+                 polar_moment=polar, velocity=1.0)
+    name = "polar_moment" if polar else "material.viscosity"
+    assert refused("round-off would drown", solved, [unit_rod(), rod], 1.0, 40) == [
+        f"bodies.1.{name}"]
+
+
+@pytest.mark.parametrize("options", [{"viscosity": 1e7}, {"polar_moment": 1e7},
+                                     {"viscosity": 1e-300}])
+def test_much_and_little_of_it_keep_their_balances(options):
+    polar = options.pop("polar_moment", None)
+    rod = ri.Rod(1.0, area=1.0, material=material(poisson_ratio=0.3, **options),
+                 polar_moment=polar, velocity=1.0)
+    outcome = solved([rod, unit_rod(2.0)], 81 * 0.04995, 40).outcome
+    assert abs(outcome.momentum_residual) <= 1e-8
+    assert abs(outcome.energy_residual) <= 1e-8
+
+
+def test_nothing_moves_or_meets(monkeypatch):
+    monkeypatch.setattr(finite_difference, "FIRST", 16)
+    for row, V in (([unit_rod(), unit_rod(2.0)], (0, 0)), ([unit_rod()], (0,)),
+                   ([unit_rod(), MASS], (0, 0)),
+                   ([unit_rod(velocity=1.0)], (1,)), ([unit_rod(velocity=-1.0), MASS], (-1, 0)),
+                   ([unit_rod(velocity=ri.Steps([1.0, -1.0], [0.5]))], (0,))):
+        s = solved(row)
+        assert s.final
+        assert s.status.startswith("No collision happens, now or later.")
+        assert s.outcome.velocities_after == pytest.approx(V, abs=1e-13)
+        assert not any(c.episodes for c in s.outcome.contacts)
+
+
+def test_a_mass_between_rods():
+    row = [unit_rod(0.5, velocity=1.0), ri.RigidMass(0.2), unit_rod(0.75)]
+    rough = solved(row, 3.0, 200)
+    fine = ri.solve(ri.System(row), 3.0, "characteristics", dt=1 / 400)
+    assert rough.outcome.velocities_after == pytest.approx(fine.outcome.velocities_after, abs=5e-3)
+    assert [c.episodes for c in rough.outcome.contacts] == [
+        c.episodes for c in fine.outcome.contacts]
+
+
+def test_masses_that_collide_by_restitution():
+    laws = [ri.Rigid(restitution=0.5), ri.Rigid(restitution=0.5), ri.Rigid()]
+    row = [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(1.0), ri.RigidMass(2.0), unit_rod()]
+    s = solved(row, 0.4, 50, gaps=[0.1, 0.1, 9.0], contacts=laws)
+    assert s.outcome.contacts[0].impulse == pytest.approx(1.5 * 0.5, rel=1e-12)
+    assert s.outcome.contacts[1].impulse == pytest.approx(1.5 * 0.75 * 2 / 3, rel=1e-12)
+    lost = (1 - 0.25) / 2 * (0.5 * 1.0 + 2 / 3 * 0.75**2)
+    assert s.outcome.dissipated == pytest.approx(lost, rel=1e-12)
+
+
+def test_masses_squeezed_by_walls():
+    laws = [ri.Rigid(restitution=0.0), ri.Rigid(restitution=0.0), ri.Bonded(), ri.Bonded()]
+    row = [ri.Wall(0.5), MASS, ri.RigidMass(2.0), unit_rod(), ri.Wall()]
+    s = solved(row, 3.0, 20, gaps=[0.1, 0.1, 0.0, 0.0], contacts=laws)
+    assert s.outcome.velocities_after[:2] == pytest.approx((0.5, 0.5), abs=0.5)
+    assert abs(s.outcome.energy_residual) <= 1e-12
+
+
+@pytest.mark.parametrize("speed", [1e-9, 1e9])
+def test_contact_again_at_any_speed(speed):
+    row = [unit_rod(0.7, velocity=speed), unit_rod(1.1, 0.5)]
+    one = solved([unit_rod(0.7, velocity=1.0), row[1]], 4.0, 50, gaps=[0.01])
+    s = solved(row, 4.0, 50, gaps=[0.01 * speed])
+    assert np.array(s.outcome.velocities_after) / speed == pytest.approx(
+        one.outcome.velocities_after, rel=1e-9, abs=1e-12)
+
+
+# The start of a contact ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("velocity", [-0.05, 0.05])
+def test_touching_ends_that_part_or_meet_as_a_wave_arrives(velocity):
+    """Compressed rods whose ends move apart at t = 0, and are pressed together by their strain."""
+    row = [unit_rod(velocity=velocity, strain=-0.2), unit_rod(0.8, strain=-0.2)]
+    exact = ri.solve(ri.System(row), 1.5, "fronts")
+    s = solved(row, 1.5, 100)
+    total = s.energy(s.fields.states.when[:-1] * s.fields.assembly.tick * PARTS).total
+    assert np.diff(total).max() <= 1e-13
+    assert s.outcome.impulse == pytest.approx(exact.outcome.impulse, rel=0.02)
+    assert s.record.gaps[0].min() == 0.0
+
+
+@pytest.mark.parametrize("strain", [0.0, 0.3])
+def test_ends_that_approach_at_the_start_and_part_at_once_have_no_negative_gap(strain):
+    row = [unit_rod(velocity=0.1, strain=strain), unit_rod(strain=strain)]
+    s = solved(row, 1.0, 50)
+    gap = s.record.gaps[0]
+    assert gap.min() == 0.0
+    if strain:
+        assert s.outcome.contacts[0].episodes == 0
+        assert np.all(gap[1:40] > 0)
+
+
+def test_it_runs_without_a_compiler(monkeypatch):
+    row = [ri.Rod(1.0, area=1.0, material=material(viscosity=0.01), velocity=1.0), unit_rod(0.7)]
+    with monkeypatch.context() as patch:
+        patch.setattr(kernels, "worth_compiling", lambda seconds: False)
+        plain = solved(row, 3.0, 30)
+    assert plain.outcome == solved(row, 3.0, 30).outcome
+
+
+def test_a_peak_that_grows_with_the_mesh_is_named(monkeypatch):
+    """Flat ends of viscous rods meet with a force that has no largest value."""
+    monkeypatch.setattr(finite_difference, "FIRST", 16)
+    lossy = ri.materials.steel.damped(0.02, 1e3)
+    rods = [ri.Rod(x, area=1e-4, material=lossy, velocity=v) for x, v in ((0.4, 1.0), (1.0, 0.0))]
+    status = ri.solve(ri.System(rods), rtol=0.05).status
+    assert "The largest force is that of this mesh: refining changed it by" in status
+    soft = ri.System(rods, contacts=[ri.Spring(1e6)])
+    assert "largest force" not in ri.solve(soft, rtol=0.05).status
+
+
+STEPPED_PAIR = [
+    ri.Rod(segments=[piece(1, 1, 0.15 * ROOT), piece(2.5, 1, 0.3)], velocity=1.0),
+    ri.Rod(segments=[piece(0.6, 1.1, 0.41), piece(2, 1.1, 0.2)]),
+]
+
+
+@pytest.mark.parametrize("cells", [100, 200])
+def test_a_peak_that_overshoots_is_named(cells):
+    """The status says by how much the largest force is beyond that of the fronts, or more."""
+    said = "The largest force is that of this mesh: beside jumps waves overshoot"
+    named = 0
+    for area in (0.5, 1.0, 2.0):
+        row = ri.System([STEPPED_PAIR[0], ri.Rod(0.7, area=area, material=UNIT), ri.Wall()])
+        exact = ri.solve(row, 3.0, "fronts")
+        s = ri.solve(row, 3.0, METHOD, cells=cells)
+        highest = max(c.peak_force for c in exact.outcome.contacts)
+        beyond = max(c.peak_force for c in s.outcome.contacts) / highest - 1
+        assert (said in s.status) == (beyond > 0.01)
+        named += beyond > 0.02
+        if beyond > 0.02:
+            assert 0.75 * beyond <= float(s.status.split("less by ")[1].split()[0])
+    assert named
+
+
+def test_a_peak_that_does_not_overshoot_is_not_named():
+    heavy = solved([ri.RigidMass(4.0, velocity=1.0), unit_rod()], 3.0, 200)
+    assert "largest force" not in heavy.status
+    swinging = solved([ri.RigidMass(1.0, velocity=1.0), unit_rod(velocity=WAVE)], 3.0, 100,
+                      contacts=[ri.Spring(4.0)])
+    assert "largest force" not in swinging.status
+
+
+@pytest.mark.parametrize(("closing", "episodes"), [(2.0**-39, 0), (2.0**-39 + 2.0**-52, 1)])
+def test_grazing_is_up_to_the_tolerance(closing, episodes):
+    """Half of what touching ends close by is the velocity that the contact takes away."""
+    row = [unit_rod(velocity=closing), unit_rod(), unit_rod(velocity=1.0)]
+    s = solved(row, 0.25, dt=1 / 32, gaps=[0.0, 1.0])
+    assert s.outcome.contacts[0].episodes == episodes

@@ -1,0 +1,397 @@
+"""The kernel of the grid, below the model: the same bits always, exact balances, no energy made."""
+
+import ast
+from pathlib import Path
+
+import numpy as np
+import pytest
+from grid_rows import random_row, run_row, thicken
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from networks import STEP, unit_rod
+
+import rodimpact as ri
+from rodimpact.methods import kernels
+from rodimpact.methods.contact_law_kernel import RIGID
+from rodimpact.methods.grid import grid_kernel as fk
+from rodimpact.methods.grid.machine import Keeper, Machine
+from rodimpact.methods.grid.mesh import Mesh
+from rodimpact.methods.grid.method import _mesh_size, _sway
+from rodimpact.methods.plan import Plan
+from rodimpact.running.solving import wrap_steps
+
+seeds = st.integers(0, 10**6)
+PARTS = ("grid", "implicit", "links", "chain", "bonds", "ends", "tally", "signals", "states")
+
+
+def machine_of(system, room, snapshots=None, step=STEP):
+    plan = Plan(system)
+    counts, step = _mesh_size(plan, None, step, None)
+    return Machine(Mesh(plan, counts), step, Keeper(snapshots), room)
+
+
+def bits(machine, parts=PARTS):
+    return {
+        (part, name): np.asarray(column).tobytes()
+        for part in parts for name, column in getattr(machine, part)._asdict().items()
+    }
+
+
+def run_as(machine, end, go, convert):
+    machine.states = machine.keep.room_for(machine, end)
+    parts = [getattr(machine, name) for name in PARTS]
+    given_ = [type(x)(*(convert(c) for c in x)) for x in parts]
+    flag = go(*given_, convert(machine.clock), end, machine.tol, machine.gap_resolution)
+    assert flag == fk.DONE
+    for whole, found in zip(parts, given_, strict=True):
+        for column, values in zip(whole, found, strict=True):
+            column[:] = values
+
+
+# One source, the same bits ------------------------------------------------------------------------
+
+
+def test_the_kernel_imports_kernels_only():
+    tree = ast.parse(Path(fk.__file__).read_text())
+    imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    imported |= {a.name for node in ast.walk(tree) if isinstance(node, ast.Import)
+                 for a in node.names}
+    assert imported <= {"__future__", "math", "typing", "contact_law_kernel"}
+
+
+@pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
+def test_compiled_and_plain_runs_are_bit_identical():
+    for seed in range(100):
+        system = random_row(seed, driven=seed % 2 == 1)
+        plain, fast = machine_of(system, 48), machine_of(system, 48)
+        run_as(plain, 48, fk.run, lambda column: column.tolist())
+        run_as(fast, 48, kernels.compiled(fk.run), lambda column: column)
+        assert bits(plain) == bits(fast), seed
+
+
+@pytest.mark.parametrize("driven", [False, True])
+def test_a_run_in_pieces_is_the_whole_run(driven):
+    for seed in range(20):
+        system = random_row(seed, driven=driven)
+        whole, pieces = machine_of(system, 100), machine_of(system, 100)
+        whole.advance(100)
+        for end in (*np.random.default_rng(seed).choice(np.arange(1, 100), 5).cumsum(), 100):
+            if end < 100:
+                pieces.advance(int(end))
+        pieces.advance(100)
+        assert bits(whole) == bits(pieces), seed
+
+
+@pytest.mark.parametrize("driven", [False, True])
+def test_what_grows_is_what_has_room_enough(driven):
+    """Signals keep their bits; states are thinned, and those that are left keep theirs."""
+    for seed in range(20):
+        system = random_row(seed, driven=driven)
+        whole, growing = machine_of(system, 120), machine_of(system, 7, snapshots=16)
+        whole.advance(120)
+        for end in (7, 9, 13, 50, 120):
+            growing.advance(end)
+        assert growing.room == 120
+        parts = set(PARTS) - {"states"}
+        assert bits(whole, parts) == bits(growing, parts), seed
+        kept = int(growing.clock[fk.KEPT])
+        when = growing.states.when[:kept]
+        assert kept <= 18
+        assert (when[0], when[-1]) == (0, 120)
+        for x, y in zip(whole.states[1:], growing.states[1:], strict=True):
+            if len(x):
+                x, y = (a.reshape(len(s.when), -1)
+                        for a, s in ((x, whole.states), (y, growing.states)))
+                assert np.array_equal(x[when], y[:kept])
+
+
+def test_states_at_chosen_times_are_those_of_the_run():
+    for seed in range(20):
+        system = random_row(seed)
+        times = np.sort(np.random.default_rng(seed).uniform(0, 90 * STEP, 5))
+        whole, chosen = machine_of(system, 90), machine_of(system, 90, snapshots=times)
+        whole.advance(90)
+        chosen.advance(90)
+        kept = int(chosen.clock[fk.KEPT])
+        when = chosen.states.when[:kept]
+        assert {0, *np.floor(times / STEP).astype(int), 90} <= set(when.tolist())
+        n = len(chosen.mesh.mass)
+        found = chosen.states.velocity.reshape(-1, n)[:kept]
+        assert np.array_equal(found, whole.states.velocity.reshape(-1, n)[when])
+
+
+# The elimination ----------------------------------------------------------------------------------
+
+
+@settings(max_examples=100)
+@given(seeds, st.integers(2, 12), st.booleans(), st.booleans())
+def test_elimination_against_dense_matrices(seed, nodes, held_left, held_right):
+    rng = np.random.default_rng(seed)
+    before, after = rng.integers(0, 3, 2)
+    n = before + nodes + after
+    a, b = before, before + nodes - 1
+    bound = rng.uniform(0.01, 100, n + 1)
+    bound[a] = bound[b + 1] = 0.0
+    diagonal = rng.uniform(0.1, 10, n) + bound[:-1] + bound[1:]
+    held = np.zeros(n, int)
+    held[a], held[b] = held_left, held_right
+    matrix = np.diag(diagonal)
+    for i in range(a + 1, b + 1):
+        matrix[i, i - 1] = matrix[i - 1, i] = -bound[i]
+    matrix[held == 1] = np.eye(n)[held == 1]
+    implicit = fk.Implicit(
+        [a], [(a + b) // 2], [b], [0.0], [0.0], np.zeros(n + 1), bound,
+        *np.zeros((3, n)), *np.zeros((4, n)), np.zeros(n + 1),
+    )
+    fk.factor(implicit, diagonal, held, 0)
+    right = rng.uniform(-1, 1, n)
+    found = right.copy()
+    fk.substitute(implicit, found, 0)
+    inside = slice(a, b + 1)
+    expected = np.linalg.solve(matrix[inside, inside], right[inside])
+    assert found[inside] == pytest.approx(expected, rel=1e-10, abs=1e-12)
+    assert np.array_equal(found[:a], right[:a])
+    assert np.array_equal(found[b + 1 :], right[b + 1 :])
+
+
+# A step against dense matrices --------------------------------------------------------------------
+
+
+def dense_run(mesh, step, v, strain_force, steps, push):
+    """Leapfrog of one piece with matrices: velocity and force after the steps."""
+    n = len(v)
+    difference = np.diff(np.eye(n), axis=0)
+    k, d, j = (x[1:n] for x in (mesh.stiffness, mesh.viscous, mesh.lateral))
+    damping = difference.T @ (d[:, None] * difference)
+    M = np.diag(mesh.mass) + difference.T @ (j[:, None] * difference)
+    left = M / step + damping / 2
+    free = mesh.held == 0
+    force = strain_force.copy()
+    v = v.copy()
+    for _ in range(steps):
+        force += k * step * (difference @ v) / 2  # in the middle of the step
+        right = -difference.T @ force - damping @ v
+        right[0] += push[0]
+        right[-1] -= push[1]
+        dv = np.zeros(n)
+        dv[free] = np.linalg.solve(left[np.ix_(free, free)], right[free])
+        v += dv
+        force += k * step * (difference @ v) / 2
+    return v, force
+
+
+@pytest.mark.parametrize("ends", ["free", "fixed", "pushed"])
+@pytest.mark.parametrize("seed", range(8))
+def test_steps_against_dense_matrices(seed, ends):
+    rng = np.random.default_rng(seed)
+    segments = [thicken(rng, ri.Segment(L, A, ri.Material("m", youngs_modulus=E, density=1.0)))
+                for L, A, E in ((0.5, 1.0, 1.0), (0.4, 3.0, 2.0), (0.6, 0.7, 1.0))]
+    if seed == 0:
+        segments = [ri.Segment(0.5, 1.0, ri.Material("m", youngs_modulus=1.0, density=1.0))]
+    rod = ri.Rod(segments=segments, velocity=ri.Samples([1.0, -1.0, 0.5]),
+                 strain=ri.Samples([0.1, 0.0, -0.2]))
+    kinds = {"free": (ri.Free(), ri.Free()), "fixed": (ri.Fixed(), ri.Free()),
+             "pushed": (ri.Pushed(0.3), ri.Pushed(-0.2))}
+    row, push = [rod], (0.3, -0.2) if ends == "pushed" else (0.0, 0.0)
+    if ends == "pushed" and seed % 2:
+        row = [rod, ri.RigidMass(0.8, velocity=0.4)]
+    system = ri.System(row, contacts=[ri.Bonded()] * (len(row) - 1), ends=kinds[ends])
+    machine = machine_of(system, 40)
+    machine.advance(40)
+    n = len(machine.mesh.mass)
+    velocity, force = (x.reshape(len(machine.states.when), -1)
+                       for x in (machine.states.velocity, machine.states.force))
+    v, F = dense_run(machine.mesh, machine.step, velocity[0], force[0, 1:n], 40, push)
+    assert velocity[-1] == pytest.approx(v, abs=1e-12)
+    assert force[-1, 1:n] == pytest.approx(F, abs=1e-12)
+
+
+# Passivity ----------------------------------------------------------------------------------------
+
+
+def energy_of_bodies(run):
+    """[state] kinetic and strain energy, J: what leapfrog keeps."""
+    mesh, states, h = run.mesh, run.states, run.step
+    v = states.velocity + run.plan.frame + run.plan.gravity * h * states.when[:, None]
+    change = np.diff(v, axis=1)
+    inside = mesh.stiffness[1:-1] > 0
+    k, lateral = mesh.stiffness[1:-1][inside], mesh.lateral[1:-1][inside]
+    change, force = change[:, inside], states.force[:, 1:-1][:, inside]
+    free = mesh.mass * (mesh.held == 0)
+    for node in np.flatnonzero(mesh.held):  # half cells on a driven end move with it
+        free[node] = (mesh.cell_mass[node] + mesh.cell_mass[node + 1]) / 2
+    kinetic = v * v @ free / 2 + change**2 @ (lateral - k * h * h / 4) / 2
+    return kinetic + force**2 @ (1 / k) / 2
+
+
+def energy_of_contacts(run):
+    """[state] energy stored in compliant contacts, J."""
+    total = np.zeros(run.steps + 1)
+    for i, law in enumerate(run.plan.system.contacts):
+        if not isinstance(law, ri.Rigid | ri.Bonded):
+            _, gap = run.contact(i)
+            x = np.maximum(-np.concatenate(([run.plan.system.gaps[i]], gap)), 0.0)
+            linear = isinstance(law, ri.Spring | ri.SpringDashpot)
+            total += law.stiffness * (x * x / 2 if linear else x**2.5 / 2.5)
+    return total[run.states.when]
+
+
+@settings(max_examples=120)
+@given(seeds)
+def test_energy_never_rises_without_work(seed):
+    run = run_row(random_row(seed))
+    assert len(run.states.when) == run.steps + 1
+    total = energy_of_bodies(run) + energy_of_contacts(run)
+    for side, sign in ((0, 1), (1, -1)):
+        if run.plan.outside[side][0] == "absorbing":
+            force, speed = run.outer(side)
+            total[1:] -= sign * np.cumsum(force * speed) * run.step
+    assert np.diff(total).max() <= 1e-12 * total[0]
+    heat = run.states.lost * run.step
+    assert np.diff(heat).min() >= 0
+    assert min(run.tally.lost.min(initial=0.0), run.tally.numerical.min(initial=0.0)) >= (
+        -1e-14 * total[0] / run.step)
+    lost = heat[-1] + (np.sum(run.tally.lost) + np.sum(run.tally.numerical)) * run.step
+    assert lost == pytest.approx(total[0] - total[-1], abs=1e-11 * total[0])
+    for k, link in enumerate(run.plan.contact_link):
+        if link >= 0 and run.plan.laws[link] >= RIGID:
+            force, gap = run.contact(k)
+            assert force.min() >= 0
+            if run.plan.laws[link] == RIGID:
+                assert gap.min() >= 0
+
+
+@settings(max_examples=100)
+@given(seeds, st.booleans())
+def test_every_entry_of_the_ledger_at_every_state(seed, driven):
+    run = run_row(random_row(seed, driven=driven, bodies=4), 1.5)
+    solution = wrap_steps(run, 1.5)
+    ledger = solution.energy(run.states.when * run.step)
+    works = ledger.wall_work, ledger.drive_work, ledger.gravity_work, ledger.radiated
+    scale = ledger.total.max() + max(np.abs(w).max() for w in works)
+    close = {"rtol": 0, "atol": 1e-11 * scale}
+    np.testing.assert_allclose(ledger.residual, 0.0, **close)
+    np.testing.assert_allclose(
+        ledger.kinetic + ledger.vibration, energy_of_bodies(run), **close)
+    np.testing.assert_allclose(ledger.contact, energy_of_contacts(run), **close)
+    for entry in (ledger.kinetic, ledger.vibrational_kinetic, ledger.strain, ledger.contact):
+        assert entry.min() >= -1e-12 * scale
+    for entry in (ledger.dissipated, ledger.numerical, ledger.damped):
+        assert entry[0] == 0
+        assert driven or np.diff(entry).min() >= -1e-12 * scale
+    if not driven:
+        for entry in works[:3]:
+            np.testing.assert_allclose(entry, 0.0, **close)
+    outcome = solution.outcome
+    assert abs(outcome.momentum_residual) <= 1e-11
+    assert abs(outcome.energy_residual) <= 1e-11
+    ends = (outcome.kinetic_after, sum(outcome.vibration_after), outcome.contact_energy,
+            outcome.dissipated, outcome.damped, outcome.numerical, outcome.radiated,
+            outcome.wall_work, outcome.drive_work, outcome.gravity_work)
+    last = (ledger.kinetic, ledger.vibration, ledger.contact, ledger.dissipated,
+            ledger.damped, ledger.numerical, ledger.radiated, ledger.wall_work, ledger.drive_work,
+            ledger.gravity_work)
+    np.testing.assert_allclose(ends, [entry[-1] for entry in last], **close)
+
+
+@settings(max_examples=50)
+@given(seeds)
+def test_every_body_gains_the_momentum_of_its_forces(seed):
+    """Contacts, bonds, ends and gravity between them change the momentum of each body."""
+    system = random_row(seed, driven=True)
+    run = run_row(system, 1.5)
+    solution = wrap_steps(run, 1.5)
+    forces = [np.sum(c.push.values) * run.step for c in solution.contacts]
+    outer = [0.0 if e is None else np.sum(e[1]) * run.step for e in solution.record.ends]
+    wall = [isinstance(system.bodies[i], ri.Wall) for i in (0, -1)]
+    inner = [*([] if wall[0] else [outer[0]]), *forces, *([] if wall[1] else [outer[1]])]
+    masses = solution.outcome.masses
+    scale = sum(m for m in masses if np.isfinite(m)) * run.plan.scale + np.abs(inner).sum()
+    free = [i for i, b in enumerate(system.bodies) if not isinstance(b, ri.Wall)]
+    end = run.steps * run.step
+    for i, before, after in zip(free, inner[:-1], inner[1:], strict=True):
+        V = solution.mean_velocity(i, np.array([0.0, end]))
+        gained = masses[i] * (V[1] - V[0] - system.gravity * end)
+        assert gained == pytest.approx(before - after, abs=1e-11 * scale)
+
+
+def test_the_loss_of_shutting_contacts_goes_with_the_cells():
+    lost = []
+    for n in (50, 100, 200):
+        system = ri.System([unit_rod(0.7, velocity=1.0), unit_rod(1.1, 0.5)])
+        s = ri.solve(system, 4.0, "finite-difference", cells=n)
+        lost.append(s.outcome.numerical)
+        assert s.outcome.numerical > 0
+    assert np.array(lost[:-1]) / lost[1:] == pytest.approx([2, 2], rel=0.02)
+    assert lost[-1] < 2e-3
+
+
+@pytest.mark.parametrize(
+    "pair", [(unit_rod(velocity=0.5), unit_rod(velocity=-0.5)),
+             (ri.RigidMass(1.0, velocity=0.5), ri.RigidMass(1.0, velocity=-0.5))],
+    ids=["rods", "masses"],
+)
+def test_what_stops_no_more_than_the_tolerance_is_no_force(pair):
+    """A contact without rebound takes half of the closing velocity, 1, in its first step."""
+    laws = [ri.Rigid() if isinstance(pair[0], ri.Rod) else ri.Rigid(restitution=0.0), ri.Rigid()]
+    system = ri.System([*pair, unit_rod()], [0.0, 10.0], laws)
+    for slack, pressed in ((1.0, 0), (1.0 - 2**-50, 1)):
+        machine = machine_of(system, 1)
+        own = float(machine.links.own[0])
+        machine.tol = 0.5 / own * own * slack
+        machine.advance(1)
+        assert machine.tally.pressed[0] == pressed
+
+
+@pytest.mark.parametrize("law", [ri.Rigid(), ri.Rigid(restitution=0.5)])
+def test_a_mass_squeezed_between_walls_stops_the_run(law):
+    """A rod whose end is nailed down from within is the second wall."""
+    laws = [ri.Rigid(restitution=0.5), law if law.restitution is None else ri.Rigid()]
+    system = ri.System([ri.Wall(0.5), ri.RigidMass(1.0), unit_rod()], [0.1, 0.1], laws)
+    machine = machine_of(system, 50)
+    node = int(machine.links.left[0]) + 1
+    machine.links.own[1] -= machine.grid.mobility[node + 1] / 2
+    machine.grid.mobility[node + 1] = 0.0
+    with pytest.raises(ri.InvalidModel, match=r"squeezed between walls .* at 0\.\d+ s; give") as e:
+        machine.advance(50)
+    assert [path for path, _ in e.value.problems] == ["contacts"]
+
+
+# The proof ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed):
+    """Far from all else: its centre of mass, or its wall, and the sum of strains beyond."""
+    rng = np.random.default_rng(seed)
+    pieces = [ri.Segment(L, A, ri.Material("m", youngs_modulus=1.0, density=1.0))
+              for L, A in ((0.5, 1.0), (0.7, 3.0), (0.3, 0.4))]
+    if seed % 3 == 0:
+        pieces = [thicken(rng, piece) for piece in pieces]
+    rod = ri.Rod(segments=pieces, velocity=ri.Samples(rng.uniform(-1, 1, 5).tolist()),
+                 strain=ri.Samples([0.0, *rng.uniform(-0.3, 0.3, 3), 0.0]))
+    end = (ri.Free(), ri.Fixed(), ri.Absorbing())[seed % 2 + (seed > 9)]
+    other = ri.RigidMass(2.0, velocity=float(rod.velocity.values[0]))
+    row, laws, gaps = [rod, unit_rod()], [ri.Rigid()], [90.0]
+    if seed % 2 == 0 and seed < 10:
+        row, laws, gaps = [other, *row], [ri.Bonded(), *laws], [0.0, *gaps]
+    system = ri.System(row, gaps, laws, ends=(end, ri.Free()))
+    for mirrored in (False, True):
+        turned = system.mirrored() if mirrored else system
+        machine = machine_of(turned, 400)
+        left, right = next(iter(machine.mesh.touching.values()))
+        node, right_end, x = (right, 0, 0.0) if mirrored else (left, 1, 1.5)
+        solution = wrap_steps(run_row(turned, 400 * STEP))
+        body = turned.bodies.index(rod) if not mirrored else len(row) - 1 - row.index(rod)
+        machine.advance(0)
+        V, d, bound = _sway(machine, node, right_end)
+        for end_ in (1, 7, 50, 51, 400):
+            machine.advance(end_)
+            now, then, limit = _sway(machine, node, right_end)
+            t = end_ * STEP
+            moved = float(solution.displacement(body, x, t) - solution.displacement(body, x, 0.0))
+            expected = (V + machine.plan.frame) * end_ + then - d
+            assert moved / STEP == pytest.approx(expected, abs=1e-9)
+            assert now == pytest.approx(V, abs=1e-12)
+            assert abs(then) <= bound * (1 + 1e-12)
+            assert limit <= bound * (1 + 1e-12)

@@ -1,0 +1,276 @@
+"""Ticks and fronts at the level of the kernels, and the door to the compiler."""
+
+import ast
+import math
+import os
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact.methods import kernels
+from rodimpact.methods.fronts import front_kernel, layout_kernel
+from rodimpact.methods.fronts.assembly import assemble
+from rodimpact.methods.fronts.layout_kernel import assign_ticks, recognise
+from rodimpact.methods.fronts.method import track
+from rodimpact.results import field_kernel
+
+
+def ticks_of(durations, bits=49):
+    n = len(durations)
+    ticks = [0] * n
+    whole = assign_ticks(durations, bits, [0] * n, [0] * n, [0] * n, ticks)
+    return ticks, whole
+
+
+@pytest.mark.parametrize("ratio", ["1/1", "1/3", "2/7", "1048575/1048576", "1/1048576", "355/1130"])
+def test_ratios_are_recognised(ratio):
+    x = Fraction(ratio)
+    assert Fraction(*recognise(float(x))) == x
+    assert Fraction(*recognise(math.nextafter(float(x), 0))) == x
+
+
+@pytest.mark.parametrize("x", [math.sqrt(0.5), math.pi / 4, 1 / 3 + 1e-13, 1e-9])
+def test_other_numbers_are_not(x):
+    assert recognise(x) == (0, 0)
+
+
+def test_lengths_in_decimal_fractions_keep_their_ratio():
+    (a, b, c), whole = ticks_of([0.3, 0.1, 1 / 3])
+    assert 10 * a == 9 * c
+    assert a == 3 * b
+    assert abs(math.log2(whole) - 49) < 1e-3
+
+
+def test_two_materials_make_two_classes():
+    s, t = math.sqrt(3.0), math.sqrt(5.0)
+    ticks, whole = ticks_of([0.3 * s, 0.1 * s, 0.25 * t, 0.5 * t, s])
+    assert ticks[0] == 3 * ticks[1]
+    assert ticks[3] == 2 * ticks[2]
+    assert ticks[3] == pytest.approx(0.5 * t * whole / s, abs=1)
+
+
+def test_ticks_do_not_depend_on_order():
+    rng = np.random.default_rng(3)
+    durations = [*rng.uniform(0.1, 1, 5), *(rng.integers(1, 9, 6) / 7)]
+    reference = dict(zip(durations, ticks_of(durations)[0], strict=True))
+    for _ in range(5):
+        shuffled = list(rng.permutation(durations))
+        assert dict(zip(shuffled, ticks_of(shuffled)[0], strict=True)) == reference
+
+
+def test_rounding_is_at_most_half_a_tick_where_ratios_are_unknown():
+    rng = np.random.default_rng(5)
+    durations = [*rng.uniform(0.01, 1, 20), *rng.uniform(1e-5, 1e-3, 20)]
+    ticks, whole = ticks_of(durations)
+    scale = Fraction(whole) / Fraction(max(durations))
+    for duration, tick in zip(durations, ticks, strict=True):
+        assert abs(tick - Fraction(duration) * scale) <= Fraction(1, 2) + Fraction(1, 8)
+
+
+def test_three_rods_whose_waves_meet_exactly():
+    steel, aluminium = ri.materials.steel, ri.materials.aluminium
+    row = [(0.1, steel), (0.25, steel), (1 / 3, steel), (0.3, aluminium), (0.1, aluminium)]
+    a = assemble(ri.System([ri.Rod(L, area=1e-4, material=m) for L, m in row]))
+    ticks = a.ticks[1:-1]
+    assert ticks[1] * 4 == ticks[2] * 3
+    assert ticks[0] * 5 == ticks[1] * 2
+    assert ticks[3] == 3 * ticks[4]
+    assert a.transit_error < 1e-14
+
+
+def plain_state(T, Z, v, convert, status=None):
+    """Uniform rods in a row, touching, on lists of any kind of number."""
+    from rodimpact.methods.fronts.assembly import start
+
+    n = len(T)
+    one, zero = convert(1), convert(0)
+    waves = [[], []] + [[(-T[s // 2], convert(v[s // 2]))] for s in range(2 * n)]
+    inner = [front_kernel.FREE, *[front_kernel.TOUCH] * (n - 1), front_kernel.FREE]
+    return start(
+        [0, *T, 0], [zero, *(one / convert(z) for z in Z), zero], status or inner,
+        [zero] * (n + 1), (zero, zero), waves, 5000,
+    )
+
+
+@pytest.mark.parametrize(("T", "Z", "e"), [
+    ((1, 2), (1, 1), "1/2"), ((2, 7), (1, 1), "2/7"), ((3, 3), (1, 5), "1"),
+    ((1, 2), (1, 2), "2/3"), ((1, 2), (2, 1), "7/9"), ((1, 5), (3, 1), "11/20"),
+])
+def test_fractions_give_exact_restitution(T, Z, e):
+    row, tally, log, clock = plain_state(T, Z, (1, 0), Fraction)
+    flag = front_kernel.play(row, tally, log, clock, -2 * max(T), 10**6, Fraction(0), 1)
+    assert flag == front_kernel.FINAL
+    masses = [Fraction(z * t) for z, t in zip(Z, T, strict=True)]
+    assert tally.impulse[1] * (1 / masses[0] + 1 / masses[1]) - 1 == Fraction(e)
+
+
+def test_a_full_log_is_grown_and_the_run_goes_on():
+    state = plain_state((3, 10), (5, 1), (1.0, 0.0), float)
+    small = front_kernel.Log(*(x[:8] for x in state[2][:4]), *(x[:1] for x in state[2][4:]))
+    flags = []
+    row, tally, log, clock = state[0], state[1], small, state[3]
+    while not flags or flags[-1] == front_kernel.FULL:
+        flags.append(front_kernel.play(row, tally, log, clock, -20, 10**6, 1e-12, 1))
+        log = front_kernel.Log(*(x + [0 * x[0]] * 3 for x in log))
+    assert len(flags) > 3
+    assert flags[-1] == front_kernel.FINAL
+    other = plain_state((3, 10), (5, 1), (1.0, 0.0), float)
+    front_kernel.play(*other, -20, 10**6, 1e-12, 1)
+    assert tally == other[1]
+    assert row == other[0]
+
+
+def chain(n):
+    m = ri.Material("m", youngs_modulus=1.0, density=1.0)
+    rods = [ri.Rod(1.0 + i % 3, area=1.0 + i % 2, material=m, velocity=1.0 if i == 0 else 0.0)
+            for i in range(n)]
+    return ri.System(rods)
+
+
+@pytest.mark.parametrize("events", [1, 7, 100])
+def test_the_cap_ends_in_a_status(events):
+    run = track(assemble(chain(6)), None, events)
+    assert run.stopped_by == "max_events"
+    assert events <= run.events <= events + 7  # the events of one tick are taken together
+
+
+def test_a_row_of_many_rods_uses_the_same_rule():
+    m = ri.Material("m", youngs_modulus=1.0, density=1.0)
+    lengths = [float(x) for x in np.random.default_rng(1).uniform(0.5, 1.0, 300)]
+    lengths[17], lengths[200] = 0.3, 0.1
+    a = assemble(ri.System([ri.Rod(x, area=1.0, material=m) for x in lengths]))
+    b = assemble(ri.System([ri.Rod(x, area=1.0, material=m) for x in lengths[:18]]))
+    assert a.transit_error < 1e-12
+    assert len(b.ticks) == 20
+
+
+@pytest.mark.parametrize("module", [layout_kernel, front_kernel, field_kernel])
+def test_kernel_files_stand_alone(module):
+    """The compile cache sees changes of the kernel's own file only."""
+    tree = ast.parse(Path(module.__file__).read_text())
+    imported = {
+        name.name if isinstance(node, ast.Import) else node.module
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import | ast.ImportFrom)
+        for name in node.names
+    }
+    assert imported <= {"__future__", "math", "typing"}
+
+
+@pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
+class TestCompiled:
+    def test_tick_rule_is_the_same(self):
+        rng = np.random.default_rng(11)
+        fast = kernels.compiled(assign_ticks)
+        for _ in range(50):
+            durations = np.concatenate((rng.uniform(0.1, 1, 4), rng.integers(1, 9, 4) / 7))
+            work = [np.zeros(8, dtype=np.int64) for _ in range(4)]
+            whole = fast(durations, 49, *work)
+            assert (work[3].tolist(), whole) == ticks_of(durations.tolist())
+
+    def test_without_a_writable_place_for_the_cache(self, monkeypatch):
+        import numba
+
+        calls = []
+
+        def njit(function, cache, **switches):
+            calls.append(cache)
+            if cache:
+                raise RuntimeError("no locator available")
+            return function
+
+        monkeypatch.setattr(numba, "njit", njit)
+        kernels._translate.cache_clear()
+        kernels._compiled.cache_clear()
+        try:
+            assert kernels.compiled(recognise)(0.5) == (1, 2)
+            assert calls == [True, False]
+        finally:
+            kernels._translate.cache_clear()
+            kernels._compiled.cache_clear()
+
+    def test_with_a_numba_that_counts_references(self, monkeypatch):
+        import numba
+
+        def njit(function, cache, nogil):
+            return function
+
+        def strict(function, **switches):
+            if "_nrt" in switches:
+                raise KeyError("Unrecognized options")
+            return njit(function, **switches)
+
+        monkeypatch.setattr(numba, "njit", strict)
+        kernels._translate.cache_clear()
+        kernels._compiled.cache_clear()
+        try:
+            assert kernels.compiled(recognise)(0.5) == (1, 2)
+        finally:
+            kernels._translate.cache_clear()
+            kernels._compiled.cache_clear()
+
+    def test_when_the_cache_cannot_be_written_at_the_first_call(self, monkeypatch):
+        import numba
+
+        def njit(function, cache, **switches):
+            def full_disk(*arguments):
+                raise OSError(28, "No space left on device")
+
+            return full_disk if cache else function
+
+        monkeypatch.setattr(numba, "njit", njit)
+        kernels._translate.cache_clear()
+        kernels._compiled.cache_clear()
+        try:
+            fast = kernels.compiled(recognise)
+            assert fast(0.5) == (1, 2)
+            assert fast(0.25) == (1, 4)
+        finally:
+            kernels._translate.cache_clear()
+            kernels._compiled.cache_clear()
+
+
+def test_disabled_compiling_returns_the_kernel_itself(monkeypatch):
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
+    kernels._compiled.cache_clear()
+    try:
+        assert kernels.compiled(recognise) is recognise
+    finally:
+        kernels._compiled.cache_clear()
+
+
+
+@pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
+@pytest.mark.parametrize("damage", [b"", b"\x80\x04\x95", "other names", "cut short"])
+def test_a_damaged_cache_is_made_anew(tmp_path, damage):
+    """Indices that name what another version had, and files that a crash left half written."""
+    run = (
+        "import numpy as np; from rodimpact.methods import kernels\n"
+        "from rodimpact.results import field_kernel as k\n"
+        "print(kernels.compiled(k.first_at_or_after)(np.array([1, 5, 9]), 6, 0))"
+    )
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+
+    def found():
+        return subprocess.run(
+            [sys.executable, "-c", run], env=environment, capture_output=True, text=True, check=True
+        ).stdout.strip()
+
+    assert found() == "2"
+    kept = [*tmp_path.rglob("*.nb?")]
+    assert kept
+    for file in kept:
+        whole = file.read_bytes()
+        if damage == "other names":
+            file.write_bytes(whole.replace(b"rodimpact", b"rodimpakt"))
+        elif damage == "cut short":
+            file.write_bytes(whole[: len(whole) // 2])
+        else:
+            file.write_bytes(damage)
+    assert found() == "2"
+    assert found() == "2"

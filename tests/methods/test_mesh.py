@@ -1,0 +1,141 @@
+"""A row laid out on nodes and cells."""
+
+import math
+
+import numpy as np
+import pytest
+from grid_rows import random_row
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from networks import UNIT, unit_rod
+
+import rodimpact as ri
+from rodimpact.methods.contact_law_kernel import BOND, RIGID
+from rodimpact.methods.grid.mesh import Interface, Mesh
+from rodimpact.methods.grid.method import _mesh_size
+from rodimpact.methods.plan import Plan
+
+
+def mesh_of(row, counts, contacts=None, gaps=None, **options):
+    return Mesh(Plan(ri.System(row, gaps, contacts, **options)), counts)
+
+
+def test_two_rods_are_two_pieces():
+    mesh = mesh_of([unit_rod(0.5, 2.0), unit_rod(1.0, 3.0)], [2, 4])
+    assert (mesh.first, mesh.last) == ([-1, 0, 3], [-1, 2, 7])
+    assert (mesh.starts, mesh.stops) == ([0, 3], [2, 7])
+    assert mesh.touching == {1: (2, 3)}
+    assert mesh.ends == [0, 7]
+    assert mesh.interfaces == {}
+    assert mesh.mass.tolist() == [0.25, 0.5, 0.25, 0.375, 0.75, 0.75, 0.75, 0.375]
+    assert mesh.stiffness.tolist() == [0, 8, 8, 0, 12, 12, 12, 12, 0]
+    assert not np.any(mesh.held)
+    assert [mesh.piece_of(i) for i in range(8)] == [0, 0, 0, 1, 1, 1, 1, 1]
+
+
+def test_bonded_bodies_share_a_node_and_walls_have_one():
+    row = [ri.Wall(), unit_rod(), ri.RigidMass(3.0), unit_rod(), ri.RigidMass(2.0), ri.Wall()]
+    laws = [ri.Rigid(), ri.Bonded(), ri.Bonded(), ri.Spring(1.0), ri.Bonded()]
+    mesh = mesh_of(row, [2, 2], laws)
+    assert (mesh.starts, mesh.stops) == ([0, 1, 6], [0, 5, 6])
+    assert mesh.node_of_mass == [3]  # the other one belongs to its wall
+    assert mesh.touching == {0: (0, 1), 3: (5, 6)}  # links of the plan, not contacts
+    assert mesh.mass[3] == 3.0 + 0.5
+    assert mesh.mass[[0, 6]].tolist() == [0.0, 0.0]
+    assert np.flatnonzero(mesh.held).tolist() == [0, 6]
+    assert list(mesh.interfaces) == [1, 2]
+    assert mesh.interfaces[1] == Interface(node=3, mass=0.25, side=0, cell=3, link=-1, end=-1)
+
+
+def test_what_stands_at_bonds():
+    """The outermost part is looked at: half a cell of rod, or masses with what pushes them."""
+    laws = [ri.Rigid(), ri.Bonded()]
+    mesh = mesh_of([unit_rod(), ri.RigidMass(3.0), unit_rod()], [2, 2], laws)
+    assert mesh.interfaces == {2: Interface(3, 3.0, 0, -1, 1, -1)}
+    mesh = mesh_of([ri.RigidMass(3.0), unit_rod()], [2], [ri.Bonded()],
+                   ends=(ri.Pushed(1.0), ri.Free()))
+    assert mesh.interfaces == {1: Interface(0, 3.0, 0, -1, -1, 0)}
+    mesh = mesh_of([unit_rod()], [2], ends=(ri.Fixed(), ri.Moved(1.0)))
+    assert mesh.interfaces == {0: Interface(0, 0.25, 1, 1, -1, -1),
+                               1: Interface(2, 0.25, 0, 2, -1, -1)}
+    assert np.flatnonzero(mesh.held).tolist() == [0, 2]
+    mesh = mesh_of([unit_rod()], [2], ends=(ri.Absorbing(), ri.Pushed(1.0)))
+    assert mesh.interfaces == {}
+    assert not np.any(mesh.held)
+
+
+def test_cells_of_damped_and_lateral_segments():
+    stuff = ri.Material("m", youngs_modulus=8.0, density=2.0, poisson_ratio=0.25, viscosity=0.5)
+    mesh = mesh_of([ri.Rod(1.0, area=3.0, material=stuff, polar_moment=4.0), unit_rod()], [4, 4])
+    assert mesh.viscous[1:5] == pytest.approx(np.full(4, 0.5 * 3 * 4))
+    assert mesh.lateral[1:5] == pytest.approx(np.full(4, 2 * 0.0625 * 4 * 4))
+    assert mesh.implicit == [True, False]
+    assert not np.any(mesh.viscous[5:])
+
+
+def test_a_taper_keeps_its_volume():
+    cone = ri.Rod(2.0, area=ri.Samples([1.0, 4.0, 2.0]), material=UNIT)
+    for n in (1, 3, 8):
+        mesh = mesh_of([cone], [n])
+        assert mesh.mass.sum() == pytest.approx(2.5 + 3.0, rel=1e-13)
+        assert mesh.stiffness[1:-1] == pytest.approx(mesh.cell_mass[1:-1] * (n / 2) ** 2)
+
+
+@settings(max_examples=100)
+@given(st.integers(0, 10**6), st.booleans())
+def test_every_row(seed, driven):
+    system = random_row(seed, driven=driven)
+    plan = Plan(system)
+    counts, step = _mesh_size(plan, None, 1 / 32, None)
+    mesh = Mesh(plan, counts)
+    assert mesh.starts[0] == 0
+    assert mesh.starts[1:] == [b + 1 for b in mesh.stops[:-1]]
+    assert mesh.stops[-1] + 1 == len(mesh.mass) == len(mesh.stiffness) - 1
+    assert set(mesh.touching) == {i for i, law in enumerate(plan.laws) if law >= RIGID}
+    assert len(mesh.touching) == len(mesh.starts) - 1
+    for (left, right), a, b in zip(
+        mesh.touching.values(), mesh.stops[:-1], mesh.starts[1:], strict=True
+    ):
+        assert (left, right) == (a, b)
+    rods = sum(float(s.mass) for s in plan.segments)
+    assert mesh.mass.sum() == pytest.approx(rods + sum(plan.masses), rel=1e-12)
+    assert np.all((mesh.mass > 0) | (mesh.held == 1))
+    for N, a, b, s in zip(counts, mesh.first[1:], mesh.last[1:], plan.segments, strict=True):
+        assert b - a == N
+        assert np.all(mesh.stiffness[a + 1 : b + 1] > 0)
+        assert step * N <= float(s.transit_time) * (1 + 1e-9)
+    between = np.ones(len(mesh.stiffness), bool)
+    for a, b in zip(mesh.starts, mesh.stops, strict=True):
+        between[a + 1 : b + 1] = False
+    assert not np.any(mesh.stiffness[between])
+    bonds = {i for i in plan.contact_link if i >= 0 and plan.laws[i] == BOND}
+    assert bonds <= set(mesh.interfaces)
+    image = Mesh(Plan(system.mirrored()), counts[::-1])
+    assert image.mass[::-1] == pytest.approx(mesh.mass, rel=1e-12)
+    assert np.array_equal(image.held[::-1], mesh.held)
+    assert image.stiffness[::-1] == pytest.approx(mesh.stiffness, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("options", "polar", "field"),
+    [({"viscosity": 1e9}, None, "material.viscosity"), ({}, 1e9, "polar_moment")],
+)
+def test_cells_that_hardly_move_are_refused(options, polar, field):
+    stuff = ri.Material("m", youngs_modulus=1.0, density=1.0, poisson_ratio=0.3, **options)
+    pieces = [ri.Segment(1.0, 1.0, UNIT), ri.Segment(1.0, 1.0, stuff, polar_moment=polar)]
+    with pytest.raises(ri.InvalidModel, match="round-off would drown the motion") as caught:
+        mesh_of([unit_rod(), ri.Rod(segments=pieces)], [3, 3, 30])
+    assert [path for path, _ in caught.value.problems] == [f"bodies.1.segments.1.{field}"]
+    mesh_of([ri.Rod(segments=pieces)], [3, 1])
+
+
+def test_the_mesh_that_wastes_least():
+    """Courant numbers are as near to 1 as the first hundred numbers of cells allow."""
+    row = [unit_rod(1.0), unit_rod(0.75), unit_rod(math.sqrt(0.5))]
+    counts, step = _mesh_size(Plan(ri.System(row)), None, None, None)
+    courant = step * np.array(counts) / [1.0, 0.75, math.sqrt(0.5)]
+    assert 100 <= counts[0] < 200
+    assert courant.max() == pytest.approx(0.999, rel=1e-12)
+    assert courant.min() >= 0.997
+    counts, _ = _mesh_size(Plan(ri.System([unit_rod(), unit_rod(0.02)])), None, None, None)
+    assert min(counts) >= 8

@@ -1,0 +1,91 @@
+"""What a run is asked for is checked in one place."""
+
+import dataclasses
+import inspect
+import pickle
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact.methods.options import Options
+
+ROD = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+ROW = ri.System([ROD, ri.Wall()])
+MISTAKES = [
+    ("until", -1.0), ("until", float("nan")), ("until", "1"), ("until", [1.0, 2.0]),
+    ("dt", 0.0), ("rtol", -1e-3), ("rtol", True), ("cells", 0), ("cells", 2.5),
+    ("max_events", 0), ("max_events", 1.5), ("max_events", True), ("method", "magic"),
+]
+
+
+@pytest.mark.parametrize(("name", "value"), MISTAKES)
+def test_mistakes_are_the_same_whoever_asks(name, value):
+    for ask in (lambda o: Options(**o), lambda o: ri.solve(ROW, **o), lambda o: ri.sweep(ROW, **o)):
+        with pytest.raises(ri.InvalidModel) as caught:
+            ask({name: value})
+        [(path, message)] = caught.value.problems
+        assert path == name
+        assert message == dict(_problems(name, value))[name]
+
+
+def _problems(name, value):
+    with pytest.raises(ri.InvalidModel) as caught:
+        Options(**{name: value})
+    return caught.value.problems
+
+
+def test_all_mistakes_are_reported_together():
+    with pytest.raises(ri.InvalidModel) as caught:
+        Options(until=-1, method="magic", max_events=0, dt=1.0, rtol=1.0, cells=0)
+    assert {path for path, _ in caught.value.problems} == {
+        "until", "method", "max_events", "dt", "cells"}
+
+
+@pytest.mark.parametrize(("given", "path", "said"), [
+    ({"method": "fronts", "dt": 1e-6}, "dt", "has no time step"),
+    ({"method": "fronts", "rtol": 1e-3}, "rtol", "has no time step"),
+    ({"method": "characteristics", "cells": 9}, "cells", 'is for method "finite-difference"'),
+])
+@pytest.mark.parametrize("ask", [ri.solve, ri.sweep])
+def test_options_of_another_method_are_refused(given, path, said, ask):
+    with pytest.raises(ri.InvalidModel) as caught:
+        ask(ROW, **given)
+    assert caught.value.problems[0][0] == path
+    assert said in caught.value.problems[0][1]
+
+
+@pytest.mark.parametrize("ask", [ri.solve, ri.sweep])
+def test_a_held_row_under_gravity_needs_an_end(ask):
+    with pytest.raises(ri.InvalidModel, match="until: must be given"):
+        ask(ri.System([ROD, ri.Wall()], gravity=9.81))
+
+
+def test_an_option_of_a_method_chooses_it():
+    assert Options().method_for(ROW) == "fronts"
+    assert Options(dt=1e-6).method_for(ROW) == "characteristics"
+    assert Options(rtol=1e-3).method_for(ROW) == "characteristics"
+    assert Options(cells=9).method_for(ROW) == "finite-difference"
+    assert Options(snapshots=[0.0, 1e-5]).method_for(ROW) == "finite-difference"
+
+
+def test_times_of_snapshots_lie_in_the_run():
+    assert Options(until=1.0, snapshots=[0.0, 1.0]).snapshots == (0.0, 1.0)
+    assert Options(snapshots=np.int64(7)).snapshots == 7
+    for wrong in ([], [-1.0], [2.0], "9", 0, [[1.0]]):
+        with pytest.raises(ri.InvalidModel, match="snapshots"):
+            Options(until=1.0, snapshots=wrong)
+
+
+def test_options_are_values():
+    options = Options(until=1, max_events=np.int64(5), snapshots=[0.0])
+    assert type(options.until) is float
+    assert type(options.max_events) is int
+    assert pickle.loads(pickle.dumps(options)) == options
+    assert hash(options) == hash(Options(until=1.0, max_events=5, snapshots=(0.0,)))
+
+
+def test_solve_and_sweep_take_every_option():
+    names = {field.name for field in dataclasses.fields(Options)}
+    assert names <= set(inspect.signature(ri.solve).parameters)
+    assert names - {"snapshots"} <= set(inspect.signature(ri.sweep).parameters)

@@ -1,0 +1,89 @@
+"""Ends of a row: what they are, and where each may be."""
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact.model.ends import ENDS, end_from
+
+ROD = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+MASS = ri.RigidMass(2.0)
+HERTZ = ri.Hertz(1e9)
+OTHERS = [
+    ri.Fixed(), ri.Absorbing(), ri.Pushed(1e3), ri.Moved(2.0),
+    ri.Pushed(ri.Steps([1e3, 0.0], [1e-4])), ri.Moved(ri.Samples([0.0, 1.0], step=1e-5)),
+]
+
+
+def problems(make):
+    with pytest.raises(ri.InvalidModel) as caught:
+        make()
+    return dict(caught.value.problems)
+
+
+@pytest.mark.parametrize("end", [ri.Free(), *OTHERS], ids=repr)
+def test_an_end_survives_its_description(end):
+    assert ENDS[end.to_dict()["kind"]] is type(end)
+    assert end_from(end.to_dict()) == end
+
+
+def test_ends_are_free_unless_something_is_said():
+    row = ri.System([ROD, ROD])
+    assert row.ends == (ri.Free(), ri.Free())
+    assert ri.System([ROD, ROD], ends=[ri.Free(), ri.Free()]) == row
+    assert set(row.to_dict()) == {"bodies", "contacts"}
+
+
+@pytest.mark.parametrize("end", OTHERS, ids=repr)
+def test_a_rod_takes_any_end(end):
+    row = ri.System([ROD, ri.Wall()], ends=(end, ri.Free()))
+    assert ri.System.from_dict(row.to_dict()) == row
+    assert row != ri.System([ROD, ri.Wall()])
+    assert row.digest != ri.System([ROD, ri.Wall()]).digest
+
+
+@pytest.mark.parametrize("end", OTHERS, ids=repr)
+def test_nothing_is_beyond_a_wall(end):
+    [(path, message)] = problems(
+        lambda: ri.System([ROD, ri.Wall()], ends=(ri.Free(), end))
+    ).items()
+    assert path == "ends.right"
+    assert "has no place beyond a wall" in message
+
+
+@pytest.mark.parametrize(
+    ("end", "remedy"),
+    [
+        (ri.Fixed(), "put a Wall() there with Bonded()"),
+        (ri.Moved(1.0), "put a Wall(velocity) there"),
+        (ri.Absorbing(), "put a Rod with an absorbing end there"),
+    ],
+)
+def test_a_mass_is_only_pushed(end, remedy):
+    for force in (ri.Pushed(1.0), ri.Pushed(ri.Steps([1.0, 2.0], [1.0]))):
+        assert ri.System([MASS, ROD], ends=(force, end)).ends == (force, end)
+    [(path, message)] = problems(lambda: ri.System([MASS, ROD], ends=(end, ri.Free()))).items()
+    assert path == "ends.left"
+    assert remedy in message
+
+
+@pytest.mark.parametrize("ends", ["free", ri.Free(), (ri.Free(),), 3, [ri.Free()] * 3])
+def test_ends_are_a_pair(ends):
+    found = problems(lambda: ri.System([ROD], ends=ends))
+    assert list(found) == ["ends"]
+
+
+def test_each_of_the_pair_is_an_end():
+    found = problems(lambda: ri.System([ROD], ends=(None, ri.Fixed)))
+    assert list(found) == ["ends.left", "ends.right"]
+
+
+def test_drives_make_families():
+    force = ri.Pushed(ri.Steps([np.array([1.0, 2.0]), 0.0], [np.array([[1e-3], [2e-3]])]))
+    row = ri.System([ROD], ends=(ri.Moved([[1.0]]), force))
+    assert row.shape == (2, 2)
+    assert list(row.parameters) == [
+        "ends.left.value", "ends.right.value.values.0", "ends.right.value.at.0",
+    ]
+    assert row[1, 0].ends == (ri.Moved(1.0), ri.Pushed(ri.Steps([1.0, 0.0], [2e-3])))
+    assert ri.System.from_dict(row.to_dict()) == row

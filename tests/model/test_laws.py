@@ -1,0 +1,255 @@
+"""Contact laws say what they are made of, and refuse what makes none."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import beta
+
+import rodimpact as ri
+from rodimpact.methods import contact_law_kernel as lk
+from rodimpact.model.laws import CONTACT_LAWS, law_from
+
+STEEL = ri.materials.steel
+LAWS = [
+    ri.Rigid(), ri.Rigid(restitution=0.5), ri.Bonded(), ri.Spring(stiffness=1e6),
+    ri.SpringDashpot(stiffness=1e6, damping=20.0), ri.Hertz(stiffness=1e9),
+    ri.HuntCrossley(stiffness=1e9, damping=0.1), ri.PowerLaw(stiffness=1e9, exponent=2.0),
+]
+
+
+def problems(make):
+    with pytest.raises(ri.InvalidModel) as caught:
+        make()
+    return dict(caught.value.problems)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_a_law_survives_its_description(law):
+    described = law.to_dict()
+    assert CONTACT_LAWS[described["law"]] is type(law)
+    assert law_from(described) == law
+    assert eval(repr(law), vars(ri)) == law
+
+
+def test_names():
+    assert list(CONTACT_LAWS) == [
+        "rigid", "bonded", "spring", "spring-dashpot", "hertz", "hunt-crossley", "power",
+    ]
+    assert len(set(LAWS)) == len(LAWS)
+
+
+def test_a_plain_rigid_contact_is_described_by_its_name_alone():
+    assert ri.Rigid().to_dict() == {"law": "rigid"}
+    assert repr(ri.Rigid()) == "Rigid()"
+    assert ri.Rigid(0.5).to_dict() == {"law": "rigid", "restitution": 0.5}
+    assert ri.Rigid(1.0) != ri.Rigid()
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf, True, "1 N/m", None])
+@pytest.mark.parametrize("law", [ri.Spring, ri.SpringDashpot, ri.Hertz, ri.HuntCrossley,
+                                 ri.PowerLaw])
+def test_a_stiffness_is_positive(law, value):
+    more = {name: 1.0 for name in law.fields if name != "stiffness"}
+    found = problems(lambda: law(stiffness=value, **more))
+    assert list(found) == ["stiffness"]
+    assert "must be a" in found["stiffness"]
+
+
+@pytest.mark.parametrize("law", [ri.SpringDashpot, ri.HuntCrossley])
+def test_damping_is_not_negative(law):
+    assert law(1.0, 0.0).damping == 0.0
+    assert list(problems(lambda: law(1.0, -1.0))) == ["damping"]
+    assert list(problems(lambda: law(0.0, math.nan))) == ["stiffness", "damping"]
+
+
+@pytest.mark.parametrize("value", [-0.01, 1.01, math.nan, "half", True])
+def test_a_restitution_lies_between_0_and_1(value):
+    assert list(problems(lambda: ri.Rigid(value))) == ["restitution"]
+
+
+def test_a_family_names_its_bad_member():
+    assert list(problems(lambda: ri.Rigid([0.0, 1.0, 1.5]))) == ["restitution[2]"]
+    assert list(problems(lambda: ri.Hertz([1.0, 0.0]))) == ["stiffness[1]"]
+
+
+# Hertz contact of spheres
+
+
+def test_equal_spheres():
+    """Johnson's formulae by hand: E* = E/(2 (1 - nu^2)), R* = R/2."""
+    law = ri.Hertz.from_radii(0.01, 0.01, STEEL, STEEL)
+    modulus = 200e9 / (2 * (1 - 0.29**2))
+    assert law.stiffness == pytest.approx(4 / 3 * modulus * math.sqrt(0.005), rel=1e-14)
+
+
+def test_the_force_between_a_sphere_and_a_flat_is_that_of_its_contact_circle():
+    """F = 4 E* a^3/(3 R) and d = a^2/R, with a the radius of the circle: Johnson, section 4.2."""
+    R, a = 0.02, 1e-4
+    law = ri.Hertz.from_radii(math.inf, R, ri.materials.brass, STEEL)
+    compliance = (1 - 0.35**2) / 100.6e9 + (1 - 0.29**2) / 200e9
+    force = 4 / (3 * compliance) * a**3 / R
+    assert law.stiffness * (a * a / R) ** 1.5 == pytest.approx(force, rel=1e-14)
+
+
+def test_the_sides_may_be_exchanged():
+    one = ri.Hertz.from_radii(0.01, 0.03, STEEL, ri.materials.glass)
+    assert ri.Hertz.from_radii(0.03, 0.01, ri.materials.glass, STEEL) == one
+
+
+def test_a_rigid_face_does_not_yield():
+    both = ri.Hertz.from_radii(0.01, math.inf, STEEL, STEEL)
+    one = ri.Hertz.from_radii(0.01, math.inf, STEEL, None)
+    assert one.stiffness == pytest.approx(2 * both.stiffness, rel=1e-15)
+    assert ri.Hertz.from_radii(0.01, math.inf, None, STEEL) == one
+
+
+def test_radii_make_a_family():
+    law = ri.Hertz.from_radii(np.array([0.01, math.inf]), 0.02, STEEL, STEEL)
+    alone = [ri.Hertz.from_radii(r, 0.02, STEEL, STEEL).stiffness for r in (0.01, math.inf)]
+    assert law.stiffness.tolist() == pytest.approx(alone, rel=1e-15)
+    material = ri.Material(
+        "m", youngs_modulus=[1e9, 2e9], density=1000, poisson_ratio=[[0.1], [0.2]]
+    )
+    assert ri.Hertz.from_radii(0.01, 0.01, material, None).stiffness.shape == (2, 2)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "path", "said"),
+    [
+        ((0.0, 1.0, STEEL, STEEL), "left_radius", "positive number of metres or infinite, got 0.0"),
+        ((-1.0, 1.0, STEEL, STEEL), "left_radius", "positive number of metres or infinite"),
+        ((1.0, math.nan, STEEL, STEEL), "right_radius", "positive number of metres or infinite"),
+        ((1.0, "flat", STEEL, STEEL), "right_radius", "must be a number of metres, got 'flat'"),
+        ((math.inf, math.inf, STEEL, STEEL), "right_radius", "two flat faces"),
+        (([1.0, math.inf], math.inf, STEEL, STEEL), "right_radius[1]", "two flat faces"),
+        ((1.0, 1.0, None, None), "right_material", "one of two faces must yield"),
+        ((1.0, 1.0, "steel", None), "left_material", "must be a Material"),
+        ((1.0, 1.0, STEEL, ri.materials.oak), "right_material", "'oak' has none"),
+        ((1e-320, 1.0, STEEL, STEEL), "stiffness", "finite positive number of N/m^1.5"),
+        ((1e300, 1e300, ri.Material("m", youngs_modulus=1e290, density=1e290, poisson_ratio=0),
+          None), "stiffness", "finite positive number of N/m^1.5, got inf"),
+    ],
+)
+def test_radii_that_make_no_contact(arguments, path, said):
+    found = problems(lambda: ri.Hertz.from_radii(*arguments))
+    assert list(found) == [path]
+    assert said in found[path]
+
+
+def test_all_mistakes_of_radii_at_once():
+    found = problems(lambda: ri.Hertz.from_radii(-1.0, "x", ri.materials.oak, 3))
+    assert list(found) == ["left_radius", "left_material", "right_radius", "right_material"]
+
+
+# A force that is a power of the indentation
+
+
+def two_masses(law, until, dt, speed=3.0):
+    """Two masses meet while a rod waits far away."""
+    rod = ri.Rod(until * STEEL.wave_speed, area=1e-4, material=STEEL)
+    row = ri.System([ri.RigidMass(2.0, velocity=speed), ri.RigidMass(3.0), rod], gaps=[0.0, 1e3],
+                    contacts=[law, ri.Rigid()])
+    return ri.solve(row, until, "characteristics", dt=dt)
+
+
+def duration_and_peak(law, speed=3.0, mass=6 / 5):
+    """Energy gives the speed at each indentation; its inverse integrates to a beta function."""
+    k, q = law.stiffness, law.exponent + 1
+    deepest = (q * mass * speed**2 / (2 * k)) ** (1 / q)
+    return 2 * deepest / (q * speed) * beta(1 / q, 1 / 2), k * deepest**law.exponent
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.2, 1.5, 2.0, 3.0, 7.5, 20.0])
+def test_the_contact_of_two_masses_has_its_closed_form_to_order_2(exponent):
+    law = ri.PowerLaw(1e9, exponent)
+    duration, peak = duration_and_peak(law)
+    errors = []
+    for n in (160, 320, 640):
+        run = two_masses(law, 1.5 * duration, duration / (n + 0.5))
+        contact = run.contacts[0]
+        assert run.outcome.velocities_after[:2] == pytest.approx([-0.6, 2.4], abs=1e-12)
+        assert contact.impulse == pytest.approx(2 * 6 / 5 * 3.0, rel=1e-12)
+        assert contact.duration == pytest.approx(duration, rel=2 * exponent**2 / n**2)
+        apart = float(contact.gap(run.t_end)) / 3.0
+        errors.append([apart / (run.t_end - duration) - 1, contact.peak_force / peak - 1])
+    coarse, middle, fine = np.abs(errors)
+    assert coarse / middle == pytest.approx(4.0, rel=0.1)
+    assert middle / fine == pytest.approx(4.0, rel=0.05)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.3, 1.5, 2.0, 4.0])
+def test_energy_is_kept_in_a_row_whatever_the_exponent(exponent):
+    law = ri.PowerLaw(3e9, exponent)
+    rods = [ri.Rod(x, area=1e-4, material=STEEL, velocity=v) for x, v in ((0.4, 1.0), (1.0, 0.0))]
+    row = ri.System([rods[0], ri.RigidMass(0.2), rods[1]], contacts=[law, law])
+    run = ri.solve(row, 1e-3, "characteristics", dt=rods[1].transit_time / 200)
+    ledger = run.energy(np.linspace(0, run.t_end, 9))
+    for entry in (ledger.residual, ledger.numerical, ledger.dissipated):
+        assert entry == pytest.approx(np.zeros(9), abs=1e-13)
+    assert ledger.total == pytest.approx(np.full(9, ledger.total[0]), rel=1e-12)
+    assert run.contacts[1].impulse > 0
+    assert ri.solve(row, 1e-3, cells=40, method="finite-difference").outcome.energy_residual < 1e-12
+
+
+@pytest.mark.parametrize(("exponent", "twin"), [(1.0, ri.Spring(1e8)), (1.5, ri.Hertz(1e10))])
+@pytest.mark.parametrize("options", [
+    {"method": "characteristics", "dt": 1e-6}, {"method": "characteristics"},
+    {"method": "finite-difference", "cells": 40},
+], ids=str)
+def test_spring_and_hertz_are_two_of_its_kind(exponent, twin, options):
+    def run(law):
+        rods = [ri.Rod(x, area=1e-4, material=STEEL, velocity=v) for x, v in ((0.4, 1.0), (1, 0))]
+        solution = ri.solve(ri.System(rods, contacts=[law]), 1e-3, **options)
+        return solution.contacts[0].force(np.linspace(0, 1e-3, 777))
+
+    expected = run(twin)
+    found = run(ri.PowerLaw(twin.stiffness, exponent))
+    assert found == pytest.approx(expected, rel=1e-12, abs=1e-12 * expected.max())
+    assert expected.max() > 0
+
+
+@pytest.mark.parametrize(("law", "exponent"), [(lk.SPRING, 1.0), (lk.HERTZ, 1.5)])
+def test_the_general_mean_is_that_of_spring_and_hertz(law, exponent):
+    rng = np.random.default_rng(1)
+    for power in range(-14, 3):
+        x0 = float(rng.uniform(0.1, 2))
+        for x1 in (x0 * (1 + 10.0**power), x0 / (1 + 10.0**power), x0):
+            expected = lk.mean_force(law, 3.0, exponent, 0.0, x0, x1)
+            F, dF = lk.mean_power(3.0, exponent, x0, x1)
+            assert pytest.approx(expected[0], rel=2e-15) == F
+            assert dF == pytest.approx(expected[1], rel=1e-9)
+
+
+@pytest.mark.parametrize("exponent", [1.01, 2.0, 2.7, 6.0])
+def test_its_mean_force_is_the_difference_quotient_of_its_energy(exponent):
+    rng = np.random.default_rng(2)
+    for x0, x1 in rng.uniform(-1, 2, (200, 2)).tolist():
+        F, dF = lk.mean_force(lk.POWER, 5.0, exponent, 0.0, x0, x1)
+        gained = lk.stored(lk.POWER, 5.0, exponent, -x1) - lk.stored(lk.POWER, 5.0, exponent, -x0)
+        assert F * (x1 - x0) == pytest.approx(gained, rel=1e-12, abs=1e-13)
+        up, down = (lk.mean_force(lk.POWER, 5.0, exponent, 0.0, x0, x1 + s)[0]
+                    for s in (1e-6, -1e-6))
+        assert dF == pytest.approx((up - down) / 2e-6, rel=1e-4, abs=1e-3)
+
+
+def test_an_exponent_is_at_least_1():
+    found = problems(lambda: ri.PowerLaw(1e9, [1.0, 0.5]))
+    assert found == {"exponent[1]": "must lie in [1, inf), got 0.5"}
+    assert list(problems(lambda: ri.PowerLaw(0.0, math.inf))) == ["stiffness", "exponent"]
+
+
+def test_a_case_file_and_a_family_take_it():
+    case = ri.parse_case('''
+        schema = 1
+        bodies = [
+            {kind = "rod", length = 1, area = 1e-4, material = "steel", velocity = 1},
+            {kind = "wall"},
+        ]
+        contacts = [{law = "power", stiffness = 1e9, exponent = 2}]
+    ''')
+    assert case.system.contacts == (ri.PowerLaw(1e9, 2.0),)
+    assert ri.parse_case(ri.write_case(case)).system == case.system
+    family = case.system.replace(contacts=[ri.PowerLaw(1e9, exponent=[1.5, 2.0])])
+    swept = ri.sweep(family)
+    assert swept.restitution[1] == ri.solve(case.system).outcome.restitution

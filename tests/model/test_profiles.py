@@ -1,0 +1,255 @@
+"""Profiles along a rod and in time: what they say, and how functions become samples."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import rodimpact as ri
+from rodimpact.model.profiles import ALONG_ROD, IN_TIME, averages, extremes, profile_from
+
+STEEL = ri.materials.steel
+
+
+def rod(**changes):
+    return ri.Rod(**{"length": 2.0, "area": 1e-4, "material": STEEL, **changes})
+
+
+def problems(make):
+    with pytest.raises(ri.InvalidModel) as caught:
+        make()
+    return dict(caught.value.problems)
+
+
+# Samples
+
+
+def test_samples_are_read_only_copies():
+    given = np.array([1.0, 2.0])
+    samples = ri.Samples(given)
+    given[0] = 7.0
+    assert samples.values.tolist() == [1.0, 2.0]
+    assert samples.values.dtype == np.float64
+    with pytest.raises(ValueError, match="read-only"):
+        samples.values[0] = 3.0
+
+
+@pytest.mark.parametrize("profile", [
+    ri.Samples([1, 2, 3]), ri.Samples([0.0, 1.0], step=1e-6), ri.Samples([0.0, 1.0], [1e-6, 2e-6]),
+    ri.Steps([1.0, 2.0], [0.5]), 3.0,
+])
+def test_a_profile_survives_its_description(profile):
+    described = profile if isinstance(profile, float) else profile.to_dict()
+    assert profile_from(described) == profile
+
+
+@pytest.mark.parametrize("values", [
+    1.0, [], [1.0], [[1.0, 2.0], [3.0, 4.0]], "12", None, ["a", "b"], [True, False], {}, [1, [2]],
+])
+def test_fewer_than_two_numbers_are_no_samples(values):
+    assert list(problems(lambda: ri.Samples(values))) == ["values"]
+
+
+def test_a_bad_sample_is_named():
+    found = problems(lambda: ri.Samples([1.0, math.nan, math.inf], step=0.0))
+    assert found["values[1]"] == "must be a finite number, got nan"
+    assert "positive number of seconds" in found["step"]
+
+
+def test_a_long_list_is_not_repeated_in_the_message():
+    [message] = problems(lambda: ri.Samples(["x"] * 10_000)).values()
+    assert len(message) < 200
+
+
+def test_samples_are_seen_by_equality_and_digest():
+    one, other = ri.Samples([0.0, 1.0]), ri.Samples([0.0, 2.0])
+    assert one != other
+    assert one.digest != other.digest
+    assert one == ri.Samples([0, 1])
+    assert one != ri.Samples([0, 1], step=1.0)
+    first, second = (ri.System([rod(length=[1.0, 2.0], velocity=v)]) for v in (one, other))
+    assert first != second
+    assert first.digest != second.digest
+
+
+def test_samples_are_one_thing_and_no_family():
+    row = ri.System([rod(velocity=ri.Samples([0.0, 1.0, 2.0]), strain=np.zeros(5)), ri.Wall()])
+    assert row.shape == (5,)
+    assert list(row.parameters) == ["bodies.0.strain"]
+    assert row[2].bodies[0].velocity.values is row.bodies[0].velocity.values
+    assert ri.System.from_dict(row.to_dict()) == row
+
+
+def test_the_step_between_samples_may_be_a_family():
+    drive = ri.Pushed(ri.Samples([0.0, 1.0], step=[1e-6, 2e-6]))
+    row = ri.System([rod()], ends=(drive, ri.Free()))
+    assert list(row.parameters) == ["ends.left.value.step"]
+    assert row[1].ends[0] == ri.Pushed(ri.Samples([0.0, 1.0], step=2e-6))
+
+
+def test_a_hundred_thousand_samples_enter_no_list_of_numbers():
+    row = ri.System([rod()], ends=(ri.Moved(ri.Samples(np.ones(100_000), 1e-9)), ri.Free()))
+    assert len(row._numbers()) < 20
+
+
+# Along a rod
+
+
+@pytest.mark.parametrize("function", [
+    np.sin, math.sin, lambda x: [math.sin(v) for v in x] if np.ndim(x) else math.sin(x),
+    lambda x: np.array([math.sin(v) for v in x]),  # of arrays only
+])
+def test_functions_of_arrays_and_of_numbers_are_sampled_alike(function):
+    samples = rod(velocity=function).velocity
+    assert isinstance(samples, ri.Samples)
+    assert samples.step is None
+    places = np.linspace(0, 2.0, ALONG_ROD)
+    assert samples.values == pytest.approx(np.sin(places), rel=1e-15)
+
+
+def test_a_constant_function_and_one_with_a_branch():
+    assert rod(strain=lambda x: 1e-3).strain == ri.Samples(np.full(ALONG_ROD, 1e-3))
+    values = rod(strain=lambda x: 1 if x < 1.0 else 0).strain.values
+    assert values.tolist() == [1.0] * (ALONG_ROD // 2) + [0.0] * (ALONG_ROD // 2 + 1)
+
+
+def test_a_stepped_rod_is_sampled_from_end_to_end():
+    pieces = [ri.Segment(0.5, 1e-4, STEEL), ri.Segment(1.0, 2e-4, STEEL)]
+    values = ri.Rod(segments=pieces, velocity=lambda x: x).velocity.values
+    assert (values[0], values[-1]) == (0.0, 1.5)
+
+
+def test_a_function_cannot_spoil_the_places():
+    def greedy(x):
+        x *= 0
+        return x
+
+    assert rod(velocity=greedy).velocity.values.max() == 0.0
+
+
+@pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        (lambda x: math.nan, "returns finite numbers, got nan at 0.0"),
+        (lambda x: math.inf if x > 1.999 else 0.0, "returns finite numbers, got inf at 2.0"),
+        (lambda x: None, "returns numbers, got None at 0.0"),
+        (lambda x: "1", "returns numbers, got"),
+        (lambda x: x < 1, "returns numbers, got"),
+        (lambda x: 1j * x, "returns numbers, got"),
+        (lambda x: [1.0, 2.0], "returns numbers, got"),
+        (lambda x: 1 / 0, "cannot be evaluated: ZeroDivisionError: division by zero"),
+        (lambda: 0.0, "cannot be evaluated: TypeError"),
+        (ri.Steps, "cannot be evaluated: TypeError"),
+    ],
+)
+def test_functions_that_give_no_profile(function, said):
+    found = problems(lambda: rod(velocity=function, area=1.0))
+    assert list(found) == ["velocity"]
+    assert said in found["velocity"]
+
+
+def test_a_function_needs_one_length():
+    found = problems(lambda: rod(length=[1.0, 2.0], velocity=np.sin))
+    assert "differ in length; give Samples" in found["velocity"]
+    assert rod(area=[1.0, 2.0], velocity=np.sin).velocity == rod(velocity=np.sin).velocity
+
+
+def test_mistakes_of_profiles_beside_others():
+    found = problems(lambda: rod(length=-1.0, velocity=np.sin, strain=ri.Samples([0, 1], step=1.0)))
+    assert list(found) == ["length", "strain.step"]
+    assert "from end to end; leave it out" in found["strain.step"]
+    found = problems(lambda: rod(velocity=ri.Steps([1, 2], [3.0]), strain="x"))
+    assert list(found) == ["velocity.at.0", "strain"]
+
+
+# In time
+
+
+@pytest.mark.parametrize("drive", [ri.Pushed, ri.Moved])
+def test_a_function_of_time_is_sampled(drive):
+    value = drive(lambda t: 3 * t, duration=2e-3).value
+    assert value.step == 2e-3 / (IN_TIME - 1)
+    assert value.values == pytest.approx(np.linspace(0, 6e-3, IN_TIME), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "path", "said"),
+    [
+        ({"value": math.sin}, "duration", "is missing; give the seconds"),
+        ({"value": math.sin, "duration": 0.0}, "duration", "positive number of seconds"),
+        ({"value": math.sin, "duration": [1.0, 2.0]}, "duration", "single number"),
+        ({"value": math.sin, "duration": "1 s"}, "duration", "must be a number of seconds"),
+        ({"value": 1.0, "duration": 1.0}, "duration", "belongs to a function"),
+        ({"value": ri.Samples([0, 1])}, "value.step", "is missing"),
+        ({"value": None}, "value", "must be a number"),
+        ({"value": math.inf}, "value", "must be a finite number"),
+        ({"value": lambda t: 1 / t, "duration": 1.0}, "value", "ZeroDivisionError"),
+    ],
+)
+@pytest.mark.parametrize("drive", [ri.Pushed, ri.Moved])
+def test_what_drives_nothing(drive, arguments, path, said):
+    found = problems(lambda: drive(**arguments))
+    assert list(found) == [path]
+    assert said in found[path]
+
+
+# Turned round
+
+
+def test_mirrors():
+    moving = rod(velocity=ri.Samples([1.0, 2.0, 4.0]), strain=ri.Samples([0.0, 1e-3]))
+    row = ri.System([moving, ri.Wall()])
+    image = row.mirrored().bodies[1]
+    assert image.velocity == ri.Samples([-4.0, -2.0, -1.0])
+    assert image.strain == ri.Samples([1e-3, 0.0])
+    assert row.mirrored().mirrored() == row
+    assert row.reversed().bodies[0].velocity == ri.Samples([-1.0, -2.0, -4.0])
+    assert row.reversed().reversed() == row
+    image = ri.System([rod(area=ri.Samples([1.0, 2.0, 4.0]))]).mirrored().bodies[0]
+    assert image.segments[0].area == ri.Samples([4.0, 2.0, 1.0])
+
+
+# Between places
+
+
+def integral(profile, start, end, length):
+    """By the trapezoidal rule on a grid that has every knot on it."""
+    if isinstance(profile, ri.Steps):
+        cuts = [start, *(x for x in profile.at if start < x < end), end]
+        return sum((b - a) * profile.values[sum(x <= a for x in profile.at)]
+                   for a, b in pairwise(cuts))
+    n = len(profile.values) - 1
+    width = length / n if profile.step is None else profile.step
+    knots = width * np.arange(n + 1)
+    cuts = np.array([start, *(x for x in knots if start < x < end), end])
+    return np.trapezoid(np.interp(cuts, knots, profile.values), cuts)
+
+
+NUMBERS = st.floats(-10, 10)
+PLACES = st.lists(st.integers(0, 1000), min_size=2, max_size=8, unique=True).map(
+    lambda ticks: np.array(sorted(ticks)) / 500)  # some beyond the last of the samples in time
+PROFILED = st.one_of(
+    st.lists(NUMBERS, min_size=2, max_size=9).map(ri.Samples),
+    st.lists(NUMBERS, min_size=2, max_size=9).map(lambda values: ri.Samples(values, step=0.17)),
+    st.tuples(st.lists(NUMBERS, min_size=3, max_size=3), st.floats(0.1, 0.9), st.floats(1.0, 1.9))
+    .map(lambda drawn: ri.Steps(drawn[0], drawn[1:])),
+)
+
+
+@settings(derandomize=True)
+@given(PROFILED, PLACES)
+def test_averages_are_integrals_over_widths(profile, edges):
+    found = averages(profile, edges, 2.0)
+    expected = [integral(profile, a, b, 2.0) / (b - a) for a, b in pairwise(edges)]
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
+    low, high = extremes(profile)
+    assert (low, high) == (min(profile.values), max(profile.values))
+    assert np.all((found > low - 1e-9) & (found < high + 1e-9))
+
+
+def test_a_number_is_its_own_average():
+    assert averages(3.0, np.array([0.0, 0.1, 0.5]), 1.0).tolist() == [3.0, 3.0]
+    assert extremes(3.0) == [3.0, 3.0]

@@ -1,0 +1,322 @@
+"""A quantity is converted by its own unit or refused; labels are never taken for positions."""
+
+import math
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact.model.quantities import numbers_in
+
+STEEL = ri.materials.steel
+UNITS = {  # factor to the unit of the SI, and that one as all libraries read it
+    "mm": (1e-3, "m"), "cm^2": (1e-4, "m**(2)"), "cm^4": (1e-8, "m**(4)"), "GPa": (1e9, "Pa"),
+    "g/cm^3": (1e3, "kg/m**(3)"), "mPa s": (1e-3, "Pa*s"), "kHz": (1e3, "Hz"), "%": (1e-2, ""),
+    "km/s": (1e3, "m/s"), "g": (1e-3, "kg"), "cm/s^2": (1e-2, "m/s**(2)"), "ms": (1e-3, "s"),
+    "kN": (1e3, "N"), "kN/mm": (1e6, "N/m"), "N s/mm": (1e3, "N*s/m"),
+    "GN/m^1.5": (1e9, "N/m**(1.5)"), "s/mm": (1e3, "s/m"), "g/s": (1e-3, "kg/s"),
+    "N ms": (1e-3, "N*s"), "1/mm": (1e3, "1/m"), "rad/ms": (1e3, "rad/s"),
+    "rad/mm": (1e3, "rad/m"),
+}
+FIELDS = {
+    "length": (lambda q: ri.Segment(q, 1e-4, STEEL).length, "mm"),
+    "area": (lambda q: ri.Segment(0.4, q, STEEL).area, "cm^2"),
+    "polar moment": (lambda q: ri.Segment(0.4, 1e-4, STEEL, polar_moment=q).polar_moment, "cm^4"),
+    "rod": (lambda q: ri.Rod(q, area=1e-4, material=STEEL).length, "mm"),
+    "stepped rod": (
+        lambda q: ri.Rod(q, area=ri.Steps([1, 2], [1e-9]), material=STEEL).length, "mm"),
+    "velocity": (lambda q: ri.Rod(0.4, area=1e-4, material=STEEL, velocity=q).velocity, "km/s"),
+    "strain": (lambda q: ri.Rod(0.4, area=1e-4, material=STEEL, strain=q).strain, "%"),
+    "modulus": (
+        lambda q: ri.Material("a", youngs_modulus=q, density=1.0).youngs_modulus, "GPa"),
+    "density": (lambda q: ri.Material("a", youngs_modulus=1.0, density=q).density, "g/cm^3"),
+    "Poisson": (
+        lambda q: ri.Material("a", youngs_modulus=1.0, density=1.0, poisson_ratio=q).poisson_ratio,
+        "%"),
+    "viscosity": (
+        lambda q: ri.Material("a", youngs_modulus=1.0, density=1.0, viscosity=q).viscosity,
+        "mPa s"),
+    "loss factor": (lambda q: STEEL.damped(q, STEEL.youngs_modulus / 2 / math.pi).viscosity, "%"),
+    "frequency": (lambda q: STEEL.youngs_modulus / 2 / math.pi / STEEL.damped(1, q).viscosity,
+                  "kHz"),
+    "mass": (lambda q: ri.RigidMass(q).mass, "g"),
+    "mass's velocity": (lambda q: ri.RigidMass(1.0, velocity=q).velocity, "km/s"),
+    "wall's velocity": (lambda q: ri.Wall(q).velocity, "km/s"),
+    "restitution": (lambda q: ri.Rigid(q).restitution, "%"),
+    "spring": (lambda q: ri.Spring(q).stiffness, "kN/mm"),
+    "spring and dashpot": (lambda q: ri.SpringDashpot(q, 0.0).stiffness, "kN/mm"),
+    "dashpot": (lambda q: ri.SpringDashpot(1.0, q).damping, "N s/mm"),
+    "Hertz": (lambda q: ri.Hertz(q).stiffness, "GN/m^1.5"),
+    "Hunt-Crossley": (lambda q: ri.HuntCrossley(q, 0.0).stiffness, "GN/m^1.5"),
+    "its damping": (lambda q: ri.HuntCrossley(1.0, q).damping, "s/mm"),
+    "radius": (
+        lambda q: (ri.Hertz.from_radii(q, math.inf, STEEL, STEEL).stiffness
+                   / ri.Hertz.from_radii(1.0, math.inf, STEEL, STEEL).stiffness) ** 2, "mm"),
+    "gap": (lambda q: ri.System([ri.Rod(1.0, area=1.0, material=STEEL), ri.Wall()], [q]).gaps[0],
+            "mm"),
+    "gravity": (lambda q: ri.System([ri.Rod(1.0, area=1.0, material=STEEL)], gravity=q).gravity,
+                "cm/s^2"),
+    "force": (lambda q: ri.Pushed(q).value, "kN"),
+    "driven velocity": (lambda q: ri.Moved(q).value, "km/s"),
+    "a force's duration": (lambda q: ri.Pushed(lambda t: t, duration=q).value.values[-1], "ms"),
+    "a function's force": (lambda q: ri.Pushed(lambda t: q, duration=1.0).value.values[-1], "kN"),
+    "step": (lambda q: ri.Samples([0.0, 1.0], step=q).step, "ms"),
+    "samples": (lambda q: ri.Samples([0.0, q]).values[1], "%"),
+    "steps": (lambda q: ri.Steps([0.0, q], at=[1.0]).values[1], "%"),
+    "places": (lambda q: ri.Steps([0.0, 1.0], at=[q]).at[0], "%"),
+    "rigid.contact_mass": (lambda q: ri.rigid.contact_mass(q, math.inf), "g"),
+    "rigid.collide": (
+        lambda q: -ri.rigid.collide(1.0, q, 1.0, 0.0, 1.0).relative_velocity_before, "km/s"),
+    "rigid restitution": (
+        lambda q: ri.rigid.collide(1.0, 1.0, 1.0, 0.0, q).relative_velocity_after, "%"),
+    "rigid.peak_force": (lambda q: ri.rigid.peak_force(q, 2.0), "N ms"),
+    "theory impedance": (lambda q: ri.theory.rod_on_wall(q, 1.0, 1.0).peak_force, "g/s"),
+    "theory time": (lambda q: ri.theory.rod_on_wall(1.0, q, 1.0).duration / 2, "ms"),
+    "theory taper": (lambda q: ri.theory.horn_frequency(1.0, 0.0, q), "1/mm"),
+    "theory frequency": (
+        lambda q: 1 / ri.theory.kelvin_voigt_decay(1e30, 1.0, q), "rad/ms"),
+    "theory wave number": (lambda q: ri.theory.horn_frequency(1.0, q, 0.0), "rad/mm"),
+}
+MAKE = [pytest.param(make, unit, id=name) for name, (make, unit) in FIELDS.items()]
+
+
+class Quantity:
+    """A number with a unit, as pint makes them."""
+
+    names = ("magnitude", "units")
+
+    def __init__(self, number, unit):
+        self.number, self.unit_name = number, unit
+        for name, value in zip(self.names, (number, unit), strict=True):
+            setattr(self, name, value)
+
+    def to(self, unit):
+        factor, si = UNITS[self.unit_name]
+        if unit != si:
+            raise TypeError(f"cannot convert from {self.unit_name} to {unit}")
+        return type(self)(self.number * factor, si)
+
+    def __array__(self, dtype=None, copy=None):
+        return np.array(self.number, dtype=dtype)
+
+    def __float__(self):
+        return float(self.number)
+
+    def __repr__(self):
+        return f"<{self.number} {self.unit_name}>"
+
+
+class OtherQuantity(Quantity):
+    """As astropy makes them; those of unyt have a value and units."""
+
+    names = ("value", "unit")
+
+
+class Labelled:
+    """An array with named dimensions, as xarray makes them."""
+
+    def __init__(self, values):
+        self.values, self.dims = np.asarray(values), ("case",)
+
+    def __array__(self, dtype=None, copy=None):
+        return np.array(self.values, dtype=dtype)
+
+    def __len__(self):
+        return len(self.values)
+
+    def __iter__(self):
+        return map(Labelled, self.values)
+
+
+def pint_quantity(number, unit):
+    pint = pytest.importorskip("pint")
+    return pint.application_registry.get().Quantity(number, unit.replace("%", "percent"))
+
+
+QUANTITIES = [Quantity, OtherQuantity, pint_quantity]
+
+
+# Units
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+@pytest.mark.parametrize(("make", "unit"), MAKE)
+def test_every_field_converts_by_the_unit_of_the_quantity(make, unit, quantity):
+    assert make(quantity(3.0, unit)) == pytest.approx(make(3.0 * UNITS[unit][0]), rel=1e-14)
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+@pytest.mark.parametrize(("make", "unit"), MAKE)
+def test_every_field_refuses_a_quantity_of_something_else(make, unit, quantity):
+    wrong = quantity(4.0, "mm" if unit == "g" else "g")
+    with pytest.raises(ValueError, match=r"got <.*\b4\b.*>"):
+        make(wrong)
+
+
+def test_a_refusal_names_field_value_and_unit():
+    with pytest.raises(ri.InvalidModel) as error:
+        ri.Rod(Quantity(4, "g"), area=1e-4, material=STEEL, strain=Quantity(0.1, "mm"))
+    assert error.value.problems == [
+        ("length", "must be in a unit that converts to m, got <4 g>"),
+        ("strain", "must have no unit, got <0.1 mm>"),
+    ]
+
+
+def test_what_has_a_unit_and_does_not_convert_is_refused():
+    class Mute:
+        units = "furlongs"
+
+        def __float__(self):
+            return 2.0
+
+    with pytest.raises(ri.InvalidModel, match="length: must be in a unit that converts to m"):
+        ri.Rod(Mute(), area=1e-4, material=STEEL)
+    with pytest.raises(ValueError, match="m1: must be in a unit that converts to kg"):
+        ri.rigid.contact_mass(Mute(), 1.0)
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+def test_families_convert_as_arrays_and_as_lists(quantity):
+    for given in (quantity(np.array([400.0, 1000.0]), "mm"),
+                  [quantity(400.0, "mm"), 1.0],
+                  ([quantity(400.0, "mm")], [1])):
+        found = ri.Rod(given, area=1e-4, material=STEEL).length
+        assert isinstance(found, np.ndarray)
+        assert found.ravel() == pytest.approx([0.4, 1.0], rel=1e-15)
+    with pytest.raises(ri.InvalidModel, match=r"length\[1\]: must be a finite positive number"):
+        ri.Rod(quantity(np.array([1.0, -2.0]), "mm"), area=1e-4, material=STEEL)
+
+
+def test_steps_of_a_quantity_are_refused_as_a_whole():
+    with pytest.raises(ri.InvalidModel, match="values: must have no unit"):
+        ri.Steps(Quantity(np.array([1.0, 2.0]), "km/s"), at=[0.1])
+
+
+def test_solve_takes_times_with_a_unit():
+    system = ri.System([ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0), ri.Wall()])
+    assert ri.solve(system, until=Quantity(0.25, "ms")).t_end == 0.25e-3
+    stepped = {"method": "characteristics", "until": 1e-4}
+    assert (ri.solve(system, dt=Quantity(0.001, "ms"), **stepped).outcome.velocities_after
+            == ri.solve(system, dt=1e-6, **stepped).outcome.velocities_after)
+    grid = ri.solve(system, snapshots=Quantity(np.array([0.0, 0.05]), "ms"), cells=10, until=1e-4)
+    same = ri.solve(system, snapshots=[0.0, 5e-5], cells=10, until=1e-4)
+    assert grid.velocity(0, 0.1, 5e-5) == same.velocity(0, 0.1, 5e-5)
+    with pytest.raises(ri.InvalidModel, match="until: must be in a unit that converts to s"):
+        ri.solve(system, until=Quantity(1.0, "mm"))
+
+
+def test_bare_numbers_pass_as_they_are():
+    array = np.arange(3.0)
+    for value in (1.0, 2, np.float32(0.5), [1.0, 2], [1.0, [2, 3.0]], "1 m", None):
+        assert numbers_in(value, "m") == value
+    assert numbers_in(array, "m") is array
+
+
+def test_no_library_of_units_or_labels_is_imported():
+    script = (
+        "import sys, rodimpact as ri; ri.Rod([1, 2], area=1, material=ri.materials.steel);"
+        "print({'pint', 'astropy', 'unyt', 'xarray', 'pandas'} & set(sys.modules))"
+    )
+    ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert ran.stdout.strip() == "set()"
+
+
+# Labels
+
+
+def labelled():
+    return Labelled([1.0, 2.0])
+
+
+def data_array():
+    return pytest.importorskip("xarray").DataArray([1.0, 2.0], dims="case")
+
+
+def series():
+    return pytest.importorskip("pandas").Series([1.0, 2.0], index=[1, 0])
+
+
+def masked():
+    return np.ma.array([1.0, 2.0], mask=[True, False])
+
+
+LABELLED = [
+    (labelled, "its dimensions are not matched by name; give its .values"),
+    (data_array, "its dimensions are not matched by name; give its .values"),
+    (series, r"its index is not matched; give .to_numpy()"),
+    (masked, r"its mask would be lost; give .compressed() or .filled(...)"),
+]
+
+
+@pytest.mark.parametrize(("array", "remedy"), LABELLED)
+@pytest.mark.parametrize(("make", "unit"), MAKE)
+def test_every_field_refuses_what_is_found_by_name(make, unit, array, remedy):
+    with pytest.raises(ValueError, match=re.escape(remedy)):
+        make(array())
+
+
+def test_labels_are_refused_in_lists_and_lists_of_steps_too():
+    with pytest.raises(ri.InvalidModel, match="length: must be bare numbers, got a Lab"):
+        ri.Rod([labelled(), labelled()], area=1e-4, material=STEEL)
+    with pytest.raises(ri.InvalidModel, match="values: must be bare numbers, got a Labelled"):
+        ri.Steps(labelled(), at=[0.1])
+
+
+# Shapes
+
+THREE, FOUR = np.ones(3), np.ones(4)
+SHAPES = {
+    "length and area": (lambda: ri.Rod(THREE, area=FOUR, material=STEEL), ["length", "area"]),
+    "length and material": (
+        lambda: ri.Segment(THREE, 1.0, ri.Material("a", youngs_modulus=1.0, density=FOUR)),
+        ["length", "material.density"]),
+    "taper": (
+        lambda: ri.Segment(THREE, ri.Samples([1.0, 2.0]),
+                           ri.Material("a", youngs_modulus=1.0, density=FOUR)),
+        ["length", "material.density"]),
+    "segments": (
+        lambda: ri.Rod(segments=[ri.Segment(L, 1.0, STEEL) for L in (THREE, 1.0, FOUR)]),
+        ["segments.0.length", "segments.2.length"]),
+    "material": (
+        lambda: ri.Material("a", youngs_modulus=THREE, density=FOUR),
+        ["youngs_modulus", "density"]),
+    "viscosity": (
+        lambda: ri.Material("a", youngs_modulus=THREE, density=1.0, viscosity=FOUR),
+        ["youngs_modulus", "viscosity"]),
+    "damped": (lambda: STEEL.damped(THREE, FOUR), ["loss_factor", "frequency"]),
+    "radii": (
+        lambda: ri.Hertz.from_radii(THREE, FOUR, STEEL, STEEL), ["left_radius", "right_radius"]),
+    "radius and material": (
+        lambda: ri.Hertz.from_radii(THREE, 1.0, None, ri.Material(
+            "a", youngs_modulus=FOUR, density=1.0, poisson_ratio=0.3)),
+        ["left_radius", "right_material.youngs_modulus"]),
+    "steps": (lambda: ri.Steps([1.0, 2.0, THREE], at=[1.0, 1.0 + FOUR]), ["values.2", "at.1"]),
+    "places": (lambda: ri.Steps([1.0, 2.0, 3.0], at=[THREE, 2 * FOUR]), ["at.0", "at.1"]),
+    "places along a rod": (
+        lambda: ri.Rod(THREE, area=1.0, material=STEEL, velocity=ri.Steps([1.0, 0.0], [FOUR / 2])),
+        ["length", "velocity.at.0"]),
+    "jumps of the area": (
+        lambda: ri.Rod(THREE, area=ri.Steps([1.0, 2.0], [FOUR / 2]), material=STEEL),
+        ["length", "area.at.0"]),
+    "system": (
+        lambda: ri.System(
+            [ri.Rod(THREE, area=1.0, material=STEEL, velocity=1.0), ri.RigidMass(FOUR)]),
+        ["bodies.0.length", "bodies.1.mass"]),
+    "gap": (
+        lambda: ri.System([ri.Rod(THREE, area=1.0, material=STEEL), ri.Wall()], [FOUR]),
+        ["bodies.0.length", "contacts.0.gap"]),
+}
+
+
+@pytest.mark.parametrize(("make", "fields"), [pytest.param(*v, id=k) for k, v in SHAPES.items()])
+def test_arrays_that_do_not_broadcast_are_named_with_their_shapes(make, fields):
+    with pytest.raises(ri.InvalidModel) as error:
+        make()
+    message = (
+        f"arrays of the family do not broadcast: {fields[0]} has shape (3,), "
+        f"{fields[1]} has shape (4,)"
+    )
+    assert error.value.problems == [(fields[0], message)]

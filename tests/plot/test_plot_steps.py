@@ -1,0 +1,342 @@
+"""Figures of solutions on a time step: cells, masses, ends, losses; true, and small in files."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from exhaustive import few_of
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import QuadMesh
+from matplotlib.figure import Figure
+
+import rodimpact as ri
+from rodimpact import plot
+from rodimpact.methods.clock import PARTS
+from rodimpact.plot.moments import moments
+from rodimpact.plot.thinning import INTERVALS, telling
+
+STEEL = ri.materials.steel
+C = STEEL.wave_speed
+
+
+def rod(length=1.0, velocity=0.0, area=1e-4, **kwargs):
+    return ri.Rod(length, area=area, material=STEEL, velocity=velocity, **kwargs)
+
+
+PULSE = ri.Steps([2e3, 0.0], at=[1e-4])
+ROWS = {
+    "hertz": (ri.System(
+        [rod(0.2, 5.0), rod(0.6), ri.RigidMass(0.05), rod(0.4)],
+        contacts=[ri.Hertz(5e9), ri.Spring(1e8), ri.Bonded()],
+        ends=(ri.Free(), ri.Absorbing())), 5e-4),
+    "falling": (ri.System([ri.Wall(), rod()], gaps=[1e-5], gravity=-9.81), 4e-3),
+    "hopkinson": (ri.System(
+        [rod(0.3, 10.0), rod(), rod(0.8)], contacts=[ri.Rigid(), ri.Spring(2e8)],
+        ends=(ri.Free(), ri.Absorbing())), 7e-4),
+    "mass": (ri.System([ri.RigidMass(0.3, velocity=2.0), rod(0.5)],
+                       ends=(ri.Free(), ri.Fixed())), 1e-3),
+    "pushed": (ri.System(
+        [rod(0.5), ri.RigidMass(0.2), rod(0.3)], gaps=[0.0, 1e-6],
+        contacts=[ri.Bonded(), ri.HuntCrossley(1e10, 0.2)],
+        ends=(ri.Pushed(PULSE), ri.Fixed())), 1e-3),
+    "driven": (ri.System([rod(0.5)], ends=(ri.Moved(1.0), ri.Absorbing())), 3e-4),
+    "stepped": (ri.System([ri.RigidMass(1.0, velocity=1.0), ri.Rod(segments=[
+        ri.Segment(0.3, 1e-4, STEEL), ri.Segment(0.2, 3e-4, ri.materials.aluminium)])]), 4e-4),
+    "masses": (ri.System(
+        [rod(0.4, 1.0), ri.RigidMass(0.2), ri.RigidMass(0.1)], gaps=[0.0, 1e-5],
+        contacts=[ri.Rigid(), ri.Rigid(0.5)]), 3e-4),
+}
+every_row = pytest.mark.parametrize("name", ROWS)
+
+
+@pytest.fixture(scope="module")
+def solved():
+    return {name: ri.solve(system, until, dt=5e-7) for name, (system, until) in ROWS.items()}
+
+
+def axes():
+    return Figure(figsize=(5, 5)).add_subplot()
+
+
+def render(figure):
+    figure.set_dpi(40)
+    FigureCanvasAgg(figure).draw()
+
+
+def legend(ax):
+    return [] if ax.get_legend() is None else [t.get_text() for t in ax.get_legend().get_texts()]
+
+
+def cells(picture):
+    """Values [times, places], and corners [times + 1, places + 1, 2]."""
+    assert isinstance(picture.regions, QuadMesh)
+    corners = np.asarray(picture.regions.get_coordinates())
+    return np.ma.asarray(picture.regions.get_array()).reshape(
+        corners.shape[0] - 1, corners.shape[1] - 1), corners
+
+
+# Space-time diagram -----------------------------------------------------------------------------
+
+
+@every_row
+@pytest.mark.parametrize("field", ["velocity", "stress", "strain"])
+def test_cells_hold_the_mean_of_the_field_over_their_time(solved, name, field):
+    solution = solved[name]
+    values, _ = cells(plot.spacetime(solution, axes(), field, magnification=1.0))
+    scale = plot.spacetime(solution, axes(), field).colour_bar.ax.get_ylabel()
+    factor = {"(m/s)": 1, "(mm/s)": 1e3, "(MPa)": 1e-6, "(kPa)": 1e-3, "(10⁻⁶)": 1e6,
+              "(10⁻³)": 1e3, "(10⁻⁹)": 1e9}[scale[scale.rindex("("):]]
+    edges = np.linspace(0, solution.t_end, values.shape[0] + 1)
+    rods = [i for i, b in enumerate(solution.system.bodies) if isinstance(b, ri.Rod)]
+    between = np.flatnonzero(np.ma.getmaskarray(values)[0])
+    assert between.size == len(rods) - 1
+    starts, stops = [0, *(between + 1)], [*between, values.shape[1]]
+    largest = np.abs(values).max()
+    for body, start, stop in zip(rods, starts, stops, strict=True):
+        length = float(solution.system.bodies[body].length)
+        if name == "stepped":  # pieces as long as they can be without crossing the step
+            x = np.concatenate((0.3 * (np.arange(180) + 0.5) / 180,
+                                0.3 + 0.2 * (np.arange(120) + 0.5) / 120))
+        else:
+            x = length * (np.arange(stop - start) + 0.5) / (stop - start)
+        assert x.size == stop - start
+        for row in (0, 57, values.shape[0] - 1):
+            t = edges[row] + (np.arange(400) + 0.5) / 400 * (edges[row + 1] - edges[row])
+            where, when = np.broadcast_arrays(x[:, None], t)
+            mean = getattr(solution, field)(body, where, when).mean(axis=1) * factor
+            assert np.asarray(values[row, start:stop]) == pytest.approx(mean, abs=0.005 * largest)
+
+
+def test_corners_lie_where_the_points_of_the_rod_are(solved):
+    solution = solved["hopkinson"]
+    _, corners = cells(plot.spacetime(solution, axes(), magnification=1.0))
+    times = np.linspace(0, solution.t_end, corners.shape[0])
+    assert corners[:, 0, 1] == pytest.approx(times * 1e6)
+    assert corners[:, 0, 0] == pytest.approx(solution.position(0, 0.0, times), abs=1e-12)
+    assert corners[:, -1, 0] == pytest.approx(solution.position(2, 0.8, times), abs=1e-12)
+
+
+def test_masses_are_strips_of_the_width_that_the_label_names(solved):
+    picture = plot.spacetime(solved["hertz"], axes(), magnification=1.0)
+    (strip,) = picture.masses
+    label = picture.ax.get_xlabel()
+    assert label == "place x (m), masses drawn 0.05 m wide, true to scale"
+    path = strip.get_xy()[:-1]
+    left, right = np.split(path, 2)
+    assert right[::-1, 0] - left[:, 0] == pytest.approx(0.05)
+    t = left[:, 1] * 1e-6
+    assert left[:, 0] == pytest.approx(solved["hertz"].position(2, 0.0, t), abs=1e-9)
+    ends = picture.ends.get_segments()
+    assert ends[4][:, 0] == pytest.approx(right[::-1, 0])  # the rod bonded to its right side
+    assert plot.spacetime(solved["hopkinson"], axes()).masses == []
+
+
+def test_borders_are_told_in_the_legend(solved):
+    found = {name: legend(plot.spacetime(solved[name], axes()).ax) for name in ROWS}
+    assert found["hertz"] == ["pressing", "rigid mass", "absorbing end"]
+    assert found["hopkinson"] == ["pressing", "touching", "absorbing end"]
+    assert found["mass"] == ["pressing", "rigid mass"]
+    assert found["driven"] == ["driven at a velocity", "absorbing end"]
+    assert "driven by a force" in found["pushed"]
+
+
+def test_a_fixed_end_is_hatched_like_a_wall_by_every_method():
+    for method in ("fronts", "characteristics"):
+        solution = ri.solve(ri.System([rod(0.4, 1.0), rod()], ends=(ri.Free(), ri.Fixed())), 1e-3,
+                            method=method)
+        (wall,) = plot.spacetime(solution, axes()).walls
+        assert wall.get_hatch()
+        assert wall.get_xy()[:2, 0] == pytest.approx([1.4, 1.4])
+        assert all(wall.get_xy()[2:4, 0] > 1.4)
+        blocks = plot.snapshots(solution, axes(), [0.0, 5e-4]).walls
+        assert [block.get_x() for block in blocks] == pytest.approx([1.4, 1.4])
+
+
+def test_an_absorbing_end_is_dashed_and_no_other(solved):
+    styles = plot.spacetime(solved["hopkinson"], axes()).ends.get_linestyle()
+    assert [dashes is None for _, dashes in styles] == [True] * 5 + [False]
+
+
+def test_contacts_press_as_long_as_their_episodes(solved):
+    solution = solved["hertz"]
+    picture = plot.spacetime(solution, axes())
+    pressing = sum(np.ptp(path[:, 1]) for path in picture.pressing.get_segments()) * 1e-6
+    expected = sum(
+        min(e.force_end if e.force_end == e.force_end else np.inf, solution.t_end) - e.start
+        for c in solution.contacts for e in c.episodes)
+    step = solution.fields.assembly.tick * PARTS
+    count = sum(len(c.episodes) for c in solution.contacts)
+    assert expected <= pressing <= expected + 2 * count * step  # drawn in whole steps
+
+
+def test_a_rod_that_touches_without_force_has_a_thin_line(solved):
+    picture = plot.spacetime(solved["hopkinson"], axes())
+    (touching,) = [path for path in picture.touching.get_segments() if np.ptp(path[:, 1]) > 100]
+    assert touching[0, 1] * 1e-6 == pytest.approx(0.6 / C, abs=2e-6)
+
+
+def test_an_interval_and_its_errors(solved):
+    picture = plot.spacetime(solved["mass"], axes(), start=1e-4, stop=2e-4)
+    _, corners = cells(picture)
+    assert corners[[0, -1], 0, 1] == pytest.approx([100, 200])
+    with pytest.raises(ValueError, match="stop: must be later"):
+        plot.spacetime(solved["mass"], axes(), start=2e-4, stop=1e-4)
+    with pytest.raises(ValueError, match="t: must lie in the solution"):
+        plot.spacetime(solved["mass"], axes(), stop=1.0)
+
+
+def test_cells_stay_pixels_so_that_vector_files_are_small(solved, tmp_path):
+    files = []
+    for name in ("a.svg", "b.svg"):
+        plot.save(plot.spacetime(solved["hertz"]), tmp_path / name)
+        files.append((tmp_path / name).read_bytes())
+    assert files[0] == files[1]
+    assert files[0].count(b"<image") == 1
+    assert len(files[0]) < 500_000
+
+
+# Snapshots --------------------------------------------------------------------------------------
+
+
+@every_row
+def test_moments_are_few_and_inside_the_solution(solved, name):
+    times = moments(solved[name])
+    assert 3 <= times.size <= 8
+    assert times[0] == 0
+    assert times[-1] == pytest.approx(solved[name].t_end)
+    assert np.all(np.diff(times) > 0)
+
+
+def test_moments_hold_what_happens_at_the_contacts(solved):
+    solution = solved["hopkinson"]
+    turns = {t for c in solution.contacts for e in c.episodes for t in e if t == t}
+    assert turns <= set(moments(solution).tolist())
+
+
+def test_pieces_have_the_velocity_and_outline_of_the_rods(solved):
+    solution = solved["hopkinson"]
+    t = 2.5e-4
+    picture = plot.snapshots(solution, axes(), [t], magnification=1.0)
+    boxes = [path.get_extents() for path in picture.bars.get_paths()]
+    assert 250 < len(boxes) < 350
+    count = round(300 * 0.3 / 2.1)
+    x = 0.3 * (np.arange(count) + 0.5) / count
+    drawn = np.asarray(picture.bars.get_array())[:count]
+    assert drawn == pytest.approx(solution.velocity(0, x, t))
+    assert boxes[0].x0 == pytest.approx(float(solution.position(0, 0.0, t)))
+    assert boxes[-1].x1 == pytest.approx(float(solution.position(2, 0.8, t)))
+    assert len(picture.outlines.get_segments()) == 3
+    assert picture.colour_bar.ax.get_xlabel() == "velocity (m/s)"
+
+
+def test_labels_of_neighbouring_masses_do_not_meet(solved):
+    picture = plot.snapshots(solved["masses"], axes(), [0.0])
+    assert [text.get_position()[1] for text in picture.labels[-2:]] == [-0.33, 0.33]
+
+
+def test_masses_are_blocks_that_bear_their_velocity(solved):
+    solution = solved["mass"]
+    picture = plot.snapshots(solution, axes(), [0.0, solution.t_end], magnification=1.0)
+    assert [b.get_x() for b in picture.masses] == pytest.approx(
+        solution.position(0, 0.0, np.array([0.0, solution.t_end])).tolist())
+    texts = [t.get_text() for t in picture.labels]
+    v = float(solution.velocity(0, 0.0, solution.t_end)) / 2.0
+    assert {"v", f"{v:.2g}v".replace("-", "\N{MINUS SIGN}")} <= set(texts)
+
+
+# Histories --------------------------------------------------------------------------------------
+
+
+def test_indentation_is_named_where_there_is_some(solved):
+    drawn = plot.contact(solved["hertz"])
+    assert "below 0\nindentation" in drawn.gap_ax.get_ylabel()
+    assert min(drawn.gaps[0].get_ydata()) < drawn.gap_ax.get_ylim()[1]
+    assert drawn.gap_ax.get_ylim()[0] < min(drawn.gaps[0].get_ydata()) < 0
+    assert plot.contact(solved["hopkinson"]).gap_ax.get_ylabel().startswith("gap (")
+
+
+def test_the_force_of_an_impact_is_named_a_mean(solved):
+    label = plot.contact(solved["masses"], contact=1).force_ax.get_ylabel()
+    assert "mean over" in label
+    assert "ns" in label
+    assert "mean" not in plot.contact(solved["masses"]).force_ax.get_ylabel()
+
+
+def test_thinning_keeps_ends_and_extremes():
+    values = np.sin(np.linspace(0, 9, 123_457)) + 1e-3 * np.random.default_rng(1).normal(
+        size=123_457)
+    kept = telling(values)
+    assert kept.size <= 2 * INTERVALS + 2
+    assert (kept[0], kept[-1]) == (0, values.size - 1)
+    assert {int(values.argmin()), int(values.argmax())} <= set(kept.tolist())
+    assert telling(values[:2000]).tolist() == list(range(2000))
+
+
+def test_long_records_are_drawn_with_few_points(solved):
+    solution = ri.solve(ROWS["hopkinson"][0], 7e-4, dt=5e-8)
+    drawn = plot.contact(solution)
+    values = drawn.forces[0].get_data().values
+    assert values.size <= 2 * INTERVALS + 2
+    assert values.max() * 1e3 == pytest.approx(solution.contacts[0].peak_force, rel=1e-3)
+    record = plot.gauge(solution.gauge(1, 0.5), axes())
+    assert record.strain.get_data().values.size <= 2 * INTERVALS + 2
+
+
+# Energy -----------------------------------------------------------------------------------------
+
+
+@every_row
+def test_bands_reach_the_initial_energy_and_the_works(solved, name):
+    solution = solved[name]
+    drawn = plot.energy(solution, axes())
+    assert (drawn.work is not None) == (name in ("falling", "pushed", "driven"))
+    top = drawn.bands[-1].get_paths()[0].vertices
+    tops = {x: max(top[top[:, 0] == x, 1]) for x in top[:, 0]}
+    if drawn.work is None:
+        assert list(tops.values()) == pytest.approx([max(tops.values())] * len(tops), rel=1e-6)
+        return
+    supplied = dict(zip(*drawn.work.get_data(), strict=True))
+    largest = max(supplied.values())
+    for x, y in supplied.items():
+        assert tops[x] == pytest.approx(y, abs=1e-6 * largest)
+
+
+def test_only_entries_that_are_not_zero_are_shown_and_named(solved):
+    def named(name):
+        drawn = plot.energy(solved[name], axes())
+        said = [t.get_text() for t in drawn.labels] + legend(drawn.ax)
+        assert len(drawn.bands) + (drawn.work is not None) == len(said)
+        return set(said) - {"motion of the centres of mass", "vibration, kinetic",
+                            "vibration, strain"}
+
+    assert named("hertz") == {
+        "in compliant contacts", "gone through absorbing ends", "lost to the time step"
+    }
+    assert {"in compliant contacts", "lost in contacts",
+            "initial energy and work of the driven ends"} <= named("pushed")
+    assert "lost in contacts" in named("masses")
+    assert "initial energy and work of gravity" in named("falling")
+
+
+# Page, command line -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", few_of(ROWS, {"hertz", "falling", "driven", "masses"}))
+def test_every_picture_renders(solved, name):
+    solution = solved[name]
+    render(plot.overview(solution))
+    render(plot.snapshots(solution).ax.figure)
+
+
+def test_headline_names_masses(solved):
+    assert plot.overview(solved["hertz"]).get_suptitle().startswith("3 rods and a rigid mass, ")
+    assert plot.overview(solved["masses"]).get_suptitle().startswith("One rod and 2 rigid masses")
+    assert plot.overview(solved["falling"]).get_suptitle().startswith("One rod and a wall")
+
+
+def test_a_solution_without_duration_has_a_snapshot():
+    solution = ri.solve(ROWS["mass"][0], until=0.0)
+    assert plot.snapshots(solution).times.tolist() == [0.0]
+    for draw in (plot.contact, plot.energy, plot.overview, plot.spacetime):
+        with pytest.raises(ValueError, match=r"until > 0|stop: must be later"):
+            draw(solution)

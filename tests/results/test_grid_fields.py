@@ -1,0 +1,424 @@
+"""Fields from states on a grid: what they say at places and times, and on file."""
+
+import math
+
+import numpy as np
+import pytest
+from networks import UNIT, unit_rod
+
+import rodimpact as ri
+from rodimpact.methods.clock import PARTS
+from rodimpact.storage.writing import FileFormatError
+
+METHOD = "finite-difference"
+THICK = ri.Material("thick", youngs_modulus=2.0, density=0.5, viscosity=0.02, poisson_ratio=0.3)
+CONE = ri.Segment(0.5, ri.Samples([1.0, 0.5]), THICK, polar_moment="circular")
+ROW = ri.System(
+    [
+        unit_rod(1.0, 2.0, velocity=0.5), ri.RigidMass(0.5, velocity=-0.25),
+        ri.Rod(segments=[CONE, ri.Segment(0.75, 0.5, UNIT)],
+               velocity=ri.Samples([0.0, -0.2, 0.3])),
+        ri.RigidMass(1.5, velocity=-1.0), ri.RigidMass(0.3), unit_rod(0.5, velocity=0.1),
+    ],
+    [0.1, 0.05, 0.0, 0.1, 0.0],
+    [ri.Hertz(20.0), ri.Rigid(), ri.HuntCrossley(10.0, 0.3), ri.Rigid(restitution=0.5),
+     ri.Bonded()],
+    gravity=-0.4, ends=(ri.Moved(ri.Samples([0.5, 1.0, -0.5], step=1.0)), ri.Pushed(0.2)),
+)
+
+
+@pytest.fixture(scope="module")
+def row():
+    return ri.solve(ROW, 3.0, METHOD, cells=64)
+
+
+def states_of(solution):
+    t = solution.fields.states.when * solution.fields.assembly.tick * PARTS
+    return t[t <= solution.t_end]
+
+
+# At the start -------------------------------------------------------------------------------------
+
+
+def test_what_is_linear_is_met_exactly_inside():
+    """v = x/2 and strain = 0.3 - 0.1 x; in half a cell at either end v is a mean.
+
+    The end cells have begun to give way: free ends hold no strain.
+    """
+    rod = unit_rod(2.0, velocity=ri.Samples([0.0, 1.0]), strain=ri.Samples([0.3, 0.1]))
+    s = ri.solve(ri.System([rod]), 0.999, METHOD, cells=20)
+    x = np.linspace(0.1, 1.9, 37)
+    assert s.velocity(0, x, 0.0) == pytest.approx(x / 2, abs=1e-14)
+    edge = s.velocity(0, [0.0, 2.0], 0.0)
+    assert edge == pytest.approx([0.0125, 0.9875], abs=1e-14)  # the mean over half a cell
+    x = np.linspace(0.15, 1.85, 35)
+    h = s.fields.assembly.tick * PARTS
+    assert s.strain(0, x, 0.0) == pytest.approx(0.3 - 0.1 * x, abs=1e-14)
+    assert s.strain(0, [0.0, 2.0], 0.0) == pytest.approx([0.0, 0.0], abs=1e-14)
+    assert float(s.strain(0, 0.05, 0.0)) == pytest.approx(0.295 / 2, abs=3e-3)
+    assert s.stress(0, x, 0.0) == pytest.approx(s.strain(0, x, 0.0), abs=0)
+    assert h == pytest.approx(0.0999)
+    inside = s.displacement(0, 1.9, 0.0) - s.displacement(0, 0.1, 0.0)
+    assert float(inside) == pytest.approx(0.2 * 1.8, abs=1e-14)
+
+
+# At the ends --------------------------------------------------------------------------------------
+
+
+def orders(errors):
+    return np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+
+
+def mode(x):
+    return math.sin(math.pi * x)
+
+
+@pytest.mark.parametrize("viscosity", [0.0, 0.04, 4.0])
+def test_the_stress_at_a_held_end_is_of_order_two(viscosity):
+    """u'' + eta w^2/E u' + w^2 u = 0 for the mode sin(pi x)."""
+    w, t, errors = math.pi, np.linspace(0.2, 2.4, 23), []
+    decay = viscosity * w * w / 2
+    s = np.roots([1.0, 2 * decay, w * w]).astype(complex)
+    for n in (20, 40, 80):
+        rod = ri.Rod(1.0, area=2.0, velocity=mode, material=ri.Material(
+            "m", youngs_modulus=1.0, density=1.0, viscosity=viscosity))
+        found = ri.solve(ri.System([rod], ends=(ri.Fixed(), ri.Fixed())), 2.5, METHOD, cells=n)
+        rate = (s[0] * np.exp(s[0] * t) - s[1] * np.exp(s[1] * t)) / (s[0] - s[1])
+        u = (np.exp(s[0] * t) - np.exp(s[1] * t)) / (s[0] - s[1])
+        strain, stress = (w * u).real, (w * (u + viscosity * rate)).real
+        errors.append([np.abs(found.stress(0, x, t) - sign * stress).max()
+                       for x, sign in ((0.0, 1), (1.0, -1))]
+                      + [np.abs(found.strain(0, 0.0, t) - strain).max()])
+    assert orders(errors)[-1].min() >= 1.7
+    assert max(errors[-1]) <= 2e-3
+
+
+@pytest.mark.parametrize("viscosity", [0.0, 0.04])
+def test_a_free_end_holds_no_stress(viscosity):
+    rod = ri.Rod(1.0, area=2.0, velocity=lambda x: math.cos(math.pi * x), material=ri.Material(
+        "m", youngs_modulus=1.0, density=1.0, viscosity=viscosity))
+    s = ri.solve(ri.System([rod]), 2.0, METHOD, cells=20)
+    t = np.linspace(0.0, 2.0, 101)
+    for x in (0.0, 1.0):
+        assert np.abs(s.axial_force(0, x, t)).max() <= 1e-13
+
+
+def test_a_damped_rod_shows_the_contact_force_at_its_end():
+    lossy = ri.Material("m", youngs_modulus=1.0, density=1.0, viscosity=0.02)
+    row = [ri.Rod(L, area=A, material=lossy, velocity=v) for L, A, v in ((0.7, 1, 1), (1.1, 2, 0))]
+    s = ri.solve(ri.System(row), 3.0, METHOD, cells=60)
+    h, F = s.fields.assembly.tick * PARTS, s.record.forces[0]
+    between = np.arange(1, len(F)) * h
+    mean = (F[1:] + F[:-1]) / 2
+    assert s.axial_force(0, 0.7, between) == pytest.approx(-mean, abs=1e-6)  # ticks
+    assert s.axial_force(1, 0.0, between) == pytest.approx(-mean, abs=1e-6)
+
+
+def test_strains_beside_contacts_steps_and_masses_are_of_order_two():
+    """Against end signals, whose means over a step are the values in its middle."""
+    rod = ri.Rod(segments=[ri.Segment(0.6, 1.0, UNIT), ri.Segment(0.5, 2.0, UNIT)])
+    row = [ri.RigidMass(0.5, velocity=1.0), rod, ri.RigidMass(0.7)]
+    system = ri.System(row, [0.1, 0.0], [ri.Hertz(5.0), ri.Bonded()])
+    h, t = 1 / 3200, np.linspace(0.6, 2.4, 41)
+    exact = ri.solve(system, 2.5, "characteristics", dt=h)
+    before = (np.floor(t / h - 0.5) + 0.5) * h
+    share = (t - before) / h
+    errors = []
+    for n in (20, 40, 80):
+        s = ri.solve(system, 2.5, METHOD, cells=n)
+        errors.append([])
+        for x in (0.0, 0.005, 0.6 - 1e-9, 0.6, 0.605, 1.1):
+            near = (exact.strain(1, x, before + d) for d in (0.0, h))
+            value = sum(w * e for w, e in zip((1 - share, share), near, strict=True))
+            errors[-1].append(np.abs(s.strain(1, x, t) - value).mean())
+        sides = (s.axial_force(1, x, t) for x in (0.6 - 1e-12, 0.6))
+        assert next(sides) == pytest.approx(next(sides), abs=1e-9)
+    assert orders(errors).mean(axis=0).min() >= 1.7
+    assert max(errors[-1]) <= 2e-4
+
+
+def test_an_end_that_is_driven_or_absorbs_shows_its_force():
+    ends = ri.Pushed(lambda t: 0.3 * math.sin(2 * t), duration=3.0), ri.Absorbing()
+    t, errors = np.linspace(0.1, 2.9, 57), []
+    for n in (20, 40, 80):
+        s = ri.solve(ri.System([unit_rod(area=2.0)], ends=ends), 3.0, METHOD, cells=n)
+        driven = s.axial_force(0, 0.0, t) + 0.3 * np.sin(2 * t)
+        away = s.axial_force(0, 1.0, t) + 0.3 * np.sin(2 * (t - 1)) * (t > 1)
+        errors.append([np.abs(driven).max(), np.abs(away)[np.abs(t - 1) > 0.3].max()])
+    assert orders(errors).min() >= 1.7
+    assert max(errors[-1]) <= 2e-3
+
+
+def test_jumps_are_met_in_the_mean():
+    strain = ri.Steps([0.0, 0.2, -0.1, 0.0], [0.2, 0.55, 0.8])
+    rod = unit_rod(velocity=ri.Steps([1.0, 0.0], [0.3]), strain=strain)
+    s = ri.solve(ri.System([rod]), 1.0, METHOD, cells=10)
+    assert float(s.mean_velocity(0, 0.0)) == pytest.approx(0.3, rel=1e-14)
+    assert float(s.displacement(0, 1.0, 0.0)) == pytest.approx(0.2 * 0.35 - 0.1 * 0.25, rel=1e-13)
+    assert s.velocity(0, 0.3, 0.0) == pytest.approx(0.5)
+
+
+def test_displacements_of_bonded_rods_count_each_from_its_own_left_end():
+    strain = ri.Steps([0.0, 0.2, 0.0], [0.2, 0.7])
+    row = [unit_rod(strain=strain), unit_rod(0.5, strain=0.0)]
+    s = ri.solve(ri.System(row, contacts=[ri.Bonded()]), 0.1, METHOD, cells=10)
+    assert s.displacement(0, [0.0, 1.0], 0.0) == pytest.approx([0.0, 0.1], abs=1e-14)
+    assert s.displacement(1, [0.0, 0.5], 0.0) == pytest.approx([0.0, 0.0], abs=1e-14)
+    assert s.position(1, 0.0, 0.0) == pytest.approx(1.1, rel=1e-13)
+
+
+def test_stress_of_damped_material_has_its_rate():
+    rod = ri.Rod(1.0, area=3.0, material=THICK, velocity=lambda x: 0.4 * x)
+    s = ri.solve(ri.System([rod]), 0.5, METHOD, cells=10)
+    x = np.array([0.3, 0.5, 0.6])
+    assert s.stress(0, x, 0.0) == pytest.approx(np.full(3, 0.02 * 0.4), rel=1e-12)
+    assert s.axial_force(0, x, 0.0) == pytest.approx(np.full(3, 3 * 0.008), rel=1e-12)
+
+
+# Fields agree with each other ---------------------------------------------------------------------
+
+
+def test_displacement_is_the_integral_of_velocity(row):
+    """Between two states velocities change evenly, but nodes drift half a step before the kick."""
+    t = states_of(row)
+    for body, x in ((0, 0.0), (0, 0.3125), (0, 1.0), (2, 0.25), (2, 0.8125), (5, 0.5)):
+        path = np.diff(row.displacement(body, x, t)) / np.diff(t)
+        v = row.velocity(body, x, t)
+        assert path == pytest.approx((v[1:] + v[:-1]) / 2, abs=1e-11)
+
+
+def test_strain_is_the_slope_of_displacement(row):
+    for body, edges in ((0, np.linspace(0, 1, 65)), (5, np.linspace(0, 0.5, 33))):
+        for t in (0.0, 0.5, 1.25, 3.0):
+            slope = np.diff(row.displacement(body, edges, t)) / np.diff(edges)
+            middle = row.strain(body, (edges[1:] + edges[:-1]) / 2, t)
+            assert slope == pytest.approx(middle, abs=1e-11)
+
+
+def test_gap_is_the_distance_of_the_ends(row):
+    """But for what a grid moves as a contact shuts, of the size of a step."""
+    t = states_of(row)
+    for k, length in enumerate((1.0, 0.0, 1.25, 0.0, 0.0)):
+        ends = row.position(k + 1, 0.0, t) - row.position(k, length, t)
+        allowed = 1e-12 if k in (0, 2, 4) else 2e-2
+        assert row.contacts[k].gap(t) == pytest.approx(ends, abs=allowed)
+
+
+def test_positions_are_continuous(row):
+    t = np.linspace(0, 3, 1001)
+    for body in range(6):
+        x = 0.25 if body in (0, 2, 5) else 0.0
+        assert np.abs(np.diff(row.position(body, x, t))).max() <= 0.02
+    x = np.linspace(0, 1.25, 501)
+    assert np.abs(np.diff(row.position(2, x, 1.7))).max() <= 0.02
+
+
+def test_a_bonded_mass_moves_with_the_end(row):
+    t = states_of(row)
+    assert row.velocity(4, 0.0, t) == pytest.approx(row.velocity(5, 0.0, t), abs=1e-13)
+    assert row.displacement(4, 0.0, t) == pytest.approx(row.displacement(5, 0.0, t), abs=1e-12)
+    assert row.mean_velocity(3, t) == pytest.approx(row.velocity(3, 0.0, t), abs=0)
+
+
+def test_impulses_are_changes_of_momentum(row):
+    t, o = states_of(row), row.outcome
+    J = [c.impulse_until(t) for c in row.contacts]
+    h = row.fields.assembly.tick * PARTS
+    pushed = np.concatenate(([0.0], np.cumsum(row.record.ends[0][1]) * h))[: len(t)]
+    for i, (before, after) in enumerate(zip([pushed, *J], [*J, 0 * t - 0.2 * t], strict=True)):
+        after = after if i < 5 else 0.2 * t
+        gained = o.masses[i] * (row.mean_velocity(i, t) - float(row.mean_velocity(i, 0.0)))
+        assert gained == pytest.approx(before - after - 0.4 * o.masses[i] * t, abs=1e-11)
+
+
+def test_energies_and_their_integrals(row):
+    t = states_of(row)[::16]
+    ledger = row.energy(t)
+    assert np.abs(ledger.residual).max() <= 1e-12
+    x = (np.arange(64) + 0.5) / 64
+    for i, time in enumerate(t):
+        tick = int(row.fields.to_ticks(time))
+        strain = row.fields.energy(0, tick, 0.0)[1]
+        assert strain == pytest.approx(np.mean(row.strain(0, x, time) ** 2) * 2 / 2, rel=1e-11)
+        assert ledger.total[i] >= strain
+    kinetic = row.fields.energy(5, 0, 0.0)[0]
+    assert kinetic == pytest.approx(0.5 * 0.01 / 2, rel=0.05)
+
+
+def test_broadcasting_and_sides(row):
+    x, t = np.linspace(0, 1.25, 7)[:, None], np.linspace(0, 3, 5)
+    for name in ("velocity", "strain", "stress", "axial_force", "displacement", "position"):
+        found = getattr(row, name)(2, x, t)
+        assert found.shape == (7, 5)
+        for i in range(7):
+            for j in range(5):
+                assert found[i, j] == getattr(row, name)(2, float(x[i, 0]), float(t[j]))
+    for side in ("right", "left"):
+        assert np.array_equal(row.velocity(2, x, t, side), row.velocity(2, x, t))
+    assert np.shape(row.velocity(0, 0.5, 0.5)) == ()
+
+
+def test_places_and_times_outside(row):
+    with pytest.raises(ValueError, match=r"x: must lie in body 2, 0 to 1\.25 m, got 1\.3"):
+        row.velocity(2, 1.3, 0.0)
+    with pytest.raises(ValueError, match=r"t: must lie in the solution, 0 to .* got -0\.1"):
+        row.strain(2, 1.0, -0.1)
+    with pytest.raises(ValueError, match="t: must lie in the solution"):
+        row.displacement(2, 1.0, [0.0, math.nan])
+    with pytest.raises(ValueError, match="1 is a rigid mass and has no inside"):
+        row.strain(1, 0.0, 1.0)
+    with pytest.raises(ValueError, match=r"body: must be from 0 to 5"):
+        row.velocity(6, 0.0, 1.0)
+    with pytest.raises(ValueError, match='side: must be "right" or "left"'):
+        row.velocity(0, 0.0, 1.0, "up")
+    for name in ("velocity", "strain", "displacement"):
+        with pytest.raises(ValueError, match=r"x\[:, None\]"):
+            getattr(row, name)(0, np.zeros(3), np.zeros(2))
+
+
+def test_between_two_states_fields_change_evenly():
+    rod = unit_rod(velocity=lambda x: math.cos(math.pi * x))
+    s = ri.solve(ri.System([rod]), 1.0, METHOD, cells=20, snapshots=[0.2, 0.8])
+    t = states_of(s)
+    assert len(t) == 6
+    a, b = t[2], t[3]
+    for name in ("velocity", "strain"):
+        field = getattr(s, name)
+        middle = field(0, 0.3, (a + b) / 2)
+        assert middle == pytest.approx((field(0, 0.3, a) + field(0, 0.3, b)) / 2, abs=1e-5)
+
+
+def test_gauge_is_the_field_at_its_place():
+    s = ri.solve(ri.System(ROW.bodies[:3], ROW.gaps[:2], ROW.contacts[:2]), 1.5, METHOD, cells=64)
+    gauge = s.gauge(2, 0.625)
+    inside = gauge.times <= s.t_end
+    t = gauge.times[inside]
+    assert gauge.strain[inside] == pytest.approx(s.strain(2, 0.625, t), abs=1e-13)
+    assert gauge.velocity[inside] == pytest.approx(s.velocity(2, 0.625, t), abs=1e-13)
+    assert gauge.strain - gauge.strain[0] == pytest.approx(
+        gauge.rightward + gauge.leftward - gauge.rightward[0] - gauge.leftward[0], abs=1e-13)
+
+
+def test_means_between_times():
+    rod = unit_rod(velocity=lambda x: math.cos(math.pi * x))
+    s = ri.solve(ri.System([rod]), 2.0, METHOD, cells=80)
+    x, t = np.array([0.0, 0.25, 0.7]), np.array([0.0, 0.33, 1.1, 2.0])
+    velocity, strain = s.fields.averaged(0, x, t)
+    exact = np.diff(np.sin(math.pi * t) / math.pi) / np.diff(t) * np.cos(math.pi * x)[:, None]
+    assert velocity == pytest.approx(exact, abs=2e-3)
+    inside = -np.diff(-np.cos(math.pi * t) / math.pi) / np.diff(t) * np.sin(math.pi * x)[:, None]
+    assert strain[1:] == pytest.approx(inside[1:], abs=2e-3)
+
+
+def test_a_profile_is_the_state_cell_by_cell(row):
+    t = states_of(row)[50]
+    profile = row.fields.profile(2, int(row.fields.to_ticks(t)))
+    assert profile.edges[[0, -1]].tolist() == [0.0, 1.25]
+    middle = (profile.edges[1:] + profile.edges[:-1]) / 2
+    assert profile.velocity == pytest.approx(row.velocity(2, middle, t), abs=1e-13)
+    assert profile.strain == pytest.approx(row.strain(2, middle, t), abs=1e-13)
+    assert set(profile.segment) == {2, 3}
+
+
+def test_a_state_can_be_continued():
+    """To within what averages over cells change."""
+    hit = unit_rod(velocity=lambda x: 0.4 + 0.3 * math.cos(math.pi * x))
+    system = ri.System([hit, unit_rod(0.7)], [0.2], [ri.Spring(4.0)])
+    errors = []
+    for n in (40, 160):
+        whole = ri.solve(system, 3.0, METHOD, cells=n)
+        t = 0.5
+        assert float(whole.contacts[0].gap(t)) > 0
+        rest = ri.solve(whole.system_at(t), 3.0 - t, METHOD, cells=n)
+        errors.append(max(abs(float(rest.mean_velocity(i, 3.0 - t))
+                              - float(whole.mean_velocity(i, 3.0))) for i in (0, 1)))
+    assert errors[-1] <= 2e-3
+    assert errors[-1] <= errors[0]
+
+
+def test_what_cannot_be_continued_says_so(row):
+    with pytest.raises(ValueError, match=r"ends\.left: is driven"):
+        row.system_at(1.0)
+    system = ri.System([unit_rod(velocity=1.0), unit_rod()], contacts=[ri.Spring(1.0)])
+    s = ri.solve(system, 4.0, METHOD, cells=16)
+    with pytest.raises(ValueError, match="compliant contact 0 is pressed"):
+        s.system_at(1.0)
+
+
+def test_a_wall_and_a_mass_bonded_to_it():
+    row = [ri.Wall(0.2), ri.RigidMass(2.0, velocity=0.2), unit_rod(velocity=-0.5)]
+    s = ri.solve(ri.System(row, [0.0, 0.1], [ri.Bonded(), ri.Rigid()], gravity=-0.3), 1.5, METHOD,
+                 cells=32)
+    t = np.linspace(0, 1.5, 16)
+    assert s.velocity(1, 0.0, t) == pytest.approx(np.full(16, 0.2), abs=1e-13)
+    assert s.displacement(1, 0.0, t) == pytest.approx(0.2 * t, abs=1e-7)  # ticks
+    assert s.velocity(0, 0.0, t) == pytest.approx(np.full(16, 0.2), abs=0)
+    assert np.abs(s.energy(t).residual).max() <= 1e-12
+    assert abs(s.outcome.momentum_residual) <= 1e-13
+
+
+# On file ------------------------------------------------------------------------------------------
+
+
+def test_what_is_loaded_is_what_was_saved(row, tmp_path):
+    row.save(tmp_path / "run.npz")
+    again = ri.load(tmp_path / "run.npz")
+    assert again.outcome == row.outcome
+    assert again.method == METHOD
+    assert (again.status, again.t_end, again.events, again.until) == (
+        row.status, row.t_end, row.events, row.until)
+    assert again.system == row.system
+    for name, column in row.fields.states._asdict().items():
+        found = getattr(again.fields.states, name)
+        assert found.dtype == column.dtype
+        assert np.array_equal(found, column)
+    x, t = np.linspace(0, 1.25, 9)[:, None], np.linspace(0, 3, 13)
+    for name in ("velocity", "strain", "stress", "displacement", "position"):
+        assert np.array_equal(getattr(again, name)(2, x, t), getattr(row, name)(2, x, t))
+    for a, b in zip(again.contacts, row.contacts, strict=True):
+        assert np.array_equal(a.force(t), b.force(t))
+        assert np.array_equal(a.gap(t), b.gap(t))
+        assert str(a.episodes) == str(b.episodes)
+    mine, theirs = again.energy(t), row.energy(t)
+    assert np.array_equal(mine.residual, theirs.residual)
+    assert np.array_equal(mine.damped, theirs.damped)
+    again.save(tmp_path / "again.npz")
+    one, other = (np.load(tmp_path / name) for name in ("run.npz", "again.npz"))
+    assert one.files == other.files
+    for name in one.files:
+        assert np.array_equal(one[name], other[name])
+
+
+@pytest.mark.parametrize(
+    ("name", "damage"),
+    [
+        ("state_velocity", lambda x: x[:, :-1]), ("state_velocity", lambda x: x[:-1]),
+        ("state_force", lambda x: x[:, 1:]), ("state_place", lambda x: x[:, :0]),
+        ("state_lost", lambda x: x[:-2]), ("state_when", lambda x: x[:-1]),
+        ("state_velocity", None), ("force.0", None), ("gap.1", None), ("mass.1", None),
+        ("push.0", None), ("path.2", None),
+    ],
+)
+def test_damaged_files_are_refused(row, tmp_path, name, damage):
+    row.save(tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz") as archive:
+        arrays = {key: archive[key] for key in archive.files}
+    if damage is None:
+        del arrays[name]
+    else:
+        arrays[name] = damage(arrays[name])
+    np.savez(tmp_path / "bad.npz", **arrays)
+    with pytest.raises(FileFormatError, match=r"bad\.npz"):
+        ri.load(tmp_path / "bad.npz")
+
+
+def test_a_file_of_another_mesh_is_refused(row, tmp_path):
+    row.save(tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz") as archive:
+        arrays = {key: archive[key] for key in archive.files}
+    text = str(arrays["document"])
+    start = text.index('"cells": [') + len('"cells": [')
+    arrays["document"] = np.array(text[:start] + "2" + text[start:])
+    np.savez(tmp_path / "bad.npz", **arrays)
+    with pytest.raises(FileFormatError, match=r"bad\.npz"):
+        ri.load(tmp_path / "bad.npz")

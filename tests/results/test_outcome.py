@@ -1,0 +1,294 @@
+"""What a collision did: `Outcome.as_rigid` in rigid-body mechanics, and what its balances miss."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact import rigid
+from rodimpact.methods.fronts.assembly import assemble
+from rodimpact.methods.fronts.method import track
+from rodimpact.results.front_totals import totals_of_fronts
+from rodimpact.results.outcome import effective_restitution
+from rodimpact.results.outcome import outcome_of as read
+from rodimpact.theory import saint_venant
+
+UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)  # impedance = area, transit = length
+
+
+def rod(Z, T, velocity=0.0, **more):
+    return ri.Rod(T, area=Z, material=UNIT, velocity=velocity, **more)
+
+
+def stepped(impedances, velocity=0.0):
+    """A rod of pieces of transit time 1."""
+    return ri.Rod(segments=[ri.Segment(1.0, Z, UNIT) for Z in impedances], velocity=velocity)
+
+
+def outcome_of(*bodies, **more):
+    return ri.solve(ri.System(list(bodies), **more)).outcome
+
+
+def assert_stands_for(body, outcome):
+    """The rigid bodies move as the rods do, and lose what the rods keep as vibration."""
+    k = outcome.unilateral[0]
+    assert body.velocity_1 == pytest.approx(outcome.velocities_after[k], abs=1e-13)
+    assert body.velocity_2 == pytest.approx(outcome.velocities_after[k + 1], abs=1e-13)
+    assert body.impulse == pytest.approx(outcome.impulse, rel=1e-13)
+    gained = sum(outcome.vibration_after) - sum(outcome.vibration_before)
+    assert body.energy_lost == pytest.approx(gained, abs=1e-13)
+
+
+# Pairs
+
+
+def test_a_pair_by_hand():
+    # Z 2 : 1, T 1 : 2: both rods have the mass 2, and e = 7/9.
+    outcome = ri.collide(rod(2.0, 1.0, 3.0), rod(1.0, 2.0))
+    body = outcome.as_rigid()
+    assert isinstance(body, rigid.RigidCollision)
+    assert body.velocity_1 == pytest.approx(1 / 3)
+    assert body.velocity_2 == pytest.approx(8 / 3)
+    assert body.impulse == pytest.approx(16 / 3)
+    assert body.centre_of_mass_velocity == pytest.approx(1.5)
+    assert body.relative_velocity_before == -3.0
+    assert body.relative_velocity_after == pytest.approx(7 / 3)
+    assert body.energy_before == pytest.approx(9.0)
+    assert body.energy_lost == pytest.approx(16 / 9)
+    assert_stands_for(body, outcome)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_pairs_of_unequal_impedance(seed):
+    Z1, T1, Z2, T2 = np.exp(np.random.default_rng(seed).uniform(-2, 2, 4)).tolist()
+    outcome = ri.collide(rod(Z1, T1, 0.7), rod(Z2, T2, -0.4))
+    body = outcome.as_rigid()
+    assert_stands_for(body, outcome)
+    assert body.impulse == pytest.approx(saint_venant(Z1, T1, Z2, T2, 1.1).impulse, rel=1e-11)
+
+
+def test_an_elastic_pair_may_exceed_one_by_round_off():
+    for Z in np.linspace(0.1, 5.0, 50).tolist():
+        assert ri.collide(rod(Z, 0.7, 1.0), rod(1.0, 0.7)).as_rigid().energy_lost == pytest.approx(
+            0.0, abs=1e-14
+        )
+
+
+# Walls
+
+
+@pytest.mark.parametrize("wall", [0.0, -0.25, 0.5])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_rod_on_a_wall(wall, mirrored):
+    # The thick end of a rod stepped 3 : 1 leaves a wall with e = 1/2.
+    system = ri.System([stepped([1.0, 3.0], velocity=1.0), ri.Wall(wall)])
+    outcome = ri.solve(system.mirrored() if mirrored else system).outcome
+    body = outcome.as_rigid()
+    moved, kept = body.velocity_1, body.velocity_2
+    if mirrored:
+        moved, kept = -kept, -moved
+    assert kept == wall
+    assert moved == pytest.approx(wall - (1 - wall) / 2)
+    assert body.impulse == pytest.approx(4 * 1.5 * (1 - wall))
+    assert body.energy_lost == pytest.approx(0.75 * 4 * (1 - wall) ** 2 / 2)
+    assert math.isinf(body.energy_before) == (wall != 0)
+    assert_stands_for(body, outcome)
+
+
+# Stepped and bonded rods
+
+
+@pytest.mark.parametrize(
+    ("impedances", "e"), [([1, 3], 1.0), ([3, 1], 1 / 2), ([1, 2], 23 / 27), ([2, 1], 7 / 9)]
+)
+def test_mirror_images_of_stepped_rods(impedances, e):
+    outcome = ri.collide(stepped(impedances[::-1], 1.0), stepped(impedances, -1.0))
+    body = outcome.as_rigid()
+    assert body.relative_velocity_after == pytest.approx(2 * e)
+    assert body.centre_of_mass_velocity == pytest.approx(0.0, abs=1e-15)
+    assert_stands_for(body, outcome)
+
+
+def test_masses_of_bonded_rods_are_summed():
+    rigid_contact, bonded = ri.Rigid(), ri.Bonded()
+    outcome = outcome_of(
+        rod(1.0, 1.0, 1.0), rod(2.0, 1.0, 1.0), rod(3.0, 2.0), rod(1.0, 1.0), rod(0.5, 2.0),
+        contacts=[bonded, rigid_contact, bonded, bonded],
+    )
+    in_one_piece = ri.collide(
+        stepped([1.0, 2.0], 1.0),
+        ri.Rod(segments=[ri.Segment(*piece, UNIT) for piece in ((2.0, 3.0), (1.0, 1.0),
+                                                                (2.0, 0.5))]),
+    )
+    body = outcome.as_rigid()
+    assert body == pytest.approx(in_one_piece.as_rigid(), rel=1e-13)
+    assert body.centre_of_mass_velocity == pytest.approx(3 / (3 + 8))
+    assert_stands_for(body, outcome)
+
+
+def test_a_rod_bonded_to_a_wall_is_immovable():
+    # The anchored rod swings on: what the free rod lost is in its motion, too.
+    outcome = outcome_of(rod(1.0, 1.0, 1.0), rod(3.0, 2.0), ri.Wall(),
+                         contacts=[ri.Rigid(), ri.Bonded()])
+    body = outcome.as_rigid()
+    assert body.velocity_1 == pytest.approx(-0.5)
+    assert body.velocity_2 == 0.0
+    assert body.impulse == pytest.approx(1.5)
+    assert body.energy_lost == pytest.approx(1 / 2 - 1 / 8)
+    assert body.energy_lost > sum(outcome.vibration_after)
+
+
+# Held at both ends
+
+METHODS = {"fronts": 1e-14, "characteristics": 1e-14, "finite-difference": 2e-3}
+
+
+def held(piece, left, right):
+    """A rod whose ends follow walls; `None` for a fixed end."""
+    bodies = [piece]
+    for v, place in ((left, 0), (right, 2)):
+        if v is not None:
+            bodies.insert(place, ri.Wall(v))
+    ends = [ri.Fixed() if v is None else ri.Free() for v in (left, right)]
+    return ri.System(bodies, contacts=[ri.Bonded()] * (len(bodies) - 1), ends=ends)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("walls", [(1.0, 0.0), (1.0, None), (None, -1.0)])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_rod_between_walls_that_move_apart_has_its_own_velocity(method, walls, mirrored):
+    # The wave of the one that moves has been at the other and come back a quarter of the way.
+    system, turn = held(rod(1.0, 1.0), *walls), -1 if mirrored else 1
+    if walls[0] is None:
+        turn = -turn
+    if mirrored:
+        system = system.mirrored()
+    outcome = ri.solve(system, 1.25, method).outcome
+    near = METHODS[method]
+    for body, before, after in zip(
+        system.bodies, outcome.velocities_before, outcome.velocities_after, strict=True
+    ):
+        if isinstance(body, ri.Wall):
+            assert before == after == body.velocity
+        else:
+            assert before == pytest.approx(0.0, abs=near)
+            assert after == pytest.approx(turn * 0.75, abs=near)
+    assert sum(outcome.vibration_after) == pytest.approx(0.96875, abs=near)
+    assert outcome.kinetic_after == pytest.approx(0.75**2 / 2, abs=near)
+    assert outcome.final  # no contact of this row can open
+
+
+@pytest.mark.parametrize("walls", [(0.5, 0.5), (0.0, None), (None, 0.0), (None, None)])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_rod_between_walls_of_one_velocity_has_theirs(method, walls):
+    outcome = ri.solve(held(rod(1.0, 1.0, 1.0), *walls), 1.25, method).outcome
+    assert set(outcome.velocities_after) == {walls[0] or 0.0}
+
+
+def test_a_mass_on_a_wall_moves_as_the_wall():
+    mass = ri.RigidMass(2.0, velocity=1.0)
+    system = ri.System([ri.Wall(1.0), mass, rod(1.0, 1.0), ri.Wall()], contacts=[ri.Bonded()] * 3)
+    for row, expected in ((system, [1, 1, 0.75, 0]), (system.mirrored(), [0, -0.75, -1, -1])):
+        outcome = ri.solve(row, 1.25, dt=1 / 16).outcome
+        assert outcome.velocities_after == pytest.approx(expected, abs=1e-14)
+
+
+# Where nothing parts
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize(
+    "impedances", [(1, 2, 4), (1, 3, 9), (1, 1.5, 3), (2, 3, 4), (1, 5, 1), (4, 1, 4)]
+)
+def test_a_bar_without_end_that_a_wall_pushes_stays_at_the_wall(impedances, mirrored):
+    system = ri.System([ri.Wall(1.0), stepped(impedances)], ends=(ri.Free(), ri.Absorbing()))
+    if mirrored:
+        system = system.mirrored()
+    assert ri.solve(system).outcome.restitution == 0.0
+    assert ri.sweep(system).restitution == 0.0
+
+
+def test_round_off_is_no_restitution_and_a_small_one_is():
+    parting = np.array([-1e-3, -6e-14, 0.0, 6e-14, 5e-12, 0.4])
+    after = (np.zeros(6), parting)
+    e = effective_restitution(True, 1, (np.ones(6), np.zeros(6)), after)
+    assert e.tolist() == [0.0, 0.0, 0.0, 0.0, 5e-12, 0.4]
+    far = effective_restitution(True, 1, (1e4 + 0.125, 1e4), (1e4, math.nextafter(1e4, 2e4)))
+    assert float(far) == 0.0
+    assert np.isnan(effective_restitution(False, 1, (1.0, 0.0), (0.0, -1e-14)))
+
+
+# Vibration before
+
+
+def test_the_film_backwards_releases_vibration():
+    forwards = ri.solve(ri.System([rod(1.0, 1.0, 1.0), rod(1.0, 2.0)]))
+    outcome = ri.solve(forwards.system_at(forwards.t_end).reversed()).outcome
+    body = outcome.as_rigid()
+    assert forwards.outcome.restitution == pytest.approx(0.5)
+    assert outcome.restitution == pytest.approx(2.0)
+    assert body.velocity_1 == pytest.approx(-1.0)
+    assert body.velocity_2 == pytest.approx(0.0, abs=1e-13)
+    assert body.energy_lost == pytest.approx(-forwards.outcome.as_rigid().energy_lost)
+    assert_stands_for(body, outcome)
+
+
+# No restitution, no rigid bodies
+
+
+@pytest.mark.parametrize(
+    ("system", "why"),
+    [
+        (ri.System([rod(1, 1, 2.0), rod(1, 1, 1.0), rod(1, 1)]), "for one contact.*has 2"),
+        (ri.System([rod(1, 1, 1.0), rod(1, 1)], contacts=[ri.Bonded()]), "can open"),
+        (ri.System([rod(1, 1, -1.0), rod(1, 1)]), "nothing collided; the bodies move apart"),
+        (ri.System([rod(1, 1, 1.0), rod(1, 1, 1.0)]), "nothing collided; the bodies do not appr"),
+        (
+            ri.System([rod(1, 1, ri.Steps([-1.0, 1.0], [0.5])), rod(1, 1)]),
+            "centres of mass did not approach",
+        ),
+    ],
+)
+def test_no_rigid_bodies_without_restitution(system, why):
+    outcome = ri.solve(system).outcome
+    with pytest.raises(ri.UndefinedRestitution, match=why):
+        outcome.as_rigid()
+
+
+@pytest.mark.parametrize(("until", "why"), [(0.5, "nothing collided; Stopped"), (1.5, "not over")])
+def test_no_rigid_bodies_before_the_end(until, why):
+    system = ri.System([rod(1.0, 1.0, 1.0), rod(1.0, 2.0)], gaps=[1.0])
+    with pytest.raises(ri.UndefinedRestitution, match=why):
+        ri.solve(system, until=until).outcome.as_rigid()
+
+
+# Balances
+
+
+@pytest.mark.parametrize(
+    ("bodies", "ends", "until", "momentum", "energy"),
+    [
+        # two rods of mass 1 and 2: |1 2| + |2 (-1)|, and 1 2^2/2 + 2 1^2/2
+        ([rod(1, 1, 2.0), rod(1, 2, -1.0)], (ri.Free(), ri.Free()), None, 4.0, 3.0),
+        # a wave of half a rod: m |3|/2 + m |-1|/2, and m 3^2/4 + m 1^2/4
+        ([rod(1, 1, ri.Steps([3.0, -1.0], [0.5]))], (ri.Free(), ri.Free()), 1.0, 2.0, 2.5),
+        # held at its left end: its own momentum, and the impulse Z v T of that end
+        ([rod(1, 1, -2.0)], (ri.Fixed(), ri.Free()), 1.0, 4.0, 2.0),
+        # an endless end hands in Z v T/4 and Z v^2 T/8; m v and m v^2/2 may go in and out there
+        ([rod(1, 1, ri.Steps([2.0, 0.0], [0.5]))], (ri.Absorbing(), ri.Free()), 1.0, 3.5, 3.5),
+    ],
+)
+def test_what_is_missing_is_told_relative_to_what_took_part(bodies, ends, until, momentum, energy):
+    run = track(assemble(ri.System(bodies, ends=ends), until), until)
+    whole = totals_of_fronts(run)
+    assert whole.momentum == pytest.approx((0.0, momentum), abs=1e-14)
+    assert whole.energy == pytest.approx((0.0, energy), abs=1e-14)
+    run.closing.momentum[1] += 1e-3 / run.assembly.tick
+    run.closing.vibration[1] += 1e-3 / run.assembly.tick
+    wrong = totals_of_fronts(run)
+    assert wrong.momentum == pytest.approx((1e-3, momentum), rel=1e-9)
+    assert wrong.energy == pytest.approx((1e-3, energy), rel=1e-9)
+    told = read(run.assembly.system, wrong, True, "")
+    assert told.momentum_residual == pytest.approx(1e-3 / momentum, rel=1e-9)
+    assert told.energy_residual == pytest.approx(1e-3 / energy, rel=1e-9)

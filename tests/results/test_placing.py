@@ -1,0 +1,82 @@
+"""One placing of a row, for figures, films and the page alike."""
+
+import re
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact import plot
+from rodimpact.explore.design import Design
+from rodimpact.explore.presets import presets
+from rodimpact.explore.scene import scene
+from rodimpact.results.placing import REACH, placing
+
+STEEL = ri.materials.steel
+
+
+def rod(length=1.0, velocity=0.0, **how):
+    return ri.Rod(length, area=1e-4, material=STEEL, velocity=velocity, **how)
+
+
+ROWS = {
+    **{preset.key: (preset.design.case.system, {}) for preset in presets()},
+    "drifting": (ri.System([rod(0.4, 101.0), rod(1.0, 100.0)]), {}),
+    "gap": (ri.System([rod(0.4, 1.0), rod()], gaps=[1e-4]), {}),
+    "struck wall": (ri.System([rod(0.4), ri.Wall(-1.0)]), {}),
+    "masses": (ri.System([ri.RigidMass(0.1, velocity=2.0), rod(0.4), ri.RigidMass(0.2)],
+                         contacts=[ri.Hertz(1e10), ri.Rigid()]), {"until": 3e-4, "dt": 1e-6}),
+    "driven": (ri.System([rod(0.4)], ends=(ri.Moved(1.0), ri.Fixed())),
+               {"until": 2e-4, "dt": 1e-6, "method": "characteristics"}),
+}
+
+
+@pytest.fixture(scope="module", params=ROWS)
+def solution(request):
+    system, how = ROWS[request.param]
+    return ri.solve(system, **how)
+
+
+def page_row(solution):
+    return scene(Design.of(ri.Case(solution.system)), solution)["row"]
+
+
+def test_figures_film_and_page_magnify_by_the_same_factor_in_the_same_frame(solution):
+    plan, row = placing(solution, 0.0, solution.t_end), page_row(solution)
+    assert row["magnification"] == plan.magnification
+    assert row["frame"] == plan.frame
+    assert plan.scale in row["note"]
+    snapshots = plot.snapshots(solution, times=[0.0, solution.t_end]).ax
+    for ax in (plot.spacetime(solution).ax, snapshots):
+        label = " ".join(ax.get_xlabel().split())
+        assert plan.scale in label
+        assert ("in a frame moving" in label) == (plan.frame != 0) == ("frame" in row["note"])
+    texts = [t.get_text() for ax in plot.animation(solution, frames=2).figure.axes
+             for t in ax.texts]
+    assert plan.magnification == 1 or any(plan.scale in text.split("\n") for text in texts)
+
+
+def test_the_page_and_the_figures_draw_bodies_at_the_same_places(solution):
+    plan, row = placing(solution, 0.0, solution.t_end), page_row(solution)
+    for t in np.linspace(0.0, solution.t_end, 5):
+        for i in range(len(solution.system.bodies)):
+            u = float(solution.displacement(i, 0.0, t))
+            left = row["left"][i] + row["magnification"] * (row["apart"][i] + u - row["frame"] * t)
+            assert left == pytest.approx(float(plan.end(i, False, t)), abs=1e-6 * plan.row)
+            assert row["span"][0] - 1e-6 <= left <= row["span"][1] + 1e-6
+
+
+def test_magnification_is_round_and_moves_bodies_no_farther_than_a_part_of_the_row(solution):
+    plan = placing(solution, 0.0, solution.t_end)
+    assert re.fullmatch(r"[125]0*", f"{plan.magnification:g}")
+    total = sum(plan.width(i) for i, body in enumerate(solution.system.bodies)
+                if isinstance(body, ri.Rod))
+    times = np.linspace(0.0, solution.t_end, 101)
+    ends = np.array([plan.end(i, right, times) - plan.left[i] - right * plan.width(i)
+                     for i in range(len(solution.system.bodies)) for right in (False, True)])
+    assert np.ptp(ends) <= REACH * total * (1 + 1e-9)
+
+
+def test_walls_are_walls_and_fixed_ends_by_the_side_they_bound():
+    held = ri.System([ri.Wall(), rod(0.4, 1.0)], gaps=[1e-4], ends=(ri.Free(), ri.Fixed()))
+    assert placing(ri.solve(held, until=1e-4), 0.0, 1e-4).walls() == [(0, False), (1, True)]

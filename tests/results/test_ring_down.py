@@ -1,0 +1,85 @@
+"""How vibration dies out after a collision."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact.methods.grid.mesh import lasting_mode
+
+STEEL = ri.materials.steel
+LOSSY = STEEL.damped(loss_factor=0.05, frequency=1e3)
+
+
+def pair(material, *, lengths=(0.4, 1.0), area=1e-4):
+    return ri.System([
+        ri.Rod(x, area=area, material=material, velocity=v)
+        for x, v in zip(lengths, (1.0, 0.0), strict=True)
+    ])
+
+
+def test_energy_falls_to_that_of_the_rigid_motion():
+    solution = ri.solve(pair(LOSSY), until=8e-3, cells=40)
+    found = solution.ring_down()
+    E = found.vibration
+    assert np.all(np.diff(E) <= 1e-12 * E[0])
+    assert E[-1] < 1e-5 * E[0]
+    assert found.rigid == pytest.approx(solution.outcome.kinetic_after, rel=1e-9)
+    total = solution.energy(found.times).total
+    assert total == pytest.approx(found.rigid + E, rel=1e-12)
+    assert found.momentum_change < 1e-13
+    assert found.decay_time == pytest.approx(found.modal_decay_time, rel=5e-3)
+
+
+def test_without_damping_it_never_does():
+    solution = ri.solve(pair(STEEL), until=3e-3, cells=40)
+    found = solution.ring_down()
+    assert found.vibration == pytest.approx(found.vibration[0], rel=1e-11)
+    assert found.decay_time == found.modal_decay_time == math.inf
+    assert "never" in str(found)
+
+
+def test_exact_solutions_ring_for_ever():
+    found = ri.solve(pair(STEEL), until=2e-3).ring_down()
+    assert found.vibration == pytest.approx(94.2e-3, rel=1e-11)
+    assert found.decay_time == math.inf
+
+
+def test_masses_and_the_rod_that_lasts():
+    mass = ri.RigidMass(0.1, velocity=-1.0)
+    row = ri.System([*pair(LOSSY).bodies, mass], gaps=[0.0, 1e-2], contacts=[ri.Rigid()] * 2)
+    solution = ri.solve(row, until=12e-3, cells=20)
+    assert solution.final
+    found = solution.ring_down()
+    assert found.body == 1
+    assert found.rigid == pytest.approx(solution.outcome.kinetic_after, rel=1e-9)
+
+
+@pytest.mark.parametrize("length", [0.2, 1.0])
+def test_the_lasting_mode_of_a_uniform_rod(length):
+    omega, rate = lasting_mode([ri.Segment(length, 1e-4, LOSSY)])
+    known = math.pi * LOSSY.wave_speed / length
+    assert omega == pytest.approx(known, rel=1e-4)
+    assert rate == pytest.approx(ri.theory.kelvin_voigt_decay(
+        LOSSY.youngs_modulus, LOSSY.viscosity, known), rel=1e-4)
+
+
+def test_the_lasting_mode_of_a_rod_damped_in_one_half():
+    """Half the material damps: the strain energy of the lowest mode is even, so half the rate."""
+    halves = [ri.Segment(0.5, 1e-4, STEEL), ri.Segment(0.5, 1e-4, LOSSY)]
+    _, whole = lasting_mode([ri.Segment(1.0, 1e-4, LOSSY)])
+    assert lasting_mode(halves)[1] == pytest.approx(whole / 2, rel=1e-3)
+
+
+def test_what_has_no_ring_down_says_so():
+    with pytest.raises(ValueError, match=r"ring_down: the collision is not over\. Stopped at"):
+        ri.solve(pair(LOSSY), until=1e-5, cells=20).ring_down()
+    driven = ri.System(pair(LOSSY).bodies, ends=(ri.Free(), ri.Pushed(1.0)))
+    with pytest.raises(ValueError, match="ring_down"):
+        ri.solve(driven, until=1e-3, cells=20).ring_down()
+
+
+def test_too_few_states_are_no_record():
+    with pytest.raises(ValueError, match=r"ring_down: only .* states were kept .*snapshots"):
+        ri.solve(pair(LOSSY), until=8e-3, cells=40, snapshots=10).ring_down()

@@ -1,0 +1,429 @@
+"""Files are whole or absent, and a saved solution comes back bit for bit or not at all."""
+
+import errno
+import json
+import math
+import os
+import pickle
+import stat
+from pathlib import Path
+
+import numpy as np
+import pytest
+from networks import STEP, random_network, unit_rod
+from systems import horizon, random_system
+
+import rodimpact as ri
+from rodimpact.running.loading import load
+from rodimpact.storage import writing
+from rodimpact.storage.writing import SCHEMA, FileFormatError, check_target, write_bytes, write_text
+
+STEEL = ri.materials.steel
+SHORT = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
+LONG = ri.Rod(1.0, area=1e-4, material=STEEL)
+
+# Writing
+
+
+def test_text_is_written_as_it_is(tmp_path):
+    write_text(tmp_path / "a.txt", "Länge\r\n1 µm\n")
+    assert (tmp_path / "a.txt").read_bytes() == "Länge\r\n1 µm\n".encode()
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_existing_file_is_kept_without_force_and_replaced_with_it(tmp_path):
+    path = str(tmp_path / "a.bin")
+    write_bytes(path, b"old")
+    with pytest.raises(FileExistsError, match=r"a\.bin.*--force.*force=True"):
+        write_bytes(path, b"new")
+    assert Path(path).read_bytes() == b"old"
+    write_bytes(path, b"new", force=True)
+    assert Path(path).read_bytes() == b"new"
+    assert os.listdir(tmp_path) == ["a.bin"]
+
+
+@pytest.mark.parametrize("mask", [0o022, 0o077])
+def test_permissions_follow_the_umask(tmp_path, mask):
+    before = os.umask(mask)
+    try:
+        write_text(tmp_path / "a", "")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "a").stat().st_mode) == 0o666 & ~mask
+
+
+@pytest.mark.parametrize(
+    ("name", "error", "said"),
+    [
+        ("", IsADirectoryError, "is a directory"),
+        ("new/", IsADirectoryError, "is a directory"),
+        ("none/a.txt", FileNotFoundError, "there is no directory"),
+        ("file/a.txt", NotADirectoryError, "is not a directory"),
+        ("file/b/a.txt", FileNotFoundError, "there is no directory"),
+    ],
+)
+@pytest.mark.parametrize("force", [False, True])
+def test_places_where_no_file_can_be(tmp_path, name, error, said, force):
+    (tmp_path / "file").write_text("kept")
+    path = f"{tmp_path}/{name}"
+    with pytest.raises(error, match=said) as caught:
+        write_text(path, "x", force=force)
+    assert path in str(caught.value)
+    assert type(caught.value) is error
+    assert os.listdir(tmp_path) == ["file"]
+    with pytest.raises(error, match=said):
+        check_target(path, force=force)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
+def test_only_regular_files_are_replaced(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(OSError, match="not a regular file"):
+        write_text(tmp_path / "pipe", "x", force=True)
+    assert stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
+
+
+def test_a_link_stays_a_link(tmp_path):
+    (tmp_path / "real").write_text("old")
+    (tmp_path / "link").symlink_to("real")
+    write_text(tmp_path / "link", "new", force=True)
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "real").read_text() == "new"
+
+
+def fail(error):
+    def function(*_):
+        raise error
+
+    return function
+
+
+@pytest.mark.parametrize("step", ["fsync", "replace"])
+@pytest.mark.parametrize(
+    "error",
+    [
+        OSError(errno.ENOSPC, "No space left on device"),
+        PermissionError(errno.EACCES, "Permission denied"),
+        KeyboardInterrupt(),
+    ],
+    ids=lambda e: type(e).__name__,
+)
+def test_a_failure_leaves_everything_as_it_was(tmp_path, monkeypatch, step, error):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+    monkeypatch.setattr(writing.os, step, fail(error))
+    with pytest.raises(type(error)) as caught:
+        write_text(path, "new", force=True)
+    assert type(caught.value) is type(error)
+    if isinstance(error, OSError):
+        assert str(caught.value) == f"cannot write {str(path)!r}: {error.strerror}"
+    assert os.listdir(tmp_path) == ["a.txt"]
+    assert path.read_text() == "old"
+
+
+def test_gauge_record_goes_to_csv_once(tmp_path):
+    gauge = ri.solve(ri.System([SHORT, LONG])).gauge(body=1, x=0.5)
+    gauge.to_csv(tmp_path / "g.csv")
+    head, *rows = (tmp_path / "g.csv").read_text().splitlines()
+    assert head == "time,strain,rightward,leftward,velocity"
+    assert [float(row.split(",")[1]) for row in rows] == gauge.strain.tolist()
+    with pytest.raises(FileExistsError, match="--force"):
+        gauge.to_csv(tmp_path / "g.csv")
+
+
+# Saving and loading
+
+stepped = ri.Rod(
+    segments=[ri.Segment(0.2, 1e-4, STEEL), ri.Segment(0.1, 3e-4, ri.materials.aluminium)],
+    velocity=ri.Steps([1.0, -0.5], [0.05]),
+    strain=ri.Steps([0.0, 1e-5, -1e-5], [0.1, 0.25]),
+)
+RUNS = {
+    "pair": (ri.System([SHORT, LONG]), {}),
+    "wall and gap": (ri.System([SHORT, ri.Wall()], gaps=[1e-3]), {}),
+    "moving walls": (
+        ri.System([ri.Wall(0.1), SHORT, ri.Wall(-0.2)], gaps=[0.0, 1e-3]), {"until": 8e-3},
+    ),
+    "stepped, profiles, bonded": (
+        ri.System([stepped, LONG, stepped], contacts=[ri.Bonded(), ri.Rigid()]), {"until": 2e-3},
+    ),
+    "nothing meets": (ri.System([LONG, SHORT], gaps=[0.1]), {}),
+    "alone": (ri.System([stepped]), {"until": 1e-3}),
+    "no time": (ri.System([SHORT, LONG]), {"until": 0}),
+    "a whole number of seconds": (ri.System([SHORT, LONG]), {"until": 1}),
+    "capped": (ri.System([stepped, LONG, stepped]), {"max_events": 50}),
+    "capped before until": (ri.System([stepped, LONG]), {"max_events": 50, "until": 1.0}),
+    **{
+        f"random {seed}": (s := random_system(seed), {"until": horizon(s, 10), "max_events": 5000})
+        for seed in range(6)
+    },
+    "steps: to the proof": (ri.System([ri.RigidMass(0.3, velocity=1.0), SHORT]), {"rtol": 1e-3}),
+    "steps: no time": (ri.System([ri.RigidMass(0.3, velocity=1.0), SHORT]), {"until": 0}),
+    "steps: capped": (
+        ri.System([ri.Wall(), unit_rod(velocity=1.0), ri.Wall()]), {"dt": STEP, "max_events": 99},
+    ),
+    "steps: nothing but a driven rod": (
+        ri.System([unit_rod()], gravity=0.5, ends=(ri.Moved(ri.Samples([0.0, 1.0], step=0.7)),
+                                                  ri.Pushed(ri.Steps([1.0, 0.0], [0.5])))),
+        {"until": 2.03, "dt": STEP},
+    ),
+    "steps: bonded to a wall": (
+        ri.System([ri.Wall(0.1), ri.RigidMass(2.0, velocity=0.1), unit_rod(velocity=-1.0)],
+                  contacts=[ri.Bonded(), ri.Hertz(9.0)]), {"until": 3.0, "dt": STEP},
+    ),
+    **{
+        f"steps: random {seed}": (
+            random_network(seed, driven=seed % 2 == 0), {"until": 2.5, "dt": STEP},
+        )
+        for seed in range(12)
+    },
+    "grid: damped taper": (
+        ri.System([SHORT, ri.Rod(0.3, area=ri.Samples([1e-4, 3e-4]),
+                                 material=STEEL.damped(0.01, 1e4))], gaps=[1e-6]), {"cells": 20},
+    ),
+    "grid: no time": (ri.System([SHORT, LONG]), {"until": 0, "cells": 10}),
+    "grid: chosen states": (ri.System([SHORT, LONG]), {"until": 2e-4, "snapshots": [1e-5, 1.3e-4],
+                                                       "cells": 10}),
+    **{
+        f"grid: random {seed}": (
+            random_network(seed, driven=seed % 2 == 0), {"until": 1.5, "cells": 8},
+        )
+        for seed in range(4)
+    },
+}
+
+
+def facts(s):
+    """All that a solution knows, in a form in which equal means the same bits."""
+    t = np.linspace(0, s.t_end, 23)
+    found = {name: getattr(s, name) for name in (
+        "method", "until", "stopped_by", "status", "t_end", "final", "events", "transit_error",
+        "outcome", "system",
+    )}
+    found["record"] = [repr(s.record)] + [
+        a.tobytes() for part in vars(s.record).values() if isinstance(part, list) for x in part
+        for a in (x if isinstance(x, tuple) else [x]) if isinstance(a, np.ndarray)
+    ]
+    found["masses"] = {body: V.tobytes() for body, V in s.fields.masses.items()}
+    found["t_final"] = repr(s.t_final)
+    found["types"] = [type(getattr(s, name)) for name in ("until", "t_end", "t_final", "events")]
+    if s.method == "finite-difference":
+        found["states"] = [x.tobytes() for x in s.fields.states]
+    else:
+        found["signals"] = [w and (w.ticks.tobytes(), w.values.tobytes()) for w in s.fields.signals]
+    found["end"] = s.fields.end
+    found["energy"] = s.energy(t).residual.tobytes()
+    found["contacts"] = [
+        (repr(c.episodes), repr((c.impulse, c.duration, c.peak_force)), c.force(t).tobytes(),
+         c.gap(t).tobytes(), [b.tobytes() for b in c.breakpoints()])
+        for c in s.contacts
+    ]
+    for i, body in enumerate(s.system.bodies):
+        found[i, "mean"] = s.mean_velocity(i, t).tobytes()
+        found[i, "position"] = s.position(i, 0.0, t).tobytes()
+        if isinstance(body, ri.Rod):
+            x = np.linspace(0, body.length, 7)[:, None]
+            for field in (s.velocity, s.strain, s.displacement):
+                found[i, field.__name__] = field(i, x, t).tobytes()
+    return found
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_loading_gives_the_saved_solution_bit_for_bit(tmp_path, name, monkeypatch):
+    system, options = RUNS[name]
+    solution = ri.solve(system, **options)
+    solution.save(tmp_path / "run.npz")
+    for solver in ("fronts.method.play", "steps.machine.run"):
+        monkeypatch.setattr(f"rodimpact.methods.{solver}", fail(AssertionError("solved again")))
+    loaded = load(tmp_path / "run.npz")
+    assert facts(loaded) == facts(solution)
+    assert repr(loaded.outcome) == repr(solution.outcome)
+    loaded.save(tmp_path / "again.npz")
+    assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "run.npz").read_bytes()
+
+
+def test_runs_cover_every_way_to_stop():
+    stops = {ri.solve(system, **options).stopped_by for system, options in RUNS.values()}
+    assert stops == {"final", "until", "max_events"}
+
+
+def test_a_loaded_solution_can_be_continued(tmp_path):
+    solution = ri.solve(ri.System([SHORT, LONG]))
+    solution.save(tmp_path / "run.npz")
+    loaded = load(str(tmp_path / "run.npz"))
+    t = solution.t_end / 3
+    assert loaded.system_at(t) == solution.system_at(t)
+
+
+def test_save_asks_before_replacing(tmp_path):
+    solution = ri.solve(ri.System([SHORT, LONG]))
+    path = tmp_path / "run.npz"
+    path.write_text("mine")
+    with pytest.raises(FileExistsError, match="--force"):
+        solution.save(path)
+    assert path.read_text() == "mine"
+    solution.save(path, force=True)
+    assert load(path).outcome == solution.outcome
+
+
+def test_the_file_opens_with_numpy_and_json_alone(tmp_path):
+    solution = ri.solve(ri.System([SHORT, ri.Wall()]))
+    solution.save(tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz", allow_pickle=False) as archive:
+        document = json.loads(str(archive["document"]), parse_constant=fail(ValueError("no JSON")))
+        counts = archive["signal_counts"]
+        assert archive["signal_ticks"].shape == archive["signal_values"].shape == (counts.sum(),)
+    assert document["outcome"]["masses"] == [solution.outcome.masses[0], "inf"]
+    assert document["rodimpact"] == ri.__version__
+    assert ri.System.from_dict(document["system"]) == solution.system
+
+
+# What is no saved solution
+
+
+@pytest.fixture
+def saved(tmp_path):
+    path = tmp_path / "run.npz"
+    ri.solve(ri.System([stepped, LONG]), until=5e-4).save(path)
+    return path
+
+
+def read(path):
+    with np.load(path) as archive:
+        arrays = dict(archive)
+    return json.loads(str(arrays.pop("document"))), arrays
+
+
+def edit(path, change=None, **other):
+    """Rewrite a saved file with other entries; an array that is None goes."""
+    document, arrays = read(path)
+    arrays = {"document": np.array(json.dumps({**document, **(change or {})})), **arrays, **other}
+    np.savez_compressed(path, **{k: v for k, v in arrays.items() if v is not None})
+
+
+def refused(path, said):
+    with pytest.raises(FileFormatError, match=said) as caught:
+        load(path)
+    assert str(caught.value).startswith(str(path))
+    assert isinstance(caught.value, ValueError)
+
+
+def test_missing_file_and_directory(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"none\.npz"):
+        load(tmp_path / "none.npz")
+    with pytest.raises(IsADirectoryError, match=str(tmp_path)):
+        load(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"time,force\n", pickle.dumps([1, 2]), b"\x93NUMPY\x01\x00"],
+    ids=["empty", "text", "pickle", "npy"],
+)
+def test_other_files(tmp_path, content):
+    path = tmp_path / "a.npz"
+    path.write_bytes(content)
+    refused(path, "is not an NPZ file")
+
+
+@pytest.mark.parametrize("part", [0.01, 0.3, 0.6, 0.9, 0.999])
+def test_truncated(saved, part):
+    raw = saved.read_bytes()
+    saved.write_bytes(raw[: int(part * len(raw))])
+    refused(saved, "is not a whole NPZ file|not an NPZ")
+
+
+def test_no_flipped_bit_goes_unnoticed_or_escapes_as_another_error(saved):
+    raw = saved.read_bytes()
+    original = facts(load(saved))
+    noticed = 0
+    for i in range(0, len(raw), max(1, len(raw) // 200)):
+        saved.write_bytes(raw[:i] + bytes([raw[i] ^ 16]) + raw[i + 1 :])
+        try:
+            loaded = load(saved)
+        except FileFormatError:
+            noticed += 1
+        else:  # a date or an attribute inside the archive
+            assert facts(loaded) == original
+    assert noticed > 100
+
+
+def test_pickled_arrays_are_never_unpickled(saved, tmp_path):
+    class Bomb:
+        def __reduce__(self):
+            return os.mkdir, (str(tmp_path / "exploded"),)
+
+    edit(saved, signal_values=np.array([Bomb()], dtype=object))
+    refused(saved, "plain arrays")
+    np.savez(saved, document=np.array([Bomb()], dtype=object))
+    refused(saved, "plain arrays")
+    assert not (tmp_path / "exploded").exists()
+
+
+@pytest.mark.parametrize(
+    "arrays",
+    [
+        {"x": np.zeros(3)},
+        {"document": np.array("no json")},
+        {"document": np.array('{"format": "other", "schema": 1, "kind": "solution"}')},
+        {"document": np.array("[1, 2]")},
+        {"document": np.array("[" * 100_000)},
+        {"document": np.arange(4)},
+    ],
+)
+def test_foreign_archives(tmp_path, arrays):
+    np.savez(tmp_path / "a.npz", **arrays)
+    refused(tmp_path / "a.npz", "not one that rodimpact saved")
+
+
+@pytest.mark.parametrize("change", [{"schema": SCHEMA + 1}, {"kind": "hologram"}, {"schema": None}])
+def test_what_a_newer_version_saved(saved, change):
+    edit(saved, {**change, "rodimpact": "9.8.7"})
+    refused(saved, rf"saved by rodimpact 9\.8\.7; this is rodimpact {ri.__version__}.*newer")
+
+
+def test_another_clock_is_refused(saved):
+    clock = read(saved)[0]["clock"]
+    for name in ("tick", "frame", "tolerance"):
+        edit(saved, {"clock": {**clock, name: math.nextafter(clock[name], 1.0)}})
+        refused(saved, "another clock.*solve the case again")
+    edit(saved, {"clock": {**clock, "ticks": [0, *clock["ticks"][1:-1], 7]}})
+    refused(saved, "another clock")
+    edit(saved, {"clock": clock})
+    load(saved)
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("signal_values", lambda _: None),
+        ("signal_values", lambda a: a[1:]),
+        ("signal_values", lambda a: a.astype(np.float32)),
+        ("signal_ticks", lambda a: a.astype(float)),
+        ("signal_ticks", lambda a: a[:, None]),
+        ("signal_counts", lambda a: a.astype(float)),
+        ("signal_counts", lambda a: a[1:]),
+        ("signal_counts", lambda a: np.concatenate(([-1, 1], a[2:]))),
+        ("turn_counts", lambda a: a - 1),
+        ("turn_status", lambda a: a[1:]),
+    ],
+)
+def test_arrays_that_do_not_fit(saved, name, change):
+    edit(saved, **{name: change(read(saved)[1][name])})
+    refused(saved, "do not fit together")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"system": {"bodies": []}},
+        {"system": {"bodies": [], "contacts": []}},
+        {"outcome": {"contacts": []}},
+        {"outcome": None},
+        {"method": "magic"},
+        {"until": "soon"},
+    ],
+    ids=str,
+)
+def test_a_document_that_does_not_fit(saved, change):
+    edit(saved, change)
+    refused(saved, "do not fit together")

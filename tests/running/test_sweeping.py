@@ -1,0 +1,636 @@
+"""Families of collisions: the same numbers as one at a time, whoever runs them."""
+
+import multiprocessing
+import os
+import warnings
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+
+import numpy as np
+import pytest
+from systems import MATERIALS, random_system
+
+import rodimpact as ri
+from rodimpact import theory
+from rodimpact.running import sweeping
+from rodimpact.running.sweeping import STATUS, _Chunks
+
+STEEL = ri.materials.steel
+
+
+def pair(lengths, areas, velocity=1.0):
+    return ri.System([
+        ri.Rod(lengths, area=1e-4, material=STEEL, velocity=velocity),
+        ri.Rod(1.0, area=areas, material=STEEL),
+    ])
+
+
+def small_map(shape=(7, 5)):
+    return pair(np.linspace(0.1, 1.3, shape[0])[:, None], np.geomspace(2e-5, 8e-4, shape[1]))
+
+
+def same(a, b):
+    assert a.columns.keys() == b.columns.keys()
+    return all(a.columns[k].tobytes() == b.columns[k].tobytes() for k in a.columns)
+
+
+def assert_equal_to_one_at_a_time(result, **options):
+    """Every column bit for bit, the energy left in vibration to round-off.
+
+    A bonded contact, and one that presses for ever, have no total of their own; a rod bonded to a
+    wall swings on for ever.
+    """
+    for index in np.ndindex(result.shape):
+        outcome = ri.solve(result.system[index], **options).outcome
+        found = {k: v[index] for k, v in result.columns.items()}
+        for i, velocity in enumerate(outcome.velocities_after):
+            assert found[f"velocity_after.{i}"] == velocity
+        for k, tally in enumerate(outcome.contacts):
+            if isinstance(result.system.contacts[k], ri.Bonded):
+                assert np.isnan(found[f"impulse.{k}"])
+                continue
+            for name in ("impulse", "peak_force", "duration", "episodes"):
+                assert "goes on pressing" in outcome.status or (
+                    found[f"{name}.{k}"] == getattr(tally, name)
+                )
+        assert found["final"] == outcome.final
+        neighbours = zip(result.system.bodies, result.system.bodies[1:], strict=False)
+        swinging = any(
+            isinstance(law, ri.Bonded) and any(isinstance(body, ri.Wall) for body in pair)
+            for law, pair in zip(result.system.contacts, neighbours, strict=True)
+        )
+        if not swinging:
+            vibration = sum(outcome.vibration_after)
+            assert found["vibration"] == pytest.approx(vibration, rel=1e-12, abs=1e-25)
+        if outcome.why_no_restitution():
+            assert np.isnan(found["restitution"])
+        else:
+            assert found["restitution"] == outcome.restitution
+
+
+# Numbers -----------------------------------------------------------------------------------------
+
+
+def test_a_map_equals_the_closed_form():
+    shape = (60, 50) if os.environ.get("NUMBA_DISABLE_JIT", "0") == "0" else (12, 10)
+    system = small_map(shape)
+    result = ri.sweep(system)
+    left, right = (body.segments[0] for body in system.bodies)
+    exact = theory.saint_venant(
+        left.impedance, left.transit_time, right.impedance, right.transit_time, 1.0
+    )
+    assert result.shape == shape
+    assert np.abs(result.restitution - exact.restitution).max() < 1e-11
+    assert result.final.all()
+    assert set(result.status.ravel()) == {STATUS.index("final")}
+    np.testing.assert_allclose(result.impulse, exact.impulse, rtol=1e-11)
+
+
+def test_lengths_of_one_material_give_their_ratio():
+    lengths = np.array([0.05, 0.1, 0.3, 0.7, 1.0])
+    result = ri.sweep(pair(lengths, 1e-4))
+    np.testing.assert_allclose(result.restitution, lengths, rtol=0, atol=1e-15)
+    assert (result.episodes == 1).all()
+
+
+def varied(seed):
+    """A random row of which some numbers become arrays."""
+    rng = np.random.default_rng(seed)
+    system = random_system(seed, bodies=4)
+    described = system.to_dict()
+    for body in described["bodies"]:
+        if isinstance(body["velocity"], float):
+            body["velocity"] = rng.uniform(-1, 1, 6)
+        for piece in body.get("segments", [body] if body["kind"] == "rod" else []):
+            if rng.random() < 0.5:
+                piece["area"] = piece["area"] * rng.uniform(0.5, 2, (2, 1))
+    for contact in described["contacts"]:
+        if contact["law"] == "rigid":
+            contact["gap"] = contact["gap"] * rng.uniform(0, 2, 6).round()
+    return ri.System.from_dict(described)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_members_of_random_rows_equal_one_at_a_time(seed):
+    system = varied(seed)
+    result = ri.sweep(system, max_events=2000, on_error="record")
+    assert_equal_to_one_at_a_time(result, max_events=2000)
+
+
+def test_profiles_may_vary():
+    """A jump that moves through a step, along the rod and out of a segment."""
+    pieces = [ri.Segment(0.3, 1e-4, MATERIALS[0]), ri.Segment(0.2, 2e-4, MATERIALS[2])]
+    velocity = ri.Steps([np.array([1.0, 0.5])[:, None], 0.2, 0.7], [0.1, np.linspace(0.2, 0.4, 5)])
+    rod = ri.Rod(segments=pieces, velocity=velocity, strain=ri.Steps([1e-4, 0.0], [0.3]))
+    target = ri.Rod(0.25, area=3e-4, material=MATERIALS[1])
+    result = ri.sweep(ri.System([rod, target], gaps=[np.array([[0.0], [1e-5]])]))
+    assert result.shape == (2, 5)
+    assert_equal_to_one_at_a_time(result)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_rods_between_walls_of_any_velocities_equal_one_at_a_time(mirrored):
+    rods = [
+        ri.Rod(L, area=A, material=MATERIALS[0], velocity=0.2)
+        for L, A in ((0.3, np.array([[1e-4], [3e-4]])), (0.21, 2e-4))
+    ]
+    system = ri.System(
+        [ri.Wall(np.array([0.0, 0.5, -0.3])), *rods, ri.Wall(0.5)], contacts=[ri.Bonded()] * 3
+    )
+    result = ri.sweep(system.mirrored() if mirrored else system)
+    assert_equal_to_one_at_a_time(result)
+    left, right = result.velocities_after[1:3]
+    assert (left == right).all()
+    assert np.isin(np.abs(left), [0.3, 0.5]).tolist() == [[False, True, False]] * 2
+
+
+def test_families_of_the_other_method_are_solved_one_by_one():
+    masses = np.array([0.05, 0.2, 0.8])
+    system = ri.System([ri.RigidMass(masses, velocity=1.0), ri.Rod(0.5, area=1e-4, material=STEEL)])
+    result = ri.sweep(system)
+    assert result.method == "characteristics"
+    mu = system.bodies[1].mass / masses  # closed form of a mass on a free rod
+    exact = (1 - np.exp(-2 * mu)) / mu - np.exp(-2 * mu)
+    np.testing.assert_allclose(result.restitution, exact, atol=1e-6)
+    assert_equal_to_one_at_a_time(result)
+    with pytest.raises(ri.InvalidModel, match='"fronts" has no rigid masses'):
+        ri.sweep(system, method="fronts")
+
+
+def test_a_single_collision_is_a_family_too():
+    system = pair(0.4, 1e-4)
+    result = ri.sweep(system)
+    assert result.shape == ()
+    assert float(result.restitution) == ri.solve(system).outcome.restitution
+    assert result.axes == ()
+    assert result.explain(()).startswith("The collision is final")
+
+
+def test_a_member_that_outgrows_the_work_space_runs_again(monkeypatch):
+    system = ri.System([
+        ri.Rod(0.1 * np.sqrt([2, 3, 5, 7]), area=1e-4, material=MATERIALS[0], velocity=1.0),
+        ri.Rod(0.13, area=3e-4, material=MATERIALS[1]),
+        ri.Rod(0.17, area=5e-4, material=MATERIALS[0], velocity=-1.0),
+    ])
+    roomy = ri.sweep(system)
+    monkeypatch.setattr("rodimpact.methods.fronts.families.ROOM", 16)
+    assert same(ri.sweep(system), roomy)
+
+
+# Runs to a time ----------------------------------------------------------------------------------
+
+
+def chain(count=200, bodies=10):
+    """Rods with gaps, the first of many lengths: they meet again and again."""
+    others = [ri.Rod(0.1, area=1e-4, material=STEEL) for _ in range(bodies - 1)]
+    lengths = np.linspace(0.05, 0.5, count)
+    first = ri.Rod(lengths, area=1e-4, material=STEEL, velocity=1.0)
+    return ri.System([first, *others], gaps=[1e-4] * (bodies - 1))
+
+
+def test_a_chain_of_ten_rods_with_gaps_has_velocities():
+    count = 200 if os.environ.get("NUMBA_DISABLE_JIT", "0") == "0" else 5
+    result = ri.sweep(chain(count), until=3e-3)
+    velocities = np.transpose(result.velocities_after)
+    assert velocities.shape == (count, 10)
+    assert np.isfinite(velocities).all()
+    assert set(result.status) <= {STATUS.index("final"), STATUS.index("until")}
+    assert not result.incomplete.any()
+    masses = [body.mass for body in result.system.bodies]
+    momentum = sum(m * v for m, v in zip(masses, velocities.T, strict=True))
+    np.testing.assert_allclose(momentum, masses[0], rtol=1e-12)
+    for index in range(0, count, 20):
+        outcome = ri.solve(result.system[index], 3e-3).outcome
+        assert tuple(velocities[index]) == outcome.velocities_after
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("transits", [0.0, 0.7, 9.3])
+def test_members_that_end_at_a_time_equal_one_at_a_time(seed, transits):
+    system = varied(seed)
+    options = {"until": transits * 2e-4, "max_events": 2000}
+    result = ri.sweep(system, **options)
+    assert_equal_to_one_at_a_time(result, **options)
+    for index in np.ndindex(result.shape):
+        solution = ri.solve(system[index], **options)
+        if solution.stopped_by == "until":
+            assert STATUS[result.status[index]] == ("final" if solution.final else "until")
+        else:
+            assert STATUS[result.status[index]] == "max_events"
+    assert result.incomplete.tolist() == (result.status == STATUS.index("max_events")).tolist()
+
+
+@pytest.mark.parametrize("end", [
+    ri.Pushed(np.array([-1e3, 0.0, 2e3])),
+    ri.Pushed(ri.Steps([1e3, np.array([-1e3, 0.0, 2e3]), 0.0], [3e-5, 1.1e-4])),
+    ri.Moved(ri.Steps([0.0, 1.0], [np.array([1e-5, 1e-4, 1.0])])),
+])
+def test_driven_rows_run_together_to_a_time(end):
+    rods = [ri.Rod(L, area=1e-4, material=STEEL) for L in (0.3, np.array([[0.2], [0.5]]))]
+    system = ri.System(rods, gaps=[1e-7], ends=(end, ri.Absorbing()))
+    result = ri.sweep(system, until=4e-4)
+    assert result.method == "fronts"
+    assert {STATUS[code] for code in result.status.ravel()} == {"until"}
+    assert_equal_to_one_at_a_time(result, until=4e-4)
+
+
+@pytest.mark.parametrize("options", [
+    {}, {"dt": 2e-6}, {"rtol": 1e-2}, {"method": "finite-difference", "cells": 30},
+])
+def test_rows_under_gravity_run_to_a_time(options):
+    falling = ri.Rod(0.3, area=1e-4, material=STEEL, velocity=np.array([0.5, 1.0, 2.0]))
+    system = ri.System([falling, ri.Wall()], gaps=[1e-5], gravity=9.81)
+    result = ri.sweep(system, until=3e-4, **options)
+    assert [STATUS[code] for code in result.status] == ["until"] * 3
+    assert np.isnan(result.restitution).all()
+    assert (result.impulse > 0).all()
+    for index in range(3):
+        outcome = ri.solve(system[index], 3e-4, **options).outcome
+        found = {name: column[index] for name, column in result.columns.items()}
+        assert found["velocity_after.0"] == outcome.velocities_after[0]
+        assert found["vibration"] == sum(outcome.vibration_after)
+        for name in ("impulse", "peak_force", "duration", "episodes"):
+            assert found[f"{name}.0"] == getattr(outcome.contacts[0], name)
+
+
+def test_rods_between_walls_run_to_a_time():
+    system = ri.System([
+        ri.Wall(), ri.Rod(0.3, area=np.array([1e-4, 3e-4]), material=MATERIALS[0], velocity=1.0),
+        ri.Rod(0.1 * 2**0.5, area=1e-4, material=MATERIALS[2]), ri.Wall(),
+    ], gaps=[1e-3, 0.0, 1e-3])
+    result = ri.sweep(system, until=5e-3, on_error="raise")
+    assert [STATUS[code] for code in result.status] == ["until"] * 2
+    assert_equal_to_one_at_a_time(result, until=5e-3)
+    assert "Stopped at the time asked for" in result.explain(0)
+
+
+def test_a_member_that_stops_early_keeps_what_is_known():
+    result = ri.sweep(chain(3), max_events=200)
+    assert [STATUS[code] for code in result.status] == ["max_events"] * 3
+    assert result.incomplete.all()
+    assert np.isnan(result.restitution).all()
+    assert_equal_to_one_at_a_time(result, max_events=200)
+    with pytest.raises(ri.SweepError, match=r"cap of 20\d events"):
+        ri.sweep(chain(3), max_events=200, on_error="raise")
+
+
+def test_a_cap_before_the_time_asked_for_is_no_end():
+    """Although nothing can happen any more."""
+    system = pair(np.array([0.4, 0.7]), 1e-4)
+    result = ri.sweep(system, until=1.0, max_events=500)
+    assert result.final.all()
+    assert [STATUS[code] for code in result.status] == ["max_events"] * 2
+    with pytest.raises(ri.SweepError, match="cap of"):
+        ri.sweep(system, until=1.0, max_events=500, on_error="raise")
+
+
+# Strain gauges -----------------------------------------------------------------------------------
+
+TIMES = np.linspace(0.0, 4e-4, 41)
+
+
+@pytest.mark.parametrize(("make", "options", "gauges"), [
+    (lambda: small_map((3, 2)), {"until": 3e-4}, [(0, 0.05), (1, 0.5), (1, 0.0), (0, 0.1)]),
+    (lambda: small_map((3, 2)), {}, [(1, 0.7)]),
+    (lambda: small_map((2, 2)), {"until": 3e-4, "max_events": 5}, [(1, 0.3)]),
+    (lambda: ri.System([
+        ri.Wall(), ri.Rod(segments=[ri.Segment(0.1, np.array([1e-4, 2e-4]), STEEL),
+                                    ri.Segment(0.2, 2e-4, STEEL)], velocity=-1.0,
+                          strain=ri.Steps([1e-5, 0.0], [0.15])),
+    ]), {"until": 4e-4}, [(1, 0.1), (1, 0.25)]),
+    (lambda: ri.System([ri.RigidMass(0.1, velocity=np.array([1.0, 2.0])),
+                        ri.Rod(0.5, area=1e-4, material=STEEL), ri.Wall()], gravity=9.81),
+     {"until": 3e-4, "dt": 4e-6}, [(1, 0.2)]),
+    (lambda: ri.System([ri.Rod(0.3, area=1e-4, material=STEEL, velocity=np.array([1.0, 2.0])),
+                        ri.Wall()]), {"until": 3e-4, "cells": 20}, [(0, 0.1), (0, 0.3)]),
+])
+def test_gauges_equal_those_of_single_solutions(make, options, gauges):
+    system = make()
+    result = ri.sweep(system, gauges=gauges, times=TIMES, **options)
+    assert result.strain.shape == (*system.shape, len(gauges), len(TIMES))
+    assert result.gauges == tuple(gauges)
+    assert result.times.tolist() == TIMES.tolist()
+    for index in np.ndindex(system.shape):
+        solution = ri.solve(system[index], **options)
+        inside = solution.t_end * (1 + 1e-12) >= TIMES
+        for found, place in zip(result.strain[index], gauges, strict=True):
+            record = solution.gauge(*place)
+            assert found[inside].tolist() == record.strain_at(TIMES[inside]).tolist()
+            assert np.isnan(found[~inside]).all()
+    assert np.nanmax(np.abs(result.strain)) > 0
+    assert same(result, ri.sweep(system, **options))
+
+
+def test_gauges_are_the_same_whoever_reads_them():
+    system = small_map()
+    options = {"until": 3e-4, "gauges": [(0, 0.05), (1, 0.5)], "times": TIMES}
+    serial = ri.sweep(system, executor=InOrder(), **options).strain
+    assert ri.sweep(system, workers=3, **options).strain.tobytes() == serial.tobytes()
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(2, mp_context=spawn) as pool:
+        assert ri.sweep(system, executor=pool, **options).strain.tobytes() == serial.tobytes()
+
+
+def test_a_refused_member_has_no_strain():
+    result = ri.sweep(pair(np.array([0.5, 1e-13]), 1e-4), gauges=[(1, 0.5)], times=TIMES)
+    assert np.isnan(result.strain).all(axis=(1, 2)).tolist() == [False, True]
+
+
+@pytest.mark.parametrize(("given", "path"), [
+    ({"gauges": [(1, 0.5)]}, "times"), ({"times": TIMES}, "times"),
+    ({"gauges": [(1, 0.5)], "times": 1.0}, "times"),
+    ({"gauges": [(1, 0.5)], "times": [-1.0]}, "times[0]"),
+    ({"gauges": [(2, 0.5)], "times": TIMES}, "gauges.0.body"),
+    ({"gauges": [(1, 0.5), (1.0, 0.5)], "times": TIMES}, "gauges.1.body"),
+    ({"gauges": [(0, 0.3)], "times": TIMES}, "gauges.0.x"),
+    ({"gauges": [(1, -0.3)], "times": TIMES}, "gauges.0.x"),
+    ({"gauges": [(1, [0.1, 0.2])], "times": TIMES}, "gauges.0.x"),
+    ({"gauges": [1], "times": TIMES}, "gauges.0"),
+])
+def test_gauges_are_checked(given, path):
+    with pytest.raises(ri.InvalidModel) as caught:
+        ri.sweep(pair(np.array([0.4, 0.2]), 1e-4), **given)
+    assert [p for p, _ in caught.value.problems] == [path]
+
+
+def test_gauges_are_saved_and_have_dimensions(tmp_path):
+    result = ri.sweep(small_map((3, 2)), until=3e-4, gauges=[(1, 0.5)], times=TIMES)
+    result.save(tmp_path / "family.npz")
+    loaded = ri.load(tmp_path / "family.npz")
+    assert loaded.strain.tobytes() == result.strain.tobytes()
+    assert (loaded.gauges, loaded.options) == (result.gauges, result.options)
+    assert loaded.times.tolist() == TIMES.tolist()
+    pytest.importorskip("xarray")
+    data = result.to_xarray()
+    assert data["strain"].dims == ("bodies.0.length", "bodies.1.area", "gauge", "time")
+    chosen = data["strain"].sel(time=TIMES[30]).isel(gauge=0)
+    assert chosen.values.tolist() == result.strain[:, :, 0, 30].tolist()
+    assert np.isfinite(chosen.values).all()
+    assert (data["body"].values.tolist(), data["x"].values.tolist()) == ([1], [0.5])
+
+
+# Members without a result ------------------------------------------------------------------------
+
+
+def with_one_bad(count=10_000):
+    """A family in which one member has transit times too far apart for one clock."""
+    lengths = np.full(count, 0.5)
+    lengths[count // 3] = 1e-13
+    return pair(lengths.reshape(-1, 100), 1e-4), np.unravel_index(count // 3, (count // 100, 100))
+
+
+def test_one_bad_member_does_not_lose_the_others():
+    system, index = with_one_bad(400 if os.environ.get("NUMBA_DISABLE_JIT") == "1" else 10_000)
+    result = ri.sweep(system, on_error="record")
+    bad = result.status != STATUS.index("final")
+    assert np.argwhere(bad).tolist() == [list(index)]
+    assert np.isnan(result.restitution[index])
+    assert not result.final[index]
+    assert "too short beside the longest" in result.explain(index)
+    np.testing.assert_allclose(result.restitution[~bad], 0.5, atol=1e-15)
+    for name in ("velocity_after.0", "impulse.0", "vibration", "peak_force.0", "duration.0"):
+        assert np.isnan(result.columns[name][index])
+
+
+def test_the_first_bad_member_is_named_with_its_parameters():
+    system, index = with_one_bad(400)
+    with pytest.raises(ri.SweepError) as caught:
+        ri.sweep(system, on_error="raise")
+    error = caught.value
+    assert error.index == index
+    assert error.parameters == {"bodies.0.length": 1e-13}
+    assert f"member {[int(i) for i in index]} (bodies.0.length = 1e-13)" in str(error)
+    assert "too short" in str(error)
+    assert 'on_error="record"' in str(error)
+    import pickle
+
+    assert str(pickle.loads(pickle.dumps(error))) == str(error)
+
+
+def test_a_cap_is_recorded_and_raised():
+    areas = np.array([1e-4, 3e-4])
+    system = ri.System([
+        ri.Wall(), ri.Rod(0.3, area=areas, material=MATERIALS[0], velocity=1.0),
+        ri.Rod(0.1 * 2**0.5, area=1e-4, material=MATERIALS[2]), ri.Wall(),
+    ])
+    result = ri.sweep(system, max_events=50, on_error="record")
+    assert [STATUS[code] for code in result.status] == ["max_events"] * 2
+    assert np.isnan(result.restitution).all()
+    with pytest.raises(ri.SweepError, match="cap of 50 events"):
+        ri.sweep(system, max_events=50, on_error="raise")
+
+
+def test_no_collision_is_no_error():
+    result = ri.sweep(pair(0.4, 1e-4, velocity=np.array([1.0, -1.0, 0.0])))
+    assert np.isnan(result.restitution).tolist() == [False, True, True]
+    assert result.final.all()
+    assert (result.episodes == [1, 0, 0]).all()
+    assert "move apart" in result.explain(1)
+
+
+@pytest.mark.parametrize(("change", "path"), [
+    ({"method": "magic"}, "method"), ({"on_error": "ignore"}, "on_error"),
+    ({"workers": 0}, "workers"), ({"max_events": 1.5}, "max_events"),
+    ({"workers": True}, "workers"),
+])
+def test_arguments_are_checked(change, path):
+    with pytest.raises(ri.InvalidModel) as caught:
+        ri.sweep(pair(0.4, 1e-4), **change)
+    assert [p for p, _ in caught.value.problems] == [path]
+
+
+def test_a_system_is_wanted():
+    with pytest.raises(ri.InvalidModel, match="must be a System"):
+        ri.sweep([1, 2])
+
+
+def test_fronts_refuse_damping():
+    damped = ri.Material("d", youngs_modulus=1e9, density=1e3, viscosity=np.array([0.0, 1.0]))
+    with pytest.raises(ri.InvalidModel, match="has no damping"):
+        ri.sweep(ri.System([ri.Rod(1.0, area=1.0, material=damped), ri.Wall()]), "fronts")
+
+
+# Executors ---------------------------------------------------------------------------------------
+
+
+class InOrder(Executor):
+    """Runs everything at once in the calling thread."""
+
+    def submit(self, job, *arguments):
+        future = Future()
+        future.set_result(job(*arguments))
+        return future
+
+
+@pytest.fixture
+def small_chunks(monkeypatch):
+    monkeypatch.setattr("rodimpact.methods.fronts.families.MOST_MEMBERS", 4)
+
+
+def test_every_executor_gives_the_same_bytes(small_chunks):
+    system = small_map()
+    serial = ri.sweep(system, executor=InOrder())
+    assert same(ri.sweep(system), serial)
+    assert same(ri.sweep(system, workers=1), serial)
+    assert same(ri.sweep(system, workers=5), serial)
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(2, mp_context=spawn) as pool:
+        assert same(ri.sweep(system, executor=pool), serial)
+
+
+def test_a_dask_cluster_gives_the_same_bytes(small_chunks):
+    distributed = pytest.importorskip("distributed")
+    system = small_map()
+    serial = ri.sweep(system, executor=InOrder())
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        with (
+            distributed.LocalCluster(
+                n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+            ) as cluster,
+            distributed.Client(cluster) as client,
+        ):
+            result = ri.sweep(system, executor=client.get_executor())
+    assert same(result, serial)
+
+
+def test_a_failing_executor_is_not_hidden(small_chunks):
+    class Broken(InOrder):
+        def submit(self, *_):
+            future = Future()
+            future.set_exception(MemoryError("no more"))
+            return future
+
+    with pytest.raises(MemoryError):
+        ri.sweep(small_map(), executor=Broken())
+
+
+def test_progress_counts_collisions(small_chunks):
+    seen = []
+    ri.sweep(small_map(), progress=lambda done, total: seen.append((done, total)))
+    assert seen[-1] == (35, 35)
+    assert [done for done, _ in seen] == sorted({done for done, _ in seen})
+
+
+def test_an_interrupt_stops_the_sweep(small_chunks):
+    def interrupt(done, total):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        ri.sweep(small_map(), progress=interrupt)
+
+
+@pytest.mark.parametrize("most", [1, 2, 3, 7, 1000])
+@pytest.mark.parametrize("shape", [(), (1,), (5,), (3, 4), (2, 1, 7), (4, 9)])
+def test_chunks_cut_a_shape_in_c_order(shape, most):
+    chunks = _Chunks(shape, most)
+    flat = np.arange(np.prod(shape, dtype=int)).reshape(shape)
+    found = []
+    for number in range(len(chunks)):
+        start, stop = chunks.span(number)
+        part = flat[chunks.box(number)].ravel().tolist()
+        assert part == list(range(start, stop))
+        assert 0 < len(part) <= most
+        found += part
+    assert found == flat.ravel().tolist()
+
+
+# Results -----------------------------------------------------------------------------------------
+
+
+def test_axes_and_parameters_have_the_names_of_a_case_file():
+    system = ri.System(
+        [
+            ri.Rod(np.linspace(0.1, 0.4, 4)[:, None, None], area=1e-4, material=STEEL, velocity=1),
+            ri.Rod(segments=[ri.Segment(0.2, np.array([1e-4, 2e-4]), STEEL),
+                             ri.Segment(0.2, 1e-4, STEEL)]),
+        ],
+        gaps=[np.array([0.0, 1e-5, 2e-5])[:, None]],
+    )
+    result = ri.sweep(system)
+    assert result.shape == (4, 3, 2)
+    assert [axis.name for axis in result.axes] == [
+        "bodies.0.length", "contacts.0.gap", "bodies.1.segments.0.area",
+    ]
+    assert result.axes[2].values.tolist() == [1e-4, 2e-4]
+    assert set(result.parameters) == {axis.name for axis in result.axes}
+
+
+def test_an_axis_without_a_number_of_its_own_counts():
+    both = np.ones((2, 3)) * [0.1, 0.2, 0.3] + [[0.0], [0.5]]
+    result = ri.sweep(pair(both, 1e-4))
+    assert [axis.name for axis in result.axes] == ["axis 0", "axis 1"]
+    assert result.axes[1].values.tolist() == [0, 1, 2]
+
+
+def test_several_contacts_have_columns_of_their_own():
+    result = ri.sweep(ri.System([
+        ri.Rod(0.2, area=1e-4, material=STEEL, velocity=np.array([1.0, 2.0])),
+        ri.Rod(0.2, area=1e-4, material=STEEL), ri.Rod(0.2, area=1e-4, material=STEEL),
+    ]))
+    assert len(result.contacts) == 2
+    np.testing.assert_allclose(result.velocities_after[2], [1.0, 2.0], rtol=1e-14)
+    with pytest.raises(ValueError, match=r"result\.contacts"):
+        _ = result.impulse
+    assert np.isnan(result.restitution).all()
+
+
+def test_saving_and_loading(tmp_path):
+    system = varied(3)
+    result = ri.sweep(system, max_events=2000)
+    result.save(tmp_path / "family.npz")
+    loaded = ri.load(tmp_path / "family.npz")
+    assert same(loaded, result)
+    assert loaded.system == system
+    assert loaded.shape == result.shape
+    assert loaded.options == result.options
+    assert (loaded.options.method, loaded.options.max_events) == ("fronts", 2000)
+    with pytest.raises(FileExistsError):
+        result.save(tmp_path / "family.npz")
+
+
+def test_csv_holds_every_digit(tmp_path):
+    result = ri.sweep(small_map((3, 2)))
+    result.to_csv(tmp_path / "map.csv")
+    names, *rows = (tmp_path / "map.csv").read_text().splitlines()
+    assert names.split(",")[:3] == ["bodies.0.length", "bodies.1.area", "restitution"]
+    assert len(rows) == 6
+    cells = [row.split(",") for row in rows]
+    assert [float(c[2]) for c in cells] == result.restitution.ravel().tolist()
+    assert [float(c[1]) for c in cells] == [*result.axes[1].values] * 3
+    assert cells[0][-1] == "final"
+
+
+def test_a_number_that_does_not_exist_is_an_empty_cell():
+    result = ri.sweep(pair(0.4, 1e-4, velocity=np.array([-1.0, 1.0])))
+    assert [line.split(",")[1] == "" for line in result.csv_lines()] == [False, True, False]
+
+
+def test_to_dataframe():
+    pytest.importorskip("pandas")
+    result = ri.sweep(small_map((3, 2)))
+    frame = result.to_dataframe()
+    assert len(frame) == 6
+    assert frame["restitution"].tolist() == result.restitution.ravel().tolist()
+    assert set(frame["status"]) == {"final"}
+
+
+def test_to_xarray():
+    pytest.importorskip("xarray")
+    result = ri.sweep(small_map((3, 2)))
+    data = result.to_xarray()
+    chosen = data["restitution"].sel({"bodies.1.area": 2e-5}).values
+    assert chosen.tolist() == result.restitution[:, 0].tolist()
+
+
+def test_a_missing_package_is_named(monkeypatch):
+    result = ri.sweep(pair(0.4, 1e-4))
+    monkeypatch.setitem(__import__("sys").modules, "pandas", None)
+    with pytest.raises(ImportError, match=r"pip install 'rodimpact\[dataframe\]'"):
+        result.to_dataframe()
+
+
+def test_a_result_says_what_it_is():
+    assert repr(ri.sweep(small_map((3, 2)))) == (
+        "<SweepResult of shape (3, 2) over bodies.0.length, bodies.1.area>"
+    )
+    assert sweeping.STATUS[0] == "final"
