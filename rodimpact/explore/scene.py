@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from ..methods.signals import Floats
 from ..model import Bonded, Rigid, RigidMass, Rod, Wall
 from ..model.profiles import extremes
 from ..results.closed_forms import ClosedForm, closed_form
 from ..results.contacts import ContactHistory
 from ..results.placing import Placing, placing
-from ..results.signals import Floats
 from ..results.solution import Solution
 from ..storage.tables import clean
 from ..units import format_si

@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..methods.groups import groups, movable
+from ..methods.signals import Floats, Ints
 from ..model import Rod
-from ..results.groups import groups, movable
 from ..results.regions import regions_of
-from ..results.signals import Floats, Ints
 from ..results.solution import Solution
 
 REGIONS = 3000  # at most
