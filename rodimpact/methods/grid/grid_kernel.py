@@ -37,6 +37,7 @@ from ..contact_law_kernel import (
     start_impacts,
     stored,
 )
+from ..finality_kernel import NEVER, Side, bound_of, separation_time
 
 DONE, SQUEEZED = range(2)  # why a run stopped
 STEP, KEPT, LINK = range(3)  # places in the clock
@@ -123,6 +124,18 @@ class Ends(NamedTuple):
     impedance: Any  # of an endless bar
     rest: Any  # the wave that comes from it
     old: Any  # velocity of the node before the step
+
+
+class Pieces(NamedTuple):
+    """What the proof of finality asks of the pieces."""
+
+    first: Any  # [piece] nodes
+    last: Any
+    mass: Any  # [node]
+    held: Any  # [node] 1 if its velocity is given
+    lateral: Any  # [cell] inertia that resists changes of its length
+    left: Any  # [link] piece on the left
+    right: Any
 
 
 class Signals(NamedTuple):
@@ -517,3 +530,74 @@ def run(
         dissipate(grid, implicit)
         record_bond_forces(grid, implicit, bonds, links, ends, signals, j)
         j += 1
+
+
+def settled(pieces: Pieces, grid: Grid, links: Links, ends: Ends, tol: float) -> int:
+    """Steps until it may be proved that nothing meets again: 0 if it is, NEVER if not as it is.
+
+    For rows whose ends are not driven.
+    """
+    wait = 0
+    for i in range(len(links.gap)):
+        if wait < NEVER:
+            left = side_of(pieces, grid, ends, pieces.left[i], True, tol)
+            right = side_of(pieces, grid, ends, pieces.right[i], False, tol)
+            wait = max(wait, separation_time(links.gap[i], left, right, tol))
+    return wait
+
+
+def side_of(
+    pieces: Pieces, grid: Grid, ends: Ends, p: int, right_end: bool, tol: float
+) -> Side:
+    """What the proof asks of piece p, whose right or left end is at the contact.
+
+    A far endless bar of impedance Z gives way by the momentum it has taken, over Z. The end is half
+    a step ahead of the cells, by no more than the velocity that the energy gives it.
+    """
+    a, b = pieces.first[p], pieces.last[p]
+    near, far = (b, a) if right_end else (a, b)
+    mass: float = 0.0
+    momentum: float = 0.0  # relative to the first node, so that a body without vibration has none
+    for n in range(a, b + 1):
+        mass += pieces.mass[n]
+        momentum += pieces.mass[n] * (grid.velocity[n] - grid.velocity[a])
+    Z, held = 0.0, pieces.held[far] > 0
+    mean: float = 0.0
+    if held or pieces.held[near] > 0:
+        mean = grid.velocity[far if held else near]
+    else:
+        mean = grid.velocity[a] + momentum / mass
+        for s in range(2):
+            if ends.node[s] == far and ends.kind[s] == ENDLESS:
+                Z, mean = ends.impedance[s], ends.rest[s]
+    if a == b:
+        return Side(mean, mean, mean, 0.0, 0.0)
+    energy: float = 0.0
+    taken: float = 0.0
+    beyond: float = 0.0
+    d: float = 0.0
+    slack: float = 0.0
+    for n in range(a, b + 1):
+        v = grid.velocity[n] - mean
+        energy += pieces.mass[n] * v * v / 2
+        taken += pieces.mass[n] * v
+        if n < b:
+            k, change = grid.stiffness[n + 1], grid.velocity[n + 1] - grid.velocity[n]
+            now = grid.force[n + 1] + k * change / 2
+            energy += pieces.lateral[n + 1] * change * change / 2
+            energy += (now * now - k * k * change * change / 4) / (2 * k)
+            beyond += pieces.mass[n] / mass
+            g: float = 1.0
+            if not held and Z == 0:
+                g = beyond if right_end else 1 - beyond
+            d += now / k * g
+            slack += g * g / k
+    if not right_end:
+        d = -d
+    if Z > 0:
+        d -= taken / Z
+        slack = 2 * (slack + mass / (Z * Z))
+    bound = bound_of(energy, slack) + math.sqrt(max(energy, 0.0) / (2 * pieces.mass[near]))
+    if bound <= tol:
+        return Side(mean, mean, mean, d, bound)
+    return Side(mean, -math.inf, math.inf, d, bound)

@@ -11,7 +11,9 @@ import numpy as np
 from ...model import Rod
 from ...model.profiles import averages
 from .. import kernels
+from ..abilities import driven
 from ..contact_law_kernel import RIGID, Chain, Tally
+from ..finality_kernel import NEVER
 from ..refinement import TooLong
 from ..row import Array, squeezed, whole
 from .grid_kernel import (
@@ -26,10 +28,12 @@ from .grid_kernel import (
     Grid,
     Implicit,
     Links,
+    Pieces,
     Signals,
     States,
     factor,
     run,
+    settled,
     substitute,
 )
 from .mesh import Mesh
@@ -41,6 +45,7 @@ STATES_BYTES = 64 << 20  # of kept states, where their number is not given
 CELL_TIMES = {"explicit": (7e-10, 8e-7), "implicit": (6e-9, 2.5e-6)}
 """Time of a cell and a step, s, compiled and in plain Python."""
 
+PROOF_TIME = 2e-6  # s, about what plain Python takes for a node
 ROUND = 0.25  # s between two looks at the clock
 
 
@@ -75,6 +80,10 @@ class Machine:
         self.signals = self._allocate(room)
         self.keep = keep
         self.states = keep.make(self, room)
+        sides = [[mesh.piece_of(node) for node in nodes] for nodes in mesh.touching.values()]
+        left, right = (whole([pair[side] for pair in sides]) for side in (0, 1))
+        self.pieces = Pieces(whole(mesh.starts), whole(mesh.stops), mesh.mass / h, mesh.held,
+                             mesh.lateral / h, left, right)
         self.clock = whole([0, 0, 0])
         self.taken = 0
         self.tol, self.gap_resolution = TOLERANCE * row.scale, GAP_RESOLUTION * row.scale
@@ -297,6 +306,17 @@ class Machine:
             np.zeros(bonds * room), given, *np.zeros((2, 2 * room)), whole([room]),
             whole(self.mesh.node_of_mass), np.zeros(masses * room),
         ])
+
+    def settled(self) -> int:
+        """Steps until it may be proved that the collision is over; NEVER if not as it is."""
+        if driven(self.row.system):
+            return NEVER
+        nodes = 2 * len(self.mesh.mass)
+        parts: Any = self.pieces, self.grid, self.links, self.ends
+        if kernels.worth_compiling(nodes * PROOF_TIME):
+            return int(kernels.compiled(settled)(*parts, self.tol))
+        pieces, grid, links, ends = map(kernels.as_lists, parts)
+        return settled(pieces, grid, links, ends, self.tol)
 
     def _grow(self, room: int) -> None:
         old, was = self.signals, self.room

@@ -21,14 +21,14 @@ import numpy as np
 from ...model.frozen import InvalidModel
 from ...units import format_si
 from .. import kernels
-from ..abilities import driven
 from ..clock import PARTS, Clock
 from ..contact_law_kernel import RIGID, Tally
+from ..finality_kernel import NEVER
 from ..refinement import MEASURES, contact_measures, peak, refined, velocity_measure
 from ..row import Array, Row
 from ..run import Progress, Run
 from ..stepped import NONE_TAKEN, StepRecord, accuracy, as_run
-from .grid_kernel import ENDLESS, Grid, Links, Signals, States
+from .grid_kernel import Grid, Links, Signals, States
 from .machine import GAP_RESOLUTION, Keeper, Machine, cost
 from .mesh import MESH, GridMotion, Mesh
 
@@ -391,12 +391,12 @@ def _level(
     last = cap if until is None else steps
     machine.advance(0)
     while proof < 0:
-        wait = settled(machine)
+        wait = machine.settled()
         if wait == 0:
             proof = machine.taken
         elif machine.taken < last:
-            pause = min(wait, 8.0 * longest) if wait < math.inf else longest
-            more = max(longest, math.ceil(pause), machine.taken // 8)
+            pause = min(wait, 8 * longest) if wait < NEVER else longest
+            more = max(longest, pause, machine.taken // 8)
             machine.advance(min(last, machine.taken + more), tell)
         else:
             break
@@ -443,70 +443,3 @@ def clock_of(mesh: Mesh, step: float) -> Clock:
         gravity=float(row.gravity), grain=PARTS,
         transit_error=0.0, worst="",
     )
-
-
-# Proof of finality ------------------------------------------------------------------------------
-
-
-def settled(machine: Machine) -> float:
-    """Steps until it may be proved that nothing meets again: 0 if it is, inf if not as it is.
-
-    The end of a piece deviates from the motion of its centre of mass, or of the wall that holds it,
-    by d = sum(strain g dx), g the mass fraction beyond, hence by at most
-    sqrt(2 E sum(g^2 dx/(E A))), E the energy of vibration, which the scheme never lets grow. A far
-    endless bar of impedance Z gives way by the momentum it has taken, over Z.
-    """
-    if driven(machine.row.system):
-        return math.inf
-    wait = 0.0
-    for i, (left, right) in enumerate(machine.mesh.touching.values()):
-        gap = float(machine.links.gap[i])
-        if gap < 0:
-            return math.inf
-        (V, d, bound), (W, e, other) = _sway(machine, left, 1), _sway(machine, right, 0)
-        opening, apart, reach = W - V, gap - e + d, bound + other
-        if reach <= machine.tol and opening >= -machine.tol:
-            continue
-        if apart > reach and opening >= -machine.tol:
-            continue
-        if opening <= machine.tol:
-            return math.inf
-        wait = max(wait, (reach - apart) / opening + 1)
-    return wait
-
-
-def _sway(machine: Machine, node: int, right_end: int) -> tuple[float, float, float]:
-    """Mean velocity of a piece, how far its end is from the mean motion, and can ever get."""
-    mesh, grid, h = machine.mesh, machine.grid, machine.step
-    p = mesh.piece_of(node)
-    a, b = mesh.starts[p], mesh.stops[p]
-    v, cells = grid.velocity[a : b + 1], slice(a + 1, b + 1)
-    m = mesh.mass[a : b + 1] / h
-    far = a if right_end else b
-    endless = [s for s in (0, 1) if mesh.ends[s] == far and machine.ends.kind[s] == ENDLESS]
-    held = bool(mesh.held[far])
-    if held or mesh.held[node]:
-        mean = float(grid.velocity[far if held else node])
-    elif endless:
-        mean = float(machine.ends.rest[endless[0]])
-    else:
-        mean = float(m @ v / m.sum())
-    if a == b:
-        return mean, 0.0, 0.0
-    k, change = grid.stiffness[cells], np.diff(v)
-    now = grid.force[cells] + k * change / 2
-    energy = float(m @ (v - mean) ** 2 + (mesh.lateral[cells] / h) @ change**2) / 2
-    energy += float(np.sum((now**2 - (k * change / 2) ** 2) / k)) / 2
-    energy = max(energy, 0.0)
-    g = np.ones(b - a)
-    if not held and not endless:
-        beyond = np.cumsum(m)[:-1] / m.sum()
-        g = beyond if right_end else 1 - beyond
-    d = float(now / k @ g) * (1 if right_end else -1)
-    slack = float(np.sum(g * g / k))
-    if endless:
-        Z = float(machine.ends.impedance[endless[0]])
-        d -= float(m @ (v - mean)) / Z
-        slack = 2 * (slack + float(m.sum()) / Z**2)
-    inertia = float(m[-1] if right_end else m[0])
-    return mean, d, math.sqrt(2 * energy * slack) + math.sqrt(energy / (2 * inertia))

@@ -13,10 +13,11 @@ from .. import kernels
 from ..abilities import driven
 from ..clock import PARTS
 from ..contact_law_kernel import RIGID, Chain, Tally
+from ..finality_kernel import NEVER
 from ..refinement import TooLong
 from ..row import Array, Row, squeezed, whole
 from .delays import edges_of_parts
-from .step_kernel import DONE, NEVER, SQUEEZED, STEP, Points, Signals, State, inside, run, settled
+from .step_kernel import DONE, SQUEEZED, STEP, Points, Signals, State, inside, run, settled
 
 TOLERANCE = 2.0**-48  # of the velocities, below which contacts graze
 PROOF_TIME = 2e-6  # s, about what plain Python takes for a contact and an average in a rod

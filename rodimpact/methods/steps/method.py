@@ -23,6 +23,7 @@ from .. import abilities as physics
 from .. import kernels
 from ..clock import PARTS, Clock
 from ..contact_law_kernel import IMPACT, RIGID, SPRING, Tally
+from ..finality_kernel import NEVER
 from ..refinement import contact_measures, refined, velocity_measure
 from ..row import Array, Row
 from ..run import Run, Waves
@@ -30,7 +31,7 @@ from ..signals import StepSignal
 from ..stepped import NONE_TAKEN, StepRecord, accuracy, as_run
 from .delays import WHOLE, arriving, lost_to_means, transit_ticks
 from .machine import Machine
-from .step_kernel import CUTS, LINK, NEVER, Signals, State, choose_step, inside
+from .step_kernel import CUTS, LINK, Signals, State, choose_step, inside
 
 RTOL = 1e-5
 FIRST = 64  # fewest steps of the longest transit

@@ -43,10 +43,10 @@ from ..contact_law_kernel import (
     start_impacts,
     stored,
 )
+from ..finality_kernel import NEVER, Side, bound_of, separation_time
 
 DONE, SQUEEZED, CLOSED = range(3)  # why a run stopped
 STEP, LINK, CUTS = range(3)  # places in the clock
-NEVER = 1 << 62
 EARLY = 1 / (1 << 34)  # of one step's motion, by which a gap may close early
 PLACED = 1 / (1 << 20)  # of a step: how near to its ends a contact closes as if there
 
@@ -539,18 +539,14 @@ def deviation_bound(
 ) -> tuple[float, float]:
     """How far a group's end at a contact is from its mean motion, and can ever get.
 
-    The end of a free group deviates from the motion of the centre of mass by
-    d = integral(strain * g dx), g the mass fraction beyond x as seen from that end, hence by at
-    most sqrt(2 E integral(g^2 dx/(E A))), E the energy of vibration. A wall at the far end has all
-    the mass. A far endless bar of impedance Z gives way by the momentum it has taken, over Z, so
-    that momentum, of which there is at most sqrt(2 m E), counts as well.
+    A wall at the far end has all the mass. A far endless bar of impedance Z gives way by the
+    momentum it has taken, over Z, so that momentum, of which there is at most sqrt(2 m E), counts
+    as well.
 
     Returns
     -------
-    d : length
-        Deviation now, positive to the right.
-    bound2 : length squared
-        The bound's square.
+    d, bound : length
+        Deviation now, positive to the right, and its bound.
     """
     mass, mean, ground = group.mass, group.mean, group.ground
     energy = slack = d = 0.0
@@ -592,30 +588,7 @@ def deviation_bound(
         slack = 2 * (slack + mass * Y * Y)
     if group.high - group.low <= tol:
         return d, 0.0
-    return d, 2 * energy * slack
-
-
-def separation_time(state: State, signals: Signals, k: int, q: int, j: int, tol: float) -> int:
-    """Steps until contact q of node k may be proved not to close again: 0 if it is, or NEVER."""
-    i = k + state.first[k] + q
-    if state.gap[i] < 0:
-        return NEVER
-    left = group_motion(state, signals, k, q, False, j, tol)
-    right = group_motion(state, signals, k, q, True, j, tol)
-    if left.plain and right.plain and right.low - left.high >= -tol:
-        return 0
-    opening = right.mean - left.mean
-    if opening < -tol:
-        return NEVER
-    dl, bl = deviation_bound(state, signals, k, q, False, j, left, tol)
-    dr, br = deviation_bound(state, signals, k, q, True, j, right, tol)
-    gap = state.gap[i] - dr + dl
-    if gap > 0 and gap * gap > 2 * (bl + br):
-        return 0
-    if opening <= tol:
-        return NEVER
-    wait = (math.sqrt(2 * (bl + br)) - gap) / opening
-    return NEVER if wait > NEVER // 2 else int(wait) + 1
+    return d, bound_of(energy, slack)
 
 
 def settled(state: State, signals: Signals, j: int, tol: float) -> int:
@@ -627,9 +600,23 @@ def settled(state: State, signals: Signals, j: int, tol: float) -> int:
     wait = 0
     for k in range(len(state.first) - 1):
         for q in range(state.first[k + 1] - state.first[k] + 1):
-            if state.law[k + state.first[k] + q] >= RIGID and wait < NEVER:
-                wait = max(wait, separation_time(state, signals, k, q, j, tol))
+            i = k + state.first[k] + q
+            if state.law[i] >= RIGID and wait < NEVER:
+                left = side_of(state, signals, k, q, False, j, tol)
+                right = side_of(state, signals, k, q, True, j, tol)
+                wait = max(wait, separation_time(state.gap[i], left, right, tol))
     return wait
+
+
+def side_of(
+    state: State, signals: Signals, k: int, q: int, right: bool, j: int, tol: float
+) -> Side:
+    """What the proof asks of one side of contact q of node k, before part j."""
+    group = group_motion(state, signals, k, q, right, j, tol)
+    d, bound = deviation_bound(state, signals, k, q, right, j, group, tol)
+    if group.plain:
+        return Side(group.mean, group.low, group.high, d, bound)
+    return Side(group.mean, -math.inf, math.inf, d, bound)
 
 
 def choose_step(
