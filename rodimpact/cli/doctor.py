@@ -90,4 +90,4 @@ def solve_a_row(compile_after: int) -> list[object]:
     system = System([*row, Wall()], gaps=[0.0, 1e-6, 1e-5])
     run = track(assemble(Row(system)), compile_after=compile_after)
     columns = (*run.state, *run.tally, *run.log)
-    return [run.end, run.settled, run.events, *(list(column) for column in columns)]
+    return [run.end, run.finality_time, run.events, *(list(column) for column in columns)]

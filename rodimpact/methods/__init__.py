@@ -1,1 +1,1 @@
-"""Methods: each turns a system into end signals or snapshots, and knows nothing of solutions."""
+"""Methods: each takes a `Row`, hands back a `Run`, and knows nothing of solutions."""

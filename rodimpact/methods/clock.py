@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..model import System
 
-PARTS = 1 << 36
+STEP_TICKS = 1 << 36
 """Ticks of a time step: fields are looked up between steps, where waves keep their averages."""
 
 

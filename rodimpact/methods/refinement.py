@@ -58,7 +58,7 @@ class SteppedRun(Protocol):
         """Totals by link that can open."""
 
     @property
-    def settled(self) -> int:
+    def finality_time(self) -> int:
         """Place in `edges` where the collision was proved final, -1 without proof."""
 
     @property

@@ -55,12 +55,11 @@ def as_run(
         Sentences on the step that follow on why the run ended, each with a space before.
     """
     record, tick = _record(run), run.clock.tick
-    final = run.settled >= 0
+    final = run.finality_time >= 0
     t_end = until if until is not None else float(run.edges[-1]) * tick
-    t_final = float(run.edges[run.settled]) * tick if final else math.nan
-    proof = proved(
-        any(run.tally.episodes), run.stopped_by == "until" and run.settled >= run.steps, t_final
-    ) if final else ""
+    t_final = float(run.edges[run.finality_time]) * tick if final else math.nan
+    at_the_end = run.stopped_by == "until" and run.finality_time >= run.steps
+    proof = proved(any(run.tally.episodes), at_the_end, t_final) if final else ""
     status = ended(
         run.row.system, run.stopped_by, proof, format_si(t_end, "s"),
         f"{run.events} steps times ends",

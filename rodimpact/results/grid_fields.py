@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..methods.clock import PARTS, Clock
+from ..methods.clock import STEP_TICKS, Clock
 from ..methods.grid.mesh import GridMotion
 from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Side
@@ -39,7 +39,7 @@ class GridFields(Fields):
     """
 
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
-        super().__init__(clock, end, signals.masses, np.arange(0, end + 1, PARTS))
+        super().__init__(clock, end, signals.masses, np.arange(0, end + 1, STEP_TICKS))
         self.motion: GridMotion = signals.motion
 
     @property
@@ -48,13 +48,13 @@ class GridFields(Fields):
 
     @property
     def _step(self) -> float:
-        return self.clock.tick * PARTS
+        return self.clock.tick * STEP_TICKS
 
     # Between the states ---------------------------------------------------------------------------
 
     def _when(self, ticks: Ints) -> tuple[Ints, Floats]:
         """The state before each tick, and the share of the next one."""
-        when = self.motion.when * PARTS
+        when = self.motion.when * STEP_TICKS
         if len(when) == 1:
             return np.zeros(np.shape(ticks), np.int64), np.zeros(np.shape(ticks))
         i = np.clip(np.searchsorted(when, ticks, "right") - 1, 0, len(when) - 2)
@@ -237,7 +237,7 @@ class GridFields(Fields):
         x = self.check(body, x)[:, None]
         u = self.displacement(body, x, t)
         velocity = np.diff(u) / np.diff(self.to_ticks(t) * self.clock.tick)
-        when = self.motion.when * PARTS
+        when = self.motion.when * STEP_TICKS
         strain = self.strain(body, x, when * self.clock.tick)
         passed = np.zeros_like(strain)
         passed[:, 1:] = np.cumsum((strain[:, 1:] + strain[:, :-1]) / 2 * np.diff(when), axis=1)
@@ -251,7 +251,7 @@ class GridFields(Fields):
 
     def trace(self, body: int, x: float) -> Trace:  # noqa: D102
         a = self.clock
-        ticks = self.motion.when * PARTS
+        ticks = self.motion.when * STEP_TICKS
         times = ticks * a.tick
         c = a.wave_speed[int(self.segment_at(body, x))]
         v = self._at_nodes(self.motion.velocity, body, x, ticks)
@@ -279,7 +279,7 @@ class GridFields(Fields):
         self, body: int, tick: int, velocity: float
     ) -> tuple[float, float]:
         a, (nodes, cells, mass) = self.clock, self._span(body)
-        place = int(np.searchsorted(self.motion.when, tick // PARTS))
+        place = int(np.searchsorted(self.motion.when, tick // STEP_TICKS))
         v = self.motion.velocity[place, nodes] + a.frame + a.gravity * tick * a.tick - velocity
         change, k = np.diff(v), self.motion.stiffness[cells]
         bound = self.motion.lateral[cells] - k * self._step**2 / 4
@@ -287,10 +287,10 @@ class GridFields(Fields):
         return kinetic, float(np.sum(self.motion.force[place, cells] ** 2 / k)) / 2
 
     def whole(self, ticks: Ints) -> Ints:  # noqa: D102
-        return nearest(self.motion.when * PARTS, ticks)
+        return nearest(self.motion.when * STEP_TICKS, ticks)
 
     def damped(self, ticks: Ints) -> Floats:  # noqa: D102
-        place = np.searchsorted(self.motion.when, ticks // PARTS)
+        place = np.searchsorted(self.motion.when, ticks // STEP_TICKS)
         lost: Floats = self.motion.lost[place] * self._step
         return lost
 

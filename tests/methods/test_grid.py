@@ -13,7 +13,7 @@ from runs import gaps_of, solution_of
 
 import rodimpact as ri
 from rodimpact.methods import kernels
-from rodimpact.methods.clock import PARTS
+from rodimpact.methods.clock import STEP_TICKS
 from rodimpact.methods.grid import machine as grid_machine
 from rodimpact.methods.grid import method as finite_difference
 from rodimpact.methods.row import Row
@@ -166,7 +166,7 @@ def test_an_opening_is_where_the_gap_begins(left, right):
     lossy = material(viscosity=0.01)
     pair = [ri.Rod(x, area=1.0, material=lossy, velocity=v) for x, v in ((left, 1.0), (right, 0.0))]
     s = solved(pair, None, 200)
-    contact, h = s.contacts[0], s.fields.clock.tick * PARTS
+    contact, h = s.contacts[0], s.fields.clock.tick * STEP_TICKS
     (episode,) = contact.episodes
     assert episode.force_end <= episode.opening <= episode.force_end + 2 * h
     assert contact.gap(episode.opening) <= 1e-4 * h
@@ -279,7 +279,7 @@ def test_forces_in_bonds_of_rigid_bodies():
     masses = [ri.RigidMass(m) for m in (1.0, 2.0, 3.0)]
     laws, rod = [ri.Bonded(), ri.Bonded(), ri.Hertz(9.0)], unit_rod(velocity=-1.0)
     s = solved([*masses, rod], 2.0, 32, contacts=laws, ends=(ri.Pushed(0.7), ri.Free()))
-    t = s.fields.clock.tick * PARTS * (np.arange(64) + 0.5)
+    t = s.fields.clock.tick * STEP_TICKS * (np.arange(64) + 0.5)
     t = t[t < 2.0]
     first, second, last = (c.force(t) for c in s.contacts)
     a = (0.7 - last) / 6
@@ -342,7 +342,7 @@ def test_a_mode_with_lateral_inertia_swings_slower(wave):
         rod = ri.Rod(1.0, area=area, material=material(poisson_ratio=nu), polar_moment=polar,
                      velocity=lambda x: math.cos(k * x))
         s = solved([rod], 4.0, n)
-        t = s.fields.motion.when[:-1] * s.fields.clock.tick * PARTS
+        t = s.fields.motion.when[:-1] * s.fields.clock.tick * STEP_TICKS
         errors.append(np.abs(s.velocity(0, 0.0, t) - np.cos(w * t)).max())
     assert errors[-1] <= 8e-3
     assert order(errors) >= 1.8
@@ -455,15 +455,15 @@ def test_cells_and_steps():
     row = [unit_rod(velocity=1.0), unit_rod(0.37)]
     s = solved(row, 2.0, 50)
     assert s.fields.motion.counts == [50, 18]
-    step = s.fields.clock.tick * PARTS
+    step = s.fields.clock.tick * STEP_TICKS
     assert step == pytest.approx(2.0 / 101)  # at most 0.999 / 50
     assert "68 cells." in s.status
     s = solved(row, 2.0, dt=0.03)
     assert s.fields.motion.counts == [33, 12]
-    assert s.fields.clock.tick * PARTS == pytest.approx(2.0 / 67, rel=1e-14)
+    assert s.fields.clock.tick * STEP_TICKS == pytest.approx(2.0 / 67, rel=1e-14)
     assert "Time step 29.8507 ms" in s.status
     assert s.t_end == 2.0
-    assert s.fields.end == PARTS * 67
+    assert s.fields.end == STEP_TICKS * 67
     s = solved(row, 2.0, 10, dt=0.1)  # a Courant number of 1
     assert s.fields.motion.counts == [10, 3]
     assert s.outcome.energy_residual == pytest.approx(0, abs=1e-13)
@@ -548,7 +548,7 @@ def test_without_an_end_a_driven_row_is_refused():
 def test_any_end(until, size):
     """The run ends there; before half a step nothing is resolved, and no step is taken."""
     s = solved([unit_rod(velocity=1.0), ri.RigidMass(1.0)], until, **size)
-    steps = s.fields.end // PARTS
+    steps = s.fields.end // STEP_TICKS
     assert s.t_end == until
     assert steps == (0 if until < 0.02 else math.ceil(until / 0.04995))
     assert ("none was taken" in s.status) == (steps == 0 and until > 0)
@@ -575,7 +575,7 @@ def test_the_outcome_is_that_at_the_end_not_at_the_end_of_a_step(cells):
 def test_a_short_run_has_steps_enough():
     """Eight on the coarsest mesh, which is refined at least twice."""
     s = solved([unit_rod(velocity=1.0), unit_rod()], 0.013, rtol=0.5)
-    assert s.fields.end // PARTS >= 3 * 8
+    assert s.fields.end // STEP_TICKS >= 3 * 8
     assert s.outcome.impulse == pytest.approx(0.013 / 2, rel=0.03)
 
 
@@ -583,11 +583,11 @@ def test_max_events_caps_a_run_that_does_not_end():
     row = [ri.Wall(), unit_rod(velocity=1.0), ri.Wall()]
     s = solved(row, None, 16, max_events=1000, gaps=[0.1, 0.1])
     assert (s.stopped_by, s.final) == ("max_events", False)
-    assert s.events == s.fields.end // PARTS * 2 == 1000
+    assert s.events == s.fields.end // STEP_TICKS * 2 == 1000
     assert "Stopped by the cap of 1000 steps times ends" in s.status
     assert math.isnan(s.t_final)
     s = solved(row, None, 16, max_events=1)
-    assert s.fields.end == PARTS
+    assert s.fields.end == STEP_TICKS
 
 
 def test_stops_and_their_sentences():
@@ -655,7 +655,7 @@ def test_snapshots_by_number_and_by_time():
     assert np.array_equal(chosen.strain(0, x, times), full.strain(0, x, times))
     assert np.abs(chosen.energy(times).residual).max() <= 1e-13
     late = solved(row, None, 40, contacts=contacts, snapshots=[0.5, 1e9])
-    assert late.fields.motion.when.max() == late.fields.end // PARTS
+    assert late.fields.motion.when.max() == late.fields.end // STEP_TICKS
 
 
 @pytest.mark.parametrize("moment", ["kept", "between"])
@@ -881,7 +881,7 @@ def test_touching_ends_that_part_or_meet_as_a_wave_arrives(velocity):
     row = [unit_rod(velocity=velocity, strain=-0.2), unit_rod(0.8, strain=-0.2)]
     exact = ri.solve(ri.System(row), 1.5, "fronts")
     s = solved(row, 1.5, 100)
-    total = s.energy(s.fields.motion.when[:-1] * s.fields.clock.tick * PARTS).total
+    total = s.energy(s.fields.motion.when[:-1] * s.fields.clock.tick * STEP_TICKS).total
     assert np.diff(total).max() <= 1e-13
     assert s.outcome.impulse == pytest.approx(exact.outcome.impulse, rel=0.02)
     assert gaps_of(s, 0).min() == 0.0

@@ -14,7 +14,7 @@ from scipy.integrate import quad
 import rodimpact as ri
 from rodimpact.methods import contact_law_kernel as lk
 from rodimpact.methods import finality_kernel, kernels
-from rodimpact.methods.clock import PARTS as TICKS
+from rodimpact.methods.clock import STEP_TICKS as TICKS
 from rodimpact.methods.row import Row
 from rodimpact.methods.steps import step_kernel as ck
 from rodimpact.methods.steps.delays import transit_ticks
@@ -86,8 +86,8 @@ def test_compiled_and_plain_proofs_and_steps_agree():
     for seed in range(40):
         machine = machine_of(random_network(seed), 96)
         machine.advance(96)
-        fast = kernels.compiled(ck.settled)(machine.state, machine.signals, 96, machine.tol)
-        assert fast == ck.settled(machine.state, machine.signals, 96, machine.tol)
+        fast = kernels.compiled(ck.finality_time)(machine.state, machine.signals, 96, machine.tol)
+        assert fast == ck.finality_time(machine.state, machine.signals, 96, machine.tol)
         transits = np.random.default_rng(seed).uniform(0.1, 1, 1 + seed % 5)
         found = ck.choose_step(transits.tolist(), 64, 500, 1e-6, 1.0)
         assert kernels.compiled(ck.choose_step)(transits, 64, 500, 1e-6, 1.0) == found
@@ -397,9 +397,9 @@ def test_after_the_proof_nothing_presses():
     for seed in range(150):
         system = random_network(seed, bodies=3)
         machine = machine_of(system, 400)
-        while machine.taken < 400 and machine.settled():
+        while machine.taken < 400 and machine.finality_time():
             machine.advance(machine.taken + 16)
-        if machine.settled() == 0:
+        if machine.finality_time() == 0:
             proved += 1
             met += sum(machine.tally.episodes.tolist()) > 0
             before = machine.tally.impulse.copy()
@@ -438,17 +438,17 @@ def test_an_end_is_where_its_strains_put_it(right, cuts):
 
 
 def test_the_proof_waits_no_longer_than_it_says():
-    """`settled` promises when it may be asked again: not before, if nothing happens until then."""
+    """It promises when it may be asked again: not before, if nothing happens until then."""
     for seed in range(150):
         system = random_network(seed, bodies=2)
         machine = machine_of(system, 400)
         machine.advance(200)
-        wait = machine.settled()
+        wait = machine.finality_time()
         pressed = machine.tally.pressed.copy()
         if 0 < wait <= 2000:
             machine.advance(machine.taken + wait + 1)
             if np.array_equal(pressed, machine.tally.pressed):
-                assert machine.settled() == 0, seed
+                assert machine.finality_time() == 0, seed
 
 
 def test_a_squeezed_mass_is_told_in_a_sentence(monkeypatch):

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from systems import horizon, random_system
 
 import rodimpact as ri
-from rodimpact.methods.clock import PARTS
+from rodimpact.methods.clock import STEP_TICKS
 from rodimpact.methods.refinement import peak
 from rodimpact.methods.steps import method as characteristics
 
@@ -641,7 +641,7 @@ def test_what_cannot_be_continued_says_so(row):
 def test_dt_is_honoured_exactly():
     for dt in (1 / 16, 0.1, 0.07):
         s = solved([unit_rod(velocity=1.0), ri.Wall()], 3.0, dt)
-        assert s.fields.clock.tick * PARTS == dt
+        assert s.fields.clock.tick * STEP_TICKS == dt
         assert s.events == 2 * math.ceil(3.0 / dt - 1e-9)
         assert s.t_end == 3.0
         assert float(s.contacts[0].impulse_until(dt)) == pytest.approx(dt, rel=1e-12)
@@ -652,7 +652,7 @@ def test_transit_error_is_reported():
     s = solved([unit_rod(velocity=1.0), unit_rod(2.0)], 4.0, 0.3)
     """A tick, the 2^36th part of a step, is all by which a transit changes."""
     s = solved([unit_rod(velocity=1.0), unit_rod(2.0)], 4.0, 0.3)
-    assert 0 < s.transit_error <= 0.3 / PARTS
+    assert 0 < s.transit_error <= 0.3 / STEP_TICKS
     assert s.outcome.masses == pytest.approx([1.0, 2.0], rel=1e-11)
     assert solved([unit_rod()], 4.0, 0.25).transit_error == 0
 
@@ -681,7 +681,7 @@ def test_rtol_is_kept(rtol):
          [ri.Hertz(1e3), ri.Spring(1e2)]),
     ):
         rough = solved(row, 4.0, contacts=laws, rtol=rtol)
-        fine = solved(row, 4.0, rough.fields.clock.tick * PARTS / 4, contacts=laws)
+        fine = solved(row, 4.0, rough.fields.clock.tick * STEP_TICKS / 4, contacts=laws)
         assert "Not converged" not in rough.status
         scale = max(c.impulse for c in fine.outcome.contacts)
         for a, b in zip(rough.outcome.contacts, fine.outcome.contacts, strict=True):
@@ -832,8 +832,8 @@ def test_jumps_of_the_initial_state_and_of_drives_cut_the_steps():
     drive = ri.Steps([0.0, 1.0], [0.65])  # of 0.2 steps
     system = ri.System([rod, ri.RigidMass(1.0)], ends=(ri.Moved(drive), ri.Free()))
     plan = characteristics.Row(system)
-    places = characteristics.given_jumps(plan, [8 * PARTS], 1 / 8)
-    assert np.array(places) / PARTS == pytest.approx([0.2, 0.4, 0.6], abs=1e-10)
+    places = characteristics.given_jumps(plan, [8 * STEP_TICKS], 1 / 8)
+    assert np.array(places) / STEP_TICKS == pytest.approx([0.2, 0.4, 0.6], abs=1e-10)
 
 
 @pytest.mark.parametrize("rest", [0.1, 0.6])

@@ -7,7 +7,7 @@ import pytest
 from networks import UNIT, unit_rod
 
 import rodimpact as ri
-from rodimpact.methods.clock import PARTS
+from rodimpact.methods.clock import STEP_TICKS
 
 METHOD = "finite-difference"
 THICK = ri.Material("thick", youngs_modulus=2.0, density=0.5, viscosity=0.02, poisson_ratio=0.3)
@@ -32,7 +32,7 @@ def row():
 
 
 def states_of(solution):
-    t = solution.fields.motion.when * solution.fields.clock.tick * PARTS
+    t = solution.fields.motion.when * solution.fields.clock.tick * STEP_TICKS
     return t[t <= solution.t_end]
 
 
@@ -51,7 +51,7 @@ def test_what_is_linear_is_met_exactly_inside():
     edge = s.velocity(0, [0.0, 2.0], 0.0)
     assert edge == pytest.approx([0.0125, 0.9875], abs=1e-14)  # the mean over half a cell
     x = np.linspace(0.15, 1.85, 35)
-    h = s.fields.clock.tick * PARTS
+    h = s.fields.clock.tick * STEP_TICKS
     assert s.strain(0, x, 0.0) == pytest.approx(0.3 - 0.1 * x, abs=1e-14)
     assert s.strain(0, [0.0, 2.0], 0.0) == pytest.approx([0.0, 0.0], abs=1e-14)
     assert float(s.strain(0, 0.05, 0.0)) == pytest.approx(0.295 / 2, abs=3e-3)
@@ -106,7 +106,7 @@ def test_a_damped_rod_shows_the_contact_force_at_its_end():
     lossy = ri.Material("m", youngs_modulus=1.0, density=1.0, viscosity=0.02)
     row = [ri.Rod(L, area=A, material=lossy, velocity=v) for L, A, v in ((0.7, 1, 1), (1.1, 2, 0))]
     s = ri.solve(ri.System(row), 3.0, METHOD, cells=60)
-    h, F = s.fields.clock.tick * PARTS, s.contacts[0].push.values
+    h, F = s.fields.clock.tick * STEP_TICKS, s.contacts[0].push.values
     between = np.arange(1, len(F)) * h
     mean = (F[1:] + F[:-1]) / 2
     assert s.axial_force(0, 0.7, between) == pytest.approx(-mean, abs=1e-6)  # ticks
@@ -222,7 +222,7 @@ def test_a_bonded_mass_moves_with_the_end(row):
 def test_impulses_are_changes_of_momentum(row):
     t, o = states_of(row), row.outcome
     J = [c.impulse_until(t) for c in row.contacts]
-    h = row.fields.clock.tick * PARTS
+    h = row.fields.clock.tick * STEP_TICKS
     push = row.run.signals.outside[0].push.values
     pushed = np.concatenate(([0.0], np.cumsum(push) * h))[: len(t)]
     for i, (before, after) in enumerate(zip([pushed, *J], [*J, 0 * t - 0.2 * t], strict=True)):

@@ -169,8 +169,8 @@ def assemble(row: Row, until: float | None = None) -> Assembly:
     waves: list[list[tuple[int, float]]] = [[] for _ in range(2 * n + 4)]
     for r in range(layout.count[0]):
         waves[layout.line[r]].append((layout.tick[r], layout.value[r]))
-    beat = layout.beat[0]
-    errors = [abs(layout.transit[s] * beat / work.duration[s - 1] - 1) for s in range(1, n + 1)]
+    tick = layout.tick_seconds[0]
+    errors = [abs(layout.transit[s] * tick / work.duration[s - 1] - 1) for s in range(1, n + 1)]
     worst = max(range(n), key=errors.__getitem__)
     status = [OPEN if gap > 0 else at for gap, at in zip(layout.gap, plan.status, strict=True)]
     endless = [given[n + s] if kind == ENDLESS else 0.0
@@ -180,7 +180,7 @@ def assemble(row: Row, until: float | None = None) -> Assembly:
         nodes=tuple(make.node), wave_speed=[0.0, *given[:n], 0.0],
         impedance=[endless[0], *given[n : 2 * n], endless[1]],
         length=[0.0, *given[2 * n : 3 * n], 0.0],
-        ticks=layout.transit, tick=beat, frame=layout.frame[0], tolerance=layout.tolerance[0],
+        ticks=layout.transit, tick=tick, frame=layout.frame[0], tolerance=layout.tolerance[0],
         window=layout.window[0], status=status, gaps=layout.gap,
         outside=(layout.outside[0], layout.outside[1]), waves=waves,
         transit_error=errors[worst], worst=row.paths[worst + 1],
@@ -238,12 +238,12 @@ def start(
     n = len(ticks) - 2
     zero = 0 * mobility[1]
     more = [0] * room
-    turns = [0] * room
+    changes = [0] * room
     fronts = [(t, l, wave) for l, line in enumerate(waves) for t, wave in line]
     log = Log(
         [t for t, _, _ in fronts] + more, [-1] * (len(fronts) + room),
         [l for _, l, _ in fronts] + more, [wave for _, _, wave in fronts] + [zero] * room,
-        turns, turns[:], turns[:],
+        changes, changes[:], changes[:],
     )
     nodes, lines = [zero] * (n + 1), [-1] * (2 * n + 4)
     arrived = [outside[0], *[zero] * (2 * n + 2), outside[1]]

@@ -151,7 +151,8 @@ class Block:
         status[np.asarray(x.gap) > 0] = OPEN
         return Members(
             x.transit, x.mobility, status if self.compiled else status.tolist(), x.gap, x.outside,
-            x.count, x.tick, x.line, x.value, x.tolerance, x.window, x.target, x.frame, x.beat,
+            x.count, x.tick, x.line, x.value, x.tolerance, x.window, x.target, x.frame,
+            x.tick_seconds,
         )
 
     def run(self, members: Members, max_events: int, results: Results) -> Array:

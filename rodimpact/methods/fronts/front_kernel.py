@@ -26,7 +26,7 @@ FREE, BOND, PUSH, OPEN, TOUCH, GRAZE, PRESS = range(7)  # status of a node, see 
 DONE, FULL, CHECK, CAP, FINAL, CLOCK = range(6)  # why a run stopped
 NEVER = 1 << 62  # the clock ends here
 IDLE = (1 << 63) - 1  # tick of a node at which nothing is due
-NOW, ROWS, TURNS, EVENTS, PROBE, REST, SETTLED = range(7)  # places in the clock
+NOW, ROWS, CHANGES, EVENTS, PROBE, REST, FINALITY = range(7)  # places in the clock
 
 
 class State(NamedTuple):
@@ -65,9 +65,9 @@ class Log(NamedTuple):
     after: Any  # [row] next front of the same line, -1 if none yet
     line: Any  # [row]
     value: Any  # [row] wave behind the front
-    turn_tick: Any  # [turn]
-    turn_node: Any  # [turn]
-    turn_status: Any  # [turn] the new status
+    change_tick: Any  # [turn]
+    change_node: Any  # [turn]
+    change_status: Any  # [turn] the new status
 
 
 class GroupState(NamedTuple):
@@ -94,7 +94,7 @@ class Members(NamedTuple):
     window: Any  # [member]
     target: Any  # [member] as `play` wants it
     frame: Any  # [member] velocity of the frame of the waves
-    beat: Any  # [member] duration of a tick
+    tick_seconds: Any  # [member] duration of a tick
 
 
 class Results(NamedTuple):
@@ -157,8 +157,8 @@ def begin(state: State, tally: Tally, log: Log, clock: Any, count: int) -> None:
                 state.tree[leaves + k] = log.tick[r] + state.transit[l // 2] if r >= 0 else IDLE
     for i in range(leaves - 1, 0, -1):
         state.tree[i] = min(state.tree[2 * i], state.tree[2 * i + 1])
-    clock[NOW], clock[ROWS], clock[TURNS], clock[EVENTS] = 0, count, 0, 0
-    clock[PROBE], clock[REST], clock[SETTLED] = 0, 0, -1
+    clock[NOW], clock[ROWS], clock[CHANGES], clock[EVENTS] = 0, count, 0, 0
+    clock[PROBE], clock[REST], clock[FINALITY] = 0, 0, -1
 
 
 def resolve_contact(state: State, k: int, dt: int, tol: Any, window: int) -> int:
@@ -200,9 +200,9 @@ def record(state: State, tally: Tally, log: Log, clock: Any, k: int, t: int, sta
         clock[PROBE] = min(clock[PROBE], t)
         if before == PRESS:
             tally.last[k] = t
-    n = clock[TURNS]
-    log.turn_tick[n], log.turn_node[n], log.turn_status[n] = t, k, status
-    clock[TURNS] = n + 1
+    n = clock[CHANGES]
+    log.change_tick[n], log.change_node[n], log.change_status[n] = t, k, status
+    clock[CHANGES] = n + 1
 
 
 def advance(
@@ -219,14 +219,15 @@ def advance(
     head, tail, since, force = state.head, state.tail, state.since, state.force
     tick, after, value = log.tick, log.after, log.value
     leaves, n, events = len(tree) // 2, clock[ROWS], clock[EVENTS]
-    probe, rest, room, turns = clock[PROBE], clock[REST], len(value) - 2, len(log.turn_tick)
+    probe, rest, room, changes = clock[PROBE], clock[REST], len(value) - 2, len(log.change_tick)
     flag = DONE
     while tree[1] <= horizon:
+        # the earliest time at which waves arrive somewhere, or a gap closes
         t, i = tree[1], 1
         if t > probe and events >= rest:
             flag = CHECK
             break
-        if n > room or clock[TURNS] >= turns:
+        if n > room or clock[CHANGES] >= changes:
             flag = FULL
             break
         if events >= limit and t > clock[NOW]:
@@ -235,16 +236,19 @@ def advance(
         while i < leaves:
             i = 2 * i + (tree[2 * i] != t)
         k = i - leaves
+        # waves that arrive at the node from its left and its right side
         for l in (2 * k, 2 * k + 3):
             r = head[l]
             if r >= 0 and tick[r] + T[l // 2] == t:
                 arrived[l], head[l] = value[r], after[r]
         a, b, Yl, Yr, dt = arrived[2 * k], arrived[2 * k + 3], Y[k], Y[k + 1], t - since[k]
+        # what the force did since the node was last solved
         if force[k] != 0:
             tally.impulse[k] += force[k] * dt
             tally.work[k] += force[k] * state.speed[k] * dt
             if dt > window:
                 tally.peak[k] = max(tally.peak[k], force[k])
+        # the force from now on: of a contact that presses, a bond, or what is outside
         F, since[k] = 0 * a, t
         if status[k] >= OPEN:
             if status[k] == PRESS:
@@ -263,6 +267,7 @@ def advance(
             else:
                 F = b / Yl
         force[k], state.speed[k] = F, a - F * Yl
+        # waves that leave to the left and to the right: a front where they change
         for l in (2 * k + 1, 2 * k + 2):
             out = b + 2 * F * Yr
             if l % 2:
@@ -276,6 +281,7 @@ def advance(
                     if t + T[l // 2] < tree[j]:
                         schedule(tree, j, t + T[l // 2])
                 n += 1
+        # when the node is to be solved again: at the next arrival, or as its gap closes
         due = IDLE
         for l in (2 * k, 2 * k + 3):
             if head[l] >= 0:
@@ -445,7 +451,7 @@ def separation_time(state: State, log: Log, k: int, t: int, tol: Any) -> int:
     return t + int(wait * 1.000001) + 1
 
 
-def settled(state: State, log: Log, t: int, tol: Any) -> int:
+def finality_time(state: State, log: Log, t: int, tol: Any) -> int:
     """When the collision can be proved final: t if now, IDLE if not before a new contact.
 
     For rows whose ends are not driven: no bound holds for a body that is pushed.
@@ -485,20 +491,20 @@ def play(
     if until >= 0:
         clock[REST] = IDLE  # nothing is to be proved on the way
     else:
-        horizon = NEVER - 1 if clock[SETTLED] < 0 else min(clock[SETTLED] - until, NEVER - 1)
+        horizon = NEVER - 1 if clock[FINALITY] < 0 else min(clock[FINALITY] - until, NEVER - 1)
     while True:
         flag = advance(state, tally, log, clock, horizon, limit, tol, window)
         if flag in (FULL, CAP):
             break
-        if flag == DONE and (until >= 0 or clock[SETTLED] >= 0):
+        if flag == DONE and (until >= 0 or clock[FINALITY] >= 0):
             clock[NOW] = horizon
             break
         now = clock[NOW]
         if flag == CHECK:
             now = max(now, clock[PROBE])
-        when = settled(state, log, now, tol)
+        when = finality_time(state, log, now, tol)
         if when == now:
-            clock[SETTLED], clock[REST] = now, IDLE
+            clock[FINALITY], clock[REST] = now, IDLE
             horizon = min(now - until, NEVER - 1)
         elif flag == DONE:
             flag = CLOCK
@@ -509,10 +515,10 @@ def play(
     if flag != FULL:
         close_books(state, tally, clock[NOW], window)
     if (
-        flag in (DONE, CAP) and clock[SETTLED] < 0
-        and settled(state, log, clock[NOW], tol) == clock[NOW]
+        flag in (DONE, CAP) and clock[FINALITY] < 0
+        and finality_time(state, log, clock[NOW], tol) == clock[NOW]
     ):
-        clock[SETTLED] = clock[NOW]
+        clock[FINALITY] = clock[NOW]
     if until < 0 and flag == DONE:
         return FINAL
     return flag
@@ -629,18 +635,18 @@ def family(
             state, tally, log, clock, members.target[m], limit, members.tolerance[m],
             members.window[m],
         )
-        results.flag[m], results.final[m] = flag, clock[SETTLED] >= 0
+        results.flag[m], results.final[m] = flag, clock[FINALITY] >= 0
         if flag == FULL:
             continue
         final_state(state, tally, log, clock[NOW], stocks[0], stocks[1])
-        frame, beat, vibration = members.frame[m], members.beat[m], 0 * state.mobility[1]
+        frame, tick, vibration = members.frame[m], members.tick_seconds[m], 0 * state.mobility[1]
         for s in range(segments):
             i = m * segments + s
             results.before[i] = stocks[0].velocity[s] + frame
             results.after[i] = stocks[1].velocity[s] + frame
             vibration += stocks[1].vibration[s]
-        results.vibration[m] = vibration * beat
+        results.vibration[m] = vibration * tick
         for k in range(nodes):
             i = m * nodes + k
-            results.impulse[i], results.peak_force[i] = tally.impulse[k] * beat, tally.peak[k]
-            results.duration[i], results.episodes[i] = tally.pressed[k] * beat, tally.episodes[k]
+            results.impulse[i], results.peak_force[i] = tally.impulse[k] * tick, tally.peak[k]
+            results.duration[i], results.episodes[i] = tally.pressed[k] * tick, tally.episodes[k]

@@ -67,7 +67,7 @@ class Layout(NamedTuple):
     frame: Any  # [member] velocity of the frame of the waves
     scale: Any  # [member] of velocities
     horizon: Any  # [member] time for which the clock has room
-    beat: Any  # [member] duration of a tick
+    tick_seconds: Any  # [member] duration of a tick
     short: Any  # [member] segment with the shortest transit
 
 
@@ -472,7 +472,7 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
         for i in range(len(work.duration)):
             work.known[i] = work.duration[i]
     whole = work.memory[1]
-    beat, window, short = longest / whole, max(1, whole >> WINDOW), 1
+    tick_seconds, window, short = longest / whole, max(1, whole >> WINDOW), 1
     for s in range(1, n + 1):
         T = work.ticks[s - 1]
         if work.ticks[short - 1] > T:
@@ -483,16 +483,16 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
     if work.ticks[short - 1] <= 4 * window:
         return SHORT
     tol = TOLERANCE * scale
-    layout.beat[m], layout.window[m], layout.tolerance[m] = beat, window, tol
+    layout.tick_seconds[m], layout.window[m], layout.tolerance[m] = tick_seconds, window, tol
     for i in range(gaps):
-        layout.gap[node + make.node[i]] = given[row + 3 * n + i] / beat
+        layout.gap[node + make.node[i]] = given[row + 3 * n + i] / tick_seconds
     for i in range(2):
         body = i * (len(make.first) - 1)
         if make.last[body] == 0 and make.outside[i] == STEADY:
             layout.outside[2 * m + i] = given[row + make.profile[body]] - frame
     layout.target[m] = -1
     if until >= 0:
-        layout.target[m] = round(until / beat)
+        layout.target[m] = round(until / tick_seconds)
     elif momentum_varies(make, m, layout):
         layout.target[m] = -round_trip(make, m, layout)
     r = m * fronts

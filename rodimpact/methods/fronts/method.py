@@ -36,7 +36,7 @@ def hand_over(run: FrontRun, until: float | None) -> Run:
     return Run(
         method="fronts", until=until, clock=a, end=run.end,
         t_end=until if until is not None and run.stopped_by == "until" else run.end * a.tick,
-        t_final=run.settled * a.tick if run.settled >= 0 else math.nan,
+        t_final=run.finality_time * a.tick if run.finality_time >= 0 else math.nan,
         stopped_by=run.stopped_by, status=_status(run), events=run.events,
         contacts=tallies, totals=totals_of(run, tallies), make_signals=lambda: signals_of(run),
     )
@@ -45,9 +45,9 @@ def hand_over(run: FrontRun, until: float | None) -> Run:
 def _status(run: FrontRun) -> str:
     """Why the run ended, and what to do if that is not enough."""
     a, end = run.assembly, format_si(run.end * run.assembly.tick, "s")
-    final = "" if run.settled < 0 else _pressing(run) or proved(
-        any(run.tally.episodes), run.stopped_by == "until" and run.settled >= run.end,
-        run.settled * a.tick,
+    final = "" if run.finality_time < 0 else _pressing(run) or proved(
+        any(run.tally.episodes), run.stopped_by == "until" and run.finality_time >= run.end,
+        run.finality_time * a.tick,
     )
     if run.stopped_by == "max_events" and not final:
         sentence = (

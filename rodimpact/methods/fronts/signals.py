@@ -47,7 +47,7 @@ def _waves(segments: int, log: Log) -> list[StepSignal | None]:
 def _changes(a: Assembly, log: Log) -> dict[int, StepSignal]:
     """Status of each contact, by node; that before any change holds from tick -1 on."""
     columns: Any = [np.asarray(column).tolist() for column in
-                    (log.turn_tick, log.turn_node, log.turn_status)]
+                    (log.change_tick, log.change_node, log.change_status)]
     by_node: dict[int, tuple[list[int], list[int]]] = {
         node: ([-1], [a.status[node]]) for node in a.nodes
     }

@@ -13,14 +13,14 @@ from ..run import MAX_EVENTS
 from .assembly import Assembly, start
 from .front_kernel import (
     CAP,
+    CHANGES,
     CLOCK,
     EVENTS,
     FINAL,
+    FINALITY,
     FULL,
     NOW,
     ROWS,
-    SETTLED,
-    TURNS,
     GroupState,
     Log,
     State,
@@ -49,7 +49,7 @@ class FrontRun:
         What the segments held at t = 0 and at the end, momenta and energies per tick.
     end : int
         Tick reached.
-    settled : int
+    finality_time : int
         Tick at which the collision was proved final, -1 without proof, as where ends are driven.
     events : int
         Arrival ticks taken, one end each.
@@ -64,7 +64,7 @@ class FrontRun:
     opening: GroupState
     closing: GroupState
     end: int
-    settled: int
+    finality_time: int
     events: int
     stopped_by: str
 
@@ -116,12 +116,12 @@ def track(
         clock = clock.tolist()
     final_state(state, tally, log, clock[NOW], opening, closing)
     closing = GroupState(*([float(x) for x in column] for column in closing))
-    n, m = clock[ROWS], clock[TURNS]
+    n, m = clock[ROWS], clock[CHANGES]
     log = Log(*(x[:n] for x in log[:4]), *(x[:m] for x in log[4:]))
-    settled = -1 if until is not None and driven(a.system) else clock[SETTLED]
+    finality_time = -1 if until is not None and driven(a.system) else clock[FINALITY]
     reason = {FINAL: "final", CAP: "max_events", CLOCK: "clock"}.get(flag, "until")
     return FrontRun(
-        a, state, tally, log, opening, closing, clock[NOW], settled, clock[EVENTS], reason
+        a, state, tally, log, opening, closing, clock[NOW], finality_time, clock[EVENTS], reason
     )
 
 
@@ -139,8 +139,8 @@ def on_arrays(
 
 
 def _longer(log: Log, clock: Any, on_lists: bool) -> Log:
-    """Make room for as much again in the list of fronts, of turns, or in both."""
-    full = [clock[ROWS] + 2 > len(log.value)] * 4 + [clock[TURNS] >= len(log.turn_tick)] * 3
+    """Make room for as much again in the list of fronts, of changes, or in both."""
+    full = [clock[ROWS] + 2 > len(log.value)] * 4 + [clock[CHANGES] >= len(log.change_tick)] * 3
     grown = []
     for column, grow in zip(log, full, strict=True):
         if not grow:

@@ -532,7 +532,7 @@ def run(
         j += 1
 
 
-def settled(pieces: Pieces, grid: Grid, links: Links, ends: Ends, tol: float) -> int:
+def finality_time(pieces: Pieces, grid: Grid, links: Links, ends: Ends, tol: float) -> int:
     """Steps until it may be proved that nothing meets again: 0 if it is, NEVER if not as it is.
 
     For rows whose ends are not driven.

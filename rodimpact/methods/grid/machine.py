@@ -32,8 +32,8 @@ from .grid_kernel import (
     Signals,
     States,
     factor,
+    finality_time,
     run,
-    settled,
     substitute,
 )
 from .mesh import Mesh
@@ -307,16 +307,16 @@ class Machine:
             whole(self.mesh.node_of_mass), np.zeros(masses * room),
         ])
 
-    def settled(self) -> int:
+    def finality_time(self) -> int:
         """Steps until it may be proved that the collision is over; NEVER if not as it is."""
         if driven(self.row.system):
             return NEVER
         nodes = 2 * len(self.mesh.mass)
         parts: Any = self.pieces, self.grid, self.links, self.ends
         if kernels.worth_compiling(nodes * PROOF_TIME):
-            return int(kernels.compiled(settled)(*parts, self.tol))
+            return int(kernels.compiled(finality_time)(*parts, self.tol))
         pieces, grid, links, ends = map(kernels.as_lists, parts)
-        return settled(pieces, grid, links, ends, self.tol)
+        return finality_time(pieces, grid, links, ends, self.tol)
 
     def _grow(self, room: int) -> None:
         old, was = self.signals, self.room

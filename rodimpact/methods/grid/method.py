@@ -21,7 +21,7 @@ import numpy as np
 from ...model.frozen import InvalidModel
 from ...units import format_si
 from .. import kernels
-from ..clock import PARTS, Clock
+from ..clock import STEP_TICKS, Clock
 from ..contact_law_kernel import RIGID, Tally
 from ..finality_kernel import NEVER
 from ..refinement import MEASURES, contact_measures, peak, refined, velocity_measure
@@ -63,7 +63,7 @@ class GridRun:
         The kernel's state at the end, on arrays.
     states : States
         What was kept: columns [state, node], [state, cell], [state, piece] and [state].
-    settled : int
+    finality_time : int
         Step at which the collision was proved final, -1 without proof.
     stopped_by : str
         ``"final"``, ``"until"`` or ``"max_events"``.
@@ -84,7 +84,7 @@ class GridRun:
     tally: Tally
     signals: Signals
     states: States
-    settled: int
+    finality_time: int
     stopped_by: str
     estimates: dict[str, float] = field(default_factory=dict)
     rtol: float = 0.0
@@ -98,7 +98,7 @@ class GridRun:
     @property
     def edges(self) -> Array:
         """Ticks of the ends of steps, from 0 on."""
-        found: Array = PARTS * np.arange(self.steps + 1)
+        found: Array = STEP_TICKS * np.arange(self.steps + 1)
         return found
 
     @property
@@ -369,7 +369,7 @@ def _level(
     """One run on a given mesh."""
     row = mesh.row
     work = clock_of(mesh, step)
-    longest = max(1, math.ceil(work.longest / PARTS))
+    longest = max(1, math.ceil(work.longest / STEP_TICKS))
     cap = max(1, max_events // len(row.laws))
     proof, reason = -1, "until"
     steps = 0 if until is None else round(until / step)
@@ -391,7 +391,7 @@ def _level(
     last = cap if until is None else steps
     machine.advance(0)
     while proof < 0:
-        wait = machine.settled()
+        wait = machine.finality_time()
         if wait == 0:
             proof = machine.taken
         elif machine.taken < last:
@@ -406,9 +406,9 @@ def _level(
         reason = "final" if proof >= 0 else "max_events"
         if proof >= 0:
             machine.advance(machine.taken + 2 * longest, tell)
-    end = machine.taken * PARTS
+    end = machine.taken * STEP_TICKS
     if until is not None and not steps:
-        end = math.ceil(until / step * PARTS)
+        end = math.ceil(until / step * STEP_TICKS)
     kept = int(machine.clock[1])
     when = machine.states.when
     states = States._make([
@@ -418,7 +418,7 @@ def _level(
     return GridRun(
         clock=work, mesh=mesh, step=step, steps=machine.taken, end=end, grid=machine.grid,
         links=machine.links, tally=machine.tally, signals=machine.signals, states=states,
-        settled=proof, stopped_by=reason,
+        finality_time=proof, stopped_by=reason,
     )
 
 
@@ -428,7 +428,7 @@ def _spell(seconds: float) -> str:
 
 def clock_of(mesh: Mesh, step: float) -> Clock:
     """Put a row on the clock of a mesh; impedances are means, so that Z T is the mass."""
-    row, tick = mesh.row, step / PARTS
+    row, tick = mesh.row, step / STEP_TICKS
     ticks = [max(1, round(float(s.transit_time) / tick)) for s in row.segments]
     masses = [
         float(mesh.cell_mass[a + 1 : b + 1].sum())
@@ -440,6 +440,6 @@ def clock_of(mesh: Mesh, step: float) -> Clock:
         impedance=[0.0, *(m / (T * tick) for m, T in zip(masses, ticks, strict=True)), 0.0],
         length=[0.0, *(float(s.length) for s in row.segments), 0.0],
         ticks=[0, *ticks, 0], tick=tick, frame=row.frame, scale=row.scale,
-        gravity=float(row.gravity), grain=PARTS,
+        gravity=float(row.gravity), grain=STEP_TICKS,
         transit_error=0.0, worst="",
     )

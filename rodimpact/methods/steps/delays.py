@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..clock import PARTS
+from ..clock import STEP_TICKS
 from ..row import Array, Row
 
 WHOLE = 4  # ticks by which a transit may miss a whole number of steps: round-off
@@ -14,8 +14,8 @@ def transit_ticks(row: Row, step: float) -> list[int]:
     """Transit times of the segments in ticks; whole steps where they are that but for round-off."""
     found = []
     for s in row.segments:
-        ticks = max(PARTS, round(float(s.transit_time) / step * PARTS))
-        near = round(ticks / PARTS) * PARTS
+        ticks = max(STEP_TICKS, round(float(s.transit_time) / step * STEP_TICKS))
+        near = round(ticks / STEP_TICKS) * STEP_TICKS
         found.append(near if abs(ticks - near) <= WHOLE + (ticks >> 50) else ticks)
     return found
 
@@ -23,13 +23,13 @@ def transit_ticks(row: Row, step: float) -> list[int]:
 def edges_of_parts(places: Array, first: int, last: int) -> Array:
     """Ticks at which the parts from `first` on begin, up to `last`, of steps cut at `places`."""
     j, parts = np.arange(first, last + 1), len(places) - 1
-    found: Array = j // parts * PARTS + places[j % parts]
+    found: Array = j // parts * STEP_TICKS + places[j % parts]
     return found
 
 
 def shares(transit: int, lasts: Array) -> Array:
     """Share of the earlier of the two averages that arrive in steps of so many ticks."""
-    found: Array = np.minimum(1.0, transit % PARTS / lasts)
+    found: Array = np.minimum(1.0, transit % STEP_TICKS / lasts)
     return found
 
 
@@ -50,7 +50,7 @@ def arriving(wave: Array, transit: int, lasts: Array) -> Array:
     [steps] array
     """
     found: Array = wave[: len(lasts)]
-    if transit % PARTS:
+    if transit % STEP_TICKS:
         found = found + (1 - shares(transit, lasts)) * (wave[1 : len(lasts) + 1] - found)
     return found
 
@@ -60,7 +60,7 @@ def lost_to_means(wave: Array, transit: int, lasts: Array) -> Array:
 
     Per impedance; arguments as of `arriving`.
     """
-    if transit % PARTS == 0:
+    if transit % STEP_TICKS == 0:
         return np.zeros(len(lasts))
     w, change = shares(transit, lasts), np.diff(wave)[: len(lasts)]
     found: Array = w * (1 - w) * change * change * lasts / 4

@@ -11,13 +11,13 @@ from ...model import Rod
 from ...model.profiles import averages
 from .. import kernels
 from ..abilities import driven
-from ..clock import PARTS
+from ..clock import STEP_TICKS
 from ..contact_law_kernel import RIGID, Chain, Tally
 from ..finality_kernel import NEVER
 from ..refinement import TooLong
 from ..row import Array, Row, squeezed, whole
 from .delays import edges_of_parts
-from .step_kernel import DONE, SQUEEZED, STEP, Points, Signals, State, inside, run, settled
+from .step_kernel import DONE, SQUEEZED, STEP, Points, Signals, State, finality_time, inside, run
 
 TOLERANCE = 2.0**-48  # of the velocities, below which contacts graze
 PROOF_TIME = 2e-6  # s, about what plain Python takes for a contact and an average in a rod
@@ -34,7 +34,7 @@ class Machine:
     ticks : list of int
         Transit times of the segments.
     step : float
-        s; of `PARTS` ticks.
+        s; of `STEP_TICKS` ticks.
     room : int
         Parts of steps to make room for.
     cuts : list of int
@@ -45,7 +45,7 @@ class Machine:
         self, row: Row, ticks: list[int], step: float, room: int, cuts: Sequence[int] = ()
     ) -> None:
         self.row, self.step, self.room = row, step, room
-        self.places = np.array([0, *sorted(cuts), PARTS])
+        self.places = np.array([0, *sorted(cuts), STEP_TICKS])
         n, h, links, masses = len(ticks), step, len(row.laws), len(row.masses)
         parts = len(self.places) - 1
         mobility = [0.0, *(1 / float(s.impedance) for s in row.segments), 0.0]
@@ -54,8 +54,9 @@ class Machine:
                 mobility[(n + 1) * side] = mobility[s]
         transits = np.array([0, *ticks, 0])
         self.state = State(
-            transits // PARTS * parts, transits % PARTS / PARTS, transits / PARTS,
-            np.diff(self.places) / PARTS, np.array(mobility), whole(row.first),
+            transits // STEP_TICKS * parts, transits % STEP_TICKS / STEP_TICKS,
+            transits / STEP_TICKS,
+            np.diff(self.places) / STEP_TICKS, np.array(mobility), whole(row.first),
             np.array(row.masses) / h, whole(row.laws), row.stiffness_in_steps(h),
             np.array(row.exponent), np.array(row.damping), np.array(row.gap) / h,
             np.zeros(links), np.zeros(links), np.ones(links, np.int64),
@@ -131,7 +132,7 @@ class Machine:
     def _drive(self, since: int, ticks: Array) -> None:
         """Fill the lines that come from outside, from part `since` on, with means between ticks."""
         n, row = len(self.state.steps) - 2, self.row
-        edges = self.step / PARTS * ticks
+        edges = self.step / STEP_TICKS * ticks
         for side, line, own in ((0, 0, 2), (1, 2 * n + 3, 2 * n + 1)):
             kind, value = row.outside[side]
             if kind == "none":
@@ -183,7 +184,7 @@ class Machine:
             self.clock[:] = clock
         self.taken = int(self.clock[STEP])
         if flag == SQUEEZED:
-            raise squeezed(float(self.edges(self.taken, self.taken)[0]) / PARTS * self.step)
+            raise squeezed(float(self.edges(self.taken, self.taken)[0]) / STEP_TICKS * self.step)
         return bool(flag == DONE)
 
     def finish(self, end: int) -> bool:
@@ -191,7 +192,7 @@ class Machine:
         rest = end - int(self.edges(self.taken, self.taken)[0])
         if rest == 0:
             return True
-        whole_row, d = self.state, rest / PARTS
+        whole_row, d = self.state, rest / STEP_TICKS
         last = self.taken % len(whole_row.part)
         self.state = whole_row._replace(
             part=np.where(np.arange(len(whole_row.part)) == last, d, whole_row.part),
@@ -202,12 +203,12 @@ class Machine:
         self.state = whole_row
         return going
 
-    def settled(self) -> int:
+    def finality_time(self) -> int:
         """Parts until it may be proved that the collision is over; NEVER if not as it is."""
         if driven(self.row.system):
             return NEVER
         averages_read = int(np.sum(self.state.steps)) * len(self.row.laws)
         slow = kernels.worth_compiling(averages_read * PROOF_TIME)
-        prove: Callable[..., int] = kernels.compiled(settled) if slow else settled
+        prove: Callable[..., int] = kernels.compiled(finality_time) if slow else finality_time
         wait = int(prove(self.state, self.signals, self.taken, self.tol))
         return wait if wait >= NEVER // len(self.state.part) else wait * len(self.state.part)

@@ -21,7 +21,7 @@ from ...model.frozen import InvalidModel
 from ...units import format_si
 from .. import abilities as physics
 from .. import kernels
-from ..clock import PARTS, Clock
+from ..clock import STEP_TICKS, Clock
 from ..contact_law_kernel import IMPACT, RIGID, SPRING, Tally
 from ..finality_kernel import NEVER
 from ..refinement import contact_measures, refined, velocity_measure
@@ -41,7 +41,7 @@ SHORTEST = 4  # fewest steps of the shortest transit
 MOST_STEPS = 1 << 16  # of the longest transit, that the shortest may ask for
 MOST_CUTS = 24  # of a step, where contacts close
 MOST_SEARCHED = 10_000  # steps of the longest transit, among which all transits may be whole
-MOMENT = PARTS >> 21  # ticks before and after an impact
+MOMENT = STEP_TICKS >> 21  # ticks before and after an impact
 SAME = 1 / 16  # steps: a contact that closes so near to where it did was placed badly before
 
 
@@ -56,7 +56,7 @@ class Closing(NamedTuple):
 
         The bodies of an impact change their velocity in the middle of a part, so that is short.
         """
-        tick = self.time / step * PARTS
+        tick = self.time / step * STEP_TICKS
         return [tick - MOMENT, tick + MOMENT] if row.laws[self.link] == IMPACT else [tick]
 
 
@@ -67,7 +67,7 @@ class StepRun:
     Attributes
     ----------
     clock : Clock
-        Its tick is the step's `PARTS`-th part.
+        Its tick is the step's `STEP_TICKS`-th part.
     plan : Plan
     step : float
         s.
@@ -77,7 +77,7 @@ class StepRun:
         The same before t = 0.
     row, tally, signals
         The kernel's state at the end, on arrays.
-    settled : int
+    finality_time : int
         Place in `edges` where the collision was proved final, -1 without proof.
     stopped_by : str
         ``"final"``, ``"until"`` or ``"max_events"``.
@@ -98,7 +98,7 @@ class StepRun:
     state: State
     tally: Tally
     signals: Signals
-    settled: int
+    finality_time: int
     stopped_by: str
     estimates: dict[str, float] = field(default_factory=dict)
     rtol: float = 0.0
@@ -324,7 +324,7 @@ def follow(
         )
         raise InvalidModel([(row.paths[short + 1], message)])
     number, smear = _choose(transits, least, max(MOST_SEARCHED, 2 * least), 0.0)
-    fits = smear <= WHOLE / PARTS
+    fits = smear <= WHOLE / STEP_TICKS
     abrupt = begins_with_jumps(row)
 
     closings: list[Closing] | None = [] if fits and abrupt else None
@@ -371,7 +371,7 @@ def _choose(transits: list[float], least: int, most: int, power: float) -> tuple
     if kernels.enabled() and kernels.started():
         choose = kernels.compiled(choose_step)
     given: Any = transits if choose is choose_step else np.array(transits)
-    number, smear = choose(given, least, most, WHOLE / PARTS, power)
+    number, smear = choose(given, least, most, WHOLE / STEP_TICKS, power)
     return int(number), float(smear)
 
 
@@ -404,7 +404,7 @@ def _level(
     for. The run has its own.
     """
     ticks = transit_ticks(row, step)
-    if closings is None or not begins_with_jumps(row) or any(T % PARTS for T in ticks):
+    if closings is None or not begins_with_jumps(row) or any(T % STEP_TICKS for T in ticks):
         found = attempt(row, ticks, step, [], until, max_events, may_cut=False)
         assert isinstance(found, StepRun)
         return replace(found, closings=None)
@@ -425,9 +425,9 @@ def _level(
 
 def places_inside(ticks: Iterable[float]) -> list[int]:
     """Places of ticks in their steps, in order, without those at the ends and beside others."""
-    inside_step = sorted({round(x) % PARTS for x in ticks})
+    inside_step = sorted({round(x) % STEP_TICKS for x in ticks})
     return [x for before, x in pairwise([0, *inside_step])
-            if x - before > WHOLE and PARTS - x > WHOLE]
+            if x - before > WHOLE and STEP_TICKS - x > WHOLE]
 
 
 def given_jumps(row: Row, ticks: list[int], step: float) -> list[int]:
@@ -447,7 +447,7 @@ def given_jumps(row: Row, ticks: list[int], step: float) -> list[int]:
             left += L
     for _, value in row.outside:
         if isinstance(value, Steps):
-            found += [float(t) / step * PARTS for t in value.at]
+            found += [float(t) / step * STEP_TICKS for t in value.at]
     if any(law == IMPACT and gap == 0 for law, gap in zip(row.laws, row.gap, strict=True)):
         found.append(MOMENT)
     places = places_inside(found)
@@ -461,23 +461,23 @@ def attempt(
     """One run with given cuts, or the first closing inside a part of a step."""
     parts, nodes = len(cuts) + 1, len(ticks) + 1
     longest = max(
-        math.ceil(sum(ticks[first - 1 : last]) / PARTS) for first, last in row.spans
+        math.ceil(sum(ticks[first - 1 : last]) / STEP_TICKS) for first, last in row.spans
     ) * parts
     proof, reason, going = -1, "until", True
     cap = max(1, max_events // nodes)
-    end = None if until is None else round(until / step * PARTS)
-    room = 8 * longest if end is None else max(1, -(-end // PARTS)) * parts
+    end = None if until is None else round(until / step * STEP_TICKS)
+    room = 8 * longest if end is None else max(1, -(-end // STEP_TICKS)) * parts
     machine = Machine(row, ticks, step, room, cuts)
     machine.clock[CUTS] = may_cut
     if end is not None:
-        first = np.searchsorted(machine.places, end % PARTS, "right") - 1
-        going = machine.advance(end // PARTS * parts + int(first))
-        if going and machine.settled() == 0:
+        first = np.searchsorted(machine.places, end % STEP_TICKS, "right") - 1
+        going = machine.advance(end // STEP_TICKS * parts + int(first))
+        if going and machine.finality_time() == 0:
             proof = machine.taken
         going = going and machine.finish(end)
     else:
         while going and proof < 0 and machine.taken < cap:
-            wait = machine.settled()
+            wait = machine.finality_time()
             if wait == 0:
                 proof = machine.taken
             else:
@@ -498,14 +498,14 @@ def attempt(
     return StepRun(
         clock=clock_of(row, ticks, step), row=row, step=step, edges=edges,
         edges_before=machine.edges(earliest, -1),
-        state=machine.state, tally=machine.tally, signals=machine.signals, settled=proof,
+        state=machine.state, tally=machine.tally, signals=machine.signals, finality_time=proof,
         stopped_by=reason,
     )
 
 
 def clock_of(row: Row, ticks: list[int], step: float) -> Clock:
     """Put a row on the clock of a time step; `ticks` are the transit times of the segments."""
-    tick = step / PARTS
+    tick = step / STEP_TICKS
     errors = [abs(T * tick / float(s.transit_time) - 1)
               for T, s in zip(ticks, row.segments, strict=True)]
     worst = max(range(len(errors)), key=errors.__getitem__)
@@ -515,6 +515,6 @@ def clock_of(row: Row, ticks: list[int], step: float) -> Clock:
         impedance=[0.0, *(float(s.impedance) for s in row.segments), 0.0],
         length=[0.0, *(float(s.length) for s in row.segments), 0.0],
         ticks=[0, *ticks, 0], tick=tick, frame=row.frame, scale=row.scale,
-        gravity=float(row.gravity), grain=PARTS, transit_error=errors[worst],
+        gravity=float(row.gravity), grain=STEP_TICKS, transit_error=errors[worst],
         worst=row.paths[worst + 1],
     )

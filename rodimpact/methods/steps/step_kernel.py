@@ -591,7 +591,7 @@ def deviation_bound(
     return d, bound_of(energy, slack)
 
 
-def settled(state: State, signals: Signals, j: int, tol: float) -> int:
+def finality_time(state: State, signals: Signals, j: int, tol: float) -> int:
     """Steps until it may be proved that nothing meets again: 0 if it is, NEVER if not as it is.
 
     For rows whose walls move steadily and whose ends are not driven: no bound holds for a body
