@@ -6,7 +6,6 @@ the drive is made: what is stored and compared are numbers only.
 
 from __future__ import annotations
 
-import reprlib
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any, ClassVar, TypeAlias
@@ -14,7 +13,9 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..units import one_line, shown
 from .frozen import (
+    LARGEST,
     Field,
     Frozen,
     InvalidModel,
@@ -25,9 +26,8 @@ from .frozen import (
     number,
     plain,
 )
-from .quantities import numbers_in
-
-Floats: TypeAlias = "np.ndarray[Any, np.dtype[np.float64]]"
+from .quantities import Floats as Floats
+from .quantities import floats
 
 ALONG_ROD = 1025  # places at which a function along a rod is sampled
 IN_TIME = 4097  # times at which a function of time is sampled
@@ -56,19 +56,18 @@ class Steps(Frozen):
     def __init__(self, values: Sequence[ArrayLike], at: Sequence[ArrayLike]) -> None:
         problems: Problems = []
         lists: dict[str, tuple[Number, ...]] = {}
-        given: Any = (("values", values, "any"), ("at", at, "positive"))
+        given: Any = (("values", values, "sampled"), ("at", at, "positive"))
         for name, items, sign in given:
-            if not isinstance(items, list | tuple):
+            entries: Any = items if isinstance(items, list | tuple) else ()
+            if entries is not items:
                 try:
-                    items = numbers_in(items, "")
+                    entries = list(floats(items, ""))
+                except TypeError:  # a single number
+                    problems.append((name, f"must be a list of numbers, got {shown(items)}"))
                 except ValueError as error:
                     problems.append((name, str(error)))
-                    items = ()
-            if isinstance(items, str) or not np.iterable(items):
-                problems.append((name, f"must be a list of numbers, got {items!r}"))
-                items = ()
             lists[name] = tuple(
-                number(problems, f"{name}.{i}", v, "", sign) for i, v in enumerate(items)
+                number(problems, f"{name}.{i}", v, "", sign) for i, v in enumerate(entries)
             )
         if not problems and len(lists["values"]) != len(lists["at"]) + 1:
             message = f"needs one value more than jumps, got {len(lists['values'])} values"
@@ -115,9 +114,9 @@ class Samples(Frozen):
 
     def __init__(self, values: ArrayLike, step: ArrayLike | None = None) -> None:
         problems: Problems = []
-        samples = number(problems, "values", values, "")
+        samples = number(problems, "values", values, "", "sampled")
         if not problems and (isinstance(samples, float) or samples.ndim > 1 or samples.size < 2):
-            message = f"must be a list of at least two numbers, got {reprlib.repr(values)}"
+            message = f"must be a list of at least two numbers, got {shown(values)}"
             problems.append(("values", message))
         (h,) = self._checked(problems, step=step)
         if problems:
@@ -184,7 +183,7 @@ def in_time(problems: Problems, path: str, value: Any, field: Field, duration: A
     if not callable(value):
         if duration is not None:
             message = "belongs to a function of time; leave it out"
-            problems.append(("duration", f"{message}, got {duration!r}"))
+            problems.append(("duration", f"{message}, got {shown(duration)}"))
         if isinstance(value, Samples) and value.step is None:
             problems.append((f"{path}.step", "is missing; give the seconds between two samples"))
         if isinstance(value, Steps | Samples):
@@ -259,13 +258,13 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
         at = np.array([float(x) for x in profile.at])
         values = np.array([float(v) for v in profile.values])
         first, last = np.searchsorted(at, edges[:-1], "right"), np.searchsorted(at, edges[1:])
-        found: Floats = values[first]
+        means: Floats = values[first]
         for i in np.flatnonzero(last > first):
             cuts = np.concatenate(([edges[i]], at[first[i] : last[i]], [edges[i + 1]]))
-            found[i] = np.sum(values[first[i] : last[i] + 1] * np.diff(cuts)) / (
+            means[i] = np.sum(values[first[i] : last[i] + 1] * np.diff(cuts)) / (
                 edges[i + 1] - edges[i]
             )
-        return found
+        return means
     if isinstance(profile, Samples):
         values = np.asarray(profile.values, dtype=float)
         width = length / (len(values) - 1) if profile.step is None else float(profile.step)
@@ -284,10 +283,12 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
 
 
 def profile_from(data: Any) -> Any:
-    """Make the profile that `to_dict` described."""
+    """Make the profile that `to_dict` described; what is none stays as it is."""
     if not isinstance(data, dict):
         return data
-    return Samples(data["samples"], data.get("step")) if "samples" in data else Steps(**data)
+    if "samples" in data:
+        return Samples(data["samples"], data.get("step"))
+    return Steps(**data) if "values" in data else data
 
 
 def _sampled(
@@ -295,21 +296,26 @@ def _sampled(
 ) -> Floats | None:
     """Values of a function of arrays, or else of numbers; None, with the mistake noted."""
     try:
-        values = np.asarray(numbers_in(function(places.copy()), unit))
+        values = floats(function(places.copy()), unit)
         if values.shape != places.shape:
             raise TypeError
     except Exception:
         try:
-            values = np.array(numbers_in([function(x) for x in places.tolist()], unit))
+            returned = [function(x) for x in places.tolist()]
         except Exception as error:
-            reason = f"{type(error).__name__}: {error}"
+            reason = f"{type(error).__name__}: {one_line(str(error))}"
             problems.append((path, f"is a function that cannot be evaluated: {reason}"))
             return None
-    if values.shape != places.shape or values.dtype.kind not in "fiu":
-        first = reprlib.repr(values[0])
-        problems.append((path, f"must be a function that returns numbers, got {first} at 0.0"))
+        try:
+            values = floats(returned, unit)
+        except ValueError as error:
+            problems.append((path, f"must be a function that returns numbers: {error}"))
+            return None
+    if values.shape != places.shape:
+        message = f"must be a function that returns numbers, got {shown(values[0])} at 0.0"
+        problems.append((path, message))
         return None
-    if not np.all(good := np.isfinite(values)):
+    if not np.all(good := np.abs(values) <= LARGEST):
         _, (x, got) = first_false(good, places, values)
         message = f"must be a function that returns finite numbers, got {got!r} at {x!r}"
         problems.append((path, message))

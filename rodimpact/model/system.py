@@ -9,14 +9,15 @@ Axis x points to the right; velocity is positive to the right, strain positive i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .bodies import Body, RigidMass, Rod, Wall, body_from
-from .ends import FREE, Absorbing, End, Fixed, Free, Moved, Pushed, end_from
+from ..units import shown
+from .bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
+from .ends import ENDS, FREE, Absorbing, End, Fixed, Free, Moved, Pushed
 from .frozen import (
     Field,
     Frozen,
@@ -28,14 +29,8 @@ from .frozen import (
     number,
     plain,
 )
-from .laws import (
-    RIGID,
-    Bonded,
-    ContactLaw,
-    Rigid,
-    law_from,
-)
-from .profiles import flipped, negative
+from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Rigid
+from .profiles import flipped, negative, profile_from
 
 SIDES = ("left", "right")
 
@@ -93,10 +88,11 @@ class System(Frozen):
     ) -> None:
         problems: Problems = []
         if not isinstance(bodies, list | tuple) or not bodies:
-            raise InvalidModel([("bodies", f"must be a list of at least one rod, got {bodies!r}")])
+            message = f"must be a list of at least one rod, got {shown(bodies)}"
+            raise InvalidModel([("bodies", message)])
         for i, body in enumerate[Any](bodies):
-            if not isinstance(body, Body):
-                message = f"must be a Rod, a RigidMass or a Wall, got {body!r}"
+            if type(body) not in BODIES.values():
+                message = f"must be a Rod, a RigidMass or a Wall itself, got {shown(body)}"
                 problems.append((f"bodies.{i}", message))
             elif isinstance(body, Wall) and 0 < i < len(bodies) - 1:
                 message = "a wall may stand only at an end of the row; make two systems of this one"
@@ -110,8 +106,9 @@ class System(Frozen):
         )
         laws = _per_pair(problems, "contacts", contacts, RIGID, pairs)
         for i, law in enumerate(laws):
-            if not isinstance(law, ContactLaw):
-                message = f"must be a contact law, such as Rigid() or Hertz(...), got {law!r}"
+            if type(law) not in CONTACT_LAWS.values():
+                known = ", ".join(kind.__name__ for kind in CONTACT_LAWS.values())
+                message = f"must be a contact law itself, one of {known}, got {shown(law)}"
                 problems.append((f"contacts.{i}", message))
             elif isinstance(law, Bonded) and i < len(widths) and np.any(widths[i]):
                 at, (got,) = first_false(np.asarray(widths[i]) == 0, widths[i])
@@ -122,7 +119,7 @@ class System(Frozen):
         (g,) = self._checked(problems, gravity=gravity)
         both = (FREE, FREE) if ends is None else ends
         if not isinstance(both, list | tuple) or len(both) != 2:
-            message = f"must be a pair, such as (Free(), Absorbing()), got {ends!r}"
+            message = f"must be a pair, such as (Free(), Absorbing()), got {shown(ends)}"
             problems.append(("ends", message))
         else:
             for side, end, body in zip(SIDES, both, (bodies[0], bodies[-1]), strict=True):
@@ -191,16 +188,14 @@ class System(Frozen):
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> System:
         """Make the system that `to_dict` described."""
+        contacts = [dict(contact) for contact in data["contacts"]]
         ends = data.get("ends")
         return cls(
-            [body_from(body) for body in data["bodies"]],
-            gaps=[contact["gap"] for contact in data["contacts"]],
-            contacts=[
-                law_from({name: value for name, value in contact.items() if name != "gap"})
-                for contact in data["contacts"]
-            ],
+            [restored(BODIES, "kind", body) for body in data["bodies"]],
+            gaps=[contact.pop("gap") for contact in contacts],
+            contacts=[restored(CONTACT_LAWS, "law", contact) for contact in contacts],
             gravity=data.get("gravity", 0.0),
-            ends=ends and [end_from(ends[side]) for side in SIDES],
+            ends=ends and [restored(ENDS, "kind", ends[side]) for side in SIDES],
         )
 
     def reversed(self) -> System:
@@ -256,11 +251,26 @@ class System(Frozen):
         )
 
 
+def restored(classes: Mapping[str, Any], tag: str, data: dict[str, Any]) -> Any:
+    """Make the body, the contact law or the end that `to_dict` described."""
+    return classes[data[tag]](**_entries({key: v for key, v in data.items() if key != tag}))
+
+
+def _entries(data: dict[str, Any]) -> dict[str, Any]:
+    """What the constructor of a described object takes."""
+    entries = {key: profile_from(value) for key, value in data.items()}
+    if "material" in data:
+        entries["material"] = Material(**data["material"])
+    if "segments" in data:
+        entries["segments"] = [Segment(**_entries(piece)) for piece in data["segments"]]
+    return entries
+
+
 def _per_pair(problems: Problems, name: str, items: Any, default: Any, pairs: int) -> Any:
     if items is None:
         return (default,) * pairs
     if not isinstance(items, list | tuple):
-        message = f"must be a list with one entry for each neighbouring pair, got {items!r}"
+        message = f"must be a list with one entry for each neighbouring pair, got {shown(items)}"
         problems.append((name, message))
         return ()
     if len(items) != pairs:
@@ -297,8 +307,9 @@ def _check_joined(system: System) -> None:
 def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
     """Note what is no end, and one that does not go with the body there."""
     path, name = f"ends.{side}", type(end).__name__
-    if not isinstance(end, End):
-        problems.append((path, f"must be an end, such as Free() or Absorbing(), got {end!r}"))
+    if type(end) not in ENDS.values():
+        known = ", ".join(kind.__name__ for kind in ENDS.values())
+        problems.append((path, f"must be an end itself, one of {known}, got {shown(end)}"))
     elif isinstance(body, Wall) and not isinstance(end, Free):
         message = f"{name} has no place beyond a wall; leave this end out, or the wall"
         problems.append((path, message))
