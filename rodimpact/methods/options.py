@@ -12,9 +12,11 @@ from numpy.typing import ArrayLike
 from ..model import System
 from ..model.arguments import array
 from ..model.frozen import InvalidModel, Problems, number
+from ..units import shown
 from .abilities import LACKS, choose, refuse, require_end
 
 MAX_EVENTS = 5_000_000
+MOST_COUNTED = 10**15
 METHODS = ("auto", *LACKS)
 
 
@@ -63,9 +65,9 @@ class Options:
         for name in ("dt", "cells"):
             if getattr(self, name) is not None and self.rtol is not None:
                 problems.append((name, "fixes the step, rtol chooses it; give one of them"))
-        if self.method not in METHODS:
+        if not isinstance(self.method, str) or self.method not in METHODS:
             known = ", ".join(f'"{m}"' for m in METHODS)
-            problems.append(("method", f"must be one of {known}, got {self.method!r}"))
+            problems.append(("method", f"must be one of {known}, got {shown(self.method)}"))
         self._set("max_events", count(problems, "max_events", self.max_events))
         if self.cells is not None:
             self._set("cells", count(problems, "cells", self.cells))
@@ -117,16 +119,17 @@ class Options:
 
 def count(problems: Problems, name: str, value: Any) -> int:
     """A positive whole number; 0 and a problem if it is none."""
-    if not isinstance(value, bool) and isinstance(value, Integral) and int(value) >= 1:
+    if not isinstance(value, bool) and isinstance(value, Integral) and 1 <= value <= MOST_COUNTED:
         return int(value)
-    problems.append((name, f"must be a positive whole number, got {value!r}"))
+    limit = f" of at most {MOST_COUNTED:g}" if isinstance(value, Integral) and value > 1 else ""
+    problems.append((name, f"must be a positive whole number{limit}, got {shown(value)}"))
     return 0
 
 
 def _single(problems: Problems, name: str, value: Any, unit: str, sign: str) -> Any:
     found = number(problems, name, value, unit, sign)
     if not isinstance(found, float):
-        problems.append((name, f"must be a single number, got {value!r}"))
+        problems.append((name, f"must be a single number, got {shown(value)}"))
     return found
 
 
@@ -138,7 +141,7 @@ def _snapshots(problems: Problems, value: Any, until: float | None) -> int | tup
     except (TypeError, ValueError):
         times = np.zeros(0)
     if times.ndim != 1 or not times.size or isinstance(value, str):
-        message = f"must be a positive whole number, or a list of times, got {value!r}"
+        message = f"must be a positive whole number, or a list of times, got {shown(value)}"
         problems.append(("snapshots", message))
         return 0
     good = np.isfinite(times) & (times >= 0)

@@ -254,9 +254,9 @@ class Segment(Frozen):
         if not type(L) is type(A) is type(c) is float:
             family_shape(self._numbers())
         with np.errstate(all="ignore"):
-            Z, T = self.impedance, self.transit_time
-            derived = (Z, T, Z * T)
-        if not holds(good := in_range(*derived)):
+            Z, T = self.material.density * A * c, L / c
+            good = in_range(Z, T, Z * T)
+        if not holds(good):
             at, (long, wide, stiff) = first_false(good, L, A, Z / A)
             sizes = {"length": long, "area": wide, "material": stiff}
             utmost = max(sizes, key=lambda name: abs(math.log10(sizes[name])))

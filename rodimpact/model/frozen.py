@@ -28,6 +28,7 @@ Problems: TypeAlias = list[tuple[str, str]]
 MOST_CHOICES = 12  # named in a message
 MOST_TOLD = 20  # mistakes that the text of an error tells
 MOST_MEMBERS = 10**7  # of a family
+MOST_AXES = 32  # of a family; NumPy broadcasts no more
 SMALLEST, LARGEST = 1e-150, 1e150  # magnitudes whose squares are neither 0 nor infinite
 TINY = sys.float_info.min  # with all its digits
 OUT_OF_SCALE = (
@@ -97,8 +98,8 @@ def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "an
     alike.
     """
     if type(value) is float:
-        if SMALLEST <= value <= LARGEST and sign in _SIGNS:
-            return value
+        if (value == 0 and sign == "any") or (SMALLEST <= value <= LARGEST and sign in _SIGNS):
+            return value + 0.0
         array: Any = value
     else:
         try:
@@ -110,6 +111,9 @@ def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "an
             array = array.item()
         elif array.size == 0:
             problems.append((path, "must not be an empty array"))
+            return math.nan
+        elif array.ndim > MOST_AXES:
+            problems.append((path, f"must have at most {MOST_AXES} axes, got {array.ndim}"))
             return math.nan
     array = array + 0.0
     for good, wanted in ((_has_sign(array, sign), f"must {_wanted(unit, sign)}"),
@@ -387,7 +391,8 @@ def short(value: Any) -> str:
 def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
     """Which of the choices may be meant; `head` is put before them when they are named."""
     known = {choice.casefold()[:MOST_SHOWN]: head + choice for choice in choices}
-    near = difflib.get_close_matches(str(word)[:MOST_SHOWN].casefold(), known, n=1)
+    text = word if isinstance(word, str) else shown(word)
+    near = difflib.get_close_matches(text[:MOST_SHOWN].casefold(), known, n=1)
     if near:
         return f"perhaps {shown(known[near[0]])} is meant"
     return f"use one of {listed(list(map(one_line, known.values())))}"

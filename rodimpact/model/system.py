@@ -33,6 +33,7 @@ from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Rigid
 from .profiles import flipped, negative, profile_from
 
 SIDES = ("left", "right")
+_BODIES, _LAWS, _ENDS = (frozenset(d.values()) for d in (BODIES, CONTACT_LAWS, ENDS))
 
 
 class System(Frozen):
@@ -91,7 +92,7 @@ class System(Frozen):
             message = f"must be a list of at least one rod, got {shown(bodies)}"
             raise InvalidModel([("bodies", message)])
         for i, body in enumerate[Any](bodies):
-            if type(body) not in BODIES.values():
+            if type(body) not in _BODIES:
                 message = f"must be a Rod, a RigidMass or a Wall itself, got {shown(body)}"
                 problems.append((f"bodies.{i}", message))
             elif isinstance(body, Wall) and 0 < i < len(bodies) - 1:
@@ -106,7 +107,7 @@ class System(Frozen):
         )
         laws = _per_pair(problems, "contacts", contacts, RIGID, pairs)
         for i, law in enumerate(laws):
-            if type(law) not in CONTACT_LAWS.values():
+            if type(law) not in _LAWS:
                 known = ", ".join(kind.__name__ for kind in CONTACT_LAWS.values())
                 message = f"must be a contact law itself, one of {known}, got {shown(law)}"
                 problems.append((f"contacts.{i}", message))
@@ -307,7 +308,7 @@ def _check_joined(system: System) -> None:
 def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
     """Note what is no end, and one that does not go with the body there."""
     path, name = f"ends.{side}", type(end).__name__
-    if type(end) not in ENDS.values():
+    if type(end) not in _ENDS:
         known = ", ".join(kind.__name__ for kind in ENDS.values())
         problems.append((path, f"must be an end itself, one of {known}, got {shown(end)}"))
     elif isinstance(body, Wall) and not isinstance(end, Free):
