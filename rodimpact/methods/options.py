@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -119,9 +118,11 @@ class Options:
 
 def count(problems: Problems, name: str, value: Any) -> int:
     """A positive whole number; 0 and a problem if it is none."""
-    if not isinstance(value, bool) and isinstance(value, Integral) and 1 <= value <= MOST_COUNTED:
-        return int(value)
-    limit = f" of at most {MOST_COUNTED:g}" if isinstance(value, Integral) and value > 1 else ""
+    is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    whole = int(value) if is_whole else 0
+    if 1 <= whole <= MOST_COUNTED:
+        return whole
+    limit = f" of at most {MOST_COUNTED:g}" if whole > 1 else ""
     problems.append((name, f"must be a positive whole number{limit}, got {shown(value)}"))
     return 0
 

@@ -29,7 +29,6 @@ from .frozen import (
     holds,
     in_range,
     number,
-    short,
 )
 from .profiles import (
     Floats,
@@ -535,12 +534,6 @@ class Rod(_Body):
             raise InvalidModel([("n", f"must be a positive whole number, got {shown(count)}")])
         pieces = [piece for segment in self.segments for piece in segment.in_steps(n)]
         return self.replace(segments=pieces)
-
-    def __repr__(self) -> str:
-        if len(self.segments) > 1:
-            return super().__repr__()
-        piece = repr(self.segments[0])[len("Segment(") : -1]
-        return f"Rod({piece}, velocity={short(self.velocity)}, strain={short(self.strain)})"
 
 
 def _joined(problems: Problems, segments: Any, described: bool) -> tuple[Segment, ...]:

@@ -323,9 +323,9 @@ class Frozen:
         return hash(self.digest)
 
     def __repr__(self) -> str:
-        fields = ((k, v) for k, v in self.__dict__.items() if k[0] != "_" and v is not None)
-        shown = ", ".join(f"{k}={short(v)}" for k, v in fields)
-        return f"{type(self).__name__}({shown})"
+        given = self._parameters().items()
+        fields = ", ".join(f"{name}={short(v)}" for name, v in given if v is not None)
+        return f"{type(self).__name__}({fields})"
 
     def _numbers(self, path: str = "") -> list[tuple[str, Number]]:
         """Every number of this object and of what it holds, with its path."""

@@ -14,7 +14,7 @@ from functools import cache
 from typing import Any
 
 from .. import units
-from ..model.frozen import MOST_TOLD, Field, Frozen, InvalidModel, listed, nearest
+from ..model.frozen import MOST_TOLD, Field, InvalidModel, listed, nearest
 from ..model.profiles import Samples, Steps
 from ..units import shown
 from .grids import Grids
@@ -64,7 +64,7 @@ class Table:
         varied = self.grids.ask(self.where(key))
         return self.has(key) or varied
 
-    def entries(self, kind: type[Frozen]) -> dict[str, Any]:
+    def entries(self, kind: Any) -> dict[str, Any]:
         """What fills the fields of this class."""
         defaults = _defaults(kind)
         return {key: self.entry(key, field, defaults[key]) for key, field in kind.fields.items()}
@@ -186,7 +186,7 @@ class Table:
 
 
 @cache
-def _defaults(kind: type[Frozen]) -> dict[str, Any]:
+def _defaults(kind: Any) -> dict[str, Any]:
     return {name: taken.default for name, taken in inspect.signature(kind).parameters.items()}
 
 

@@ -1,4 +1,6 @@
+import copy
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -54,6 +56,61 @@ def test_the_message_names_field_and_value():
 def test_all_mistakes_are_reported_at_once():
     found = problems(lambda: rod(length=-1.0, area=float("nan"), velocity="x"))
     assert [path for path, _ in found] == ["length", "area", "velocity"]
+
+
+def family_of_everything():
+    rods = [
+        rod(length=[1.0, 2.0], area=ri.Steps([1e-4, [2e-4, 3e-4]], at=[0.5]),
+            velocity=ri.Samples([1.0, 2.0])),
+        rod(),
+    ]
+    return ri.System(rods, [[0.0, 1.0]], [ri.Spring([1e9, 2e9])])
+
+
+@pytest.mark.parametrize("again", [
+    copy.copy, copy.deepcopy, lambda row: pickle.loads(pickle.dumps(row)),
+])
+def test_copies_are_equal_and_keep_their_arrays_read_only(again):
+    row = again(family_of_everything())
+    assert (row, row.shape) == (family_of_everything(), (2,))
+    arrays = [v for _, v in row._numbers() if isinstance(v, np.ndarray)]
+    assert len(arrays) == 4
+    for array in [*arrays, row.bodies[0].velocity.values]:
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 3.0
+
+
+class MyRod(ri.Rod):
+    pass
+
+
+class MyEnd(ri.Absorbing):
+    pass
+
+
+class MyLaw(ri.Hertz):
+    pass
+
+
+@pytest.mark.parametrize(("make", "path", "message"), [
+    (lambda: ri.System([MyRod(1.0, area=1e-4, material=steel)]), "bodies.0",
+     "must be a Rod, a RigidMass or a Wall itself, got MyRod("),
+    (lambda: ri.System([rod()], ends=(ri.Free(), MyEnd())), "ends.right",
+     "must be an end itself, one of Free, Fixed, Absorbing, Pushed, Moved, got MyEnd()"),
+    (lambda: ri.System([rod(), rod()], contacts=[MyLaw(1e9)]), "contacts.0",
+     "must be a contact law itself, one of Rigid, Bonded, Spring, SpringDashpot, Hertz"),
+])
+def test_classes_made_from_those_of_the_model_are_refused(make, path, message):
+    [(where, got)] = problems(make)
+    assert where == path
+    assert got.startswith(message)
+
+
+def test_more_axes_than_numpy_broadcasts_are_refused():
+    assert rod(length=np.ones((1,) * 32)).length.shape == (1,) * 32
+    assert problems(lambda: rod(length=np.ones((1,) * 33))) == [
+        ("length", "must have at most 32 axes, got 33"),
+    ]
 
 
 @pytest.mark.parametrize(("modulus", "density"), [(1e300, 1e-300), (1e-300, 1e300)])
