@@ -25,10 +25,10 @@ from .frozen import (
     Number,
     Problems,
     family_shape,
-    first_false,
-    holds,
     in_range,
     number,
+    raise_noted,
+    require,
 )
 from .profiles import (
     Floats,
@@ -109,12 +109,9 @@ class Material(Frozen):
             ])
             with np.errstate(all="ignore"):
                 ratio = E / rho
-            if not holds(good := in_range(ratio)):
-                at, (modulus, dense) = first_false(good, E, rho)
-                message = f"gives no finite wave speed with density {dense!r}, got {modulus!r}"
-                problems.append((f"youngs_modulus{at}", message))
-        if problems:
-            raise InvalidModel(problems)
+            message = "gives no finite wave speed with density {1!r}, got {0!r}"
+            require(problems, in_range(ratio), "youngs_modulus", message, E, rho)
+        raise_noted(problems)
         self._set(name=name, youngs_modulus=E, density=rho, poisson_ratio=nu, viscosity=eta)
 
     @property
@@ -154,8 +151,7 @@ class Material(Frozen):
         problems: Problems = []
         tangent = number(problems, "loss_factor", loss_factor, "", "non-negative")
         f = number(problems, "frequency", frequency, "Hz", "positive")
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         family_shape([
             ("youngs_modulus", self.youngs_modulus), ("loss_factor", tangent), ("frequency", f)
         ])
@@ -242,8 +238,7 @@ class Segment(Frozen):
             problems.append(("material", message))
         if polar_moment is not None:
             polar_moment = _polar_moment(problems, polar_moment, A, material)
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         self._set(length=L, area=A, material=material, polar_moment=polar_moment)
         if isinstance(A, Samples):
             for bound in extremes(A):
@@ -255,14 +250,15 @@ class Segment(Frozen):
         with np.errstate(all="ignore"):
             Z, T = self.material.density * A * c, L / c
             good = in_range(Z, T, Z * T)
-        if not holds(good):
-            at, (long, wide, stiff) = first_false(good, L, A, Z / A)
-            sizes = {"length": long, "area": wide, "material": stiff}
-            utmost = max(sizes, key=lambda name: abs(math.log10(sizes[name])))
-            raise InvalidModel([(f"{utmost}{at}", (
-                f"length {long!r}, area {wide!r} and {shown(material)} make an impedance, a "
-                f"transit time or a mass outside {SMALLEST:g} to {LARGEST:g}; use consistent units"
-            ))])
+        if good is not True:
+            sizes = {"length": L, "area": A, "material": Z / A}
+            path = max(sizes, key=lambda name: np.max(np.abs(np.log10(sizes[name]))))
+            message = (
+                "length {0!r} and area {1!r} of this material make an impedance, a transit time or "
+                f"a mass outside {SMALLEST:g} to {LARGEST:g}; use consistent units"
+            )
+            require(problems, good, path, message, L, A)
+            raise_noted(problems)
 
     def _round(self, problems: Problems, area: Any, diameter: Any) -> Any:
         """Area of a solid round section, m^2; mistakes are noted in `problems`."""
@@ -472,8 +468,7 @@ class Rod(_Body):
         total = None if problems else sum(s.length for s in pieces)
         v = along_rod(problems, "velocity", velocity, self.fields["velocity"], total)
         e = along_rod(problems, "strain", strain, self.fields["strain"], total)
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         self._set(segments=pieces, velocity=v, strain=e)
 
     def _parameters(self) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import ClassVar, TypeAlias
 
-from .frozen import Field, Frozen, InvalidModel, Problems
+from .frozen import Field, Frozen, Problems, raise_noted
 from .profiles import Profile, ProfileLike, in_time
 
 
@@ -47,8 +47,7 @@ class _Driven(_End):
     def __init__(self, value: ProfileLike, *, duration: float | None = None) -> None:
         problems: Problems = []
         profile = in_time(problems, "value", value, self.fields["value"], duration)
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         self._set(value=profile)
 
 

@@ -31,9 +31,8 @@ MOST_MEMBERS = 10**7  # of a family
 MOST_AXES = 32  # of a family; NumPy broadcasts no more
 SMALLEST, LARGEST = 1e-150, 1e150  # magnitudes whose squares are neither 0 nor infinite
 TINY = sys.float_info.min  # with all its digits
-OUT_OF_SCALE = (
-    f"must be 0 or of a magnitude from {SMALLEST:g} to {LARGEST:g} in consistent units"
-)
+OUT_OF_SCALE = f"must be 0 or of a magnitude from {SMALLEST:g} to {LARGEST:g} in consistent units"
+OUT_OF_SCALE += ", got {0!r}"
 _SIGNS = frozenset({"positive", "positive or infinite", "non-negative", "any"})
 
 
@@ -116,12 +115,8 @@ def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "an
             problems.append((path, f"must have at most {MOST_AXES} axes, got {array.ndim}"))
             return math.nan
     array = array + 0.0
-    for good, wanted in ((_has_sign(array, sign), f"must {_wanted(unit, sign)}"),
-                         (_in_scale(array, sign), OUT_OF_SCALE)):
-        if not holds(good):
-            at, (got,) = first_false(good, array)
-            problems.append((f"{path}{at}", f"{wanted}, got {got!r}"))
-            break
+    if require(problems, _has_sign(array, sign), path, _wanted(unit, sign), array):
+        require(problems, _in_scale(array, sign), path, OUT_OF_SCALE, array)
     if not isinstance(array, float):
         array.flags.writeable = False
     return array  # type: ignore[no-any-return]
@@ -156,11 +151,11 @@ def _has_sign(value: Any, sign: str) -> Any:
 
 def _wanted(unit: str, sign: str) -> str:
     if sign == "positive or infinite":
-        return f"be a positive number{number_of(unit)} or infinite"
+        return f"must be a positive number{number_of(unit)} or infinite, got {{0!r}}"
     if sign[0] in "[(":
-        return f"lie in {sign}"
+        return f"must lie in {sign}, got {{0!r}}"
     kind = f"finite {sign}" if sign in ("positive", "non-negative") else "finite"
-    return f"be a {kind} number{number_of(unit)}"
+    return f"must be a {kind} number{number_of(unit)}, got {{0!r}}"
 
 
 def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
@@ -198,24 +193,27 @@ def in_range(*values: Number) -> Any:
     return good
 
 
-def holds(good: Any) -> bool:
-    """Whether a condition holds for every member."""
-    return good is True or bool(np.all(good))
+def require(
+    problems: Problems, good: Any, path: str, message: str, *values: Number
+) -> bool:
+    """Whether something holds for every member of a family; note the first for which it does not.
 
-
-def first_false(good: Any, *values: Number) -> tuple[str, list[float]]:
-    """First member of a family where something does not hold: its index, and its values.
-
-    Returns
-    -------
-    str
-        As ``[3,1]``; empty where nothing is an array.
-    list of float
+    The message may show the values there, as ``{0!r}``; the path ends with the index, ``[3,1]``.
     """
+    if good is True or np.all(good):
+        return True
     good = np.asarray(good)
     index = tuple(int(i) for i in np.argwhere(~good)[0])
     at = f"[{','.join(map(str, index))}]" if index else ""
-    return at, [float(np.broadcast_to(v, good.shape)[index]) for v in values]
+    there = [float(np.broadcast_to(v, good.shape)[index]) for v in values]
+    problems.append((f"{path}{at}", message.format(*there)))
+    return False
+
+
+def raise_noted(problems: Problems) -> None:
+    """Raise InvalidModel if there are problems."""
+    if problems:
+        raise InvalidModel(problems)
 
 
 class Frozen:
@@ -265,8 +263,7 @@ class Frozen:
         """Become what these numbers say; InvalidModel with all mistakes in them."""
         problems: Problems = []
         values = self._checked(problems, **given)
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         self.__dict__.update(zip(given, values, strict=True))
 
     def replace(self, **changes: Any) -> Self:

@@ -14,17 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..units import shown
 from .bodies import Material
-from .frozen import (
-    Field,
-    Frozen,
-    InvalidModel,
-    Number,
-    Problems,
-    family_shape,
-    first_false,
-    holds,
-    number,
-)
+from .frozen import Field, Frozen, Number, Problems, family_shape, number, raise_noted, require
 
 FACE = Field("m", "positive or infinite")
 """The radius of a face, infinite for a flat one."""
@@ -210,14 +200,12 @@ class Hertz(_Compliant):
         if left_material is right_material is None:
             message = "is None as that of the left face; one of two faces must yield"
             problems.append(("right_material", message))
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         family_shape(meeting)
         curvature = 1 / radii[0] + 1 / radii[1]
-        if not holds(good := curvature > 0):
-            at, _ = first_false(good)
-            message = "is infinite as that of the left face; two flat faces make no Hertz contact"
-            raise InvalidModel([(f"right_radius{at}", message)])
+        message = "is infinite as that of the left face; two flat faces make no Hertz contact"
+        require(problems, curvature > 0, "right_radius", message)
+        raise_noted(problems)
         with np.errstate(all="ignore"):  # what is out of range, the law will refuse
             compliance: Number = sum(1 / (E / (1 - nu**2)) for E, nu in yielding)
             return cls(np.divide(4 / 3, compliance * curvature**0.5))

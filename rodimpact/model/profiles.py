@@ -18,13 +18,13 @@ from .frozen import (
     LARGEST,
     Field,
     Frozen,
-    InvalidModel,
     Number,
     Problems,
     family_shape,
-    first_false,
     number,
     plain,
+    raise_noted,
+    require,
 )
 from .quantities import Floats as Floats
 from .quantities import floats
@@ -72,15 +72,13 @@ class Steps(Frozen):
         if not problems and len(lists["values"]) != len(lists["at"]) + 1:
             message = f"needs one value more than jumps, got {len(lists['values'])} values"
             problems.append(("values", f"{message} for {len(lists['at'])} jumps"))
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         self._set(**lists)
         family_shape(self._numbers())
         for i, (a, b) in enumerate(pairwise(self.at)):
-            if not np.all(good := np.asarray(b) > a):
-                at, (before, got) = first_false(good, a, b)
-                message = f"must lie beyond {before!r}, got {got!r}"
-                raise InvalidModel([(f"at.{i + 1}{at}", message)])
+            message = "must lie beyond {0!r}, got {1!r}"
+            require(problems, np.asarray(b) > a, f"at.{i + 1}", message, a, b)
+        raise_noted(problems)
 
 
 class Samples(Frozen):
@@ -119,8 +117,7 @@ class Samples(Frozen):
             message = f"must be a list of at least two numbers, got {shown(values)}"
             problems.append(("values", message))
         (h,) = self._checked(problems, step=step)
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         self._set(values=samples, step=h)
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
@@ -146,11 +143,9 @@ def along_rod(
     if isinstance(value, Steps):
         if value.at and length is not None:
             family_shape([("length", length), *value._numbers(path)])
-            last, end = len(value.at) - 1, value.at[-1]
-            if not np.all(good := np.asarray(end) < length):
-                at, (long, got) = first_false(good, length, end)
-                message = f"must lie inside the rod of length {long!r}, got {got!r}"
-                problems.append((f"{path}.at.{last}{at}", message))
+            last, end = f"{path}.at.{len(value.at) - 1}", value.at[-1]
+            message = "must lie inside the rod of length {0!r}, got {1!r}"
+            require(problems, np.asarray(end) < length, last, message, length, end)
         return value
     if isinstance(value, Samples):
         if value.step is not None:
@@ -166,11 +161,7 @@ def along_rod(
         problems.append((path, message))
     elif length is not None:
         places = np.linspace(0.0, length, ALONG_ROD)
-        values = _sampled(problems, path, value, places, unit)
-        if values is not None and sign == "positive" and not np.all(good := values > 0):
-            _, (x, got) = first_false(good, places, values)
-            message = f"must be a function that returns positive numbers, got {got!r} at {x!r}"
-            problems.append((path, message))
+        values = _sampled(problems, path, value, places, field)
         return 0.0 if values is None else Samples(values)
     return 0.0
 
@@ -200,7 +191,7 @@ def in_time(problems: Problems, path: str, value: Any, field: Field, duration: A
         mistakes.append(("duration", message))
     values = None
     if not mistakes:
-        values = _sampled(mistakes, path, value, np.linspace(0.0, end, IN_TIME), field.unit)
+        values = _sampled(mistakes, path, value, np.linspace(0.0, end, IN_TIME), field)
     problems += mistakes
     return 0.0 if values is None else Samples(values, step=end / (IN_TIME - 1))
 
@@ -292,11 +283,11 @@ def profile_from(data: Any) -> Any:
 
 
 def _sampled(
-    problems: Problems, path: str, function: Callable[[Any], Any], places: Floats, unit: str
+    problems: Problems, path: str, function: Callable[[Any], Any], places: Floats, field: Field
 ) -> Floats | None:
     """Values of a function of arrays, or else of numbers; None, with the mistake noted."""
     try:
-        values = floats(function(places.copy()), unit)
+        values = floats(function(places.copy()), field.unit)
         if values.shape != places.shape:
             raise TypeError
     except Exception:
@@ -307,7 +298,7 @@ def _sampled(
             problems.append((path, f"is a function that cannot be evaluated: {reason}"))
             return None
         try:
-            values = floats(returned, unit)
+            values = floats(returned, field.unit)
         except ValueError as error:
             problems.append((path, f"must be a function that returns numbers: {error}"))
             return None
@@ -315,9 +306,12 @@ def _sampled(
         message = f"must be a function that returns numbers, got {shown(values[0])} at 0.0"
         problems.append((path, message))
         return None
-    if not np.all(good := np.abs(values) <= LARGEST):
-        _, (x, got) = first_false(good, places, values)
-        message = f"must be a function that returns finite numbers, got {got!r} at {x!r}"
+    positive = field.sign == "positive"
+    good = (np.abs(values) <= LARGEST) & ((values > 0) | (not positive))
+    if not good.all():
+        x, got = float(places[~good][0]), float(values[~good][0])
+        kind = "positive" if positive else "finite"
+        message = f"must be a function that returns {kind} numbers, got {got!r} at {x!r}"
         problems.append((path, message))
         return None
     return values

@@ -25,9 +25,10 @@ from .frozen import (
     Number,
     Problems,
     family_shape,
-    first_false,
     number,
     plain,
+    raise_noted,
+    require,
 )
 from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Rigid
 from .profiles import flipped, negative, profile_from
@@ -111,10 +112,9 @@ class System(Frozen):
                 known = ", ".join(kind.__name__ for kind in CONTACT_LAWS.values())
                 message = f"must be a contact law itself, one of {known}, got {shown(law)}"
                 problems.append((f"contacts.{i}", message))
-            elif isinstance(law, Bonded) and i < len(widths) and np.any(widths[i]):
-                at, (got,) = first_false(np.asarray(widths[i]) == 0, widths[i])
-                message = f"must be 0 where bodies are bonded, got {got!r}"
-                problems.append((f"gaps.{i}{at}", message))
+            elif isinstance(law, Bonded) and i < len(widths):
+                message = "must be 0 where bodies are bonded, got {0!r}"
+                require(problems, np.equal(widths[i], 0), f"gaps.{i}", message, widths[i])
             elif isinstance(law, Rigid):
                 _check_rigid(problems, i, law, *bodies[i : i + 2])
         (g,) = self._checked(problems, gravity=gravity)
@@ -125,8 +125,7 @@ class System(Frozen):
         else:
             for side, end, body in zip(SIDES, both, (bodies[0], bodies[-1]), strict=True):
                 _check_end(problems, side, end, body)
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         self._set(bodies=tuple(bodies), gaps=widths, contacts=tuple(laws), gravity=g,
                   ends=tuple(both))
         several = any(isinstance(v, np.ndarray) for _, v in self._numbers())
@@ -295,14 +294,15 @@ def _check_rigid(problems: Problems, i: int, law: Rigid, *pair: Any) -> None:
 
 def _check_joined(system: System) -> None:
     """Refuse rigid bodies that are bonded and yet move apart."""
+    problems: Problems = []
     for i, law in enumerate(system.contacts):
         left, right = system.bodies[i : i + 2]
         if not isinstance(law, Bonded) or isinstance(left, Rod) or isinstance(right, Rod):
             continue
-        if not np.all(same := np.equal(left.velocity, right.velocity)):
-            at, (wanted, got) = first_false(same, left.velocity, right.velocity)
-            message = f"must be {wanted!r}, that of the rigid body it is bonded to, got {got!r}"
-            raise InvalidModel([(f"bodies.{i + 1}.velocity{at}", message)])
+        both = (left.velocity, right.velocity)
+        message = "must be {0!r}, that of the rigid body it is bonded to, got {1!r}"
+        require(problems, np.equal(*both), f"bodies.{i + 1}.velocity", message, *both)
+    raise_noted(problems)
 
 
 def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
