@@ -99,20 +99,19 @@ class Material(Frozen):
         problems: Problems = []
         if not isinstance(name, str) or not name:
             problems.append(("name", f"must be a word, got {shown(name)}"))
-        E, rho, eta, nu = self._checked(
-            problems, youngs_modulus=youngs_modulus, density=density, viscosity=viscosity,
-            poisson_ratio=poisson_ratio,
-        )
+        numbers = dict(zip(self.fields, self._checked(
+            problems, youngs_modulus=youngs_modulus, density=density, poisson_ratio=poisson_ratio,
+            viscosity=viscosity,
+        ), strict=True))
         if not problems:
-            family_shape([
-                ("youngs_modulus", E), ("density", rho), ("viscosity", eta), ("poisson_ratio", nu)
-            ])
+            family_shape(numbers.items())
+            E, rho = numbers["youngs_modulus"], numbers["density"]
             with np.errstate(all="ignore"):
                 ratio = E / rho
             message = "gives no finite wave speed with density {1!r}, got {0!r}"
             require(problems, in_range(ratio), "youngs_modulus", message, E, rho)
         raise_noted(problems)
-        self._set(name=name, youngs_modulus=E, density=rho, poisson_ratio=nu, viscosity=eta)
+        self._set(name=name, **numbers)
 
     @property
     def wave_speed(self) -> Number:

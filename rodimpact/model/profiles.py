@@ -161,8 +161,10 @@ def along_rod(
         problems.append((path, message))
     elif length is not None:
         places = np.linspace(0.0, length, ALONG_ROD)
-        values = _sampled(problems, path, value, places, field)
-        return 0.0 if values is None else Samples(values)
+        try:
+            return Samples(_sampled(value, places, field))
+        except ValueError as error:
+            problems.append((path, str(error)))
     return 0.0
 
 
@@ -184,16 +186,18 @@ def in_time(problems: Problems, path: str, value: Any, field: Field, duration: A
         message = "is missing; give the seconds for which the function is to be sampled"
         problems.append(("duration", message))
         return 0.0
-    mistakes: Problems = []
-    end = number(mistakes, "duration", duration, "s", "positive")
-    if not mistakes and isinstance(end, np.ndarray):
+    before = len(problems)
+    end = number(problems, "duration", duration, "s", "positive")
+    if isinstance(end, np.ndarray):
         message = "must be a single number of seconds; members of a family share a function"
-        mistakes.append(("duration", message))
-    values = None
-    if not mistakes:
-        values = _sampled(mistakes, path, value, np.linspace(0.0, end, IN_TIME), field)
-    problems += mistakes
-    return 0.0 if values is None else Samples(values, step=end / (IN_TIME - 1))
+        problems.append(("duration", message))
+    elif len(problems) == before:
+        try:
+            values = _sampled(value, np.linspace(0.0, end, IN_TIME), field)
+            return Samples(values, step=end / (IN_TIME - 1))
+        except ValueError as error:
+            problems.append((path, str(error)))
+    return 0.0
 
 
 def negative(profile: Profile) -> Profile:
@@ -282,36 +286,30 @@ def profile_from(data: Any) -> Any:
     return Steps(**data) if "values" in data else data
 
 
-def _sampled(
-    problems: Problems, path: str, function: Callable[[Any], Any], places: Floats, field: Field
-) -> Floats | None:
-    """Values of a function of arrays, or else of numbers; None, with the mistake noted."""
+def _sampled(function: Callable[[Any], Any], places: Floats, field: Field) -> Floats:
+    """Values of a function of arrays, or else of numbers; ValueError says why it has none."""
     try:
         values = floats(function(places.copy()), field.unit)
-        if values.shape != places.shape:
-            raise TypeError
     except Exception:
+        values = np.zeros(0)
+    if values.shape != places.shape:
         try:
             returned = [function(x) for x in places.tolist()]
         except Exception as error:
             reason = f"{type(error).__name__}: {one_line(str(error))}"
-            problems.append((path, f"is a function that cannot be evaluated: {reason}"))
-            return None
+            raise ValueError(f"is a function that cannot be evaluated: {reason}") from None
         try:
             values = floats(returned, field.unit)
         except ValueError as error:
-            problems.append((path, f"must be a function that returns numbers: {error}"))
-            return None
+            raise ValueError(f"must be a function that returns numbers: {error}") from None
     if values.shape != places.shape:
-        message = f"must be a function that returns numbers, got {shown(values[0])} at 0.0"
-        problems.append((path, message))
-        return None
+        raise ValueError(
+            f"must be a function that returns numbers, got {shown(values[0])} at 0.0"
+        )
     positive = field.sign == "positive"
     good = (np.abs(values) <= LARGEST) & ((values > 0) | (not positive))
     if not good.all():
         x, got = float(places[~good][0]), float(values[~good][0])
         kind = "positive" if positive else "finite"
-        message = f"must be a function that returns {kind} numbers, got {got!r} at {x!r}"
-        problems.append((path, message))
-        return None
+        raise ValueError(f"must be a function that returns {kind} numbers, got {got!r} at {x!r}")
     return values

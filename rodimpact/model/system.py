@@ -274,8 +274,8 @@ def _per_pair(problems: Problems, name: str, items: Any, default: Any, pairs: in
         problems.append((name, message))
         return ()
     if len(items) != pairs:
-        message = f"needs one entry for each of the {pairs} neighbouring pairs, got {len(items)}"
-        problems.append((name, message))
+        message = f"needs one entry for each neighbouring pair, {pairs} in all, got {len(items)}"
+        problems.append((name, f"{message}; leave all out if all bodies touch"))
     return items
 
 

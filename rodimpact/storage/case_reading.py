@@ -20,7 +20,6 @@ from .case_tables import Table
 from .grids import Grids
 
 OPTIONS = {"until": "time", "dt": "time", "rtol": "dimensionless"}  # with units
-OUTPUTS = ("plot", "save")
 DAMPING = {"loss_factor": Field(), "loss_frequency": Field("Hz")}
 SEGMENT = (*Segment.fields, "material")
 ANY_ROD = Rod(1.0, area=1.0, material=materials.steel)
@@ -75,8 +74,8 @@ def case_from(
 
 
 def _check_schema(top: Table) -> None:
-    schema = top.data["schema"] if top.has("schema") else None
-    if schema is None:
+    schema = top.data.get("schema")
+    if not top.has("schema"):
         top.note("schema", f"is missing; begin the file with schema = {SCHEMA}")
     elif type(schema) is int and schema > SCHEMA:  # its other entries may mean other things
         message = f"is {shown(schema)}; this rodimpact reads {SCHEMA}, get a newer one"
@@ -150,16 +149,14 @@ def _read_contacts(
     top: Table, bodies: list[Body | None], known: Materials
 ) -> tuple[list[Number], list[ContactLaw]]:
     """Gaps and laws of all pairs."""
-    tables, pairs = top.tables("contacts"), len(bodies) - 1
-    if "contacts" in top.data and 0 <= pairs != len(tables):
-        message = f"needs one entry for each neighbouring pair, {pairs} in all, got {len(tables)}"
-        top.note("contacts", message + "; leave all out if all bodies touch")
-    tables += [top.inner(f"contacts.{i}", {}) for i in range(len(tables), pairs)]
+    tables = top.tables("contacts")
+    if "contacts" not in top.data:
+        tables = [top.inner(f"contacts.{i}", {}) for i in range(len(bodies) - 1)]
     gaps, laws = [], []
     for i, table in enumerate(tables):
         gaps.append(table.entry("gap", System.fields["gaps"], 0.0))
         laws.append(_read_law(table, (*bodies[i : i + 2], None, None)[:2], known))
-    return gaps[:pairs], laws[:pairs]
+    return gaps, laws
 
 
 def _read_law(table: Table, pair: tuple[Body | None, ...], known: Materials) -> ContactLaw:
@@ -234,7 +231,7 @@ def _read_solve(table: Table) -> dict[str, Any]:
 
 
 def _read_output(table: Table) -> dict[str, str]:
-    names = {key: table.data[key] for key in OUTPUTS if table.has(key)}
+    names = {key: table.data[key] for key in ("plot", "save") if table.has(key)}
     for key, name in names.items():
         if not isinstance(name, str) or not name or "\0" in name:
             table.note(key, f"must be the name of a file, got {shown(name)}")

@@ -25,6 +25,7 @@ PROFILES = {  # how a profile is written along a rod, and in time
 }
 RENAMED = {  # what the model calls otherwise
     r"^gaps\.(\d+)": r"contacts.\1.gap",
+    r"^gaps$": "contacts",
     r"^frequency\b": "loss_frequency",
     r"\bvalues\[(\d+)\]$": r"samples.\1",
 }
