@@ -113,6 +113,11 @@ class Material(Frozen):
         raise_noted(problems)
         self._set(name=name, **numbers)
 
+    def to_dict(self) -> dict[str, Any]:  # noqa: D102
+        described = super().to_dict()
+        described.setdefault("poisson_ratio", None)  # as digests on disk have it
+        return described
+
     @property
     def wave_speed(self) -> Number:
         """Bar speed c = sqrt(E/rho), m/s."""
