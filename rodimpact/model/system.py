@@ -147,7 +147,7 @@ class System(Frozen):
 
     def _named_numbers(self) -> list[tuple[str, Number]]:
         """Every number with the path that it has in a case file."""
-        found = []
+        named = []
         for path, value in self._numbers():
             match path.split("."):
                 case ["gaps", i]:
@@ -156,8 +156,8 @@ class System(Frozen):
                     path = ".".join(["ends", SIDES[int(i)], *rest])
                 case ["bodies", i, "segments", _, *rest] if self._is_uniform(int(i)):
                     path = ".".join(["bodies", i, *rest])
-            found.append((path, value))
-        return found
+            named.append((path, value))
+        return named
 
     def _is_uniform(self, body: int) -> bool:
         rod = self.bodies[body]

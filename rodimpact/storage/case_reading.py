@@ -89,16 +89,15 @@ def _read_materials(top: Table) -> Materials:
     known, group = dict(materials.TABLE), top.table("materials")
     for name in group.data:
         table = group.table(name)
-        made = table.make(Material, name=name, **table.entries(Material)) or materials.steel
-        given = [key for key in DAMPING if table.gives(key)]
-        if given:
+        material = table.make(Material, name=name, **table.entries(Material)) or materials.steel
+        if [key for key in DAMPING if table.gives(key)]:
             if table.gives("viscosity"):
                 message = "give either viscosity or loss_factor and loss_frequency, not both"
                 table.note("viscosity", message)
             factor, frequency = (table.entry(key, field) for key, field in DAMPING.items())
-            made = table.make(made.damped, loss_factor=factor, frequency=frequency)
+            material = table.make(material.damped, loss_factor=factor, frequency=frequency)
         table.close()
-        known[name] = made or materials.steel
+        known[name] = material or materials.steel
     return known
 
 

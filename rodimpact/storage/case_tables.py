@@ -112,17 +112,17 @@ class Table:
 
     def _profile(self, key: str, field: Field) -> Any:
         """`Steps` or `Samples` over a length or a time."""
-        inner, made = self.table(key), None
+        inner, profile = self.table(key), None
         if inner.has("samples"):
             step = inner.entry("step", Samples.fields["step"]) if field.along == "time" else None
             values = inner._numbers("samples", field.dimension, inner.quantity, "at least two ")
-            made = values and inner.make(Samples, values=values, step=step)
+            profile = values and inner.make(Samples, values=values, step=step)
         else:
             lists = {name: inner._numbers(name, dimension, inner._variable)
                      for name, dimension in (("values", field.dimension), ("at", field.along))}
-            made = inner.make(Steps, **lists)
+            profile = inner.make(Steps, **lists)
         inner.close()
-        return made or 1.0
+        return profile or 1.0
 
     def _numbers(self, key: str, dimension: str, read: Callable[..., Any], least: str = "") -> Any:
         """A list of numbers, each as it is read; None for anything else."""
