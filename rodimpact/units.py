@@ -1,8 +1,8 @@
 """Numbers with units, as people write them: "10 mm" to 0.01 and 0.000385 s to "385 us".
 
-Every unit known here is a power of ten of its SI unit. A conversion therefore only shifts the
-decimal exponent, and the decimal number is rounded to binary once: "10 mm" is the same float as
-0.01, and "7.85 g/cm^3" the same as 7850.0.
+Every unit known here is an exact multiple of its SI unit, and the product is rounded to binary
+once: "10 mm" is the same float as 0.01, and "7.85 g/cm^3" the same as 7850.0. What was given and
+cannot be read is shown in a few words, by `shown`.
 """
 
 from __future__ import annotations
@@ -10,33 +10,43 @@ from __future__ import annotations
 import difflib
 import math
 import re
+import reprlib
 from decimal import Decimal
+from fractions import Fraction
+from typing import Any
 
 TIMES = "\N{MULTIPLICATION SIGN}"
+MOST_CHARACTERS = 1000  # of a number with its unit; a float written out in full has no more
+MOST_SHOWN = 60  # characters of what was given
 
-UNITS: dict[str, dict[str, int]] = {
-    "length": {"m": 0, "cm": -2, "mm": -3, "um": -6, "nm": -9, "km": 3},
-    "area": {"m^2": 0, "cm^2": -4, "mm^2": -6},
-    "polar moment": {"m^4": 0, "cm^4": -8, "mm^4": -12},
-    "pressure": {"Pa": 0, "kPa": 3, "MPa": 6, "GPa": 9},
-    "density": {"kg/m^3": 0, "g/cm^3": 3},
-    "velocity": {"m/s": 0, "cm/s": -2, "mm/s": -3, "km/s": 3},
-    "time": {"s": 0, "ms": -3, "us": -6, "ns": -9},
-    "frequency": {"Hz": 0, "kHz": 3, "MHz": 6},
-    "force": {"N": 0, "mN": -3, "kN": 3, "MN": 6},
-    "mass": {"kg": 0, "g": -3, "mg": -6, "t": 3},
-    "acceleration": {"m/s^2": 0, "cm/s^2": -2, "mm/s^2": -3},
-    "dimensionless": {"%": -2},
-    "stiffness": {"N/m": 0, "N/mm": 3, "kN/m": 3, "kN/mm": 6, "MN/m": 6},
-    "viscosity": {"Pa s": 0, "mPa s": -3, "kPa s": 3, "MPa s": 6},
-    "damping": {"N s/m": 0, "N s/mm": 3, "kN s/m": 3},
-    "Hertz stiffness": {"N/m^1.5": 0, "kN/m^1.5": 3, "MN/m^1.5": 6, "GN/m^1.5": 9},
-    "inverse velocity": {"s/m": 0, "s/cm": 2, "s/mm": 3},
+UNITS: dict[str, dict[str, str]] = {
+    "length": {
+        "m": "1", "cm": "1e-2", "mm": "1e-3", "um": "1e-6", "nm": "1e-9", "km": "1e3",
+        "ft": "0.3048", "in": "0.0254",
+    },
+    "area": {"m^2": "1", "cm^2": "1e-4", "mm^2": "1e-6"},
+    "polar moment": {"m^4": "1", "cm^4": "1e-8", "mm^4": "1e-12"},
+    "pressure": {"Pa": "1", "kPa": "1e3", "MPa": "1e6", "GPa": "1e9"},
+    "density": {"kg/m^3": "1", "g/cm^3": "1e3"},
+    "velocity": {"m/s": "1", "cm/s": "1e-2", "mm/s": "1e-3", "km/s": "1e3", "km/h": "5/18"},
+    "time": {"s": "1", "ms": "1e-3", "us": "1e-6", "ns": "1e-9"},
+    "frequency": {"Hz": "1", "kHz": "1e3", "MHz": "1e6"},
+    "force": {"N": "1", "mN": "1e-3", "kN": "1e3", "MN": "1e6", "lbf": "4.4482216152605"},
+    "mass": {"kg": "1", "g": "1e-3", "mg": "1e-6", "t": "1e3", "lb": "0.45359237"},
+    "acceleration": {"m/s^2": "1", "cm/s^2": "1e-2", "mm/s^2": "1e-3"},
+    "dimensionless": {"%": "1e-2"},
+    "stiffness": {
+        "N/m": "1", "N/mm": "1e3", "kN/m": "1e3", "kN/mm": "1e6", "MN/m": "1e6", "GN/m": "1e9",
+    },
+    "viscosity": {"Pa s": "1", "mPa s": "1e-3", "kPa s": "1e3", "MPa s": "1e6"},
+    "damping": {"N s/m": "1", "N s/mm": "1e3", "kN s/m": "1e3"},
+    "Hertz stiffness": {"N/m^1.5": "1", "kN/m^1.5": "1e3", "MN/m^1.5": "1e6", "GN/m^1.5": "1e9"},
+    "inverse velocity": {"s/m": "1", "s/cm": "1e2", "s/mm": "1e3"},
 }
-"""For each dimension its units, each with its power of ten relative to the SI unit."""
+"""For each dimension its units, each with what it is in the SI unit, exactly."""
 
 _QUANTITY = re.compile(
-    r"(?P<mantissa>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eE](?P<exponent>[+-]?[0-9]{1,9}))?"
+    r"(?P<number>[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE](?P<power>[+-]?[0-9]+))?)"
     r"\s*(?P<unit>[^0-9\s.,+-].*)?"
 )
 _SPELLINGS = str.maketrans(
@@ -86,32 +96,37 @@ Use one of s, ms, us, ns, or a bare number in SI units.
     """
     if dimension not in UNITS and "/" not in dimension:
         raise ValueError(f"unknown dimension {dimension!r}. Use one of {', '.join(UNITS)}.")
-    units = UNITS.get(dimension, {dimension: 0})
+    units = UNITS.get(dimension, {dimension: "1"})
 
     def refusal(reason: str) -> ValueError:
         return ValueError(
-            f"cannot read {text!r} as {dimension}: {reason}. "
+            f"cannot read {shown(text)} as {dimension}: {reason}. "
             f"Use one of {', '.join(units)}, or a bare number in SI units."
         )
 
+    exact: Any = text
     if isinstance(text, str):
+        if len(text) > MOST_CHARACTERS:
+            raise refusal(f"it is longer than {MOST_CHARACTERS} characters")
         quantity = _QUANTITY.fullmatch(text.strip())
         if quantity is None:
             raise refusal("it is not a decimal number followed by a unit")
         unit = " ".join((quantity["unit"] or "").translate(_SPELLINGS).split())
         if unit and unit not in units:
             raise refusal(_explain(unit, units))
-        power = int(quantity["exponent"] or 0) + (units[unit] if unit else 0)
-        value = float(f"{quantity['mantissa']}e{power}")
-    elif isinstance(text, int | float) and not isinstance(text, bool):
-        try:
-            value = float(text)
-        except OverflowError:
-            value = math.inf
-    else:
+        if abs(int(quantity["power"] or 0)) > 2 * MOST_CHARACTERS:
+            raise refusal("its power of ten is out of range")
+        exact = Fraction(quantity["number"]) * Fraction(units[unit] if unit else 1)
+    elif not isinstance(text, int | float) or isinstance(text, bool):
         raise refusal("it is not a number")
+    try:
+        value = float(exact)
+    except OverflowError:
+        value = math.inf
     if not math.isfinite(value):
         raise refusal("it is not a finite number")
+    if exact and not value:
+        raise refusal("it is too small for a floating-point number")
     return value
 
 
@@ -128,20 +143,46 @@ def dimension_of(unit: str) -> str:
 
 def si_unit(dimension: str) -> str:
     """SI unit of a dimension; "" for pure numbers."""
-    units = UNITS.get(dimension, {dimension: 0})
-    return next((unit for unit, power in units.items() if power == 0), "")
+    units = UNITS.get(dimension, {dimension: "1"})
+    return next((unit for unit, factor in units.items() if factor == "1"), "")
 
 
-def _explain(unit: str, units: dict[str, int]) -> str:
+def _explain(unit: str, units: dict[str, str]) -> str:
     """Why `unit` is not among `units`: of another dimension, or unknown and perhaps misspelt."""
     for dimension, others in UNITS.items():
         if unit in others:
             return f"{unit!r} is a unit of {dimension}"
     near = [name for name in units if name.casefold() == unit.casefold()]
-    near = near or difflib.get_close_matches(unit, units, n=1)
-    if near:
-        return f"unknown unit {unit!r}; perhaps {' or '.join(near)} is meant"
-    return f"unknown unit {unit!r}"
+    near = near or difflib.get_close_matches(unit[:MOST_SHOWN], units, n=1)
+    hint = f"; perhaps {' or '.join(near)} is meant" if near else ""
+    return f"unknown unit {shown(unit)}{hint}"
+
+
+def shown(value: Any) -> str:
+    """A value that was given, as messages show it: in one line of `MOST_SHOWN` characters at most.
+
+    Examples
+    --------
+    >>> shown([0.4, "2 mm", [True]])
+    "[0.4, '2 mm', [True]]"
+    >>> len(shown("long" * 1000))
+    60
+    """
+    try:
+        return one_line(_SHORT.repr(value))
+    except Exception:  # of the value's own repr, or an integer of too many digits
+        return f"a value of type {one_line(type(value).__name__)}"
+
+
+def one_line(text: str) -> str:
+    """The text in one line, cut, and with escapes for what does not print."""
+    line = " ".join(text[: 2 * MOST_SHOWN].split())
+    line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in line)
+    return line if len(line) <= MOST_SHOWN else f"{line[: MOST_SHOWN - 3]}..."
+
+
+_SHORT = reprlib.Repr()
+_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = MOST_SHOWN
 
 
 def format_si(value: float, unit: str, digits: int = 6) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from numbers import Integral
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import ArrayLike
 from ..model import System
 from ..model.arguments import array
 from ..model.frozen import InvalidModel, Problems, number
+from ..units import shown
 from . import abilities
 from .fronts import method as fronts
 from .grid import method as grid
@@ -43,6 +43,7 @@ METHODS = {
 }
 """In the order in which ``"auto"`` tries them; the last can do anything."""
 
+MOST_COUNTED = 10**15
 METHOD_NAMES = ("auto", *METHODS)
 OWN = ("dt", "rtol", "cells", "snapshots")
 """Options that not every method takes."""
@@ -93,9 +94,9 @@ class Options:
         for name in ("dt", "cells"):
             if getattr(self, name) is not None and self.rtol is not None:
                 problems.append((name, "fixes the step, rtol chooses it; give one of them"))
-        if self.method not in METHOD_NAMES:
+        if not isinstance(self.method, str) or self.method not in METHOD_NAMES:
             known = ", ".join(f'"{m}"' for m in METHOD_NAMES)
-            problems.append(("method", f"must be one of {known}, got {self.method!r}"))
+            problems.append(("method", f"must be one of {known}, got {shown(self.method)}"))
         self._set("max_events", count(problems, "max_events", self.max_events))
         if self.cells is not None:
             self._set("cells", count(problems, "cells", self.cells))
@@ -166,16 +167,19 @@ class Options:
 
 def count(problems: Problems, name: str, value: Any) -> int:
     """A positive whole number; 0 and a problem if it is none."""
-    if not isinstance(value, bool) and isinstance(value, Integral) and int(value) >= 1:
-        return int(value)
-    problems.append((name, f"must be a positive whole number, got {value!r}"))
+    is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    whole = int(value) if is_whole else 0
+    if 1 <= whole <= MOST_COUNTED:
+        return whole
+    limit = f" of at most {MOST_COUNTED:g}" if whole > 1 else ""
+    problems.append((name, f"must be a positive whole number{limit}, got {shown(value)}"))
     return 0
 
 
 def _single(problems: Problems, name: str, value: Any, unit: str, sign: str) -> Any:
     found = number(problems, name, value, unit, sign)
     if not isinstance(found, float):
-        problems.append((name, f"must be a single number, got {value!r}"))
+        problems.append((name, f"must be a single number, got {shown(value)}"))
     return found
 
 
@@ -187,7 +191,7 @@ def _snapshots(problems: Problems, value: Any, until: float | None) -> int | tup
     except (TypeError, ValueError):
         times = np.zeros(0)
     if times.ndim != 1 or not times.size or isinstance(value, str):
-        message = f"must be a positive whole number, or a list of times, got {value!r}"
+        message = f"must be a positive whole number, or a list of times, got {shown(value)}"
         problems.append(("snapshots", message))
         return 0
     good = np.isfinite(times) & (times >= 0)

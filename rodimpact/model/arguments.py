@@ -7,16 +7,16 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .quantities import numbers_in
+from .quantities import Floats, floats
+from .quantities import Number as Number
 
-Array: TypeAlias = NDArray[np.float64]
-Number: TypeAlias = float | Array
+Array: TypeAlias = Floats
 
 
 def array(name: str, value: ArrayLike, unit: str) -> Array:
     """The argument as an array in that unit, "" for a pure number; ValueError if it has none."""
     try:
-        return np.asarray(numbers_in(value, unit), dtype=np.float64)
+        return floats(value, unit)
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from None
 

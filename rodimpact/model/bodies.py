@@ -15,18 +15,20 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..units import shown
 from .frozen import (
+    LARGEST,
+    SMALLEST,
     Field,
     Frozen,
     InvalidModel,
     Number,
     Problems,
     family_shape,
-    first_false,
-    holds,
     in_range,
     number,
-    short,
+    raise_noted,
+    require,
 )
 from .profiles import (
     Floats,
@@ -38,7 +40,6 @@ from .profiles import (
     averages,
     extremes,
     flipped,
-    profile_from,
 )
 
 CIRCULAR = "circular"  # the cross-section is a solid disc
@@ -97,24 +98,25 @@ class Material(Frozen):
     ) -> None:
         problems: Problems = []
         if not isinstance(name, str) or not name:
-            problems.append(("name", f"must be a word, got {name!r}"))
-        E, rho, eta, nu = self._checked(
-            problems, youngs_modulus=youngs_modulus, density=density, viscosity=viscosity,
-            poisson_ratio=poisson_ratio,
-        )
+            problems.append(("name", f"must be a word, got {shown(name)}"))
+        numbers = dict(zip(self.fields, self._checked(
+            problems, youngs_modulus=youngs_modulus, density=density, poisson_ratio=poisson_ratio,
+            viscosity=viscosity,
+        ), strict=True))
         if not problems:
-            family_shape([
-                ("youngs_modulus", E), ("density", rho), ("viscosity", eta), ("poisson_ratio", nu)
-            ])
+            family_shape(numbers.items())
+            E, rho = numbers["youngs_modulus"], numbers["density"]
             with np.errstate(all="ignore"):
                 ratio = E / rho
-            if not holds(good := in_range(ratio)):
-                at, (modulus, dense) = first_false(good, E, rho)
-                message = f"gives no finite wave speed with density {dense!r}, got {modulus!r}"
-                problems.append((f"youngs_modulus{at}", message))
-        if problems:
-            raise InvalidModel(problems)
-        self._set(name=name, youngs_modulus=E, density=rho, poisson_ratio=nu, viscosity=eta)
+            message = "gives no finite wave speed with density {1!r}, got {0!r}"
+            require(problems, in_range(ratio), "youngs_modulus", message, E, rho)
+        raise_noted(problems)
+        self._set(name=name, **numbers)
+
+    def to_dict(self) -> dict[str, Any]:  # noqa: D102
+        described = super().to_dict()
+        described.setdefault("poisson_ratio", None)  # as digests on disk have it
+        return described
 
     @property
     def wave_speed(self) -> Number:
@@ -153,8 +155,7 @@ class Material(Frozen):
         problems: Problems = []
         tangent = number(problems, "loss_factor", loss_factor, "", "non-negative")
         f = number(problems, "frequency", frequency, "Hz", "positive")
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         family_shape([
             ("youngs_modulus", self.youngs_modulus), ("loss_factor", tangent), ("frequency", f)
         ])
@@ -204,9 +205,9 @@ class Segment(Frozen):
 
     fields: ClassVar[dict[str, Field]] = {
         "length": Field("m", "positive"),
-        "area": Field("m^2", "positive"),
         "diameter": Field("m", "positive"),
-        "polar_moment": Field("m^4", "positive", optional=True),
+        "area": Field("m^2", "positive", along="length"),
+        "polar_moment": Field("m^4", "positive", optional=True, word=CIRCULAR),
     }
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {"diameter": ("area",)}
     length: Number
@@ -224,40 +225,44 @@ class Segment(Frozen):
         polar_moment: ArrayLike | str | None = None,
     ) -> None:
         problems: Problems = []
-        L = number(problems, "length", length, *self.fields["length"][:2])
-        if isinstance(area, Steps):
+        (L,) = self._checked(problems, length=length)
+        known = None if problems else L
+        A: Any = 1.0
+        if diameter is not None:
+            A = self._round(problems, area, diameter)
+        elif isinstance(area, Steps):
             message = "jumps inside a segment; give Rod(area=Steps(...)), or a segment for each"
             problems.append(("area", f"{message} of its values"))
-        known = None if problems else L
-        if diameter is not None:
-            area = self._round(problems, area, diameter)
-        A: Any = along_rod(problems, "area", area, self.fields["area"], known)
+        elif area is None:
+            problems.append(("area", "is missing; give it, or the diameter of a round rod"))
+        else:
+            A = along_rod(problems, "area", area, self.fields["area"], known)
         if not isinstance(material, Material):
-            message = f"must be a Material, such as materials.steel, got {material!r}"
+            message = f"must be a Material, such as materials.steel, got {shown(material)}"
             problems.append(("material", message))
         if polar_moment is not None:
             polar_moment = _polar_moment(problems, polar_moment, A, material)
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         self._set(length=L, area=A, material=material, polar_moment=polar_moment)
         if isinstance(A, Samples):
             for bound in extremes(A):
                 Segment(L, bound, material)
             return
-        try:
-            with np.errstate(all="ignore"):
-                Z, T = self.impedance, self.transit_time
-                derived = (Z, T, Z * T)
-        except ValueError:  # from NumPy, whose sentence names no field
+        c = self.wave_speed
+        if not type(L) is type(A) is type(c) is float:
             family_shape(self._numbers())
-            raise
-        if not holds(good := in_range(*derived)):
-            at, (long, wide) = first_false(good, L, A)
+        with np.errstate(all="ignore"):
+            Z, T = self.material.density * A * c, L / c
+            good = in_range(Z, T, Z * T)
+        if good is not True:
+            sizes = {"length": L, "area": A, "material": Z / A}
+            path = max(sizes, key=lambda name: np.max(np.abs(np.log10(sizes[name]))))
             message = (
-                f"a segment of length {long!r}, area {wide!r} and {material!r} has no finite, "
-                "positive impedance, transit time and mass; use consistent units"
+                "length {0!r} and area {1!r} of this material make an impedance, a transit time or "
+                f"a mass outside {SMALLEST:g} to {LARGEST:g}; use consistent units"
             )
-            raise InvalidModel([(f"area{at}", message)])
+            require(problems, good, path, message, L, A)
+            raise_noted(problems)
 
     def _round(self, problems: Problems, area: Any, diameter: Any) -> Any:
         """Area of a solid round section, m^2; mistakes are noted in `problems`."""
@@ -267,8 +272,7 @@ class Segment(Frozen):
         mistakes: Problems = []
         (d,) = self._checked(mistakes, diameter=diameter)
         problems += mistakes
-        with np.errstate(all="ignore"):  # an area out of range is refused as an area
-            return 1.0 if mistakes else math.pi * d * d / 4
+        return 1.0 if mistakes else math.pi * d * d / 4
 
     @property
     def tapered(self) -> bool:
@@ -366,31 +370,33 @@ class Segment(Frozen):
         areas: list[float] = averages(self.area, np.linspace(0.0, 1.0, n + 1), 1.0).tolist()
         return areas
 
-    def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        described = super().to_dict()
-        if self.polar_moment is None:
-            del described["polar_moment"]
-        return described
-
 
 def _polar_moment(problems: Problems, value: Any, area: Any, material: Any) -> Number | str:
     """Return `value` as a polar moment of that cross-section; note a mistake in `problems`."""
     if isinstance(material, Material) and material.poisson_ratio is None:
-        message = f"is missing in {material.name!r}; lateral inertia needs it: give the material"
-        problems.append(("material.poisson_ratio", f"{message} one, or leave polar_moment out"))
+        message = f"is missing in {shown(material.name)}; lateral inertia needs it: "
+        message += "give the material one, or leave polar_moment out"
+        problems.append(("material.poisson_ratio", message))
     if isinstance(value, str):
         if value != CIRCULAR:
-            message = f'must be a number of m^4 or "{CIRCULAR}", got {value!r}'
+            message = f'must be a number of m^4 or "{CIRCULAR}", got {shown(value)}'
             problems.append(("polar_moment", message))
         return value
     if isinstance(area, Samples):
-        message = f'must be "{CIRCULAR}" along a taper, or left out, got {value!r}'
+        message = f'must be "{CIRCULAR}" along a taper, or left out, got {shown(value)}'
         problems.append(("polar_moment", message))
         return math.nan
     return number(problems, "polar_moment", value, *Segment.fields["polar_moment"][:2])
 
 
-class Rod(Frozen):
+class _Body(Frozen):
+    """A body of a row, described by its kind."""
+
+    _tag: ClassVar[str] = "kind"
+    kind: ClassVar[str]
+
+
+class Rod(_Body):
     """An elastic rod: uniform, stepped or tapered.
 
     Give `length`, `area` or `diameter`, and `material`; or `segments`.
@@ -421,7 +427,10 @@ class Rod(Frozen):
         Naming every field that is not what it should be.
     """
 
-    fields: ClassVar[dict[str, Field]] = {"velocity": Field("m/s"), "strain": Field()}
+    kind: ClassVar[str] = "rod"
+    fields: ClassVar[dict[str, Field]] = {
+        "velocity": Field("m/s", along="length"), "strain": Field(along="length"),
+    }
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {
         "diameter": ("area",), "segments": ("length", "area", "material", "polar_moment"),
     }
@@ -463,8 +472,7 @@ class Rod(Frozen):
         total = None if problems else sum(s.length for s in pieces)
         v = along_rod(problems, "velocity", velocity, self.fields["velocity"], total)
         e = along_rod(problems, "strain", strain, self.fields["strain"], total)
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         self._set(segments=pieces, velocity=v, strain=e)
 
     def _parameters(self) -> dict[str, Any]:
@@ -522,21 +530,9 @@ class Rod(Frozen):
         """
         count: Any = n
         if isinstance(count, bool) or not isinstance(count, Integral) or count < 1:
-            raise InvalidModel([("n", f"must be a positive whole number, got {count!r}")])
+            raise InvalidModel([("n", f"must be a positive whole number, got {shown(count)}")])
         pieces = [piece for segment in self.segments for piece in segment.in_steps(n)]
         return self.replace(segments=pieces)
-
-    def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        described = {"kind": "rod", **super().to_dict()}
-        if described.get("polar_moment", 0.0) is None:
-            del described["polar_moment"]
-        return described
-
-    def __repr__(self) -> str:
-        if len(self.segments) > 1:
-            return super().__repr__()
-        piece = repr(self.segments[0])[len("Segment(") : -1]
-        return f"Rod({piece}, velocity={short(self.velocity)}, strain={short(self.strain)})"
 
 
 def _joined(problems: Problems, segments: Any, described: bool) -> tuple[Segment, ...]:
@@ -545,12 +541,12 @@ def _joined(problems: Problems, segments: Any, described: bool) -> tuple[Segment
         message = "give either segments or length, area, material and polar_moment, not both"
         problems.append(("segments", message))
     elif not isinstance(segments, list | tuple) or not segments:
-        message = f"must be a list of at least one Segment, got {segments!r}"
+        message = f"must be a list of at least one Segment, got {shown(segments)}"
         problems.append(("segments", message))
     else:
         for i, segment in enumerate(segments):
             if not isinstance(segment, Segment):
-                problems.append((f"segments.{i}", f"must be a Segment, got {segment!r}"))
+                problems.append((f"segments.{i}", f"must be a Segment, got {shown(segment)}"))
         return tuple(segments)
     return ()
 
@@ -565,18 +561,18 @@ def _between_jumps(
     if problems:
         edges = tuple(map(float, range(len(edges))))  # the values can be checked all the same
     pieces: list[Segment] = []
+    mistakes = dict.fromkeys(problems)  # that of a length is one of every piece
     for i, (A, (start, end)) in enumerate(zip(area.values, pairwise(edges), strict=True)):
         try:
             pieces.append(Segment(end - start, A, material, polar_moment=polar_moment))
         except InvalidModel as error:
             for path, message in error.problems:
-                found = (path.replace("area", f"area.values.{i}"), message)
-                if found not in problems:
-                    problems.append(found)
+                mistakes[path.replace("area", f"area.values.{i}"), message] = None
+    problems[:] = mistakes
     return tuple(pieces)
 
 
-class RigidMass(Frozen):
+class RigidMass(_Body):
     """A body that moves as a whole: no wave runs through it.
 
     Parameters
@@ -592,6 +588,7 @@ class RigidMass(Frozen):
         Naming every field that is not what it should be.
     """
 
+    kind: ClassVar[str] = "mass"
     fields: ClassVar[dict[str, Field]] = {
         "mass": Field("kg", "positive"), "velocity": Field("m/s"),
     }
@@ -601,11 +598,8 @@ class RigidMass(Frozen):
     def __init__(self, mass: ArrayLike, *, velocity: ArrayLike = 0.0) -> None:
         self._take(mass=mass, velocity=velocity)
 
-    def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        return {"kind": "mass", **super().to_dict()}
 
-
-class Wall(Frozen):
+class Wall(_Body):
     """An immovable body, or one that keeps its velocity whatever hits it.
 
     Parameters
@@ -614,31 +608,13 @@ class Wall(Frozen):
         m/s.
     """
 
+    kind: ClassVar[str] = "wall"
     fields: ClassVar[dict[str, Field]] = {"velocity": Field("m/s")}
     velocity: Number
 
     def __init__(self, velocity: ArrayLike = 0.0) -> None:
         self._take(velocity=velocity)
 
-    def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        return {"kind": "wall", **super().to_dict()}
-
 
 Body: TypeAlias = Rod | RigidMass | Wall
-
-
-def body_from(data: dict[str, Any]) -> Body:
-    """Make the body that `to_dict` described."""
-    if data["kind"] == "wall":
-        return Wall(data["velocity"])
-    if data["kind"] == "mass":
-        return RigidMass(data["mass"], velocity=data["velocity"])
-    moving = {name: profile_from(data[name]) for name in ("velocity", "strain")}
-    return Rod(segments=[_segment(piece) for piece in data.get("segments", [data])], **moving)
-
-
-def _segment(data: dict[str, Any]) -> Segment:
-    return Segment(
-        data["length"], profile_from(data["area"]), Material(**data["material"]),
-        polar_moment=data.get("polar_moment"),
-    )
+BODIES: dict[str, type[Body]] = {body.kind: body for body in (Rod, RigidMass, Wall)}

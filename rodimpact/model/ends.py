@@ -5,19 +5,17 @@ A driven end follows a profile in time. SI units; a number may be an array, whic
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, TypeAlias
+from typing import ClassVar, TypeAlias
 
-from .frozen import Field, Frozen, InvalidModel, Problems
-from .profiles import Profile, ProfileLike, in_time, profile_from
+from .frozen import Field, Frozen, Problems, raise_noted
+from .profiles import Profile, ProfileLike, in_time
 
 
 class _End(Frozen):
     """An end of a row, described by its kind and what drives it."""
 
+    _tag: ClassVar[str] = "kind"
     kind: ClassVar[str]
-
-    def to_dict(self) -> dict[str, Any]:
-        return {"kind": self.kind, **super().to_dict()}
 
 
 class Free(_End):
@@ -49,8 +47,7 @@ class _Driven(_End):
     def __init__(self, value: ProfileLike, *, duration: float | None = None) -> None:
         problems: Problems = []
         profile = in_time(problems, "value", value, self.fields["value"], duration)
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         self._set(value=profile)
 
 
@@ -79,7 +76,7 @@ class Pushed(_Driven):
     """
 
     kind: ClassVar[str] = "force"
-    fields: ClassVar[dict[str, Field]] = {"value": Field("N", label="force")}
+    fields: ClassVar[dict[str, Field]] = {"value": Field("N", label="force", along="time")}
 
 
 class Moved(_Driven):
@@ -101,7 +98,7 @@ class Moved(_Driven):
     """
 
     kind: ClassVar[str] = "velocity"
-    fields: ClassVar[dict[str, Field]] = {"value": Field("m/s", label="velocity")}
+    fields: ClassVar[dict[str, Field]] = {"value": Field("m/s", label="velocity", along="time")}
 
 
 End: TypeAlias = Free | Fixed | Absorbing | Pushed | Moved
@@ -109,9 +106,3 @@ ENDS: dict[str, type[End]] = {
     end.kind: end for end in (Free, Fixed, Absorbing, Pushed, Moved)
 }
 FREE = Free()
-
-
-def end_from(data: dict[str, Any]) -> End:
-    """Make the end that `to_dict` described."""
-    driven = {"value": profile_from(data["value"])} if "value" in data else {}
-    return ENDS[data["kind"]](**driven)

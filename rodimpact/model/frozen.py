@@ -12,24 +12,28 @@ import hashlib
 import inspect
 import json
 import math
-import reprlib
+import sys
 from collections.abc import Callable, Collection, Iterable
 from typing import Any, ClassVar, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
 from .. import units
-from .quantities import numbers_in
+from ..units import MOST_SHOWN, one_line, shown
+from .quantities import Number as Number
+from .quantities import floats, number_of
 
-Number: TypeAlias = "float | np.ndarray[Any, np.dtype[np.float64]]"
 Problems: TypeAlias = list[tuple[str, str]]
 
 MOST_CHOICES = 12  # named in a message
+MOST_TOLD = 20  # mistakes that the text of an error tells
+MOST_MEMBERS = 10**7  # of a family
+MOST_AXES = 32  # of a family; NumPy broadcasts no more
+SMALLEST, LARGEST = 1e-150, 1e150  # magnitudes whose squares are neither 0 nor infinite
+TINY = sys.float_info.min  # with all its digits
+OUT_OF_SCALE = f"must be 0 or of a magnitude from {SMALLEST:g} to {LARGEST:g} in consistent units"
+OUT_OF_SCALE += ", got {0!r}"
 _SIGNS = frozenset({"positive", "positive or infinite", "non-negative", "any"})
-_WORDS = {
-    "m": "metres", "m^2": "square metres", "s": "seconds", "Hz": "hertz", "kg": "kilograms",
-    "N": "newtons", "Pa": "pascals",
-}
 
 
 class InvalidModel(ValueError):
@@ -38,12 +42,16 @@ class InvalidModel(ValueError):
     Attributes
     ----------
     problems : list of (str, str)
-        Path of each faulty field (``bodies.0.length``) and what is wrong with it.
+        Path of each faulty field (``bodies.0.length``) and what is wrong with it. The text of the
+        error tells the first `MOST_TOLD` of them and counts the rest.
     """
 
     def __init__(self, problems: Problems) -> None:
         self.problems = problems
-        super().__init__("\n".join(f"{path}: {message}" for path, message in problems))
+        lines = [f"{one_line(path)}: {message}" for path, message in problems[:MOST_TOLD]]
+        if len(problems) > MOST_TOLD:
+            lines.append(f"...: and {len(problems) - MOST_TOLD} mistakes more")
+        super().__init__("\n".join(lines))
 
     def __reduce__(self) -> tuple[type[InvalidModel], tuple[Problems]]:
         return InvalidModel, (self.problems,)
@@ -58,17 +66,23 @@ class Field(NamedTuple):
         Of the SI: ``"kg/m^3"``; ``""`` for a pure number.
     sign : str
         ``"positive"``, ``"positive or infinite"``, ``"non-negative"``, ``"any"``, or an interval
-        such as ``"[0, 1]"`` or ``"(-1, 0.5]"``.
+        such as ``"[0, 1]"`` or ``"(-1, 0.5]"``; ``"sampled"`` for one of many.
     label : str
         What figures call it, where that is not its name.
     optional : bool
         Whether it may be None.
+    along : str
+        ``"length"`` of a rod or ``"time"``, if it may be a profile over that.
+    word : str
+        That may stand in its place.
     """
 
     unit: str = ""
     sign: str = "any"
     label: str = ""
     optional: bool = False
+    along: str = ""
+    word: str = ""
 
     @property
     def dimension(self) -> str:
@@ -79,62 +93,52 @@ class Field(NamedTuple):
 def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "any") -> Number:
     """Return `value` as a float or a read-only array; note a mistake in `problems`.
 
-    `unit` is that of the field in the SI, to which quantities are converted: ``"kg/m^3"``, or
-    ``""`` for a pure number. `sign` is that of a `Field`. -0.0 becomes 0.0, so that equal numbers
-    are described alike.
+    `unit` and `sign` are those of a `Field`. -0.0 becomes 0.0, so that equal numbers are described
+    alike.
     """
     if type(value) is float:
-        if 0.0 < value < math.inf and sign in _SIGNS:
-            return value
+        if (value == 0 and sign == "any") or (SMALLEST <= value <= LARGEST and sign in _SIGNS):
+            return value + 0.0
         array: Any = value
-    elif isinstance(value, bool | np.bool_) or value is None or isinstance(value, str | bytes):
-        hint = "; units.parse reads text with a unit" if isinstance(value, str) else ""
-        problems.append((path, f"must be a number{_of(unit)}, got {value!r}{hint}"))
-        return math.nan
     else:
         try:
-            bare = numbers_in(value, unit)
+            array = floats(value, unit)
         except ValueError as error:
             problems.append((path, str(error)))
             return math.nan
-        try:
-            array = np.array(bare)
-            if array.dtype.kind not in "fiu":
-                raise TypeError
-            array = array.astype(np.float64)
-        except (TypeError, ValueError, OverflowError):
-            shown = reprlib.repr(value)
-            message = f"must be a number or an array of numbers{_of(unit)}, got {shown}"
-            problems.append((path, message))
-            return math.nan
         if array.ndim == 0:
-            array = float(array)
+            array = array.item()
         elif array.size == 0:
             problems.append((path, "must not be an empty array"))
             return math.nan
+        elif array.ndim > MOST_AXES:
+            problems.append((path, f"must have at most {MOST_AXES} axes, got {array.ndim}"))
+            return math.nan
     array = array + 0.0
-    if isinstance(array, float):
-        if not _allowed(array, sign):
-            problems.append((path, _wanted(unit, sign, array)))
-        return array
-    array.flags.writeable = False
-    if not holds(good := _allowed(array, sign)):
-        at, (got,) = first_false(good, array)
-        problems.append((f"{path}{at}", _wanted(unit, sign, got)))
+    if require(problems, _has_sign(array, sign), path, _wanted(unit, sign), array):
+        require(problems, _in_scale(array, sign), path, OUT_OF_SCALE, array)
+    if not isinstance(array, float):
+        array.flags.writeable = False
     return array  # type: ignore[no-any-return]
 
 
-def _of(unit: str) -> str:
-    """How a sentence goes on after "a number": " of metres", or nothing where there is no unit."""
-    return f" of {_WORDS.get(unit, unit)}" if unit else ""
+def _in_scale(value: Any, sign: str) -> Any:
+    """Where numbers and their squares are within what a float holds.
+
+    A number that may be 0 may be small, too; but one that stands alone has all its digits.
+    """
+    least = SMALLEST if "positive" in sign else 0.0 if sign == "sampled" else TINY
+    size = abs(value)
+    good = ((size >= least) | (size == 0)) & (size <= LARGEST)
+    return good | (size == math.inf) if "infinite" in sign else good
 
 
-def _allowed(value: Any, sign: str) -> Any:
+def _has_sign(value: Any, sign: str) -> Any:
     """Where numbers are finite and of that sign."""
     if sign == "positive or infinite":
         return value > 0
-    finite = math.isfinite(value) if isinstance(value, float) else np.isfinite(value)
-    if sign == "any":
+    finite = abs(value) < math.inf
+    if sign in ("any", "sampled"):
         return finite
     if sign == "positive":
         return finite & (value > 0)
@@ -145,13 +149,13 @@ def _allowed(value: Any, sign: str) -> Any:
     return finite & above & (value <= high if sign[-1] == "]" else value < high)
 
 
-def _wanted(unit: str, sign: str, value: float) -> str:
+def _wanted(unit: str, sign: str) -> str:
     if sign == "positive or infinite":
-        return f"must be a positive number{_of(unit)} or infinite, got {value!r}"
-    if sign not in _SIGNS and math.isfinite(value):
-        return f"must lie in {sign}, got {value!r}"
-    kind = f"a finite {sign} number" if sign in ("positive", "non-negative") else "a finite number"
-    return f"must be {kind}{_of(unit)}, got {value!r}"
+        return f"must be a positive number{number_of(unit)} or infinite, got {{0!r}}"
+    if sign[0] in "[(":
+        return f"must lie in {sign}, got {{0!r}}"
+    kind = f"finite {sign}" if sign in ("positive", "non-negative") else "finite"
+    return f"must be a {kind} number{number_of(unit)}, got {{0!r}}"
 
 
 def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
@@ -165,44 +169,51 @@ def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
     Raises
     ------
     InvalidModel
-        If they do not broadcast, naming all arrays with their shapes.
+        If they do not broadcast, naming the arrays with their shapes, or make more than
+        `MOST_MEMBERS`.
     """
     shapes = [(path, v.shape) for path, v in numbers if isinstance(v, np.ndarray)]
     try:
-        return np.broadcast_shapes(*(shape for _, shape in shapes))
+        shape = np.broadcast_shapes(*(shape for _, shape in shapes))
     except ValueError:
-        message = "arrays of the family do not broadcast: " + ", ".join(
-            f"{path} has shape {shape}" for path, shape in shapes
-        )
+        named = [f"{path} has shape {shape}" for path, shape in shapes]
+        message = f"arrays of the family do not broadcast: {listed(named)}"
         raise InvalidModel([(shapes[0][0], message)]) from None
+    if math.prod(shape) > MOST_MEMBERS:
+        message = f"makes a family of {math.prod(shape)} members, more than {MOST_MEMBERS}"
+        raise InvalidModel([(shapes[0][0], f"{message}; take one part after another")])
+    return shape
 
 
 def in_range(*values: Number) -> Any:
-    """Where derived quantities neither overflow nor vanish."""
+    """Where derived quantities are neither too small nor too large to compute with."""
     good: Any = True
     for v in values:
-        good = good & (v > 0) & (v < math.inf)
+        good = good & (v >= SMALLEST) & (v <= LARGEST)
     return good
 
 
-def holds(good: Any) -> bool:
-    """Whether a condition holds for every member."""
-    return good is True or bool(np.all(good))
+def require(
+    problems: Problems, good: Any, path: str, message: str, *values: Number
+) -> bool:
+    """Whether something holds for every member of a family; note the first for which it does not.
 
-
-def first_false(good: Any, *values: Number) -> tuple[str, list[float]]:
-    """First member of a family where something does not hold: its index, and its values.
-
-    Returns
-    -------
-    str
-        As ``[3,1]``; empty where nothing is an array.
-    list of float
+    The message may show the values there, as ``{0!r}``; the path ends with the index, ``[3,1]``.
     """
+    if good is True or np.all(good):
+        return True
     good = np.asarray(good)
     index = tuple(int(i) for i in np.argwhere(~good)[0])
     at = f"[{','.join(map(str, index))}]" if index else ""
-    return at, [float(np.broadcast_to(v, good.shape)[index]) for v in values]
+    there = [float(np.broadcast_to(v, good.shape)[index]) for v in values]
+    problems.append((f"{path}{at}", message.format(*there)))
+    return False
+
+
+def raise_noted(problems: Problems) -> None:
+    """Raise InvalidModel if there are problems."""
+    if problems:
+        raise InvalidModel(problems)
 
 
 class Frozen:
@@ -215,6 +226,8 @@ class Frozen:
     """The numbers of which it is made."""
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {}
     """Parameters that stand for others: ``{"diameter": ("area",)}``."""
+    _tag: ClassVar[str] = ""
+    """The attribute of the class that says in tables which one it is: ``"kind"``."""
     _whole: ClassVar[tuple[str, ...]] = ()
     """Fields whose array is one thing: the members of a family share it."""
 
@@ -224,6 +237,14 @@ class Frozen:
     def __delattr__(self, name: str) -> None:
         raise AttributeError(f"{type(self).__name__} is frozen")
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Become what was pickled or copied; arrays are read-only again."""
+        for value in state.values():
+            for item in value if isinstance(value, tuple) else (value,):
+                if isinstance(item, np.ndarray):
+                    item.flags.writeable = False
+        self.__dict__.update(state)
+
     def _set(self, **fields: Any) -> None:
         self.__dict__.update(fields)
 
@@ -231,17 +252,18 @@ class Frozen:
         """Return these numbers as their fields want them; note mistakes in `problems`."""
         values: list[Any] = []
         for name, value in given.items():
-            unit, sign, _, optional = self.fields[name]
-            left_out = optional and value is None
-            values.append(None if left_out else number(problems, name, value, unit, sign))
+            field = self.fields[name]
+            left_out = field.optional and value is None
+            values.append(
+                None if left_out else number(problems, name, value, field.unit, field.sign)
+            )
         return values
 
     def _take(self, **given: Any) -> None:
         """Become what these numbers say; InvalidModel with all mistakes in them."""
         problems: Problems = []
         values = self._checked(problems, **given)
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         self.__dict__.update(zip(given, values, strict=True))
 
     def replace(self, **changes: Any) -> Self:
@@ -274,7 +296,8 @@ class Frozen:
 
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON-ready description from which an equal object can be made."""
-        return {name: plain(v) for name, v in self._parameters().items()}
+        tag = {self._tag: getattr(self, self._tag)} if self._tag else {}
+        return tag | {name: plain(v) for name, v in self._parameters().items() if v is not None}
 
     @property
     def digest(self) -> str:
@@ -283,10 +306,10 @@ class Frozen:
         outline = self._mapped(lambda array: list(array.shape)).to_dict() if arrays else (
             self.to_dict()
         )
-        found = hashlib.sha256(json.dumps(outline, sort_keys=True).encode())
+        sha = hashlib.sha256(json.dumps(outline, sort_keys=True).encode())
         for array in arrays:
-            found.update(array.tobytes())
-        return found.hexdigest()
+            sha.update(array.tobytes())
+        return sha.hexdigest()
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Frozen) or type(self) is not type(other):
@@ -297,13 +320,13 @@ class Frozen:
         return hash(self.digest)
 
     def __repr__(self) -> str:
-        fields = ((k, v) for k, v in self.__dict__.items() if k[0] != "_" and v is not None)
-        shown = ", ".join(f"{k}={short(v)}" for k, v in fields)
-        return f"{type(self).__name__}({shown})"
+        given = self._parameters().items()
+        fields = ", ".join(f"{name}={short(v)}" for name, v in given if v is not None)
+        return f"{type(self).__name__}({fields})"
 
     def _numbers(self, path: str = "") -> list[tuple[str, Number]]:
         """Every number of this object and of what it holds, with its path."""
-        found: list[tuple[str, Number]] = []
+        numbers: list[tuple[str, Number]] = []
         for name, value in self.__dict__.items():
             if name in self._whole:
                 continue
@@ -314,10 +337,10 @@ class Frozen:
                 else [(where, value)]
             ):
                 if isinstance(item, Frozen):
-                    found += item._numbers(inner)
+                    numbers += item._numbers(inner)
                 elif isinstance(item, float | np.ndarray):
-                    found.append((inner, item))
-        return found
+                    numbers.append((inner, item))
+        return numbers
 
     def _mapped(self, change: Callable[[Any], Any]) -> Self:
         """The same object with every array replaced by what `change` makes of it."""
@@ -364,12 +387,17 @@ def short(value: Any) -> str:
 
 def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
     """Which of the choices may be meant; `head` is put before them when they are named."""
-    known = {choice.casefold(): head + choice for choice in choices}
-    near = difflib.get_close_matches(str(word).casefold(), known, n=1)
+    known = {choice.casefold()[:MOST_SHOWN]: head + choice for choice in choices}
+    text = word if isinstance(word, str) else shown(word)
+    near = difflib.get_close_matches(text[:MOST_SHOWN].casefold(), known, n=1)
     if near:
-        return f"perhaps {known[near[0]]!r} is meant"
-    first = list(known.values())[:MOST_CHOICES]
-    return f"use one of {', '.join(first)}" + (", ..." if len(known) > len(first) else "")
+        return f"perhaps {shown(known[near[0]])} is meant"
+    return f"use one of {listed(list(map(one_line, known.values())))}"
+
+
+def listed(names: list[str]) -> str:
+    """Names in a row, of which the first `MOST_CHOICES` stand for many."""
+    return ", ".join(names[:MOST_CHOICES]) + (", ..." if len(names) > MOST_CHOICES else "")
 
 
 def plain(value: Any) -> Any:

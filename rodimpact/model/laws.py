@@ -12,28 +12,19 @@ from typing import Any, ClassVar, Self, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..units import shown
 from .bodies import Material
-from .frozen import (
-    Field,
-    Frozen,
-    InvalidModel,
-    Number,
-    Problems,
-    family_shape,
-    first_false,
-    holds,
-    number,
-)
+from .frozen import Field, Frozen, Number, Problems, family_shape, number, raise_noted, require
+
+FACE = Field("m", "positive or infinite")
+"""The radius of a face, infinite for a flat one."""
 
 
 class _Law(Frozen):
     """A contact law, described by its name and its numbers."""
 
+    _tag: ClassVar[str] = "law"
     law: ClassVar[str]
-
-    def to_dict(self) -> dict[str, Any]:
-        numbers = {name: v for name, v in super().to_dict().items() if v is not None}
-        return {"law": self.law, **numbers}
 
 
 class _Compliant(_Law):
@@ -192,7 +183,7 @@ class Hertz(_Compliant):
         yielding = []
         faces: Any = (("left", left_radius, left_material), ("right", right_radius, right_material))
         for side, radius, material in faces:
-            R = number(problems, f"{side}_radius", radius, "m", "positive or infinite")
+            R = number(problems, f"{side}_radius", radius, FACE.unit, FACE.sign)
             radii.append(R)
             meeting.append((f"{side}_radius", R))
             if isinstance(material, Material) and material.poisson_ratio is not None:
@@ -201,22 +192,20 @@ class Hertz(_Compliant):
                 meeting += [(f"{side}_material.youngs_modulus", E),
                             (f"{side}_material.poisson_ratio", nu)]
             elif isinstance(material, Material):
-                message = f"needs a poisson_ratio for Hertz contact, {material.name!r} has none"
-                problems.append((f"{side}_material", message))
+                message = f"needs a poisson_ratio for Hertz contact, {shown(material.name)} has"
+                problems.append((f"{side}_material", f"{message} none"))
             elif material is not None:
-                message = f"must be a Material, or None for a rigid face, got {material!r}"
+                message = f"must be a Material, or None for a rigid face, got {shown(material)}"
                 problems.append((f"{side}_material", message))
         if left_material is right_material is None:
             message = "is None as that of the left face; one of two faces must yield"
             problems.append(("right_material", message))
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         family_shape(meeting)
         curvature = 1 / radii[0] + 1 / radii[1]
-        if not holds(good := curvature > 0):
-            at, _ = first_false(good)
-            message = "is infinite as that of the left face; two flat faces make no Hertz contact"
-            raise InvalidModel([(f"right_radius{at}", message)])
+        message = "is infinite as that of the left face; two flat faces make no Hertz contact"
+        require(problems, curvature > 0, "right_radius", message)
+        raise_noted(problems)
         with np.errstate(all="ignore"):  # what is out of range, the law will refuse
             compliance: Number = sum(1 / (E / (1 - nu**2)) for E, nu in yielding)
             return cls(np.divide(4 / 3, compliance * curvature**0.5))
@@ -284,9 +273,3 @@ CONTACT_LAWS: dict[str, type[ContactLaw]] = {
     law.law: law for law in (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw)
 }
 RIGID = Rigid()
-
-
-def law_from(data: dict[str, Any]) -> ContactLaw:
-    """Make the contact law that `to_dict` described."""
-    numbers = {name: value for name, value in data.items() if name != "law"}
-    return CONTACT_LAWS[data["law"]](**numbers)

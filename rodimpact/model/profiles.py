@@ -6,7 +6,6 @@ the drive is made: what is stored and compared are numbers only.
 
 from __future__ import annotations
 
-import reprlib
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any, ClassVar, TypeAlias
@@ -14,20 +13,21 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..units import one_line, shown
 from .frozen import (
+    LARGEST,
     Field,
     Frozen,
-    InvalidModel,
     Number,
     Problems,
     family_shape,
-    first_false,
     number,
     plain,
+    raise_noted,
+    require,
 )
-from .quantities import numbers_in
-
-Floats: TypeAlias = "np.ndarray[Any, np.dtype[np.float64]]"
+from .quantities import Floats as Floats
+from .quantities import floats
 
 ALONG_ROD = 1025  # places at which a function along a rod is sampled
 IN_TIME = 4097  # times at which a function of time is sampled
@@ -56,32 +56,29 @@ class Steps(Frozen):
     def __init__(self, values: Sequence[ArrayLike], at: Sequence[ArrayLike]) -> None:
         problems: Problems = []
         lists: dict[str, tuple[Number, ...]] = {}
-        given: Any = (("values", values, "any"), ("at", at, "positive"))
+        given: Any = (("values", values, "sampled"), ("at", at, "positive"))
         for name, items, sign in given:
-            if not isinstance(items, list | tuple):
+            entries: Any = items if isinstance(items, list | tuple) else ()
+            if entries is not items:
                 try:
-                    items = numbers_in(items, "")
+                    entries = list(floats(items, ""))
+                except TypeError:  # a single number
+                    problems.append((name, f"must be a list of numbers, got {shown(items)}"))
                 except ValueError as error:
                     problems.append((name, str(error)))
-                    items = ()
-            if isinstance(items, str) or not np.iterable(items):
-                problems.append((name, f"must be a list of numbers, got {items!r}"))
-                items = ()
             lists[name] = tuple(
-                number(problems, f"{name}.{i}", v, "", sign) for i, v in enumerate(items)
+                number(problems, f"{name}.{i}", v, "", sign) for i, v in enumerate(entries)
             )
         if not problems and len(lists["values"]) != len(lists["at"]) + 1:
             message = f"needs one value more than jumps, got {len(lists['values'])} values"
             problems.append(("values", f"{message} for {len(lists['at'])} jumps"))
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         self._set(**lists)
         family_shape(self._numbers())
         for i, (a, b) in enumerate(pairwise(self.at)):
-            if not np.all(good := np.asarray(b) > a):
-                at, (before, got) = first_false(good, a, b)
-                message = f"must lie beyond {before!r}, got {got!r}"
-                raise InvalidModel([(f"at.{i + 1}{at}", message)])
+            message = "must lie beyond {0!r}, got {1!r}"
+            require(problems, np.asarray(b) > a, f"at.{i + 1}", message, a, b)
+        raise_noted(problems)
 
 
 class Samples(Frozen):
@@ -115,13 +112,12 @@ class Samples(Frozen):
 
     def __init__(self, values: ArrayLike, step: ArrayLike | None = None) -> None:
         problems: Problems = []
-        samples = number(problems, "values", values, "")
+        samples = number(problems, "values", values, "", "sampled")
         if not problems and (isinstance(samples, float) or samples.ndim > 1 or samples.size < 2):
-            message = f"must be a list of at least two numbers, got {reprlib.repr(values)}"
+            message = f"must be a list of at least two numbers, got {shown(values)}"
             problems.append(("values", message))
         (h,) = self._checked(problems, step=step)
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         self._set(values=samples, step=h)
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
@@ -147,11 +143,9 @@ def along_rod(
     if isinstance(value, Steps):
         if value.at and length is not None:
             family_shape([("length", length), *value._numbers(path)])
-            last, end = len(value.at) - 1, value.at[-1]
-            if not np.all(good := np.asarray(end) < length):
-                at, (long, got) = first_false(good, length, end)
-                message = f"must lie inside the rod of length {long!r}, got {got!r}"
-                problems.append((f"{path}.at.{last}{at}", message))
+            last, end = f"{path}.at.{len(value.at) - 1}", value.at[-1]
+            message = "must lie inside the rod of length {0!r}, got {1!r}"
+            require(problems, np.asarray(end) < length, last, message, length, end)
         return value
     if isinstance(value, Samples):
         if value.step is not None:
@@ -167,12 +161,10 @@ def along_rod(
         problems.append((path, message))
     elif length is not None:
         places = np.linspace(0.0, length, ALONG_ROD)
-        values = _sampled(problems, path, value, places, unit)
-        if values is not None and sign == "positive" and not np.all(good := values > 0):
-            _, (x, got) = first_false(good, places, values)
-            message = f"must be a function that returns positive numbers, got {got!r} at {x!r}"
-            problems.append((path, message))
-        return 0.0 if values is None else Samples(values)
+        try:
+            return Samples(_sampled(value, places, field))
+        except ValueError as error:
+            problems.append((path, str(error)))
     return 0.0
 
 
@@ -184,7 +176,7 @@ def in_time(problems: Problems, path: str, value: Any, field: Field, duration: A
     if not callable(value):
         if duration is not None:
             message = "belongs to a function of time; leave it out"
-            problems.append(("duration", f"{message}, got {duration!r}"))
+            problems.append(("duration", f"{message}, got {shown(duration)}"))
         if isinstance(value, Samples) and value.step is None:
             problems.append((f"{path}.step", "is missing; give the seconds between two samples"))
         if isinstance(value, Steps | Samples):
@@ -194,16 +186,18 @@ def in_time(problems: Problems, path: str, value: Any, field: Field, duration: A
         message = "is missing; give the seconds for which the function is to be sampled"
         problems.append(("duration", message))
         return 0.0
-    mistakes: Problems = []
-    end = number(mistakes, "duration", duration, "s", "positive")
-    if not mistakes and isinstance(end, np.ndarray):
+    before = len(problems)
+    end = number(problems, "duration", duration, "s", "positive")
+    if isinstance(end, np.ndarray):
         message = "must be a single number of seconds; members of a family share a function"
-        mistakes.append(("duration", message))
-    values = None
-    if not mistakes:
-        values = _sampled(mistakes, path, value, np.linspace(0.0, end, IN_TIME), field.unit)
-    problems += mistakes
-    return 0.0 if values is None else Samples(values, step=end / (IN_TIME - 1))
+        problems.append(("duration", message))
+    elif len(problems) == before:
+        try:
+            values = _sampled(value, np.linspace(0.0, end, IN_TIME), field)
+            return Samples(values, step=end / (IN_TIME - 1))
+        except ValueError as error:
+            problems.append((path, str(error)))
+    return 0.0
 
 
 def negative(profile: Profile) -> Profile:
@@ -259,13 +253,13 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
         at = np.array([float(x) for x in profile.at])
         values = np.array([float(v) for v in profile.values])
         first, last = np.searchsorted(at, edges[:-1], "right"), np.searchsorted(at, edges[1:])
-        found: Floats = values[first]
+        means: Floats = values[first]
         for i in np.flatnonzero(last > first):
             cuts = np.concatenate(([edges[i]], at[first[i] : last[i]], [edges[i + 1]]))
-            found[i] = np.sum(values[first[i] : last[i] + 1] * np.diff(cuts)) / (
+            means[i] = np.sum(values[first[i] : last[i] + 1] * np.diff(cuts)) / (
                 edges[i + 1] - edges[i]
             )
-        return found
+        return means
     if isinstance(profile, Samples):
         values = np.asarray(profile.values, dtype=float)
         width = length / (len(values) - 1) if profile.step is None else float(profile.step)
@@ -284,34 +278,38 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
 
 
 def profile_from(data: Any) -> Any:
-    """Make the profile that `to_dict` described."""
+    """Make the profile that `to_dict` described; what is none stays as it is."""
     if not isinstance(data, dict):
         return data
-    return Samples(data["samples"], data.get("step")) if "samples" in data else Steps(**data)
+    if "samples" in data:
+        return Samples(data["samples"], data.get("step"))
+    return Steps(**data) if "values" in data else data
 
 
-def _sampled(
-    problems: Problems, path: str, function: Callable[[Any], Any], places: Floats, unit: str
-) -> Floats | None:
-    """Values of a function of arrays, or else of numbers; None, with the mistake noted."""
+def _sampled(function: Callable[[Any], Any], places: Floats, field: Field) -> Floats:
+    """Values of a function of arrays, or else of numbers; ValueError says why it has none."""
     try:
-        values = np.asarray(numbers_in(function(places.copy()), unit))
-        if values.shape != places.shape:
-            raise TypeError
+        values = floats(function(places.copy()), field.unit)
     except Exception:
+        values = np.zeros(0)
+    if values.shape != places.shape:
         try:
-            values = np.array(numbers_in([function(x) for x in places.tolist()], unit))
+            returned = [function(x) for x in places.tolist()]
         except Exception as error:
-            reason = f"{type(error).__name__}: {error}"
-            problems.append((path, f"is a function that cannot be evaluated: {reason}"))
-            return None
-    if values.shape != places.shape or values.dtype.kind not in "fiu":
-        first = reprlib.repr(values[0])
-        problems.append((path, f"must be a function that returns numbers, got {first} at 0.0"))
-        return None
-    if not np.all(good := np.isfinite(values)):
-        _, (x, got) = first_false(good, places, values)
-        message = f"must be a function that returns finite numbers, got {got!r} at {x!r}"
-        problems.append((path, message))
-        return None
+            reason = f"{type(error).__name__}: {one_line(str(error))}"
+            raise ValueError(f"is a function that cannot be evaluated: {reason}") from None
+        try:
+            values = floats(returned, field.unit)
+        except ValueError as error:
+            raise ValueError(f"must be a function that returns numbers: {error}") from None
+    if values.shape != places.shape:
+        raise ValueError(
+            f"must be a function that returns numbers, got {shown(values[0])} at 0.0"
+        )
+    positive = field.sign == "positive"
+    good = (np.abs(values) <= LARGEST) & ((values > 0) | (not positive))
+    if not good.all():
+        x, got = float(places[~good][0]), float(values[~good][0])
+        kind = "positive" if positive else "finite"
+        raise ValueError(f"must be a function that returns {kind} numbers, got {got!r} at {x!r}")
     return values

@@ -1,58 +1,101 @@
-"""Numbers that carry more than their value: a unit, or the names of dimensions.
+"""Every number that is given becomes a float here, or is refused.
 
-Quantities of pint, astropy, unyt and their like are converted by their own unit. Arrays whose
-elements are found by name are refused, for here arrays broadcast by position.
+Quantities of pint, astropy, unyt and their like are converted by their own unit. What would lose
+something on the way is refused: labels, a mask, an imaginary part, digits beyond a float; so is
+what only looks like a number: truth values, text, bytes and dates.
 """
 
 from __future__ import annotations
 
 import re
-import reprlib
-from typing import Any
+from numbers import Rational
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-_PLAIN = frozenset({float, int, np.float64, np.ndarray})
+from ..units import shown
+
+Floats: TypeAlias = NDArray[np.float64]
+Number: TypeAlias = float | Floats
+
+_PLAIN = frozenset({float, int, np.float64})
+_WORDS = {
+    "m": "metres", "m^2": "square metres", "s": "seconds", "Hz": "hertz", "kg": "kilograms",
+    "N": "newtons", "Pa": "pascals",
+}
 
 
-def numbers_in(value: Any, unit: str) -> Any:
-    """Return the bare numbers of `value` in that unit.
+def floats(value: Any, unit: str) -> Floats:
+    """Return the numbers given as a new array of floats, without dimensions for a single one.
 
     Parameters
     ----------
     value : object
-        A quantity with a unit becomes its magnitude in `unit`, wherever it stands in a list; what
-        is bare already stays as it is, and need not be a number.
+        A number, an array, or lists of them. A quantity with a unit becomes its magnitude in
+        `unit`, wherever it stands in a list.
     unit : str
         A unit of the SI, such as ``"kg/m^3"``; ``""`` for a pure number.
 
     Raises
     ------
     ValueError
-        If a unit does not convert to `unit`, or an array would lose its labels or its mask.
+        If that is no number or one too large for a float, a unit does not convert to `unit`, or an
+        array would lose its labels or its mask.
 
     Examples
     --------
-    >>> numbers_in([0.4, 1.0], "m")
-    [0.4, 1.0]
+    >>> floats([0.4, 1], "m")
+    array([0.4, 1. ])
     """
+    why = "; units.parse reads text with a unit" if isinstance(value, str) else ""
+    try:
+        bare = _bare(value, unit)
+        try:
+            with np.errstate(over="ignore"):  # what is infinite then is refused as such
+                return np.array(bare, dtype=np.float64)
+        except ValueError:  # lists of unequal lengths
+            why = "; lists must be of equal lengths"
+    except OverflowError:
+        why = "; it is too large for a floating-point number"
+    except (TypeError, RecursionError):
+        pass
+    raise ValueError(f"must be a number{number_of(unit)}, got {shown(value)}{why}")
+
+
+def number_of(unit: str) -> str:
+    """How a sentence goes on after "a number": " of metres", or nothing where there is no unit."""
+    return f" of {_WORDS.get(unit, unit)}" if unit else ""
+
+
+def _bare(value: Any, unit: str) -> Any:
+    """What of lists and arrays NumPy makes numbers of; TypeError for what is no number."""
     if type(value) in _PLAIN:
         return value
     if isinstance(value, list | tuple):
         if _PLAIN.issuperset(map(type, value)):
             return value
-        return [numbers_in(item, unit) for item in value]
+        return [_bare(item, unit) for item in value]
+    if isinstance(value, bool | bytes | bytearray | memoryview):
+        raise TypeError
+    if isinstance(value, Rational):
+        return float(value)
     if lost := _lost(value):
         raise ValueError(f"must be bare numbers, got a {type(value).__name__}: {lost}")
-    if not (hasattr(value, "units") or hasattr(value, "unit")):
-        return value
-    try:
-        converted = value.to(_spelt(unit))
-        bare = converted.magnitude if hasattr(converted, "magnitude") else converted.value
-    except Exception:  # each library of units raises its own
-        wanted = f"be in a unit that converts to {unit}" if unit else "have no unit"
-        raise ValueError(f"must {wanted}, got {reprlib.repr(value)}") from None
-    return numbers_in(bare, unit)
+    if hasattr(value, "units") or hasattr(value, "unit"):
+        try:
+            converted = value.to(_spelt(unit))
+            bare = converted.magnitude if hasattr(converted, "magnitude") else converted.value
+        except Exception:  # each library of units raises its own
+            wanted = f"be in a unit that converts to {unit}" if unit else "have no unit"
+            raise ValueError(f"must {wanted}, got {shown(value)}") from None
+        return _bare(bare, unit)
+    array = np.asarray(value)
+    if array.dtype.kind == "O" and array.ndim:
+        return _bare(array.tolist(), unit)
+    if array.dtype.kind not in "fiu":
+        raise TypeError
+    return array
 
 
 def _lost(value: Any) -> str:

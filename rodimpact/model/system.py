@@ -9,14 +9,15 @@ Axis x points to the right; velocity is positive to the right, strain positive i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .bodies import Body, RigidMass, Rod, Wall, body_from
-from .ends import FREE, Absorbing, End, Fixed, Free, Moved, Pushed, end_from
+from ..units import shown
+from .bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
+from .ends import ENDS, FREE, Absorbing, End, Fixed, Free, Moved, Pushed
 from .frozen import (
     Field,
     Frozen,
@@ -24,20 +25,16 @@ from .frozen import (
     Number,
     Problems,
     family_shape,
-    first_false,
     number,
     plain,
+    raise_noted,
+    require,
 )
-from .laws import (
-    RIGID,
-    Bonded,
-    ContactLaw,
-    Rigid,
-    law_from,
-)
-from .profiles import flipped, negative
+from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Rigid
+from .profiles import flipped, negative, profile_from
 
 SIDES = ("left", "right")
+_BODIES, _LAWS, _ENDS = (frozenset(d.values()) for d in (BODIES, CONTACT_LAWS, ENDS))
 
 
 class System(Frozen):
@@ -93,10 +90,11 @@ class System(Frozen):
     ) -> None:
         problems: Problems = []
         if not isinstance(bodies, list | tuple) or not bodies:
-            raise InvalidModel([("bodies", f"must be a list of at least one rod, got {bodies!r}")])
+            message = f"must be a list of at least one rod, got {shown(bodies)}"
+            raise InvalidModel([("bodies", message)])
         for i, body in enumerate[Any](bodies):
-            if not isinstance(body, Body):
-                message = f"must be a Rod, a RigidMass or a Wall, got {body!r}"
+            if type(body) not in _BODIES:
+                message = f"must be a Rod, a RigidMass or a Wall itself, got {shown(body)}"
                 problems.append((f"bodies.{i}", message))
             elif isinstance(body, Wall) and 0 < i < len(bodies) - 1:
                 message = "a wall may stand only at an end of the row; make two systems of this one"
@@ -110,25 +108,24 @@ class System(Frozen):
         )
         laws = _per_pair(problems, "contacts", contacts, RIGID, pairs)
         for i, law in enumerate(laws):
-            if not isinstance(law, ContactLaw):
-                message = f"must be a contact law, such as Rigid() or Hertz(...), got {law!r}"
+            if type(law) not in _LAWS:
+                known = ", ".join(kind.__name__ for kind in CONTACT_LAWS.values())
+                message = f"must be a contact law itself, one of {known}, got {shown(law)}"
                 problems.append((f"contacts.{i}", message))
-            elif isinstance(law, Bonded) and i < len(widths) and np.any(widths[i]):
-                at, (got,) = first_false(np.asarray(widths[i]) == 0, widths[i])
-                message = f"must be 0 where bodies are bonded, got {got!r}"
-                problems.append((f"gaps.{i}{at}", message))
+            elif isinstance(law, Bonded) and i < len(widths):
+                message = "must be 0 where bodies are bonded, got {0!r}"
+                require(problems, np.equal(widths[i], 0), f"gaps.{i}", message, widths[i])
             elif isinstance(law, Rigid):
                 _check_rigid(problems, i, law, *bodies[i : i + 2])
         (g,) = self._checked(problems, gravity=gravity)
         both = (FREE, FREE) if ends is None else ends
         if not isinstance(both, list | tuple) or len(both) != 2:
-            message = f"must be a pair, such as (Free(), Absorbing()), got {ends!r}"
+            message = f"must be a pair, such as (Free(), Absorbing()), got {shown(ends)}"
             problems.append(("ends", message))
         else:
             for side, end, body in zip(SIDES, both, (bodies[0], bodies[-1]), strict=True):
                 _check_end(problems, side, end, body)
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         self._set(bodies=tuple(bodies), gaps=widths, contacts=tuple(laws), gravity=g,
                   ends=tuple(both))
         several = any(isinstance(v, np.ndarray) for _, v in self._numbers())
@@ -150,7 +147,7 @@ class System(Frozen):
 
     def _named_numbers(self) -> list[tuple[str, Number]]:
         """Every number with the path that it has in a case file."""
-        found = []
+        named = []
         for path, value in self._numbers():
             match path.split("."):
                 case ["gaps", i]:
@@ -159,8 +156,8 @@ class System(Frozen):
                     path = ".".join(["ends", SIDES[int(i)], *rest])
                 case ["bodies", i, "segments", _, *rest] if self._is_uniform(int(i)):
                     path = ".".join(["bodies", i, *rest])
-            found.append((path, value))
-        return found
+            named.append((path, value))
+        return named
 
     def _is_uniform(self, body: int) -> bool:
         rod = self.bodies[body]
@@ -191,16 +188,14 @@ class System(Frozen):
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> System:
         """Make the system that `to_dict` described."""
+        contacts = [dict(contact) for contact in data["contacts"]]
         ends = data.get("ends")
         return cls(
-            [body_from(body) for body in data["bodies"]],
-            gaps=[contact["gap"] for contact in data["contacts"]],
-            contacts=[
-                law_from({name: value for name, value in contact.items() if name != "gap"})
-                for contact in data["contacts"]
-            ],
+            [restored(BODIES, "kind", body) for body in data["bodies"]],
+            gaps=[contact.pop("gap") for contact in contacts],
+            contacts=[restored(CONTACT_LAWS, "law", contact) for contact in contacts],
             gravity=data.get("gravity", 0.0),
-            ends=ends and [end_from(ends[side]) for side in SIDES],
+            ends=ends and [restored(ENDS, "kind", ends[side]) for side in SIDES],
         )
 
     def reversed(self) -> System:
@@ -256,16 +251,31 @@ class System(Frozen):
         )
 
 
+def restored(classes: Mapping[str, Any], tag: str, data: dict[str, Any]) -> Any:
+    """Make the body, the contact law or the end that `to_dict` described."""
+    return classes[data[tag]](**_entries({key: v for key, v in data.items() if key != tag}))
+
+
+def _entries(data: dict[str, Any]) -> dict[str, Any]:
+    """What the constructor of a described object takes."""
+    entries = {key: profile_from(value) for key, value in data.items()}
+    if "material" in data:
+        entries["material"] = Material(**data["material"])
+    if "segments" in data:
+        entries["segments"] = [Segment(**_entries(piece)) for piece in data["segments"]]
+    return entries
+
+
 def _per_pair(problems: Problems, name: str, items: Any, default: Any, pairs: int) -> Any:
     if items is None:
         return (default,) * pairs
     if not isinstance(items, list | tuple):
-        message = f"must be a list with one entry for each neighbouring pair, got {items!r}"
+        message = f"must be a list with one entry for each neighbouring pair, got {shown(items)}"
         problems.append((name, message))
         return ()
     if len(items) != pairs:
-        message = f"needs one entry for each of the {pairs} neighbouring pairs, got {len(items)}"
-        problems.append((name, message))
+        message = f"needs one entry for each neighbouring pair, {pairs} in all, got {len(items)}"
+        problems.append((name, f"{message}; leave all out if all bodies touch"))
     return items
 
 
@@ -284,21 +294,23 @@ def _check_rigid(problems: Problems, i: int, law: Rigid, *pair: Any) -> None:
 
 def _check_joined(system: System) -> None:
     """Refuse rigid bodies that are bonded and yet move apart."""
+    problems: Problems = []
     for i, law in enumerate(system.contacts):
         left, right = system.bodies[i : i + 2]
         if not isinstance(law, Bonded) or isinstance(left, Rod) or isinstance(right, Rod):
             continue
-        if not np.all(same := np.equal(left.velocity, right.velocity)):
-            at, (wanted, got) = first_false(same, left.velocity, right.velocity)
-            message = f"must be {wanted!r}, that of the rigid body it is bonded to, got {got!r}"
-            raise InvalidModel([(f"bodies.{i + 1}.velocity{at}", message)])
+        both = (left.velocity, right.velocity)
+        message = "must be {0!r}, that of the rigid body it is bonded to, got {1!r}"
+        require(problems, np.equal(*both), f"bodies.{i + 1}.velocity", message, *both)
+    raise_noted(problems)
 
 
 def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
     """Note what is no end, and one that does not go with the body there."""
     path, name = f"ends.{side}", type(end).__name__
-    if not isinstance(end, End):
-        problems.append((path, f"must be an end, such as Free() or Absorbing(), got {end!r}"))
+    if type(end) not in _ENDS:
+        known = ", ".join(kind.__name__ for kind in ENDS.values())
+        problems.append((path, f"must be an end itself, one of {known}, got {shown(end)}"))
     elif isinstance(body, Wall) and not isinstance(end, Free):
         message = f"{name} has no place beyond a wall; leave this end out, or the wall"
         problems.append((path, message))

@@ -801,8 +801,8 @@ def test_one_cell():
     assert not np.any(held.velocity(0, 0.5, np.linspace(0, 2, 9)))
 
 
-@pytest.mark.parametrize("options", [{"viscosity": 1e12}, {"viscosity": 1e300},
-                                     {"polar_moment": 1e14}, {"polar_moment": 1e300}])
+@pytest.mark.parametrize("options", [{"viscosity": 1e12}, {"viscosity": 1e140},
+                                     {"polar_moment": 1e14}, {"polar_moment": 1e140}])
 def test_what_round_off_would_drown_is_refused(options):
     polar = options.pop("polar_moment", None)
     rod = ri.Rod(1.0, area=1.0, material=material(poisson_ratio=0.3, **options),

@@ -1063,8 +1063,8 @@ def test_a_ball_on_a_floor_bounces_by_its_restitution_and_comes_to_rest(moving, 
 
 @pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
 def test_velocities_whose_energy_is_no_number_are_refused(method):
-    row = ri.System([unit_rod(velocity=1e200), unit_rod()])
-    with pytest.raises(ri.InvalidModel, match=r"bodies: .*1e\+200 m/s overflow the energy"):
+    row = ri.System([unit_rod(velocity=1e150), unit_rod()])
+    with pytest.raises(ri.InvalidModel, match=r"bodies: .*1e\+150 m/s overflow the energy"):
         ri.solve(row, method=method, until=1.0)
 
 
@@ -1080,7 +1080,7 @@ def test_ever_stiffer_contacts_become_rigid(law, options):
     assert abs(found.energy_residual) < 1e-12
 
 
-@pytest.mark.parametrize("law", [ri.Spring(1e40), ri.Hertz(1e200), ri.HuntCrossley(1e30, 0.1)])
+@pytest.mark.parametrize("law", [ri.Spring(1e40), ri.Hertz(1e140), ri.HuntCrossley(1e30, 0.1)])
 @pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
 def test_contacts_as_good_as_rigid_are_refused(law, method):
     row = ri.System([unit_rod(velocity=1.0), unit_rod()], contacts=[law])

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
-from rodimpact.model.ends import ENDS, end_from
+from rodimpact.model.ends import ENDS
+from rodimpact.model.system import restored
 
 ROD = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
 MASS = ri.RigidMass(2.0)
@@ -24,7 +25,7 @@ def problems(make):
 @pytest.mark.parametrize("end", [ri.Free(), *OTHERS], ids=repr)
 def test_an_end_survives_its_description(end):
     assert ENDS[end.to_dict()["kind"]] is type(end)
-    assert end_from(end.to_dict()) == end
+    assert restored(ENDS, "kind", end.to_dict()) == end
 
 
 def test_ends_are_free_unless_something_is_said():

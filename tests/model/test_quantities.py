@@ -1,15 +1,18 @@
 """A quantity is converted by its own unit or refused; labels are never taken for positions."""
 
+import array
+import datetime
 import math
 import re
 import subprocess
 import sys
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
 import rodimpact as ri
-from rodimpact.model.quantities import numbers_in
+from rodimpact.model.quantities import floats
 
 STEEL = ri.materials.steel
 UNITS = {  # factor to the unit of the SI, and that one as all libraries read it
@@ -208,11 +211,82 @@ def test_solve_takes_times_with_a_unit():
         ri.solve(system, until=Quantity(1.0, "mm"))
 
 
-def test_bare_numbers_pass_as_they_are():
-    array = np.arange(3.0)
-    for value in (1.0, 2, np.float32(0.5), [1.0, 2], [1.0, [2, 3.0]], "1 m", None):
-        assert numbers_in(value, "m") == value
-    assert numbers_in(array, "m") is array
+@pytest.mark.parametrize("value", [
+    1.0, 2, 2**70, np.float32(0.5), np.int8(3), np.longdouble(2), Fraction(1, 4), [1.0, 2],
+    [1.0, [2, 3.0][0]], ((1,), [Fraction(1, 2)]), range(3), np.arange(3.0),
+    np.arange(3, dtype="u8"), np.array([Fraction(1, 2), 3], dtype=object),
+    array.array("d", [1.0, 2.0]),
+])
+def test_numbers_of_any_type_become_new_floats(value):
+    found = floats(value, "m")
+    assert (found.dtype, type(found)) == (np.float64, np.ndarray)
+    assert found.tolist() == np.array(value, dtype=float).tolist()
+    assert not np.shares_memory(found, np.asarray(value))
+
+
+class Broken:
+    def __array__(self, dtype=None, copy=None):
+        raise TypeError
+
+
+DEEP = [1.0]
+for _ in range(3000):
+    DEEP = [DEEP]
+NO_NUMBERS = {
+    "None": (None, "got None"),
+    "truth": (True, "got True"),
+    "truth of NumPy": (np.True_, "got np.True_"),
+    "truths": (np.array([True, False]), "got array"),
+    "a truth among numbers": ([1.0, True], r"got \[1.0, True\]"),
+    "truths in an array among numbers": ([np.array([True]), [2.0]], "got "),
+    "text": ("1 m", "got '1 m'; units.parse reads text"),
+    "texts": (["1", "2"], "got "),
+    "an array of text": (np.array(["1", "2"]), "got "),
+    "bytes": (b"12", "got b'12'"),
+    "a bytearray": (bytearray(b"12"), "got bytearray"),
+    "a memoryview": (memoryview(b"12"), "got <memory"),
+    "a bytearray among numbers": ([bytearray(b"1"), [2]], "got "),
+    "a date": (datetime.date(2020, 1, 1), "got datetime.date"),
+    "a date of NumPy": (np.datetime64("2020-01-01"), "got np.datetime64"),
+    "dates of NumPy": (np.array(["2020-01-01"], dtype="M8[D]"), "got array"),
+    "a duration of NumPy": (np.timedelta64(1, "s"), "got np.timedelta64"),
+    "an imaginary part": (1 + 2j, r"got \(1\+2j\)"),
+    "imaginary parts": (np.array([1 + 2j]), "got array"),
+    "a set": ({1.0}, "got {1.0}"),
+    "a dictionary": ({"a": 1.0}, "got {'a'"),
+    "an object": (object(), "got <object"),
+    "a broken array": (Broken(), "got <"),
+    "a mask among numbers": ([np.ma.masked, 1.0], "its mask would be lost"),
+    "an integer beyond a float": (10**400, "got 10000.*; it is too large for a floating-point"),
+    "digits without end": (10**5000, "got a value of type int; it is too large"),
+    "one beyond a float in a list": ([1.0, 10**400], "it is too large"),
+    "a fraction beyond a float": (Fraction(10**400, 3), "it is too large"),
+    "lists of unequal lengths": ([[1.0], [1.0, 2.0]], "lists must be of equal lengths"),
+    "lists of 3000 levels": (DEEP, r"got \[\[\[\["),
+}
+TAKERS = {
+    "a field": lambda v: ri.RigidMass(1.0, velocity=v),
+    "an argument": lambda v: ri.rigid.contact_mass(v, 1.0),
+    "theory": lambda v: ri.theory.rod_on_wall(v, 1.0, 1.0),
+    "steps": lambda v: ri.Steps([0.0, v], at=[1.0]),
+}
+
+
+@pytest.mark.parametrize("take", [pytest.param(take, id=name) for name, take in TAKERS.items()])
+@pytest.mark.parametrize(
+    ("value", "message"), [pytest.param(*given, id=name) for name, given in NO_NUMBERS.items()]
+)
+def test_what_is_no_number_is_refused_wherever_it_is_given(take, value, message):
+    with pytest.raises(ValueError, match=message) as error:
+        take(value)
+    assert len(str(error.value)) < 200
+    with pytest.raises(ValueError, match="values: must be"):
+        ri.Samples([0.0, value])
+
+
+def test_a_number_too_large_for_a_float_is_infinite_and_refused():
+    with pytest.raises(ri.InvalidModel, match="mass: must be a finite positive number"):
+        ri.RigidMass(np.longdouble("1e4000"))
 
 
 def test_no_library_of_units_or_labels_is_imported():
@@ -251,11 +325,11 @@ LABELLED = [
 ]
 
 
-@pytest.mark.parametrize(("array", "remedy"), LABELLED)
+@pytest.mark.parametrize(("labels", "remedy"), LABELLED)
 @pytest.mark.parametrize(("make", "unit"), MAKE)
-def test_every_field_refuses_what_is_found_by_name(make, unit, array, remedy):
+def test_every_field_refuses_what_is_found_by_name(make, unit, labels, remedy):
     with pytest.raises(ValueError, match=re.escape(remedy)):
-        make(array())
+        make(labels())
 
 
 def test_labels_are_refused_in_lists_and_lists_of_steps_too():

@@ -278,7 +278,7 @@ def test_zero_time_is_a_solution():
 
 def test_velocities_whose_energy_overflows_are_refused():
     with pytest.raises(ri.InvalidModel, match="overflow"):
-        ri.collide(rod(1.0, 1e200), rod(1.0))
+        ri.collide(rod(1.0, 1e150), rod(1.0))
 
 
 def test_rods_squeezed_between_walls_for_good():

@@ -1,0 +1,37 @@
+"""What a case file describes: a collision, or a family of them, and what to do with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..model import System
+from .grids import Varied
+
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class Case:
+    """A collision, or a family of them, and what to do with it.
+
+    Attributes
+    ----------
+    system : System
+        Of shape (), or where numbers are varied of shape (n_0, n_1, ...), one axis a grid.
+    solve : dict
+        Those of `until` (s), `method`, `max_events`, `dt` (s), `rtol`, `cells` and `snapshots` that
+        were given, for ``ri.solve``.
+    output : dict of str
+        Those of `plot` and `save` that were given: names of files.
+    path : str
+        Where it was read from; empty if from nowhere.
+    varied : tuple of Varied
+        What varies along each axis; the system holds the same numbers in its own terms.
+    """
+
+    system: System
+    solve: dict[str, Any] = field(default_factory=dict)
+    output: dict[str, str] = field(default_factory=dict)
+    path: str = ""
+    varied: tuple[Varied, ...] = field(default=(), compare=False)

@@ -1,0 +1,201 @@
+"""Tables of a case file: they hand out entries by name, and note each mistake with its path.
+
+What an entry should be says the `Field` of the model that it fills, so that a new field of a class
+needs no line here. Where a mistake allows no value, another stands in, and reading goes on.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+import re
+from collections.abc import Callable, Collection
+from functools import cache
+from typing import Any
+
+from .. import units
+from ..model.frozen import MOST_TOLD, Field, InvalidModel, listed, nearest
+from ..model.profiles import Samples, Steps
+from ..units import shown
+from .grids import Grids
+
+PROFILES = {  # how a profile is written along a rod, and in time
+    "length": "; a profile is written {values = [...], at = [...]} or {samples = [...]}",
+    "time": "; a profile is written {values = [...], at = [...]} or {samples = [...], step = ...}",
+}
+RENAMED = {  # what the model calls otherwise
+    r"^gaps\.(\d+)": r"contacts.\1.gap",
+    r"^gaps$": "contacts",
+    r"^frequency\b": "loss_frequency",
+    r"\bvalues\[(\d+)\]$": r"samples.\1",
+}
+REQUIRED = inspect.Parameter.empty
+
+
+class Table:
+    """One table of the file."""
+
+    def __init__(
+        self, path: str, data: dict[str, Any], grids: Grids, mistakes: dict[str, str]
+    ) -> None:
+        self.path, self.data, self.grids, self.mistakes = path, data, grids, mistakes
+        self.asked: dict[str, None] = {}
+
+    def where(self, key: str) -> str:
+        """Path of this entry."""
+        return f"{self.path}.{key}" if self.path else key
+
+    def note(self, key: str, message: str, word: Any = "", choices: Collection[str] = ()) -> None:
+        """Note a mistake, unless this entry has one already: the second would come of the first.
+
+        Which of the choices is near the word is looked for only if the mistake will be told.
+        """
+        if (path := self.where(key)) not in self.mistakes:
+            if choices and len(self.mistakes) < MOST_TOLD:
+                message = f"{message}; {nearest(word, choices)}"
+            self.mistakes[path] = message
+
+    def has(self, key: str) -> bool:
+        """Whether the file has this entry, which it may have."""
+        self.asked[key] = None
+        return key in self.data
+
+    def gives(self, key: str) -> bool:
+        """Whether there is such a number, in the file or varied."""
+        varied = self.grids.ask(self.where(key))
+        return self.has(key) or varied
+
+    def entries(self, kind: Any) -> dict[str, Any]:
+        """What fills the fields of this class."""
+        defaults = _defaults(kind)
+        return {key: self.entry(key, field, defaults[key]) for key, field in kind.fields.items()}
+
+    def entry(self, key: str, field: Field, default: Any = REQUIRED) -> Any:
+        """A number, an array where it is varied, a profile, or the word that may stand there."""
+        value = self.data.get(key)
+        if field.along and isinstance(value, dict):
+            return self._profile(key, field)
+        if not self.gives(key):
+            if default is REQUIRED:
+                self.note(key, f"is missing; give {_unit_hint(field.dimension)}")
+                return math.nan
+            return default
+        if self.where(key) not in self.grids.texts:
+            if field.word and isinstance(value, str) and value[:1].isalpha():
+                return self.word(key, (field.word,))
+            if "infinite" in field.sign and value in ("inf", math.inf):
+                return math.inf
+        return self._variable(key, value, field.dimension, PROFILES.get(field.along, ""))
+
+    def _variable(self, key: str, value: Any, dimension: str, hint: str = "") -> Any:
+        """The grid that varies this number, or else what the file says it is."""
+        path = self.where(key)
+        if self.grids.ask(path):
+            return self._told(key, self.grids.take, path, dimension)
+        if isinstance(value, list):
+            remedy = f"rodimpact sweep --vary {path}=start:stop:count varies it"
+            self.note(key, f"must be a single number, got {shown(value)}{hint}; {remedy}")
+            return math.nan
+        return self.quantity(key, value, dimension)
+
+    def quantity(self, key: str, value: Any, dimension: str) -> Any:
+        """Value of a number or text with unit, nan if it is neither."""
+        return self._told(key, units.parse, value, dimension)
+
+    def _told(self, key: str, read: Callable[..., Any], *given: Any) -> Any:
+        """What is read of this; nan, with the mistake noted, where it cannot be."""
+        try:
+            return read(*given)
+        except ValueError as error:
+            self.note(key, str(error))
+            return math.nan
+
+    def _profile(self, key: str, field: Field) -> Any:
+        """`Steps` or `Samples` over a length or a time."""
+        inner, profile = self.table(key), None
+        if inner.has("samples"):
+            step = inner.entry("step", Samples.fields["step"]) if field.along == "time" else None
+            values = inner._numbers("samples", field.dimension, inner.quantity, "at least two ")
+            profile = values and inner.make(Samples, values=values, step=step)
+        else:
+            lists = {name: inner._numbers(name, dimension, inner._variable)
+                     for name, dimension in (("values", field.dimension), ("at", field.along))}
+            profile = inner.make(Steps, **lists)
+        inner.close()
+        return profile or 1.0
+
+    def _numbers(self, key: str, dimension: str, read: Callable[..., Any], least: str = "") -> Any:
+        """A list of numbers, each as it is read; None for anything else."""
+        if not self.has(key):
+            self.note(key, "is missing; give a list of numbers")
+            return None
+        given = self.data[key]
+        if not isinstance(given, list) or (least and len(given) < 2):
+            self.note(key, f"must be a list of {least}numbers, got {shown(given)}")
+            return None
+        return [read(f"{key}.{i}", value, dimension) for i, value in enumerate(given)]
+
+    def word(self, key: str, choices: Collection[str], default: str | None = None) -> str | None:
+        """One of `choices`, None where it is not."""
+        if not self.has(key):
+            if default is None:
+                self.note(key, f"is missing; use one of {listed(list(choices))}")
+            return default
+        value = self.data[key]
+        if isinstance(value, str) and value in choices:
+            return value
+        self.note(key, f"unknown {key} {shown(value)}", value, choices)
+        return None
+
+    def table(self, key: str) -> Table:
+        """The table of that name, an empty one if there is none."""
+        data = self.data[key] if self.has(key) else {}
+        if isinstance(data, dict):
+            return self.inner(key, data)
+        self.note(key, f"must be a table, got {shown(data)}")
+        return Table(self.where(key), {}, Grids(), {})  # what it lacks is no further mistake
+
+    def inner(self, key: str, data: dict[str, Any]) -> Table:
+        """A table within this one."""
+        return Table(self.where(key), data, self.grids, self.mistakes)
+
+    def tables(self, key: str) -> list[Table]:
+        """All tables of that name."""
+        data = self.data[key] if self.has(key) else []
+        if not isinstance(data, list) or not all(isinstance(item, dict) for item in data):
+            brackets = re.sub(r"\.\d+", "", self.where(key))
+            self.note(key, f"must be tables that each begin [[{brackets}]], got {shown(data)}")
+            data = []
+        return [self.inner(f"{key}.{i}", item) for i, item in enumerate(data)]
+
+    def make(self, kind: Callable[..., Any], **entries: Any) -> Any:
+        """An object of the model; None, with its mistakes noted here, if they allow none."""
+        try:
+            return kind(**entries)
+        except InvalidModel as error:
+            for path, message in error.problems:
+                for pattern, name in RENAMED.items():
+                    path = re.sub(pattern, name, path)
+                self.note(path, message)
+            return None
+
+    def close(self) -> None:
+        """Note every entry that nobody asked for."""
+        for key in self.data:
+            if key not in self.asked:
+                self.note(key, "unknown key", key, self.asked)
+
+
+@cache
+def _defaults(kind: Any) -> dict[str, Any]:
+    return {name: taken.default for name, taken in inspect.signature(kind).parameters.items()}
+
+
+def _unit_hint(dimension: str) -> str:
+    if dimension == "dimensionless":
+        return "a number"
+    if dimension not in units.UNITS:
+        return f"a number of {dimension}"
+    article = "an" if dimension[0] in "aeiou" else "a"
+    known = ", ".join(units.UNITS[dimension])
+    return f"{article} {dimension}, in SI units or as text with one of {known}"

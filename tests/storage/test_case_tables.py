@@ -1,0 +1,94 @@
+"""However many mistakes there are and whatever was given, what is told stays short."""
+
+import pytest
+from case_texts import A_ROD, HEAD, problems, with_area
+
+import rodimpact as ri
+from rodimpact.storage.casefile import parse_case
+
+DEEP = "." + ".".join(["a"] * 3000) + " = 1"
+
+
+def told(text, vary=None):
+    with pytest.raises(ri.InvalidModel) as caught:
+        parse_case(text, vary=vary)
+    return caught.value
+
+
+@pytest.mark.parametrize(
+    ("text", "first"),
+    [
+        (HEAD + "".join(f"k{i} = 1\n" for i in range(20_000)) + A_ROD,
+         "k0: unknown key; use one of schema, "),
+        (HEAD + A_ROD + "".join(f"k{i} = 1\n" for i in range(20_000)),
+         "bodies.0.k0: unknown key; use one of kind, "),
+        (HEAD + A_ROD + "strain = {samples = [" + "'1 m'," * 20_000 + "]}",
+         "bodies.0.strain.samples.0: cannot read '1 m' as dimensionless"),
+        (HEAD + with_area("{values = [" + "-1," * 20_000 + "], at = ["
+                          + ", ".join(f"{1e-5 * (i + 1)}" for i in range(19_999)) + "]}"),
+         "bodies.0.area.values.0: must be a finite positive number"),
+        (HEAD + "".join(A_ROD.replace("steel", f"x{i}") for i in range(2000))
+         + "".join(f"[materials.y{i}]\nyoungs_modulus = 1\n" for i in range(18_000)),
+         "materials.y0.density: is missing"),
+    ],
+)
+def test_of_20_000_mistakes_the_first_are_told_and_the_rest_counted(text, first):
+    error = told(text)
+    lines = str(error).split("\n")
+    assert len(error.problems) == 20_000
+    assert lines[0].startswith(first)
+    assert len(lines) == 21
+    assert lines[20] == "...: and 19980 mistakes more"
+    assert len(str(error)) < 4000
+
+
+@pytest.mark.parametrize("text", [
+    "schema" + DEEP + "\n" + A_ROD, HEAD + "gravity" + DEEP + "\n" + A_ROD,
+    HEAD + "bodies" + DEEP, HEAD + "materials" + DEEP + "\n" + A_ROD,
+    HEAD + A_ROD + "strain" + DEEP, HEAD + A_ROD + "polar_moment" + DEEP,
+    HEAD + A_ROD + "[[bodies]]\nkind" + DEEP, HEAD + A_ROD.replace("= 0.4", DEEP),
+    HEAD + A_ROD + "[ends.left]\nkind" + DEEP, HEAD + A_ROD + "[a" + DEEP.replace(" = 1", "]"),
+    *(HEAD + A_ROD + f"[solve]\n{key}{DEEP}"
+      for key in ("until", "method", "max_events", "dt", "rtol", "cells", "snapshots")),
+    HEAD + A_ROD + "[output]\nplot" + DEEP,
+])
+def test_keys_3000_deep_are_told_shortly(text):
+    for message in problems(text).values():
+        assert len(message) < 300
+
+
+@pytest.mark.parametrize("key", ["until", "dt", "rtol", "max_events", "cells", "snapshots"])
+@pytest.mark.parametrize("number", [10**400, 10**30 - 1])
+def test_integers_without_end_are_refused(key, number):
+    if number < 10**31 and key in ("until", "dt", "rtol"):
+        number = -number
+    found = problems(HEAD + A_ROD + f"[solve]\n{key} = {number}")
+    assert list(found) == [f"solve.{key}"]
+    assert "got " in found[f"solve.{key}"] or "cannot read " in found[f"solve.{key}"]
+    assert len(found[f"solve.{key}"]) < 250
+
+
+def test_keys_and_values_are_told_in_one_line_without_control_characters():
+    error = told(HEAD + A_ROD + '"a\\u001b[31m\\n\\u202e" = 1\nkind2 = 2')
+    assert str(error).split("\n")[0].startswith(r"bodies.0.a\x1b[31m \u202e: unknown key")
+    assert len(str(told(HEAD + A_ROD + '"' + "x" * 10**6 + '" = 1'))) < 300
+    name = "y" * 10**6
+    for text in (A_ROD.replace("steel", name), A_ROD + f'[[bodies]]\nkind = "{name}"',
+                 A_ROD + f'polar_moment = "{name}"', A_ROD + f'strain = "{name}"',
+                 A_ROD + f'[[contacts]]\nlaw = "{name}"', A_ROD + f'[solve]\nmethod = "{name}"',
+                 A_ROD + f'[materials.{name}]\nyoungs_modulus = 1\ndensity = -1'):
+        assert len(str(told(HEAD + text))) < 400
+    assert len(str(told(HEAD + A_ROD, {name: "1,2"}))) < 400
+    assert len(str(told(HEAD + A_ROD, {"bodies.0.length": name}))) < 400
+
+
+@pytest.mark.parametrize("length", ["1e-320", "1e-308", "1e308", "'1e-300 m'"])
+def test_a_bad_length_is_told_as_a_length(length):
+    found = problems(HEAD + A_ROD.replace("0.4", length))
+    assert list(found) == ["bodies.0.length"]
+    assert "must be 0 or of a magnitude from 1e-150 to 1e+150" in found["bodies.0.length"]
+
+
+def test_a_name_of_a_file_holds_no_null_byte():
+    found = problems(HEAD + A_ROD + '[output]\nplot = "a\\u0000b"')
+    assert found == {"output.plot": r"must be the name of a file, got 'a\x00b'"}

@@ -1,0 +1,490 @@
+"""Any number of a case may vary on a grid; the case is then a family with an axis for each."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from case_texts import (
+    A_GUM,
+    A_MASS,
+    A_ROD,
+    A_WALL,
+    CONTACT,
+    HEAD,
+    LAW,
+    LEFT,
+    STEEL,
+    problems,
+    with_area,
+)
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import rodimpact as ri
+from rodimpact.storage.casefile import parse_case, read_case
+
+# Families
+
+
+RICH = """
+schema = 1
+[materials."a.b"]
+youngs_modulus = "5 GPa"
+density = 1000
+poisson_ratio = 0.25
+[[bodies]]
+kind = "wall"
+[[bodies]]
+kind = "rod"
+length = "0.4 m"
+diameter = 0.01
+material = "a.b"
+velocity = {values = [1.0, "2 m/s"], at = [0.2]}
+[[bodies]]
+kind = "rod"
+velocity = 0.5
+[[bodies.segments]]
+length = 0.1
+area = "1 cm^2"
+material = "steel"
+[[bodies.segments]]
+length = 0.2
+area = "3 cm^2"
+material = "a.b"
+"""
+GAPS = "[[contacts]]\n[[contacts]]\ngap = 1e-5\n"
+
+
+@pytest.mark.parametrize(
+    ("path", "grid", "read"),
+    [
+        ("bodies.1.length", "30 cm,0.5", lambda s: s.bodies[1].segments[0].length),
+        ("bodies.1.velocity.values.0", "-1,7", lambda s: s.bodies[1].velocity.values[0]),
+        ("bodies.1.velocity.values.1", "-1,7", lambda s: s.bodies[1].velocity.values[1]),
+        ("bodies.1.velocity.at.0", "1 mm,0.3", lambda s: s.bodies[1].velocity.at[0]),
+        ("bodies.1.strain", "0.1 %,0", lambda s: s.bodies[1].strain),
+        ("bodies.0.velocity", "0,-2 mm/s", lambda s: s.bodies[0].velocity),
+        ("bodies.2.velocity", "0,-2 mm/s", lambda s: s.bodies[2].velocity),
+        ("bodies.2.segments.1.length", "1,2", lambda s: s.bodies[2].segments[1].length),
+        ("bodies.2.segments.0.area", "1 mm^2,2", lambda s: s.bodies[2].segments[0].area),
+        ("contacts.0.gap", "0,2 um", lambda s: s.gaps[0]),
+        ("contacts.1.gap", "3 um,0", lambda s: s.gaps[1]),
+        ("materials.a.b.density", "1 g/cm^3,2000",
+         lambda s: s.bodies[1].segments[0].material.density),
+        ("materials.a.b.density", "1 g/cm^3,2000",
+         lambda s: s.bodies[2].segments[1].material.density),
+        ("materials.a.b.youngs_modulus", "1 GPa,2e9",
+         lambda s: s.bodies[1].segments[0].material.youngs_modulus),
+        ("materials.a.b.poisson_ratio", "0.1,20 %",
+         lambda s: s.bodies[1].segments[0].material.poisson_ratio),
+        ("materials.a.b.viscosity", "0,1 kPa s",
+         lambda s: s.bodies[1].segments[0].material.viscosity),
+    ],
+)
+@pytest.mark.parametrize("contacts", ["", GAPS])
+def test_any_number_may_vary_given_in_the_file_or_not(path, grid, read, contacts):
+    case = parse_case(RICH + contacts, vary={path: grid})
+    [(where, values, unit)] = case.varied
+    dimension = next(d for d, known in ri.units.UNITS.items() if unit == next(iter(known))
+                     or (unit == "" and d == "dimensionless"))
+    wanted = [ri.units.parse(text, dimension) for text in grid.split(",")]
+    assert (where, values.tolist()) == (path, wanted)
+    assert case.system.shape == (2,)
+    alone = parse_case(RICH + contacts).system
+    for i in range(2):
+        assert read(case.system[i]) == wanted[i]
+        # and nothing else has changed
+        described, plain = (json.dumps(s.to_dict()) for s in (case.system[i], alone))
+        changes = [(a, b) for a, b in zip(described.split(), plain.split(), strict=True) if a != b]
+        assert len(changes) <= (2 if "materials" in path else 1)
+        assert changes or wanted[i] == read(alone)
+
+
+ALL_KINDS = """
+schema = 1
+[materials.ball]
+youngs_modulus = "100 GPa"
+density = 5000
+poisson_ratio = 0.3
+[[bodies]]
+kind = "mass"
+mass = 1
+[[bodies]]
+kind = "mass"
+mass = 2
+velocity = 3
+[[bodies]]
+kind = "rod"
+length = 0.4
+area = 1e-4
+material = "steel"
+[[bodies]]
+kind = "mass"
+mass = 5
+[[bodies]]
+kind = "rod"
+length = 0.4
+area = 1e-4
+material = "steel"
+[[contacts]]
+restitution = 0.5
+[[contacts]]
+law = "hunt-crossley"
+stiffness = 1e9
+damping = 0.1
+[[contacts]]
+law = "spring-dashpot"
+stiffness = 1e6
+damping = 10
+[[contacts]]
+law = "hertz"
+left_radius = 0.05
+left_material = "ball"
+[ends.left]
+kind = "force"
+value = {values = [1, 0], at = [1e-3]}
+[ends.right]
+kind = "velocity"
+value = {samples = [0, 1], step = 1e-3}
+"""
+
+
+@pytest.mark.parametrize(
+    ("path", "grid", "unit", "read"),
+    [
+        ("gravity", "0,9.81 m/s^2", "m/s^2", lambda s: s.gravity),
+        ("bodies.0.mass", "1,500 g", "kg", lambda s: s.bodies[0].mass),
+        ("bodies.0.velocity", "1,2 cm/s", "m/s", lambda s: s.bodies[0].velocity),
+        ("contacts.0.restitution", "10 %,1", "", lambda s: s.contacts[0].restitution),
+        ("contacts.1.stiffness", "1,2 kN/m^1.5", "N/m^1.5", lambda s: s.contacts[1].stiffness),
+        ("contacts.1.damping", "1,2 s/m", "s/m", lambda s: s.contacts[1].damping),
+        ("contacts.2.stiffness", "1,2 kN/m", "N/m", lambda s: s.contacts[2].stiffness),
+        ("contacts.2.damping", "1,2 N s/mm", "N s/m", lambda s: s.contacts[2].damping),
+        ("contacts.2.gap", "0,1 mm", "m", lambda s: s.gaps[2]),
+        ("ends.left.value.values.0", "1,2 kN", "N", lambda s: s.ends[0].value.values[0]),
+        ("ends.left.value.at.0", "1,2 ms", "s", lambda s: s.ends[0].value.at[0]),
+        ("ends.right.value.step", "1,2 ms", "s", lambda s: s.ends[1].value.step),
+    ],
+)
+def test_numbers_of_masses_laws_and_ends_may_vary(path, grid, unit, read):
+    case = parse_case(ALL_KINDS, vary={path: grid})
+    [(where, values, of)] = case.varied
+    assert (where, of) == (path, unit)
+    assert case.system.shape == (2,)
+    assert list(case.system.parameters) == [path]  # one spelling everywhere
+    alone = parse_case(ALL_KINDS).system
+    for i in range(2):
+        assert read(case.system[i]) == values[i]
+        described, plain = (json.dumps(s.to_dict()) for s in (case.system[i], alone))
+        differing = {
+            k for k in json.loads(described).keys() | json.loads(plain).keys()
+            if json.loads(described).get(k) != json.loads(plain).get(k)
+        }
+        assert differing <= {path.split(".")[0]}
+
+
+@pytest.mark.parametrize(
+    ("path", "grid"),
+    [("contacts.3.left_radius", "1 cm,0.02"), ("contacts.3.right_radius", "1 m,0.2"),
+     ("materials.ball.youngs_modulus", "1 GPa,2e9"), ("materials.ball.poisson_ratio", "0,0.5")],
+)
+def test_radii_and_materials_of_faces_vary_the_stiffness(path, grid):
+    case = parse_case(ALL_KINDS, vary={path: grid})
+    assert case.system.shape == (2,)
+    assert list(case.system.parameters) == ["contacts.3.stiffness"]
+    faces = {"left_radius": 0.05, "right_radius": math.inf}
+    ball = {"youngs_modulus": 100e9, "density": 5000, "poisson_ratio": 0.3}
+    (faces if "contacts" in path else ball)[path.split(".")[-1]] = case.varied[0].values
+    law = ri.Hertz.from_radii(
+        **faces, left_material=ri.Material("ball", **ball), right_material=STEEL
+    )
+    assert case.system.contacts[3].stiffness.tolist() == law.stiffness.tolist()
+
+
+def test_the_density_of_a_face_changes_nothing():
+    said = problems(ALL_KINDS, {"materials.ball.density": "1,2"})
+    assert list(said) == ["materials.ball.density"]
+    assert "changes nothing" in said["materials.ball.density"]
+
+
+def test_numbers_may_be_left_to_the_grid():
+    text = HEAD + A_MASS.replace("mass = 2", "") + A_ROD + A_ROD + LAW + "'spring'\n" + CONTACT
+    text += LEFT + "'force'"
+    grids = {"bodies.0.mass": "1,2", "contacts.0.stiffness": "1,2", "ends.left.value": "1,2"}
+    case = parse_case(text, vary=grids)
+    assert case.system.shape == (2, 2, 2)
+    assert list(problems(text, dict(list(grids.items())[:2]))) == ["ends.left.value"]
+    # beside a law or a kind that is none, nothing is said of their numbers
+    said = problems(text.replace("spring", "sprung").replace("force", "farce"), grids)
+    assert list(said) == ["contacts.0.law", "ends.left.kind"]
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ("contacts.0.stiffness", "use one of contacts.0.gap, contacts.0.restitution"),
+        ("contacts.1.stifness", "perhaps 'contacts.1.stiffness' is meant"),
+        ("ends.right.value.samples.0", "is no number that can vary; use one of ends.right.value."),
+        ("ends.left.value", "perhaps 'ends.left.value"),
+        ("gravitation", "perhaps 'gravity' is meant"),
+        ("bodies.1.length", "use one of bodies.1.mass, bodies.1.velocity"),
+    ],
+)
+def test_what_cannot_vary_of_masses_laws_and_ends(path, said):
+    found = problems(ALL_KINDS, {path: "1,2"})
+    assert list(found) == [path]
+    assert said in found[path]
+
+
+def test_a_diameter_varies_the_area():
+    case = parse_case(RICH, vary={"bodies.1.diameter": "1 cm:2 cm:3"})
+    areas = [s.bodies[1].segments[0].area for s in (case.system[i] for i in range(3))]
+    assert areas == pytest.approx([math.pi / 4 * d * d for d in (0.01, 0.015, 0.02)], rel=1e-15)
+    assert case.system[0] == parse_case(RICH).system
+    assert case.varied[0].unit == "m"
+
+
+def test_the_first_to_vary_is_the_first_axis():
+    vary = {"contacts.1.gap": "0,1,2", "bodies.1.length": "1:4:4", "bodies.1.diameter": "0.01:1:2"}
+    case = parse_case(RICH, vary=vary)
+    assert case.system.shape == (3, 4, 2)
+    assert [v.path for v in case.varied] == list(vary)
+    assert case.system.gaps[1].shape == (3, 1, 1)
+    assert case.system[2, 1, 0].gaps[1] == 2.0
+    assert case.system[2, 1, 0].bodies[1].length == 2.0
+    assert case.system[2, 1, 1].bodies[1].segments[0].area == math.pi / 4
+
+
+def test_nothing_to_vary_makes_one_collision(tmp_path):
+    path = tmp_path / "case.toml"
+    path.write_text(RICH)
+    assert read_case(path, {}) == read_case(path)
+    assert read_case(path, {}).system.shape == ()
+    assert read_case(path, {"bodies.1.length": "1,2"}).system.shape == (2,)
+
+
+@pytest.mark.parametrize(
+    ("grid", "values"),
+    [
+        ("0.1", [0.1]),
+        ("0.1,0.3,0.2", [0.1, 0.3, 0.2]),
+        (" 10 mm , 2 cm,3e-2", [0.01, 0.02, 0.03]),
+        ("0.1:0.5:3", [0.1, 0.3, 0.5]),
+        ("50 mm:1 m:3", [0.05, 0.525, 1.0]),
+        ("1 : 0.5 : 2", [1.0, 0.5]),
+        ("2:2:1", [2.0]),
+        ("2:2:3", [2.0, 2.0, 2.0]),
+        ("1e-5:1e-3:3:log", [1e-5, 1e-4, 1e-3]),
+        ("8 m:1:004: log", [8.0, 4.0, 2.0, 1.0]),
+        ("1e-150:1e150:3:log", [1e-150, 1.0, 1e150]),
+    ],
+)
+def test_grids(grid, values):
+    [varied] = parse_case(HEAD + A_ROD + A_WALL, vary={"contacts.0.gap": grid}).varied
+    assert varied.values == pytest.approx(values, rel=1e-14)
+    assert varied.values[[0, -1]].tolist() == [values[0], values[-1]]
+
+
+@given(
+    ends=st.tuples(*[st.floats(1e-3, 1e3)] * 2), count=st.integers(2, 300), log=st.booleans()
+)
+def test_grids_hold_both_ends_exactly(ends, count, log):
+    grid = f"{ends[0]!r}:{ends[1]!r}:{count}" + ":log" * log
+    [varied] = parse_case(HEAD + A_ROD + A_WALL, vary={"contacts.0.gap": grid}).varied
+    assert (varied.values[0], varied.values[-1]) == ends
+    assert len(varied.values) == count
+    spread = np.diff(np.log(varied.values) if log else varied.values)
+    assert spread == pytest.approx(spread.mean(), rel=1e-6, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("grid", "said"),
+    [
+        ("", "cannot read '' as length"),
+        ("1:2", "must be start:stop:count, start:stop:count:log or a list such as 0.1,0.2,0.4, "
+         "got '1:2'"),
+        ("1:2:3:4", "must be start:stop:count"),
+        ("1:2:3:lin", "must be start:stop:count"),
+        ("1:2:3:log:", "must be start:stop:count"),
+        ("1:2:0", "a whole number of values from 1 to 10000000"),
+        ("1:2:-3", "got '-3' in '1:2:-3'"),
+        ("1:2:2.5", "got '2.5' in '1:2:2.5'"),
+        ("1:2:2e2", "got '2e2'"),
+        ("1:2:\u00b2", "a whole number of values"),
+        ("1:2:", "a whole number of values"),
+        ("1:2:" + "9" * 5000, "a whole number of values"),
+        ("1:2:1", "cannot be at both ends"),
+        ("1:2 kg:3", "'kg' is a unit of mass"),
+        ("1,2 kg", "'kg' is a unit of mass"),
+        ("1,,2", "cannot read '' as length"),
+        ("1;2", "cannot read '1;2' as length"),
+        ("0:1:3:log", "needs ends above 0 for equal ratios, got '0:1:3:log'"),
+        ("1:-1 m:3:log", "needs ends above 0 for equal ratios"),
+        ("1:inf:3", "it is not a decimal number"),
+        ("-1e308:1e308:3", "are too far apart"),
+        ([1, 2], "must be the text of a grid, start:stop:count"),
+        (0.5, "must be the text of a grid"),
+    ],
+)
+def test_what_is_no_grid(grid, said):
+    found = problems(HEAD + A_ROD, {"bodies.0.length": grid})
+    assert list(found) == ["bodies.0.length"]
+    assert said in found["bodies.0.length"]
+
+
+@pytest.mark.parametrize(
+    ("path", "grid", "where", "said"),
+    [
+        ("bodies.1.length", "1,0,2", "bodies.1.length[1]", "positive number of metres, got 0.0"),
+        ("bodies.1.diameter", "1,2,-1", "bodies.1.diameter[2]",
+         "must be a finite positive number of metres, got -1.0"),
+        ("contacts.1.gap", "1:-1:3", "contacts.1.gap[2]", "non-negative number of metres"),
+        ("materials.a.b.density", "0:1:3", "materials.a.b.density[0]", "positive number of kg/m^3"),
+        ("bodies.1.velocity.at.0", "0.1,0.4", "bodies.1.velocity.at.0[1]", "inside the rod"),
+        ("bodies.1.diameter", "1,1e200", "bodies.1.diameter[1]", "1e-150 to 1e+150 in consistent"),
+        ("bodies.1.diameter", "1,1e90", "bodies.1.area[1]", "outside 1e-150 to 1e+150"),
+    ],
+)
+def test_numbers_that_the_model_refuses_are_named_by_their_place(path, grid, where, said):
+    found = problems(RICH, {path: grid})
+    assert list(found) == [where]
+    assert said in found[where]
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ("bodies.1.lenght", "perhaps 'bodies.1.length' is meant"),
+        ("body.1.length", "perhaps 'bodies.1.length' is meant"),
+        ("bodies.7.velocity", "perhaps 'bodies.2.velocity' is meant"),
+        ("bodies.2.length", "use one of bodies.2.segments.0.length, "),
+        ("bodies.2.segments.2.area", "perhaps 'bodies.2.segments.1.area' is meant"),
+        ("bodies.2.segments", "perhaps 'bodies.2.segments."),
+        ("bodies.1.velocity", "perhaps 'bodies.1.velocity.at.0' is meant"),
+        ("bodies.1.velocity.values.2",
+         "use one of bodies.1.velocity.values.0, bodies.1.velocity.values.1"),
+        ("bodies.0.length", "use one of bodies.0.velocity"),
+        ("bodies.1.material", "use one of bodies.1.length, bodies.1.diameter"),
+        ("contacts.2.gap", "perhaps 'contacts.1.gap' is meant"),
+        ("contacts.0.law", "use one of contacts.0.gap"),
+        ("materials.a.b.dens", "perhaps 'materials.a.b.density' is meant"),
+        ("materials.zinc.density", "perhaps 'materials.a.b.density' is meant"),
+        ("materials.steel.density", "describe [materials.steel] in the file"),
+        ("schema", "is no number that can vary; use one of "),
+        ("solve.until", "is no number that can vary; use one of "),
+        ("solve.max_events", "is no number that can vary; use one of "),
+        ("", "is no number that can vary"),
+        ("bodies..length", "is no number that can vary"),
+    ],
+)
+def test_what_cannot_vary(path, said):
+    found = problems(RICH + "[solve]\nuntil = 1\n", {path: "1,2"})
+    assert list(found) == [path]
+    assert said in found[path]
+
+
+def test_a_long_choice_is_cut():
+    said = problems(RICH, {"x": "1,2"})["x"]
+    assert said.endswith(", ...")
+    assert said.count(",") == 12
+
+
+def test_a_material_of_the_library_varies_once_the_file_describes_it():
+    steel = "[materials.steel]\nyoungs_modulus = '200 GPa'\ndensity = 7850\n"
+    text = HEAD + steel + A_ROD
+    case = parse_case(text, vary={"materials.steel.density": "7800,7900"})
+    assert case.system.shape == (2,)
+    assert case.system[1].bodies[0].segments[0].material.density == 7900
+    assert "perhaps" in problems(text, {"materials.steel.densty": "1,2"})["materials.steel.densty"]
+
+
+def test_a_grid_that_changes_nothing_is_a_mistake():
+    lead = "[materials.lead]\nyoungs_modulus = '16 GPa'\ndensity = 11340\n"
+    found = problems(HEAD + lead + A_ROD, {"materials.lead.density": "1,2"})
+    assert found == {"materials.lead.density": "changes nothing: no rod is made of this material"}
+
+
+@pytest.mark.parametrize("given", ["area = 1e-4", "diameter = 0.01"])
+@pytest.mark.parametrize("varied", [("area", "diameter"), ("area",), ("diameter",)])
+def test_area_and_diameter_do_not_go_together(given, varied):
+    text = HEAD + A_ROD.replace("area = 1e-4", given)
+    vary = {f"bodies.0.{name}": "0.01,0.02" for name in varied}
+    if len(varied) == 1 and given.startswith(varied):
+        assert parse_case(text, vary=vary).system.shape == (2,)
+    else:
+        said = {"bodies.0.diameter": "give either area or diameter, not both"}
+        assert problems(text, vary) == said
+
+
+@pytest.mark.parametrize("grids", [
+    {"bodies.0.length": "1:2:1000000000"},
+    {"bodies.0.length": "1:2:10000", "bodies.0.velocity": "1,2", "bodies.0.strain": "0:1:10000"},
+])
+def test_too_many_collisions_are_refused_before_any_is_laid_out(monkeypatch, grids):
+    monkeypatch.setattr(np, "linspace", None)
+    found = problems(HEAD + A_ROD, grids)
+    assert list(found) == ["bodies.0.length"]
+    counts = " x ".join(text.split(":")[-1].replace("1,2", "2") for text in grids.values())
+    assert f"the grids make {counts} collisions, more than 10000000" in found["bodies.0.length"]
+    assert "sweep one part after another" in found["bodies.0.length"]
+
+
+def test_more_numbers_than_numpy_has_axes_for_are_refused():
+    text = HEAD + A_ROD + A_MASS * 40
+    grids = {f"bodies.{i}.mass": "1" for i in range(1, 34)}
+    message = "is one of 33 numbers; at most 32 vary at once"
+    assert problems(text, grids) == {"bodies.33.mass": message}
+    del grids["bodies.33.mass"]
+    law = LAW + "'spring'\nstiffness = 1\n"
+    assert parse_case(text + law * 40, vary=grids).system.shape == (1,) * 32
+
+
+def test_all_mistakes_at_once_with_those_of_the_grids():
+    found = problems(
+        HEAD + "[materials]\nx = 3\n" + A_ROD.replace("0.4", "-1") + "[[bodies]]\nkind = 'blob'\n"
+        + A_WALL,
+        {"bodies.0.length": "1:2", "bodies.0.area": "1 m,2 m^2", "bodies.0.colour": "1,2",
+         "bodies.1.length": "1,2", "materials.x.density": "1,2", "contacts.0.gap": "-1 m,1"},
+    )
+    # of a body of unknown kind, and of a material that is no table, nothing is said twice
+    assert set(found) == {
+        "materials.x", "bodies.0.length", "bodies.0.area", "bodies.0.colour", "bodies.1.kind",
+        "contacts.0.gap[0,0,0,0,0,0]",
+    }
+
+
+def test_numbers_of_tapers_and_damping_may_vary():
+    text = (HEAD + with_area("{values = [1, 2], at = [0.1]}").replace("steel", "x") + A_GUM
+            + "loss_factor = 1\nloss_frequency = 1\npoisson_ratio = 0\n")
+    grids = {"bodies.0.area.values.1": "3,4", "bodies.0.area.at.0": "0.2,0.3",
+             "materials.x.loss_frequency": "1 kHz,2", "bodies.0.polar_moment": "5,6"}
+    case = parse_case(text, vary=grids)
+    assert case.system.shape == (2, 2, 2, 2)
+    member = case.system[1, 0, 1, 0].bodies[0]
+    gum = ri.Material("x", youngs_modulus=1, density=1, poisson_ratio=0).damped(1, 2)
+    assert member == ri.Rod(0.4, area=ri.Steps([1, 4], [0.2]), material=gum, polar_moment=5)
+    found = problems(HEAD + with_area("{samples = [1, 2]}"), vary={"bodies.0.area": "1,2"})
+    assert "is no number that can vary" in found["bodies.0.area"]
+    case = parse_case(HEAD + A_ROD + "polar_moment = 'circular'",
+                      vary={"bodies.0.polar_moment": "1,2"})
+    assert case.system.shape == (2,)
+
+
+def test_what_varies_need_not_be_right_in_the_file():
+    text = HEAD + A_ROD.replace("0.4", "[1, 2]")
+    assert parse_case(text, vary={"bodies.0.length": "1,2"}).system.shape == (2,)
+
+
+@given(
+    path=st.sampled_from(["bodies.0.length", "contacts.0.gap", "x", "bodies.0.velocity.at.0"]),
+    grid=st.text(alphabet="0123456789.,:-+e kgm%log\n", max_size=12),
+)
+@settings(max_examples=300)
+def test_no_grid_escapes_as_another_error(path, grid):
+    try:
+        case = parse_case(HEAD + A_ROD + A_WALL, vary={path: grid})
+    except ri.InvalidModel as error:
+        assert error.problems  # noqa: PT017  (some grids are right)
+    else:
+        assert case.system.shape == (len(case.varied[0].values),)
