@@ -20,15 +20,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .model.arguments import Array, Number, finite, plain, positive, refuse
+from .model.arguments import Array, Number, finite, plain, positive
 from .rigid import contact_mass
 
 EQUAL_IMPEDANCES = 2.0**-48
 """Impedances that differ by less than this fraction count as equal, up to round-off."""
-
-SHORTEST_WAY = 30.0
-"""Least distance from the end of a dispersive rod, in units of nu kappa."""
-
 
 class PairCollision(NamedTuple):
     """Collision of two bodies that do not vibrate beforehand.
@@ -342,64 +338,6 @@ def horn_amplification(area_0: ArrayLike, area_1: ArrayLike) -> Number:
     return plain(np.sqrt(positive("area_0", area_0, "m^2") / positive("area_1", area_1, "m^2")))
 
 
-@np.errstate(under="ignore")
-def cone_velocity(
-    time: ArrayLike,
-    distance: ArrayLike,
-    apex_distance: ArrayLike,
-    wave_speed: ArrayLike,
-    end_speed: ArrayLike = 1.0,
-) -> Number:
-    """Velocity in a cone whose smaller end a constant pressure begins to push at t = 0.
-
-    In a cone A ~ s^2, s the distance from the apex, s u obeys d'Alembert. With the pressure P on
-    the end at s0 the outgoing wave is ``s u = (P s0^2/E) (1 - exp(-(c t - x)/s0))``, and::
-
-        v = V s0/(s0 + x) exp(-(c t - x)/s0)    where c t >= x,    V = P/(rho c)
-
-    It holds until a wave comes back from the other end.
-
-    Source: derived here; the equation as for spherical waves, Lord Rayleigh, The Theory of Sound,
-    chapter XIV.
-
-    Parameters
-    ----------
-    time : float or array
-        t since the pressure began [s].
-    distance : float or array
-        x from the end that is pushed, not negative [m].
-    apex_distance : float or array
-        s0 from the apex to the end that is pushed [m].
-    wave_speed : float or array
-        c [m/s].
-    end_speed : float or array
-        V, the velocity to which the end jumps: pressure over rho c [m/s].
-
-    Returns
-    -------
-    float or array
-        Velocity, positive away from the end that is pushed [m/s].
-
-    Raises
-    ------
-    ValueError
-        If time or end speed is not finite, the distance is negative, or another argument not
-        positive and finite.
-
-    Examples
-    --------
-    >>> cone_velocity(time=0.5, distance=1.0, apex_distance=1.0, wave_speed=2.0)
-    0.5
-    """
-    t, x = finite("time", time, "s"), finite("distance", distance, "m")
-    V = finite("end_speed", end_speed, "m/s")
-    refuse(x < 0, "must not be negative [m]", distance=x)
-    s0 = positive("apex_distance", apex_distance, "m")
-    behind = positive("wave_speed", wave_speed, "m/s") * t - x
-    found = V * s0 / (s0 + x) * np.exp(-np.maximum(behind, 0.0) / s0)
-    return plain(np.where(behind >= 0, found, 0.0))
-
-
 def horn_frequency(wave_speed: ArrayLike, wave_number: ArrayLike, taper: ArrayLike) -> Number:
     """Angular frequency of a wave in an exponential horn, A = A0 exp(2 beta x).
 
@@ -523,89 +461,6 @@ def rayleigh_love_speed(
     kappa = positive("gyration_radius", gyration_radius, "m")
     nu, k = finite("poisson_ratio", poisson_ratio, ""), finite("wave_number", wave_number, "rad/m")
     return plain(c / np.hypot(1.0, nu * kappa * k))
-
-
-@np.errstate(under="ignore")
-def rayleigh_love_rise(
-    distance: ArrayLike,
-    wave_speed: ArrayLike,
-    poisson_ratio: ArrayLike,
-    gyration_radius: ArrayLike,
-) -> Number:
-    """Time in which velocity rises from 10 to 90 % of a step, far from the end where it was made.
-
-    Lateral inertia holds short waves back, and the front grows wider as the cube root of the
-    distance. With lengths in units of nu kappa and times in nu kappa/c, the Laplace transform of
-    the velocity at x of a semi-infinite rod, after a unit step of velocity at its end, is
-    ``exp(-x s/(1 + s^2)^(1/2))/s``. On waves of real frequency the inverse is::
-
-        v = 1/(2 pi i) integral exp(i (omega t - k x))/(k (1 + k^2)) dk,
-            omega = k/(1 + k^2)^(1/2), along a line below the pole at k = 0
-
-    What is left out, waves that die out along the rod, is smaller than exp(-x). The trapezoidal
-    rule finds the integral to about 12 digits on a line at the depth x^(-1/3). Far away it becomes
-    that of Airy's function up to (t - x)/(3 x/2)^(1/3), and the rise 2.168 (3 x/2)^(1/3).
-
-    Source: derived here from the equation of `rayleigh_love_speed`; R. Skalak, Longitudinal impact
-    of a semi-infinite circular elastic bar, J. Appl. Mech. 24 (1957) 59-64, has the Airy front.
-
-    Parameters
-    ----------
-    distance : float or array
-        From the end that moves; at least 30 nu kappa [m].
-    wave_speed : float or array
-        Bar speed c [m/s].
-    poisson_ratio : float or array
-        nu, positive [1].
-    gyration_radius : float or array
-        kappa, as for `rayleigh_love_speed` [m].
-
-    Returns
-    -------
-    float or array
-        From the first passage of 10 to the first passage of 90 % [s].
-
-    Raises
-    ------
-    ValueError
-        If an argument is not positive and finite, or the distance less than 30 nu kappa.
-
-    Examples
-    --------
-    A steel rod of 19 mm, after 1, 2, 4 and 8 m, in microseconds:
-
-    >>> rise = rayleigh_love_rise([1, 2, 4, 8], 5048, poisson_ratio=0.29, gyration_radius=6.72e-3)
-    >>> (rise * 1e6).round(2).tolist()
-    [7.7, 9.69, 12.19, 15.35]
-    """
-    x = positive("distance", distance, "m")
-    c = positive("wave_speed", wave_speed, "m/s")
-    nu = positive("poisson_ratio", poisson_ratio, "")
-    size = nu * positive("gyration_radius", gyration_radius, "m")
-    x, c, size = np.broadcast_arrays(x, c, size)
-    way = x / size
-    refuse(way < SHORTEST_WAY, f"must be at least {SHORTEST_WAY:g} nu kappa", distance=x)
-    spread = np.cbrt(1.5 * way)
-    passages = []
-    for level in (0.1, 0.9):
-        early, late = np.full(x.shape, -4.0), np.full(x.shape, 2.2)  # the first crest is at 2.34
-        for _ in range(50):
-            middle = (early + late) / 2
-            below = _love_front(way, way + middle * spread) < level
-            early, late = np.where(below, middle, early), np.where(below, late, middle)
-        passages.append(early)
-    return plain((passages[1] - passages[0]) * spread * size / c)
-
-
-def _love_front(x: Array, t: Array) -> Array:
-    """Velocity at x and t of a rod with lateral inertia, in units of its own; near its front."""
-    depth = 1 / np.cbrt(x)[..., np.newaxis]
-    k = depth * (np.arange(-48, 49) / 6 - 1j)
-    omega = k / np.sqrt(1 + k * k)
-    waves = np.exp(1j * (omega * t[..., np.newaxis] - k * x[..., np.newaxis]))
-    total = np.sum(waves / (k * (1 + k * k)) * depth / 6, axis=-1)
-    found: Array = (total / (2j * np.pi)).real
-    return found
 
 
 def _pair(Z1: Array, T1: Array, Z2: Array, T2: Array, V: Array) -> _Pair:
