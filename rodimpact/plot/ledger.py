@@ -22,6 +22,7 @@ from .style import INK, SMALL, dress, legend_above, new_axes, styled
 
 SAMPLES = 201  # energies bend like parabolas where a force acts
 STEPS_SUMMED = 15_000_000  # at all samples together: fewer samples of a very long solution
+STATES_SUMMED = 60_000  # of segments at all samples together
 FEWEST = 31
 TURNS = 6  # of contacts that are sampled too
 CORNERS_UP_TO = 500
@@ -124,7 +125,8 @@ def _times(solution: Solution) -> Floats:
         known = np.union1d(turns[:TURNS], [0.0, solution.t_end])
         return np.union1d(np.union1d(known, (known[1:] + known[:-1]) / 2),
                           np.linspace(0.0, solution.t_end, count))
-    even = np.linspace(0.0, solution.t_end, SAMPLES)
+    count = min(SAMPLES, max(FEWEST, STATES_SUMMED // len(solution.fields.assembly.ticks)))
+    even = np.linspace(0.0, solution.t_end, count)
     try:
         corners = np.unique(regions_of(solution, limit=CORNERS_UP_TO).t)
     except ValueError:

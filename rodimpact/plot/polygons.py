@@ -12,12 +12,12 @@ from matplotlib.text import Text
 
 from ..results.contacts import ContactHistory
 from ..results.placing import Placing
-from ..results.regions import regions_of
+from ..results.regions import readable_until, regions_of
 from ..results.signals import Floats, Ints
 from ..results.solution import Solution
 from .plane import Plane
 from .sampling import energy_density, is_stepped
-from .scales import digits
+from .scales import digits, time_scale
 from .style import DIVERGING, SMALL, colours, ink_on
 
 CROWDED = 3.0  # typical thickness of a region, points, below which lines would hide the colours
@@ -97,16 +97,8 @@ class Polygons:
 
 def drawn_until(solution: Solution) -> float:
     """Latest of the times t_end, t_end/2, t_end/4, ..., s, up to which the regions can be read."""
-    if is_stepped(solution):
-        return solution.t_end
-    for halvings in range(40):
-        stop = solution.t_end / 2.0**halvings
-        try:
-            regions_of(solution, stop=stop, limit=REGIONS)
-        except ValueError:
-            continue
-        return stop
-    return solution.t_end
+    time_scale(solution.t_end)  # refuses what lasts no time
+    return solution.t_end if is_stepped(solution) else readable_until(solution, REGIONS)
 
 
 def _fans(start: Ints) -> Ints:
