@@ -96,12 +96,7 @@ def contact_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
 
 
 def collide(
-    m1: ArrayLike,
-    v1: ArrayLike,
-    m2: ArrayLike,
-    v2: ArrayLike,
-    restitution: ArrayLike,
-    *,
+    m1: ArrayLike, v1: ArrayLike, m2: ArrayLike, v2: ArrayLike, restitution: ArrayLike, *,
     allow_energy_release: bool = False,
 ) -> RigidCollision:
     """Collision of two rigid bodies.
@@ -197,10 +192,9 @@ def restitution_from_velocities(
     >>> restitution_from_velocities(10.0, 5.0, 6.0, 7.0)
     0.2
     """
-    before_1 = finite("v1_before", v1_before, "m/s")
-    before_2 = finite("v2_before", v2_before, "m/s")
-    after_1 = finite("v1_after", v1_after, "m/s")
-    after_2 = finite("v2_after", v2_after, "m/s")
+    before_1, before_2 = (finite("v1_before", v1_before, "m/s"),
+                          finite("v2_before", v2_before, "m/s"))
+    after_1, after_2 = finite("v1_after", v1_after, "m/s"), finite("v2_after", v2_after, "m/s")
     refuse(before_1 <= before_2, _APART, v1_before=before_1, v2_before=before_2)
     return plain((after_2 - after_1) / (before_1 - before_2))
 

@@ -25,6 +25,9 @@ from .rigid import contact_mass
 
 EQUAL_IMPEDANCES = 2.0**-48
 """Impedances that differ by less than this fraction count as equal, up to round-off."""
+UNITS = {"impedance": "kg/s", "transit_time": "s", "mass": "kg", "speed": "m/s",
+         "closing_speed": "m/s"}
+
 
 class PairCollision(NamedTuple):
     """Collision of two bodies that do not vibrate beforehand.
@@ -56,6 +59,8 @@ class PairCollision(NamedTuple):
 class _Pair(NamedTuple):
     """What the result and the force history of a pair have in common."""
 
+    mass: Array
+    closing_speed: Array
     short_time: Array
     long_time: Array
     q: Array
@@ -67,11 +72,8 @@ class _Pair(NamedTuple):
 
 @np.errstate(under="ignore")  # q^K may vanish
 def saint_venant(
-    impedance_1: ArrayLike,
-    transit_time_1: ArrayLike,
-    impedance_2: ArrayLike,
-    transit_time_2: ArrayLike,
-    closing_speed: ArrayLike = 1.0,
+    impedance_1: ArrayLike, transit_time_1: ArrayLike, impedance_2: ArrayLike,
+    transit_time_2: ArrayLike, closing_speed: ArrayLike = 1.0,
 ) -> PairCollision:
     """Collision of two uniform free rods, each moving uniformly.
 
@@ -127,10 +129,7 @@ vibration_energy=0.25)
     >>> round(saint_venant(5.0, 3.0, 1.0, 10.0).restitution, 6)
     0.841564
     """
-    Z1, T1, Z2, T2, V = _checked(
-        impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed
-    )
-    pair = _pair(Z1, T1, Z2, T2, V)
+    pair = _pair(impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed)
     q, p, x = pair.q, pair.p, pair.short_time / pair.long_time
     trips = pair.long_time / pair.short_time
     K = np.floor(trips)
@@ -139,7 +138,7 @@ vibration_energy=0.25)
     g = -np.expm1(K * pair.log_q) / p + q_K * f
     e = np.where(q > 0, (1 + q) * x * g - q_K * (1 - p * f), np.abs(q) + p * x)
     e = np.minimum(e, 1.0)
-    m = np.asarray(contact_mass(Z1 * T1, Z2 * T2))
+    m, V = pair.mass, pair.closing_speed
     return PairCollision(
         restitution=plain(e),
         impulse=plain((1 + e) * m * V),
@@ -152,12 +151,8 @@ vibration_energy=0.25)
 
 @np.errstate(under="ignore")
 def saint_venant_force(
-    time: ArrayLike,
-    impedance_1: ArrayLike,
-    transit_time_1: ArrayLike,
-    impedance_2: ArrayLike,
-    transit_time_2: ArrayLike,
-    closing_speed: ArrayLike = 1.0,
+    time: ArrayLike, impedance_1: ArrayLike, transit_time_1: ArrayLike, impedance_2: ArrayLike,
+    transit_time_2: ArrayLike, closing_speed: ArrayLike = 1.0,
 ) -> Number:
     """Contact force of two uniform free rods, each moving uniformly.
 
@@ -194,11 +189,7 @@ def saint_venant_force(
     [0.75, 0.375, 0.1875, 0.0]
     """
     t = finite("time", time, "s")
-    pair = _pair(
-        *_checked(
-            impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed
-        )
-    )
+    pair = _pair(impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed)
     k = np.floor(np.clip(t, 0.0, pair.duration) / (2 * pair.short_time))
     pressing = (t >= 0) & (t < pair.duration)
     return plain(np.where(pressing, pair.peak_force * np.exp(k * pair.log_q), 0.0))
@@ -237,10 +228,7 @@ def rod_on_wall(impedance: ArrayLike, transit_time: ArrayLike, speed: ArrayLike)
     PairCollision(restitution=1.0, impulse=0.048, duration=0.0004, opening=0.0004, \
 peak_force=120.0, vibration_energy=0.0)
     """
-    Z, T, V = np.broadcast_arrays(
-        positive("impedance", impedance, "kg/s"), positive("transit_time", transit_time, "s"),
-        positive("speed", speed, "m/s"),
-    )
+    Z, T, V = _checked(impedance=impedance, transit_time=transit_time, speed=speed)
     return PairCollision(
         restitution=plain(np.ones_like(Z)),
         impulse=plain(2 * Z * V * T),
@@ -289,10 +277,7 @@ def mass_on_rod(
     >>> round(mass_on_rod(mass=2.0, impedance=40.0, transit_time=0.05, speed=3.0).restitution, 6)
     0.729329
     """
-    M, Z, T, V = np.broadcast_arrays(
-        positive("mass", mass, "kg"), positive("impedance", impedance, "kg/s"),
-        positive("transit_time", transit_time, "s"), positive("speed", speed, "m/s"),
-    )
+    M, Z, T, V = _checked(mass=mass, impedance=impedance, transit_time=transit_time, speed=speed)
     mu = Z * T / M
     lost = -np.expm1(-2 * mu)  # share of its momentum that the mass hands over
     e = lost / mu - 1 + lost
@@ -418,9 +403,7 @@ def kelvin_voigt_decay(
 
 
 def rayleigh_love_speed(
-    wave_speed: ArrayLike,
-    poisson_ratio: ArrayLike,
-    gyration_radius: ArrayLike,
+    wave_speed: ArrayLike, poisson_ratio: ArrayLike, gyration_radius: ArrayLike,
     wave_number: ArrayLike,
 ) -> Number:
     """Phase velocity in a rod with lateral inertia.
@@ -463,15 +446,21 @@ def rayleigh_love_speed(
     return plain(c / np.hypot(1.0, nu * kappa * k))
 
 
-def _pair(Z1: Array, T1: Array, Z2: Array, T2: Array, V: Array) -> _Pair:
+def _pair(
+    impedance_1: ArrayLike, transit_time_1: ArrayLike, impedance_2: ArrayLike,
+    transit_time_2: ArrayLike, closing_speed: ArrayLike,
+) -> _Pair:
+    Z1, T1, Z2, T2, V = _checked(
+        impedance_1=impedance_1, transit_time_1=transit_time_1, impedance_2=impedance_2,
+        transit_time_2=transit_time_2, closing_speed=closing_speed)
     low, high = np.minimum(Z1, Z2), np.maximum(Z1, Z2)
     equal = high - low <= EQUAL_IMPEDANCES * high
     short_is_higher = ~equal & np.where(Z1 > Z2, T1 < T2, T2 < T1)
     short_time, long_time = np.minimum(T1, T2), np.maximum(T1, T2)
     q = np.where(equal, 0.0, (high - low) / (high + low))
     return _Pair(
-        short_time=short_time,
-        long_time=long_time,
+        mass=np.asarray(contact_mass(Z1 * T1, Z2 * T2)), closing_speed=V,
+        short_time=short_time, long_time=long_time,
         q=np.where(short_is_higher, q, -q),
         p=np.where(equal, 1.0, 2 * low / (high + low)),
         log_q=-2 * np.arctanh(np.where(short_is_higher, low / high, 0.0)),
@@ -480,15 +469,8 @@ def _pair(Z1: Array, T1: Array, Z2: Array, T2: Array, V: Array) -> _Pair:
     )
 
 
-def _checked(
-    impedance_1: ArrayLike, transit_time_1: ArrayLike, impedance_2: ArrayLike,
-    transit_time_2: ArrayLike, closing_speed: ArrayLike,
-) -> tuple[Array, ...]:
-    """The arguments of a pair, checked and broadcast."""
-    return np.broadcast_arrays(
-        positive("impedance_1", impedance_1, "kg/s"),
-        positive("transit_time_1", transit_time_1, "s"),
-        positive("impedance_2", impedance_2, "kg/s"),
-        positive("transit_time_2", transit_time_2, "s"),
-        positive("closing_speed", closing_speed, "m/s"),
-    )
+def _checked(**given: ArrayLike) -> tuple[Array, ...]:
+    """The arguments of a collision, positive and finite, broadcast."""
+    return np.broadcast_arrays(*(
+        positive(name, value, UNITS[name.removesuffix("_1").removesuffix("_2")])
+        for name, value in given.items()))

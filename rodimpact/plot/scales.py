@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -90,6 +91,11 @@ def multiple(value: float, unit: str) -> str:
     return sign + (str(top) if top > 1 else "") + unit + (f"/{bottom}" if bottom > 1 else "")
 
 
+def listed(names: Sequence[str]) -> str:
+    """Write names as a list: a, b and c."""
+    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+
+
 def closing_speed(solution: Solution) -> float:
     """Largest speed at which neighbours approach before the collision, m/s; 0 if none do."""
     V = solution.outcome.velocities_before
@@ -118,12 +124,12 @@ def place_label(plan: Placing, place: Scale) -> str:
     """Label of an axis of places: in which frame and how much magnified they are drawn."""
     if not plan.magnification:
         return place._replace(name=f"{place.name} in the undeformed row, without gaps").label
-    said = place.label
+    label = place.label
     if plan.frame:
-        said += f" in a frame moving at {written(plan.frame, 'm/s')}"
+        label += f" in a frame moving at {written(plan.frame, 'm/s')}"
     if plan.block:
-        said += f", masses drawn {plan.block * place.factor:g} {place.unit}".rstrip() + " wide"
-    return f"{said}, {plan.scale}"
+        label += f", masses drawn {plan.block * place.factor:g} {place.unit}".rstrip() + " wide"
+    return f"{label}, {plan.scale}"
 
 
 def axis_scales(
