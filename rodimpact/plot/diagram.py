@@ -134,7 +134,6 @@ def spacetime(
     named += [*masses[:1], *drives]
     if any(isinstance(end, Absorbing) for end in solution.system.ends):
         named.append(Line2D([], [], label="absorbing end", **open_style()))
-    if named:
-        legend_above(ax, named)
+    legend_above(ax, named)
     return SpaceTime(ax, drawn, ends, pressing, touching, walls, cut.finish(), bar, masses,
                      scale)

@@ -108,8 +108,7 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
                                   fontsize=SMALL + 1))
         elif part.max() > ROUND_OFF * total.max():
             missing.append(band)
-    if missing:
-        legend_above(ax, missing, columns=2)
+    legend_above(ax, missing, columns=2)
     return Energy(ax, bands, labels, work)
 
 

@@ -21,7 +21,6 @@ from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from ..results.closed_forms import ClosedForm
 from ..results.signals import Floats
@@ -29,6 +28,7 @@ from .curves import jumps
 from .scales import ROUND_OFF, signed
 from .sides import Shown, Side, count_ticks, dress_side
 from .style import DIVERGING, SMALL, centred, colour_bar, colours, dress, ink_on, legend_above
+from .thinning import evenly
 
 LINES = 150  # points a side, at most, from which lines are drawn
 CRUMB = 8  # points of a piece of a line, at least, unless the map itself is coarse
@@ -58,7 +58,7 @@ def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: ClosedForm 
                           cmap=palette, norm=norm, shading="flat", rasterized=True, zorder=1)
     dress_side(ax, "x", across)
     dress_side(ax, "y", up)
-    i, j = (_thinned(side.values.size) for side in (across, up))
+    i, j = (evenly(side.values.size, LINES) for side in (across, up))
     plane = across.numbers[i], up.numbers[j]
     contours, labels = (None, []) if shown.is_count else _contours(
         ax, plane, shown.values[np.ix_(i, j)], norm)
@@ -75,8 +75,7 @@ def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: ClosedForm 
     bar = colour_bar(ax, cells, shown.scale.label)
     if shown.is_count:
         count_ticks(bar.ax.yaxis, shown)
-    if handles:
-        legend_above(ax, handles)
+    legend_above(ax, handles)
     dress(ax)
     return Map(ax, cells, contours, labels, lines, bar)
 
@@ -156,8 +155,3 @@ def _zero(ax: Axes, plane: Plane, values: Floats, dash: str) -> QuadContourSet:
                        colors=colours().ink, linewidths=1.4, linestyles=dash, zorder=4)
     lines.set_path_effects([withStroke(linewidth=2.6, foreground=colours().paper)])
     return lines
-
-
-def _thinned(count: int) -> NDArray[np.intp]:
-    """Indices of at most `LINES` of so many points, first and last among them."""
-    return np.unique(np.linspace(0, count - 1, min(count, LINES)).round().astype(np.intp))

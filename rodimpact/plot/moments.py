@@ -8,6 +8,7 @@ from ..results.signals import Floats
 from ..results.solution import Solution
 from ..results.wave_fields import WaveFields
 from .sampling import is_stepped
+from .thinning import evenly
 
 EVEN = 6  # instants of a solution in which nothing stands out
 
@@ -28,13 +29,13 @@ def moments(solution: Solution, most: int = 8) -> Floats:
         return np.unique(np.linspace(0.0, solution.t_end, 3))
     chosen = np.union1d(turns, [0.0, solution.t_end])
     if chosen.size > most:
-        return _thinned(chosen, most)
+        return chosen[evenly(chosen.size, most)]
     first = min(turns, default=0.0)
     after = reflections[reflections > first]
     if after.size and chosen.size < most:
         chosen = np.union1d(chosen, (first + after[0]) / 2)
     others = np.setdiff1d(reflections, chosen)
-    chosen = np.union1d(chosen, _thinned(others, most - chosen.size))
+    chosen = np.union1d(chosen, others[evenly(others.size, most - chosen.size)])
     shortest = float(np.diff(np.union1d(first, after)).min(initial=np.inf))
     return _halved(chosen, first, last, most, 0.75 * shortest)
 
@@ -48,7 +49,8 @@ def _between(solution: Solution, turns: list[float], most: int) -> Floats:
     for t in sorted(turns):
         if not apart or t - apart[-1] > spacing:
             apart.append(t)
-    chosen = _thinned(np.union1d(apart, [0.0, solution.t_end]), most)
+    chosen = np.union1d(apart, [0.0, solution.t_end])
+    chosen = chosen[evenly(chosen.size, most)]
     open_at_end = any(c.episodes and not c.episodes[-1].opening <= solution.t_end
                       for c in solution.contacts)
     return _halved(chosen, min(turns), solution.t_end if open_at_end else max(turns), most)
@@ -98,11 +100,3 @@ def _reflections(solution: Solution, last: float) -> Floats:
     ticks = np.unique(np.concatenate([s.ticks for s in fields.signals if s is not None]))
     times = ticks[ticks > 0] * fields.assembly.tick
     return np.asarray(times[times <= last])
-
-
-def _thinned(times: Floats, most: int) -> Floats:
-    """At most `most` of the times, evenly chosen, first and last among them."""
-    if times.size <= most:
-        return times
-    chosen = np.linspace(0, times.size - 1, max(most, 0)).round().astype(int)
-    return np.asarray(times[np.unique(chosen)])

@@ -26,16 +26,7 @@ from .histories import draw_forces, force_scale
 from .page import headline
 from .polygons import drawn_until
 from .scales import Scale, axis_scales, written
-from .style import (
-    NORMAL,
-    SMALL,
-    check_choice,
-    colours,
-    dress,
-    legend_above,
-    new_figure,
-    styled,
-)
+from .style import NORMAL, SMALL, check_choice, colours, dress, legend_above, new_figure, styled
 
 FIELDS = ("velocity", "stress", "strain")
 MOST_FRAMES, MOST_PER_SECOND = 10_000, 50

@@ -96,6 +96,33 @@ def listed(names: Sequence[str]) -> str:
     return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
+class Speeds(NamedTuple):
+    """How velocities are written: as parts of the closing speed if there is one, or by a scale."""
+
+    rest: float
+    closing: float
+    scale: Scale
+
+    @classmethod
+    def of(cls, solution: Solution, rest: float, largest: float) -> Speeds:
+        """Those of a picture in a frame that moves at `rest`, for velocities up to `largest`."""
+        return cls(rest, closing_speed(solution), engineering("velocity", largest, "m/s"))
+
+    def exact(self, velocity: float, largest: float) -> str:
+        """With all its digits."""
+        if self.closing:
+            return multiple((velocity - self.rest) / self.closing, "v")
+        return digits(velocity * self.scale.factor, largest * self.scale.factor)
+
+    def rounded(self, velocity: float, largest: float) -> str:
+        """To two digits."""
+        if not self.closing:
+            factor = self.scale.factor
+            return digits(float(f"{velocity * factor:.2g}"), largest * factor / 100)
+        part = digits(float(f"{round((velocity - self.rest) / self.closing, 2):.2g}"), 0.0)
+        return {"0": "0", "1": "v", f"{MINUS}1": f"{MINUS}v"}.get(part, f"{part}v")
+
+
 def closing_speed(solution: Solution) -> float:
     """Largest speed at which neighbours approach before the collision, m/s; 0 if none do."""
     V = solution.outcome.velocities_before

@@ -22,29 +22,8 @@ from ..results.solution import Solution
 from .bars import Bars, Piece
 from .moments import happening, moments
 from .sampling import is_stepped
-from .scales import (
-    MINUS,
-    Scale,
-    closing_speed,
-    digits,
-    engineering,
-    first_rod,
-    multiple,
-    place_label,
-    place_scale,
-    written,
-)
-from .style import (
-    SMALL,
-    broken,
-    centred,
-    colour_bar,
-    colours,
-    dress,
-    ink_on,
-    new_axes,
-    styled,
-)
+from .scales import Scale, Speeds, digits, engineering, first_rod, place_label, place_scale, written
+from .style import SMALL, broken, centred, colour_bar, colours, dress, ink_on, new_axes, styled
 
 ALIKE = 0.02  # velocities of a stretch that bears one label, in parts of the largest
 
@@ -115,8 +94,7 @@ def snapshots(
     drawn = Bars(plan, when, place)
     pieces = drawn.pieces
     velocities = np.array([piece.velocity for piece in pieces])
-    speeds = _Speeds(plan.frame, closing_speed(solution),
-                     engineering("velocity", float(np.abs(velocities).max()), "m/s"))
+    speeds = Speeds.of(solution, plan.frame, float(np.abs(velocities).max()))
     norm = centred(velocities, plan.frame)
     bars, outlines = drawn.rods(ax, velocities, norm), drawn.outlines(ax)
     (walls, _), masses = drawn.walls(ax), drawn.masses(ax)
@@ -182,30 +160,8 @@ def _alike(pieces: list[Piece], norm: Normalize) -> list[Piece]:
             for s in stretches]
 
 
-class _Speeds(NamedTuple):
-    """How velocities are written: as parts of the closing speed if there is one, or by a scale."""
-
-    rest: float
-    closing: float
-    scale: Scale
-
-    def exact(self, velocity: float, largest: float) -> str:
-        """With all its digits."""
-        if self.closing:
-            return multiple((velocity - self.rest) / self.closing, "v")
-        return digits(velocity * self.scale.factor, largest * self.scale.factor)
-
-    def rounded(self, velocity: float, largest: float) -> str:
-        """To two digits."""
-        if not self.closing:
-            factor = self.scale.factor
-            return digits(float(f"{velocity * factor:.2g}"), largest * factor / 100)
-        part = digits(float(f"{round((velocity - self.rest) / self.closing, 2):.2g}"), 0.0)
-        return {"0": "0", "1": "v", f"{MINUS}1": f"{MINUS}v"}.get(part, f"{part}v")
-
-
 def _mass_labels(
-    plan: Placing, ax: Axes, times: Floats, place: Scale, speeds: _Speeds
+    plan: Placing, ax: Axes, times: Floats, place: Scale, speeds: Speeds
 ) -> list[Text]:
     """Velocity of each mass, below it; of every second of neighbours above it."""
     labels = []

@@ -183,7 +183,9 @@ def legend_above(
     ax: Axes, shown: Sequence[Artist], columns: int = 3, size: float = SMALL + 1,
     title: str | None = None,
 ) -> None:
-    """Name artists above an Axes, in as many columns as the figure has room for."""
+    """Name artists, if any, above an Axes, in as many columns as the figure has room for."""
+    if not shown:
+        return
     room = int(ax.figure.bbox.width / ax.figure.dpi / COLUMN)
     ax.legend(handles=shown, loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1,
               ncols=max(1, min(columns, room)), frameon=False, fontsize=size, title=title,
