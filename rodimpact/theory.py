@@ -20,14 +20,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .model.arguments import Array, Number, finite, plain, positive, refuse
+from .model.arguments import Array, Number, finite, plain, positive
 from .rigid import contact_mass
 
 EQUAL_IMPEDANCES = 2.0**-48
 """Impedances that differ by less than this fraction count as equal, up to round-off."""
-
-SHORTEST_WAY = 30.0
-"""Least distance from the end of a dispersive rod, in units of nu kappa."""
+UNITS = {"impedance": "kg/s", "transit_time": "s", "mass": "kg", "speed": "m/s",
+         "closing_speed": "m/s"}
 
 
 class PairCollision(NamedTuple):
@@ -60,6 +59,8 @@ class PairCollision(NamedTuple):
 class _Pair(NamedTuple):
     """What the result and the force history of a pair have in common."""
 
+    mass: Array
+    closing_speed: Array
     short_time: Array
     long_time: Array
     q: Array
@@ -71,11 +72,8 @@ class _Pair(NamedTuple):
 
 @np.errstate(under="ignore")  # q^K may vanish
 def saint_venant(
-    impedance_1: ArrayLike,
-    transit_time_1: ArrayLike,
-    impedance_2: ArrayLike,
-    transit_time_2: ArrayLike,
-    closing_speed: ArrayLike = 1.0,
+    impedance_1: ArrayLike, transit_time_1: ArrayLike, impedance_2: ArrayLike,
+    transit_time_2: ArrayLike, closing_speed: ArrayLike = 1.0,
 ) -> PairCollision:
     """Collision of two uniform free rods, each moving uniformly.
 
@@ -131,10 +129,7 @@ vibration_energy=0.25)
     >>> round(saint_venant(5.0, 3.0, 1.0, 10.0).restitution, 6)
     0.841564
     """
-    Z1, T1, Z2, T2, V = _checked(
-        impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed
-    )
-    pair = _pair(Z1, T1, Z2, T2, V)
+    pair = _pair(impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed)
     q, p, x = pair.q, pair.p, pair.short_time / pair.long_time
     trips = pair.long_time / pair.short_time
     K = np.floor(trips)
@@ -143,7 +138,7 @@ vibration_energy=0.25)
     g = -np.expm1(K * pair.log_q) / p + q_K * f
     e = np.where(q > 0, (1 + q) * x * g - q_K * (1 - p * f), np.abs(q) + p * x)
     e = np.minimum(e, 1.0)
-    m = np.asarray(contact_mass(Z1 * T1, Z2 * T2))
+    m, V = pair.mass, pair.closing_speed
     return PairCollision(
         restitution=plain(e),
         impulse=plain((1 + e) * m * V),
@@ -156,12 +151,8 @@ vibration_energy=0.25)
 
 @np.errstate(under="ignore")
 def saint_venant_force(
-    time: ArrayLike,
-    impedance_1: ArrayLike,
-    transit_time_1: ArrayLike,
-    impedance_2: ArrayLike,
-    transit_time_2: ArrayLike,
-    closing_speed: ArrayLike = 1.0,
+    time: ArrayLike, impedance_1: ArrayLike, transit_time_1: ArrayLike, impedance_2: ArrayLike,
+    transit_time_2: ArrayLike, closing_speed: ArrayLike = 1.0,
 ) -> Number:
     """Contact force of two uniform free rods, each moving uniformly.
 
@@ -198,11 +189,7 @@ def saint_venant_force(
     [0.75, 0.375, 0.1875, 0.0]
     """
     t = finite("time", time, "s")
-    pair = _pair(
-        *_checked(
-            impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed
-        )
-    )
+    pair = _pair(impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed)
     k = np.floor(np.clip(t, 0.0, pair.duration) / (2 * pair.short_time))
     pressing = (t >= 0) & (t < pair.duration)
     return plain(np.where(pressing, pair.peak_force * np.exp(k * pair.log_q), 0.0))
@@ -241,10 +228,7 @@ def rod_on_wall(impedance: ArrayLike, transit_time: ArrayLike, speed: ArrayLike)
     PairCollision(restitution=1.0, impulse=0.048, duration=0.0004, opening=0.0004, \
 peak_force=120.0, vibration_energy=0.0)
     """
-    Z, T, V = np.broadcast_arrays(
-        positive("impedance", impedance, "kg/s"), positive("transit_time", transit_time, "s"),
-        positive("speed", speed, "m/s"),
-    )
+    Z, T, V = _checked(impedance=impedance, transit_time=transit_time, speed=speed)
     return PairCollision(
         restitution=plain(np.ones_like(Z)),
         impulse=plain(2 * Z * V * T),
@@ -293,10 +277,7 @@ def mass_on_rod(
     >>> round(mass_on_rod(mass=2.0, impedance=40.0, transit_time=0.05, speed=3.0).restitution, 6)
     0.729329
     """
-    M, Z, T, V = np.broadcast_arrays(
-        positive("mass", mass, "kg"), positive("impedance", impedance, "kg/s"),
-        positive("transit_time", transit_time, "s"), positive("speed", speed, "m/s"),
-    )
+    M, Z, T, V = _checked(mass=mass, impedance=impedance, transit_time=transit_time, speed=speed)
     mu = Z * T / M
     lost = -np.expm1(-2 * mu)  # share of its momentum that the mass hands over
     e = lost / mu - 1 + lost
@@ -340,64 +321,6 @@ def horn_amplification(area_0: ArrayLike, area_1: ArrayLike) -> Number:
     2.0
     """
     return plain(np.sqrt(positive("area_0", area_0, "m^2") / positive("area_1", area_1, "m^2")))
-
-
-@np.errstate(under="ignore")
-def cone_velocity(
-    time: ArrayLike,
-    distance: ArrayLike,
-    apex_distance: ArrayLike,
-    wave_speed: ArrayLike,
-    end_speed: ArrayLike = 1.0,
-) -> Number:
-    """Velocity in a cone whose smaller end a constant pressure begins to push at t = 0.
-
-    In a cone A ~ s^2, s the distance from the apex, s u obeys d'Alembert. With the pressure P on
-    the end at s0 the outgoing wave is ``s u = (P s0^2/E) (1 - exp(-(c t - x)/s0))``, and::
-
-        v = V s0/(s0 + x) exp(-(c t - x)/s0)    where c t >= x,    V = P/(rho c)
-
-    It holds until a wave comes back from the other end.
-
-    Source: derived here; the equation as for spherical waves, Lord Rayleigh, The Theory of Sound,
-    chapter XIV.
-
-    Parameters
-    ----------
-    time : float or array
-        t since the pressure began [s].
-    distance : float or array
-        x from the end that is pushed, not negative [m].
-    apex_distance : float or array
-        s0 from the apex to the end that is pushed [m].
-    wave_speed : float or array
-        c [m/s].
-    end_speed : float or array
-        V, the velocity to which the end jumps: pressure over rho c [m/s].
-
-    Returns
-    -------
-    float or array
-        Velocity, positive away from the end that is pushed [m/s].
-
-    Raises
-    ------
-    ValueError
-        If time or end speed is not finite, the distance is negative, or another argument not
-        positive and finite.
-
-    Examples
-    --------
-    >>> cone_velocity(time=0.5, distance=1.0, apex_distance=1.0, wave_speed=2.0)
-    0.5
-    """
-    t, x = finite("time", time, "s"), finite("distance", distance, "m")
-    V = finite("end_speed", end_speed, "m/s")
-    refuse(x < 0, "must not be negative [m]", distance=x)
-    s0 = positive("apex_distance", apex_distance, "m")
-    behind = positive("wave_speed", wave_speed, "m/s") * t - x
-    found = V * s0 / (s0 + x) * np.exp(-np.maximum(behind, 0.0) / s0)
-    return plain(np.where(behind >= 0, found, 0.0))
 
 
 def horn_frequency(wave_speed: ArrayLike, wave_number: ArrayLike, taper: ArrayLike) -> Number:
@@ -480,9 +403,7 @@ def kelvin_voigt_decay(
 
 
 def rayleigh_love_speed(
-    wave_speed: ArrayLike,
-    poisson_ratio: ArrayLike,
-    gyration_radius: ArrayLike,
+    wave_speed: ArrayLike, poisson_ratio: ArrayLike, gyration_radius: ArrayLike,
     wave_number: ArrayLike,
 ) -> Number:
     """Phase velocity in a rod with lateral inertia.
@@ -525,98 +446,21 @@ def rayleigh_love_speed(
     return plain(c / np.hypot(1.0, nu * kappa * k))
 
 
-@np.errstate(under="ignore")
-def rayleigh_love_rise(
-    distance: ArrayLike,
-    wave_speed: ArrayLike,
-    poisson_ratio: ArrayLike,
-    gyration_radius: ArrayLike,
-) -> Number:
-    """Time in which velocity rises from 10 to 90 % of a step, far from the end where it was made.
-
-    Lateral inertia holds short waves back, and the front grows wider as the cube root of the
-    distance. With lengths in units of nu kappa and times in nu kappa/c, the Laplace transform of
-    the velocity at x of a semi-infinite rod, after a unit step of velocity at its end, is
-    ``exp(-x s/(1 + s^2)^(1/2))/s``. On waves of real frequency the inverse is::
-
-        v = 1/(2 pi i) integral exp(i (omega t - k x))/(k (1 + k^2)) dk,
-            omega = k/(1 + k^2)^(1/2), along a line below the pole at k = 0
-
-    What is left out, waves that die out along the rod, is smaller than exp(-x). The trapezoidal
-    rule finds the integral to about 12 digits on a line at the depth x^(-1/3). Far away it becomes
-    that of Airy's function up to (t - x)/(3 x/2)^(1/3), and the rise 2.168 (3 x/2)^(1/3).
-
-    Source: derived here from the equation of `rayleigh_love_speed`; R. Skalak, Longitudinal impact
-    of a semi-infinite circular elastic bar, J. Appl. Mech. 24 (1957) 59-64, has the Airy front.
-
-    Parameters
-    ----------
-    distance : float or array
-        From the end that moves; at least 30 nu kappa [m].
-    wave_speed : float or array
-        Bar speed c [m/s].
-    poisson_ratio : float or array
-        nu, positive [1].
-    gyration_radius : float or array
-        kappa, as for `rayleigh_love_speed` [m].
-
-    Returns
-    -------
-    float or array
-        From the first passage of 10 to the first passage of 90 % [s].
-
-    Raises
-    ------
-    ValueError
-        If an argument is not positive and finite, or the distance less than 30 nu kappa.
-
-    Examples
-    --------
-    A steel rod of 19 mm, after 1, 2, 4 and 8 m, in microseconds:
-
-    >>> rise = rayleigh_love_rise([1, 2, 4, 8], 5048, poisson_ratio=0.29, gyration_radius=6.72e-3)
-    >>> (rise * 1e6).round(2).tolist()
-    [7.7, 9.69, 12.19, 15.35]
-    """
-    x = positive("distance", distance, "m")
-    c = positive("wave_speed", wave_speed, "m/s")
-    nu = positive("poisson_ratio", poisson_ratio, "")
-    size = nu * positive("gyration_radius", gyration_radius, "m")
-    x, c, size = np.broadcast_arrays(x, c, size)
-    way = x / size
-    refuse(way < SHORTEST_WAY, f"must be at least {SHORTEST_WAY:g} nu kappa", distance=x)
-    spread = np.cbrt(1.5 * way)
-    passages = []
-    for level in (0.1, 0.9):
-        early, late = np.full(x.shape, -4.0), np.full(x.shape, 2.2)  # the first crest is at 2.34
-        for _ in range(50):
-            middle = (early + late) / 2
-            below = _love_front(way, way + middle * spread) < level
-            early, late = np.where(below, middle, early), np.where(below, late, middle)
-        passages.append(early)
-    return plain((passages[1] - passages[0]) * spread * size / c)
-
-
-def _love_front(x: Array, t: Array) -> Array:
-    """Velocity at x and t of a rod with lateral inertia, in units of its own; near its front."""
-    depth = 1 / np.cbrt(x)[..., np.newaxis]
-    k = depth * (np.arange(-48, 49) / 6 - 1j)
-    omega = k / np.sqrt(1 + k * k)
-    waves = np.exp(1j * (omega * t[..., np.newaxis] - k * x[..., np.newaxis]))
-    total = np.sum(waves / (k * (1 + k * k)) * depth / 6, axis=-1)
-    found: Array = (total / (2j * np.pi)).real
-    return found
-
-
-def _pair(Z1: Array, T1: Array, Z2: Array, T2: Array, V: Array) -> _Pair:
+def _pair(
+    impedance_1: ArrayLike, transit_time_1: ArrayLike, impedance_2: ArrayLike,
+    transit_time_2: ArrayLike, closing_speed: ArrayLike,
+) -> _Pair:
+    Z1, T1, Z2, T2, V = _checked(
+        impedance_1=impedance_1, transit_time_1=transit_time_1, impedance_2=impedance_2,
+        transit_time_2=transit_time_2, closing_speed=closing_speed)
     low, high = np.minimum(Z1, Z2), np.maximum(Z1, Z2)
     equal = high - low <= EQUAL_IMPEDANCES * high
     short_is_higher = ~equal & np.where(Z1 > Z2, T1 < T2, T2 < T1)
     short_time, long_time = np.minimum(T1, T2), np.maximum(T1, T2)
     q = np.where(equal, 0.0, (high - low) / (high + low))
     return _Pair(
-        short_time=short_time,
-        long_time=long_time,
+        mass=np.asarray(contact_mass(Z1 * T1, Z2 * T2)), closing_speed=V,
+        short_time=short_time, long_time=long_time,
         q=np.where(short_is_higher, q, -q),
         p=np.where(equal, 1.0, 2 * low / (high + low)),
         log_q=-2 * np.arctanh(np.where(short_is_higher, low / high, 0.0)),
@@ -625,15 +469,8 @@ def _pair(Z1: Array, T1: Array, Z2: Array, T2: Array, V: Array) -> _Pair:
     )
 
 
-def _checked(
-    impedance_1: ArrayLike, transit_time_1: ArrayLike, impedance_2: ArrayLike,
-    transit_time_2: ArrayLike, closing_speed: ArrayLike,
-) -> tuple[Array, ...]:
-    """The arguments of a pair, checked and broadcast."""
-    return np.broadcast_arrays(
-        positive("impedance_1", impedance_1, "kg/s"),
-        positive("transit_time_1", transit_time_1, "s"),
-        positive("impedance_2", impedance_2, "kg/s"),
-        positive("transit_time_2", transit_time_2, "s"),
-        positive("closing_speed", closing_speed, "m/s"),
-    )
+def _checked(**given: ArrayLike) -> tuple[Array, ...]:
+    """The arguments of a collision, positive and finite, broadcast."""
+    return np.broadcast_arrays(*(
+        positive(name, value, UNITS[name.removesuffix("_1").removesuffix("_2")])
+        for name, value in given.items()))

@@ -2,16 +2,12 @@
 
 import math
 from fractions import Fraction
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from scipy.integrate import quad
-from scipy.optimize import brentq
-from scipy.special import itairy
 
 from rodimpact import theory
 
@@ -159,6 +155,8 @@ def test_equal_transit_times_lose_nothing(Z1, Z2, T, V):
 def test_integral_energy_and_bounds(rods, V):
     Z1, T1, Z2, T2 = rods
     pair = theory.saint_venant(Z1, T1, Z2, T2, V)
+    trips = math.ceil(pair.duration / (2 * min(T1, T2)))
+    assume(trips <= 10**5)  # of the short rod, each of which is summed
     m = Z1 * T1 * Z2 * T2 / (Z1 * T1 + Z2 * T2)
     assert 0 < pair.restitution <= 1
     assert pair.impulse == pytest.approx((1 + pair.restitution) * m * V, rel=ROUND_OFF, abs=0)
@@ -166,7 +164,6 @@ def test_integral_energy_and_bounds(rods, V):
     assert pair.duration <= pair.opening
     assert 2 * min(T1, T2) <= pair.duration <= 2 * max(T1, T2)
     # The force is constant over each round trip of the short rod; the last one may be cut short.
-    trips = min(math.ceil(pair.duration / (2 * min(T1, T2))), 10**5)
     edges = np.minimum(2 * min(T1, T2) * np.arange(trips + 1), pair.duration)
     middle = (edges[1:] + edges[:-1]) / 2
     force = theory.saint_venant_force(middle, Z1, T1, Z2, T2, V)
@@ -318,27 +315,6 @@ def slope(function, x, step):
     return (8 * near - far) / (12 * step)
 
 
-def test_a_cone_under_constant_pressure():
-    """The velocity obeys the wave equation, and the momentum is that which the pressure gives."""
-    s0, c, V = 0.7, 1.3, 2.0
-
-    def v(t, x):
-        return theory.cone_velocity(t, x, s0, c, V)
-
-    def growth(x):
-        return (s0 + x) ** 2 * slope(lambda y: v(1.0, y), x, 1e-3)
-
-    twice = slope(lambda t: slope(lambda r: v(r, 0.4), t, 1e-3), 1.0, 1e-3)
-    assert slope(growth, 0.4, 1e-3) == pytest.approx((s0 + 0.4) ** 2 * twice / c**2, rel=1e-8)
-    for t in (0.2, 1.0, 3.0):  # pressure rho c V, on the area s0^2
-        momentum = quad(lambda x, t=t: (s0 + x) ** 2 * v(t, x), 0.0, c * t)[0]
-        assert momentum == pytest.approx(c * V * s0**2 * t, rel=1e-10)
-        front = v(t, c * t * (1 - 1e-15))
-        assert front == pytest.approx(V * theory.horn_amplification(s0**2, (s0 + c * t) ** 2))
-        assert v(t, c * t * (1 + 1e-15)) == 0.0
-    assert v(0.0, 0.0) == V
-
-
 def test_an_exponential_horn():
     """u = exp(-beta x) cos(k x - omega t) obeys (A u_x)_x = A u_tt/c^2."""
     c, k, beta = 1.5, 2.0, 0.6
@@ -377,57 +353,13 @@ def test_phase_velocity_with_lateral_inertia():
         c, nu, kappa, 300.0)
 
 
-def love_front(x, t):
-    """Inverse Laplace transform by the principal value on the real axis, to about 1e-7.
-
-    The integrand falls as k^-3, and beyond 40 it oscillates as sin(t - k x).
-    """
-
-    def wave(k):
-        return math.sin(k / math.sqrt(1 + k * k) * t - k * x) / (k * (1 + k * k))
-
-    edges = np.linspace(0, 40, int(10 * x) + 1)
-    return 1 / 2 + sum(quad(wave, a, b)[0] for a, b in pairwise(edges)) / math.pi
-
-
-@pytest.mark.parametrize("x", [30.0, 120.0])
-def test_rise_of_a_step_with_lateral_inertia(x):
-    spread = (1.5 * x) ** (1 / 3)
-    times = [
-        brentq(lambda z, level=level: love_front(x, x + z * spread) - level, *bracket, xtol=1e-6)
-        for level, bracket in ((0.1, (-1.2, -0.8)), (0.9, (1.0, 1.4)))
-    ]
-    rise = theory.rayleigh_love_rise(x, 1.0, 1.0, 1.0)
-    assert rise == pytest.approx((times[1] - times[0]) * spread, rel=2e-5)
-
-
-def test_far_away_the_front_is_that_of_airy():
-    ahead = brentq(lambda z: 1 / 3 - itairy(z)[0] - 0.1, 0.0, 3.0)
-    behind = brentq(lambda z: 1 / 3 + itairy(z)[2] - 0.9, 0.0, 2.0)
-    rise = theory.rayleigh_love_rise(1e12, 1.0, 1.0, 1.0)
-    assert rise / (1.5e12) ** (1 / 3) == pytest.approx(ahead + behind, rel=1e-7)
-
-
-def test_rise_in_a_steel_bar():
-    """Values of an independent computation with waves of a coarse grid, good to some per cent."""
-    c, kappa = math.sqrt(200e9 / 7850), 19e-3 / math.sqrt(8)
-    rise = theory.rayleigh_love_rise([1.0, 2.0, 4.0, 8.0], c, 0.29, kappa)
-    assert rise == pytest.approx([7.9e-6, 9.7e-6, 12.4e-6, 15.2e-6], rel=0.03)
-    assert theory.rayleigh_love_rise(8.0, 2 * c, 0.29, kappa) == pytest.approx(rise[3] / 2)
-    assert theory.rayleigh_love_rise(8.0, c, 0.145, 2 * kappa) == pytest.approx(rise[3])
-
-
 LATER_FORMS = [
     (theory.horn_amplification, {"area_0": 1.0, "area_1": 1.0}, ()),
-    (theory.cone_velocity, {"apex_distance": 1.0, "wave_speed": 1.0},
-     (("time", 1.0), ("distance", 1.0), ("end_speed", 1.0))),
     (theory.horn_frequency, {"wave_speed": 1.0}, (("wave_number", 1.0), ("taper", 1.0))),
     (theory.kelvin_voigt_decay,
      {"youngs_modulus": 1.0, "viscosity": 1.0, "angular_frequency": 1.0}, ()),
     (theory.rayleigh_love_speed, {"wave_speed": 1.0, "gyration_radius": 1.0},
      (("poisson_ratio", 0.3), ("wave_number", 1.0))),
-    (theory.rayleigh_love_rise, {"distance": 100.0, "wave_speed": 1.0, "poisson_ratio": 1.0,
-                                 "gyration_radius": 1.0}, ()),
 ]
 
 
@@ -442,10 +374,3 @@ def test_later_forms_take_arrays_and_refuse_what_is_no_number(function, sizes, o
         for bad in (math.nan, math.inf, *((0.0, -1.0) if name in sizes else ())):
             with pytest.raises(ValueError, match=rf"^{name} = {bad}"):
                 function(**(good | {name: bad}))
-
-
-def test_places_where_later_forms_do_not_hold():
-    with pytest.raises(ValueError, match=r"distance = -1.0: must not be negative"):
-        theory.cone_velocity(1.0, -1.0, 1.0, 1.0)
-    with pytest.raises(ValueError, match=r"distance = 29.0 at index \(0,\): must be at least 30"):
-        theory.rayleigh_love_rise([29.0, 31.0], 1.0, 1.0, 1.0)

@@ -1,23 +1,12 @@
 """Every case of validation/ within its bounds, and its README.md the table they make."""
 
-import importlib.util
 import re
-import sys
 from fractions import Fraction
-from pathlib import Path
 
 import pytest
+from validation_cases import FOLDER, validation_module
 
-FOLDER = Path(__file__).parent.parent / "validation"
-
-
-def load_package():
-    spec = importlib.util.spec_from_file_location("validation", FOLDER / "__init__.py")
-    sys.modules["validation"] = importlib.util.module_from_spec(spec)
-    return importlib.import_module("validation.table")
-
-
-table = load_package()
+table = validation_module("table")
 CASES = table.cases()
 
 
@@ -25,13 +14,13 @@ CASES = table.cases()
 def written():
     """Lines of the tables in README.md, cut into cells, by the name of the case's file."""
     text = (FOLDER / "README.md").read_text(encoding="utf-8")
-    found = {}
+    tables = {}
     for name, section in re.findall(r"^## \[(\w+)\.py\].*?$(.*?)(?=^## )", text, re.S | re.M):
         lines = [line for line in section.splitlines() if line.startswith("|")]
-        head, ruled, *found[name] = [
+        head, ruled, *tables[name] = [
             tuple(cell.strip() for cell in line.strip("|").split("|")) for line in lines]
         assert (head, ruled) == (table.HEAD, ("---",) * len(table.HEAD))
-    return found
+    return tables
 
 
 def test_every_case_is_found_and_written(written):

@@ -6,13 +6,13 @@ from rodimpact.storage.writing import write_text
 
 from .table import FOLDER, cases, page, run
 
-found = {case: run(case) for case in cases()}
-rows = [row for case in found.values() for row in case]
+rows_by_case = {case: run(case) for case in cases()}
+rows = [row for case in rows_by_case.values() for row in case]
 broken = [row for row in rows if not row.holds]
 for row in broken:
     print(f"{row.case}: {row.quantity}: expected {row.expected}, got {row.got}, "
           f"{float(row.difference):.3g} apart, more than {row.bound:.3g}", file=sys.stderr)
 if broken:
     sys.exit(f"{len(broken)} of {len(rows)} numbers break their bounds; README.md is unchanged")
-write_text(FOLDER / "README.md", page(found), force=True)
+write_text(FOLDER / "README.md", page(rows_by_case), force=True)
 print(f"{len(rows)} numbers within their bounds; README.md is written")

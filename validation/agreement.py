@@ -87,16 +87,16 @@ def random_row(rng: np.random.Generator, whole: bool) -> ri.System:
 def errors(rows: int, whole: bool, steps: tuple[int, ...]) -> np.ndarray:
     """[row, step] errors of the worst impulse of random rows, relative to the largest."""
     rng = np.random.default_rng(2)
-    found: list[list[float]] = []
-    while len(found) < rows:
+    differences: list[list[float]] = []
+    while len(differences) < rows:
         row = random_row(rng, whole)
         until = 4 * max(body.length for body in row.bodies if isinstance(body, ri.Rod))
         exact = impulses(ri.solve(row, until=until))
         if exact.any():
             runs = [ri.solve(row, until=until, dt=1 / N) for N in steps]
             off = [float(np.abs(impulses(run) - exact).max()) for run in runs]
-            found.append([x / float(exact.max()) for x in off])
-    return np.array(found)
+            differences.append([x / float(exact.max()) for x in off])
+    return np.array(differences)
 
 
 def inside_steps() -> list[Row]:

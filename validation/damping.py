@@ -89,14 +89,14 @@ def modes_of_unequal_thickness() -> list[Row]:
     stepped = ri.Rod(segments=[ri.Segment(L, A, material(tau)) for L, A in ((L1, A1), (L2, A2))])
     striker = ri.RigidMass(0.2, velocity=1.0)
     row = ri.System([striker, stepped])
-    found = ri.solve(row, method=METHOD, cells=100, until=50.0).ring_down()
+    ring_down = ri.solve(row, method=METHOD, cells=100, until=50.0).ring_down()
     case = "damped stepped rod, struck by a mass"
     expected = 1 / (2 * ri.theory.kelvin_voigt_decay(1.0, tau, k))
     source = "A1 tan k l1 + A2 tan k l2 = 0"
     return [
-        Row(case, "decay time of the energy in the end", source, expected, found.decay_time,
+        Row(case, "decay time of the energy in the end", source, expected, ring_down.decay_time,
             0.01 * expected),
-        Row(case, "frequency of the lowest mode", source, k / (2 * math.pi), found.frequency,
+        Row(case, "frequency of the lowest mode", source, k / (2 * math.pi), ring_down.frequency,
             1e-4),
     ]
 
@@ -217,12 +217,12 @@ def draw() -> Axes:
     ])).outcome
     after = (elastic.kinetic_after + sum(elastic.vibration_after)) / came
     rigid = elastic.kinetic_after / came
-    for level, said, above in (
+    for level, words, above in (
         (after, "after the impact: kinetic + vibration", 0.02),
         (rigid, "as rigid bodies, e = ℓ₁/ℓ₂", -0.02),
     ):
         total.axhline(level, color=FAINT, linewidth=1.0, linestyle=":")
-        total.text(8.0, level + above, said, ha="right", va="bottom" if above > 0 else "top")
+        total.text(8.0, level + above, words, ha="right", va="bottom" if above > 0 else "top")
     total.set(xlabel="time (ms)", ylabel="energy over that before the impact", ylim=(0, 1.1),
               xlim=(0, 8))
     vibration.plot(ms * end.times, end.vibration / came, color=SERIES[0], label="vibration")

@@ -69,14 +69,14 @@ def chains() -> Axes:
     equal, longer, thicker = new_figure(10.5, 3.6).subplots(1, 3)
     counts, smooth = np.arange(2, 11), np.linspace(2, 10, 101)
     of_all, of_last = np.array([chain(n)[1:] for n in counts.tolist()]).T
-    for values, law, colour, said, place in (
+    for values, law, colour, words, place in (
         (of_last, np.ones(smooth.size), SERIES[0], "first and last rod: e = 1", (4.3, 0.93)),
         (of_all, 1 / (smooth - 1), SERIES[1],
          "first rod and the centre of\nmass of all others: e = 1/(n \N{MINUS SIGN} 1)", (4.3, 0.4)),
     ):
         equal.plot(smooth, law, color=colour, alpha=0.4, linewidth=5.0)
         equal.plot(counts, values, color=colour, linestyle="", marker="o", markersize=4.0)
-        equal.text(*place, said, va="center")
+        equal.text(*place, words, va="center")
     equal.set(xlabel="number n of equal rods", ylabel="effective coefficient of restitution e",
               ylim=(0, 1.05), xticks=counts)
     for ax, what, last in ((longer, "length", 4), (thicker, "area", 10)):

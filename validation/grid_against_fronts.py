@@ -104,9 +104,10 @@ def jumps() -> list[Row]:
         free = ri.solve(system)
         end = 1.2 * max(x.force_end for contact in free.contacts for x in contact.episodes)
         exact = ri.solve(system, until=end)
-        found = [on_grid(system, exact, N) for N in CELLS]
-        presses = [float(sum(c.episodes for c in x.outcome.contacts)) for x in (exact, found[-1])]
-        errors = np.array([error(system, exact, x) for x in found]).T
+        solutions = [on_grid(system, exact, N) for N in CELLS]
+        presses = [float(sum(c.episodes for c in x.outcome.contacts))
+                   for x in (exact, solutions[-1])]
+        errors = np.array([error(system, exact, x) for x in solutions]).T
         rows.append(Row(case, "contacts in all", source, *presses, 0.0))
         rows += [
             Row(case, f"{name}, error with {SHOWN} cells", source, 0.0,
@@ -129,9 +130,11 @@ def on_grid(system: ri.System, exact: ri.Solution, N: int) -> ri.Solution:
         system, method="finite-difference", cells=N, until=exact.t_end, snapshots=times)
 
 
-def error(system: ri.System, exact: ri.Solution, found: ri.Solution) -> tuple[float, float, float]:
+def error(
+    system: ri.System, exact: ri.Solution, stepped: ri.Solution
+) -> tuple[float, float, float]:
     """Largest of a velocity after, largest relative one of an impulse, L1 of the field."""
-    o, e = found.outcome, exact.outcome
+    o, e = stepped.outcome, exact.outcome
     velocity = float(np.abs(np.subtract(o.velocities_after, e.velocities_after)).max())
     impulse = max(
         abs(a.impulse / b.impulse - 1) for a, b in zip(o.contacts, e.contacts, strict=True)
@@ -142,7 +145,7 @@ def error(system: ri.System, exact: ri.Solution, found: ri.Solution) -> tuple[fl
     for i, body in enumerate(system.bodies):
         if isinstance(body, ri.Rod):
             x = (np.arange(PLACES)[:, None] + 0.5) / PLACES * float(body.length)
-            apart = np.abs(found.velocity(i, x, times) - exact.velocity(i, x, times))
+            apart = np.abs(stepped.velocity(i, x, times) - exact.velocity(i, x, times))
             off += float(apart.mean() * body.length)
             length += float(body.length)
     return velocity, impulse, off / length
@@ -207,9 +210,9 @@ def compliant() -> list[Row]:
         else:
             exact = ri.solve(system, method=source, rtol=1e-9).outcome.impulse
         e = exact * (1 / masses[0] + 1 / masses[1]) - 1
-        found = [ri.solve(system, method="finite-difference", cells=N).outcome for N in SMOOTH]
-        for name, off in (("e", [abs(o.restitution - e) for o in found]),
-                          ("impulse", [abs(o.impulse / exact - 1) for o in found])):
+        outcomes = [ri.solve(system, method="finite-difference", cells=N).outcome for N in SMOOTH]
+        for name, off in (("e", [abs(o.restitution - e) for o in outcomes]),
+                          ("impulse", [abs(o.impulse / exact - 1) for o in outcomes])):
             rows += [
                 Row(case, f"{name}, error with {SMOOTH[-1]} cells", source, 0.0, off[-1], 2e-6),
                 AtLeast(case, f"{name}, order of the error", "at least", 2.0, order(off, SMOOTH),

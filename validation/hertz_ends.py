@@ -116,11 +116,11 @@ def draw() -> Axes:
     by_kappa.set(xlabel="dimensionless stiffness κ = k (V T)$^{1/2}$ ℓ₂/(E A)", xscale="log",
                  ylabel="effective coefficient of restitution e", ylim=(0, 1.05))
     speeds = np.geomspace(0.01, 10, 25)
-    for i, (radius, said) in enumerate(
+    for i, (radius, words) in enumerate(
         ((0.005, "5 mm"), (0.05, "50 mm"), (1.0, "1 m"), (20.0, "20 m"))):
         law = ri.Hertz.from_radii(radius, radius, left_material=STEEL, right_material=STEEL)
         e = [of_steel(V, law) for V in speeds.tolist()]
-        by_speed.plot(speeds, e, color=SERIES[i], linestyle=DASHES[i], label=said)
+        by_speed.plot(speeds, e, color=SERIES[i], linestyle=DASHES[i], label=words)
     by_speed.axhline(SHORT, color=FAINT, linewidth=1.0, linestyle=":")
     by_speed.set(xlabel="closing speed (m/s)\nsteel rods 0.2 m and 0.5 m, 10 mm thick",
                  xscale="log", ylabel="effective coefficient of restitution e", ylim=(0, 1.05))

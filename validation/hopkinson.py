@@ -151,7 +151,7 @@ def record(material: ri.Material, striker: float, gauge: float) -> tuple[float, 
     length = 4 * gauge
     bars = [ri.Rod(x, area=1e-4, material=material, velocity=v)
             for x, v in ((striker, 10.0), (length, 0.0))]
-    found = ri.solve(ri.System(bars)).gauge(1, length - gauge)
-    begins, ends, _ = pulse(found)
-    back = float(found.times[np.flatnonzero(found.leftward > found.leftward.max() / 2)[0]])
+    record = ri.solve(ri.System(bars)).gauge(1, length - gauge)
+    begins, ends, _ = pulse(record)
+    back = float(record.times[np.flatnonzero(record.leftward > record.leftward.max() / 2)[0]])
     return 1e6 * (ends - begins), 1e6 * (back - begins)

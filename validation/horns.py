@@ -2,7 +2,7 @@
 
 - Cone, A ~ s^2, s the distance from the apex: s u obeys d'Alembert. With a speed V given to the
   smaller end, v = V s0/s behind the front and 0 before it, until the wave is back; with a pressure,
-  `theory.cone_velocity`, v = (P c s0/(E s)) exp(-(c t - x)/s0).
+  s u = (P s0^2/E) (1 - exp(-(c t - x)/s0)) and v = (P c s0/(E s)) exp(-(c t - x)/s0).
 - The front arrives after L/c, grown by A^(-1/2), in a cone and in an exponential horn alike: at the
   free end it doubles. Time of the passage of half of it.
 - Exponential horn, A = A0 exp(2 beta x): omega^2 = c^2 (k^2 + beta^2). Between free ends, and
@@ -64,8 +64,7 @@ def cone() -> list[Row]:
     exact = np.where(x < t, APEX / (APEX + x), 0.0)
     behind = x < t - 0.1
     pushed = on_grid(ri.Pushed(1.0), t).velocity(0, x, t)
-    after = np.maximum(t - x, 0.0)
-    by_pressure = np.where(x < t, APEX / (APEX + x) * np.exp(-after / APEX), 0.0)
+    by_pressure = under_pressure(t, x)
     return [
         Row(case, "given speed: velocity, mean difference", source, 0.0,
             float(np.abs(moved - exact).mean()), 2e-3),
@@ -76,6 +75,12 @@ def cone() -> list[Row]:
         Row(case, "given pressure: velocity 0.1 behind the front, largest difference", source, 0.0,
             float(np.abs(pushed - by_pressure)[behind].max()), 1e-3),
     ]
+
+
+def under_pressure(t: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Velocity at x and t in the cone whose smaller end a pressure of 1 pushes from t = 0."""
+    behind = np.maximum(t - x, 0.0)
+    return np.where(x < t, APEX / (APEX + x) * np.exp(-behind / APEX), 0.0)
 
 
 def on_grid(end: ri.Moved | ri.Pushed, times: np.ndarray) -> ri.Solution:

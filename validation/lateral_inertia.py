@@ -6,7 +6,7 @@
   k r = 1. A free end carries the force of the lateral inertia; without it cos(k x) is no mode.
 - A steel bar of 19 mm, E = 200 GPa, rho = 7850 kg/m^3, nu = 0.29, whose end is set in motion at a
   given speed: the time from 10 to 90 % of that speed at 1, 2, 4 and 8 m.
-  Two computations by other means, the contour integral of `theory.rayleigh_love_rise` and the sum
+  Two computations by other means, the contour integral of `rise_by_contour` and the sum
   over the modes of a bar of 10 m here, agree to seven digits: 7.70, 9.69, 12.19 and 15.35 us. The
   round values 7.9, 9.7, 12.4 and 15.2 us for the same bar lie within 2.6 % of these. The rise grows
   as distance^(1/3).
@@ -100,7 +100,7 @@ def rises() -> list[Row]:
             for level, i in zip((0.1, 0.9), first, strict=True)
         )
         exact = 1e6 * (late - early)
-        closed = 1e6 * float(ri.theory.rayleigh_love_rise(x, c, 0.29, GYRATION))
+        closed = 1e6 * rise_by_contour(x, c, 0.29 * GYRATION)
         name = f"rise after {x} m, us"
         rows += [
             Row(case, f"{name}, by contour integral", "sum over modes", round(exact, 6), closed,
@@ -112,10 +112,41 @@ def rises() -> list[Row]:
     return rows
 
 
+def rise_by_contour(distance: float, wave_speed: float, size: float) -> float:
+    """Time in which velocity rises from 10 to 90 % of a step, far from the end where it was made.
+
+    With lengths in units of size = nu kappa and times in nu kappa/c, the Laplace transform of the
+    velocity at x of a semi-infinite rod, after a unit step of velocity at its end, is
+    ``exp(-x s/(1 + s^2)^(1/2))/s``. On waves of real frequency the inverse is::
+
+        v = 1/(2 pi i) integral exp(i (omega t - k x))/(k (1 + k^2)) dk,
+            omega = k/(1 + k^2)^(1/2), along a line below the pole at k = 0
+
+    What is left out, waves that die out along the rod, is smaller than exp(-x). Far away it becomes
+    that of Airy's function up to (t - x)/(3 x/2)^(1/3), and the rise 2.168 (3 x/2)^(1/3).
+    """
+    x = distance / size
+    spread = float(np.cbrt(1.5 * x))
+    early, late = (
+        brentq(lambda z, level=level: front(x, x + z * spread) - level, -4.0, 2.2, xtol=1e-13)
+        for level in (0.1, 0.9)  # the first crest is at 2.34
+    )
+    return float(late - early) * spread * size / wave_speed
+
+
+def front(x: float, t: float) -> float:
+    """That integral, to about 12 digits by the trapezoidal rule on a line at the depth x^(-1/3)."""
+    depth = 1 / float(np.cbrt(x))
+    k = depth * (np.arange(-48, 49) / 6 - 1j)
+    omega = k / np.sqrt(1 + k * k)
+    waves = np.exp(1j * (omega * t - k * x)) / (k * (1 + k * k))
+    return float((waves.sum() * depth / 6 / (2j * np.pi)).real)
+
+
 def passage(t: np.ndarray, v: np.ndarray) -> float:
     """Time between the first passages of 0.1 and 0.9, s."""
-    found = []
+    passed = []
     for level in (0.1, 0.9):
         i = int(np.argmax(v > level))
-        found.append(t[i - 1] + (t[i] - t[i - 1]) * (level - v[i - 1]) / (v[i] - v[i - 1]))
-    return float(found[1] - found[0])
+        passed.append(t[i - 1] + (t[i] - t[i - 1]) * (level - v[i - 1]) / (v[i] - v[i - 1]))
+    return float(passed[1] - passed[0])

@@ -132,7 +132,7 @@ def cradle(length: object = 1.0, area: object = 1.0) -> ri.SweepResult:
 def cradles() -> list[Row]:
     """Newton's cradles of five rods, the first unlike the others."""
     ratio = np.linspace(0.26, 3.0, 138)
-    found = np.array(cradle(length=ratio).velocities_after)
+    velocities = np.array(cradle(length=ratio).velocities_after)
     lengths = [np.clip(1 / ratio - k, 0, 1) if k < 4 else np.zeros(ratio.shape)
                for k in (4, 3, 2, 1, 0)]
     a = np.geomspace(1, 10, 41)
@@ -142,7 +142,7 @@ def cradles() -> list[Row]:
     return [
         Row("Newton's cradle, four others 0.26 to 3 times as long",
             "velocities after, m/s, largest difference", "l0/l - k between 0 and 1", 0.0,
-            largest(found - lengths), 1e-12),
+            largest(velocities - lengths), 1e-12),
         Row("Newton's cradle, four others 1 to 10 times as thick",
             "velocities after, m/s, largest difference", "(1 - a)/(1 + a), 0, 0, 0, 2/(1 + a)",
             0.0, largest(thick - areas), 1e-12),

@@ -130,5 +130,5 @@ def first_contact(ratio: float, N: int) -> np.ndarray:
 def whole_steps(edges: np.ndarray, values: np.ndarray, N: int) -> np.ndarray:
     """Means over steps 1/N of what is known by their parts: steps are cut where contacts close."""
     passed = np.concatenate(([0.0], np.cumsum(values * np.diff(edges))))
-    found: np.ndarray = N * np.diff(np.interp(np.arange(8 * N + 1) / N, edges, passed))
-    return found
+    means: np.ndarray = N * np.diff(np.interp(np.arange(8 * N + 1) / N, edges, passed))
+    return means

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from rodimpact import rigid
 
+from .exercises import bouncing_ball, bullet_through, solve_linear
 from .table import Row
 
 DRAWS = 10_000
@@ -62,7 +63,7 @@ def two_heights() -> list[Row]:
     """10.5.2: dropped from 10 m, up to 6.4 m."""
     case, source = "ball dropped from 10 m", "textbook, problem 10.5.2"
     e = rigid.restitution_from_heights(10.0, 6.4)
-    second = rigid.bouncing_ball(10.0, e, bounces=2).rebound_heights[1]
+    second = bouncing_ball(10.0, e, bounces=2).rebound_heights[1]
     return [
         Row(case, "e", source + ": sqrt 0.64", 0.8, e, 1e-15),
         Row(case, "height of the second bounce, m", source + ": 6.4^2/10", 4.096, float(second),
@@ -87,7 +88,7 @@ def one_bounce() -> list[Row]:
     case, source = "ball after one bounce", "textbook, problem 10.5.4: e^2 h"
     h, e, g = np.meshgrid([0.1, 1.0, 30.0], np.linspace(0.05, 0.95, 19), [1.6, 9.81, 25.0])
     speed = rigid.collide(math.inf, 0.0, 0.3, -np.sqrt(2 * g * h), e).velocity_2
-    listed = rigid.bouncing_ball(h, e, 1, gravity=g).rebound_heights[..., 0]
+    listed = bouncing_ball(h, e, 1, gravity=g).rebound_heights[..., 0]
     return [
         Row(case, "height by energy from the velocity after, largest relative difference", source,
             0.0, off(speed**2 / (2 * g), e**2 * h), 1e-14),
@@ -99,7 +100,7 @@ def one_bounce() -> list[Row]:
 def matrix_form() -> list[Row]:
     """10.5.5: two linear equations, 2 kg at 2.6 m/s on 0.5 kg at rest, e = 0.8."""
     case, source = "two linear equations", "textbook, problem 10.5.5"
-    system = rigid.solve_linear(2.0, 2.6, 0.5, 0.0, 0.8)
+    system = solve_linear(2.0, 2.6, 0.5, 0.0, 0.8)
     matrix, right_hand_side = np.array([[2.0, 0.5], [1.0, -1.0]]), np.array([5.2, -2.08])
     return [
         Row(case, "matrix, largest difference", source + ": [2 0.5; 1 -1]", 0.0,
@@ -146,7 +147,7 @@ def bounces_without_end() -> list[Row]:
         rising = rigid.collide(math.inf, 0.0, 0.3, -falling, e).velocity_2
         time, path = time + 2 * rising / g, path + rising**2 / g
         falling = rising
-    ball = rigid.bouncing_ball(h, e, bounces, gravity=g)
+    ball = bouncing_ball(h, e, bounces, gravity=g)
     total_time = np.sqrt(2 * h / g) * (1 + e) / (1 - e)
     total_path = h * (1 + e**2) / (1 - e**2)
     return [
@@ -171,7 +172,7 @@ def bullet_through_block() -> list[Row]:
     """10.5.9: a bullet goes through block A and stays in block B."""
     source = "textbook, problem 10.5.9"
     case = "bullet of 20 g through 1 kg at 4 m/s into 2 kg at 3 m/s"
-    shot = rigid.bullet_through(0.02, 1.0, 2.0, v_a=4.0, v_b=3.0)
+    shot = bullet_through(0.02, 1.0, 2.0, v_a=4.0, v_b=3.0)
     rows = [
         Row(case, quantity, source, expected, got, 1e-15 * expected)
         for quantity, expected, got in (
@@ -188,7 +189,7 @@ def bullet_through_block() -> list[Row]:
     initial = (m_a * v_a + (m + m_b) * v_b) / m
     lost_a = (m * initial**2 - m * between**2 - m_a * v_a**2) / 2
     lost_b = (m * between**2 - (m + m_b) * v_b**2) / 2
-    shot = rigid.bullet_through(m, m_a, m_b, v_a, v_b)
+    shot = bullet_through(m, m_a, m_b, v_a, v_b)
     through = rigid.collide(m, initial, m_a, 0.0, (v_a - between) / initial)
     stuck = rigid.collide(m, through.velocity_1, m_b, 0.0, 0.0)
     energy = m * initial**2 / 2

@@ -132,8 +132,7 @@ def newtons_ratios() -> list[Row]:
     source = "Newton, Principia, translated by Motte and Cajori (1947), page 25"
     rows = []
     for ball, e in (("wool", Fraction(5, 9)), ("glass", Fraction(15, 16))):
-        ratio = rigid.NEWTON_RATIOS[ball]
-        short, long = ratio.numerator / 20, ratio.denominator / 20
+        short, long = e.numerator / 20, e.denominator / 20
         outcome = ri.collide(
             ri.Rod(short, area=1e-4, material=ri.materials.steel, velocity=1.0),
             ri.Rod(long, area=1e-4, material=ri.materials.steel),

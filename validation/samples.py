@@ -19,6 +19,7 @@ import numpy as np
 
 from rodimpact import rigid
 
+from . import exercises
 from .table import Row
 
 
@@ -52,14 +53,14 @@ def peak_force() -> list[Row]:
     for duration, peak in ((0.1, 190.0), (0.001, 19000.0)):
 
         def force(t: float, duration: float = duration, peak: float = peak) -> float:
-            return float(rigid.raised_cosine_force(t, peak, duration))
+            return float(exercises.raised_cosine_force(t, peak, duration))
 
         lasting = f"contact of {duration:g} s"
         rows += [
             Row(case, f"peak force, {lasting}, N", source, peak,
-                rigid.peak_force(impulse, duration), 1e-15 * peak),
+                exercises.peak_force(impulse, duration), 1e-15 * peak),
             Row(case, f"integral of the raised cosine of that peak, {lasting}, N s", source, 9.5,
-                rigid.pulse_impulse(force, duration), 1e-13),
+                exercises.pulse_impulse(force, duration), 1e-13),
         ]
     return rows
 

@@ -84,12 +84,12 @@ def method_of_steps(
 
     y, peak = np.zeros(2), 0.0
     for start, end in pairwise(edges):
-        found = solve_ivp(rate, (start, end), y, method="DOP853", rtol=1e-12, dense_output=True,
+        flight = solve_ivp(rate, (start, end), y, method="DOP853", rtol=1e-12, dense_output=True,
                           atol=[1e-14 * V * until, 1e-14 * k * (V * until) ** 1.5 * until],
                           args=(start,))
-        pieces.append((start, end, found.sol))
-        y = found.y[:, -1]
-        indented = np.maximum(found.sol(np.linspace(start, end, 2001))[0], 0.0)
+        pieces.append((start, end, flight.sol))
+        y = flight.y[:, -1]
+        indented = np.maximum(flight.sol(np.linspace(start, end, 2001))[0], 0.0)
         peak = max(peak, k * float(indented.max()) ** 1.5)
     return Reference(float(f"{y[1]:.9g}"), float(f"{peak:.6g}"))
 

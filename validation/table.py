@@ -90,9 +90,9 @@ def run(case: str) -> list[Row]:
 def page(rows: dict[str, list[Row]]) -> str:
     """Text of README.md; rows by case."""
     parts = [INTRODUCTION]
-    for case, found in rows.items():
+    for case, lines_of_case in rows.items():
         first = (import_module(f"{__package__}.{case}").__doc__ or "").strip().splitlines()[0]
-        lines = [HEAD, ("---",) * len(HEAD), *(row.cells() for row in found)]
+        lines = [HEAD, ("---",) * len(HEAD), *(row.cells() for row in lines_of_case)]
         table = "".join("| " + " | ".join(cells) + " |\n" for cells in lines)
         parts.append(f"## [{case}.py]({case}.py)\n\n{first}\n\n{table}")
     figures = sorted(path.name for path in (FOLDER / "figures").glob("*.svg"))

@@ -20,7 +20,8 @@ from .asking import Mistakes, Problems, check_outputs, note, quantity, whole_num
 from .progress import progress_bar, solved
 from .run_options import add_run_options, run_options
 
-_OPTIONS = {"path": "--output", "magnification": "--magnify", "limit": "--until", "stop": "--until"}
+_OPTIONS = {"path": "--output", "magnification": "--magnify", "limit": "--until", "stop": "--until",
+            "solution": "CASE.toml"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -14,7 +14,7 @@ from ..model.frozen import InvalidModel
 from ..results.gauges import gauges_to_csv
 from ..storage.casefile import Case, read_case
 from ..storage.report import solution_dict, solution_table
-from . import DONE, INCOMPLETE
+from . import DONE, FAULT, INCOMPLETE, complain
 from .asking import Problems, check_format, check_outputs, note, quantity
 from .progress import solved
 from .run_options import NUMBERS, add_run_options, run_options
@@ -58,14 +58,20 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     assert case is not None  # or there were problems
 
     solution = solved(case.system, **options)
+    status = INCOMPLETE if solution.stopped_by in ("max_events", "clock") else DONE
     if files["save"] is not None:
         solution.save(files["save"], force=arguments.force)
         note(f"wrote {files['save']}")
     if files["plot"] is not None:
         from .. import plot
 
-        plot.save(plot.overview(solution), files["plot"], force=arguments.force)
-        note(f"wrote {files['plot']}")
+        try:
+            picture = plot.overview(solution)
+        except ValueError as error:  # the table tells why
+            status = complain(f"{paths['plot']}: {error}", FAULT)
+        else:
+            plot.save(picture, files["plot"], force=arguments.force)
+            note(f"wrote {files['plot']}")
     if files["gauges"] is not None:
         gauges = {name: solution.gauge(*place) for name, place in places.items()}
         gauges_to_csv(files["gauges"], gauges, force=arguments.force)
@@ -74,7 +80,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         json.dumps(solution_dict(solution), indent=2, allow_nan=False)
         if arguments.json else solution_table(solution)
     )
-    return text, INCOMPLETE if solution.stopped_by in ("max_events", "clock") else DONE
+    return text, status
 
 
 def _places(

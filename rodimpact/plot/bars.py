@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from itertools import groupby
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,7 +16,7 @@ from ..methods.signals import Floats
 from ..model import Absorbing, RigidMass, Rod
 from ..model.profiles import extremes
 from ..results.placing import Placing
-from .borders import DRIVEN, OPEN_END, WALL
+from .borders import DRIVEN, WALL, drive_style, mass_style, open_style, wall_style
 from .sampling import is_stepped, mean_areas, sampled
 from .scales import Scale
 from .style import DIVERGING, colours
@@ -95,13 +96,12 @@ class Bars:
 
     def rods(self, ax: Axes, numbers: Floats, norm: Normalize) -> PolyCollection:
         """A polygon for each piece, with these numbers; outlined each where pieces are few."""
+        lines: Any = ({"linewidths": 0.0, "antialiased": False} if self.stepped
+                      else {"linewidths": 0.6, "edgecolors": self.colours.ink})
         bars = PolyCollection(
             [[(p.left, -p.row - p.half), (p.right, -p.row - p.half),
               (p.right, -p.row + p.half), (p.left, -p.row + p.half)] for p in self.pieces],
-            array=numbers, cmap=DIVERGING, norm=norm, zorder=2, rasterized=self.stepped,
-            **({"linewidths": 0.0, "antialiased": False} if self.stepped
-               else {"linewidths": 0.6, "edgecolors": self.colours.ink}),
-        )
+            array=numbers, cmap=DIVERGING, norm=norm, zorder=2, rasterized=self.stepped, **lines)
         ax.add_collection(bars)
         return bars
 
@@ -109,61 +109,51 @@ class Bars:
         """Lines round the rods where pieces are many."""
         if not self.stepped:
             return None
-        lines, start = [], 0
-        for i, piece in enumerate(self.pieces, 1):
-            if i < len(self.pieces) and self.pieces[i][:2] == piece[:2]:
-                continue
-            upper = [point for p in self.pieces[start:i]
+        lines = []
+        for (row, _), rod in groupby(self.pieces, lambda piece: piece[:2]):
+            upper = [point for p in rod
                      for point in ((p.left, -p.row + p.half), (p.right, -p.row + p.half))]
-            lower = [(x, -2.0 * piece.row - y) for x, y in reversed(upper)]
+            lower = [(x, -2.0 * row - y) for x, y in reversed(upper)]
             lines.append([*upper, *lower, upper[0]])
-            start = i
         drawn = LineCollection(lines, colors=self.colours.ink, linewidths=0.6, zorder=2.5)
         ax.add_collection(drawn)
         return drawn
 
     def walls(self, ax: Axes) -> tuple[list[Rectangle], list[Line2D]]:
         """A hatched block beyond the face of each wall and fixed end, and the faces."""
-        _, ink, faint, wall, *_ = self.colours
         depth = WALL * self.plan.row * self.place.factor
         blocks, faces = [], []
         for i, right in self.plan.walls():
             for row, face in enumerate(self._end(i, right)):
                 corner = (face if right else face - depth, -row - 0.45)
-                blocks.append(Rectangle(corner, depth, 0.9, facecolor=wall, edgecolor=faint,
-                                        hatch="////", linewidth=0.0))
+                blocks.append(Rectangle(corner, depth, 0.9, **wall_style()))
                 ax.add_patch(blocks[-1])
-                faces += ax.plot([face, face], [-row - 0.45, -row + 0.45], color=ink, linewidth=1.5)
+                faces += ax.plot([face, face], [-row - 0.45, -row + 0.45],
+                                 color=self.colours.ink, linewidth=1.5)
         return blocks, faces
 
     def masses(self, ax: Axes) -> list[Rectangle]:
         """A block for each rigid mass."""
-        blocks = []
-        for i, body in enumerate(self.system.bodies):
-            if not isinstance(body, RigidMass):
-                continue
-            for row, left in enumerate(self._end(i, False)):
-                blocks.append(Rectangle(
-                    (left, -row - THICKNESS / 2), self.plan.block * self.place.factor, THICKNESS,
-                    facecolor=self.colours.mass, edgecolor=self.colours.ink, linewidth=0.6,
-                    zorder=3,
-                ))
-                ax.add_patch(blocks[-1])
+        width = self.plan.block * self.place.factor
+        blocks = [
+            Rectangle((left, -row - THICKNESS / 2), width, THICKNESS, zorder=3, **mass_style())
+            for i, body in enumerate(self.system.bodies) if isinstance(body, RigidMass)
+            for row, left in enumerate(self._end(i, False))
+        ]
+        for block in blocks:
+            ax.add_patch(block)
         return blocks
 
     def ends(self, ax: Axes) -> list[Line2D]:
         """Dashes at absorbing ends, and arrow heads at driven ones."""
-        paper, ink, *_ = self.colours
-        last, drawn = len(self.system.bodies) - 1, []
+        drawn, rows = [], -np.arange(self.times.size)
         for side, end in enumerate(self.system.ends):
-            places, rows = self._end(side * last, bool(side)), -np.arange(self.times.size)
+            places = self._end(side * (len(self.system.bodies) - 1), bool(side))
             if isinstance(end, Absorbing):
-                for x, y in zip(places, rows, strict=True):
-                    drawn += ax.plot([x, x], [y - 0.4, y + 0.4], color=ink, linewidth=1.6,
-                                     linestyle=OPEN_END)
+                drawn += ax.plot([places, places], [rows - 0.4, rows + 0.4], **open_style())
             elif type(end) in DRIVEN:
-                drawn += ax.plot(places, rows, linestyle="", marker="<" if side else ">",
-                                 markersize=6.0, color=ink, markerfacecolor=paper, zorder=4)
+                drawn += ax.plot(places, rows, marker="<" if side else ">", markersize=6.0,
+                                 zorder=4, **drive_style())
         return drawn
 
     def _end(self, body: int, right: bool) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -40,20 +40,17 @@ class Borders:
 
     def ends(self) -> LineCollection:
         """Paths of the ends of all rods; dashed where waves leave for good."""
-        paths, absorbing = [], []
         outer = {(0, False): self.system.ends[0],
                  (len(self.system.bodies) - 1, True): self.system.ends[1]}
-        for i, body in enumerate(self.system.bodies):
-            if not isinstance(body, Rod):
-                continue
-            for right, x in ((False, 0.0), (True, self.plan.solution.fields.edges(i)[-1])):
-                paths.append(self._track(i, right, self.cut.bends(i, x)))
-                absorbing.append(isinstance(outer.get((i, right)), Absorbing))
+        ends = [(i, right) for i, body in enumerate(self.system.bodies) if isinstance(body, Rod)
+                for right in (False, True)]
+        absorbing = [isinstance(outer.get(end), Absorbing) for end in ends]
+        edges = self.plan.solution.fields.edges
+        paths = [self._track(i, right, self.cut.bends(i, edges(i)[-right])) for i, right in ends]
         return LineCollection(
             paths, colors=self.colours.ink, zorder=3,
             linewidths=[1.6 if a else 0.8 for a in absorbing],
-            linestyles=[OPEN_END if a else "-" for a in absorbing],
-        )
+            linestyles=[OPEN_END if a else "-" for a in absorbing])
 
     def contacts(self) -> tuple[LineCollection, LineCollection]:
         """Where bodies press, and where they touch without force."""
@@ -69,11 +66,11 @@ class Borders:
             pressing += _stretches(track, force > 0)
             if isinstance(history.law, Rigid):
                 touching += _stretches(track, (force <= 0) & (gap == 0))
-        ink, casing = self.colours.ink, withStroke(linewidth=4.5, foreground=self.colours.paper)
-        return (LineCollection(pressing, colors=ink, linewidths=3.0, zorder=5, capstyle="butt",
-                               path_effects=[casing], label="pressing"),
-                LineCollection(touching, colors=ink, linewidths=1.2, zorder=4, capstyle="butt",
-                               label="touching"))
+        casing = withStroke(linewidth=4.5, foreground=self.colours.paper)
+        how: Any = {"colors": self.colours.ink, "capstyle": "butt"}
+        return (LineCollection(pressing, linewidths=3.0, zorder=5, path_effects=[casing],
+                               label="pressing", **how),
+                LineCollection(touching, linewidths=1.2, zorder=4, label="touching", **how))
 
     def walls(self, ax: Axes) -> list[Polygon]:
         """Hatched bands beyond the faces of walls and fixed ends."""
@@ -82,10 +79,7 @@ class Borders:
             places = self.plan.end(i, right, times)
             face = self.plane.points(places, times)
             back = self.plane.points(places + (depth if right else -depth), times)
-            bands.append(Polygon(
-                np.concatenate((face, back[::-1])), facecolor=self.colours.wall,
-                edgecolor=self.colours.faint, hatch="////", linewidth=0.0, zorder=1,
-            ))
+            bands.append(Polygon(np.concatenate((face, back[::-1])), zorder=1, **wall_style()))
             ax.add_patch(bands[-1])
             ax.plot(*face.T, color=self.colours.ink, linewidth=1.5, zorder=3.5)
         return bands
@@ -97,10 +91,8 @@ class Borders:
             if isinstance(body, RigidMass):
                 left, right = (self._track(i, side, self.cut.bends(i, 0.0))
                                for side in (False, True))
-                strips.append(Polygon(
-                    np.concatenate((left, right[::-1])), facecolor=self.colours.mass,
-                    edgecolor=self.colours.ink, linewidth=0.6, zorder=2.5, label="rigid mass",
-                ))
+                strips.append(Polygon(np.concatenate((left, right[::-1])), zorder=2.5,
+                                      label="rigid mass", **mass_style()))
                 ax.add_patch(strips[-1])
         return strips
 
@@ -112,18 +104,30 @@ class Borders:
         for side, end in enumerate(self.system.ends):
             if isinstance(end, Pushed | Moved):
                 path = self._track(side * (len(self.system.bodies) - 1), bool(side), times)
-                marks += ax.plot(
-                    *path.T, linestyle="", marker=heads[side], markersize=5.0,
-                    color=self.colours.ink, markerfacecolor=self.colours.paper, zorder=6,
-                    clip_on=False, label=DRIVEN[type(end)],
-                )
+                marks += ax.plot(*path.T, marker=heads[side], markersize=5.0, zorder=6,
+                                 clip_on=False, label=DRIVEN[type(end)], **drive_style())
         return marks
 
 
-def absorbing_end() -> Line2D:
-    """The line of an end through which waves leave, for a legend."""
-    return Line2D([], [], color=colours().ink, linewidth=1.6, linestyle=OPEN_END,
-                  label="absorbing end")
+def wall_style() -> dict[str, Any]:
+    """Patches of walls and fixed ends."""
+    return {"facecolor": colours().wall, "edgecolor": colours().faint, "hatch": "////",
+            "linewidth": 0.0}
+
+
+def mass_style() -> dict[str, Any]:
+    """Patches of rigid masses."""
+    return {"facecolor": colours().mass, "edgecolor": colours().ink, "linewidth": 0.6}
+
+
+def drive_style() -> dict[str, Any]:
+    """Marks of driven ends."""
+    return {"linestyle": "", "color": colours().ink, "markerfacecolor": colours().paper}
+
+
+def open_style() -> dict[str, Any]:
+    """Lines of ends through which waves leave for good."""
+    return {"color": colours().ink, "linewidth": 1.6, "linestyle": OPEN_END}
 
 
 def _stretches(track: Floats, inside: NDArray[np.bool_]) -> list[Floats]:

@@ -19,7 +19,7 @@ from ..methods.signals import Floats
 from ..results.closed_forms import ClosedForm
 from .scales import ROUND_OFF
 from .sides import Shown, Side, count_ticks, dress_side
-from .style import colours, dress, legend_above
+from .style import COMPUTED, colours, dress, grid, legend_above
 
 FEW = 40  # points of a curve that are marked
 SMOOTH = 400  # points of a curve of theory, at least
@@ -47,20 +47,19 @@ def draw_curve(ax: Axes, side: Side, shown: Shown, theory: ClosedForm | None) ->
         count_ticks(ax.yaxis, shown)
     else:
         x, y = _broken(side.numbers, shown.values)
-        gaps = np.isnan(np.concatenate(([np.nan], y, [np.nan])))
+        gaps = np.isnan(np.pad(y, 1, constant_values=np.nan))
         few = side.values.size <= FEW
         single = np.flatnonzero(~gaps[1:-1] & gaps[:-2] & gaps[2:]).tolist()
         (drawn,) = ax.plot(
             x, y, color=ink, linewidth=1.2, linestyle="-" if law is None or not few else "",
-            marker="o" if few or single else "", markevery=1 if few else single or None,
-            markersize=3.5, markerfacecolor="none", markeredgewidth=0.8, label="computed",
-        )
+            markevery=1 if few else single or None,
+            **COMPUTED | {"marker": "o" if few or single else ""})
     least = float(np.nanmin(shown.values))
     low, high = min(0.0, least), max(0.0, float(np.nanmax(shown.values)))
     room = 0.05 * (high - low) or 1.0
-    ax.set_ylim(low if least > low + room else low - room, high + room)
-    ax.set_ylabel(shown.scale.label)
-    ax.grid(color=colours().faint, alpha=0.3, linewidth=0.5)
+    ax.set(ylim=(low if least > low + room else low - room, high + room),
+           ylabel=shown.scale.label)
+    grid(ax)
     if law is not None:
         legend_above(ax, [law, drawn])
     dress(ax)
@@ -90,11 +89,10 @@ def _broken(x: Floats, y: Floats) -> tuple[Floats, Floats]:
 def jumps(values: Floats) -> NDArray[np.bool_]:
     """Whether each difference along the first axis is a jump: far larger than those around it."""
     steps = np.abs(np.diff(values, axis=0))
-    beyond = np.full((AROUND, *steps.shape[1:]), np.nan)
-    around = sliding_window_view(np.concatenate((beyond, steps, beyond)), 2 * AROUND + 1, axis=0)
-    around = around.copy()
+    outside = [(AROUND, AROUND), *[(0, 0)] * (steps.ndim - 1)]
+    around = sliding_window_view(
+        np.pad(steps, outside, constant_values=np.nan), 2 * AROUND + 1, axis=0).copy()
     around[..., AROUND] = np.nan_to_num(steps)
     least = max(SEEN * (np.nanmax(values) - np.nanmin(values)),
                 ROUND_OFF * np.nanmax(np.abs(values)))
-    found: NDArray[np.bool_] = steps > np.maximum(LEAP * np.nanmedian(around, axis=-1), least)
-    return found
+    return np.asarray(steps > np.maximum(LEAP * np.nanmedian(around, axis=-1), least))

@@ -10,19 +10,20 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection, QuadMesh, TriMesh
 from matplotlib.colorbar import Colorbar
+from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.text import Text
 
 from ..model import Absorbing
 from ..results.placing import placing
 from ..results.solution import Solution
-from .borders import Borders, Cut, absorbing_end
+from .borders import Borders, Cut, open_style
 from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster
 from .sampling import is_stepped
 from .scales import FIELDS, Scale, axis_scales, field_scale, place_label, written
-from .style import centred, colour_bar, dress, legend_above, new_axes, styled
+from .style import centred, check_choice, colour_bar, dress, legend_above, new_axes, styled
 
 
 class SpaceTime(NamedTuple):
@@ -47,15 +48,9 @@ class SpaceTime(NamedTuple):
 
 @styled
 def spacetime(
-    solution: Solution,
-    ax: Axes | None = None,
-    field: str = "velocity",
-    dimensionless: bool = False,
-    start: float = 0.0,
-    stop: float | None = None,
-    magnification: float | None = None,
-    coordinates: str = "lab",
-    across: bool = False,
+    solution: Solution, ax: Axes | None = None, field: str = "velocity",
+    dimensionless: bool = False, start: float = 0.0, stop: float | None = None,
+    magnification: float | None = None, coordinates: str = "lab", across: bool = False,
 ) -> SpaceTime:
     """Draw where every piece of rod is at every time, coloured by its state.
 
@@ -102,11 +97,8 @@ def spacetime(
         magnification that is not positive or given for coordinates of the bodies, or a
         dimensionless picture of a row in which nothing approaches.
     """
-    if field not in FIELDS:
-        known = ", ".join(f'"{name}"' for name in FIELDS)
-        raise ValueError(f"field: must be one of {known}, got {field!r}")
-    if coordinates not in ("lab", "body"):
-        raise ValueError(f'coordinates: must be "lab" or "body", got {coordinates!r}')
+    check_choice("field", field, FIELDS)
+    check_choice("coordinates", coordinates, ("lab", "body"))
     cut: Cut = (Raster if is_stepped(solution) else Polygons)(solution, start, stop)
     stop = solution.t_end if stop is None else stop
     plan = placing(solution, start, stop, magnification)
@@ -119,8 +111,8 @@ def spacetime(
     reach = [float(np.nanmin(values)), float(np.nanmax(values))]
     scale = field_scale(solution, field, dimensionless, max(map(abs, reach)))
     if plan.frame and field in ("displacement", "energy"):
-        seen = f"{scale.name}\nin a frame moving at {written(plan.frame, 'm/s')}"
-        scale = scale._replace(name=seen)
+        scale = scale._replace(
+            name=f"{scale.name}\nin a frame moving at {written(plan.frame, 'm/s')}")
     time, place = axis_scales(solution, dimensionless, stop, plan.row)
     plane = Plane(time, place, (start, stop), across)
     ax = ax or (new_axes(6.6, 4.4) if across else new_axes(5.6, 5.2))
@@ -128,9 +120,7 @@ def spacetime(
     norm = centred([v * scale.factor for v in reach], rest * scale.factor)
     drawn = cut.draw(ax, plan, plane, values * scale.factor, norm)
     borders = Borders(plan, cut, plane)
-    walls = borders.walls(ax)
-    ends = borders.ends()
-    pressing, touching = borders.contacts()
+    walls, ends, (pressing, touching) = borders.walls(ax), borders.ends(), borders.contacts()
     for lines in (ends, touching, pressing):
         ax.add_collection(lines)
     masses, drives = borders.masses(ax), borders.drives(ax)
@@ -143,8 +133,7 @@ def spacetime(
     named: list[Artist] = [lines for lines in (pressing, touching) if lines.get_segments()]
     named += [*masses[:1], *drives]
     if any(isinstance(end, Absorbing) for end in solution.system.ends):
-        named.append(absorbing_end())
-    if named:
-        legend_above(ax, named)
+        named.append(Line2D([], [], label="absorbing end", **open_style()))
+    legend_above(ax, named)
     return SpaceTime(ax, drawn, ends, pressing, touching, walls, cut.finish(), bar, masses,
                      scale)

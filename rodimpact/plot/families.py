@@ -50,8 +50,7 @@ def sweep(
         axis or more than two; axes with a single value do not count.
     """
     column = _column(result, quantity)
-    dimensions = _dimensions(result)
-    sides = [side_of(result, i) for i in dimensions]
+    sides = [side_of(result, i) for i in _dimensions(result)]
     order = np.ix_(*(side.order for side in sides))
 
     def arranged(table: NDArray[Any]) -> NDArray[Any]:
@@ -74,10 +73,9 @@ def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
         near = [name for name in result.columns if name.startswith(f"{quantity}.")]
         near = near or difflib.get_close_matches(str(quantity), result.columns, n=1)
         hint = f"; perhaps {near[0]!r} is meant" if near else ""
-        known = []
-        for _, group in groupby(result.columns, lambda name: name.partition(".")[0]):
-            first, *others = group
-            known.append(f"{first} to {others[-1].partition('.')[2]}" if others else first)
+        groups = [list(g) for _, g in groupby(result.columns, lambda name: name.partition(".")[0])]
+        known = [f"{first} to {others[-1].partition('.')[2]}" if others else first
+                 for first, *others in groups]
         raise ValueError(f"quantity: must be one of {', '.join(known)}, got {quantity!r}{hint}")
     column: NDArray[Any] = result.columns[quantity]
     if not np.isfinite(column).any():
@@ -90,15 +88,15 @@ def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
 
 def _dimensions(result: SweepResult) -> list[int]:
     """Dimensions with more than one value; ValueError unless they are one or two."""
-    found = [i for i, count in enumerate(result.shape) if count > 1]
-    if not found:
+    wide = [i for i, count in enumerate(result.shape) if count > 1]
+    if not wide:
         raise ValueError(
             f"result: has shape {result.shape}, a single collision, and nothing to draw it over; "
             "give an array for a number of the system, such as length=np.linspace(0.1, 1, 50)"
         )
-    if len(found) > 2:
+    if len(wide) > 2:
         raise ValueError(
             f"result: has shape {result.shape}, and a map shows two axes; sweep a smaller family, "
             f"such as system[{', '.join(['0'] * (len(result.shape) - 2))}]"
         )
-    return found
+    return wide

@@ -15,38 +15,22 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Collection
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
-from typing import Any, BinaryIO, Protocol
+from typing import Any, BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
-from .player import PAGE
+from ..storage.writing import written
 from .style import Colours
 
+PAGE = Path(__file__).with_name("player.html")  # plays the frames that are put into it
 SHADES = 255  # colours of a GIF or a page, those of its last frame; one more is no colour
 ALIKE = 9  # of 255: shades that are no nearer to the paper than this are not taken for it
 Progress = Callable[[int, int], Any] | None
-
-
-class Film(Protocol):
-    """What there is to write."""
-
-    fps: float
-    title: str
-    colours: Colours
-
-    def __len__(self) -> int: ...
-
-    def frames(self, progress: Progress = None) -> Any:
-        """Pictures [height, width, 3]."""
-
-    def frame(self, number: int) -> Any:
-        """One of them."""
-
-    def clock(self, number: int) -> str:
-        """Its time."""
 
 
 def format_of(path: str | os.PathLike[str], known: Collection[str]) -> str:
@@ -77,38 +61,96 @@ def check_film(path: str | os.PathLike[str]) -> str:
     return kind
 
 
-def write_film(kind: str, file: BinaryIO, film: Film, progress: Progress) -> None:
-    """Write a film of this kind."""
-    _WRITERS[kind](file, film, progress)
+class Film(ABC):
+    """Frames that become a file, or play in a notebook.
 
+    Attributes
+    ----------
+    times : array
+        s; one for each frame.
+    fps : float
+        Frames a second.
+    title : str
+    colours : Colours
+        Of paper and lines.
+    """
 
-def in_notebook(film: Film) -> str:
-    """The page with its player as HTML inside another page."""
-    page = io.BytesIO()
-    _write_page(page, film, None)
-    height, width, _ = film.frame(0).shape
-    return (f'<iframe srcdoc="{html.escape(page.getvalue().decode())}" width="{width + 32}" '
-            f'height="{height + 80}" style="border: 0; max-width: 100%"></iframe>')
+    times: NDArray[np.float64]
+    fps: float
+    title: str
+    colours: Colours
+
+    @abstractmethod
+    def frame(self, number: int) -> NDArray[np.uint8]:
+        """Picture [height, width, 3] of one frame, red, green and blue from 0 to 255."""
+
+    @abstractmethod
+    def clock(self, number: int) -> str:
+        """Time of a frame, in words."""
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def frames(self, progress: Progress = None) -> Iterator[Any]:
+        """All frames, one after the other."""
+        for number in range(len(self)):
+            yield self.frame(number)
+            if progress:
+                progress(number + 1, len(self))
+
+    def save(
+        self, path: str | os.PathLike[str], *, force: bool = False, progress: Progress = None
+    ) -> None:
+        """Write a GIF, a page of HTML with a player, or an MP4, whichever the suffix names.
+
+        A GIF shows each frame for a whole number of hundredths of a second. The page is one file
+        that asks for no other. An MP4 is made by the program ffmpeg.
+
+        Parameters
+        ----------
+        path : path
+        force : bool
+            Replace a file that is there.
+        progress : callable, optional
+            Called with the number of frames drawn and of all, after each.
+
+        Raises
+        ------
+        ValueError
+            For any other suffix.
+        FileExistsError
+            If the file is there and `force` is false.
+        OSError
+            If the file cannot be written, or an MP4 is wanted where there is no ffmpeg.
+        """
+        write = _WRITERS[check_film(path)]
+        with written(path, force=force) as file:
+            write(file, self, progress)
+
+    def _repr_html_(self) -> str:
+        page = io.BytesIO()
+        _write_page(page, self, None)
+        height, width, _ = self.frame(0).shape
+        return (f'<iframe srcdoc="{html.escape(page.getvalue().decode())}" width="{width + 32}" '
+                f'height="{height + 80}" style="border: 0; max-width: 100%"></iframe>')
 
 
 def _write_gif(file: BinaryIO, film: Film, progress: Progress) -> None:
     pictures = _few_colours(film, progress)
-    next(pictures).save(
-        file, format="GIF", save_all=True, append_images=pictures, loop=0,
-        duration=10 * max(2, round(100 / film.fps)),
-    )
+    next(pictures).save(file, format="GIF", save_all=True, append_images=pictures, loop=0,
+                        duration=10 * max(2, round(100 / film.fps)))
 
 
 def _write_page(file: BinaryIO, film: Film, progress: Progress) -> None:
     paper, ink, *_ = film.colours
     height, width, _ = film.frame(0).shape
-    said = {
+    words = {
         "title": html.escape(film.title), "paper": paper, "ink": ink,
         "width": str(width), "height": str(height), "fps": f"{film.fps:g}",
         "clocks": json.dumps([film.clock(i) for i in range(len(film))], ensure_ascii=False),
     }
-    head, tail = PAGE.split("{frames}")
-    for name, value in said.items():
+    head, tail = PAGE.read_text(encoding="utf-8").split("{frames}")
+    for name, value in words.items():
         head, tail = (part.replace(f"{{{name}}}", value) for part in (head, tail))
     file.write(head.encode())
     before = None
@@ -126,7 +168,7 @@ def _write_page(file: BinaryIO, film: Film, progress: Progress) -> None:
 
 def _write_mp4(file: BinaryIO, film: Film, progress: Progress) -> None:
     height, width, _ = film.frame(0).shape
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile() as errors:
         target = Path(folder) / "film.mp4"
         command = [
             "ffmpeg", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
@@ -134,24 +176,22 @@ def _write_mp4(file: BinaryIO, film: Film, progress: Progress) -> None:
             "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2",  # the format takes even numbers of pixels
             "-pix_fmt", "yuv420p", "-movflags", "+faststart", str(target),
         ]
-        with (Path(folder) / "said").open("w+b") as said:
-            with (
-                contextlib.suppress(BrokenPipeError),  # it has said why
-                subprocess.Popen(command, stdin=subprocess.PIPE, stderr=said) as process,
-            ):
-                assert process.stdin is not None
-                try:
-                    for picture in film.frames(progress):
-                        process.stdin.write(picture.tobytes())
-                except KeyboardInterrupt:
-                    process.kill()
-                    raise
-            said.seek(0)
-            words = said.read().decode(errors="replace").strip()
+        with (
+            contextlib.suppress(BrokenPipeError),  # the errors tell why
+            subprocess.Popen(command, stdin=subprocess.PIPE, stderr=errors) as process,
+        ):
+            assert process.stdin is not None
+            try:
+                for picture in film.frames(progress):
+                    process.stdin.write(picture.tobytes())
+            except KeyboardInterrupt:
+                process.kill()
+                raise
+        errors.seek(0)
+        reason = errors.read().decode(errors="replace").strip()
         if process.returncode or not target.exists():
-            raise OSError(f"ffmpeg failed: {words or f'status {process.returncode}'}")
-        with target.open("rb") as made:
-            shutil.copyfileobj(made, file)
+            raise OSError(f"ffmpeg failed: {reason or f'status {process.returncode}'}")
+        file.write(target.read_bytes())
 
 
 def _few_colours(film: Film, progress: Progress) -> Any:

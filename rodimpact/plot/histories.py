@@ -77,25 +77,22 @@ def contact(
     end = solution.t_end
     time = time_scale(end)
     records = [_record(history, end) for history in histories]
-    laws = [history.law for history in histories]
     force = force_scale(solution, histories)
     low, high = min(g.min() for *_, g in records), max(g.max() for *_, g in records)
-    indented = low < 0 and not all(isinstance(law, Rigid | Bonded) for law in laws)
+    indented = low < 0 and not all(isinstance(h.law, Rigid | Bonded) for h in histories)
     gap = engineering("gap, below 0\nindentation" if indented else "gap", max(-low, high), "m")
 
     forces = draw_forces(force_ax, histories, end, time, force)
     gaps: list[Line2D] = []
     for i, (times, _, g) in enumerate(records):
-        kept = telling(g)
-        gaps += gap_ax.plot(
-            times[kept] * time.factor, g[kept] * gap.factor, linewidth=1.5, **_line(i))
+        at = telling(g)
+        gaps += gap_ax.plot(times[at] * time.factor, g[at] * gap.factor, linewidth=1.5, **_line(i))
     if indented:
         gap_ax.axhline(0.0, color=colours().faint, linewidth=0.6, zorder=0)
     for each, scale, column in ((force_ax, force, 1), (gap_ax, gap, 2)):
         dress(each)
-        each.set_xlim(0, end * time.factor)
+        each.set(xlim=(0, end * time.factor), ylabel=scale.label)
         _show(each, np.concatenate([record[column] for record in records]) * scale.factor)
-        each.set_ylabel(scale.label)
     gap_ax.set_xlabel(time.label)
     if len(histories) > 1:
         legend_above(force_ax, forces, columns=4)
@@ -107,9 +104,9 @@ def force_scale(solution: Solution, histories: Sequence[ContactHistory]) -> Scal
     """Scale of an axis of contact forces; it says so if some are means over a time step."""
     impacts = any(getattr(history.law, "restitution", None) is not None for history in histories)
     a = solution.fields.clock
-    said = f",\nmean over {written(a.grain * a.tick, 's')}" if impacts else ""
+    mean = f",\nmean over {written(a.grain * a.tick, 's')}" if impacts else ""
     largest = max(np.abs(_record(history, solution.t_end)[1]).max() for history in histories)
-    return engineering(f"contact force{said}", largest, "N")
+    return engineering(f"contact force{mean}", largest, "N")
 
 
 def draw_forces(
@@ -162,9 +159,7 @@ def _marks(history: ContactHistory, force_ax: Axes, gap_ax: Axes, time: Scale) -
                 each.axvline(t * time.factor, color=faint, linewidth=0.8, linestyle=":", zorder=0)
             right = t * time.factor > 0.7 * ax.get_xlim()[1]
             marks.append(ax.annotate(
-                f"{what} at {time.write(t)}", (t * time.factor, 1.0),
-                xytext=(-4 if right else 4, -3), xycoords=ax.get_xaxis_transform(),
-                textcoords="offset points",
-                ha="right" if right else "left", va="top", fontsize=SMALL + 1, color=ink,
-            ))
+                f"{what} at {time.write(t)}", (t * time.factor, 1.0), (-4 if right else 4, -3),
+                ax.get_xaxis_transform(), "offset points", ha="right" if right else "left",
+                va="top", fontsize=SMALL + 1, color=ink))
     return marks

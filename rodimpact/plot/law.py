@@ -11,7 +11,7 @@ from matplotlib.text import Text
 from numpy.typing import ArrayLike
 
 from .scales import MINUS
-from .style import SMALL, colours, dress, new_axes, styled
+from .style import COMPUTED, SMALL, colours, dress, grid, new_axes, styled
 
 
 class Restitution(NamedTuple):
@@ -59,19 +59,13 @@ def restitution(ratios: ArrayLike, values: ArrayLike, ax: Axes | None = None) ->
     reach = max(1.0, float(x.max()))
     (law,) = ax.plot([0, reach], [0, reach], color=colours().series[1], linewidth=1.2,
                      label="e = ℓ₁/ℓ₂")
-    (points,) = ax.plot(x, e, linestyle="", marker="o", markersize=3.5, markerfacecolor="none",
-                        markeredgecolor=colours().ink, markeredgewidth=0.8, label="computed")
-    residual = ax.text(
-        0.98, 0.04,
-        f"largest |e {MINUS} ℓ₁/ℓ₂| = {np.abs(e - x).max():.1e}\nin {e.size} collisions",
-        transform=ax.transAxes, ha="right", va="bottom", fontsize=SMALL + 1,
-    )
-    ax.set_xlim(0, reach)
-    ax.set_ylim(0, max(reach, 1.05 * float(e.max())))
-    ax.set_aspect("equal")
-    ax.grid(color=colours().faint, alpha=0.3, linewidth=0.5)
-    ax.set_xlabel("ratio of lengths ℓ₁/ℓ₂")
-    ax.set_ylabel("coefficient of restitution e")
+    (points,) = ax.plot(x, e, linestyle="", color=colours().ink, **COMPUTED)
+    note = f"largest |e {MINUS} ℓ₁/ℓ₂| = {np.abs(e - x).max():.1e}\nin {e.size} collisions"
+    residual = ax.text(0.98, 0.04, note, transform=ax.transAxes, ha="right", va="bottom",
+                       fontsize=SMALL + 1)
+    ax.set(xlim=(0, reach), ylim=(0, max(reach, 1.05 * float(e.max()))), aspect="equal",
+           xlabel="ratio of lengths ℓ₁/ℓ₂", ylabel="coefficient of restitution e")
+    grid(ax)
     ax.legend(loc="upper left", frameon=False, fontsize=SMALL + 1)
     dress(ax)
     return Restitution(ax, law, points, residual)

@@ -16,12 +16,14 @@ from ..methods.signals import Floats
 from ..results.placing import placing
 from ..results.regions import regions_of
 from ..results.solution import Solution
+from .moments import contact_turns
 from .sampling import is_stepped
-from .scales import ROUND_OFF, engineering, time_scale, written
+from .scales import ROUND_OFF, engineering, listed, time_scale, written
 from .style import INK, SMALL, dress, legend_above, new_axes, styled
 
 SAMPLES = 201  # energies bend like parabolas where a force acts
 STEPS_SUMMED = 15_000_000  # at all samples together: fewer samples of a very long solution
+STATES_SUMMED = 60_000  # of segments at all samples together
 FEWEST = 31
 TURNS = 6  # of contacts that are sampled too
 CORNERS_UP_TO = 500
@@ -82,36 +84,31 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
     total = np.sum(list(parts.values()), axis=0)
     time = time_scale(solution.t_end)
     scale = engineering("energy", float(total.max()), "J")
+    x = times * time.factor
     bands = ax.stackplot(
-        times * time.factor, np.stack(list(parts.values())) * scale.factor,
-        colors=[BANDS[entry][1] for entry in parts], labels=[BANDS[entry][0] for entry in parts],
-        linewidth=0.0,
-    )
-    ax.set_xlim(0, solution.t_end * time.factor)
-    ax.set_ylim(0, 1.08 * float(max(total.max(), supplied.max())) * scale.factor or 1.0)
+        x, np.stack(list(parts.values())) * scale.factor, linewidth=0.0,
+        colors=[BANDS[entry][1] for entry in parts], labels=[BANDS[entry][0] for entry in parts])
+    seen = f" in a frame moving at {written(frame, 'm/s')}" if frame else ""
+    ax.set(xlim=(0, solution.t_end * time.factor),
+           ylim=(0, 1.08 * float(max(total.max(), supplied.max())) * scale.factor or 1.0),
+           xlabel=time.label, ylabel=f"{scale.name}{seen} ({scale.unit})")
     work = None
     if workers:
-        said = " and ".join([", ".join(workers[:-1]), workers[-1]] if workers[1:] else workers)
-        (work,) = ax.plot(times * time.factor, supplied * scale.factor, color=INK, linewidth=1.2,
-                          linestyle="--", label=f"initial energy and work of {said}")
-    seen = f" in a frame moving at {written(frame, 'm/s')}" if frame else ""
-    ax.set_xlabel(time.label)
-    ax.set_ylabel(f"{scale.name}{seen} ({scale.unit})")
+        (work,) = ax.plot(x, supplied * scale.factor, color=INK, linewidth=1.2, linestyle="--",
+                          label=f"initial energy and work of {listed(workers)}")
     dress(ax)
     labels: list[Text] = []
     missing: list[Artist] = [] if work is None else [work]
     stacked = np.cumsum(list(parts.values()), axis=0)
     for band, upper, (entry, part) in zip(bands, stacked, parts.items(), strict=True):
         name, _, colour = BANDS[entry]
-        spot = _widest(ax, times * time.factor, (upper - part) * scale.factor,
-                       upper * scale.factor, name)
+        spot = _widest(ax, x, (upper - part) * scale.factor, upper * scale.factor, name)
         if spot:
             labels.append(ax.text(*spot, name, color=colour, ha="center", va="center",
                                   fontsize=SMALL + 1))
         elif part.max() > ROUND_OFF * total.max():
             missing.append(band)
-    if missing:
-        legend_above(ax, missing, columns=2)
+    legend_above(ax, missing, columns=2)
     return Energy(ax, bands, labels, work)
 
 
@@ -120,11 +117,11 @@ def _times(solution: Solution) -> Floats:
     if is_stepped(solution):
         steps = solution.fields.end // solution.fields.clock.grain
         count = min(SAMPLES, max(FEWEST, STEPS_SUMMED // max(1, steps)))
-        turns = [t for c in solution.contacts for e in c.episodes for t in e if t == t]
-        known = np.union1d(turns[:TURNS], [0.0, solution.t_end])
+        known = np.union1d(contact_turns(solution)[:TURNS], [0.0, solution.t_end])
         return np.union1d(np.union1d(known, (known[1:] + known[:-1]) / 2),
                           np.linspace(0.0, solution.t_end, count))
-    even = np.linspace(0.0, solution.t_end, SAMPLES)
+    count = min(SAMPLES, max(FEWEST, STATES_SUMMED // len(solution.fields.clock.ticks)))
+    even = np.linspace(0.0, solution.t_end, count)
     try:
         corners = np.unique(regions_of(solution, limit=CORNERS_UP_TO).t)
     except ValueError:
@@ -148,21 +145,18 @@ def _seen_from(
     works["what comes in through absorbing ends"] = np.maximum(-entries["radiated"], 0.0)
     parts = {entry: np.maximum(part, 0.0) for entry, part in entries.items()}
     least = ROUND_OFF * float(np.sum(list(parts.values()), axis=0).max())
-    workers = [name for name, work in works.items() if np.ptp(work) > least]
-    supplied = supplied + sum(works.values())
-    shown = {entry: part for entry, part in parts.items()
-             if entry in ALWAYS or part.max() > least}
-    return shown, supplied, workers
+    return ({entry: part for entry, part in parts.items() if entry in ALWAYS or part.max() > least},
+            supplied + sum(works.values()),
+            [name for name, work in works.items() if np.ptp(work) > least])
 
 
 def _widest(
     ax: Axes, x: Floats, low: Floats, high: Floats, text: str
 ) -> tuple[float, float] | None:
     """Centre of the roomiest box for a text between two curves; none if there is no room."""
-    points = ax.get_window_extent().width * 72 / ax.figure.dpi, (
-        ax.get_window_extent().height * 72 / ax.figure.dpi)
-    width = 0.6 * SMALL * (len(text) + 1) / points[0] * float(np.ptp(ax.get_xlim()))
-    height = 1.5 * SMALL / points[1] * float(np.ptp(ax.get_ylim()))
+    point = np.ptp([ax.get_xlim(), ax.get_ylim()], axis=1) / (
+        np.asarray(ax.get_window_extent().size) * 72 / ax.figure.dpi)
+    width, height = 0.6 * SMALL * (len(text) + 1) * point[0], 1.5 * SMALL * point[1]
     best, spot = height, None
     for centre in np.linspace(width / 2, float(x[-1]) - width / 2, 60):
         under = (x >= centre - width / 2) & (x <= centre + width / 2)

@@ -6,7 +6,7 @@ Counts have a colour each and no contour lines.
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -21,7 +21,6 @@ from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from ..methods.signals import Floats
 from ..results.closed_forms import ClosedForm
@@ -29,12 +28,16 @@ from .curves import jumps
 from .scales import ROUND_OFF, signed
 from .sides import Shown, Side, count_ticks, dress_side
 from .style import DIVERGING, SMALL, centred, colour_bar, colours, dress, ink_on, legend_above
+from .thinning import evenly
 
 LINES = 150  # points a side, at most, from which lines are drawn
 CRUMB = 8  # points of a piece of a line, at least, unless the map itself is coarse
 PLATEAU = 3  # rows of points on which values equal: no line follows such a plateau
 COLOURS = 24  # counts that have a colour each, at most
 SMOOTH_COLOURS = DIVERGING.resampled(100)  # as smooth to the eye as 256, and half the file
+
+
+Plane: TypeAlias = tuple[Floats, Floats]  # numbers on the axes from which lines are drawn
 
 
 class Map(NamedTuple):
@@ -48,42 +51,31 @@ class Map(NamedTuple):
     colour_bar: Colorbar
 
 
-class _Plane(NamedTuple):
-    """Numbers on the axes of a map from which lines are drawn."""
-
-    x: Floats
-    y: Floats
-
-
 def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: ClosedForm | None) -> Map:
     """Draw values over two axes, the first one to the right."""
     palette, norm = _colours(shown)
-    cells = ax.pcolormesh(
-        across.edges, up.edges, np.ma.masked_invalid(shown.values.T), cmap=palette, norm=norm,
-        shading="flat", rasterized=True, zorder=1,
-    )
+    cells = ax.pcolormesh(across.edges, up.edges, np.ma.masked_invalid(shown.values.T),
+                          cmap=palette, norm=norm, shading="flat", rasterized=True, zorder=1)
     dress_side(ax, "x", across)
     dress_side(ax, "y", up)
-    i, j = (_thinned(side.values.size) for side in (across, up))
-    plane = _Plane(across.numbers[i], up.numbers[j])
+    i, j = (evenly(side.values.size, LINES) for side in (across, up))
+    plane = across.numbers[i], up.numbers[j]
     contours, labels = (None, []) if shown.is_count else _contours(
         ax, plane, shown.values[np.ix_(i, j)], norm)
     paper, ink, faint, *_ = colours()
     handles: list[Artist] = []
     lines: list[QuadContourSet] = []
     for name, dash, excess in _equalities(theory, across.is_log or up.is_log):
-        where_met = np.where(np.isfinite(shown.values), excess, np.nan)
-        line = _zero(ax, plane, where_met[np.ix_(i, j)], dash)
-        if line is not None:
-            lines.append(line)
+        where_met = np.where(np.isfinite(shown.values), np.round(excess, 12), np.nan)[np.ix_(i, j)]
+        if (where_met < 0).any() and (where_met > 0).any():
+            lines.append(_zero(ax, plane, where_met, dash))
             handles.append(Line2D([], [], color=ink, linewidth=1.4, linestyle=dash, label=name))
     if np.isnan(shown.values).any():
         handles.append(Patch(facecolor=paper, edgecolor=faint, label="no value"))
     bar = colour_bar(ax, cells, shown.scale.label)
     if shown.is_count:
         count_ticks(bar.ax.yaxis, shown)
-    if handles:
-        legend_above(ax, handles)
+    legend_above(ax, handles)
     dress(ax)
     return Map(ax, cells, contours, labels, lines, bar)
 
@@ -93,8 +85,8 @@ def _colours(shown: Shown) -> tuple[Colormap, Normalize]:
     low, high = float(np.nanmin(shown.values)), float(np.nanmax(shown.values))
     if shown.words:
         low, high = 0.0, len(shown.words) - 1.0
-    if shown.is_count and high - low < COLOURS:
-        count = int(high - low) + 1
+    count = int(high - low) + 1
+    if shown.is_count and count <= COLOURS:
         return DIVERGING.resampled(count), BoundaryNorm(low - 0.5 + np.arange(count + 1), count)
     largest = max(-low, high)
     if low < -ROUND_OFF * largest and high > ROUND_OFF * largest:
@@ -105,7 +97,7 @@ def _colours(shown: Shown) -> tuple[Colormap, Normalize]:
 
 
 def _contours(
-    ax: Axes, plane: _Plane, values: Floats, norm: Normalize
+    ax: Axes, plane: Plane, values: Floats, norm: Normalize
 ) -> tuple[QuadContourSet | None, list[Text]]:
     """Draw lines at round values, each with its value, up to the jumps and not across them."""
     known = values[np.isfinite(values)]
@@ -125,14 +117,12 @@ def _contours(
     if not levels or not smooth.any():
         return None, []
     lines = ax.contour(
-        plane.x, plane.y, np.ma.array(values, mask=~smooth).T, levels=levels,
-        colors=[ink_on(norm, x) for x in levels], linestyles="-", linewidths=0.8, zorder=3,
-    )
+        *plane, np.ma.array(values, mask=~smooth).T, levels=levels, linestyles="-", linewidths=0.8,
+        colors=[ink_on(norm, x) for x in levels], zorder=3)
     least = min(CRUMB, min(values.shape) // 5)
     lines.set_paths([_without_crumbs(path, least) for path in lines.get_paths()])
-    labels = list(ax.clabel(lines, fmt=lambda x: signed(f"{x:g}"), fontsize=SMALL + 1,
-                            inline_spacing=3))
-    return lines, labels
+    return lines, list(ax.clabel(lines, fmt=lambda x: signed(f"{x:g}"), fontsize=SMALL + 1,
+                                 inline_spacing=3))
 
 
 def _without_crumbs(path: Path, least: int) -> Path:
@@ -159,17 +149,9 @@ def _equalities(
             ("equal impedances", "--", excess(*theory.impedance))]
 
 
-def _zero(ax: Axes, plane: _Plane, values: Floats, dash: str) -> QuadContourSet | None:
-    """Draw where values are 0, if they change their sign."""
-    values = np.round(values, 12)
-    if not (values < 0).any() or not (values > 0).any():
-        return None
-    lines = ax.contour(plane.x, plane.y, np.ma.masked_invalid(values.T), levels=[0.0],
+def _zero(ax: Axes, plane: Plane, values: Floats, dash: str) -> QuadContourSet:
+    """Draw where values are 0."""
+    lines = ax.contour(*plane, np.ma.masked_invalid(values.T), levels=[0.0],
                        colors=colours().ink, linewidths=1.4, linestyles=dash, zorder=4)
     lines.set_path_effects([withStroke(linewidth=2.6, foreground=colours().paper)])
     return lines
-
-
-def _thinned(count: int) -> NDArray[np.intp]:
-    """Indices of at most `LINES` of so many points, first and last among them."""
-    return np.unique(np.linspace(0, count - 1, min(count, LINES)).round().astype(np.intp))

@@ -7,30 +7,26 @@ cover of the colour of the paper.
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 from PIL import Image
 
 from ..results.placing import placing
 from ..results.solution import Solution
-from ..storage.writing import written as file_written
 from .bars import Bars
 from .diagram import spacetime
-from .film import check_film, in_notebook, write_film
+from .film import Film
 from .histories import draw_forces, force_scale
 from .page import headline
 from .polygons import drawn_until
 from .scales import Scale, axis_scales, written
-from .style import NORMAL, SMALL, colours, dress, legend_above, new_figure, styled
+from .style import NORMAL, SMALL, check_choice, colours, dress, legend_above, new_figure, styled
 
 FIELDS = ("velocity", "stress", "strain")
 MOST_FRAMES, MOST_PER_SECOND = 10_000, 50
@@ -39,19 +35,10 @@ CONTACTS = 5  # shown at most
 SAMPLED = 100  # frames by whose largest strain bars swell
 
 
-class Animation:
-    """Frames of a moving picture, drawn when they are asked for.
+class Animation(Film):
+    """Frames of a moving picture, drawn when they are asked for; `figure` holds what stands still.
 
-    Attributes
-    ----------
-    figure : Figure
-    times : array
-        s; one for each frame.
-    fps : float
-        Frames a second.
-    title : str
-    colours : Colours
-        Of paper and lines.
+    For the other attributes see `Film`.
     """
 
     def __init__(
@@ -81,10 +68,9 @@ class Animation:
             growing.append(self.figure.add_subplot(grid[1, 1], sharey=below))
             _draw_forces(growing[1], solution, self._time)
         self._covers = [_cover(ax) for ax in growing]
-        self._nows: list[Any] = [
-            ax.axhline(start, color=self.colours.ink, linewidth=1.2, animated=True)
-            for ax in growing]
-        self._canvas = _canvas(self.figure)
+        self._nows: list[Any] = [ax.axhline(start, color=self.colours.ink, linewidth=1.2,
+                                            animated=True) for ax in growing]
+        self._canvas = cast("Any", FigureCanvasAgg(self.figure))
         self.figure.draw(self._canvas.get_renderer())
         self.figure.set_layout_engine("none")
         self._still = self._canvas.copy_from_bbox(self.figure.bbox)
@@ -93,24 +79,21 @@ class Animation:
         """Write what the picture shows and how fast; the clock, still empty, is handed back."""
         ax.set_axis_off()
         slowness = (self.times.size - 1) / self.fps / (stop - float(self.times[0]))
-        said = [f"slowed down {_rounded(slowness)} times"] if slowness > 1 else []
-        if stop < solution.t_end:
-            said.append(f"first {written(stop, 's')} of {written(solution.t_end, 's')}")
-        said.append(f"colour: {self.field}")
-        if self._bars.plan.magnification != 1:
-            said.append(self._bars.plan.scale)
-        said.append("thickness: strain, exaggerated")
-        ax.text(0.0, 0.68, "\n".join(said), transform=ax.transAxes, va="top", fontsize=SMALL + 1,
+        words = [
+            *([f"slowed down {_rounded(slowness)} times"] if slowness > 1 else []),
+            *([f"first {written(stop, 's')} of {written(solution.t_end, 's')}"]
+              if stop < solution.t_end else []),
+            f"colour: {self.field}",
+            *([self._bars.plan.scale] if self._bars.plan.magnification != 1 else []),
+            "thickness: strain, exaggerated",
+        ]
+        ax.text(0.0, 0.68, "\n".join(words), transform=ax.transAxes, va="top", fontsize=SMALL + 1,
                 color=self.colours.ink, linespacing=1.5)
         return ax.text(0.0, 0.75, "", transform=ax.transAxes, va="bottom", fontsize=NORMAL + 4,
                        color=self.colours.ink, animated=True)
 
-    def __len__(self) -> int:
-        return len(self.times)
-
     @styled
-    def frame(self, number: int) -> NDArray[np.uint8]:
-        """Picture [height, width, 3] of one frame, red, green and blue from 0 to 255."""
+    def frame(self, number: int) -> NDArray[np.uint8]:  # noqa: D102
         t = float(self.times[number])
         now, end = t * self._time.factor, float(self.times[-1]) * self._time.factor
         self._canvas.restore_region(self._still)
@@ -134,67 +117,21 @@ class Animation:
         bars.at(np.array([t]))
         values = np.array([getattr(piece, self.field) for piece in bars.pieces]) * self._factor
         blocks, faces = bars.walls(ax)
-        rods, outlines = bars.rods(ax, values, self._norm), bars.outlines(ax)
-        found: list[Artist] = [*blocks, *faces, rods, *bars.masses(ax), *bars.ends(ax)]
-        return found if outlines is None else [*found, outlines]
+        actors = [*blocks, *faces, bars.rods(ax, values, self._norm), *bars.masses(ax),
+                  *bars.ends(ax), bars.outlines(ax)]
+        return [actor for actor in actors if actor is not None]
 
-    def clock(self, number: int) -> str:
-        """Time of a frame, in words."""
+    def clock(self, number: int) -> str:  # noqa: D102
         end = float(self.times[-1]) * self._time.factor
         decimals = max(0, 2 - math.floor(math.log10(end)))
         now = float(self.times[number]) * self._time.factor
         return f"t = {now:.{decimals}f} {self._time.unit}"
 
-    def frames(self, progress: Callable[[int, int], Any] | None = None) -> Iterator[Any]:
-        """All frames, one after the other."""
-        for number in range(len(self)):
-            yield self.frame(number)
-            if progress:
-                progress(number + 1, len(self))
-
-    def save(
-        self, path: str | os.PathLike[str], *, force: bool = False,
-        progress: Callable[[int, int], Any] | None = None,
-    ) -> None:
-        """Write a GIF, a page of HTML with a player, or an MP4, whichever the suffix names.
-
-        A GIF shows each frame for a whole number of hundredths of a second. The page is one file
-        that asks for no other. An MP4 is made by the program ffmpeg.
-
-        Parameters
-        ----------
-        path : path
-        force : bool
-            Replace a file that is there.
-        progress : callable, optional
-            Called with the number of frames drawn and of all, after each.
-
-        Raises
-        ------
-        ValueError
-            For any other suffix.
-        FileExistsError
-            If the file is there and `force` is false.
-        OSError
-            If the file cannot be written, or an MP4 is wanted where there is no ffmpeg.
-        """
-        kind = check_film(path)
-        with file_written(path, force=force) as file:
-            write_film(kind, file, self, progress)
-
-    def _repr_html_(self) -> str:
-        return in_notebook(self)
-
 
 @styled
 def animation(
-    solution: Solution,
-    field: str = "velocity",
-    frames: int = 120,
-    fps: float = 25.0,
-    start: float = 0.0,
-    stop: float | None = None,
-    magnification: float | None = None,
+    solution: Solution, field: str = "velocity", frames: int = 120, fps: float = 25.0,
+    start: float = 0.0, stop: float | None = None, magnification: float | None = None,
 ) -> Animation:
     """Make a moving picture of a collision; `save` writes it, a notebook plays it.
 
@@ -236,9 +173,7 @@ def animation(
     >>> film.clock(4), film.frame(4).shape
     ('t = 317 µs', (640, 840, 3))
     """
-    if field not in FIELDS:
-        known = ", ".join(f'"{name}"' for name in FIELDS)
-        raise ValueError(f"field: must be one of {known}, got {field!r}")
+    check_choice("field", field, FIELDS)
     check_frames(frames, fps)
     stop = drawn_until(solution) if stop is None else stop
     if not start < stop:
@@ -270,11 +205,6 @@ def _draw_forces(ax: Axes, solution: Solution, time: Scale) -> None:
     if len(able) > 1:
         more = f"first {CONTACTS} of {len(able)}" if len(able) > CONTACTS else None
         legend_above(ax, drawn, columns=2, size=SMALL, title=more)
-
-
-def _canvas(figure: Figure) -> Any:
-    """What keeps the pixels of a figure; matplotlib does not say of what type its methods are."""
-    return FigureCanvasAgg(figure)
 
 
 def _cover(ax: Axes) -> Rectangle:

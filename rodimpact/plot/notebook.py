@@ -59,10 +59,10 @@ def _family(result: SweepResult) -> str:
     return ""
 
 
-def _image(figure: Figure, said: str) -> str:
+def _image(figure: Figure, description: str) -> str:
     """A figure as HTML that needs no file."""
     memory = io.BytesIO()
     figure.savefig(memory, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
     data = base64.b64encode(memory.getvalue()).decode()
-    return (f'<img src="data:image/png;base64,{data}" alt="{html.escape(said)}" '
+    return (f'<img src="data:image/png;base64,{data}" alt="{html.escape(description)}" '
             'style="max-width: 100%">')

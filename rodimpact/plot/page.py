@@ -10,7 +10,7 @@ from .diagram import spacetime
 from .histories import contact
 from .ledger import energy
 from .polygons import drawn_until
-from .scales import closing_speed, digits, engineering, written
+from .scales import closing_speed, digits, engineering, listed, time_scale, written
 from .style import NORMAL, SMALL, colours, new_figure, styled
 
 CONTACTS = 4  # shown at most
@@ -37,6 +37,7 @@ def overview(solution: Solution) -> Figure:
     ValueError
         If the solution lasts no time.
     """
+    time_scale(solution.t_end)  # refuses what lasts no time
     figure = new_figure(11.7, 8.3)
     halves = figure.add_gridspec(2, 1, height_ratios=(1.5, 1.0))
     upper, lower = halves[0].subgridspec(1, 2), halves[1].subgridspec(2, 2)
@@ -46,12 +47,9 @@ def overview(solution: Solution) -> Figure:
     able_to_open = solution.outcome.unilateral[:CONTACTS]
     if able_to_open:
         force_ax = figure.add_subplot(lower[0, 0])
-        gap_ax = figure.add_subplot(lower[1, 0], sharex=force_ax)
-        shown = able_to_open if len(able_to_open) > 1 else able_to_open[0]
-        contact(solution, (force_ax, gap_ax), shown)
-        energy(solution, figure.add_subplot(lower[:, 1]))
-    else:
-        energy(solution, figure.add_subplot(lower[:, :]))
+        contact(solution, (force_ax, figure.add_subplot(lower[1, 0], sharex=force_ax)),
+                able_to_open)
+    energy(solution, figure.add_subplot(lower[:, 1 if able_to_open else slice(None)]))
     figure.suptitle(headline(solution), fontsize=NORMAL + 3, color=colours().ink)
     notes = [] if solution.final else [solution.status]
     if stop < solution.t_end:
@@ -70,29 +68,24 @@ def headline(solution: Solution) -> str:
     walls = sum(isinstance(body, Wall) for body in bodies)
     masses = sum(isinstance(body, RigidMass) for body in bodies)
     rods = len(bodies) - walls - masses
-    row = ["one rod" if rods == 1 else f"{rods} rods"]
-    if masses:
-        row.append("a rigid mass" if masses == 1 else f"{masses} rigid masses")
-    if walls == 1:
-        row.append("a wall")
-    said = [", ".join(row[:-1]) + " and " + row[-1] if row[1:] else row[0]]
-    if walls == 2:
-        said[0] += " between two walls"
+    row = ["One rod" if rods == 1 else f"{rods} rods"]
+    row += ["a rigid mass" if masses == 1 else f"{masses} rigid masses"] if masses else []
+    row += ["a wall"] if walls == 1 else []
+    parts = [listed(row) + (" between two walls" if walls == 2 else "")]
     v, outcome = closing_speed(solution), solution.outcome
     if v:
-        said.append(f"closing speed {written(v, 'm/s')}")
+        parts.append(f"closing speed {written(v, 'm/s')}")
     if not outcome.why_no_restitution():
-        said.append(f"restitution e = {outcome.restitution:.4g}, "
+        parts.append(f"restitution e = {outcome.restitution:.4g}, "
                     f"impulse {written(outcome.impulse, 'N s')}, "
                     f"under force for {written(outcome.duration, 's')}")
     elif solution.final and not any(c.episodes for c in outcome.contacts):
-        said.append("nothing collides")
+        parts.append("nothing collides")
     elif len(bodies) <= NAMED_UP_TO:
         largest = max(map(abs, outcome.velocities_after))
         scale = engineering("", largest, "m/s")
         values = [digits(v * scale.factor, largest * scale.factor)
                   for v in outcome.velocities_after]
         when = "after" if solution.final else "at the end"
-        said.append(f"velocities {when} {', '.join(values)} {scale.unit}")
-    line = ", ".join(said)
-    return line[0].upper() + line[1:]
+        parts.append(f"velocities {when} {', '.join(values)} {scale.unit}")
+    return ", ".join(parts)

@@ -13,7 +13,7 @@ from matplotlib.text import Text
 from ..methods.signals import Floats, Ints
 from ..results.contacts import ContactHistory
 from ..results.placing import Placing
-from ..results.regions import regions_of
+from ..results.regions import readable_until, regions_of
 from ..results.solution import Solution
 from .plane import Plane
 from .sampling import energy_density, is_stepped
@@ -44,8 +44,7 @@ class Polygons:
             return r.displacement - frame * r.t
         if field == "energy":
             return energy_density(self.system, r.body, r.segment, r.velocity - frame, r.strain)
-        found: Floats = getattr(r, field)
-        return found
+        return np.asarray(getattr(r, field))
 
     def bends(self, body: int, x: float) -> Floats:
         """Times at which the path of a rod's end at x, m, may bend, with first and last."""
@@ -71,10 +70,8 @@ class Polygons:
         corners = plane.points(places, r.t)
         self._polygons = np.split(corners, r.start[1:-1])
         self._norm = norm
-        self._drawn = PolyCollection(
-            self._polygons, cmap=DIVERGING, norm=norm, zorder=2, edgecolors=colours().ink,
-            linewidths=0.35,
-        )
+        self._drawn = PolyCollection(self._polygons, cmap=DIVERGING, norm=norm, zorder=2,
+                                     edgecolors=colours().ink, linewidths=0.35)
         ax.add_collection(self._drawn)
         if numbers.size == len(r):
             self._drawn.set_array(numbers)
@@ -82,8 +79,7 @@ class Polygons:
         self._drawn.set_facecolor("none")
         return ax.tripcolor(
             corners[:, 0], corners[:, 1], numbers, triangles=_fans(r.start), shading="gouraud",
-            cmap=DIVERGING, norm=norm, zorder=1.9, rasterized=True,
-        )
+            cmap=DIVERGING, norm=norm, zorder=1.9, rasterized=True)
 
     def finish(self) -> list[Text]:
         """Once limits are set: write each number where it has room; no lines in a crowd."""
@@ -97,16 +93,7 @@ class Polygons:
 
 def drawn_until(solution: Solution) -> float:
     """Latest of the times t_end, t_end/2, t_end/4, ..., s, up to which the regions can be read."""
-    if is_stepped(solution):
-        return solution.t_end
-    for halvings in range(40):
-        stop = solution.t_end / 2.0**halvings
-        try:
-            regions_of(solution, stop=stop, limit=REGIONS)
-        except ValueError:
-            continue
-        return stop
-    return solution.t_end
+    return solution.t_end if is_stepped(solution) else readable_until(solution, REGIONS)
 
 
 def _fans(start: Ints) -> Ints:
@@ -132,36 +119,32 @@ def _labels(ax: Axes, polygons: list[Floats], values: Floats, norm: Normalize) -
         box = _centre(corners) + np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half
         if _inside(box, corners):
             x, y = _centre(polygon)
-            written.append(ax.text(
-                x, y, text, ha="center", va="center", fontsize=SMALL, zorder=6,
-                color=ink_on(norm, value),
-            ))
+            written.append(ax.text(x, y, text, ha="center", va="center", zorder=6, fontsize=SMALL,
+                                   color=ink_on(norm, value)))
     return written
 
 
 def _points(ax: Axes, corners: Floats) -> Floats:
     """Corners in printer's points."""
-    points: Floats = ax.transData.transform(corners) * (72.0 / ax.figure.dpi)
-    return points
+    return np.asarray(ax.transData.transform(corners) * (72.0 / ax.figure.dpi))
 
 
 def _thickness(ax: Axes, polygons: list[Floats]) -> float:
     """Typical thickness of polygons in points, four areas by the circumference; of a sample."""
-    found = []
+    thicknesses = []
     for polygon in polygons[:: 1 + len(polygons) // 300]:
         corners = _points(ax, polygon)
         around = np.roll(corners, -1, axis=0) - corners
         area = np.abs((corners[:, 0] * around[:, 1] - corners[:, 1] * around[:, 0]).sum()) / 2
-        found.append(4 * area / max(np.hypot(*around.T).sum(), 1e-9))
-    return float(np.median(found))
+        thicknesses.append(4 * area / max(np.hypot(*around.T).sum(), 1e-9))
+    return float(np.median(thicknesses))
 
 
 def _centre(corners: Floats) -> Floats:
     """Centre of area of a convex polygon, [n, 2]."""
     first, a, b = corners[0], corners[1:-1] - corners[0], corners[2:] - corners[0]
     areas = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    centre: Floats = first + (areas[:, None] * (a + b)).sum(axis=0) / (3 * areas.sum())
-    return centre
+    return np.asarray(first + (areas[:, None] * (a + b)).sum(axis=0) / (3 * areas.sum()))
 
 
 def _inside(points: Floats, corners: Floats) -> bool:

@@ -15,18 +15,6 @@ from ..model.frozen import Field
 from .scales import Scale, engineering, place_scale
 
 _OF_A_BODY = {**Material.fields, **Segment.fields, **Rod.fields, **RigidMass.fields}
-_OF_THE_FAMILY = {
-    "restitution": ("coefficient of restitution e", "1"),
-    "vibration": ("energy left in vibration", "J"),
-    "final": ("end of the collision", "1"),
-    "status": ("why the run ended", "1"),
-}
-_OF_A_CONTACT = {
-    "impulse": ("impulse", "N s"),
-    "peak_force": ("largest contact force", "N"),
-    "duration": ("time under force", "s"),
-    "episodes": ("episodes of contact", "1"),
-}
 
 
 class Quantity(NamedTuple):
@@ -39,8 +27,11 @@ class Quantity(NamedTuple):
         """Scale of an axis for values up to `largest`."""
         if self.unit in ("1", "kg/m³", "m⁴", "m/s²", "s/m"):
             return Scale(1.0, self.name, self.unit.removeprefix("1"))
+        if self.unit == "kg" and largest >= 1:
+            return Scale(1.0, self.name, "kg")
         if self.unit == "kg":
-            return Scale(1.0, self.name, "kg") if largest >= 1 else self._grams(largest)
+            grams = engineering(self.name, 1e3 * largest, "g")
+            return grams._replace(factor=1e3 * grams.factor)
         if self.unit == "m":
             return place_scale(largest)._replace(name=self.name)
         if self.unit == "m²":  # in mm² between 0.01 and 10 000 mm²
@@ -48,9 +39,17 @@ class Quantity(NamedTuple):
             return Scale(side.factor**2, self.name, f"{side.unit}²")
         return engineering(self.name, largest, self.unit)
 
-    def _grams(self, largest: float) -> Scale:
-        scale = engineering(self.name, 1e3 * largest, "g")
-        return scale._replace(factor=1e3 * scale.factor)
+
+_OUTCOMES = {
+    "restitution": Quantity("coefficient of restitution e", "1"),
+    "vibration": Quantity("energy left in vibration", "J"),
+    "final": Quantity("end of the collision", "1"),
+    "status": Quantity("why the run ended", "1"),
+    "impulse": Quantity("impulse", "N s"),
+    "peak_force": Quantity("largest contact force", "N"),
+    "duration": Quantity("time under force", "s"),
+    "episodes": Quantity("episodes of contact", "1"),
+}
 
 
 def parameter(system: System, path: str) -> Quantity:
@@ -107,11 +106,9 @@ def outcome(system: System, column: str) -> Quantity:
     kind, _, index = column.partition(".")
     if kind == "velocity_after":
         return Quantity(f"velocity of {_body(system, index)} after", "m/s")
-    if kind not in _OF_A_CONTACT:
-        return Quantity(*_OF_THE_FAMILY.get(kind, (column, "1")))
-    name, unit = _OF_A_CONTACT[kind]
-    several = len(system.contacts) > 1
-    return Quantity(f"{name} at contact {_pair(index)}" if several else name, unit)
+    name, unit = _OUTCOMES.get(kind, Quantity(column, "1"))
+    where = f" at contact {_pair(index)}" if index and len(system.contacts) > 1 else ""
+    return Quantity(name + where, unit)
 
 
 def _body(system: System, index: str) -> str:
@@ -133,13 +130,12 @@ def _of_end(system: System, side: str, rest: list[str]) -> Quantity:
     name = f"{what} {'on' if what == 'force' else 'of'} the {side} end"
     match rest:
         case ["values", number]:
-            return Quantity(f"piece {number} of {name}", unit)
+            name = f"piece {number} of {name}"
         case ["at", number]:
-            return Quantity(f"time of jump {number} of {name}", "s")
+            name, unit = f"time of jump {number} of {name}", "s"
         case ["step"]:
-            return Quantity(f"time between samples of {name}", "s")
-        case _:
-            return Quantity(name, unit)
+            name, unit = f"time between samples of {name}", "s"
+    return Quantity(name, unit)
 
 
 def _pair(contact: str) -> str:

@@ -44,10 +44,8 @@ class Raster:
 
         Displacements, in a frame, are those in the middle; the energy is that of the mean motion.
         """
-        columns = []
-        for body in self._rods:
-            columns.append(self._of_rod(body, field, frame))
-            columns.append(np.full((1, self.times.size - 1), np.nan))
+        between = np.full((1, self.times.size - 1), np.nan)
+        columns = [part for i in self._rods for part in (self._of_rod(i, field, frame), between)]
         return np.concatenate(columns[:-1]).T
 
     def _of_rod(self, body: int, field: str, frame: float) -> Floats:
@@ -58,10 +56,8 @@ class Raster:
             x, t = np.broadcast_arrays(middle[:, None], t)
             return self.solution.displacement(body, x, t) - frame * t
         velocity, strain = averaged(self.solution, body, self.times)
-        if field == "velocity":
-            return velocity
-        if field == "strain":
-            return strain
+        if field in ("velocity", "strain"):
+            return velocity if field == "velocity" else strain
         which = (segment - segment[0])[:, None]
         system = self.solution.system
         if field == "stress":
@@ -97,16 +93,13 @@ class Raster:
         for body in self._rods:
             edges, _ = pieces(self.solution, body)
             x, t = np.broadcast_arrays(edges, self.times[:, None])
-            moved = self.solution.displacement(body, x, t)
-            places.append(plan.place(body, x, t, moved))
+            places.append(plan.place(body, x, t, self.solution.displacement(body, x, t)))
         across = np.concatenate(places, axis=1)
         when = np.broadcast_to(self.times[:, None], across.shape)
-        corners = plane.points(across, when)
         return ax.pcolormesh(
-            corners[..., 0], corners[..., 1], np.ma.masked_invalid(numbers), cmap=DIVERGING,
-            norm=norm, zorder=2, shading="flat", rasterized=True, antialiased=False,
-            edgecolors="none", linewidth=0,
-        )
+            *np.moveaxis(plane.points(across, when), -1, 0), np.ma.masked_invalid(numbers),
+            cmap=DIVERGING, norm=norm, zorder=2, shading="flat", rasterized=True,
+            antialiased=False, edgecolors="none", linewidth=0)
 
     def finish(self) -> list[Text]:
         """Cells bear no numbers."""

@@ -29,10 +29,8 @@ def pieces(solution: Solution, body: int) -> tuple[Floats, Ints]:
     row = sum(float(rod.length) for rod in rods)
     corners = solution.fields.edges(body)
     counts = np.maximum(1, np.rint(COLUMNS * np.diff(corners) / row)).astype(int)
-    parts = [
-        np.linspace(left, right, count, endpoint=False)
-        for left, right, count in zip(corners[:-1], corners[1:], counts, strict=True)
-    ]
+    parts = [np.linspace(left, right, count, endpoint=False)
+             for left, right, count in zip(corners[:-1], corners[1:], counts, strict=True)]
     first = solution.fields.clock.spans[body][0]
     return np.append(np.concatenate(parts), corners[-1]), np.repeat(
         first + np.arange(counts.size), counts)
@@ -80,13 +78,13 @@ def energy_density(
 def mean_areas(rod: Rod, edges: Floats, segment: Ints) -> Floats:
     """Mean areas, m^2, of the pieces of a rod between edges, m, each in a segment of it."""
     starts = np.cumsum([0.0, *(float(s.length) for s in rod.segments)])
-    found = np.empty(segment.size)
+    areas = np.empty(segment.size)
     for i, piece in enumerate(rod.segments):
         here = np.flatnonzero(segment == i)
         if here.size:
             inside = edges[here[0] : here[-1] + 2] - starts[i]
-            found[here] = piece.area_between(inside)
-    return found
+            areas[here] = piece.area_between(inside)
+    return areas
 
 
 def _of_segments(
@@ -96,5 +94,4 @@ def _of_segments(
     rods = [b.segments if isinstance(b, Rod) else () for b in system.bodies]
     first = np.cumsum([0, *map(len, rods)])
     table = np.array([number(s) for segments in rods for s in segments])
-    found: Floats = table[first[np.asarray(body)] + segment]
-    return found
+    return np.asarray(table[first[np.asarray(body)] + segment])

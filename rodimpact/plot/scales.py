@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -90,6 +91,38 @@ def multiple(value: float, unit: str) -> str:
     return sign + (str(top) if top > 1 else "") + unit + (f"/{bottom}" if bottom > 1 else "")
 
 
+def listed(names: Sequence[str]) -> str:
+    """Write names as a list: a, b and c."""
+    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+
+
+class Speeds(NamedTuple):
+    """How velocities are written: as parts of the closing speed if there is one, or by a scale."""
+
+    rest: float
+    closing: float
+    scale: Scale
+
+    @classmethod
+    def of(cls, solution: Solution, rest: float, largest: float) -> Speeds:
+        """Those of a picture in a frame that moves at `rest`, for velocities up to `largest`."""
+        return cls(rest, closing_speed(solution), engineering("velocity", largest, "m/s"))
+
+    def exact(self, velocity: float, largest: float) -> str:
+        """With all its digits."""
+        if self.closing:
+            return multiple((velocity - self.rest) / self.closing, "v")
+        return digits(velocity * self.scale.factor, largest * self.scale.factor)
+
+    def rounded(self, velocity: float, largest: float) -> str:
+        """To two digits."""
+        if not self.closing:
+            factor = self.scale.factor
+            return digits(float(f"{velocity * factor:.2g}"), largest * factor / 100)
+        part = digits(float(f"{round((velocity - self.rest) / self.closing, 2):.2g}"), 0.0)
+        return {"0": "0", "1": "v", f"{MINUS}1": f"{MINUS}v"}.get(part, f"{part}v")
+
+
 def closing_speed(solution: Solution) -> float:
     """Largest speed at which neighbours approach before the collision, m/s; 0 if none do."""
     V = solution.outcome.velocities_before
@@ -118,12 +151,12 @@ def place_label(plan: Placing, place: Scale) -> str:
     """Label of an axis of places: in which frame and how much magnified they are drawn."""
     if not plan.magnification:
         return place._replace(name=f"{place.name} in the undeformed row, without gaps").label
-    said = place.label
+    label = place.label
     if plan.frame:
-        said += f" in a frame moving at {written(plan.frame, 'm/s')}"
+        label += f" in a frame moving at {written(plan.frame, 'm/s')}"
     if plan.block:
-        said += f", masses drawn {plan.block * place.factor:g} {place.unit}".rstrip() + " wide"
-    return f"{said}, {plan.scale}"
+        label += f", masses drawn {plan.block * place.factor:g} {place.unit}".rstrip() + " wide"
+    return f"{label}, {plan.scale}"
 
 
 def axis_scales(

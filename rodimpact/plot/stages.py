@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -22,19 +22,8 @@ from ..results.solution import Solution
 from .bars import Bars, Piece
 from .moments import happening, moments
 from .sampling import is_stepped
-from .scales import (
-    MINUS,
-    Scale,
-    closing_speed,
-    digits,
-    engineering,
-    first_rod,
-    multiple,
-    place_label,
-    place_scale,
-    written,
-)
-from .style import SMALL, broken, centred, colours, dress, ink_on, new_axes, styled
+from .scales import Scale, Speeds, digits, engineering, first_rod, place_label, place_scale, written
+from .style import SMALL, broken, centred, colour_bar, colours, dress, ink_on, new_axes, styled
 
 ALIKE = 0.02  # velocities of a stretch that bears one label, in parts of the largest
 
@@ -59,9 +48,7 @@ class Snapshots(NamedTuple):
 
 @styled
 def snapshots(
-    solution: Solution,
-    ax: Axes | None = None,
-    times: Sequence[float] | Floats | None = None,
+    solution: Solution, ax: Axes | None = None, times: Sequence[float] | Floats | None = None,
     magnification: float | None = None,
 ) -> Snapshots:
     """Draw the row at chosen times, one below the other, coloured by velocity.
@@ -107,8 +94,7 @@ def snapshots(
     drawn = Bars(plan, when, place)
     pieces = drawn.pieces
     velocities = np.array([piece.velocity for piece in pieces])
-    v = closing_speed(solution)
-    speed = engineering("velocity", float(np.abs(velocities).max()), "m/s")
+    speeds = Speeds.of(solution, plan.frame, float(np.abs(velocities).max()))
     norm = centred(velocities, plan.frame)
     bars, outlines = drawn.rods(ax, velocities, norm), drawn.outlines(ax)
     (walls, _), masses = drawn.walls(ax), drawn.masses(ax)
@@ -136,21 +122,20 @@ def snapshots(
         ax.text(1.01, -row, "\n".join(words), transform=ax.get_yaxis_transform(), va="center",
                 fontsize=SMALL + 1)
     ax.set_xlabel(broken(place_label(plan, place), width) + "\n" + broken(
-        f"velocities in parts of the closing speed, v = {written(v, 'm/s')}" if v
-        else f"velocities ({speed.unit})", width))
+        f"velocities in parts of the closing speed, v = {written(speeds.closing, 'm/s')}"
+        if speeds.closing else f"velocities ({speeds.scale.unit})", width))
     dress(ax)
     ax.tick_params(axis="y", length=0)
     ax.spines["left"].set_visible(False)
-    named = _alike(pieces, norm) if stepped else pieces
-    labels = _labels(ax, named, norm, plan.frame, v, speed, not stepped)
     bar = None
     if stepped:
-        labels += _mass_labels(plan, ax, when, place, v, speed)
-        bar = ax.figure.colorbar(
-            bars, ax=ax, location="bottom", label=speed.label, fraction=0.03, pad=0.02, aspect=50,
-            shrink=0.6, format=lambda value, _: digits(value * speed.factor, 0.0))
-        dress(bar.ax)
-        bar.outline.set_visible(False)
+        labels = _labels(ax, _alike(pieces, norm), norm, speeds.rounded)
+        labels += _mass_labels(plan, ax, when, place, speeds)
+        bar = colour_bar(
+            ax, bars, speeds.scale.label, location="bottom", fraction=0.03, aspect=50, shrink=0.6,
+            format=lambda value, _: digits(value * speeds.scale.factor, 0.0))
+    else:
+        labels = _labels(ax, pieces, norm, speeds.exact, beside=True)
     return Snapshots(ax, when, bars, labels, arrows, walls, masses, outlines, bar)
 
 
@@ -163,75 +148,60 @@ def _differ(values: Floats, count: int) -> bool:
 def _alike(pieces: list[Piece], norm: Normalize) -> list[Piece]:
     """Stretches of neighbouring pieces whose velocities hardly differ, with their mean."""
     room = ALIKE * float(np.ptp(norm.inverse(np.array([0.0, 1.0])))) / 2
-    found: list[list[Piece]] = []
+    stretches: list[list[Piece]] = [[]]
     for piece in pieces:
-        last = found[-1] if found else []
+        last = stretches[-1]
         speeds = [p.velocity for p in (*last, piece)]
-        if last and last[-1][:2] == piece[:2] and max(speeds) - min(speeds) <= room:
-            last.append(piece)
+        if last and (last[-1][:2] != piece[:2] or max(speeds) - min(speeds) > room):
+            stretches.append([piece])
         else:
-            found.append([piece])
-    return [
-        group[0]._replace(right=group[-1].right,
-                          velocity=sum(p.velocity for p in group) / len(group))
-        for group in found
-    ]
-
-
-def _said(velocity: float, rest: float, v: float, speed: Scale, largest: float) -> str:
-    """A velocity to two digits: in parts of the closing speed, or in the unit of the scale."""
-    if v:
-        said = digits(float(f"{round((velocity - rest) / v, 2):.2g}"), 0.0)
-        return {"0": "0", "1": "v", f"{MINUS}1": f"{MINUS}v"}.get(said, f"{said}v")
-    return digits(float(f"{velocity * speed.factor:.2g}"), largest * speed.factor / 100)
+            last.append(piece)
+    return [s[0]._replace(right=s[-1].right, velocity=sum(p.velocity for p in s) / len(s))
+            for s in stretches]
 
 
 def _mass_labels(
-    plan: Placing, ax: Axes, times: Floats, place: Scale, v: float, speed: Scale
+    plan: Placing, ax: Axes, times: Floats, place: Scale, speeds: Speeds
 ) -> list[Text]:
     """Velocity of each mass, below it; of every second of neighbours above it."""
     labels = []
-    solution = plan.solution
     above = True
-    for i, body in enumerate(solution.system.bodies):
-        above = not above if isinstance(body, RigidMass) else True
+    for i, body in enumerate(plan.solution.system.bodies):
+        above = not (above and isinstance(body, RigidMass))
         if isinstance(body, RigidMass):
             middle = (plan.end(i, False, times) + plan.end(i, True, times)) / 2 * place.factor
-            velocities = solution.velocity(i, 0.0, times).tolist()
+            velocities = plan.solution.velocity(i, 0.0, times).tolist()
             for row, (x, velocity) in enumerate(zip(middle, velocities, strict=True)):
-                said = _said(velocity, plan.frame, v, speed, max(map(abs, velocities)))
-                labels.append(ax.text(
-                    x, -row + (0.33 if above else -0.33), said, color=colours().ink, ha="center",
-                    va="bottom" if above else "top", fontsize=SMALL + 1, zorder=5))
+                labels.append(_label(
+                    ax, x, -row + (0.33 if above else -0.33),
+                    speeds.rounded(velocity, max(map(abs, velocities))), colours().ink,
+                    "bottom" if above else "top"))
     return labels
 
 
+def _label(ax: Axes, x: float, y: float, text: str, colour: str, va: str) -> Text:
+    """Write a velocity."""
+    return ax.text(x, y, text, color=colour, ha="center", va=va, fontsize=SMALL + 1, zorder=5)
+
+
 def _labels(
-    ax: Axes, pieces: list[Piece], norm: Normalize, rest: float, v: float, speed: Scale,
-    exact: bool,
+    ax: Axes, pieces: list[Piece], norm: Normalize, write: Callable[[float, float], str],
+    beside: bool = False,
 ) -> list[Text]:
-    """Write the velocity into each piece, if it is exact below it where it is too narrow."""
+    """Write the velocity into each piece, or below it, `beside`, where it is too narrow."""
     per_unit = abs(float(np.diff(ax.transData.transform([(0, 0), (1, 0)])[:, 0])[0]))
     per_unit *= 72.0 / ax.figure.dpi
     labels: list[Text] = []
     row, taken = -1, -math.inf
     largest = max(abs(piece.velocity) for piece in pieces)
     for piece in pieces:
-        if not exact:
-            text = _said(piece.velocity, rest, v, speed, largest)
-        elif v:
-            text = multiple((piece.velocity - rest) / v, "v")
-        else:
-            text = digits(piece.velocity * speed.factor, largest * speed.factor)
-        width = (0.65 if exact else 1.0) * (SMALL + 1) * len(text)
+        text = write(piece.velocity, largest)
+        width = (0.65 if beside else 1.0) * (SMALL + 1) * len(text)
         x = (piece.left + piece.right) / 2
         if (piece.right - piece.left) * per_unit > width:
-            y, colour, va = float(-piece.row), ink_on(norm, piece.velocity), "center_baseline"
-        elif exact and (row != piece.row or x * per_unit - width / 2 > taken):
-            y, colour, va = -piece.row - 0.33, colours().ink, "top"
+            labels.append(_label(ax, x, float(-piece.row), text, ink_on(norm, piece.velocity),
+                                 "center_baseline"))
+        elif beside and (row != piece.row or x * per_unit - width / 2 > taken):
+            labels.append(_label(ax, x, -piece.row - 0.33, text, colours().ink, "top"))
             row, taken = piece.row, x * per_unit + width / 2
-        else:
-            continue
-        labels.append(ax.text(x, y, text, color=colour, ha="center", va=va, fontsize=SMALL + 1,
-                              zorder=5))
     return labels

@@ -93,23 +93,20 @@ def gauge(
         kept = telling(values[inside])
         edges = np.append(of.times[inside][kept], of.end) * time.factor
         return ax.stairs(values[inside][kept] * scale.factor, edges, baseline=None, label=name,
-                         **how)
+                         **{"linewidth": 1.4, **how})
 
     faint, series = colours().faint, colours().series
     shades = {"incident": series[0], "reflected": series[1], "transmitted": series[3]}
     width = 5.0 if record.times.size <= BOLD_UP_TO else 2.5
     strain = steps(record, record.strain, "strain", color=faint, linewidth=width, zorder=1)
-    rightward = steps(record, record.rightward, "wave running right", color=series[0],
-                      linewidth=1.4)
-    leftward = steps(record, record.leftward, "wave running left", color=series[1],
-                     linestyle="--", linewidth=1.4)
+    rightward = steps(record, record.rightward, "wave running right", color=series[0])
+    leftward = steps(record, record.leftward, "wave running left", color=series[1], linestyle="--")
     beyond = None if transmitted is None else steps(
-        transmitted, transmitted.strain, "transmitted strain", color=series[3],
-        linestyle="-.", linewidth=1.4)
+        transmitted, transmitted.strain, "transmitted strain", color=series[3], linestyle="-.")
     ax.axhline(0.0, color=faint, linewidth=0.6, zorder=0)
-    ax.set_xlim(0, record.end * time.factor)
     low, high = ax.get_ylim()
-    ax.set_ylim(low, high)
+    ax.set(xlim=(0, record.end * time.factor), ylim=(low, high), xlabel=time.label,
+           ylabel=scale.label)
     windows = {
         pulse.name: Rectangle(
             (pulse.start * time.factor, 0.0), (pulse.stop - pulse.start) * time.factor,
@@ -119,10 +116,8 @@ def gauge(
     }
     for window in windows.values():
         ax.add_patch(window)
-    ax.set_xlabel(time.label)
-    ax.set_ylabel(scale.label)
-    lines = [strain, rightward, leftward, *([] if beyond is None else [beyond])]
-    legend_above(ax, [*lines, *windows.values()])
+    lines = (strain, rightward, leftward, beyond, *windows.values())
+    legend_above(ax, [line for line in lines if line is not None])
     dress(ax)
     return GaugeRecord(ax, strain, rightward, leftward, beyond, windows)
 
@@ -147,8 +142,8 @@ def _pulses(record: Gauge, transmitted: Gauge | None) -> list[_Pulse]:
     if any(pulse.start == 0 for pulse in others):
         return []
     last = incident.stop - incident.start
-    found = [incident, *(p._replace(stop=min(p.start + last, record.end)) for p in others)]
-    return [pulse for pulse in found if pulse.start < record.end]
+    pulses = [incident, *(p._replace(stop=min(p.start + last, record.end)) for p in others)]
+    return [pulse for pulse in pulses if pulse.start < record.end]
 
 
 def _pulse(record: Gauge, wave: Floats, name: str) -> _Pulse:

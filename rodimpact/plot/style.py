@@ -8,7 +8,7 @@ tells push from pull; paper stays white or nearly black, so that a gap differs f
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
@@ -30,6 +30,8 @@ SMALL, NORMAL = 7.0, 9.0
 INCH = 25.4  # mm
 LETTER = 0.57  # mean width of a letter, in heights of the font
 COLUMN = 1.6  # width of a column of a legend, inches
+COMPUTED: dict[str, Any] = {"marker": "o", "markersize": 3.5, "markerfacecolor": "none",
+                            "markeredgewidth": 0.8, "label": "computed"}
 
 DIVERGING = LinearSegmentedColormap.from_list(
     "rodimpact", ["#16256e", "#53659f", "#a0a0a0", "#d6c05f", "#ffe94a"]
@@ -90,8 +92,7 @@ def look(name: str = "light", width: float | None = None) -> Iterator[None]:
     >>> float(round(25.4 * picture.ax.figure.get_figwidth(), 3))
     85.0
     """
-    if name not in LOOKS:
-        raise ValueError(f'name: must be "light" or "dark", got {name!r}')
+    check_choice("name", name, LOOKS)
     if width is not None and not 50 <= width <= 1000:
         raise ValueError(f"width: must be 50 to 1000 mm, got {width!r}")
     before = _colours.set(LOOKS[name]), _width.set(width)
@@ -100,6 +101,13 @@ def look(name: str = "light", width: float | None = None) -> Iterator[None]:
     finally:
         _colours.reset(before[0])
         _width.reset(before[1])
+
+
+def check_choice(argument: str, value: str, known: Iterable[str]) -> None:
+    """Raise ValueError if the value of an argument is none of those known."""
+    if value not in (names := list(known)):
+        *others, last = (f'"{name}"' for name in names)
+        raise ValueError(f"{argument}: must be {', '.join(others)} or {last}, got {value!r}")
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
@@ -154,6 +162,11 @@ def dress(ax: Axes) -> None:
         spine.set_color(faint)
 
 
+def grid(ax: Axes) -> None:
+    """Faint lines behind curves."""
+    ax.grid(color=colours().faint, alpha=0.3, linewidth=0.5)
+
+
 def broken(label: str, pixels: float) -> str:
     """A label in lines, broken after commas, that are no longer than so many pixels if possible."""
     room = pixels / rcParams["figure.dpi"] * 72 / (LETTER * NORMAL)
@@ -170,16 +183,19 @@ def legend_above(
     ax: Axes, shown: Sequence[Artist], columns: int = 3, size: float = SMALL + 1,
     title: str | None = None,
 ) -> None:
-    """Name artists above an Axes, in as many columns as the figure has room for."""
+    """Name artists, if any, above an Axes, in as many columns as the figure has room for."""
+    if not shown:
+        return
     room = int(ax.figure.bbox.width / ax.figure.dpi / COLUMN)
     ax.legend(handles=shown, loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1,
               ncols=max(1, min(columns, room)), frameon=False, fontsize=size, title=title,
               title_fontsize=size)
 
 
-def colour_bar(ax: Axes, drawn: ScalarMappable, label: str) -> Colorbar:
-    """Colour bar beside an Axes."""
-    bar = ax.figure.colorbar(drawn, ax=ax, label=label, fraction=0.06, pad=0.02, aspect=30)
+def colour_bar(ax: Axes, drawn: ScalarMappable, label: str, **how: Any) -> Colorbar:
+    """Colour bar beside an Axes, or where and as matplotlib's words for it say."""
+    bar = ax.figure.colorbar(drawn, ax=ax, label=label,
+                             **{"fraction": 0.06, "pad": 0.02, "aspect": 30, **how})
     dress(bar.ax)
     bar.outline.set_visible(False)
     if bar.solids is not None:

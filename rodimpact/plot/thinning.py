@@ -9,6 +9,11 @@ from ..methods.signals import Floats, Ints
 INTERVALS = 1000
 
 
+def evenly(count: int, most: int) -> Ints:
+    """Indices of at most `most` of so many values, evenly chosen, first and last among them."""
+    return np.unique(np.linspace(0, count - 1, max(0, min(count, most))).round().astype(np.int64))
+
+
 def telling(values: Floats) -> Ints:
     """Indices of the least and the largest value of each of `INTERVALS`, of the first and last.
 

@@ -53,8 +53,8 @@ def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
 
 
 def clean(value: float, scale: float) -> float:
-    """A value for a table: 0 if it is only round-off beside `scale`."""
-    return 0.0 if abs(value) <= ROUND_OFF * scale else value
+    """A value for a table: 0 if it is only round-off beside `scale`; nothing is beside infinity."""
+    return 0.0 if abs(value) <= ROUND_OFF * scale < math.inf else value
 
 
 def as_html(text: str) -> str:

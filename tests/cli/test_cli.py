@@ -330,6 +330,24 @@ def test_run_draws_a_plot(case):
     assert Path("a.png").read_bytes().startswith(b"\x89PNG")
 
 
+PROFILE = {"values": [i % 7 for i in range(11_000)],
+           "at": [0.4 * i / 11_000 for i in range(1, 11_000)]}
+
+
+@pytest.mark.parametrize(("options", "velocity", "message"), [
+    (["--until", "0"], 1.0, "--plot: solution: lasts 0.0 s"),
+    ([], f"{{values = {PROFILE['values']}, at = {PROFILE['at']}}}",
+     "--plot: solution: has more than 20000 regions"),
+])
+def test_a_run_that_no_picture_can_show_keeps_its_table(case, capsys, options, velocity, message):
+    case.write_text(CASE.replace("velocity = 1.0", f"velocity = {velocity}"))
+    assert main(["run", str(case), "--plot", "run.png", *options]) == 1
+    printed = capsys.readouterr()
+    assert printed.err.startswith(f"rodimpact: {message}")
+    assert printed.out.startswith("body")
+    assert not Path("run.png").exists()
+
+
 def test_a_plot_in_an_unknown_format_is_refused_before_solving(case, capsys, monkeypatch):
     monkeypatch.setattr("rodimpact.cli.run.solved", lambda *_, **__: pytest.fail("solved"))
     assert main(["run", str(case), "--plot", "a.xyz"]) == 2

@@ -75,7 +75,7 @@ FIELDS = {
         lambda q: -ri.rigid.collide(1.0, q, 1.0, 0.0, 1.0).relative_velocity_before, "km/s"),
     "rigid restitution": (
         lambda q: ri.rigid.collide(1.0, 1.0, 1.0, 0.0, q).relative_velocity_after, "%"),
-    "rigid.peak_force": (lambda q: ri.rigid.peak_force(q, 2.0), "N ms"),
+    "rigid.stack_drop": (lambda q: ri.rigid.stack_drop([1.0], [1.0], q).top_height, "mm"),
     "theory impedance": (lambda q: ri.theory.rod_on_wall(q, 1.0, 1.0).peak_force, "g/s"),
     "theory time": (lambda q: ri.theory.rod_on_wall(1.0, q, 1.0).duration / 2, "ms"),
     "theory taper": (lambda q: ri.theory.horn_frequency(1.0, 0.0, q), "1/mm"),

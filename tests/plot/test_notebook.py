@@ -21,8 +21,8 @@ def rod(length=1.0, velocity=0.0, area=1e-4):
 
 def picture(html):
     """The picture in it, if there is one, and the words that stand for it."""
-    found = re.search(r'<img src="data:image/png;base64,([^"]+)" alt="([^"]*)"', html)
-    return found and (Image.open(io.BytesIO(base64.b64decode(found[1]))), found[2])
+    image = re.search(r'<img src="data:image/png;base64,([^"]+)" alt="([^"]*)"', html)
+    return image and (Image.open(io.BytesIO(base64.b64decode(image[1]))), image[2])
 
 
 def table(html):
@@ -45,9 +45,9 @@ FAMILIES = {
 def test_a_solution_shows_its_overview_and_its_table():
     solution = ri.solve(ri.System([rod(0.4, 1.0), rod()]))
     html = solution._repr_html_()
-    shown, said = picture(html)
+    shown, description = picture(html)
     assert shown.width > shown.height > 500
-    assert said.startswith("2 rods, closing speed 1 m/s, restitution e = 0.4")
+    assert description.startswith("2 rods, closing speed 1 m/s, restitution e = 0.4")
     assert "coefficient of restitution e              0.4" in table(html)
 
 
@@ -62,8 +62,8 @@ def test_a_solution_that_lasts_no_time_shows_its_table():
 def test_a_family_shows_a_picture_where_one_can_be_drawn_and_its_table(name):
     system, expected = FAMILIES[name]
     html = ri.sweep(system)._repr_html_()
-    found = picture(html)
-    assert (found and found[1]) == expected
+    shown = picture(html)
+    assert (shown and shown[1]) == expected
     assert "collisions" in table(html)
 
 

@@ -127,10 +127,10 @@ def test_displacements_are_those_of_the_solution_and_linear_between(solved, name
 
 def test_the_frame_of_displacement_and_energy_is_named(solved):
     for field in ("displacement", "energy"):
-        said = plot.spacetime(solved["drifting"], axes(), field).colour_bar.ax.get_ylabel()
-        assert "in a frame moving at 100 m/s" in said
-        said = plot.spacetime(solved["unequal"], axes(), field).colour_bar.ax.get_ylabel()
-        assert "frame" not in said
+        label = plot.spacetime(solved["drifting"], axes(), field).colour_bar.ax.get_ylabel()
+        assert "in a frame moving at 100 m/s" in label
+        label = plot.spacetime(solved["unequal"], axes(), field).colour_bar.ax.get_ylabel()
+        assert "frame" not in label
 
 
 def test_dimensionless_displacement(solved):
@@ -210,8 +210,8 @@ def test_in_places_of_the_bodies_nothing_moves(solved, name):
     for path in picture.ends.get_segments():
         assert np.ptp(path[:, 0]) == 0.0
     lengths = [b.length for b in solved[name].system.bodies if isinstance(b, ri.Rod)]
-    found = np.unique([path[0, 0] for path in picture.ends.get_segments()])
-    assert found == pytest.approx([0.0, *np.cumsum(lengths)])
+    starts = np.unique([path[0, 0] for path in picture.ends.get_segments()])
+    assert starts == pytest.approx([0.0, *np.cumsum(lengths)])
     assert picture.ax.get_xlabel() == "place x in the undeformed row, without gaps (m)"
 
 

@@ -34,28 +34,28 @@ def legend(picture):
 def test_incident_and_reflected_pulse_of_a_struck_bar():
     solution = ri.solve(ri.System([rod(0.2, 10.0), rod()]), 6e-4)
     picture = draw(solution.gauge(1, 0.4))
-    found = spans(picture)
-    assert found["incident"] == pytest.approx((0.4e6 / C, 0.8e6 / C, -1))
-    assert found["reflected"] == pytest.approx((1.6e6 / C, 2.0e6 / C, 1))
+    windows = spans(picture)
+    assert windows["incident"] == pytest.approx((0.4e6 / C, 0.8e6 / C, -1))
+    assert windows["reflected"] == pytest.approx((1.6e6 / C, 2.0e6 / C, 1))
     assert legend(picture) == [
         "strain", "wave running right", "wave running left", "incident", "reflected"]
 
 
 def test_the_striker_may_come_from_the_right():
     solution = ri.solve(ri.System([rod(), rod(0.2, -10.0)]), 6e-4)
-    found = spans(draw(solution.gauge(0, 0.6)))
-    assert found["incident"] == pytest.approx((0.4e6 / C, 0.8e6 / C, -1))
-    assert found["reflected"] == pytest.approx((1.6e6 / C, 2.0e6 / C, 1))
+    windows = spans(draw(solution.gauge(0, 0.6)))
+    assert windows["incident"] == pytest.approx((0.4e6 / C, 0.8e6 / C, -1))
+    assert windows["reflected"] == pytest.approx((1.6e6 / C, 2.0e6 / C, 1))
 
 
 def test_transmitted_pulse_beyond_a_specimen():
     bars = [rod(0.2, 10.0), rod(), rod(0.02, area=2e-5), rod()]
     solution = ri.solve(ri.System(bars), 5e-4)
     picture = draw(solution.gauge(1, 0.5), transmitted=solution.gauge(3, 0.3))
-    found = spans(picture)
-    assert found["incident"] == pytest.approx((0.5e6 / C, 0.9e6 / C, -1))
-    assert found["reflected"] == pytest.approx((1.5e6 / C, 1.9e6 / C, 1))
-    assert found["transmitted"] == pytest.approx((1.32e6 / C, 1.72e6 / C, -1), rel=2e-3)
+    windows = spans(picture)
+    assert windows["incident"] == pytest.approx((0.5e6 / C, 0.9e6 / C, -1))
+    assert windows["reflected"] == pytest.approx((1.5e6 / C, 1.9e6 / C, 1))
+    assert windows["transmitted"] == pytest.approx((1.32e6 / C, 1.72e6 / C, -1), rel=2e-3)
     drawn = picture.transmitted.get_data().values
     assert drawn.min() == pytest.approx(1e6 * solution.gauge(3, 0.3).strain.min())
     assert "transmitted strain" in legend(picture)
@@ -64,17 +64,17 @@ def test_transmitted_pulse_beyond_a_specimen():
 def test_on_a_time_step_the_windows_are_the_same():
     bars = ri.System([rod(0.2, 10.0), rod(), rod()], contacts=[ri.Rigid(), ri.Spring(4e8)])
     solution = ri.solve(bars, 4.5e-4, dt=1e-7)
-    found = spans(draw(solution.gauge(1, 0.5), transmitted=solution.gauge(2, 0.5)))
-    assert found["incident"] == pytest.approx((0.5e6 / C, 0.9e6 / C, -1), abs=0.3)
-    assert found["reflected"] == pytest.approx((1.5e6 / C, 1.9e6 / C, 1), abs=0.5)
-    assert found["transmitted"][:2] == pytest.approx((1.5e6 / C, 1.9e6 / C), abs=1.0)
+    windows = spans(draw(solution.gauge(1, 0.5), transmitted=solution.gauge(2, 0.5)))
+    assert windows["incident"] == pytest.approx((0.5e6 / C, 0.9e6 / C, -1), abs=0.3)
+    assert windows["reflected"] == pytest.approx((1.5e6 / C, 1.9e6 / C, 1), abs=0.5)
+    assert windows["transmitted"][:2] == pytest.approx((1.5e6 / C, 1.9e6 / C), abs=1.0)
 
 
 def test_windows_end_with_the_record():
     solution = ri.solve(ri.System([rod(0.5, 10.0), rod()]), 3.2e-4)
-    found = spans(draw(solution.gauge(1, 0.5)))
-    assert found["incident"] == pytest.approx((0.5e6 / C, 1.5e6 / C, -1))
-    assert found["reflected"] == pytest.approx((1.5e6 / C, 320, 1))
+    windows = spans(draw(solution.gauge(1, 0.5)))
+    assert windows["incident"] == pytest.approx((0.5e6 / C, 1.5e6 / C, -1))
+    assert windows["reflected"] == pytest.approx((1.5e6 / C, 320, 1))
     early = ri.solve(ri.System([rod(0.5, 10.0), rod()]), 1.5e-4)
     assert list(draw(early.gauge(1, 0.5)).windows) == ["incident"]
 

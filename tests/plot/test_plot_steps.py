@@ -132,12 +132,12 @@ def test_masses_are_strips_of_the_width_that_the_label_names(solved):
 
 
 def test_borders_are_told_in_the_legend(solved):
-    found = {name: legend(plot.spacetime(solved[name], axes()).ax) for name in ROWS}
-    assert found["hertz"] == ["pressing", "rigid mass", "absorbing end"]
-    assert found["hopkinson"] == ["pressing", "touching", "absorbing end"]
-    assert found["mass"] == ["pressing", "rigid mass"]
-    assert found["driven"] == ["driven at a velocity", "absorbing end"]
-    assert "driven by a force" in found["pushed"]
+    legends = {name: legend(plot.spacetime(solved[name], axes()).ax) for name in ROWS}
+    assert legends["hertz"] == ["pressing", "rigid mass", "absorbing end"]
+    assert legends["hopkinson"] == ["pressing", "touching", "absorbing end"]
+    assert legends["mass"] == ["pressing", "rigid mass"]
+    assert legends["driven"] == ["driven at a velocity", "absorbing end"]
+    assert "driven by a force" in legends["pushed"]
 
 
 def test_a_fixed_end_is_hatched_like_a_wall_by_every_method():
@@ -304,9 +304,9 @@ def test_bands_reach_the_initial_energy_and_the_works(solved, name):
 def test_only_entries_that_are_not_zero_are_shown_and_named(solved):
     def named(name):
         drawn = plot.energy(solved[name], axes())
-        said = [t.get_text() for t in drawn.labels] + legend(drawn.ax)
-        assert len(drawn.bands) + (drawn.work is not None) == len(said)
-        return set(said) - {"motion of the centres of mass", "vibration, kinetic",
+        words = [t.get_text() for t in drawn.labels] + legend(drawn.ax)
+        assert len(drawn.bands) + (drawn.work is not None) == len(words)
+        return set(words) - {"motion of the centres of mass", "vibration, kinetic",
                             "vibration, strain"}
 
     assert named("hertz") == {

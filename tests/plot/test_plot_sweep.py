@@ -489,14 +489,14 @@ def test_results_in_words(column_name, largest, label):
 # Errors, manners --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("quantity", "said"), [
+@pytest.mark.parametrize(("quantity", "message"), [
     ("restituton", "perhaps 'restitution' is meant"),
     ("episodes", "perhaps 'episodes.0' is meant"),
     ("impulse.7", r"impulse\.0 to 1, .*got 'impulse.7'"),
     ("heat", "must be one of restitution, velocity_after.0 to 2, .* vibration, final, status"),
 ])
-def test_an_unknown_quantity_is_named_with_what_there_is(swept, quantity, said):
-    with pytest.raises(ValueError, match=said):
+def test_an_unknown_quantity_is_named_with_what_there_is(swept, quantity, message):
+    with pytest.raises(ValueError, match=message):
         plot.sweep(swept["gaps"], axes(), quantity)
 
 

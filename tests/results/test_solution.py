@@ -10,7 +10,7 @@ import pytest
 import rodimpact as ri
 from rodimpact.materials import aluminium, steel
 from rodimpact.methods import kernels
-from rodimpact.results.regions import regions_of
+from rodimpact.results.regions import readable_until, regions_of
 from rodimpact.theory import saint_venant
 
 C = steel.wave_speed
@@ -188,6 +188,21 @@ def test_regions_tile_the_plane_and_agree_with_the_fields(mixed):
             assert mixed.displacement(body, x, t) == pytest.approx(
                 regions.displacement[corners], abs=1e-15)
         assert area == pytest.approx(length * stop, rel=1e-12)
+
+
+@pytest.mark.parametrize("limit", [100, 8, 4])
+def test_the_interval_that_has_few_regions_is_the_longest_of_its_kind(unequal, limit):
+    stop = readable_until(unequal, limit)
+    halvings = np.log2(unequal.t_end / stop)
+    assert halvings == round(halvings)
+    assert len(regions_of(unequal, stop=stop)) <= limit
+    if halvings:
+        assert len(regions_of(unequal, stop=2 * stop)) > limit
+
+
+def test_more_regions_than_a_picture_shows_are_refused_with_the_number(unequal):
+    with pytest.raises(ValueError, match=r"more than 1 regions .* fewer pieces"):
+        readable_until(unequal, 1)
 
 
 def test_regions_of_an_interval(unequal):
