@@ -21,7 +21,7 @@ from ..model.frozen import InvalidModel
 from ..running.sweep_report import sweep_json, sweep_table
 from ..running.sweeping import SweepError, SweepResult, sweep
 from ..storage.casefile import Case, read_case
-from ..storage.writing import FileFormatError
+from ..storage.reading import FileFormatError
 from . import DONE, FAULT, INCOMPLETE, complain
 from .asking import Mistakes, Problems, check_format, check_outputs, note, whole_number
 from .progress import a_second, progress_bar

@@ -24,7 +24,8 @@ from ..results.grid_fields import GridFields, outer_forces
 from ..results.outcome import Outcome
 from ..results.records import FrontRecord, Record, StepRecord
 from ..results.wave_fields import WaveFields
-from ..storage.writing import Arrays, FileFormatError, PathLike, restored, write_npz
+from ..storage.reading import FileFormatError, restored
+from ..storage.writing import Arrays, PathLike, write_npz
 
 
 def save_solution(solution: Any, path: PathLike, *, force: bool = False) -> None:

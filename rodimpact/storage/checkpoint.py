@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from .writing import FileFormatError, PathLike, write_text
+from .reading import FileFormatError
+from .writing import PathLike, write_text
 
 HEAD = "sweep.json"
 SYNC_EVERY = 1.0  # s; at most so much work is done again after a crash

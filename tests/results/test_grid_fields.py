@@ -8,7 +8,7 @@ from networks import UNIT, unit_rod
 
 import rodimpact as ri
 from rodimpact.methods.clock import PARTS
-from rodimpact.storage.writing import FileFormatError
+from rodimpact.storage.reading import FileFormatError
 
 METHOD = "finite-difference"
 THICK = ri.Material("thick", youngs_modulus=2.0, density=0.5, viscosity=0.02, poisson_ratio=0.3)
