@@ -66,6 +66,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .storage.casefile import parse_case as parse_case
     from .storage.casefile import read_case as read_case
     from .storage.casefile import write_case as write_case
+    from .storage.checkpoint import DamagedChunks as DamagedChunks
     from .storage.reading import FileFormatError as FileFormatError
 
 _HOME = {
@@ -87,6 +88,7 @@ _HOME = {
     "results.regions": ("Regions", "regions_of"),
     "results.ring_down": ("RingDown",),
     "running.loading": ("load",),
+    "storage.checkpoint": ("DamagedChunks",),
     "storage.reading": ("FileFormatError",),
     "running.sweeping": ("Axis", "SweepError", "SweepResult", "sweep"),
     "storage.casefile": ("Case", "parse_case", "read_case", "write_case"),

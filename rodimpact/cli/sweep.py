@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import time
+import warnings
 from collections.abc import Iterable
 from typing import Any
 
@@ -133,7 +134,10 @@ def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:
     """Solve the family, with a progress bar on a terminal."""
     started = time.monotonic()
     try:
-        with progress_bar("collisions") as bar:
+        with warnings.catch_warnings(), progress_bar("collisions") as bar:
+            warnings.showwarning = (  # of a damaged checkpoint
+                lambda message, *_, **__: complain(str(message), DONE)  # type: ignore[assignment]
+            )
             result = sweep(case.system, progress=bar, **options)
     except KeyboardInterrupt:
         kept = options["checkpoint"]
