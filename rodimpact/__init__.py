@@ -20,6 +20,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from . import rigid as rigid
     from . import theory as theory
     from . import units as units
+    from .methods.kernels import DamagedCache as DamagedCache
     from .methods.options import Options as Options
     from .model import System as System
     from .model.bodies import Material as Material
@@ -78,6 +79,7 @@ _HOME = {
     ),
     "model.ends": ("Absorbing", "Fixed", "Free", "Moved", "Pushed"),
     "model.system": ("System",),
+    "methods.kernels": ("DamagedCache",),
     "methods.options": ("Options",),
     "running.solving": ("LongRun", "collide", "solve"),
     "results.energy": ("EnergyLedger",),

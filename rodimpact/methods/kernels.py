@@ -182,10 +182,7 @@ def _mend(cache: Any) -> None:
         except Exception:  # pickle raises a dozen kinds for a damaged file
             with contextlib.suppress(OSError):
                 cache.flush()
-            warnings.warn(
-                f"machine code in {cache.cache_path} is damaged; it is made anew", DamagedCache,
-                stacklevel=1,
-            )
+            _tell_of_damage()
             return None
 
     def save_if_possible(signature: Any, code: Any) -> None:
@@ -193,3 +190,9 @@ def _mend(cache: Any) -> None:
             save(signature, code)
 
     cache.load_overload, cache.save_overload = load_or_none, save_if_possible
+
+
+@functools.cache  # once is enough, though each kernel has files of its own
+def _tell_of_damage() -> None:
+    message = "machine code in the compiler's cache is damaged; it is made anew, this once"
+    warnings.warn(message, DamagedCache, stacklevel=2)

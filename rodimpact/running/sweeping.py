@@ -435,8 +435,9 @@ def sweep(
         problems.append(("on_error", f'must be "raise" or "record", got {on_error!r}'))
     if workers is not None:
         workers = count(problems, "workers", workers)
-    if executor is not None and not callable(getattr(executor, "submit", None)):
-        message = "must have `submit`, as concurrent.futures.ProcessPoolExecutor() has"
+    runs_chunks = isinstance(executor, Executor | None)
+    if not runs_chunks:
+        message = "must be an executor, such as concurrent.futures.ProcessPoolExecutor()"
         problems.append(("executor", f"{message}, got {executor!r}"))
     try:
         options = Options(until, method, max_events, dt, rtol, cells)

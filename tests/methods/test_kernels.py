@@ -286,6 +286,7 @@ def again():
     """As if another process began."""
     kernels._translate.cache_clear()
     kernels._compiled.cache_clear()
+    kernels._tell_of_damage.cache_clear()
 
 
 @pytest.fixture
