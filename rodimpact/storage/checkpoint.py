@@ -85,6 +85,9 @@ class Checkpoint:
             self.path.mkdir(parents=True, exist_ok=True)
         except FileExistsError:
             raise NotADirectoryError(f"{self.path}: is a file; name a directory") from None
+        except OSError as error:
+            message = f"cannot make the directory {str(self.path)!r}: {error.strerror}"
+            raise type(error)(message) from None
         except ValueError:
             raise OSError(f"{str(self.path)!r}: a name cannot hold the character NUL") from None
         foreign = sorted(x.name for x in self.path.iterdir() if not x.name.startswith(PASSING))
@@ -147,8 +150,8 @@ class Checkpoint:
         if damaged:
             done[damaged] = False
             warnings.warn(
-                f"{self.path}: {len(damaged)} of {len(done)} parts of the sweep, from number "
-                f"{damaged[0]} on, are damaged; they are run again", DamagedChunks, stacklevel=4,
+                f"{self.path}: damaged parts of the sweep are run again, {len(damaged)} of "
+                f"{len(done)}, from number {damaged[0]} on", DamagedChunks, stacklevel=4,
             )
         return np.array(done)
 
