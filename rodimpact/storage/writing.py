@@ -7,7 +7,6 @@ What is to be loaded again is an NPZ of plain arrays, with everything else in on
 from __future__ import annotations
 
 import contextlib
-import errno
 import hashlib
 import json
 import math
@@ -128,25 +127,22 @@ def written(path: PathLike, *, force: bool = False) -> Iterator[BinaryIO]:
             else:
                 _place(passing, target)
         except OSError as error:
-            message = f"cannot write {os.fspath(path)!r}: {error.strerror or error}"
-            raise type(error)(message) from error
+            reason = EXISTS if isinstance(error, FileExistsError) else error.strerror or error
+            raise type(error)(f"cannot write {os.fspath(path)!r}: {reason}") from error
         finally:
             with contextlib.suppress(OSError):
                 passing.unlink()
 
 
 def _place(passing: Path, target: Path) -> None:
-    """Give a file its name, unless someone else has made one of that name meanwhile."""
+    """Give a file its name; FileExistsError if someone else has made one of that name meanwhile."""
     try:
-        try:
-            os.link(passing, target)
-        except FileExistsError:
-            raise
-        except OSError:  # a file system without links
-            target.open("xb").close()
-            os.replace(passing, target)
+        os.link(passing, target)
     except FileExistsError:
-        raise FileExistsError(errno.EEXIST, EXISTS) from None
+        raise
+    except OSError:  # a file system without links
+        target.open("xb").close()
+        os.replace(passing, target)
 
 
 @contextlib.contextmanager
