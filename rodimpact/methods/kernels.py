@@ -194,5 +194,5 @@ def _mend(cache: Any) -> None:
 
 @functools.cache  # once is enough, though each kernel has files of its own
 def _tell_of_damage() -> None:
-    message = "machine code in the compiler's cache is damaged; it is made anew, this once"
+    message = "machine code in the compiler's cache is damaged; it is made anew"
     warnings.warn(message, DamagedCache, stacklevel=2)

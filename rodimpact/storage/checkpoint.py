@@ -142,7 +142,8 @@ class Checkpoint:
         """Which chunks have their checksum; a warning of those that have another."""
         kept = self._numbers[CHECKSUMS]
         done = kept != 0
-        columns = [self._by_member(name) for name in self._columns]
+        members = self._spans[-1][1]
+        columns = [self._numbers[name].reshape(members, -1) for name in self._columns]
         damaged = [
             chunk for chunk in np.flatnonzero(done).tolist()
             if checksum(x[slice(*self._spans[chunk])] for x in columns) != kept[chunk]
@@ -154,9 +155,6 @@ class Checkpoint:
                 f"{len(done)}, from number {damaged[0]} on", DamagedChunks, stacklevel=4,
             )
         return np.array(done)
-
-    def _by_member(self, name: str) -> Any:
-        return self._numbers[name].reshape(self._spans[-1][1], -1)
 
     def write(self, chunk: int, columns: Mapping[str, Any]) -> None:
         """Write a chunk."""
