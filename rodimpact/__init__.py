@@ -20,6 +20,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from . import rigid as rigid
     from . import theory as theory
     from . import units as units
+    from .methods.kernels import DamagedCache as DamagedCache
     from .methods.registry import Options as Options
     from .methods.run import ContactTally as ContactTally
     from .methods.run import Episode as Episode
@@ -66,7 +67,8 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .storage.casefile import parse_case as parse_case
     from .storage.casefile import read_case as read_case
     from .storage.casefile import write_case as write_case
-    from .storage.writing import FileFormatError as FileFormatError
+    from .storage.checkpoint import DamagedChunks as DamagedChunks
+    from .storage.reading import FileFormatError as FileFormatError
 
 _HOME = {
     "model.frozen": ("InvalidModel",),
@@ -78,6 +80,7 @@ _HOME = {
     "model.ends": ("Absorbing", "Fixed", "Free", "Moved", "Pushed"),
     "model.system": ("System",),
     "methods.registry": ("Options",),
+    "methods.kernels": ("DamagedCache",),
     "running.solving": ("LongRun", "collide", "solve"),
     "results.energy": ("EnergyLedger",),
     "results.gauges": ("Gauge", "gauges_to_csv"),
@@ -88,7 +91,8 @@ _HOME = {
     "results.regions": ("Regions", "regions_of"),
     "results.ring_down": ("RingDown",),
     "running.loading": ("load",),
-    "storage.writing": ("FileFormatError",),
+    "storage.checkpoint": ("DamagedChunks",),
+    "storage.reading": ("FileFormatError",),
     "running.sweeping": ("Axis", "SweepError", "SweepResult", "sweep"),
     "storage.casefile": ("Case", "parse_case", "read_case", "write_case"),
 }

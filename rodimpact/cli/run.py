@@ -11,7 +11,7 @@ import json
 
 from ..model import Rod
 from ..model.frozen import InvalidModel
-from ..results.gauges import gauges_to_csv
+from ..results.gauges import gauges_to_csv, misnamed
 from ..storage.casefile import Case, read_case
 from ..storage.report import solution_dict, solution_table
 from . import DONE, FAULT, INCOMPLETE, complain
@@ -96,6 +96,8 @@ def _places(
             message = f"must be NAME=BODY:X, such as incident=1:0.5, each name once, got {text!r}"
             problems.append(("--gauge", message))
             continue
+        if sentence := misnamed(name):
+            problems.append(("--gauge", sentence))
         found[name] = int(number), quantity(problems, f"--gauge {name}", x, "length")
         body = bodies[int(number)] if int(number) < len(bodies) else None
         if case and not isinstance(body, Rod):

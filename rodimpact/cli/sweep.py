@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import time
+import warnings
 from collections.abc import Iterable
 from typing import Any
 
@@ -21,7 +22,7 @@ from ..model.frozen import InvalidModel
 from ..running.sweep_report import sweep_json, sweep_table
 from ..running.sweeping import SweepError, SweepResult, sweep
 from ..storage.casefile import Case, read_case
-from ..storage.writing import FileFormatError
+from ..storage.reading import FileFormatError
 from . import DONE, FAULT, INCOMPLETE, complain
 from .asking import Mistakes, Problems, check_format, check_outputs, note, whole_number
 from .progress import a_second, progress_bar
@@ -133,7 +134,10 @@ def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:
     """Solve the family, with a progress bar on a terminal."""
     started = time.monotonic()
     try:
-        with progress_bar("collisions") as bar:
+        with warnings.catch_warnings(), progress_bar("collisions") as bar:
+            warnings.showwarning = (  # of a damaged checkpoint
+                lambda message, *_, **__: complain(str(message), DONE)  # type: ignore[assignment]
+            )
             result = sweep(case.system, progress=bar, **options)
     except KeyboardInterrupt:
         kept = options["checkpoint"]

@@ -10,17 +10,21 @@ from __future__ import annotations
 import contextlib
 import dis
 import functools
+import hashlib
 import os
-import pickle
 import sys
 import threading
 import types
+import warnings
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 Kernel = Callable[..., Any]
-UNREADABLE = (AttributeError, ImportError, EOFError, pickle.UnpicklingError, ValueError)
-"""What reading a damaged cache raises; kernels raise none of them."""
+
+
+class DamagedCache(UserWarning):
+    """Machine code on disk is not what was written, and is made anew."""
 
 
 def enabled() -> bool:
@@ -44,6 +48,7 @@ def compiled(kernel: Kernel) -> Kernel:
 
 
 _ONE_AT_A_TIME = threading.Lock()
+SEAL = 16  # bytes of checksum after machine code
 LOADING, PATIENCE = 0.005, 2.0  # s: of a compiled call, and of plain Python before the first one
 _spent = 0.0
 
@@ -79,30 +84,9 @@ def _compiled(kernel: Kernel) -> Kernel:
     if not enabled():
         return kernel
     try:
-        fast = _translate(kernel, True)
+        return _translate(kernel, True)
     except RuntimeError:  # numba found no place for its cache
-        fast = _translate(kernel, False)
-
-    @functools.wraps(kernel)
-    def call(*arguments: Any) -> Any:
-        nonlocal fast
-        try:
-            return fast(*arguments)
-        except OSError:  # the cache could not be written; nothing has run yet
-            fast = _translate(kernel, False)
-        except UNREADABLE:  # a damaged cache, or one of another version with other names
-            _forget(kernel)
-        return fast(*arguments)
-
-    return call
-
-
-def _forget(kernel: Kernel) -> None:
-    """Empty the cache on disk of a kernel and of all that it calls."""
-    assert isinstance(kernel, types.FunctionType)
-    for part in _parts(kernel):
-        with contextlib.suppress(AttributeError, OSError):  # a numba that keeps it elsewhere
-            _translate(part, True)._cache.flush()  # type: ignore[attr-defined]
+        return _translate(kernel, False)
 
 
 def cache_directory(kernel: Kernel) -> str:
@@ -116,7 +100,12 @@ def cache_directory(kernel: Kernel) -> str:
 @functools.cache
 def _translate(kernel: Kernel, cache: bool) -> Kernel:
     """Compile a twin of `kernel` whose callees in kernel files are compiled twins too."""
-    import numba
+    try:
+        import numba
+    except ValueError as error:
+        given = ", ".join(f"{k} = {v!r}" for k, v in os.environ.items() if k.startswith("NUMBA_"))
+        message = f"numba does not start: {error} Mend or unset this environment variable"
+        raise OSError(f"{given}: {message}") from None
 
     assert isinstance(kernel, types.FunctionType)
     scope = dict(kernel.__globals__)
@@ -133,7 +122,9 @@ def _translate(kernel: Kernel, cache: bool) -> Kernel:
     except KeyError:  # a numba without one of them
         fast = compile_(twin, cache=cache, nogil=True)
     if cache:
-        _watch(fast, kernel)
+        with contextlib.suppress(AttributeError):  # a numba whose cache has other parts
+            _watch(fast._cache._cache_file, kernel)  # type: ignore[attr-defined]
+            _mend(fast._cache)  # type: ignore[attr-defined]
     return fast
 
 
@@ -157,10 +148,51 @@ def _parts(kernel: types.FunctionType) -> set[types.FunctionType]:
     return parts
 
 
-def _watch(fast: Any, kernel: types.FunctionType) -> None:
-    """Let the cache notice a change in any file that the kernel is made of."""
-    parts = _parts(kernel)
-    found = [os.stat(name) for name in sorted({f.__code__.co_filename for f in parts})]
-    stamps = [(file.st_mtime, file.st_size) for file in found]
-    with contextlib.suppress(AttributeError):  # a numba that keeps its stamp elsewhere
-        fast._cache._cache_file._source_stamp = repr(stamps)
+def _watch(file: Any, kernel: types.FunctionType) -> None:
+    """Let the cache notice a change in any source that the kernel is made of, or in itself."""
+    sources = [os.stat(name) for name in sorted({f.__code__.co_filename for f in _parts(kernel)})]
+    stamp = repr([(source.st_mtime, source.st_size) for source in sources]) + " sealed"
+    dump, load = file._dump, file._load_data
+
+    def seal(data: bytes) -> bytes:
+        return hashlib.blake2b(stamp.encode() + data, digest_size=SEAL).digest()
+
+    def dump_sealed(code: Any) -> bytes:
+        data: bytes = dump(code)
+        return data + seal(data)  # what reads it ends before the seal
+
+    def load_sealed(name: str) -> Any:
+        data = Path(file._data_path(name)).read_bytes()
+        if data[-SEAL:] != seal(data[:-SEAL]):
+            raise ValueError(f"{name} is damaged")
+        return load(name)
+
+    file._source_stamp, file._dump, file._load_data = stamp, dump_sealed, load_sealed
+
+
+def _mend(cache: Any) -> None:
+    """Let the compiler do without what cannot be read from the cache, or written to it."""
+    load, save = cache.load_overload, cache.save_overload
+
+    def load_or_none(signature: Any, target: Any) -> Any:
+        try:
+            return load(signature, target)
+        except OSError:
+            return None
+        except Exception:  # pickle raises a dozen kinds for a damaged file
+            with contextlib.suppress(OSError):
+                cache.flush()
+            _tell_of_damage()
+            return None
+
+    def save_if_possible(signature: Any, code: Any) -> None:
+        with contextlib.suppress(Exception):  # a full disk, or an index that nobody may mend
+            save(signature, code)
+
+    cache.load_overload, cache.save_overload = load_or_none, save_if_possible
+
+
+@functools.cache  # once is enough, though each kernel has files of its own
+def _tell_of_damage() -> None:
+    message = "machine code in the compiler's cache is damaged; it is made anew"
+    warnings.warn(message, DamagedCache, stacklevel=2)

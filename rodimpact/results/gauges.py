@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats
-from ..model.arguments import array
-from ..model.frozen import InvalidModel
+from ..model.arguments import array, refuse
+from ..model.frozen import InvalidModel, Problems, number
 from ..storage.writing import write_text, written
 
 SAMPLES = 10_000  # of a record where no interval is given
+MOST_ROWS = 100_000_000  # of a table, some gigabytes
+TOGETHER = 4096  # rows that are made at a time
 
 
 @dataclass(frozen=True)
@@ -62,10 +66,22 @@ class Gauge:
         write_text(path, "".join(",".join(row) + "\n" for row in rows), force=force)
 
     def strain_at(self, t: ArrayLike) -> Floats:
-        """Strain at times t in s, from 0 to `end`."""
-        place = np.searchsorted(self.times, array("t", t, "s"), "right") - 1
-        found: Floats = self.strain[np.maximum(place, 0)]
-        return found
+        """Strain at times t in s, from 0 to `end`; ValueError at others."""
+        t = array("t", t, "s")
+        refuse(~((t >= 0) & (t <= self.end * (1 + 1e-9))), f"must be 0 to {self.end!r} s", t=t)
+        place = np.searchsorted(self.times, t, "right") - 1
+        strain: Floats = self.strain[np.maximum(place, 0)]
+        return strain
+
+
+def misnamed(column: object) -> str:
+    """Say why a column cannot have this name: it would end a cell, or a spreadsheet compute it."""
+    if isinstance(column, str) and re.fullmatch(r"\w[\w .:()/-]*", column) and column != "time":
+        return ""
+    return (
+        "a column is named by letters, digits, blanks and _ . : ( ) / -, a letter or a digit "
+        f'first, and not "time"; got {column!r}'
+    )
 
 
 def gauges_to_csv(
@@ -90,7 +106,8 @@ def gauges_to_csv(
     Raises
     ------
     InvalidModel
-        If there is no gauge, or the interval is not positive.
+        If there is no gauge, a name would break the table, or the interval is not a positive number
+        of seconds or gives too many rows.
     FileExistsError
         If the file is there and `force` is false.
 
@@ -107,17 +124,25 @@ def gauges_to_csv(
     ...     pathlib.Path(f"{folder}/bars.csv").read_text().splitlines()[0]
     'time,incident,transmitted'
     """
+    problems: Problems = []
     if not gauges:
-        message = "needs at least one record, such as solution.gauge(1, 0.5)"
-        raise InvalidModel([("gauges", message)])
-    end = min(record.end for record in gauges.values())
-    interval = end / SAMPLES if interval is None else interval
-    if not interval > 0:
-        message = f"must be a positive number of seconds, got {interval!r}"
-        raise InvalidModel([("interval", message)])
-    times = interval * np.arange(int(end / interval * (1 + 1e-12)) + 1)
-    columns = [times, *(record.strain_at(times) for record in gauges.values())]
+        problems.append(("gauges", "needs at least one record, such as solution.gauge(1, 0.5)"))
+    problems += [("gauges", sentence) for name in gauges if (sentence := misnamed(name))]
+    end = min((record.end for record in gauges.values()), default=0.0)
+    given = (end / SAMPLES if end else 1.0) if interval is None else interval
+    step: Any = number(problems, "interval", given, "s", "positive")
+    if not isinstance(step, float):
+        problems.append(("interval", f"must be a single number, got {interval!r}"))
+    elif not problems and end / step > MOST_ROWS:
+        message = f"gives {end / step:.3g} rows, more than {MOST_ROWS}; take at least"
+        problems.append(("interval", f"{message} {end / MOST_ROWS:.3g} s, got {step!r}"))
+    if problems:
+        raise InvalidModel(problems)
+    rows = int(end / step * (1 + 1e-12)) + 1
     with written(path, force=force) as file:
         file.write((",".join(["time", *gauges]) + "\n").encode())
-        for row in zip(*(column.tolist() for column in columns), strict=True):
-            file.write((",".join(map(repr, row)) + "\n").encode())
+        for start in range(0, rows, TOGETHER):
+            times = step * np.arange(start, min(start + TOGETHER, rows))
+            columns = [times, *(record.strain_at(times) for record in gauges.values())]
+            for row in zip(*(column.tolist() for column in columns), strict=True):
+                file.write((",".join(map(repr, row)) + "\n").encode())

@@ -415,6 +415,11 @@ def sweep(
     FileFormatError, OSError
         If the checkpoint directory holds something else, or cannot be written.
 
+    Warns
+    -----
+    DamagedChunks
+        If the checkpoint has parts that are not what was written; they are run again.
+
     Examples
     --------
     Strain at a gauge in the middle of a bar, for three strikers:
@@ -433,10 +438,17 @@ def sweep(
         problems.append(("on_error", f'must be "raise" or "record", got {on_error!r}'))
     if workers is not None:
         workers = count(problems, "workers", workers)
+    runs_chunks = isinstance(executor, Executor | None)
+    if not runs_chunks:
+        message = "must be an executor, such as concurrent.futures.ProcessPoolExecutor()"
+        problems.append(("executor", f"{message}, got {executor!r}"))
     try:
         options = Options(until, method, max_events, dt, rtol, cells)
         options = replace(options, method=options.method_for(system))
         readings = _readings(problems, system, gauges, times)
+        if not math.prod(system.shape):
+            message = f"has no members, its shape is {system.shape}; select one or more"
+            problems.append(("system", message))
     except InvalidModel as error:
         problems += error.problems
     if problems:
@@ -455,7 +467,8 @@ def sweep(
         }
         shapes = {name: (np.dtype(kind), (*system.shape, *beyond))
                   for name, (kind, beyond) in of.items()}
-        keep = Checkpoint(checkpoint, described, shapes, len(chunks))
+        spans = [chunks.span(number) for number in range(len(chunks))]
+        keep = Checkpoint(checkpoint, described, shapes, spans)
         columns, done = keep.columns(), keep.done.copy()
 
     def arrived(number: int, found: Columns) -> None:
@@ -463,7 +476,7 @@ def sweep(
         if on_error == "raise":
             _raise_first(found["status"], start, system, options)
         if keep is not None and not done[number]:
-            keep.write(number, start, found)
+            keep.write(number, found)
         elif keep is None:
             for name, values in found.items():
                 columns[name][start:stop] = values

@@ -1,25 +1,34 @@
-"""A sweep on disk: result columns as NPY files, and which chunks of them are done.
+"""A sweep on disk: result columns as NPY files, and a checksum of each chunk that is done.
 
-A chunk counts as done only when its numbers are on the disk, so a process may be killed at any
-moment; the next one goes on with what is missing. Every column is an ordinary NPY file.
+Every file is made whole by whoever comes first. A chunk gets its checksum when its numbers are on
+the disk, so a process may be killed at any moment; the next one goes on with what is missing, or is
+no longer what it was.
 """
 
 from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 import time
-from collections.abc import Mapping
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .writing import FileFormatError, PathLike, write_text
+from .reading import FileFormatError, npy_header, open_regular
+from .writing import PASSING, PathLike, checksum, write_text, written
 
 HEAD = "sweep.json"
+CHECKSUMS = "checksums"  # a column of its own: one a chunk, 0 while it is not done
 SYNC_EVERY = 1.0  # s; at most so much work is done again after a crash
+
+
+class DamagedChunks(UserWarning):
+    """Parts of a checkpoint are not what was written, and are run again."""
 
 
 class Checkpoint:
@@ -32,11 +41,17 @@ class Checkpoint:
     sweep : mapping
         What makes it the same sweep, JSON-ready.
     columns : mapping of str to (dtype, shape)
-    chunks : int
+    spans : sequence of (int, int)
+        First and last flat index of the members of each chunk.
 
     Attributes
     ----------
     done : array of bool, [chunks]
+
+    Warns
+    -----
+    DamagedChunks
+        If chunks that were done do not have their checksum; they are done no longer.
 
     Raises
     ------
@@ -48,85 +63,139 @@ class Checkpoint:
 
     def __init__(
         self, path: PathLike, sweep: Mapping[str, Any],
-        columns: Mapping[str, tuple[Any, tuple[int, ...]]], chunks: int,
+        columns: Mapping[str, tuple[Any, tuple[int, ...]]], spans: Sequence[tuple[int, int]],
     ) -> None:
-        self.path, self._columns, self._waiting = Path(path), columns, list[int]()
+        self.path, self._columns, self._spans = Path(path), columns, spans
+        self._waiting: dict[int, int] = {}  # checksums of chunks that are not on the disk for sure
         self._synced = time.monotonic()
-        self.path.mkdir(parents=True, exist_ok=True)
+        self._claim(sweep)
+        files = {**columns, CHECKSUMS: (np.dtype(np.uint64), (len(spans),))}
+        for name, of in files.items():
+            self._make(name, *of)
+        self._numbers = {name: self._read(name, *of) for name, of in files.items()}
+        self.done = self._undamaged()
+        self._open = {name: self._file(name).open("r+b") for name in files}
+
+    def _file(self, name: str) -> Path:
+        return self.path / f"{name}.npy"
+
+    def _claim(self, sweep: Mapping[str, Any]) -> None:
+        """Make this the directory of the sweep, or see that it is."""
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+        except FileExistsError:
+            raise NotADirectoryError(f"{self.path}: is a file; name a directory") from None
+        except OSError as error:
+            message = f"cannot make the directory {str(self.path)!r}: {error.strerror}"
+            raise type(error)(message) from None
+        except ValueError:
+            raise OSError(f"{str(self.path)!r}: a name cannot hold the character NUL") from None
+        foreign = sorted(x.name for x in self.path.iterdir() if not x.name.startswith(PASSING))
         head = self.path / HEAD
-        if head.exists():
-            self._compare(head, sweep)
-        else:
-            mine = {self._file(name).name for name in (*columns, "done")}
-            foreign = sorted({entry.name for entry in self.path.iterdir()} - mine)
+        if not head.exists():
             if foreign:
                 raise FileFormatError(
                     f"{self.path}: is no checkpoint of a sweep, it holds {foreign[0]!r}; name a "
                     "new or an empty directory"
                 )
-            for name, (dtype, shape) in {**columns, "done": (np.bool_, (chunks,))}.items():
-                array = np.lib.format.open_memmap(self._file(name), "w+", dtype, shape)
-                array.flush()
-            write_text(head, json.dumps(sweep, indent=1) + "\n")
-        self.done = np.array(self._read("done", (np.bool_, (chunks,))))
-        for name, of in columns.items():
-            self._read(name, of)
-        self._open = {name: self._file(name).open("r+b") for name in (*columns, "done")}
-        self._start = {name: _header_size(file) for name, file in self._open.items()}
-
-    def _file(self, name: str) -> Path:
-        return self.path / f"{name}.npy"
-
-    def _read(self, name: str, of: tuple[Any, tuple[int, ...]]) -> Any:
-        """A column, on disk until it is looked at."""
-        path = self._file(name)
+            with contextlib.suppress(FileExistsError):  # another process was first
+                write_text(head, json.dumps(sweep, indent=1) + "\n")
         try:
-            array = np.load(path, mmap_mode="r", allow_pickle=False)
-        except (ValueError, FileNotFoundError) as error:
-            raise FileFormatError(f"{path}: is damaged ({error}); start in a new directory"
-                                  ) from None
-        if array.dtype != of[0] or array.shape != of[1]:
-            raise FileFormatError(f"{path}: is not this sweep's; start in a new directory")
-        return array
-
-    def _compare(self, head: Path, sweep: Mapping[str, Any]) -> None:
-        try:
-            there = dict(json.loads(head.read_text(encoding="utf-8")))
-        except ValueError:
-            raise FileFormatError(f"{head}: is damaged; start in a new directory") from None
-        different = [key for key in {**there, **sweep} if there.get(key) != sweep.get(key)]
+            with open_regular(head) as file:
+                there = json.load(file)
+            same_kind = there.keys() == sweep.keys()
+        except (AttributeError, ValueError, RecursionError):
+            same_kind = False
+        if not same_kind:
+            raise FileFormatError(f"{head}: is damaged; start in a new directory")
+        different = [key for key in sweep if there[key] != sweep[key]]
         if different:
             raise FileFormatError(
                 f"{self.path}: holds another sweep, with another {' and '.join(different)}; name "
                 "a new directory"
             )
 
-    def write(self, chunk: int, start: int, columns: Mapping[str, Any]) -> None:
-        """Write a chunk, whose first member has the flat index `start`."""
-        for name, values in columns.items():
-            file = self._open[name]
-            file.seek(self._start[name] + start * values[:1].nbytes)
-            file.write(values.tobytes())
-        self._waiting.append(chunk)
+    def _make(self, name: str, dtype: Any, shape: tuple[int, ...]) -> None:
+        """A column of zeros, unless it is there."""
+        with contextlib.suppress(FileExistsError), written(self._file(name)) as file:
+            np.lib.format.write_array_header_1_0(file, {
+                "descr": np.lib.format.dtype_to_descr(dtype), "fortran_order": False,
+                "shape": shape,
+            })
+            file.truncate(file.tell() + dtype.itemsize * math.prod(shape))
+
+    def _read(self, name: str, dtype: Any, shape: tuple[int, ...]) -> Any:
+        """A column, on disk until it is looked at."""
+        path = self._file(name)
+        with open_regular(path) as file:
+            try:
+                if npy_header(file) != (dtype, shape, False):
+                    raise ValueError(f"it has not the shape {shape} of this sweep")
+                return np.memmap(file, dtype, "r", file.tell(), shape)
+            except Exception as error:  # numpy raises half a dozen kinds for a damaged file
+                raise FileFormatError(
+                    f"{path}: is damaged, or not this sweep's ({error}); move it away to have it "
+                    "made again, or start in a new directory"
+                ) from None
+
+    def _undamaged(self) -> Any:
+        """Which chunks have their checksum; a warning of those that have another."""
+        kept = self._numbers[CHECKSUMS]
+        done = kept != 0
+        members = self._spans[-1][1]
+        columns = [self._numbers[name].reshape(members, -1) for name in self._columns]
+        damaged = [
+            chunk for chunk in np.flatnonzero(done).tolist()
+            if checksum(x[slice(*self._spans[chunk])] for x in columns) != kept[chunk]
+        ]
+        if damaged:
+            done[damaged] = False
+            warnings.warn(
+                f"{self.path}: damaged parts of the sweep are run again, {len(damaged)} of "
+                f"{len(done)}, from number {damaged[0]} on", DamagedChunks, stacklevel=4,
+            )
+        return np.array(done)
+
+    def write(self, chunk: int, columns: Mapping[str, Any]) -> None:
+        """Write a chunk."""
+        with self._told():
+            for name in self._columns:
+                self._put(name, self._spans[chunk][0], columns[name])
+        self._waiting[chunk] = checksum(columns[name] for name in self._columns)
         if time.monotonic() - self._synced > SYNC_EVERY:
             self.sync()
 
     def sync(self) -> None:
-        """Bring what was written to the disk, and only then mark it as done."""
+        """Bring what was written to the disk, and only then its checksums."""
         if self._waiting:
-            for name in self._columns:
-                self._bring(name)
-            for chunk in self._waiting:
-                self._open["done"].seek(self._start["done"] + chunk)
-                self._open["done"].write(b"\1")
-            self._bring("done")
-            self.done[self._waiting] = True
+            with self._told():
+                for name in self._columns:
+                    self._bring(name)
+                for chunk, number in self._waiting.items():
+                    self._put(CHECKSUMS, chunk, np.array([number], np.uint64))
+                self._bring(CHECKSUMS)
+            self.done[[*self._waiting]] = True
             self._waiting.clear()
         self._synced = time.monotonic()
+
+    def _put(self, name: str, start: int, values: Any) -> None:
+        """Write numbers of the members from `start` on."""
+        self._open[name].seek(self._numbers[name].offset + start * values[:1].nbytes)
+        self._open[name].write(values.tobytes())
 
     def _bring(self, name: str) -> None:
         self._open[name].flush()
         os.fsync(self._open[name].fileno())
+
+    @contextlib.contextmanager
+    def _told(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise type(error)(
+                f"cannot write in {str(self.path)!r}: {error.strerror or error}; what is done is "
+                "kept, and the same sweep goes on from there"
+            ) from error
 
     def close(self) -> None:
         """Mark what can be marked and close the files."""
@@ -139,13 +208,4 @@ class Checkpoint:
 
     def columns(self) -> dict[str, Any]:
         """Columns, read from the disk as they are needed."""
-        return {name: self._read(name, of) for name, of in self._columns.items()}
-
-
-def _header_size(file: Any) -> int:
-    """Where the numbers of an NPY file begin."""
-    version = np.lib.format.read_magic(file)
-    read = {(1, 0): np.lib.format.read_array_header_1_0,
-            (2, 0): np.lib.format.read_array_header_2_0}[version]
-    read(file)
-    return int(file.tell())
+        return {name: self._read(name, *of) for name, of in self._columns.items()}

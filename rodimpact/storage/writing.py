@@ -7,12 +7,15 @@ What is to be loaded again is an NPZ of plain arrays, with everything else in on
 from __future__ import annotations
 
 import contextlib
-import io
+import hashlib
 import json
 import math
 import os
 import secrets
-from collections.abc import Iterator
+import signal
+import stat
+import threading
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO, TypeAlias
 
@@ -24,12 +27,13 @@ PathLike: TypeAlias = "str | os.PathLike[str]"
 Arrays: TypeAlias = dict[str, Any]
 
 FORMAT = "rodimpact"
-SCHEMA = 2
-"""Version of what a saved file holds; older readers refuse files with a higher one."""
-
-
-class FileFormatError(ValueError):
-    """A file is not what rodimpact saved: foreign, damaged, or of a newer version."""
+SCHEMA, OLDEST = 3, 3
+"""Version of what a saved file holds, and the oldest that is read; readers refuse newer ones."""
+MOST_DOCUMENT = 1 << 28
+"""Bytes of the document of a saved file, four to a character."""
+PASSING = ".rodimpact-"
+"""How names of files begin that are being written."""
+EXISTS = "it exists already; give --force (in Python force=True) to replace it"
 
 
 def check_target(path: PathLike, *, force: bool = False) -> Path:
@@ -52,22 +56,34 @@ def check_target(path: PathLike, *, force: bool = False) -> Path:
         If the file is there and `force` is false.
     OSError
         The subclass that fits (`IsADirectoryError`, `NotADirectoryError`, `FileNotFoundError` for a
-        missing directory): where no file can be.
+        missing directory, `PermissionError`): where no file can be.
     """
-    target = Path(os.path.realpath(path))
-    refused = f"cannot write {os.fspath(path)!r}: "
-    if target.is_dir() or not os.path.basename(path):
+    refused, mode = f"cannot write {os.fspath(path)!r}: ", 0
+    try:
+        target = Path(os.path.realpath(path))
+        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+            mode = target.stat().st_mode
+    except FileNotFoundError:
+        message = "the current directory was deleted; change to another"
+        raise FileNotFoundError(refused + message) from None
+    except OSError as error:
+        raise type(error)(f"{refused}{error.strerror}") from None
+    except ValueError:
+        raise OSError(refused + "a name cannot hold the character NUL") from None
+    folder = target.parent
+    if stat.S_ISDIR(mode) or not os.path.basename(path):
         raise IsADirectoryError(refused + "it is a directory; add the name of a file")
-    if target.exists():
-        if not target.is_file():
-            raise OSError(refused + "it is not a regular file")
-        if not force:
-            message = "it exists already; give --force (in Python force=True) to replace it"
-            raise FileExistsError(refused + message)
-    elif not target.parent.exists():
-        raise FileNotFoundError(refused + f"there is no directory {str(target.parent)!r}; make it")
-    elif not target.parent.is_dir():
-        raise NotADirectoryError(refused + f"{str(target.parent)!r} is not a directory")
+    if mode and not stat.S_ISREG(mode):
+        raise OSError(refused + "it is not a regular file")
+    if mode and not force:
+        raise FileExistsError(refused + EXISTS)
+    if not folder.exists():
+        raise FileNotFoundError(refused + f"there is no directory {str(folder)!r}; make it")
+    if not folder.is_dir():
+        raise NotADirectoryError(refused + f"{str(folder)!r} is not a directory")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        message = f"you may not write in the directory {str(folder)!r}; name another"
+        raise PermissionError(refused + message)
     return target
 
 
@@ -99,20 +115,58 @@ def written(path: PathLike, *, force: bool = False) -> Iterator[BinaryIO]:
     Parameters and errors are those of `write_bytes`.
     """
     target = check_target(path, force=force)
-    passing = target.with_name(f".rodimpact-{secrets.token_hex(8)}")
+    passing = target.with_name(PASSING + secrets.token_hex(8))
+    with _signals_raise():
+        try:
+            with open(passing, "xb") as file:
+                yield file
+                file.flush()
+                os.fsync(file.fileno())
+            if force:
+                os.replace(passing, target)
+            else:
+                _place(passing, target)
+        except OSError as error:
+            reason = EXISTS if isinstance(error, FileExistsError) else error.strerror or error
+            raise type(error)(f"cannot write {os.fspath(path)!r}: {reason}") from error
+        finally:
+            with contextlib.suppress(OSError):
+                passing.unlink()
+
+
+def _place(passing: Path, target: Path) -> None:
+    """Give a file its name; FileExistsError if someone else has made one of that name meanwhile."""
     try:
-        with open(passing, "xb") as file:
-            yield file
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(passing, target)
-    except BaseException as error:
-        with contextlib.suppress(OSError):
-            passing.unlink()
-        if isinstance(error, OSError):
-            message = f"cannot write {os.fspath(path)!r}: {error.strerror or error}"
-            raise type(error)(message) from error
+        os.link(passing, target)
+    except FileExistsError:
         raise
+    except OSError:  # a file system without links
+        target.open("xb").close()
+        os.replace(passing, target)
+
+
+@contextlib.contextmanager
+def _signals_raise() -> Iterator[None]:
+    """Let the signals that would end this process raise first, so that it can clear up."""
+    received: list[int] = []
+
+    def raise_exit(number: int, _: Any) -> None:
+        received.append(number)
+        raise SystemExit(128 + number)
+
+    ending = []
+    if threading.current_thread() is threading.main_thread():
+        known = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+        ending = [number for number in known if signal.getsignal(number) == signal.SIG_DFL]
+    try:
+        for number in ending:
+            signal.signal(number, raise_exit)
+        yield
+    finally:
+        for number in ending:
+            signal.signal(number, signal.SIG_DFL)
+        if received:
+            signal.raise_signal(received[0])
 
 
 def write_text(path: PathLike, text: str, *, force: bool = False) -> None:
@@ -123,30 +177,37 @@ def write_text(path: PathLike, text: str, *, force: bool = False) -> None:
 def write_npz(
     path: PathLike, kind: str, document: dict[str, Any], arrays: Arrays, *, force: bool = False
 ) -> None:
-    """Write arrays and a JSON document as one compressed NPZ that `load` knows by its `kind`."""
+    """Write arrays and a JSON document as one compressed NPZ that `read_npz` knows by its `kind`.
+
+    The document says what each array is, so that no reader unpacks anything else.
+    """
     head = {"format": FORMAT, "schema": SCHEMA, "rodimpact": __version__, "kind": kind}
-    text = json.dumps(_finite({**head, **document}), allow_nan=False)
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, document=np.array(text), **arrays)
-    write_bytes(path, buffer.getvalue(), force=force)
+    what = {name: described(np.asanyarray(array)) for name, array in arrays.items()}
+    text = json.dumps(_finite({**head, **document, "arrays": what}), allow_nan=False)
+    if 4 * len(text) > MOST_DOCUMENT:
+        message = f"cannot write {os.fspath(path)!r}: the row has too many numbers for one file"
+        raise OSError(message)
+    with written(path, force=force) as file:
+        np.savez_compressed(file, document=np.array(text), **arrays)
 
 
-_SPECIAL = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # JSON has no such numbers
+def described(array: Any) -> dict[str, Any]:
+    """What an array is, and a checksum of its numbers; JSON-ready."""
+    return {"type": array.dtype.str, "shape": list(array.shape), "checksum": checksum([array])}
+
+
+def checksum(arrays: Iterable[Any]) -> int:
+    """64 bits, never all 0, that change if any bit of the numbers does."""
+    state = hashlib.blake2b(digest_size=8)
+    for array in arrays:
+        state.update(np.ascontiguousarray(array).ravel().view(np.uint8).data)
+    return int.from_bytes(state.digest()) or 1
 
 
 def _finite(value: Any) -> Any:
-    """The same with numbers that JSON lacks as words."""
+    """The same with numbers that JSON lacks as words; `restored` undoes it."""
     if isinstance(value, float) and not math.isfinite(value):
         return str(float(value))
     if isinstance(value, dict):
         return {key: _finite(item) for key, item in value.items()}
     return [_finite(item) for item in value] if isinstance(value, list | tuple) else value
-
-
-def restored(value: Any) -> Any:
-    """Undo `_finite`; lists become tuples."""
-    if isinstance(value, dict):
-        return {key: restored(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return tuple(restored(item) for item in value)
-    return _SPECIAL.get(value, value) if isinstance(value, str) else value

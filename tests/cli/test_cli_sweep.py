@@ -468,6 +468,21 @@ def test_a_checkpoint_keeps_the_sweep(case, capsys):
     assert err.count("\n") == 1
 
 
+@pytest.mark.filterwarnings("default")
+def test_a_damaged_checkpoint_is_told_in_a_line(case, capsys):
+    assert sweep("--vary", LENGTHS, "--checkpoint", "kept") == 0
+    before = capsys.readouterr().out
+    path = Path("kept/impulse.0.npy")
+    data = bytearray(path.read_bytes())
+    data[-1] ^= 1
+    path.write_bytes(data)
+    assert sweep("--vary", LENGTHS, "--checkpoint", "kept") == 0
+    out, err = capsys.readouterr()
+    assert out == before
+    (line,) = err.splitlines()
+    assert line.startswith("rodimpact: kept: damaged parts of the sweep are run again, 1 of 1")
+
+
 def test_a_checkpoint_that_cannot_be_written_ends_with_1(case, capsys):
     assert sweep("--vary", LENGTHS, "--checkpoint", "case.toml/kept") == 1
     err = capsys.readouterr().err

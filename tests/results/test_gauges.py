@@ -48,13 +48,62 @@ def test_the_default_interval(tmp_path, bars):
     assert len(read(tmp_path / "one.csv")) == 10_001
 
 
-@pytest.mark.parametrize("interval", [0.0, -1.0, float("nan")])
+@pytest.mark.parametrize("interval", [
+    0.0, -1.0, float("nan"), float("inf"), 1e-30, 5e-324, "1 us", [1e-6, 2e-6], [1e-6],
+], ids=repr)
 def test_an_interval_must_be_positive(tmp_path, bars, interval):
     with pytest.raises(ri.InvalidModel, match="interval"):
         ri.gauges_to_csv(tmp_path / "x.csv", {"a": bars.gauge(0, 0.1)}, interval=interval)
     with pytest.raises(ri.InvalidModel, match="gauges"):
         ri.gauges_to_csv(tmp_path / "x.csv", {})
     assert not (tmp_path / "x.csv").exists()
+
+
+def test_a_record_of_no_time_is_one_row(tmp_path):
+    bars = [ri.Rod(L, area=1e-4, material=STEEL, velocity=v) for L, v in ((0.2, 10.0), (1.0, 0.0))]
+    record = ri.solve(ri.System(bars), until=0).gauge(0, 0.1)
+    for interval in (None, 1e-6):
+        ri.gauges_to_csv(tmp_path / "x.csv", {"a": record}, interval=interval, force=True)
+        assert (tmp_path / "x.csv").read_text() == "time,a\n0.0,0.0\n"
+
+
+def test_rows_are_the_same_however_many_are_made_at_a_time(tmp_path, bars, monkeypatch):
+    record = bars.gauge(1, 0.5)
+    ri.gauges_to_csv(tmp_path / "a.csv", {"a": record})
+    monkeypatch.setattr("rodimpact.results.gauges.TOGETHER", 7)
+    ri.gauges_to_csv(tmp_path / "b.csv", {"a": record})
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+    table = read(tmp_path / "a.csv")
+    assert table["a"].tolist() == record.strain_at(table["time"]).tolist()
+    assert table["time"][-1] == pytest.approx(record.end, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", [
+    "", "a,b", "a\nb", "a\r", "=1+1", "+1", "-1", "@x", "\tx", "a=b", 'a"b', "a;b", " a", "time",
+    "\udcff", "a\0", 5, None,
+], ids=repr)
+def test_names_that_break_a_table_are_refused(tmp_path, bars, name):
+    with pytest.raises(ri.InvalidModel, match="gauges: a column is named by letters"):
+        ri.gauges_to_csv(tmp_path / "x.csv", {"good": bars.gauge(0, 0.1), name: bars.gauge(0, 0.1)})
+    assert not (tmp_path / "x.csv").exists()
+
+
+def test_names_of_many_languages_are_columns(tmp_path, bars):
+    names = ["Stab 1 (Länge/2)", "入力棒", "ε_T", "2nd bar: x-0.5"]
+    ri.gauges_to_csv(tmp_path / "x.csv", {name: bars.gauge(0, 0.1) for name in names})
+    head = (tmp_path / "x.csv").read_text(encoding="utf-8").splitlines()[0]
+    assert head.split(",") == ["time", *names]
+
+
+def test_a_gauge_answers_inside_its_record_only(bars):
+    record = bars.gauge(1, 0.5)
+    assert record.strain_at([0.0, record.end]).tolist() == [record.strain[0], record.strain[-1]]
+    for t in (-1e-9, np.nan, record.end * 1.01, np.inf, -np.inf):
+        with pytest.raises(ValueError, match=f"t = {t} at index .1,.: must be 0 to"):
+            record.strain_at([0.0, t])
+    for x in (-5.0, np.nan, 1.01):
+        with pytest.raises(ValueError, match=f"x: must lie in body 1, 0 to 1 m, got {x}"):
+            bars.gauge(1, x)
 
 
 def test_on_the_command_line(tmp_path, capsys):
@@ -75,6 +124,7 @@ def test_on_the_command_line(tmp_path, capsys):
     (["--gauges", "x.csv", "--gauge", "a=9:0.1"], "body 9 is no rod"),
     (["--gauges", "x.csv", "--gauge", "a=0:1"], "must lie in body 0"),
     (["--gauges", "x.csv", "--gauge", "a=0:1 kg"], "--gauge a"),
+    (["--gauges", "x.csv", "--gauge", "a,b=0:0.1"], "--gauge: a column is named by letters"),
 ])
 def test_mistakes_on_the_command_line(tmp_path, capsys, monkeypatch, options, said):
     monkeypatch.chdir(tmp_path)

@@ -15,7 +15,8 @@ from systems import horizon, random_system
 import rodimpact as ri
 from rodimpact.running.loading import load
 from rodimpact.storage import writing
-from rodimpact.storage.writing import SCHEMA, FileFormatError, check_target, write_bytes, write_text
+from rodimpact.storage.reading import FileFormatError
+from rodimpact.storage.writing import SCHEMA, check_target, write_bytes, write_text
 
 STEEL = ri.materials.steel
 SHORT = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)

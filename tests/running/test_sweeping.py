@@ -634,3 +634,19 @@ def test_a_result_says_what_it_is():
         "<SweepResult of shape (3, 2) over bodies.0.length, bodies.1.area>"
     )
     assert sweeping.STATUS[0] == "final"
+
+
+@pytest.mark.parametrize("executor", [object(), "processes", 4, ProcessPoolExecutor])
+def test_what_is_no_executor_is_refused(executor):
+    with pytest.raises(ri.InvalidModel, match="executor: must be an executor, such"):
+        ri.sweep(small_map(), executor=executor)
+
+
+@pytest.mark.parametrize("checkpoint", [False, True])
+def test_a_family_with_no_members_is_refused(tmp_path, checkpoint):
+    """As a mask selects that is nowhere true."""
+    family = small_map()
+    for nobody in (family[np.zeros(family.shape, dtype=bool)], family[:0]):
+        with pytest.raises(ri.InvalidModel, match="system: has no members, its shape is"):
+            ri.sweep(nobody, checkpoint=tmp_path / "kept" if checkpoint else None)
+    assert not (tmp_path / "kept").exists()

@@ -1,0 +1,163 @@
+"""Files are read here: nothing is unpacked that the file's own document does not announce.
+
+An NPZ is opened at its document. Only if that is one of rodimpact's are the arrays read that it
+names, and each must have the size, type, shape and checksum that it had when it was written.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import zipfile
+from collections.abc import Callable, Mapping
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from .. import __version__
+from .writing import FORMAT, MOST_DOCUMENT, OLDEST, SCHEMA, Arrays, PathLike, described
+
+MOST_HEADER = 1 << 12  # bytes before the numbers of an array; usually 128
+PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # others swell without bounds
+_SPECIAL = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # JSON has no such numbers
+
+
+class FileFormatError(ValueError):
+    """A file is not what rodimpact saved: foreign, damaged, or of a newer version."""
+
+
+def open_regular(path: PathLike) -> BinaryIO:
+    """Open a file to be read; OSError where there is none, or a pipe or a device."""
+    try:
+        if os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path):
+            raise OSError(f"cannot read {os.fspath(path)!r}: it is not a regular file")
+        return open(path, "rb")
+    except ValueError:
+        message = "a name cannot hold the character NUL"
+        raise OSError(f"cannot read {os.fspath(path)!r}: {message}") from None
+
+
+def read_npz(path: PathLike, readers: Mapping[str, Callable[[dict[str, Any], Arrays], Any]]) -> Any:
+    """Read what `write_npz` wrote.
+
+    Parameters
+    ----------
+    path : str or path
+    readers : mapping of str to callable
+        For each kind of file, what makes the result of its document and its arrays.
+
+    Returns
+    -------
+    object
+        What the reader of that kind makes.
+
+    Raises
+    ------
+    FileFormatError
+        If the file is not such a one, or is damaged.
+    OSError
+        If it cannot be read at all.
+    """
+    step = "is not an NPZ file, so rodimpact did not save it"
+    with open_regular(path) as file:
+        try:
+            if file.read(2) != b"PK":
+                raise FileFormatError(step)
+            step = "is not a whole NPZ file of plain arrays"
+            with zipfile.ZipFile(file) as archive:
+                document = _document(archive, readers)
+                arrays = _arrays(archive, document.pop("arrays"))
+            step = "its contents do not fit together"
+            return readers[document["kind"]](document, arrays)
+        except FileFormatError as error:
+            raise FileFormatError(f"{os.fspath(path)}: {error}") from None
+        except MemoryError:
+            raise
+        except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for a damaged file
+            reason = f"{type(error).__name__}: {error}"
+            raise FileFormatError(f"{os.fspath(path)}: {step} ({reason})") from error
+
+
+def npy_header(file: Any) -> tuple[Any, tuple[int, ...], bool]:
+    """Type and shape of an NPY file, and whether its first index runs fastest; read so far."""
+    version = np.lib.format.read_magic(file)
+    read = {(1, 0): np.lib.format.read_array_header_1_0,
+            (2, 0): np.lib.format.read_array_header_2_0}[version]
+    shape, fortran, dtype = read(file)
+    return dtype, shape, fortran
+
+
+def restored(value: Any) -> Any:
+    """Numbers that JSON lacks, from the words that stand for them; lists become tuples."""
+    if isinstance(value, dict):
+        return {key: restored(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return tuple(restored(item) for item in value)
+    return _SPECIAL.get(value, value) if isinstance(value, str) else value
+
+
+def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str, Any]:
+    """What the file says of itself; all of it but arrays."""
+    foreign = FileFormatError("is an NPZ file, but not one that rodimpact saved")
+    if "document.npy" not in archive.namelist():
+        raise foreign
+    text = str(_array(archive, "document", MOST_DOCUMENT))
+    try:
+        document = json.loads(text)
+        if document["format"] != FORMAT:
+            raise foreign
+        schema, kind, version = document["schema"], document["kind"], document["rodimpact"]
+        known = OLDEST <= schema <= SCHEMA and kind in readers
+    except (KeyError, TypeError, ValueError, RecursionError):
+        raise foreign from None
+    if not known:
+        raise FileFormatError(
+            f"is a {kind!r} of schema {schema!r}, saved by rodimpact {version}; this is rodimpact "
+            f"{__version__}, which reads {OLDEST} to {SCHEMA}. Use the version that saved it, or a "
+            "newer one"
+        )
+    return document  # type: ignore[no-any-return]
+
+
+def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
+    """The arrays that the document names, each as it was written."""
+    sizes = {name: np.dtype(entry["type"]).itemsize * math.prod(entry["shape"])
+             for name, entry in entries.items()}
+    if sum(sizes.values()) > _memory() / 2:
+        raise MemoryError(
+            f"{archive.filename}: holds {sum(sizes.values()) / 1e9:.3g} GB, more than half of the "
+            f"{_memory() / 1e9:.3g} GB of memory here; load it on a larger machine"
+        )
+    mismatch = "its contents do not fit together: {} is not what the document says"
+    for name in {*archive.namelist()} ^ {f"{name}.npy" for name in (*entries, "document")}:
+        raise FileFormatError(mismatch.format(name))
+    arrays = {}
+    for name, entry in entries.items():
+        arrays[name] = _array(archive, name, sizes[name])
+        if described(arrays[name]) != entry:
+            raise FileFormatError(mismatch.format(name))
+    return arrays
+
+
+def _array(archive: zipfile.ZipFile, name: str, most: int) -> Any:
+    """An array of at most so many bytes, or ValueError."""
+    packed = archive.getinfo(f"{name}.npy")
+    if packed.compress_type not in PACKINGS:
+        raise ValueError(f"{name} is packed in a way that NPZ files are not")
+    if packed.file_size > most + MOST_HEADER:
+        raise ValueError(f"{name} has {packed.file_size} bytes and should have {most}")
+    with archive.open(packed) as file:
+        dtype, shape, _ = npy_header(file)
+        if dtype.itemsize * math.prod(shape) != packed.file_size - file.tell():
+            raise ValueError(f"{name} is not as long as it says")
+        file.seek(0)
+        return np.lib.format.read_array(file, allow_pickle=False)
+
+
+def _memory() -> float:
+    """Bytes of memory that this machine has."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (AttributeError, ValueError, OSError):  # a system that does not say
+        return math.inf

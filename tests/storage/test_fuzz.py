@@ -1,0 +1,178 @@
+"""Files damaged at random are refused, or give what was saved; nothing else ever comes of them."""
+
+import json
+import shutil
+import warnings
+
+import numpy as np
+import pytest
+from exhaustive import few_of
+from networks import STEP, random_network
+
+import rodimpact as ri
+
+STEEL = ri.materials.steel
+DAMAGES = 25  # of each seed
+SEEDS = few_of(range(80), range(3))  # 2,000 of them in all
+
+
+def family():
+    return ri.System([
+        ri.Rod(np.linspace(0.1, 1, 15)[:, None], area=1e-4, material=STEEL, velocity=1.0),
+        ri.Rod(1.0, area=np.array([1e-4, 3e-4]), material=STEEL),
+    ])
+
+
+@pytest.fixture(scope="module")
+def originals(tmp_path_factory):
+    """Results of all kinds, saved: a file each."""
+    rods = family()[3, 1]
+    results = {
+        "fronts": ri.solve(rods),
+        "steps": ri.solve(random_network(1, driven=True), until=1.0, dt=STEP),
+        "grid": ri.solve(random_network(2, driven=False), until=0.5, cells=6),
+        "sweep": ri.sweep(family(), until=2e-4, gauges=[(1, 0.5)], times=[1e-4, 2e-4]),
+    }
+    folder = tmp_path_factory.mktemp("saved")
+    for name, result in results.items():
+        result.save(folder / f"{name}.npz")
+    return sorted(folder.iterdir())
+
+
+def spoil(rng, data):
+    """Bytes with one piece of damage, of any kind that disks, networks and people make."""
+    data = bytearray(data)
+    kind, size = rng.integers(6), len(data)
+    start, stop = sorted(rng.integers(size + 1, size=2).tolist())
+    if kind == 0:
+        for place in rng.integers(size, size=rng.integers(1, 4)):
+            data[place] ^= 1 << rng.integers(8)
+    elif kind == 1:
+        del data[start:]
+    elif kind == 2:
+        del data[start : min(stop, start + 40)]
+    elif kind == 3:
+        data[start:stop] = bytes(stop - start)
+    elif kind == 4:
+        data[start:start] = rng.bytes(rng.integers(1, 40))
+    else:
+        data[start:stop] = rng.bytes(stop - start)
+    return bytes(data)
+
+
+def alter(rng, array):
+    """The array with another type, shape or number."""
+    kind = rng.integers(6)
+    if kind == 0:
+        return array.astype(rng.choice(["f4", "i2", "c16", "U8", ">f8", "M8[s]", "?"]))
+    if kind == 1:
+        return array.ravel() if array.ndim > 1 else array[None]
+    if kind == 2:
+        return array[: rng.integers(array.shape[0] + 1)] if array.ndim else array[None]
+    if kind == 3:
+        return np.concatenate((array.ravel(), array.ravel()[:1]))
+    if kind == 4:
+        return array.ravel()[::-1].reshape(array.shape)
+    array = array.copy()
+    if array.size:
+        array.flat[rng.integers(array.size)] += 1
+    return array
+
+
+def spoil_contents(rng, path):
+    """Pack an NPZ again with other arrays, or another word in its document."""
+    with np.load(path) as archive:
+        arrays = dict(archive)
+    names = sorted(arrays.keys() - {"document"})
+    kind, (one, other) = rng.integers(5), rng.choice(names, 2)
+    if kind == 0:
+        arrays[one], arrays[other] = arrays[other], arrays[one]
+    elif kind == 1:
+        del arrays[one]
+    elif kind == 2:
+        arrays[f"{one}1"] = arrays[one]
+    elif kind == 3:
+        arrays[one] = alter(rng, arrays[one])
+    else:
+        document = json.loads(str(arrays["document"]))
+        entry = document["arrays"][one]
+        word = rng.choice(sorted(entry))
+        entry[word] = [None, -1, [], "?", 1e300, [[1 << 40]], {}][rng.integers(7)]
+        arrays["document"] = np.array(json.dumps(document))
+    np.savez_compressed(path, **arrays)
+
+
+@pytest.mark.filterwarnings("ignore")  # numpy's, of types that lose digits
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_damaged_file_is_refused_or_is_what_was_saved(tmp_path, originals, seed):
+    rng = np.random.default_rng(seed)
+    path, again = tmp_path / "damaged.npz", tmp_path / "again.npz"
+    refusals = []
+    for _ in range(DAMAGES):
+        original = originals[rng.integers(len(originals))]
+        shutil.copy(original, path)
+        if rng.integers(3):
+            path.write_bytes(spoil(rng, path.read_bytes()))
+        else:
+            spoil_contents(rng, path)
+        try:
+            loaded = ri.load(path)
+        except ri.FileFormatError as error:
+            refusals.append(str(error))
+        else:
+            loaded.save(again, force=True)
+            assert again.read_bytes() == original.read_bytes()
+    assert len(refusals) > DAMAGES / 2
+    assert all(message.startswith(str(path)) for message in refusals)
+
+
+def spoil_directory(rng, folder):
+    """Damage a checkpoint in one place or a few."""
+    for _ in range(rng.integers(1, 4)):
+        paths = sorted(path for path in folder.iterdir() if path.is_file())
+        one, other = rng.choice(len(paths), 2)
+        path, kind = paths[one], rng.integers(6)
+        if kind == 0:
+            path.unlink()
+        elif kind == 1:
+            both = path.read_bytes(), paths[other].read_bytes()
+            path.write_bytes(both[1])
+            paths[other].write_bytes(both[0])
+        elif kind == 2 and path.suffix == ".npy":
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                try:
+                    array = alter(rng, np.load(path))
+                except Exception:  # it is damaged already
+                    continue
+            np.save(path, array)
+        elif kind == 3:
+            (folder / f".rodimpact-{rng.integers(1 << 60):016x}").write_bytes(rng.bytes(9))
+        else:
+            path.write_bytes(spoil(rng, path.read_bytes() or b"x"))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(tmp_path, monkeypatch, seed):
+    monkeypatch.setattr("rodimpact.methods.fronts.families.MOST_MEMBERS", 4)
+    monkeypatch.setattr("rodimpact.storage.checkpoint.os.fsync", lambda file: None)
+    rng, whole, folder = np.random.default_rng(seed), tmp_path / "whole", tmp_path / "damaged"
+    result = ri.sweep(family(), checkpoint=whole)
+    refusals, gone_on = [], 0
+    for _ in range(DAMAGES):
+        shutil.copytree(whole, folder)
+        spoil_directory(rng, folder)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ri.DamagedChunks)
+            try:
+                again = ri.sweep(family(), checkpoint=folder)
+            except ri.FileFormatError as error:
+                refusals.append(str(error))
+            else:
+                gone_on += 1
+                for name, column in result.columns.items():
+                    assert again.columns[name].tobytes() == column.tobytes()
+        shutil.rmtree(folder)
+    assert refusals
+    assert gone_on
+    assert all(message.startswith(str(folder)) for message in refusals)

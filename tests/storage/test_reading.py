@@ -1,0 +1,134 @@
+"""What is not as it was written is refused before it takes memory."""
+
+import json
+import os
+import tracemalloc
+import zipfile
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact.storage import reading
+
+STEEL = ri.materials.steel
+
+
+@pytest.fixture
+def saved(tmp_path):
+    path = tmp_path / "run.npz"
+    rod = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
+    ri.solve(ri.System([rod, ri.Wall()])).save(path)
+    return path
+
+
+def contents(path):
+    with np.load(path) as archive:
+        arrays = dict(archive)
+    return json.loads(str(arrays.pop("document"))), arrays
+
+
+def put(path, document, arrays):
+    np.savez_compressed(path, document=np.array(json.dumps(document)), **arrays)
+
+
+def swollen(path):
+    """A column of zeros a thousand times as long."""
+    document, arrays = contents(path)
+    put(path, document, {**arrays, "signal_values": np.zeros(1 << 24)})
+
+
+def foreign(path):
+    np.savez_compressed(path, x=np.zeros(1 << 24))
+
+
+def long_document(path):
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive, \
+            archive.open("document.npy", "w", force_zip64=True) as file:
+        np.lib.format.write_array_header_1_0(
+            file, {"descr": f"<U{1 << 27}", "fortran_order": False, "shape": ()}
+        )
+        for _ in range(1 << 9):
+            file.write(bytes(1 << 20))
+
+
+def other_packing(path):
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_BZIP2) as archive, \
+            archive.open("document.npy", "w", force_zip64=True) as file:
+        np.lib.format.write_array(file, np.zeros(1 << 20, "<U64"))
+
+
+@pytest.mark.parametrize("bomb", [swollen, foreign, long_document, other_packing])
+def test_a_small_file_takes_little_memory(saved, bomb):
+    """Over a hundred megabytes of zeros, packed into less than one."""
+    bomb(saved)
+    assert saved.stat().st_size < 1e6
+    tracemalloc.start()
+    try:
+        with pytest.raises(ri.FileFormatError):
+            ri.load(saved)
+        assert tracemalloc.get_traced_memory()[1] < 1e7
+    finally:
+        tracemalloc.stop()
+
+
+def test_what_is_larger_than_half_the_memory_is_refused_with_the_figure(saved, monkeypatch):
+    size = sum(array.nbytes for array in contents(saved)[1].values())
+    monkeypatch.setattr(reading, "_memory", lambda: 2.0 * size - 1)
+    with pytest.raises(MemoryError, match=r"run\.npz: holds .* GB, more than half of the"):
+        ri.load(saved)
+    monkeypatch.setattr(reading, "_memory", lambda: 2.0 * size)
+    ri.load(saved)
+
+
+def test_arrays_that_changed_places_are_refused(saved):
+    document, arrays = contents(saved)
+    assert arrays["signal_ticks"].shape == arrays["signal_counts"].shape
+    arrays["signal_ticks"], arrays["signal_counts"] = (
+        arrays["signal_counts"], arrays["signal_ticks"]
+    )
+    put(saved, document, arrays)
+    with pytest.raises(ri.FileFormatError, match=r"signal_.* is not what the document says"):
+        ri.load(saved)
+
+
+@pytest.mark.parametrize("change", [
+    lambda document, arrays: arrays.update(more=np.zeros(3)),
+    lambda document, arrays: arrays.pop("before"),
+    lambda document, arrays: document["arrays"].pop("before"),
+    lambda document, arrays: document.pop("arrays"),
+    lambda document, arrays: document.update(arrays=[1]),
+    lambda document, arrays: document["arrays"]["before"].update(type="O"),
+    lambda document, arrays: document["arrays"]["before"].update(type="no type"),
+    lambda document, arrays: document["arrays"]["before"].update(shape=[-1]),
+    lambda document, arrays: document["arrays"]["before"].update(shape="1"),
+    lambda document, arrays: document["arrays"]["before"].update(checksum=1),
+    lambda document, arrays: arrays.update(before=arrays["before"].astype(">i8")),
+    lambda document, arrays: arrays.update(before=arrays["before"][None]),
+])
+def test_a_document_that_says_something_else_is_refused(saved, change):
+    document, arrays = contents(saved)
+    change(document, arrays)
+    put(saved, document, arrays)
+    with pytest.raises(ri.FileFormatError, match=r"run\.npz: "):
+        ri.load(saved)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
+@pytest.mark.parametrize("name", ["pipe", "sweep/sweep.json", "sweep/impulse.0.npy"])
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path, name):
+    family = ri.System([ri.Rod([0.4, 0.5], area=1e-4, material=STEEL, velocity=1.0), ri.Wall()])
+    ri.sweep(family, checkpoint=tmp_path / "sweep")
+    path = tmp_path / name
+    path.unlink(missing_ok=True)
+    os.mkfifo(path)
+    with pytest.raises(OSError, match=f"{name}': it is not a regular file"):
+        ri.load(path)
+    if name != "pipe":
+        with pytest.raises(OSError, match=f"{name}': it is not a regular file"):
+            ri.sweep(family, checkpoint=tmp_path / "sweep")
+
+
+def test_a_name_with_nul(tmp_path):
+    with pytest.raises(OSError, match="cannot hold the character NUL"):
+        ri.load(tmp_path / "a\0b")

@@ -1,0 +1,154 @@
+"""A new file never takes the place of another's, and nothing half written is left behind."""
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+import threading
+
+import pytest
+
+import rodimpact as ri
+from rodimpact.storage import writing
+from rodimpact.storage.writing import check_target, write_bytes, write_text, written
+
+
+@pytest.fixture(params=["links", "no links"])
+def file_system(request, monkeypatch):
+    """With hard links, and without, as some have it."""
+    def link(*_):
+        raise OSError(errno.EPERM, "Operation not permitted")
+
+    if request.param == "no links":
+        monkeypatch.setattr(writing.os, "link", link)
+
+
+def test_a_file_that_appears_meanwhile_is_kept(tmp_path, file_system):
+    target = tmp_path / "a"
+
+    def write_slowly():
+        with written(target) as file:
+            file.write(b"mine")
+            target.write_bytes(b"another's")
+
+    with pytest.raises(FileExistsError, match=r"cannot write .*a': it exists already"):
+        write_slowly()
+    assert target.read_bytes() == b"another's"
+    assert os.listdir(tmp_path) == ["a"]
+
+
+def test_a_file_that_appears_meanwhile_is_replaced_with_force(tmp_path):
+    target = tmp_path / "a"
+    with written(target, force=True) as file:
+        file.write(b"mine")
+        target.write_bytes(b"another's")
+    assert target.read_bytes() == b"mine"
+    assert os.listdir(tmp_path) == ["a"]
+
+
+def test_of_many_writers_one_writes(tmp_path, file_system):
+    """Each has seen that there is no file before any of them makes it."""
+    together, written_by = threading.Barrier(8), []
+
+    def write(number):
+        try:
+            with written(tmp_path / "a") as file:
+                together.wait()
+                file.write(bytes([number]) * 1000)
+            written_by.append(number)
+        except FileExistsError:
+            pass
+
+    threads = [threading.Thread(target=write, args=(number,)) for number in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(written_by) == 1
+    assert (tmp_path / "a").read_bytes() == bytes(written_by) * 1000
+    assert os.listdir(tmp_path) == ["a"]
+
+
+WAITING = """
+import sys
+from rodimpact.storage.writing import written
+with written("a") as file:
+    file.write(b"half")
+    print("ready", flush=True)
+    sys.stdin.readline()
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP", "SIGINT"])
+def test_a_signal_leaves_no_file(tmp_path, name):
+    if not hasattr(signal, name):
+        pytest.skip(f"no {name} here")
+    with subprocess.Popen([sys.executable, "-c", WAITING], cwd=tmp_path, stdin=subprocess.PIPE,
+                          stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
+        assert process.stdout.readline() == "ready\n"
+        assert len(os.listdir(tmp_path)) == 1
+        process.send_signal(getattr(signal, name))
+        assert process.wait(10) == -getattr(signal, name)
+    assert os.listdir(tmp_path) == []
+
+
+def test_signals_are_handled_as_before(tmp_path):
+    def mine(*_):
+        pass
+
+    before = signal.signal(signal.SIGTERM, mine)
+    try:
+        with written(tmp_path / "a"):
+            assert signal.getsignal(signal.SIGTERM) is mine
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        with written(tmp_path / "b"):
+            assert signal.getsignal(signal.SIGTERM) != signal.SIG_DFL
+        assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def test_a_directory_where_one_may_not_write_is_told_before(tmp_path, monkeypatch):
+    if os.access(tmp_path, os.W_OK) and os.name == "posix" and os.geteuid():
+        tmp_path.chmod(0o500)
+    else:  # an administrator may write anywhere
+        monkeypatch.setattr(writing.os, "access", lambda path, mode: not mode & os.W_OK)
+    try:
+        with pytest.raises(PermissionError, match=r"x\.npz': you may not write in the directory"):
+            check_target(tmp_path / "x.npz")
+    finally:
+        tmp_path.chmod(0o700)
+
+
+@pytest.mark.parametrize(("name", "said"), [
+    ("a\0b", "cannot hold the character NUL"), ("n" * 300, "File name too long"),
+])
+def test_names_that_no_file_can_have(tmp_path, name, said):
+    with pytest.raises(OSError, match=f"cannot write .*{said}"):
+        check_target(tmp_path / name)
+
+
+def test_a_directory_that_was_deleted_is_told(tmp_path, monkeypatch):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    with pytest.raises(FileNotFoundError, match="'a': the current directory was deleted"):
+        write_text("a", "")
+
+
+def test_a_link_that_points_nowhere_is_written_through(tmp_path):
+    (tmp_path / "link").symlink_to("real")
+    write_bytes(tmp_path / "link", b"x")
+    assert (tmp_path / "real").read_bytes() == b"x"
+    assert (tmp_path / "link").is_symlink()
+
+
+def test_a_document_that_no_reader_would_take_is_not_written(tmp_path, monkeypatch):
+    solution = ri.solve(ri.System([
+        ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0), ri.Wall(),
+    ]))
+    monkeypatch.setattr(writing, "MOST_DOCUMENT", 1000)
+    with pytest.raises(OSError, match="too many numbers"):
+        solution.save(tmp_path / "a.npz")
+    assert os.listdir(tmp_path) == []
