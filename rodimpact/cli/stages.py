@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import NamedTuple
 
-import numpy as np
-
 from ..model import Rod
 from ..results.regions import regions_of
 from ..results.solution import Solution
@@ -88,7 +86,7 @@ def _fronts(solution: Solution, names: tuple[str, str]) -> dict[float, list[str]
     free: dict[float, list[str]] = defaultdict(list)
     said: dict[float, list[str]] = defaultdict(list)
     regions = regions_of(solution)
-    bodies = np.repeat(regions.body, np.diff(regions.start)).tolist()
+    bodies = regions.body_of_vertices().tolist()
     corners = dict.fromkeys(zip(regions.t.tolist(), bodies, regions.x.tolist(), strict=True))
     for time, body, x in corners:
         rod = solution.system.bodies[body]

@@ -13,18 +13,21 @@ from typing import Any
 import numpy as np
 
 from ..model import Bonded, Rigid, RigidMass, Rod, Wall
+from ..model.frozen import InvalidModel
 from ..model.profiles import extremes
 from ..results.closed_forms import ClosedForm, closed_form
 from ..results.contacts import ContactHistory
 from ..results.placing import Placing, placing
+from ..results.regions import Regions, nothing_to_draw, readable_regions
 from ..results.signals import Floats
 from ..results.solution import Solution
 from ..storage.tables import clean
 from ..units import format_si
 from .comparison import Curve, closed_curve, ratio_of
 from .design import Design
-from .tiling import Tiling, cells, regions, sliced_energy
+from .tiling import cells, sliced_energy
 
+REGIONS = 3000  # at most, where they are exact
 SAMPLES = 400  # of a curve whose jumps are too many
 MOMENTS = 33  # of the energy, where it is sampled
 DIGITS = 9  # of the numbers that are drawn
@@ -48,15 +51,23 @@ def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
     -------
     dict
         JSON-ready, SI units but for strain in 1e-6; numbers that do not exist are None.
+
+    Raises
+    ------
+    InvalidModel
+        If the solution lasts no time.
     """
-    exact = solution.method == "fronts"
-    stop, tiling = regions(solution) if exact else (solution.t_end, cells(solution))
+    if reason := nothing_to_draw(solution):
+        raise InvalidModel([("solve", reason)])
+    readable = readable_regions(solution, REGIONS) if solution.method == "fronts" else None
+    stop, tiling = readable or (solution.t_end, cells(solution))
+    exact = readable is not None
     notes = [solution.status]
     if stop < solution.t_end:
         notes.append(f"The picture ends at {format_si(stop, 's', 4)}: too many regions later.")
     if not exact:
         notes.append("The picture shows means over cells, not the fronts themselves.")
-    if not exact and not as_asked:
+    if solution.method != "fronts" and not as_asked:
         notes.append("Solved quickly, on a coarse time step; rodimpact run is more accurate.")
     plan = placing(solution, 0.0, stop)
     drawn = _tiling(tiling)
@@ -80,7 +91,7 @@ def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
     }
 
 
-def _tiling(tiling: Tiling) -> Scene:
+def _tiling(tiling: Regions) -> Scene:
     """The polygons for JSON."""
     return {
         "body": tiling.body.tolist(),
@@ -102,7 +113,7 @@ def curve_dict(curve: Curve | None) -> Scene | None:
 # The row ------------------------------------------------------------------------------------------
 
 
-def _row(plan: Placing, tiling: Tiling, stop: float) -> Scene:
+def _row(plan: Placing, tiling: Regions, stop: float) -> Scene:
     """How the row is laid out: X = left + x + magnification * (apart + displacement - frame t)."""
     times = np.linspace(0.0, stop, SAMPLES)
     shown = [plan.place(tiling.body_of_vertices(), tiling.x, tiling.t, tiling.displacement)]
@@ -229,7 +240,7 @@ def _mean_force(contact: ContactHistory, times: Floats) -> Floats:
     return np.append(mean, mean[-1])
 
 
-def _energy(solution: Solution, stop: float, tiling: Tiling, exact: bool) -> Scene:
+def _energy(solution: Solution, stop: float, tiling: Regions, exact: bool) -> Scene:
     """Energy by kind."""
     if exact:
         times, kinds = sliced_energy(solution, tiling)

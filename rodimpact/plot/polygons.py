@@ -12,7 +12,7 @@ from matplotlib.text import Text
 
 from ..results.contacts import ContactHistory
 from ..results.placing import Placing
-from ..results.regions import regions_of
+from ..results.regions import readable_regions, regions_of
 from ..results.signals import Floats, Ints
 from ..results.solution import Solution
 from .plane import Plane
@@ -35,7 +35,7 @@ class Polygons:
 
     def __init__(self, solution: Solution, start: float, stop: float | None) -> None:
         self.system, self.regions = solution.system, regions_of(solution, start, stop)
-        self._body = np.repeat(self.regions.body, np.diff(self.regions.start))
+        self._body = self.regions.body_of_vertices()
 
     def values(self, field: str, frame: float) -> Floats:
         """Values of a field in each region; displacements, in a frame, at its corners; SI."""
@@ -97,16 +97,8 @@ class Polygons:
 
 def drawn_until(solution: Solution) -> float:
     """Latest of the times t_end, t_end/2, t_end/4, ..., s, up to which the regions can be read."""
-    if is_stepped(solution):
-        return solution.t_end
-    for halvings in range(40):
-        stop = solution.t_end / 2.0**halvings
-        try:
-            regions_of(solution, stop=stop, limit=REGIONS)
-        except ValueError:
-            continue
-        return stop
-    return solution.t_end
+    readable = None if is_stepped(solution) else readable_regions(solution, REGIONS)
+    return readable[0] if readable else solution.t_end
 
 
 def _fans(start: Ints) -> Ints:

@@ -8,6 +8,7 @@ all its corners have whole p and q. Plots, page and animation draw these polygon
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,6 +47,10 @@ class Regions:
 
     def __len__(self) -> int:
         return len(self.body)
+
+    def body_of_vertices(self) -> Ints:
+        """Body that each vertex belongs to."""
+        return np.repeat(self.body, np.diff(self.start))
 
 
 def regions_of(
@@ -109,6 +114,39 @@ def regions_of(
         np.concatenate(([0], np.cumsum(counts))).astype(np.int64),
         np.concatenate(xs), np.concatenate(ts), np.concatenate(us),
     )
+
+
+def nothing_to_draw(solution: Solution) -> str:
+    """Why there is no picture of a solution, with the remedy; "" if there is one."""
+    if solution.fields.end > 0:
+        return ""
+    return f"lasts no time that can be drawn, {solution.t_end:.3g} s. {solution.status}"
+
+
+def readable_regions(solution: Solution, limit: int) -> tuple[float, Regions] | None:
+    """Regions up to the latest of t_end, t_end/2, t_end/4, ... at which they are few enough.
+
+    Parameters
+    ----------
+    solution : Solution
+        Of fronts.
+    limit : int
+        Largest number of regions wanted.
+
+    Returns
+    -------
+    (float, Regions) or None
+        The time up to which they go, s, and the regions; None if there are more from the start.
+    """
+    fields, stop = solution.fields, solution.t_end
+    rods = [i for i, body in enumerate(solution.system.bodies) if isinstance(body, Rod)]
+    if sum(len(fields.profile(i, 0).velocity) for i in rods) > limit:
+        return None
+    while fields.to_ticks(stop) > 0:
+        with suppress(ValueError):
+            return stop, regions_of(solution, stop=stop, limit=limit)
+        stop /= 2
+    return None
 
 
 Corner = tuple[int, int]
