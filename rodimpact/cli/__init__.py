@@ -68,6 +68,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except MemoryError:
         remedy = "ask for a shorter run, fewer events or fewer values"
         return complain(f"not enough memory; {remedy}", FAULT)
+    except (OverflowError, FloatingPointError) as error:
+        return complain(f"a number is too large or too small to compute with: {error}", MISTAKE)
     except ValueError as error:
         if not hasattr(error, "problems"):
             return _fault()

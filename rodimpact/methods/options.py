@@ -15,6 +15,7 @@ from ..model.frozen import InvalidModel, Problems, number
 from .abilities import LACKS, choose, refuse, require_end
 
 MAX_EVENTS = 5_000_000
+MOST_COUNTED = 10**18
 METHODS = ("auto", *LACKS)
 
 
@@ -116,10 +117,12 @@ class Options:
 
 
 def count(problems: Problems, name: str, value: Any) -> int:
-    """A positive whole number; 0 and a problem if it is none."""
-    if not isinstance(value, bool) and isinstance(value, Integral) and int(value) >= 1:
+    """A positive whole number that a register can hold; 0 and a problem if it is none."""
+    whole = not isinstance(value, bool) and isinstance(value, Integral)
+    if whole and 1 <= int(value) < MOST_COUNTED:
         return int(value)
-    problems.append((name, f"must be a positive whole number, got {value!r}"))
+    most = " below 10^18" if whole and value > 0 else ""
+    problems.append((name, f"must be a positive whole number{most}, got {value!r}"))
     return 0
 
 
