@@ -8,6 +8,7 @@ all its corners have whole p and q. Plots, page and animation draw these polygon
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -163,10 +164,10 @@ def _polygons(
     right, left = A.at(ps[:-1]).tolist(), B.at(qs[:-1]).tolist()
     polygons, waves = [], []
     for p0, p1, a in zip(ps, ps[1:], right, strict=False):
-        low = max(0, int(np.searchsorted(qs, p0 - T, "right")) - 1)
-        for q0, q1, b in zip(qs[low:], qs[low + 1 :], left[low:], strict=False):
-            if q0 >= p1 + T:
-                break
+        earliest, latest = max(p0 - T, 2 * start - T - p1), min(p1 + T, 2 * stop - T - p0)
+        low = max(0, bisect_right(qs, earliest) - 1)
+        for j in range(low, bisect_left(qs, latest, low, len(left))):
+            q0, q1 = qs[j], qs[j + 1]
             corners: list[Corner] = [(p0, q0), (p1, q0), (p1, q1), (p0, q1)]
             for normal, bound in (
                 ((-1, 1), T), ((1, -1), T), ((1, 1), 2 * stop - T), ((-1, -1), T - 2 * start)
@@ -174,7 +175,7 @@ def _polygons(
                 corners = _clip(corners, normal, bound)
             if len(corners) > 2:
                 polygons.append(corners)
-                waves.append((a, b))
+                waves.append((a, left[j]))
         if len(polygons) > limit:
             break
     return polygons, waves

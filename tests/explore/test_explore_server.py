@@ -264,10 +264,10 @@ def test_the_command_says_where_it_serves_and_ends_with_ctrl_c(tmp_path):
 def test_a_plain_collision_loads_no_heavy_package():
     code = (
         "import sys, json\n"
-        "from rodimpact.explore.server import REPLIES, start\n"
+        "from rodimpact.explore.answers import ANSWERS\n"
         "from rodimpact.explore.presets import presets\n"
         "for preset in presets():\n"
-        "    REPLIES['/scene'](preset.design)\n"
+        "    ANSWERS['/scene'](preset.design)\n"
         "print([m for m in ('matplotlib', 'scipy', 'numba') if m in sys.modules])\n"
     )
     done = subprocess.run(
