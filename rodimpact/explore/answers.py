@@ -50,6 +50,9 @@ def answer(path: str, question: bytes) -> tuple[HTTPStatus, bytes]:
         return HTTPStatus.OK, _json(ANSWERS[path](Design.parse(design)))
     except InvalidModel as error:
         return HTTPStatus.UNPROCESSABLE_ENTITY, problems_json(error.problems)
+    except ArithmeticError:
+        message = "has numbers too large or too small to compute with; choose them nearer to 1"
+        return HTTPStatus.UNPROCESSABLE_ENTITY, problems_json([("case", message)])
     except Exception:
         traceback.print_exc()
         message = "a fault of rodimpact, not yours; see where it was started"
@@ -78,7 +81,10 @@ def serve() -> None:
 
 
 def _json(data: Any) -> bytes:
-    return json.dumps(data, allow_nan=False, separators=(",", ":")).encode()
+    try:
+        return json.dumps(data, allow_nan=False, separators=(",", ":")).encode()
+    except ValueError as error:
+        raise OverflowError(f"nan or an infinite number: {error}") from None
 
 
 def _no_number(text: str) -> Any:

@@ -11,6 +11,7 @@ from contextlib import suppress
 READY = 2  # processes that wait for questions from the start
 MOST = 8  # at the same time
 SECONDS = 10.0  # for an answer
+PROGRAM = f"from {__package__}.answers import serve; serve()"
 
 
 class Unanswered(Exception):
@@ -50,6 +51,7 @@ class Workers:
                 return answer
             self._all.discard(worker)
             worker.end()
+            self._idle.appendleft(self._new())
         finally:
             self._turns.release()
         raise Unanswered(
@@ -72,10 +74,7 @@ class _Worker:
     """A process that runs `answers.serve`."""
 
     def __init__(self) -> None:
-        program = (
-            f"import sys; sys.path[:] = {sys.path!r};"
-            f"from {__package__}.answers import serve; serve()"
-        )
+        program = f"import sys; sys.path[:] = {sys.path!r}; {PROGRAM}"
         self.process = subprocess.Popen(
             [sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
             start_new_session=True,  # Ctrl-C is for the server alone, which ends them
