@@ -63,16 +63,11 @@ def solved_curve(design: Design) -> Curve | None:
     if not isinstance(left.velocity, float) or not isinstance(left.strain, float):
         return None  # a profile is bound to the length it was made for
     ratios = np.linspace(0.0, _reach(ratio), SOLVED)[1:].tolist()
-    piece, values = left.segments[0], []
-    for r in ratios:
-        rod = Rod(
-            r * float(right.length), area=piece.area, material=piece.material,
-            velocity=left.velocity, strain=left.strain,
-        )
-        row = System(
-            [rod, right], system.gaps, system.contacts, gravity=system.gravity, ends=system.ends
-        )
-        values.append(_restitution(design.of_system(row)))
+    values = [
+        _restitution(design.of_system(system.replace(
+            bodies=[left.replace(length=r * float(right.length)), right])))
+        for r in ratios
+    ]
     return Curve(ratios, values, f"solved at {len(ratios)} ratios")
 
 
