@@ -12,7 +12,7 @@ import textwrap
 from pathlib import Path
 from typing import NamedTuple
 
-from .. import materials
+from ..explore.presets import steel_rod
 from ..model import Rod, System, Wall
 from ..model.frozen import InvalidModel, Problems
 from ..results.closed_forms import closed_form
@@ -85,29 +85,26 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
 
 def solve_all(ratio: float) -> list[Replay]:
     """Solve the three collisions of the box, in the order of FIGURES."""
-    both = ("left rod", "right rod")
+    title, both = f"Rods of different length, l1/l2 = {ratio:g}", ("left rod", "right rod")
+    pairs: list[tuple[str, tuple[str, str], float, Rod | Wall]] = [
+        ("Identical rods", both, 1.0, steel_rod(1.0)),
+        ("A rod on a rigid wall", ("rod", "wall"), 1.0, Wall()),
+        (title, both, ratio, steel_rod(1.0)),
+    ]
     return [
-        Replay("Identical rods", both, solve(System([steel(1.0, 1.0), steel(1.0)]))),
-        Replay("A rod on a rigid wall", ("rod", "wall"),
-               solve(System([steel(1.0, 1.0), Wall()]))),
-        Replay(f"Rods of different length, l1/l2 = {ratio:g}", both,
-               solve(System([steel(ratio, 1.0), steel(1.0)]))),
+        Replay(title, names, solve(System([steel_rod(length, 1.0), right])))
+        for title, names, length, right in pairs
     ]
 
 
 def restitution(ratio: float) -> float:
     """Coefficient of restitution of two rods whose lengths have this ratio."""
-    return collide(steel(ratio, 1.0), steel(1.0)).restitution
-
-
-def steel(length: float, velocity: float = 0.0) -> Rod:
-    """A steel rod of the box."""
-    return Rod(length, area=1e-4, material=materials.steel, velocity=velocity)
+    return collide(steel_rod(ratio, 1.0), steel_rod(1.0)).restitution
 
 
 def introduction() -> str:
     """What is collided, and how fast that is."""
-    rod = steel(1.0)
+    rod = steel_rod(1.0)
     c = float(rod.segments[0].wave_speed)
     trips = format_si(2 * float(rod.transit_time), "s")
     return (

@@ -12,6 +12,7 @@ from itertools import product
 from typing import NamedTuple, SupportsFloat
 
 from .. import materials
+from ..explore.presets import steel_rod
 from ..methods.fronts.assembly import start
 from ..methods.fronts.front_kernel import FREE, TOUCH, play
 from ..model import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall
@@ -78,8 +79,8 @@ def pairs() -> Iterator[Check]:
     ratios = [k / 20 for k in range(1, 20)]
     products = list(product(IMPEDANCES, TRANSIT_TIMES))
     families = {
-        "identical rods": [System([_steel(1.0, velocity=1.0), _steel(1.0)])],
-        "lengths l1 < l2": [System([_steel(r, velocity=1.0), _steel(1.0)]) for r in ratios],
+        "identical rods": [System([steel_rod(1.0, velocity=1.0), steel_rod(1.0)])],
+        "lengths l1 < l2": [System([steel_rod(r, velocity=1.0), steel_rod(1.0)]) for r in ratios],
         f"{len(products)} pairs of rods": [
             System([_rod(Z, T, velocity=1.0), _rod(1.0, 1.0)]) for Z, T in products],
         "rod on a wall": [System([_rod(3.0, 0.7, velocity=1.0), Wall()])],
@@ -98,8 +99,8 @@ def pairs() -> Iterator[Check]:
 
 def equal_rods() -> Iterator[Check]:
     """Identical rods exchange their motion; in between, half the speed and compression."""
-    rod, steel = _steel(1.0, velocity=1.0), materials.steel
-    solution = solve(System([rod, _steel(1.0)]))
+    rod, steel = steel_rod(1.0, velocity=1.0), materials.steel
+    solution = solve(System([rod, steel_rod(1.0)]))
     transit = float(rod.transit_time)
     speeds = solution.velocity(0, [0.1, 0.9], transit / 2)
     yield _worst("identical rods: v ahead of the wave, v/2 behind it", [1.0, 0.5], speeds)
@@ -119,7 +120,7 @@ def moving_wall() -> Iterator[Check]:
 
 def steps() -> Iterator[Check]:
     """Cutting a rod in pieces changes nothing; a true step splits a wave as impedances say."""
-    striker, whole = _steel(0.4, velocity=1.0), _steel(1.0)
+    striker, whole = steel_rod(0.4, velocity=1.0), steel_rod(1.0)
     pieces = [Segment(length, 1e-4, materials.steel) for length in (0.2, 0.5, 0.3)]
     segmented = solve(System([striker, Rod(segments=pieces)])).outcome
     yield Check("a rod in three segments: e", 0.4, segmented.restitution)
@@ -137,8 +138,8 @@ def steps() -> Iterator[Check]:
 
 def chain() -> Iterator[Check]:
     """A row of rods with gaps, without and with a wall that sends them back."""
-    gap, first = 1e-4, _steel(0.5, velocity=1.0)
-    run = solve(System([first, _steel(0.5), _steel(0.5)], gaps=[0.0, gap]))
+    gap, first = 1e-4, steel_rod(0.5, velocity=1.0)
+    run = solve(System([first, steel_rod(0.5), steel_rod(0.5)], gaps=[0.0, gap]))
     after = run.outcome.velocities_after
     yield _worst("three equal rods: only the last one moves", [0.0, 0.0, 1.0], after)
     yield Check(
@@ -146,7 +147,7 @@ def chain() -> Iterator[Check]:
         float(first.transit_time) + gap, run.contacts[1].episodes[0].start,
     )
     lengths = (0.3, 0.5, 0.2, 0.7, 0.4)
-    row = [_steel(length, velocity=1.0 - i / 4) for i, length in enumerate(lengths)]
+    row = [steel_rod(length, velocity=1.0 - i / 4) for i, length in enumerate(lengths)]
     run = solve(System([*row, Wall()], gaps=[0.0, 1e-5, 2e-5, 1e-5, 3e-5]))
     yield Check("five rods, gaps and a wall: momentum balance", 0.0, run.outcome.momentum_residual)
     yield Check("five rods, gaps and a wall: energy balance", 0.0, run.outcome.energy_residual)
@@ -209,10 +210,6 @@ def _worst(name: str, expected: Iterable[SupportsFloat], got: Iterable[SupportsF
     """Check of the member of a family that is farthest off."""
     members = [Check(name, float(e), float(g)) for e, g in zip(expected, got, strict=True)]
     return max(members, key=lambda check: (not check.passed, check.residual))
-
-
-def _steel(length: float, velocity: float = 0.0) -> Rod:
-    return Rod(length, area=1e-4, material=materials.steel, velocity=velocity)
 
 
 def _unit(impedance: float) -> Material:

@@ -133,38 +133,27 @@ def _row(plan: Placing, tiling: Regions, stop: float) -> Scene:
 
 def _bodies(plan: Placing, stop: float) -> list[Scene]:
     """What each body is, and how those without inside move."""
-    found = []
-    for i, body in enumerate(plan.solution.system.bodies):
-        entry: Scene = {"width": plan.width(i), "path": None}
-        if isinstance(body, Rod):
-            pieces = body.segments
-            entry |= {"kind": "rod", "title": f"Rod {i}"}
-            entry["given"] = [
-                item for j, piece in enumerate(pieces) for item in _given(j, len(pieces), piece)
-            ]
-            entry["derived"] = [_derived(piece) for piece in pieces]
-        else:
-            times, moved = _path(plan.solution, i, stop)
-            entry["path"] = {"t": _short(times), "displacement": _short(moved)}
-            entry["derived"] = []
+    bodies, entries = plan.solution.system.bodies, []
+    for i, (kind, body) in enumerate(zip(plan.solution.outcome.bodies, bodies, strict=True)):
+        pieces = body.segments if isinstance(body, Rod) else ()
+        given = [item for j, piece in enumerate(pieces) for item in _given(j, len(pieces), piece)]
         if isinstance(body, RigidMass):
-            entry |= {"kind": "mass", "title": f"Mass {i}"}
-            entry["given"] = [("mass", format_si(float(body.mass), "kg"))]
-        elif isinstance(body, Wall):
-            entry |= {"kind": "wall", "title": f"Wall {i}", "given": []}
+            given.append(("mass", format_si(float(body.mass), "kg")))
         speed = body.velocity
-        entry["given"].append((
-            "velocity", format_si(speed, "m/s") if isinstance(speed, float) else "a profile"
-        ))
-        found.append(entry)
-    return found
+        text = format_si(speed, "m/s") if isinstance(speed, float) else "a profile"
+        entries.append({
+            "kind": kind, "title": f"{kind.capitalize()} {i}", "width": plan.width(i),
+            "given": [*given, ("velocity", text)], "derived": [_derived(p) for p in pieces],
+            "path": None if pieces else _path(plan.solution, i, stop),
+        })
+    return entries
 
 
-def _path(solution: Solution, body: int, stop: float) -> tuple[Floats, Floats]:
+def _path(solution: Solution, body: int, stop: float) -> Scene:
     """Times and displacements of a wall or a mass."""
     straight = isinstance(solution.system.bodies[body], Wall)
     times = np.linspace(0.0, stop, 2 if straight else SAMPLES)
-    return times, solution.displacement(body, 0.0, times)
+    return {"t": _short(times), "displacement": _short(solution.displacement(body, 0.0, times))}
 
 
 def _given(j: int, count: int, piece: Any) -> Labelled:
@@ -216,10 +205,10 @@ def _contacts(solution: Solution, stop: float, exact: bool) -> list[Scene]:
         forces.append(_series(name, times, force, steps=True))
         if not isinstance(contact.law, Bonded):
             gaps.append(_series(name, times, contact.gap(times)))
-    found = [_plot("force", "Contact force", "N", forces)] if forces else []
+    plots = [_plot("force", "Contact force", "N", forces)] if forces else []
     compliant = any(not isinstance(c.law, Rigid | Bonded) for c in solution.contacts)
     title = "Gap, below 0 indentation" if compliant else "Gap"
-    return found + ([_plot("gap", title, "m", gaps)] if gaps else [])
+    return plots + ([_plot("gap", title, "m", gaps)] if gaps else [])
 
 
 def _record(
@@ -251,10 +240,8 @@ def _energy(solution: Solution, stop: float, tiling: Regions, exact: bool) -> Sc
             "moving as a whole": e.kinetic, "vibration": e.vibrational_kinetic, "strain": e.strain,
             "in contacts": e.contact, "lost in material": e.damped, "total": e.total,
         }
-    for rare in ("in contacts", "lost in material"):
-        if not np.any(kinds.get(rare, 0.0)):
-            kinds.pop(rare, None)
-    series = [_series(name, times, y) for name, y in kinds.items()]
+    rare = ("in contacts", "lost in material")
+    series = [_series(name, times, y) for name, y in kinds.items() if name not in rare or y.any()]
     return _plot("energy", "Energy", "J", series)
 
 
@@ -280,18 +267,17 @@ def _restitution(solution: Solution, theory: ClosedForm | None) -> Scene:
     if count > 1:
         why = f"A coefficient e belongs to one contact; this row has {count}, see the velocities"
     closed = None if theory is None else float(theory.collision().restitution)
-    found: Scene = {
-        "value": value, "text": "-", "why": why[:1].upper() + why[1:],
-        "closed_form": closed, "source": "" if theory is None else theory.source,
+    digits = 9 if solution.method == "fronts" else 5
+    entry: Scene = {
+        "value": value, "text": "-" if value is None else f"{clean(value, 1.0):.{digits}g}",
+        "why": why[:1].upper() + why[1:], "closed_form": closed,
+        "source": "" if theory is None else theory.source,
     }
-    if value is not None:
-        digits = 9 if solution.method == "fronts" else 5
-        found["text"] = f"{clean(value, 1.0):.{digits}g}"
     if closed is not None:
-        found["closed_text"] = f"{closed:.9g}"
+        entry["closed_text"] = f"{closed:.9g}"
         if value is not None:
-            found["difference"] = f"{abs(value - closed):.1g}"
-    return found
+            entry["difference"] = f"{abs(value - closed):.1g}"
+    return entry
 
 
 def _results(solution: Solution) -> Labelled:

@@ -52,8 +52,8 @@ def cells(solution: Solution) -> Regions:
 def _corners(grid: Floats) -> Floats:
     """Values at the four corners of each cell, going round."""
     around = (grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1])
-    found: Floats = np.stack(around, axis=-1).ravel()
-    return found
+    corners: Floats = np.stack(around, axis=-1).ravel()
+    return corners
 
 
 def sliced_energy(solution: Solution, tiling: Regions) -> tuple[Floats, dict[str, Floats]]:
@@ -88,8 +88,8 @@ def sliced_energy(solution: Solution, tiling: Regions) -> tuple[Floats, dict[str
     widths = _widths(tiling, corners)
 
     def over_time(per_width: Floats) -> Floats:
-        found: Floats = np.interp(times, corners, per_width @ widths)
-        return found
+        energy: Floats = np.interp(times, corners, per_width @ widths)
+        return energy
 
     moving = over_time(per_length * tiling.velocity**2 / 2)
     strain = over_time(area * tiling.stress * tiling.strain / 2)
@@ -119,5 +119,4 @@ def _widths(tiling: Regions, times: Floats) -> Floats:
     places = np.where(crossed, np.sign(t1 - t0) * (x0 + (x1 - x0) * share), 0.0)
     widths = np.zeros((len(tiling.body), len(times)))
     np.add.at(widths, polygon, places)
-    found: Floats = np.abs(widths)
-    return found
+    return np.abs(widths)
