@@ -137,8 +137,8 @@ def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:
             else "interrupted; with --checkpoint DIR a sweep can go on where it stopped"
         ) from None
     except SweepError as error:
-        said = str(error).replace('on_error="record"', "--on-error record")
-        raise InvalidModel([(case.path, said)]) from error
+        message = str(error).replace('on_error="record"', "--on-error record")
+        raise InvalidModel([(case.path, message)]) from error
     except FileFormatError as error:
         raise InvalidModel([("--checkpoint", str(error))]) from error
     seconds = time.monotonic() - started

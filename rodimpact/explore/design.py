@@ -201,7 +201,7 @@ def _gauges(problems: Problems, entries: Any, system: System) -> tuple[GaugePlac
         problems.append(("gauges", f"must be a list of at most {MOST_GAUGES} gauges"))
         return ()
     rods = [i for i, body in enumerate(system.bodies) if isinstance(body, Rod)]
-    found = []
+    places = []
     for i, entry in enumerate(entries):
         given = entry if isinstance(entry, dict) else {}
         body, fraction = given.get("body"), given.get("fraction")
@@ -216,8 +216,8 @@ def _gauges(problems: Problems, entries: Any, system: System) -> tuple[GaugePlac
         if not 0 <= at <= 1:
             message = f"must lie in [0, 1], got {_short(fraction)}"
             problems.append((f"gauges.{i}.fraction", message))
-        found.append(GaugePlace(body, at))
-    return tuple(found)
+        places.append(GaugePlace(body, at))
+    return tuple(places)
 
 
 def _short(value: Any) -> str:
