@@ -20,7 +20,9 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from . import rigid as rigid
     from . import theory as theory
     from . import units as units
-    from .methods.options import Options as Options
+    from .methods.registry import Options as Options
+    from .methods.run import ContactTally as ContactTally
+    from .methods.run import Episode as Episode
     from .model import System as System
     from .model.bodies import Material as Material
     from .model.bodies import RigidMass as RigidMass
@@ -43,8 +45,6 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .model.profiles import Samples as Samples
     from .model.profiles import Steps as Steps
     from .results.contacts import ContactHistory as ContactHistory
-    from .results.contacts import ContactTally as ContactTally
-    from .results.contacts import Episode as Episode
     from .results.energy import EnergyLedger as EnergyLedger
     from .results.gauges import Gauge as Gauge
     from .results.gauges import gauges_to_csv as gauges_to_csv
@@ -77,12 +77,13 @@ _HOME = {
     ),
     "model.ends": ("Absorbing", "Fixed", "Free", "Moved", "Pushed"),
     "model.system": ("System",),
-    "methods.options": ("Options",),
+    "methods.registry": ("Options",),
     "running.solving": ("LongRun", "collide", "solve"),
     "results.energy": ("EnergyLedger",),
     "results.gauges": ("Gauge", "gauges_to_csv"),
     "results.solution": ("Solution",),
-    "results.contacts": ("ContactHistory", "ContactTally", "Episode"),
+    "methods.run": ("ContactTally", "Episode"),
+    "results.contacts": ("ContactHistory",),
     "results.outcome": ("Outcome", "UndefinedRestitution"),
     "results.regions": ("Regions", "regions_of"),
     "results.ring_down": ("RingDown",),

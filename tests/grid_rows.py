@@ -7,6 +7,7 @@ from networks import STEP, logarithmic, random_network
 
 import rodimpact as ri
 from rodimpact.methods.grid.method import follow
+from rodimpact.methods.row import Row
 
 SECONDS = 3.0
 
@@ -38,4 +39,4 @@ def random_row(seed, *, driven=False, bodies=5):
 
 
 def run_row(system, until=SECONDS, step=STEP):
-    return follow(system, until, 10**9, dt=step)
+    return follow(Row(system), until, 10**9, dt=step)

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 import rodimpact as ri
-from rodimpact.methods.plan import Plan
+from rodimpact.methods.row import Row
 from rodimpact.methods.steps.delays import transit_ticks
 from rodimpact.methods.steps.method import StepRun, attempt
 
@@ -132,7 +132,7 @@ def random_network(seed, *, bodies=5, driven=False):
 
 def run_network(system, until=SECONDS, step=STEP) -> StepRun:
     """A run of whole steps: they are not cut where rigid contacts close."""
-    plan = Plan(system)
+    plan = Row(system)
     return attempt(plan, transit_ticks(plan, step), step, [], until, 10**9, may_cut=False)
 
 
@@ -144,30 +144,30 @@ def windows(run, segment):
 
     And [entries] the times, in steps, for which each has been leaving; of runs without cuts.
     """
-    N, w = int(run.row.steps[segment]), float(run.row.share[segment])
+    N, w = int(run.state.steps[segment]), float(run.state.share[segment])
     before = run.before(2 * segment)
     inside = [
         np.lib.stride_tricks.sliding_window_view(run.wave(line), before)
         for line in (2 * segment, 2 * segment + 1)
     ]
-    shift = run.plan.frame + run.plan.gravity * run.step * np.arange(run.steps + 1)
+    shift = run.row.frame + run.row.gravity * run.step * np.arange(run.steps + 1)
     weights = np.concatenate(([w] * (before - N), np.ones(N)))
     return np.concatenate(inside, axis=1) + shift[:, None], np.tile(weights, 2)
 
 
 def free_masses(run):
     """[mass, steps + 1] velocities of the masses that move, in the laboratory."""
-    shift = run.plan.frame + run.plan.gravity * run.step * np.arange(run.steps + 1)
-    return [run.speed(m) + shift for m in range(len(run.plan.masses))]
+    shift = run.row.frame + run.row.gravity * run.step * np.arange(run.steps + 1)
+    return [run.speed(m) + shift for m in range(len(run.row.masses))]
 
 
 def energy_of_bodies(run):
     """[steps + 1] kinetic and strain energy, J."""
     total = np.zeros(run.steps + 1)
-    for s in range(1, len(run.row.steps) - 1):
+    for s in range(1, len(run.state.steps) - 1):
         waves, weights = windows(run, s)
-        total += run.step / run.row.mobility[s] / 4 * (waves**2 @ weights)
-    for M, V in zip(run.plan.masses, free_masses(run), strict=True):
+        total += run.step / run.state.mobility[s] / 4 * (waves**2 @ weights)
+    for M, V in zip(run.row.masses, free_masses(run), strict=True):
         total += M * V * V / 2
     return total
 
@@ -175,11 +175,11 @@ def energy_of_bodies(run):
 def smeared(run):
     """[steps + 1] energy that means of two steps have lost, J: their variance."""
     total = np.zeros(run.steps + 1)
-    for s in range(1, len(run.row.steps) - 1):
-        w = float(run.row.share[s])
+    for s in range(1, len(run.state.steps) - 1):
+        w = float(run.state.share[s])
         for line in (2 * s, 2 * s + 1):
             change = np.diff(run.wave(line))[: run.steps] if w else np.zeros(run.steps)
-            lost = w * (1 - w) * change**2 * run.step / run.row.mobility[s] / 4
+            lost = w * (1 - w) * change**2 * run.step / run.state.mobility[s] / 4
             total[1:] += np.cumsum(lost)
     return total
 
@@ -187,11 +187,11 @@ def smeared(run):
 def energy_of_contacts(run):
     """[steps + 1] energy stored in compliant contacts, J."""
     total = np.zeros(run.steps + 1)
-    for k, law in enumerate(run.plan.system.contacts):
+    for k, law in enumerate(run.row.system.contacts):
         if isinstance(law, ri.Rigid | ri.Bonded):
             continue
         _, gap = run.contact(k)
-        x = np.maximum(-np.concatenate(([run.plan.system.gaps[k]], gap)), 0.0)
+        x = np.maximum(-np.concatenate(([run.row.system.gaps[k]], gap)), 0.0)
         linear = isinstance(law, ri.Spring | ri.SpringDashpot)
         total += law.stiffness * (x * x / 2 if linear else x**2.5 / 2.5)
     return total
@@ -200,22 +200,22 @@ def energy_of_contacts(run):
 def momentum_of_bodies(run):
     """[steps + 1] kg m/s."""
     total = np.zeros(run.steps + 1)
-    for s in range(1, len(run.row.steps) - 1):
+    for s in range(1, len(run.state.steps) - 1):
         waves, weights = windows(run, s)
-        total += run.step / run.row.mobility[s] / 2 * (waves @ weights)
-    for M, V in zip(run.plan.masses, free_masses(run), strict=True):
+        total += run.step / run.state.mobility[s] / 2 * (waves @ weights)
+    for M, V in zip(run.row.masses, free_masses(run), strict=True):
         total += M * V
     return total
 
 
 def radiated(run):
     """[steps + 1] energy that has left through absorbing ends; without gravity."""
-    total, n = np.zeros(run.steps + 1), len(run.row.steps) - 2
+    total, n = np.zeros(run.steps + 1), len(run.state.steps) - 2
     for side, s, out in ((0, 1, 2), (1, n, 2 * n + 1)):
-        if run.plan.outside[side][0] == "absorbing":
-            into = run.wave(out)[run.before(out) :] + run.plan.frame
-            away = run.arriving(out ^ 1) + run.plan.frame
-            flow = (away * away - into * into) * run.step / run.row.mobility[s] / 4
+        if run.row.outside[side][0] == "absorbing":
+            into = run.wave(out)[run.before(out) :] + run.row.frame
+            away = run.arriving(out ^ 1) + run.row.frame
+            flow = (away * away - into * into) * run.step / run.state.mobility[s] / 4
             total[1:] += np.cumsum(flow)
     return total
 

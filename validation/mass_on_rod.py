@@ -119,7 +119,7 @@ def first_contact(ratio: float, N: int) -> np.ndarray:
     """Contact time, velocity of the mass after it, peak stress at struck and fixed end."""
     solution = ri.solve(on_fixed_rod(ratio), until=8.0, dt=1 / N)
     end = solution.contacts[0].episodes[0].force_end
-    edges = solution.fields.steps * solution.fields.assembly.tick
+    edges = solution.fields.steps * solution.fields.clock.tick
     middles = (edges[1:] + edges[:-1]) / 2
     force = whole_steps(edges, solution.contacts[0].force(middles), N)[: round(end * N)]
     stress = whole_steps(edges, -solution.stress(1, 1.0, middles), N)[: round((end + 1) * N)]

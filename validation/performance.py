@@ -23,6 +23,7 @@ import numpy as np
 
 import rodimpact as ri
 from rodimpact.methods import kernels
+from rodimpact.methods.fronts import families, tracking
 from rodimpact.methods.fronts.assembly import Blueprint, start
 from rodimpact.methods.fronts.front_kernel import (
     CAP,
@@ -34,12 +35,11 @@ from rodimpact.methods.fronts.front_kernel import (
     Log,
     play,
 )
-from rodimpact.methods.fronts.method import families
-from rodimpact.methods.fronts.method import method as fronts
 from rodimpact.methods.grid.machine import Keeper, Machine
 from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import COURANT
-from rodimpact.methods.plan import Plan
+from rodimpact.methods.row import Row
+from rodimpact.methods.run import MAX_EVENTS
 from rodimpact.methods.steps import method as characteristics
 
 CASE = Path(__file__).parent / "cases" / "unequal-rods.toml"
@@ -132,7 +132,7 @@ def state(
         [0, *T, 0], [0.0, *(1 / z for z in Z), 0.0], [ends, *[closed] * (n - 1), ends],
         [gap] * (n + 1), (0.0, 0.0), waves,
     )
-    row, tally, log, clock = fronts.on_arrays(row, tally, log, clock)
+    row, tally, log, clock = tracking.on_arrays(row, tally, log, clock)
     return row, tally, Log(*(np.resize(column, room) for column in log)), clock
 
 
@@ -173,13 +173,13 @@ def family_of_pairs(pairs: int = 20_000) -> float:
         ri.Rod(rng.uniform(0.1, 1.0, pairs), area=np.exp(rng.uniform(0.0, math.log(3.0), pairs)),
                material=UNIT_MATERIAL, velocity=v) for v in (0.5, -0.5)
     ]
-    plan = Blueprint(ri.System(rods))
+    plan = Blueprint(Row(ri.System(rods)))
     given = np.stack([np.broadcast_to(x, pairs) for x in plan.numbers], axis=1)
     block, results = families.Block(plan, 4096), families.space(pairs, 2)
     members = block.lay_out(given)
-    full = block.run(members, fronts.MAX_EVENTS, results)
+    full = block.run(members, MAX_EVENTS, results)
     assert not full.any()
-    return median(lambda: block.run(members, fronts.MAX_EVENTS, results)) / pairs
+    return median(lambda: block.run(members, MAX_EVENTS, results)) / pairs
 
 
 # The package as its users meet it ---------------------------------------------------------------
@@ -257,7 +257,7 @@ def row_on_steps(law: Any, steps: int = 1_000_000) -> float:
     rods = [ri.Rod(step * n, area=1 + 0.1 * n, material=UNIT_MATERIAL, velocity=8 / n - 0.7)
             for n in lengths]
     system = ri.System([ri.Wall(), *rods, ri.Wall()], gaps=[0.05] * 6, contacts=[law] * 6)
-    plan, spans = Plan(system), []
+    plan, spans = Row(system), []
     for _ in range(4):
         machine = characteristics.Machine(plan, list(lengths), step, steps)
         begin = time.perf_counter()
@@ -274,7 +274,7 @@ def cell_on_grid(
     moment, cells = "circular" if lateral else None, 800 // rods
     row = [ri.Rod(1.0, area=1e-4, material=material, velocity=v, polar_moment=moment)
            for v in (1.0, 0.0)[:rods]]
-    mesh = Mesh(Plan(ri.System(row)), [cells] * rods)
+    mesh = Mesh(Row(ri.System(row)), [cells] * rods)
     step = COURANT / cells / float(material.wave_speed)
     machine = Machine(mesh, step, Keeper(4), 8 * steps)
     spans = []

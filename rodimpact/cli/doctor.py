@@ -17,7 +17,8 @@ from ..materials import aluminium, brass, steel
 from ..methods import kernels
 from ..methods.fronts.assembly import assemble
 from ..methods.fronts.front_kernel import play
-from ..methods.fronts.method import track
+from ..methods.fronts.tracking import track
+from ..methods.row import Row
 from ..model import Rod, System, Wall
 from ..storage.tables import SCHEMA_VERSION, align
 from . import DONE, UNVERIFIED
@@ -88,6 +89,6 @@ def solve_a_row(compile_after: int) -> list[object]:
         for i, (length, material) in enumerate(zip(lengths, (steel, brass, aluminium), strict=True))
     ]
     system = System([*row, Wall()], gaps=[0.0, 1e-6, 1e-5])
-    run = track(assemble(system), compile_after=compile_after)
-    columns = (*run.row, *run.tally, *run.log)
+    run = track(assemble(Row(system)), compile_after=compile_after)
+    columns = (*run.state, *run.tally, *run.log)
     return [run.end, run.settled, run.events, *(list(column) for column in columns)]

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from ..methods.options import METHODS, Options
+from ..methods.registry import METHOD_NAMES, Options
 from ..model.frozen import InvalidModel, Problems
 from ..storage.casefile import Case
 from .asking import quantity, whole_number
@@ -30,7 +30,7 @@ NUMBERS = {
 
 def add_run_options(parser: argparse.ArgumentParser, names: Sequence[str]) -> None:
     """Options of those names, and the method."""
-    parser.add_argument("--method", choices=METHODS, help="instead of the case's")
+    parser.add_argument("--method", choices=METHOD_NAMES, help="instead of the case's")
     for name in names:
         option = NUMBERS[name]
         parser.add_argument(_flag(name), metavar=option.metavar, help=option.help)

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..methods.signals import Floats
 from ..model import Rod, System
 from ..model.frozen import InvalidModel
 from ..results.closed_forms import ClosedForm
-from ..results.signals import Floats
 from .design import Design
 
 CLOSED, SOLVED = 81, 21  # points of the curve

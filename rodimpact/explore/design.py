@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from .. import materials
-from ..methods.options import Options
+from ..methods.registry import Options
 from ..model import Rod, System
 from ..model.frozen import InvalidModel, Problems
 from ..results.solution import Solution

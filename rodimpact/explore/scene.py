@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..methods.signals import Floats
 from ..model import Bonded, Rigid, RigidMass, Rod, Wall
 from ..model.frozen import InvalidModel
 from ..model.profiles import extremes
@@ -19,7 +20,6 @@ from ..results.closed_forms import ClosedForm, closed_form
 from ..results.contacts import ContactHistory
 from ..results.placing import Placing, placing
 from ..results.regions import Regions, nothing_to_draw, readable_regions
-from ..results.signals import Floats
 from ..results.solution import Solution
 from ..storage.tables import clean
 from ..units import format_si

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..methods.groups import groups, movable
+from ..methods.signals import Floats
 from ..model import Rod
-from ..results.groups import groups, movable
 from ..results.regions import Regions
-from ..results.signals import Floats
 from ..results.solution import Solution
 
 CELLS, ROWS = 2000, 50  # in all, about, and one above the other

@@ -1,4 +1,4 @@
-"""Which physics each method has: what keeps one from solving a system, and which one can.
+"""Physics that not every method has: where a system has it, by path and name.
 
 No method can prove a collision final where something acts on and on from outside.
 """
@@ -22,31 +22,36 @@ from ..model import (
     System,
     Wall,
 )
-from ..model.frozen import InvalidModel, Problems
+from ..model.frozen import InvalidModel
 
-Found = Iterator[tuple[str, str]]
+Places = Iterator[tuple[str, str]]
+Feature = Callable[[System], Places]
 
 TAPERS = "tapered rods"
 
 
-def _masses(system: System) -> Found:
+def masses(system: System) -> Places:
+    """Rigid masses."""
     for i, body in enumerate(system.bodies):
         if isinstance(body, RigidMass):
             yield f"bodies.{i}", "rigid masses"
 
 
-def _compliance(system: System) -> Found:
+def compliance(system: System) -> Places:
+    """Contacts that give way."""
     for i, law in enumerate(system.contacts):
         if not isinstance(law, Rigid | Bonded):
             yield f"contacts.{i}.law", "compliant contacts"
 
 
-def _gravity(system: System) -> Found:
+def gravity(system: System) -> Places:
+    """Gravity."""
     if np.any(system.gravity):
         yield "gravity", "gravity"
 
 
-def _smooth_states(system: System) -> Found:
+def smooth_states(system: System) -> Places:
+    """Initial states that are no steps."""
     for i, body in enumerate(system.bodies):
         if isinstance(body, Rod):
             for name in ("velocity", "strain"):
@@ -54,7 +59,8 @@ def _smooth_states(system: System) -> Found:
                     yield f"bodies.{i}.{name}", "profiles other than steps"
 
 
-def _smooth_drives(system: System) -> Found:
+def smooth_drives(system: System) -> Places:
+    """Drives that are no steps in time."""
     for side, end in zip(("left", "right"), system.ends, strict=True):
         if isinstance(end, Pushed | Moved) and isinstance(end.value, Samples):
             yield f"ends.{side}.value", "drives other than steps"
@@ -68,55 +74,25 @@ def _segments(system: System) -> Iterator[tuple[str, Segment]]:
             yield f"bodies.{i}{place}", segment
 
 
-def _damping(system: System) -> Found:
+def damping(system: System) -> Places:
+    """Viscous material."""
     for path, segment in _segments(system):
         if np.any(segment.material.viscosity):
             yield f"{path}.material.viscosity", "damping"
 
 
-def _lateral(system: System) -> Found:
+def lateral(system: System) -> Places:
+    """Lateral inertia."""
     for path, segment in _segments(system):
         if segment.polar_moment is not None:
             yield f"{path}.polar_moment", "lateral inertia"
 
 
-def _taper(system: System) -> Found:
+def taper(system: System) -> Places:
+    """Areas that change along a segment."""
     for path, segment in _segments(system):
         if segment.tapered:
             yield f"{path}.area", TAPERS
-
-
-LACKS: dict[str, tuple[Callable[[System], Found], ...]] = {
-    "fronts": (
-        _masses, _compliance, _gravity, _smooth_states, _smooth_drives, _damping, _lateral, _taper,
-    ),
-    "characteristics": (_damping, _lateral, _taper),
-    "finite-difference": (),
-}
-"""Methods in the order in which ``"auto"`` tries them, with the physics that each lacks."""
-
-
-def lacking(method: str, system: System) -> list[tuple[str, str]]:
-    """Path and name of everything in the system that the method cannot do."""
-    return [found for feature in LACKS[method] for found in feature(system)]
-
-
-def refuse(method: str, system: System) -> None:
-    """Raise InvalidModel where the method lacks something, and name a method that has it."""
-    missing = lacking(method, system)
-    if missing:
-        remedy = f'method "{choose(system)}" has'
-        if all(what == TAPERS for _, what in missing):
-            remedy += ", or give rod.in_steps(n)"
-        problems: Problems = [
-            (path, f'method "{method}" has no {what}; {remedy}') for path, what in missing
-        ]
-        raise InvalidModel(problems)
-
-
-def choose(system: System, first: int = 0) -> str:
-    """First method that can do the job, from the one at place `first` on; the last can do any."""
-    return next(method for method in list(LACKS)[first:] if not lacking(method, system))
 
 
 def driven(system: System) -> bool:

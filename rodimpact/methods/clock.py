@@ -12,7 +12,7 @@ PARTS = 1 << 36
 
 
 @dataclass(frozen=True, kw_only=True)
-class Clockwork:
+class Clock:
     """Segments 1 to n from left to right; index 0 and n + 1 of a segment list are the outside.
 
     Attributes
@@ -32,6 +32,8 @@ class Clockwork:
         Acceleration of that frame, m/s^2.
     grain : int
         Ticks in which nothing is resolved: those of a time step.
+    scale : float
+        Of velocities on a time step, m/s.
     transit_error : float
         Largest relative change of a transit time by its rounding to the clock.
     worst : str
@@ -48,6 +50,7 @@ class Clockwork:
     frame: float
     gravity: float = 0.0
     grain: int = 1
+    scale: float = 0.0
     transit_error: float
     worst: str
 

@@ -13,7 +13,7 @@ before (Moreau, CISM 302, 1988).
 
 Time is counted in steps: lengths are velocity times steps, and masses and stiffnesses are scaled to
 match: M/h, k h^p for a force k x^p, a dashpot's constant as it is. What happens lasts d, a
-step or a part of one; links close by lengths. `row` stands for any
+step or a part of one; links close by lengths. `state` stands for any
 NamedTuple with the columns of the links: law, stiffness, exponent, damping and gap.
 """
 
@@ -187,12 +187,12 @@ def pushed(chain: Chain, q: int, last: int) -> float:
     return c
 
 
-def relax(row: Any, chain: Chain, i0: int, last: int, d: float) -> float:
+def relax(state: Any, chain: Chain, i0: int, last: int, d: float) -> float:
     """Solve link after link, the others as they are; return the largest change of a closing."""
     change = 0.0
     for q in range(last + 1):
         i, y, c = i0 + q, chain.own[q], pushed(chain, q, last)
-        law, slope = row.law[i], 0.0
+        law, slope = state.law[i], 0.0
         if law <= FORCE:
             F = chain.limit[q]
         elif law <= IMPACT:
@@ -201,17 +201,17 @@ def relax(row: Any, chain: Chain, i0: int, last: int, d: float) -> float:
             if law != BOND and F <= 0:
                 F = slope = 0.0
         else:
-            gap = row.gap[i]
+            gap = state.gap[i]
             guess = chain.place[q] + gap
             F, chain.place[q], slope = solve_law(
-                law, row.stiffness[i], row.exponent[i], row.damping[i] / d, -gap, c, y, guess
+                law, state.stiffness[i], state.exponent[i], state.damping[i] / d, -gap, c, y, guess
             )
         change = max(change, abs(F - chain.force[q]) * y)
         chain.force[q], chain.slope[q] = F, slope
     return change
 
 
-def newton(row: Any, chain: Chain, i0: int, last: int) -> None:
+def newton(state: Any, chain: Chain, i0: int, last: int) -> None:
     """Take a Newton step for all links together, each law replaced by its tangent."""
     F, upper = chain.force, chain.upper
     for q in range(last + 1):
@@ -220,7 +220,7 @@ def newton(row: Any, chain: Chain, i0: int, last: int) -> None:
             s, middle, right = -s, y, c - chain.limit[q]
         else:
             middle = 1 + s * y
-            right = F[q] + s * (c - chain.place[q] - row.gap[i0 + q])
+            right = F[q] + s * (c - chain.place[q] - state.gap[i0 + q])
         pivot = middle
         if q > 0:
             right += s * chain.shared[q] * F[q - 1]
@@ -233,11 +233,11 @@ def newton(row: Any, chain: Chain, i0: int, last: int) -> None:
     for q in range(last, -1, -1):
         if q < last:
             F[q] -= upper[q] * F[q + 1]
-        if row.law[i0 + q] >= RIGID:
+        if state.law[i0 + q] >= RIGID:
             F[q] = max(F[q], 0.0)
 
 
-def balance(row: Any, chain: Chain, i0: int, last: int, speed: float, d: float) -> bool:
+def balance(state: Any, chain: Chain, i0: int, last: int, speed: float, d: float) -> bool:
     """Find the forces of a chain; return False where there are none (a mass squeezed by walls).
 
     Sweeps of `relax` descend on a convex function, the dual energy of the step, and so always
@@ -247,7 +247,7 @@ def balance(row: Any, chain: Chain, i0: int, last: int, speed: float, d: float) 
     path = d * speed
     left, tried, size = math.inf, False, path
     for _ in range(2 * SWEEPS):
-        new = relax(row, chain, i0, last, d)
+        new = relax(state, chain, i0, last, d)
         if tried and new > left / 2:
             for q in range(last + 1):
                 chain.force[q] = chain.kept[q]
@@ -259,11 +259,11 @@ def balance(row: Any, chain: Chain, i0: int, last: int, speed: float, d: float) 
             chain.kept[q] = chain.force[q]
         if last == 0 or left <= 8 * EPS * size:
             return True
-        newton(row, chain, i0, last)
+        newton(state, chain, i0, last)
     return bool(left <= ROUGH * size)
 
 
-def start_impacts(row: Any, chain: Chain, i0: int, last: int, tol: float, d: float) -> bool:
+def start_impacts(state: Any, chain: Chain, i0: int, last: int, tol: float, d: float) -> bool:
     """Let impacts happen whose gaps would close in this time d; return whether there is a new one.
 
     An impact waits with an infinite limit.
@@ -271,27 +271,27 @@ def start_impacts(row: Any, chain: Chain, i0: int, last: int, tol: float, d: flo
     found = False
     for q in range(last + 1):
         i = i0 + q
-        if row.law[i] == IMPACT and chain.limit[q] == math.inf:
+        if state.law[i] == IMPACT and chain.limit[q] == math.inf:
             w = pushed(chain, q, last) - chain.force[q] * chain.own[q]
-            if row.gap[i] - w < -d * tol:
+            if state.gap[i] - w < -d * tol:
                 u = chain.before[q]
-                chain.limit[q] = 0.0 if u <= tol else (1 - row.damping[i]) * u * d / 2
+                chain.limit[q] = 0.0 if u <= tol else (1 - state.damping[i]) * u * d / 2
                 found = True
     return found
 
 
 def record_step(
-    row: Any, tally: Tally, signals: Any, i: int, j: int, F: float, gap: float, d: float
+    state: Any, tally: Tally, signals: Any, i: int, j: int, F: float, gap: float, d: float
 ) -> None:
     """Enter step j, or a part of duration d, of contact i: its force, and the gap at the end.
 
-    `row.open` is 1 once the contact has opened.
+    `state.open` is 1 once the contact has opened.
     """
     start = signals.link_start[i]
     if start >= 0:
         signals.force[start + j] = F
         signals.gap[start + j] = gap
-    row.force[i], row.gap[i] = F, gap
+    state.force[i], state.gap[i] = F, gap
     if F > 0:
         tally.impulse[i] += F * d
         tally.peak[i] = max(tally.peak[i], F)
@@ -299,7 +299,7 @@ def record_step(
             tally.first[i] = j
         tally.last[i] = j + 1
         tally.pressed[i] += 1
-        tally.episodes[i] += row.open[i]
-        row.open[i] = 0
+        tally.episodes[i] += state.open[i]
+        state.open[i] = 0
     elif gap > 0:
-        row.open[i] = 1
+        state.open[i] = 1

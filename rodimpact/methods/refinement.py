@@ -9,8 +9,9 @@ from typing import Protocol, TypeVar
 import numpy as np
 
 from ..model.frozen import InvalidModel
-from .contact_law_kernel import IMPACT, RIGID
-from .plan import Array, Plan
+from .clock import Clock
+from .contact_law_kernel import IMPACT, RIGID, Tally
+from .row import Array, Row
 
 MEASURES = ("impulse", "largest force", "time of 99.9 % of the impulse")
 LOOK_BACK = 3  # coarser levels with which the finest is compared
@@ -21,34 +22,89 @@ class TooLong(InvalidModel):
     """A run takes more steps than there is memory for."""
 
 
-class Run(Protocol):
-    """What is asked of a finished run."""
+class SteppedRun(Protocol):
+    """What is asked of a finished run on a time step."""
 
     @property
-    def plan(self) -> Plan:
-        """The row."""
+    def clock(self) -> Clock:
+        """Its tick is a part of the step."""
+
+    @property
+    def row(self) -> Row:
+        """What was run."""
 
     @property
     def step(self) -> float:
         """s."""
 
     @property
+    def steps(self) -> int:
+        """Steps taken, or parts of steps."""
+
+    @property
     def durations(self) -> Array:
-        """Of the steps, or parts of steps, s."""
+        """Of the steps, s."""
 
     @property
     def edges(self) -> Array:
-        """Between steps, or parts of steps, in ticks."""
+        """Between steps, in ticks, from 0 on."""
+
+    @property
+    def end(self) -> int:
+        """Last tick."""
+
+    @property
+    def tally(self) -> Tally:
+        """Totals by link that can open."""
+
+    @property
+    def settled(self) -> int:
+        """Place in `edges` where the collision was proved final, -1 without proof."""
 
     @property
     def stopped_by(self) -> str:
         """Why it ended."""
 
+    @property
+    def events(self) -> int:
+        """Steps times ends."""
+
+    @property
+    def estimates(self) -> dict[str, float]:
+        """Error of each measure of the outcome, relative to its largest value."""
+
+    @property
+    def rtol(self) -> float:
+        """What they were to come to."""
+
+    @property
+    def largest_strain(self) -> float:
+        """A bound of it."""
+
+    @property
+    def resolved(self) -> float:
+        """Gap that counts as an opening, m."""
+
+    def place(self, contact: int) -> int:
+        """Place in the tally of a contact that can open."""
+
     def contact(self, contact: int) -> tuple[Array, Array]:
         """Mean force in each step, N, and gap at its end, m; of a contact that can open."""
 
+    def path(self, contact: int) -> Array:
+        """How far a contact that can open closes in each step, m."""
 
-R = TypeVar("R", bound=Run)
+    def bond(self, contact: int) -> Array:
+        """Mean force in a bonded contact in each step, N."""
+
+    def outer(self, side: int) -> tuple[Array, Array]:
+        """Force of what is outside the left or right end on the row, N, and its velocity, m/s."""
+
+    def speed(self, mass: int) -> Array:
+        """Velocity of a mass at `edges`, in the frame, m/s."""
+
+
+R = TypeVar("R", bound=SteppedRun)
 
 
 def factors() -> Iterator[int]:
@@ -139,16 +195,16 @@ def velocity_measure(free: Sequence[float], scale: float) -> Array:
     return np.array([*free, *np.diff(free), scale])
 
 
-def contact_measures(found: Run) -> dict[str, Array]:
+def contact_measures(found: SteppedRun) -> dict[str, Array]:
     """Impulse, largest force, and time of 99.9 % of the impulse, by contact that can open.
 
     Restitution follows from the impulses. Impacts of rigid bodies have neither of the other two:
     their impulse grows in jumps.
     """
-    plan = found.plan
-    contacts = [k for k, i in enumerate(plan.contact_link) if i >= 0 and plan.laws[i] >= RIGID]
+    row = found.row
+    contacts = [k for k, i in enumerate(row.contact_link) if i >= 0 and row.laws[i] >= RIGID]
     forces = [found.contact(k)[0] for k in contacts]
-    lasting = [plan.laws[plan.contact_link[k]] != IMPACT for k in contacts]
+    lasting = [row.laws[row.contact_link[k]] != IMPACT for k in contacts]
     measured = (
         [float(F @ found.durations) for F in forces],
         [peak(found.edges, F) if lasts else 0.0 for F, lasts in zip(forces, lasting, strict=True)],

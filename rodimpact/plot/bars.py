@@ -11,10 +11,10 @@ from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
+from ..methods.signals import Floats
 from ..model import Absorbing, RigidMass, Rod
 from ..model.profiles import extremes
 from ..results.placing import Placing
-from ..results.signals import Floats
 from .borders import DRIVEN, OPEN_END, WALL
 from .sampling import is_stepped, mean_areas, sampled
 from .scales import Scale

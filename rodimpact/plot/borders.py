@@ -12,9 +12,9 @@ from matplotlib.patches import Polygon
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
+from ..methods.signals import Floats
 from ..model import Absorbing, Bonded, Moved, Pushed, Rigid, RigidMass, Rod
 from ..results.placing import Placing
-from ..results.signals import Floats
 from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster

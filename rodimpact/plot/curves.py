@@ -15,8 +15,8 @@ from matplotlib.patches import StepPatch
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from ..methods.signals import Floats
 from ..results.closed_forms import ClosedForm
-from ..results.signals import Floats
 from .scales import ROUND_OFF
 from .sides import Shown, Side, count_ticks, dress_side
 from .style import colours, dress, legend_above

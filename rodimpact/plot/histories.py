@@ -14,9 +14,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import StepPatch
 from matplotlib.text import Annotation
 
+from ..methods.signals import Floats
 from ..model import Bonded, Rigid
 from ..results.contacts import ContactHistory
-from ..results.signals import Floats
 from ..results.solution import Solution
 from .scales import Scale, engineering, time_scale, written
 from .style import DASHES, SMALL, colours, dress, legend_above, new_figure, styled
@@ -106,7 +106,7 @@ def contact(
 def force_scale(solution: Solution, histories: Sequence[ContactHistory]) -> Scale:
     """Scale of an axis of contact forces; it says so if some are means over a time step."""
     impacts = any(getattr(history.law, "restitution", None) is not None for history in histories)
-    a = solution.fields.assembly
+    a = solution.fields.clock
     said = f",\nmean over {written(a.grain * a.tick, 's')}" if impacts else ""
     largest = max(np.abs(_record(history, solution.t_end)[1]).max() for history in histories)
     return engineering(f"contact force{said}", largest, "N")

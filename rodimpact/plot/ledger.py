@@ -11,10 +11,10 @@ from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
-from ..results.groups import movable
+from ..methods.groups import movable
+from ..methods.signals import Floats
 from ..results.placing import placing
 from ..results.regions import regions_of
-from ..results.signals import Floats
 from ..results.solution import Solution
 from .sampling import is_stepped
 from .scales import ROUND_OFF, engineering, time_scale, written
@@ -118,7 +118,7 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
 def _times(solution: Solution) -> Floats:
     """Instants at which waves meet or are reflected, unless too many, and others between."""
     if is_stepped(solution):
-        steps = solution.fields.end // solution.fields.assembly.grain
+        steps = solution.fields.end // solution.fields.clock.grain
         count = min(SAMPLES, max(FEWEST, STEPS_SUMMED // max(1, steps)))
         turns = [t for c in solution.contacts for e in c.episodes for t in e if t == t]
         known = np.union1d(turns[:TURNS], [0.0, solution.t_end])

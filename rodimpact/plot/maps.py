@@ -23,8 +23,8 @@ from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from ..methods.signals import Floats
 from ..results.closed_forms import ClosedForm
-from ..results.signals import Floats
 from .curves import jumps
 from .scales import ROUND_OFF, signed
 from .sides import Shown, Side, count_ticks, dress_side

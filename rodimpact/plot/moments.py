@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..results.signals import Floats
+from ..methods.signals import Floats
 from ..results.solution import Solution
 from ..results.wave_fields import WaveFields
 from .sampling import is_stepped
@@ -100,7 +100,7 @@ def _reflections(solution: Solution, last: float) -> Floats:
     assert isinstance(fields, WaveFields)
     leaving = [signal.ticks for signal in fields.signals if signal is not None]
     ticks = np.unique(np.concatenate(leaving))
-    times = ticks[ticks > 0] * fields.assembly.tick
+    times = ticks[ticks > 0] * fields.clock.tick
     early: Floats = times[times <= last]
     return early
 

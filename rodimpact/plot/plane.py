@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..results.signals import Floats
+from ..methods.signals import Floats
 from .scales import Scale
 from .style import broken
 

@@ -10,10 +10,10 @@ from matplotlib.collections import PolyCollection, TriMesh
 from matplotlib.colors import Normalize
 from matplotlib.text import Text
 
+from ..methods.signals import Floats, Ints
 from ..results.contacts import ContactHistory
 from ..results.placing import Placing
 from ..results.regions import readable_regions, regions_of
-from ..results.signals import Floats, Ints
 from ..results.solution import Solution
 from .plane import Plane
 from .sampling import energy_density, is_stepped

@@ -8,10 +8,10 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import Normalize
 from matplotlib.text import Text
 
+from ..methods.signals import Floats
 from ..model import Rod
 from ..results.contacts import ContactHistory
 from ..results.placing import Placing
-from ..results.signals import Floats
 from ..results.solution import Solution
 from .plane import Plane
 from .sampling import averaged, energy_density, mean_areas, modulus, pieces

@@ -10,9 +10,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..methods.signals import Floats, Ints
 from ..model import Rod, Segment, System
 from ..results.fields import Profile
-from ..results.signals import Floats, Ints
 from ..results.solution import Solution
 
 COLUMNS = 300  # pieces of the whole row
@@ -20,7 +20,7 @@ COLUMNS = 300  # pieces of the whole row
 
 def is_stepped(solution: Solution) -> bool:
     """Whether the signals of a solution are averages over time steps."""
-    return solution.fields.assembly.grain > 1
+    return solution.fields.clock.grain > 1
 
 
 def pieces(solution: Solution, body: int) -> tuple[Floats, Ints]:
@@ -33,7 +33,7 @@ def pieces(solution: Solution, body: int) -> tuple[Floats, Ints]:
         np.linspace(left, right, count, endpoint=False)
         for left, right, count in zip(corners[:-1], corners[1:], counts, strict=True)
     ]
-    first = solution.fields.assembly.spans[body][0]
+    first = solution.fields.clock.spans[body][0]
     return np.append(np.concatenate(parts), corners[-1]), np.repeat(
         first + np.arange(counts.size), counts)
 

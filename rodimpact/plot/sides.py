@@ -11,7 +11,7 @@ from matplotlib.axis import Axis
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
-from ..results.signals import Floats
+from ..methods.signals import Floats
 from ..running.sweeping import STATUS, SweepResult
 from ..units import format_factor, format_power
 from .quantities import parameter

@@ -15,9 +15,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
+from ..methods.signals import Floats
 from ..model import RigidMass
 from ..results.placing import Placing, placing
-from ..results.signals import Floats
 from ..results.solution import Solution
 from .bars import Bars, Piece
 from .moments import happening, moments

@@ -11,8 +11,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle, StepPatch
 
+from ..methods.signals import Floats
 from ..results.gauges import Gauge
-from ..results.signals import Floats
 from .scales import Scale, engineering, time_scale
 from .style import colours, dress, legend_above, new_axes, styled
 from .thinning import telling

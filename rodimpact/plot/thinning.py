@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..results.signals import Floats, Ints
+from ..methods.signals import Floats, Ints
 
 INTERVALS = 1000
 

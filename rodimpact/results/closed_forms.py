@@ -11,9 +11,9 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from ..methods.signals import Floats
 from ..model import Body, Rigid, RigidMass, Rod, System
 from ..theory import PairCollision, mass_on_rod, rod_on_wall, saint_venant
-from .signals import Floats
 
 Two: TypeAlias = tuple[Floats, Floats]
 COLUMNS = (

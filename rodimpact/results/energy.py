@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from ..methods.run import Outside
+from ..methods.signals import Floats, StepSignal
 from .contacts import ContactHistory
 from .fields import Fields
-from .groups import GroupStates
-from .signals import Floats, StepSignal
+from .group_states import GroupStates
 
 
 @dataclass(frozen=True)
@@ -68,18 +69,6 @@ class EnergyLedger:
         return self.kinetic + self.vibration + self.contact
 
 
-class Outside(NamedTuple):
-    """What acts on one end of the row: its kind, the force on the row, N, and its power, W.
-
-    kind : ``"wall"``, ``"drive"`` or ``"absorbing"``.
-    push : pushes to the right at the left end, to the left at the right end
-    """
-
-    kind: str
-    push: StepSignal
-    power: StepSignal
-
-
 def stored(law: Any, gap: Floats) -> Floats:
     """Energy in a contact whose gap is minus the indentation, J."""
     x = np.maximum(-np.asarray(gap), 0.0)
@@ -92,7 +81,7 @@ def ledger(
     outside: tuple[Outside | None, Outside | None], states: GroupStates,
 ) -> EnergyLedger:
     """Energy ledger at the ticks of the states, the first of which is 0."""
-    a, ticks = fields.assembly, states.ticks
+    a, ticks = fields.clock, states.ticks
     t = ticks * a.tick
     works = {"wall": np.zeros(t.shape), "drive": np.zeros(t.shape), "absorbing": np.zeros(t.shape)}
     for side in outside:

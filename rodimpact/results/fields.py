@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..methods.clock import Clockwork
+from ..methods.clock import Clock
+from ..methods.signals import Floats, Ints, Side
 from ..model.arguments import array
-from .signals import Floats, Ints, Side
 
 
 class Profile(NamedTuple):
@@ -57,22 +57,22 @@ class Fields(ABC):
 
     Parameters
     ----------
-    assembly : Clockwork
+    clock : Clock
     end : int
         Last tick.
     masses : mapping of int to array
-        Velocities of rigid masses, by body, at `edges`, in the frame `assembly.frame`, which falls
-        with `assembly.gravity`.
+        Velocities of rigid masses, by body, at `edges`, in the frame `clock.frame`, which falls
+        with `clock.gravity`.
     edges : [n] array of int, optional
         Ticks from 0 to `end` between which a method on a time step resolves nothing; those at which
         energies are known.
     """
 
     def __init__(
-        self, assembly: Clockwork, end: int, masses: Mapping[int, Floats] | None = None,
+        self, clock: Clock, end: int, masses: Mapping[int, Floats] | None = None,
         edges: Ints | None = None,
     ) -> None:
-        self.assembly, self.end = assembly, end
+        self.clock, self.end = clock, end
         self.masses, self.steps = masses or {}, edges
 
     @abstractmethod
@@ -132,12 +132,12 @@ class Fields(ABC):
         that side by as much as is uncertain, so that a jump at the time given is before or after.
         """
         t = array("t", t, "s")
-        end = self.end * self.assembly.tick
-        inside = np.isfinite(t) & (t >= 0) & (t <= end * (1 + 1e-12) + self.assembly.tick)
+        end = self.end * self.clock.tick
+        inside = np.isfinite(t) & (t >= 0) & (t <= end * (1 + 1e-12) + self.clock.tick)
         if not inside.all():
             bad = float(t[~inside].flat[0])
             raise ValueError(f"t: must lie in the solution, 0 to {end:.9g} s, got {bad!r}")
-        ticks: Ints = np.minimum(np.rint(t / self.assembly.tick).astype(np.int64), self.end)
+        ticks: Ints = np.minimum(np.rint(t / self.clock.tick).astype(np.int64), self.end)
         if side is None:
             return ticks
         if side not in ("right", "left"):
@@ -146,12 +146,12 @@ class Fields(ABC):
 
     def edges(self, body: int) -> Floats:
         """Ends of the body's segments, m from its left end."""
-        first, last = self.assembly.spans[body]
-        return np.array([0.0, *accumulate(self.assembly.length[first : last + 1])])
+        first, last = self.clock.spans[body]
+        return np.array([0.0, *accumulate(self.clock.length[first : last + 1])])
 
     def check(self, body: int, x: ArrayLike) -> Floats:
         """Return places in a rod, m from its left end; raise ValueError outside."""
-        if self.assembly.spans[body][1] == 0:
+        if self.clock.spans[body][1] == 0:
             kind = "a rigid mass" if body in self.masses else "a wall"
             raise ValueError(f"body: {body} is {kind} and has no inside; ask for a rod")
         x = array("x", x, "m")
@@ -164,7 +164,7 @@ class Fields(ABC):
 
     def segment_at(self, body: int, x: ArrayLike) -> Ints:
         """Segment of the row in which places lie."""
-        first, last = self.assembly.spans[body]
+        first, last = self.clock.spans[body]
         x, edges = self.check(body, x), self.edges(body)
         piece: Ints = np.clip(np.searchsorted(edges, x, "right") - 1, 0, last - first)
         return piece + first
@@ -181,19 +181,19 @@ class Fields(ABC):
 
     def _fallen(self, t: ArrayLike) -> Floats:
         """Velocity that the frame has gained at times t."""
-        result: Floats = self.assembly.gravity * self.to_ticks(t) * self.assembly.tick
+        result: Floats = self.clock.gravity * self.to_ticks(t) * self.clock.tick
         return result
 
     def mass_velocity(self, body: int, t: ArrayLike) -> Floats:
         """Velocity of a rigid mass, m/s."""
         V, ticks = self.masses[body], self.to_ticks(t)
         assert self.steps is not None
-        found: Floats = np.interp(ticks, self.steps, V) + self.assembly.frame + self._fallen(t)
+        found: Floats = np.interp(ticks, self.steps, V) + self.clock.frame + self._fallen(t)
         return found
 
     def mass_displacement(self, body: int, t: ArrayLike) -> Floats:
         """Displacement of a rigid mass, m, whose velocity changes evenly in each step."""
-        a, V, ticks = self.assembly, self.masses[body], self.to_ticks(t)
+        a, V, ticks = self.clock, self.masses[body], self.to_ticks(t)
         if len(V) == 1:
             path = V[0] * ticks
         else:
@@ -213,7 +213,7 @@ class Fields(ABC):
 
         The place of a point is position + x + displacement; a wall's is its face.
         """
-        a, found, x = self.assembly, [], 0.0
+        a, found, x = self.clock, [], 0.0
         for body, (first, last) in enumerate(a.spans):
             if body:
                 x += float(a.system.gaps[body - 1])

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..methods.signals import Floats
 from ..model.arguments import array
 from ..model.frozen import InvalidModel
 from ..storage.writing import write_text, written
-from .signals import Floats
 
 SAMPLES = 10_000  # of a record where no interval is given
 

@@ -11,19 +11,19 @@ negative.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..methods.clock import PARTS, Clockwork
-from ..methods.grid.grid_kernel import States
-from ..methods.grid.mesh import Mesh
+from ..methods.clock import PARTS, Clock
+from ..methods.grid.mesh import GridMotion
+from ..methods.run import Signals
+from ..methods.signals import Floats, Ints, Side
+from ..model import Rod, Segment
 from ..model.profiles import Samples
 from .fields import Fields, Profile, Trace, nearest
-from .signals import Floats, Ints, Side
 
 
 class GridFields(Fields):
@@ -31,35 +31,30 @@ class GridFields(Fields):
 
     Parameters
     ----------
-    assembly : Clockwork
-    mesh : Mesh
-    states : States
-        `when` [state] in steps; velocity [state, node] in m/s, in the frame; force [state, cell]
-        in N; place [state, piece] in m/s times steps; lost [state] in W times steps.
+    clock : Clock
     end : int
         Last tick.
-    masses : mapping of int to array
-        As in `Fields`.
-    pushes : mapping of int to array
-        As `outer_forces` gives them.
+    signals : Signals
+        Whose motion is a `GridMotion`.
     """
 
-    def __init__(
-        self, assembly: Clockwork, mesh: Mesh, states: States, end: int,
-        masses: Mapping[int, Floats], pushes: Mapping[int, Floats],
-    ) -> None:
-        super().__init__(assembly, end, masses, np.arange(0, end + 1, PARTS))
-        self.mesh, self.states, self._pushes = mesh, states, pushes
+    def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
+        super().__init__(clock, end, signals.masses, np.arange(0, end + 1, PARTS))
+        self.motion: GridMotion = signals.motion
+
+    @property
+    def _segments(self) -> list[Segment]:
+        return [s for b in self.clock.system.bodies if isinstance(b, Rod) for s in b.segments]
 
     @property
     def _step(self) -> float:
-        return self.assembly.tick * PARTS
+        return self.clock.tick * PARTS
 
     # Between the states ---------------------------------------------------------------------------
 
     def _when(self, ticks: Ints) -> tuple[Ints, Floats]:
         """The state before each tick, and the share of the next one."""
-        when = self.states.when * PARTS
+        when = self.motion.when * PARTS
         if len(when) == 1:
             return np.zeros(np.shape(ticks), np.int64), np.zeros(np.shape(ticks))
         i = np.clip(np.searchsorted(when, ticks, "right") - 1, 0, len(when) - 2)
@@ -77,7 +72,7 @@ class GridFields(Fields):
 
     def _cells(self, body: int, segment: Ints, x: ArrayLike) -> Floats:
         """Cells between the left end of its segment and each place."""
-        first, a = self.assembly.spans[body][0], self.assembly
+        first, a = self.clock.spans[body][0], self.clock
         begin = self.edges(body)[segment - first]
         share = (self.check(body, x) - begin) / np.array(a.length)[segment]
         found: Floats = share * self._counts[segment]
@@ -97,7 +92,7 @@ class GridFields(Fields):
         self, table: Floats, body: int, x: ArrayLike, ticks: Ints, first: int = 0
     ) -> Floats:
         segment = self.segment_at(body, x)
-        y, base = self._cells(body, segment, x), np.array(self.mesh.first)[segment] - first
+        y, base = self._cells(body, segment, x), np.array(self.motion.first)[segment] - first
         return self._at(table, y, base, self._counts[segment] + 1, ticks)
 
     def _at_cells(self, table: Floats, body: int, x: ArrayLike, ticks: Ints) -> Floats:
@@ -110,7 +105,7 @@ class GridFields(Fields):
     @cached_property
     def _counts(self) -> Ints:
         """Cells by segment."""
-        return np.array([0, *self.mesh.counts])
+        return np.array([0, *self.motion.counts])
 
     @cached_property
     def _edge(self) -> Ints:
@@ -129,7 +124,7 @@ class GridFields(Fields):
         return self._with_ends(self._rate, self._at_ends[1])
 
     def _with_ends(self, table: Floats, ends: Floats) -> Floats:
-        mesh, edge = self.mesh, self._edge[1:]
+        mesh, edge = self.motion, self._edge[1:]
         columns = [np.arange(a, b + 2) for a, b in zip(mesh.first[1:], mesh.last[1:], strict=True)]
         found: Floats = table[:, np.concatenate(columns)]
         found[:, edge], found[:, edge + self._counts[1:] + 1] = ends[:, ::2], ends[:, 1::2]
@@ -143,9 +138,9 @@ class GridFields(Fields):
         for: in a step, viscosity eta resists a change of strain by eta/step. Where lateral inertia
         takes a share of the force they stay.
         """
-        mesh, strains, rates = self.mesh, [], []
+        mesh, strains, rates = self.motion, [], []
         for segment, a, b, N in zip(
-            mesh.plan.segments, mesh.first[1:], mesh.last[1:], mesh.counts, strict=True
+            self._segments, mesh.first[1:], mesh.last[1:], mesh.counts, strict=True
         ):
             E, eta = float(segment.material.youngs_modulus), float(segment.material.viscosity)
             areas = segment.area.values if isinstance(segment.area, Samples) else [segment.area]
@@ -166,52 +161,53 @@ class GridFields(Fields):
 
     def _rate_in(self, cell: int) -> Floats:
         """Rate of strain of a cell, at the states."""
-        v = self.states.velocity
-        found: Floats = (v[:, cell] - v[:, cell - 1]) / self.mesh.width[cell]
+        v = self.motion.velocity
+        found: Floats = (v[:, cell] - v[:, cell - 1]) / self.motion.width[cell]
         return found
 
     def _pull(self, cell: int) -> Floats:
         """Elastic and viscous tension of a cell, at the states; none between pieces."""
-        found: Floats = self.states.force[:, cell]
-        if self.mesh.viscous[cell]:
-            found = found + self.mesh.viscous[cell] * self.mesh.width[cell] * self._rate_in(cell)
-        return found
+        grid = self.motion
+        pull: Floats = grid.force[:, cell]
+        if grid.viscous[cell]:
+            pull = pull + grid.viscous[cell] * grid.width[cell] * self._rate_in(cell)
+        return pull
 
     def _pushed(self, node: int) -> Floats:
         """Force to the right on a node from outside its piece, at the states."""
-        F = self._pushes.get(node, np.zeros(1))
+        F = self.motion.pushes.get(node, np.zeros(1))
         if len(F) < 2:
-            return np.repeat(F, len(self.states.when)) if len(F) else np.zeros(1)
+            return np.repeat(F, len(self.motion.when)) if len(F) else np.zeros(1)
         ends = 1.5 * F[[0, -1]] - 0.5 * F[[1, -2]]
         at_steps: Floats = np.concatenate((ends[:1], (F[1:] + F[:-1]) / 2, ends[1:]))
-        found: Floats = at_steps[self.states.when]
+        found: Floats = at_steps[self.motion.when]
         return found
 
     @cached_property
     def _strain(self) -> Floats:
         """[state, cell]."""
-        stiff = np.where(self.mesh.stiffness > 0, self.mesh.stiffness, np.inf)
-        found: Floats = self.states.force / stiff / self.mesh.width
+        stiff = np.where(self.motion.stiffness > 0, self.motion.stiffness, np.inf)
+        found: Floats = self.motion.force / stiff / self.motion.width
         return found
 
     @cached_property
     def _rate(self) -> Floats:
         """[state, cell] rates of strain."""
-        found: Floats = np.zeros(self.states.force.shape)
-        found[:, 1:-1] = np.diff(self.states.velocity, axis=1) / self.mesh.width[1:-1]
+        found: Floats = np.zeros(self.motion.force.shape)
+        found[:, 1:-1] = np.diff(self.motion.velocity, axis=1) / self.motion.width[1:-1]
         return found
 
     @cached_property
     def _displaced(self) -> dict[int, Floats]:
         """By rod: [state, node of the rod] displacements in the frame, m."""
-        stretched = np.cumsum(self._strain[:, :-1] * self.mesh.width[:-1], axis=1)
+        stretched = np.cumsum(self._strain[:, :-1] * self.motion.width[:-1], axis=1)
         found = {}
-        for body, (first, last) in enumerate(self.assembly.spans):
+        for body, (first, last) in enumerate(self.clock.spans):
             if last:
-                a, b = self.mesh.first[first], self.mesh.last[last]
-                piece = self.mesh.piece_of(a)
-                before = stretched[:, a] - stretched[:, self.mesh.starts[piece]]
-                left = self.states.place[:, piece] * self._step + before - before[0]
+                a, b = self.motion.first[first], self.motion.last[last]
+                piece = int(np.searchsorted(self.motion.starts, a, "right")) - 1
+                before = stretched[:, a] - stretched[:, self.motion.starts[piece]]
+                left = self.motion.place[:, piece] * self._step + before - before[0]
                 found[body] = stretched[:, a : b + 1] + (left - stretched[:, a])[:, None]
         return found
 
@@ -220,8 +216,8 @@ class GridFields(Fields):
     def velocity(  # noqa: D102
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
-        found = self._at_nodes(self.states.velocity, body, x, self.to_ticks(t, side))
-        return found + self.assembly.frame + self._fallen(t)
+        found = self._at_nodes(self.motion.velocity, body, x, self.to_ticks(t, side))
+        return found + self.clock.frame + self._fallen(t)
 
     def strain(  # noqa: D102
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
@@ -232,7 +228,7 @@ class GridFields(Fields):
         return self._at_cells(self._stretching, body, x, self.to_ticks(t))
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:  # noqa: D102
-        a, ticks = self.assembly, self.to_ticks(t)
+        a, ticks = self.clock, self.to_ticks(t)
         time = ticks * a.tick
         moved = self._at_nodes(self._displaced[body], body, x, ticks, self._span(body)[0].start)
         return moved + a.frame * time + a.gravity * time * time / 2
@@ -240,9 +236,9 @@ class GridFields(Fields):
     def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:  # noqa: D102
         x = self.check(body, x)[:, None]
         u = self.displacement(body, x, t)
-        velocity = np.diff(u) / np.diff(self.to_ticks(t) * self.assembly.tick)
-        when = self.states.when * PARTS
-        strain = self.strain(body, x, when * self.assembly.tick)
+        velocity = np.diff(u) / np.diff(self.to_ticks(t) * self.clock.tick)
+        when = self.motion.when * PARTS
+        strain = self.strain(body, x, when * self.clock.tick)
         passed = np.zeros_like(strain)
         passed[:, 1:] = np.cumsum((strain[:, 1:] + strain[:, :-1]) / 2 * np.diff(when), axis=1)
         ticks = self.to_ticks(t)
@@ -254,11 +250,11 @@ class GridFields(Fields):
         return velocity, np.diff(total) / np.diff(ticks)
 
     def trace(self, body: int, x: float) -> Trace:  # noqa: D102
-        a = self.assembly
-        ticks = self.states.when * PARTS
+        a = self.clock
+        ticks = self.motion.when * PARTS
         times = ticks * a.tick
         c = a.wave_speed[int(self.segment_at(body, x))]
-        v = self._at_nodes(self.states.velocity, body, x, ticks)
+        v = self._at_nodes(self.motion.velocity, body, x, ticks)
         stretch = c * self._at_cells(self._stretch, body, x, ticks)
         return Trace(times, v - stretch, v + stretch, a.frame + a.gravity * times, c)
 
@@ -266,78 +262,49 @@ class GridFields(Fields):
 
     def _span(self, body: int) -> tuple[slice, slice, Floats]:
         """Nodes and cells of a rod, and the masses of its nodes."""
-        first, last = self.assembly.spans[body]
-        a, b = self.mesh.first[first], self.mesh.last[last]
+        first, last = self.clock.spans[body]
+        a, b = self.motion.first[first], self.motion.last[last]
         cells = slice(a + 1, b + 1)
-        half = self.mesh.cell_mass[cells] / 2
+        half = self.motion.cell_mass[cells] / 2
         return slice(a, b + 1), cells, np.append(half, 0.0) + np.append(0.0, half)
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:  # noqa: D102
         nodes, _, mass = self._span(body)
-        own = self.states.velocity[:, nodes] @ mass
+        own = self.motion.velocity[:, nodes] @ mass
         moving = self._in_time(own[:, None], 0, self.to_ticks(t))
-        found: Floats = moving + mass.sum() * (self.assembly.frame + self._fallen(t))
+        found: Floats = moving + mass.sum() * (self.clock.frame + self._fallen(t))
         return found
 
     def energy(  # noqa: D102
         self, body: int, tick: int, velocity: float
     ) -> tuple[float, float]:
-        a, (nodes, cells, mass) = self.assembly, self._span(body)
-        place = int(np.searchsorted(self.states.when, tick // PARTS))
-        v = self.states.velocity[place, nodes] + a.frame + a.gravity * tick * a.tick - velocity
-        change, k = np.diff(v), self.mesh.stiffness[cells]
-        bound = self.mesh.lateral[cells] - k * self._step**2 / 4
+        a, (nodes, cells, mass) = self.clock, self._span(body)
+        place = int(np.searchsorted(self.motion.when, tick // PARTS))
+        v = self.motion.velocity[place, nodes] + a.frame + a.gravity * tick * a.tick - velocity
+        change, k = np.diff(v), self.motion.stiffness[cells]
+        bound = self.motion.lateral[cells] - k * self._step**2 / 4
         kinetic = float(mass @ (v * v) + bound @ (change * change)) / 2
-        return kinetic, float(np.sum(self.states.force[place, cells] ** 2 / k)) / 2
+        return kinetic, float(np.sum(self.motion.force[place, cells] ** 2 / k)) / 2
 
     def whole(self, ticks: Ints) -> Ints:  # noqa: D102
-        return nearest(self.states.when * PARTS, ticks)
+        return nearest(self.motion.when * PARTS, ticks)
 
     def damped(self, ticks: Ints) -> Floats:  # noqa: D102
-        place = np.searchsorted(self.states.when, ticks // PARTS)
-        lost: Floats = self.states.lost[place] * self._step
+        place = np.searchsorted(self.motion.when, ticks // PARTS)
+        lost: Floats = self.motion.lost[place] * self._step
         return lost
 
     def profile(self, body: int, tick: int) -> Profile:  # noqa: D102
         nodes, cells, _ = self._span(body)
-        first, last = self.assembly.spans[body]
-        counts = self.mesh.counts[first - 1 : last]
+        first, last = self.clock.spans[body]
+        counts = self.motion.counts[first - 1 : last]
         x = np.concatenate([
             np.linspace(left, right, N + 1)[:-1] for left, right, N in zip(
                 self.edges(body)[:-1], self.edges(body)[1:], counts, strict=True)
         ])
         edges = np.append(x, self.edges(body)[-1])
-        v = self._in_time(self.states.velocity, nodes, np.asarray(tick))
+        v = self._in_time(self.motion.velocity, nodes, np.asarray(tick))
         strain = self._in_time(self._strain, cells, np.asarray(tick))
-        drift = self.assembly.frame + self.assembly.gravity * tick * self.assembly.tick
+        drift = self.clock.frame + self.clock.gravity * tick * self.clock.tick
         segments = np.repeat(np.arange(first, last + 1), counts)
         return Profile(edges, (v[1:] + v[:-1]) / 2 + drift, strain, segments)
-
-
-def outer_forces(
-    mesh: Mesh, forces: Sequence[Floats], ends: Sequence[tuple[str, Floats, Floats] | None]
-) -> dict[int, Floats]:
-    """Forces to the right on nodes: of contacts that can open, and of what is outside the row.
-
-    Parameters
-    ----------
-    mesh : Mesh
-    forces, ends
-        As in `StepRecord`.
-
-    Returns
-    -------
-    dict of int to array
-        By node: [steps] mean force, N.
-    """
-    found: dict[int, Floats] = {}
-    for k, link in enumerate(mesh.plan.contact_link):
-        if link in mesh.touching:
-            for node, sign in zip(mesh.touching[link], (-1, 1), strict=True):
-                found[node] = found.get(node, 0.0) + sign * forces[k]
-    for node, sign, link, end in zip(
-        mesh.ends, (1, -1), (0, len(mesh.plan.laws) - 1), ends, strict=True
-    ):
-        if end is not None and link not in mesh.touching:
-            found[node] = found.get(node, 0.0) + sign * end[1]
-    return found

@@ -1,47 +1,28 @@
 """What a collision did: velocities of the bodies before and after, impulse, restitution, energy.
 
-Every method hands over its totals, which have their names here. Bodies bonded together move, for an
-outcome, with their common velocity.
+The totals of a run have their names here. Bodies bonded together move, for an outcome, with their
+common velocity.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..methods.abilities import driven
-from ..model import Bonded, RigidMass, System, Wall
+from ..methods.run import ContactTally, Run, Totals
+from ..model import Bonded, RigidMass, Wall
 from ..model.frozen import plain
 from ..rigid import RigidCollision, collide
-from .contacts import ContactTally
-from .groups import groups, velocities_in_group
 
 ROUND_OFF = 2.0**-40
 """Parting velocity, over closing velocity, up to which bodies count as staying together: 256 times
 the `TOLERANCE` of a front, and a fifth of the least ratio of two transit times that a clock holds,
 so of the least e of a pair."""
-
-
-class Totals(NamedTuple):
-    """What a run of any method adds up to, in SI units.
-
-    masses [body]; velocities, vibration: [body] before and after; kinetic: of the centres of mass,
-    before and after; contacts: a tally each; momentum, energy: what is missing in the balance, and
-    what took part in it; works: works and losses, by the names that an `Outcome` has for them.
-    """
-
-    masses: Sequence[float]
-    velocities: tuple[Sequence[float], Sequence[float]]
-    kinetic: tuple[float, float]
-    vibration: tuple[Sequence[float], Sequence[float]]
-    contacts: tuple[ContactTally, ...]
-    momentum: tuple[float, float]
-    energy: tuple[float, float]
-    works: Mapping[str, float]
 
 
 class UndefinedRestitution(ValueError):
@@ -260,31 +241,9 @@ def effective_restitution(
     return np.where(defined & stays, 0.0, e)
 
 
-def body_velocities(
-    system: System, first: Sequence[int], velocity: Sequence[Any], frame: Any
-) -> list[Any]:
-    """Velocities of the bodies, m/s: of their group, or of the wall that it is bonded to.
-
-    Parameters
-    ----------
-    system : System
-    first : sequence of int
-        First segment of each body.
-    velocity : sequence of float or array
-        By segment, in the frame; for a family, one array of its shape a segment.
-    frame : float or array
-    """
-    found: list[Any] = []
-    for group in groups(system):
-        inside = [i for i in group if not isinstance(system.bodies[i], Wall)]
-        own = velocity[first[(inside or group)[0]]] + frame
-        found += velocities_in_group(system, group, inside, own)
-    return found
-
-
-def outcome_of(system: System, totals: Totals, final: bool, status: str) -> Outcome:
-    """Name the totals of a run, whether it is final, and what is said of it."""
-    kinds = {Wall: "wall", RigidMass: "mass"}
+def outcome_of(run: Run, totals: Totals) -> Outcome:
+    """Name the totals of a run."""
+    system, kinds = run.system, {Wall: "wall", RigidMass: "mass"}
     (before, after), (started, stopped) = totals.velocities, totals.vibration
     momentum, energy = (
         missing / scale if scale > 0 else 0.0 for missing, scale in (totals.momentum, totals.energy)
@@ -295,8 +254,8 @@ def outcome_of(system: System, totals: Totals, final: bool, status: str) -> Outc
         velocities_before=tuple(before), velocities_after=tuple(after),
         kinetic_before=totals.kinetic[0], kinetic_after=totals.kinetic[1],
         vibration_before=tuple(started), vibration_after=tuple(stopped),
-        contacts=totals.contacts,
+        contacts=tuple(run.contacts),
         unilateral=tuple(i for i, law in enumerate(system.contacts) if not isinstance(law, Bonded)),
-        momentum_residual=momentum, energy_residual=energy, final=final, status=status,
+        momentum_residual=momentum, energy_residual=energy, final=run.final, status=run.status,
         driven=driven(system) or bool(system.gravity), **totals.works,
     )

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..methods.signals import Floats, Ints
 from ..model import Fixed, Moved, RigidMass, Rod, Wall
 from ..units import TIMES, format_factor
-from .signals import Floats, Ints
 from .solution import Solution
 
 REACH = 0.35  # movement in the picture, in lengths of the row

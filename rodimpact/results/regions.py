@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..methods.signals import Floats, Ints
 from ..model import Rod
-from .signals import Floats, Ints
 from .solution import Solution
 from .wave_fields import WaveFields
 
@@ -87,7 +87,7 @@ def regions_of(
     xs: list[Floats] = [np.empty(0)]
     ts: list[Floats] = [np.empty(0)]
     us: list[Floats] = [np.empty(0)]
-    a = fields.assembly
+    a = fields.clock
     for body, rod in enumerate(solution.system.bodies):
         if not isinstance(rod, Rod):
             continue
@@ -158,7 +158,7 @@ def _polygons(
 ) -> tuple[list[list[Corner]], list[tuple[float, float]]]:
     """Regions of one segment as corners (p, q), and the two waves in each; stops above `limit`."""
     A, B = fields.waves(s)
-    T = fields.assembly.ticks[s]
+    T = fields.clock.ticks[s]
     ps = [start - T, *A.jumps_in(start - T, stop).tolist(), stop]
     qs = [start - T, *B.jumps_in(start - T, stop).tolist(), stop]
     right, left = A.at(ps[:-1]).tolist(), B.at(qs[:-1]).tolist()

@@ -16,10 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..methods.grid.mesh import lasting_mode
+from ..methods.signals import Floats
 from ..model import Rod, System
 from .fields import Fields
-from .groups import group_states
-from .signals import Floats
+from .group_states import group_states
 
 SAMPLES, FEWEST = 400, 50
 TAIL = 3  # the decay is read off the last third
@@ -72,10 +72,10 @@ def ring_down(
     """Read how vibration dies out from `start` to `end`, s; see `Solution.ring_down`."""
     even = np.linspace(start, end, SAMPLES + 1)
     ticks = np.unique(fields.whole(fields.to_ticks(even)))
-    if len(ticks) < FEWEST and end - start > FEWEST * fields.assembly.grain * fields.assembly.tick:
+    if len(ticks) < FEWEST and end - start > FEWEST * fields.clock.grain * fields.clock.tick:
         message = f"only {len(ticks)} states were kept after the collision"
         raise ValueError(f"ring_down: {message}; leave snapshots out, or give more of them")
-    times = ticks * fields.assembly.tick
+    times = ticks * fields.clock.tick
     states = group_states(system, fields, ticks)
     rigid, vibration = states.kinetic, (states.moving + states.strained).sum(axis=0)
     scale = sum(

@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..methods.run import Run, Totals, Waves
+from ..methods.signals import Floats, Side
 from ..model import Body, RigidMass, Rod, Samples, Segment, Steps, System, Wall
 from ..model.frozen import Number
+from ..storage.writing import write_npz
 from . import notebook
 from .contacts import ContactHistory
 from .energy import EnergyLedger, ledger, stored
 from .fields import Fields
 from .gauges import Gauge
-from .groups import group_states
-from .outcome import Outcome
-from .records import Record
+from .grid_fields import GridFields
+from .group_states import group_states
+from .outcome import Outcome, outcome_of
 from .ring_down import RingDown, ring_down
-from .signals import Floats, Side
-from .solution_file import save_solution
+from .run_file import take_apart
+from .totals import totals_of
+from .wave_fields import WaveFields
 
 
 class Solution:
@@ -58,23 +63,32 @@ class Solution:
     method : str
     """
 
-    def __init__(
-        self, system: System, fields: Fields, outcome: Outcome, record: Record, *,
-        method: str, until: float | None, stopped_by: str, status: str, t_end: float,
-        t_final: float, events: int, accuracy: Mapping[str, float] | None = None,
-    ) -> None:
-        self.system, self.fields, self.outcome = system, fields, outcome
-        self.method, self.until, self.stopped_by, self.status = method, until, stopped_by, status
-        self.t_end, self.t_final, self.events = t_end, t_final, events
-        self.final = outcome.final
-        self.accuracy = dict(accuracy or {})
-        self.transit_error = fields.assembly.transit_error
-        self.record = record
+    def __init__(self, run: Run) -> None:
+        self.run, self.system, self.method, self.until = run, run.system, run.method, run.until
+        self.stopped_by, self.status, self.events = run.stopped_by, run.status, run.events
+        self.t_end, self.t_final, self.final = run.t_end, run.t_final, run.final
+        self.accuracy, self.transit_error = dict(run.accuracy), run.clock.transit_error
+        kind = WaveFields if isinstance(run.signals.motion, Waves) else GridFields
+        self.fields: Fields = kind(run.clock, run.end, run.signals)
+
+    @cached_property
+    def outcome(self) -> Outcome:
+        """What the collision did."""
+        return outcome_of(self.run, self._totals)
+
+    @cached_property
+    def _totals(self) -> Totals:
+        return self.run.totals or totals_of(self.run, self.fields, self.contacts)
 
     @cached_property
     def contacts(self) -> tuple[ContactHistory, ...]:
         """History of each contact."""
-        return self.record.histories(self.fields, self.outcome.contacts)
+        return tuple(
+            ContactHistory(i, self.fields, tally, signal)
+            for i, (tally, signal) in enumerate(
+                zip(self.run.contacts, self.run.signals.contacts, strict=True)
+            )
+        )
 
     # Fields -------------------------------------------------------------------------------------
 
@@ -131,7 +145,7 @@ class Solution:
         It counts from the unstrained body whose left end is at its place at t = 0.
         """
         if self._is_wall(body):
-            return self._wall_velocity(body) * self.fields.to_ticks(t) * self.fields.assembly.tick
+            return self._wall_velocity(body) * self.fields.to_ticks(t) * self.fields.clock.tick
         if self._index(body) in self.fields.masses:
             return self.fields.mass_displacement(body, t)
         return self.fields.displacement(body, x, t)
@@ -168,8 +182,7 @@ class Solution:
         """Energy ledger at times t in s."""
         ticks = self.fields.whole(self.fields.to_ticks(t))
         states = group_states(self.system, self.fields, np.concatenate(([0], ticks.ravel())))
-        outside = self.record.outside(self.fields, self.contacts)
-        found = ledger(self.fields, self.contacts, outside, states)
+        found = ledger(self.fields, self.contacts, self.run.signals.outside, states)
         return EnergyLedger(**{
             name: entry[1:].reshape(ticks.shape) for name, entry in vars(found).items()
         })
@@ -259,7 +272,8 @@ class Solution:
         FileExistsError
             If the file is there and `force` is false.
         """
-        save_solution(self, path, force=force)
+        whole = replace(self.run, totals=self._totals)
+        write_npz(path, "solution", *take_apart(whole), force=force)
 
     def __str__(self) -> str:
         from ..storage.report import solution_table
@@ -300,7 +314,7 @@ class Solution:
         found = np.empty(segment.shape)
         rod = self.system.bodies[body]
         assert isinstance(rod, Rod)
-        first, edges = self.fields.assembly.spans[body][0], self.fields.edges(body)
+        first, edges = self.fields.clock.spans[body][0], self.fields.edges(body)
         for i, piece in enumerate(rod.segments):
             here = segment == first + i
             found[here] = value(piece, x[here] - edges[i])

@@ -7,7 +7,7 @@ momentum and energy. Times are rounded to the nearest tick, so that one-sided li
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods import kernels
-from ..methods.clock import Clockwork
-from ..methods.fronts.front_kernel import Log
+from ..methods.clock import Clock
+from ..methods.run import Signals
+from ..methods.signals import Floats, Ints, Side, StepSignal, integral_of_product
 from ..methods.steps.delays import lost_to_means
 from .field_kernel import sum_on_grid
 from .fields import Fields, Profile, Trace
-from .signals import Floats, Ints, Side, StepSignal, integral_of_product
 
 COMPILED_GRID = 100_000  # points from which a grid is worth a compiled loop
 
@@ -30,60 +30,16 @@ class WaveFields(Fields):
 
     Parameters
     ----------
-    assembly : Clockwork
-    signals : list of StepSignal or None
-        By line: 2s leaves the left end of segment s, 2s + 1 its right end; waves in the frame.
-    end, masses, edges
-        As in `Fields`.
+    clock : Clock
+    end : int
+        Last tick.
+    signals : Signals
+        Whose motion is `Waves`.
     """
 
-    def __init__(
-        self, assembly: Clockwork, signals: list[StepSignal | None], end: int,
-        masses: Mapping[int, Floats] | None = None, edges: Ints | None = None,
-    ) -> None:
-        super().__init__(assembly, end, masses, edges)
-        self.signals = signals
-
-    @classmethod
-    def from_steps(
-        cls, assembly: Clockwork, waves: Sequence[Floats], edges: Ints, before: Ints,
-        masses: Mapping[int, Floats],
-    ) -> WaveFields:
-        """Take signals that are constant in each time step.
-
-        Parameters
-        ----------
-        assembly : Clockwork
-        waves : sequence of arrays
-            By line from 2 on: what left its end in each step, first those of a transit before 0.
-        edges, before : arrays of int
-            Ticks at which the steps begin, the last one's end included; and those before t = 0.
-        masses : mapping of int to array
-        """
-        ticks = np.concatenate((before, edges[:-1]))
-        signals = [StepSignal(ticks[len(ticks) - len(values) :], values) for values in waves]
-        return cls(assembly, [None, None, *signals], int(edges[-1]), masses, edges)
-
-    @classmethod
-    def from_log(cls, assembly: Clockwork, log: Log, end: int) -> WaveFields:
-        """Sort the kernel's log into one signal a line of a segment."""
-        line = np.asarray(log.line, dtype=np.int32)
-        order = np.argsort(line, kind="stable")
-        counts = np.bincount(line, minlength=2 * len(assembly.ticks))
-        order, counts = order[counts[0] : len(order) - counts[-1]], counts[:-2]
-        counts[0] = 0
-        ticks = np.asarray(log.tick, dtype=np.int64)[order]
-        values = np.asarray(log.value, dtype=np.float64)[order]
-        return cls(assembly, cls.split(ticks, values, counts), end)
-
-    @staticmethod
-    def split(ticks: Ints, values: Floats, counts: Ints) -> list[StepSignal | None]:
-        """Cut concatenated signals apart; `counts` are their lengths."""
-        stops = np.cumsum(counts)
-        return [
-            StepSignal(ticks[stop - n : stop], values[stop - n : stop]) if n else None
-            for n, stop in zip(counts.tolist(), stops.tolist(), strict=True)
-        ]
+    def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
+        super().__init__(clock, end, signals.masses, signals.edges)
+        self.signals: Sequence[StepSignal | None] = signals.motion.lines
 
     def waves(self, segment: int) -> tuple[StepSignal, StepSignal]:
         """Signals leaving the left and the right end of a segment."""
@@ -97,10 +53,10 @@ class WaveFields(Fields):
     def locate(self, body: int, x: ArrayLike) -> tuple[Ints, Ints]:
         """Segment and ticks from its left end of places x in a body, m from its left end."""
         segment, x = self.segment_at(body, x), self.check(body, x)
-        first, last = self.assembly.spans[body]
+        first, last = self.clock.spans[body]
         piece, edges = segment - first, self.edges(body)
-        lengths = np.array(self.assembly.length[first : last + 1])[piece]
-        transit = np.array(self.assembly.ticks[first : last + 1])[piece]
+        lengths = np.array(self.clock.length[first : last + 1])[piece]
+        transit = np.array(self.clock.ticks[first : last + 1])[piece]
         offset = np.rint((x - edges[piece]) / lengths * transit).astype(np.int64)
         return segment, np.clip(offset, 0, transit)
 
@@ -109,13 +65,13 @@ class WaveFields(Fields):
     def velocity(  # noqa: D102
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
-        found = self._combine(body, x, t, side, 1.0, lambda _: 0.5, self.assembly.frame)
-        return found + self._fallen(t) if self.assembly.gravity else found
+        found = self._combine(body, x, t, side, 1.0, lambda _: 0.5, self.clock.frame)
+        return found + self._fallen(t) if self.clock.gravity else found
 
     def strain(  # noqa: D102
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
-        c = self.assembly.wave_speed
+        c = self.clock.wave_speed
         return self._combine(body, x, t, side, -1.0, lambda s: 0.5 / c[s], 0.0)
 
     def _combine(
@@ -144,7 +100,7 @@ class WaveFields(Fields):
         for s in np.unique(segment):
             here = segment == s
             A, B = self.waves(int(s))
-            T, o, when = self.assembly.ticks[s], offset[here], ticks[here]
+            T, o, when = self.clock.ticks[s], offset[here], ticks[here]
             total = sign * A.at(when - o, side) + B.at(when - (T - o), side)
             out[here] = total * factor(int(s)) + shift
         return out
@@ -166,7 +122,7 @@ class WaveFields(Fields):
         self, s: int, offset: Ints, when: Ints, sign: float, factor: float, shift: float
     ) -> Floats:
         A, B = self.waves(s)
-        a, delay = sign * A.values, self.assembly.ticks[s] - offset
+        a, delay = sign * A.values, self.clock.ticks[s] - offset
         if kernels.started() and offset.size * when.size >= COMPILED_GRID:
             out = np.empty((offset.size, when.size))
             kernels.compiled(sum_on_grid)(
@@ -182,12 +138,12 @@ class WaveFields(Fields):
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:  # noqa: D102
         segment, offset = self.locate(body, x)
         ticks = self.to_ticks(t)
-        time = ticks * self.assembly.tick
+        time = ticks * self.clock.tick
         found: Floats = self._displacement(segment, offset, ticks)
-        return found + self.assembly.gravity * time * time / 2
+        return found + self.clock.gravity * time * time / 2
 
     def _displacement(self, segment: ArrayLike, offset: ArrayLike, ticks: ArrayLike) -> Floats:
-        a = self.assembly
+        a = self.clock
         segment, offset, ticks = np.broadcast_arrays(segment, offset, ticks)
         out = np.empty(offset.shape)
         for s in np.unique(segment):
@@ -198,7 +154,7 @@ class WaveFields(Fields):
 
     def displacement_of_waves(self, segment: int, p: Ints, q: Ints) -> Floats:
         """Displacement, m, where the waves meet that left the two ends at ticks p and q."""
-        a = self.assembly
+        a = self.clock
         A, B = self.waves(segment)
         T = a.ticks[segment]
         moved = A.integral(0, p) + B.integral(-T, q) + a.frame * (p + q + T)
@@ -208,7 +164,7 @@ class WaveFields(Fields):
     @cached_property
     def _initial_stretch(self) -> list[float]:
         """Initial displacement of each segment's left end."""
-        a = self.assembly
+        a = self.clock
         found = [0.0] * len(a.ticks)
         for first, last in a.spans:
             for s in range(first, last):
@@ -219,7 +175,7 @@ class WaveFields(Fields):
         return found
 
     def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:  # noqa: D102
-        a = self.assembly
+        a = self.clock
         segment, offset = self.locate(body, x)
         ticks = self.to_ticks(t)
         velocity, strain = np.empty((2, segment.size, ticks.size - 1))
@@ -237,7 +193,7 @@ class WaveFields(Fields):
         return velocity + a.frame + fallen, strain
 
     def trace(self, body: int, x: float) -> Trace:  # noqa: D102
-        a = self.assembly
+        a = self.clock
         segment, offset = (int(v) for v in self.locate(body, x))
         A, B = self.waves(segment)
         T = a.ticks[segment]
@@ -252,7 +208,7 @@ class WaveFields(Fields):
     # Integrals over bodies ----------------------------------------------------------------------
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:  # noqa: D102
-        ticks, a = self.to_ticks(t), self.assembly
+        ticks, a = self.to_ticks(t), self.clock
         total: Any = 0.0
         first, last = a.spans[body]
         for s in range(first, last + 1):
@@ -267,7 +223,7 @@ class WaveFields(Fields):
     def energy(  # noqa: D102
         self, body: int, tick: int, velocity: float
     ) -> tuple[float, float]:
-        a = self.assembly
+        a = self.clock
         kinetic = strain = 0.0
         first, last = a.spans[body]
         for s in range(first, last + 1):
@@ -290,7 +246,7 @@ class WaveFields(Fields):
     def _even(self) -> bool:
         """Whether all steps last as long, but for the last."""
         return self.steps is not None and len(self.steps) > 1 and (
-            bool(np.all(np.diff(self.steps[:-1]) == self.assembly.grain))
+            bool(np.all(np.diff(self.steps[:-1]) == self.clock.grain))
         )
 
     def smeared(self, ticks: Ints) -> Floats:  # noqa: D102
@@ -302,7 +258,7 @@ class WaveFields(Fields):
     @cached_property
     def _smeared(self) -> Floats:
         """Energy lost by the end of each step: of a mean of two values, their variance."""
-        a, steps = self.assembly, self.steps
+        a, steps = self.clock, self.steps
         assert steps is not None
         lasts = np.diff(steps)
         lost = np.zeros(len(lasts))
@@ -314,7 +270,7 @@ class WaveFields(Fields):
     def _stored(self, wave: StepSignal, start: int, duration: int) -> Floats:
         """Step averages of a signal from the step that begins at `start` on."""
         first = int(np.searchsorted(wave.ticks, start, "right")) - 1
-        found: Floats = wave.values[first : first + duration // self.assembly.grain]
+        found: Floats = wave.values[first : first + duration // self.clock.grain]
         return found
 
     def profile(self, body: int, tick: int) -> Profile:
@@ -322,7 +278,7 @@ class WaveFields(Fields):
 
         `tick` comes from a time, so a front that left an end within its uncertainty has just left.
         """
-        a = self.assembly
+        a = self.clock
         first, last = a.spans[body]
         starts = self.edges(body)
         edges, velocity, strain, segments = [0.0], [], [], []

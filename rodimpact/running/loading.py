@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
+from ..results.run_file import put_together
 from ..results.solution import Solution
-from ..results.solution_file import restore
-from ..storage.writing import FORMAT, SCHEMA, Arrays, FileFormatError, PathLike
+from ..storage.writing import FORMAT, SCHEMA, Arrays, FileFormatError, PathLike, restored
 from .sweeping import SweepResult
 
 
@@ -88,7 +88,7 @@ def _read_sweep(document: dict[str, Any], arrays: Arrays) -> SweepResult:
 
 
 def _read_solution(document: dict[str, Any], arrays: Arrays) -> Solution:
-    return Solution(**restore(document, arrays))
+    return Solution(put_together(restored(document), arrays))
 
 
 _READERS: dict[str, Callable[[dict[str, Any], Arrays], Any]] = {

@@ -1,33 +1,18 @@
-"""solve() and collide(): run the method that can do it, wrap what it found."""
+"""solve() and collide(): one collision, by the method that can do it."""
 
 from __future__ import annotations
 
-import math
 import warnings
-from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from ..methods.fronts.assembly import assemble
-from ..methods.fronts.method import FrontRun, track
-from ..methods.grid import method as finite_difference
-from ..methods.options import MAX_EVENTS, Options
-from ..methods.steps import method as characteristics
-from ..model import Body, ContactLaw, System
-from ..model.frozen import InvalidModel
-from ..results.fields import Fields
-from ..results.front_totals import totals_of_fronts
-from ..results.grid_fields import GridFields, outer_forces
+from ..methods.registry import Options
+from ..methods.run import MAX_EVENTS, Progress
+from ..model import Body, ContactLaw, InvalidModel, System
 from ..results.outcome import Outcome, outcome_of
-from ..results.records import FrontRecord
 from ..results.solution import Solution
-from ..results.status import describe, describe_steps
-from ..results.stepped import Run, read_record, totals_of_steps
-from ..results.wave_fields import WaveFields
 
 AUTO = Options()
-Progress = finite_difference.Progress
 
 
 class LongRun(UserWarning):
@@ -105,27 +90,7 @@ def solve(
             "solve a member, solve(system[index]). Values along a rod are Steps(values, at)"
         )
         raise InvalidModel([("system", message)])
-    return run_method(system, chosen, options, progress)
-
-
-def run_method(
-    system: System, method: str, options: Options, progress: Progress | None = None
-) -> Solution:
-    """Solve a single collision by the method that `Options.method_for` chose."""
-    end, cap = options.until, options.max_events
-    if method == "fronts":
-        return wrap(track(assemble(system, end), end, cap), end)
-    if method == "characteristics":
-        return wrap_steps(
-            characteristics.follow(system, end, cap, options.dt, options.rtol), end
-        )
-    kept: Any = options.snapshots
-    found = finite_difference.follow(
-        system, end, cap, cells=options.cells, dt=options.dt, rtol=options.rtol,
-        snapshots=np.array(kept) if isinstance(kept, tuple) else kept,
-        progress=progress, announce=_announce,
-    )
-    return wrap_steps(found, end)
+    return Solution(options.run(chosen, system, progress=progress, announce=_announce))
 
 
 def collide(left: Body, right: Body, gap: float = 0.0,
@@ -162,60 +127,10 @@ def collide(left: Body, right: Body, gap: float = 0.0,
     system = System([left, right], [gap], None if contact is None else [contact])
     if system.shape or AUTO.method_for(system) != "fronts":
         return solve(system).outcome
-    run = track(assemble(system))
-    return outcome_of(system, totals_of_fronts(run), run.settled >= 0, describe(run))
+    run = AUTO.run("fronts", system)
+    assert run.totals is not None
+    return outcome_of(run, run.totals)
 
 
 def _announce(sentence: str) -> None:
     warnings.warn(sentence, LongRun, stacklevel=3)
-
-
-def wrap(run: FrontRun, until: float | None = None) -> Solution:
-    """Make a solution of a run that was assembled and tracked with this `until`."""
-    a = run.assembly
-    status = describe(run)
-    turns: dict[int, tuple[list[int], list[int]]] = {node: ([], []) for node in a.nodes}
-    log = run.log
-    for tick, node, value in zip(
-        *(_plain(x) for x in (log.turn_tick, log.turn_node, log.turn_status)), strict=True
-    ):
-        turns[node][0].append(tick)
-        turns[node][1].append(value)
-    reached = run.end * a.tick
-    return Solution(
-        a.system, WaveFields.from_log(a, log, run.end),
-        outcome_of(a.system, totals_of_fronts(run), run.settled >= 0, status),
-        FrontRecord([turns[node] for node in a.nodes]),
-        method="fronts", until=until, stopped_by=run.stopped_by, status=status,
-        t_end=until if until is not None and run.stopped_by == "until" else reached,
-        t_final=run.settled * a.tick if run.settled >= 0 else math.nan, events=run.events,
-    )
-
-
-def wrap_steps(run: Run, until: float | None = None) -> Solution:
-    """Make a solution of a run on a time step."""
-    status = describe_steps(run, until)
-    masses = {body: run.speed(m) for body, m in enumerate(run.plan.mass_of) if m >= 0}
-    record, tick = read_record(run), run.clockwork.tick
-    fields: Fields
-    if isinstance(run, finite_difference.GridRun):
-        method = "finite-difference"
-        pushes = outer_forces(run.mesh, record.forces, record.ends)
-        fields = GridFields(run.clockwork, run.mesh, run.states, run.end, masses, pushes)
-    else:
-        method = "characteristics"
-        waves = [run.wave(line) for line in range(2, 2 * len(run.row.steps) - 2)]
-        fields = WaveFields.from_steps(run.clockwork, waves, run.edges, run.edges_before, masses)
-    system = run.plan.system
-    outcome = outcome_of(system, totals_of_steps(run, fields, record), run.settled >= 0, status)
-    return Solution(
-        system, fields, outcome, record,
-        method=method, until=until, stopped_by=run.stopped_by, status=status,
-        t_end=until if until is not None else float(run.edges[-1]) * tick,
-        t_final=float(run.edges[run.settled]) * tick if run.settled >= 0 else math.nan,
-        events=run.events, accuracy=run.estimates,
-    )
-
-
-def _plain(column: Any) -> list[int]:
-    return column if isinstance(column, list) else column.tolist()

@@ -25,14 +25,17 @@ from ..methods.abilities import driven
 from ..methods.fronts.assembly import Blueprint
 from ..methods.fronts.families import Stopped, chunk_members, run_family
 from ..methods.fronts.front_kernel import CAP, CLOCK, FULL
-from ..methods.options import MAX_EVENTS, Options, count
+from ..methods.groups import body_velocities
+from ..methods.registry import Options, count
+from ..methods.row import Row
+from ..methods.run import MAX_EVENTS
 from ..model import Bonded, Rod, System
 from ..model.frozen import InvalidModel, Problems, number
 from ..results import notebook
-from ..results.outcome import body_velocities, effective_restitution
+from ..results.outcome import effective_restitution
+from ..results.solution import Solution
 from ..storage.checkpoint import Checkpoint
 from ..storage.writing import PathLike, write_npz, written
-from .solving import run_method
 
 STATUS = ("final", "max_events", "clock", "refused", "until")
 """Why each run stopped; `SweepResult.status` holds places in this tuple."""
@@ -525,7 +528,7 @@ def _one_by_one(
         if stop():
             raise Stopped
         try:
-            solution = run_method(system[index], options.method, options)
+            solution = Solution(options.run(options.method, system[index]))
         except InvalidModel:
             continue
         o = solution.outcome
@@ -550,9 +553,9 @@ def _one_by_one(
 
 def _together(system: System, options: Options, stop: Callable[[], bool]) -> Columns:
     """Columns of members that the fronts method runs in compiled code."""
-    plan = Blueprint(system)
+    plan = Blueprint(Row(system))
     run = run_family(plan, system.shape, options.until, options.max_events, stop)
-    first, nodes = [span[0] for span in plan.spans], plan.make.node
+    first, nodes = [span[0] for span in plan.row.spans], plan.make.node
     contacts = range(len(system.contacts))
     final = run.final & (not driven(system))
     unknown = np.where(run.flag == FULL, math.nan, 0.0)
@@ -590,7 +593,7 @@ def _chunk_members(system: System, options: Options, readings: Readings) -> int:
     """How many members to hand over at a time."""
     if options.method != "fronts" or readings.gauges:
         return ONE_BY_ONE
-    return chunk_members(Blueprint(system))
+    return chunk_members(Blueprint(Row(system)))
 
 
 def _arrays(system: System, readings: Readings) -> dict[str, tuple[Any, tuple[int, ...]]]:
@@ -696,7 +699,7 @@ def _readings(problems: Problems, system: System, gauges: Any, times: Any) -> Re
 
 def _explain(member: System, options: Options) -> str:
     try:
-        solution = run_method(member, options.method, options)
+        solution = Solution(options.run(options.method, member))
     except InvalidModel as error:
         return "; ".join(f"{path}: {said}" for path, said in error.problems)
     o = solution.outcome

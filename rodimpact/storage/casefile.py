@@ -71,7 +71,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import materials, units
-from ..methods.options import METHODS, Options
+from ..methods.registry import METHOD_NAMES, Options
 from ..model import SIDES, System
 from ..model.bodies import CIRCULAR, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
@@ -740,7 +740,7 @@ def _read_solve(table: _Table) -> dict[str, Any]:
         if table.has(key):
             options[key] = table.quantity(key, table.data[key], dimension)
     if table.has("method"):
-        options["method"] = table.word("method", METHODS)
+        options["method"] = table.word("method", METHOD_NAMES)
     for key in ("max_events", "cells", "snapshots"):
         if table.has(key):
             options[key] = table.data[key]

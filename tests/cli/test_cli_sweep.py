@@ -373,9 +373,9 @@ def test_a_sweep_keeps_no_states(case, no_sweep, capsys):
 @pytest.mark.parametrize(("solve", "argv", "path", "said"), [
     ("", ["--until", "-1 s"], "--until", "non-negative number of seconds, got -1.0"),
     ("", ["--dt", "1 us", "--rtol", "1e-3"], "--dt", "give one of them"),
-    ("", ["--dt", "1 us", "--method", "fronts"], "--dt", "has no time step"),
+    ("", ["--dt", "1 us", "--method", "fronts"], "--dt", "leave it out"),
     ("cells = 20", ["--method", "fronts"], "solve.cells", 'is for method "finite-difference"'),
-    ("dt = 1e-6\nmethod = 'fronts'", [], "solve.dt", "has no time step"),
+    ("dt = 1e-6\nmethod = 'fronts'", [], "solve.dt", "leave it out"),
     ("", ["--until", "soon"], "--until", "cannot read 'soon' as time"),
 ])
 def test_options_are_checked_as_for_a_single_run(case, no_sweep, capsys, solve, argv, path, said):

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from runs import assembled
 
 import rodimpact as ri
 from rodimpact.methods import kernels
 from rodimpact.methods.fronts import front_kernel
-from rodimpact.methods.fronts.assembly import assemble, start
+from rodimpact.methods.fronts.assembly import start
 from rodimpact.methods.fronts.front_kernel import (
     BOND,
     PUSH,
@@ -20,7 +21,7 @@ from rodimpact.methods.fronts.front_kernel import (
     deviation_bound,
     group_motion,
 )
-from rodimpact.methods.fronts.method import track
+from rodimpact.methods.fronts.tracking import track
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from systems import horizon, random_system
@@ -166,8 +167,8 @@ def test_a_driven_velocity_is_a_moving_wall_that_holds():
     a, b = ri.solve(walled, until=20.0), ri.solve(moved, until=20.0)
     for one, other in zip(a.fields.signals[2:], b.fields.signals[2:], strict=True):
         assert one.ticks.tolist() == other.ticks.tolist()
-        assert one.values + a.fields.assembly.frame == pytest.approx(
-            other.values + b.fields.assembly.frame, abs=1e-13)
+        assert one.values + a.fields.clock.frame == pytest.approx(
+            other.values + b.fields.clock.frame, abs=1e-13)
     assert b.outcome.drive_work == pytest.approx(a.outcome.wall_work, rel=1e-13)
     assert b.outcome.contacts[0].impulse == pytest.approx(a.outcome.contacts[1].impulse, rel=1e-13)
 
@@ -280,10 +281,10 @@ def test_an_endless_end_stays_within_its_bound(seed, right):
     if right:
         row, ends = row[::-1], ends[::-1]
     row = ri.System(row, [10.0], ends=ends)
-    run = track(assemble(row, 0.0), 0.0)
+    run = track(assembled(row, 0.0), 0.0)
     a, node = run.assembly, run.assembly.nodes[0]
-    mean, *_ = group_motion(run.row, run.log, node, right, 0)
-    d, bound2 = deviation_bound(run.row, run.log, node, right, 0, mean)
+    mean, *_ = group_motion(run.state, run.log, node, right, 0)
+    d, bound2 = deviation_bound(run.state, run.log, node, right, 0, mean)
     until = horizon(row, 30.0)
     solution = ri.solve(row, until, max_events=10 * CAP)
     assume(solution.stopped_by == "until")
@@ -345,7 +346,7 @@ def test_a_drive_that_ends_as_a_wave_returns_leaves_no_sliver(trips):
     system = ri.System(row, contacts=[ri.Bonded()], ends=(force, ri.Absorbing()))
     solution = ri.solve(system, until=2.5 * trips * T)
     ticks = solution.fields.signals[2].ticks.tolist()
-    assert 2 * trips * solution.fields.assembly.ticks[1] in ticks
+    assert 2 * trips * solution.fields.clock.ticks[1] in ticks
     assert gaps_between_fronts(solution) > 2**20
 
 
@@ -353,7 +354,7 @@ def test_times_beyond_the_longest_transit_change_no_transit():
     """Lengths 0.3 and 0.1 stay 3 to 1, whatever the times of the drive are."""
     rods = [rod(0.3), rod(0.1)]
     force = ri.Pushed(ri.Steps([0.0, 1.0, 2.0, 3.0], [0.1 * np.pi, 7.0, 1e3]))
-    a = assemble(ri.System(rods, ends=(force, ri.Free())), 50.0)
+    a = assembled(ri.System(rods, ends=(force, ri.Free())), 50.0)
     assert a.ticks[1] == 3 * a.ticks[2]
     assert a.transit_error < 1e-15
     [(_, f0), (t1, _), (t2, _)] = a.waves[0]
@@ -365,7 +366,7 @@ def test_times_beyond_the_longest_transit_change_no_transit():
 def test_jumps_that_fall_into_one_tick_are_one():
     at = [1e-18, 2e-18, 1.0]
     velocity = ri.Moved(ri.Steps([5.0, 6.0, 1.0, 2.0], at))
-    a = assemble(ri.System([rod()], ends=(ri.Free(), velocity)), 50.0)
+    a = assembled(ri.System([rod()], ends=(ri.Free(), velocity)), 50.0)
     assert [wave + a.frame for _, wave in a.waves[-1]] == [1.0, 2.0]
     assert [t for t, _ in a.waves[-1]] == [0, a.ticks[1]]
 
@@ -469,10 +470,10 @@ def test_compiled_and_interpreted_runs_are_bit_identical():
     for seed in range(300):
         system = with_ends(seed)
         until = horizon(system, 4)
-        assembly = assemble(system, until)
+        assembly = assembled(system, until)
         plain = track(assembly, until, 4000, compile_after=10**9)
         fast = track(assembly, until, 4000, compile_after=0)
-        assert plain.row == fast.row
+        assert plain.state == fast.state
         assert plain.tally == fast.tally
         assert (plain.end, plain.settled, plain.events) == (fast.end, fast.settled, fast.events)
         for a, b in zip(plain.log, fast.log, strict=True):

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from runs import assembled, solution_of
 from systems import horizon, random_system
 
 import rodimpact as ri
-from rodimpact.methods.fronts.assembly import assemble
 from rodimpact.methods.fronts.front_kernel import (
     BOND,
     FREE,
@@ -17,16 +17,15 @@ from rodimpact.methods.fronts.front_kernel import (
     group_motion,
     separation_time,
 )
-from rodimpact.methods.fronts.method import track
-from rodimpact.results.groups import groups
-from rodimpact.running.solving import wrap
+from rodimpact.methods.fronts.tracking import track
+from rodimpact.methods.groups import groups
 
 M = ri.Material("m", youngs_modulus=1.0, density=1.0)
 
 
 def pieces_of(solution, bodies):
     """The group's pieces at the end: (length, mass per length, E A, velocity, strain)."""
-    a, found = solution.fields.assembly, []
+    a, found = solution.fields.clock, []
     for body in bodies:
         rod = solution.system.bodies[body]
         if isinstance(rod, ri.Wall):
@@ -63,8 +62,8 @@ def expected_sway(pieces, wall_velocity):
 def test_mean_motion_and_bounds(seed, transits):
     system = random_system(seed, bodies=4)
     until = horizon(system, transits)
-    run = track(assemble(system, until), until, 20_000)
-    solution, a = wrap(run, until), run.assembly
+    run = track(assembled(system, until), until, 20_000)
+    solution, a = solution_of(run, until), run.assembly
     for group in groups(a.system):
         walls = [b.velocity for i in group if isinstance(b := system.bodies[i], ri.Wall)]
         pieces = pieces_of(solution, group)
@@ -74,12 +73,12 @@ def test_mean_motion_and_bounds(seed, transits):
             if not 0 <= contact < len(a.nodes):
                 continue
             node = a.nodes[contact]
-            assert run.row.status[node] not in (BOND, FREE)
+            assert run.state.status[node] not in (BOND, FREE)
             mean, deviation, bound2 = expected_sway(
                 pieces[::-1] if right_side else pieces, walls[0] if walls else None)
-            v, low, high, bounded = group_motion(run.row, run.log, node, right_side, run.end)
+            v, low, high, bounded = group_motion(run.state, run.log, node, right_side, run.end)
             assert v + a.frame == pytest.approx(mean, abs=1e-11)
-            d, b2 = deviation_bound(run.row, run.log, node, right_side, run.end, v)
+            d, b2 = deviation_bound(run.state, run.log, node, right_side, run.end, v)
             sign = -1 if right_side else 1
             assert d * a.tick == pytest.approx(sign * deviation, abs=1e-11 * horizon(system))
             if b2:
@@ -98,14 +97,14 @@ def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
         return ri.Rod(segments=pieces, velocity=velocity, strain=strain)
 
     system = ri.System([stretched(0.0, 0.02), stretched(1e-3, -0.01)], gaps=[0.001])
-    run = track(assemble(system, 0.0), 0.0)
-    solution, tick = wrap(run, 0.0), run.assembly.tick
+    run = track(assembled(system, 0.0), 0.0)
+    solution, tick = solution_of(run, 0.0), run.assembly.tick
     _, left, bound_left = expected_sway(pieces_of(solution, [0]), None)
     _, right, bound_right = expected_sway(pieces_of(solution, [1])[::-1], None)
     mean_gap = 0.001 + left + right  # both deviations are measured outwards, towards the gap
     wait = (np.sqrt(2 * (bound_left + bound_right)) - mean_gap) / 1e-3
     a = run.assembly
-    when = separation_time(run.row, run.log, a.nodes[0], 0, a.tolerance)
+    when = separation_time(run.state, run.log, a.nodes[0], 0, a.tolerance)
     assert when * tick == pytest.approx(wait, rel=2e-6)
 
 
@@ -113,8 +112,8 @@ def test_the_bound_of_a_uniform_rod_is_the_textbook_integral():
     """With all mass fractions linear, integral g^2 dx/(E A) = L/(3 E A)."""
     rod = ri.Rod(2.0, area=3.0, material=M, strain=ri.Steps([1e-3, 0.0], [1.0]))
     system = ri.System([rod, ri.Wall()], gaps=[1.0])
-    run = track(assemble(system, 0.1), 0.1)
-    _, bound2 = deviation_bound(run.row, run.log, 1, False, run.end, 0.0)
+    run = track(assembled(system, 0.1), 0.1)
+    _, bound2 = deviation_bound(run.state, run.log, 1, False, run.end, 0.0)
     energy = 0.5 * 3.0 * 1e-6 * 1.0
     assert bound2 * run.assembly.tick**2 == pytest.approx(2 * energy * 2.0 / (3 * 3.0), rel=1e-12)
 
@@ -127,10 +126,10 @@ def test_an_end_stays_within_its_bound(seed):
     rod = system.bodies[0]
     row = ri.System([rod, ri.Rod(1.0, area=1.0, material=M, velocity=2.0)], [10.0])
     until = horizon(row, 30.0)
-    run = track(assemble(row, 0.0), 0.0)
+    run = track(assembled(row, 0.0), 0.0)
     node = run.assembly.nodes[0]
-    v, *_ = group_motion(run.row, run.log, node, False, 0)
-    d, bound2 = deviation_bound(run.row, run.log, node, False, 0, v)
+    v, *_ = group_motion(run.state, run.log, node, False, 0)
+    d, bound2 = deviation_bound(run.state, run.log, node, False, 0, v)
     solution = ri.solve(row, until, max_events=20_000)
     assume(solution.stopped_by == "until")
     t = np.linspace(0, until, 4000)
@@ -224,8 +223,8 @@ def state_of_two(gap, rate, a, b):
     """Kernel state of two rods of 1000 ticks with a gap, just before an event at tick 100."""
     system = ri.System(
         [ri.Rod(1.0, area=1.0, material=M, velocity=v) for v in (a, b)], [1.0])
-    run = track(assemble(system, 0.0), 0.0)
-    row = run.row
+    run = track(assembled(system, 0.0), 0.0)
+    row = run.state
     row.gap[1], row.rate[1] = gap, rate
     row.arrived[2], row.arrived[5] = a, b
     return row
@@ -251,7 +250,7 @@ def test_a_closing_joins_an_arrival_within_the_window(delay):
     system = ri.System(
         [ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, 0.5], [0.5])),
          ri.Rod(1.0, area=1.0, material=M)], [1e-3])
-    a = assemble(system, 1.0)
+    a = assembled(system, 1.0)
     arrival = a.ticks[1] // 2
     gap = (arrival - delay) * (0.5 - 0.0 - 0.0)
     object.__setattr__(a, "gaps", [0.0, float(gap), 0.0])
@@ -275,8 +274,8 @@ def test_round_off_makes_no_fronts():
 
 def test_work_tallies_are_the_energy_handed_over():
     rods = [ri.Rod(1.0 + i, area=1.0 + i, material=M, velocity=1.0 - i) for i in range(3)]
-    run = track(assemble(ri.System(rods)))
-    solution, a = wrap(run), run.assembly
+    run = track(assembled(ri.System(rods)))
+    solution, a = solution_of(run), run.assembly
     work = [run.tally.work[k] * a.tick for k in a.nodes]
     for i, (gained, lost) in enumerate(((0, work[0]), (work[0], work[1]), (work[1], 0))):
         ends = (0, solution.fields.end)

@@ -9,13 +9,15 @@ from grid_rows import random_row, run_row
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from networks import UNIT, shifted, unit_rod
+from runs import gaps_of, solution_of
 
 import rodimpact as ri
 from rodimpact.methods import kernels
 from rodimpact.methods.clock import PARTS
 from rodimpact.methods.grid import machine as grid_machine
 from rodimpact.methods.grid import method as finite_difference
-from rodimpact.running.solving import LongRun, wrap_steps
+from rodimpact.methods.row import Row
+from rodimpact.running.solving import LongRun
 
 seeds = st.integers(0, 10**6)
 METHOD = "finite-difference"
@@ -100,7 +102,7 @@ def test_rows_of_rods_meet_the_exact_method_without_chatter(name):
         for k, (a, b) in enumerate(zip(exact.contacts, s.contacts, strict=True)):
             assert len(b.episodes) == len(a.episodes)
             if isinstance(a.law, ri.Rigid):
-                force, gap = s.record.forces[k], s.record.gaps[k]
+                force, gap = b.push.values, gaps_of(s, k)
                 assert gap.min() >= 0
                 shut = (force[:-1] > 0) & (force[1:] > 0)  # it shuts in the middle of a step
                 assert np.all(gap[2:][shut] == 0)
@@ -164,7 +166,7 @@ def test_an_opening_is_where_the_gap_begins(left, right):
     lossy = material(viscosity=0.01)
     pair = [ri.Rod(x, area=1.0, material=lossy, velocity=v) for x, v in ((left, 1.0), (right, 0.0))]
     s = solved(pair, None, 200)
-    contact, h = s.contacts[0], s.fields.assembly.tick * PARTS
+    contact, h = s.contacts[0], s.fields.clock.tick * PARTS
     (episode,) = contact.episodes
     assert episode.force_end <= episode.opening <= episode.force_end + 2 * h
     assert contact.gap(episode.opening) <= 1e-4 * h
@@ -277,7 +279,7 @@ def test_forces_in_bonds_of_rigid_bodies():
     masses = [ri.RigidMass(m) for m in (1.0, 2.0, 3.0)]
     laws, rod = [ri.Bonded(), ri.Bonded(), ri.Hertz(9.0)], unit_rod(velocity=-1.0)
     s = solved([*masses, rod], 2.0, 32, contacts=laws, ends=(ri.Pushed(0.7), ri.Free()))
-    t = s.fields.assembly.tick * PARTS * (np.arange(64) + 0.5)
+    t = s.fields.clock.tick * PARTS * (np.arange(64) + 0.5)
     t = t[t < 2.0]
     first, second, last = (c.force(t) for c in s.contacts)
     a = (0.7 - last) / 6
@@ -340,7 +342,7 @@ def test_a_mode_with_lateral_inertia_swings_slower(wave):
         rod = ri.Rod(1.0, area=area, material=material(poisson_ratio=nu), polar_moment=polar,
                      velocity=lambda x: math.cos(k * x))
         s = solved([rod], 4.0, n)
-        t = s.fields.states.when[:-1] * s.fields.assembly.tick * PARTS
+        t = s.fields.motion.when[:-1] * s.fields.clock.tick * PARTS
         errors.append(np.abs(s.velocity(0, 0.0, t) - np.cos(w * t)).max())
     assert errors[-1] <= 8e-3
     assert order(errors) >= 1.8
@@ -380,13 +382,13 @@ def velocities(solution, t):
 def test_mirror(seed):
     system = random_row(seed, bodies=4, driven=True)
     run, image = run_row(system, 2.0), run_row(system.mirrored(), 2.0)
-    scale = np.abs(run.states.velocity).max() + run.plan.scale
+    scale = np.abs(run.states.velocity).max() + run.row.scale
     inside = run.mesh.mass > 0
     assert image.states.velocity[:, ::-1][:, inside] == pytest.approx(
         -run.states.velocity[:, inside], abs=1e-9 * scale)
     assert np.array_equal(image.tally.episodes[::-1], run.tally.episodes)
     for k in range(len(system.contacts)):
-        if run.plan.contact_link[k] >= 0 and isinstance(system.contacts[k], ri.Bonded):
+        if run.row.contact_link[k] >= 0 and isinstance(system.contacts[k], ri.Bonded):
             force = run.bond(k)
             assert image.bond(len(system.contacts) - 1 - k) == pytest.approx(
                 force, abs=1e-9 * (1 + np.abs(force).max()))
@@ -452,18 +454,18 @@ def test_a_rod_cut_into_pieces_is_the_same_rod(viscosity):
 def test_cells_and_steps():
     row = [unit_rod(velocity=1.0), unit_rod(0.37)]
     s = solved(row, 2.0, 50)
-    assert s.fields.mesh.counts == [50, 18]
-    step = s.fields.assembly.tick * PARTS
+    assert s.fields.motion.counts == [50, 18]
+    step = s.fields.clock.tick * PARTS
     assert step == pytest.approx(2.0 / 101)  # at most 0.999 / 50
     assert "68 cells." in s.status
     s = solved(row, 2.0, dt=0.03)
-    assert s.fields.mesh.counts == [33, 12]
-    assert s.fields.assembly.tick * PARTS == pytest.approx(2.0 / 67, rel=1e-14)
+    assert s.fields.motion.counts == [33, 12]
+    assert s.fields.clock.tick * PARTS == pytest.approx(2.0 / 67, rel=1e-14)
     assert "Time step 29.8507 ms" in s.status
     assert s.t_end == 2.0
     assert s.fields.end == PARTS * 67
     s = solved(row, 2.0, 10, dt=0.1)  # a Courant number of 1
-    assert s.fields.mesh.counts == [10, 3]
+    assert s.fields.motion.counts == [10, 3]
     assert s.outcome.energy_residual == pytest.approx(0, abs=1e-13)
 
 
@@ -551,7 +553,7 @@ def test_any_end(until, size):
     assert steps == (0 if until < 0.02 else math.ceil(until / 0.04995))
     assert ("none was taken" in s.status) == (steps == 0 and until > 0)
     if steps:
-        assert s.fields.end * s.fields.assembly.tick == pytest.approx(until, rel=1e-14)
+        assert s.fields.end * s.fields.clock.tick == pytest.approx(until, rel=1e-14)
     assert float(s.velocity(0, 0.5, until)) == pytest.approx(1.0 if until < 0.5 else 0.36, abs=0.1)
     assert np.abs(s.energy(np.array([0.0, until])).residual).max() <= 1e-14
     if steps == 0:
@@ -621,9 +623,9 @@ def test_rtol_tells_how_still_the_outcome_stands(monkeypatch):
 def test_what_is_stated_bounds_the_error_of_restitution(rods):
     """To within a factor of three: waves at jumps converge slower than the step."""
     system = ri.System([unit_rod(L, A, velocity=v) for L, A, v in rods])
-    run = finite_difference.follow(system, None, 10**9)
+    run = finite_difference.follow(Row(system), None, 10**9)
     assert max(run.estimates.values()) <= run.rtol
-    error = abs(wrap_steps(run).outcome.restitution - ri.collide(*system.bodies).restitution)
+    error = abs(solution_of(run).outcome.restitution - ri.collide(*system.bodies).restitution)
     assert error <= 3 * max(run.estimates.values())
 
 
@@ -634,7 +636,7 @@ def test_bodies_at_rest_need_no_refinement(monkeypatch):
     s = solved(row, 0.4, rtol=1e-2)
     assert "Not converged" not in s.status
     vibrating = solved([unit_rod(velocity=ri.Steps([1.0, -1.0], [0.5]))])
-    assert sum(vibrating.fields.mesh.counts) == 4 * 10
+    assert sum(vibrating.fields.motion.counts) == 4 * 10
 
 
 def test_snapshots_by_number_and_by_time():
@@ -642,18 +644,18 @@ def test_snapshots_by_number_and_by_time():
     contacts = [ri.Spring(2.0)]
     full = solved(row, 3.0, 40, contacts=contacts)
     few = solved(row, 3.0, 40, contacts=contacts, snapshots=10)
-    assert 4 <= len(few.fields.states.when) <= 12
+    assert 4 <= len(few.fields.motion.when) <= 12
     assert few.outcome.impulse == full.outcome.impulse
     assert few.outcome.velocities_after == pytest.approx(full.outcome.velocities_after, abs=1e-14)
     times = np.array([0.31, 1.234567, 2.9])
     chosen = solved(row, 3.0, 40, contacts=contacts, snapshots=times)
-    assert len(chosen.fields.states.when) <= 2 * 3 + 2
+    assert len(chosen.fields.motion.when) <= 2 * 3 + 2
     x = np.linspace(0, 1, 23)[:, None]
     assert np.array_equal(chosen.velocity(0, x, times), full.velocity(0, x, times))
     assert np.array_equal(chosen.strain(0, x, times), full.strain(0, x, times))
     assert np.abs(chosen.energy(times).residual).max() <= 1e-13
     late = solved(row, None, 40, contacts=contacts, snapshots=[0.5, 1e9])
-    assert late.fields.states.when.max() == late.fields.end // PARTS
+    assert late.fields.motion.when.max() == late.fields.end // PARTS
 
 
 @pytest.mark.parametrize("moment", ["kept", "between"])
@@ -716,7 +718,7 @@ def test_an_interrupted_run_leaves_no_harm(monkeypatch):
             solved(row, 4.0, 20, progress=interrupt)
     after = solved(row, 4.0, 20)
     assert after.outcome == before.outcome
-    assert np.array_equal(after.fields.states.velocity, before.fields.states.velocity)
+    assert np.array_equal(after.fields.motion.velocity, before.fields.motion.velocity)
 
 
 # Finality -----------------------------------------------------------------------------------------
@@ -784,13 +786,13 @@ def test_a_very_short_segment(monkeypatch):
     long, short = ri.Segment(1.0, 1.0, UNIT), ri.Segment(0.1, 1.0, UNIT)
     one = ri.Rod(segments=[long, short], velocity=1.0)
     s = solved([one, unit_rod(1.1)], 4.0)
-    assert min(s.fields.mesh.counts) >= 8
+    assert min(s.fields.motion.counts) >= 8
     assert s.outcome.restitution == pytest.approx(1.0, abs=3e-3)
 
 
 def test_one_cell():
     s = solved([unit_rod(velocity=1.0), unit_rod()], None, 1)
-    assert s.fields.mesh.counts == [1, 1]
+    assert s.fields.motion.counts == [1, 1]
     assert s.final
     assert 0 < s.outcome.restitution < 1
     assert s.velocity(0, [0.0, 0.5, 1.0], [[0.0], [0.7], [s.t_end]]).shape == (3, 3)
@@ -879,17 +881,17 @@ def test_touching_ends_that_part_or_meet_as_a_wave_arrives(velocity):
     row = [unit_rod(velocity=velocity, strain=-0.2), unit_rod(0.8, strain=-0.2)]
     exact = ri.solve(ri.System(row), 1.5, "fronts")
     s = solved(row, 1.5, 100)
-    total = s.energy(s.fields.states.when[:-1] * s.fields.assembly.tick * PARTS).total
+    total = s.energy(s.fields.motion.when[:-1] * s.fields.clock.tick * PARTS).total
     assert np.diff(total).max() <= 1e-13
     assert s.outcome.impulse == pytest.approx(exact.outcome.impulse, rel=0.02)
-    assert s.record.gaps[0].min() == 0.0
+    assert gaps_of(s, 0).min() == 0.0
 
 
 @pytest.mark.parametrize("strain", [0.0, 0.3])
 def test_ends_that_approach_at_the_start_and_part_at_once_have_no_negative_gap(strain):
     row = [unit_rod(velocity=0.1, strain=strain), unit_rod(strain=strain)]
     s = solved(row, 1.0, 50)
-    gap = s.record.gaps[0]
+    gap = gaps_of(s, 0)
     assert gap.min() == 0.0
     if strain:
         assert s.outcome.contacts[0].episodes == 0

@@ -9,6 +9,7 @@ from grid_rows import random_row, run_row, thicken
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from networks import STEP, unit_rod
+from runs import solution_of
 
 import rodimpact as ri
 from rodimpact.methods import kernels
@@ -17,15 +18,14 @@ from rodimpact.methods.grid import grid_kernel as fk
 from rodimpact.methods.grid.machine import Keeper, Machine
 from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size, _sway
-from rodimpact.methods.plan import Plan
-from rodimpact.running.solving import wrap_steps
+from rodimpact.methods.row import Row
 
 seeds = st.integers(0, 10**6)
 PARTS = ("grid", "implicit", "links", "chain", "bonds", "ends", "tally", "signals", "states")
 
 
 def machine_of(system, room, snapshots=None, step=STEP):
-    plan = Plan(system)
+    plan = Row(system)
     counts, step = _mesh_size(plan, None, step, None)
     return Machine(Mesh(plan, counts), step, Keeper(snapshots), room)
 
@@ -212,7 +212,7 @@ def test_steps_against_dense_matrices(seed, ends):
 def energy_of_bodies(run):
     """[state] kinetic and strain energy, J: what leapfrog keeps."""
     mesh, states, h = run.mesh, run.states, run.step
-    v = states.velocity + run.plan.frame + run.plan.gravity * h * states.when[:, None]
+    v = states.velocity + run.row.frame + run.row.gravity * h * states.when[:, None]
     change = np.diff(v, axis=1)
     inside = mesh.stiffness[1:-1] > 0
     k, lateral = mesh.stiffness[1:-1][inside], mesh.lateral[1:-1][inside]
@@ -227,10 +227,10 @@ def energy_of_bodies(run):
 def energy_of_contacts(run):
     """[state] energy stored in compliant contacts, J."""
     total = np.zeros(run.steps + 1)
-    for i, law in enumerate(run.plan.system.contacts):
+    for i, law in enumerate(run.row.system.contacts):
         if not isinstance(law, ri.Rigid | ri.Bonded):
             _, gap = run.contact(i)
-            x = np.maximum(-np.concatenate(([run.plan.system.gaps[i]], gap)), 0.0)
+            x = np.maximum(-np.concatenate(([run.row.system.gaps[i]], gap)), 0.0)
             linear = isinstance(law, ri.Spring | ri.SpringDashpot)
             total += law.stiffness * (x * x / 2 if linear else x**2.5 / 2.5)
     return total[run.states.when]
@@ -243,7 +243,7 @@ def test_energy_never_rises_without_work(seed):
     assert len(run.states.when) == run.steps + 1
     total = energy_of_bodies(run) + energy_of_contacts(run)
     for side, sign in ((0, 1), (1, -1)):
-        if run.plan.outside[side][0] == "absorbing":
+        if run.row.outside[side][0] == "absorbing":
             force, speed = run.outer(side)
             total[1:] -= sign * np.cumsum(force * speed) * run.step
     assert np.diff(total).max() <= 1e-12 * total[0]
@@ -253,11 +253,11 @@ def test_energy_never_rises_without_work(seed):
         -1e-14 * total[0] / run.step)
     lost = heat[-1] + (np.sum(run.tally.lost) + np.sum(run.tally.numerical)) * run.step
     assert lost == pytest.approx(total[0] - total[-1], abs=1e-11 * total[0])
-    for k, link in enumerate(run.plan.contact_link):
-        if link >= 0 and run.plan.laws[link] >= RIGID:
+    for k, link in enumerate(run.row.contact_link):
+        if link >= 0 and run.row.laws[link] >= RIGID:
             force, gap = run.contact(k)
             assert force.min() >= 0
-            if run.plan.laws[link] == RIGID:
+            if run.row.laws[link] == RIGID:
                 assert gap.min() >= 0
 
 
@@ -265,7 +265,7 @@ def test_energy_never_rises_without_work(seed):
 @given(seeds, st.booleans())
 def test_every_entry_of_the_ledger_at_every_state(seed, driven):
     run = run_row(random_row(seed, driven=driven, bodies=4), 1.5)
-    solution = wrap_steps(run, 1.5)
+    solution = solution_of(run, 1.5)
     ledger = solution.energy(run.states.when * run.step)
     works = ledger.wall_work, ledger.drive_work, ledger.gravity_work, ledger.radiated
     scale = ledger.total.max() + max(np.abs(w).max() for w in works)
@@ -300,13 +300,14 @@ def test_every_body_gains_the_momentum_of_its_forces(seed):
     """Contacts, bonds, ends and gravity between them change the momentum of each body."""
     system = random_row(seed, driven=True)
     run = run_row(system, 1.5)
-    solution = wrap_steps(run, 1.5)
+    solution = solution_of(run, 1.5)
     forces = [np.sum(c.push.values) * run.step for c in solution.contacts]
-    outer = [0.0 if e is None else np.sum(e[1]) * run.step for e in solution.record.ends]
+    outer = [0.0 if e is None else np.sum(e.push.values) * run.step
+             for e in solution.run.signals.outside]
     wall = [isinstance(system.bodies[i], ri.Wall) for i in (0, -1)]
     inner = [*([] if wall[0] else [outer[0]]), *forces, *([] if wall[1] else [outer[1]])]
     masses = solution.outcome.masses
-    scale = sum(m for m in masses if np.isfinite(m)) * run.plan.scale + np.abs(inner).sum()
+    scale = sum(m for m in masses if np.isfinite(m)) * run.row.scale + np.abs(inner).sum()
     free = [i for i, b in enumerate(system.bodies) if not isinstance(b, ri.Wall)]
     end = run.steps * run.step
     for i, before, after in zip(free, inner[:-1], inner[1:], strict=True):
@@ -381,7 +382,7 @@ def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed):
         machine = machine_of(turned, 400)
         left, right = next(iter(machine.mesh.touching.values()))
         node, right_end, x = (right, 0, 0.0) if mirrored else (left, 1, 1.5)
-        solution = wrap_steps(run_row(turned, 400 * STEP))
+        solution = solution_of(run_row(turned, 400 * STEP))
         body = turned.bodies.index(rod) if not mirrored else len(row) - 1 - row.index(rod)
         machine.advance(0)
         V, d, bound = _sway(machine, node, right_end)
@@ -390,7 +391,7 @@ def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed):
             now, then, limit = _sway(machine, node, right_end)
             t = end_ * STEP
             moved = float(solution.displacement(body, x, t) - solution.displacement(body, x, 0.0))
-            expected = (V + machine.plan.frame) * end_ + then - d
+            expected = (V + machine.row.frame) * end_ + then - d
             assert moved / STEP == pytest.approx(expected, abs=1e-9)
             assert now == pytest.approx(V, abs=1e-12)
             assert abs(then) <= bound * (1 + 1e-12)

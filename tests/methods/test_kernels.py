@@ -10,13 +10,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from runs import assembled
 
 import rodimpact as ri
 from rodimpact.methods import kernels
 from rodimpact.methods.fronts import front_kernel, layout_kernel
-from rodimpact.methods.fronts.assembly import assemble
 from rodimpact.methods.fronts.layout_kernel import assign_ticks, recognise
-from rodimpact.methods.fronts.method import track
+from rodimpact.methods.fronts.tracking import track
 from rodimpact.results import field_kernel
 
 
@@ -75,7 +75,7 @@ def test_rounding_is_at_most_half_a_tick_where_ratios_are_unknown():
 def test_three_rods_whose_waves_meet_exactly():
     steel, aluminium = ri.materials.steel, ri.materials.aluminium
     row = [(0.1, steel), (0.25, steel), (1 / 3, steel), (0.3, aluminium), (0.1, aluminium)]
-    a = assemble(ri.System([ri.Rod(L, area=1e-4, material=m) for L, m in row]))
+    a = assembled(ri.System([ri.Rod(L, area=1e-4, material=m) for L, m in row]))
     ticks = a.ticks[1:-1]
     assert ticks[1] * 4 == ticks[2] * 3
     assert ticks[0] * 5 == ticks[1] * 2
@@ -134,7 +134,7 @@ def chain(n):
 
 @pytest.mark.parametrize("events", [1, 7, 100])
 def test_the_cap_ends_in_a_status(events):
-    run = track(assemble(chain(6)), None, events)
+    run = track(assembled(chain(6)), None, events)
     assert run.stopped_by == "max_events"
     assert events <= run.events <= events + 7  # the events of one tick are taken together
 
@@ -143,8 +143,8 @@ def test_a_row_of_many_rods_uses_the_same_rule():
     m = ri.Material("m", youngs_modulus=1.0, density=1.0)
     lengths = [float(x) for x in np.random.default_rng(1).uniform(0.5, 1.0, 300)]
     lengths[17], lengths[200] = 0.3, 0.1
-    a = assemble(ri.System([ri.Rod(x, area=1.0, material=m) for x in lengths]))
-    b = assemble(ri.System([ri.Rod(x, area=1.0, material=m) for x in lengths[:18]]))
+    a = assembled(ri.System([ri.Rod(x, area=1.0, material=m) for x in lengths]))
+    b = assembled(ri.System([ri.Rod(x, area=1.0, material=m) for x in lengths[:18]]))
     assert a.transit_error < 1e-12
     assert len(b.ticks) == 20
 

@@ -13,11 +13,11 @@ import rodimpact as ri
 from rodimpact.methods.contact_law_kernel import BOND, RIGID
 from rodimpact.methods.grid.mesh import Interface, Mesh
 from rodimpact.methods.grid.method import _mesh_size
-from rodimpact.methods.plan import Plan
+from rodimpact.methods.row import Row
 
 
 def mesh_of(row, counts, contacts=None, gaps=None, **options):
-    return Mesh(Plan(ri.System(row, gaps, contacts, **options)), counts)
+    return Mesh(Row(ri.System(row, gaps, contacts, **options)), counts)
 
 
 def test_two_rods_are_two_pieces():
@@ -85,7 +85,7 @@ def test_a_taper_keeps_its_volume():
 @given(st.integers(0, 10**6), st.booleans())
 def test_every_row(seed, driven):
     system = random_row(seed, driven=driven)
-    plan = Plan(system)
+    plan = Row(system)
     counts, step = _mesh_size(plan, None, 1 / 32, None)
     mesh = Mesh(plan, counts)
     assert mesh.starts[0] == 0
@@ -110,7 +110,7 @@ def test_every_row(seed, driven):
     assert not np.any(mesh.stiffness[between])
     bonds = {i for i in plan.contact_link if i >= 0 and plan.laws[i] == BOND}
     assert bonds <= set(mesh.interfaces)
-    image = Mesh(Plan(system.mirrored()), counts[::-1])
+    image = Mesh(Row(system.mirrored()), counts[::-1])
     assert image.mass[::-1] == pytest.approx(mesh.mass, rel=1e-12)
     assert np.array_equal(image.held[::-1], mesh.held)
     assert image.stiffness[::-1] == pytest.approx(mesh.stiffness, rel=1e-12)
@@ -132,10 +132,10 @@ def test_cells_that_hardly_move_are_refused(options, polar, field):
 def test_the_mesh_that_wastes_least():
     """Courant numbers are as near to 1 as the first hundred numbers of cells allow."""
     row = [unit_rod(1.0), unit_rod(0.75), unit_rod(math.sqrt(0.5))]
-    counts, step = _mesh_size(Plan(ri.System(row)), None, None, None)
+    counts, step = _mesh_size(Row(ri.System(row)), None, None, None)
     courant = step * np.array(counts) / [1.0, 0.75, math.sqrt(0.5)]
     assert 100 <= counts[0] < 200
     assert courant.max() == pytest.approx(0.999, rel=1e-12)
     assert courant.min() >= 0.997
-    counts, _ = _mesh_size(Plan(ri.System([unit_rod(), unit_rod(0.02)])), None, None, None)
+    counts, _ = _mesh_size(Row(ri.System([unit_rod(), unit_rod(0.02)])), None, None, None)
     assert min(counts) >= 8

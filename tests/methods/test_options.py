@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
-from rodimpact.methods.options import Options
+from rodimpact.methods.registry import Options
 
 ROD = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
 ROW = ri.System([ROD, ri.Wall()])
@@ -43,8 +43,8 @@ def test_all_mistakes_are_reported_together():
 
 
 @pytest.mark.parametrize(("given", "path", "said"), [
-    ({"method": "fronts", "dt": 1e-6}, "dt", "has no time step"),
-    ({"method": "fronts", "rtol": 1e-3}, "rtol", "has no time step"),
+    ({"method": "fronts", "dt": 1e-6}, "dt", '"characteristics" or "finite'),
+    ({"method": "fronts", "rtol": 1e-3}, "rtol", '"characteristics" or "finite'),
     ({"method": "characteristics", "cells": 9}, "cells", 'is for method "finite-difference"'),
 ])
 @pytest.mark.parametrize("ask", [ri.solve, ri.sweep])

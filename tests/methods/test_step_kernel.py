@@ -15,16 +15,16 @@ import rodimpact as ri
 from rodimpact.methods import contact_law_kernel as lk
 from rodimpact.methods import kernels
 from rodimpact.methods.clock import PARTS as TICKS
-from rodimpact.methods.plan import Plan
+from rodimpact.methods.row import Row
 from rodimpact.methods.steps import step_kernel as ck
 from rodimpact.methods.steps.delays import transit_ticks
 from rodimpact.methods.steps.machine import Machine
 
-PARTS = ("row", "tally", "signals")
+PARTS = ("state", "tally", "signals")
 
 
 def machine_of(system, room, step=STEP, cuts=()):
-    plan = Plan(system)
+    plan = Row(system)
     return Machine(plan, transit_ticks(plan, step), step, room, cuts)
 
 
@@ -34,7 +34,7 @@ def whole_network(seed):
     while True:
         system = random_network(int(rng.integers(10**6)))
         closed = all(isinstance(end, ri.Free) for end in system.ends)
-        if closed and not any(T % TICKS for T in transit_ticks(Plan(system), STEP)):
+        if closed and not any(T % TICKS for T in transit_ticks(Row(system), STEP)):
             return system
 
 
@@ -47,11 +47,11 @@ def bits(machine):
 
 def run_plain(machine, end):
     lists = [type(x)(*(c.tolist() for c in x))
-             for x in (machine.row, machine.tally, machine.signals, machine.points,
+             for x in (machine.state, machine.tally, machine.signals, machine.points,
                        machine.links)]
     flag = ck.run(*lists, machine.clock.tolist(), end, machine.tol)
     assert flag == ck.DONE
-    for whole, found in zip((machine.row, machine.tally, machine.signals), lists, strict=False):
+    for whole, found in zip((machine.state, machine.tally, machine.signals), lists, strict=False):
         for column, values in zip(whole, found, strict=True):
             column[:] = values
 
@@ -75,7 +75,7 @@ def test_compiled_and_plain_runs_are_bit_identical():
         plain, fast = machine_of(system, 64), machine_of(system, 64)
         run_plain(plain, 64)
         flag = kernels.compiled(ck.run)(
-            fast.row, fast.tally, fast.signals, fast.points, fast.links, fast.clock, 64, fast.tol
+            fast.state, fast.tally, fast.signals, fast.points, fast.links, fast.clock, 64, fast.tol
         )
         assert flag == ck.DONE
         assert bits(plain) == bits(fast), seed
@@ -86,8 +86,8 @@ def test_compiled_and_plain_proofs_and_steps_agree():
     for seed in range(40):
         machine = machine_of(random_network(seed), 96)
         machine.advance(96)
-        fast = kernels.compiled(ck.settled)(machine.row, machine.signals, 96, machine.tol)
-        assert fast == ck.settled(machine.row, machine.signals, 96, machine.tol)
+        fast = kernels.compiled(ck.settled)(machine.state, machine.signals, 96, machine.tol)
+        assert fast == ck.settled(machine.state, machine.signals, 96, machine.tol)
         transits = np.random.default_rng(seed).uniform(0.1, 1, 1 + seed % 5)
         found = ck.choose_step(transits.tolist(), 64, 500, 1e-6, 1.0)
         assert kernels.compiled(ck.choose_step)(transits, 64, 500, 1e-6, 1.0) == found
@@ -187,7 +187,7 @@ def chain(masses, speeds, laws, gaps=None, walls=(None, None), damping=0.0, stif
     m, links = len(masses), len(masses) + 1
     law = [lk.FREE if walls[0] is None else laws[0], *laws[1:-1],
            lk.FREE if walls[1] is None else laws[-1]]
-    row = ck.Row(
+    row = ck.State(
         [0, 0], [0.0, 0.0], [0.0, 0.0], [1.0], [0.0, 0.0], [0, m], list(masses), law,
         [stiffness] * links, [EXPONENT.get(each, 1.0) for each in laws], [damping] * links,
         gaps or [0.0] * links, [0.0] * links, [0.0] * links, [1] * links, list(speeds), [0.0],
@@ -306,7 +306,7 @@ def test_cuts_change_nothing_where_waves_are_even():
         whole, cut = machine_of(system, 64), machine_of(system, 256, cuts=cuts)
         whole.advance(64)
         cut.advance(256)
-        for line in range(2, 2 * len(whole.row.steps) - 2):
+        for line in range(2, 2 * len(whole.state.steps) - 2):
             a, b = int(whole.signals.wave_start[line]), int(cut.signals.wave_start[line])
             merged = by_steps(cut.signals.wave[b : b + 256], cut.places, 64)
             assert merged == pytest.approx(whole.signals.wave[a : a + 64], abs=1e-13), seed
@@ -328,7 +328,7 @@ def test_parts_of_steps_keep_energy_and_momentum():
 
 def contents(machine):
     """Energy in rods, masses and contacts, and what was lost in contacts, over the step."""
-    row, tally = machine.row, machine.tally
+    row, tally = machine.state, machine.tally
     energy = sum(
         M * v * v / 2 for M, v in zip(row.mass, row.speed, strict=True)
     ) + sum(lk.stored(*x) for x in zip(row.law, row.stiffness, row.exponent, row.gap, strict=True))
@@ -364,7 +364,7 @@ def test_a_rigid_contact_tells_where_in_its_step_it_closes(mass):
     machine.clock[ck.CUTS] = 1
     assert not machine.advance(64)
     assert (machine.taken, machine.clock[ck.LINK]) == (2, 1)
-    assert machine.row.closed[0] == pytest.approx(0.4)  # 0.3 is 2.4 steps
+    assert machine.state.closed[0] == pytest.approx(0.4)  # 0.3 is 2.4 steps
     cut = machine_of(system, 64, step=1 / 8, cuts=[round(0.4 * TICKS)])
     cut.clock[ck.CUTS] = 1
     assert cut.advance(64)
@@ -378,7 +378,7 @@ def test_a_gap_closes_early_by_round_off_only():
         system = ri.System([unit_rod(velocity=1.0), unit_rod(velocity=-1.0)], [0.5 + short])
         machine = machine_of(system, 64, step=1 / 8)
         machine.advance(2)  # both move by 1/8 a step
-        assert (machine.row.gap[1] == 0) == shut
+        assert (machine.state.gap[1] == 0) == shut
 
 
 def test_forces_below_the_tolerance_are_none_in_every_link_of_a_chain():
@@ -404,7 +404,7 @@ def test_after_the_proof_nothing_presses():
             met += sum(machine.tally.episodes.tolist()) > 0
             before = machine.tally.impulse.copy()
             machine.advance(1500)
-            link = machine.row.law >= lk.RIGID
+            link = machine.state.law >= lk.RIGID
             added = np.abs(machine.tally.impulse - before)[link]
             assert np.all(added <= 1e-12 * (1e-3 + np.abs(before).max())), seed
     assert proved >= 60
@@ -419,8 +419,8 @@ def test_an_end_is_where_its_strains_put_it(right, cuts):
     rod = unit_rod(velocity=wave, strain=ri.Samples([0.4, 0.0, -0.1, 0.7]))
     system = ri.System([ri.Wall(), rod] if right else [rod, ri.Wall()], [5.0])
     machine = machine_of(system, 128, step=1 / 32, cuts=cuts)
-    machine.advance(7 * len(machine.row.part))
-    row, signals, j, k = machine.row, machine.signals, machine.taken, 0 if right else 1
+    machine.advance(7 * len(machine.state.part))
+    row, signals, j, k = machine.state, machine.signals, machine.taken, 0 if right else 1
     group = ck.group_motion(row, signals, k, 0, right, j, machine.tol)
     away, bound2 = ck.deviation_bound(row, signals, k, 0, right, j, group, machine.tol)
     steps = int(row.steps[1])
@@ -465,7 +465,7 @@ def test_a_squeezed_mass_is_told_in_a_sentence(monkeypatch):
 def test_tallies_are_sums_over_the_signals():
     for seed in range(60):
         run = run_network(random_network(seed, driven=True), 3.0)
-        plan, tally = run.plan, run.tally
+        plan, tally = run.row, run.tally
         for k, link in enumerate(plan.contact_link):
             if link < 0 or plan.laws[link] < lk.RIGID:
                 continue

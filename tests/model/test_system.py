@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import rodimpact as ri
 from rodimpact.materials import glass, steel
-from rodimpact.methods import abilities
+from rodimpact.methods.registry import METHODS, Options
 
 
 def rod(**changes):
@@ -606,7 +606,7 @@ def test_every_new_field_counts_for_equality_and_digest():
 
 
 def refused(method, *bodies):
-    return dict(problems(lambda: abilities.refuse(method, ri.System(list(bodies)))))
+    return dict(problems(lambda: Options(method=method).method_for(ri.System(list(bodies)))))
 
 
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
@@ -629,9 +629,9 @@ def test_what_only_finite_differences_have(method):
 
 def test_a_taper_in_steps_is_for_every_method():
     row = ri.System([cone(velocity=1.0).in_steps(4), rod()])
-    assert abilities.choose(row) == "fronts"
-    assert abilities.choose(ri.System([cone()])) == "finite-difference"
-    assert not abilities.lacking("finite-difference", ri.System([cone(), MASS]))
+    assert Options().method_for(row) == "fronts"
+    assert Options().method_for(ri.System([cone()])) == "finite-difference"
+    assert not METHODS["finite-difference"].lacking(ri.System([cone(), MASS]))
     assert ri.solve(row).outcome.momentum_residual == pytest.approx(0, abs=1e-12)
 
 

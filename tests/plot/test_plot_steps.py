@@ -164,7 +164,7 @@ def test_contacts_press_as_long_as_their_episodes(solved):
     expected = sum(
         min(e.force_end if e.force_end == e.force_end else np.inf, solution.t_end) - e.start
         for c in solution.contacts for e in c.episodes)
-    step = solution.fields.assembly.tick * PARTS
+    step = solution.fields.clock.tick * PARTS
     count = sum(len(c.episodes) for c in solution.contacts)
     assert expected <= pressing <= expected + 2 * count * step  # drawn in whole steps
 

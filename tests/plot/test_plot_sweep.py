@@ -16,7 +16,7 @@ from matplotlib.patches import StepPatch
 
 import rodimpact as ri
 from rodimpact import plot
-from rodimpact.methods.options import Options
+from rodimpact.methods.registry import Options
 from rodimpact.plot import quantities
 from rodimpact.running.sweeping import SweepResult
 

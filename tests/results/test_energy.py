@@ -19,11 +19,11 @@ from networks import (
     smeared,
     unit_rod,
 )
+from runs import solution_of
 
 import rodimpact as ri
 from rodimpact.methods.contact_law_kernel import IMPACT, RIGID
-from rodimpact.results.groups import movable
-from rodimpact.running.solving import wrap_steps
+from rodimpact.methods.groups import movable
 
 seeds = st.integers(0, 10**6)
 
@@ -38,11 +38,11 @@ def test_energy_never_rises_without_work(seed):
     total = energy_of_bodies(run) + energy_of_contacts(run) + radiated(run)
     assert np.diff(total).max() <= 1e-12 * total[0]
     assert np.diff(total + smeared(run)).max() <= 1e-12 * total[0]
-    for k, link in enumerate(run.plan.contact_link):
-        if link >= 0 and run.plan.laws[link] >= RIGID:
+    for k, link in enumerate(run.row.contact_link):
+        if link >= 0 and run.row.laws[link] >= RIGID:
             force, gap = run.contact(k)
             assert force.min() >= 0
-            if run.plan.laws[link] == RIGID:
+            if run.row.laws[link] == RIGID:
                 assert gap.min() >= 0
                 assert np.all(force * gap == 0)
     h = run.step
@@ -64,19 +64,19 @@ def has_rigid_bodies_in_contact(row):
 def test_impacts_of_rigid_bodies_never_overlap_by_more_than_a_step(seed):
     row = next(filter(has_rigid_bodies_in_contact, map(random_network, count(seed))))
     run = run_network(row)
-    impacts = [k for k, link in enumerate(run.plan.contact_link)
-               if link >= 0 and run.plan.laws[link] == IMPACT]
+    impacts = [k for k, link in enumerate(run.row.contact_link)
+               if link >= 0 and run.row.laws[link] == IMPACT]
     assert impacts
     for k in impacts:
         _, gap = run.contact(k)
-        assert gap.min() >= -run.plan.scale * run.step
+        assert gap.min() >= -run.row.scale * run.step
 
 
 @settings(max_examples=150)
 @given(seeds, st.booleans())
 def test_momentum_and_energy_balance(seed, driven):
     run = run_network(random_network(seed, driven=driven))
-    outcome = wrap_steps(run, SECONDS).outcome
+    outcome = solution_of(run, SECONDS).outcome
     assert abs(outcome.momentum_residual) <= 1e-12
     assert abs(outcome.energy_residual) <= 1e-11
 
@@ -86,7 +86,7 @@ def test_momentum_and_energy_balance(seed, driven):
 
 def ledger_of(seed, driven, seconds=2.0):
     run = run_network(random_network(seed, bodies=4, driven=driven), until=seconds)
-    solution = wrap_steps(run, seconds)
+    solution = solution_of(run, seconds)
     return run, solution, solution.energy(np.arange(run.steps + 1) * run.step)
 
 
@@ -143,7 +143,8 @@ def test_walls_and_drives_work_along_the_way_of_their_point(seed):
     bodies, scale = solution.system.bodies, 1.0
     for side, end in enumerate(solution.system.ends):
         body = (0, len(bodies) - 1)[side]
-        kind, force, _ = solution.record.ends[side] or ("", np.zeros(1), None)
+        outside = solution.run.signals.outside[side]
+        kind, force = (outside.kind, outside.push.values) if outside else ("", np.zeros(1))
         scale += np.abs(force).sum() * run.step
         if kind == "wall":
             wall += (1, -1)[side] * force.sum() * run.step * bodies[body].velocity

@@ -13,12 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from ...model import Absorbing, Bonded, End, Fixed, Free, Moved, Pushed, Rod, Segment, Steps, System
+from ...model import Absorbing, Bonded, End, Fixed, Free, Moved, Pushed, Rod, Steps
 from ...model.frozen import InvalidModel, Number
+from .. import contact_law_kernel as laws
 from .. import kernels
-from ..abilities import refuse
-from ..clock import Clockwork
-from .front_kernel import BOND, FREE, OPEN, PUSH, TOUCH, Log, Row, Tally, begin
+from ..clock import Clock
+from ..row import Row
+from .front_kernel import BOND, FREE, OPEN, PUSH, TOUCH, Log, State, Tally, begin
 from .layout_kernel import (
     CLOCK_BITS,
     COARSEST,
@@ -38,11 +39,12 @@ from .layout_kernel import (
 OUTSIDE: dict[type[End], int] = {
     Free: STEADY, Fixed: STEADY, Absorbing: ENDLESS, Pushed: PUSHED, Moved: MOVED,
 }
+STATUS = {laws.FREE: FREE, laws.FORCE: PUSH, laws.BOND: BOND, laws.RIGID: TOUCH}
 INTERPRETED = 200  # durations up to which the tick rule is not worth compiling
 
 
 @dataclass(frozen=True, kw_only=True)
-class Assembly(Clockwork):
+class Assembly(Clock):
     """A single collision in flat lists, for the fronts method.
 
     Attributes
@@ -75,53 +77,35 @@ class Assembly(Clockwork):
 
 
 class Blueprint:
-    """A system, or a family of them, as numbers for the layout kernel.
+    """A row, or a family of them, as numbers for the layout kernel.
 
     Attributes
     ----------
+    row : Row
     make : Make
         On lists.
     numbers : list of float or array
         One row of the kernel's `given`; arrays where members differ.
     status : list of int
         Of each node while its gap is 0.
-    spans : tuple of (int, int)
-        First and last segment of each body; (1, 0) for a wall.
-    paths : list of str
-        By segment, what the user calls it; "" for 0.
-
-    Raises
-    ------
-    InvalidModel
-        If the system has physics that the method lacks.
     """
 
-    def __init__(self, system: System) -> None:
-        refuse("fronts", system)
-        pieces: list[Segment] = []
-        spans, places, jumps = [], [], []
+    def __init__(self, row: Row) -> None:
+        self.row, system = row, row.system
+        places, jumps = [], []
         profiles: list[Number] = []
-        self.paths = [""]
-        for i, body in enumerate(system.bodies):
+        for body in system.bodies:
             places.append(len(profiles))
             for profile in (body.velocity, body.strain if isinstance(body, Rod) else 0.0):
                 numbers = _in_pieces(profile)
                 jumps.append(len(numbers) // 2)
                 profiles += numbers
-            if not isinstance(body, Rod):
-                spans.append((1, 0))
-                continue
-            spans.append((len(pieces) + 1, len(pieces) + len(body.segments)))
-            pieces += body.segments
-            stepped = len(body.segments) > 1
-            self.paths += [f"bodies.{i}.segments.{j}" if stepped else f"bodies.{i}"
-                           for j in range(len(body.segments))]
-        n, contacts, self.spans = len(pieces), len(system.gaps), tuple(spans)
-        nodes = [last for _, last in spans[:contacts]]
+        spans, pieces, contacts = list(row.spans), row.segments, len(system.gaps)
+        n, nodes = len(pieces), [last for _, last in spans[:contacts]]
         for side, end in enumerate(system.ends):
             if isinstance(end, Free | Absorbing):
                 continue
-            numbers = _in_pieces(0.0 if isinstance(end, Fixed) else end.value)
+            numbers = _in_pieces(getattr(end, "value", 0.0))
             spans.insert(side * len(spans), (1, 0))
             places.insert(side * len(places), len(profiles))
             jumps[side * len(jumps) : side * len(jumps)] = [len(numbers) // 2, 0]
@@ -136,13 +120,7 @@ class Blueprint:
         outside = [OUTSIDE[type(end)] for end in system.ends]
         joined = [int(all(isinstance(law, Bonded) for law in system.contacts))]
         self.make = Make(first, last, nodes, places, jumps, outside, size, joined)
-        left, right = (
-            FREE if isinstance(end, Free) else PUSH if isinstance(end, Pushed) else BOND
-            for end in system.ends
-        )
-        self.status = [left, *[BOND] * (n - 1), right]
-        for node, law in zip(nodes, system.contacts, strict=True):
-            self.status[node] = BOND if isinstance(law, Bonded) else TOUCH
+        self.status = [STATUS[law] for law in row.laws]
 
     def space(
         self, members: int, full: Callable[[int, Any], Any] = lambda size, zero: [zero] * size
@@ -159,23 +137,21 @@ class Blueprint:
         return Layout(*layout), Work(*work)
 
 
-def assemble(system: System, until: float | None = None) -> Assembly:
+def assemble(row: Row, until: float | None = None) -> Assembly:
     """Lay out a single collision for the fronts method.
 
     Parameters
     ----------
-    system : System
-        Of shape ().
+    row : Row
     until : float, optional
         Time to be reached, s; sets how fine a tick can be.
 
     Raises
     ------
     InvalidModel
-        When velocities overflow, transit times are too far apart for one clock, the system has
-        physics that the method lacks.
+        When velocities overflow, or transit times are too far apart for one clock.
     """
-    plan = Blueprint(system)
+    plan = Blueprint(row)
     make, given = plan.make, [float(x) for x in plan.numbers]
     n = make.size[0]
     end = -1.0 if until is None else until
@@ -200,14 +176,14 @@ def assemble(system: System, until: float | None = None) -> Assembly:
     endless = [given[n + s] if kind == ENDLESS else 0.0
                for kind, s in zip(make.outside, (0, n - 1), strict=True)]
     return Assembly(
-        system=system, spans=plan.spans,
+        system=row.system, spans=row.spans,
         nodes=tuple(make.node), wave_speed=[0.0, *given[:n], 0.0],
         impedance=[endless[0], *given[n : 2 * n], endless[1]],
         length=[0.0, *given[2 * n : 3 * n], 0.0],
         ticks=layout.transit, tick=beat, frame=layout.frame[0], tolerance=layout.tolerance[0],
         window=layout.window[0], status=status, gaps=layout.gap,
         outside=(layout.outside[0], layout.outside[1]), waves=waves,
-        transit_error=errors[worst], worst=plan.paths[worst + 1],
+        transit_error=errors[worst], worst=row.paths[worst + 1],
     )
 
 
@@ -229,7 +205,7 @@ def _refusal(fate: int, plan: Blueprint, layout: Layout, durations: Any) -> tupl
             f"{longest:g} s, more than the clock can count; stop before {most:.3g} s"
         )
     short = layout.short[0]
-    return plan.paths[short], (
+    return plan.row.paths[short], (
         f"its transit time {durations[short - 1]:.3g} s is too short beside the longest, "
         f"{longest:.3g} s: one exact clock holds ratios up to about 2e11; leave it out"
     )
@@ -243,7 +219,7 @@ def start(
     outside: tuple[Any, Any],
     waves: Sequence[Sequence[tuple[int, Any]]],
     room: int = 256,
-) -> tuple[Row, Tally, Log, list[int]]:
+) -> tuple[State, Tally, Log, list[int]]:
     """Make the kernel's state at t = 0, on lists, of whatever kind of number the amplitudes are.
 
     Parameters
@@ -271,12 +247,12 @@ def start(
     )
     nodes, lines = [zero] * (n + 1), [-1] * (2 * n + 4)
     arrived = [outside[0], *[zero] * (2 * n + 2), outside[1]]
-    row = Row(
+    state = State(
         list(ticks), list(mobility), list(status), [0] * (n + 1), list(gaps), nodes, nodes[:],
         nodes[:], arrived, lines, lines[:], [0] * (2 << n.bit_length()),
     )
     counts = [0] * (n + 1)
     tally = Tally(nodes[:], nodes[:], nodes[:], counts, counts[:], counts[:], counts[:])
     clock = [0] * 7
-    begin(row, tally, log, clock, len(fronts))
-    return row, tally, log, clock
+    begin(state, tally, log, clock, len(fronts))
+    return state, tally, log, clock

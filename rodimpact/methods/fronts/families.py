@@ -18,7 +18,7 @@ from .. import kernels
 from .assembly import Blueprint, start
 from .front_kernel import FREE, FULL, OPEN, GroupState, Members, Results, family
 from .layout_kernel import LAID, Layout, Make, lay_out_all
-from .method import as_arrays, on_arrays
+from .tracking import as_arrays, on_arrays
 
 ROOM = 256  # rows of the log at first
 FIRST_BLOCK, LAST_BLOCK = 512, 2048  # members of a block

@@ -29,7 +29,7 @@ IDLE = (1 << 63) - 1  # tick of a node at which nothing is due
 NOW, ROWS, TURNS, EVENTS, PROBE, REST, SETTLED = range(7)  # places in the clock
 
 
-class Row(NamedTuple):
+class State(NamedTuple):
     """State of a row of n segments: lists or arrays, changed in place."""
 
     transit: Any  # [segment] transit time, ticks
@@ -120,48 +120,48 @@ def schedule(tree: Any, i: int, tick: int) -> None:
         tree[i] = low
 
 
-def begin(row: Row, tally: Tally, log: Log, clock: Any, count: int) -> None:
+def begin(state: State, tally: Tally, log: Log, clock: Any, count: int) -> None:
     """Set everything to t = 0.
 
     Given are transit, mobility, status and gap of the row, what arrives from the walls, and the
     first `count` rows of the log: for each line, in order of time, the fronts that fill it, the
     first of them one transit ago, so that it has just arrived. Those from outside are yet to come.
     """
-    n = len(row.status)
-    zero = 0 * row.mobility[1]
+    n = len(state.status)
+    zero = 0 * state.mobility[1]
     for l in range(2, 2 * n):
-        row.arrived[l], row.head[l], row.tail[l] = zero, -1, -1
+        state.arrived[l], state.head[l], state.tail[l] = zero, -1, -1
     for l in (0, 1, 2 * n, 2 * n + 1):
-        row.head[l] = row.tail[l] = -1
+        state.head[l] = state.tail[l] = -1
     for r in range(count):
         l = log.line[r]
         log.after[r] = -1
-        if row.tail[l] < 0:
-            row.arrived[l] = log.value[r]
+        if state.tail[l] < 0:
+            state.arrived[l] = log.value[r]
         else:
-            log.after[row.tail[l]] = r
-            if row.head[l] < 0:
-                row.head[l] = r
-        row.tail[l] = r
+            log.after[state.tail[l]] = r
+            if state.head[l] < 0:
+                state.head[l] = r
+        state.tail[l] = r
     for k in range(n):
-        row.since[k], row.rate[k], row.force[k], row.speed[k] = 0, zero, zero, zero
+        state.since[k], state.rate[k], state.force[k], state.speed[k] = 0, zero, zero, zero
         tally.impulse[k], tally.work[k], tally.peak[k] = zero, zero, zero
         tally.first[k], tally.last[k], tally.pressed[k], tally.episodes[k] = -1, -1, 0, 0
-    leaves = len(row.tree) // 2
+    leaves = len(state.tree) // 2
     for k in range(leaves):
-        row.tree[leaves + k] = 0 if k < n else IDLE
-        if k < n and row.status[k] == FREE:
+        state.tree[leaves + k] = 0 if k < n else IDLE
+        if k < n and state.status[k] == FREE:
             l = 3 if k == 0 else 2 * k
-            if log.value[row.tail[l ^ 1]] == row.arrived[l]:  # nothing to do before an arrival
-                r = row.head[l]
-                row.tree[leaves + k] = log.tick[r] + row.transit[l // 2] if r >= 0 else IDLE
+            if log.value[state.tail[l ^ 1]] == state.arrived[l]:  # nothing to do before an arrival
+                r = state.head[l]
+                state.tree[leaves + k] = log.tick[r] + state.transit[l // 2] if r >= 0 else IDLE
     for i in range(leaves - 1, 0, -1):
-        row.tree[i] = min(row.tree[2 * i], row.tree[2 * i + 1])
+        state.tree[i] = min(state.tree[2 * i], state.tree[2 * i + 1])
     clock[NOW], clock[ROWS], clock[TURNS], clock[EVENTS] = 0, count, 0, 0
     clock[PROBE], clock[REST], clock[SETTLED] = 0, 0, -1
 
 
-def resolve_contact(row: Row, k: int, dt: int, tol: Any, window: int) -> int:
+def resolve_contact(state: State, k: int, dt: int, tol: Any, window: int) -> int:
     """Decide contact k after its arrivals; return its new status.
 
     With the gap closed, force = max(0, (a - b)/(Y1 + Y2)) (Signorini). OPEN: a gap, or parting.
@@ -169,10 +169,10 @@ def resolve_contact(row: Row, k: int, dt: int, tol: Any, window: int) -> int:
     force 0 now. While a contact is closed its gap rate is exactly 0. Gap and rate change; the gap
     closes now if it would close within `window` ticks.
     """
-    closing = row.arrived[2 * k] - row.arrived[2 * k + 3]
-    gap = row.gap[k] + row.rate[k] * dt
-    status: int = row.status[k]
-    if status == OPEN and gap <= max(-row.rate[k], closing) * window:
+    closing = state.arrived[2 * k] - state.arrived[2 * k + 3]
+    gap = state.gap[k] + state.rate[k] * dt
+    status: int = state.status[k]
+    if status == OPEN and gap <= max(-state.rate[k], closing) * window:
         gap, status = 0 * gap, TOUCH
     if status != OPEN:
         if closing > tol:
@@ -181,15 +181,15 @@ def resolve_contact(row: Row, k: int, dt: int, tol: Any, window: int) -> int:
             status = OPEN
         elif status == PRESS:
             status = GRAZE
-    row.gap[k] = gap
-    row.rate[k] = -closing if status == OPEN and abs(closing) > tol else 0 * closing
+    state.gap[k] = gap
+    state.rate[k] = -closing if status == OPEN and abs(closing) > tol else 0 * closing
     return status
 
 
-def record(row: Row, tally: Tally, log: Log, clock: Any, k: int, t: int, status: int) -> None:
+def record(state: State, tally: Tally, log: Log, clock: Any, k: int, t: int, status: int) -> None:
     """Note that contact k, touching, changes to `status` at tick t (OPEN to OPEN: a mere touch)."""
-    before = row.status[k]
-    row.status[k] = status
+    before = state.status[k]
+    state.status[k] = status
     if status == PRESS:
         if before != GRAZE:
             tally.episodes[k] += 1
@@ -206,15 +206,17 @@ def record(row: Row, tally: Tally, log: Log, clock: Any, k: int, t: int, status:
 
 
 def advance(
-    row: Row, tally: Tally, log: Log, clock: Any, horizon: int, limit: int, tol: Any, window: int
+    state: State, tally: Tally, log: Log, clock: Any, horizon: int, limit: int, tol: Any,
+    window: int,
 ) -> int:
     """Run to `horizon`, until the log is full, or until a proof of finality is due.
 
     All arrivals of one tick at one node are taken together, then the node is solved once. Nothing
     is half done when the function returns: grow the log and call again.
     """
-    T, Y, tree, arrived, status = row.transit, row.mobility, row.tree, row.arrived, row.status
-    head, tail, since, force = row.head, row.tail, row.since, row.force
+    T, Y, tree = state.transit, state.mobility, state.tree
+    arrived, status = state.arrived, state.status
+    head, tail, since, force = state.head, state.tail, state.since, state.force
     tick, after, value = log.tick, log.after, log.value
     leaves, n, events = len(tree) // 2, clock[ROWS], clock[EVENTS]
     probe, rest, room, turns = clock[PROBE], clock[REST], len(value) - 2, len(log.turn_tick)
@@ -240,16 +242,16 @@ def advance(
         a, b, Yl, Yr, dt = arrived[2 * k], arrived[2 * k + 3], Y[k], Y[k + 1], t - since[k]
         if force[k] != 0:
             tally.impulse[k] += force[k] * dt
-            tally.work[k] += force[k] * row.speed[k] * dt
+            tally.work[k] += force[k] * state.speed[k] * dt
             if dt > window:
                 tally.peak[k] = max(tally.peak[k], force[k])
         F, since[k] = 0 * a, t
         if status[k] >= OPEN:
             if status[k] == PRESS:
                 tally.pressed[k] += dt
-            new = resolve_contact(row, k, dt, tol, window)
-            if new != status[k] or (new == OPEN and dt > 0 and row.gap[k] == 0):
-                record(row, tally, log, clock, k, t, new)
+            new = resolve_contact(state, k, dt, tol, window)
+            if new != status[k] or (new == OPEN and dt > 0 and state.gap[k] == 0):
+                record(state, tally, log, clock, k, t, new)
                 probe = clock[PROBE]
             if new == PRESS:
                 F = (a - b) / (Yl + Yr)
@@ -260,7 +262,7 @@ def advance(
                 F, a = a / Yr, a + b
             else:
                 F = b / Yl
-        force[k], row.speed[k] = F, a - F * Yl
+        force[k], state.speed[k] = F, a - F * Yl
         for l in (2 * k + 1, 2 * k + 2):
             out = b + 2 * F * Yr
             if l % 2:
@@ -278,9 +280,9 @@ def advance(
         for l in (2 * k, 2 * k + 3):
             if head[l] >= 0:
                 due = min(due, tick[head[l]] + T[l // 2])
-        if status[k] == OPEN and row.gap[k] < -row.rate[k] * (NEVER - t):
-            rate = row.rate[k]
-            close = t + int((2 * row.gap[k] - rate) / (-2 * rate))
+        if status[k] == OPEN and state.gap[k] < -state.rate[k] * (NEVER - t):
+            rate = state.rate[k]
+            close = t + int((2 * state.gap[k] - rate) / (-2 * rate))
             if close + window < due:
                 due = close
         schedule(tree, leaves + k, due)
@@ -290,9 +292,9 @@ def advance(
     return flag
 
 
-def side(row: Row, k: int, right: bool) -> tuple[int, int]:
+def side(state: State, k: int, right: bool) -> tuple[int, int]:
     """First and last segment bonded together on one side of contact k; (1, 0) for a wall."""
-    status, n = row.status, len(row.status) - 1
+    status, n = state.status, len(state.status) - 1
     if (right and k == n) or (not right and k == 0):
         return 1, 0
     first, last = (k + 1, k + 1) if right else (k, k)
@@ -303,16 +305,16 @@ def side(row: Row, k: int, right: bool) -> tuple[int, int]:
     return first, last
 
 
-def quiet(row: Row, k: int, right: bool) -> bool:
+def quiet(state: State, k: int, right: bool) -> bool:
     """Whether no front is under way in the bonded group beside contact k."""
-    first, last = side(row, k, right)
+    first, last = side(state, k, right)
     for l in range(2 * first, 2 * last + 2):  # noqa: SIM110
-        if row.head[l] >= 0:
+        if state.head[l] >= 0:
             return False
     return True
 
 
-def group_motion(row: Row, log: Log, k: int, right: bool, t: int) -> tuple[Any, Any, Any, bool]:
+def group_motion(state: State, log: Log, k: int, right: bool, t: int) -> tuple[Any, Any, Any, bool]:
     """Mean velocity of the bonded group beside contact k, and bounds of its ends' velocities.
 
     Returns
@@ -325,18 +327,18 @@ def group_motion(row: Row, log: Log, k: int, right: bool, t: int) -> tuple[Any, 
     bounded : bool
         Whether they hold.
     """
-    status, arrived = row.status, row.arrived
-    first, last = side(row, k, right)
+    status, arrived = state.status, state.arrived
+    first, last = side(state, k, right)
     if last == 0:
         wall = arrived[2 * k + 3] if right else arrived[2 * k]
         return wall, wall, wall, True
     mass, momentum = 0 * arrived[2 * first], 0 * arrived[2 * first]
     low = high = arrived[2 * first]
     for s in range(first, last + 1):
-        Z = 1 / row.mobility[s]
-        mass += 2 * Z * row.transit[s]
+        Z = 1 / state.mobility[s]
+        mass += 2 * Z * state.transit[s]
         for l in (2 * s, 2 * s + 1):
-            r, wave, edge = row.head[l], arrived[l], row.transit[s]
+            r, wave, edge = state.head[l], arrived[l], state.transit[s]
             low, high = min(low, wave), max(high, wave)
             while r >= 0:
                 momentum += Z * wave * (edge - t + log.tick[r])
@@ -347,17 +349,19 @@ def group_motion(row: Row, log: Log, k: int, right: bool, t: int) -> tuple[Any, 
     mean = momentum / mass
     bounded, endless = first == last, False
     if status[first - 1] == BOND:
-        mean, endless = arrived[0], row.mobility[0] > 0
+        mean, endless = arrived[0], state.mobility[0] > 0
         bounded = bounded and endless
     if status[last] == BOND:
-        mean, endless = arrived[2 * last + 3], row.mobility[last + 1] > 0
+        mean, endless = arrived[2 * last + 3], state.mobility[last + 1] > 0
         bounded = bounded and endless
-    if quiet(row, k, right) and not (endless and status[k] == PRESS):
+    if quiet(state, k, right) and not (endless and status[k] == PRESS):
         return mean, mean, mean, True
     return mean, low, high, bounded
 
 
-def deviation_bound(row: Row, log: Log, k: int, right: bool, t: int, mean: Any) -> tuple[Any, Any]:
+def deviation_bound(
+    state: State, log: Log, k: int, right: bool, t: int, mean: Any
+) -> tuple[Any, Any]:
     """How far the group's end at contact k is from its mean motion, and can ever get.
 
     The end of a free body deviates from the motion of the centre of mass by
@@ -373,22 +377,22 @@ def deviation_bound(row: Row, log: Log, k: int, right: bool, t: int, mean: Any) 
     bound2 : length squared
         The bound's square.
     """
-    status, arrived, zero = row.status, row.arrived, 0 * mean
-    first, last = side(row, k, right)
+    status, arrived, zero = state.status, state.arrived, 0 * mean
+    first, last = side(state, k, right)
     if last == 0:
         return zero, zero
     mass = zero
     for s in range(first, last + 1):
-        mass += row.transit[s] / row.mobility[s]
+        mass += state.transit[s] / state.mobility[s]
     anchored = status[first - 1] == BOND or status[last] == BOND
     give = zero
     if anchored:
-        give += row.mobility[len(row.mobility) - 1 if right else 0]
+        give += state.mobility[len(state.mobility) - 1 if right else 0]
     beyond, d, energy, taken = zero, zero, zero, zero
     slack = mass * give * give
     for i in range(last - first + 1):
         s = first + i if right is False else last - i
-        T, Y = row.transit[s], row.mobility[s]
+        T, Y = state.transit[s], state.mobility[s]
         g0, beyond = beyond, beyond + T / (Y * mass)
         g1 = beyond
         if anchored:
@@ -397,7 +401,7 @@ def deviation_bound(row: Row, log: Log, k: int, right: bool, t: int, mean: Any) 
         for l in (2 * s, 2 * s + 1):
             outward = (l % 2 == 1) == right  # runs towards the end at the contact
             sign = 1 if l % 2 else -1
-            r, wave, edge = row.head[l], arrived[l], T
+            r, wave, edge = state.head[l], arrived[l], T
             more = True
             while more:
                 more = r >= 0
@@ -412,25 +416,25 @@ def deviation_bound(row: Row, log: Log, k: int, right: bool, t: int, mean: Any) 
     if right:
         d = -d
     d -= give * taken
-    if quiet(row, k, right) and not (give > 0 and status[k] == PRESS):
+    if quiet(state, k, right) and not (give > 0 and status[k] == PRESS):
         return d, zero
     return d, 2 * energy * slack
 
 
-def separation_time(row: Row, log: Log, k: int, t: int, tol: Any) -> int:
+def separation_time(state: State, log: Log, k: int, t: int, tol: Any) -> int:
     """When contact k is proved not to close again: t if now, IDLE if not before a new contact."""
-    if row.rate[k] >= 0 and quiet(row, k, False) and quiet(row, k, True):
+    if state.rate[k] >= 0 and quiet(state, k, False) and quiet(state, k, True):
         return t
-    vl, _, high, bounded_l = group_motion(row, log, k, False, t)
-    vr, low, _, bounded_r = group_motion(row, log, k, True, t)
+    vl, _, high, bounded_l = group_motion(state, log, k, False, t)
+    vr, low, _, bounded_r = group_motion(state, log, k, True, t)
     if bounded_l and bounded_r and low - high >= -tol:
         return t
     opening = vr - vl
     if opening < -tol:
         return IDLE
-    dl, bl = deviation_bound(row, log, k, False, t, vl)
-    dr, br = deviation_bound(row, log, k, True, t, vr)
-    gap = row.gap[k] + row.rate[k] * (t - row.since[k]) - dr + dl
+    dl, bl = deviation_bound(state, log, k, False, t, vl)
+    dr, br = deviation_bound(state, log, k, True, t, vr)
+    gap = state.gap[k] + state.rate[k] * (t - state.since[k]) - dr + dl
     if gap > 0 and gap * gap > 2 * (bl + br):
         return t
     if opening <= tol:
@@ -441,34 +445,34 @@ def separation_time(row: Row, log: Log, k: int, t: int, tol: Any) -> int:
     return t + int(wait * 1.000001) + 1
 
 
-def settled(row: Row, log: Log, t: int, tol: Any) -> int:
+def settled(state: State, log: Log, t: int, tol: Any) -> int:
     """When the collision can be proved final: t if now, IDLE if not before a new contact.
 
     For rows whose ends are not driven: no bound holds for a body that is pushed.
     """
     latest = t
-    for k in range(len(row.status)):
-        if row.status[k] >= OPEN and latest < IDLE:
-            latest = max(latest, separation_time(row, log, k, t, tol))
+    for k in range(len(state.status)):
+        if state.status[k] >= OPEN and latest < IDLE:
+            latest = max(latest, separation_time(state, log, k, t, tol))
     return latest
 
 
-def close_books(row: Row, tally: Tally, t: int, window: int) -> None:
+def close_books(state: State, tally: Tally, t: int, window: int) -> None:
     """Bring gaps and tallies up to tick t, at which nothing happens."""
-    for k in range(len(row.status)):
-        dt = t - row.since[k]
-        row.since[k] = t
-        row.gap[k] += row.rate[k] * dt
-        tally.impulse[k] += row.force[k] * dt
-        tally.work[k] += row.force[k] * row.speed[k] * dt
-        if row.status[k] == PRESS:
+    for k in range(len(state.status)):
+        dt = t - state.since[k]
+        state.since[k] = t
+        state.gap[k] += state.rate[k] * dt
+        tally.impulse[k] += state.force[k] * dt
+        tally.work[k] += state.force[k] * state.speed[k] * dt
+        if state.status[k] == PRESS:
             tally.pressed[k] += dt
             if dt > window:
-                tally.peak[k] = max(tally.peak[k], row.force[k])
+                tally.peak[k] = max(tally.peak[k], state.force[k])
 
 
 def play(
-    row: Row, tally: Tally, log: Log, clock: Any, until: int, limit: int, tol: Any, window: int
+    state: State, tally: Tally, log: Log, clock: Any, until: int, limit: int, tol: Any, window: int
 ) -> int:
     """Run to tick `until`, or if it is negative to the proof of finality and -until ticks more.
 
@@ -483,7 +487,7 @@ def play(
     else:
         horizon = NEVER - 1 if clock[SETTLED] < 0 else min(clock[SETTLED] - until, NEVER - 1)
     while True:
-        flag = advance(row, tally, log, clock, horizon, limit, tol, window)
+        flag = advance(state, tally, log, clock, horizon, limit, tol, window)
         if flag in (FULL, CAP):
             break
         if flag == DONE and (until >= 0 or clock[SETTLED] >= 0):
@@ -492,7 +496,7 @@ def play(
         now = clock[NOW]
         if flag == CHECK:
             now = max(now, clock[PROBE])
-        when = settled(row, log, now, tol)
+        when = settled(state, log, now, tol)
         if when == now:
             clock[SETTLED], clock[REST] = now, IDLE
             horizon = min(now - until, NEVER - 1)
@@ -501,12 +505,12 @@ def play(
             break
         else:
             clock[PROBE] = when
-            clock[REST] = clock[EVENTS] + len(row.status) + clock[EVENTS] // 8
+            clock[REST] = clock[EVENTS] + len(state.status) + clock[EVENTS] // 8
     if flag != FULL:
-        close_books(row, tally, clock[NOW], window)
+        close_books(state, tally, clock[NOW], window)
     if (
         flag in (DONE, CAP) and clock[SETTLED] < 0
-        and settled(row, log, clock[NOW], tol) == clock[NOW]
+        and settled(state, log, clock[NOW], tol) == clock[NOW]
     ):
         clock[SETTLED] = clock[NOW]
     if until < 0 and flag == DONE:
@@ -514,16 +518,16 @@ def play(
     return flag
 
 
-def segment_totals(row: Row, log: Log, t: int, stock: GroupState) -> None:
+def segment_totals(state: State, log: Log, t: int, stock: GroupState) -> None:
     """Take stock at tick t: momentum, and energy of vibration about stock.velocity, by segment.
 
     Momentum is (Z/2) integral(a + b), energy (Z/4) integral((a - V)^2 + (b - V)^2).
     """
-    for s in range(1, len(row.transit) - 1):
-        Z, V = 1 / row.mobility[s], stock.velocity[s]
+    for s in range(1, len(state.transit) - 1):
+        Z, V = 1 / state.mobility[s], stock.velocity[s]
         total, square = 0 * V, 0 * V
         for l in (2 * s, 2 * s + 1):
-            r, wave, edge = row.head[l], row.arrived[l], row.transit[s]
+            r, wave, edge = state.head[l], state.arrived[l], state.transit[s]
             while r >= 0:
                 width = edge - t + log.tick[r]
                 total += wave * width
@@ -534,66 +538,66 @@ def segment_totals(row: Row, log: Log, t: int, stock: GroupState) -> None:
         stock.momentum[s], stock.vibration[s] = Z * total / 2, Z * square / 4
 
 
-def group_velocity(row: Row, stock: GroupState) -> None:
+def group_velocity(state: State, stock: GroupState) -> None:
     """Set the velocities of bonded groups from their momenta."""
-    first, n = 1, len(row.status) - 1
+    first, n = 1, len(state.status) - 1
     while first <= n:
-        last, mass = first, row.transit[first] / row.mobility[first]
+        last, mass = first, state.transit[first] / state.mobility[first]
         momentum = stock.momentum[first]
-        while last < n and row.status[last] == BOND:
+        while last < n and state.status[last] == BOND:
             last += 1
-            mass += row.transit[last] / row.mobility[last]
+            mass += state.transit[last] / state.mobility[last]
             momentum += stock.momentum[last]
         for s in range(first, last + 1):
             stock.velocity[s] = momentum / mass
         first = last + 1
 
 
-def initial_state(row: Row, log: Log, stock: GroupState) -> None:
+def initial_state(state: State, log: Log, stock: GroupState) -> None:
     """Take stock at t = 0: momenta, and the velocities that go with them."""
     for s in range(len(stock.velocity)):
-        stock.velocity[s] = 0 * row.mobility[1]
-    segment_totals(row, log, 0, stock)
-    group_velocity(row, stock)
+        stock.velocity[s] = 0 * state.mobility[1]
+    segment_totals(state, log, 0, stock)
+    group_velocity(state, stock)
 
 
 def final_state(
-    row: Row, tally: Tally, log: Log, t: int, opening: GroupState, stock: GroupState
+    state: State, tally: Tally, log: Log, t: int, opening: GroupState, stock: GroupState
 ) -> None:
     """Take stock at the end, tick t: free groups have the velocity that their impulses gave them.
 
     That is more exact than what the momenta of their waves say, and independent of it; only groups
     bonded to what is outside have no other.
     """
-    n = len(row.status) - 1
+    n = len(state.status) - 1
     for s in range(n + 2):
         stock.velocity[s] = opening.velocity[s]
-    if row.status[0] == BOND or row.status[n] == BOND:
-        segment_totals(row, log, t, stock)
-        group_velocity(row, stock)
+    if state.status[0] == BOND or state.status[n] == BOND:
+        segment_totals(state, log, t, stock)
+        group_velocity(state, stock)
     first = 1
     while first <= n:
-        last, mass = first, row.transit[first] / row.mobility[first]
-        while last < n and row.status[last] == BOND:
+        last, mass = first, state.transit[first] / state.mobility[first]
+        while last < n and state.status[last] == BOND:
             last += 1
-            mass += row.transit[last] / row.mobility[last]
-        if row.status[first - 1] != BOND and row.status[last] != BOND:
+            mass += state.transit[last] / state.mobility[last]
+        if state.status[first - 1] != BOND and state.status[last] != BOND:
             pushed = (tally.impulse[first - 1] - tally.impulse[last]) / mass
             for s in range(first, last + 1):
                 stock.velocity[s] = opening.velocity[s] + pushed
         first = last + 1
-    segment_totals(row, log, t, stock)
+    segment_totals(state, log, t, stock)
 
 
 def family(
-    row: Row, tally: Tally, log: Log, clock: Any, stocks: tuple[GroupState, GroupState],
+    state: State, tally: Tally, log: Log, clock: Any, stocks: tuple[GroupState, GroupState],
     members: Members, limit: int, results: Results,
 ) -> None:
     """Run every member to its target, in the same work space.
 
     Parameters
     ----------
-    row, tally, log, clock, stocks
+    state, tally, log, clock, stocks
         Work space of one run.
     members : Members
     limit : int
@@ -601,35 +605,35 @@ def family(
     results : Results
         Filled in; a member that is not run or that fills the log has its flag only.
     """
-    nodes, segments = len(row.status), len(row.transit)
+    nodes, segments = len(state.status), len(state.transit)
     fronts = len(members.tick) // len(members.count)
     for m in range(len(members.count)):
         results.flag[m], results.final[m] = FULL, False
         if members.count[m] == 0 or members.count[m] + 2 > len(log.tick):
             continue
         for s in range(segments):
-            row.transit[s] = members.transit[m * segments + s]
-            row.mobility[s] = members.mobility[m * segments + s]
+            state.transit[s] = members.transit[m * segments + s]
+            state.mobility[s] = members.mobility[m * segments + s]
         for k in range(nodes):
-            row.status[k] = members.status[m * nodes + k]
-            row.gap[k] = members.gap[m * nodes + k]
-        row.arrived[0] = members.outside[2 * m]
-        row.arrived[2 * nodes + 1] = members.outside[2 * m + 1]
+            state.status[k] = members.status[m * nodes + k]
+            state.gap[k] = members.gap[m * nodes + k]
+        state.arrived[0] = members.outside[2 * m]
+        state.arrived[2 * nodes + 1] = members.outside[2 * m + 1]
         for r in range(members.count[m]):
             f = m * fronts + r
             log.tick[r], log.line[r] = members.tick[f], members.line[f]
             log.value[r] = members.value[f]
-        begin(row, tally, log, clock, members.count[m])
-        initial_state(row, log, stocks[0])
+        begin(state, tally, log, clock, members.count[m])
+        initial_state(state, log, stocks[0])
         flag = play(
-            row, tally, log, clock, members.target[m], limit, members.tolerance[m],
+            state, tally, log, clock, members.target[m], limit, members.tolerance[m],
             members.window[m],
         )
         results.flag[m], results.final[m] = flag, clock[SETTLED] >= 0
         if flag == FULL:
             continue
-        final_state(row, tally, log, clock[NOW], stocks[0], stocks[1])
-        frame, beat, vibration = members.frame[m], members.beat[m], 0 * row.mobility[1]
+        final_state(state, tally, log, clock[NOW], stocks[0], stocks[1])
+        frame, beat, vibration = members.frame[m], members.beat[m], 0 * state.mobility[1]
         for s in range(segments):
             i = m * segments + s
             results.before[i] = stocks[0].velocity[s] + frame

@@ -1,152 +1,79 @@
-"""The method "fronts": runs the front kernel on one collision and hands back what it kept."""
+"""The method "fronts": every wave front from end to end, exact, for what fronts can carry."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+import math
 
 import numpy as np
 
-from .. import kernels
-from ..abilities import driven
-from ..options import MAX_EVENTS
-from .assembly import Assembly, start
-from .front_kernel import (
-    CAP,
-    CLOCK,
-    EVENTS,
-    FINAL,
-    FULL,
-    NOW,
-    ROWS,
-    SETTLED,
-    TURNS,
-    GroupState,
-    Log,
-    Row,
-    Tally,
-    final_state,
-    initial_state,
-    play,
-    segment_totals,
+from ...units import format_si
+from .. import abilities as physics
+from ..row import Row
+from ..run import Run
+from ..status import ended, large_strains, proved
+from .assembly import assemble
+from .front_kernel import PRESS
+from .signals import signals_of
+from .totals import tallies_of, totals_of
+from .tracking import FrontRun, track
+
+LACKS = (
+    physics.masses, physics.compliance, physics.gravity, physics.smooth_states,
+    physics.smooth_drives, physics.damping, physics.lateral, physics.taper,
 )
-
-LISTS_COLD, LISTS_WARM = 65_536, 2_048  # log rows up to which lists beat the compiler
-
-_LOG_TYPES = Log(np.int64, np.int32, np.int32, np.float64, np.int64, np.int32, np.int8)
+ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come to rest
+ROUNDED = 2.0**-36  # relative change of a transit time that is told
 
 
-@dataclass(frozen=True, slots=True)
-class FrontRun:
-    """A finished run.
-
-    Attributes
-    ----------
-    assembly : Assembly
-    row, tally, log
-        The kernel's state at the end; log arrays cut to what was used.
-    opening, closing : Stock
-        What the segments held at t = 0 and at the end, momenta and energies per tick.
-    end : int
-        Tick reached.
-    settled : int
-        Tick at which the collision was proved final, -1 without proof, as where ends are driven.
-    events : int
-        Arrival ticks taken, one end each.
-    stopped_by : str
-        ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
-    """
-
-    assembly: Assembly
-    row: Row
-    tally: Tally
-    log: Log
-    opening: GroupState
-    closing: GroupState
-    end: int
-    settled: int
-    events: int
-    stopped_by: str
+def solve(row: Row, until: float | None, max_events: int) -> Run:
+    """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
+    return hand_over(track(assemble(row, until), until, max_events), until)
 
 
-def track(
-    assembly: Assembly,
-    until: float | None = None,
-    max_events: int = MAX_EVENTS,
-    compile_after: int | None = None,
-) -> FrontRun:
-    """Follow every front of a collision.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    until : float, optional
-        Time to be reached, s; by default the run ends one round trip of the longest body after the
-        collision has been proved final.
-    max_events : int
-        Cap; a run that reaches it says so in `stopped_by`.
-    compile_after : int, optional
-        Log rows after which the kernel runs compiled; chosen by cost if not given. The result is
-        the same bit for bit.
-    """
-    a = assembly
-    mobility = [1 / Z if Z else 0.0 for Z in a.impedance]
-    state: Any = start(a.ticks, mobility, a.status, a.gaps, a.outside, a.waves)
-    row, tally, log, clock = state
-    opening, closing = (GroupState(*([0.0] * len(a.ticks) for _ in range(3))) for _ in range(2))
-    initial_state(row, log, opening)
-    segment_totals(row, log, 0, opening)
-    target = -2 * a.longest
-    if until is not None:
-        target = round(until / a.tick)
-    if compile_after is None:
-        compile_after = LISTS_WARM if kernels.started() else LISTS_COLD
-    kernel: Any = play
-    on_lists = True
-    while True:
-        if on_lists and kernels.enabled() and len(log.value) > compile_after:
-            row, tally, log, clock = on_arrays(row, tally, log, clock)
-            kernel, on_lists = kernels.compiled(play), False
-        flag = kernel(row, tally, log, clock, target, max_events, a.tolerance, a.window)
-        if flag != FULL:
-            break
-        log = _longer(log, clock, on_lists)
-    if not on_lists:
-        row, tally = Row(*(x.tolist() for x in row)), Tally(*(x.tolist() for x in tally))
-        clock = clock.tolist()
-    final_state(row, tally, log, clock[NOW], opening, closing)
-    closing = GroupState(*([float(x) for x in column] for column in closing))
-    n, m = clock[ROWS], clock[TURNS]
-    log = Log(*(x[:n] for x in log[:4]), *(x[:m] for x in log[4:]))
-    settled = -1 if until is not None and driven(a.system) else clock[SETTLED]
-    reason = {FINAL: "final", CAP: "max_events", CLOCK: "clock"}.get(flag, "until")
-    return FrontRun(
-        a, row, tally, log, opening, closing, clock[NOW], settled, clock[EVENTS], reason
+def hand_over(run: FrontRun, until: float | None) -> Run:
+    """What every method hands back, of a run to `until`."""
+    a, tallies = run.assembly, tallies_of(run)
+    return Run(
+        method="fronts", until=until, clock=a, end=run.end,
+        t_end=until if until is not None and run.stopped_by == "until" else run.end * a.tick,
+        t_final=run.settled * a.tick if run.settled >= 0 else math.nan,
+        stopped_by=run.stopped_by, status=_status(run), events=run.events,
+        contacts=tallies, totals=totals_of(run, tallies), make_signals=lambda: signals_of(run),
     )
 
 
-def as_arrays(state: Any) -> Any:
-    """Lists to arrays of the type of their first entry."""
-    return type(state)(*(np.array(x, dtype=type(x[0])) for x in state))
+def _status(run: FrontRun) -> str:
+    """Why the run ended, and what to do if that is not enough."""
+    a, end = run.assembly, format_si(run.end * run.assembly.tick, "s")
+    final = "" if run.settled < 0 else _pressing(run) or proved(
+        any(run.tally.episodes), run.stopped_by == "until" and run.settled >= run.end,
+        run.settled * a.tick,
+    )
+    if run.stopped_by == "max_events" and not final:
+        sentence = (
+            f"Stopped by the cap of {run.events} events at {end}; fronts multiply where transit "
+            "times have no common measure. Raise max_events, or make lengths commensurate."
+        )
+    elif run.stopped_by == "clock":
+        sentence = (
+            f"Stopped by the clock after {end}: a contact may close later than it can count, if "
+            "ever. Give until= to set another end."
+        )
+    else:
+        sentence = ended(a.system, run.stopped_by, final, end, f"{run.events} events")
+    if a.transit_error > ROUNDED:
+        sentence += (
+            f" The transit time of {a.worst} was rounded by {a.transit_error:.2g} of itself to "
+            "fit the clock."
+        )
+    return sentence + large_strains(float(np.abs(run.log.value).max()) / min(a.wave_speed[1:-1]))
 
 
-def on_arrays(row: Row, tally: Tally, log: Log, clock: list[int]) -> tuple[Row, Tally, Log, Any]:
-    """Return the kernel's state on arrays, for compiled code."""
-    columns = [np.array(x, dtype=t) for x, t in zip(log, _LOG_TYPES, strict=True)]
-    return as_arrays(row), as_arrays(tally), Log(*columns), np.array(clock, dtype=np.int64)
-
-
-def _longer(log: Log, clock: Any, on_lists: bool) -> Log:
-    """Make room for as much again in the list of fronts, of turns, or in both."""
-    full = [clock[ROWS] + 2 > len(log.value)] * 4 + [clock[TURNS] >= len(log.turn_tick)] * 3
-    grown = []
-    for column, grow in zip(log, full, strict=True):
-        if not grow:
-            grown.append(column)
-        elif on_lists:
-            grown.append(column + [0 * column[0]] * len(column))
-        else:
-            longer = np.empty(2 * len(column), dtype=column.dtype)
-            longer[: len(column)] = column
-            grown.append(longer)
-    return Log(*grown)
+def _pressing(run: FrontRun) -> str:
+    """What is said where contacts go on pressing for ever."""
+    state = run.state
+    pressing = ", ".join(
+        str(i) for i, node in enumerate(run.assembly.nodes)
+        if state.status[node] == PRESS and state.force[node] > ROUND_OFF * run.tally.peak[node]
+    )
+    return f"Nothing changes any more; contact {pressing} goes on pressing." if pressing else ""

@@ -12,8 +12,8 @@ from ...model import Rod
 from ...model.profiles import averages
 from .. import kernels
 from ..contact_law_kernel import RIGID, Chain, Tally
-from ..plan import Array, squeezed, whole
 from ..refinement import TooLong
+from ..row import Array, squeezed, whole
 from .grid_kernel import (
     DONE,
     ENDLESS,
@@ -49,11 +49,11 @@ class Machine:
 
     def __init__(self, mesh: Mesh, step: float, keep: Keeper, room: int) -> None:
         self.mesh, self.step, self.room = mesh, step, 0
-        plan, h = mesh.plan, step
-        self.plan = plan
+        row, h = mesh.row, step
+        self.row = row
         implicit = mesh.implicit
         mass = mesh.mass / h
-        for side, (kind, _) in enumerate(plan.outside):
+        for side, (kind, _) in enumerate(row.outside):
             if kind == "absorbing":
                 mass[mesh.ends[side]] += self._impedance(side) / 2
         self.implicit = self._implicit(mass, implicit)
@@ -77,13 +77,13 @@ class Machine:
         self.states = keep.make(self, room)
         self.clock = whole([0, 0, 0])
         self.taken = 0
-        self.tol, self.gap_resolution = TOLERANCE * plan.scale, GAP_RESOLUTION * plan.scale
+        self.tol, self.gap_resolution = TOLERANCE * row.scale, GAP_RESOLUTION * row.scale
 
     # Laying out ---------------------------------------------------------------------------------
 
     def _kind(self, side: int) -> int:
         return {"none": NOTHING, "force": PUSHED, "velocity": MOVED, "absorbing": ENDLESS}[
-            self.plan.outside[side][0]
+            self.row.outside[side][0]
         ]
 
     def _impedance(self, side: int) -> float:
@@ -135,7 +135,7 @@ class Machine:
         return found
 
     def _links(self, mobility: Array, implicit: list[bool]) -> tuple[Links, Chain]:
-        mesh, plan, h = self.mesh, self.plan, self.step
+        mesh, row, h = self.mesh, self.row, self.step
         hidden = [p for p, is_hidden in enumerate(implicit) if is_hidden]
         chosen, nodes = list(mesh.touching), list(mesh.touching.values())
         count = len(chosen)
@@ -153,11 +153,11 @@ class Machine:
                     shared[q] = self.implicit.by_first[pair[0]] / 2
                 elif pair[0] == nodes[q - 1][1]:
                     shared[q] = mobility[pair[0]] / 2
-        gap = np.array([plan.gap[i] for i in chosen]) / h
+        gap = np.array([row.gap[i] for i in chosen]) / h
         links = Links(
-            whole([plan.laws[i] for i in chosen]),
-            plan.stiffness_in_steps(h)[chosen], np.array(plan.exponent)[chosen],
-            np.array(plan.damping)[chosen], gap, np.zeros(count), np.zeros(count),
+            whole([row.laws[i] for i in chosen]),
+            row.stiffness_in_steps(h)[chosen], np.array(row.exponent)[chosen],
+            np.array(row.damping)[chosen], gap, np.zeros(count), np.zeros(count),
             np.ones(count, np.int64), (gap == 0).astype(np.int64),
             whole([pair[0] for pair in nodes]), whole([pair[1] for pair in nodes]),
             whole(sides[0]), whole(sides[1]), own, shared, np.zeros(count),
@@ -176,14 +176,14 @@ class Machine:
         )
 
     def _set_initial_state(self) -> None:
-        mesh, plan, grid = self.mesh, self.plan, self.grid
+        mesh, row, grid = self.mesh, self.row, self.grid
         v, strain = grid.velocity, np.zeros(len(mesh.mass) + 1)
-        for body, (start, stop) in zip(plan.system.bodies, plan.spans, strict=True):
+        for body, (start, stop) in zip(row.system.bodies, row.spans, strict=True):
             if not isinstance(body, Rod):
                 continue
             left = 0.0
             for s in range(start, stop + 1):
-                a, b, L = mesh.first[s], mesh.last[s], float(plan.segments[s - 1].length)
+                a, b, L = mesh.first[s], mesh.last[s], float(row.segments[s - 1].length)
                 N = mesh.counts[s - 1]
                 halves = averages(body.velocity, left + L * np.arange(2 * N + 1) / (2 * N),
                                   float(body.length))
@@ -193,11 +193,11 @@ class Machine:
                 strain[a + 1 : b + 1] = averages(body.strain, edges, float(body.length)) * L / N
                 left += L
         for place, node in enumerate(mesh.node_of_mass):
-            v[node] += plan.masses[place] * plan.mass_velocity[place]
+            v[node] += row.masses[place] * row.mass_velocity[place]
         weight = np.where(mesh.mass > 0, mesh.mass, 1.0)
-        v[:] = np.where(mesh.mass > 0, v / weight - plan.frame, 0.0)
+        v[:] = np.where(mesh.mass > 0, v / weight - row.frame, 0.0)
         jump = np.zeros(len(v))
-        for side, (kind, value) in enumerate(plan.outside):
+        for side, (kind, value) in enumerate(row.outside):
             if kind == "velocity":
                 node = mesh.ends[side]
                 jump[node] = self._given(value, np.zeros(1))[0] - v[node]
@@ -208,7 +208,7 @@ class Machine:
         grid.place[:] = kick[mesh.starts] / 2
         for side, sign in ((0, 1), (1, -1)):
             cell = mesh.ends[side] + (1 if side == 0 else 0)
-            if plan.outside[side][0] == "absorbing":  # v - F/Z, seen from the row
+            if row.outside[side][0] == "absorbing":  # v - F/Z, seen from the row
                 wave = sign * float(tension[cell]) / self._impedance(side)
                 self.ends.rest[side] = v[mesh.ends[side]] - wave
         links = self.links
@@ -234,9 +234,9 @@ class Machine:
         In the middle of the first step nodes are where these bring them: a force that begins at
         t = 0 lies between two kicks, and would leave a wave from node to node otherwise.
         """
-        mesh, links, plan = self.mesh, self.links, self.plan
+        mesh, links, row = self.mesh, self.links, self.row
         force = np.diff(tension)
-        for side, (kind, value) in enumerate(plan.outside):
+        for side, (kind, value) in enumerate(row.outside):
             if kind == "force":
                 force[mesh.ends[side]] += (1, -1)[side] * self._pushes(value, 1)[0]
             elif kind == "absorbing":
@@ -269,7 +269,7 @@ class Machine:
         else:
             edges = np.append(t - self.step / 2, t[-1:] + self.step / 2)
             found = averages(value, np.maximum(edges, 0.0), 0.0)
-        result: Array = found - self.plan.frame - self.plan.gravity * t
+        result: Array = found - self.row.frame - self.row.gravity * t
         return result
 
     # Room ---------------------------------------------------------------------------------------
@@ -284,7 +284,7 @@ class Machine:
             )
             raise TooLong([("until", message)])
         given = np.zeros(2 * room)
-        for side, (kind, value) in enumerate(self.plan.outside):
+        for side, (kind, value) in enumerate(self.row.outside):
             span = slice(side * room, (side + 1) * room)
             edges = self.step * np.arange(room + 1)
             if kind == "velocity":

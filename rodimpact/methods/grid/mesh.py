@@ -7,7 +7,7 @@ between the nodes i - 1 and i, so the cells 0, those between pieces, and the las
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from ...model import Segment
 from ...model.frozen import InvalidModel
 from ..contact_law_kernel import BOND, FORCE, FREE, RIGID
-from ..plan import Array, Plan
+from ..row import Array, Row
 
 STIFFEST = 2.0**32  # times the inertia of a cell, beyond which round-off drowns its motion
 MODAL_CELLS, MODES = 200, 8  # of a rod whose lowest modes are asked for
@@ -30,6 +30,37 @@ class Interface(NamedTuple):
     cell: int
     link: int
     end: int
+
+
+class GridMotion(NamedTuple):
+    """What a grid knows of the motion: the mesh, states at some times, forces from outside a piece.
+
+    counts, first, last, starts : by segment, and by piece, as in `Mesh`
+    mass [node]; cell_mass, stiffness, viscous, lateral, width [cell] : as there
+    when [state] in steps; velocity [state, node] in m/s, in the frame; force [state, cell] in N;
+    place [state, piece] in m/s times steps; lost [state] in W times steps
+    pushes : by node, [steps] mean force to the right from outside its piece, N
+    """
+
+    counts: Sequence[int]
+    first: Sequence[int]
+    last: Sequence[int]
+    starts: Sequence[int]
+    mass: Array
+    cell_mass: Array
+    stiffness: Array
+    viscous: Array
+    lateral: Array
+    width: Array
+    when: Array
+    velocity: Array
+    force: Array
+    place: Array
+    lost: Array
+    pushes: Mapping[int, Array]
+
+
+MESH = GridMotion._fields[:10]
 
 
 class Mesh:
@@ -64,8 +95,8 @@ class Mesh:
         If viscosity or lateral inertia is out of all proportion to the mass.
     """
 
-    def __init__(self, plan: Plan, counts: list[int]) -> None:
-        self.plan, self.counts = plan, counts
+    def __init__(self, row: Row, counts: list[int]) -> None:
+        self.row, self.counts = row, counts
         self.first, self.last = [-1], [-1]
         self.node_of_mass: list[int] = []
         self.starts: list[int] = []
@@ -75,15 +106,15 @@ class Mesh:
         self._nodes = 0
         held: list[int] = []
         cells: list[tuple[int, Array]] = []
-        row = _row(plan)
+        beside = _beside(row)
         node = -1
-        for i, (left, right) in enumerate(row):
-            law = plan.laws[i]
+        for i, (left, right) in enumerate(beside):
+            law = row.laws[i]
             joined = law <= BOND
             if left == ("outside", 0):
                 node = self._new_piece()
                 self.ends[0] = node
-                if law >= BOND and plan.outside[0][0] == "velocity":
+                if law >= BOND and row.outside[0][0] == "velocity":
                     held.append(node)
             if not joined:
                 self.touching[i] = node, node + 1
@@ -91,24 +122,24 @@ class Mesh:
             kind, s = right
             if kind == "outside":
                 self.ends[1] = node
-                if law >= BOND and plan.outside[1][0] == "velocity":
+                if law >= BOND and row.outside[1][0] == "velocity":
                     held.append(node)
             elif kind == "mass":
                 self.node_of_mass.append(node)
             else:
                 self.first.append(node)
-                cells.append((node, _cells(plan.segments[s - 1], counts[s - 1])))
-                _refuse_stiff(plan.paths[s], cells[-1][1])
+                cells.append((node, _cells(row.segments[s - 1], counts[s - 1])))
+                _refuse_stiff(row.paths[s], cells[-1][1])
                 node += counts[s - 1]
                 self._nodes = node + 1
                 self.last.append(node)
             self.stops[-1] = node
         self._fill(held, cells)
         self.width = np.ones(self._nodes + 1)
-        for a, b, s, N in zip(self.first[1:], self.last[1:], plan.segments, counts, strict=True):
+        for a, b, s, N in zip(self.first[1:], self.last[1:], row.segments, counts, strict=True):
             self.width[a + 1 : b + 1] = float(s.length) / N
         self.interfaces = {
-            i: self._interface(row, i) for i, law in enumerate(plan.laws)
+            i: self._interface(beside, i) for i, law in enumerate(row.laws)
             if law == BOND and self._asked(i)
         }
 
@@ -131,28 +162,28 @@ class Mesh:
                 whole[span] = part
         self.mass += (self.cell_mass[:-1] + self.cell_mass[1:]) / 2
         for m, node in enumerate(self.node_of_mass):
-            self.mass[node] += self.plan.masses[m]
+            self.mass[node] += self.row.masses[m]
         self.held[held] = 1
 
     def _asked(self, link: int) -> bool:
         """Whether a bond is a contact, or holds an end."""
-        side = {0: 0, len(self.plan.laws) - 1: 1}.get(link)
-        holds = side is not None and self.plan.outside[side][0] == "velocity"
-        return holds or link in self.plan.contact_link
+        side = {0: 0, len(self.row.laws) - 1: 1}.get(link)
+        holds = side is not None and self.row.outside[side][0] == "velocity"
+        return holds or link in self.row.contact_link
 
-    def _interface(self, row: list[Any], link: int) -> Interface:
+    def _interface(self, beside: list[Any], link: int) -> Interface:
         side = 1 if link == 0 else 0
         mass, i = 0.0, link
-        while row[i][side][0] == "mass":
-            m = row[i][side][1]
-            node, mass = self.node_of_mass[m], mass + self.plan.masses[m]
+        while beside[i][side][0] == "mass":
+            m = beside[i][side][1]
+            node, mass = self.node_of_mass[m], mass + self.row.masses[m]
             i += 1 if side else -1
-            law = self.plan.laws[i]
+            law = self.row.laws[i]
             if law >= RIGID:
                 return Interface(node, mass, side, -1, i, -1)
             if law in (FREE, FORCE):
                 return Interface(node, mass, side, -1, -1, side if law == FORCE else -1)
-        s = row[i][side][1]
+        s = beside[i][side][1]
         node = self.first[s] if side else self.last[s]
         cell = node + side
         return Interface(node, mass + self.cell_mass[cell] / 2, side, cell, -1, -1)
@@ -165,18 +196,46 @@ class Mesh:
             for a, b in zip(self.starts, self.stops, strict=True)
         ]
 
+    def outer_forces(
+        self, forces: Sequence[Array], ends: Sequence[tuple[str, Array, Array] | None]
+    ) -> dict[int, Array]:
+        """Forces to the right on nodes: of contacts that can open, and of what is outside the row.
+
+        Parameters
+        ----------
+        forces, ends
+            As in `StepRecord`.
+
+        Returns
+        -------
+        dict of int to array
+            By node: [steps] mean force, N.
+        """
+        row = self.row
+        pushes: dict[int, Array] = {}
+        for k, link in enumerate(row.contact_link):
+            if link in self.touching:
+                for node, sign in zip(self.touching[link], (-1, 1), strict=True):
+                    pushes[node] = pushes.get(node, 0.0) + sign * forces[k]
+        for node, sign, link, end in zip(
+            self.ends, (1, -1), (0, len(row.laws) - 1), ends, strict=True
+        ):
+            if end is not None and link not in self.touching:
+                pushes[node] = pushes.get(node, 0.0) + sign * end[1]
+        return pushes
+
     def piece_of(self, node: int) -> int:
         """Piece to which a node belongs."""
         return int(np.searchsorted(self.starts, node, "right")) - 1
 
 
-def _row(plan: Plan) -> list[tuple[tuple[str, int], tuple[str, int]]]:
+def _beside(row: Row) -> list[tuple[tuple[str, int], tuple[str, int]]]:
     """What stands left and right of each link: ("outside", side), ("mass", m), ("segment", s)."""
-    n = len(plan.segments)
+    n = len(row.segments)
     found = []
     before = ("outside", 0)
     for k in range(n + 1):
-        for m in range(plan.first[k], plan.first[k + 1]):
+        for m in range(row.first[k], row.first[k + 1]):
             found.append((before, ("mass", m)))
             before = ("mass", m)
         after = ("segment", k + 1) if k < n else ("outside", 1)

@@ -18,17 +18,19 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...model import System
 from ...model.frozen import InvalidModel
+from ...units import format_si
 from .. import kernels
 from ..abilities import driven
-from ..clock import PARTS, Clockwork
+from ..clock import PARTS, Clock
 from ..contact_law_kernel import RIGID, Tally
-from ..plan import Array, Plan
 from ..refinement import MEASURES, contact_measures, peak, refined, velocity_measure
+from ..row import Array, Row
+from ..run import Progress, Run
+from ..stepped import NONE_TAKEN, StepRecord, accuracy, as_run
 from .grid_kernel import ENDLESS, Grid, Links, Signals, States
 from .machine import GAP_RESOLUTION, Keeper, Machine, cost
-from .mesh import Mesh
+from .mesh import MESH, GridMotion, Mesh
 
 RTOL = 1e-3
 COURANT = 0.999
@@ -37,10 +39,10 @@ FEWEST = 8  # cells of a segment, where nothing else is asked for, and steps of 
 FINEST = 1 << 13  # most cells of the longest transit in the search for an accurate mesh
 MOST_CELLS = 1 << 20
 STABLE = 1 + 2.0**-30  # Courant number up to which a mesh is taken; beyond 1 by round-off only
+LARGE_CHANGE = 1e-2  # of the largest force, from which it is said
 RINGING = 8  # steps in which waves beside a jump swing about their mean
 LONG = 60.0  # s, from which a run is announced
 
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +51,7 @@ class GridRun:
 
     Attributes
     ----------
-    clockwork : Clockwork
+    clock : Clock
     mesh : Mesh
     step : float
         s.
@@ -72,7 +74,7 @@ class GridRun:
         Relative change of the largest force from a mesh at most half as fine; nan without one.
     """
 
-    clockwork: Clockwork
+    clock: Clock
     mesh: Mesh
     step: float
     steps: int
@@ -89,9 +91,9 @@ class GridRun:
     peak_change: float = math.nan
 
     @property
-    def plan(self) -> Plan:
+    def row(self) -> Row:
         """The row."""
-        return self.mesh.plan
+        return self.mesh.row
 
     @property
     def edges(self) -> Array:
@@ -107,7 +109,7 @@ class GridRun:
     @property
     def events(self) -> int:
         """Steps taken, times contacts and ends."""
-        return self.steps * len(self.plan.laws)
+        return self.steps * len(self.row.laws)
 
     def _signal(self, column: Array, start: int) -> Array:
         return column[start : start + self.steps]
@@ -127,8 +129,8 @@ class GridRun:
         over a few steps do not.
         """
         peaks, less = [0.0], [0.0]
-        for contact, link in enumerate(self.plan.contact_link):
-            if link >= 0 and self.plan.laws[link] == RIGID:
+        for contact, link in enumerate(self.row.contact_link):
+            if link >= 0 and self.row.laws[link] == RIGID:
                 force = self.contact(contact)[0]
                 passed = np.concatenate((np.zeros(RINGING), np.cumsum(force)))
                 means = (passed[RINGING:] - passed[:-RINGING]) / RINGING
@@ -139,7 +141,7 @@ class GridRun:
     @property
     def resolved(self) -> float:
         """Gap that counts as an opening, m."""
-        return GAP_RESOLUTION * self.plan.scale * self.step
+        return GAP_RESOLUTION * self.row.scale * self.step
 
     def contact(self, contact: int) -> tuple[Array, Array]:
         """Mean force in each step, N, and gap at its end, m; of a contact that can open."""
@@ -154,11 +156,11 @@ class GridRun:
 
     def place(self, contact: int) -> int:
         """Place in the tally of a contact that can open."""
-        return list(self.mesh.touching).index(self.plan.contact_link[contact])
+        return list(self.mesh.touching).index(self.row.contact_link[contact])
 
     def bond(self, contact: int) -> Array:
         """Mean force in a bonded contact in each step, N."""
-        return self._bond(self.plan.contact_link[contact])
+        return self._bond(self.row.contact_link[contact])
 
     def _bond(self, link: int) -> Array:
         place = list(self.mesh.interfaces).index(link)
@@ -169,29 +171,74 @@ class GridRun:
 
         N and m/s, in the laboratory; positive to the inside, and to the right.
         """
-        start, link = side * int(self.signals.room[0]), (0, len(self.plan.laws) - 1)[side]
+        start, link = side * int(self.signals.room[0]), (0, len(self.row.laws) - 1)[side]
         if link in self.mesh.touching:
             place = int(self.signals.link_start[list(self.mesh.touching).index(link)])
             force = self._signal(self.signals.force, place)
-        elif self.plan.outside[side][0] == "velocity":
+        elif self.row.outside[side][0] == "velocity":
             force = self._bond(link)
         else:
             force = self._signal(self.signals.push, start)
-        fall = self.plan.gravity * self.step * (np.arange(self.steps) + 0.5)
-        return force, self._signal(self.signals.speed, start) + self.plan.frame + fall
+        fall = self.row.gravity * self.step * (np.arange(self.steps) + 0.5)
+        return force, self._signal(self.signals.speed, start) + self.row.frame + fall
 
     def speed(self, mass: int) -> Array:
         """Velocity of a mass at the ends of the steps, the first at t = 0, in the frame."""
-        side = mass - len(self.plan.masses)
+        side = mass - len(self.row.masses)
         if side >= 0:
-            return self.plan.wall_speed(side, self.step * np.arange(self.steps + 1.0))
+            return self.row.wall_speed(side, self.step * np.arange(self.steps + 1.0))
         initial = self.states.velocity[0, self.mesh.node_of_mass[mass]]
         start = mass * int(self.signals.room[0])
         return np.concatenate(([initial], self._signal(self.signals.mass_speed, start)))
 
 
+LACKS = ()
+
+
+def solve(
+    row: Row, until: float | None, max_events: int, dt: float | None, rtol: float | None,
+    cells: int | None, snapshots: int | tuple[float, ...] | None,
+    progress: Progress | None = None, announce: Callable[[str], None] | None = None,
+) -> Run:
+    """Run a single collision; arguments as of `follow`."""
+    kept = np.array(snapshots) if isinstance(snapshots, tuple) else snapshots
+    return hand_over(follow(
+        row, until, max_events, cells=cells, dt=dt, rtol=rtol, snapshots=kept, progress=progress,
+        announce=announce,
+    ), until)
+
+
+def hand_over(run: GridRun, until: float | None) -> Run:
+    """What every method hands back, of a run to `until`."""
+    def states(record: StepRecord) -> GridMotion:
+        mesh = run.mesh
+        return GridMotion(
+            **{name: getattr(mesh, name) for name in MESH}, **run.states._asdict(),
+            pushes=mesh.outer_forces(record.forces, record.ends),
+        )
+
+    remarks = f" Time step {format_si(run.step, 's')}, {sum(run.mesh.counts)} cells."
+    if until and not run.steps:
+        remarks += NONE_TAKEN
+    remarks += accuracy(run, "more cells") + _own_peak(run)
+    return as_run(run, "finite-difference", until, states, remarks)
+
+
+def _own_peak(run: GridRun) -> str:
+    """A warning of a largest force that is not that of the bodies."""
+    reasons, large = [], max(run.rtol, LARGE_CHANGE)
+    if run.peak_change > large:
+        reasons.append(f"refining changed it by {run.peak_change:.1g}")
+    if run.overshoot > large:
+        reasons.append(
+            f"beside jumps waves overshoot, and over {RINGING} steps it is less by "
+            f"{run.overshoot:.1g} of itself"
+        )
+    return f" The largest force is that of this mesh: {'; '.join(reasons)}." if reasons else ""
+
+
 def follow(
-    system: System, until: float | None, max_events: int, *, cells: int | None = None,
+    row: Row, until: float | None, max_events: int, *, cells: int | None = None,
     dt: float | None = None, rtol: float | None = None, snapshots: int | Array | None = None,
     progress: Progress | None = None, announce: Callable[[str], None] | None = None,
 ) -> GridRun:
@@ -199,8 +246,8 @@ def follow(
 
     Parameters
     ----------
-    system : System
-        Of shape ().
+    row : Row
+        Of a single system.
     until : float, optional
         s; by default the run ends a round trip of the longest rod after the proof of finality.
     max_events : int
@@ -223,8 +270,8 @@ def follow(
     InvalidModel
         If the mesh would be unstable, or the run is too long for the memory.
     """
-    plan = Plan(system)
-    counts, step = _mesh_size(plan, cells, dt, until)
+    row.check_scales()
+    counts, step = _mesh_size(row, cells, dt, until)
     stepping = until is None or 2 * until > step
     if until is not None and stepping:
         step = until / math.ceil(until / step * (1 - 1e-12))
@@ -232,7 +279,7 @@ def follow(
     peaks: dict[int, Array] = {}
 
     def level(factor: int) -> GridRun:
-        finer = Mesh(plan, [factor * N for N in counts])
+        finer = Mesh(row, [factor * N for N in counts])
         keep = Keeper(snapshots)
         run = _level(finer, step / factor, keep, until, max_events, progress, announce)
         peaks[factor] = contact_measures(run)[MEASURES[1]]
@@ -263,14 +310,14 @@ def measures(found: GridRun) -> dict[str, Array]:
         for a, b in zip(found.mesh.starts, found.mesh.stops, strict=True)
         if not found.mesh.held[a : b + 1].any()
     ]
-    return {"velocity": velocity_measure(free, found.plan.scale), **by_contact}
+    return {"velocity": velocity_measure(free, found.row.scale), **by_contact}
 
 
 def _mesh_size(
-    plan: Plan, cells: int | None, dt: float | None, until: float | None
+    row: Row, cells: int | None, dt: float | None, until: float | None
 ) -> tuple[list[int], float]:
     """Cells of each segment, and the step, s, that is stable for them."""
-    T = np.array([float(s.transit_time) for s in plan.segments])
+    T = np.array([float(s.transit_time) for s in row.segments])
     longest, shortest = int(np.argmax(T)), int(np.argmin(T))
     if cells is None and dt is None:
         least = max(FIRST, math.ceil(FEWEST * T[longest] / T[shortest]))
@@ -279,7 +326,7 @@ def _mesh_size(
                 f"its transit time is so short beside the longest, {T[longest]:.3g} s, that this "
                 f"would take {least:.3g} cells of {MOST_CELLS} at most; leave it out"
             )
-            raise InvalidModel([(plan.paths[shortest + 1], message)])
+            raise InvalidModel([(row.paths[shortest + 1], message)])
         if until:
             least = max(least, math.ceil(min(FINEST / 4, FEWEST * float(T[longest]) / until)))
         # of the numbers up to twice as many, the first for which all segments run nearest to 1
@@ -294,7 +341,7 @@ def _mesh_size(
     if cells is not None:
         counts[longest] = cells
     if counts.min() < 1:
-        where = f"transit time, {T[shortest]:.6g} s of {plan.paths[shortest + 1]}"
+        where = f"transit time, {T[shortest]:.6g} s of {row.paths[shortest + 1]}"
         if cells is None:
             message = f"must not exceed the shortest {where}, got {dt!r}"
             raise InvalidModel([("dt", message)])
@@ -309,7 +356,7 @@ def _mesh_size(
         worst = int(np.argmax(courant))
         message = (
             f"would be unstable: waves would cross {courant.max():.6g} cells of "
-            f"{plan.paths[worst + 1]} in a step; at most {T[worst] / counts[worst]:.6g} s"
+            f"{row.paths[worst + 1]} in a step; at most {T[worst] / counts[worst]:.6g} s"
         )
         raise InvalidModel([("dt", f"{message}, got {dt!r}")])
     return counts.tolist(), step
@@ -320,10 +367,10 @@ def _level(
     progress: Progress | None, announce: Callable[[str], None] | None,
 ) -> GridRun:
     """One run on a given mesh."""
-    plan = mesh.plan
-    work = clockwork(mesh, step)
+    row = mesh.row
+    work = clock_of(mesh, step)
     longest = max(1, math.ceil(work.longest / PARTS))
-    cap = max(1, max_events // len(plan.laws))
+    cap = max(1, max_events // len(row.laws))
     proof, reason = -1, "until"
     steps = 0 if until is None else round(until / step)
     room = 8 * longest if until is None else max(1, steps)
@@ -369,7 +416,7 @@ def _level(
         machine.states.lost[:kept],
     ])
     return GridRun(
-        clockwork=work, mesh=mesh, step=step, steps=machine.taken, end=end, grid=machine.grid,
+        clock=work, mesh=mesh, step=step, steps=machine.taken, end=end, grid=machine.grid,
         links=machine.links, tally=machine.tally, signals=machine.signals, states=states,
         settled=proof, stopped_by=reason,
     )
@@ -379,20 +426,21 @@ def _spell(seconds: float) -> str:
     return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
 
 
-def clockwork(mesh: Mesh, step: float) -> Clockwork:
+def clock_of(mesh: Mesh, step: float) -> Clock:
     """Put a row on the clock of a mesh; impedances are means, so that Z T is the mass."""
-    plan, tick = mesh.plan, step / PARTS
-    ticks = [max(1, round(float(s.transit_time) / tick)) for s in plan.segments]
+    row, tick = mesh.row, step / PARTS
+    ticks = [max(1, round(float(s.transit_time) / tick)) for s in row.segments]
     masses = [
         float(mesh.cell_mass[a + 1 : b + 1].sum())
         for a, b in zip(mesh.first[1:], mesh.last[1:], strict=True)
     ]
-    return Clockwork(
-        system=plan.system, spans=plan.spans,
-        wave_speed=[0.0, *(float(s.wave_speed) for s in plan.segments), 0.0],
+    return Clock(
+        system=row.system, spans=row.spans,
+        wave_speed=[0.0, *(float(s.wave_speed) for s in row.segments), 0.0],
         impedance=[0.0, *(m / (T * tick) for m, T in zip(masses, ticks, strict=True)), 0.0],
-        length=[0.0, *(float(s.length) for s in plan.segments), 0.0],
-        ticks=[0, *ticks, 0], tick=tick, frame=plan.frame, gravity=plan.gravity, grain=PARTS,
+        length=[0.0, *(float(s.length) for s in row.segments), 0.0],
+        ticks=[0, *ticks, 0], tick=tick, frame=row.frame, scale=row.scale,
+        gravity=float(row.gravity), grain=PARTS,
         transit_error=0.0, worst="",
     )
 
@@ -408,7 +456,7 @@ def settled(machine: Machine) -> float:
     sqrt(2 E sum(g^2 dx/(E A))), E the energy of vibration, which the scheme never lets grow. A far
     endless bar of impedance Z gives way by the momentum it has taken, over Z.
     """
-    if driven(machine.plan.system):
+    if driven(machine.row.system):
         return math.inf
     wait = 0.0
     for i, (left, right) in enumerate(machine.mesh.touching.values()):

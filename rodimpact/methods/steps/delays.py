@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from ..clock import PARTS
-from ..plan import Array, Plan
+from ..row import Array, Row
 
 WHOLE = 4  # ticks by which a transit may miss a whole number of steps: round-off
 
 
-def transit_ticks(plan: Plan, step: float) -> list[int]:
+def transit_ticks(row: Row, step: float) -> list[int]:
     """Transit times of the segments in ticks; whole steps where they are that but for round-off."""
     found = []
-    for s in plan.segments:
+    for s in row.segments:
         ticks = max(PARTS, round(float(s.transit_time) / step * PARTS))
         near = round(ticks / PARTS) * PARTS
         found.append(near if abs(ticks - near) <= WHOLE + (ticks >> 50) else ticks)

@@ -13,10 +13,10 @@ from .. import kernels
 from ..abilities import driven
 from ..clock import PARTS
 from ..contact_law_kernel import RIGID, Chain, Tally
-from ..plan import Array, Plan, squeezed, whole
 from ..refinement import TooLong
+from ..row import Array, Row, squeezed, whole
 from .delays import edges_of_parts
-from .step_kernel import DONE, NEVER, SQUEEZED, STEP, Points, Row, Signals, inside, run, settled
+from .step_kernel import DONE, NEVER, SQUEEZED, STEP, Points, Signals, State, inside, run, settled
 
 TOLERANCE = 2.0**-48  # of the velocities, below which contacts graze
 PROOF_TIME = 2e-6  # s, about what plain Python takes for a contact and an average in a rod
@@ -41,24 +41,24 @@ class Machine:
     """
 
     def __init__(
-        self, plan: Plan, ticks: list[int], step: float, room: int, cuts: Sequence[int] = ()
+        self, row: Row, ticks: list[int], step: float, room: int, cuts: Sequence[int] = ()
     ) -> None:
-        self.plan, self.step, self.room = plan, step, room
+        self.row, self.step, self.room = row, step, room
         self.places = np.array([0, *sorted(cuts), PARTS])
-        n, h, links, masses = len(ticks), step, len(plan.laws), len(plan.masses)
+        n, h, links, masses = len(ticks), step, len(row.laws), len(row.masses)
         parts = len(self.places) - 1
-        mobility = [0.0, *(1 / float(s.impedance) for s in plan.segments), 0.0]
+        mobility = [0.0, *(1 / float(s.impedance) for s in row.segments), 0.0]
         for side, s in ((0, 1), (1, n)):
-            if plan.outside[side][0] == "absorbing":
+            if row.outside[side][0] == "absorbing":
                 mobility[(n + 1) * side] = mobility[s]
         transits = np.array([0, *ticks, 0])
-        self.row = Row(
+        self.state = State(
             transits // PARTS * parts, transits % PARTS / PARTS, transits / PARTS,
-            np.diff(self.places) / PARTS, np.array(mobility), whole(plan.first),
-            np.array(plan.masses) / h, whole(plan.laws), plan.stiffness_in_steps(h),
-            np.array(plan.exponent), np.array(plan.damping), np.array(plan.gap) / h,
+            np.diff(self.places) / PARTS, np.array(mobility), whole(row.first),
+            np.array(row.masses) / h, whole(row.laws), row.stiffness_in_steps(h),
+            np.array(row.exponent), np.array(row.damping), np.array(row.gap) / h,
             np.zeros(links), np.zeros(links), np.ones(links, np.int64),
-            np.array(plan.mass_velocity) - plan.frame, np.zeros(1),
+            np.array(row.mass_velocity) - row.frame, np.zeros(1),
         )
         self.tally = Tally(*(np.zeros(links) for _ in range(4)),
                            *(np.full(links, v, np.int64) for v in (-1, -1, 0, 0)))
@@ -69,7 +69,7 @@ class Machine:
         self.signals = self._allocate(room)
         self._initial_state(ticks)
         self._drive(-1, self.edges(-1, room))
-        self.tol = TOLERANCE * plan.scale
+        self.tol = TOLERANCE * row.scale
 
     def edges(self, first: int, last: int) -> Array:
         """Ticks at which the parts from `first` on begin, up to `last`, where it ends."""
@@ -78,25 +78,25 @@ class Machine:
 
     def _before(self) -> list[int]:
         """By line: averages from before t = 0."""
-        inner = [inside(self.row, line // 2) for line in range(1, 2 * len(self.row.steps) - 1)]
+        inner = [inside(self.state, line // 2) for line in range(1, 2 * len(self.state.steps) - 1)]
         return [1, *inner, 1]
 
     def _allocate(self, room: int) -> Signals:
         """Empty signals with room for so many steps."""
-        row, plan = self.row, self.plan
+        state, row = self.state, self.row
         before = self._before()
-        n = len(row.steps) - 2
+        n = len(state.steps) - 2
         kept = [line for line in range(2 * n + 4) if 2 <= line <= 2 * n + 1]
-        kept += [line for side, line in ((0, 0), (1, 2 * n + 3)) if plan.outside[side][0] != "none"]
+        kept += [line for side, line in ((0, 0), (1, 2 * n + 3)) if row.outside[side][0] != "none"]
         starts, size = [-1] * (2 * n + 4), 0
         for line in kept:
             starts[line] = size + before[line]
             size += before[line] + room
-        wanted = [i for i, law in enumerate(plan.laws) if law >= RIGID]
-        link_start = [-1] * len(plan.laws)
+        wanted = [i for i, law in enumerate(row.laws) if law >= RIGID]
+        link_start = [-1] * len(row.laws)
         for place, i in enumerate(wanted):
             link_start[i] = place * room
-        bytes_wanted = 8 * (size + room * (2 * len(wanted) + len(plan.masses)))
+        bytes_wanted = 8 * (size + room * (2 * len(wanted) + len(row.masses)))
         if bytes_wanted > MOST_BYTES:
             message = (
                 f"a run of {room} steps of {self.step:.3g} s needs {bytes_wanted / 1e9:.3g} GB; "
@@ -105,22 +105,22 @@ class Machine:
             raise TooLong([("until", message)])
         return Signals(
             np.zeros(size), whole(starts), np.zeros(len(wanted) * room),
-            np.zeros(len(wanted) * room), whole(link_start), np.zeros(len(plan.masses) * room),
-            whole([m * room for m in range(len(plan.masses))]),
+            np.zeros(len(wanted) * room), whole(link_start), np.zeros(len(row.masses) * room),
+            whole([m * room for m in range(len(row.masses))]),
         )
 
     def _initial_state(self, ticks: list[int]) -> None:
-        plan, signals = self.plan, self.signals
-        for body, (start, stop) in zip(plan.system.bodies, plan.spans, strict=True):
+        row, signals = self.row, self.signals
+        for body, (start, stop) in zip(row.system.bodies, row.spans, strict=True):
             if not isinstance(body, Rod):
                 continue
             begin = 0.0
             for s in range(start, stop + 1):
-                T, L, c = ticks[s - 1], float(plan.segments[s - 1].length), float(
-                    plan.segments[s - 1].wave_speed)
-                ago = -np.maximum(self.edges(-inside(self.row, s), 0), -T) / T
+                T, L, c = ticks[s - 1], float(row.segments[s - 1].length), float(
+                    row.segments[s - 1].wave_speed)
+                ago = -np.maximum(self.edges(-inside(self.state, s), 0), -T) / T
                 for line, x in ((2 * s, begin + L * ago[::-1]), (2 * s + 1, begin + L * (1 - ago))):
-                    v = averages(body.velocity, x, float(body.length)) - plan.frame
+                    v = averages(body.velocity, x, float(body.length)) - row.frame
                     stretch = averages(body.strain, x, float(body.length)) * c
                     wave = (v - stretch)[::-1] if line == 2 * s else v + stretch
                     place = signals.wave_start[line]
@@ -129,10 +129,10 @@ class Machine:
 
     def _drive(self, since: int, ticks: Array) -> None:
         """Fill the lines that come from outside, from part `since` on, with means between ticks."""
-        n, plan = len(self.row.steps) - 2, self.plan
+        n, row = len(self.state.steps) - 2, self.row
         edges = self.step / PARTS * ticks
         for side, line, own in ((0, 0, 2), (1, 2 * n + 3, 2 * n + 1)):
-            kind, value = plan.outside[side]
+            kind, value = row.outside[side]
             if kind == "none":
                 continue
             start = int(self.signals.wave_start[line])
@@ -141,7 +141,7 @@ class Machine:
             else:
                 found = averages(value, edges, 0.0)
                 if kind == "velocity":
-                    found = found - plan.frame - plan.gravity * (edges[1:] + edges[:-1]) / 2
+                    found = found - row.frame - row.gravity * (edges[1:] + edges[:-1]) / 2
             self.signals.wave[start + since : start + since + len(ticks) - 1] = found
 
     def grow(self, room: int) -> None:
@@ -164,19 +164,19 @@ class Machine:
         """Run to part `end`; False where a contact closes inside a part, and the run is to stop."""
         if end > self.room:
             self.grow(max(end, 2 * self.room))
-        chains = len(self.plan.masses) + len({*self.plan.first}) - 1
-        links = len(self.plan.laws) + 5 * chains
+        chains = len(self.row.masses) + len({*self.row.first}) - 1
+        links = len(self.row.laws) + 5 * chains
         if kernels.worth_compiling((end - self.taken) * links * LINK_TIME):
             flag = kernels.compiled(run)(
-                self.row, self.tally, self.signals, self.points, self.links, self.clock, end,
+                self.state, self.tally, self.signals, self.points, self.links, self.clock, end,
                 self.tol,
             )
         else:
-            parts = (self.row, self.tally, self.signals, self.points, self.links)
+            parts = (self.state, self.tally, self.signals, self.points, self.links)
             lists = [kernels.as_lists(x) for x in parts]
             clock = self.clock.tolist()
-            row, tally, signals, points, links = lists
-            flag = run(row, tally, signals, points, links, clock, end, self.tol)
+            state, tally, signals, points, links = lists
+            flag = run(state, tally, signals, points, links, clock, end, self.tol)
             for part, found in zip(parts, lists, strict=True):
                 kernels.copy_back(found, part)
             self.clock[:] = clock
@@ -190,23 +190,23 @@ class Machine:
         rest = end - int(self.edges(self.taken, self.taken)[0])
         if rest == 0:
             return True
-        whole_row, d = self.row, rest / PARTS
+        whole_row, d = self.state, rest / PARTS
         last = self.taken % len(whole_row.part)
-        self.row = whole_row._replace(
+        self.state = whole_row._replace(
             part=np.where(np.arange(len(whole_row.part)) == last, d, whole_row.part),
             share=np.minimum(1.0, whole_row.share / d),
         )
         self._drive(self.taken, np.array([end - rest, end]))
         going = self.advance(self.taken + 1)
-        self.row = whole_row
+        self.state = whole_row
         return going
 
     def settled(self) -> int:
         """Parts until it may be proved that the collision is over; NEVER if not as it is."""
-        if driven(self.plan.system):
+        if driven(self.row.system):
             return NEVER
-        averages_read = int(np.sum(self.row.steps)) * len(self.plan.laws)
+        averages_read = int(np.sum(self.state.steps)) * len(self.row.laws)
         slow = kernels.worth_compiling(averages_read * PROOF_TIME)
         prove: Callable[..., int] = kernels.compiled(settled) if slow else settled
-        wait = int(prove(self.row, self.signals, self.taken, self.tol))
-        return wait if wait >= NEVER // len(self.row.part) else wait * len(self.row.part)
+        wait = int(prove(self.state, self.signals, self.taken, self.tol))
+        return wait if wait >= NEVER // len(self.state.part) else wait * len(self.state.part)

@@ -16,16 +16,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...model import Rod, Steps, System
+from ...model import Rod, Steps
 from ...model.frozen import InvalidModel
+from ...units import format_si
+from .. import abilities as physics
 from .. import kernels
-from ..clock import PARTS, Clockwork
+from ..clock import PARTS, Clock
 from ..contact_law_kernel import IMPACT, RIGID, SPRING, Tally
-from ..plan import Array, Plan
 from ..refinement import contact_measures, refined, velocity_measure
+from ..row import Array, Row
+from ..run import Run, Waves
+from ..signals import StepSignal
+from ..stepped import NONE_TAKEN, StepRecord, accuracy, as_run
 from .delays import WHOLE, arriving, lost_to_means, transit_ticks
 from .machine import Machine
-from .step_kernel import CUTS, LINK, NEVER, Row, Signals, choose_step, inside
+from .step_kernel import CUTS, LINK, NEVER, Signals, State, choose_step, inside
 
 RTOL = 1e-5
 FIRST = 64  # fewest steps of the longest transit
@@ -45,13 +50,13 @@ class Closing(NamedTuple):
     time: float
     link: int
 
-    def places(self, plan: Plan, step: float) -> list[float]:
+    def places(self, row: Row, step: float) -> list[float]:
         """Ticks at which steps are cut: where the force begins, or around the moment of an impact.
 
         The bodies of an impact change their velocity in the middle of a part, so that is short.
         """
         tick = self.time / step * PARTS
-        return [tick - MOMENT, tick + MOMENT] if plan.laws[self.link] == IMPACT else [tick]
+        return [tick - MOMENT, tick + MOMENT] if row.laws[self.link] == IMPACT else [tick]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +65,7 @@ class StepRun:
 
     Attributes
     ----------
-    clockwork : Clockwork
+    clock : Clock
         Its tick is the step's `PARTS`-th part.
     plan : Plan
     step : float
@@ -84,12 +89,12 @@ class StepRun:
         Where contacts close and steps are cut; None where they are not.
     """
 
-    clockwork: Clockwork
-    plan: Plan
+    clock: Clock
+    row: Row
     step: float
     edges: Array
     edges_before: Array
-    row: Row
+    state: State
     tally: Tally
     signals: Signals
     settled: int
@@ -106,17 +111,22 @@ class StepRun:
     @property
     def durations(self) -> Array:
         """Of the steps, s."""
-        found: Array = np.diff(self.edges) * self.clockwork.tick
+        found: Array = np.diff(self.edges) * self.clock.tick
         return found
+
+    @property
+    def end(self) -> int:
+        """Last tick."""
+        return int(self.edges[-1])
 
     @property
     def events(self) -> int:
         """Steps taken, times ends solved."""
-        return self.steps * (len(self.row.steps) - 1)
+        return self.steps * (len(self.state.steps) - 1)
 
     def before(self, line: int) -> int:
         """How many averages a line has from before t = 0."""
-        return inside(self.row, line // 2)
+        return inside(self.state, line // 2)
 
     def wave(self, line: int) -> Array:
         """What left an end in each step, those before t = 0 first, in the falling frame."""
@@ -126,17 +136,17 @@ class StepRun:
 
     def arriving(self, line: int) -> Array:
         """What arrived at the other end in each step, in the falling frame."""
-        return arriving(self.wave(line), self.clockwork.ticks[line // 2], np.diff(self.edges))
+        return arriving(self.wave(line), self.clock.ticks[line // 2], np.diff(self.edges))
 
     @property
     def free_velocities(self) -> Array:
         """At the end, of the centres of mass of groups of bonded bodies that nothing holds, m/s."""
-        a, plan, found = self.clockwork, self.plan, []
-        fall = plan.frame + plan.gravity * a.tick * float(self.edges[-1])
+        a, row, found = self.clock, self.row, []
+        fall = row.frame + row.gravity * a.tick * float(self.edges[-1])
         mass = momentum = 0.0
-        held = plan.outside[0][0] in ("velocity", "absorbing")
-        for body, m in enumerate(plan.mass_of):
-            first, last = plan.spans[body]
+        held = row.outside[0][0] in ("velocity", "absorbing")
+        for body, m in enumerate(row.mass_of):
+            first, last = row.spans[body]
             for s in range(first, last + 1):
                 start = self.edges[-1] - a.ticks[s]
                 edges = np.concatenate((self.edges_before, self.edges))
@@ -144,12 +154,12 @@ class StepRun:
                     stays = np.diff(np.maximum(edges[-1 - len(wave) :], start))
                     momentum += a.impedance[s] / 2 * float(wave @ stays) * a.tick
                 mass += a.impedance[s] * a.ticks[s] * a.tick
-            if 0 <= m < len(plan.masses) and (body == 0 or plan.mass_of[body - 1] != m):
-                mass += plan.masses[m]
-                momentum += plan.masses[m] * float(self.speed(m)[-1])
-            link = plan.contact_link[body] if body < len(plan.contact_link) else None
-            if link is None or (link >= 0 and plan.laws[link] >= RIGID):
-                held |= link is None and plan.outside[1][0] in ("velocity", "absorbing")
+            if 0 <= m < len(row.masses) and (body == 0 or row.mass_of[body - 1] != m):
+                mass += row.masses[m]
+                momentum += row.masses[m] * float(self.speed(m)[-1])
+            link = row.contact_link[body] if body < len(row.contact_link) else None
+            if link is None or (link >= 0 and row.laws[link] >= RIGID):
+                held |= link is None and row.outside[1][0] in ("velocity", "absorbing")
                 if mass and not held:
                     found.append(momentum / mass + fall)
                 mass, momentum, held = 0.0, 0.0, False
@@ -158,10 +168,10 @@ class StepRun:
     @property
     def energy_lost(self) -> float:
         """Energy lost to the time step, of that which was there or was turned over."""
-        a, lasts = self.clockwork, np.diff(self.edges)
+        a, lasts = self.clock, np.diff(self.edges)
         lost = float(np.sum(self.tally.numerical)) * self.step
         there = sum(M * v * v for M, v in zip(
-            self.plan.masses, np.array(self.plan.mass_velocity) - self.plan.frame, strict=True)) / 2
+            self.row.masses, np.array(self.row.mass_velocity) - self.row.frame, strict=True)) / 2
         for line in range(2, 2 * len(a.ticks) - 2):
             s, wave = line // 2, self.wave(line)
             lost += a.impedance[s] * a.tick * float(np.sum(lost_to_means(wave, a.ticks[s], lasts)))
@@ -173,8 +183,8 @@ class StepRun:
     @property
     def largest_strain(self) -> float:
         """Bound of the strains."""
-        waves = [np.abs(self.wave(line)).max(initial=0.0) / self.clockwork.wave_speed[line // 2]
-                 for line in range(2, 2 * len(self.row.steps) - 2)]
+        waves = [np.abs(self.wave(line)).max(initial=0.0) / self.clock.wave_speed[line // 2]
+                 for line in range(2, 2 * len(self.state.steps) - 2)]
         return float(max(waves))
 
     @property
@@ -184,29 +194,29 @@ class StepRun:
 
     def place(self, contact: int) -> int:
         """Place in the tally of a contact that can open."""
-        return self.plan.contact_link[contact]
+        return self.row.contact_link[contact]
 
     def contact(self, contact: int) -> tuple[Array, Array]:
         """Mean force in each step, N, and gap at its end, m; of a contact that can open."""
-        start = int(self.signals.link_start[self.plan.contact_link[contact]])
+        start = int(self.signals.link_start[self.row.contact_link[contact]])
         span = slice(start, start + self.steps)
         return self.signals.force[span], self.signals.gap[span] * self.step
 
     def path(self, contact: int) -> Array:
         """How far a contact that can open closes in each step, m."""
         _, gap = self.contact(contact)
-        closed: Array = -np.diff(gap, prepend=float(self.plan.system.gaps[contact]))
+        closed: Array = -np.diff(gap, prepend=float(self.row.system.gaps[contact]))
         return closed
 
     def bond(self, contact: int) -> Array:
         """Mean force in a bonded contact in each step, N, from the waves of a rod that it joins."""
         for body, side in ((contact, 1), (contact + 1, 0)):
-            first, last = self.plan.spans[body]
+            first, last = self.row.spans[body]
             if last:
                 s, out = (last, 2 * last + 1) if side else (first, 2 * first)
                 outgoing = self.wave(out)[self.before(out) :]
                 incoming = self.arriving(out ^ 1)
-                force: Array = (incoming - outgoing) / (2 * self.row.mobility[s])
+                force: Array = (incoming - outgoing) / (2 * self.state.mobility[s])
                 return force if side else -force
         raise ValueError(f"contact {contact} joins no rod")
 
@@ -215,46 +225,70 @@ class StepRun:
 
         N and m/s, in the laboratory; positive to the inside, and to the right.
         """
-        plan, n = self.plan, len(self.row.steps) - 2
-        kind, link = plan.outside[side][0], (0, len(plan.laws) - 1)[side]
+        row, n = self.row, len(self.state.steps) - 2
+        kind, link = row.outside[side][0], (0, len(row.laws) - 1)[side]
         s, out = (1, 2) if side == 0 else (n, 2 * n + 1)
         outgoing, incoming = self.wave(out)[self.before(out) :], self.arriving(out ^ 1)
         line = self.signals.wave_start[(2 * n + 3) * side]
         given = self.signals.wave[line : line + self.steps]
-        if plan.laws[link] >= RIGID:
+        if row.laws[link] >= RIGID:
             start = int(self.signals.link_start[link])
             force, v = self.signals.force[start : start + self.steps], given
-        elif kind == "force" and plan.first[1 + side * n] > plan.first[side * n]:
-            speed = self.speed(0 if side == 0 else len(plan.masses) - 1)
+        elif kind == "force" and row.first[1 + side * n] > row.first[side * n]:
+            speed = self.speed(0 if side == 0 else len(row.masses) - 1)
             force, v = given, (speed[1:] + speed[:-1]) / 2
         else:
-            force = (1, -1)[side] * (outgoing - incoming) / (2 * self.row.mobility[s])
+            force = (1, -1)[side] * (outgoing - incoming) / (2 * self.state.mobility[s])
             v = (outgoing + incoming) / 2
-        value = plan.outside[side][1]
+        value = row.outside[side][1]
         if kind == "velocity" and isinstance(value, float):
             return force, np.full(self.steps, value)
-        middles = (self.edges[1:] + self.edges[:-1]) / 2 * self.clockwork.tick
-        return force, v + plan.frame + plan.gravity * middles
+        middles = (self.edges[1:] + self.edges[:-1]) / 2 * self.clock.tick
+        return force, v + row.frame + row.gravity * middles
 
     def speed(self, mass: int) -> Array:
         """Velocity of a mass at `edges`, in the frame."""
-        side = mass - len(self.plan.masses)
+        side = mass - len(self.row.masses)
         if side >= 0:
-            return self.plan.wall_speed(side, self.edges * self.clockwork.tick)
+            return self.row.wall_speed(side, self.edges * self.clock.tick)
         start = int(self.signals.mass_start[mass])
-        initial = self.plan.mass_velocity[mass] - self.plan.frame
+        initial = self.row.mass_velocity[mass] - self.row.frame
         return np.concatenate(([initial], self.signals.speed[start : start + self.steps]))
 
 
+LACKS = (physics.damping, physics.lateral, physics.taper)
+
+
+def solve(
+    row: Row, until: float | None, max_events: int, dt: float | None, rtol: float | None
+) -> Run:
+    """Run a single collision; arguments as of `follow`."""
+    return hand_over(follow(row, until, max_events, dt, rtol), until)
+
+
+def hand_over(run: StepRun, until: float | None) -> Run:
+    """What every method hands back, of a run to `until`."""
+    def waves(_: StepRecord) -> Waves:
+        ticks = np.concatenate((run.edges_before, run.edges[:-1]))
+        lines = [run.wave(line) for line in range(2, 2 * len(run.state.steps) - 2)]
+        left = [StepSignal(ticks[len(ticks) - len(values) :], values) for values in lines]
+        return Waves([None, None, *left])
+
+    remarks = f" Time step {format_si(run.step, 's')}."
+    if until and not run.steps:
+        remarks += NONE_TAKEN
+    return as_run(run, "characteristics", until, waves, remarks + accuracy(run, "a smaller dt"))
+
+
 def follow(
-    system: System, until: float | None, max_events: int, dt: float | None, rtol: float | None
+    row: Row, until: float | None, max_events: int, dt: float | None, rtol: float | None
 ) -> StepRun:
     """Run a single collision.
 
     Parameters
     ----------
-    system : System
-        Of shape ().
+    row : Row
+        Of a single system.
     until : float, optional
         s; by default the run ends a round trip of the longest rod after the proof of finality.
     max_events : int
@@ -269,17 +303,17 @@ def follow(
     InvalidModel
         If the run is too long for the memory.
     """
-    plan = Plan(system)
-    transits = [float(s.transit_time) for s in plan.segments]
+    row.check_scales()
+    transits = [float(s.transit_time) for s in row.segments]
     if dt is not None and dt > min(transits) * (1 + 2.0**-36):
-        path = plan.paths[1 + transits.index(min(transits))]
+        path = row.paths[1 + transits.index(min(transits))]
         message = f"must not exceed the shortest transit time, {min(transits):.6g} s of {path}"
         raise InvalidModel([("dt", f"{message}, got {dt!r}")])
     if dt is not None:
-        return _level(plan, dt, until, max_events, [])
+        return _level(row, dt, until, max_events, [])
     goal = RTOL if rtol is None else rtol
     least = max(FIRST, math.ceil(SHORTEST * max(transits) / min(transits)),
-                math.ceil(max(transits) / _resolving(plan)))
+                math.ceil(max(transits) / _resolving(row)))
     if least > MOST_STEPS:
         short = min(range(len(transits)), key=transits.__getitem__)
         message = (
@@ -287,10 +321,10 @@ def follow(
             f"{max(transits):.3g} s, that this would take {least:.3g} steps; leave it out, soften "
             "the contact of a mass, or give the step dt"
         )
-        raise InvalidModel([(plan.paths[short + 1], message)])
+        raise InvalidModel([(row.paths[short + 1], message)])
     number, smear = _choose(transits, least, max(MOST_SEARCHED, 2 * least), 0.0)
     fits = smear <= WHOLE / PARTS
-    abrupt = begins_with_jumps(plan)
+    abrupt = begins_with_jumps(row)
 
     closings: list[Closing] | None = [] if fits and abrupt else None
 
@@ -300,28 +334,28 @@ def follow(
         if not fits:  # another share of a step on every level
             low = factor * least
             steps, _ = _choose(transits, low, 4 * low // 3 - 1, float(abrupt))
-        found = _level(plan, max(transits) / steps, until, max_events, closings)
+        found = _level(row, max(transits) / steps, until, max_events, closings)
         closings = found.closings
         return found
 
     first = number if fits else least
     finest = FINEST if fits or not abrupt else ROUGHEST
     found, estimates = refined(level, measures, goal, 2 * finest // first,
-                               _lost if RIGID in plan.laws else lambda _: {})
+                               _lost if RIGID in row.laws else lambda _: {})
     return replace(found, estimates=estimates, rtol=goal)
 
 
 def measures(found: StepRun) -> dict[str, Array]:
     """What is to stand still: velocities, and what the contacts did."""
-    velocity = velocity_measure(found.free_velocities.tolist(), found.plan.scale)
+    velocity = velocity_measure(found.free_velocities.tolist(), found.row.scale)
     return {"velocity": velocity, **contact_measures(found)}
 
 
-def begins_with_jumps(plan: Plan) -> bool:
+def begins_with_jumps(row: Row) -> bool:
     """Whether a contact is rigid, an impact or a dashpot, so that its force begins with a jump."""
     return any(
         RIGID <= law <= IMPACT or (law == SPRING and damping > 0)
-        for law, damping in zip(plan.laws, plan.damping, strict=True)
+        for law, damping in zip(row.laws, row.damping, strict=True)
     )
 
 
@@ -340,43 +374,43 @@ def _choose(transits: list[float], least: int, most: int, power: float) -> tuple
     return int(number), float(smear)
 
 
-def _resolving(plan: Plan) -> float:
+def _resolving(row: Row) -> float:
     """Step that resolves the contact of a mass with a stiff neighbour: a twentieth of its time."""
     finest = math.inf
-    v = 2 * plan.scale or 1.0
-    for k in range(len(plan.first) - 1):
-        m0, m1 = plan.first[k], plan.first[k + 1]
+    v = 2 * row.scale or 1.0
+    for k in range(len(row.first) - 1):
+        m0, m1 = row.first[k], row.first[k + 1]
         for q in range(m1 - m0 + 1 if m1 > m0 else 0):
             i = k + m0 + q
-            around = [plan.masses[m] for m in (m0 + q - 1, m0 + q) if m0 <= m < m1]
-            m, stiff = 1 / sum(1 / M for M in around), plan.stiffness[i]
-            power = plan.exponent[i] + 1
-            if plan.laws[i] >= SPRING and power == 2:
+            around = [row.masses[m] for m in (m0 + q - 1, m0 + q) if m0 <= m < m1]
+            m, stiff = 1 / sum(1 / M for M in around), row.stiffness[i]
+            power = row.exponent[i] + 1
+            if row.laws[i] >= SPRING and power == 2:
                 finest = min(finest, math.pi * math.sqrt(m / stiff) / 20)
-            elif plan.laws[i] >= SPRING:
+            elif row.laws[i] >= SPRING:
                 deepest = (power / 2 * m * v * v / stiff) ** (1 / power)
                 finest = min(finest, 2.9432 * deepest / v / 20)
-    longest = max(float(s.transit_time) for s in plan.segments)
+    longest = max(float(s.transit_time) for s in row.segments)
     return max(finest, longest / FINEST * 4)
 
 
 def _level(
-    plan: Plan, step: float, until: float | None, max_events: int, closings: list[Closing] | None
+    row: Row, step: float, until: float | None, max_events: int, closings: list[Closing] | None
 ) -> StepRun:
     """One run with a given step, which is cut where contacts close whose force begins with a jump.
 
     `closings` are those known of a run with another step; None if there are more than steps are cut
     for. The run has its own.
     """
-    ticks = transit_ticks(plan, step)
-    if closings is None or not begins_with_jumps(plan) or any(T % PARTS for T in ticks):
-        found = attempt(plan, ticks, step, [], until, max_events, may_cut=False)
+    ticks = transit_ticks(row, step)
+    if closings is None or not begins_with_jumps(row) or any(T % PARTS for T in ticks):
+        found = attempt(row, ticks, step, [], until, max_events, may_cut=False)
         assert isinstance(found, StepRun)
         return replace(found, closings=None)
-    given = given_jumps(plan, ticks, step)
+    given = given_jumps(row, ticks, step)
     for _ in range(MOST_CUTS):
-        cuts = places_inside([*given, *(x for c in closings for x in c.places(plan, step))])
-        found = attempt(plan, ticks, step, cuts, until, max_events, may_cut=True)
+        cuts = places_inside([*given, *(x for c in closings for x in c.places(row, step))])
+        found = attempt(row, ticks, step, cuts, until, max_events, may_cut=True)
         if isinstance(found, StepRun):
             return replace(found, closings=closings)
         new = found
@@ -385,7 +419,7 @@ def _level(
         ] + [new]
         if len(closings) > MOST_CUTS:
             break
-    return _level(plan, step, until, max_events, None)
+    return _level(row, step, until, max_events, None)
 
 
 def places_inside(ticks: Iterable[float]) -> list[int]:
@@ -395,44 +429,44 @@ def places_inside(ticks: Iterable[float]) -> list[int]:
             if x - before > WHOLE and PARTS - x > WHOLE]
 
 
-def given_jumps(plan: Plan, ticks: list[int], step: float) -> list[int]:
+def given_jumps(row: Row, ticks: list[int], step: float) -> list[int]:
     """Ticks in a step at which jumps of the initial state and of drives pass the ends of segments.
 
     None where there are more than a step is cut for.
     """
     found: list[float] = []
-    for body, (first, last) in zip(plan.system.bodies, plan.spans, strict=True):
+    for body, (first, last) in zip(row.system.bodies, row.spans, strict=True):
         profiles = (body.velocity, body.strain) if isinstance(body, Rod) else ()
         at = [float(x) for p in profiles if isinstance(p, Steps) for x in p.at]
         left = 0.0
         for s in range(first, last + 1):
-            L = float(plan.segments[s - 1].length)
+            L = float(row.segments[s - 1].length)
             away = [(x - left) / L * ticks[s - 1] for x in at if left < x < left + L]
             found += [*away, *(-x for x in away)]
             left += L
-    for _, value in plan.outside:
+    for _, value in row.outside:
         if isinstance(value, Steps):
             found += [float(t) / step * PARTS for t in value.at]
-    if any(law == IMPACT and gap == 0 for law, gap in zip(plan.laws, plan.gap, strict=True)):
+    if any(law == IMPACT and gap == 0 for law, gap in zip(row.laws, row.gap, strict=True)):
         found.append(MOMENT)
     places = places_inside(found)
     return places if len(places) <= MOST_CUTS else []
 
 
 def attempt(
-    plan: Plan, ticks: list[int], step: float, cuts: list[int], until: float | None,
+    row: Row, ticks: list[int], step: float, cuts: list[int], until: float | None,
     max_events: int, may_cut: bool,
 ) -> StepRun | Closing:
     """One run with given cuts, or the first closing inside a part of a step."""
     parts, nodes = len(cuts) + 1, len(ticks) + 1
     longest = max(
-        math.ceil(sum(ticks[first - 1 : last]) / PARTS) for first, last in plan.spans
+        math.ceil(sum(ticks[first - 1 : last]) / PARTS) for first, last in row.spans
     ) * parts
     proof, reason, going = -1, "until", True
     cap = max(1, max_events // nodes)
     end = None if until is None else round(until / step * PARTS)
     room = 8 * longest if end is None else max(1, -(-end // PARTS)) * parts
-    machine = Machine(plan, ticks, step, room, cuts)
+    machine = Machine(row, ticks, step, room, cuts)
     machine.clock[CUTS] = may_cut
     if end is not None:
         first = np.searchsorted(machine.places, end % PARTS, "right") - 1
@@ -454,31 +488,32 @@ def attempt(
         if proof >= 0:
             going = machine.advance(machine.taken + 2 * longest)
     if not going:
-        when = machine.taken // parts + float(machine.row.closed[0])
+        when = machine.taken // parts + float(machine.state.closed[0])
         return Closing(when * step, int(machine.clock[LINK]))
     edges = machine.edges(0, machine.taken)
     if end is not None:
         edges[-1] = end
+    earliest = -max(inside(machine.state, s + 1) for s in range(len(ticks)))
     return StepRun(
-        clockwork=clockwork(plan, ticks, step), plan=plan, step=step, edges=edges,
-        edges_before=machine.edges(-max(inside(machine.row, s + 1) for s in range(len(ticks))), -1),
-        row=machine.row, tally=machine.tally, signals=machine.signals, settled=proof,
+        clock=clock_of(row, ticks, step), row=row, step=step, edges=edges,
+        edges_before=machine.edges(earliest, -1),
+        state=machine.state, tally=machine.tally, signals=machine.signals, settled=proof,
         stopped_by=reason,
     )
 
 
-def clockwork(plan: Plan, ticks: list[int], step: float) -> Clockwork:
+def clock_of(row: Row, ticks: list[int], step: float) -> Clock:
     """Put a row on the clock of a time step; `ticks` are the transit times of the segments."""
     tick = step / PARTS
     errors = [abs(T * tick / float(s.transit_time) - 1)
-              for T, s in zip(ticks, plan.segments, strict=True)]
+              for T, s in zip(ticks, row.segments, strict=True)]
     worst = max(range(len(errors)), key=errors.__getitem__)
-    return Clockwork(
-        system=plan.system, spans=plan.spans,
-        wave_speed=[0.0, *(float(s.wave_speed) for s in plan.segments), 0.0],
-        impedance=[0.0, *(float(s.impedance) for s in plan.segments), 0.0],
-        length=[0.0, *(float(s.length) for s in plan.segments), 0.0],
-        ticks=[0, *ticks, 0], tick=tick, frame=plan.frame,
-        gravity=plan.gravity, grain=PARTS, transit_error=errors[worst],
-        worst=plan.paths[worst + 1],
+    return Clock(
+        system=row.system, spans=row.spans,
+        wave_speed=[0.0, *(float(s.wave_speed) for s in row.segments), 0.0],
+        impedance=[0.0, *(float(s.impedance) for s in row.segments), 0.0],
+        length=[0.0, *(float(s.length) for s in row.segments), 0.0],
+        ticks=[0, *ticks, 0], tick=tick, frame=row.frame, scale=row.scale,
+        gravity=float(row.gravity), grain=PARTS, transit_error=errors[worst],
+        worst=row.paths[worst + 1],
     )

@@ -51,7 +51,7 @@ EARLY = 1 / (1 << 34)  # of one step's motion, by which a gap may close early
 PLACED = 1 / (1 << 20)  # of a step: how near to its ends a contact closes as if there
 
 
-class Row(NamedTuple):
+class State(NamedTuple):
     """A row of n segments and m masses: lists or arrays; the last six change in place."""
 
     steps: Any  # [segment] whole parts of steps in the transit time, 0 outside
@@ -109,20 +109,20 @@ class Group(NamedTuple):
     plain: bool  # low and high bound the velocity of the end at the contact as long as it is free
 
 
-def arriving(row: Row, signals: Signals, line: int, s: int, j: int) -> float:
+def arriving(state: State, signals: Signals, line: int, s: int, j: int) -> float:
     """What comes through a line of segment s in part j."""
-    i, w = signals.wave_start[line] + j - row.steps[s], row.share[s]
+    i, w = signals.wave_start[line] + j - state.steps[s], state.share[s]
     found: float = signals.wave[i]
     if w > 0:
         found += w * (signals.wave[i - 1] - found)
     return found
 
 
-def reflect(row: Row, signals: Signals, k: int, j0: int, j1: int) -> None:
+def reflect(state: State, signals: Signals, k: int, j0: int, j1: int) -> None:
     """Free end at either end of the row."""
     wave, start = signals.wave, signals.wave_start
     come, go = (3, 2) if k == 0 else (2 * k, 2 * k + 1)
-    p, q, w = start[come] - row.steps[come // 2], start[go], row.share[come // 2]
+    p, q, w = start[come] - state.steps[come // 2], start[go], state.share[come // 2]
     for j in range(j0, j1):
         a = wave[p + j]
         if w > 0:
@@ -130,16 +130,16 @@ def reflect(row: Row, signals: Signals, k: int, j0: int, j1: int) -> None:
         wave[q + j] = a
 
 
-def join(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) -> None:
+def join(state: State, tally: Tally, signals: Signals, k: int, j0: int, j1: int) -> None:
     """Two rod ends that share velocity and force; or an end under a given force."""
-    wave, start, Yl, Yr = signals.wave, signals.wave_start, row.mobility[k], row.mobility[k + 1]
-    i, n = k + row.first[k], len(row.steps) - 2
-    p, q = start[2 * k] - row.steps[k], start[2 * k + 3] - row.steps[k + 1]
+    wave, start, Yl, Yr = signals.wave, signals.wave_start, state.mobility[k], state.mobility[k + 1]
+    i, n = k + state.first[k], len(state.steps) - 2
+    p, q = start[2 * k] - state.steps[k], start[2 * k + 3] - state.steps[k + 1]
     left, right = start[2 * k + 1], start[2 * k + 2]
-    wl, wr = row.share[k], row.share[k + 1]
-    given = row.law[i] == FORCE
-    impulse, F = tally.impulse[i], row.force[i]
-    parts = len(row.part)
+    wl, wr = state.share[k], state.share[k + 1]
+    given = state.law[i] == FORCE
+    impulse, F = tally.impulse[i], state.force[i]
+    parts = len(state.part)
     m = j0 % parts
     for j in range(j0, j1):
         a, b = wave[p + j], wave[q + j]
@@ -156,13 +156,13 @@ def join(row: Row, tally: Tally, signals: Signals, k: int, j0: int, j1: int) -> 
         if k < n:
             wave[right + j] = b + 2 * F * Yr
         if k == 0 or k == n:
-            impulse += F * row.part[m]
+            impulse += F * state.part[m]
         m = m + 1 if m + 1 < parts else 0
-    tally.impulse[i], row.force[i] = impulse, F
+    tally.impulse[i], state.force[i] = impulse, F
 
 
 def touch(
-    row: Row, tally: Tally, signals: Signals, clock: Any, k: int, j0: int, j1: int, tol: float
+    state: State, tally: Tally, signals: Signals, clock: Any, k: int, j0: int, j1: int, tol: float
 ) -> int:
     """Rigid contact between two rod ends, or between a rod end and a wall.
 
@@ -170,18 +170,18 @@ def touch(
     grazing: closed, without force. What closes inside a part loses F gap, unless the run is to
     stop there.
     """
-    wave, start, Yl, Yr = signals.wave, signals.wave_start, row.mobility[k], row.mobility[k + 1]
-    i, n = k + row.first[k], len(row.steps) - 2
-    p, q = start[2 * k] - row.steps[k], start[2 * k + 3] - row.steps[k + 1]
+    wave, start, Yl, Yr = signals.wave, signals.wave_start, state.mobility[k], state.mobility[k + 1]
+    i, n = k + state.first[k], len(state.steps) - 2
+    p, q = start[2 * k] - state.steps[k], start[2 * k + 3] - state.steps[k + 1]
     left, right, kept = start[2 * k + 1], start[2 * k + 2], signals.link_start[i]
-    wl, wr = row.share[k], row.share[k + 1]
-    Z, gap, F = 1 / (Yl + Yr), row.gap[i], row.force[i]
+    wl, wr = state.share[k], state.share[k + 1]
+    Z, gap, F = 1 / (Yl + Yr), state.gap[i], state.force[i]
     impulse, peak = tally.impulse[i], tally.peak[i]
     last, pressed = tally.last[i], tally.pressed[i]
-    parts = len(row.part)
+    parts = len(state.part)
     m = j0 % parts
     for j in range(j0, j1):
-        a, b, d = wave[p + j], wave[q + j], row.part[m]
+        a, b, d = wave[p + j], wave[q + j], state.part[m]
         if wl > 0:
             a += wl * (wave[p + j - 1] - a)
         if wr > 0:
@@ -191,15 +191,15 @@ def touch(
         if rest < -window:
             F = -rest * Z / d
             if gap > 0:
-                if clock[CUTS] > 0 and closes_inside(row, clock, i, j, gap / (a - b)):
+                if clock[CUTS] > 0 and closes_inside(state, clock, i, j, gap / (a - b)):
                     return CLOSED
                 tally.numerical[i] += F * gap
                 gap = 0.0
             if tally.first[i] < 0:
                 tally.first[i] = j
-            if row.open[i] > 0:
+            if state.open[i] > 0:
                 tally.episodes[i] += 1
-                row.open[i] = 0
+                state.open[i] = 0
             impulse += F * d
             peak = max(peak, F)
             pressed += 1
@@ -208,7 +208,7 @@ def touch(
             F = gap = 0.0
             if rest > window:
                 gap = rest
-                row.open[i] = 1
+                state.open[i] = 1
         if k > 0:
             wave[left + j] = a - 2 * F * Yl
         if k < n:
@@ -216,43 +216,43 @@ def touch(
         signals.force[kept + j] = F
         signals.gap[kept + j] = gap
         m = m + 1 if m + 1 < parts else 0
-    row.gap[i], row.force[i] = gap, F
+    state.gap[i], state.force[i] = gap, F
     tally.impulse[i], tally.peak[i] = impulse, peak
     tally.last[i], tally.pressed[i] = last, pressed
     return DONE
 
 
-def closes_inside(row: Row, clock: Any, i: int, j: int, after: float) -> bool:
+def closes_inside(state: State, clock: Any, i: int, j: int, after: float) -> bool:
     """Note where in its step link i closes, `after` part j begins, if that is inside the part."""
-    m = j % len(row.part)
-    if after <= PLACED or after >= row.part[m] - PLACED:
+    m = j % len(state.part)
+    if after <= PLACED or after >= state.part[m] - PLACED:
         return False
     before: float = 0.0
     for q in range(m):
-        before += row.part[q]
-    row.closed[0] = before + after
+        before += state.part[q]
+    state.closed[0] = before + after
     clock[STEP], clock[LINK] = j, i
     return True
 
 
 def press(
-    row: Row, tally: Tally, signals: Signals, clock: Any, k: int, j0: int, j1: int
+    state: State, tally: Tally, signals: Signals, clock: Any, k: int, j0: int, j1: int
 ) -> int:
     """Compliant contact between two rod ends, or between a rod end and a wall.
 
     A dashpot's force begins with a jump: as in `touch`, the run may be to stop where it does.
     """
-    wave, start, Yl, Yr = signals.wave, signals.wave_start, row.mobility[k], row.mobility[k + 1]
-    i, n = k + row.first[k], len(row.steps) - 2
-    p, q = start[2 * k] - row.steps[k], start[2 * k + 3] - row.steps[k + 1]
+    wave, start, Yl, Yr = signals.wave, signals.wave_start, state.mobility[k], state.mobility[k + 1]
+    i, n = k + state.first[k], len(state.steps) - 2
+    p, q = start[2 * k] - state.steps[k], start[2 * k + 3] - state.steps[k + 1]
     left, right = start[2 * k + 1], start[2 * k + 2]
-    wl, wr = row.share[k], row.share[k + 1]
-    law, stiffness, exponent = row.law[i], row.stiffness[i], row.exponent[i]
-    damping, w = row.damping[i], row.closing[i]
-    parts = len(row.part)
+    wl, wr = state.share[k], state.share[k + 1]
+    law, stiffness, exponent = state.law[i], state.stiffness[i], state.exponent[i]
+    damping, w = state.damping[i], state.closing[i]
+    parts = len(state.part)
     m = j0 % parts
     for j in range(j0, j1):
-        a, b, gap, d = wave[p + j], wave[q + j], row.gap[i], row.part[m]
+        a, b, gap, d = wave[p + j], wave[q + j], state.gap[i], state.part[m]
         if wl > 0:
             a += wl * (wave[p + j - 1] - a)
         if wr > 0:
@@ -260,7 +260,7 @@ def press(
         F, rest = 0.0, gap - d * (a - b)
         if gap < 0 or rest < 0:
             jumps = clock[CUTS] > 0 and gap > 0 and law == SPRING and damping > 0
-            if jumps and closes_inside(row, clock, i, j, gap / (a - b)):
+            if jumps and closes_inside(state, clock, i, j, gap / (a - b)):
                 return CLOSED
             F, x, _ = solve_law(
                 law, stiffness, exponent, damping / d, -gap, d * (a - b), d * (Yl + Yr), w
@@ -274,36 +274,38 @@ def press(
             wave[left + j] = a - 2 * F * Yl
         if k < n:
             wave[right + j] = b + 2 * F * Yr
-        record_step(row, tally, signals, i, j, F, rest, d)
+        record_step(state, tally, signals, i, j, F, rest, d)
         m = m + 1 if m + 1 < parts else 0
-    row.closing[i] = w
+    state.closing[i] = w
     return DONE
 
 
 def gather(
-    row: Row, signals: Signals, points: Points, links: Chain, k: int, j: int, d: float
+    state: State, signals: Signals, points: Points, links: Chain, k: int, j: int, d: float
 ) -> float:
     """Lay out the chain at node k: what its points would do in part j, of duration d, unforced.
 
     Returns the largest velocity of two neighbours together.
     """
-    m0, m1, i0, n = row.first[k], row.first[k + 1], k + row.first[k], len(row.steps) - 2
+    m0, m1, n = state.first[k], state.first[k + 1], len(state.steps) - 2
+    i0 = k + m0
     for q in range(m1 - m0):
-        points.free[q + 1], points.mobility[q + 1] = row.speed[m0 + q], d / (2 * row.mass[m0 + q])
+        points.free[q + 1] = state.speed[m0 + q]
+        points.mobility[q + 1] = d / (2 * state.mass[m0 + q])
     for q in range(m1 - m0 + 1):
         i = i0 + q
-        links.force[q], links.slope[q] = row.force[i], 0.0
-        links.place[q] = row.closing[i] - row.gap[i]
-        links.limit[q] = row.gap[i] if row.law[i] == RIGID else 0.0
-        if row.law[i] == IMPACT:
-            links.limit[q], links.before[q] = math.inf, approach(row, signals, k, q, j)
+        links.force[q], links.slope[q] = state.force[i], 0.0
+        links.place[q] = state.closing[i] - state.gap[i]
+        links.limit[q] = state.gap[i] if state.law[i] == RIGID else 0.0
+        if state.law[i] == IMPACT:
+            links.limit[q], links.before[q] = math.inf, approach(state, signals, k, q, j)
     for line, s, p, q in ((2 * k, k, 0, 0), (2 * k + 3, k + 1, m1 - m0 + 1, m1 - m0)):
-        law = row.law[i0 + q]
+        law = state.law[i0 + q]
         value = 0.0
         if law != FREE:
-            value = arriving(row, signals, line, s, j)
+            value = arriving(state, signals, line, s, j)
         outside = s == 0 or s == n + 1
-        points.free[p], points.mobility[p] = value, row.mobility[s]
+        points.free[p], points.mobility[p] = value, state.mobility[s]
         if outside and law <= FORCE:
             points.free[p], points.mobility[p], links.limit[q] = 0.0, 0.0, value
     speed = 0.0
@@ -315,18 +317,18 @@ def gather(
     return speed
 
 
-def approach(row: Row, signals: Signals, k: int, q: int, j: int) -> float:
+def approach(state: State, signals: Signals, k: int, q: int, j: int) -> float:
     """Velocity at which the points of an impact approach each other as step j begins."""
-    m0, m1, n = row.first[k], row.first[k + 1], len(row.steps) - 2
+    m0, m1, n = state.first[k], state.first[k + 1], len(state.steps) - 2
     left: float = 0.0
     right: float = 0.0
     if q > 0:
-        left = row.speed[m0 + q - 1]
+        left = state.speed[m0 + q - 1]
     elif k == 0:
         r = signals.wave_start[0] + j
         left = (signals.wave[r - 1] + signals.wave[r]) / 2
     if q < m1 - m0:
-        right = row.speed[m0 + q]
+        right = state.speed[m0 + q]
     elif k == n:
         r = signals.wave_start[2 * n + 3] + j
         right = (signals.wave[r - 1] + signals.wave[r]) / 2
@@ -334,12 +336,13 @@ def approach(row: Row, signals: Signals, k: int, q: int, j: int) -> float:
 
 
 def settle(
-    row: Row, tally: Tally, links: Chain, i: int, q: int, F: float, w: float, d: float, tol: float
+    state: State, tally: Tally, links: Chain, i: int, q: int, F: float, w: float, d: float,
+    tol: float,
 ) -> float:
     """Enter what link i of a chain loses while it closes by w in d; return its gap at the end."""
-    law = row.law[i]
-    gap: float = row.gap[i]
-    row.closing[i] = w
+    law = state.law[i]
+    gap: float = state.gap[i]
+    state.closing[i] = w
     if law <= BOND:
         return gap
     if law == RIGID:
@@ -352,36 +355,36 @@ def settle(
             return gap - float(links.limit[q])
         return gap if gap <= 0 and abs(w) <= d * tol else gap - w
     rest = -float(links.place[q])
-    if row.damping[i] > 0:
-        k, p = row.stiffness[i], row.exponent[i]
+    if state.damping[i] > 0:
+        k, p = state.stiffness[i], state.exponent[i]
         drop = stored(law, k, p, gap) - stored(law, k, p, rest)
         tally.lost[i] += F * (gap - rest) + drop
     return rest
 
 
 def resolve_contact(
-    row: Row, tally: Tally, signals: Signals, points: Points, links: Chain, clock: Any, k: int,
+    state: State, tally: Tally, signals: Signals, points: Points, links: Chain, clock: Any, k: int,
     j: int, tol: float,
 ) -> int:
     """Masses and contacts at node k in part j; SQUEEZED where they cannot move."""
-    m0, i0, last = row.first[k], k + row.first[k], row.first[k + 1] - row.first[k]
-    n, free, mobility, force = len(row.steps) - 2, points.free, points.mobility, links.force
-    d: float = row.part[j % len(row.part)]
-    speed = gather(row, signals, points, links, k, j, d)
+    m0, i0, last = state.first[k], k + state.first[k], state.first[k + 1] - state.first[k]
+    n, free, mobility, force = len(state.steps) - 2, points.free, points.mobility, links.force
+    d: float = state.part[j % len(state.part)]
+    speed = gather(state, signals, points, links, k, j, d)
     struck = True
     while struck:
-        if not balance(row, links, i0, last, speed, d):
+        if not balance(state, links, i0, last, speed, d):
             clock[STEP], clock[LINK] = j, i0
             return SQUEEZED
-        struck = start_impacts(row, links, i0, last, tol, d)
+        struck = start_impacts(state, links, i0, last, tol, d)
     for q in range(last + 1):
         i = i0 + q
-        if RIGID <= row.law[i] <= IMPACT and force[q] * (mobility[q] + mobility[q + 1]) <= tol:
+        if RIGID <= state.law[i] <= IMPACT and force[q] * (mobility[q] + mobility[q + 1]) <= tol:
             force[q] = 0.0
-        abrupt = RIGID <= row.law[i] <= SPRING and (row.law[i] < SPRING or row.damping[i] > 0)
-        if clock[CUTS] > 0 and abrupt and force[q] > 0 and row.gap[i] > 0:
+        abrupt = RIGID <= state.law[i] <= SPRING and (state.law[i] < SPRING or state.damping[i] > 0)
+        if clock[CUTS] > 0 and abrupt and force[q] > 0 and state.gap[i] > 0:
             speed = pushed(links, q, last) / d
-            if closes_inside(row, clock, i, j, row.gap[i] / speed):
+            if closes_inside(state, clock, i, j, state.gap[i] / speed):
                 return CLOSED
     v = free[0] - mobility[0] * force[0]
     for q in range(last + 1):
@@ -389,17 +392,17 @@ def resolve_contact(
         right = free[q + 1] + mobility[q + 1] * F
         if q < last:
             right -= mobility[q + 1] * force[q + 1]
-            row.speed[m0 + q] = 2 * right - free[q + 1]
-        gap = settle(row, tally, links, i, q, F, d * (v - right), d, tol)
-        if row.law[i] <= BOND:
+            state.speed[m0 + q] = 2 * right - free[q + 1]
+        gap = settle(state, tally, links, i, q, F, d * (v - right), d, tol)
+        if state.law[i] <= BOND:
             tally.impulse[i] += F * d
-            row.force[i] = F
+            state.force[i] = F
         else:
-            record_step(row, tally, signals, i, j, F, gap, d)
+            record_step(state, tally, signals, i, j, F, gap, d)
         v = right
     for q in range(last):
         if signals.mass_start[m0 + q] >= 0:
-            signals.speed[signals.mass_start[m0 + q] + j] = row.speed[m0 + q]
+            signals.speed[signals.mass_start[m0 + q] + j] = state.speed[m0 + q]
     if k > 0:
         signals.wave[signals.wave_start[2 * k + 1] + j] = free[0] - 2 * mobility[0] * force[0]
     if k < n:
@@ -409,8 +412,8 @@ def resolve_contact(
 
 
 def run(
-    row: Row, tally: Tally, signals: Signals, points: Points, links: Chain, clock: Any, end: int,
-    tol: float,
+    state: State, tally: Tally, signals: Signals, points: Points, links: Chain, clock: Any,
+    end: int, tol: float,
 ) -> int:
     """Go on from part clock[STEP] to part `end`.
 
@@ -419,7 +422,7 @@ def run(
 
     Parameters
     ----------
-    row, tally, signals, points, links
+    state, tally, signals, points, links
     clock : [3] int
         Next part; link of the trouble after SQUEEZED, or of the contact after CLOSED; whether to
         stop where a contact closes inside a part whose force begins with a jump.
@@ -433,35 +436,35 @@ def run(
     contact whose force begins with a jump closes inside a part, row.closed[0] steps after its step
     began. After the last two the run cannot go on.
     """
-    n = len(row.steps) - 2
+    n = len(state.steps) - 2
     block = end
     for s in range(1, n + 1):
-        block = min(block, row.steps[s])
+        block = min(block, state.steps[s])
     j = clock[STEP]
     while j < end:
         stop = min(j + block, end)
         for k in range(n + 1):
-            law, flag = row.law[k + row.first[k]], DONE
-            if row.first[k + 1] > row.first[k]:
+            law, flag = state.law[k + state.first[k]], DONE
+            if state.first[k + 1] > state.first[k]:
                 for i in range(j, stop):
-                    flag = resolve_contact(row, tally, signals, points, links, clock, k, i, tol)
+                    flag = resolve_contact(state, tally, signals, points, links, clock, k, i, tol)
                     if flag != DONE:
                         break
             elif law == FREE:
-                reflect(row, signals, k, j, stop)
+                reflect(state, signals, k, j, stop)
             elif law <= BOND:
-                join(row, tally, signals, k, j, stop)
+                join(state, tally, signals, k, j, stop)
             elif law == RIGID:
-                flag = touch(row, tally, signals, clock, k, j, stop, tol)
+                flag = touch(state, tally, signals, clock, k, j, stop, tol)
             else:
-                flag = press(row, tally, signals, clock, k, j, stop)
+                flag = press(state, tally, signals, clock, k, j, stop)
             if flag != DONE:
                 return flag
         j = clock[STEP] = stop
     return DONE
 
 
-def beyond(row: Row, k: int, q: int, right: bool) -> tuple[int, int, int]:
+def beyond(state: State, k: int, q: int, right: bool) -> tuple[int, int, int]:
     """What stands on one side of link q of node k, and the next link on that side.
 
     Returns
@@ -469,62 +472,62 @@ def beyond(row: Row, k: int, q: int, right: bool) -> tuple[int, int, int]:
     element, k, q : int
         s for segment s, -m for mass m - 1, NEVER for what lies outside.
     """
-    m0, last = row.first[k], row.first[k + 1] - row.first[k]
+    m0, last = state.first[k], state.first[k + 1] - state.first[k]
     if right:
         if q < last:
             return -(m0 + q + 1), k, q + 1
-        if k == len(row.steps) - 2:
+        if k == len(state.steps) - 2:
             return NEVER, k, q
         return k + 1, k + 1, 0
     if q > 0:
         return -(m0 + q), k, q - 1
     if k == 0:
         return NEVER, k, q
-    return k, k - 1, row.first[k] - row.first[k - 1]
+    return k, k - 1, state.first[k] - state.first[k - 1]
 
 
-def inside(row: Row, s: int) -> int:
+def inside(state: State, s: int) -> int:
     """How many averages of a line are on their way through segment s."""
-    count: int = row.steps[s]
-    return count + 1 if row.share[s] > 0 else count
+    count: int = state.steps[s]
+    return count + 1 if state.share[s] > 0 else count
 
 
-def stay(row: Row, s: int, i: int, j: int) -> float:
+def stay(state: State, s: int, i: int, j: int) -> float:
     """How long, of what left in part i, is still on its way through segment s before part j."""
-    if i < j - row.steps[s]:
-        return float(row.share[s])
-    return float(row.part[(i + 2 * row.steps[s]) % len(row.part)])
+    if i < j - state.steps[s]:
+        return float(state.share[s])
+    return float(state.part[(i + 2 * state.steps[s]) % len(state.part)])
 
 
 def group_motion(
-    row: Row, signals: Signals, k: int, q: int, right: bool, j: int, tol: float
+    state: State, signals: Signals, k: int, q: int, right: bool, j: int, tol: float
 ) -> Group:
     """Motion of everything bonded together on one side of contact q of node k, before part j."""
     mass = momentum = mean = 0.0
     ground, parts, low, high = 0, 0, math.inf, -math.inf
     while True:
-        element, k, q = beyond(row, k, q, right)
+        element, k, q = beyond(state, k, q, right)
         parts += 1
         if element == NEVER:
-            outside = 2 * len(row.steps) - 1 if right else 0
-            ground = 2 if row.mobility[outside // 2] > 0 else 1
+            outside = 2 * len(state.steps) - 1 if right else 0
+            ground = 2 if state.mobility[outside // 2] > 0 else 1
             mean = signals.wave[signals.wave_start[outside] + j - 1]
             low, high = min(low, mean), max(high, mean)
             break
         if element < 0:
-            v = row.speed[-element - 1]
-            mass += row.mass[-element - 1]
-            momentum += row.mass[-element - 1] * v
+            v = state.speed[-element - 1]
+            mass += state.mass[-element - 1]
+            momentum += state.mass[-element - 1] * v
             low, high = min(low, v), max(high, v)
         else:
-            Z = 1 / row.mobility[element]
-            mass += row.transit[element] * Z
+            Z = 1 / state.mobility[element]
+            mass += state.transit[element] * Z
             for l in (2 * element, 2 * element + 1):
-                for i in range(j - inside(row, element), j):
-                    v, d = signals.wave[signals.wave_start[l] + i], stay(row, element, i, j)
+                for i in range(j - inside(state, element), j):
+                    v, d = signals.wave[signals.wave_start[l] + i], stay(state, element, i, j)
                     momentum += Z * v * d / 2
                     low, high = min(low, v), max(high, v)
-        if row.law[k + row.first[k] + q] != BOND:
+        if state.law[k + state.first[k] + q] != BOND:
             mean = momentum / mass
             break
     plain = parts == 1 or (parts == 2 and ground == 2) or high - low <= tol
@@ -532,7 +535,7 @@ def group_motion(
 
 
 def deviation_bound(
-    row: Row, signals: Signals, k: int, q: int, right: bool, j: int, group: Group, tol: float
+    state: State, signals: Signals, k: int, q: int, right: bool, j: int, group: Group, tol: float
 ) -> tuple[float, float]:
     """How far a group's end at a contact is from its mean motion, and can ever get.
 
@@ -553,17 +556,17 @@ def deviation_bound(
     energy = slack = d = 0.0
     g, Y = 1.0, 0.0
     while True:
-        element, k, q = beyond(row, k, q, right)
+        element, k, q = beyond(state, k, q, right)
         if element == NEVER:
-            Y = row.mobility[len(row.steps) - 1 if right else 0]
+            Y = state.mobility[len(state.steps) - 1 if right else 0]
             break
         if element < 0:
-            v = row.speed[-element - 1] - mean
-            energy += row.mass[-element - 1] * v * v / 2
+            v = state.speed[-element - 1] - mean
+            energy += state.mass[-element - 1] * v * v / 2
             if ground == 0:
-                g -= row.mass[-element - 1] / mass
+                g -= state.mass[-element - 1] / mass
         else:
-            T, y = row.transit[element], row.mobility[element]
+            T, y = state.transit[element], state.mobility[element]
             g0 = g
             if ground == 0:
                 g -= T / (y * mass)
@@ -571,16 +574,16 @@ def deviation_bound(
             for l in (2 * element, 2 * element + 1):
                 sign = 1 if l % 2 == 1 else -1
                 passed = 0.0
-                for i in range(j - 1, j - 1 - inside(row, element), -1):
+                for i in range(j - 1, j - 1 - inside(state, element), -1):
                     v = signals.wave[signals.wave_start[l] + i] - mean
-                    lasts = stay(row, element, i, j)
+                    lasts = stay(state, element, i, j)
                     place = (passed + lasts / 2) / T
                     if (l % 2 == 1) == right:  # runs towards the contact
                         place = 1 - place
                     passed += lasts
                     energy += lasts * v * v / (4 * y)
                     d += lasts * sign * v * (g0 + (g - g0) * place) / 2
-        if row.law[k + row.first[k] + q] != BOND:
+        if state.law[k + state.first[k] + q] != BOND:
             break
     if right:
         d = -d
@@ -592,21 +595,21 @@ def deviation_bound(
     return d, 2 * energy * slack
 
 
-def separation_time(row: Row, signals: Signals, k: int, q: int, j: int, tol: float) -> int:
+def separation_time(state: State, signals: Signals, k: int, q: int, j: int, tol: float) -> int:
     """Steps until contact q of node k may be proved not to close again: 0 if it is, or NEVER."""
-    i = k + row.first[k] + q
-    if row.gap[i] < 0:
+    i = k + state.first[k] + q
+    if state.gap[i] < 0:
         return NEVER
-    left = group_motion(row, signals, k, q, False, j, tol)
-    right = group_motion(row, signals, k, q, True, j, tol)
+    left = group_motion(state, signals, k, q, False, j, tol)
+    right = group_motion(state, signals, k, q, True, j, tol)
     if left.plain and right.plain and right.low - left.high >= -tol:
         return 0
     opening = right.mean - left.mean
     if opening < -tol:
         return NEVER
-    dl, bl = deviation_bound(row, signals, k, q, False, j, left, tol)
-    dr, br = deviation_bound(row, signals, k, q, True, j, right, tol)
-    gap = row.gap[i] - dr + dl
+    dl, bl = deviation_bound(state, signals, k, q, False, j, left, tol)
+    dr, br = deviation_bound(state, signals, k, q, True, j, right, tol)
+    gap = state.gap[i] - dr + dl
     if gap > 0 and gap * gap > 2 * (bl + br):
         return 0
     if opening <= tol:
@@ -615,17 +618,17 @@ def separation_time(row: Row, signals: Signals, k: int, q: int, j: int, tol: flo
     return NEVER if wait > NEVER // 2 else int(wait) + 1
 
 
-def settled(row: Row, signals: Signals, j: int, tol: float) -> int:
+def settled(state: State, signals: Signals, j: int, tol: float) -> int:
     """Steps until it may be proved that nothing meets again: 0 if it is, NEVER if not as it is.
 
     For rows whose walls move steadily and whose ends are not driven: no bound holds for a body
     that falls on a floor, or that is pushed.
     """
     wait = 0
-    for k in range(len(row.first) - 1):
-        for q in range(row.first[k + 1] - row.first[k] + 1):
-            if row.law[k + row.first[k] + q] >= RIGID and wait < NEVER:
-                wait = max(wait, separation_time(row, signals, k, q, j, tol))
+    for k in range(len(state.first) - 1):
+        for q in range(state.first[k + 1] - state.first[k] + 1):
+            if state.law[k + state.first[k] + q] >= RIGID and wait < NEVER:
+                wait = max(wait, separation_time(state, signals, k, q, j, tol))
     return wait
 
 

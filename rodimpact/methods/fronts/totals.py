@@ -6,17 +6,17 @@ The signals are not needed.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-from ..methods.fronts.assembly import Assembly
-from ..methods.fronts.layout_kernel import TOLERANCE
-from ..methods.fronts.method import FrontRun
-from ..model import Absorbing, Bonded, Fixed, Free
-from .contacts import ContactTally
-from .groups import groups
-from .outcome import Totals, body_velocities
+from ...model import Absorbing, Bonded, Fixed, Free
+from ..groups import body_velocities, groups
+from ..run import ContactTally, Totals
+from .assembly import Assembly
+from .layout_kernel import TOLERANCE
+from .tracking import FrontRun
 
 
-def totals_of_fronts(run: FrontRun) -> Totals:
+def totals_of(run: FrontRun, tallies: Sequence[ContactTally]) -> Totals:
     """Read the totals off a finished run."""
     a = run.assembly
     system, count, first = a.system, len(a.spans), [span[0] for span in a.spans]
@@ -34,7 +34,6 @@ def totals_of_fronts(run: FrontRun) -> Totals:
             for m, (s, e) in zip(masses, a.spans, strict=True) if e)
         for stock in (run.opening, run.closing)
     )
-    tallies = _tallies(run)
     absolute = _absolute_momentum(a)
     outside_impulse = wall_work = lent = 0.0
     for i, k, sign in ((0, 0, 1), (count - 1, count - 2, -1)):
@@ -71,14 +70,14 @@ def totals_of_fronts(run: FrontRun) -> Totals:
     turnover = energy_before + abs(wall_work) + lent + abs(drive_work) + abs(radiated)
     return Totals(
         masses=masses, velocities=(before, after), kinetic=(kinetic_before, kinetic_after),
-        vibration=(vibration_before, vibration_after), contacts=tallies,
+        vibration=(vibration_before, vibration_after),
         momentum=(missing, absolute),
         energy=(energy_gained - wall_work - drive_work + radiated, turnover),
         works={"wall_work": wall_work, "drive_work": drive_work, "radiated": radiated},
     )
 
 
-def _tallies(run: FrontRun) -> tuple[ContactTally, ...]:
+def tallies_of(run: FrontRun) -> tuple[ContactTally, ...]:
     """Totals of every contact in SI units."""
     t, tick = run.tally, run.assembly.tick
     return tuple(

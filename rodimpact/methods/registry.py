@@ -1,10 +1,11 @@
-"""What a run is asked for: checked here, whoever asks."""
+"""The methods, the physics that each lacks, and what a run is asked for, checked in one place."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from numbers import Integral
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,11 +13,41 @@ from numpy.typing import ArrayLike
 from ..model import System
 from ..model.arguments import array
 from ..model.frozen import InvalidModel, Problems, number
-from .abilities import LACKS, choose, refuse, require_end
+from . import abilities
+from .fronts import method as fronts
+from .grid import method as grid
+from .row import Row
+from .run import MAX_EVENTS, Run
+from .steps import method as steps
 
-MAX_EVENTS = 5_000_000
 MOST_COUNTED = 10**18
-METHODS = ("auto", *LACKS)
+
+
+class Method(NamedTuple):
+    """A way to solve a system: physics that it lacks, its own options, its run, what that calls."""
+
+    lacks: Sequence[abilities.Feature]
+    takes: tuple[str, ...]
+    run: Callable[..., Run]
+    calls: tuple[str, ...] = ()
+
+    def lacking(self, system: System) -> list[tuple[str, str]]:
+        """Path and name of everything in the system that the method cannot do."""
+        return [where for feature in self.lacks for where in feature(system)]
+
+
+METHODS = {
+    "fronts": Method(fronts.LACKS, (), fronts.solve),
+    "characteristics": Method(steps.LACKS, ("dt", "rtol"), steps.solve),
+    "finite-difference": Method(
+        grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve, ("progress", "announce"),
+    ),
+}
+"""In the order in which ``"auto"`` tries them; the last can do anything."""
+
+METHOD_NAMES = ("auto", *METHODS)
+OWN = ("dt", "rtol", "cells", "snapshots")
+"""Options that not every method takes."""
 
 
 @dataclass(frozen=True)
@@ -64,8 +95,8 @@ class Options:
         for name in ("dt", "cells"):
             if getattr(self, name) is not None and self.rtol is not None:
                 problems.append((name, "fixes the step, rtol chooses it; give one of them"))
-        if self.method not in METHODS:
-            known = ", ".join(f'"{m}"' for m in METHODS)
+        if self.method not in METHOD_NAMES:
+            known = ", ".join(f'"{m}"' for m in METHOD_NAMES)
             problems.append(("method", f"must be one of {known}, got {self.method!r}"))
         self._set("max_events", count(problems, "max_events", self.max_events))
         if self.cells is not None:
@@ -95,25 +126,44 @@ class Options:
         if not isinstance(system, System):
             message = f"must be a System, such as System([rod, Wall()]), got {system!r}"
             raise InvalidModel([("system", message)])
-        stepping, gridded = (
-            [name for name in names if getattr(self, name) is not None]
-            for names in (("dt", "rtol"), ("cells", "snapshots"))
-        )
-        method = self.method
-        if method == "auto":
-            method = choose(system, 2 if gridded else 1 if stepping else 0)
-        refuse(method, system)
+        given = {name for name in OWN if getattr(self, name) is not None}
+        able = [name for name, method in METHODS.items() if not method.lacking(system)]
+        if self.method == "auto":
+            method = next(name for name in able if given <= {*METHODS[name].takes})
+        else:
+            method = self.method
         problems: Problems = []
-        if method == "fronts":
-            problems += [(name, 'method "fronts" is exact and has no time step; leave it out')
-                         for name in stepping]
-        if method != "finite-difference":
-            problems += [(name, f'is for method "finite-difference", not "{method}"; leave it out')
-                         for name in gridded]
+        if method not in able:
+            missing = METHODS[method].lacking(system)
+            remedy = f'method "{able[0]}" has'
+            if all(what == abilities.TAPERS for _, what in missing):
+                remedy += ", or give rod.in_steps(n)"
+            problems = [
+                (path, f'method "{method}" has no {what}; {remedy}') for path, what in missing
+            ]
+        else:
+            for name in sorted(given - {*METHODS[method].takes}, key=OWN.index):
+                owners = " or ".join(f'"{n}"' for n, m in METHODS.items() if name in m.takes)
+                problems.append((name, f'is for method {owners}, not "{method}"; leave it out'))
         if problems:
             raise InvalidModel(problems)
-        require_end(system, self.until)
+        abilities.require_end(system, self.until)
         return method
+
+    def run(self, method: str, system: System, **calls: Any) -> Run:
+        """Run a single collision by the method that `method_for` chose.
+
+        Parameters
+        ----------
+        method : str
+        system : System
+            Of shape ().
+        **calls
+            What long runs call on their way: `progress`, and `announce` with a sentence.
+        """
+        called = {name: calls[name] for name in METHODS[method].calls if name in calls}
+        own = {name: getattr(self, name) for name in METHODS[method].takes}
+        return METHODS[method].run(Row(system), self.until, self.max_events, **own, **called)
 
 
 def count(problems: Problems, name: str, value: Any) -> int:

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rodimpact.results.signals import StepSignal, integral_of_product
+from rodimpact.methods.signals import StepSignal, integral_of_product
 
 steps = st.lists(st.tuples(st.integers(0, 60), st.integers(-5, 5)), min_size=1, max_size=8,
                  unique_by=lambda pair: pair[0]).map(sorted)

@@ -1,0 +1,154 @@
+"""Runs the front kernel on one collision, on lists or compiled on arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .. import kernels
+from ..abilities import driven
+from ..run import MAX_EVENTS
+from .assembly import Assembly, start
+from .front_kernel import (
+    CAP,
+    CLOCK,
+    EVENTS,
+    FINAL,
+    FULL,
+    NOW,
+    ROWS,
+    SETTLED,
+    TURNS,
+    GroupState,
+    Log,
+    State,
+    Tally,
+    final_state,
+    initial_state,
+    play,
+    segment_totals,
+)
+
+LISTS_COLD, LISTS_WARM = 65_536, 2_048  # log rows up to which lists beat the compiler
+
+_LOG_TYPES = Log(np.int64, np.int32, np.int32, np.float64, np.int64, np.int32, np.int8)
+
+
+@dataclass(frozen=True, slots=True)
+class FrontRun:
+    """A finished run.
+
+    Attributes
+    ----------
+    assembly : Assembly
+    state, tally, log
+        The kernel's state at the end; log arrays cut to what was used.
+    opening, closing : Stock
+        What the segments held at t = 0 and at the end, momenta and energies per tick.
+    end : int
+        Tick reached.
+    settled : int
+        Tick at which the collision was proved final, -1 without proof, as where ends are driven.
+    events : int
+        Arrival ticks taken, one end each.
+    stopped_by : str
+        ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
+    """
+
+    assembly: Assembly
+    state: State
+    tally: Tally
+    log: Log
+    opening: GroupState
+    closing: GroupState
+    end: int
+    settled: int
+    events: int
+    stopped_by: str
+
+
+def track(
+    assembly: Assembly,
+    until: float | None = None,
+    max_events: int = MAX_EVENTS,
+    compile_after: int | None = None,
+) -> FrontRun:
+    """Follow every front of a collision.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    until : float, optional
+        Time to be reached, s; by default the run ends one round trip of the longest body after the
+        collision has been proved final.
+    max_events : int
+        Cap; a run that reaches it says so in `stopped_by`.
+    compile_after : int, optional
+        Log rows after which the kernel runs compiled; chosen by cost if not given. The result is
+        the same bit for bit.
+    """
+    a = assembly
+    mobility = [1 / Z if Z else 0.0 for Z in a.impedance]
+    state: Any = start(a.ticks, mobility, a.status, a.gaps, a.outside, a.waves)
+    state, tally, log, clock = state
+    opening, closing = (GroupState(*([0.0] * len(a.ticks) for _ in range(3))) for _ in range(2))
+    initial_state(state, log, opening)
+    segment_totals(state, log, 0, opening)
+    target = -2 * a.longest
+    if until is not None:
+        target = round(until / a.tick)
+    if compile_after is None:
+        compile_after = LISTS_WARM if kernels.started() else LISTS_COLD
+    kernel: Any = play
+    on_lists = True
+    while True:
+        if on_lists and kernels.enabled() and len(log.value) > compile_after:
+            state, tally, log, clock = on_arrays(state, tally, log, clock)
+            kernel, on_lists = kernels.compiled(play), False
+        flag = kernel(state, tally, log, clock, target, max_events, a.tolerance, a.window)
+        if flag != FULL:
+            break
+        log = _longer(log, clock, on_lists)
+    if not on_lists:
+        state, tally = State(*(x.tolist() for x in state)), Tally(*(x.tolist() for x in tally))
+        clock = clock.tolist()
+    final_state(state, tally, log, clock[NOW], opening, closing)
+    closing = GroupState(*([float(x) for x in column] for column in closing))
+    n, m = clock[ROWS], clock[TURNS]
+    log = Log(*(x[:n] for x in log[:4]), *(x[:m] for x in log[4:]))
+    settled = -1 if until is not None and driven(a.system) else clock[SETTLED]
+    reason = {FINAL: "final", CAP: "max_events", CLOCK: "clock"}.get(flag, "until")
+    return FrontRun(
+        a, state, tally, log, opening, closing, clock[NOW], settled, clock[EVENTS], reason
+    )
+
+
+def as_arrays(state: Any) -> Any:
+    """Lists to arrays of the type of their first entry."""
+    return type(state)(*(np.array(x, dtype=type(x[0])) for x in state))
+
+
+def on_arrays(
+    state: State, tally: Tally, log: Log, clock: list[int]
+) -> tuple[State, Tally, Log, Any]:
+    """Return the kernel's state on arrays, for compiled code."""
+    columns = [np.array(x, dtype=t) for x, t in zip(log, _LOG_TYPES, strict=True)]
+    return as_arrays(state), as_arrays(tally), Log(*columns), np.array(clock, dtype=np.int64)
+
+
+def _longer(log: Log, clock: Any, on_lists: bool) -> Log:
+    """Make room for as much again in the list of fronts, of turns, or in both."""
+    full = [clock[ROWS] + 2 > len(log.value)] * 4 + [clock[TURNS] >= len(log.turn_tick)] * 3
+    grown = []
+    for column, grow in zip(log, full, strict=True):
+        if not grow:
+            grown.append(column)
+        elif on_lists:
+            grown.append(column + [0 * column[0]] * len(column))
+        else:
+            longer = np.empty(2 * len(column), dtype=column.dtype)
+            longer[: len(column)] = column
+            grown.append(longer)
+    return Log(*grown)

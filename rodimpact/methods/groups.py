@@ -1,0 +1,97 @@
+"""Bodies that are bonded together: which they are, and what their common velocity is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..model import Bonded, Fixed, RigidMass, System, Wall
+
+
+def groups(system: System) -> list[list[int]]:
+    """Bodies that are bonded together, from left to right."""
+    found: list[list[int]] = [[0]]
+    for i, law in enumerate(system.contacts):
+        if isinstance(law, Bonded):
+            found[-1].append(i + 1)
+        else:
+            found.append([i + 1])
+    return found
+
+
+def grounds(system: System, group: list[int]) -> list[Any]:
+    """Velocities of the walls and fixed ends that hold a group, from left to right."""
+    walls = [b.velocity for i in group if isinstance(b := system.bodies[i], Wall)]
+    left = [0.0] if 0 in group and isinstance(system.ends[0], Fixed) else []
+    last = len(system.bodies) - 1
+    right = [0.0] if last in group and isinstance(system.ends[1], Fixed) else []
+    return [*left, *walls, *right]
+
+
+def velocities_in_group(
+    system: System, group: list[int], inside: list[int], own: Any
+) -> list[Any]:
+    """Velocities of bodies bonded together: that of the ground that holds them, or their own.
+
+    Between two grounds of different velocity a group has its own: there is none about which it
+    swings.
+
+    Parameters
+    ----------
+    system : System
+    group : list of int
+    inside : list of int
+        Those of them that can move against their ground; there are none in a lone wall.
+    own : float or array
+        Momentum over mass of those inside, m/s.
+    """
+    ground = grounds(system, group)
+    if not ground:
+        return [own] * len(group)
+    shared = ground[0]
+    if len(ground) == 2:
+        shared = np.where(np.equal(*ground), shared, own)[()]
+    moving = inside or group
+    return [
+        ground[0] if i < moving[0] else ground[-1] if i > moving[-1] else shared for i in group
+    ]
+
+
+def movable(system: System) -> list[int]:
+    """Bodies that can move against the walls: all but the walls and the masses bonded to them."""
+    count, held = len(system.bodies), set()
+    for start, step in ((0, 1), (count - 1, -1)):
+        i, bonded = start, isinstance(system.bodies[start], Wall)
+        while bonded:
+            held.add(i)
+            i += step
+            bonded = (
+                0 <= i < count
+                and isinstance(system.bodies[i], RigidMass)
+                and isinstance(system.contacts[min(i, i - step)], Bonded)
+            )
+    return [i for i in range(count) if i not in held]
+
+
+def body_velocities(
+    system: System, first: Sequence[int], velocity: Sequence[Any], frame: Any
+) -> list[Any]:
+    """Velocities of the bodies, m/s: of their group, or of the wall that it is bonded to.
+
+    Parameters
+    ----------
+    system : System
+    first : sequence of int
+        First segment of each body.
+    velocity : sequence of float or array
+        By segment, in the frame; for a family, one array of its shape a segment.
+    frame : float or array
+    """
+    found: list[Any] = []
+    for group in groups(system):
+        inside = [i for i in group if not isinstance(system.bodies[i], Wall)]
+        own = velocity[first[(inside or group)[0]]] + frame
+        found += velocities_in_group(system, group, inside, own)
+    return found

@@ -1,0 +1,257 @@
+"""The one walk through a system: a row of segments, rigid masses and links, as flat lists.
+
+Every method starts from a `Row`. Segments are counted 1 to n from left to right; 0 and n + 1 are
+what lies outside. Node k joins the segments k and k + 1: rigid masses may stand there, and links
+join what stands beside each other. Numbers are those of the system, in SI: floats, or for a family
+arrays.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..model import (
+    Absorbing,
+    Bonded,
+    Fixed,
+    InvalidModel,
+    Moved,
+    Pushed,
+    Rigid,
+    RigidMass,
+    Rod,
+    System,
+    Wall,
+)
+from ..model.frozen import Problems
+from ..model.profiles import extremes
+from .contact_law_kernel import BOND, COMPLIANT, FORCE, FREE, IMPACT, RIGID, SPRING
+
+ROOM = 2.0**60  # for sums over steps and cells
+STIFFEST = 2.0**80  # of a contact, times transit time over impedance
+LEAST = 2.0**-800  # stiffness, where time is counted in steps
+KINDS = {Fixed: "velocity", Moved: "velocity", Pushed: "force", Absorbing: "absorbing"}
+Array = np.ndarray[Any, np.dtype[Any]]
+
+
+class Row:
+    """A system, or a family of them, as a row of links, masses and segments.
+
+    Attributes
+    ----------
+    system : System
+    segments : list of Segment
+    paths : list of str
+        By segment, what the user calls it; "" for 0.
+    spans : tuple of (int, int)
+        First and last segment of each body; (1, 0) for a wall or a rigid mass.
+    first : list of int
+        Masses left of each node; the links of node k begin at k + first[k].
+    masses, mass_velocity : list of float
+        Bodies bonded together are one mass.
+    mass_of : list of int
+        Mass of each body; len(masses) + 0 or 1 if bonded to the left or right wall, -1 for a rod or
+        a wall.
+    laws, stiffness, exponent, damping, gap : list
+        By link.
+    contact_link : list of int
+        Link of each contact, -1 where it joins rigid bodies for good.
+    outside : list of (str, value)
+        Left and right: ``"none"``, ``"velocity"``, ``"force"`` or ``"absorbing"``.
+    """
+
+    def __init__(self, system: System) -> None:
+        self.system, self.gravity = system, system.gravity
+        self.laws: list[int] = []
+        self.stiffness: list[Any] = []
+        self.exponent: list[Any] = []
+        self.damping: list[Any] = []
+        self.gap: list[Any] = []
+        self.contact_link: list[int] = []
+        self.masses: list[Any] = []
+        self.mass_velocity: list[Any] = []
+        self.mass_of: list[int] = []
+        self.first = [0]
+        self.segments: list[Any] = []
+        self.paths = [""]
+        self.outside: list[tuple[str, Any]] = [("none", 0.0), ("none", 0.0)]
+        spans: list[tuple[int, int]] = []
+        for i, body in enumerate(system.bodies):
+            law = system.contacts[i - 1] if i else None
+            spans.append((1, 0))
+            if i == 0 and not isinstance(body, Wall):
+                self._end(0, system.ends[0])
+            elif isinstance(law, Bonded) and not (
+                isinstance(body, Rod) or isinstance(system.bodies[i - 1], Rod)
+            ):
+                self.contact_link.append(-1)
+                self._merge(body)
+                continue
+            elif i > 0:
+                self.contact_link.append(len(self.laws))
+                self._link(law, system.gaps[i - 1])
+            self.mass_of.append(-1)
+            if isinstance(body, Rod):
+                spans[-1] = (len(self.segments) + 1, len(self.segments) + len(body.segments))
+                self._rod(f"bodies.{i}", body)
+            elif isinstance(body, RigidMass):
+                self.mass_of[-1] = len(self.masses)
+                self.masses.append(body.mass)
+                self.mass_velocity.append(body.velocity)
+            else:
+                self.outside[0 if i == 0 else 1] = ("velocity", body.velocity)
+        if not isinstance(system.bodies[-1], Wall):
+            self._end(1, system.ends[1])
+        self.first.append(len(self.masses))
+        for i, m in enumerate(self.mass_of):
+            if m < 0 and isinstance(system.bodies[i], RigidMass):
+                self.mass_of[i] = len(self.masses) + any(stop for _, stop in spans[:i])
+        self.spans = tuple(spans)
+
+    def _rod(self, path: str, rod: Rod) -> None:
+        stepped = len(rod.segments) > 1
+        for j, segment in enumerate(rod.segments):
+            if j:
+                self._add(BOND)
+            self.segments.append(segment)
+            self.paths.append(f"{path}.segments.{j}" if stepped else path)
+            self.first.append(len(self.masses))
+
+    def _add(
+        self, law: int, damping: Any = 0.0, gap: Any = 0.0, stiffness: Any = 0.0,
+        exponent: Any = 1.0,
+    ) -> None:
+        self.laws.append(law)
+        self.stiffness.append(stiffness)
+        self.exponent.append(exponent)
+        self.damping.append(damping)
+        self.gap.append(gap)
+
+    def _link(self, law: Any, gap: Any) -> None:
+        if isinstance(law, Bonded):
+            self._add(BOND)
+        elif isinstance(law, Rigid):
+            e = law.restitution
+            self._add(RIGID if e is None else IMPACT, 0.0 if e is None else e, gap)
+        else:
+            damping = getattr(law, "damping", 0.0)
+            self._add(COMPLIANT[law.law], damping, gap, law.stiffness, law.exponent)
+
+    def _end(self, side: int, end: Any) -> None:
+        kind = KINDS.get(type(end), "none")
+        self.outside[side] = (kind, getattr(end, "value", 0.0))
+        self._add({"none": FREE, "force": FORCE}.get(kind, BOND))
+
+    def _merge(self, body: Any) -> None:
+        """Join a rigid body to the one before it: two masses, or a mass and a wall."""
+        if isinstance(body, Wall):
+            self.outside[1] = ("velocity", body.velocity)
+            self.masses.pop()
+            self.mass_velocity.pop()
+            top = len(self.masses)
+            self.mass_of = [-1 if m == top else m for m in self.mass_of]
+            self.mass_of.append(-1)
+        elif self.mass_of[-1] < 0:  # the wall it is bonded to
+            self.mass_of.append(-1)
+        else:
+            m = self.mass_of[-1]
+            M, more = self.masses[m], body.mass
+            momentum = M * self.mass_velocity[m] + more * body.velocity
+            self.masses[m], self.mass_velocity[m] = M + more, momentum / (M + more)
+            self.mass_of.append(m)
+
+    # On a time step -------------------------------------------------------------------------------
+
+    @cached_property
+    def frame(self) -> float:
+        """Velocity of the frame in which methods on a time step count velocities, m/s."""
+        walls = [b.velocity for b in self.system.bodies if isinstance(b, Wall)]
+        low, high = min(self._velocities), max(self._velocities)
+        return float(sum(walls) / len(walls) if walls else low / 2 + high / 2)
+
+    @cached_property
+    def scale(self) -> float:
+        """Scale of velocities, m/s."""
+        strained = pushed = 0.0
+        for body, (start, stop) in zip(self.system.bodies, self.spans, strict=True):
+            if isinstance(body, Rod):
+                c = max(s.wave_speed for s in self.segments[start - 1 : stop])
+                strained = max(strained, *(c * abs(e) for e in extremes(body.strain)))
+        for kind, value in self.outside:
+            if kind == "force":
+                pushed = max(pushed, *(abs(F) for F in extremes(value))) / self._weakest
+        fall = abs(self.gravity) * max(s.transit_time for s in self.segments)
+        spread = max(self._velocities) - min(self._velocities)
+        return float(spread + strained + pushed + fall)
+
+    @cached_property
+    def _velocities(self) -> list[float]:
+        found = list(self.mass_velocity)
+        for body in self.system.bodies:
+            if isinstance(body, Wall):
+                found.append(body.velocity)
+            elif isinstance(body, Rod):
+                found += extremes(body.velocity)
+        for kind, value in self.outside:
+            if kind == "velocity":
+                found += extremes(value)
+        return found
+
+    @cached_property
+    def _weakest(self) -> float:
+        """Smallest impedance, kg/s."""
+        return float(min(
+            s.material.density * s.wave_speed * extremes(s.area)[0] for s in self.segments
+        ))
+
+    def check_scales(self) -> None:
+        """Raise InvalidModel where steps would overflow, or lose an indentation in round-off."""
+        largest = max(*self.masses, *(float(s.mass) for s in self.segments), 0.0)
+        if not self.scale * self.scale * largest * ROOM < math.inf:
+            size = f"velocities and strains of {self.scale!r} m/s"
+            raise InvalidModel([("bodies", f"{size} overflow the energy; use smaller")])
+        T = max(s.transit_time for s in self.segments)
+        yielding = T / self._weakest
+        problems: Problems = []
+        for i, link in enumerate(self.contact_link):
+            law = self.laws[link] if link >= 0 else BOND
+            if law >= SPRING and (
+                self.stiffness[link] * yielding * (self.scale * T) ** (self.exponent[link] - 1)
+                > STIFFEST
+            ):
+                message = f"is as good as rigid beside these rods, got {self.stiffness[link]!r}"
+                problems.append((f"contacts.{i}.stiffness", f"{message}; use Rigid()"))
+        if problems:
+            raise InvalidModel(problems)
+
+    def stiffness_in_steps(self, step: float) -> Array:
+        """Stiffness of each link where time is counted in steps, s, and lengths as velocities."""
+        scaled = [k * step**p for k, p in zip(self.stiffness, self.exponent, strict=True)]
+        for k, p, small in zip(self.stiffness, self.exponent, scaled, strict=True):
+            if k > 0 and small < LEAST:
+                message = f"a force of {k!r} times the indentation to the {p:g} vanishes in steps"
+                raise InvalidModel([("contacts", f"{message} of {step:.3g} s; use a lower power")])
+        return np.array(scaled)
+
+    def wall_speed(self, side: int, times: Array) -> Array:
+        """Velocity of the left or right wall at times, s, in the frame."""
+        speeds: Array = float(self.outside[side][1]) - self.frame - self.gravity * times
+        return speeds
+
+
+def squeezed(seconds: float) -> InvalidModel:
+    """What to raise where a rigid mass cannot move."""
+    message = (
+        f"a rigid mass is squeezed between walls that leave it no room, at {seconds:.6g} s; give a "
+        "contact there a compliant law"
+    )
+    return InvalidModel([("contacts", message)])
+
+
+def whole(values: list[int]) -> Array:
+    """Return whole numbers as an array for a kernel."""
+    return np.array(values, dtype=np.int64)

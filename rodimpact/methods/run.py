@@ -1,0 +1,182 @@
+"""What every method hands back: a `Run`, in plain numbers and arrays.
+
+Totals are known when the run ends; signals are made when they are asked for, so that who wants the
+outcome alone does not wait for them. A file of a solution holds a run as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from ..model import System
+from .clock import Clock
+from .signals import Floats, Ints, StepSignal
+
+MAX_EVENTS = 5_000_000
+"""Arrivals at ends after which a run gives up where nothing else is asked for."""
+
+
+Progress = Callable[[int, int], None]
+"""Called during long runs with the steps that are done, and about how many there will be."""
+
+
+class Episode(NamedTuple):
+    """One uninterrupted touching that carried force; times in s.
+
+    start : first force; force_end : end of the last force (nan if it lasts to the end);
+    opening : when the gap opens (nan if it has not).
+    """
+
+    start: float
+    force_end: float
+    opening: float
+
+
+class ContactTally(NamedTuple):
+    """Totals of one contact, kept while the run went: SI units, times nan where there was none.
+
+    A bonded contact has an impulse and a largest push; the rest is for contacts that can open.
+    """
+
+    impulse: float
+    peak_force: float
+    duration: float
+    first: float
+    last: float
+    episodes: int
+
+
+class ContactSignal(NamedTuple):
+    """What passed at one contact: pieces that begin at `force.ticks`, from 0 on.
+
+    force, N; gap, m, as each piece begins; rate, m per tick, of the gap; power, J per tick, of the
+    work that the two bodies do on the contact.
+    """
+
+    force: StepSignal
+    gap: Floats
+    rate: Floats
+    power: StepSignal
+    episodes: tuple[Episode, ...]
+
+
+class Outside(NamedTuple):
+    """What acts on one end of the row: its kind, the force on the row, N, and its power, W.
+
+    kind : ``"wall"``, ``"drive"`` or ``"absorbing"``.
+    push : pushes to the right at the left end, to the left at the right end
+    """
+
+    kind: str
+    push: StepSignal
+    power: StepSignal
+
+
+class Waves(NamedTuple):
+    """End signals by line: what left the left (2s) and the right end (2s + 1) of segment s, m/s.
+
+    In the frame of the clock; None where there is none.
+    """
+
+    lines: Sequence[StepSignal | None]
+
+
+class Signals(NamedTuple):
+    """All that a run knows of the motion.
+
+    Attributes
+    ----------
+    motion : Waves or GridStates
+    contacts : tuple of ContactSignal
+    outside : (Outside or None, Outside or None)
+        Left and right.
+    edges : [n] array of int or None
+        Ticks from 0 on between which a method on a time step resolves nothing.
+    masses : dict of int to array
+        Velocities of rigid masses at `edges`, by body, m/s, in the frame of the clock.
+    """
+
+    motion: Any
+    contacts: tuple[ContactSignal, ...]
+    outside: tuple[Outside | None, Outside | None]
+    edges: Ints | None = None
+    masses: Mapping[int, Floats] = {}
+
+
+class Totals(NamedTuple):
+    """What a run of any method adds up to, in SI units.
+
+    masses [body]; velocities, vibration: [body] before and after; kinetic: of the centres of mass,
+    before and after; momentum, energy: what is missing in the balance, and what took part in it;
+    works: works and losses, by the names that an `Outcome` has for them.
+    """
+
+    masses: Sequence[float]
+    velocities: tuple[Sequence[float], Sequence[float]]
+    kinetic: tuple[float, float]
+    vibration: tuple[Sequence[float], Sequence[float]]
+    momentum: tuple[float, float]
+    energy: tuple[float, float]
+    works: Mapping[str, float]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Run:
+    """A finished run of any method.
+
+    Attributes
+    ----------
+    method : str
+    until : float or None
+        The end that was asked for, s.
+    clock : Clock
+    end : int
+        Last tick.
+    t_end, t_final : float
+        s; until when it ran, and when it was proved that no contact can happen again, or nan.
+    stopped_by : str
+        ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
+    status : str
+        The same in a sentence, with the remedy.
+    events : int
+        Arrivals at ends that were solved; steps times ends.
+    contacts : tuple of ContactTally
+    totals : Totals or None
+        None where they are to be read off the fields.
+    accuracy : dict of str to float
+        Estimated error of each measure of the outcome, relative to its largest value, where a time
+        step was chosen.
+    make_signals : function
+    """
+
+    method: str
+    until: float | None
+    clock: Clock
+    end: int
+    t_end: float
+    t_final: float
+    stopped_by: str
+    status: str
+    events: int
+    contacts: tuple[ContactTally, ...]
+    totals: Totals | None = None
+    accuracy: Mapping[str, float] = field(default_factory=dict)
+    make_signals: Callable[[], Signals]
+
+    @property
+    def system(self) -> System:
+        """What was run."""
+        return self.clock.system
+
+    @property
+    def final(self) -> bool:
+        """Whether it is proved that no contact can happen again."""
+        return self.t_final == self.t_final
+
+    @cached_property
+    def signals(self) -> Signals:
+        """All that is known of the motion."""
+        return self.make_signals()

@@ -1,0 +1,58 @@
+"""Why a run ended, and how accurate it is: sentences with the remedy."""
+
+from __future__ import annotations
+
+from ..model import Bonded, System, Wall
+from ..units import format_si
+from .abilities import driven
+
+LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
+
+
+def ended(system: System, stopped_by: str, final: str, end: str, cap: str) -> str:
+    """Why a run ended, with what its proof says, if it has one."""
+    if stopped_by == "final":
+        return final
+    if stopped_by == "until" and final:
+        return f"Stopped at the time asked for. {final}"
+    if stopped_by == "until":
+        asked = f"Stopped at the time asked for, {end}, before the collision was final"
+        return f"{asked}; {_way_to_the_proof(system)}."
+    if final:
+        return (
+            f"{final} The cap of {cap} ended the run at {end}; raise max_events to see more of the "
+            "vibration."
+        )
+    return (
+        f"Stopped by the cap of {cap} at {end}, before the collision was final. Raise max_events, "
+        "or give until= to set another end."
+    )
+
+
+def _way_to_the_proof(system: System) -> str:
+    ends = ((0, 0), (len(system.bodies) - 1, -1))
+    walls = [system.contacts[k] for i, k in ends if isinstance(system.bodies[i], Wall)]
+    if driven(system):
+        what = "gravity acts" if system.gravity else "an end is driven"
+        return f"while {what}, no contact is known to be the last"
+    if len(walls) == 2 or any(isinstance(law, Bonded) for law in walls):
+        return "a row between walls, or bonded to one, may never come to an end"
+    return "leave out until= to run to the proof"
+
+
+def proved(met: bool, at_the_end: bool, proof: float) -> str:
+    """What the proof of finality says, that was found at a time, s, at the end or before."""
+    if not met:
+        return "No collision happens, now or later."
+    after = "" if at_the_end else f" after {format_si(proof, 's')}"
+    return f"The collision is final: no new impact can happen{after}."
+
+
+def large_strains(strain: float) -> str:
+    """A warning of strains that are not small."""
+    if strain <= LARGE_STRAIN:
+        return ""
+    return (
+        f" Strains reach up to {strain:.2g}, where the linear theory of small strains "
+        "(about 1 %) does not hold; check units and velocities."
+    )

@@ -1,0 +1,186 @@
+"""From a run on a time step to what every method hands back: signals, tallies, and a status."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..model import Bonded, RigidMass, Wall
+from ..units import format_si
+from .contact_law_kernel import RIGID
+from .pressing import episodes_of_steps, pressed_spans
+from .refinement import SteppedRun, peak
+from .run import ContactSignal, ContactTally, Outside, Run, Signals
+from .signals import Floats, StepSignal
+from .status import ended, large_strains, proved
+
+NONE_TAKEN = " The end comes before half a step: none was taken. More cells shorten it."
+KINDS = {"velocity": "drive", "force": "drive", "absorbing": "absorbing"}
+
+
+class StepRecord(NamedTuple):
+    """Means over steps, and what is between them.
+
+    forces, gaps, paths : by contact, [steps] N, [steps + 1] m, and [steps] m by which the bodies
+    approach under the force: beside the change of the gap what a grid loses as it shuts.
+    spans : by contact, when it pressed, s; none of a bonded one.
+    ends : left and right, kind, [steps] force on the row, N, and velocity, m/s, or None.
+    """
+
+    forces: list[Floats]
+    gaps: list[Floats]
+    paths: list[Floats]
+    spans: list[list[tuple[float, float]]]
+    ends: list[tuple[str, Floats, Floats] | None]
+
+
+def as_run(
+    run: SteppedRun, method: str, until: float | None, motion: Callable[[StepRecord], Any],
+    remarks: str,
+) -> Run:
+    """Hand back a finished run.
+
+    Parameters
+    ----------
+    run : SteppedRun
+    method : str
+    until : float or None
+        s; what was asked for.
+    motion : function
+        Makes `Signals.motion`.
+    remarks : str
+        Sentences on the step that follow on why the run ended, each with a space before.
+    """
+    record, tick = _record(run), run.clock.tick
+    final = run.settled >= 0
+    t_end = until if until is not None else float(run.edges[-1]) * tick
+    t_final = float(run.edges[run.settled]) * tick if final else math.nan
+    proof = proved(
+        any(run.tally.episodes), run.stopped_by == "until" and run.settled >= run.steps, t_final
+    ) if final else ""
+    status = ended(
+        run.row.system, run.stopped_by, proof, format_si(t_end, "s"),
+        f"{run.events} steps times ends",
+    )
+    return Run(
+        method=method, until=until, clock=run.clock, end=run.end, t_end=t_end, t_final=t_final,
+        stopped_by=run.stopped_by, status=status + remarks + large_strains(run.largest_strain),
+        events=run.events, contacts=_tallies(run, record), accuracy=run.estimates,
+        make_signals=lambda: _signals(run, record, motion),
+    )
+
+
+def accuracy(run: SteppedRun, finer: str) -> str:
+    """How wrong the outcome may be, where contacts can open; `finer` is what makes it less."""
+    row = run.row
+    if not run.estimates or not any(i >= 0 and row.laws[i] >= RIGID for i in row.contact_link):
+        return ""
+    late = {name: value for name, value in run.estimates.items() if value > run.rtol}
+    if not late:
+        worst = max(run.estimates.values())
+        return f" Comparing steps, the outcome is wrong by {worst:.1g} of itself at most."
+    which = ", ".join(f"{name} to {value:.1g}" for name, value in late.items() if value < math.inf)
+    return (
+        f" Not converged to {run.rtol:g}: {which or 'too long a run to divide the step'}; "
+        f"a larger rtol is soon reached, {finer} goes on."
+    )
+
+
+def _record(run: SteppedRun) -> StepRecord:
+    row, times, forces, gaps, paths, spans = run.row, run.edges * run.clock.tick, [], [], [], []
+    for k, link in enumerate(row.contact_link):
+        if link >= 0 and row.laws[link] >= RIGID:
+            force, gap = run.contact(k)
+            forces.append(force)
+            gaps.append(np.concatenate(([float(row.system.gaps[k])], gap)))
+            paths.append(run.path(k))
+            spans.append(pressed_spans(times, force, gaps[-1]))
+        else:
+            forces.append(run.bond(k) if link >= 0 else np.full(run.steps, math.nan))
+            gaps.append(np.zeros(run.steps + 1))
+            paths.append(np.zeros(run.steps))
+            spans.append([])
+    ends: list[tuple[str, Floats, Floats] | None] = []
+    for side, (kind, _) in enumerate(row.outside):
+        wall = isinstance(row.system.bodies[-side], Wall)
+        ends.append(
+            None if kind == "none" else ("wall" if wall else KINDS[kind], *run.outer(side))
+        )
+    _join_rigid_bodies(run, forces, [end[1] if end else np.zeros(run.steps) for end in ends])
+    return StepRecord(forces, gaps, paths, spans, ends)
+
+
+def _join_rigid_bodies(run: SteppedRun, forces: list[Floats], pushes: list[Floats]) -> None:
+    """Fill in the forces between bonded rigid bodies, from Newton's law for one after the other.
+
+    `pushes` act on the two ends of the row, to the inside.
+    """
+    bodies, rigid = run.row.system.bodies, [i < 0 for i in run.row.contact_link]
+
+    def spent(body: int) -> Floats:
+        mass = bodies[body]
+        assert isinstance(mass, RigidMass)
+        gained: Floats = float(mass.mass) * np.diff(run.speed(run.row.mass_of[body]))
+        return gained / run.durations
+
+    held = rigid.index(False) if isinstance(bodies[0], Wall) and False in rigid else 0
+    for k in range(held - 1, -1, -1):
+        forces[k] = forces[k + 1] + spent(k + 1)
+    for k in range(held, len(forces)):
+        if rigid[k]:
+            forces[k] = (forces[k - 1] if k else pushes[0]) - spent(k)
+
+
+def _tallies(run: SteppedRun, record: StepRecord) -> tuple[ContactTally, ...]:
+    """Totals of every contact in SI units."""
+    tallies, t, end = [], run.tally, float(run.edges[-1]) * run.clock.tick
+    for k, (force, spans) in enumerate(zip(record.forces, record.spans, strict=True)):
+        law = run.row.system.contacts[k]
+        if isinstance(law, Bonded):
+            impulse = float(force @ run.durations)
+            tallies.append(ContactTally(impulse, float(np.max(force, initial=0.0)), 0.0,
+                                        math.nan, math.nan, 0))
+            continue
+        link = run.place(k)
+        begins, ends = np.array(spans).reshape(-1, 2).T
+        ends = np.nan_to_num(ends, nan=end)
+        sudden = getattr(law, "restitution", None) is not None
+        if sudden:  # an impact takes no time, though it takes a step here
+            ends = np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
+        tallies.append(ContactTally(
+            impulse=float(t.impulse[link]) * run.step,
+            peak_force=math.nan if sudden else peak(run.edges, force),
+            duration=float(np.sum(ends - begins)),
+            first=float(begins[0]) if spans else math.nan,
+            last=float(ends[-1]) if spans else math.nan,
+            episodes=int(t.episodes[link]),
+        ))
+    return tuple(tallies)
+
+
+def _signals(
+    run: SteppedRun, record: StepRecord, motion: Callable[[StepRecord], Any]
+) -> Signals:
+    row, edges, contacts = run.row, run.edges, []
+    times, lasts = edges * run.clock.tick, np.diff(edges)
+    for force, gap, path, spans in zip(*record[:4], strict=True):
+        episodes = episodes_of_steps(times, force, gap, run.resolved, spans) if spans else ()
+        if len(force):
+            contacts.append(ContactSignal(
+                StepSignal(edges[:-1], force), gap[:-1], np.diff(gap) / lasts,
+                StepSignal(edges[:-1], force * path / lasts), episodes,
+            ))
+        else:
+            still = StepSignal([0], [0.0])
+            contacts.append(ContactSignal(still, gap, np.zeros(1), still, episodes))
+    left, right = (
+        Outside(
+            end[0], StepSignal(edges[:-1], end[1]), StepSignal(edges[:-1], sign * end[1] * end[2])
+        ) if end is not None and len(end[1]) else None
+        for end, sign in zip(record.ends, (1, -1), strict=True)
+    )
+    masses = {body: run.speed(m) for body, m in enumerate(row.mass_of) if m >= 0}
+    return Signals(motion(record), tuple(contacts), (left, right), edges, masses)

@@ -1,0 +1,112 @@
+"""A run as a document and arrays, for a file that holds it as it is.
+
+Every class is written as its fields by name, so that one that comes later has its default in an
+older file. Arrays of one type stand one behind another, in the document is where each is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from ..methods.clock import Clock
+from ..methods.grid.mesh import GridMotion
+from ..methods.run import (
+    ContactSignal,
+    ContactTally,
+    Episode,
+    Outside,
+    Run,
+    Signals,
+    Totals,
+    Waves,
+)
+from ..methods.signals import StepSignal
+from ..model import System
+from ..storage.writing import Arrays
+
+KINDS = {kind.__name__: kind for kind in (
+    Clock, ContactSignal, ContactTally, Episode, GridMotion, Outside, Run, Signals, StepSignal,
+    System, Totals, Waves,
+)}
+
+
+def take_apart(run: Run) -> tuple[dict[str, Any], Arrays]:
+    """Document and arrays that `put_together` makes the same run of, bit for bit."""
+    columns: dict[str, list[Any]] = {}
+    sizes: dict[str, int] = {}
+    places: dict[int, tuple[Any, dict[str, Any]]] = {}  # with the array, so that its id is its own
+
+    def put(array: Any) -> dict[str, Any]:
+        if id(array) not in places:
+            name = array.dtype.str[1:]
+            place = {"array": name, "start": sizes.get(name, 0), "shape": list(array.shape)}
+            columns.setdefault(name, []).append(array.ravel())
+            sizes[name] = sizes.get(name, 0) + array.size
+            places[id(array)] = array, place
+        return places[id(array)][1]
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, np.ndarray):
+            return put(value)
+        if isinstance(value, System):
+            return {"class": "System", "system": value.to_dict()}
+        if type(value).__name__ in KINDS or isinstance(value, Clock):
+            name = "Clock" if isinstance(value, Clock) else type(value).__name__
+            keys = _names(KINDS[name])
+            return {"class": name, **{key: plain(getattr(value, key)) for key in keys}}
+        if isinstance(value, Mapping):
+            return {"class": "map", "items": [[plain(k), plain(v)] for k, v in value.items()]}
+        return [plain(item) for item in value] if isinstance(value, list | tuple) else value
+
+    document = {"run": plain(run), "sizes": sizes}
+    return document, {name: np.concatenate(parts) for name, parts in columns.items()}
+
+
+def put_together(document: Mapping[str, Any], arrays: Arrays) -> Run:
+    """Make again what `take_apart` took apart; ValueError if the two do not fit together."""
+    sizes = {name: array.size for name, array in arrays.items() if array.ndim == 1}
+    types = {array.dtype.str[1:] for array in arrays.values()}
+    if sizes != document["sizes"] or types != set(arrays):
+        raise ValueError("its arrays are not those that were saved")
+    parts: dict[tuple[Any, ...], Any] = {}
+
+    def array_of(name: str, start: int, shape: list[int]) -> Any:
+        key = (name, start, *shape)
+        if key not in parts:
+            size = int(np.prod(shape, dtype=np.int64))
+            parts[key] = arrays[name][start : start + size].reshape(shape)
+        return parts[key]
+
+    def made(value: Any) -> Any:
+        if isinstance(value, list | tuple):
+            return [made(item) for item in value]
+        if not isinstance(value, dict):
+            return value
+        if "array" in value:
+            return array_of(value["array"], value["start"], value["shape"])
+        if value["class"] == "map":
+            return {made(k): made(v) for k, v in value["items"]}
+        if value["class"] == "System":
+            return System.from_dict(value["system"])
+        given = {key: made(item) for key, item in value.items() if key != "class"}
+        if value["class"] == "Run":
+            signals = given.pop("signals")
+            return Run(**given, make_signals=lambda: signals)
+        return KINDS[value["class"]](**given)
+
+    run = made(document["run"])
+    assert isinstance(run, Run)
+    return run
+
+
+def _names(kind: Any) -> list[str]:
+    """Fields of a class, by which it is made again."""
+    if kind is Run:
+        return ["signals", *(f.name for f in fields(Run) if f.name != "make_signals")]
+    if is_dataclass(kind):
+        return [f.name for f in fields(kind)]
+    return ["ticks", "values"] if kind is StepSignal else list(kind._fields)

@@ -1,0 +1,54 @@
+"""What a run on a time step adds up to: the energy ledger at its beginning and its end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..methods.groups import groups, velocities_in_group
+from ..methods.run import Run, Totals
+from .contacts import ContactHistory
+from .energy import ledger
+from .fields import Fields
+from .group_states import group_states
+
+
+def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> Totals:
+    """Read the totals off the fields of a finished run on a time step."""
+    system, clock, signals = run.system, run.clock, run.signals
+    count, edges = len(system.bodies), signals.edges
+    assert edges is not None
+    states = group_states(system, fields, np.unique(edges[[0, -1]]))
+    book = ledger(fields, contacts, signals.outside, states)
+    masses = [clock.mass(i) for i in range(count)]
+    velocity, vibration = np.zeros((2, count)), (states.moving + states.strained).T
+    own = {inside[0]: v for inside, v in zip(states.bodies, states.velocity, strict=True)}
+    for group in groups(system):
+        inside = next((x for x in states.bodies if x[0] in group), [])
+        mean = own[inside[0]] if inside else np.zeros(1)
+        for place in (0, -1):
+            velocity[place, group] = velocities_in_group(system, group, inside, mean[place])
+    impulse = sum(
+        sign * float(side.push.integral(0, edges[-1])) * clock.tick
+        for side, sign in zip(signals.outside, (1, -1), strict=True) if side is not None
+    )
+    total = float(states.mass.sum())
+    gained = float(states.momentum[-1] - states.momentum[0])
+    missing = gained - impulse - total * clock.gravity * float(edges[-1]) * clock.tick
+    pushed = sum(abs(tally.impulse) for tally in run.contacts if tally.impulse == tally.impulse)
+    absolute = total * clock.scale + pushed
+    energy = book.total
+    turnover = float(energy[0]) + abs(float(book.gravity_work[-1])) + sum(
+        abs(float(x[-1])) for x in (book.wall_work, book.drive_work, book.radiated)
+    ) + total * clock.scale**2 / 2
+    works = ("wall_work", "drive_work", "gravity_work", "radiated", "dissipated", "damped",
+             "numerical")
+    return Totals(
+        masses=masses, velocities=(velocity[0].tolist(), velocity[-1].tolist()),
+        kinetic=(float(book.kinetic[0]), float(book.kinetic[-1])),
+        vibration=(vibration[0].tolist(), vibration[-1].tolist()),
+        momentum=(missing, absolute), energy=(float(book.residual[-1]), turnover),
+        works={"contact_energy": float(book.contact[-1]),
+               **{name: float(getattr(book, name)[-1]) for name in works}},
+    )
