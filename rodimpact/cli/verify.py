@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 
-from ..storage.tables import SCHEMA_VERSION, align
+from ..storage.tables import SCHEMA_VERSION, align, finite
 from . import DONE, UNVERIFIED, selfcheck
 
 
@@ -23,10 +22,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     if arguments.json:
         rows = [
             {
-                **{name: value if not isinstance(value, float) or math.isfinite(value) else None
-                   for name, value in check._asdict().items()},
-                "residual": check.residual if math.isfinite(check.residual) else None,
-                "passed": check.passed,
+                "name": check.name, "expected": finite(check.expected), "got": finite(check.got),
+                "bound": check.bound, "residual": finite(check.residual), "passed": check.passed,
             }
             for check in checks
         ]

@@ -279,6 +279,25 @@ def test_a_run_of_no_time_prints_its_table_and_tells_why_it_draws_nothing(
     assert not Path("a.csv").exists()
 
 
+@pytest.mark.parametrize("command", [["export", "-o", "a.html"], ["animate", "-o", "a.gif"]])
+@pytest.mark.parametrize(
+    ("change", "remedy"),
+    [
+        ("[solve]\nmax_events = 1\n", "cap of 1 events"),
+        ("[solve]\nuntil = 1e-30\n", "leave out until="),
+        ("[[contacts]]\ngap = 1e9\n", "Give until="),
+    ],
+)
+def test_a_run_of_no_time_is_no_page_and_no_film(case, capsys, command, change, remedy):
+    case.write_text(CASE + change)
+    assert main([command[0], "case.toml", *command[1:]]) == 2
+    error = capsys.readouterr().err
+    assert "lasts no time to show" in error
+    assert remedy in error
+    assert "--until" not in error
+    assert [path.name for path in case.parent.iterdir()] == ["case.toml"]
+
+
 def test_two_outputs_on_one_path_are_refused_before_solving(case, capsys, monkeypatch):
     monkeypatch.setattr("rodimpact.cli.run.solved", lambda *_, **__: pytest.fail("solved"))
     assert main(["run", "case.toml", "--save", "a.png", "--plot", "./a.png"]) == 2
