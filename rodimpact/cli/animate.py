@@ -70,7 +70,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     assert case is not None  # or there were problems
 
     solution = solved(case.system, **options)
-    if reason := nothing_to_draw(solution):
+    too_short = arguments.until is not None and solution.stopped_by == "until"  # that is told below
+    if not too_short and (reason := nothing_to_draw(solution)):
         raise InvalidModel([(case.path, reason)])
     note("drawing")
     try:

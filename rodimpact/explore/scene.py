@@ -19,7 +19,7 @@ from ..model.profiles import extremes
 from ..results.closed_forms import ClosedForm, closed_form
 from ..results.contacts import ContactHistory
 from ..results.placing import Placing, placing
-from ..results.regions import Regions, nothing_to_draw, readable_regions
+from ..results.regions import Regions, nothing_to_draw, readable_until, regions_of
 from ..results.solution import Solution
 from ..storage.tables import clean
 from ..units import format_si
@@ -59,9 +59,12 @@ def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
     """
     if reason := nothing_to_draw(solution):
         raise InvalidModel([("solve", reason)])
-    readable = readable_regions(solution, REGIONS) if solution.method == "fronts" else None
-    stop, tiling = readable or (solution.t_end, cells(solution))
-    exact = readable is not None
+    stop, exact = solution.t_end, solution.method == "fronts"
+    try:
+        stop = readable_until(solution, REGIONS) if exact else stop
+    except ValueError:  # too many from the start
+        exact = False
+    tiling = regions_of(solution, stop=stop) if exact else cells(solution)
     notes = [solution.status]
     if stop < solution.t_end:
         notes.append(f"The picture ends at {format_si(stop, 's', 4)}: too many regions later.")

@@ -13,7 +13,7 @@ from matplotlib.text import Text
 from ..methods.signals import Floats, Ints
 from ..results.contacts import ContactHistory
 from ..results.placing import Placing
-from ..results.regions import readable_regions, regions_of
+from ..results.regions import readable_until, regions_of
 from ..results.solution import Solution
 from .plane import Plane
 from .sampling import energy_density, is_stepped
@@ -97,8 +97,7 @@ class Polygons:
 
 def drawn_until(solution: Solution) -> float:
     """Latest of the times t_end, t_end/2, t_end/4, ..., s, up to which the regions can be read."""
-    readable = None if is_stepped(solution) else readable_regions(solution, REGIONS)
-    return readable[0] if readable else solution.t_end
+    return solution.t_end if is_stepped(solution) else readable_until(solution, REGIONS)
 
 
 def _fans(start: Ints) -> Ints:

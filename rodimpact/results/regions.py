@@ -8,8 +8,6 @@ all its corners have whole p and q. Plots, page and animation draw these polygon
 
 from __future__ import annotations
 
-from bisect import bisect_left, bisect_right
-from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,13 +71,9 @@ def regions_of(
         If there are more regions than `limit`, the interval is empty or outside the solution, or
         the method has no fronts.
     """
-    fields = solution.fields
-    if not isinstance(fields, WaveFields):
-        raise ValueError(f'solution: method "{solution.method}" has no fronts to draw between')
-    first_tick = int(fields.to_ticks(start))
-    last_tick = fields.end if stop is None else int(fields.to_ticks(stop))
-    if last_tick <= first_tick:
-        raise ValueError(f"stop: must be later than start = {start!r} s, got {stop!r}")
+    fields, first_tick, last_tick = _interval(solution, start, stop)
+    if _count(fields, first_tick, last_tick, limit) > limit:
+        raise ValueError(f"limit: more than {limit} regions; choose a shorter interval")
     bodies: list[int] = []
     segments: list[int] = []
     counts: list[int] = []
@@ -94,9 +88,7 @@ def regions_of(
         edges = fields.edges(body)
         for j, piece in enumerate(rod.segments):
             s = a.spans[body][0] + j
-            polygons, waves = _polygons(fields, s, first_tick, last_tick, limit - len(bodies))
-            if len(bodies) + len(polygons) > limit:
-                raise ValueError(f"limit: more than {limit} regions; choose a shorter interval")
+            polygons, waves = _polygons(fields, s, first_tick, last_tick)
             corners = np.array([c for polygon in polygons for c in polygon], dtype=np.int64)
             counts += [len(polygon) for polygon in polygons]
             p, q = corners.reshape(-1, 2).T
@@ -124,60 +116,89 @@ def nothing_to_draw(solution: Solution) -> str:
     return f"lasts no time to show, {solution.t_end:.3g} s. {solution.status}"
 
 
-def readable_regions(solution: Solution, limit: int) -> tuple[float, Regions] | None:
-    """Regions up to the latest of t_end, t_end/2, t_end/4, ... at which they are few enough.
+def readable_until(solution: Solution, limit: int) -> float:
+    """Latest of the times t_end, t_end/2, t_end/4, ..., s, up to which there are so few regions.
 
-    Parameters
-    ----------
-    solution : Solution
-        Of fronts.
-    limit : int
-        Largest number of regions wanted.
-
-    Returns
-    -------
-    (float, Regions) or None
-        The time up to which they go, s, and the regions; None if there are more from the start.
+    Raises
+    ------
+    ValueError
+        If there are more at all times, the solution lasts no time, or the method has no fronts.
     """
-    fields, stop = solution.fields, solution.t_end
-    rods = [i for i, body in enumerate(solution.system.bodies) if isinstance(body, Rod)]
-    if sum(len(fields.profile(i, 0).velocity) for i in rods) > limit:
-        return None
-    while fields.to_ticks(stop) > 0:
-        with suppress(ValueError):
-            return stop, regions_of(solution, stop=stop, limit=limit)
+    fields, _, last_tick = _interval(solution, 0.0, None)
+    stop = solution.t_end
+    while last_tick and _count(fields, 0, last_tick, limit) > limit:
         stop /= 2
-    return None
+        last_tick = int(fields.to_ticks(stop))
+    if not last_tick:
+        raise ValueError(f"solution: has more than {limit} regions of constant state from its "
+                         "first instant on, too many for a picture; describe the row in fewer "
+                         "pieces")
+    return stop
+
+
+def _interval(
+    solution: Solution, start: float, stop: float | None
+) -> tuple[WaveFields, int, int]:
+    """Fields between whose fronts there are regions, and first and last tick of an interval."""
+    fields, stop = solution.fields, solution.t_end if stop is None else stop
+    if not isinstance(fields, WaveFields):
+        raise ValueError(f'solution: method "{solution.method}" has no fronts to draw between')
+    first_tick, last_tick = (int(fields.to_ticks(t)) for t in (start, stop))
+    if last_tick <= first_tick:
+        raise ValueError(f"stop: must be later than start = {start!r} s, got {stop!r}")
+    return fields, first_tick, last_tick
+
+
+def _count(fields: WaveFields, start: int, stop: int, limit: int) -> int:
+    """Number of regions; of more than `limit` not all are counted."""
+    count = sum(last - first + 1 for first, last in fields.clock.spans)
+    if count > limit:  # each segment has at least one
+        return count
+    count = 0
+    for first, last in fields.clock.spans:
+        for s in range(first, last + 1):
+            *_, low, high = _rectangles(fields, s, start, stop)
+            count += int((high - low).sum())
+            if count > limit:
+                return count
+    return count
+
+
+def _rectangles(fields: WaveFields, s: int, start: int, stop: int) -> tuple[Ints, Ints, Ints, Ints]:
+    """Edges p and q of rectangles; those from low[i] to high[i] in q are regions beside p[i]."""
+    A, B = fields.waves(s)
+    T = fields.clock.ticks[s]
+    p, q = (np.concatenate(([start - T], wave.jumps_in(start - T, stop), [stop]))
+            for wave in (A, B))
+    low = np.searchsorted(q[1:], np.maximum(p[:-1] - T, start - T + (start - p[1:])), "right")
+    high = np.searchsorted(q[:-1], np.minimum(p[1:] + T, stop - T + (stop - p[:-1])), "left")
+    return p, q, low, high
 
 
 Corner = tuple[int, int]
 
 
 def _polygons(
-    fields: WaveFields, s: int, start: int, stop: int, limit: int
+    fields: WaveFields, s: int, start: int, stop: int
 ) -> tuple[list[list[Corner]], list[tuple[float, float]]]:
-    """Regions of one segment as corners (p, q), and the two waves in each; stops above `limit`."""
+    """Regions of one segment as corners (p, q), and the two waves in each."""
     A, B = fields.waves(s)
     T = fields.clock.ticks[s]
-    ps = [start - T, *A.jumps_in(start - T, stop).tolist(), stop]
-    qs = [start - T, *B.jumps_in(start - T, stop).tolist(), stop]
-    right, left = A.at(ps[:-1]).tolist(), B.at(qs[:-1]).tolist()
+    edges_p, edges_q, low, high = _rectangles(fields, s, start, stop)
+    right, left = A.at(edges_p[:-1]).tolist(), B.at(edges_q[:-1]).tolist()
+    ps, qs = edges_p.tolist(), edges_q.tolist()
     polygons, waves = [], []
-    for p0, p1, a in zip(ps, ps[1:], right, strict=False):
-        earliest, latest = max(p0 - T, 2 * start - T - p1), min(p1 + T, 2 * stop - T - p0)
-        low = max(0, bisect_right(qs, earliest) - 1)
-        for j in range(low, bisect_left(qs, latest, low, len(left))):
-            q0, q1 = qs[j], qs[j + 1]
+    for i, (first, last) in enumerate(zip(low.tolist(), high.tolist(), strict=True)):
+        p0, p1 = ps[i : i + 2]
+        for j in range(first, last):
+            q0, q1 = qs[j : j + 2]
             corners: list[Corner] = [(p0, q0), (p1, q0), (p1, q1), (p0, q1)]
             for normal, bound in (
                 ((-1, 1), T), ((1, -1), T), ((1, 1), 2 * stop - T), ((-1, -1), T - 2 * start)
             ):
                 corners = _clip(corners, normal, bound)
-            if len(corners) > 2:
-                polygons.append(corners)
-                waves.append((a, left[j]))
-        if len(polygons) > limit:
-            break
+            polygons.append(corners)
+            waves.append((right[i], left[j]))
     return polygons, waves
 
 
