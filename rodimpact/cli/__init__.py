@@ -73,7 +73,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except ValueError as error:
         if not hasattr(error, "problems"):
             return _fault()
-        return complain("\n".join(f"{path}: {text}" for path, text in error.problems), MISTAKE)
+        return complain(str(error), MISTAKE)
     except Exception:
         return _fault()
 
