@@ -1,5 +1,11 @@
-"""`python -m rodimpact` is the command `rodimpact`."""
+"""The program: `rodimpact`, or `python -m rodimpact`."""
 
-from .cli import main
+import signal
 
-raise SystemExit(main())
+if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C just ends it until `main` listens
+
+from .cli import main as main
+
+if __name__ == "__main__":
+    raise SystemExit(main())

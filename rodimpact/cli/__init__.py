@@ -5,7 +5,7 @@ standard output, or its lines, and the exit status:
 
 0 done; 1 an output that cannot be written, or an internal fault; 2 a mistake in the call, in the
 case, or an existing file without --force; 3 stopped before what was asked; 4 verification failed;
-130 interrupted.
+130 interrupted, by Ctrl-C or by a signal to end.
 """
 
 from __future__ import annotations
@@ -14,9 +14,12 @@ import argparse
 import difflib
 import os
 import re
+import signal
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from importlib import import_module
+from typing import Any
 
 from .. import __version__
 
@@ -48,6 +51,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         Exit status.
     """
+    if sys.stderr is None:  # closed; what is printed to None goes to standard output
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
     try:
         try:
             text, status = _run(sys.argv[1:] if argv is None else list(argv))
@@ -63,12 +68,35 @@ def main(argv: Sequence[str] | None = None) -> int:
     except MemoryError:
         remedy = "ask for a shorter run, fewer events or fewer values"
         return complain(f"not enough memory; {remedy}", FAULT)
+    except (OverflowError, FloatingPointError) as error:
+        return complain(f"a number is too large or too small to compute with: {error}", MISTAKE)
     except ValueError as error:
         if not hasattr(error, "problems"):
             return _fault()
         return complain(str(error), MISTAKE)
     except Exception:
         return _fault()
+
+
+@contextmanager
+def _signals_interrupt() -> Iterator[None]:
+    """Let every signal to end interrupt as Ctrl-C does, so that nothing half-written stays."""
+    usual = (signal.SIG_DFL, signal.default_int_handler)
+    before: dict[int, Any] = {}
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) in usual:
+            with suppress(ValueError):  # not in the main thread, which alone hears signals
+                before[number] = signal.signal(number, _interrupt)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _interrupt(*_: Any) -> None:
+    raise KeyboardInterrupt
 
 
 def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
@@ -97,9 +125,17 @@ def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
         formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
     )
     command.add_arguments(own)
-    # a value such as -20cm/s is no option; argparse believes so when it sees a blank
-    rest = [f" {word}" if re.match(r"-\.?[0-9]", word) else word for word in called.rest]
-    text, status = command.run(own.parse_args(rest))
+    # what begins as a number is a value, such as -20cm/s or -5.npz; no option does
+    own._negative_number_matcher = re.compile(r"-\.?[0-9]")
+    os.environ["MPLBACKEND"] = "agg"  # no command opens a window
+    given = own.parse_args(called.rest)
+    try:
+        os.getcwd()
+    except FileNotFoundError:
+        message = "the current directory has been deleted; change to another"
+        raise FileNotFoundError(message) from None
+    with _signals_interrupt():
+        text, status = command.run(given)
     return text, status
 
 
@@ -123,10 +159,10 @@ def _print(text: str | Iterable[str]) -> bool:
 
 
 def complain(message: str, status: int) -> int:
-    """Tell of a mistake or a fault, and hand back the exit status that goes with it."""
     """Print a mistake or fault; returns the exit status that goes with it."""
-    for line in message.splitlines():
-        print(f"rodimpact: {line}", file=sys.stderr)
+    with suppress(OSError):  # nobody reads it
+        for line in message.splitlines():
+            print(f"rodimpact: {line}", file=sys.stderr)
     return status
 
 

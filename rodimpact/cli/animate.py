@@ -12,12 +12,13 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from ..model.frozen import InvalidModel
-from ..storage.casefile import Case, read_case
+from ..model.frozen import InvalidModel, Problems
+from ..results.regions import nothing_to_draw
+from ..storage.casefile import read_case
 from ..units import format_si
-from . import DONE, INCOMPLETE
-from .asking import Mistakes, Problems, check_outputs, note, quantity, whole_number
-from .progress import progress_bar, solved
+from . import DONE
+from .asking import attempt, check_outputs, note, quantity, whole_number
+from .progress import progress_bar, solved, status_of
 from .run_options import add_run_options, run_options
 
 _OPTIONS = {"path": "--output", "magnification": "--magnify", "limit": "--until", "stop": "--until",
@@ -55,11 +56,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     if arguments.magnify is not None:
         shown["magnification"] = quantity(
             problems, "--magnify", arguments.magnify, "dimensionless")
-    case: Case | None = None
-    try:
-        case = read_case(arguments.case)
-    except InvalidModel as error:
-        problems += error.problems
+    case = attempt(problems, read_case, arguments.case)
     options = run_options(problems, arguments, case)
     for check, given in (
         (check_film, (arguments.output,)), (check_frames, (shown["frames"], shown["fps"])),
@@ -67,29 +64,32 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         try:
             check(*given)
         except ValueError as error:
-            option, said = _problem(error)
+            option, message = _problem(error)
             if option not in dict(problems):
-                problems.append((option, said))
+                problems.append((option, message))
     check_outputs(problems, {"--output": arguments.output}, arguments.force)
     assert case is not None  # or there were problems
 
     solution = solved(case.system, **options)
+    too_short = arguments.until is not None and solution.stopped_by == "until"  # that is told below
+    if not too_short and (reason := nothing_to_draw(solution)):
+        raise InvalidModel([(case.path, reason)])
     note("drawing")
     try:
         with plot.look("dark" if arguments.dark else "light"):
             film = plot.animation(solution, **shown)
     except ValueError as error:
-        raise Mistakes([_problem(error)]) from error
+        raise InvalidModel([_problem(error)]) from error
     with progress_bar("frames") as bar:
         film.save(arguments.output, force=arguments.force, progress=bar)
     start, stop = (format_si(float(t), "s") for t in film.times[[0, -1]])
     text = (f"{len(film)} frames from {start} to {stop}, {len(film) / film.fps:.3g} s to watch: "
             f"{arguments.output}")
-    done = solution.stopped_by not in ("max_events", "clock")
-    return (text, DONE) if done else (f"{text}\n{solution.status}", INCOMPLETE)
+    status = status_of(solution)
+    return text if status == DONE else f"{text}\n{solution.status}", status
 
 
 def _problem(error: ValueError) -> tuple[str, str]:
     """What is wrong with which option, from an error that names an argument of the picture."""
-    field, _, said = str(error).partition(": ")
-    return _OPTIONS.get(field, f"--{field}"), said
+    field, _, message = str(error).partition(": ")
+    return _OPTIONS.get(field, f"--{field}"), message

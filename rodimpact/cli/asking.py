@@ -8,20 +8,24 @@ from __future__ import annotations
 import math
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import TypeVar
 
+from ..model.frozen import InvalidModel, Problems
 from ..storage.writing import check_target
 from ..units import parse
+from . import DONE, FAULT, complain
 
-Problems = list[tuple[str, str]]
+Made = TypeVar("Made")
 
 
-class Mistakes(ValueError):
-    """Mistakes in a call; `problems` lists them as (what was given, what is wrong)."""
-
-    def __init__(self, problems: Problems) -> None:
-        self.problems = problems
-        super().__init__("\n".join(f"{path}: {message}" for path, message in problems))
+def attempt(problems: Problems, make: Callable[..., Made], *given: object) -> Made | None:
+    """What `make` makes of what was given; None, and its mistakes noted, if it refuses."""
+    try:
+        return make(*given)
+    except InvalidModel as error:
+        problems += error.problems
+        return None
 
 
 def quantity(problems: Problems, option: str, text: str, dimension: str) -> float:
@@ -47,28 +51,31 @@ def check_outputs(problems: Problems, files: Mapping[str, str | None], force: bo
     Parameters
     ----------
     problems : list
-        An existing file without `force` is added here.
+        An existing file without `force`, and a file for two outputs, are added here.
     files : mapping of option to path or None
     force : bool
 
     Raises
     ------
-    Mistakes
+    InvalidModel
         If there are problems, these or earlier ones.
     OSError
         If there are none, but a file cannot be written.
     """
     unwritable = None
+    option_of: dict[object, str] = {}
     for option, path in files.items():
         try:
             if path is not None:
-                check_target(path, force=force)
+                first = option_of.setdefault(check_target(path, force=force), option)
+                if first != option:
+                    problems.append((option, f"{path!r} is the file of {first} too; name another"))
         except FileExistsError as error:
             problems.append((option, str(error)))
         except OSError as error:
             unwritable = unwritable or error
     if problems:
-        raise Mistakes(problems)
+        raise InvalidModel(problems)
     if unwritable:
         raise unwritable
 
@@ -84,7 +91,17 @@ def check_format(problems: Problems, option: str, path: str) -> None:
         problems.append((option, str(error).removeprefix("path: ")))
 
 
+def write(option: str, path: str, make: Callable[[str], object]) -> int:
+    """Let `make` write an output; the exit status, of a fault if there is nothing to write."""
+    try:
+        make(path)
+    except ValueError as error:
+        return complain(f"{option}: {error}", FAULT)
+    note(f"wrote {path}")
+    return DONE
+
+
 def note(text: str) -> None:
     """Tell a person at a terminal how things go; a program that reads the results never sees it."""
-    if sys.stderr is not None and sys.stderr.isatty():
+    if sys.stderr.isatty():
         print(text, file=sys.stderr)

@@ -2,7 +2,7 @@
 
 Identical rods, a rod on a rigid wall, and rods of different length: steel, 1 m long and 1 cm^2
 thick, struck at 1 m/s. Then the coefficient of restitution of sixty pairs of rods against the law
-e = l1/l2. The figures go to a directory of their own, in which they may be replaced.
+e = l1/l2. The figures go to a directory of their own.
 """
 
 from __future__ import annotations
@@ -10,27 +10,32 @@ from __future__ import annotations
 import argparse
 import textwrap
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from .. import materials
+from ..explore.presets import steel_rod
 from ..model import Rod, System, Wall
+from ..model.frozen import InvalidModel, Problems
 from ..results.closed_forms import closed_form
 from ..results.solution import Solution
 from ..running.solving import collide, solve
 from ..storage.tables import align, clean
 from ..units import format_si
 from . import DONE
-from .asking import Mistakes, Problems, note, quantity
+from .asking import note, quantity
 from .stages import LEGEND, stages, tell
 
+FIGURES = [
+    *(f"{row}-{view}.png" for row in ("identical", "wall", "unequal")
+      for view in ("velocity", "stress", "stages", "contact", "energy")),
+    "restitution.png",
+]
 PAIRS = 60  # length ratios at which e is compared with l1/l2
 
 
 class Replay(NamedTuple):
-    """One collision of the box: how it is called in words and in file names, and its solution."""
+    """One collision of the box: what it is called, what its bodies are, and its solution."""
 
     title: str
-    slug: str
     names: tuple[str, str]
     solution: Solution
 
@@ -41,6 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help="l1/l2 of the rods of different length, up to 1; default 0.4")
     parser.add_argument("-o", "--output", default="rodimpact-box", metavar="DIR",
                         help="directory of the figures; default ./rodimpact-box")
+    parser.add_argument("--force", action="store_true", help="replace existing figures")
 
 
 def run(arguments: argparse.Namespace) -> tuple[str, int]:
@@ -53,52 +59,52 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     directory = Path(arguments.output)
     if directory.exists() and not directory.is_dir():
         problems.append(("--output", f"{arguments.output!r} is not a directory; name another"))
+    elif not arguments.force and (there := [n for n in FIGURES if (directory / n).exists()]):
+        message = f"{directory} holds {', '.join(there)} already"
+        problems.append(("--output", f"{message}; give --force to replace them, or name another"))
     if problems:
-        raise Mistakes(problems)
+        raise InvalidModel(problems)
     directory.mkdir(parents=True, exist_ok=True)
 
     replays = solve_all(ratio)
     ratios = [i / PAIRS for i in range(1, PAIRS + 1)]
     values = [restitution(r) for r in ratios]
     note("drawing")
-    paths = draw(replays, ratios, values, directory)
+    draw(replays, ratios, values, directory, arguments.force)
     largest = max(abs(e - r) for e, r in zip(values, ratios, strict=True))
     blocks = [
         introduction(),
         *(describe(replay) for replay in replays),
         f"Length ratios from {ratios[0]:.3g} to 1\n"
         f"{PAIRS} pairs of rods solved: e is l1/l2 but for {largest:.1e} at most.",
-        f"{len(paths)} figures in {directory}\n"
-        + textwrap.fill(", ".join(path.name for path in paths), 98, break_on_hyphens=False),
+        f"{len(FIGURES)} figures in {directory}\n"
+        + textwrap.fill(", ".join(FIGURES), 98, break_on_hyphens=False),
     ]
     return "\n\n\n".join(blocks), DONE
 
 
 def solve_all(ratio: float) -> list[Replay]:
-    """Solve the three collisions of the box."""
-    both = ("left rod", "right rod")
+    """Solve the three collisions of the box, in the order of FIGURES."""
+    title, both = f"Rods of different length, l1/l2 = {ratio:g}", ("left rod", "right rod")
+    pairs: list[tuple[str, tuple[str, str], float, Rod | Wall]] = [
+        ("Identical rods", both, 1.0, steel_rod(1.0)),
+        ("A rod on a rigid wall", ("rod", "wall"), 1.0, Wall()),
+        (title, both, ratio, steel_rod(1.0)),
+    ]
     return [
-        Replay("Identical rods", "identical", both, solve(System([steel(1.0, 1.0), steel(1.0)]))),
-        Replay("A rod on a rigid wall", "wall", ("rod", "wall"),
-               solve(System([steel(1.0, 1.0), Wall()]))),
-        Replay(f"Rods of different length, l1/l2 = {ratio:g}", "unequal", both,
-               solve(System([steel(ratio, 1.0), steel(1.0)]))),
+        Replay(title, names, solve(System([steel_rod(length, 1.0), right])))
+        for title, names, length, right in pairs
     ]
 
 
 def restitution(ratio: float) -> float:
     """Coefficient of restitution of two rods whose lengths have this ratio."""
-    return collide(steel(ratio, 1.0), steel(1.0)).restitution
-
-
-def steel(length: float, velocity: float = 0.0) -> Rod:
-    """A steel rod of the box."""
-    return Rod(length, area=1e-4, material=materials.steel, velocity=velocity)
+    return collide(steel_rod(ratio, 1.0), steel_rod(1.0)).restitution
 
 
 def introduction() -> str:
     """What is collided, and how fast that is."""
-    rod = steel(1.0)
+    rod = steel_rod(1.0)
     c = float(rod.segments[0].wave_speed)
     trips = format_si(2 * float(rod.transit_time), "s")
     return (
@@ -155,27 +161,24 @@ def results(replay: Replay) -> str:
 
 
 def draw(
-    replays: list[Replay], ratios: list[float], values: list[float], directory: Path
-) -> list[Path]:
-    """Draw every collision, and e against the ratio of lengths; return the files."""
+    replays: list[Replay], ratios: list[float], values: list[float], directory: Path, force: bool
+) -> None:
+    """Draw every collision, and e against the ratio of lengths."""
     from .. import plot
 
-    figures: dict[str, Any] = {}
-    for title, slug, names, solution in replays:
-        found = stages(solution, names)
-        times = sorted({t for stage in found for t in (stage.time, stage.middle)})
-        drawn = {
-            "velocity": plot.spacetime(solution, field="velocity").ax,
-            "stress": plot.spacetime(solution, field="stress").ax,
-            "stages": plot.snapshots(solution, times=times).ax,
-            "contact": plot.contact(solution).force_ax,
-            "energy": plot.energy(solution).ax,
-        }
-        for what, ax in drawn.items():
-            ax.set_title(title, loc="left", pad=18)
-            figures[f"{slug}-{what}.png"] = ax.figure
-    figures["restitution.png"] = plot.restitution(ratios, values).ax.figure
-    paths = [directory / name for name in figures]
-    for path, figure in zip(paths, figures.values(), strict=True):
-        plot.save(figure, path, force=True)
-    return paths
+    figures = [plot.restitution(ratios, values).ax.figure]
+    for replay in reversed(replays):
+        solution = replay.solution
+        times = {t for s in stages(solution, replay.names) for t in (s.time, s.middle)}
+        axes = (
+            plot.spacetime(solution, field="velocity").ax,
+            plot.spacetime(solution, field="stress").ax,
+            plot.snapshots(solution, times=sorted(times)).ax,
+            plot.contact(solution).force_ax,
+            plot.energy(solution).ax,
+        )
+        for ax in axes:
+            ax.set_title(replay.title, loc="left", pad=18)
+        figures[:0] = [ax.figure for ax in axes]
+    for name, figure in zip(FIGURES, figures, strict=True):
+        plot.save(figure, directory / name, force=force)

@@ -39,15 +39,16 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         "python": f"{platform.python_version()} on {platform.platform()}",
         **{name: version_of(name) for name in PACKAGES},
     }
-    cache, agrees, said = try_compiled()
+    cache, agrees, verdict = try_compiled()
     status = UNVERIFIED if agrees is False else DONE
     if arguments.json:
-        found = {"versions": versions, "cache_directory": cache, "agrees": agrees, "status": said}
-        return json.dumps({"schema_version": SCHEMA_VERSION, **found}, indent=2), status
+        findings = {
+            "versions": versions, "cache_directory": cache, "agrees": agrees, "status": verdict}
+        return json.dumps({"schema_version": SCHEMA_VERSION, **findings}, indent=2), status
     rows = [
         *([name, version or "missing"] for name, version in versions.items()),
         ["cache of compiled code", cache or "none"],
-        ["compiled code", said],
+        ["compiled code", verdict],
     ]
     return align(rows, left=(0, 1)), status
 

@@ -11,9 +11,9 @@ import os
 import threading
 import webbrowser
 
-from ..storage.casefile import read_case
+from ..model.frozen import InvalidModel
 from . import DONE
-from .asking import Mistakes, Problems, note
+from .asking import note
 
 FIRST = "unequal"  # of the presets, where no case is given
 
@@ -33,16 +33,13 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     from ..explore.presets import presets
     from ..explore.server import Server
 
-    problems: Problems = []
     if not arguments.port.isdecimal() or not 0 <= int(arguments.port[:9]) < 1 << 16:
         message = f"must be a whole number from 0 to 65535, got {arguments.port!r}"
-        problems.append(("--port", message))
-    if problems:
-        raise Mistakes(problems)
+        raise InvalidModel([("--port", message)])
     if arguments.case is None:
         design = next(p.design for p in presets() if p.key == FIRST)
     else:
-        design = Design.parse(Design.of(read_case(arguments.case)).to_dict())
+        design = Design.read(arguments.case)
     try:
         listening = Server(design, int(arguments.port))
     except OSError as error:

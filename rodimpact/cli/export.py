@@ -6,18 +6,17 @@ The page plays the collision, and shows its values wherever one points.
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 
 from ..explore.design import Design
 from ..explore.page_files import standalone
 from ..explore.scene import scene
-from ..model.frozen import InvalidModel
-from ..storage.casefile import read_case
+from ..model.frozen import Problems
 from ..storage.writing import write_text
 from ..units import format_si
-from . import DONE, INCOMPLETE
-from .asking import Problems, check_outputs
-from .progress import solved
+from .asking import attempt, check_outputs
+from .progress import solved, status_of
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,18 +29,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> tuple[str, int]:
     """Solve, and write the page."""
     problems: Problems = []
-    design: Design | None = None
-    try:
-        design = Design.parse(Design.of(read_case(arguments.case)).to_dict())
-    except InvalidModel as error:
-        problems += error.problems
+    design = attempt(problems, Design.read, arguments.case)
     check_outputs(problems, {"--output": arguments.output}, arguments.force)
     assert design is not None  # or there were problems
 
     solution = solved(design.case.system, **design.case.solve)
     shown = scene(design, solution, as_asked=True)
-    page = standalone(shown, design.to_dict(), Path(arguments.case).stem)
+    title = os.fsencode(Path(arguments.case).stem).decode(errors="replace")
+    page = standalone(shown, design.to_dict(), title)
     write_text(arguments.output, page, force=arguments.force)
     size = f"{len(page.encode()) / 1000:.0f} kB"
-    said = f"{arguments.output}: {size}, {format_si(solution.t_end, 's', 4)} of the collision"
-    return said, INCOMPLETE if solution.stopped_by in ("max_events", "clock") else DONE
+    text = f"{arguments.output}: {size}, {format_si(solution.t_end, 's', 4)} of the collision"
+    return text, status_of(solution)

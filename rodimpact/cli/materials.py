@@ -19,11 +19,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> tuple[str, int]:
     """Table or JSON of the materials."""
     if arguments.json:
-        found = [
+        entries = [
             {**material.to_dict(), "wave_speed": material.wave_speed, "source": SOURCES[name]}
             for name, material in TABLE.items()
         ]
-        return json.dumps({"schema_version": SCHEMA_VERSION, "materials": found}, indent=2), DONE
+        return json.dumps({"schema_version": SCHEMA_VERSION, "materials": entries}, indent=2), DONE
     rows = [["material", "Young's modulus", "density", "bar speed", "Poisson ratio"]]
     for name, m in TABLE.items():
         nu = "-" if m.poisson_ratio is None else f"{m.poisson_ratio:g}"

@@ -14,6 +14,7 @@ from typing import Any
 from ..model import System
 from ..results.solution import Solution
 from ..running.solving import LongRun, solve
+from . import DONE, INCOMPLETE
 from .asking import note
 
 REDRAWN = 0.1  # s between two states of the bar
@@ -23,12 +24,17 @@ BAR = 30  # characters
 @contextmanager
 def progress_bar(of: str) -> Iterator[ProgressBar | None]:
     """A bar for so many things, erased in the end; none where nobody looks."""
-    bar = ProgressBar(of) if sys.stderr is not None and sys.stderr.isatty() else None
+    bar = ProgressBar(of) if sys.stderr.isatty() else None
     try:
         yield bar
     finally:
         if bar:
             bar.erase()
+
+
+def status_of(solution: Solution) -> int:
+    """Exit status of a run: whether it came to its end."""
+    return INCOMPLETE if solution.stopped_by in ("max_events", "clock") else DONE
 
 
 def solved(system: System, **options: Any) -> Solution:

@@ -10,10 +10,11 @@ import json
 import math
 
 from .. import rigid
-from ..storage.tables import SCHEMA_VERSION, align, clean
+from ..model.frozen import InvalidModel, Problems
+from ..storage.tables import SCHEMA_VERSION, align, clean, finite
 from ..units import format_si
 from . import DONE
-from .asking import Mistakes, Problems, quantity
+from .asking import quantity
 
 OPTIONS = {"restitution": "-e", **{name: f"--{name}" for name in ("m1", "v1", "m2", "v2")}}
 
@@ -45,35 +46,32 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     v1, v2 = (quantity(problems, f"--{n}", given[n], "velocity") for n in ("v1", "v2"))
     e = quantity(problems, "-e", given["restitution"], "dimensionless")
     if problems:
-        raise Mistakes(problems)
+        raise InvalidModel(problems)
     try:
         collision = rigid.collide(
             m1, v1, m2, v2, e, allow_energy_release=arguments.energy_release
         )
     except ValueError as error:
-        given_wrong, _, wanted = str(error).partition(": ")
-        name, _, value = given_wrong.partition(" = ")
-        where = f"{OPTIONS[name]} = {value}" if name in OPTIONS else given_wrong
-        wanted = wanted.replace("set allow_energy_release=True", "--energy-release")
-        raise Mistakes([(where, wanted)]) from error
+        argument, _, message = str(error).partition(": ")
+        name, _, value = argument.partition(" = ")
+        where = f"{OPTIONS[name]} = {value}" if name in OPTIONS else argument
+        message = message.replace("set allow_energy_release=True", "--energy-release")
+        raise InvalidModel([(where, message)]) from error
     after = {name: float(value) for name, value in collision._asdict().items()}
     if arguments.json:
         inputs = {"m1": m1, "v1": v1, "m2": m2, "v2": v2, "restitution": e}
-        numbers = {
-            name: value if math.isfinite(value) else None
-            for name, value in {**inputs, **after}.items()
-        }
+        numbers = {name: finite(value) for name, value in {**inputs, **after}.items()}
         return json.dumps({"schema_version": SCHEMA_VERSION, **numbers}, indent=2), DONE
 
     def velocity(v: float) -> str:
         return f"{clean(v, max(abs(v1), abs(v2))):.6g} m/s"
 
-    def finite(value: float, unit: str) -> str:
+    def total(value: float, unit: str) -> str:
         return format_si(value if math.isfinite(value) else math.nan, unit)
 
     def momentum(m: float, v: float) -> str:
         scale = min(m1, m2) * max(abs(v1), abs(v2))
-        return finite(clean(m * v, scale) if math.isfinite(m) else math.nan, "N s")
+        return total(clean(m * v, scale) if math.isfinite(m) else math.nan, "N s")
 
     bodies = [(m1, v1, after["velocity_1"]), (m2, v2, after["velocity_2"])]
     table = align([
@@ -87,8 +85,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         ["speed of separation", velocity(after["relative_velocity_after"])],
         ["impulse on body 2", format_si(after["impulse"], "N s")],
         ["velocity of the centre of mass", velocity(after["centre_of_mass_velocity"])],
-        ["kinetic energy before", finite(after["energy_before"], "J")],
-        ["kinetic energy after", finite(after["energy_after"], "J")],
+        ["kinetic energy before", total(after["energy_before"], "J")],
+        ["kinetic energy after", total(after["energy_after"], "J")],
         ["kinetic energy lost", format_si(after["energy_lost"], "J")],
     ])
     return f"{table}\n\n{sums}", DONE

@@ -8,15 +8,18 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Callable
+from functools import partial
 
 from ..model import Rod
-from ..model.frozen import InvalidModel
+from ..model.frozen import Problems
 from ..results.gauges import gauges_to_csv, misnamed
+from ..results.regions import nothing_to_draw
+from ..results.solution import Solution
 from ..storage.casefile import Case, read_case
 from ..storage.report import solution_dict, solution_table
-from . import DONE, FAULT, INCOMPLETE, complain
-from .asking import Problems, check_format, check_outputs, note, quantity
-from .progress import solved
+from .asking import attempt, check_format, check_outputs, quantity, write
+from .progress import solved, status_of
 from .run_options import NUMBERS, add_run_options, run_options
 
 
@@ -37,45 +40,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> tuple[str, int]:
     """Check everything, solve, write the files, and hand back the table or JSON."""
     problems: Problems = []
-    case: Case | None = None
-    try:
-        case = read_case(arguments.case)
-    except InvalidModel as error:
-        problems += error.problems
+    case = attempt(problems, read_case, arguments.case)
     options = run_options(problems, arguments, case)
     places = _places(problems, arguments.gauge, case)
     if (arguments.gauges is None) != (not arguments.gauge):
         problems.append(("--gauges", "goes with --gauge NAME=BODY:X, one for each column"))
-    files, paths = {}, {}  # by what they are for: name, and where the user gave it
-    for key in ("save", "plot"):
-        given = getattr(arguments, key)
-        files[key] = case.output.get(key) if given is None and case else given
-        paths[key] = f"output.{key}" if given is None else f"--{key}"
-    files["gauges"], paths["gauges"] = arguments.gauges, "--gauges"
-    if files["plot"] is not None:
-        check_format(problems, paths["plot"], files["plot"])
-    check_outputs(problems, {paths[key]: files[key] for key in files}, arguments.force)
+    names = ("save", "plot", "gauges")
+    files = {name: (f"--{name}", getattr(arguments, name)) for name in names}  # where given: path
+    for name, path in (case.output if case else {}).items():
+        if files[name][1] is None:
+            files[name] = f"output.{name}", path
+    if files["plot"][1] is not None:
+        check_format(problems, *files["plot"])
+    check_outputs(problems, dict(files.values()), arguments.force)
     assert case is not None  # or there were problems
 
     solution = solved(case.system, **options)
-    status = INCOMPLETE if solution.stopped_by in ("max_events", "clock") else DONE
-    if files["save"] is not None:
-        solution.save(files["save"], force=arguments.force)
-        note(f"wrote {files['save']}")
-    if files["plot"] is not None:
-        from .. import plot
-
-        try:
-            picture = plot.overview(solution)
-        except ValueError as error:  # the table tells why
-            status = complain(f"{paths['plot']}: {error}", FAULT)
-        else:
-            plot.save(picture, files["plot"], force=arguments.force)
-            note(f"wrote {files['plot']}")
-    if files["gauges"] is not None:
-        gauges = {name: solution.gauge(*place) for name, place in places.items()}
-        gauges_to_csv(files["gauges"], gauges, force=arguments.force)
-        note(f"wrote {files['gauges']}")
+    status = status_of(solution)
+    writers: dict[str, Callable[..., None]] = {
+        "save": solution.save, "plot": partial(_draw, solution),
+        "gauges": partial(_record, solution, places),
+    }
+    for name, (where, path) in files.items():
+        if path is not None:
+            status = write(where, path, partial(writers[name], force=arguments.force)) or status
     text = (
         json.dumps(solution_dict(solution), indent=2, allow_nan=False)
         if arguments.json else solution_table(solution)
@@ -83,28 +71,50 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     return text, status
 
 
+def _draw(solution: Solution, path: str, force: bool) -> None:
+    """Draw a run; ValueError if there is nothing to draw."""
+    from .. import plot
+
+    _check_time(solution)
+    plot.save(plot.overview(solution), path, force=force)
+
+
+def _record(
+    solution: Solution, places: dict[str, tuple[int, float]], path: str, force: bool
+) -> None:
+    """Write what gauges show of a run; ValueError if that is nothing."""
+    _check_time(solution)
+    gauges = {name: solution.gauge(*place) for name, place in places.items()}
+    gauges_to_csv(path, gauges, force=force)
+
+
+def _check_time(solution: Solution) -> None:
+    if reason := nothing_to_draw(solution):
+        raise ValueError(reason)
+
+
 def _places(
     problems: Problems, given: list[str], case: Case | None
 ) -> dict[str, tuple[int, float]]:
     """Bodies and places of gauges by name."""
-    found: dict[str, tuple[int, float]] = {}
+    places: dict[str, tuple[int, float]] = {}
     bodies = case.system.bodies if case else ()
     for text in given:
         name, _, place = text.partition("=")
         number, _, x = place.partition(":")
-        if not name or not number.strip().isdecimal() or not x or name in found:
+        if not name or not number.strip().isdecimal() or not x or name in places:
             message = f"must be NAME=BODY:X, such as incident=1:0.5, each name once, got {text!r}"
             problems.append(("--gauge", message))
             continue
         if sentence := misnamed(name):
             problems.append(("--gauge", sentence))
-        found[name] = int(number), quantity(problems, f"--gauge {name}", x, "length")
-        body = bodies[int(number)] if int(number) < len(bodies) else None
-        if case and not isinstance(body, Rod):
-            rods = [str(i) for i, b in enumerate(bodies) if isinstance(b, Rod)]
-            message = f"body {number} is no rod; the rods are {', '.join(rods)}"
-            problems.append((f"--gauge {name}", message))
-        elif isinstance(body, Rod) and not 0 <= found[name][1] <= float(body.length):
-            message = f"must lie in body {number}, 0 to {float(body.length)!r} m, got {x!r}"
-            problems.append((f"--gauge {name}", message))
-    return found
+        option = f"--gauge {name}"
+        places[name] = body, at = int(number), quantity(problems, option, x, "length")
+        rods = {i: float(b.length) for i, b in enumerate(bodies) if isinstance(b, Rod)}
+        if case and body not in rods:
+            message = f"body {number} is no rod; the rods are {', '.join(map(str, rods))}"
+            problems.append((option, message))
+        elif case and not 0 <= at <= rods[body]:
+            message = f"must lie in body {number}, 0 to {rods[body]!r} m, got {x!r}"
+            problems.append((option, message))
+    return places

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from ..methods.registry import METHOD_NAMES, Options
-from ..model.frozen import InvalidModel
+from ..model.frozen import InvalidModel, Problems
 from ..storage.casefile import Case
-from .asking import Problems, quantity, whole_number
+from .asking import quantity, whole_number
 
 
 class _Option(NamedTuple):

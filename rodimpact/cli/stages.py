@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import NamedTuple
 
-import numpy as np
-
 from ..model import Rod
 from ..results.regions import regions_of
 from ..results.solution import Solution
@@ -59,9 +57,9 @@ def stages(solution: Solution, names: tuple[str, str]) -> list[Stage]:
     episode = solution.contacts[0].episodes[0]
     events: dict[float, list[str]] = defaultdict(list)
     events[episode.start] += [f"the {names[0]} and the {names[1]} meet"]
-    for time, said in _fronts(solution, names).items():
+    for time, sentences in _fronts(solution, names).items():
         if episode.start < time < solution.t_end:
-            events[time] += said
+            events[time] += sentences
     events[episode.force_end] += ["the contact force ends"]
     events[episode.opening] += ["the gap opens"]
     times = sorted(t for t in events if t <= episode.opening)
@@ -72,11 +70,11 @@ def stages(solution: Solution, names: tuple[str, str]) -> list[Stage]:
     ]
 
 
-def tell(found: list[Stage], names: tuple[str, str], rods: list[int]) -> str:
+def tell(story: list[Stage], names: tuple[str, str], rods: list[int]) -> str:
     """Write stages as lines of text; `rods` are the bodies whose pieces they describe."""
     width = max(len(names[i]) for i in rods)
     lines = []
-    for stage in found:
+    for stage in story:
         lines.append(f"{format_si(stage.time, 's'):>12}  {'; '.join(stage.events)}")
         for i, pieces in zip(rods, stage.pieces, strict=True):
             lines.append(f"{'':14}    {names[i]:{width}}  {pieces}")
@@ -86,9 +84,9 @@ def tell(found: list[Stage], names: tuple[str, str], rods: list[int]) -> str:
 def _fronts(solution: Solution, names: tuple[str, str]) -> dict[float, list[str]]:
     """When fronts are at the ends of the rods, and when they cross."""
     free: dict[float, list[str]] = defaultdict(list)
-    said: dict[float, list[str]] = defaultdict(list)
+    sentences: dict[float, list[str]] = defaultdict(list)
     regions = regions_of(solution)
-    bodies = np.repeat(regions.body, np.diff(regions.start)).tolist()
+    bodies = regions.body_of_vertices().tolist()
     corners = dict.fromkeys(zip(regions.t.tolist(), bodies, regions.x.tolist(), strict=True))
     for time, body, x in corners:
         rod = solution.system.bodies[body]
@@ -101,12 +99,13 @@ def _fronts(solution: Solution, names: tuple[str, str]) -> dict[float, list[str]
         else:
             place = format_si(x, "m", 3)
             message = f"two fronts cross in the {names[body]}, {place} from its left end"
-        if message not in said[time]:
-            said[time].append(message)
+        if message not in sentences[time]:
+            sentences[time].append(message)
     for time, whose in free.items():
         ends = "ends" if len(whose) > 1 else "end"
-        said[time].insert(0, f"the wave turns back at the free {ends} {' and '.join(whose)}")
-    return said
+        turn = f"the wave turns back at the free {ends} {' and '.join(whose)}"
+        sentences[time].insert(0, turn)
+    return sentences
 
 
 def _pieces(solution: Solution, time: float) -> tuple[str, ...]:

@@ -14,17 +14,18 @@ import argparse
 import time
 import warnings
 from collections.abc import Iterable
+from functools import partial
 from typing import Any
 
 from ..methods.abilities import driven
 from ..model import Bonded
-from ..model.frozen import InvalidModel
+from ..model.frozen import InvalidModel, Problems
 from ..running.sweep_report import sweep_json, sweep_table
 from ..running.sweeping import SweepError, SweepResult, sweep
 from ..storage.casefile import Case, read_case
 from ..storage.reading import FileFormatError
-from . import DONE, FAULT, INCOMPLETE, complain
-from .asking import Mistakes, Problems, check_format, check_outputs, note, whole_number
+from . import DONE, INCOMPLETE, complain
+from .asking import attempt, check_format, check_outputs, note, whole_number, write
 from .progress import a_second, progress_bar
 from .run_options import add_run_options, run_options
 
@@ -58,12 +59,9 @@ def run(arguments: argparse.Namespace) -> tuple[str | Iterable[str], int]:
     how: dict[str, Any] = {"on_error": arguments.on_error, "checkpoint": arguments.checkpoint}
     if arguments.workers is not None:
         how["workers"] = whole_number(problems, "--workers", arguments.workers)
-    case: Case | None = None
-    try:
-        case = read_case(arguments.case, vary)
+    case = attempt(problems, read_case, arguments.case, vary)
+    if case:
         _check_case(problems, case, draws=arguments.plot is not None)
-    except InvalidModel as error:
-        problems += error.problems
     options = run_options(problems, arguments, case)
     if arguments.plot is not None:
         check_format(problems, "--plot", arguments.plot)
@@ -72,20 +70,10 @@ def run(arguments: argparse.Namespace) -> tuple[str | Iterable[str], int]:
     assert case is not None  # or there were problems
 
     result = _sweep(case, {**options, **how})
-    if arguments.save is not None:
-        result.save(arguments.save, force=arguments.force)
-        note(f"wrote {arguments.save}")
     status = INCOMPLETE if result.incomplete.any() else DONE
-    if arguments.plot is not None:
-        from .. import plot
-
-        try:
-            picture = plot.sweep(result)
-        except ValueError as error:  # no collision has e; the table tells why
-            status = complain(f"--plot: {error}", FAULT)
-        else:
-            plot.save(picture, arguments.plot, force=arguments.force)
-            note(f"wrote {arguments.plot}")
+    for option, make in (("--save", result.save), ("--plot", partial(_draw, result))):
+        if (path := files[option]) is not None:
+            status = write(option, path, partial(make, force=arguments.force)) or status
     text: str | Iterable[str]
     if arguments.csv:
         text = result.csv_lines()
@@ -94,6 +82,13 @@ def run(arguments: argparse.Namespace) -> tuple[str | Iterable[str], int]:
     else:
         text = sweep_table(result, case.varied)
     return text, status
+
+
+def _draw(result: SweepResult, path: str, force: bool) -> None:
+    """Draw a sweep; ValueError if no collision has e, and the table tells why."""
+    from .. import plot
+
+    plot.save(plot.sweep(result), path, force=force)
 
 
 def _vary(problems: Problems, given: list[str]) -> dict[str, str]:
@@ -146,10 +141,10 @@ def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:
             else "interrupted; with --checkpoint DIR a sweep can go on where it stopped"
         ) from None
     except SweepError as error:
-        said = str(error).replace('on_error="record"', "--on-error record")
-        raise Mistakes([(case.path, said)]) from error
+        message = str(error).replace('on_error="record"', "--on-error record")
+        raise InvalidModel([(case.path, message)]) from error
     except FileFormatError as error:
-        raise Mistakes([("--checkpoint", str(error))]) from error
+        raise InvalidModel([("--checkpoint", str(error))]) from error
     seconds = time.monotonic() - started
     count = result.restitution.size
     note(f"{count} collisions in {seconds:.3g} s, {a_second(count / seconds, 'collisions')}")

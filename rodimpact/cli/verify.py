@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 
-from ..storage.tables import SCHEMA_VERSION, align
-from . import DONE, UNVERIFIED
-from . import selfcheck as verify
+from ..storage.tables import SCHEMA_VERSION, align, finite
+from . import DONE, UNVERIFIED, selfcheck
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,18 +16,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> tuple[str, int]:
     """Table or JSON of the residuals."""
-    found = verify.checks()
-    failed = sum(not check.passed for check in found)
+    checks = selfcheck.checks()
+    failed = sum(not check.passed for check in checks)
     status = UNVERIFIED if failed else DONE
     if arguments.json:
         rows = [
             {
-                **{name: value if not isinstance(value, float) or math.isfinite(value) else None
-                   for name, value in check._asdict().items()},
-                "residual": check.residual if math.isfinite(check.residual) else None,
-                "passed": check.passed,
+                "name": check.name, "expected": finite(check.expected), "got": finite(check.got),
+                "bound": check.bound, "residual": finite(check.residual), "passed": check.passed,
             }
-            for check in found
+            for check in checks
         ]
         whole = {"schema_version": SCHEMA_VERSION, "passed": not failed, "checks": rows}
         return json.dumps(whole, indent=2), status
@@ -37,8 +33,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     table += [
         [c.name, f"{c.expected:.9g}", f"{c.got:.9g}", f"{c.residual:.1e}", f"{c.bound:.0e}",
          "ok" if c.passed else "FAILED"]
-        for c in found
+        for c in checks
     ]
-    verdict = f"{failed} checks FAILED" if failed else f"All {len(found)} checks passed"
+    verdict = f"{failed} checks FAILED" if failed else f"All {len(checks)} checks passed"
     text = f"{verdict}; a check of several cases shows the worst."
     return f"{align(table, left=(0, 5))}\n\n{text}", status

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..methods.signals import Floats
 from ..model import Rod, System
 from ..model.frozen import InvalidModel
 from ..results.closed_forms import ClosedForm
@@ -28,13 +29,10 @@ class Curve(NamedTuple):
 
 def ratio_of(system: System) -> float | None:
     """l1/l2 of two uniform rods; None for any other row."""
-    pair = system.bodies
-    if len(pair) != 2 or not all(isinstance(b, Rod) and len(b.segments) == 1 for b in pair):
-        return None
-    left, right = pair
-    assert isinstance(left, Rod)
-    assert isinstance(right, Rod)
-    return float(left.length) / float(right.length)
+    lengths = [
+        float(b.length) for b in system.bodies if isinstance(b, Rod) and len(b.segments) == 1
+    ]
+    return lengths[0] / lengths[1] if len(lengths) == len(system.bodies) == 2 else None
 
 
 def closed_curve(system: System, theory: ClosedForm | None) -> Curve | None:
@@ -42,7 +40,7 @@ def closed_curve(system: System, theory: ClosedForm | None) -> Curve | None:
     ratio = ratio_of(system)
     if ratio is None or theory is None:
         return None
-    ratios = np.linspace(0.0, _reach(ratio), CLOSED)[1:]
+    ratios = _ratios(ratio, CLOSED)
     left, right = theory.transit_time
     varied = theory._replace(transit_time=(left * ratios / ratio, right))
     return Curve(
@@ -62,18 +60,13 @@ def solved_curve(design: Design) -> Curve | None:
     assert isinstance(right, Rod)
     if not isinstance(left.velocity, float) or not isinstance(left.strain, float):
         return None  # a profile is bound to the length it was made for
-    ratios = np.linspace(0.0, _reach(ratio), SOLVED)[1:].tolist()
-    piece, values = left.segments[0], []
-    for r in ratios:
-        rod = Rod(
-            r * float(right.length), area=piece.area, material=piece.material,
-            velocity=left.velocity, strain=left.strain,
-        )
-        row = System(
-            [rod, right], system.gaps, system.contacts, gravity=system.gravity, ends=system.ends
-        )
-        values.append(_restitution(design.of_system(row)))
-    return Curve(ratios, values, f"solved at {len(ratios)} ratios")
+    ratios = _ratios(ratio, SOLVED)
+    rows = [
+        system.replace(bodies=[left.replace(length=length), right])
+        for length in (ratios * float(right.length)).tolist()
+    ]
+    values = [_restitution(design.of_system(row)) for row in rows]
+    return Curve(ratios.tolist(), values, f"solved at {len(rows)} ratios")
 
 
 def _restitution(design: Design) -> float:
@@ -85,6 +78,7 @@ def _restitution(design: Design) -> float:
     return math.nan if outcome.why_no_restitution() else outcome.restitution
 
 
-def _reach(ratio: float) -> float:
-    """End of the axis of ratios: 2, or 4, 8, ... with the current ratio inside."""
-    return 2.0 ** max(1, math.ceil(math.log2(1.1 * ratio)))
+def _ratios(ratio: float, count: int) -> Floats:
+    """Even points up to 2, or to 4, 8, ... with the current ratio inside."""
+    reach = 2.0 ** max(1, math.ceil(math.log2(1.1 * ratio)))
+    return np.linspace(0.0, reach, count)[1:]

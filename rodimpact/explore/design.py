@@ -17,7 +17,7 @@ from ..model import Rod, System
 from ..model.frozen import InvalidModel, Problems
 from ..results.solution import Solution
 from ..running.solving import solve
-from ..storage.casefile import Case, case_from, write_case
+from ..storage.casefile import Case, case_from, read_case, write_case
 from ..units import format_si, parse
 
 MOST_BODIES = 12
@@ -57,6 +57,11 @@ class Design:
         """A case with a gauge in the middle of its last rod."""
         rods = [i for i, body in enumerate(case.system.bodies) if isinstance(body, Rod)]
         return cls(case, (GaugePlace(rods[-1], 0.5),))
+
+    @classmethod
+    def read(cls, path: str) -> Design:
+        """A case file, within the bounds of a page; InvalidModel with its mistakes."""
+        return cls.parse(cls.of(read_case(path)).to_dict())
 
     @classmethod
     def parse(cls, data: Any) -> Design:
@@ -196,7 +201,7 @@ def _gauges(problems: Problems, entries: Any, system: System) -> tuple[GaugePlac
         problems.append(("gauges", f"must be a list of at most {MOST_GAUGES} gauges"))
         return ()
     rods = [i for i, body in enumerate(system.bodies) if isinstance(body, Rod)]
-    found = []
+    places = []
     for i, entry in enumerate(entries):
         given = entry if isinstance(entry, dict) else {}
         body, fraction = given.get("body"), given.get("fraction")
@@ -211,8 +216,8 @@ def _gauges(problems: Problems, entries: Any, system: System) -> tuple[GaugePlac
         if not 0 <= at <= 1:
             message = f"must lie in [0, 1], got {_short(fraction)}"
             problems.append((f"gauges.{i}.fraction", message))
-        found.append(GaugePlace(body, at))
-    return tuple(found)
+        places.append(GaugePlace(body, at))
+    return tuple(places)
 
 
 def _short(value: Any) -> str:

@@ -14,17 +14,20 @@ import numpy as np
 
 from ..methods.signals import Floats
 from ..model import Bonded, Rigid, RigidMass, Rod, Wall
+from ..model.frozen import InvalidModel
 from ..model.profiles import extremes
 from ..results.closed_forms import ClosedForm, closed_form
 from ..results.contacts import ContactHistory
 from ..results.placing import Placing, placing
+from ..results.regions import Regions, nothing_to_draw, readable_until, regions_of
 from ..results.solution import Solution
 from ..storage.tables import clean
 from ..units import format_si
 from .comparison import Curve, closed_curve, ratio_of
 from .design import Design
-from .tiling import Tiling, cells, regions, sliced_energy
+from .tiling import cells, sliced_energy
 
+REGIONS = 3000  # at most, where they are exact
 SAMPLES = 400  # of a curve whose jumps are too many
 MOMENTS = 33  # of the energy, where it is sampled
 DIGITS = 9  # of the numbers that are drawn
@@ -48,15 +51,26 @@ def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
     -------
     dict
         JSON-ready, SI units but for strain in 1e-6; numbers that do not exist are None.
+
+    Raises
+    ------
+    InvalidModel
+        If the solution lasts no time.
     """
-    exact = solution.method == "fronts"
-    stop, tiling = regions(solution) if exact else (solution.t_end, cells(solution))
+    if reason := nothing_to_draw(solution):
+        raise InvalidModel([("solve", reason)])
+    stop, exact = solution.t_end, solution.method == "fronts"
+    try:
+        stop = readable_until(solution, REGIONS) if exact else stop
+    except ValueError:  # too many from the start
+        exact = False
+    tiling = regions_of(solution, stop=stop) if exact else cells(solution)
     notes = [solution.status]
     if stop < solution.t_end:
         notes.append(f"The picture ends at {format_si(stop, 's', 4)}: too many regions later.")
     if not exact:
         notes.append("The picture shows means over cells, not the fronts themselves.")
-    if not exact and not as_asked:
+    if solution.method != "fronts" and not as_asked:
         notes.append("Solved quickly, on a coarse time step; rodimpact run is more accurate.")
     plan = placing(solution, 0.0, stop)
     drawn = _tiling(tiling)
@@ -80,7 +94,7 @@ def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
     }
 
 
-def _tiling(tiling: Tiling) -> Scene:
+def _tiling(tiling: Regions) -> Scene:
     """The polygons for JSON."""
     return {
         "body": tiling.body.tolist(),
@@ -102,7 +116,7 @@ def curve_dict(curve: Curve | None) -> Scene | None:
 # The row ------------------------------------------------------------------------------------------
 
 
-def _row(plan: Placing, tiling: Tiling, stop: float) -> Scene:
+def _row(plan: Placing, tiling: Regions, stop: float) -> Scene:
     """How the row is laid out: X = left + x + magnification * (apart + displacement - frame t)."""
     times = np.linspace(0.0, stop, SAMPLES)
     shown = [plan.place(tiling.body_of_vertices(), tiling.x, tiling.t, tiling.displacement)]
@@ -122,38 +136,27 @@ def _row(plan: Placing, tiling: Tiling, stop: float) -> Scene:
 
 def _bodies(plan: Placing, stop: float) -> list[Scene]:
     """What each body is, and how those without inside move."""
-    found = []
-    for i, body in enumerate(plan.solution.system.bodies):
-        entry: Scene = {"width": plan.width(i), "path": None}
-        if isinstance(body, Rod):
-            pieces = body.segments
-            entry |= {"kind": "rod", "title": f"Rod {i}"}
-            entry["given"] = [
-                item for j, piece in enumerate(pieces) for item in _given(j, len(pieces), piece)
-            ]
-            entry["derived"] = [_derived(piece) for piece in pieces]
-        else:
-            times, moved = _path(plan.solution, i, stop)
-            entry["path"] = {"t": _short(times), "displacement": _short(moved)}
-            entry["derived"] = []
+    bodies, entries = plan.solution.system.bodies, []
+    for i, (kind, body) in enumerate(zip(plan.solution.outcome.bodies, bodies, strict=True)):
+        pieces = body.segments if isinstance(body, Rod) else ()
+        given = [item for j, piece in enumerate(pieces) for item in _given(j, len(pieces), piece)]
         if isinstance(body, RigidMass):
-            entry |= {"kind": "mass", "title": f"Mass {i}"}
-            entry["given"] = [("mass", format_si(float(body.mass), "kg"))]
-        elif isinstance(body, Wall):
-            entry |= {"kind": "wall", "title": f"Wall {i}", "given": []}
+            given.append(("mass", format_si(float(body.mass), "kg")))
         speed = body.velocity
-        entry["given"].append((
-            "velocity", format_si(speed, "m/s") if isinstance(speed, float) else "a profile"
-        ))
-        found.append(entry)
-    return found
+        text = format_si(speed, "m/s") if isinstance(speed, float) else "a profile"
+        entries.append({
+            "kind": kind, "title": f"{kind.capitalize()} {i}", "width": plan.width(i),
+            "given": [*given, ("velocity", text)], "derived": [_derived(p) for p in pieces],
+            "path": None if pieces else _path(plan.solution, i, stop),
+        })
+    return entries
 
 
-def _path(solution: Solution, body: int, stop: float) -> tuple[Floats, Floats]:
+def _path(solution: Solution, body: int, stop: float) -> Scene:
     """Times and displacements of a wall or a mass."""
     straight = isinstance(solution.system.bodies[body], Wall)
     times = np.linspace(0.0, stop, 2 if straight else SAMPLES)
-    return times, solution.displacement(body, 0.0, times)
+    return {"t": _short(times), "displacement": _short(solution.displacement(body, 0.0, times))}
 
 
 def _given(j: int, count: int, piece: Any) -> Labelled:
@@ -205,10 +208,10 @@ def _contacts(solution: Solution, stop: float, exact: bool) -> list[Scene]:
         forces.append(_series(name, times, force, steps=True))
         if not isinstance(contact.law, Bonded):
             gaps.append(_series(name, times, contact.gap(times)))
-    found = [_plot("force", "Contact force", "N", forces)] if forces else []
+    plots = [_plot("force", "Contact force", "N", forces)] if forces else []
     compliant = any(not isinstance(c.law, Rigid | Bonded) for c in solution.contacts)
     title = "Gap, below 0 indentation" if compliant else "Gap"
-    return found + ([_plot("gap", title, "m", gaps)] if gaps else [])
+    return plots + ([_plot("gap", title, "m", gaps)] if gaps else [])
 
 
 def _record(
@@ -229,7 +232,7 @@ def _mean_force(contact: ContactHistory, times: Floats) -> Floats:
     return np.append(mean, mean[-1])
 
 
-def _energy(solution: Solution, stop: float, tiling: Tiling, exact: bool) -> Scene:
+def _energy(solution: Solution, stop: float, tiling: Regions, exact: bool) -> Scene:
     """Energy by kind."""
     if exact:
         times, kinds = sliced_energy(solution, tiling)
@@ -240,10 +243,8 @@ def _energy(solution: Solution, stop: float, tiling: Tiling, exact: bool) -> Sce
             "moving as a whole": e.kinetic, "vibration": e.vibrational_kinetic, "strain": e.strain,
             "in contacts": e.contact, "lost in material": e.damped, "total": e.total,
         }
-    for rare in ("in contacts", "lost in material"):
-        if not np.any(kinds.get(rare, 0.0)):
-            kinds.pop(rare, None)
-    series = [_series(name, times, y) for name, y in kinds.items()]
+    rare = ("in contacts", "lost in material")
+    series = [_series(name, times, y) for name, y in kinds.items() if name not in rare or y.any()]
     return _plot("energy", "Energy", "J", series)
 
 
@@ -269,18 +270,17 @@ def _restitution(solution: Solution, theory: ClosedForm | None) -> Scene:
     if count > 1:
         why = f"A coefficient e belongs to one contact; this row has {count}, see the velocities"
     closed = None if theory is None else float(theory.collision().restitution)
-    found: Scene = {
-        "value": value, "text": "-", "why": why[:1].upper() + why[1:],
-        "closed_form": closed, "source": "" if theory is None else theory.source,
+    digits = 9 if solution.method == "fronts" else 5
+    entry: Scene = {
+        "value": value, "text": "-" if value is None else f"{clean(value, 1.0):.{digits}g}",
+        "why": why[:1].upper() + why[1:], "closed_form": closed,
+        "source": "" if theory is None else theory.source,
     }
-    if value is not None:
-        digits = 9 if solution.method == "fronts" else 5
-        found["text"] = f"{clean(value, 1.0):.{digits}g}"
     if closed is not None:
-        found["closed_text"] = f"{closed:.9g}"
+        entry["closed_text"] = f"{closed:.9g}"
         if value is not None:
-            found["difference"] = f"{abs(value - closed):.1g}"
-    return found
+            entry["difference"] = f"{abs(value - closed):.1g}"
+    return entry
 
 
 def _results(solution: Solution) -> Labelled:

@@ -2,28 +2,24 @@
 
 It listens on 127.0.0.1 only, answers nobody who calls it by another name, and serves a fixed list
 of names. What is wrong with a request is said in JSON, {"problems": [{"path", "message"}, ...]},
-with a status of 4xx.
+with a status of 4xx, or 503 if the answer takes too long.
 """
 
 from __future__ import annotations
 
 import json
 import sys
-import threading
+from collections.abc import Callable
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
-import numpy as np
-
 from .. import __version__, materials
-from ..model.frozen import InvalidModel
-from ..storage.casefile import write_case
 from . import page_files
-from .comparison import solved_curve
+from .answers import ANSWERS, problems_json
 from .design import Design
 from .presets import presets
-from .scene import curve_dict, scene
+from .workers import Unanswered, Workers
 
 ADDRESS = "127.0.0.1"
 MOST_BYTES = 1 << 17  # of a request
@@ -64,14 +60,20 @@ class Server(ThreadingHTTPServer):
     allow_reuse_address = sys.platform != "win32"  # where it would share a port in use
 
     def __init__(self, design: Design, port: int = 0) -> None:
+        self.workers = Workers()
         super().__init__((ADDRESS, port), Handler)
+        self.workers.start()
         self.start = json.dumps(start(design), allow_nan=False).encode()
-        self.one_at_a_time = threading.Lock()
 
     @property
     def url(self) -> str:
         """Address of the page."""
         return f"http://{ADDRESS}:{self.server_port}/"
+
+    def server_close(self) -> None:
+        """Give the port back, and end what is still at work."""
+        super().server_close()
+        self.workers.end()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Tell of faults, but not of a browser that has gone."""
@@ -98,21 +100,14 @@ class Handler(BaseHTTPRequestHandler):
         """What the controls ask for."""
         self._answer(self._reply)
 
-    def _answer(self, made: Any) -> None:
+    def _answer(self, made: Callable[[], tuple[int, str, bytes]]) -> None:
         try:
             self._check_host()
-            kind, body = made()
-            self._send(HTTPStatus.OK, kind, body)
+            self._send(*made())
         except Refused as refused:
-            self._refuse(refused.status, refused.problems)
-        except InvalidModel as error:
-            self._refuse(HTTPStatus.UNPROCESSABLE_ENTITY, error.problems)
+            self._send(refused.status, JSON, problems_json(refused.problems))
         except (ConnectionError, TimeoutError):
             self.close_connection = True
-        except Exception:
-            self.server.handle_error(self.request, self.client_address)
-            message = "a fault of rodimpact, not yours; see where it was started"
-            self._refuse(HTTPStatus.INTERNAL_SERVER_ERROR, [("", message)])
 
     def _check_host(self) -> None:
         """A page of another site may have this address under its own name: answer none of those."""
@@ -123,24 +118,26 @@ class Handler(BaseHTTPRequestHandler):
         if origin is not None and origin not in {f"http://{name}" for name in own}:
             raise Refused(HTTPStatus.FORBIDDEN, "this server answers to its own page", "Origin")
 
-    def _file(self) -> tuple[str, bytes]:
+    def _file(self) -> tuple[int, str, bytes]:
         name = self.path.partition("?")[0].removeprefix("/") or "page.html"
         if name == "start.json":
-            return JSON, self.server.start
+            return HTTPStatus.OK, JSON, self.server.start
         if name not in page_files.SERVED:
             raise Refused(HTTPStatus.NOT_FOUND, "there is no such file", self.path[:80])
-        return page_files.kind_of(name), page_files.read(name).encode()
+        return HTTPStatus.OK, page_files.kind_of(name), page_files.read(name).encode()
 
-    def _reply(self) -> tuple[str, bytes]:
-        data = self._body()
-        if self.path not in REPLIES:
+    def _reply(self) -> tuple[int, str, bytes]:
+        question = self._body()
+        if self.path not in ANSWERS:
             raise Refused(HTTPStatus.NOT_FOUND, "there is no such address", self.path[:80])
-        with self.server.one_at_a_time, np.errstate(all="ignore"):
-            made = REPLIES[self.path](Design.parse(data))
-        return JSON, json.dumps(made, allow_nan=False, separators=(",", ":")).encode()
+        try:
+            status, answer = self.server.workers.ask(self.path, question)
+        except Unanswered as error:
+            raise Refused(HTTPStatus.SERVICE_UNAVAILABLE, str(error)) from None
+        return status, JSON, answer
 
-    def _body(self) -> Any:
-        """The JSON that was sent."""
+    def _body(self) -> bytes:
+        """What was sent, as JSON."""
         length = self.headers.get("Content-Length", "")
         self.close_connection = True  # unless all that was sent is read
         if not length.isdecimal() or "Transfer-Encoding" in self.headers:
@@ -151,14 +148,11 @@ class Handler(BaseHTTPRequestHandler):
         if self.headers.get_content_type() != "application/json":
             message = "send application/json"
             raise Refused(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, message, "Content-Type")
-        sent = self.rfile.read(int(length))
+        body = self.rfile.read(int(length))
         self.close_connection = self.headers.get("Connection", "").lower() == "close"
-        try:
-            return json.loads(sent, parse_constant=_no_number)
-        except (ValueError, RecursionError) as error:
-            raise Refused(HTTPStatus.BAD_REQUEST, f"is not JSON: {error}", "body") from None
+        return body
 
-    def _send(self, status: HTTPStatus, kind: str, body: bytes) -> None:
+    def _send(self, status: int, kind: str, body: bytes) -> None:
         self.send_response(status)
         self.send_header("Content-Type", kind)
         self.send_header("Content-Length", str(len(body)))
@@ -172,18 +166,15 @@ class Handler(BaseHTTPRequestHandler):
         if self.command != "HEAD":
             self.wfile.write(body)
 
-    def _refuse(self, status: HTTPStatus, problems: Any) -> None:
-        said = [{"path": path, "message": message} for path, message in problems]
-        self._send(status, JSON, json.dumps({"problems": said}).encode())
-
     def send_error(
         self, code: int, message: str | None = None, explain: str | None = None  # noqa: ARG002
     ) -> None:
         """Mistakes that the library finds, in JSON too; an unknown method is the caller's."""
         self.close_connection = True
-        found = HTTPStatus(code)
-        status = HTTPStatus.METHOD_NOT_ALLOWED if found == HTTPStatus.NOT_IMPLEMENTED else found
-        self._refuse(status, [("", message or status.phrase)])
+        status = HTTPStatus(code)
+        if status == HTTPStatus.NOT_IMPLEMENTED:
+            status = HTTPStatus.METHOD_NOT_ALLOWED
+        self._send(status, JSON, problems_json([("", message or status.phrase)]))
 
     def log_message(self, format: str, *arguments: Any) -> None:  # noqa: A002  (the library's name)
         """Say nothing: a drag makes a request for every picture."""
@@ -203,22 +194,3 @@ def start(design: Design) -> dict[str, Any]:
             for p in presets()
         ],
     }
-
-
-def _scene(design: Design) -> Any:
-    return scene(design, design.solve())
-
-
-def _curve(design: Design) -> Any:
-    return curve_dict(solved_curve(design))
-
-
-def _case(design: Design) -> Any:
-    return {"toml": write_case(design.case)}
-
-
-REPLIES = {"/scene": _scene, "/curve": _curve, "/case": _case}
-
-
-def _no_number(text: str) -> Any:
-    raise ValueError(f"{text} is no number of JSON")

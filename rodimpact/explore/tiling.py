@@ -1,112 +1,62 @@
 """Polygons that tile the (x, t) plane of every rod.
 
-Each has one velocity and stress; each vertex carries place, time and displacement. Between vertices
-displacement is linear, so the polygons cut at time t are the rods at time t. Fronts give exact
-regions of constant state; other solutions are sampled in cells, each with the mean state that its
-corners' displacements imply.
+Between vertices displacement is linear, so the polygons cut at time t are the rods at time t.
+Fronts give exact regions of constant state; other solutions are sampled in cells, each with the
+mean state that its corners' displacements imply.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from ..methods.groups import groups, movable
-from ..methods.signals import Floats, Ints
+from ..methods.signals import Floats
 from ..model import Rod
-from ..results.regions import regions_of
+from ..results.regions import Regions
 from ..results.solution import Solution
 
-REGIONS = 3000  # at most
 CELLS, ROWS = 2000, 50  # in all, about, and one above the other
 PARTS = 6  # lines that a parabola is drawn with
 CROSSINGS = 1 << 20  # of edges and times that are tried for a curve of energy
 
 
-class Tiling(NamedTuple):
-    """Polygon i has the vertices start[i] to start[i + 1].
-
-    body, segment [n]; velocity (m/s), stress (Pa), strain [n]; start [n + 1]; x (m from the left
-    end of the body), t (s), displacement (m) [vertices].
-    """
-
-    body: Ints
-    segment: Ints
-    velocity: Floats
-    stress: Floats
-    strain: Floats
-    start: Ints
-    x: Floats
-    t: Floats
-    displacement: Floats
-
-    def body_of_vertices(self) -> Ints:
-        """Body that each vertex belongs to."""
-        return np.repeat(self.body, np.diff(self.start))
-
-
-def regions(solution: Solution) -> tuple[float, Tiling]:
-    """Exact regions up to the latest of t_end, t_end/2, t_end/4, ... that are few enough.
-
-    Parameters
-    ----------
-    solution : Solution
-        Of fronts.
-
-    Returns
-    -------
-    (float, Tiling)
-        The time up to which they go, s, and the regions.
-    """
-    stop = solution.t_end
-    while True:
-        try:
-            r = regions_of(solution, stop=stop, limit=REGIONS)
-        except ValueError:
-            stop /= 2
-            continue
-        return stop, Tiling(
-            r.body, r.segment, r.velocity, r.stress, r.strain, r.start, r.x, r.t, r.displacement
-        )
-
-
-def cells(solution: Solution) -> Tiling:
+def cells(solution: Solution) -> Regions:
     """Cells of equal height, and about equal width, of any solution."""
     rods = [(i, b) for i, b in enumerate(solution.system.bodies) if isinstance(b, Rod)]
     total = sum(float(rod.length) for _, rod in rods)
     times = np.linspace(0.0, solution.t_end, ROWS + 1)
-    parts: list[Tiling] = []
+    parts = []
     for body, rod in rods:
         edges = solution.fields.edges(body)
         for segment, piece in enumerate(rod.segments):
             L = float(piece.length)
-            columns = max(1, round(CELLS / ROWS * L / total))
+            across = max(1, round(CELLS / ROWS * L / total))
             x, t = np.broadcast_arrays(
-                np.linspace(edges[segment], edges[segment + 1], columns + 1), times[:, None]
+                np.linspace(edges[segment], edges[segment + 1], across + 1), times[:, None]
             )
             u = solution.displacement(body, x, t)
-            rising, across = np.diff(u, axis=0), np.diff(u, axis=1)
-            strain = (across[1:] + across[:-1]).ravel() / 2 * columns / L
-            velocity = (rising[:, 1:] + rising[:, :-1]).ravel() / 2 / times[1]
+            rise, stretch = np.diff(u, axis=0), np.diff(u, axis=1)
+            strain = (stretch[1:] + stretch[:-1]).ravel() / 2 * across / L
+            velocity = (rise[:, 1:] + rise[:, :-1]).ravel() / 2 / times[1]
             n = strain.size
-            parts.append(Tiling(
-                np.full(n, body), np.full(n, segment), velocity,
-                strain * float(piece.material.youngs_modulus), strain, np.full(n, 4),
+            parts.append((
+                np.full(n, body), np.full(n, segment), velocity, strain,
+                strain * float(piece.material.youngs_modulus), np.full(n, 4),
                 _corners(x), _corners(t), _corners(u),
             ))
-    tiling = Tiling(*(np.concatenate(column) for column in zip(*parts, strict=True)))
-    return tiling._replace(start=np.concatenate(([0], np.cumsum(tiling.start))))
+    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
+    columns[5] = np.concatenate(([0], np.cumsum(columns[5])))
+    return Regions(*columns)
 
 
 def _corners(grid: Floats) -> Floats:
     """Values at the four corners of each cell, going round."""
     around = (grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1])
-    found: Floats = np.stack(around, axis=-1).ravel()
-    return found
+    corners: Floats = np.stack(around, axis=-1).ravel()
+    return corners
 
 
-def sliced_energy(solution: Solution, tiling: Tiling) -> tuple[Floats, dict[str, Floats]]:
+def sliced_energy(solution: Solution, tiling: Regions) -> tuple[Floats, dict[str, Floats]]:
     """Energy in the rods by kind, J, over time: the ledger's, from slices of exact regions.
 
     The width of a polygon is linear in time between vertices, so momentum and the sums of kinetic
@@ -116,7 +66,7 @@ def sliced_energy(solution: Solution, tiling: Tiling) -> tuple[Floats, dict[str,
     ----------
     solution : Solution
         Of fronts.
-    tiling : Tiling
+    tiling : Regions
         Its regions.
 
     Returns
@@ -138,8 +88,8 @@ def sliced_energy(solution: Solution, tiling: Tiling) -> tuple[Floats, dict[str,
     widths = _widths(tiling, corners)
 
     def over_time(per_width: Floats) -> Floats:
-        found: Floats = np.interp(times, corners, per_width @ widths)
-        return found
+        energy: Floats = np.interp(times, corners, per_width @ widths)
+        return energy
 
     moving = over_time(per_length * tiling.velocity**2 / 2)
     strain = over_time(area * tiling.stress * tiling.strain / 2)
@@ -155,7 +105,7 @@ def sliced_energy(solution: Solution, tiling: Tiling) -> tuple[Floats, dict[str,
     }
 
 
-def _widths(tiling: Tiling, times: Floats) -> Floats:
+def _widths(tiling: Regions, times: Floats) -> Floats:
     """Width of each polygon at each time, m."""
     polygon = np.repeat(np.arange(len(tiling.body)), np.diff(tiling.start))
     following = np.arange(1, len(polygon) + 1)
@@ -169,5 +119,4 @@ def _widths(tiling: Tiling, times: Floats) -> Floats:
     places = np.where(crossed, np.sign(t1 - t0) * (x0 + (x1 - x0) * share), 0.0)
     widths = np.zeros((len(tiling.body), len(times)))
     np.add.at(widths, polygon, places)
-    found: Floats = np.abs(widths)
-    return found
+    return np.abs(widths)

@@ -20,6 +20,8 @@ from .row import Row
 from .run import MAX_EVENTS, Run
 from .steps import method as steps
 
+MOST_COUNTED = 10**18
+
 
 class Method(NamedTuple):
     """A way to solve a system: physics that it lacks, its own options, its run, what that calls."""

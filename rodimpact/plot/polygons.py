@@ -35,7 +35,7 @@ class Polygons:
 
     def __init__(self, solution: Solution, start: float, stop: float | None) -> None:
         self.system, self.regions = solution.system, regions_of(solution, start, stop)
-        self._body = np.repeat(self.regions.body, np.diff(self.regions.start))
+        self._body = self.regions.body_of_vertices()
 
     def values(self, field: str, frame: float) -> Floats:
         """Values of a field in each region; displacements, in a frame, at its corners; SI."""

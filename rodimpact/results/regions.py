@@ -47,6 +47,10 @@ class Regions:
     def __len__(self) -> int:
         return len(self.body)
 
+    def body_of_vertices(self) -> Ints:
+        """Body that each vertex belongs to."""
+        return np.repeat(self.body, np.diff(self.start))
+
 
 def regions_of(
     solution: Solution, start: float = 0.0, stop: float | None = None, limit: int = 100_000
@@ -103,6 +107,13 @@ def regions_of(
         np.concatenate(([0], np.cumsum(counts))).astype(np.int64),
         np.concatenate(xs), np.concatenate(ts), np.concatenate(us),
     )
+
+
+def nothing_to_draw(solution: Solution) -> str:
+    """Why there is no picture of a solution, with the remedy; "" if there is one."""
+    if solution.fields.end > 0:
+        return ""
+    return f"lasts no time to show, {solution.t_end:.3g} s. {solution.status}"
 
 
 def readable_until(solution: Solution, limit: int) -> float:

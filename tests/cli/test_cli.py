@@ -181,7 +181,169 @@ def test_a_poor_encoding_of_the_output_is_no_fault(case):
     assert json.loads(done.stdout)["system"]["bodies"][0]["material"]["name"] == "St\u00e4hl"
 
 
+def test_values_that_begin_as_numbers_are_kept_as_they_are(case, capsys):
+    case.rename("-1.toml")
+    assert main(["run", "-1.toml", "--save", "-5.npz"]) == 0
+    assert ri.load("-5.npz").final
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a directory in use stays")
+def test_a_deleted_working_directory_is_named(case, tmp_path):
+    code = (
+        "import os, sys; from rodimpact.cli import main;"
+        "os.mkdir('gone'); os.chdir('gone'); os.rmdir('../gone');"
+        "sys.exit(main(['run', sys.argv[1]]))"
+    )
+    done = python("-c", code, case, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr == (
+        "rodimpact: the current directory has been deleted; change to another\n"
+    )
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs a shell of POSIX")
+@pytest.mark.parametrize(
+    ("argv", "status"),
+    [(["run", "missing.toml"], 2), (["run", "--nonsense"], 2), (["run", "case.toml"], 0)],
+)
+def test_nothing_but_results_goes_to_standard_output_when_stderr_is_closed(case, argv, status):
+    closed = ["sh", "-c", 'exec "$@" 2>&-', "sh", sys.executable, "-m", "rodimpact", *argv]
+    done = subprocess.run(closed, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == status
+    expected = python("-m", "rodimpact", *argv).stdout
+    assert done.stdout == expected
+    assert bool(expected) == (status == 0)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such signals")
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+@pytest.mark.usefixtures("ctrl_c_is_heard")
+def test_signals_while_a_file_is_written_leave_nothing(case, tmp_path, name):
+    code = (
+        "import sys, time; from rodimpact.storage import writing;"
+        "writing.os.fsync = lambda _: (print('writing', flush=True), time.sleep(60));"
+        "from rodimpact.cli import main; sys.exit(main(sys.argv[1:]))"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, "run", "case.toml", "--save", "a.npz"],
+        env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )
+    assert process.stdout.readline() == "writing\n"
+    process.send_signal(getattr(signal, name))
+    out, err = process.communicate(timeout=30)
+    assert (process.returncode, out, err) == (130, "", "rodimpact: interrupted\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["case.toml"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such signals")
+@pytest.mark.usefixtures("ctrl_c_is_heard")
+def test_ctrl_c_before_the_program_listens_shows_no_traceback(tmp_path):
+    (tmp_path / "argparse.py").write_text("print('starting', flush=True)\nimport time\n"
+                                          "time.sleep(60)\n")
+    path = os.pathsep.join([str(tmp_path), str(ROOT)])
+    process = subprocess.Popen(
+        [sys.executable, "-m", "rodimpact", "materials"], env=ENVIRONMENT | {"PYTHONPATH": path},
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path,
+    )
+    assert process.stdout.readline() == "starting\n"
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=30)
+    assert (process.returncode, err) == (-signal.SIGINT, "")
+
+
 # run ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("change", "argv", "remedy"),
+    [
+        ("", ["--until", "0"], "leave out until="),
+        ("", ["--max-events", "1"], "Raise max_events"),
+        ("[[contacts]]\ngap = 1e9\n", [], "Give until="),
+    ],
+)
+def test_a_run_of_no_time_prints_its_table_and_tells_why_it_draws_nothing(
+    case, capsys, change, argv, remedy
+):
+    case.write_text(CASE + change)
+    outputs = ["--plot", "a.png", "--gauges", "a.csv", "--gauge", "a=1:0.5"]
+    assert main(["run", "case.toml", *argv, *outputs]) == 1
+    out, err = capsys.readouterr()
+    assert "momentum balance" in out
+    lines = err.splitlines()
+    assert len(lines) == 2
+    for line, option in zip(lines, ("--plot", "--gauges"), strict=True):
+        assert line.startswith(f"rodimpact: {option}: lasts no time to show, 0 s. ")
+        assert remedy in line
+    assert not Path("a.png").exists()
+    assert not Path("a.csv").exists()
+
+
+@pytest.mark.parametrize("command", [["export", "-o", "a.html"], ["animate", "-o", "a.gif"]])
+@pytest.mark.parametrize(
+    ("change", "remedy"),
+    [
+        ("[solve]\nmax_events = 1\n", "cap of 1 events"),
+        ("[solve]\nuntil = 1e-30\n", "leave out until="),
+        ("[[contacts]]\ngap = 1e9\n", "Give until="),
+    ],
+)
+def test_a_run_of_no_time_is_no_page_and_no_film(case, capsys, command, change, remedy):
+    case.write_text(CASE + change)
+    assert main([command[0], "case.toml", *command[1:]]) == 2
+    error = capsys.readouterr().err
+    assert "lasts no time to show" in error
+    assert remedy in error
+    assert "--until" not in error
+    assert [path.name for path in case.parent.iterdir()] == ["case.toml"]
+
+
+def test_two_outputs_on_one_path_are_refused_before_solving(case, capsys, monkeypatch):
+    monkeypatch.setattr("rodimpact.cli.run.solved", lambda *_, **__: pytest.fail("solved"))
+    assert main(["run", "case.toml", "--save", "a.png", "--plot", "./a.png"]) == 2
+    assert "--plot: './a.png' is the file of --save too" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(os.name == "nt", reason="names are text there")
+def test_names_that_are_no_text(case, capsys):
+    name = os.fsdecode(b"\xff")
+    case.rename(f"{name}.toml")
+    assert main(["run", f"{name}.toml", "--save", f"{name}.npz", "--plot", f"{name}.svg"]) == 0
+    assert ri.load(f"{name}.npz").final
+    assert main(["export", f"{name}.toml", "-o", f"{name}.html"]) == 0
+    assert "<title>\N{REPLACEMENT CHARACTER}</title>" in Path(f"{name}.html").read_text("utf-8")
+    capsys.readouterr()
+    argv = ["--gauges", "g.csv", "--gauge", f"{name}=1:0.5"]
+    assert main(["run", f"{name}.toml", *argv]) == 2
+    assert "must have a name that can be printed, got '\\udcff'" in capsys.readouterr().err
+
+
+def test_a_bad_backend_of_matplotlib_does_no_harm(case):
+    bogus = ENVIRONMENT | {"MPLBACKEND": "bogus"}
+    done = python("-m", "rodimpact", "run", "case.toml", "--plot", "a.png", env=bogus)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert Path("a.png").exists()
+
+
+@pytest.mark.parametrize("method", ["fronts", "characteristics", "finite-difference"])
+@pytest.mark.parametrize(
+    "argv",
+    [["--until", "1e308"], ["--dt", "1e-300"], ["--cells", "1" + 30 * "0"],
+     ["--max-events", "1" + 30 * "0"]],
+)
+def test_numbers_beyond_all_reach_are_told(case, capsys, method, argv):
+    assert main(["run", "case.toml", "--method", method, *argv]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("rodimpact: ")
+    assert "Traceback" not in error
+
+
+@pytest.mark.parametrize("option", ["cells", "max_events", "snapshots"])
+@pytest.mark.parametrize("command", [["run"], ["sweep", "--vary", "bodies.0.length=0.1,0.2"]])
+def test_counts_beyond_a_register_are_told(case, capsys, option, command):
+    case.write_text(f"{CASE}[solve]\n{option} = {10**30}\n")
+    assert main([command[0], "case.toml", *command[1:]]) == 2
+    assert f"{option}: must be a positive whole number" in capsys.readouterr().err
 
 
 def test_run_prints_the_table(case, capsys):
@@ -486,7 +648,7 @@ def box(tmp_path_factory):
     """What `box` prints, and the directory it fills."""
     directory = tmp_path_factory.mktemp("box")
     (directory / "restitution.png").write_text("of an earlier run")
-    done = python("-m", "rodimpact", "box", "-o", directory)
+    done = python("-m", "rodimpact", "box", "-o", directory, "--force")
     assert (done.returncode, done.stderr) == (0, "")
     return done.stdout, directory
 
@@ -561,6 +723,15 @@ def test_box_refuses_a_ratio_that_is_none(no_figures, tmp_path, capsys, ratio):
     assert main(["box", "--ratio", ratio, "-o", str(tmp_path / "new")]) == 2
     assert capsys.readouterr().err.startswith("rodimpact: --ratio: ")
     assert not (tmp_path / "new").exists()
+
+
+def test_box_leaves_files_that_are_there(no_figures, tmp_path, capsys):
+    (tmp_path / "wall-energy.png").write_text("precious")
+    assert main(["box", "-o", str(tmp_path)]) == 2
+    error = capsys.readouterr().err
+    assert "holds wall-energy.png already" in error
+    assert "--force" in error
+    assert main(["box", "-o", str(tmp_path), "--force"]) == 0
 
 
 def test_box_needs_a_directory(no_figures, case, capsys):

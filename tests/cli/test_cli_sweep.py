@@ -71,6 +71,12 @@ def lines_of(text, start):
     return [" ".join(line.split()) for line in text.splitlines() if line.lstrip().startswith(start)]
 
 
+@pytest.mark.usefixtures("no_sweep")
+def test_two_outputs_on_one_path_are_refused_before_any_work(case, capsys):
+    assert sweep("--vary", LENGTHS, "--save", "a.svg", "--plot", "a.svg") == 2
+    assert "--plot: 'a.svg' is the file of --save too" in capsys.readouterr().err
+
+
 # What is printed ----------------------------------------------------------------------------------
 
 

@@ -70,5 +70,5 @@ def test_a_wrong_solver_is_noticed(monkeypatch):
 
     monkeypatch.setattr(verify, "solve", wrong)
     failed = [check.name for check in checks() if not check.passed]
-    assert "lengths l1 < l2: e = l1/l2" in failed
+    assert "lengths l1 < l2: restitution" in failed
     assert any(name.startswith("35 pairs of rods: restitution") for name in failed)

@@ -13,8 +13,9 @@ from rodimpact.explore.comparison import closed_curve, ratio_of, solved_curve
 from rodimpact.explore.design import MOST_BODIES, MOST_EVENTS, Design, GaugePlace
 from rodimpact.explore.presets import presets
 from rodimpact.explore.scene import scene
-from rodimpact.explore.tiling import cells, regions, sliced_energy
+from rodimpact.explore.tiling import cells, sliced_energy
 from rodimpact.results.closed_forms import closed_form
+from rodimpact.results.regions import regions_of
 
 STEEL = ri.materials.steel
 LEFT = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
@@ -130,22 +131,45 @@ def test_fronts_that_multiply_stop_at_the_cap():
     assert any("too many regions" in note for note in found["notes"])
 
 
+@pytest.mark.parametrize("solve", [{"max_events": 1}, {"until": 1e-30}])
+def test_a_run_that_lasts_no_time_is_told_with_its_remedy(solve):
+    design = Design.of(ri.Case(PAIR, solve))
+    with pytest.raises(ri.InvalidModel, match="solve: lasts no time to show") as error:
+        scene(design, design.solve())
+    assert error.value.problems[0][1].endswith(design.solve().status)
+
+
+def test_a_gap_that_the_clock_cannot_close_is_told():
+    design = Design.of(ri.Case(ri.System([LEFT, RIGHT], gaps=[1e9])))
+    with pytest.raises(ri.InvalidModel, match="Give until="):
+        scene(design, design.solve())
+
+
+def test_too_many_regions_from_the_start_are_shown_in_cells():
+    jumps = np.linspace(0.0, 0.4, 3201)[1:-1]
+    left = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=ri.Steps(np.arange(3200.0) % 2, jumps))
+    solution, picture = shown(ri.System([left, RIGHT]))
+    assert solution.method == "fronts"
+    assert not picture["exact"]
+    assert len(picture["tiling"]["body"]) == len(cells(solution))
+
+
 # Polygons
 
 
-@pytest.mark.parametrize("make", [regions, cells])
+@pytest.mark.parametrize("make", [regions_of, cells])
 def test_polygons_tile_the_plane(make):
-    solution = ri.solve(PAIR if make is regions else COMPLIANT)
-    tiling = make(solution)[1] if make is regions else make(solution)
+    solution = ri.solve(PAIR if make is regions_of else COMPLIANT)
+    tiling = make(solution)
     for body, length in ((0, 0.4), (1, 1.0)):
         total = areas(tiling)[tiling.body == body].sum()
         assert total == pytest.approx(length * solution.t_end, rel=1e-12)
 
 
-@pytest.mark.parametrize("make", [regions, cells])
+@pytest.mark.parametrize("make", [regions_of, cells])
 def test_vertices_carry_the_displacement_of_the_solution(make):
-    solution = ri.solve(PAIR if make is regions else COMPLIANT)
-    tiling = make(solution)[1] if make is regions else make(solution)
+    solution = ri.solve(PAIR if make is regions_of else COMPLIANT)
+    tiling = make(solution)
     for i, part in polygons(tiling):
         u = solution.displacement(tiling.body[i], tiling.x[part], tiling.t[part])
         assert tiling.displacement[part] == pytest.approx(u, abs=1e-12)
@@ -170,7 +194,7 @@ def test_slices_hold_the_energy_of_the_ledger():
             rods, contacts=[ri.Bonded(), ri.Rigid()] if rng.random() < 0.5 else None
         )
         solution = ri.solve(system, until=1e-3)
-        _, tiling = regions(solution)
+        tiling = regions_of(solution)
         times, energy = sliced_energy(solution, tiling)
         ledger = solution.energy(np.minimum(times[:: len(times) // 30 + 1], solution.t_end))
         scale = ledger.total.max()

@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 
 import rodimpact as ri
+from rodimpact.explore import workers
+from rodimpact.explore.answers import answer
 from rodimpact.explore.page_files import SERVED
 from rodimpact.explore.presets import presets
 from rodimpact.explore.server import MOST_BYTES, Server
@@ -21,14 +23,22 @@ DESIGN = next(preset.design for preset in presets() if preset.key == "unequal")
 ROOT = Path(ri.__file__).parent.parent
 
 
-@pytest.fixture(scope="module")
-def server():
+@contextlib.contextmanager
+def serving():
     with Server(DESIGN) as running:
         thread = threading.Thread(target=running.serve_forever, daemon=True)
         thread.start()
+        try:
+            yield running
+        finally:
+            running.shutdown()
+            thread.join()
+
+
+@pytest.fixture(scope="module")
+def server():
+    with serving() as running:
         yield running
-        running.shutdown()
-        thread.join()
 
 
 def ask(server, method, path, body=None, **headers):
@@ -145,6 +155,24 @@ def test_bad_parameters_are_told_with_their_path(server, changes, path):
     assert alive(server)
 
 
+@pytest.mark.parametrize("path", ["/scene", "/curve"])
+@pytest.mark.parametrize("changes", [
+    {"bodies__0__area": 1e-320}, {"bodies__0__area": 5e-324}, {"bodies__0__area": 1e160},
+    {"bodies__0__velocity": 1e-308}, {"bodies__0__length": 1e308},
+])
+def test_numbers_beyond_all_reach_are_no_fault(server, path, changes):
+    status, data = post(server, path, design(**changes))
+    assert status in (200, 422)
+    assert status == 200 or data["problems"][0]["message"]
+
+
+@pytest.mark.parametrize("solve", [{"max_events": 1}, {"until": 1e-30}])
+def test_runs_of_no_time_are_told(server, solve):
+    status, data = post(server, "/scene", design(solve=solve))
+    assert status == 422
+    assert "lasts no time to show" in data["problems"][0]["message"]
+
+
 @pytest.mark.parametrize("host", [
     "example.org", "localhost", "127.0.0.1", "127.0.0.1:1", "localhost:80", "evil.127.0.0.1", "",
 ])
@@ -229,6 +257,62 @@ def test_many_ask_at_once(server):
     assert answers == [True] * 8
 
 
+# Answers that take long
+
+STUCK = (
+    "from rodimpact.explore import answers; import time;"
+    "answers.ANSWERS['/curve'] = lambda design: time.sleep(1000); answers.serve()"
+)
+
+
+def test_an_answer_that_takes_too_long_is_given_up_and_the_next_one_comes(monkeypatch):
+    monkeypatch.setattr(workers, "PROGRAM", STUCK)
+    with serving() as server:
+        assert alive(server)
+        monkeypatch.setattr(workers, "SECONDS", 0.2)
+        status, answer = post(server, "/curve", DESIGN.to_dict())
+        assert status == 503
+        assert "takes more than 0.2 s" in answer["problems"][0]["message"]
+        assert "rodimpact run" in answer["problems"][0]["message"]
+        monkeypatch.setattr(workers, "SECONDS", 20.0)
+        assert alive(server)
+
+
+def test_one_slow_answer_keeps_nobody_waiting(monkeypatch):
+    monkeypatch.setattr(workers, "PROGRAM", STUCK)
+    answers = []
+    with serving() as server:
+        slow = [
+            threading.Thread(
+                target=lambda: answers.append(post(server, "/curve", DESIGN.to_dict())[0]))
+            for _ in range(workers.MOST - 1)
+        ]
+        for thread in slow:
+            thread.start()
+        assert all(alive(server) for _ in range(3))
+        assert answers == []
+        server.workers.end()
+        for thread in slow:
+            thread.join()
+    assert answers == [503] * len(slow)
+
+
+def test_more_than_are_answered_at_once_wait_and_are_told_in_the_end(monkeypatch):
+    monkeypatch.setattr(workers, "MOST", 1)
+    monkeypatch.setattr(workers, "SECONDS", 0.2)
+    monkeypatch.setattr(workers, "PROGRAM", STUCK)
+    pool = workers.Workers()
+    first = pool._turns.acquire()
+    assert first
+    with pytest.raises(workers.Unanswered, match="too many ask at once"):
+        pool.ask("/case", b"{}")
+
+
+def test_an_answer_is_what_the_process_was_sent_for(server):
+    sent = json.dumps(DESIGN.to_dict()).encode()
+    assert server.workers.ask("/case", sent) == tuple(answer("/case", sent))
+
+
 # The command
 
 
@@ -264,10 +348,10 @@ def test_the_command_says_where_it_serves_and_ends_with_ctrl_c(tmp_path):
 def test_a_plain_collision_loads_no_heavy_package():
     code = (
         "import sys, json\n"
-        "from rodimpact.explore.server import REPLIES, start\n"
+        "from rodimpact.explore.answers import ANSWERS\n"
         "from rodimpact.explore.presets import presets\n"
         "for preset in presets():\n"
-        "    REPLIES['/scene'](preset.design)\n"
+        "    ANSWERS['/scene'](preset.design)\n"
         "print([m for m in ('matplotlib', 'scipy', 'numba') if m in sys.modules])\n"
     )
     done = subprocess.run(
