@@ -12,13 +12,12 @@ from ..model import Bonded, Fixed, RigidMass, System, Wall
 
 def groups(system: System) -> list[list[int]]:
     """Bodies that are bonded together, from left to right."""
-    found: list[list[int]] = [[0]]
+    bonded: list[list[int]] = [[0]]
     for i, law in enumerate(system.contacts):
-        if isinstance(law, Bonded):
-            found[-1].append(i + 1)
-        else:
-            found.append([i + 1])
-    return found
+        if not isinstance(law, Bonded):
+            bonded.append([])
+        bonded[-1].append(i + 1)
+    return bonded
 
 
 def grounds(system: System, group: list[int]) -> list[Any]:
@@ -89,9 +88,9 @@ def body_velocities(
         By segment, in the frame; for a family, one array of its shape a segment.
     frame : float or array
     """
-    found: list[Any] = []
+    velocities: list[Any] = []
     for group in groups(system):
         inside = [i for i in group if not isinstance(system.bodies[i], Wall)]
         own = velocity[first[(inside or group)[0]]] + frame
-        found += velocities_in_group(system, group, inside, own)
-    return found
+        velocities += velocities_in_group(system, group, inside, own)
+    return velocities

@@ -20,8 +20,6 @@ from .row import Row
 from .run import MAX_EVENTS, Run
 from .steps import method as steps
 
-MOST_COUNTED = 10**18
-
 
 class Method(NamedTuple):
     """A way to solve a system: physics that it lacks, its own options, its run, what that calls."""
@@ -179,10 +177,10 @@ def count(problems: Problems, name: str, value: Any) -> int:
 
 
 def _single(problems: Problems, name: str, value: Any, unit: str, sign: str) -> Any:
-    found = number(problems, name, value, unit, sign)
-    if not isinstance(found, float):
+    single = number(problems, name, value, unit, sign)
+    if not isinstance(single, float):
         problems.append((name, f"must be a single number, got {shown(value)}"))
-    return found
+    return single
 
 
 def _snapshots(problems: Problems, value: Any, until: float | None) -> int | tuple[float, ...]:

@@ -190,16 +190,14 @@ class Row:
 
     @cached_property
     def _velocities(self) -> list[float]:
-        found = list(self.mass_velocity)
+        velocities = list(self.mass_velocity)
         for body in self.system.bodies:
-            if isinstance(body, Wall):
-                found.append(body.velocity)
-            elif isinstance(body, Rod):
-                found += extremes(body.velocity)
+            if isinstance(body, Rod | Wall):
+                velocities += extremes(body.velocity)
         for kind, value in self.outside:
             if kind == "velocity":
-                found += extremes(value)
-        return found
+                velocities += extremes(value)
+        return velocities
 
     @cached_property
     def _weakest(self) -> float:

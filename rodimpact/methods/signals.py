@@ -48,8 +48,8 @@ class StepSignal:
 
     def at(self, ticks: ArrayLike, side: Side = "right") -> Floats:
         """Value at `ticks`: the limit from the right (after a jump) or from the left (before)."""
-        found: Floats = self.values[self._piece(np.asarray(ticks), side)]
-        return found
+        value: Floats = self.values[self._piece(np.asarray(ticks), side)]
+        return value
 
     def integral(self, start: ArrayLike, stop: ArrayLike) -> Floats:
         """Integral from `start` to `stop`, value times ticks; arguments broadcast."""

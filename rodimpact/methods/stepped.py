@@ -12,10 +12,11 @@ from ..model import Bonded, RigidMass, Wall
 from ..units import format_si
 from .contact_law_kernel import RIGID
 from .pressing import episodes_of_steps, pressed_spans
-from .refinement import SteppedRun, peak
+from .refinement import peak
 from .run import ContactSignal, ContactTally, Outside, Run, Signals
 from .signals import Floats, StepSignal
 from .status import ended, large_strains, proved
+from .stepped_run import SteppedRun
 
 NONE_TAKEN = " The end comes before half a step: none was taken. More cells shorten it."
 KINDS = {"velocity": "drive", "force": "drive", "absorbing": "absorbing"}

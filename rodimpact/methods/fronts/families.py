@@ -105,10 +105,10 @@ def _run_blocks(
         members, begun = which[first : first + size], time.perf_counter()
         everyone = len(which) == len(given)
         place = slice(first, first + len(members)) if everyone else members
-        found = Results(*(column[place] for column in results))
-        full = block.run(block.lay_out(given[place]), max_events, found)
+        part = Results(*(column[place] for column in results))
+        full = block.run(block.lay_out(given[place]), max_events, part)
         if not everyone:
-            for column, values in zip(results, found, strict=True):
+            for column, values in zip(results, part, strict=True):
                 column[members] = values
         again.append(members[full])
         first += len(members)

@@ -8,6 +8,7 @@ between the nodes i - 1 and i, so the cells 0, those between pieces, and the las
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -156,10 +157,10 @@ class Mesh:
         self.cell_mass, self.stiffness, self.viscous, self.lateral = np.zeros((4, n + 1))
         for node, columns in cells:
             span = slice(node + 1, node + 1 + columns.shape[1])
-            for whole, part in zip(
+            for of_row, of_segment in zip(
                 (self.cell_mass, self.stiffness, self.viscous, self.lateral), columns, strict=True
             ):
-                whole[span] = part
+                of_row[span] = of_segment
         self.mass += (self.cell_mass[:-1] + self.cell_mass[1:]) / 2
         for m, node in enumerate(self.node_of_mass):
             self.mass[node] += self.row.masses[m]
@@ -232,16 +233,11 @@ class Mesh:
 def _beside(row: Row) -> list[tuple[tuple[str, int], tuple[str, int]]]:
     """What stands left and right of each link: ("outside", side), ("mass", m), ("segment", s)."""
     n = len(row.segments)
-    found = []
-    before = ("outside", 0)
+    stands = [("outside", 0)]
     for k in range(n + 1):
-        for m in range(row.first[k], row.first[k + 1]):
-            found.append((before, ("mass", m)))
-            before = ("mass", m)
-        after = ("segment", k + 1) if k < n else ("outside", 1)
-        found.append((before, after))
-        before = after
-    return found
+        stands += [("mass", m) for m in range(row.first[k], row.first[k + 1])]
+        stands.append(("segment", k + 1) if k < n else ("outside", 1))
+    return list(pairwise(stands))
 
 
 def _cells(segment: Any, count: int) -> Array:
@@ -296,5 +292,4 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
 def _chain(values: Array) -> Array:
     """Matrix of springs, dashpots or inertances between neighbouring nodes."""
     difference = np.diff(np.eye(len(values) + 1), axis=0)
-    found: Array = difference.T @ (values[:, None] * difference)
-    return found
+    return np.asarray(difference.T @ (values[:, None] * difference))

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -22,16 +22,17 @@ from ...units import format_si
 from .. import abilities as physics
 from .. import kernels
 from ..clock import STEP_TICKS, Clock
-from ..contact_law_kernel import IMPACT, RIGID, SPRING, Tally
+from ..contact_law_kernel import IMPACT, RIGID, SPRING
 from ..finality_kernel import NEVER
 from ..refinement import contact_measures, refined, velocity_measure
 from ..row import Array, Row
 from ..run import Run, Waves
 from ..signals import StepSignal
 from ..stepped import NONE_TAKEN, StepRecord, accuracy, as_run
+from ..stepped_run import SteppedRun, clock_of_steps
 from .delays import WHOLE, arriving, lost_to_means, transit_ticks
 from .machine import Machine
-from .step_kernel import CUTS, LINK, Signals, State, choose_step, inside
+from .step_kernel import CUTS, LINK, State, choose_step, inside
 
 RTOL = 1e-5
 FIRST = 64  # fewest steps of the longest transit
@@ -61,69 +62,22 @@ class Closing(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
-class StepRun:
-    """A finished run.
+class StepRun(SteppedRun):
+    """A finished run of this method.
 
     Attributes
     ----------
-    clock : Clock
-        Its tick is the step's `STEP_TICKS`-th part.
-    plan : Plan
-    step : float
-        s.
-    edges : [steps + 1] array of int
-        Ticks from 0 to the end, between which signals are averages: steps, or parts of steps.
     edges_before : array of int
-        The same before t = 0.
-    row, tally, signals
-        The kernel's state at the end, on arrays.
-    finality_time : int
-        Place in `edges` where the collision was proved final, -1 without proof.
-    stopped_by : str
-        ``"final"``, ``"until"`` or ``"max_events"``.
-    estimates : dict of str to float
-        Relative error of each measure of the outcome, as `refined` finds it; empty where the step
-        was given.
-    rtol : float
-        What they were to come to.
+        As `edges`, before t = 0.
+    state : State
+        The kernel's, at the end, on arrays.
     closings : list of Closing or None
         Where contacts close and steps are cut; None where they are not.
     """
 
-    clock: Clock
-    row: Row
-    step: float
-    edges: Array
     edges_before: Array
     state: State
-    tally: Tally
-    signals: Signals
-    finality_time: int
-    stopped_by: str
-    estimates: dict[str, float] = field(default_factory=dict)
-    rtol: float = 0.0
     closings: list[Closing] | None = None
-
-    @property
-    def steps(self) -> int:
-        """Steps taken, or parts of steps."""
-        return len(self.edges) - 1
-
-    @property
-    def durations(self) -> Array:
-        """Of the steps, s."""
-        found: Array = np.diff(self.edges) * self.clock.tick
-        return found
-
-    @property
-    def end(self) -> int:
-        """Last tick."""
-        return int(self.edges[-1])
-
-    @property
-    def events(self) -> int:
-        """Steps taken, times ends solved."""
-        return self.steps * (len(self.state.steps) - 1)
 
     def before(self, line: int) -> int:
         """How many averages a line has from before t = 0."""
@@ -132,17 +86,17 @@ class StepRun:
     def wave(self, line: int) -> Array:
         """What left an end in each step, those before t = 0 first, in the falling frame."""
         start = int(self.signals.wave_start[line])
-        found: Array = self.signals.wave[start - self.before(line) : start + self.steps]
-        return found
+        return np.asarray(self.signals.wave[start - self.before(line) : start + self.steps])
 
     def arriving(self, line: int) -> Array:
         """What arrived at the other end in each step, in the falling frame."""
         return arriving(self.wave(line), self.clock.ticks[line // 2], np.diff(self.edges))
 
     @property
-    def free_velocities(self) -> Array:
+    def free_velocities(self) -> list[float]:
         """At the end, of the centres of mass of groups of bonded bodies that nothing holds, m/s."""
-        a, row, found = self.clock, self.row, []
+        a, row = self.clock, self.row
+        free: list[float] = []
         fall = row.frame + row.gravity * a.tick * float(self.edges[-1])
         mass = momentum = 0.0
         held = row.outside[0][0] in ("velocity", "absorbing")
@@ -162,9 +116,9 @@ class StepRun:
             if link is None or (link >= 0 and row.laws[link] >= RIGID):
                 held |= link is None and row.outside[1][0] in ("velocity", "absorbing")
                 if mass and not held:
-                    found.append(momentum / mass + fall)
+                    free.append(float(momentum / mass + fall))
                 mass, momentum, held = 0.0, 0.0, False
-        return np.array(found)
+        return free
 
     @property
     def energy_lost(self) -> float:
@@ -197,17 +151,10 @@ class StepRun:
         """Place in the tally of a contact that can open."""
         return self.row.contact_link[contact]
 
-    def contact(self, contact: int) -> tuple[Array, Array]:
-        """Mean force in each step, N, and gap at its end, m; of a contact that can open."""
-        start = int(self.signals.link_start[self.row.contact_link[contact]])
-        span = slice(start, start + self.steps)
-        return self.signals.force[span], self.signals.gap[span] * self.step
-
     def path(self, contact: int) -> Array:
         """How far a contact that can open closes in each step, m."""
         _, gap = self.contact(contact)
-        closed: Array = -np.diff(gap, prepend=float(self.row.system.gaps[contact]))
-        return closed
+        return np.asarray(-np.diff(gap, prepend=float(self.row.system.gaps[contact])))
 
     def bond(self, contact: int) -> Array:
         """Mean force in a bonded contact in each step, N, from the waves of a rod that it joins."""
@@ -260,11 +207,9 @@ class StepRun:
 LACKS = (physics.damping, physics.lateral, physics.taper)
 
 
-def solve(
-    row: Row, until: float | None, max_events: int, dt: float | None, rtol: float | None
-) -> Run:
+def solve(row: Row, until: float | None, max_events: int, **options: Any) -> Run:
     """Run a single collision; arguments as of `follow`."""
-    return hand_over(follow(row, until, max_events, dt, rtol), until)
+    return hand_over(follow(row, until, max_events, **options), until)
 
 
 def hand_over(run: StepRun, until: float | None) -> Run:
@@ -335,21 +280,21 @@ def follow(
         if not fits:  # another share of a step on every level
             low = factor * least
             steps, _ = _choose(transits, low, 4 * low // 3 - 1, float(abrupt))
-        found = _level(row, max(transits) / steps, until, max_events, closings)
-        closings = found.closings
-        return found
+        run = _level(row, max(transits) / steps, until, max_events, closings)
+        closings = run.closings
+        return run
 
     first = number if fits else least
     finest = FINEST if fits or not abrupt else ROUGHEST
-    found, estimates = refined(level, measures, goal, 2 * finest // first,
-                               _lost if RIGID in row.laws else lambda _: {})
-    return replace(found, estimates=estimates, rtol=goal)
+    run, estimates = refined(level, measures, goal, 2 * finest // first,
+                             _lost if RIGID in row.laws else lambda _: {})
+    return replace(run, estimates=estimates, rtol=goal)
 
 
-def measures(found: StepRun) -> dict[str, Array]:
+def measures(run: StepRun) -> dict[str, Array]:
     """What is to stand still: velocities, and what the contacts did."""
-    velocity = velocity_measure(found.free_velocities.tolist(), found.row.scale)
-    return {"velocity": velocity, **contact_measures(found)}
+    velocity = velocity_measure(run.free_velocities, run.row.scale)
+    return {"velocity": velocity, **contact_measures(run)}
 
 
 def begins_with_jumps(row: Row) -> bool:
@@ -360,9 +305,9 @@ def begins_with_jumps(row: Row) -> bool:
     )
 
 
-def _lost(found: StepRun) -> dict[str, float]:
+def _lost(run: StepRun) -> dict[str, float]:
     """Share of the energy that jumps inside steps lose: so much may be missing elsewhere."""
-    return {"energy": found.energy_lost}
+    return {"energy": run.energy_lost}
 
 
 def _choose(transits: list[float], least: int, most: int, power: float) -> tuple[int, float]:
@@ -370,8 +315,8 @@ def _choose(transits: list[float], least: int, most: int, power: float) -> tuple
     choose: Callable[..., Any] = choose_step
     if kernels.enabled() and kernels.started():
         choose = kernels.compiled(choose_step)
-    given: Any = transits if choose is choose_step else np.array(transits)
-    number, smear = choose(given, least, most, WHOLE / STEP_TICKS, power)
+    times: Any = transits if choose is choose_step else np.array(transits)
+    number, smear = choose(times, least, most, WHOLE / STEP_TICKS, power)
     return int(number), float(smear)
 
 
@@ -405,16 +350,15 @@ def _level(
     """
     ticks = transit_ticks(row, step)
     if closings is None or not begins_with_jumps(row) or any(T % STEP_TICKS for T in ticks):
-        found = attempt(row, ticks, step, [], until, max_events, may_cut=False)
-        assert isinstance(found, StepRun)
-        return replace(found, closings=None)
-    given = given_jumps(row, ticks, step)
+        run = attempt(row, ticks, step, [], until, max_events, may_cut=False)
+        assert isinstance(run, StepRun)
+        return run
+    jumps = given_jumps(row, ticks, step)
     for _ in range(MOST_CUTS):
-        cuts = places_inside([*given, *(x for c in closings for x in c.places(row, step))])
-        found = attempt(row, ticks, step, cuts, until, max_events, may_cut=True)
-        if isinstance(found, StepRun):
-            return replace(found, closings=closings)
-        new = found
+        cuts = places_inside([*jumps, *(x for c in closings for x in c.places(row, step))])
+        new = attempt(row, ticks, step, cuts, until, max_events, may_cut=True)
+        if isinstance(new, StepRun):
+            return replace(new, closings=closings)
         closings = [
             x for x in closings if x.link != new.link or abs(x.time - new.time) > SAME * step
         ] + [new]
@@ -435,7 +379,7 @@ def given_jumps(row: Row, ticks: list[int], step: float) -> list[int]:
 
     None where there are more than a step is cut for.
     """
-    found: list[float] = []
+    jumps: list[float] = []
     for body, (first, last) in zip(row.system.bodies, row.spans, strict=True):
         profiles = (body.velocity, body.strain) if isinstance(body, Rod) else ()
         at = [float(x) for p in profiles if isinstance(p, Steps) for x in p.at]
@@ -443,14 +387,14 @@ def given_jumps(row: Row, ticks: list[int], step: float) -> list[int]:
         for s in range(first, last + 1):
             L = float(row.segments[s - 1].length)
             away = [(x - left) / L * ticks[s - 1] for x in at if left < x < left + L]
-            found += [*away, *(-x for x in away)]
+            jumps += [*away, *(-x for x in away)]
             left += L
     for _, value in row.outside:
         if isinstance(value, Steps):
-            found += [float(t) / step * STEP_TICKS for t in value.at]
+            jumps += [float(t) / step * STEP_TICKS for t in value.at]
     if any(law == IMPACT and gap == 0 for law, gap in zip(row.laws, row.gap, strict=True)):
-        found.append(MOMENT)
-    places = places_inside(found)
+        jumps.append(MOMENT)
+    places = places_inside(jumps)
     return places if len(places) <= MOST_CUTS else []
 
 
@@ -496,25 +440,19 @@ def attempt(
         edges[-1] = end
     earliest = -max(inside(machine.state, s + 1) for s in range(len(ticks)))
     return StepRun(
-        clock=clock_of(row, ticks, step), row=row, step=step, edges=edges,
-        edges_before=machine.edges(earliest, -1),
-        state=machine.state, tally=machine.tally, signals=machine.signals, finality_time=proof,
-        stopped_by=reason,
+        clock=_clock(row, ticks, step), row=row, step=step, edges=edges, end=int(edges[-1]),
+        events=machine.taken * nodes, tally=machine.tally, signals=machine.signals,
+        finality_time=proof, stopped_by=reason, edges_before=machine.edges(earliest, -1),
+        state=machine.state,
     )
 
 
-def clock_of(row: Row, ticks: list[int], step: float) -> Clock:
-    """Put a row on the clock of a time step; `ticks` are the transit times of the segments."""
-    tick = step / STEP_TICKS
-    errors = [abs(T * tick / float(s.transit_time) - 1)
+def _clock(row: Row, ticks: list[int], step: float) -> Clock:
+    """Clock of a row whose segments have transit times of so many ticks."""
+    errors = [abs(T * (step / STEP_TICKS) / float(s.transit_time) - 1)
               for T, s in zip(ticks, row.segments, strict=True)]
     worst = max(range(len(errors)), key=errors.__getitem__)
-    return Clock(
-        system=row.system, spans=row.spans,
-        wave_speed=[0.0, *(float(s.wave_speed) for s in row.segments), 0.0],
-        impedance=[0.0, *(float(s.impedance) for s in row.segments), 0.0],
-        length=[0.0, *(float(s.length) for s in row.segments), 0.0],
-        ticks=[0, *ticks, 0], tick=tick, frame=row.frame, scale=row.scale,
-        gravity=float(row.gravity), grain=STEP_TICKS, transit_error=errors[worst],
-        worst=row.paths[worst + 1],
+    return clock_of_steps(
+        row, ticks, step, [float(s.impedance) for s in row.segments],
+        transit_error=errors[worst], worst=row.paths[worst + 1],
     )
