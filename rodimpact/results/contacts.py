@@ -57,8 +57,8 @@ class ContactHistory:
         """
         ticks = self._fields.to_ticks(t, "right")
         i = np.searchsorted(self._force.ticks, ticks, "right") - 1
-        result: Floats = self._gap[i] + self._rate[i] * (ticks - self._force.ticks[i])
-        return np.maximum(result, 0.0) if isinstance(self.law, Rigid) else result
+        gap: Floats = self._gap[i] + self._rate[i] * (ticks - self._force.ticks[i])
+        return np.maximum(gap, 0.0) if isinstance(self.law, Rigid) else gap
 
     def breakpoints(self) -> tuple[Floats, Floats, Floats]:
         """Times (s) at which force or gap rate may change, force just after (N), and gap (m)."""

@@ -65,8 +65,8 @@ class GridFields(Fields):
         """Values of columns of [state, column] at ticks; the two broadcast."""
         i, share = self._when(ticks)
         following = np.minimum(i + 1, len(table) - 1)
-        found: Floats = table[i, place] * (1 - share) + table[following, place] * share
-        return found
+        between: Floats = table[i, place] * (1 - share) + table[following, place] * share
+        return between
 
     # Between the nodes ----------------------------------------------------------------------------
 
@@ -75,8 +75,8 @@ class GridFields(Fields):
         first, a = self.clock.spans[body][0], self.clock
         begin = self.edges(body)[segment - first]
         share = (self.check(body, x) - begin) / np.array(a.length)[segment]
-        found: Floats = share * self._counts[segment]
-        return found
+        cells: Floats = share * self._counts[segment]
+        return cells
 
     def _at(self, table: Floats, y: Floats, base: Ints, count: Ints, ticks: Ints) -> Floats:
         """Values of `count` columns of [state, column] from `base` on, at y columns from there."""
@@ -85,8 +85,8 @@ class GridFields(Fields):
         place = base + i.astype(np.int64)
         self._together(place, ticks)
         before, after = (self._in_time(table, at, ticks) for at in (place, place + 1))
-        found: Floats = before * (1 - share) + after * share
-        return found
+        between: Floats = before * (1 - share) + after * share
+        return between
 
     def _at_nodes(
         self, table: Floats, body: int, x: ArrayLike, ticks: Ints, first: int = 0
@@ -110,8 +110,7 @@ class GridFields(Fields):
     @cached_property
     def _edge(self) -> Ints:
         """By segment: the column of `_stretch` that is its left end."""
-        found: Ints = np.cumsum([-2, *(self._counts + 2)[:-1]])
-        return found
+        return np.cumsum([-2, *(self._counts + 2)[:-1]])
 
     @cached_property
     def _stretch(self) -> Floats:
@@ -126,9 +125,9 @@ class GridFields(Fields):
     def _with_ends(self, table: Floats, ends: Floats) -> Floats:
         mesh, edge = self.motion, self._edge[1:]
         columns = [np.arange(a, b + 2) for a, b in zip(mesh.first[1:], mesh.last[1:], strict=True)]
-        found: Floats = table[:, np.concatenate(columns)]
-        found[:, edge], found[:, edge + self._counts[1:] + 1] = ends[:, ::2], ends[:, 1::2]
-        return found
+        values: Floats = table[:, np.concatenate(columns)]
+        values[:, edge], values[:, edge + self._counts[1:] + 1] = ends[:, ::2], ends[:, 1::2]
+        return values
 
     @cached_property
     def _at_ends(self) -> tuple[Floats, Floats]:
@@ -162,8 +161,7 @@ class GridFields(Fields):
     def _rate_in(self, cell: int) -> Floats:
         """Rate of strain of a cell, at the states."""
         v = self.motion.velocity
-        found: Floats = (v[:, cell] - v[:, cell - 1]) / self.motion.width[cell]
-        return found
+        return np.asarray((v[:, cell] - v[:, cell - 1]) / self.motion.width[cell])
 
     def _pull(self, cell: int) -> Floats:
         """Elastic and viscous tension of a cell, at the states; none between pieces."""
@@ -179,45 +177,43 @@ class GridFields(Fields):
         if len(F) < 2:
             return np.repeat(F, len(self.motion.when)) if len(F) else np.zeros(1)
         ends = 1.5 * F[[0, -1]] - 0.5 * F[[1, -2]]
-        at_steps: Floats = np.concatenate((ends[:1], (F[1:] + F[:-1]) / 2, ends[1:]))
-        found: Floats = at_steps[self.motion.when]
-        return found
+        at_steps = np.concatenate((ends[:1], (F[1:] + F[:-1]) / 2, ends[1:]))
+        return np.asarray(at_steps[self.motion.when])
 
     @cached_property
     def _strain(self) -> Floats:
         """[state, cell]."""
         stiff = np.where(self.motion.stiffness > 0, self.motion.stiffness, np.inf)
-        found: Floats = self.motion.force / stiff / self.motion.width
-        return found
+        return np.asarray(self.motion.force / stiff / self.motion.width)
 
     @cached_property
     def _rate(self) -> Floats:
         """[state, cell] rates of strain."""
-        found: Floats = np.zeros(self.motion.force.shape)
-        found[:, 1:-1] = np.diff(self.motion.velocity, axis=1) / self.motion.width[1:-1]
-        return found
+        rates: Floats = np.zeros(self.motion.force.shape)
+        rates[:, 1:-1] = np.diff(self.motion.velocity, axis=1) / self.motion.width[1:-1]
+        return rates
 
     @cached_property
     def _displaced(self) -> dict[int, Floats]:
         """By rod: [state, node of the rod] displacements in the frame, m."""
         stretched = np.cumsum(self._strain[:, :-1] * self.motion.width[:-1], axis=1)
-        found = {}
+        displaced = {}
         for body, (first, last) in enumerate(self.clock.spans):
             if last:
                 a, b = self.motion.first[first], self.motion.last[last]
                 piece = int(np.searchsorted(self.motion.starts, a, "right")) - 1
                 before = stretched[:, a] - stretched[:, self.motion.starts[piece]]
                 left = self.motion.place[:, piece] * self._step + before - before[0]
-                found[body] = stretched[:, a : b + 1] + (left - stretched[:, a])[:, None]
-        return found
+                displaced[body] = stretched[:, a : b + 1] + (left - stretched[:, a])[:, None]
+        return displaced
 
     # Fields ---------------------------------------------------------------------------------------
 
     def velocity(  # noqa: D102
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
-        found = self._at_nodes(self.motion.velocity, body, x, self.to_ticks(t, side))
-        return found + self.clock.frame + self._fallen(t)
+        v = self._at_nodes(self.motion.velocity, body, x, self.to_ticks(t, side))
+        return v + self.clock.frame + self._fallen(t)
 
     def strain(  # noqa: D102
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
@@ -272,8 +268,8 @@ class GridFields(Fields):
         nodes, _, mass = self._span(body)
         own = self.motion.velocity[:, nodes] @ mass
         moving = self._in_time(own[:, None], 0, self.to_ticks(t))
-        found: Floats = moving + mass.sum() * (self.clock.frame + self._fallen(t))
-        return found
+        momentum: Floats = moving + mass.sum() * (self.clock.frame + self._fallen(t))
+        return momentum
 
     def energy(  # noqa: D102
         self, body: int, tick: int, velocity: float

@@ -76,8 +76,8 @@ class Placing:
     def place(self, body: int | Ints, x: ArrayLike, t: ArrayLike, displacement: Any) -> Floats:
         """Place X in the picture, m, of points x (m) of bodies at t (s), displaced (m)."""
         moved = self.apart[body] + displacement - self.frame * np.asarray(t)
-        result: Floats = self.left[body] + np.asarray(x) + self.magnification * moved
-        return result
+        place: Floats = self.left[body] + np.asarray(x) + self.magnification * moved
+        return place
 
     def walls(self) -> list[tuple[int, bool]]:
         """Bodies that are walls or have a fixed end, and whether that is their right end."""

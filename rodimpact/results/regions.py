@@ -204,17 +204,18 @@ def _polygons(
 
 def _clip(corners: list[Corner], normal: Corner, bound: int) -> list[Corner]:
     """Part of a polygon in which normal . corner <= bound; nothing if that has no area."""
-    kept: list[Corner] = []
+    inside: list[Corner] = []
     n0, n1 = normal
     depth = [bound - n0 * p - n1 * q for p, q in corners]
     if max(depth, default=0) <= 0:
         return []
     for i, (p, q) in enumerate(corners):
         if depth[i] >= 0:
-            kept.append((p, q))
+            inside.append((p, q))
         j = (i + 1) % len(corners)
         if depth[i] * depth[j] < 0:
-            part, whole = depth[i], depth[i] - depth[j]
-            pj, qj = corners[j]
-            kept.append((p + (pj - p) * part // whole, q + (qj - q) * part // whole))
-    return kept
+            (pj, qj), change = corners[j], depth[i] - depth[j]
+            inside.append((
+                p + (pj - p) * depth[i] // change, q + (qj - q) * depth[i] // change
+            ))
+    return inside

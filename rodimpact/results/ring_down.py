@@ -104,10 +104,10 @@ def _decay_time(times: Floats, vibration: Floats, least: float) -> float:
 
 def _longest_mode(system: System) -> tuple[int, float, float]:
     """Rod, frequency (Hz) and time constant of energy (s) of the mode that lasts longest."""
-    found = []
+    modes = []
     for i, rod in enumerate(system.bodies):
         if isinstance(rod, Rod):
             omega, rate = lasting_mode(rod.segments)
-            found.append((1 / (2 * rate) if rate > 0 else math.inf, i, omega / (2 * math.pi)))
-    modal, body, frequency = max(found)
+            modes.append((1 / (2 * rate) if rate > 0 else math.inf, i, omega / (2 * math.pi)))
+    modal, body, frequency = max(modes)
     return body, frequency, modal

@@ -65,8 +65,8 @@ class WaveFields(Fields):
     def velocity(  # noqa: D102
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
-        found = self._combine(body, x, t, side, 1.0, lambda _: 0.5, self.clock.frame)
-        return found + self._fallen(t) if self.clock.gravity else found
+        v = self._combine(body, x, t, side, 1.0, lambda _: 0.5, self.clock.frame)
+        return v + self._fallen(t) if self.clock.gravity else v
 
     def strain(  # noqa: D102
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
@@ -136,21 +136,15 @@ class WaveFields(Fields):
         return total
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:  # noqa: D102
-        segment, offset = self.locate(body, x)
-        ticks = self.to_ticks(t)
-        time = ticks * self.clock.tick
-        found: Floats = self._displacement(segment, offset, ticks)
-        return found + self.clock.gravity * time * time / 2
-
-    def _displacement(self, segment: ArrayLike, offset: ArrayLike, ticks: ArrayLike) -> Floats:
-        a = self.clock
-        segment, offset, ticks = np.broadcast_arrays(segment, offset, ticks)
+        a, when = self.clock, self.to_ticks(t)
+        segment, offset, ticks = np.broadcast_arrays(*self.locate(body, x), when)
         out = np.empty(offset.shape)
         for s in np.unique(segment):
             here = segment == s
-            o, t, T = offset[here], ticks[here], a.ticks[s]
-            out[here] = self.displacement_of_waves(int(s), t - o, t - T + o)
-        return out
+            p, q = ticks[here] - offset[here], ticks[here] - a.ticks[s] + offset[here]
+            out[here] = self.displacement_of_waves(int(s), p, q)
+        time = when * a.tick
+        return out + a.gravity * time * time / 2
 
     def displacement_of_waves(self, segment: int, p: Ints, q: Ints) -> Floats:
         """Displacement, m, where the waves meet that left the two ends at ticks p and q."""
@@ -165,14 +159,14 @@ class WaveFields(Fields):
     def _initial_stretch(self) -> list[float]:
         """Initial displacement of each segment's left end."""
         a = self.clock
-        found = [0.0] * len(a.ticks)
+        starts = [0.0] * len(a.ticks)
         for first, last in a.spans:
             for s in range(first, last):
                 A, B = self.waves(s)
                 T = a.ticks[s]
                 stretch = float(A.integral(0, -T) + B.integral(-T, 0)) / 2
-                found[s + 1] = found[s] + stretch * a.tick
-        return found
+                starts[s + 1] = starts[s] + stretch * a.tick
+        return starts
 
     def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:  # noqa: D102
         a = self.clock
@@ -250,10 +244,9 @@ class WaveFields(Fields):
         )
 
     def smeared(self, ticks: Ints) -> Floats:  # noqa: D102
-        found: Floats = np.zeros(np.shape(ticks))
-        if self.steps is not None:
-            found += self._smeared[np.searchsorted(self.steps, ticks)]
-        return found
+        if self.steps is None:
+            return np.zeros(np.shape(ticks))
+        return np.asarray(self._smeared[np.searchsorted(self.steps, ticks)])
 
     @cached_property
     def _smeared(self) -> Floats:
@@ -270,8 +263,7 @@ class WaveFields(Fields):
     def _stored(self, wave: StepSignal, start: int, duration: int) -> Floats:
         """Step averages of a signal from the step that begins at `start` on."""
         first = int(np.searchsorted(wave.ticks, start, "right")) - 1
-        found: Floats = wave.values[first : first + duration // self.clock.grain]
-        return found
+        return np.asarray(wave.values[first : first + duration // self.clock.grain])
 
     def profile(self, body: int, tick: int) -> Profile:
         """State just after `tick`, in pieces of constant velocity and strain.
