@@ -268,7 +268,7 @@ def start_impacts(state: Any, chain: Chain, i0: int, last: int, tol: float, d: f
 
     An impact waits with an infinite limit.
     """
-    found = False
+    struck = False
     for q in range(last + 1):
         i = i0 + q
         if state.law[i] == IMPACT and chain.limit[q] == math.inf:
@@ -276,8 +276,8 @@ def start_impacts(state: Any, chain: Chain, i0: int, last: int, tol: float, d: f
             if state.gap[i] - w < -d * tol:
                 u = chain.before[q]
                 chain.limit[q] = 0.0 if u <= tol else (1 - state.damping[i]) * u * d / 2
-                found = True
-    return found
+                struck = True
+    return struck
 
 
 def record_step(

@@ -120,14 +120,13 @@ def contact_measures(run: SteppedRun) -> dict[str, Array]:
     their impulse grows in jumps.
     """
     row = run.row
-    contacts = [k for k, i in enumerate(row.contact_link) if i >= 0 and row.laws[i] >= RIGID]
-    forces = [run.contact(k)[0] for k in contacts]
-    lasting = [row.laws[row.contact_link[k]] != IMPACT for k in contacts]
+    links = {k: i for k, i in enumerate(row.contact_link) if i >= 0 and row.laws[i] >= RIGID}
+    forces = [run.contact(k)[0] for k in links]
+    lasting = [(row.laws[i] != IMPACT) * F for i, F in zip(links.values(), forces, strict=True)]
     measured = (
         [float(F @ run.durations) for F in forces],
-        [peak(run.edges, F) if lasts else 0.0 for F, lasts in zip(forces, lasting, strict=True)],
-        [_most_of(F, run.durations) if lasts else 0.0
-         for F, lasts in zip(forces, lasting, strict=True)],
+        [peak(run.edges, F) for F in lasting],
+        [_most_of(F, run.durations) for F in lasting],
     )
     return {name: np.array(values) for name, values in zip(MEASURES, measured, strict=True)}
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import kernels
 from .assembly import Blueprint, start
-from .front_kernel import FREE, FULL, OPEN, GroupState, Members, Results, family
+from .front_kernel import FREE, FULL, OPEN, GroupState, Results, family
 from .layout_kernel import LAID, Layout, Make, lay_out_all
 from .tracking import as_arrays, on_arrays
 
@@ -134,7 +134,7 @@ class Block:
             self.state, self.stocks = on_arrays(*self.state), tuple(map(as_arrays, self.stocks))
         self.fates: Any = []
 
-    def lay_out(self, given: Array) -> Members:
+    def lay_out(self, given: Array) -> Layout:
         """Put members on their clocks; `fates` says for whom there is none."""
         count = len(given)
         if len(self.fates) != count:
@@ -142,27 +142,21 @@ class Block:
             self.layout, self.work = self.plan.space(count, full)
             self.fates = full(count, LAID)
         rows: Any = given.ravel()
-        x: Layout = self.layout
         kernels.compiled(lay_out_all)(
-            self.make, rows if self.compiled else rows.tolist(), self.until, x, self.work,
-            self.fates,
+            self.make, rows if self.compiled else rows.tolist(), self.until, self.layout,
+            self.work, self.fates,
         )
-        status: Any = np.tile(self.plan.status, count)
-        status[np.asarray(x.gap) > 0] = OPEN
-        return Members(
-            x.transit, x.mobility, status if self.compiled else status.tolist(), x.gap, x.outside,
-            x.count, x.tick, x.line, x.value, x.tolerance, x.window, x.target, x.frame,
-            x.tick_seconds,
-        )
+        return self.layout
 
-    def run(self, members: Members, max_events: int, results: Results) -> Array:
+    def run(self, members: Layout, max_events: int, results: Results) -> Array:
         """Run members; return which of them filled the log."""
+        status: Any = np.tile(self.plan.status, len(members.count))
+        status[np.asarray(members.gap) > 0] = OPEN
         flat: Any = Results(*(column.reshape(-1) for column in results))
         if not self.compiled:
-            flat = Results(*(column.tolist() for column in flat))
-        kernels.compiled(family)(*self.state, self.stocks, members, max_events, flat)
+            status, flat = status.tolist(), kernels.as_lists(flat)
+        kernels.compiled(family)(*self.state, self.stocks, members, status, max_events, flat)
         if not self.compiled:
             for column, values in zip(results, flat, strict=True):
                 column[...] = np.reshape(values, column.shape)
-        filled: Array = (np.asarray(self.fates) == LAID) & (results.flag == FULL)
-        return filled
+        return np.asarray((np.asarray(self.fates) == LAID) & (results.flag == FULL))

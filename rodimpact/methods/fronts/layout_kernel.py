@@ -382,8 +382,7 @@ def momentum_varies(make: Make, m: int, layout: Layout) -> bool:
     last = len(make.last) - 1
     endless = make.outside[0] == ENDLESS or make.outside[1] == ENDLESS
     held = make.joined[0] == 1 and make.last[0] == 0 and make.last[last] == 0
-    varies: bool = endless or (held and layout.outside[2 * m] != layout.outside[2 * m + 1])
-    return varies
+    return bool(endless or (held and layout.outside[2 * m] != layout.outside[2 * m + 1]))
 
 
 def round_trip(make: Make, m: int, layout: Layout) -> int:
@@ -404,22 +403,18 @@ def fill(c: float, T: int, s: int, n: int, work: Work, frame: float, tol: float,
     Waves a = v - c eps and b = v + c eps in the frame; a piece from x0 to x1 ticks left T - x0 ago
     at the right end and x1 ago at the left one.
     """
-    first, end, sent = work.piece[s], work.piece[s + 1], r
-    for i in range(end - 1, first - 1, -1):
-        x0 = min(work.ticks[n + i - s], T) if i > first else 0
-        x1 = min(work.ticks[n + i + 1 - s], T) if i < end - 1 else T
-        a = work.velocity[i] - frame - c * work.strain[i]
-        if x1 > x0 and (r == sent or abs(a - layout.value[r - 1]) > tol):
-            layout.tick[r], layout.line[r], layout.value[r] = -x1, 2 * s, a
-            r += 1
-    sent = r
-    for i in range(first, end):
-        x0 = min(work.ticks[n + i - s], T) if i > first else 0
-        x1 = min(work.ticks[n + i + 1 - s], T) if i < end - 1 else T
-        b = work.velocity[i] - frame + c * work.strain[i]
-        if x1 > x0 and (r == sent or abs(b - layout.value[r - 1]) > tol):
-            layout.tick[r], layout.line[r], layout.value[r] = x0 - T, 2 * s + 1, b
-            r += 1
+    first, end = work.piece[s], work.piece[s + 1]
+    for b in range(2):
+        sent, sign = r, 2 * b - 1
+        for k in range(end - first):
+            i = first + k if b else end - 1 - k
+            x0 = min(work.ticks[n + i - s], T) if i > first else 0
+            x1 = min(work.ticks[n + i + 1 - s], T) if i < end - 1 else T
+            wave = work.velocity[i] - frame + sign * c * work.strain[i]
+            if x1 > x0 and (r == sent or abs(wave - layout.value[r - 1]) > tol):
+                layout.tick[r] = x0 - T if b else -x1
+                layout.line[r], layout.value[r] = 2 * s + b, wave
+                r += 1
     return r
 
 

@@ -65,15 +65,15 @@ MESH = GridMotion._fields[:10]
 
 
 class Mesh:
-    """A plan on a grid, in SI.
+    """A row on a grid, in SI.
 
     Attributes
     ----------
-    plan : Plan
+    row : Row
     counts : list of int
         Cells of each segment.
     first, last : list of int
-        Nodes of each segment, counted from 1 as in the plan; entry 0 is empty.
+        Nodes of each segment, counted from 1 as in the row; entry 0 is empty.
     node_of_mass : list of int
     starts, stops : list of int
         First and last node of each piece.

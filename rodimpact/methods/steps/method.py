@@ -24,6 +24,7 @@ from .. import kernels
 from ..clock import STEP_TICKS, Clock
 from ..contact_law_kernel import IMPACT, RIGID, SPRING
 from ..finality_kernel import NEVER
+from ..groups import groups
 from ..refinement import contact_measures, refined, velocity_measure
 from ..row import Array, Row
 from ..run import Run, Waves
@@ -98,26 +99,27 @@ class StepRun(SteppedRun):
         a, row = self.clock, self.row
         free: list[float] = []
         fall = row.frame + row.gravity * a.tick * float(self.edges[-1])
-        mass = momentum = 0.0
-        held = row.outside[0][0] in ("velocity", "absorbing")
-        for body, m in enumerate(row.mass_of):
-            first, last = row.spans[body]
-            for s in range(first, last + 1):
-                start = self.edges[-1] - a.ticks[s]
-                edges = np.concatenate((self.edges_before, self.edges))
-                for wave in (self.wave(2 * s), self.wave(2 * s + 1)):
-                    stays = np.diff(np.maximum(edges[-1 - len(wave) :], start))
-                    momentum += a.impedance[s] / 2 * float(wave @ stays) * a.tick
-                mass += a.impedance[s] * a.ticks[s] * a.tick
-            if 0 <= m < len(row.masses) and (body == 0 or row.mass_of[body - 1] != m):
-                mass += row.masses[m]
-                momentum += row.masses[m] * float(self.speed(m)[-1])
-            link = row.contact_link[body] if body < len(row.contact_link) else None
-            if link is None or (link >= 0 and row.laws[link] >= RIGID):
-                held |= link is None and row.outside[1][0] in ("velocity", "absorbing")
-                if mass and not held:
-                    free.append(float(momentum / mass + fall))
-                mass, momentum, held = 0.0, 0.0, False
+        edges = np.concatenate((self.edges_before, self.edges))
+        bonded = groups(row.system)
+        for group in bonded:
+            mass = momentum = 0.0
+            for body in group:
+                for s in range(row.spans[body][0], row.spans[body][1] + 1):
+                    start = self.edges[-1] - a.ticks[s]
+                    for wave in (self.wave(2 * s), self.wave(2 * s + 1)):
+                        stays = np.diff(np.maximum(edges[-1 - len(wave) :], start))
+                        momentum += a.impedance[s] / 2 * float(wave @ stays) * a.tick
+                    mass += a.impedance[s] * a.ticks[s] * a.tick
+                m = row.mass_of[body]
+                if 0 <= m < len(row.masses) and (body == 0 or row.mass_of[body - 1] != m):
+                    mass += row.masses[m]
+                    momentum += row.masses[m] * float(self.speed(m)[-1])
+            held = any(
+                kind in ("velocity", "absorbing") and group is end
+                for (kind, _), end in zip(row.outside, (bonded[0], bonded[-1]), strict=True)
+            )
+            if mass and not held:
+                free.append(float(momentum / mass + fall))
         return free
 
     @property
@@ -377,7 +379,7 @@ def places_inside(ticks: Iterable[float]) -> list[int]:
 def given_jumps(row: Row, ticks: list[int], step: float) -> list[int]:
     """Ticks in a step at which jumps of the initial state and of drives pass the ends of segments.
 
-    None where there are more than a step is cut for.
+    None of them where there are more than a step is cut for.
     """
     jumps: list[float] = []
     for body, (first, last) in zip(row.system.bodies, row.spans, strict=True):
