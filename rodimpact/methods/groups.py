@@ -20,6 +20,11 @@ def groups(system: System) -> list[list[int]]:
     return bonded
 
 
+def unilateral(system: System) -> list[int]:
+    """Contacts that can open."""
+    return [k for k, law in enumerate(system.contacts) if not isinstance(law, Bonded)]
+
+
 def grounds(system: System, group: list[int]) -> list[Any]:
     """Velocities of the walls and fixed ends that hold a group, from left to right."""
     walls = [b.velocity for i in group if isinstance(b := system.bodies[i], Wall)]

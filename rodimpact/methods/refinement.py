@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from ..model.frozen import InvalidModel
-from .contact_law_kernel import IMPACT, RIGID
+from .contact_law_kernel import IMPACT
 from .row import Array
 from .stepped_run import SteppedRun
 
@@ -119,10 +119,9 @@ def contact_measures(run: SteppedRun) -> dict[str, Array]:
     Restitution follows from the impulses. Impacts of rigid bodies have neither of the other two:
     their impulse grows in jumps.
     """
-    row = run.row
-    links = {k: i for k, i in enumerate(row.contact_link) if i >= 0 and row.laws[i] >= RIGID}
-    forces = [run.contact(k)[0] for k in links]
-    lasting = [(row.laws[i] != IMPACT) * F for i, F in zip(links.values(), forces, strict=True)]
+    laws = [run.row.laws[link] for link in run.row.opening.values()]
+    forces = [run.contact(k)[0] for k in run.row.opening]
+    lasting = [(law != IMPACT) * F for law, F in zip(laws, forces, strict=True)]
     measured = (
         [float(F @ run.durations) for F in forces],
         [peak(run.edges, F) for F in lasting],

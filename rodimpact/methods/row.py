@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -164,6 +165,23 @@ class Row:
             self.masses[m], self.mass_velocity[m] = M + more, momentum / (M + more)
             self.mass_of.append(m)
 
+    @cached_property
+    def beside(self) -> list[tuple[tuple[str, int], tuple[str, int]]]:
+        """By link, what stands on its left and on its right.
+
+        ("outside", side), ("mass", m) or ("segment", s).
+        """
+        stands = [("outside", 0)]
+        for k, (start, stop) in enumerate(pairwise(self.first)):
+            stands += [("mass", m) for m in range(start, stop)]
+            stands.append(("segment", k + 1) if k < len(self.segments) else ("outside", 1))
+        return list(pairwise(stands))
+
+    @cached_property
+    def opening(self) -> dict[int, int]:
+        """Links of the contacts that can open, by contact."""
+        return {k: i for k, i in enumerate(self.contact_link) if i >= 0 and self.laws[i] >= RIGID}
+
     # On a time step -------------------------------------------------------------------------------
 
     @cached_property
@@ -215,9 +233,8 @@ class Row:
         T = max(s.transit_time for s in self.segments)
         yielding = T / self._weakest
         problems: Problems = []
-        for i, link in enumerate(self.contact_link):
-            law = self.laws[link] if link >= 0 else BOND
-            if law >= SPRING and (
+        for i, link in self.opening.items():
+            if self.laws[link] >= SPRING and (
                 self.stiffness[link] * yielding * (self.scale * T) ** (self.exponent[link] - 1)
                 > STIFFEST
             ):

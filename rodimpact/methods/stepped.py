@@ -10,7 +10,6 @@ import numpy as np
 
 from ..model import Bonded, RigidMass, Wall
 from ..units import format_si
-from .contact_law_kernel import RIGID
 from .pressing import episodes_of_steps, pressed_spans
 from .refinement import peak
 from .run import ContactSignal, ContactTally, Outside, Run, Signals
@@ -75,8 +74,7 @@ def as_run(
 
 def accuracy(run: SteppedRun, finer: str) -> str:
     """How wrong the outcome may be, where contacts can open; `finer` is what makes it less."""
-    row = run.row
-    if not run.estimates or not any(i >= 0 and row.laws[i] >= RIGID for i in row.contact_link):
+    if not run.estimates or not run.row.opening:
         return ""
     late = {name: value for name, value in run.estimates.items() if value > run.rtol}
     if not late:
@@ -92,7 +90,7 @@ def accuracy(run: SteppedRun, finer: str) -> str:
 def _record(run: SteppedRun) -> StepRecord:
     row, times, forces, gaps, paths, spans = run.row, run.edges * run.clock.tick, [], [], [], []
     for k, link in enumerate(row.contact_link):
-        if link >= 0 and row.laws[link] >= RIGID:
+        if k in row.opening:
             force, gap = run.contact(k)
             forces.append(force)
             gaps.append(np.concatenate(([float(row.system.gaps[k])], gap)))

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from ..methods.abilities import driven
+from ..methods.groups import unilateral
 from ..methods.run import ContactTally, Run, Totals
-from ..model import Bonded, RigidMass, Wall
+from ..model import RigidMass, Wall
 from ..model.frozen import plain
 from ..rigid import RigidCollision, collide
 
@@ -255,7 +256,7 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
         kinetic_before=totals.kinetic[0], kinetic_after=totals.kinetic[1],
         vibration_before=tuple(started), vibration_after=tuple(stopped),
         contacts=tuple(run.contacts),
-        unilateral=tuple(i for i, law in enumerate(system.contacts) if not isinstance(law, Bonded)),
+        unilateral=tuple(unilateral(system)),
         momentum_residual=momentum, energy_residual=energy, final=run.final, status=run.status,
         driven=driven(system) or bool(system.gravity), **totals.works,
     )

@@ -8,7 +8,6 @@ between the nodes i - 1 and i, so the cells 0, those between pieces, and the las
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -107,9 +106,8 @@ class Mesh:
         self._nodes = 0
         held: list[int] = []
         cells: list[tuple[int, Array]] = []
-        beside = _beside(row)
         node = -1
-        for i, (left, right) in enumerate(beside):
+        for i, (left, right) in enumerate(row.beside):
             law = row.laws[i]
             joined = law <= BOND
             if left == ("outside", 0):
@@ -140,7 +138,7 @@ class Mesh:
         for a, b, s, N in zip(self.first[1:], self.last[1:], row.segments, counts, strict=True):
             self.width[a + 1 : b + 1] = float(s.length) / N
         self.interfaces = {
-            i: self._interface(beside, i) for i, law in enumerate(row.laws)
+            i: self._interface(i) for i, law in enumerate(row.laws)
             if law == BOND and self._asked(i)
         }
 
@@ -172,8 +170,8 @@ class Mesh:
         holds = side is not None and self.row.outside[side][0] == "velocity"
         return holds or link in self.row.contact_link
 
-    def _interface(self, beside: list[Any], link: int) -> Interface:
-        side = 1 if link == 0 else 0
+    def _interface(self, link: int) -> Interface:
+        side, beside = int(link == 0), self.row.beside
         mass, i = 0.0, link
         while beside[i][side][0] == "mass":
             m = beside[i][side][1]
@@ -228,16 +226,6 @@ class Mesh:
     def piece_of(self, node: int) -> int:
         """Piece to which a node belongs."""
         return int(np.searchsorted(self.starts, node, "right")) - 1
-
-
-def _beside(row: Row) -> list[tuple[tuple[str, int], tuple[str, int]]]:
-    """What stands left and right of each link: ("outside", side), ("mass", m), ("segment", s)."""
-    n = len(row.segments)
-    stands = [("outside", 0)]
-    for k in range(n + 1):
-        stands += [("mass", m) for m in range(row.first[k], row.first[k + 1])]
-        stands.append(("segment", k + 1) if k < n else ("outside", 1))
-    return list(pairwise(stands))
 
 
 def _cells(segment: Any, count: int) -> Array:

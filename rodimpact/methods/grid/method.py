@@ -84,8 +84,8 @@ class GridRun(SteppedRun):
         over a few steps do not.
         """
         peaks, less = [0.0], [0.0]
-        for contact, link in enumerate(self.row.contact_link):
-            if link >= 0 and self.row.laws[link] == RIGID:
+        for contact, link in self.row.opening.items():
+            if self.row.laws[link] == RIGID:
                 force = self.contact(contact)[0]
                 passed = np.concatenate((np.zeros(RINGING), np.cumsum(force)))
                 means = (passed[RINGING:] - passed[:-RINGING]) / RINGING

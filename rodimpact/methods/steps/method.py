@@ -324,18 +324,14 @@ def _choose(transits: list[float], least: int, most: int, power: float) -> tuple
 
 def _resolving(row: Row) -> float:
     """Step that resolves the contact of a mass with a stiff neighbour: a twentieth of its time."""
-    finest = math.inf
-    v = 2 * row.scale or 1.0
-    for k in range(len(row.first) - 1):
-        m0, m1 = row.first[k], row.first[k + 1]
-        for q in range(m1 - m0 + 1 if m1 > m0 else 0):
-            i = k + m0 + q
-            around = [row.masses[m] for m in (m0 + q - 1, m0 + q) if m0 <= m < m1]
-            m, stiff = 1 / sum(1 / M for M in around), row.stiffness[i]
-            power = row.exponent[i] + 1
-            if row.laws[i] >= SPRING and power == 2:
+    finest, v = math.inf, 2 * row.scale or 1.0
+    for i, sides in enumerate(row.beside):
+        around = [row.masses[m] for kind, m in sides if kind == "mass"]
+        if around and row.laws[i] >= SPRING:
+            m, stiff, power = 1 / sum(1 / M for M in around), row.stiffness[i], row.exponent[i] + 1
+            if power == 2:
                 finest = min(finest, math.pi * math.sqrt(m / stiff) / 20)
-            elif row.laws[i] >= SPRING:
+            else:
                 deepest = (power / 2 * m * v * v / stiff) ** (1 / power)
                 finest = min(finest, 2.9432 * deepest / v / 20)
     longest = max(float(s.transit_time) for s in row.segments)
