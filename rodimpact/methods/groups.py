@@ -34,9 +34,7 @@ def grounds(system: System, group: list[int]) -> list[Any]:
     return [*left, *walls, *right]
 
 
-def velocities_in_group(
-    system: System, group: list[int], inside: list[int], own: Any
-) -> list[Any]:
+def velocities_in_group(system: System, group: list[int], inside: list[int], own: Any) -> list[Any]:
     """Velocities of bodies bonded together: that of the ground that holds them, or their own.
 
     Between two grounds of different velocity a group has its own: there is none about which it
@@ -58,9 +56,7 @@ def velocities_in_group(
     if len(ground) == 2:
         shared = np.where(np.equal(*ground), shared, own)[()]
     moving = inside or group
-    return [
-        ground[0] if i < moving[0] else ground[-1] if i > moving[-1] else shared for i in group
-    ]
+    return [ground[0] if i < moving[0] else ground[-1] if i > moving[-1] else shared for i in group]
 
 
 def movable(system: System) -> list[int]:

@@ -168,10 +168,10 @@ class Options:
 def count(problems: Problems, name: str, value: Any) -> int:
     """A positive whole number; 0 and a problem if it is none."""
     is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
-    whole = int(value) if is_whole else 0
-    if 1 <= whole <= MOST_COUNTED:
-        return whole
-    limit = f" of at most {MOST_COUNTED:g}" if whole > 1 else ""
+    counted = int(value) if is_whole else 0
+    if 1 <= counted <= MOST_COUNTED:
+        return counted
+    limit = f" of at most {MOST_COUNTED:g}" if counted > 1 else ""
     problems.append((name, f"must be a positive whole number{limit}, got {shown(value)}"))
     return 0
 

@@ -201,7 +201,7 @@ class Row:
                 strained = max(strained, *(c * abs(e) for e in extremes(body.strain)))
         for kind, value in self.outside:
             if kind == "force":
-                pushed = max(pushed, *(abs(F) for F in extremes(value))) / self._weakest
+                pushed = max(pushed, *(abs(F) for F in extremes(value))) / self._least_impedance
         fall = abs(self.gravity) * max(s.transit_time for s in self.segments)
         spread = max(self._velocities) - min(self._velocities)
         return float(spread + strained + pushed + fall)
@@ -218,7 +218,7 @@ class Row:
         return velocities
 
     @cached_property
-    def _weakest(self) -> float:
+    def _least_impedance(self) -> float:
         """Smallest impedance, kg/s."""
         return float(min(
             s.material.density * s.wave_speed * extremes(s.area)[0] for s in self.segments
@@ -231,7 +231,7 @@ class Row:
             size = f"velocities and strains of {self.scale!r} m/s"
             raise InvalidModel([("bodies", f"{size} overflow the energy; use smaller")])
         T = max(s.transit_time for s in self.segments)
-        yielding = T / self._weakest
+        yielding = T / self._least_impedance
         problems: Problems = []
         for i, link in self.opening.items():
             if self.laws[link] >= SPRING and (
@@ -254,8 +254,7 @@ class Row:
 
     def wall_speed(self, side: int, times: Array) -> Array:
         """Velocity of the left or right wall at times, s, in the frame."""
-        speeds: Array = float(self.outside[side][1]) - self.frame - self.gravity * times
-        return speeds
+        return np.asarray(float(self.outside[side][1]) - self.frame - self.gravity * times)
 
 
 def squeezed(seconds: float) -> InvalidModel:

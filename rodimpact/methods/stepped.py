@@ -14,7 +14,7 @@ from .pressing import episodes_of_steps, pressed_spans
 from .refinement import peak
 from .run import ContactSignal, ContactTally, Outside, Run, Signals
 from .signals import Floats, StepSignal
-from .status import ended, large_strains, proved
+from .status import end_sentence, proof_sentence, strain_warning
 from .stepped_run import SteppedRun
 
 NONE_TAKEN = " The end comes before half a step: none was taken. More cells shorten it."
@@ -59,14 +59,14 @@ def as_run(
     t_end = until if until is not None else float(run.edges[-1]) * tick
     t_final = float(run.edges[run.finality_time]) * tick if final else math.nan
     at_the_end = run.stopped_by == "until" and run.finality_time >= run.steps
-    proof = proved(any(run.tally.episodes), at_the_end, t_final) if final else ""
-    status = ended(
+    proof = proof_sentence(any(run.tally.episodes), at_the_end, t_final) if final else ""
+    status = end_sentence(
         run.row.system, run.stopped_by, proof, format_si(t_end, "s"),
         f"{run.events} steps times ends",
     )
     return Run(
         method=method, until=until, clock=run.clock, end=run.end, t_end=t_end, t_final=t_final,
-        stopped_by=run.stopped_by, status=status + remarks + large_strains(run.largest_strain),
+        stopped_by=run.stopped_by, status=status + remarks + strain_warning(run.largest_strain),
         events=run.events, contacts=_tallies(run, record), accuracy=run.estimates,
         make_signals=lambda: _signals(run, record, motion),
     )
@@ -104,9 +104,7 @@ def _record(run: SteppedRun) -> StepRecord:
     ends: list[tuple[str, Floats, Floats] | None] = []
     for side, (kind, _) in enumerate(row.outside):
         wall = isinstance(row.system.bodies[-side], Wall)
-        ends.append(
-            None if kind == "none" else ("wall" if wall else KINDS[kind], *run.outer(side))
-        )
+        ends.append(None if kind == "none" else ("wall" if wall else KINDS[kind], *run.outer(side)))
     _join_rigid_bodies(run, forces, [end[1] if end else np.zeros(run.steps) for end in ends])
     return StepRecord(forces, gaps, paths, spans, ends)
 
@@ -149,19 +147,15 @@ def _tallies(run: SteppedRun, record: StepRecord) -> tuple[ContactTally, ...]:
         if sudden:  # an impact takes no time, though it takes a step here
             ends = np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
         tallies.append(ContactTally(
-            impulse=float(t.impulse[link]) * run.step,
+            impulse=float(t.impulse[link]) * run.step, duration=float(np.sum(ends - begins)),
             peak_force=math.nan if sudden else peak(run.edges, force),
-            duration=float(np.sum(ends - begins)),
             first=float(begins[0]) if spans else math.nan,
-            last=float(ends[-1]) if spans else math.nan,
-            episodes=int(t.episodes[link]),
+            last=float(ends[-1]) if spans else math.nan, episodes=int(t.episodes[link]),
         ))
     return tuple(tallies)
 
 
-def _signals(
-    run: SteppedRun, record: StepRecord, motion: Callable[[StepRecord], Any]
-) -> Signals:
+def _signals(run: SteppedRun, record: StepRecord, motion: Callable[[StepRecord], Any]) -> Signals:
     row, edges, contacts = run.row, run.edges, []
     times, lasts = edges * run.clock.tick, np.diff(edges)
     for force, gap, path, spans in zip(*record[:4], strict=True):

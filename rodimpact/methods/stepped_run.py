@@ -69,9 +69,17 @@ class SteppedRun(ABC):
 
     def contact(self, contact: int) -> tuple[Array, Array]:
         """Mean force in each step, N, and gap at its end, m; of a contact that can open."""
-        start = int(self.signals.link_start[self.place(contact)])
-        span = slice(start, start + self.steps)
-        return self.signals.force[span], self.signals.gap[span] * self.step
+        place = self.place(contact)
+        gap = self.by_link(self.signals.gap, place) * self.step
+        return self.by_link(self.signals.force, place), gap
+
+    def by_link(self, column: Array, place: int) -> Array:
+        """What a column of the signals has of a link, by its place in the tally."""
+        return self.by_step(column, int(self.signals.link_start[place]))
+
+    def by_step(self, column: Array, start: int) -> Array:
+        """What a column of the signals has from `start` on."""
+        return column[start : start + self.steps]
 
     @property
     @abstractmethod

@@ -72,8 +72,7 @@ class EnergyLedger:
 def stored(law: Any, gap: Floats) -> Floats:
     """Energy in a contact whose gap is minus the indentation, J."""
     x = np.maximum(-np.asarray(gap), 0.0)
-    energy: Floats = law.stored(x) if hasattr(law, "stored") else np.zeros(x.shape)
-    return energy
+    return np.asarray(law.stored(x)) if hasattr(law, "stored") else np.zeros(x.shape)
 
 
 def ledger(

@@ -48,8 +48,7 @@ class Trace(NamedTuple):
 def nearest(marks: Ints, ticks: Ints) -> Ints:
     """The nearest of increasing marks to ticks."""
     middles = (marks[1:] + marks[:-1]) / 2
-    mark: Ints = marks[np.searchsorted(middles, ticks, "right")]
-    return mark
+    return np.asarray(marks[np.searchsorted(middles, ticks, "right")])
 
 
 class Fields(ABC):
@@ -111,7 +110,7 @@ class Fields(ABC):
     def profile(self, body: int, tick: int) -> Profile:
         """State just after `tick`, in pieces of constant velocity and strain."""
 
-    def whole(self, ticks: Ints) -> Ints:
+    def nearest_known(self, ticks: Ints) -> Ints:
         """The nearest ticks at which energies are known."""
         return ticks if self.steps is None else nearest(self.steps, ticks)
 
@@ -181,8 +180,7 @@ class Fields(ABC):
 
     def _fallen(self, t: ArrayLike) -> Floats:
         """Velocity that the frame has gained at times t."""
-        gained: Floats = self.clock.gravity * self.to_ticks(t) * self.clock.tick
-        return gained
+        return np.asarray(self.clock.gravity * self.to_ticks(t) * self.clock.tick)
 
     def mass_velocity(self, body: int, t: ArrayLike) -> Floats:
         """Velocity of a rigid mass, m/s."""

@@ -147,7 +147,7 @@ class Outcome:
             )
         return ""
 
-    def _only(self) -> ContactTally:
+    def _only_contact(self) -> ContactTally:
         if len(self.unilateral) != 1:
             message = f"this row has {len(self.unilateral)} contacts that can open, not 1"
             raise ValueError(f"{message}; use outcome.contacts")
@@ -156,17 +156,17 @@ class Outcome:
     @property
     def impulse(self) -> float:
         """Impulse of the only contact, N s; ValueError where there are several."""
-        return self._only().impulse
+        return self._only_contact().impulse
 
     @property
     def duration(self) -> float:
         """Time under force of the only contact, s; ValueError where there are several."""
-        return self._only().duration
+        return self._only_contact().duration
 
     @property
     def peak_force(self) -> float:
         """Largest force of the only contact, N; ValueError where there are several."""
-        return self._only().peak_force
+        return self._only_contact().peak_force
 
     def as_rigid(self) -> RigidCollision:
         """Return the collision as rigid-body mechanics sees it.

@@ -131,8 +131,8 @@ def placing(
         apart[body] + solution.displacement(body, x, times)
         for body in bodies for x in (0.0, lengths[body])
     ])
-    seen = _slowest(solution)
-    relative = float(np.ptp(moved - seen * times))
+    slowest = _slowest(solution)
+    relative = float(np.ptp(moved - slowest * times))
     reach = float(np.ptp(moved))
     drifts = ROUND_OFF * reach < relative < reach / DRIFT
     if magnification is None:
@@ -144,7 +144,7 @@ def placing(
                 x, t = np.broadcast_arrays(np.linspace(0, lengths[body], 33)[:, None], times)
                 strain = max(strain, float(np.abs(solution.strain(body, x, t)).max()))
         magnification = max(1.0, _round_down(min(wanted, SQUEEZE / strain if strain else wanted)))
-    frame = seen if drifts else 0.0
+    frame = slowest if drifts else 0.0
     return Placing(solution, magnification, frame, left, apart, block)
 
 

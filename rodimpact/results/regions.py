@@ -136,9 +136,7 @@ def readable_until(solution: Solution, limit: int) -> float:
     return stop
 
 
-def _interval(
-    solution: Solution, start: float, stop: float | None
-) -> tuple[WaveFields, int, int]:
+def _interval(solution: Solution, start: float, stop: float | None) -> tuple[WaveFields, int, int]:
     """Fields between whose fronts there are regions, and first and last tick of an interval."""
     fields, stop = solution.fields, solution.t_end if stop is None else stop
     if not isinstance(fields, WaveFields):
@@ -215,7 +213,5 @@ def _clip(corners: list[Corner], normal: Corner, bound: int) -> list[Corner]:
         j = (i + 1) % len(corners)
         if depth[i] * depth[j] < 0:
             (pj, qj), change = corners[j], depth[i] - depth[j]
-            inside.append((
-                p + (pj - p) * depth[i] // change, q + (qj - q) * depth[i] // change
-            ))
+            inside.append((p + (pj - p) * depth[i] // change, q + (qj - q) * depth[i] // change))
     return inside

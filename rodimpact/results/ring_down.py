@@ -71,7 +71,7 @@ def ring_down(
 ) -> RingDown:
     """Read how vibration dies out from `start` to `end`, s; see `Solution.ring_down`."""
     even = np.linspace(start, end, SAMPLES + 1)
-    ticks = np.unique(fields.whole(fields.to_ticks(even)))
+    ticks = np.unique(fields.nearest_known(fields.to_ticks(even)))
     if len(ticks) < FEWEST and end - start > FEWEST * fields.clock.grain * fields.clock.tick:
         message = f"only {len(ticks)} states were kept after the collision"
         raise ValueError(f"ring_down: {message}; leave snapshots out, or give more of them")
@@ -93,8 +93,8 @@ def ring_down(
 
 def _decay_time(times: Floats, vibration: Floats, least: float) -> float:
     """Of the straight line through the logarithm of the last third."""
-    seen = vibration > least
-    t, E = times[seen], vibration[seen]
+    audible = vibration > least
+    t, E = times[audible], vibration[audible]
     late = t >= t[0] + (t[-1] - t[0]) * (1 - 1 / TAIL) if len(t) else t
     if np.count_nonzero(late) < 3:
         return math.inf

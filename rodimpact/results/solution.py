@@ -166,12 +166,12 @@ class Solution:
 
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
-        seen = self.fields.trace(self._index(body), x)
-        right, left, per_wave = seen.rightward, seen.leftward, 0.5 / seen.wave_speed
+        trace = self.fields.trace(self._index(body), x)
+        right, left, per_wave = trace.rightward, trace.leftward, 0.5 / trace.wave_speed
         rest = (right[0] + left[0]) / 2
         return Gauge(
-            body, float(self.fields.check(body, x)), seen.times, (left - right) * per_wave,
-            (left + right) / 2 + seen.moving, (rest - right) * per_wave, (left - rest) * per_wave,
+            body, float(self.fields.check(body, x)), trace.times, (left - right) * per_wave,
+            (left + right) / 2 + trace.moving, (rest - right) * per_wave, (left - rest) * per_wave,
             self.t_end,
         )
 
@@ -179,7 +179,7 @@ class Solution:
 
     def energy(self, t: ArrayLike) -> EnergyLedger:
         """Energy ledger at times t in s."""
-        ticks = self.fields.whole(self.fields.to_ticks(t))
+        ticks = self.fields.nearest_known(self.fields.to_ticks(t))
         states = group_states(self.system, self.fields, np.concatenate(([0], ticks.ravel())))
         from_start = ledger(self.fields, self.contacts, self.run.signals.outside, states)
         return EnergyLedger(**{

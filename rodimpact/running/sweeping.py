@@ -179,9 +179,7 @@ class SweepResult:
     @property
     def velocities_after(self) -> tuple[Any, ...]:
         """Velocities of the centres of mass, one array a body, m/s."""
-        return tuple(
-            self.columns[f"velocity_after.{i}"] for i in range(len(self.system.bodies))
-        )
+        return tuple(self.columns[f"velocity_after.{i}"] for i in range(len(self.system.bodies)))
 
     @property
     def vibration(self) -> Any:
@@ -211,7 +209,7 @@ class SweepResult:
             for k in range(len(self.system.contacts))
         )
 
-    def _only(self) -> ContactColumns:
+    def _only_contact(self) -> ContactColumns:
         able = unilateral(self.system)
         if len(able) != 1:
             message = f"these rows have {len(able)} contacts that can open, not 1"
@@ -221,22 +219,22 @@ class SweepResult:
     @property
     def impulse(self) -> Any:
         """Impulse of the only contact, N s; ValueError where there are several."""
-        return self._only().impulse
+        return self._only_contact().impulse
 
     @property
     def duration(self) -> Any:
         """Time under force of the only contact, s; ValueError where there are several."""
-        return self._only().duration
+        return self._only_contact().duration
 
     @property
     def peak_force(self) -> Any:
         """Largest force of the only contact, N; ValueError where there are several."""
-        return self._only().peak_force
+        return self._only_contact().peak_force
 
     @property
     def episodes(self) -> Any:
         """How often the only contact pressed; ValueError where there are several."""
-        return self._only().episodes
+        return self._only_contact().episodes
 
     def explain(self, index: Any) -> str:
         """Say of one member why it ended as it did, and why it has no restitution if it has none.
@@ -445,7 +443,9 @@ def sweep(
     if problems:
         raise InvalidModel(problems)
     of = _arrays(system, readings)
-    chunks = _Chunks(system.shape, _chunk_members(system, options, readings))
+    together = options.method == "fronts" and not readings.gauges
+    most = chunk_members(Blueprint(Row(system))) if together else ONE_BY_ONE
+    chunks = _Chunks(system.shape, most)
     size = math.prod(system.shape)
     keep: Checkpoint | None = None
     if checkpoint is None:
@@ -594,13 +594,6 @@ def _together(system: System, options: Options, stop: Callable[[], bool]) -> Col
     return {**columns, "vibration": unknown + run.vibration, "final": final, "status": status}
 
 
-def _chunk_members(system: System, options: Options, readings: Readings) -> int:
-    """How many members to hand over at a time."""
-    if options.method != "fronts" or readings.gauges:
-        return ONE_BY_ONE
-    return chunk_members(Blueprint(Row(system)))
-
-
 def _arrays(system: System, readings: Readings) -> dict[str, tuple[Any, tuple[int, ...]]]:
     """Columns that each member has, with types and shapes beyond the family's, by name."""
     contacts = range(len(system.contacts))
@@ -692,10 +685,10 @@ def _readings(problems: Problems, system: System, gauges: Any, times: Any) -> Re
             problems.append((f"gauges.{i}.x", message))
         else:
             places.append((int(body), x))
-    wanted: Any = number(problems, "times", times, "s", "non-negative")
-    if np.ndim(wanted) != 1:
+    read_at: Any = number(problems, "times", times, "s", "non-negative")
+    if np.ndim(read_at) != 1:
         problems.append(("times", f"must be a list of times, got {times!r}"))
-    return Readings(tuple(places), wanted)
+    return Readings(tuple(places), read_at)
 
 
 def _explain(member: System, options: Options) -> str:

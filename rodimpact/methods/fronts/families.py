@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from .. import kernels
+from ..row import Array
 from .assembly import Blueprint, start
 from .front_kernel import FREE, FULL, OPEN, GroupState, Results, family
 from .layout_kernel import LAID, Layout, Make, lay_out_all
@@ -24,8 +25,6 @@ ROOM = 256  # rows of the log at first
 FIRST_BLOCK, LAST_BLOCK = 512, 2048  # members of a block
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
 MOST_MEMBERS, MOST_BYTES = 16384, 1 << 24  # of one call of `run_family`, for memory's sake
-
-Array = np.ndarray[Any, np.dtype[Any]]
 
 
 class Stopped(Exception):

@@ -183,7 +183,7 @@ def assign_ticks(
         order[j] = i
         q[i] = 0
     longest = durations[order[0]]
-    whole = 0
+    total = 0
     for start in range(n):
         lead = order[start]
         if q[lead] < 0:
@@ -193,9 +193,9 @@ def assign_ticks(
             unit = max(1, ((1 << bits) + parts // 2) // parts)
             if unit > DIVISIBLE * DIVISIBLE:
                 unit -= unit % DIVISIBLE
-            whole = unit * parts
+            total = unit * parts
         else:
-            span = durations[lead] / longest * whole
+            span = durations[lead] / longest * total
             parts, unit = 0, 0
             if span >= LEAST_UNIT:
                 parts = common_parts(durations, order, start, int(span / LEAST_UNIT), p, q)
@@ -209,7 +209,7 @@ def assign_ticks(
             if q[j] > 0:
                 ticks[j] = unit * (parts // q[j]) * p[j]
                 q[j] = -1
-    return whole
+    return total
 
 
 def inward_sum(values: Any, first: int, count: int) -> float:
@@ -462,12 +462,12 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
     for i in range(len(work.duration)):
         known = known and work.known[i] == work.duration[i]
     if not known:
-        whole = assign_ticks(work.duration, bits, work.order, work.p, work.q, work.ticks, late)
-        work.memory[0], work.memory[1] = bits, whole
+        total = assign_ticks(work.duration, bits, work.order, work.p, work.q, work.ticks, late)
+        work.memory[0], work.memory[1] = bits, total
         for i in range(len(work.duration)):
             work.known[i] = work.duration[i]
-    whole = work.memory[1]
-    tick_seconds, window, short = longest / whole, max(1, whole >> WINDOW), 1
+    total = work.memory[1]
+    tick_seconds, window, short = longest / total, max(1, total >> WINDOW), 1
     for s in range(1, n + 1):
         T = work.ticks[s - 1]
         if work.ticks[short - 1] > T:

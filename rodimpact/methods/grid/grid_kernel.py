@@ -546,9 +546,7 @@ def finality_time(pieces: Pieces, grid: Grid, links: Links, ends: Ends, tol: flo
     return wait
 
 
-def side_of(
-    pieces: Pieces, grid: Grid, ends: Ends, p: int, right_end: bool, tol: float
-) -> Side:
+def side_of(pieces: Pieces, grid: Grid, ends: Ends, p: int, right_end: bool, tol: float) -> Side:
     """What the proof asks of piece p, whose right or left end is at the contact.
 
     A far endless bar of impedance Z gives way by the momentum it has taken, over Z. The end is half

@@ -66,9 +66,6 @@ class GridRun(SteppedRun):
     states: States
     peak_change: float = math.nan
 
-    def _signal(self, column: Array, start: int) -> Array:
-        return column[start : start + self.steps]
-
     @property
     def largest_strain(self) -> float:
         """Largest strain of the states that were kept."""
@@ -100,8 +97,7 @@ class GridRun(SteppedRun):
 
     def path(self, contact: int) -> Array:
         """How far a contact that can open closes in each step, m."""
-        start = int(self.signals.link_start[self.place(contact)])
-        return self._signal(self.signals.closing, start) * self.step
+        return self.by_link(self.signals.closing, self.place(contact)) * self.step
 
     def place(self, contact: int) -> int:
         """Place in the tally of a contact that can open."""
@@ -113,7 +109,7 @@ class GridRun(SteppedRun):
 
     def _bond(self, link: int) -> Array:
         place = list(self.mesh.interfaces).index(link)
-        return self._signal(self.signals.bond, place * int(self.signals.room[0]))
+        return self.by_step(self.signals.bond, place * int(self.signals.room[0]))
 
     def outer(self, side: int) -> tuple[Array, Array]:
         """Force of what is outside the left or right end on the row, and its velocity, by steps.
@@ -122,14 +118,13 @@ class GridRun(SteppedRun):
         """
         start, link = side * int(self.signals.room[0]), (0, len(self.row.laws) - 1)[side]
         if link in self.mesh.touching:
-            place = int(self.signals.link_start[list(self.mesh.touching).index(link)])
-            force = self._signal(self.signals.force, place)
+            force = self.by_link(self.signals.force, list(self.mesh.touching).index(link))
         elif self.row.outside[side][0] == "velocity":
             force = self._bond(link)
         else:
-            force = self._signal(self.signals.push, start)
+            force = self.by_step(self.signals.push, start)
         fall = self.row.gravity * self.step * (np.arange(self.steps) + 0.5)
-        return force, self._signal(self.signals.speed, start) + self.row.frame + fall
+        return force, self.by_step(self.signals.speed, start) + self.row.frame + fall
 
     def speed(self, mass: int) -> Array:
         """Velocity of a mass at the ends of the steps, the first at t = 0, in the frame."""
@@ -138,7 +133,7 @@ class GridRun(SteppedRun):
             return self.row.wall_speed(side, self.edges * self.clock.tick)
         initial = self.states.velocity[0, self.mesh.node_of_mass[mass]]
         start = mass * int(self.signals.room[0])
-        return np.concatenate(([initial], self._signal(self.signals.mass_speed, start)))
+        return np.concatenate(([initial], self.by_step(self.signals.mass_speed, start)))
 
 
 LACKS = ()

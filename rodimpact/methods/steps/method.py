@@ -180,13 +180,12 @@ class StepRun(SteppedRun):
         s, out = (1, 2) if side == 0 else (n, 2 * n + 1)
         outgoing, incoming = self.wave(out)[self.before(out) :], self.arriving(out ^ 1)
         line = self.signals.wave_start[(2 * n + 3) * side]
-        given = self.signals.wave[line : line + self.steps]
+        imposed = self.by_step(self.signals.wave, line)
         if row.laws[link] >= RIGID:
-            start = int(self.signals.link_start[link])
-            force, v = self.signals.force[start : start + self.steps], given
+            force, v = self.by_link(self.signals.force, link), imposed
         elif kind == "force" and row.first[1 + side * n] > row.first[side * n]:
             speed = self.speed(0 if side == 0 else len(row.masses) - 1)
-            force, v = given, (speed[1:] + speed[:-1]) / 2
+            force, v = imposed, (speed[1:] + speed[:-1]) / 2
         else:
             force = (1, -1)[side] * (outgoing - incoming) / (2 * self.state.mobility[s])
             v = (outgoing + incoming) / 2
@@ -201,9 +200,9 @@ class StepRun(SteppedRun):
         side = mass - len(self.row.masses)
         if side >= 0:
             return self.row.wall_speed(side, self.edges * self.clock.tick)
-        start = int(self.signals.mass_start[mass])
         initial = self.row.mass_velocity[mass] - self.row.frame
-        return np.concatenate(([initial], self.signals.speed[start : start + self.steps]))
+        later = self.by_step(self.signals.speed, self.signals.mass_start[mass])
+        return np.concatenate(([initial], later))
 
 
 LACKS = (physics.damping, physics.lateral, physics.taper)
@@ -288,8 +287,7 @@ def follow(
 
     first = number if fits else least
     finest = FINEST if fits or not abrupt else ROUGHEST
-    run, estimates = refined(level, measures, goal, 2 * finest // first,
-                             _lost if RIGID in row.laws else lambda _: {})
+    run, estimates = refined(level, measures, goal, 2 * finest // first, _lost)
     return replace(run, estimates=estimates, rtol=goal)
 
 
@@ -309,7 +307,7 @@ def begins_with_jumps(row: Row) -> bool:
 
 def _lost(run: StepRun) -> dict[str, float]:
     """Share of the energy that jumps inside steps lose: so much may be missing elsewhere."""
-    return {"energy": run.energy_lost}
+    return {"energy": run.energy_lost} if RIGID in run.row.laws else {}
 
 
 def _choose(transits: list[float], least: int, most: int, power: float) -> tuple[int, float]:
