@@ -53,8 +53,8 @@ class StepSignal:
 
     def integral(self, start: ArrayLike, stop: ArrayLike) -> Floats:
         """Integral from `start` to `stop`, value times ticks; arguments broadcast."""
-        result: Floats = self._from_first(stop) - self._from_first(start)
-        return result
+        passed: Floats = self._from_first(stop) - self._from_first(start)
+        return passed
 
     def _from_first(self, ticks: ArrayLike) -> Any:
         ticks = np.asarray(ticks)

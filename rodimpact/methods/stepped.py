@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..model import Bonded, RigidMass, Wall
+from ..model import Bonded, Wall
 from ..units import format_si
 from .pressing import episodes_of_steps, pressed_spans
 from .refinement import peak
@@ -114,13 +114,12 @@ def _join_rigid_bodies(run: SteppedRun, forces: list[Floats], pushes: list[Float
 
     `pushes` act on the two ends of the row, to the inside.
     """
-    bodies, rigid = run.row.system.bodies, [i < 0 for i in run.row.contact_link]
+    bodies: Any = run.row.system.bodies
+    rigid = [i < 0 for i in run.row.contact_link]
 
     def spent(body: int) -> Floats:
-        mass = bodies[body]
-        assert isinstance(mass, RigidMass)
-        gained: Floats = float(mass.mass) * np.diff(run.speed(run.row.mass_of[body]))
-        return gained / run.durations
+        gained = float(bodies[body].mass) * np.diff(run.speed(run.row.mass_of[body]))
+        return np.asarray(gained / run.durations)
 
     held = rigid.index(False) if isinstance(bodies[0], Wall) and False in rigid else 0
     for k in range(held - 1, -1, -1):

@@ -42,6 +42,8 @@ class SteppedRun(ABC):
         empty where the step was given.
     rtol : float
         What they were to come to.
+    resolved : float
+        Gap that counts as an opening, m.
     """
 
     clock: Clock
@@ -56,6 +58,7 @@ class SteppedRun(ABC):
     stopped_by: str
     estimates: dict[str, float] = field(default_factory=dict)
     rtol: float = 0.0
+    resolved: float = 0.0
 
     @property
     def steps(self) -> int:
@@ -85,11 +88,6 @@ class SteppedRun(ABC):
     @abstractmethod
     def largest_strain(self) -> float:
         """A bound of the strains."""
-
-    @property
-    @abstractmethod
-    def resolved(self) -> float:
-        """Gap that counts as an opening, m."""
 
     @abstractmethod
     def place(self, contact: int) -> int:

@@ -100,8 +100,7 @@ def closed_form(system: System) -> ClosedForm | None:
         return None
     family = ClosedForm(*zip(left, right, strict=True)).each(
         lambda x: np.broadcast_to(x, system.shape))
-    v1, v2 = family.velocity
-    return family if (v1 > v2).any() else None
+    return family if np.greater(*family.velocity).any() else None
 
 
 def _numbers(body: Body) -> tuple[Floats, ...] | None:

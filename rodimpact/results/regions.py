@@ -149,16 +149,14 @@ def _interval(solution: Solution, start: float, stop: float | None) -> tuple[Wav
 
 def _count(fields: WaveFields, start: int, stop: int, limit: int) -> int:
     """Number of regions; of more than `limit` not all are counted."""
-    count = sum(last - first + 1 for first, last in fields.clock.spans)
-    if count > limit:  # each segment has at least one
-        return count
-    count = 0
-    for first, last in fields.clock.spans:
-        for s in range(first, last + 1):
-            *_, low, high = _rectangles(fields, s, start, stop)
-            count += int((high - low).sum())
-            if count > limit:
-                return count
+    segments, count = range(1, len(fields.clock.ticks) - 1), 0
+    if len(segments) > limit:  # each has at least one
+        return len(segments)
+    for s in segments:
+        *_, low, high = _rectangles(fields, s, start, stop)
+        count += int((high - low).sum())
+        if count > limit:
+            break
     return count
 
 

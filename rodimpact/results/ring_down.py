@@ -82,7 +82,7 @@ def ring_down(
         masses[i] * math.sqrt(2 * (rigid + vibration).max() / masses[i])
         for group in states.bodies for i in group
     )
-    body, frequency, modal = _longest_mode(system)
+    modal, body, frequency = _longest_mode(system)
     return RingDown(
         times, vibration, float(rigid[-1]),
         float(np.ptp(states.momentum)) / scale if scale else 0.0,
@@ -102,12 +102,11 @@ def _decay_time(times: Floats, vibration: Floats, least: float) -> float:
     return 1 / rate if rate > 1e-9 / (t[-1] - t[0]) else math.inf
 
 
-def _longest_mode(system: System) -> tuple[int, float, float]:
-    """Rod, frequency (Hz) and time constant of energy (s) of the mode that lasts longest."""
+def _longest_mode(system: System) -> tuple[float, int, float]:
+    """Time constant of energy (s), rod and frequency (Hz) of the mode that lasts longest."""
     modes = []
     for i, rod in enumerate(system.bodies):
         if isinstance(rod, Rod):
             omega, rate = lasting_mode(rod.segments)
             modes.append((1 / (2 * rate) if rate > 0 else math.inf, i, omega / (2 * math.pi)))
-    modal, body, frequency = max(modes)
-    return body, frequency, modal
+    return max(modes)

@@ -246,16 +246,14 @@ class Solution:
         for i, body in enumerate(self.system.bodies):
             if isinstance(body, Wall):
                 bodies.append(body)
-                continue
-            if isinstance(body, RigidMass):
+            elif isinstance(body, RigidMass):
                 bodies.append(RigidMass(body.mass, velocity=float(self.velocity(i, 0.0, t))))
-                continue
-            profile = self.fields.profile(i, tick)
-            bodies.append(Rod(
-                segments=body.segments,
-                velocity=_steps(profile.edges, profile.velocity),
-                strain=_steps(profile.edges, profile.strain),
-            ))
+            else:
+                profile = self.fields.profile(i, tick)
+                bodies.append(Rod(
+                    segments=body.segments, velocity=_steps(profile.edges, profile.velocity),
+                    strain=_steps(profile.edges, profile.strain),
+                ))
         gaps = [max(0.0, float(contact.gap(t))) for contact in self.contacts]
         return System(
             bodies, gaps, self.system.contacts, gravity=self.system.gravity, ends=self.system.ends

@@ -90,11 +90,6 @@ class GridRun(SteppedRun):
                 less.append(peaks[-1] - float(means.max(initial=0.0)))
         return max(less) / (max(peaks) or 1.0)
 
-    @property
-    def resolved(self) -> float:
-        """Gap that counts as an opening, m."""
-        return GAP_RESOLUTION * self.row.scale * self.step
-
     def path(self, contact: int) -> Array:
         """How far a contact that can open closes in each step, m."""
         return self.by_link(self.signals.closing, self.place(contact)) * self.step
@@ -355,6 +350,7 @@ def _level(
         clock=clock, row=row, step=step, edges=STEP_TICKS * np.arange(machine.taken + 1), end=end,
         events=machine.taken * len(row.laws), tally=machine.tally, signals=machine.signals,
         finality_time=proof, stopped_by=reason, mesh=mesh, grid=machine.grid, states=states,
+        resolved=GAP_RESOLUTION * row.scale * step,
     )
 
 

@@ -144,11 +144,6 @@ class StepRun(SteppedRun):
                  for line in range(2, 2 * len(self.state.steps) - 2)]
         return float(max(waves))
 
-    @property
-    def resolved(self) -> float:
-        """Gap that counts as an opening, m."""
-        return 0.0
-
     def place(self, contact: int) -> int:
         """Place in the tally of a contact that can open."""
         return self.row.contact_link[contact]
@@ -287,7 +282,7 @@ def follow(
 
     first = number if fits else least
     finest = FINEST if fits or not abrupt else ROUGHEST
-    run, estimates = refined(level, measures, goal, 2 * finest // first, _lost)
+    run, estimates = refined(level, measures, goal, 2 * finest // first, _energy_error)
     return replace(run, estimates=estimates, rtol=goal)
 
 
@@ -305,7 +300,7 @@ def begins_with_jumps(row: Row) -> bool:
     )
 
 
-def _lost(run: StepRun) -> dict[str, float]:
+def _energy_error(run: StepRun) -> dict[str, float]:
     """Share of the energy that jumps inside steps lose: so much may be missing elsewhere."""
     return {"energy": run.energy_lost} if RIGID in run.row.laws else {}
 
