@@ -78,9 +78,7 @@ def regions_of(
     segments: list[int] = []
     counts: list[int] = []
     states: list[tuple[float, float, float]] = []
-    xs: list[Floats] = [np.empty(0)]
-    ts: list[Floats] = [np.empty(0)]
-    us: list[Floats] = [np.empty(0)]
+    xs, ts, us = (list[Floats]([np.empty(0)]) for _ in range(3))
     a = fields.clock
     for body, rod in enumerate(solution.system.bodies):
         if not isinstance(rod, Rod):

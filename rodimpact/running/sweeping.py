@@ -661,10 +661,9 @@ def _processors() -> int:
 
 def _readings(problems: Problems, system: System, gauges: Any, times: Any) -> Readings:
     """Check gauges and times; note mistakes."""
-    if times is None and not len(gauges):
-        return Readings()
     if times is None or not len(gauges):
-        problems.append(("times", "go with gauges=[(body, x), ...]; give both or neither"))
+        if times is not None or len(gauges):
+            problems.append(("times", "go with gauges=[(body, x), ...]; give both or neither"))
         return Readings()
     lengths = {i: b.length for i, b in enumerate(system.bodies) if isinstance(b, Rod)}
     places = []
