@@ -108,7 +108,7 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
         if document["format"] != FORMAT:
             raise foreign
         schema, kind, version = document["schema"], document["kind"], document["rodimpact"]
-        known = OLDEST <= schema <= SCHEMA and kind in readers
+        known = schema in range(OLDEST, SCHEMA + 1) and kind in readers
     except (KeyError, TypeError, ValueError, RecursionError):
         raise foreign from None
     if not known:
