@@ -68,8 +68,13 @@ class Solution:
         self.stopped_by, self.status, self.events = run.stopped_by, run.status, run.events
         self.t_end, self.t_final, self.final = run.t_end, run.t_final, run.final
         self.accuracy, self.transit_error = dict(run.accuracy), run.clock.transit_error
-        kind = WaveFields if isinstance(run.signals.motion, Waves) else GridFields
-        self.fields: Fields = kind(run.clock, run.end, run.signals)
+
+    @cached_property
+    def fields(self) -> Fields:
+        """The state of every point of the row at every time."""
+        signals = self.run.signals
+        kind = WaveFields if isinstance(signals.motion, Waves) else GridFields
+        return kind(self.run.clock, self.run.end, signals)
 
     @cached_property
     def outcome(self) -> Outcome:
