@@ -51,8 +51,8 @@ class Clock:
     gravity: float = 0.0
     grain: int = 1
     scale: float = 0.0
-    transit_error: float
-    worst: str
+    transit_error: float = 0.0
+    worst: str = ""
 
     @property
     def longest(self) -> int:

@@ -96,9 +96,7 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
     return F, force / x0 * p * (1 / 2 + third / 3 + fourth / 8 + fourth * (p - 3) * h / 30)
 
 
-def mean_force(
-    law: int, k: float, p: float, d: float, x0: float, x1: float
-) -> tuple[float, float]:
+def mean_force(law: int, k: float, p: float, d: float, x0: float, x1: float) -> tuple[float, float]:
     """Mean force of a compliant contact while its indentation goes from x0 to x1, and dF/dx1.
 
     SPRING: k q + d dq/dt with q = max(x, 0); HERTZ: k q^(3/2); HUNT: the same times (1 + d dx/dt);
@@ -268,7 +266,7 @@ def start_impacts(state: Any, chain: Chain, i0: int, last: int, tol: float, d: f
 
     An impact waits with an infinite limit.
     """
-    found = False
+    struck = False
     for q in range(last + 1):
         i = i0 + q
         if state.law[i] == IMPACT and chain.limit[q] == math.inf:
@@ -276,8 +274,8 @@ def start_impacts(state: Any, chain: Chain, i0: int, last: int, tol: float, d: f
             if state.gap[i] - w < -d * tol:
                 u = chain.before[q]
                 chain.limit[q] = 0.0 if u <= tol else (1 - state.damping[i]) * u * d / 2
-                found = True
-    return found
+                struck = True
+    return struck
 
 
 def record_step(

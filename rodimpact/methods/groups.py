@@ -12,13 +12,17 @@ from ..model import Bonded, Fixed, RigidMass, System, Wall
 
 def groups(system: System) -> list[list[int]]:
     """Bodies that are bonded together, from left to right."""
-    found: list[list[int]] = [[0]]
+    bonded: list[list[int]] = [[0]]
     for i, law in enumerate(system.contacts):
-        if isinstance(law, Bonded):
-            found[-1].append(i + 1)
-        else:
-            found.append([i + 1])
-    return found
+        if not isinstance(law, Bonded):
+            bonded.append([])
+        bonded[-1].append(i + 1)
+    return bonded
+
+
+def unilateral(system: System) -> list[int]:
+    """Contacts that can open."""
+    return [k for k, law in enumerate(system.contacts) if not isinstance(law, Bonded)]
 
 
 def grounds(system: System, group: list[int]) -> list[Any]:
@@ -30,9 +34,7 @@ def grounds(system: System, group: list[int]) -> list[Any]:
     return [*left, *walls, *right]
 
 
-def velocities_in_group(
-    system: System, group: list[int], inside: list[int], own: Any
-) -> list[Any]:
+def velocities_in_group(system: System, group: list[int], inside: list[int], own: Any) -> list[Any]:
     """Velocities of bodies bonded together: that of the ground that holds them, or their own.
 
     Between two grounds of different velocity a group has its own: there is none about which it
@@ -54,9 +56,7 @@ def velocities_in_group(
     if len(ground) == 2:
         shared = np.where(np.equal(*ground), shared, own)[()]
     moving = inside or group
-    return [
-        ground[0] if i < moving[0] else ground[-1] if i > moving[-1] else shared for i in group
-    ]
+    return [ground[0] if i < moving[0] else ground[-1] if i > moving[-1] else shared for i in group]
 
 
 def movable(system: System) -> list[int]:
@@ -89,9 +89,9 @@ def body_velocities(
         By segment, in the frame; for a family, one array of its shape a segment.
     frame : float or array
     """
-    found: list[Any] = []
+    velocities: list[Any] = []
     for group in groups(system):
         inside = [i for i in group if not isinstance(system.bodies[i], Wall)]
         own = velocity[first[(inside or group)[0]]] + frame
-        found += velocities_in_group(system, group, inside, own)
-    return found
+        velocities += velocities_in_group(system, group, inside, own)
+    return velocities

@@ -34,13 +34,13 @@ def pressed_spans(times: Floats, force: Floats, gap: Floats) -> list[tuple[float
     list of (float, float)
         Begin and end of each, s; nan for an end that does not come before the last time.
     """
-    found = []
+    spans = []
     for i, j in _pressing(force):
         begin = _begin_of_force(times, force, gap, i)
         running = j == len(force)
         end = math.nan if running else max(begin, _end_of_force(times, force, gap, i, j))
-        found.append((begin, end))
-    return found
+        spans.append((begin, end))
+    return spans
 
 
 def _pressing(force: Floats) -> list[tuple[int, int]]:
@@ -99,16 +99,16 @@ def episodes_of_steps(
     """
     steps = _pressing(force)
     far, shut = np.flatnonzero(gap > least), np.flatnonzero(gap <= 0)
-    found: list[Episode] = []
+    episodes: list[Episode] = []
     for n, ((_, j), (begin, end)) in enumerate(zip(steps, spans, strict=True)):
-        if found and found[-1].opening != found[-1].opening:
-            begin = found.pop().start
+        if episodes and math.isnan(episodes[-1].opening):
+            begin = episodes.pop().start
         k = int(np.searchsorted(far, j))
         last = steps[n + 1][0] if n + 1 < len(steps) else len(force)
         opens = k < len(far) and far[k] <= last
         opening = max(_opening(times, gap, shut, int(far[k])), end) if opens else math.nan
-        found.append(Episode(begin, end, opening))
-    return tuple(found)
+        episodes.append(Episode(begin, end, opening))
+    return tuple(episodes)
 
 
 def _opening(times: Floats, gap: Floats, shut: Ints, k: int) -> float:

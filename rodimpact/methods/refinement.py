@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from ..model.frozen import InvalidModel
-from .clock import Clock
-from .contact_law_kernel import IMPACT, RIGID, Tally
-from .row import Array, Row
+from .contact_law_kernel import IMPACT
+from .row import Array
+from .stepped_run import SteppedRun
 
 MEASURES = ("impulse", "largest force", "time of 99.9 % of the impulse")
 LOOK_BACK = 3  # coarser levels with which the finest is compared
@@ -20,88 +20,6 @@ FEWEST = 4  # levels
 
 class TooLong(InvalidModel):
     """A run takes more steps than there is memory for."""
-
-
-class SteppedRun(Protocol):
-    """What is asked of a finished run on a time step."""
-
-    @property
-    def clock(self) -> Clock:
-        """Its tick is a part of the step."""
-
-    @property
-    def row(self) -> Row:
-        """What was run."""
-
-    @property
-    def step(self) -> float:
-        """s."""
-
-    @property
-    def steps(self) -> int:
-        """Steps taken, or parts of steps."""
-
-    @property
-    def durations(self) -> Array:
-        """Of the steps, s."""
-
-    @property
-    def edges(self) -> Array:
-        """Between steps, in ticks, from 0 on."""
-
-    @property
-    def end(self) -> int:
-        """Last tick."""
-
-    @property
-    def tally(self) -> Tally:
-        """Totals by link that can open."""
-
-    @property
-    def finality_time(self) -> int:
-        """Place in `edges` where the collision was proved final, -1 without proof."""
-
-    @property
-    def stopped_by(self) -> str:
-        """Why it ended."""
-
-    @property
-    def events(self) -> int:
-        """Steps times ends."""
-
-    @property
-    def estimates(self) -> dict[str, float]:
-        """Error of each measure of the outcome, relative to its largest value."""
-
-    @property
-    def rtol(self) -> float:
-        """What they were to come to."""
-
-    @property
-    def largest_strain(self) -> float:
-        """A bound of it."""
-
-    @property
-    def resolved(self) -> float:
-        """Gap that counts as an opening, m."""
-
-    def place(self, contact: int) -> int:
-        """Place in the tally of a contact that can open."""
-
-    def contact(self, contact: int) -> tuple[Array, Array]:
-        """Mean force in each step, N, and gap at its end, m; of a contact that can open."""
-
-    def path(self, contact: int) -> Array:
-        """How far a contact that can open closes in each step, m."""
-
-    def bond(self, contact: int) -> Array:
-        """Mean force in a bonded contact in each step, N."""
-
-    def outer(self, side: int) -> tuple[Array, Array]:
-        """Force of what is outside the left or right end on the row, N, and its velocity, m/s."""
-
-    def speed(self, mass: int) -> Array:
-        """Velocity of a mass at `edges`, in the frame, m/s."""
 
 
 R = TypeVar("R", bound=SteppedRun)
@@ -151,7 +69,7 @@ def refined(
     estimates : dict of str to float
         Error of each measure, relative to its largest value; inf where there are too few levels.
     """
-    found: R | None = None
+    finest: R | None = None
     levels: list[tuple[float, dict[str, Array]]] = []
     estimates: dict[str, float] = {}
     for factor in factors():
@@ -160,18 +78,18 @@ def refined(
         try:
             finer = level(factor)
         except TooLong:
-            if found is None:
+            if finest is None:
                 raise
             break
-        if found is not None and finer.stopped_by == "max_events":
+        if finest is not None and finer.stopped_by == "max_events":
             break
-        found, values = finer, measures(finer)
-        levels.append((found.step, values))
-        estimates = {**{name: _error(levels, name) for name in values}, **known(found)}
-        if found.stopped_by == "max_events" or max(estimates.values()) <= goal:
+        finest, values = finer, measures(finer)
+        levels.append((finest.step, values))
+        estimates = {**{name: _error(levels, name) for name in values}, **known(finest)}
+        if finest.stopped_by == "max_events" or max(estimates.values()) <= goal:
             break
-    assert found is not None
-    return found, estimates
+    assert finest is not None
+    return finest, estimates
 
 
 def _error(levels: list[tuple[float, dict[str, Array]]], name: str) -> float:
@@ -195,21 +113,19 @@ def velocity_measure(free: Sequence[float], scale: float) -> Array:
     return np.array([*free, *np.diff(free), scale])
 
 
-def contact_measures(found: SteppedRun) -> dict[str, Array]:
+def contact_measures(run: SteppedRun) -> dict[str, Array]:
     """Impulse, largest force, and time of 99.9 % of the impulse, by contact that can open.
 
     Restitution follows from the impulses. Impacts of rigid bodies have neither of the other two:
     their impulse grows in jumps.
     """
-    row = found.row
-    contacts = [k for k, i in enumerate(row.contact_link) if i >= 0 and row.laws[i] >= RIGID]
-    forces = [found.contact(k)[0] for k in contacts]
-    lasting = [row.laws[row.contact_link[k]] != IMPACT for k in contacts]
+    laws = [run.row.laws[link] for link in run.row.opening.values()]
+    forces = [run.contact(k)[0] for k in run.row.opening]
+    lasting = [(law != IMPACT) * F for law, F in zip(laws, forces, strict=True)]
     measured = (
-        [float(F @ found.durations) for F in forces],
-        [peak(found.edges, F) if lasts else 0.0 for F, lasts in zip(forces, lasting, strict=True)],
-        [_most_of(F, found.durations) if lasts else 0.0
-         for F, lasts in zip(forces, lasting, strict=True)],
+        [float(F @ run.durations) for F in forces],
+        [peak(run.edges, F) for F in lasting],
+        [_most_of(F, run.durations) for F in lasting],
     )
     return {name: np.array(values) for name, values in zip(MEASURES, measured, strict=True)}
 

@@ -20,8 +20,6 @@ from .row import Row
 from .run import MAX_EVENTS, Run
 from .steps import method as steps
 
-MOST_COUNTED = 10**18
-
 
 class Method(NamedTuple):
     """A way to solve a system: physics that it lacks, its own options, its run, what that calls."""
@@ -170,19 +168,19 @@ class Options:
 def count(problems: Problems, name: str, value: Any) -> int:
     """A positive whole number; 0 and a problem if it is none."""
     is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
-    whole = int(value) if is_whole else 0
-    if 1 <= whole <= MOST_COUNTED:
-        return whole
-    limit = f" of at most {MOST_COUNTED:g}" if whole > 1 else ""
+    counted = int(value) if is_whole else 0
+    if 1 <= counted <= MOST_COUNTED:
+        return counted
+    limit = f" of at most {MOST_COUNTED:g}" if counted > 1 else ""
     problems.append((name, f"must be a positive whole number{limit}, got {shown(value)}"))
     return 0
 
 
 def _single(problems: Problems, name: str, value: Any, unit: str, sign: str) -> Any:
-    found = number(problems, name, value, unit, sign)
-    if not isinstance(found, float):
+    single = number(problems, name, value, unit, sign)
+    if not isinstance(single, float):
         problems.append((name, f"must be a single number, got {shown(value)}"))
-    return found
+    return single
 
 
 def _snapshots(problems: Problems, value: Any, until: float | None) -> int | tuple[float, ...]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -164,6 +165,23 @@ class Row:
             self.masses[m], self.mass_velocity[m] = M + more, momentum / (M + more)
             self.mass_of.append(m)
 
+    @cached_property
+    def beside(self) -> list[tuple[tuple[str, int], tuple[str, int]]]:
+        """By link, what stands on its left and on its right.
+
+        ("outside", side), ("mass", m) or ("segment", s).
+        """
+        stands = [("outside", 0)]
+        for k, (start, stop) in enumerate(pairwise(self.first)):
+            stands += [("mass", m) for m in range(start, stop)]
+            stands.append(("segment", k + 1) if k < len(self.segments) else ("outside", 1))
+        return list(pairwise(stands))
+
+    @cached_property
+    def opening(self) -> dict[int, int]:
+        """Links of the contacts that can open, by contact."""
+        return {k: i for k, i in enumerate(self.contact_link) if i >= 0 and self.laws[i] >= RIGID}
+
     # On a time step -------------------------------------------------------------------------------
 
     @cached_property
@@ -183,26 +201,24 @@ class Row:
                 strained = max(strained, *(c * abs(e) for e in extremes(body.strain)))
         for kind, value in self.outside:
             if kind == "force":
-                pushed = max(pushed, *(abs(F) for F in extremes(value))) / self._weakest
+                pushed = max(pushed, *(abs(F) for F in extremes(value))) / self._least_impedance
         fall = abs(self.gravity) * max(s.transit_time for s in self.segments)
         spread = max(self._velocities) - min(self._velocities)
         return float(spread + strained + pushed + fall)
 
     @cached_property
     def _velocities(self) -> list[float]:
-        found = list(self.mass_velocity)
+        velocities = list(self.mass_velocity)
         for body in self.system.bodies:
-            if isinstance(body, Wall):
-                found.append(body.velocity)
-            elif isinstance(body, Rod):
-                found += extremes(body.velocity)
+            if isinstance(body, Rod | Wall):
+                velocities += extremes(body.velocity)
         for kind, value in self.outside:
             if kind == "velocity":
-                found += extremes(value)
-        return found
+                velocities += extremes(value)
+        return velocities
 
     @cached_property
-    def _weakest(self) -> float:
+    def _least_impedance(self) -> float:
         """Smallest impedance, kg/s."""
         return float(min(
             s.material.density * s.wave_speed * extremes(s.area)[0] for s in self.segments
@@ -215,11 +231,10 @@ class Row:
             size = f"velocities and strains of {self.scale!r} m/s"
             raise InvalidModel([("bodies", f"{size} overflow the energy; use smaller")])
         T = max(s.transit_time for s in self.segments)
-        yielding = T / self._weakest
+        yielding = T / self._least_impedance
         problems: Problems = []
-        for i, link in enumerate(self.contact_link):
-            law = self.laws[link] if link >= 0 else BOND
-            if law >= SPRING and (
+        for i, link in self.opening.items():
+            if self.laws[link] >= SPRING and (
                 self.stiffness[link] * yielding * (self.scale * T) ** (self.exponent[link] - 1)
                 > STIFFEST
             ):
@@ -239,8 +254,7 @@ class Row:
 
     def wall_speed(self, side: int, times: Array) -> Array:
         """Velocity of the left or right wall at times, s, in the frame."""
-        speeds: Array = float(self.outside[side][1]) - self.frame - self.gravity * times
-        return speeds
+        return np.asarray(float(self.outside[side][1]) - self.frame - self.gravity * times)
 
 
 def squeezed(seconds: float) -> InvalidModel:

@@ -48,13 +48,13 @@ class StepSignal:
 
     def at(self, ticks: ArrayLike, side: Side = "right") -> Floats:
         """Value at `ticks`: the limit from the right (after a jump) or from the left (before)."""
-        found: Floats = self.values[self._piece(np.asarray(ticks), side)]
-        return found
+        value: Floats = self.values[self._piece(np.asarray(ticks), side)]
+        return value
 
     def integral(self, start: ArrayLike, stop: ArrayLike) -> Floats:
         """Integral from `start` to `stop`, value times ticks; arguments broadcast."""
-        result: Floats = self._from_first(stop) - self._from_first(start)
-        return result
+        passed: Floats = self._from_first(stop) - self._from_first(start)
+        return passed
 
     def _from_first(self, ticks: ArrayLike) -> Any:
         ticks = np.asarray(ticks)

@@ -9,7 +9,7 @@ from .abilities import driven
 LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
 
 
-def ended(system: System, stopped_by: str, final: str, end: str, cap: str) -> str:
+def end_sentence(system: System, stopped_by: str, final: str, end: str, cap: str) -> str:
     """Why a run ended, with what its proof says, if it has one."""
     if stopped_by == "final":
         return final
@@ -40,7 +40,7 @@ def _way_to_the_proof(system: System) -> str:
     return "leave out until= to run to the proof"
 
 
-def proved(met: bool, at_the_end: bool, proof: float) -> str:
+def proof_sentence(met: bool, at_the_end: bool, proof: float) -> str:
     """What the proof of finality says, that was found at a time, s, at the end or before."""
     if not met:
         return "No collision happens, now or later."
@@ -48,7 +48,7 @@ def proved(met: bool, at_the_end: bool, proof: float) -> str:
     return f"The collision is final: no new impact can happen{after}."
 
 
-def large_strains(strain: float) -> str:
+def strain_warning(strain: float) -> str:
     """A warning of strains that are not small."""
     if strain <= LARGE_STRAIN:
         return ""

@@ -8,14 +8,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..model import Bonded, RigidMass, Wall
+from ..model import Bonded, Wall
 from ..units import format_si
-from .contact_law_kernel import RIGID
 from .pressing import episodes_of_steps, pressed_spans
-from .refinement import SteppedRun, peak
+from .refinement import peak
 from .run import ContactSignal, ContactTally, Outside, Run, Signals
 from .signals import Floats, StepSignal
-from .status import ended, large_strains, proved
+from .status import end_sentence, proof_sentence, strain_warning
+from .stepped_run import SteppedRun
 
 NONE_TAKEN = " The end comes before half a step: none was taken. More cells shorten it."
 KINDS = {"velocity": "drive", "force": "drive", "absorbing": "absorbing"}
@@ -59,14 +59,14 @@ def as_run(
     t_end = until if until is not None else float(run.edges[-1]) * tick
     t_final = float(run.edges[run.finality_time]) * tick if final else math.nan
     at_the_end = run.stopped_by == "until" and run.finality_time >= run.steps
-    proof = proved(any(run.tally.episodes), at_the_end, t_final) if final else ""
-    status = ended(
+    proof = proof_sentence(any(run.tally.episodes), at_the_end, t_final) if final else ""
+    status = end_sentence(
         run.row.system, run.stopped_by, proof, format_si(t_end, "s"),
         f"{run.events} steps times ends",
     )
     return Run(
         method=method, until=until, clock=run.clock, end=run.end, t_end=t_end, t_final=t_final,
-        stopped_by=run.stopped_by, status=status + remarks + large_strains(run.largest_strain),
+        stopped_by=run.stopped_by, status=status + remarks + strain_warning(run.largest_strain),
         events=run.events, contacts=_tallies(run, record), accuracy=run.estimates,
         make_signals=lambda: _signals(run, record, motion),
     )
@@ -74,8 +74,7 @@ def as_run(
 
 def accuracy(run: SteppedRun, finer: str) -> str:
     """How wrong the outcome may be, where contacts can open; `finer` is what makes it less."""
-    row = run.row
-    if not run.estimates or not any(i >= 0 and row.laws[i] >= RIGID for i in row.contact_link):
+    if not run.estimates or not run.row.opening:
         return ""
     late = {name: value for name, value in run.estimates.items() if value > run.rtol}
     if not late:
@@ -91,7 +90,7 @@ def accuracy(run: SteppedRun, finer: str) -> str:
 def _record(run: SteppedRun) -> StepRecord:
     row, times, forces, gaps, paths, spans = run.row, run.edges * run.clock.tick, [], [], [], []
     for k, link in enumerate(row.contact_link):
-        if link >= 0 and row.laws[link] >= RIGID:
+        if k in row.opening:
             force, gap = run.contact(k)
             forces.append(force)
             gaps.append(np.concatenate(([float(row.system.gaps[k])], gap)))
@@ -105,9 +104,7 @@ def _record(run: SteppedRun) -> StepRecord:
     ends: list[tuple[str, Floats, Floats] | None] = []
     for side, (kind, _) in enumerate(row.outside):
         wall = isinstance(row.system.bodies[-side], Wall)
-        ends.append(
-            None if kind == "none" else ("wall" if wall else KINDS[kind], *run.outer(side))
-        )
+        ends.append(None if kind == "none" else ("wall" if wall else KINDS[kind], *run.outer(side)))
     _join_rigid_bodies(run, forces, [end[1] if end else np.zeros(run.steps) for end in ends])
     return StepRecord(forces, gaps, paths, spans, ends)
 
@@ -117,13 +114,12 @@ def _join_rigid_bodies(run: SteppedRun, forces: list[Floats], pushes: list[Float
 
     `pushes` act on the two ends of the row, to the inside.
     """
-    bodies, rigid = run.row.system.bodies, [i < 0 for i in run.row.contact_link]
+    bodies: Any = run.row.system.bodies
+    rigid = [i < 0 for i in run.row.contact_link]
 
     def spent(body: int) -> Floats:
-        mass = bodies[body]
-        assert isinstance(mass, RigidMass)
-        gained: Floats = float(mass.mass) * np.diff(run.speed(run.row.mass_of[body]))
-        return gained / run.durations
+        gained = float(bodies[body].mass) * np.diff(run.speed(run.row.mass_of[body]))
+        return np.asarray(gained / run.durations)
 
     held = rigid.index(False) if isinstance(bodies[0], Wall) and False in rigid else 0
     for k in range(held - 1, -1, -1):
@@ -150,19 +146,15 @@ def _tallies(run: SteppedRun, record: StepRecord) -> tuple[ContactTally, ...]:
         if sudden:  # an impact takes no time, though it takes a step here
             ends = np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
         tallies.append(ContactTally(
-            impulse=float(t.impulse[link]) * run.step,
+            impulse=float(t.impulse[link]) * run.step, duration=float(np.sum(ends - begins)),
             peak_force=math.nan if sudden else peak(run.edges, force),
-            duration=float(np.sum(ends - begins)),
             first=float(begins[0]) if spans else math.nan,
-            last=float(ends[-1]) if spans else math.nan,
-            episodes=int(t.episodes[link]),
+            last=float(ends[-1]) if spans else math.nan, episodes=int(t.episodes[link]),
         ))
     return tuple(tallies)
 
 
-def _signals(
-    run: SteppedRun, record: StepRecord, motion: Callable[[StepRecord], Any]
-) -> Signals:
+def _signals(run: SteppedRun, record: StepRecord, motion: Callable[[StepRecord], Any]) -> Signals:
     row, edges, contacts = run.row, run.edges, []
     times, lasts = edges * run.clock.tick, np.diff(edges)
     for force, gap, path, spans in zip(*record[:4], strict=True):

@@ -76,15 +76,15 @@ class ClosedForm(NamedTuple):
     def column(self, name: str) -> Floats:
         """Results of one of `COLUMNS`, nan where the bodies do not approach each other."""
         (m1, m2), (v1, v2) = self.mass, self.velocity
-        found = self.collision()
+        pair = self.collision()
         value = {
-            "restitution": found.restitution,
-            "velocity_after.0": v1 - found.impulse / m1,
-            "velocity_after.1": v2 + found.impulse / m2,
-            "impulse.0": found.impulse,
-            "peak_force.0": found.peak_force,
-            "duration.0": found.duration,
-            "vibration": found.vibration_energy,
+            "restitution": pair.restitution,
+            "velocity_after.0": v1 - pair.impulse / m1,
+            "velocity_after.1": v2 + pair.impulse / m2,
+            "impulse.0": pair.impulse,
+            "peak_force.0": pair.peak_force,
+            "duration.0": pair.duration,
+            "vibration": pair.vibration_energy,
         }[name]
         return np.where(v1 > v2, value, np.nan)
 
@@ -100,8 +100,7 @@ def closed_form(system: System) -> ClosedForm | None:
         return None
     family = ClosedForm(*zip(left, right, strict=True)).each(
         lambda x: np.broadcast_to(x, system.shape))
-    v1, v2 = family.velocity
-    return family if (v1 > v2).any() else None
+    return family if np.greater(*family.velocity).any() else None
 
 
 def _numbers(body: Body) -> tuple[Floats, ...] | None:
@@ -112,9 +111,9 @@ def _numbers(body: Body) -> tuple[Floats, ...] | None:
             return None
         if not isinstance(velocity, float | np.ndarray):
             return None
-        found = (segment.impedance, segment.transit_time, segment.mass, velocity)
+        numbers = (segment.impedance, segment.transit_time, segment.mass, velocity)
     elif isinstance(body, RigidMass):
-        found = (np.inf, 0.0, body.mass, body.velocity)
+        numbers = (np.inf, 0.0, body.mass, body.velocity)
     else:
-        found = (np.inf, np.inf, np.inf, body.velocity)
-    return tuple(map(np.asarray, found))
+        numbers = (np.inf, np.inf, np.inf, body.velocity)
+    return tuple(map(np.asarray, numbers))

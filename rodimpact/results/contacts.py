@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.run import ContactSignal, ContactTally
-from ..methods.signals import Floats, Side, StepSignal
+from ..methods.signals import Floats, Side
 from ..model import Rigid
 from .fields import Fields
 
@@ -26,6 +26,8 @@ class ContactHistory:
     peak_force : float
         N.
     episodes : tuple of Episode
+    push : StepSignal
+        Force in ticks of the clock.
     """
 
     def __init__(
@@ -35,20 +37,15 @@ class ContactHistory:
         self.impulse, self.duration = tally.impulse, tally.duration
         self.peak_force, self.episodes = tally.peak_force, tuple(signal.episodes)
         self._fields, self._tick = fields, fields.clock.tick
-        self._force, self._work = signal.force, signal.power
+        self.push, self._work = signal.force, signal.power
         self._gap, self._rate = signal.gap, signal.rate
-
-    @property
-    def push(self) -> StepSignal:
-        """Force in ticks of the clock."""
-        return self._force
 
     def force(self, t: ArrayLike, side: Side = "right") -> Floats:
         """Contact force, N, positive in compression; `side` decides at jumps.
 
         The method "characteristics" gives its mean over each step.
         """
-        return self._force.at(self._fields.to_ticks(t, side), side)
+        return self.push.at(self._fields.to_ticks(t, side), side)
 
     def gap(self, t: ArrayLike) -> Floats:
         """Distance between the two bodies, m.
@@ -56,17 +53,17 @@ class ContactHistory:
         Exactly 0 while they touch rigidly; minus the indentation in a compliant contact.
         """
         ticks = self._fields.to_ticks(t, "right")
-        i = np.searchsorted(self._force.ticks, ticks, "right") - 1
-        result: Floats = self._gap[i] + self._rate[i] * (ticks - self._force.ticks[i])
-        return np.maximum(result, 0.0) if isinstance(self.law, Rigid) else result
+        i = np.searchsorted(self.push.ticks, ticks, "right") - 1
+        gap: Floats = self._gap[i] + self._rate[i] * (ticks - self.push.ticks[i])
+        return np.maximum(gap, 0.0) if isinstance(self.law, Rigid) else gap
 
     def breakpoints(self) -> tuple[Floats, Floats, Floats]:
         """Times (s) at which force or gap rate may change, force just after (N), and gap (m)."""
-        return self._force.ticks * self._tick, self._force.values.copy(), self._gap.copy()
+        return self.push.ticks * self._tick, self.push.values.copy(), self._gap.copy()
 
     def impulse_until(self, t: ArrayLike) -> Floats:
         """Integral of the force from 0 to t, N s, from the signals."""
-        return self._force.integral(0, self._fields.to_ticks(t)) * self._tick
+        return self.push.integral(0, self._fields.to_ticks(t)) * self._tick
 
     def work_until(self, t: ArrayLike) -> Floats:
         """Work from 0 to t, J, that the two bodies have done on the contact: force times closing.

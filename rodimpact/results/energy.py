@@ -72,8 +72,7 @@ class EnergyLedger:
 def stored(law: Any, gap: Floats) -> Floats:
     """Energy in a contact whose gap is minus the indentation, J."""
     x = np.maximum(-np.asarray(gap), 0.0)
-    energy: Floats = law.stored(x) if hasattr(law, "stored") else np.zeros(x.shape)
-    return energy
+    return np.asarray(law.stored(x)) if hasattr(law, "stored") else np.zeros(x.shape)
 
 
 def ledger(
@@ -83,7 +82,7 @@ def ledger(
     """Energy ledger at the ticks of the states, the first of which is 0."""
     a, ticks = fields.clock, states.ticks
     t = ticks * a.tick
-    works = {"wall": np.zeros(t.shape), "drive": np.zeros(t.shape), "absorbing": np.zeros(t.shape)}
+    works = {kind: np.zeros(t.shape) for kind in ("wall", "drive", "absorbing")}
     for side in outside:
         if side is not None:
             works[side.kind] += side.power.integral(0, ticks) * a.tick
@@ -100,20 +99,20 @@ def ledger(
         fallen = a.gravity * path
     contact, dissipated, numerical = (np.zeros(t.shape) for _ in range(3))
     for history in contacts:
-        kept = stored(history.law, history.gap(t))
-        lost = history.work_until(t) - kept
-        contact += kept
+        energy = stored(history.law, history.gap(t))
+        lost = history.work_until(t) - energy
+        contact += energy
         if getattr(history.law, "restitution", 0.0) is None:
             numerical += lost
         else:
             dissipated += lost
     damped = fields.damped(ticks)
     numerical += fields.smeared(ticks)
-    held = states.kinetic, states.moving.sum(axis=0), states.strained.sum(axis=0)
-    missing = sum(x - x[0] for x in held) + contact + dissipated + damped + numerical
+    in_bodies = states.kinetic, states.moving.sum(axis=0), states.strained.sum(axis=0)
+    missing = sum(x - x[0] for x in in_bodies) + contact + dissipated + damped + numerical
     for work in (*works.values(), fallen):
         missing = missing - work
     return EnergyLedger(
-        *held, contact, dissipated, damped, numerical, -works["absorbing"], works["wall"],
+        *in_bodies, contact, dissipated, damped, numerical, -works["absorbing"], works["wall"],
         works["drive"], fallen, missing,
     )

@@ -48,8 +48,7 @@ class Trace(NamedTuple):
 def nearest(marks: Ints, ticks: Ints) -> Ints:
     """The nearest of increasing marks to ticks."""
     middles = (marks[1:] + marks[:-1]) / 2
-    found: Ints = marks[np.searchsorted(middles, ticks, "right")]
-    return found
+    return np.asarray(marks[np.searchsorted(middles, ticks, "right")])
 
 
 class Fields(ABC):
@@ -111,7 +110,7 @@ class Fields(ABC):
     def profile(self, body: int, tick: int) -> Profile:
         """State just after `tick`, in pieces of constant velocity and strain."""
 
-    def whole(self, ticks: Ints) -> Ints:
+    def nearest_known(self, ticks: Ints) -> Ints:
         """The nearest ticks at which energies are known."""
         return ticks if self.steps is None else nearest(self.steps, ticks)
 
@@ -181,15 +180,14 @@ class Fields(ABC):
 
     def _fallen(self, t: ArrayLike) -> Floats:
         """Velocity that the frame has gained at times t."""
-        result: Floats = self.clock.gravity * self.to_ticks(t) * self.clock.tick
-        return result
+        return np.asarray(self.clock.gravity * self.to_ticks(t) * self.clock.tick)
 
     def mass_velocity(self, body: int, t: ArrayLike) -> Floats:
         """Velocity of a rigid mass, m/s."""
         V, ticks = self.masses[body], self.to_ticks(t)
         assert self.steps is not None
-        found: Floats = np.interp(ticks, self.steps, V) + self.clock.frame + self._fallen(t)
-        return found
+        velocity: Floats = np.interp(ticks, self.steps, V) + self.clock.frame + self._fallen(t)
+        return velocity
 
     def mass_displacement(self, body: int, t: ArrayLike) -> Floats:
         """Displacement of a rigid mass, m, whose velocity changes evenly in each step."""
@@ -204,8 +202,8 @@ class Fields(ABC):
             s = ticks - self.steps[i]
             path = moved[i] + V[i] * s + (V[i + 1] - V[i]) / width[i] * s * s / 2
         time = ticks * a.tick
-        found: Floats = path * a.tick + a.frame * time + a.gravity * time * time / 2
-        return found
+        displacement: Floats = path * a.tick + a.frame * time + a.gravity * time * time / 2
+        return displacement
 
     @cached_property
     def positions(self) -> list[float]:
@@ -213,12 +211,12 @@ class Fields(ABC):
 
         The place of a point is position + x + displacement; a wall's is its face.
         """
-        a, found, x = self.clock, [], 0.0
+        a, places, x = self.clock, [], 0.0
         for body, (first, last) in enumerate(a.spans):
             if body:
                 x += float(a.system.gaps[body - 1])
-            found.append(x)
+            places.append(x)
             if last:
                 x += sum(a.length[first : last + 1])
                 x += float(self.displacement(body, self.edges(body)[-1], 0.0))
-        return found
+        return places

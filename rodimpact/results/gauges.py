@@ -129,8 +129,9 @@ def gauges_to_csv(
         problems.append(("gauges", "needs at least one record, such as solution.gauge(1, 0.5)"))
     problems += [("gauges", sentence) for name in gauges if (sentence := misnamed(name))]
     end = min((record.end for record in gauges.values()), default=0.0)
-    given = (end / SAMPLES if end else 1.0) if interval is None else interval
-    step: Any = number(problems, "interval", given, "s", "positive")
+    if interval is None:
+        interval = end / SAMPLES if end else 1.0
+    step: Any = number(problems, "interval", interval, "s", "positive")
     if not isinstance(step, float):
         problems.append(("interval", f"must be a single number, got {interval!r}"))
     elif not problems and end / step > MOST_ROWS:

@@ -21,7 +21,7 @@ from ..methods.clock import STEP_TICKS, Clock
 from ..methods.grid.mesh import GridMotion
 from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Side
-from ..model import Rod, Segment
+from ..model import Rod
 from ..model.profiles import Samples
 from .fields import Fields, Profile, Trace, nearest
 
@@ -43,10 +43,6 @@ class GridFields(Fields):
         self.motion: GridMotion = signals.motion
 
     @property
-    def _segments(self) -> list[Segment]:
-        return [s for b in self.clock.system.bodies if isinstance(b, Rod) for s in b.segments]
-
-    @property
     def _step(self) -> float:
         return self.clock.tick * STEP_TICKS
 
@@ -65,8 +61,7 @@ class GridFields(Fields):
         """Values of columns of [state, column] at ticks; the two broadcast."""
         i, share = self._when(ticks)
         following = np.minimum(i + 1, len(table) - 1)
-        found: Floats = table[i, place] * (1 - share) + table[following, place] * share
-        return found
+        return np.asarray(table[i, place] * (1 - share) + table[following, place] * share)
 
     # Between the nodes ----------------------------------------------------------------------------
 
@@ -75,8 +70,7 @@ class GridFields(Fields):
         first, a = self.clock.spans[body][0], self.clock
         begin = self.edges(body)[segment - first]
         share = (self.check(body, x) - begin) / np.array(a.length)[segment]
-        found: Floats = share * self._counts[segment]
-        return found
+        return np.asarray(share * self._counts[segment])
 
     def _at(self, table: Floats, y: Floats, base: Ints, count: Ints, ticks: Ints) -> Floats:
         """Values of `count` columns of [state, column] from `base` on, at y columns from there."""
@@ -85,8 +79,8 @@ class GridFields(Fields):
         place = base + i.astype(np.int64)
         self._together(place, ticks)
         before, after = (self._in_time(table, at, ticks) for at in (place, place + 1))
-        found: Floats = before * (1 - share) + after * share
-        return found
+        between: Floats = before * (1 - share) + after * share
+        return between
 
     def _at_nodes(
         self, table: Floats, body: int, x: ArrayLike, ticks: Ints, first: int = 0
@@ -110,8 +104,7 @@ class GridFields(Fields):
     @cached_property
     def _edge(self) -> Ints:
         """By segment: the column of `_stretch` that is its left end."""
-        found: Ints = np.cumsum([-2, *(self._counts + 2)[:-1]])
-        return found
+        return np.cumsum([-2, *(self._counts + 2)[:-1]])
 
     @cached_property
     def _stretch(self) -> Floats:
@@ -126,9 +119,9 @@ class GridFields(Fields):
     def _with_ends(self, table: Floats, ends: Floats) -> Floats:
         mesh, edge = self.motion, self._edge[1:]
         columns = [np.arange(a, b + 2) for a, b in zip(mesh.first[1:], mesh.last[1:], strict=True)]
-        found: Floats = table[:, np.concatenate(columns)]
-        found[:, edge], found[:, edge + self._counts[1:] + 1] = ends[:, ::2], ends[:, 1::2]
-        return found
+        values: Floats = table[:, np.concatenate(columns)]
+        values[:, edge], values[:, edge + self._counts[1:] + 1] = ends[:, ::2], ends[:, 1::2]
+        return values
 
     @cached_property
     def _at_ends(self) -> tuple[Floats, Floats]:
@@ -139,8 +132,10 @@ class GridFields(Fields):
         takes a share of the force they stay.
         """
         mesh, strains, rates = self.motion, [], []
+        rods = [body for body in self.clock.system.bodies if isinstance(body, Rod)]
+        segments = [segment for rod in rods for segment in rod.segments]
         for segment, a, b, N in zip(
-            self._segments, mesh.first[1:], mesh.last[1:], mesh.counts, strict=True
+            segments, mesh.first[1:], mesh.last[1:], mesh.counts, strict=True
         ):
             E, eta = float(segment.material.youngs_modulus), float(segment.material.viscosity)
             areas = segment.area.values if isinstance(segment.area, Samples) else [segment.area]
@@ -162,8 +157,7 @@ class GridFields(Fields):
     def _rate_in(self, cell: int) -> Floats:
         """Rate of strain of a cell, at the states."""
         v = self.motion.velocity
-        found: Floats = (v[:, cell] - v[:, cell - 1]) / self.motion.width[cell]
-        return found
+        return np.asarray((v[:, cell] - v[:, cell - 1]) / self.motion.width[cell])
 
     def _pull(self, cell: int) -> Floats:
         """Elastic and viscous tension of a cell, at the states; none between pieces."""
@@ -179,69 +173,61 @@ class GridFields(Fields):
         if len(F) < 2:
             return np.repeat(F, len(self.motion.when)) if len(F) else np.zeros(1)
         ends = 1.5 * F[[0, -1]] - 0.5 * F[[1, -2]]
-        at_steps: Floats = np.concatenate((ends[:1], (F[1:] + F[:-1]) / 2, ends[1:]))
-        found: Floats = at_steps[self.motion.when]
-        return found
+        at_steps = np.concatenate((ends[:1], (F[1:] + F[:-1]) / 2, ends[1:]))
+        return np.asarray(at_steps[self.motion.when])
 
     @cached_property
     def _strain(self) -> Floats:
         """[state, cell]."""
         stiff = np.where(self.motion.stiffness > 0, self.motion.stiffness, np.inf)
-        found: Floats = self.motion.force / stiff / self.motion.width
-        return found
+        return np.asarray(self.motion.force / stiff / self.motion.width)
 
     @cached_property
     def _rate(self) -> Floats:
         """[state, cell] rates of strain."""
-        found: Floats = np.zeros(self.motion.force.shape)
-        found[:, 1:-1] = np.diff(self.motion.velocity, axis=1) / self.motion.width[1:-1]
-        return found
+        rates: Floats = np.zeros(self.motion.force.shape)
+        rates[:, 1:-1] = np.diff(self.motion.velocity, axis=1) / self.motion.width[1:-1]
+        return rates
 
     @cached_property
     def _displaced(self) -> dict[int, Floats]:
         """By rod: [state, node of the rod] displacements in the frame, m."""
         stretched = np.cumsum(self._strain[:, :-1] * self.motion.width[:-1], axis=1)
-        found = {}
+        displaced = {}
         for body, (first, last) in enumerate(self.clock.spans):
             if last:
                 a, b = self.motion.first[first], self.motion.last[last]
                 piece = int(np.searchsorted(self.motion.starts, a, "right")) - 1
                 before = stretched[:, a] - stretched[:, self.motion.starts[piece]]
                 left = self.motion.place[:, piece] * self._step + before - before[0]
-                found[body] = stretched[:, a : b + 1] + (left - stretched[:, a])[:, None]
-        return found
+                displaced[body] = stretched[:, a : b + 1] + (left - stretched[:, a])[:, None]
+        return displaced
 
     # Fields ---------------------------------------------------------------------------------------
 
-    def velocity(  # noqa: D102
-        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
-    ) -> Floats:
-        found = self._at_nodes(self.motion.velocity, body, x, self.to_ticks(t, side))
-        return found + self.clock.frame + self._fallen(t)
+    def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+        v = self._at_nodes(self.motion.velocity, body, x, self.to_ticks(t, side))
+        return v + self.clock.frame + self._fallen(t)
 
-    def strain(  # noqa: D102
-        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
-    ) -> Floats:
+    def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         return self._at_cells(self._stretch, body, x, self.to_ticks(t, side))
 
-    def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:  # noqa: D102
+    def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         return self._at_cells(self._stretching, body, x, self.to_ticks(t))
 
-    def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:  # noqa: D102
+    def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         a, ticks = self.clock, self.to_ticks(t)
         time = ticks * a.tick
         moved = self._at_nodes(self._displaced[body], body, x, ticks, self._span(body)[0].start)
         return moved + a.frame * time + a.gravity * time * time / 2
 
-    def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:  # noqa: D102
-        x = self.check(body, x)[:, None]
-        u = self.displacement(body, x, t)
-        velocity = np.diff(u) / np.diff(self.to_ticks(t) * self.clock.tick)
+    def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
+        x, ticks = self.check(body, x)[:, None], self.to_ticks(t)
+        velocity = np.diff(self.displacement(body, x, t)) / np.diff(ticks * self.clock.tick)
         when = self.motion.when * STEP_TICKS
         strain = self.strain(body, x, when * self.clock.tick)
         passed = np.zeros_like(strain)
         passed[:, 1:] = np.cumsum((strain[:, 1:] + strain[:, :-1]) / 2 * np.diff(when), axis=1)
-        ticks = self.to_ticks(t)
         i, share = self._when(ticks)
         following = np.minimum(i + 1, len(when) - 1)
         s = share * (when[following] - when[i])
@@ -249,7 +235,7 @@ class GridFields(Fields):
         total = passed[:, i] + (here + (here * (1 - share) + strain[:, following] * share)) / 2 * s
         return velocity, np.diff(total) / np.diff(ticks)
 
-    def trace(self, body: int, x: float) -> Trace:  # noqa: D102
+    def trace(self, body: int, x: float) -> Trace:
         a = self.clock
         ticks = self.motion.when * STEP_TICKS
         times = ticks * a.tick
@@ -268,16 +254,14 @@ class GridFields(Fields):
         half = self.motion.cell_mass[cells] / 2
         return slice(a, b + 1), cells, np.append(half, 0.0) + np.append(0.0, half)
 
-    def momentum(self, body: int, t: ArrayLike) -> Floats:  # noqa: D102
+    def momentum(self, body: int, t: ArrayLike) -> Floats:
         nodes, _, mass = self._span(body)
         own = self.motion.velocity[:, nodes] @ mass
         moving = self._in_time(own[:, None], 0, self.to_ticks(t))
-        found: Floats = moving + mass.sum() * (self.clock.frame + self._fallen(t))
-        return found
+        momentum: Floats = moving + mass.sum() * (self.clock.frame + self._fallen(t))
+        return momentum
 
-    def energy(  # noqa: D102
-        self, body: int, tick: int, velocity: float
-    ) -> tuple[float, float]:
+    def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
         a, (nodes, cells, mass) = self.clock, self._span(body)
         place = int(np.searchsorted(self.motion.when, tick // STEP_TICKS))
         v = self.motion.velocity[place, nodes] + a.frame + a.gravity * tick * a.tick - velocity
@@ -286,15 +270,15 @@ class GridFields(Fields):
         kinetic = float(mass @ (v * v) + bound @ (change * change)) / 2
         return kinetic, float(np.sum(self.motion.force[place, cells] ** 2 / k)) / 2
 
-    def whole(self, ticks: Ints) -> Ints:  # noqa: D102
+    def nearest_known(self, ticks: Ints) -> Ints:
         return nearest(self.motion.when * STEP_TICKS, ticks)
 
-    def damped(self, ticks: Ints) -> Floats:  # noqa: D102
+    def damped(self, ticks: Ints) -> Floats:
         place = np.searchsorted(self.motion.when, ticks // STEP_TICKS)
         lost: Floats = self.motion.lost[place] * self._step
         return lost
 
-    def profile(self, body: int, tick: int) -> Profile:  # noqa: D102
+    def profile(self, body: int, tick: int) -> Profile:
         nodes, cells, _ = self._span(body)
         first, last = self.clock.spans[body]
         counts = self.motion.counts[first - 1 : last]

@@ -30,14 +30,12 @@ class GroupStates(NamedTuple):
     @property
     def momentum(self) -> Floats:
         """Of all groups together, by time, kg m/s."""
-        found: Floats = np.sum(self.mass[:, None] * self.velocity, axis=0)
-        return found
+        return np.asarray(np.sum(self.mass[:, None] * self.velocity, axis=0))
 
     @property
     def kinetic(self) -> Floats:
         """Energy of the motion of the centres of mass, by time, J."""
-        found: Floats = np.sum(self.mass[:, None] * self.velocity**2, axis=0) / 2
-        return found
+        return np.asarray(np.sum(self.mass[:, None] * self.velocity**2, axis=0) / 2)
 
 
 def group_states(system: System, fields: Fields, ticks: Ints) -> GroupStates:

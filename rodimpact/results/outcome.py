@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from ..methods.abilities import driven
+from ..methods.groups import unilateral
 from ..methods.run import ContactTally, Run, Totals
-from ..model import Bonded, RigidMass, Wall
+from ..model import RigidMass, Wall
 from ..model.frozen import plain
 from ..rigid import RigidCollision, collide
 
@@ -146,7 +147,7 @@ class Outcome:
             )
         return ""
 
-    def _only(self) -> ContactTally:
+    def _only_contact(self) -> ContactTally:
         if len(self.unilateral) != 1:
             message = f"this row has {len(self.unilateral)} contacts that can open, not 1"
             raise ValueError(f"{message}; use outcome.contacts")
@@ -155,17 +156,17 @@ class Outcome:
     @property
     def impulse(self) -> float:
         """Impulse of the only contact, N s; ValueError where there are several."""
-        return self._only().impulse
+        return self._only_contact().impulse
 
     @property
     def duration(self) -> float:
         """Time under force of the only contact, s; ValueError where there are several."""
-        return self._only().duration
+        return self._only_contact().duration
 
     @property
     def peak_force(self) -> float:
         """Largest force of the only contact, N; ValueError where there are several."""
-        return self._only().peak_force
+        return self._only_contact().peak_force
 
     def as_rigid(self) -> RigidCollision:
         """Return the collision as rigid-body mechanics sees it.
@@ -255,7 +256,7 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
         kinetic_before=totals.kinetic[0], kinetic_after=totals.kinetic[1],
         vibration_before=tuple(started), vibration_after=tuple(stopped),
         contacts=tuple(run.contacts),
-        unilateral=tuple(i for i, law in enumerate(system.contacts) if not isinstance(law, Bonded)),
+        unilateral=tuple(unilateral(system)),
         momentum_residual=momentum, energy_residual=energy, final=run.final, status=run.status,
         driven=driven(system) or bool(system.gravity), **totals.works,
     )

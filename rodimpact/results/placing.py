@@ -76,8 +76,8 @@ class Placing:
     def place(self, body: int | Ints, x: ArrayLike, t: ArrayLike, displacement: Any) -> Floats:
         """Place X in the picture, m, of points x (m) of bodies at t (s), displaced (m)."""
         moved = self.apart[body] + displacement - self.frame * np.asarray(t)
-        result: Floats = self.left[body] + np.asarray(x) + self.magnification * moved
-        return result
+        place: Floats = self.left[body] + np.asarray(x) + self.magnification * moved
+        return place
 
     def walls(self) -> list[tuple[int, bool]]:
         """Bodies that are walls or have a fixed end, and whether that is their right end."""
@@ -131,8 +131,8 @@ def placing(
         apart[body] + solution.displacement(body, x, times)
         for body in bodies for x in (0.0, lengths[body])
     ])
-    seen = _slowest(solution)
-    relative = float(np.ptp(moved - seen * times))
+    slowest = _slowest(solution)
+    relative = float(np.ptp(moved - slowest * times))
     reach = float(np.ptp(moved))
     drifts = ROUND_OFF * reach < relative < reach / DRIFT
     if magnification is None:
@@ -144,7 +144,7 @@ def placing(
                 x, t = np.broadcast_arrays(np.linspace(0, lengths[body], 33)[:, None], times)
                 strain = max(strain, float(np.abs(solution.strain(body, x, t)).max()))
         magnification = max(1.0, _round_down(min(wanted, SQUEEZE / strain if strain else wanted)))
-    frame = seen if drifts else 0.0
+    frame = slowest if drifts else 0.0
     return Placing(solution, magnification, frame, left, apart, block)
 
 

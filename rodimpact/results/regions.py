@@ -136,9 +136,7 @@ def readable_until(solution: Solution, limit: int) -> float:
     return stop
 
 
-def _interval(
-    solution: Solution, start: float, stop: float | None
-) -> tuple[WaveFields, int, int]:
+def _interval(solution: Solution, start: float, stop: float | None) -> tuple[WaveFields, int, int]:
     """Fields between whose fronts there are regions, and first and last tick of an interval."""
     fields, stop = solution.fields, solution.t_end if stop is None else stop
     if not isinstance(fields, WaveFields):
@@ -151,16 +149,14 @@ def _interval(
 
 def _count(fields: WaveFields, start: int, stop: int, limit: int) -> int:
     """Number of regions; of more than `limit` not all are counted."""
-    count = sum(last - first + 1 for first, last in fields.clock.spans)
-    if count > limit:  # each segment has at least one
-        return count
-    count = 0
-    for first, last in fields.clock.spans:
-        for s in range(first, last + 1):
-            *_, low, high = _rectangles(fields, s, start, stop)
-            count += int((high - low).sum())
-            if count > limit:
-                return count
+    segments, count = range(1, len(fields.clock.ticks) - 1), 0
+    if len(segments) > limit:  # each has at least one
+        return len(segments)
+    for s in segments:
+        *_, low, high = _rectangles(fields, s, start, stop)
+        count += int((high - low).sum())
+        if count > limit:
+            break
     return count
 
 
@@ -204,17 +200,16 @@ def _polygons(
 
 def _clip(corners: list[Corner], normal: Corner, bound: int) -> list[Corner]:
     """Part of a polygon in which normal . corner <= bound; nothing if that has no area."""
-    kept: list[Corner] = []
+    inside: list[Corner] = []
     n0, n1 = normal
     depth = [bound - n0 * p - n1 * q for p, q in corners]
     if max(depth, default=0) <= 0:
         return []
     for i, (p, q) in enumerate(corners):
         if depth[i] >= 0:
-            kept.append((p, q))
+            inside.append((p, q))
         j = (i + 1) % len(corners)
         if depth[i] * depth[j] < 0:
-            part, whole = depth[i], depth[i] - depth[j]
-            pj, qj = corners[j]
-            kept.append((p + (pj - p) * part // whole, q + (qj - q) * part // whole))
-    return kept
+            (pj, qj), change = corners[j], depth[i] - depth[j]
+            inside.append((p + (pj - p) * depth[i] // change, q + (qj - q) * depth[i] // change))
+    return inside

@@ -71,7 +71,7 @@ def ring_down(
 ) -> RingDown:
     """Read how vibration dies out from `start` to `end`, s; see `Solution.ring_down`."""
     even = np.linspace(start, end, SAMPLES + 1)
-    ticks = np.unique(fields.whole(fields.to_ticks(even)))
+    ticks = np.unique(fields.nearest_known(fields.to_ticks(even)))
     if len(ticks) < FEWEST and end - start > FEWEST * fields.clock.grain * fields.clock.tick:
         message = f"only {len(ticks)} states were kept after the collision"
         raise ValueError(f"ring_down: {message}; leave snapshots out, or give more of them")
@@ -82,7 +82,7 @@ def ring_down(
         masses[i] * math.sqrt(2 * (rigid + vibration).max() / masses[i])
         for group in states.bodies for i in group
     )
-    body, frequency, modal = _longest_mode(system)
+    modal, body, frequency = _longest_mode(system)
     return RingDown(
         times, vibration, float(rigid[-1]),
         float(np.ptp(states.momentum)) / scale if scale else 0.0,
@@ -93,8 +93,8 @@ def ring_down(
 
 def _decay_time(times: Floats, vibration: Floats, least: float) -> float:
     """Of the straight line through the logarithm of the last third."""
-    seen = vibration > least
-    t, E = times[seen], vibration[seen]
+    audible = vibration > least
+    t, E = times[audible], vibration[audible]
     late = t >= t[0] + (t[-1] - t[0]) * (1 - 1 / TAIL) if len(t) else t
     if np.count_nonzero(late) < 3:
         return math.inf
@@ -102,12 +102,11 @@ def _decay_time(times: Floats, vibration: Floats, least: float) -> float:
     return 1 / rate if rate > 1e-9 / (t[-1] - t[0]) else math.inf
 
 
-def _longest_mode(system: System) -> tuple[int, float, float]:
-    """Rod, frequency (Hz) and time constant of energy (s) of the mode that lasts longest."""
-    found = []
+def _longest_mode(system: System) -> tuple[float, int, float]:
+    """Time constant of energy (s), rod and frequency (Hz) of the mode that lasts longest."""
+    modes = []
     for i, rod in enumerate(system.bodies):
         if isinstance(rod, Rod):
             omega, rate = lasting_mode(rod.segments)
-            found.append((1 / (2 * rate) if rate > 0 else math.inf, i, omega / (2 * math.pi)))
-    modal, body, frequency = max(found)
-    return body, frequency, modal
+            modes.append((1 / (2 * rate) if rate > 0 else math.inf, i, omega / (2 * math.pi)))
+    return max(modes)

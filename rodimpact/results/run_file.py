@@ -88,11 +88,11 @@ def put_together(document: Mapping[str, Any], arrays: Arrays) -> Run:
             return {made(k): made(v) for k, v in value["items"]}
         if value["class"] == "System":
             return System.from_dict(value["system"])
-        given = {key: made(item) for key, item in value.items() if key != "class"}
+        values = {key: made(item) for key, item in value.items() if key != "class"}
         if value["class"] == "Run":
-            signals = given.pop("signals")
-            return Run(**given, make_signals=lambda: signals)
-        return KINDS[value["class"]](**given)
+            signals = values.pop("signals")
+            return Run(**values, make_signals=lambda: signals)
+        return KINDS[value["class"]](**values)
 
     run = made(document["run"])
     assert isinstance(run, Run)

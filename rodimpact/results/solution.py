@@ -121,9 +121,9 @@ class Solution:
         ValueError
             For a place or time outside the solution.
         """
-        if self._is_wall(body):
-            return self._wall_velocity(body) + 0.0 * self.fields.to_ticks(t)
-        if self._index(body) in self.fields.masses:
+        if (wall := self._wall(body)) is not None:
+            return float(wall.velocity) + 0.0 * self.fields.to_ticks(t)
+        if body in self.fields.masses:
             return self.fields.mass_velocity(body, t)
         return self.fields.velocity(body, x, t, side)
 
@@ -133,12 +133,13 @@ class Solution:
 
     def stress(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Stress E eps + eta d(eps)/dt in Pa, positive in tension; arguments as in `velocity`."""
-        found = self.strain(body, x, t, side) * self._along(body, x, _modulus)
-        rod = self.system.bodies[body]
+        rod = self.system.bodies[self._index(body)]
+        stress = self.strain(body, x, t, side) * self._along(
+            body, x, lambda segment, _: float(segment.material.youngs_modulus))
         if isinstance(rod, Rod) and any(float(s.material.viscosity) for s in rod.segments):
-            rate = self.fields.strain_rate(body, x, t)
-            found = found + rate * self._along(body, x, _viscosity)
-        return found
+            stress = stress + self.fields.strain_rate(body, x, t) * self._along(
+                body, x, lambda segment, _: float(segment.material.viscosity))
+        return stress
 
     def axial_force(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Stress times area in N, positive in tension; arguments as in `velocity`."""
@@ -149,9 +150,9 @@ class Solution:
 
         It counts from the unstrained body whose left end is at its place at t = 0.
         """
-        if self._is_wall(body):
-            return self._wall_velocity(body) * self.fields.to_ticks(t) * self.fields.clock.tick
-        if self._index(body) in self.fields.masses:
+        if (wall := self._wall(body)) is not None:
+            return float(wall.velocity) * self.fields.to_ticks(t) * self.fields.clock.tick
+        if body in self.fields.masses:
             return self.fields.mass_displacement(body, t)
         return self.fields.displacement(body, x, t)
 
@@ -164,20 +165,18 @@ class Solution:
 
     def mean_velocity(self, body: int, t: ArrayLike) -> Floats:
         """Velocity of a body's centre of mass in m/s at times t in s."""
-        if self._is_wall(body):
-            return self._wall_velocity(body) + 0.0 * self.fields.to_ticks(t)
-        if body in self.fields.masses:
-            return self.fields.mass_velocity(body, t)
+        if not isinstance(self.system.bodies[self._index(body)], Rod):
+            return self.velocity(body, 0.0, t)
         return self.fields.momentum(body, t) / self.outcome.masses[body]
 
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
-        seen = self.fields.trace(self._index(body), x)
-        right, left, per_wave = seen.rightward, seen.leftward, 0.5 / seen.wave_speed
+        trace = self.fields.trace(self._index(body), x)
+        right, left, per_wave = trace.rightward, trace.leftward, 0.5 / trace.wave_speed
         rest = (right[0] + left[0]) / 2
         return Gauge(
-            body, float(self.fields.check(body, x)), seen.times, (left - right) * per_wave,
-            (left + right) / 2 + seen.moving, (rest - right) * per_wave, (left - rest) * per_wave,
+            body, float(self.fields.check(body, x)), trace.times, (left - right) * per_wave,
+            (left + right) / 2 + trace.moving, (rest - right) * per_wave, (left - rest) * per_wave,
             self.t_end,
         )
 
@@ -185,11 +184,11 @@ class Solution:
 
     def energy(self, t: ArrayLike) -> EnergyLedger:
         """Energy ledger at times t in s."""
-        ticks = self.fields.whole(self.fields.to_ticks(t))
+        ticks = self.fields.nearest_known(self.fields.to_ticks(t))
         states = group_states(self.system, self.fields, np.concatenate(([0], ticks.ravel())))
-        found = ledger(self.fields, self.contacts, self.run.signals.outside, states)
+        from_start = ledger(self.fields, self.contacts, self.run.signals.outside, states)
         return EnergyLedger(**{
-            name: entry[1:].reshape(ticks.shape) for name, entry in vars(found).items()
+            name: entry[1:].reshape(ticks.shape) for name, entry in vars(from_start).items()
         })
 
     def ring_down(self) -> RingDown:
@@ -216,8 +215,8 @@ class Solution:
         >>> steel = ri.materials.steel.damped(loss_factor=0.02, frequency=1e3)
         >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
         >>> right = ri.Rod(1.0, area=1e-4, material=steel)
-        >>> found = ri.solve(ri.System([left, right]), until=10e-3, cells=50).ring_down()
-        >>> round(found.decay_time / found.modal_decay_time, 1)
+        >>> ringing = ri.solve(ri.System([left, right]), until=10e-3, cells=50).ring_down()
+        >>> round(ringing.decay_time / ringing.modal_decay_time, 1)
         1.0
         """
         if not self.final:
@@ -252,16 +251,14 @@ class Solution:
         for i, body in enumerate(self.system.bodies):
             if isinstance(body, Wall):
                 bodies.append(body)
-                continue
-            if isinstance(body, RigidMass):
+            elif isinstance(body, RigidMass):
                 bodies.append(RigidMass(body.mass, velocity=float(self.velocity(i, 0.0, t))))
-                continue
-            profile = self.fields.profile(i, tick)
-            bodies.append(Rod(
-                segments=body.segments,
-                velocity=_steps(profile.edges, profile.velocity),
-                strain=_steps(profile.edges, profile.strain),
-            ))
+            else:
+                profile = self.fields.profile(i, tick)
+                bodies.append(Rod(
+                    segments=body.segments, velocity=_steps(profile.edges, profile.velocity),
+                    strain=_steps(profile.edges, profile.strain),
+                ))
         gaps = [max(0.0, float(contact.gap(t))) for contact in self.contacts]
         return System(
             bodies, gaps, self.system.contacts, gravity=self.system.gravity, ends=self.system.ends
@@ -277,8 +274,8 @@ class Solution:
         FileExistsError
             If the file is there and `force` is false.
         """
-        whole = replace(self.run, totals=self._totals)
-        write_npz(path, "solution", *take_apart(whole), force=force)
+        run = replace(self.run, totals=self._totals)
+        write_npz(path, "solution", *take_apart(run), force=force)
 
     def __str__(self) -> str:
         from ..storage.report import solution_table
@@ -302,13 +299,9 @@ class Solution:
             raise ValueError(f"body: must be from 0 to {count - 1} (walls counted), got {body}")
         return int(body)
 
-    def _is_wall(self, body: int) -> bool:
-        return isinstance(self.system.bodies[self._index(body)], Wall)
-
-    def _wall_velocity(self, body: int) -> float:
-        wall = self.system.bodies[body]
-        assert isinstance(wall, Wall)
-        return float(wall.velocity)
+    def _wall(self, body: int) -> Wall | None:
+        wall = self.system.bodies[self._index(body)]
+        return wall if isinstance(wall, Wall) else None
 
     def _along(
         self, body: int, x: ArrayLike, value: Callable[[Segment, Floats], Floats | float]
@@ -316,29 +309,20 @@ class Solution:
         """What segments have at places x, m from the left end of a rod."""
         segment = self.fields.segment_at(body, x)
         x = np.broadcast_to(self.fields.check(body, x), segment.shape)
-        found = np.empty(segment.shape)
+        values = np.empty(segment.shape)
         rod = self.system.bodies[body]
         assert isinstance(rod, Rod)
         first, edges = self.fields.clock.spans[body][0], self.fields.edges(body)
         for i, piece in enumerate(rod.segments):
             here = segment == first + i
-            found[here] = value(piece, x[here] - edges[i])
-        return found
-
-
-def _modulus(segment: Segment, x: Floats) -> float:  # noqa: ARG001  (as in `_area`)
-    return float(segment.material.youngs_modulus)
-
-
-def _viscosity(segment: Segment, x: Floats) -> float:  # noqa: ARG001
-    return float(segment.material.viscosity)
+            values[here] = value(piece, x[here] - edges[i])
+        return values
 
 
 def _area(segment: Segment, x: Floats) -> Floats | float:
     if isinstance(segment.area, Samples):
         places = np.linspace(0.0, float(segment.length), len(segment.area.values))
-        found: Floats = np.interp(x, places, segment.area.values)
-        return found
+        return np.asarray(np.interp(x, places, segment.area.values))
     return float(segment.area)
 
 
@@ -347,6 +331,3 @@ def _steps(edges: Floats, values: Floats) -> Number | Steps:
     if keep.sum() == 1:
         return float(values[0])
     return Steps(values[keep].tolist(), edges[:-1][keep][1:].tolist())
-
-
-

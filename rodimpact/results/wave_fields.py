@@ -62,15 +62,11 @@ class WaveFields(Fields):
 
     # Fields -----------------------------------------------------------------------------------
 
-    def velocity(  # noqa: D102
-        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
-    ) -> Floats:
-        found = self._combine(body, x, t, side, 1.0, lambda _: 0.5, self.clock.frame)
-        return found + self._fallen(t) if self.clock.gravity else found
+    def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+        v = self._combine(body, x, t, side, 1.0, lambda _: 0.5, self.clock.frame)
+        return v + self._fallen(t) if self.clock.gravity else v
 
-    def strain(  # noqa: D102
-        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
-    ) -> Floats:
+    def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         c = self.clock.wave_speed
         return self._combine(body, x, t, side, -1.0, lambda s: 0.5 / c[s], 0.0)
 
@@ -135,22 +131,16 @@ class WaveFields(Fields):
         total += shift
         return total
 
-    def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:  # noqa: D102
-        segment, offset = self.locate(body, x)
-        ticks = self.to_ticks(t)
-        time = ticks * self.clock.tick
-        found: Floats = self._displacement(segment, offset, ticks)
-        return found + self.clock.gravity * time * time / 2
-
-    def _displacement(self, segment: ArrayLike, offset: ArrayLike, ticks: ArrayLike) -> Floats:
-        a = self.clock
-        segment, offset, ticks = np.broadcast_arrays(segment, offset, ticks)
+    def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
+        a, when = self.clock, self.to_ticks(t)
+        segment, offset, ticks = np.broadcast_arrays(*self.locate(body, x), when)
         out = np.empty(offset.shape)
         for s in np.unique(segment):
             here = segment == s
-            o, t, T = offset[here], ticks[here], a.ticks[s]
-            out[here] = self.displacement_of_waves(int(s), t - o, t - T + o)
-        return out
+            p, q = ticks[here] - offset[here], ticks[here] - a.ticks[s] + offset[here]
+            out[here] = self.displacement_of_waves(int(s), p, q)
+        time = when * a.tick
+        return out + a.gravity * time * time / 2
 
     def displacement_of_waves(self, segment: int, p: Ints, q: Ints) -> Floats:
         """Displacement, m, where the waves meet that left the two ends at ticks p and q."""
@@ -158,23 +148,22 @@ class WaveFields(Fields):
         A, B = self.waves(segment)
         T = a.ticks[segment]
         moved = A.integral(0, p) + B.integral(-T, q) + a.frame * (p + q + T)
-        result: Floats = moved / 2 * a.tick + self._initial_stretch[segment]
-        return result
+        return np.asarray(moved / 2 * a.tick + self._initial_stretch[segment])
 
     @cached_property
     def _initial_stretch(self) -> list[float]:
         """Initial displacement of each segment's left end."""
         a = self.clock
-        found = [0.0] * len(a.ticks)
+        starts = [0.0] * len(a.ticks)
         for first, last in a.spans:
             for s in range(first, last):
                 A, B = self.waves(s)
                 T = a.ticks[s]
                 stretch = float(A.integral(0, -T) + B.integral(-T, 0)) / 2
-                found[s + 1] = found[s] + stretch * a.tick
-        return found
+                starts[s + 1] = starts[s] + stretch * a.tick
+        return starts
 
-    def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:  # noqa: D102
+    def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
         a = self.clock
         segment, offset = self.locate(body, x)
         ticks = self.to_ticks(t)
@@ -192,7 +181,7 @@ class WaveFields(Fields):
         fallen = a.gravity * a.tick * (ticks[:-1] + ticks[1:]) / 2
         return velocity + a.frame + fallen, strain
 
-    def trace(self, body: int, x: float) -> Trace:  # noqa: D102
+    def trace(self, body: int, x: float) -> Trace:
         a = self.clock
         segment, offset = (int(v) for v in self.locate(body, x))
         A, B = self.waves(segment)
@@ -207,7 +196,7 @@ class WaveFields(Fields):
 
     # Integrals over bodies ----------------------------------------------------------------------
 
-    def momentum(self, body: int, t: ArrayLike) -> Floats:  # noqa: D102
+    def momentum(self, body: int, t: ArrayLike) -> Floats:
         ticks, a = self.to_ticks(t), self.clock
         total: Any = 0.0
         first, last = a.spans[body]
@@ -220,9 +209,7 @@ class WaveFields(Fields):
             total = total + a.mass(body) * self._fallen(t)
         return np.asarray(total)
 
-    def energy(  # noqa: D102
-        self, body: int, tick: int, velocity: float
-    ) -> tuple[float, float]:
+    def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
         a = self.clock
         kinetic = strain = 0.0
         first, last = a.spans[body]
@@ -249,11 +236,10 @@ class WaveFields(Fields):
             bool(np.all(np.diff(self.steps[:-1]) == self.clock.grain))
         )
 
-    def smeared(self, ticks: Ints) -> Floats:  # noqa: D102
-        found: Floats = np.zeros(np.shape(ticks))
-        if self.steps is not None:
-            found += self._smeared[np.searchsorted(self.steps, ticks)]
-        return found
+    def smeared(self, ticks: Ints) -> Floats:
+        if self.steps is None:
+            return np.zeros(np.shape(ticks))
+        return np.asarray(self._smeared[np.searchsorted(self.steps, ticks)])
 
     @cached_property
     def _smeared(self) -> Floats:
@@ -270,14 +256,9 @@ class WaveFields(Fields):
     def _stored(self, wave: StepSignal, start: int, duration: int) -> Floats:
         """Step averages of a signal from the step that begins at `start` on."""
         first = int(np.searchsorted(wave.ticks, start, "right")) - 1
-        found: Floats = wave.values[first : first + duration // self.clock.grain]
-        return found
+        return np.asarray(wave.values[first : first + duration // self.clock.grain])
 
     def profile(self, body: int, tick: int) -> Profile:
-        """State just after `tick`, in pieces of constant velocity and strain.
-
-        `tick` comes from a time, so a front that left an end within its uncertainty has just left.
-        """
         a = self.clock
         first, last = a.spans[body]
         starts = self.edges(body)
@@ -288,7 +269,7 @@ class WaveFields(Fields):
             cuts = np.union1d(
                 tick - A.jumps_in(tick - T, tick), B.jumps_in(tick - T, tick) - tick + T
             )
-            unsure = tick >> 51
+            unsure = tick >> 51  # it comes from a time: what left within that has just left
             bounds = np.concatenate(([0], cuts[(cuts > unsure) & (cuts < T - unsure)], [T]))
             middle = (bounds[:-1] + bounds[1:]) // 2
             right = A.at(tick - middle)
@@ -299,9 +280,7 @@ class WaveFields(Fields):
             velocity += ((right + left) / 2 + drift).tolist()
             strain += ((left - right) * (0.5 / a.wave_speed[s])).tolist()
             segments += [s] * (len(bounds) - 1)
-        return Profile(
-            np.array(edges), np.array(velocity), np.array(strain), np.array(segments)
-        )
+        return Profile(np.array(edges), np.array(velocity), np.array(strain), np.array(segments))
 
 
 def _steps_on_grid(ticks: Ints, values: Floats, delay: Ints, when: Ints) -> Floats:

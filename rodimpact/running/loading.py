@@ -46,14 +46,7 @@ def load(path: PathLike) -> Any:
     return read_npz(path, _READERS)
 
 
-def _read_sweep(document: dict[str, Any], arrays: Arrays) -> SweepResult:
-    return SweepResult.restored(document, arrays)
-
-
-def _read_solution(document: dict[str, Any], arrays: Arrays) -> Solution:
-    return Solution(put_together(restored(document), arrays))
-
-
 _READERS: dict[str, Callable[[dict[str, Any], Arrays], Any]] = {
-    "solution": _read_solution, "sweep": _read_sweep,
+    "solution": lambda document, arrays: Solution(put_together(restored(document), arrays)),
+    "sweep": SweepResult.restored,
 }

@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from ..model import Bonded, Rod
+from ..methods.groups import unilateral
+from ..model import Rod
 from ..storage.tables import SCHEMA_VERSION, align, clean, joules
 from ..units import format_si
-from .sweeping import SweepResult
+from .sweeping import STATUS, SweepResult
 
 MOST_MEMBERS, SOME_MEMBERS = 20, 12  # listed one by one, picked from a larger family
 MOST_BODIES = 8  # whose velocities are listed for each member
@@ -64,8 +65,6 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
         column is a number that varies or a result: a list with one entry a collision, the last axis
         fastest, in SI units and full precision, with null for what does not exist.
     """
-    from ..running.sweeping import STATUS
-
     yield "{"
     for name, value in {
         "schema_version": SCHEMA_VERSION,
@@ -105,8 +104,7 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
     shown = range(count) if count <= MOST_MEMBERS else [
         round(i * (count - 1) / (SOME_MEMBERS - 1)) for i in range(SOME_MEMBERS)
     ]
-    laws = result.system.contacts
-    pairs = [k for k, law in enumerate(laws) if not isinstance(law, Bonded)]
+    pairs = unilateral(result.system)
     bodies = list(range(len(result.system.bodies)))
     if len(bodies) > MOST_BODIES:
         bodies = bodies[: MOST_BODIES // 2] + bodies[-MOST_BODIES // 2 :]
@@ -156,7 +154,7 @@ def _missing(result: SweepResult, varied: Varied) -> list[str]:
     """How many have no e, and why: a sentence for each kind."""
     missing = np.isnan(result.restitution)
     met = sum(contact.episodes for contact in result.contacts) > 0
-    said = []
+    sentences = []
     for code in np.unique(result.status[missing]):
         for which in (met, ~met):
             kind = missing & (result.status == code) & which
@@ -165,8 +163,8 @@ def _missing(result: SweepResult, varied: Varied) -> list[str]:
                 count = int(np.count_nonzero(kind))
                 have = "1 collision has" if count == 1 else f"{count} collisions have"
                 reason = result.explain(index).removesuffix(".")
-                said.append(f"{have} no e. At {_where(index, varied)}: {reason}.")
-    return ["\n".join(said)] if said else []
+                sentences.append(f"{have} no e. At {_where(index, varied)}: {reason}.")
+    return ["\n".join(sentences)] if sentences else []
 
 
 def _first(which: Any) -> Any:

@@ -25,11 +25,11 @@ from ..methods.abilities import driven
 from ..methods.fronts.assembly import Blueprint
 from ..methods.fronts.families import Stopped, chunk_members, run_family
 from ..methods.fronts.front_kernel import CAP, CLOCK, FULL
-from ..methods.groups import body_velocities
+from ..methods.groups import body_velocities, unilateral
 from ..methods.registry import Options, count
 from ..methods.row import Row
 from ..methods.run import MAX_EVENTS
-from ..model import Bonded, Rod, System
+from ..model import Rod, System
 from ..model.frozen import InvalidModel, Problems, number
 from ..results import notebook
 from ..results.outcome import effective_restitution
@@ -63,10 +63,10 @@ class SweepError(ValueError):
         numbers = ", ".join(f"{path} = {value!r}" for path, value in parameters.items())
         self.problems = [(f"member {list(index)} ({numbers})", reason)]
         super().__init__(f"{self.problems[0][0]}: {reason}")
-        self._given = (index, parameters, reason)
+        self._arguments = (index, parameters, reason)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return SweepError, self._given
+        return SweepError, self._arguments
 
 
 class Axis(NamedTuple):
@@ -164,12 +164,12 @@ class SweepResult:
     @property
     def axes(self) -> tuple[Axis, ...]:
         """What varies along each dimension."""
-        found = [Axis(f"axis {d}", np.arange(size)) for d, size in enumerate(self.shape)]
+        axes = [Axis(f"axis {d}", np.arange(size)) for d, size in enumerate(self.shape)]
         for path, values in reversed(self.parameters.items()):
             wide = [d for d, size in enumerate(values.shape) if size > 1]
             if len(wide) == 1:
-                found[wide[0] - values.ndim] = Axis(path, values.ravel())
-        return tuple(found)
+                axes[wide[0] - values.ndim] = Axis(path, values.ravel())
+        return tuple(axes)
 
     @property
     def restitution(self) -> Any:
@@ -179,9 +179,7 @@ class SweepResult:
     @property
     def velocities_after(self) -> tuple[Any, ...]:
         """Velocities of the centres of mass, one array a body, m/s."""
-        return tuple(
-            self.columns[f"velocity_after.{i}"] for i in range(len(self.system.bodies))
-        )
+        return tuple(self.columns[f"velocity_after.{i}"] for i in range(len(self.system.bodies)))
 
     @property
     def vibration(self) -> Any:
@@ -211,32 +209,32 @@ class SweepResult:
             for k in range(len(self.system.contacts))
         )
 
-    def _only(self) -> ContactColumns:
-        unilateral = _unilateral(self.system)
-        if len(unilateral) != 1:
-            message = f"these rows have {len(unilateral)} contacts that can open, not 1"
+    def _only_contact(self) -> ContactColumns:
+        able = unilateral(self.system)
+        if len(able) != 1:
+            message = f"these rows have {len(able)} contacts that can open, not 1"
             raise ValueError(f"{message}; use result.contacts")
-        return self.contacts[unilateral[0]]
+        return self.contacts[able[0]]
 
     @property
     def impulse(self) -> Any:
         """Impulse of the only contact, N s; ValueError where there are several."""
-        return self._only().impulse
+        return self._only_contact().impulse
 
     @property
     def duration(self) -> Any:
         """Time under force of the only contact, s; ValueError where there are several."""
-        return self._only().duration
+        return self._only_contact().duration
 
     @property
     def peak_force(self) -> Any:
         """Largest force of the only contact, N; ValueError where there are several."""
-        return self._only().peak_force
+        return self._only_contact().peak_force
 
     @property
     def episodes(self) -> Any:
         """How often the only contact pressed; ValueError where there are several."""
-        return self._only().episodes
+        return self._only_contact().episodes
 
     def explain(self, index: Any) -> str:
         """Say of one member why it ended as it did, and why it has no restitution if it has none.
@@ -353,21 +351,12 @@ class SweepResult:
 
 
 def sweep(
-    system: System,
-    method: str = "auto",
-    executor: Executor | None = None,
-    *,
-    until: float | None = None,
-    max_events: int = MAX_EVENTS,
-    dt: float | None = None,
-    rtol: float | None = None,
-    cells: int | None = None,
-    gauges: Sequence[tuple[int, float]] = (),
-    times: ArrayLike | None = None,
-    workers: int | None = None,
-    progress: Callable[[int, int], Any] | None = None,
-    on_error: str = "record",
-    checkpoint: PathLike | None = None,
+    system: System, method: str = "auto", executor: Executor | None = None, *,
+    until: float | None = None, max_events: int = MAX_EVENTS, dt: float | None = None,
+    rtol: float | None = None, cells: int | None = None,
+    gauges: Sequence[tuple[int, float]] = (), times: ArrayLike | None = None,
+    workers: int | None = None, progress: Callable[[int, int], Any] | None = None,
+    on_error: str = "record", checkpoint: PathLike | None = None,
 ) -> SweepResult:
     """Solve every collision of a family.
 
@@ -454,7 +443,9 @@ def sweep(
     if problems:
         raise InvalidModel(problems)
     of = _arrays(system, readings)
-    chunks = _Chunks(system.shape, _chunk_members(system, options, readings))
+    together = options.method == "fronts" and not readings.gauges
+    most = chunk_members(Blueprint(Row(system))) if together else ONE_BY_ONE
+    chunks = _Chunks(system.shape, most)
     size = math.prod(system.shape)
     keep: Checkpoint | None = None
     if checkpoint is None:
@@ -471,14 +462,14 @@ def sweep(
         keep = Checkpoint(checkpoint, described, shapes, spans)
         columns, done = keep.columns(), keep.done.copy()
 
-    def arrived(number: int, found: Columns) -> None:
+    def arrived(number: int, part: Columns) -> None:
         start, stop = chunks.span(number)
         if on_error == "raise":
-            _raise_first(found["status"], start, system, options)
+            _raise_first(part["status"], start, system, options)
         if keep is not None and not done[number]:
-            keep.write(number, found)
+            keep.write(number, part)
         elif keep is None:
-            for name, values in found.items():
+            for name, values in part.items():
                 columns[name][start:stop] = values
         if progress is not None:
             progress(stop, size)
@@ -519,12 +510,13 @@ def run_chunk(
 
     The method is chosen, and `options` hold for the family.
     """
-    found: Columns = {}
-    if options.method == "fronts":
-        found = _together(system, options, stop)
-    if options.method != "fronts" or readings.gauges:
-        found = _one_by_one(system, options, readings, stop) | found
-    return {name: found[name].astype(kind) for name, (kind, _) in _arrays(system, readings).items()}
+    by_fronts, columns = options.method == "fronts", {}
+    if not by_fronts or readings.gauges:
+        columns = _one_by_one(system, options, readings, stop)
+    if by_fronts:
+        columns |= _together(system, options, stop)
+    kinds = {name: kind for name, (kind, _) in _arrays(system, readings).items()}
+    return {name: columns[name].astype(kind) for name, kind in kinds.items()}
 
 
 def _one_by_one(
@@ -532,11 +524,11 @@ def _one_by_one(
 ) -> Columns:
     """Columns of members that are solved each alone."""
     size = math.prod(system.shape)
-    found: Columns = {
+    columns: Columns = {
         name: np.full((size, *beyond), math.nan if kind is np.float64 else 0)
         for name, (kind, beyond) in _arrays(system, readings).items()
     }
-    found["status"][:] = STATUS.index("refused")
+    columns["status"][:] = STATUS.index("refused")
     for place, index in enumerate(np.ndindex(system.shape)):
         if stop():
             raise Stopped
@@ -546,22 +538,22 @@ def _one_by_one(
             continue
         o = solution.outcome
         as_asked = options.until is None or solution.stopped_by == "until"
-        found["status"][place] = STATUS.index(
+        columns["status"][place] = STATUS.index(
             "final" if o.final and as_asked else solution.stopped_by
         )
-        found["final"][place], found["vibration"][place] = o.final, sum(o.vibration_after)
+        columns["final"][place], columns["vibration"][place] = o.final, sum(o.vibration_after)
         if not o.why_no_restitution():
-            found["restitution"][place] = o.restitution
+            columns["restitution"][place] = o.restitution
         for i, v in enumerate(o.velocities_after):
-            found[f"velocity_after.{i}"][place] = v
+            columns[f"velocity_after.{i}"][place] = v
         for k in o.unilateral:
             for name in ContactColumns._fields:
-                found[f"{name}.{k}"][place] = getattr(o.contacts[k], name)
+                columns[f"{name}.{k}"][place] = getattr(o.contacts[k], name)
         for g, (body, x) in enumerate(readings.gauges):
             inside = readings.times <= solution.t_end * (1 + 1e-12)
             record = solution.gauge(body, x)
-            found["strain"][place, g, inside] = record.strain_at(readings.times[inside])
-    return found
+            columns["strain"][place, g, inside] = record.strain_at(readings.times[inside])
+    return columns
 
 
 def _together(system: System, options: Options, stop: Callable[[], bool]) -> Columns:
@@ -578,39 +570,32 @@ def _together(system: System, options: Options, stop: Callable[[], bool]) -> Col
                                   0.0)]
         for by_segment in (run.before, run.after)
     )
-    unilateral = _unilateral(system)
+    able = unilateral(system)
     e = np.full(len(unknown), math.nan)
-    if len(unilateral) == 1:
-        k = unilateral[0]
+    if len(able) == 1:
+        k = able[0]
         e = effective_restitution(
             final, run.episodes[:, nodes[k]], before[k : k + 2], after[k : k + 2]
         )
-    found = {"restitution": e}
-    found |= {f"velocity_after.{i}": v for i, v in enumerate(after)}
+    columns = {"restitution": e}
+    columns |= {f"velocity_after.{i}": v for i, v in enumerate(after)}
     for name in ContactColumns._fields:
         by_node = getattr(run, name)
         for k in contacts:
             values = by_node[:, nodes[k]]
             if name != "episodes":
-                values = unknown + values if k in unilateral else np.full(len(e), math.nan)
-            found[f"{name}.{k}"] = values
+                values = unknown + values if k in able else np.full(len(e), math.nan)
+            columns[f"{name}.{k}"] = values
     capped = (run.flag == CAP) & (~final | (options.until is not None))
     places = [STATUS.index(name) for name in ("max_events", "clock", "refused", "final")]
     status = np.select(
         [capped, run.flag == CLOCK, run.flag == FULL, final], places, STATUS.index("until")
     )
-    return {**found, "vibration": unknown + run.vibration, "final": final, "status": status}
-
-
-def _chunk_members(system: System, options: Options, readings: Readings) -> int:
-    """How many members to hand over at a time."""
-    if options.method != "fronts" or readings.gauges:
-        return ONE_BY_ONE
-    return chunk_members(Blueprint(Row(system)))
+    return {**columns, "vibration": unknown + run.vibration, "final": final, "status": status}
 
 
 def _arrays(system: System, readings: Readings) -> dict[str, tuple[Any, tuple[int, ...]]]:
-    """Names of what is found out about each member, with types and shapes beyond the family's."""
+    """Columns that each member has, with types and shapes beyond the family's, by name."""
     contacts = range(len(system.contacts))
     kinds: dict[str, Any] = {"restitution": np.float64}
     kinds |= {f"velocity_after.{i}": np.float64 for i in range(len(system.bodies))}
@@ -624,10 +609,6 @@ def _arrays(system: System, readings: Readings) -> dict[str, tuple[Any, tuple[in
     return arrays
 
 
-def _unilateral(system: System) -> list[int]:
-    return [k for k, law in enumerate(system.contacts) if not isinstance(law, Bonded)]
-
-
 class _Chunks:
     """A shape cut into boxes that are contiguous in C order and hold at most `most` members."""
 
@@ -635,7 +616,7 @@ class _Chunks:
         padded = (1, *shape)
         axis = min(d for d in range(len(padded)) if math.prod(padded[d + 1 :]) <= most)
         self._outer, self._inner = padded[:axis], math.prod(padded[axis + 1 :])
-        self._whole = (slice(None),) * (len(shape) - axis)
+        self._rest = (slice(None),) * (len(shape) - axis)
         parts = -(-padded[axis] // (most // self._inner))
         self._cuts = [padded[axis] * i // parts for i in range(parts + 1)]
 
@@ -652,7 +633,7 @@ class _Chunks:
         """Index of a chunk in the family."""
         outer, part = divmod(number, len(self._cuts) - 1)
         leading = [slice(int(i), int(i) + 1) for i in np.unravel_index(outer, self._outer)]
-        return (*leading, slice(*self._cuts[part : part + 2]), *self._whole)[1:]
+        return (*leading, slice(*self._cuts[part : part + 2]), *self._rest)[1:]
 
 
 @contextlib.contextmanager
@@ -687,11 +668,11 @@ def _readings(problems: Problems, system: System, gauges: Any, times: Any) -> Re
         return Readings()
     lengths = {i: b.length for i, b in enumerate(system.bodies) if isinstance(b, Rod)}
     places = []
-    for i, given in enumerate(gauges):
+    for i, gauge in enumerate(gauges):
         try:
-            body, x = given
+            body, x = gauge
         except (TypeError, ValueError):
-            problems.append((f"gauges.{i}", f"must be (body, x), such as (1, 0.5), got {given!r}"))
+            problems.append((f"gauges.{i}", f"must be (body, x), such as (1, 0.5), got {gauge!r}"))
             continue
         x = number(problems, f"gauges.{i}.x", x, "m", "non-negative")
         if isinstance(body, bool) or not isinstance(body, Integral) or body not in lengths:
@@ -704,17 +685,17 @@ def _readings(problems: Problems, system: System, gauges: Any, times: Any) -> Re
             problems.append((f"gauges.{i}.x", message))
         else:
             places.append((int(body), x))
-    wanted: Any = number(problems, "times", times, "s", "non-negative")
-    if np.ndim(wanted) != 1:
+    read_at: Any = number(problems, "times", times, "s", "non-negative")
+    if np.ndim(read_at) != 1:
         problems.append(("times", f"must be a list of times, got {times!r}"))
-    return Readings(tuple(places), wanted)
+    return Readings(tuple(places), read_at)
 
 
 def _explain(member: System, options: Options) -> str:
     try:
         solution = Solution(options.run(options.method, member))
     except InvalidModel as error:
-        return "; ".join(f"{path}: {said}" for path, said in error.problems)
+        return "; ".join(f"{path}: {message}" for path, message in error.problems)
     o = solution.outcome
     never = o.final or (o.driven and solution.stopped_by == "until")  # however long it runs
     return (never and o.why_no_restitution()) or o.status

@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 
 from .. import kernels
+from ..row import Array
 from .assembly import Blueprint, start
-from .front_kernel import FREE, FULL, OPEN, GroupState, Members, Results, family
+from .front_kernel import FREE, FULL, OPEN, GroupState, Results, family
 from .layout_kernel import LAID, Layout, Make, lay_out_all
 from .tracking import as_arrays, on_arrays
 
@@ -24,8 +25,6 @@ ROOM = 256  # rows of the log at first
 FIRST_BLOCK, LAST_BLOCK = 512, 2048  # members of a block
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
 MOST_MEMBERS, MOST_BYTES = 16384, 1 << 24  # of one call of `run_family`, for memory's sake
-
-Array = np.ndarray[Any, np.dtype[Any]]
 
 
 class Stopped(Exception):
@@ -105,10 +104,10 @@ def _run_blocks(
         members, begun = which[first : first + size], time.perf_counter()
         everyone = len(which) == len(given)
         place = slice(first, first + len(members)) if everyone else members
-        found = Results(*(column[place] for column in results))
-        full = block.run(block.lay_out(given[place]), max_events, found)
+        part = Results(*(column[place] for column in results))
+        full = block.run(block.lay_out(given[place]), max_events, part)
         if not everyone:
-            for column, values in zip(results, found, strict=True):
+            for column, values in zip(results, part, strict=True):
                 column[members] = values
         again.append(members[full])
         first += len(members)
@@ -134,7 +133,7 @@ class Block:
             self.state, self.stocks = on_arrays(*self.state), tuple(map(as_arrays, self.stocks))
         self.fates: Any = []
 
-    def lay_out(self, given: Array) -> Members:
+    def lay_out(self, given: Array) -> Layout:
         """Put members on their clocks; `fates` says for whom there is none."""
         count = len(given)
         if len(self.fates) != count:
@@ -142,27 +141,21 @@ class Block:
             self.layout, self.work = self.plan.space(count, full)
             self.fates = full(count, LAID)
         rows: Any = given.ravel()
-        x: Layout = self.layout
         kernels.compiled(lay_out_all)(
-            self.make, rows if self.compiled else rows.tolist(), self.until, x, self.work,
-            self.fates,
+            self.make, rows if self.compiled else rows.tolist(), self.until, self.layout,
+            self.work, self.fates,
         )
-        status: Any = np.tile(self.plan.status, count)
-        status[np.asarray(x.gap) > 0] = OPEN
-        return Members(
-            x.transit, x.mobility, status if self.compiled else status.tolist(), x.gap, x.outside,
-            x.count, x.tick, x.line, x.value, x.tolerance, x.window, x.target, x.frame,
-            x.tick_seconds,
-        )
+        return self.layout
 
-    def run(self, members: Members, max_events: int, results: Results) -> Array:
+    def run(self, members: Layout, max_events: int, results: Results) -> Array:
         """Run members; return which of them filled the log."""
+        status: Any = np.tile(self.plan.status, len(members.count))
+        status[np.asarray(members.gap) > 0] = OPEN
         flat: Any = Results(*(column.reshape(-1) for column in results))
         if not self.compiled:
-            flat = Results(*(column.tolist() for column in flat))
-        kernels.compiled(family)(*self.state, self.stocks, members, max_events, flat)
+            status, flat = status.tolist(), kernels.as_lists(flat)
+        kernels.compiled(family)(*self.state, self.stocks, members, status, max_events, flat)
         if not self.compiled:
             for column, values in zip(results, flat, strict=True):
                 column[...] = np.reshape(values, column.shape)
-        filled: Array = (np.asarray(self.fates) == LAID) & (results.flag == FULL)
-        return filled
+        return np.asarray((np.asarray(self.fates) == LAID) & (results.flag == FULL))

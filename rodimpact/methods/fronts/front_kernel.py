@@ -78,25 +78,6 @@ class GroupState(NamedTuple):
     vibration: Any  # [segment] energy
 
 
-class Members(NamedTuple):
-    """Collisions of rows of the same make and the fronts they start from; in rows, one a member."""
-
-    transit: Any  # [member * segments]
-    mobility: Any  # [member * segments]
-    status: Any  # [member * nodes]
-    gap: Any  # [member * nodes]
-    outside: Any  # [member * 2] waves of the walls
-    count: Any  # [member] number of fronts; 0 for a member not to be run
-    tick: Any  # [member * fronts] as `begin` wants them
-    line: Any  # [member * fronts]
-    value: Any  # [member * fronts]
-    tolerance: Any  # [member]
-    window: Any  # [member]
-    target: Any  # [member] as `play` wants it
-    frame: Any  # [member] velocity of the frame of the waves
-    tick_seconds: Any  # [member] duration of a tick
-
-
 class Results(NamedTuple):
     """What became of the members, in the units of their numbers; in rows, one a member."""
 
@@ -483,9 +464,9 @@ def play(
     """Run to tick `until`, or if it is negative to the proof of finality and -until ticks more.
 
     Returns DONE (reached `until`), FINAL (proved, and run on), FULL (grow the log and call again),
-    CAP (more than `limit` events) or CLOCK (2^62 ticks are over). clock[SETTLED] is the tick of the
-    proof, -1 without; at the end clock[NOW] is the tick reached. After a failed proof the next one
-    waits for an eighth more events, so that proofs cost no more than the run itself.
+    CAP (more than `limit` events) or CLOCK (2^62 ticks are over). clock[FINALITY] is the tick of
+    the proof, -1 without; at the end clock[NOW] is the tick reached. After a failed proof the next
+    one waits for an eighth more events, so that proofs cost no more than the run itself.
     """
     horizon = until
     if until >= 0:
@@ -544,16 +525,23 @@ def segment_totals(state: State, log: Log, t: int, stock: GroupState) -> None:
         stock.momentum[s], stock.vibration[s] = Z * total / 2, Z * square / 4
 
 
+def bonded_from(state: State, first: int) -> tuple[int, Any]:
+    """Last segment of the group that begins with this one, and the mass of the group per tick."""
+    last, mass = first, state.transit[first] / state.mobility[first]
+    while last < len(state.status) - 1 and state.status[last] == BOND:
+        last += 1
+        mass += state.transit[last] / state.mobility[last]
+    return last, mass
+
+
 def group_velocity(state: State, stock: GroupState) -> None:
     """Set the velocities of bonded groups from their momenta."""
-    first, n = 1, len(state.status) - 1
-    while first <= n:
-        last, mass = first, state.transit[first] / state.mobility[first]
+    first = 1
+    while first < len(state.status):
+        last, mass = bonded_from(state, first)
         momentum = stock.momentum[first]
-        while last < n and state.status[last] == BOND:
-            last += 1
-            mass += state.transit[last] / state.mobility[last]
-            momentum += stock.momentum[last]
+        for s in range(first + 1, last + 1):
+            momentum += stock.momentum[s]
         for s in range(first, last + 1):
             stock.velocity[s] = momentum / mass
         first = last + 1
@@ -583,10 +571,7 @@ def final_state(
         group_velocity(state, stock)
     first = 1
     while first <= n:
-        last, mass = first, state.transit[first] / state.mobility[first]
-        while last < n and state.status[last] == BOND:
-            last += 1
-            mass += state.transit[last] / state.mobility[last]
+        last, mass = bonded_from(state, first)
         if state.status[first - 1] != BOND and state.status[last] != BOND:
             pushed = (tally.impulse[first - 1] - tally.impulse[last]) / mass
             for s in range(first, last + 1):
@@ -597,7 +582,7 @@ def final_state(
 
 def family(
     state: State, tally: Tally, log: Log, clock: Any, stocks: tuple[GroupState, GroupState],
-    members: Members, limit: int, results: Results,
+    members: Any, status: Any, limit: int, results: Results,
 ) -> None:
     """Run every member to its target, in the same work space.
 
@@ -605,7 +590,10 @@ def family(
     ----------
     state, tally, log, clock, stocks
         Work space of one run.
-    members : Members
+    members : Layout
+        As the layout kernel makes it; those whose `count` is 0 are not run.
+    status : [member * nodes]
+        At t = 0, before anything is solved.
     limit : int
         Largest number of events of a member.
     results : Results
@@ -621,7 +609,7 @@ def family(
             state.transit[s] = members.transit[m * segments + s]
             state.mobility[s] = members.mobility[m * segments + s]
         for k in range(nodes):
-            state.status[k] = members.status[m * nodes + k]
+            state.status[k] = status[m * nodes + k]
             state.gap[k] = members.gap[m * nodes + k]
         state.arrived[0] = members.outside[2 * m]
         state.arrived[2 * nodes + 1] = members.outside[2 * m + 1]

@@ -183,7 +183,7 @@ def assign_ticks(
         order[j] = i
         q[i] = 0
     longest = durations[order[0]]
-    whole = 0
+    total = 0
     for start in range(n):
         lead = order[start]
         if q[lead] < 0:
@@ -193,9 +193,9 @@ def assign_ticks(
             unit = max(1, ((1 << bits) + parts // 2) // parts)
             if unit > DIVISIBLE * DIVISIBLE:
                 unit -= unit % DIVISIBLE
-            whole = unit * parts
+            total = unit * parts
         else:
-            span = durations[lead] / longest * whole
+            span = durations[lead] / longest * total
             parts, unit = 0, 0
             if span >= LEAST_UNIT:
                 parts = common_parts(durations, order, start, int(span / LEAST_UNIT), p, q)
@@ -209,7 +209,7 @@ def assign_ticks(
             if q[j] > 0:
                 ticks[j] = unit * (parts // q[j]) * p[j]
                 q[j] = -1
-    return whole
+    return total
 
 
 def inward_sum(values: Any, first: int, count: int) -> float:
@@ -382,8 +382,7 @@ def momentum_varies(make: Make, m: int, layout: Layout) -> bool:
     last = len(make.last) - 1
     endless = make.outside[0] == ENDLESS or make.outside[1] == ENDLESS
     held = make.joined[0] == 1 and make.last[0] == 0 and make.last[last] == 0
-    varies: bool = endless or (held and layout.outside[2 * m] != layout.outside[2 * m + 1])
-    return varies
+    return bool(endless or (held and layout.outside[2 * m] != layout.outside[2 * m + 1]))
 
 
 def round_trip(make: Make, m: int, layout: Layout) -> int:
@@ -404,22 +403,18 @@ def fill(c: float, T: int, s: int, n: int, work: Work, frame: float, tol: float,
     Waves a = v - c eps and b = v + c eps in the frame; a piece from x0 to x1 ticks left T - x0 ago
     at the right end and x1 ago at the left one.
     """
-    first, end, sent = work.piece[s], work.piece[s + 1], r
-    for i in range(end - 1, first - 1, -1):
-        x0 = min(work.ticks[n + i - s], T) if i > first else 0
-        x1 = min(work.ticks[n + i + 1 - s], T) if i < end - 1 else T
-        a = work.velocity[i] - frame - c * work.strain[i]
-        if x1 > x0 and (r == sent or abs(a - layout.value[r - 1]) > tol):
-            layout.tick[r], layout.line[r], layout.value[r] = -x1, 2 * s, a
-            r += 1
-    sent = r
-    for i in range(first, end):
-        x0 = min(work.ticks[n + i - s], T) if i > first else 0
-        x1 = min(work.ticks[n + i + 1 - s], T) if i < end - 1 else T
-        b = work.velocity[i] - frame + c * work.strain[i]
-        if x1 > x0 and (r == sent or abs(b - layout.value[r - 1]) > tol):
-            layout.tick[r], layout.line[r], layout.value[r] = x0 - T, 2 * s + 1, b
-            r += 1
+    first, end = work.piece[s], work.piece[s + 1]
+    for b in range(2):
+        sent, sign = r, 2 * b - 1
+        for k in range(end - first):
+            i = first + k if b else end - 1 - k
+            x0 = min(work.ticks[n + i - s], T) if i > first else 0
+            x1 = min(work.ticks[n + i + 1 - s], T) if i < end - 1 else T
+            wave = work.velocity[i] - frame + sign * c * work.strain[i]
+            if x1 > x0 and (r == sent or abs(wave - layout.value[r - 1]) > tol):
+                layout.tick[r] = x0 - T if b else -x1
+                layout.line[r], layout.value[r] = 2 * s + b, wave
+                r += 1
     return r
 
 
@@ -467,12 +462,12 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
     for i in range(len(work.duration)):
         known = known and work.known[i] == work.duration[i]
     if not known:
-        whole = assign_ticks(work.duration, bits, work.order, work.p, work.q, work.ticks, late)
-        work.memory[0], work.memory[1] = bits, whole
+        total = assign_ticks(work.duration, bits, work.order, work.p, work.q, work.ticks, late)
+        work.memory[0], work.memory[1] = bits, total
         for i in range(len(work.duration)):
             work.known[i] = work.duration[i]
-    whole = work.memory[1]
-    tick_seconds, window, short = longest / whole, max(1, whole >> WINDOW), 1
+    total = work.memory[1]
+    tick_seconds, window, short = longest / total, max(1, total >> WINDOW), 1
     for s in range(1, n + 1):
         T = work.ticks[s - 1]
         if work.ticks[short - 1] > T:

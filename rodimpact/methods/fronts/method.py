@@ -10,7 +10,7 @@ from ...units import format_si
 from .. import abilities as physics
 from ..row import Row
 from ..run import Run
-from ..status import ended, large_strains, proved
+from ..status import end_sentence, proof_sentence, strain_warning
 from .assembly import assemble
 from .front_kernel import PRESS
 from .signals import signals_of
@@ -45,7 +45,7 @@ def hand_over(run: FrontRun, until: float | None) -> Run:
 def _status(run: FrontRun) -> str:
     """Why the run ended, and what to do if that is not enough."""
     a, end = run.assembly, format_si(run.end * run.assembly.tick, "s")
-    final = "" if run.finality_time < 0 else _pressing(run) or proved(
+    final = "" if run.finality_time < 0 else _pressing(run) or proof_sentence(
         any(run.tally.episodes), run.stopped_by == "until" and run.finality_time >= run.end,
         run.finality_time * a.tick,
     )
@@ -60,13 +60,13 @@ def _status(run: FrontRun) -> str:
             "ever. Give until= to set another end."
         )
     else:
-        sentence = ended(a.system, run.stopped_by, final, end, f"{run.events} events")
+        sentence = end_sentence(a.system, run.stopped_by, final, end, f"{run.events} events")
     if a.transit_error > ROUNDED:
         sentence += (
             f" The transit time of {a.worst} was rounded by {a.transit_error:.2g} of itself to "
             "fit the clock."
         )
-    return sentence + large_strains(float(np.abs(run.log.value).max()) / min(a.wave_speed[1:-1]))
+    return sentence + strain_warning(float(np.abs(run.log.value).max()) / min(a.wave_speed[1:-1]))
 
 
 def _pressing(run: FrontRun) -> str:

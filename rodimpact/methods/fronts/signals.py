@@ -85,9 +85,7 @@ def _contact(
     )
 
 
-def _arrivals(
-    a: Assembly, lines: Sequence[StepSignal | None], node: int, right: int
-) -> StepSignal:
+def _arrivals(a: Assembly, lines: Sequence[StepSignal | None], node: int, right: int) -> StepSignal:
     segment = node + right
     wave = lines[2 * segment + right] if a.impedance[segment] else None
     if wave is None:

@@ -21,18 +21,17 @@ def totals_of(run: FrontRun, tallies: Sequence[ContactTally]) -> Totals:
     a = run.assembly
     system, count, first = a.system, len(a.spans), [span[0] for span in a.spans]
     masses = [a.mass(i) for i in range(count)]
+    stocks = (run.opening, run.closing)
     before, after = (
         [float(v) for v in body_velocities(system, first, stock.velocity, a.frame)]
-        for stock in (run.opening, run.closing)
+        for stock in stocks
     )
     vibration_before, vibration_after = (
-        [math.fsum(stock.vibration[s : e + 1]) * a.tick for s, e in a.spans]
-        for stock in (run.opening, run.closing)
+        [math.fsum(stock.vibration[s : e + 1]) * a.tick for s, e in a.spans] for stock in stocks
     )
     kinetic_before, kinetic_after = (
         sum(m * (stock.velocity[s] + a.frame) ** 2 / 2
-            for m, (s, e) in zip(masses, a.spans, strict=True) if e)
-        for stock in (run.opening, run.closing)
+            for m, (s, e) in zip(masses, a.spans, strict=True) if e) for stock in stocks
     )
     absolute = _absolute_momentum(a)
     outside_impulse = wall_work = lent = 0.0
@@ -82,12 +81,9 @@ def tallies_of(run: FrontRun) -> tuple[ContactTally, ...]:
     t, tick = run.tally, run.assembly.tick
     return tuple(
         ContactTally(
-            impulse=t.impulse[k] * tick,
-            peak_force=t.peak[k],
-            duration=t.pressed[k] * tick,
+            impulse=t.impulse[k] * tick, peak_force=t.peak[k], duration=t.pressed[k] * tick,
             first=t.first[k] * tick if t.first[k] >= 0 else math.nan,
-            last=t.last[k] * tick if t.last[k] >= 0 else math.nan,
-            episodes=t.episodes[k],
+            last=t.last[k] * tick if t.last[k] >= 0 else math.nan, episodes=t.episodes[k],
         )
         for k in run.assembly.nodes
     )

@@ -495,20 +495,20 @@ def run(
     end : int
     tol : float
         Velocity below which contacts graze and impacts rest.
-    speck : float
+    gap_resolution : float
         Gap, in velocity times steps, that counts as no opening: the mesh does not see it.
 
     Returns
     -------
     DONE, or SQUEEZED: a rigid mass was caught between walls that leave it no room.
     """
-    v, kept = grid.velocity, clock[KEPT]
+    v, place = grid.velocity, clock[KEPT]
     j = clock[STEP]
     while True:
-        if kept < len(states.when) and states.when[kept] == j:
-            keep(grid, implicit, states, kept)
-            kept += 1
-        clock[STEP], clock[KEPT] = j, kept
+        if place < len(states.when) and states.when[place] == j:
+            keep(grid, implicit, states, place)
+            place += 1
+        clock[STEP], clock[KEPT] = j, place
         if j >= end:
             return DONE
         remember(grid, links, bonds, ends)
@@ -546,9 +546,7 @@ def finality_time(pieces: Pieces, grid: Grid, links: Links, ends: Ends, tol: flo
     return wait
 
 
-def side_of(
-    pieces: Pieces, grid: Grid, ends: Ends, p: int, right_end: bool, tol: float
-) -> Side:
+def side_of(pieces: Pieces, grid: Grid, ends: Ends, p: int, right_end: bool, tol: float) -> Side:
     """What the proof asks of piece p, whose right or left end is at the contact.
 
     A far endless bar of impedance Z gives way by the momentum it has taken, over Z. The end is half

@@ -64,15 +64,15 @@ MESH = GridMotion._fields[:10]
 
 
 class Mesh:
-    """A plan on a grid, in SI.
+    """A row on a grid, in SI.
 
     Attributes
     ----------
-    plan : Plan
+    row : Row
     counts : list of int
         Cells of each segment.
     first, last : list of int
-        Nodes of each segment, counted from 1 as in the plan; entry 0 is empty.
+        Nodes of each segment, counted from 1 as in the row; entry 0 is empty.
     node_of_mass : list of int
     starts, stops : list of int
         First and last node of each piece.
@@ -106,9 +106,8 @@ class Mesh:
         self._nodes = 0
         held: list[int] = []
         cells: list[tuple[int, Array]] = []
-        beside = _beside(row)
         node = -1
-        for i, (left, right) in enumerate(beside):
+        for i, (left, right) in enumerate(row.beside):
             law = row.laws[i]
             joined = law <= BOND
             if left == ("outside", 0):
@@ -139,7 +138,7 @@ class Mesh:
         for a, b, s, N in zip(self.first[1:], self.last[1:], row.segments, counts, strict=True):
             self.width[a + 1 : b + 1] = float(s.length) / N
         self.interfaces = {
-            i: self._interface(beside, i) for i, law in enumerate(row.laws)
+            i: self._interface(i) for i, law in enumerate(row.laws)
             if law == BOND and self._asked(i)
         }
 
@@ -156,10 +155,10 @@ class Mesh:
         self.cell_mass, self.stiffness, self.viscous, self.lateral = np.zeros((4, n + 1))
         for node, columns in cells:
             span = slice(node + 1, node + 1 + columns.shape[1])
-            for whole, part in zip(
+            for of_row, of_segment in zip(
                 (self.cell_mass, self.stiffness, self.viscous, self.lateral), columns, strict=True
             ):
-                whole[span] = part
+                of_row[span] = of_segment
         self.mass += (self.cell_mass[:-1] + self.cell_mass[1:]) / 2
         for m, node in enumerate(self.node_of_mass):
             self.mass[node] += self.row.masses[m]
@@ -171,8 +170,8 @@ class Mesh:
         holds = side is not None and self.row.outside[side][0] == "velocity"
         return holds or link in self.row.contact_link
 
-    def _interface(self, beside: list[Any], link: int) -> Interface:
-        side = 1 if link == 0 else 0
+    def _interface(self, link: int) -> Interface:
+        side, beside = int(link == 0), self.row.beside
         mass, i = 0.0, link
         while beside[i][side][0] == "mass":
             m = beside[i][side][1]
@@ -229,21 +228,6 @@ class Mesh:
         return int(np.searchsorted(self.starts, node, "right")) - 1
 
 
-def _beside(row: Row) -> list[tuple[tuple[str, int], tuple[str, int]]]:
-    """What stands left and right of each link: ("outside", side), ("mass", m), ("segment", s)."""
-    n = len(row.segments)
-    found = []
-    before = ("outside", 0)
-    for k in range(n + 1):
-        for m in range(row.first[k], row.first[k + 1]):
-            found.append((before, ("mass", m)))
-            before = ("mass", m)
-        after = ("segment", k + 1) if k < n else ("outside", 1)
-        found.append((before, after))
-        before = after
-    return found
-
-
 def _cells(segment: Any, count: int) -> Array:
     """Mass, stiffness, viscosity and lateral inertia of the cells of a segment [4, cells]."""
     material, dx = segment.material, float(segment.length) / count
@@ -296,5 +280,4 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
 def _chain(values: Array) -> Array:
     """Matrix of springs, dashpots or inertances between neighbouring nodes."""
     difference = np.diff(np.eye(len(values) + 1), axis=0)
-    found: Array = difference.T @ (values[:, None] * difference)
-    return found
+    return np.asarray(difference.T @ (values[:, None] * difference))

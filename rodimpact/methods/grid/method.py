@@ -14,7 +14,8 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -22,13 +23,14 @@ from ...model.frozen import InvalidModel
 from ...units import format_si
 from .. import kernels
 from ..clock import STEP_TICKS, Clock
-from ..contact_law_kernel import RIGID, Tally
+from ..contact_law_kernel import RIGID
 from ..finality_kernel import NEVER
 from ..refinement import MEASURES, contact_measures, peak, refined, velocity_measure
 from ..row import Array, Row
 from ..run import Progress, Run
 from ..stepped import NONE_TAKEN, StepRecord, accuracy, as_run
-from .grid_kernel import Grid, Links, Signals, States
+from ..stepped_run import SteppedRun, clock_of_steps
+from .grid_kernel import Grid, States
 from .machine import GAP_RESOLUTION, Keeper, Machine, cost
 from .mesh import MESH, GridMotion, Mesh
 
@@ -44,75 +46,25 @@ RINGING = 8  # steps in which waves beside a jump swing about their mean
 LONG = 60.0  # s, from which a run is announced
 
 
-
 @dataclass(frozen=True, kw_only=True)
-class GridRun:
-    """A finished run.
+class GridRun(SteppedRun):
+    """A finished run of this method.
 
     Attributes
     ----------
-    clock : Clock
     mesh : Mesh
-    step : float
-        s.
-    steps : int
-        Steps taken; none where the end that was asked for comes before half a step.
-    end : int
-        Last tick: of the steps, or of that end.
-    grid, links, tally, signals
-        The kernel's state at the end, on arrays.
+    grid : Grid
+        The kernel's, at the end, on arrays.
     states : States
         What was kept: columns [state, node], [state, cell], [state, piece] and [state].
-    finality_time : int
-        Step at which the collision was proved final, -1 without proof.
-    stopped_by : str
-        ``"final"``, ``"until"`` or ``"max_events"``.
-    estimates : dict of str to float
-        As in `StepRun`.
-    rtol : float
     peak_change : float
         Relative change of the largest force from a mesh at most half as fine; nan without one.
     """
 
-    clock: Clock
     mesh: Mesh
-    step: float
-    steps: int
-    end: int
     grid: Grid
-    links: Links
-    tally: Tally
-    signals: Signals
     states: States
-    finality_time: int
-    stopped_by: str
-    estimates: dict[str, float] = field(default_factory=dict)
-    rtol: float = 0.0
     peak_change: float = math.nan
-
-    @property
-    def row(self) -> Row:
-        """The row."""
-        return self.mesh.row
-
-    @property
-    def edges(self) -> Array:
-        """Ticks of the ends of steps, from 0 on."""
-        found: Array = STEP_TICKS * np.arange(self.steps + 1)
-        return found
-
-    @property
-    def durations(self) -> Array:
-        """Of the steps, s."""
-        return np.full(self.steps, self.step)
-
-    @property
-    def events(self) -> int:
-        """Steps taken, times contacts and ends."""
-        return self.steps * len(self.row.laws)
-
-    def _signal(self, column: Array, start: int) -> Array:
-        return column[start : start + self.steps]
 
     @property
     def largest_strain(self) -> float:
@@ -129,8 +81,8 @@ class GridRun:
         over a few steps do not.
         """
         peaks, less = [0.0], [0.0]
-        for contact, link in enumerate(self.row.contact_link):
-            if link >= 0 and self.row.laws[link] == RIGID:
+        for contact, link in self.row.opening.items():
+            if self.row.laws[link] == RIGID:
                 force = self.contact(contact)[0]
                 passed = np.concatenate((np.zeros(RINGING), np.cumsum(force)))
                 means = (passed[RINGING:] - passed[:-RINGING]) / RINGING
@@ -138,21 +90,9 @@ class GridRun:
                 less.append(peaks[-1] - float(means.max(initial=0.0)))
         return max(less) / (max(peaks) or 1.0)
 
-    @property
-    def resolved(self) -> float:
-        """Gap that counts as an opening, m."""
-        return GAP_RESOLUTION * self.row.scale * self.step
-
-    def contact(self, contact: int) -> tuple[Array, Array]:
-        """Mean force in each step, N, and gap at its end, m; of a contact that can open."""
-        start = int(self.signals.link_start[self.place(contact)])
-        gap = self._signal(self.signals.gap, start) * self.step
-        return self._signal(self.signals.force, start), gap
-
     def path(self, contact: int) -> Array:
         """How far a contact that can open closes in each step, m."""
-        start = int(self.signals.link_start[self.place(contact)])
-        return self._signal(self.signals.closing, start) * self.step
+        return self.by_link(self.signals.closing, self.place(contact)) * self.step
 
     def place(self, contact: int) -> int:
         """Place in the tally of a contact that can open."""
@@ -164,7 +104,7 @@ class GridRun:
 
     def _bond(self, link: int) -> Array:
         place = list(self.mesh.interfaces).index(link)
-        return self._signal(self.signals.bond, place * int(self.signals.room[0]))
+        return self.by_step(self.signals.bond, place * int(self.signals.room[0]))
 
     def outer(self, side: int) -> tuple[Array, Array]:
         """Force of what is outside the left or right end on the row, and its velocity, by steps.
@@ -173,39 +113,30 @@ class GridRun:
         """
         start, link = side * int(self.signals.room[0]), (0, len(self.row.laws) - 1)[side]
         if link in self.mesh.touching:
-            place = int(self.signals.link_start[list(self.mesh.touching).index(link)])
-            force = self._signal(self.signals.force, place)
+            force = self.by_link(self.signals.force, list(self.mesh.touching).index(link))
         elif self.row.outside[side][0] == "velocity":
             force = self._bond(link)
         else:
-            force = self._signal(self.signals.push, start)
+            force = self.by_step(self.signals.push, start)
         fall = self.row.gravity * self.step * (np.arange(self.steps) + 0.5)
-        return force, self._signal(self.signals.speed, start) + self.row.frame + fall
+        return force, self.by_step(self.signals.speed, start) + self.row.frame + fall
 
     def speed(self, mass: int) -> Array:
         """Velocity of a mass at the ends of the steps, the first at t = 0, in the frame."""
         side = mass - len(self.row.masses)
         if side >= 0:
-            return self.row.wall_speed(side, self.step * np.arange(self.steps + 1.0))
+            return self.row.wall_speed(side, self.edges * self.clock.tick)
         initial = self.states.velocity[0, self.mesh.node_of_mass[mass]]
         start = mass * int(self.signals.room[0])
-        return np.concatenate(([initial], self._signal(self.signals.mass_speed, start)))
+        return np.concatenate(([initial], self.by_step(self.signals.mass_speed, start)))
 
 
 LACKS = ()
 
 
-def solve(
-    row: Row, until: float | None, max_events: int, dt: float | None, rtol: float | None,
-    cells: int | None, snapshots: int | tuple[float, ...] | None,
-    progress: Progress | None = None, announce: Callable[[str], None] | None = None,
-) -> Run:
+def solve(row: Row, until: float | None, max_events: int, **options: Any) -> Run:
     """Run a single collision; arguments as of `follow`."""
-    kept = np.array(snapshots) if isinstance(snapshots, tuple) else snapshots
-    return hand_over(follow(
-        row, until, max_events, cells=cells, dt=dt, rtol=rtol, snapshots=kept, progress=progress,
-        announce=announce,
-    ), until)
+    return hand_over(follow(row, until, max_events, **options), until)
 
 
 def hand_over(run: GridRun, until: float | None) -> Run:
@@ -239,7 +170,8 @@ def _own_peak(run: GridRun) -> str:
 
 def follow(
     row: Row, until: float | None, max_events: int, *, cells: int | None = None,
-    dt: float | None = None, rtol: float | None = None, snapshots: int | Array | None = None,
+    dt: float | None = None, rtol: float | None = None,
+    snapshots: int | tuple[float, ...] | None = None,
     progress: Progress | None = None, announce: Callable[[str], None] | None = None,
 ) -> GridRun:
     """Run a single collision.
@@ -258,7 +190,7 @@ def follow(
         Step, s; less where `until` is no multiple of it.
     rtol : float, optional
         Relative accuracy to which cells and step are halved, where neither is given.
-    snapshots : int or array, optional
+    snapshots : int or tuple of float, optional
         How many states to keep at most, or the times at which to keep them, s.
     progress : function, optional
         Called during long runs with the steps done, and about how many there will be.
@@ -280,7 +212,7 @@ def follow(
 
     def level(factor: int) -> GridRun:
         finer = Mesh(row, [factor * N for N in counts])
-        keep = Keeper(snapshots)
+        keep = Keeper(np.array(snapshots) if isinstance(snapshots, tuple) else snapshots)
         run = _level(finer, step / factor, keep, until, max_events, progress, announce)
         peaks[factor] = contact_measures(run)[MEASURES[1]]
         return run
@@ -288,29 +220,29 @@ def follow(
     if cells is not None or dt is not None or not stepping:
         return level(1)
     goal = RTOL if rtol is None else rtol
-    found, estimates = refined(level, measures, goal, FINEST // max(counts))
+    run, estimates = refined(level, measures, goal, FINEST // max(counts))
     change, last = math.nan, max(peaks)
     rougher = [factor for factor in peaks if 2 * factor <= last]
     if rougher and peaks[last].max(initial=0.0) > 0:
         change = float(np.abs(peaks[last] - peaks[max(rougher)]).max() / peaks[last].max())
-    return replace(found, estimates=estimates, rtol=goal, peak_change=change)
+    return replace(run, estimates=estimates, rtol=goal, peak_change=change)
 
 
-def measures(found: GridRun) -> dict[str, Array]:
+def measures(run: GridRun) -> dict[str, Array]:
     """What is to stand still: velocities, impulses, and when 99.9 % of them has passed.
 
     The largest force is left out: beside a jump waves overshoot, on any mesh, and flat ends of
     viscous rods, or of rods with lateral inertia, meet with a force that has no largest value.
     """
-    by_contact = contact_measures(found)
+    by_contact = contact_measures(run)
     del by_contact[MEASURES[1]]
-    m, v = found.mesh.mass, found.grid.velocity
+    m, v = run.mesh.mass, run.grid.velocity
     free = [
         float(m[a : b + 1] @ v[a : b + 1] / m[a : b + 1].sum())
-        for a, b in zip(found.mesh.starts, found.mesh.stops, strict=True)
-        if not found.mesh.held[a : b + 1].any()
+        for a, b in zip(run.mesh.starts, run.mesh.stops, strict=True)
+        if not run.mesh.held[a : b + 1].any()
     ]
-    return {"velocity": velocity_measure(free, found.row.scale), **by_contact}
+    return {"velocity": velocity_measure(free, run.row.scale), **by_contact}
 
 
 def _mesh_size(
@@ -368,8 +300,8 @@ def _level(
 ) -> GridRun:
     """One run on a given mesh."""
     row = mesh.row
-    work = clock_of(mesh, step)
-    longest = max(1, math.ceil(work.longest / STEP_TICKS))
+    clock = _clock(mesh, step)
+    longest = max(1, math.ceil(clock.longest / STEP_TICKS))
     cap = max(1, max_events // len(row.laws))
     proof, reason = -1, "until"
     steps = 0 if until is None else round(until / step)
@@ -409,16 +341,16 @@ def _level(
     end = machine.taken * STEP_TICKS
     if until is not None and not steps:
         end = math.ceil(until / step * STEP_TICKS)
-    kept = int(machine.clock[1])
-    when = machine.states.when
+    count, when = int(machine.clock[1]), machine.states.when
     states = States._make([
-        when[:kept], *(x.reshape(len(when), -1)[:kept] for x in machine.states[1:4]),
-        machine.states.lost[:kept],
+        when[:count], *(x.reshape(len(when), -1)[:count] for x in machine.states[1:4]),
+        machine.states.lost[:count],
     ])
     return GridRun(
-        clock=work, mesh=mesh, step=step, steps=machine.taken, end=end, grid=machine.grid,
-        links=machine.links, tally=machine.tally, signals=machine.signals, states=states,
-        finality_time=proof, stopped_by=reason,
+        clock=clock, row=row, step=step, edges=STEP_TICKS * np.arange(machine.taken + 1), end=end,
+        events=machine.taken * len(row.laws), tally=machine.tally, signals=machine.signals,
+        finality_time=proof, stopped_by=reason, mesh=mesh, grid=machine.grid, states=states,
+        resolved=GAP_RESOLUTION * row.scale * step,
     )
 
 
@@ -426,20 +358,12 @@ def _spell(seconds: float) -> str:
     return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
 
 
-def clock_of(mesh: Mesh, step: float) -> Clock:
-    """Put a row on the clock of a mesh; impedances are means, so that Z T is the mass."""
-    row, tick = mesh.row, step / STEP_TICKS
-    ticks = [max(1, round(float(s.transit_time) / tick)) for s in row.segments]
-    masses = [
-        float(mesh.cell_mass[a + 1 : b + 1].sum())
-        for a, b in zip(mesh.first[1:], mesh.last[1:], strict=True)
+def _clock(mesh: Mesh, step: float) -> Clock:
+    """Clock of a mesh; impedances are means, so that Z T is the mass."""
+    tick = step / STEP_TICKS
+    ticks = [max(1, round(float(s.transit_time) / tick)) for s in mesh.row.segments]
+    impedance = [
+        float(mesh.cell_mass[a + 1 : b + 1].sum()) / (T * tick)
+        for a, b, T in zip(mesh.first[1:], mesh.last[1:], ticks, strict=True)
     ]
-    return Clock(
-        system=row.system, spans=row.spans,
-        wave_speed=[0.0, *(float(s.wave_speed) for s in row.segments), 0.0],
-        impedance=[0.0, *(m / (T * tick) for m, T in zip(masses, ticks, strict=True)), 0.0],
-        length=[0.0, *(float(s.length) for s in row.segments), 0.0],
-        ticks=[0, *ticks, 0], tick=tick, frame=row.frame, scale=row.scale,
-        gravity=float(row.gravity), grain=STEP_TICKS,
-        transit_error=0.0, worst="",
-    )
+    return clock_of_steps(mesh.row, ticks, step, impedance)

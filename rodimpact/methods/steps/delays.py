@@ -12,25 +12,23 @@ WHOLE = 4  # ticks by which a transit may miss a whole number of steps: round-of
 
 def transit_ticks(row: Row, step: float) -> list[int]:
     """Transit times of the segments in ticks; whole steps where they are that but for round-off."""
-    found = []
+    transits = []
     for s in row.segments:
         ticks = max(STEP_TICKS, round(float(s.transit_time) / step * STEP_TICKS))
         near = round(ticks / STEP_TICKS) * STEP_TICKS
-        found.append(near if abs(ticks - near) <= WHOLE + (ticks >> 50) else ticks)
-    return found
+        transits.append(near if abs(ticks - near) <= WHOLE + (ticks >> 50) else ticks)
+    return transits
 
 
 def edges_of_parts(places: Array, first: int, last: int) -> Array:
     """Ticks at which the parts from `first` on begin, up to `last`, of steps cut at `places`."""
     j, parts = np.arange(first, last + 1), len(places) - 1
-    found: Array = j // parts * STEP_TICKS + places[j % parts]
-    return found
+    return np.asarray(j // parts * STEP_TICKS + places[j % parts])
 
 
 def shares(transit: int, lasts: Array) -> Array:
     """Share of the earlier of the two averages that arrive in steps of so many ticks."""
-    found: Array = np.minimum(1.0, transit % STEP_TICKS / lasts)
-    return found
+    return np.asarray(np.minimum(1.0, transit % STEP_TICKS / lasts))
 
 
 def arriving(wave: Array, transit: int, lasts: Array) -> Array:
@@ -49,10 +47,11 @@ def arriving(wave: Array, transit: int, lasts: Array) -> Array:
     -------
     [steps] array
     """
-    found: Array = wave[: len(lasts)]
-    if transit % STEP_TICKS:
-        found = found + (1 - shares(transit, lasts)) * (wave[1 : len(lasts) + 1] - found)
-    return found
+    earlier: Array = wave[: len(lasts)]
+    if transit % STEP_TICKS == 0:
+        return earlier
+    change = wave[1 : len(lasts) + 1] - earlier
+    return np.asarray(earlier + (1 - shares(transit, lasts)) * change)
 
 
 def lost_to_means(wave: Array, transit: int, lasts: Array) -> Array:
@@ -63,5 +62,4 @@ def lost_to_means(wave: Array, transit: int, lasts: Array) -> Array:
     if transit % STEP_TICKS == 0:
         return np.zeros(len(lasts))
     w, change = shares(transit, lasts), np.diff(wave)[: len(lasts)]
-    found: Array = w * (1 - w) * change * change * lasts / 4
-    return found
+    return np.asarray(w * (1 - w) * change * change * lasts / 4)

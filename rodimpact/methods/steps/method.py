@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -22,16 +22,18 @@ from ...units import format_si
 from .. import abilities as physics
 from .. import kernels
 from ..clock import STEP_TICKS, Clock
-from ..contact_law_kernel import IMPACT, RIGID, SPRING, Tally
+from ..contact_law_kernel import IMPACT, RIGID, SPRING
 from ..finality_kernel import NEVER
+from ..groups import groups
 from ..refinement import contact_measures, refined, velocity_measure
 from ..row import Array, Row
 from ..run import Run, Waves
 from ..signals import StepSignal
 from ..stepped import NONE_TAKEN, StepRecord, accuracy, as_run
+from ..stepped_run import SteppedRun, clock_of_steps
 from .delays import WHOLE, arriving, lost_to_means, transit_ticks
 from .machine import Machine
-from .step_kernel import CUTS, LINK, Signals, State, choose_step, inside
+from .step_kernel import CUTS, LINK, State, choose_step, inside
 
 RTOL = 1e-5
 FIRST = 64  # fewest steps of the longest transit
@@ -61,69 +63,22 @@ class Closing(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
-class StepRun:
-    """A finished run.
+class StepRun(SteppedRun):
+    """A finished run of this method.
 
     Attributes
     ----------
-    clock : Clock
-        Its tick is the step's `STEP_TICKS`-th part.
-    plan : Plan
-    step : float
-        s.
-    edges : [steps + 1] array of int
-        Ticks from 0 to the end, between which signals are averages: steps, or parts of steps.
     edges_before : array of int
-        The same before t = 0.
-    row, tally, signals
-        The kernel's state at the end, on arrays.
-    finality_time : int
-        Place in `edges` where the collision was proved final, -1 without proof.
-    stopped_by : str
-        ``"final"``, ``"until"`` or ``"max_events"``.
-    estimates : dict of str to float
-        Relative error of each measure of the outcome, as `refined` finds it; empty where the step
-        was given.
-    rtol : float
-        What they were to come to.
+        As `edges`, before t = 0.
+    state : State
+        The kernel's, at the end, on arrays.
     closings : list of Closing or None
         Where contacts close and steps are cut; None where they are not.
     """
 
-    clock: Clock
-    row: Row
-    step: float
-    edges: Array
     edges_before: Array
     state: State
-    tally: Tally
-    signals: Signals
-    finality_time: int
-    stopped_by: str
-    estimates: dict[str, float] = field(default_factory=dict)
-    rtol: float = 0.0
     closings: list[Closing] | None = None
-
-    @property
-    def steps(self) -> int:
-        """Steps taken, or parts of steps."""
-        return len(self.edges) - 1
-
-    @property
-    def durations(self) -> Array:
-        """Of the steps, s."""
-        found: Array = np.diff(self.edges) * self.clock.tick
-        return found
-
-    @property
-    def end(self) -> int:
-        """Last tick."""
-        return int(self.edges[-1])
-
-    @property
-    def events(self) -> int:
-        """Steps taken, times ends solved."""
-        return self.steps * (len(self.state.steps) - 1)
 
     def before(self, line: int) -> int:
         """How many averages a line has from before t = 0."""
@@ -132,39 +87,40 @@ class StepRun:
     def wave(self, line: int) -> Array:
         """What left an end in each step, those before t = 0 first, in the falling frame."""
         start = int(self.signals.wave_start[line])
-        found: Array = self.signals.wave[start - self.before(line) : start + self.steps]
-        return found
+        return np.asarray(self.signals.wave[start - self.before(line) : start + self.steps])
 
     def arriving(self, line: int) -> Array:
         """What arrived at the other end in each step, in the falling frame."""
         return arriving(self.wave(line), self.clock.ticks[line // 2], np.diff(self.edges))
 
     @property
-    def free_velocities(self) -> Array:
+    def free_velocities(self) -> list[float]:
         """At the end, of the centres of mass of groups of bonded bodies that nothing holds, m/s."""
-        a, row, found = self.clock, self.row, []
+        a, row = self.clock, self.row
+        free: list[float] = []
         fall = row.frame + row.gravity * a.tick * float(self.edges[-1])
-        mass = momentum = 0.0
-        held = row.outside[0][0] in ("velocity", "absorbing")
-        for body, m in enumerate(row.mass_of):
-            first, last = row.spans[body]
-            for s in range(first, last + 1):
-                start = self.edges[-1] - a.ticks[s]
-                edges = np.concatenate((self.edges_before, self.edges))
-                for wave in (self.wave(2 * s), self.wave(2 * s + 1)):
-                    stays = np.diff(np.maximum(edges[-1 - len(wave) :], start))
-                    momentum += a.impedance[s] / 2 * float(wave @ stays) * a.tick
-                mass += a.impedance[s] * a.ticks[s] * a.tick
-            if 0 <= m < len(row.masses) and (body == 0 or row.mass_of[body - 1] != m):
-                mass += row.masses[m]
-                momentum += row.masses[m] * float(self.speed(m)[-1])
-            link = row.contact_link[body] if body < len(row.contact_link) else None
-            if link is None or (link >= 0 and row.laws[link] >= RIGID):
-                held |= link is None and row.outside[1][0] in ("velocity", "absorbing")
-                if mass and not held:
-                    found.append(momentum / mass + fall)
-                mass, momentum, held = 0.0, 0.0, False
-        return np.array(found)
+        edges = np.concatenate((self.edges_before, self.edges))
+        bonded = groups(row.system)
+        for group in bonded:
+            mass = momentum = 0.0
+            for body in group:
+                for s in range(row.spans[body][0], row.spans[body][1] + 1):
+                    start = self.edges[-1] - a.ticks[s]
+                    for wave in (self.wave(2 * s), self.wave(2 * s + 1)):
+                        stays = np.diff(np.maximum(edges[-1 - len(wave) :], start))
+                        momentum += a.impedance[s] / 2 * float(wave @ stays) * a.tick
+                    mass += a.impedance[s] * a.ticks[s] * a.tick
+                m = row.mass_of[body]
+                if 0 <= m < len(row.masses) and (body == 0 or row.mass_of[body - 1] != m):
+                    mass += row.masses[m]
+                    momentum += row.masses[m] * float(self.speed(m)[-1])
+            held = any(
+                kind in ("velocity", "absorbing") and group is end
+                for (kind, _), end in zip(row.outside, (bonded[0], bonded[-1]), strict=True)
+            )
+            if mass and not held:
+                free.append(float(momentum / mass + fall))
+        return free
 
     @property
     def energy_lost(self) -> float:
@@ -188,26 +144,14 @@ class StepRun:
                  for line in range(2, 2 * len(self.state.steps) - 2)]
         return float(max(waves))
 
-    @property
-    def resolved(self) -> float:
-        """Gap that counts as an opening, m."""
-        return 0.0
-
     def place(self, contact: int) -> int:
         """Place in the tally of a contact that can open."""
         return self.row.contact_link[contact]
 
-    def contact(self, contact: int) -> tuple[Array, Array]:
-        """Mean force in each step, N, and gap at its end, m; of a contact that can open."""
-        start = int(self.signals.link_start[self.row.contact_link[contact]])
-        span = slice(start, start + self.steps)
-        return self.signals.force[span], self.signals.gap[span] * self.step
-
     def path(self, contact: int) -> Array:
         """How far a contact that can open closes in each step, m."""
         _, gap = self.contact(contact)
-        closed: Array = -np.diff(gap, prepend=float(self.row.system.gaps[contact]))
-        return closed
+        return np.asarray(-np.diff(gap, prepend=float(self.row.system.gaps[contact])))
 
     def bond(self, contact: int) -> Array:
         """Mean force in a bonded contact in each step, N, from the waves of a rod that it joins."""
@@ -231,13 +175,12 @@ class StepRun:
         s, out = (1, 2) if side == 0 else (n, 2 * n + 1)
         outgoing, incoming = self.wave(out)[self.before(out) :], self.arriving(out ^ 1)
         line = self.signals.wave_start[(2 * n + 3) * side]
-        given = self.signals.wave[line : line + self.steps]
+        imposed = self.by_step(self.signals.wave, line)
         if row.laws[link] >= RIGID:
-            start = int(self.signals.link_start[link])
-            force, v = self.signals.force[start : start + self.steps], given
+            force, v = self.by_link(self.signals.force, link), imposed
         elif kind == "force" and row.first[1 + side * n] > row.first[side * n]:
             speed = self.speed(0 if side == 0 else len(row.masses) - 1)
-            force, v = given, (speed[1:] + speed[:-1]) / 2
+            force, v = imposed, (speed[1:] + speed[:-1]) / 2
         else:
             force = (1, -1)[side] * (outgoing - incoming) / (2 * self.state.mobility[s])
             v = (outgoing + incoming) / 2
@@ -252,19 +195,17 @@ class StepRun:
         side = mass - len(self.row.masses)
         if side >= 0:
             return self.row.wall_speed(side, self.edges * self.clock.tick)
-        start = int(self.signals.mass_start[mass])
         initial = self.row.mass_velocity[mass] - self.row.frame
-        return np.concatenate(([initial], self.signals.speed[start : start + self.steps]))
+        later = self.by_step(self.signals.speed, self.signals.mass_start[mass])
+        return np.concatenate(([initial], later))
 
 
 LACKS = (physics.damping, physics.lateral, physics.taper)
 
 
-def solve(
-    row: Row, until: float | None, max_events: int, dt: float | None, rtol: float | None
-) -> Run:
+def solve(row: Row, until: float | None, max_events: int, **options: Any) -> Run:
     """Run a single collision; arguments as of `follow`."""
-    return hand_over(follow(row, until, max_events, dt, rtol), until)
+    return hand_over(follow(row, until, max_events, **options), until)
 
 
 def hand_over(run: StepRun, until: float | None) -> Run:
@@ -335,21 +276,20 @@ def follow(
         if not fits:  # another share of a step on every level
             low = factor * least
             steps, _ = _choose(transits, low, 4 * low // 3 - 1, float(abrupt))
-        found = _level(row, max(transits) / steps, until, max_events, closings)
-        closings = found.closings
-        return found
+        run = _level(row, max(transits) / steps, until, max_events, closings)
+        closings = run.closings
+        return run
 
     first = number if fits else least
     finest = FINEST if fits or not abrupt else ROUGHEST
-    found, estimates = refined(level, measures, goal, 2 * finest // first,
-                               _lost if RIGID in row.laws else lambda _: {})
-    return replace(found, estimates=estimates, rtol=goal)
+    run, estimates = refined(level, measures, goal, 2 * finest // first, _energy_error)
+    return replace(run, estimates=estimates, rtol=goal)
 
 
-def measures(found: StepRun) -> dict[str, Array]:
+def measures(run: StepRun) -> dict[str, Array]:
     """What is to stand still: velocities, and what the contacts did."""
-    velocity = velocity_measure(found.free_velocities.tolist(), found.row.scale)
-    return {"velocity": velocity, **contact_measures(found)}
+    velocity = velocity_measure(run.free_velocities, run.row.scale)
+    return {"velocity": velocity, **contact_measures(run)}
 
 
 def begins_with_jumps(row: Row) -> bool:
@@ -360,9 +300,9 @@ def begins_with_jumps(row: Row) -> bool:
     )
 
 
-def _lost(found: StepRun) -> dict[str, float]:
+def _energy_error(run: StepRun) -> dict[str, float]:
     """Share of the energy that jumps inside steps lose: so much may be missing elsewhere."""
-    return {"energy": found.energy_lost}
+    return {"energy": run.energy_lost} if RIGID in run.row.laws else {}
 
 
 def _choose(transits: list[float], least: int, most: int, power: float) -> tuple[int, float]:
@@ -370,25 +310,21 @@ def _choose(transits: list[float], least: int, most: int, power: float) -> tuple
     choose: Callable[..., Any] = choose_step
     if kernels.enabled() and kernels.started():
         choose = kernels.compiled(choose_step)
-    given: Any = transits if choose is choose_step else np.array(transits)
-    number, smear = choose(given, least, most, WHOLE / STEP_TICKS, power)
+    times: Any = transits if choose is choose_step else np.array(transits)
+    number, smear = choose(times, least, most, WHOLE / STEP_TICKS, power)
     return int(number), float(smear)
 
 
 def _resolving(row: Row) -> float:
     """Step that resolves the contact of a mass with a stiff neighbour: a twentieth of its time."""
-    finest = math.inf
-    v = 2 * row.scale or 1.0
-    for k in range(len(row.first) - 1):
-        m0, m1 = row.first[k], row.first[k + 1]
-        for q in range(m1 - m0 + 1 if m1 > m0 else 0):
-            i = k + m0 + q
-            around = [row.masses[m] for m in (m0 + q - 1, m0 + q) if m0 <= m < m1]
-            m, stiff = 1 / sum(1 / M for M in around), row.stiffness[i]
-            power = row.exponent[i] + 1
-            if row.laws[i] >= SPRING and power == 2:
+    finest, v = math.inf, 2 * row.scale or 1.0
+    for i, sides in enumerate(row.beside):
+        around = [row.masses[m] for kind, m in sides if kind == "mass"]
+        if around and row.laws[i] >= SPRING:
+            m, stiff, power = 1 / sum(1 / M for M in around), row.stiffness[i], row.exponent[i] + 1
+            if power == 2:
                 finest = min(finest, math.pi * math.sqrt(m / stiff) / 20)
-            elif row.laws[i] >= SPRING:
+            else:
                 deepest = (power / 2 * m * v * v / stiff) ** (1 / power)
                 finest = min(finest, 2.9432 * deepest / v / 20)
     longest = max(float(s.transit_time) for s in row.segments)
@@ -405,16 +341,15 @@ def _level(
     """
     ticks = transit_ticks(row, step)
     if closings is None or not begins_with_jumps(row) or any(T % STEP_TICKS for T in ticks):
-        found = attempt(row, ticks, step, [], until, max_events, may_cut=False)
-        assert isinstance(found, StepRun)
-        return replace(found, closings=None)
-    given = given_jumps(row, ticks, step)
+        run = attempt(row, ticks, step, [], until, max_events, may_cut=False)
+        assert isinstance(run, StepRun)
+        return run
+    jumps = given_jumps(row, ticks, step)
     for _ in range(MOST_CUTS):
-        cuts = places_inside([*given, *(x for c in closings for x in c.places(row, step))])
-        found = attempt(row, ticks, step, cuts, until, max_events, may_cut=True)
-        if isinstance(found, StepRun):
-            return replace(found, closings=closings)
-        new = found
+        cuts = places_inside([*jumps, *(x for c in closings for x in c.places(row, step))])
+        new = attempt(row, ticks, step, cuts, until, max_events, may_cut=True)
+        if isinstance(new, StepRun):
+            return replace(new, closings=closings)
         closings = [
             x for x in closings if x.link != new.link or abs(x.time - new.time) > SAME * step
         ] + [new]
@@ -433,9 +368,9 @@ def places_inside(ticks: Iterable[float]) -> list[int]:
 def given_jumps(row: Row, ticks: list[int], step: float) -> list[int]:
     """Ticks in a step at which jumps of the initial state and of drives pass the ends of segments.
 
-    None where there are more than a step is cut for.
+    None of them where there are more than a step is cut for.
     """
-    found: list[float] = []
+    jumps: list[float] = []
     for body, (first, last) in zip(row.system.bodies, row.spans, strict=True):
         profiles = (body.velocity, body.strain) if isinstance(body, Rod) else ()
         at = [float(x) for p in profiles if isinstance(p, Steps) for x in p.at]
@@ -443,14 +378,14 @@ def given_jumps(row: Row, ticks: list[int], step: float) -> list[int]:
         for s in range(first, last + 1):
             L = float(row.segments[s - 1].length)
             away = [(x - left) / L * ticks[s - 1] for x in at if left < x < left + L]
-            found += [*away, *(-x for x in away)]
+            jumps += [*away, *(-x for x in away)]
             left += L
     for _, value in row.outside:
         if isinstance(value, Steps):
-            found += [float(t) / step * STEP_TICKS for t in value.at]
+            jumps += [float(t) / step * STEP_TICKS for t in value.at]
     if any(law == IMPACT and gap == 0 for law, gap in zip(row.laws, row.gap, strict=True)):
-        found.append(MOMENT)
-    places = places_inside(found)
+        jumps.append(MOMENT)
+    places = places_inside(jumps)
     return places if len(places) <= MOST_CUTS else []
 
 
@@ -496,25 +431,19 @@ def attempt(
         edges[-1] = end
     earliest = -max(inside(machine.state, s + 1) for s in range(len(ticks)))
     return StepRun(
-        clock=clock_of(row, ticks, step), row=row, step=step, edges=edges,
-        edges_before=machine.edges(earliest, -1),
-        state=machine.state, tally=machine.tally, signals=machine.signals, finality_time=proof,
-        stopped_by=reason,
+        clock=_clock(row, ticks, step), row=row, step=step, edges=edges, end=int(edges[-1]),
+        events=machine.taken * nodes, tally=machine.tally, signals=machine.signals,
+        finality_time=proof, stopped_by=reason, edges_before=machine.edges(earliest, -1),
+        state=machine.state,
     )
 
 
-def clock_of(row: Row, ticks: list[int], step: float) -> Clock:
-    """Put a row on the clock of a time step; `ticks` are the transit times of the segments."""
-    tick = step / STEP_TICKS
-    errors = [abs(T * tick / float(s.transit_time) - 1)
+def _clock(row: Row, ticks: list[int], step: float) -> Clock:
+    """Clock of a row whose segments have transit times of so many ticks."""
+    errors = [abs(T * (step / STEP_TICKS) / float(s.transit_time) - 1)
               for T, s in zip(ticks, row.segments, strict=True)]
     worst = max(range(len(errors)), key=errors.__getitem__)
-    return Clock(
-        system=row.system, spans=row.spans,
-        wave_speed=[0.0, *(float(s.wave_speed) for s in row.segments), 0.0],
-        impedance=[0.0, *(float(s.impedance) for s in row.segments), 0.0],
-        length=[0.0, *(float(s.length) for s in row.segments), 0.0],
-        ticks=[0, *ticks, 0], tick=tick, frame=row.frame, scale=row.scale,
-        gravity=float(row.gravity), grain=STEP_TICKS, transit_error=errors[worst],
-        worst=row.paths[worst + 1],
+    return clock_of_steps(
+        row, ticks, step, [float(s.impedance) for s in row.segments],
+        transit_error=errors[worst], worst=row.paths[worst + 1],
     )

@@ -112,10 +112,10 @@ class Group(NamedTuple):
 def arriving(state: State, signals: Signals, line: int, s: int, j: int) -> float:
     """What comes through a line of segment s in part j."""
     i, w = signals.wave_start[line] + j - state.steps[s], state.share[s]
-    found: float = signals.wave[i]
+    wave: float = signals.wave[i]
     if w > 0:
-        found += w * (signals.wave[i - 1] - found)
-    return found
+        wave += w * (signals.wave[i - 1] - wave)
+    return wave
 
 
 def reflect(state: State, signals: Signals, k: int, j0: int, j1: int) -> None:
@@ -137,7 +137,7 @@ def join(state: State, tally: Tally, signals: Signals, k: int, j0: int, j1: int)
     p, q = start[2 * k] - state.steps[k], start[2 * k + 3] - state.steps[k + 1]
     left, right = start[2 * k + 1], start[2 * k + 2]
     wl, wr = state.share[k], state.share[k + 1]
-    given = state.law[i] == FORCE
+    forced = state.law[i] == FORCE
     impulse, F = tally.impulse[i], state.force[i]
     parts = len(state.part)
     m = j0 % parts
@@ -147,7 +147,7 @@ def join(state: State, tally: Tally, signals: Signals, k: int, j0: int, j1: int)
             a += wl * (wave[p + j - 1] - a)
         if wr > 0:
             b += wr * (wave[q + j - 1] - b)
-        if not given:
+        if not forced:
             F = (a - b) / (Yl + Yr)
         else:
             F = a if k == 0 else b
@@ -173,7 +173,7 @@ def touch(
     wave, start, Yl, Yr = signals.wave, signals.wave_start, state.mobility[k], state.mobility[k + 1]
     i, n = k + state.first[k], len(state.steps) - 2
     p, q = start[2 * k] - state.steps[k], start[2 * k + 3] - state.steps[k + 1]
-    left, right, kept = start[2 * k + 1], start[2 * k + 2], signals.link_start[i]
+    left, right, own = start[2 * k + 1], start[2 * k + 2], signals.link_start[i]
     wl, wr = state.share[k], state.share[k + 1]
     Z, gap, F = 1 / (Yl + Yr), state.gap[i], state.force[i]
     impulse, peak = tally.impulse[i], tally.peak[i]
@@ -213,8 +213,8 @@ def touch(
             wave[left + j] = a - 2 * F * Yl
         if k < n:
             wave[right + j] = b + 2 * F * Yr
-        signals.force[kept + j] = F
-        signals.gap[kept + j] = gap
+        signals.force[own + j] = F
+        signals.gap[own + j] = gap
         m = m + 1 if m + 1 < parts else 0
     state.gap[i], state.force[i] = gap, F
     tally.impulse[i], tally.peak[i] = impulse, peak
@@ -433,8 +433,8 @@ def run(
     Returns
     -------
     DONE; SQUEEZED: a rigid mass was caught between walls that leave it no room; or CLOSED: a
-    contact whose force begins with a jump closes inside a part, row.closed[0] steps after its step
-    began. After the last two the run cannot go on.
+    contact whose force begins with a jump closes inside a part, state.closed[0] steps after its
+    step began. After the last two the run cannot go on.
     """
     n = len(state.steps) - 2
     block = end
