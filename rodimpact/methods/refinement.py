@@ -8,18 +8,14 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from ..model.frozen import InvalidModel
 from .clock import Clock
 from .contact_law_kernel import IMPACT, RIGID, Tally
+from .memory import TooLong
 from .row import Array, Row
 
 MEASURES = ("impulse", "largest force", "time of 99.9 % of the impulse")
 LOOK_BACK = 3  # coarser levels with which the finest is compared
 FEWEST = 4  # levels
-
-
-class TooLong(InvalidModel):
-    """A run takes more steps than there is memory for."""
 
 
 class SteppedRun(Protocol):

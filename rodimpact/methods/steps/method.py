@@ -30,7 +30,7 @@ from ..run import Run, Waves
 from ..signals import StepSignal
 from ..stepped import NONE_TAKEN, StepRecord, accuracy, as_run
 from .delays import WHOLE, arriving, lost_to_means, transit_ticks
-from .machine import Machine
+from .machine import Machine, check_memory
 from .step_kernel import CUTS, LINK, Signals, State, choose_step, inside
 
 RTOL = 1e-5
@@ -301,8 +301,8 @@ def follow(
 
     Raises
     ------
-    InvalidModel
-        If the run is too long for the memory.
+    TooLong
+        If the run takes too much memory.
     """
     row.check_scales()
     transits = [float(s.transit_time) for s in row.segments]
@@ -403,6 +403,7 @@ def _level(
     `closings` are those known of a run with another step; None if there are more than steps are cut
     for. The run has its own.
     """
+    check_memory(row, step, until or 0.0, 1)
     ticks = transit_ticks(row, step)
     if closings is None or not begins_with_jumps(row) or any(T % STEP_TICKS for T in ticks):
         found = attempt(row, ticks, step, [], until, max_events, may_cut=False)
@@ -460,6 +461,7 @@ def attempt(
 ) -> StepRun | Closing:
     """One run with given cuts, or the first closing inside a part of a step."""
     parts, nodes = len(cuts) + 1, len(ticks) + 1
+    check_memory(row, step, until or 0.0, parts)
     longest = max(
         math.ceil(sum(ticks[first - 1 : last]) / STEP_TICKS) for first, last in row.spans
     ) * parts
