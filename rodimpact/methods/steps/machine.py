@@ -44,7 +44,7 @@ def check_memory(row: Row, step: float, seconds: float, parts: int) -> None:
     if not kernels.enabled():  # lists take four times what arrays take, and stand beside them
         numbers += 4 * (steps * (lines + 2 * contacts + masses + ends) + 2 * before)
     if steps < before:
-        ask(numbers, "dt", f"bodies hold waves of {before:.4g} steps, which", "take a longer step")
+        ask(numbers, "dt", f"keeping waves over {before:.4g} steps", "take a longer step")
     what = f"a run of {steps:.4g} steps of {step:.3g} s"
     ask(numbers, "until", what, "stop earlier, or take a longer step (dt or rtol)")
 
