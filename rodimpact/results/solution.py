@@ -65,7 +65,7 @@ class Solution:
 
     def __init__(self, run: Run) -> None:
         self.run, self.system, self.method, self.until = run, run.system, run.method, run.until
-        self.stopped_by, self.status, self.events = run.stopped_by, run.status, run.events
+        self.stopped_by, self.events = run.stopped_by, run.events
         self.t_end, self.t_final, self.final = run.t_end, run.t_final, run.final
         self.accuracy, self.transit_error = dict(run.accuracy), run.clock.transit_error
 
@@ -80,6 +80,11 @@ class Solution:
     def outcome(self) -> Outcome:
         """What the collision did."""
         return outcome_of(self.run, self._totals)
+
+    @property
+    def status(self) -> str:
+        """Why the run ended, in a sentence, with the remedy."""
+        return self.outcome.status
 
     @cached_property
     def _totals(self) -> Totals:

@@ -16,6 +16,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from .. import __version__
+from ..methods import memory
 from .writing import FORMAT, MOST_DOCUMENT, OLDEST, SCHEMA, Arrays, PathLike, described
 
 MOST_HEADER = 1 << 12  # bytes before the numbers of an array; usually 128
@@ -124,10 +125,10 @@ def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
     """The arrays that the document names, each as it was written."""
     sizes = {name: np.dtype(entry["type"]).itemsize * math.prod(entry["shape"])
              for name, entry in entries.items()}
-    if sum(sizes.values()) > _memory() / 2:
+    if sum(sizes.values()) > memory.installed() / 2:
         raise MemoryError(
             f"{archive.filename}: holds {sum(sizes.values()) / 1e9:.3g} GB, more than half of the "
-            f"{_memory() / 1e9:.3g} GB of memory here; load it on a larger machine"
+            f"{memory.installed() / 1e9:.3g} GB of memory here; load it on a larger machine"
         )
     mismatch = "its contents do not fit together: {} is not what the document says"
     for name in {*archive.namelist()} ^ {f"{name}.npy" for name in (*entries, "document")}:
@@ -153,11 +154,3 @@ def _array(archive: zipfile.ZipFile, name: str, most: int) -> Any:
             raise ValueError(f"{name} is not as long as it says")
         file.seek(0)
         return np.lib.format.read_array(file, allow_pickle=False)
-
-
-def _memory() -> float:
-    """Bytes of memory that this machine has."""
-    try:
-        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    except (AttributeError, ValueError, OSError):  # a system that does not say
-        return math.inf

@@ -107,7 +107,7 @@ def test_what_grows_is_what_has_room_enough(driven):
         assert (when[0], when[-1]) == (0, 120)
         for x, y in zip(whole.states[1:], growing.states[1:], strict=True):
             if len(x):
-                x, y = (a.reshape(len(s.when), -1)
+                x, y = (a.reshape(len(s.lost), -1)
                         for a, s in ((x, whole.states), (y, growing.states)))
                 assert np.array_equal(x[when], y[:kept])
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
-from rodimpact.storage import reading
+from rodimpact.methods import memory
 
 STEEL = ri.materials.steel
 
@@ -74,10 +74,10 @@ def test_a_small_file_takes_little_memory(saved, bomb):
 
 def test_what_is_larger_than_half_the_memory_is_refused_with_the_figure(saved, monkeypatch):
     size = sum(array.nbytes for array in contents(saved)[1].values())
-    monkeypatch.setattr(reading, "_memory", lambda: 2.0 * size - 1)
+    monkeypatch.setattr(memory, "installed", lambda: 2.0 * size - 1)
     with pytest.raises(MemoryError, match=r"run\.npz: holds .* GB, more than half of the"):
         ri.load(saved)
-    monkeypatch.setattr(reading, "_memory", lambda: 2.0 * size)
+    monkeypatch.setattr(memory, "installed", lambda: 2.0 * size)
     ri.load(saved)
 
 
