@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ..methods.run import ContactSignal, ContactTally
 from ..methods.signals import Floats, Side, StepSignal
 from ..model import Rigid
-from .fields import Fields
+from .fields import Fields, check_side
 
 
 class ContactHistory:
@@ -48,6 +48,7 @@ class ContactHistory:
 
         The method "characteristics" gives its mean over each step.
         """
+        check_side(side)
         return self._force.at(self._fields.to_ticks(t, side), side)
 
     def gap(self, t: ArrayLike) -> Floats:

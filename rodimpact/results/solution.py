@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,12 +14,13 @@ from numpy.typing import ArrayLike
 from ..methods.run import Run, Totals, Waves
 from ..methods.signals import Floats, Side
 from ..model import Body, RigidMass, Rod, Samples, Segment, Steps, System, Wall
+from ..model.arguments import of_kind, single
 from ..model.frozen import Number
 from ..storage.writing import write_npz
 from . import notebook
 from .contacts import ContactHistory
 from .energy import EnergyLedger, ledger, stored
-from .fields import Fields
+from .fields import Fields, check_side
 from .gauges import Gauge
 from .grid_fields import GridFields
 from .group_states import group_states
@@ -116,6 +118,7 @@ class Solution:
         ValueError
             For a place or time outside the solution.
         """
+        check_side(side)
         if self._is_wall(body):
             return self._wall_velocity(body) + 0.0 * self.fields.to_ticks(t)
         if self._index(body) in self.fields.masses:
@@ -124,6 +127,7 @@ class Solution:
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Strain, positive in tension; arguments as in `velocity`."""
+        check_side(side)
         return self.fields.strain(self._index(body), x, t, side)
 
     def stress(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
@@ -167,6 +171,7 @@ class Solution:
 
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
+        x = single("x", x, "m")
         seen = self.fields.trace(self._index(body), x)
         right, left, per_wave = seen.rightward, seen.leftward, 0.5 / seen.wave_speed
         rest = (right[0] + left[0]) / 2
@@ -235,7 +240,7 @@ class Solution:
             Where a compliant contact is pressed at t, or an end is driven by a function of time:
             a system cannot begin like that.
         """
-        tick = int(self.fields.to_ticks(t))
+        tick = int(self.fields.to_ticks(single("t", t, "s")))
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
             if isinstance(getattr(end, "value", 0.0), Steps | Samples):
                 raise ValueError(f"ends.{side}: is driven by a function of time; drive it anew")
@@ -344,4 +349,6 @@ def _steps(edges: Floats, values: Floats) -> Number | Steps:
     return Steps(values[keep].tolist(), edges[:-1][keep][1:].tolist())
 
 
-
+def check_solution(value: Any) -> None:
+    """Raise ValueError for what is no solution."""
+    of_kind("solution", value, Solution, "rodimpact.solve(system)")

@@ -138,6 +138,7 @@ class WaveFields(Fields):
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:  # noqa: D102
         segment, offset = self.locate(body, x)
         ticks = self.to_ticks(t)
+        self._together(offset, ticks)
         time = ticks * self.clock.tick
         found: Floats = self._displacement(segment, offset, ticks)
         return found + self.clock.gravity * time * time / 2
