@@ -1,6 +1,7 @@
 """Public names called with things of every kind answer, or say in a sentence what is wrong."""
 
 import inspect
+import re
 from types import FunctionType
 
 import matplotlib.pyplot as plt
@@ -110,3 +111,53 @@ def test_calls_answer_or_refuse_in_a_sentence(monkeypatch, tmp_path, calls, seed
         plt.close("all")
     assert EXAMPLES / 10 < refused < EXAMPLES
     assert not list(tmp_path.rglob(".rodimpact*"))
+
+
+REFUSED = [
+    (lambda: ri.load(0), "path: must be the name of a file, got 0"),
+    (lambda: ri.read_case(None), "path: must be the name of a file, got None"),
+    (lambda: SOLVED().save(b"x.npz"), "path: must be the name of a file"),
+    (lambda: ri.plot.save(SOLVED(), 3), "path: must be the name of a file, got 3"),
+    (lambda: ri.sweep(FAMILY, checkpoint=[1]), "path: must be the name of a file, got [1]"),
+    (lambda: ri.parse_case("", source=1), "source: must be the name of a case, got 1"),
+    (lambda: ri.plot.energy(3), "solution: must be a Solution"),
+    (lambda: ri.plot.overview(PAIR), "solution: must be a Solution"),
+    (lambda: ri.regions_of({}), "solution: must be a Solution"),
+    (lambda: ri.plot.sweep(SOLVED()), "result: must be a SweepResult"),
+    (lambda: ri.plot.gauge(0.1), "record: must be a Gauge"),
+    (lambda: ri.plot.energy(SOLVED(), ax=STEEL), "ax: must be an Axes"),
+    (lambda: ri.plot.contact(SOLVED(), ax=[1, 2]), "ax: needs a pair of Axes"),
+    (lambda: ri.plot.contact(SOLVED(), contact=0.5), "contact: must be from 0 to 0, got 0.5"),
+    (lambda: ri.plot.animation(SOLVED(), frames=[2]), "frames: must be a single number"),
+    (lambda: ri.plot.snapshots(SOLVED(), times={}), "times: must be a number of seconds"),
+    (lambda: ri.plot.spacetime(SOLVED(), magnification=[1, 2]), "magnification: must be a single"),
+    (lambda: ri.regions_of(SOLVED(), limit=[1]), "limit: must be a single number"),
+    (lambda: SOLVED().gauge(0, [0.1, 0.2]), "x: must be a single number"),
+    (lambda: SOLVED().system_at([0.0, 1e-5]), "t: must be a single number"),
+    (lambda: SOLVED().strain(0, 0.1, 0.0, None), 'side: must be "right" or "left", got None'),
+    (lambda: SOLVED().contacts[0].force(0.0, 1), 'side: must be "right" or "left", got 1'),
+    (lambda: SOLVED().displacement(0, [0, 0.1], [0, 0, 0]), "x: shape (2,) does not broadcast"),
+    (lambda: ri.gauges_to_csv("x.csv", [(0, 0.1)]), "gauges: must be records by name"),
+    (lambda: PAIR[0], "0 picks nothing of a family of shape ()"),
+    (lambda: FAMILY["a"], "'a' picks nothing of a family of shape (2,)"),
+    (lambda: FAMILY[2**63], "9223372036854775808 picks nothing"),
+    (lambda: ri.sweep(FAMILY).explain([0, 1]), "index: must pick one member"),
+    (lambda: ri.sweep(FAMILY).table(0.5), "start, stop: must be whole numbers"),
+    (lambda: ri.sweep(FAMILY, gauges=3), "gauges: must be [(body, x), ...], got 3"),
+    (lambda: ri.sweep(FAMILY, on_error=[]), 'on_error: must be "raise" or "record", got []'),
+    (lambda: ri.rigid.contact_mass([1, 2], [1, 2, 3]), "m1 has shape (2,), m2 has shape (3,)"),
+    (lambda: ri.Segment(1.0, 1e-4, STEEL).area_between(0.1), "edges: must be two places or more"),
+    (lambda: ri.Segment(1.0, 1e-4, STEEL).polar_moments("1"), "areas: must be a number"),
+    (lambda: ri.Spring(1e7).stored(-1.0), "indentation = -1.0: must be 0 or more"),
+    (lambda: ri.Spring(1e7).stored(1e200), "indentation = 1e+200: must be 0 or more, and not too"),
+    (lambda: ri.units.parse("1 m", 3), "unknown dimension 3"),
+    (lambda: ri.units.format_si("1", "m"), "cannot write '1' in 'm'"),
+]
+
+
+@pytest.mark.parametrize(("call", "sentence"), REFUSED)
+def test_what_was_found_is_refused(monkeypatch, tmp_path, call, sentence):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises((ValueError, IndexError), match=re.escape(sentence)):
+        call()
+    assert not list(tmp_path.iterdir())
