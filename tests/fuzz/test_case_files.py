@@ -10,7 +10,7 @@ from rodimpact.cli import main
 
 EXAMPLES = 150 * TIMES  # of each seed
 BALANCE = 1e-6  # relative
-SHORT = ["--json", "--max-events", "3000"]
+SHORT = ["--json", "--max-events", "3000", "--until", "0.2 ms"]  # who asks for hours gets them
 
 
 def ran(capsys, monkeypatch, folder, data):
