@@ -17,7 +17,7 @@ import numpy as np
 
 from .. import __version__
 from ..methods import memory
-from .writing import FORMAT, MOST_DOCUMENT, OLDEST, SCHEMA, Arrays, PathLike, described
+from .writing import FORMAT, MOST_DOCUMENT, OLDEST, SCHEMA, Arrays, PathLike, described, file_name
 
 MOST_HEADER = 1 << 12  # bytes before the numbers of an array; usually 128
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # others swell without bounds
@@ -30,13 +30,14 @@ class FileFormatError(ValueError):
 
 def open_regular(path: PathLike) -> BinaryIO:
     """Open a file to be read; OSError where there is none, or a pipe or a device."""
+    path = file_name(path)
     try:
         if os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path):
-            raise OSError(f"cannot read {os.fspath(path)!r}: it is not a regular file")
+            raise OSError(f"cannot read {path!r}: it is not a regular file")
         return open(path, "rb")
     except ValueError:
         message = "a name cannot hold the character NUL"
-        raise OSError(f"cannot read {os.fspath(path)!r}: {message}") from None
+        raise OSError(f"cannot read {path!r}: {message}") from None
 
 
 def read_npz(path: PathLike, readers: Mapping[str, Callable[[dict[str, Any], Arrays], Any]]) -> Any:
