@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .model.arguments import Array, Number, array, finite, plain, positive, refuse
+from .model.arguments import Array, Number, array, finite, plain, positive, refuse, together
 
 _APART = "the bodies do not approach; body 1 is on the left, so its velocity must be the larger"
 
@@ -92,7 +92,7 @@ def contact_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
     >>> contact_mass(2.0, 6.0), contact_mass(2.0, float("inf"))
     (1.5, 2.0)
     """
-    return plain(_contact_mass(_mass("m1", m1), _mass("m2", m2)))
+    return plain(_contact_mass(*together(m1=_mass("m1", m1), m2=_mass("m2", m2))))
 
 
 def collide(
@@ -136,9 +136,9 @@ def collide(
     >>> after.impulse, after.velocity_1, after.velocity_2
     (23.625, 2.625, 4.625)
     """
-    M1, V1, M2, V2, e = np.broadcast_arrays(
-        _mass("m1", m1), finite("v1", v1, "m/s"), _mass("m2", m2), finite("v2", v2, "m/s"),
-        finite("restitution", restitution, ""),
+    M1, V1, M2, V2, e = together(
+        m1=_mass("m1", m1), v1=finite("v1", v1, "m/s"), m2=_mass("m2", m2),
+        v2=finite("v2", v2, "m/s"), restitution=finite("restitution", restitution, ""),
     )
     refuse(V1 <= V2, _APART, v1=V1, v2=V2)
     if not allow_energy_release:
@@ -192,9 +192,12 @@ def restitution_from_velocities(
     >>> restitution_from_velocities(10.0, 5.0, 6.0, 7.0)
     0.2
     """
-    before_1, before_2 = (finite("v1_before", v1_before, "m/s"),
-                          finite("v2_before", v2_before, "m/s"))
-    after_1, after_2 = finite("v1_after", v1_after, "m/s"), finite("v2_after", v2_after, "m/s")
+    before_1, before_2, after_1, after_2 = together(
+        v1_before=finite("v1_before", v1_before, "m/s"),
+        v2_before=finite("v2_before", v2_before, "m/s"),
+        v1_after=finite("v1_after", v1_after, "m/s"),
+        v2_after=finite("v2_after", v2_after, "m/s"),
+    )
     refuse(before_1 <= before_2, _APART, v1_before=before_1, v2_before=before_2)
     return plain((after_2 - after_1) / (before_1 - before_2))
 
@@ -227,7 +230,8 @@ def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
     >>> restitution_from_heights(10.0, 6.4)
     0.8
     """
-    fall, rise = positive("drop", drop, "m"), finite("rebound", rebound, "m")
+    fall, rise = together(drop=positive("drop", drop, "m"),
+                          rebound=finite("rebound", rebound, "m"))
     wanted = "a ball released from rest rebounds to a height from 0 to the drop"
     refuse((rise < 0) | (rise > fall), wanted, drop=fall, rebound=rise)
     return plain(np.sqrt(rise / fall))

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .model.arguments import Array, Number, finite, plain, positive
+from .model.arguments import Array, Number, finite, plain, positive, together
 from .rigid import contact_mass
 
 EQUAL_IMPEDANCES = 2.0**-48
@@ -471,6 +471,6 @@ def _pair(
 
 def _checked(**given: ArrayLike) -> tuple[Array, ...]:
     """The arguments of a collision, positive and finite, broadcast."""
-    return np.broadcast_arrays(*(
-        positive(name, value, UNITS[name.removesuffix("_1").removesuffix("_2")])
-        for name, value in given.items()))
+    return together(**{
+        name: positive(name, value, UNITS[name.removesuffix("_1").removesuffix("_2")])
+        for name, value in given.items()})

@@ -13,6 +13,7 @@ import re
 import reprlib
 from decimal import Decimal
 from fractions import Fraction
+from numbers import Real
 from typing import Any
 
 TIMES = "\N{MULTIPLICATION SIGN}"
@@ -94,8 +95,8 @@ def parse(text: str | float | int, dimension: str) -> float:
     ValueError: cannot read '5 m/s' as time: 'm/s' is a unit of velocity. \
 Use one of s, ms, us, ns, or a bare number in SI units.
     """
-    if dimension not in UNITS and "/" not in dimension:
-        raise ValueError(f"unknown dimension {dimension!r}. Use one of {', '.join(UNITS)}.")
+    if not isinstance(dimension, str) or (dimension not in UNITS and "/" not in dimension):
+        raise ValueError(f"unknown dimension {shown(dimension)}. Use one of {', '.join(UNITS)}.")
     units = UNITS.get(dimension, {dimension: "1"})
 
     def refusal(reason: str) -> ValueError:
@@ -205,11 +206,19 @@ def format_si(value: float, unit: str, digits: int = 6) -> str:
     str
         The number and its unit.
 
+    Raises
+    ------
+    ValueError
+        If that is no number, no unit, or no number of digits.
+
     Examples
     --------
     >>> format_si(0.000385, "s"), format_si(1270.8, "N"), format_si(7850.0, "kg/m^3")
     ('385 us', '1.2708 kN', '7850 kg/m^3')
     """
+    kinds: tuple[tuple[Any, type], ...] = (value, Real), (unit, str), (digits, int)
+    if not all(isinstance(*pair) for pair in kinds) or not 0 < digits < MOST_CHARACTERS:
+        raise ValueError(f"cannot write {shown(value)} in {shown(unit)} to {shown(digits)} digits")
     if math.isnan(value):
         return "-"
     if math.isfinite(value) and _TAKES_PREFIX.match(unit):

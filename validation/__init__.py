@@ -1,1 +1,7 @@
-"""Numbers from elsewhere that rodimpact must reproduce: one file a case."""
+"""Numbers from elsewhere that rodimpact must reproduce: one file a case.
+
+What must be refused is tried at random in `tests/fuzz` and `tests/storage/test_fuzz.py`, some
+seconds of it by default. An hour of it:
+
+    RODIMPACT_FUZZ=100 pytest -m "" tests/fuzz tests/storage/test_fuzz.py
+"""

@@ -57,6 +57,7 @@ class Server(ThreadingHTTPServer):
     """
 
     daemon_threads = True
+    request_queue_size = 128  # a connection for which there is no room waits for seconds
     allow_reuse_address = sys.platform != "win32"  # where it would share a port in use
 
     def __init__(self, design: Design, port: int = 0) -> None:
@@ -94,6 +95,8 @@ class Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         """The page, its parts, and what it starts with."""
+        if "Content-Length" in self.headers or "Transfer-Encoding" in self.headers:
+            self.close_connection = True  # what it carries is not read
         self._answer(self._file)
 
     def do_POST(self) -> None:
@@ -105,6 +108,7 @@ class Handler(BaseHTTPRequestHandler):
             self._check_host()
             self._send(*made())
         except Refused as refused:
+            self.close_connection = True  # what was not read is no next request
             self._send(refused.status, JSON, problems_json(refused.problems))
         except (ConnectionError, TimeoutError):
             self.close_connection = True
@@ -149,6 +153,8 @@ class Handler(BaseHTTPRequestHandler):
             message = "send application/json"
             raise Refused(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, message, "Content-Type")
         body = self.rfile.read(int(length))
+        if len(body) < int(length):
+            raise Refused(HTTPStatus.BAD_REQUEST, "the request is cut off", "Content-Length")
         self.close_connection = self.headers.get("Connection", "").lower() == "close"
         return body
 
@@ -171,6 +177,7 @@ class Handler(BaseHTTPRequestHandler):
     ) -> None:
         """Mistakes that the library finds, in JSON too; an unknown method is the caller's."""
         self.close_connection = True
+        self.request_version = self.protocol_version  # or the library leaves out the head
         status = HTTPStatus(code)
         if status == HTTPStatus.NOT_IMPLEMENTED:
             status = HTTPStatus.METHOD_NOT_ALLOWED

@@ -25,6 +25,8 @@ class Workers:
         self._turns = threading.BoundedSemaphore(MOST)
         self._idle: deque[_Worker] = deque()
         self._all: set[_Worker] = set()
+        self._ended = False
+        self._lock = threading.Lock()  # of these two
 
     def start(self) -> None:
         """Start those that wait for the first questions."""
@@ -60,13 +62,18 @@ class Workers:
         )
 
     def end(self) -> None:
-        """End all of them."""
+        """End all of them; no more are started."""
+        with self._lock:
+            self._ended = True
         for worker in tuple(self._all):
             worker.end()
 
     def _new(self) -> _Worker:
-        worker = _Worker()
-        self._all.add(worker)
+        with self._lock:
+            if self._ended:
+                raise Unanswered("the server has ended")
+            worker = _Worker()
+            self._all.add(worker)
         return worker
 
 

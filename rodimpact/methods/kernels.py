@@ -50,6 +50,7 @@ def compiled(kernel: Kernel) -> Kernel:
 _ONE_AT_A_TIME = threading.Lock()
 SEAL = 16  # bytes of checksum after machine code
 LOADING, PATIENCE = 0.005, 2.0  # s: of a compiled call, and of plain Python before the first one
+LIST_TIME = 5e-8  # s: of a number to and from a list
 _spent = 0.0
 
 

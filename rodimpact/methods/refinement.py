@@ -8,20 +8,14 @@ from typing import TypeVar
 
 import numpy as np
 
-from ..model.frozen import InvalidModel
 from .contact_law_kernel import IMPACT
+from .memory import TooLong
 from .row import Array
 from .stepped_run import SteppedRun
 
 MEASURES = ("impulse", "largest force", "time of 99.9 % of the impulse")
 LOOK_BACK = 3  # coarser levels with which the finest is compared
 FEWEST = 4  # levels
-
-
-class TooLong(InvalidModel):
-    """A run takes more steps than there is memory for."""
-
-
 R = TypeVar("R", bound=SteppedRun)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 from ..model import System
@@ -180,3 +180,11 @@ class Run:
     def signals(self) -> Signals:
         """All that is known of the motion."""
         return self.make_signals()
+
+    def __getstate__(self) -> dict[str, Any]:
+        made = self.signals
+        return {**vars(self), "make_signals": partial(_same, made)}
+
+
+def _same(signals: Signals) -> Signals:
+    return signals

@@ -1,12 +1,13 @@
-"""Arguments of formulae: arrays that have been checked go in, plain floats come out."""
+"""Arguments of functions: what has been checked goes in, plain floats come out of formulae."""
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..units import shown
 from .quantities import Floats, floats
 from .quantities import Number as Number
 
@@ -33,6 +34,31 @@ def finite(name: str, value: ArrayLike, unit: str) -> Array:
     x = array(name, value, unit)
     refuse(~np.isfinite(x), "must be finite", **{name: x})
     return x
+
+
+def single(name: str, value: Any, unit: str) -> float:
+    """The argument as a number; ValueError if it is none, or several."""
+    x = array(name, value, unit)
+    if x.ndim:
+        raise ValueError(f"{name}: must be a single number, got {shown(value)}")
+    return x.item()
+
+
+def of_kind(name: str, value: Any, kind: type, example: str) -> None:
+    """ValueError if the argument is not of that class; the example says how to come by one."""
+    if not isinstance(value, kind):
+        article = "an" if kind.__name__[0] in "AEIOU" else "a"
+        message = f"must be {article} {kind.__name__}, such as {example}, got {shown(value)}"
+        raise ValueError(f"{name}: {message}")
+
+
+def together(**arguments: Array) -> tuple[Array, ...]:
+    """The arguments, broadcast; ValueError with their shapes if they do not."""
+    try:
+        return np.broadcast_arrays(*arguments.values())
+    except (ValueError, RuntimeError):  # of more than 32 dimensions
+        shapes = ", ".join(f"{name} has shape {x.shape}" for name, x in arguments.items())
+        raise ValueError(f"{shapes}: these do not broadcast") from None
 
 
 def refuse(wrong: NDArray[np.bool_], wanted: str, **arguments: Array) -> None:

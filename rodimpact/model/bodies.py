@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
+from .arguments import array
 from .frozen import (
     LARGEST,
     SMALLEST,
@@ -329,8 +330,16 @@ class Segment(Frozen):
         -------
         [n] array
             m^2.
+
+        Raises
+        ------
+        ValueError
+            If these are not two places or more.
         """
-        return averages(self.area, np.asarray(edges, dtype=np.float64), float(self.length))
+        places = array("edges", edges, "m")
+        if places.ndim != 1 or places.size < 2:
+            raise ValueError(f"edges: must be two places or more in a row, got {shown(edges)}")
+        return averages(self.area, places, float(self.length))
 
     def polar_moments(self, areas: ArrayLike) -> Floats:
         """Polar second moments of the segment where its cross-section has these areas.
@@ -345,7 +354,7 @@ class Segment(Frozen):
         array
             m^4, of the same shape; 0 without lateral inertia.
         """
-        A = np.asarray(areas, dtype=np.float64)
+        A = array("areas", areas, "m^2")
         if isinstance(self.polar_moment, str):
             return A**2 / (2 * math.pi)
         return np.full(A.shape, 0.0 if self.polar_moment is None else self.polar_moment)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
+from .arguments import array, refuse
 from .bodies import Material
 from .frozen import Field, Frozen, Number, Problems, family_shape, number, raise_noted, require
 
@@ -34,9 +35,13 @@ class _Compliant(_Law):
     stiffness: Number
 
     def stored(self, indentation: ArrayLike) -> Any:
-        """Energy stored at an indentation d >= 0, m: k d^(p+1)/(p+1), J."""
-        q = self.exponent + 1
-        return self.stiffness * np.asarray(indentation) ** q / q
+        """Energy stored at an indentation d >= 0, m: k d^(p+1)/(p+1), J; ValueError at others."""
+        q, d = self.exponent + 1, array("indentation", indentation, "m")
+        with np.errstate(over="ignore", invalid="ignore"):
+            energy: Any = self.stiffness * d**q / q
+        wanted = "must be 0 or more, and not too large for a finite energy"
+        refuse(~((d >= 0) & (energy < np.inf)), wanted, indentation=d)
+        return energy
 
 
 class Rigid(_Law):

@@ -165,11 +165,16 @@ class System(Frozen):
 
     def __getitem__(self, index: Any) -> System:
         """Member of a family, or a smaller family, by NumPy's rules of indexing."""
+        try:
+            wanted = np.broadcast_to(0.0, self.shape)[index].shape
+        except (IndexError, OverflowError) as error:
+            message = f"{shown(index)} picks nothing of a family of shape {self.shape}: {error}"
+            raise IndexError(message) from None
         for lean in (True, False):
             member = self._member(self.shape, index, lean)
             arrays = [v for _, v in member._numbers() if isinstance(v, np.ndarray)]
             member._set(_shape=np.broadcast_shapes(*(v.shape for v in arrays)))
-            if member.shape == np.broadcast_to(0.0, self.shape)[index].shape:
+            if member.shape == wanted:
                 break
         return member
 

@@ -16,14 +16,14 @@ from matplotlib.text import Text
 
 from ..model import Absorbing
 from ..results.placing import placing
-from ..results.solution import Solution
+from ..results.solution import Solution, check_solution
 from .borders import Borders, Cut, open_style
 from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster
 from .sampling import is_stepped
 from .scales import FIELDS, Scale, axis_scales, field_scale, place_label, written
-from .style import centred, check_choice, colour_bar, dress, legend_above, new_axes, styled
+from .style import axes, centred, check_choice, colour_bar, dress, legend_above, styled
 
 
 class SpaceTime(NamedTuple):
@@ -97,6 +97,7 @@ def spacetime(
         magnification that is not positive or given for coordinates of the bodies, or a
         dimensionless picture of a row in which nothing approaches.
     """
+    check_solution(solution)
     check_choice("field", field, FIELDS)
     check_choice("coordinates", coordinates, ("lab", "body"))
     cut: Cut = (Raster if is_stepped(solution) else Polygons)(solution, start, stop)
@@ -115,7 +116,7 @@ def spacetime(
             name=f"{scale.name}\nin a frame moving at {written(plan.frame, 'm/s')}")
     time, place = axis_scales(solution, dimensionless, stop, plan.row)
     plane = Plane(time, place, (start, stop), across)
-    ax = ax or (new_axes(6.6, 4.4) if across else new_axes(5.6, 5.2))
+    ax = axes(ax, *(6.6, 4.4) if across else (5.6, 5.2))
 
     norm = centred([v * scale.factor for v in reach], rest * scale.factor)
     drawn = cut.draw(ax, plan, plane, values * scale.factor, norm)

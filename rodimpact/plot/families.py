@@ -10,13 +10,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from ..model.arguments import of_kind
 from ..results.closed_forms import COLUMNS, closed_form
 from ..running.sweeping import SweepResult
+from ..units import shown
 from .curves import Curve, draw_curve
 from .maps import Map, draw_map
 from .quantities import outcome
 from .sides import Shown, side_of
-from .style import new_axes, styled
+from .style import axes, styled
 
 
 @styled
@@ -49,6 +51,7 @@ def sweep(
         For an unknown quantity, one without any value in this family, and a family that has no
         axis or more than two; axes with a single value do not count.
     """
+    of_kind("result", result, SweepResult, "rodimpact.sweep(family)")
     column = _column(result, quantity)
     sides = [side_of(result, i) for i in _dimensions(result)]
     order = np.ix_(*(side.order for side in sides))
@@ -63,20 +66,21 @@ def sweep(
     theory = None if family is None else family.each(arranged)
     shown = Shown(quantity, values * scale.factor, scale, column.dtype.kind in "iub")
     if len(sides) == 1:
-        return draw_curve(ax or new_axes(5.6, 3.6), sides[0], shown, theory)
-    return draw_map(ax or new_axes(6.0, 4.6), sides[0], sides[1], shown, theory)
+        return draw_curve(axes(ax, 5.6, 3.6), sides[0], shown, theory)
+    return draw_map(axes(ax, 6.0, 4.6), sides[0], sides[1], shown, theory)
 
 
 def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
     """Values of a quantity; ValueError if there is none of this name, or no value at all."""
-    if quantity not in result.columns:
+    if not isinstance(quantity, str) or quantity not in result.columns:
         near = [name for name in result.columns if name.startswith(f"{quantity}.")]
-        near = near or difflib.get_close_matches(str(quantity), result.columns, n=1)
+        near = near or difflib.get_close_matches(shown(quantity), result.columns, n=1)
         hint = f"; perhaps {near[0]!r} is meant" if near else ""
         groups = [list(g) for _, g in groupby(result.columns, lambda name: name.partition(".")[0])]
         known = [f"{first} to {others[-1].partition('.')[2]}" if others else first
                  for first, *others in groups]
-        raise ValueError(f"quantity: must be one of {', '.join(known)}, got {quantity!r}{hint}")
+        message = f"must be one of {', '.join(known)}, got {shown(quantity)}{hint}"
+        raise ValueError(f"quantity: {message}")
     column: NDArray[Any] = result.columns[quantity]
     if not np.isfinite(column).any():
         raise ValueError(

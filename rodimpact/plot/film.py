@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from ..storage.writing import written
+from ..storage.writing import file_name, written
 from .style import Colours
 
 PAGE = Path(__file__).with_name("player.html")  # plays the frames that are put into it
@@ -35,10 +35,11 @@ Progress = Callable[[int, int], Any] | None
 
 def format_of(path: str | os.PathLike[str], known: Collection[str]) -> str:
     """The one of the formats that the suffix of a path names; ValueError if it names none."""
+    path = file_name(path)
     kind = Path(path).suffix.lower().removeprefix(".")
     if kind not in known:
         suffixes = ", ".join(f".{name}" for name in known)
-        raise ValueError(f"path: must end in one of {suffixes}, got {os.fspath(path)!r}")
+        raise ValueError(f"path: must end in one of {suffixes}, got {path!r}")
     return kind
 
 

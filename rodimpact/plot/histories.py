@@ -16,8 +16,10 @@ from matplotlib.text import Annotation
 
 from ..methods.signals import Floats
 from ..model import Bonded, Rigid
+from ..model.arguments import array
 from ..results.contacts import ContactHistory
-from ..results.solution import Solution
+from ..results.solution import Solution, check_solution
+from ..units import shown
 from .scales import Scale, engineering, time_scale, written
 from .style import DASHES, SMALL, colours, dress, legend_above, new_figure, styled
 from .thinning import telling
@@ -62,18 +64,20 @@ def contact(
     ValueError
         If there is no such contact, the `ax` is no pair, or the solution lasts no time.
     """
-    chosen = [contact] if isinstance(contact, int | np.integer) else list(contact)
+    check_solution(solution)
+    chosen = array("contact", contact, "").ravel().tolist()
     count = len(solution.contacts)
     for index in chosen:
-        if not 0 <= index < count:
+        if index not in range(count):
             have = f"from 0 to {count - 1}" if count else "given only where there are two bodies"
-            raise ValueError(f"contact: must be {have}, got {index!r}")
+            raise ValueError(f"contact: must be {have}, got {index:g}")
     if ax is None:
         ax = new_figure(5.6, 4.2).subplots(2, 1, sharex=True).tolist()
-    if isinstance(ax, Axes) or len(ax) != 2:
-        raise ValueError(f"ax: needs a pair of Axes, for force and gap, got {ax!r}")
-    force_ax, gap_ax = ax
-    histories = [solution.contacts[index] for index in chosen]
+    pair = list(ax) if isinstance(ax, Sequence | np.ndarray) else []
+    if len(pair) != 2 or not all(isinstance(each, Axes) for each in pair):
+        raise ValueError(f"ax: needs a pair of Axes, for force and gap, got {shown(ax)}")
+    force_ax, gap_ax = pair
+    histories = [solution.contacts[int(index)] for index in chosen]
     end = solution.t_end
     time = time_scale(end)
     records = [_record(history, end) for history in histories]

@@ -10,8 +10,9 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from numpy.typing import ArrayLike
 
+from ..model.arguments import array
 from .scales import MINUS
-from .style import COMPUTED, SMALL, colours, dress, grid, new_axes, styled
+from .style import COMPUTED, SMALL, axes, colours, dress, grid, styled
 
 
 class Restitution(NamedTuple):
@@ -48,14 +49,14 @@ def restitution(ratios: ArrayLike, values: ArrayLike, ax: Axes | None = None) ->
     ValueError
         If the shapes differ, or no value is a number.
     """
-    x, e = np.asarray(ratios, dtype=float), np.asarray(values, dtype=float)
+    x, e = array("ratios", ratios, ""), array("values", values, "")
     if x.shape != e.shape:
         raise ValueError(f"values: must have the shape {x.shape} of ratios, got {e.shape}")
     known = np.isfinite(x) & np.isfinite(e)
     if not known.any():
         raise ValueError("values: needs at least one finite coefficient of restitution, got none")
     x, e = x[known], e[known]
-    ax = ax or new_axes(4.2, 4.0)
+    ax = axes(ax, 4.2, 4.0)
     reach = max(1.0, float(x.max()))
     (law,) = ax.plot([0, reach], [0, reach], color=colours().series[1], linewidth=1.2,
                      label="e = ℓ₁/ℓ₂")

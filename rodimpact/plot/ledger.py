@@ -15,11 +15,11 @@ from ..methods.groups import movable
 from ..methods.signals import Floats
 from ..results.placing import placing
 from ..results.regions import regions_of
-from ..results.solution import Solution
+from ..results.solution import Solution, check_solution
 from .moments import contact_turns
 from .sampling import is_stepped
 from .scales import ROUND_OFF, engineering, listed, time_scale, written
-from .style import INK, SMALL, dress, legend_above, new_axes, styled
+from .style import INK, SMALL, axes, dress, legend_above, styled
 
 SAMPLES = 201  # energies bend like parabolas where a force acts
 STEPS_SUMMED = 15_000_000  # at all samples together: fewer samples of a very long solution
@@ -77,7 +77,8 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
     ValueError
         If the solution lasts no time.
     """
-    ax = ax or new_axes(5.6, 3.2)
+    check_solution(solution)
+    ax = axes(ax, 5.6, 3.2)
     times = _times(solution)
     frame = placing(solution, 0.0, solution.t_end).frame
     parts, supplied, workers = _seen_from(solution, frame, times)

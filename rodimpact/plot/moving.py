@@ -17,8 +17,9 @@ from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 from PIL import Image
 
+from ..model.arguments import single
 from ..results.placing import placing
-from ..results.solution import Solution
+from ..results.solution import Solution, check_solution
 from .bars import Bars
 from .diagram import spacetime
 from .film import Film
@@ -173,9 +174,11 @@ def animation(
     >>> film.clock(4), film.frame(4).shape
     ('t = 317 µs', (640, 840, 3))
     """
+    check_solution(solution)
     check_choice("field", field, FIELDS)
     check_frames(frames, fps)
-    stop = drawn_until(solution) if stop is None else stop
+    start = single("start", start, "s")
+    stop = drawn_until(solution) if stop is None else single("stop", stop, "s")
     if not start < stop:
         raise ValueError(f"stop: must be later than start = {start!r} s, got {stop!r}")
     times = np.linspace(start, stop, int(frames))
@@ -184,9 +187,10 @@ def animation(
 
 def check_frames(frames: int, fps: float) -> None:
     """Raise ValueError if there cannot be so many frames, or so many a second."""
-    if not 2 <= frames <= MOST_FRAMES or frames != int(frames):
+    count, rate = single("frames", frames, ""), single("fps", fps, "")
+    if not 2 <= count <= MOST_FRAMES or count != int(count):
         raise ValueError(f"frames: must be a whole number from 2 to {MOST_FRAMES}, got {frames!r}")
-    if not 1 <= fps <= MOST_PER_SECOND:
+    if not 1 <= rate <= MOST_PER_SECOND:
         raise ValueError(f"fps: must be 1 to {MOST_PER_SECOND} frames a second, got {fps!r}")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from ..model import RigidMass, Wall
-from ..results.solution import Solution
+from ..results.solution import Solution, check_solution
 from .diagram import spacetime
 from .histories import contact
 from .ledger import energy
@@ -37,6 +37,7 @@ def overview(solution: Solution) -> Figure:
     ValueError
         If the solution lasts no time.
     """
+    check_solution(solution)
     time_scale(solution.t_end)  # refuses what lasts no time
     figure = new_figure(11.7, 8.3)
     halves = figure.add_gridspec(2, 1, height_ratios=(1.5, 1.0))

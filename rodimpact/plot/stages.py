@@ -17,13 +17,14 @@ from matplotlib.text import Text
 
 from ..methods.signals import Floats
 from ..model import RigidMass
+from ..model.arguments import array
 from ..results.placing import Placing, placing
-from ..results.solution import Solution
+from ..results.solution import Solution, check_solution
 from .bars import Bars, Piece
 from .moments import happening, moments
 from .sampling import is_stepped
 from .scales import Scale, Speeds, digits, engineering, first_rod, place_label, place_scale, written
-from .style import SMALL, broken, centred, colour_bar, colours, dress, ink_on, new_axes, styled
+from .style import SMALL, axes, broken, centred, colour_bar, colours, dress, ink_on, styled
 
 ALIKE = 0.02  # velocities of a stretch that bears one label, in parts of the largest
 
@@ -82,13 +83,14 @@ def snapshots(
     ValueError
         For a time outside the solution, no times, or a magnification that is not positive.
     """
-    when = moments(solution) if times is None else np.asarray(times, dtype=float).ravel()
+    check_solution(solution)
+    when = moments(solution) if times is None else array("times", times, "s").ravel()
     if when.size == 0:
         raise ValueError("times: needs at least one time, got none")
     solution.fields.to_ticks(when)  # refuses times outside the solution
     plan = placing(solution, 0.0, float(when.max()), magnification)
     place = place_scale(plan.row)
-    ax = ax or new_axes(6.6, 0.9 + 0.72 * when.size)
+    ax = axes(ax, 6.6, 0.9 + 0.72 * when.size)
 
     stepped, (_, ink, faint, *_) = is_stepped(solution), colours()
     drawn = Bars(plan, when, place)

@@ -12,9 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle, StepPatch
 
 from ..methods.signals import Floats
+from ..model.arguments import of_kind
 from ..results.gauges import Gauge
 from .scales import Scale, engineering, time_scale
-from .style import colours, dress, legend_above, new_axes, styled
+from .style import axes, colours, dress, legend_above, styled
 from .thinning import telling
 
 BOLD_UP_TO = 200  # steps of a record of strain
@@ -80,8 +81,10 @@ def gauge(
     >>> print(f"{window.get_width():.2f} {2e6 * bars[0].transit_time:.2f}")
     79.25 79.25
     """
-    ax = ax or new_axes(5.6, 3.0)
     records = [record] if transmitted is None else [record, transmitted]
+    for each in records:
+        of_kind("record", each, Gauge, "solution.gauge(1, 0.5)")
+    ax = axes(ax, 5.6, 3.0)
     usual = MICROSECONDS[0] <= record.end < MICROSECONDS[1]
     time = Scale(1e6, "time t", "µs") if usual else time_scale(record.end)
     largest = max(float(np.abs(r.strain).max()) for r in records)

@@ -8,7 +8,7 @@ tells push from pull; paper stays white or nearly black, so that a gap differs f
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
@@ -21,6 +21,9 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
+
+from ..model.arguments import of_kind, single
+from ..units import shown
 
 FONT = "DejaVu Sans"  # comes with matplotlib and has every sign used here
 INK, FAINT = "#1a1a1a", "#8a8a8a"
@@ -93,7 +96,7 @@ def look(name: str = "light", width: float | None = None) -> Iterator[None]:
     85.0
     """
     check_choice("name", name, LOOKS)
-    if width is not None and not 50 <= width <= 1000:
+    if width is not None and not 50 <= single("width", width, "mm") <= 1000:
         raise ValueError(f"width: must be 50 to 1000 mm, got {width!r}")
     before = _colours.set(LOOKS[name]), _width.set(width)
     try:
@@ -103,11 +106,11 @@ def look(name: str = "light", width: float | None = None) -> Iterator[None]:
         _width.reset(before[1])
 
 
-def check_choice(argument: str, value: str, known: Iterable[str]) -> None:
+def check_choice(argument: str, value: str, known: Collection[str]) -> None:
     """Raise ValueError if the value of an argument is none of those known."""
-    if value not in (names := list(known)):
-        *others, last = (f'"{name}"' for name in names)
-        raise ValueError(f"{argument}: must be {', '.join(others)} or {last}, got {value!r}")
+    if not isinstance(value, str) or value not in known:
+        *others, last = (f'"{name}"' for name in known)
+        raise ValueError(f"{argument}: must be {', '.join(others)} or {last}, got {shown(value)}")
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
@@ -147,9 +150,12 @@ def new_figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width * scale, tall), layout="constrained")
 
 
-def new_axes(width: float, height: float) -> Axes:
-    """Axes of a new figure."""
-    return new_figure(width, height).add_subplot()
+def axes(ax: Axes | None, width: float, height: float) -> Axes:
+    """The Axes given, or that of a new figure."""
+    if ax is None:
+        return new_figure(width, height).add_subplot()
+    of_kind("ax", ax, Axes, "plt.gca()")
+    return ax
 
 
 def dress(ax: Axes) -> None:

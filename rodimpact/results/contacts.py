@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ..methods.run import ContactSignal, ContactTally
 from ..methods.signals import Floats, Side
 from ..model import Rigid
-from .fields import Fields
+from .fields import Fields, check_side
 
 
 class ContactHistory:
@@ -45,6 +45,7 @@ class ContactHistory:
 
         The method "characteristics" gives its mean over each step.
         """
+        check_side(side)
         return self.push.at(self._fields.to_ticks(t, side), side)
 
     def gap(self, t: ArrayLike) -> Floats:

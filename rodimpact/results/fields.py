@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from ..methods.clock import Clock
 from ..methods.signals import Floats, Ints, Side
 from ..model.arguments import array
+from ..units import shown
 
 
 class Profile(NamedTuple):
@@ -139,8 +140,6 @@ class Fields(ABC):
         ticks: Ints = np.minimum(np.rint(t / self.clock.tick).astype(np.int64), self.end)
         if side is None:
             return ticks
-        if side not in ("right", "left"):
-            raise ValueError(f'side: must be "right" or "left", got {side!r}')
         return ticks + (ticks >> 51) if side == "right" else ticks - (ticks >> 51)
 
     def edges(self, body: int) -> Floats:
@@ -220,3 +219,9 @@ class Fields(ABC):
                 x += sum(a.length[first : last + 1])
                 x += float(self.displacement(body, self.edges(body)[-1], 0.0))
         return places
+
+
+def check_side(side: Any) -> None:
+    """Raise ValueError for what is no side of a jump."""
+    if not isinstance(side, str) or side not in ("right", "left"):
+        raise ValueError(f'side: must be "right" or "left", got {shown(side)}')

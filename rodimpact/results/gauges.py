@@ -15,6 +15,7 @@ from ..methods.signals import Floats
 from ..model.arguments import array, refuse
 from ..model.frozen import InvalidModel, Problems, number
 from ..storage.writing import write_text, written
+from ..units import shown
 
 SAMPLES = 10_000  # of a record where no interval is given
 MOST_ROWS = 100_000_000  # of a table, some gigabytes
@@ -125,6 +126,9 @@ def gauges_to_csv(
     'time,incident,transmitted'
     """
     problems: Problems = []
+    if not isinstance(gauges, Mapping) or not all(isinstance(g, Gauge) for g in gauges.values()):
+        message = "must be records by name, such as {'incident': solution.gauge(1, 0.5)}"
+        raise InvalidModel([("gauges", f"{message}, got {shown(gauges)}")])
     if not gauges:
         problems.append(("gauges", "needs at least one record, such as solution.gauge(1, 0.5)"))
     problems += [("gauges", sentence) for name in gauges if (sentence := misnamed(name))]

@@ -39,7 +39,7 @@ class GridFields(Fields):
     """
 
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
-        super().__init__(clock, end, signals.masses, np.arange(0, end + 1, STEP_TICKS))
+        super().__init__(clock, end, signals.masses, signals.edges)
         self.motion: GridMotion = signals.motion
 
     @property

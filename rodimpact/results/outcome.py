@@ -26,6 +26,10 @@ the `TOLERANCE` of a front, and a fifth of the least ratio of two transit times 
 so of the least e of a pair."""
 
 
+UNBALANCED = 1e-6
+"""Share of momentum or energy from which it is said that it is missing."""
+
+
 class UndefinedRestitution(ValueError):
     """The collision has no coefficient of restitution; the message says why."""
 
@@ -257,6 +261,21 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
         vibration_before=tuple(started), vibration_after=tuple(stopped),
         contacts=tuple(run.contacts),
         unilateral=tuple(unilateral(system)),
-        momentum_residual=momentum, energy_residual=energy, final=run.final, status=run.status,
+        momentum_residual=momentum, energy_residual=energy, final=run.final,
+        status=run.status + _unbalanced(momentum, energy),
         driven=driven(system) or bool(system.gravity), **totals.works,
+    )
+
+
+def _unbalanced(momentum: float, energy: float) -> str:
+    """A warning of balances that do not close."""
+    missing = [
+        f"{abs(share):.1g} of the {name}" for name, share in
+        (("momentum", momentum), ("energy", energy)) if not abs(share) <= UNBALANCED
+    ]
+    if not missing:
+        return ""
+    return (
+        f" The balance does not close: {' and '.join(missing)} is missing. Take a smaller time "
+        "step, or numbers that are nearer to each other."
     )

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats, Ints
 from ..model import Fixed, Moved, RigidMass, Rod, Wall
+from ..model.arguments import single
 from ..units import TIMES, format_factor
 from .solution import Solution
 
@@ -117,7 +118,7 @@ def placing(
     ValueError
         If the magnification is not a positive number.
     """
-    if magnification is not None and not 0 < magnification < math.inf:
+    if magnification is not None and not 0 < single("magnification", magnification, "") < math.inf:
         raise ValueError(f"magnification: must be a positive number, got {magnification!r}")
     bodies = range(len(solution.system.bodies))
     lengths = [_length(solution, body) for body in bodies]

@@ -14,7 +14,8 @@ import numpy as np
 
 from ..methods.signals import Floats, Ints
 from ..model import Rod
-from .solution import Solution
+from ..model.arguments import single
+from .solution import Solution, check_solution
 from .wave_fields import WaveFields
 
 
@@ -71,7 +72,9 @@ def regions_of(
         If there are more regions than `limit`, the interval is empty or outside the solution, or
         the method has no fronts.
     """
+    check_solution(solution)
     fields, first_tick, last_tick = _interval(solution, start, stop)
+    limit = int(single("limit", limit, ""))
     if _count(fields, first_tick, last_tick, limit) > limit:
         raise ValueError(f"limit: more than {limit} regions; choose a shorter interval")
     bodies: list[int] = []
@@ -139,7 +142,8 @@ def _interval(solution: Solution, start: float, stop: float | None) -> tuple[Wav
     fields, stop = solution.fields, solution.t_end if stop is None else stop
     if not isinstance(fields, WaveFields):
         raise ValueError(f'solution: method "{solution.method}" has no fronts to draw between')
-    first_tick, last_tick = (int(fields.to_ticks(t)) for t in (start, stop))
+    first_tick, last_tick = (int(fields.to_ticks(single(name, t, "s")))
+                             for name, t in (("start", start), ("stop", stop)))
     if last_tick <= first_tick:
         raise ValueError(f"stop: must be later than start = {start!r} s, got {stop!r}")
     return fields, first_tick, last_tick

@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,12 +14,13 @@ from numpy.typing import ArrayLike
 from ..methods.run import Run, Totals, Waves
 from ..methods.signals import Floats, Side
 from ..model import Body, RigidMass, Rod, Samples, Segment, Steps, System, Wall
+from ..model.arguments import of_kind, single
 from ..model.frozen import Number
 from ..storage.writing import write_npz
 from . import notebook
 from .contacts import ContactHistory
 from .energy import EnergyLedger, ledger, stored
-from .fields import Fields
+from .fields import Fields, check_side
 from .gauges import Gauge
 from .grid_fields import GridFields
 from .group_states import group_states
@@ -65,16 +67,26 @@ class Solution:
 
     def __init__(self, run: Run) -> None:
         self.run, self.system, self.method, self.until = run, run.system, run.method, run.until
-        self.stopped_by, self.status, self.events = run.stopped_by, run.status, run.events
+        self.stopped_by, self.events = run.stopped_by, run.events
         self.t_end, self.t_final, self.final = run.t_end, run.t_final, run.final
         self.accuracy, self.transit_error = dict(run.accuracy), run.clock.transit_error
-        kind = WaveFields if isinstance(run.signals.motion, Waves) else GridFields
-        self.fields: Fields = kind(run.clock, run.end, run.signals)
+
+    @cached_property
+    def fields(self) -> Fields:
+        """The state of every point of the row at every time."""
+        signals = self.run.signals
+        kind = WaveFields if isinstance(signals.motion, Waves) else GridFields
+        return kind(self.run.clock, self.run.end, signals)
 
     @cached_property
     def outcome(self) -> Outcome:
         """What the collision did."""
         return outcome_of(self.run, self._totals)
+
+    @property
+    def status(self) -> str:
+        """Why the run ended, in a sentence, with the remedy."""
+        return self.outcome.status
 
     @cached_property
     def _totals(self) -> Totals:
@@ -116,6 +128,7 @@ class Solution:
         ValueError
             For a place or time outside the solution.
         """
+        check_side(side)
         if (wall := self._wall(body)) is not None:
             return float(wall.velocity) + 0.0 * self.fields.to_ticks(t)
         if body in self.fields.masses:
@@ -124,6 +137,7 @@ class Solution:
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Strain, positive in tension; arguments as in `velocity`."""
+        check_side(side)
         return self.fields.strain(self._index(body), x, t, side)
 
     def stress(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
@@ -166,6 +180,7 @@ class Solution:
 
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
+        x = single("x", x, "m")
         trace = self.fields.trace(self._index(body), x)
         right, left, per_wave = trace.rightward, trace.leftward, 0.5 / trace.wave_speed
         rest = (right[0] + left[0]) / 2
@@ -234,7 +249,7 @@ class Solution:
             Where a compliant contact is pressed at t, or an end is driven by a function of time:
             a system cannot begin like that.
         """
-        tick = int(self.fields.to_ticks(t))
+        tick = int(self.fields.to_ticks(single("t", t, "s")))
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
             if isinstance(getattr(end, "value", 0.0), Steps | Samples):
                 raise ValueError(f"ends.{side}: is driven by a function of time; drive it anew")
@@ -326,3 +341,8 @@ def _steps(edges: Floats, values: Floats) -> Number | Steps:
     if keep.sum() == 1:
         return float(values[0])
     return Steps(values[keep].tolist(), edges[:-1][keep][1:].tolist())
+
+
+def check_solution(value: Any) -> None:
+    """Raise ValueError for what is no solution."""
+    of_kind("solution", value, Solution, "rodimpact.solve(system)")

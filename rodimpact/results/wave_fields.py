@@ -133,7 +133,9 @@ class WaveFields(Fields):
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         a, when = self.clock, self.to_ticks(t)
-        segment, offset, ticks = np.broadcast_arrays(*self.locate(body, x), when)
+        segment, offset = self.locate(body, x)
+        self._together(offset, when)
+        segment, offset, ticks = np.broadcast_arrays(segment, offset, when)
         out = np.empty(offset.shape)
         for s in np.unique(segment):
             here = segment == s

@@ -36,6 +36,7 @@ from ..results.outcome import effective_restitution
 from ..results.solution import Solution
 from ..storage.checkpoint import Checkpoint
 from ..storage.writing import PathLike, write_npz, written
+from ..units import shown
 
 STATUS = ("final", "max_events", "clock", "refused", "until")
 """Why each run stopped; `SweepResult.status` holds places in this tuple."""
@@ -243,7 +244,10 @@ class SweepResult:
         ----------
         index : int or tuple of int
         """
-        return _explain(self.system[index], self.options)
+        member = self.system[index]
+        if member.shape:
+            raise ValueError(f"index: must pick one member, got {shown(index)}")
+        return _explain(member, self.options)
 
     def save(self, path: PathLike, *, force: bool = False) -> None:
         """Write an NPZ file that `rodimpact.load` reads.
@@ -289,6 +293,9 @@ class SweepResult:
 
     def table(self, start: int = 0, stop: int | None = None) -> Columns:
         """Varied numbers and results of the members `start` to `stop` in C order, by name."""
+        if not all(isinstance(n, Integral | None) for n in (start, stop)):
+            given = f"got {shown(start)} and {shown(stop)}"
+            raise ValueError(f"start, stop: must be whole numbers, {given}")
         which = np.arange(math.prod(self.shape))[start:stop]
         index = np.unravel_index(which, self.shape)
         both = {**self.parameters, **self.columns}
@@ -423,8 +430,8 @@ def sweep(
     (3, 1, 6)
     """
     problems: Problems = []
-    if on_error not in ("raise", "record"):
-        problems.append(("on_error", f'must be "raise" or "record", got {on_error!r}'))
+    if not isinstance(on_error, str) or on_error not in ("raise", "record"):
+        problems.append(("on_error", f'must be "raise" or "record", got {shown(on_error)}'))
     if workers is not None:
         workers = count(problems, "workers", workers)
     runs_chunks = isinstance(executor, Executor | None)
@@ -661,6 +668,9 @@ def _processors() -> int:
 
 def _readings(problems: Problems, system: System, gauges: Any, times: Any) -> Readings:
     """Check gauges and times; note mistakes."""
+    if not isinstance(gauges, Sequence | np.ndarray):
+        problems.append(("gauges", f"must be [(body, x), ...], got {shown(gauges)}"))
+        return Readings()
     if times is None or not len(gauges):
         if times is not None or len(gauges):
             problems.append(("times", "go with gauges=[(body, x), ...]; give both or neither"))

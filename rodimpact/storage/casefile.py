@@ -65,6 +65,7 @@ from ..units import shown
 from .case import Case as Case
 from .case_reading import case_from as case_from
 from .case_writing import write_case as write_case
+from .writing import file_name
 
 MOST_BYTES = 10**8  # of a file
 
@@ -88,11 +89,9 @@ def read_case(path: str | os.PathLike[str], vary: Mapping[str, str] | None = Non
     InvalidModel
         If the file cannot be read, is no TOML, or describes no collision; with all its mistakes.
     """
-    if not isinstance(path, str | os.PathLike):
-        raise InvalidModel([("path", f"must be the name of a file, got {shown(path)}")])
-    name = os.fspath(path)
+    name = file_name(path)
     try:
-        raw = _contents(path)
+        raw = _contents(name)
     except (OSError, ValueError) as error:  # a name with a null byte is a ValueError
         reason = getattr(error, "strerror", None) or error
         raise InvalidModel([(name, f"cannot be read: {reason}")]) from None
@@ -105,7 +104,7 @@ def read_case(path: str | os.PathLike[str], vary: Mapping[str, str] | None = Non
     return parse_case(text, name, vary)
 
 
-def _contents(path: str | os.PathLike[str]) -> bytes:
+def _contents(path: str) -> bytes:
     """What is in a file; ValueError for a pipe or a device, which may never end."""
     size = os.stat(path).st_size
     if os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path):
@@ -156,6 +155,8 @@ def parse_case(
     >>> family.system.shape, family.system[19].bodies[0].length
     ((20,), 1.0)
     """
+    if not isinstance(source, str):
+        raise InvalidModel([("source", f"must be the name of a case, got {shown(source)}")])
     if not isinstance(text, str):
         raise InvalidModel([(source, f"must be the text of a case file, got {shown(text)}")])
     try:

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from .reading import FileFormatError, npy_header, open_regular
-from .writing import PASSING, PathLike, checksum, write_text, written
+from .writing import PASSING, PathLike, checksum, file_name, write_text, written
 
 HEAD = "sweep.json"
 CHECKSUMS = "checksums"  # a column of its own: one a chunk, 0 while it is not done
@@ -65,7 +65,7 @@ class Checkpoint:
         self, path: PathLike, sweep: Mapping[str, Any],
         columns: Mapping[str, tuple[Any, tuple[int, ...]]], spans: Sequence[tuple[int, int]],
     ) -> None:
-        self.path, self._columns, self._spans = Path(path), columns, spans
+        self.path, self._columns, self._spans = Path(file_name(path)), columns, spans
         self._waiting: dict[int, int] = {}  # checksums of chunks that are not on the disk for sure
         self._synced = time.monotonic()
         self._claim(sweep)

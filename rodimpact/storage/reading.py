@@ -16,7 +16,8 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from .. import __version__
-from .writing import FORMAT, MOST_DOCUMENT, OLDEST, SCHEMA, Arrays, PathLike, described
+from ..methods import memory
+from .writing import FORMAT, MOST_DOCUMENT, OLDEST, SCHEMA, Arrays, PathLike, described, file_name
 
 MOST_HEADER = 1 << 12  # bytes before the numbers of an array; usually 128
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # others swell without bounds
@@ -29,13 +30,14 @@ class FileFormatError(ValueError):
 
 def open_regular(path: PathLike) -> BinaryIO:
     """Open a file to be read; OSError where there is none, or a pipe or a device."""
+    path = file_name(path)
     try:
         if os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path):
-            raise OSError(f"cannot read {os.fspath(path)!r}: it is not a regular file")
+            raise OSError(f"cannot read {path!r}: it is not a regular file")
         return open(path, "rb")
     except ValueError:
         message = "a name cannot hold the character NUL"
-        raise OSError(f"cannot read {os.fspath(path)!r}: {message}") from None
+        raise OSError(f"cannot read {path!r}: {message}") from None
 
 
 def read_npz(path: PathLike, readers: Mapping[str, Callable[[dict[str, Any], Arrays], Any]]) -> Any:
@@ -108,7 +110,7 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
         if document["format"] != FORMAT:
             raise foreign
         schema, kind, version = document["schema"], document["kind"], document["rodimpact"]
-        known = OLDEST <= schema <= SCHEMA and kind in readers
+        known = schema in range(OLDEST, SCHEMA + 1) and kind in readers
     except (KeyError, TypeError, ValueError, RecursionError):
         raise foreign from None
     if not known:
@@ -124,10 +126,10 @@ def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
     """The arrays that the document names, each as it was written."""
     sizes = {name: np.dtype(entry["type"]).itemsize * math.prod(entry["shape"])
              for name, entry in entries.items()}
-    if sum(sizes.values()) > _memory() / 2:
+    if sum(sizes.values()) > memory.installed() / 2:
         raise MemoryError(
             f"{archive.filename}: holds {sum(sizes.values()) / 1e9:.3g} GB, more than half of the "
-            f"{_memory() / 1e9:.3g} GB of memory here; load it on a larger machine"
+            f"{memory.installed() / 1e9:.3g} GB of memory here; load it on a larger machine"
         )
     mismatch = "its contents do not fit together: {} is not what the document says"
     for name in {*archive.namelist()} ^ {f"{name}.npy" for name in (*entries, "document")}:
@@ -153,11 +155,3 @@ def _array(archive: zipfile.ZipFile, name: str, most: int) -> Any:
             raise ValueError(f"{name} is not as long as it says")
         file.seek(0)
         return np.lib.format.read_array(file, allow_pickle=False)
-
-
-def _memory() -> float:
-    """Bytes of memory that this machine has."""
-    try:
-        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    except (AttributeError, ValueError, OSError):  # a system that does not say
-        return math.inf

@@ -22,6 +22,8 @@ from typing import Any, BinaryIO, TypeAlias
 import numpy as np
 
 from .. import __version__
+from ..model.frozen import InvalidModel
+from ..units import shown
 
 PathLike: TypeAlias = "str | os.PathLike[str]"
 Arrays: TypeAlias = dict[str, Any]
@@ -34,6 +36,14 @@ MOST_DOCUMENT = 1 << 28
 PASSING = ".rodimpact-"
 """How names of files begin that are being written."""
 EXISTS = "it exists already; give --force (in Python force=True) to replace it"
+
+
+def file_name(path: Any) -> str:
+    """A path as text; InvalidModel for what is none, such as the number of an open file."""
+    name = os.fspath(path) if isinstance(path, str | os.PathLike) else None
+    if not isinstance(name, str):
+        raise InvalidModel([("path", f"must be the name of a file, got {shown(path)}")])
+    return name
 
 
 def check_target(path: PathLike, *, force: bool = False) -> Path:
@@ -54,11 +64,14 @@ def check_target(path: PathLike, *, force: bool = False) -> Path:
     ------
     FileExistsError
         If the file is there and `force` is false.
+    InvalidModel
+        If `path` is no name of a file.
     OSError
         The subclass that fits (`IsADirectoryError`, `NotADirectoryError`, `FileNotFoundError` for a
         missing directory, `PermissionError`): where no file can be.
     """
-    refused, mode = f"cannot write {os.fspath(path)!r}: ", 0
+    path, mode = file_name(path), 0
+    refused = f"cannot write {path!r}: "
     try:
         target = Path(os.path.realpath(path))
         with contextlib.suppress(FileNotFoundError, NotADirectoryError):

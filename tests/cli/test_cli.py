@@ -315,7 +315,7 @@ def test_names_that_are_no_text(case, capsys):
     capsys.readouterr()
     argv = ["--gauges", "g.csv", "--gauge", f"{name}=1:0.5"]
     assert main(["run", f"{name}.toml", *argv]) == 2
-    assert "must have a name that can be printed, got '\\udcff'" in capsys.readouterr().err
+    assert "a column is named by letters" in capsys.readouterr().err
 
 
 def test_a_bad_backend_of_matplotlib_does_no_harm(case):
@@ -497,7 +497,7 @@ PROFILE = {"values": [i % 7 for i in range(11_000)],
 
 
 @pytest.mark.parametrize(("options", "velocity", "message"), [
-    (["--until", "0"], 1.0, "--plot: solution: lasts 0.0 s"),
+    (["--until", "0"], 1.0, "--plot: lasts no time to show"),
     ([], f"{{values = {PROFILE['values']}, at = {PROFILE['at']}}}",
      "--plot: solution: has more than 20000 regions"),
 ])

@@ -377,3 +377,28 @@ def test_a_port_in_use_is_told(server):
     assert process.returncode == 1
     assert "Traceback" not in complaints
     assert str(server.server_port) in complaints
+
+
+@pytest.mark.parametrize("head", [
+    "POST /case HTTP/1.1\r\nOrigin: http://elsewhere.example", "GET / HTTP/1.1",
+    "POST /nowhere HTTP/1.1", "BREW / HTTP/1.1",
+])
+def test_a_body_that_is_not_read_is_no_request(server, head):
+    host = f"Host: 127.0.0.1:{server.server_port}\r\n"
+    inner = f"GET /start.json HTTP/1.1\r\n{host}\r\n"
+    size = f"Content-Length: {len(inner)}\r\n"
+    whole = f"{head}\r\n{host}Content-Type: text/plain\r\n{size}\r\n{inner}"
+    with socket.create_connection(("127.0.0.1", server.server_port), timeout=20) as connection:
+        connection.sendall(whole.encode())
+        answer = b""
+        with contextlib.suppress(ConnectionResetError):  # it has closed before it read all
+            while piece := connection.recv(1 << 16):
+                answer += piece
+    assert answer.count(b"HTTP/1.1 ") == 1
+    assert b'"presets"' not in answer
+
+
+def test_what_is_no_http_is_refused_in_http(server):
+    with socket.create_connection(("127.0.0.1", server.server_port), timeout=20) as connection:
+        connection.sendall(b"no such thing\r\n\r\n")
+        assert connection.recv(1 << 16).startswith(b"HTTP/1.1 400 ")

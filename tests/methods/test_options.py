@@ -89,3 +89,18 @@ def test_solve_and_sweep_take_every_option():
     names = {field.name for field in dataclasses.fields(Options)}
     assert names <= set(inspect.signature(ri.solve).parameters)
     assert names - {"snapshots"} <= set(inspect.signature(ri.sweep).parameters)
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.longdouble, np.float16, int])
+@pytest.mark.parametrize("name", ["until", "dt", "rtol"])
+def test_numbers_of_any_precision_become_floats(name, kind):
+    value = getattr(Options(**{name: kind(2)}), name)
+    assert (type(value), value) == (float, 2.0)
+
+
+def test_a_step_in_single_precision_is_that_step(tmp_path):
+    single = np.float32(1e-6)
+    rough, exact = (ri.solve(ROW, dt=dt) for dt in (single, float(single)))
+    assert rough.fields.clock.tick == exact.fields.clock.tick
+    rough.save(tmp_path / "rough.npz")
+    assert ri.load(tmp_path / "rough.npz").outcome == exact.outcome

@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from rodimpact.methods.refinement import TooLong, factors, peak, refined
+from rodimpact.methods.memory import TooLong
+from rodimpact.methods.refinement import factors, peak, refined
 
 
 class Run(NamedTuple):

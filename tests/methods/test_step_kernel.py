@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from networks import STEP, random_network, run_network, unit_rod
+from networks import STEP, UNIT, random_network, run_network, unit_rod
 from scipy.integrate import quad
 
 import rodimpact as ri
@@ -435,6 +435,19 @@ def test_an_end_is_where_its_strains_put_it(right, cuts):
     expected = np.sum((b * beyond(1 - age) - a * beyond(age)) * np.diff(edges)) / 2
     assert away == pytest.approx(-expected if right else expected, rel=1e-12)
     assert abs(away) < bound
+
+
+def test_only_uniform_ends_are_bounded_by_the_waves_under_way():
+    """In a stepped rod, or one with a mass, waves grow where impedance changes."""
+    velocity, pieces = ri.Steps([1.0, 0.0], [0.5]), [ri.Segment(0.5, A, UNIT) for A in (3.0, 1.0)]
+    uniform, stepped = unit_rod(velocity=velocity), ri.Rod(segments=pieces, velocity=velocity)
+    for rod, bounds in ((uniform, (0.0, 1.0)), (stepped, (-np.inf, np.inf))):
+        machine = machine_of(ri.System([rod, ri.Wall()], [9.0]), 64)
+        shift = machine.row.frame
+        side = ck.side_of(machine.state, machine.signals, len(machine.state.steps) - 2, 0, False, 0,
+                          machine.tol)
+        assert (side.low + shift, side.high + shift) == pytest.approx(bounds)
+        assert side.mean + shift == pytest.approx(0.5 if rod is uniform else 0.75)
 
 
 def test_the_proof_waits_no_longer_than_it_says():

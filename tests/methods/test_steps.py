@@ -916,8 +916,10 @@ def test_without_an_end_a_driven_row_is_refused():
 
 def test_memory_is_asked_for_before_it_is_taken():
     row = [unit_rod(velocity=1.0), unit_rod()]
-    said = r"a run of 2000000000 steps .* needs .* GB; stop earlier, or take a longer step"
+    said = r"a run of 2e\+09 steps .* needs .* GB .*, more than .* GB; stop earlier, or take a"
     assert refused(said, solved, row, 2e3, 1e-6) == ["until"]
+    said = r"keeping waves over .* steps needs .* GB .*; take a longer step"
+    assert refused(said, solved, row, 1e-9, 1e-12) == ["dt"]
 
 
 def test_max_events_caps_a_run_that_does_not_end():

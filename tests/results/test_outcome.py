@@ -1,6 +1,7 @@
 """What a collision did: `Outcome.as_rigid` in rigid-body mechanics, and what its balances miss."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -293,3 +294,5 @@ def test_what_is_missing_is_told_relative_to_what_took_part(bodies, ends, until,
     told = read(hand_over(run, until), wrong)
     assert told.momentum_residual == pytest.approx(1e-3 / momentum, rel=1e-9)
     assert told.energy_residual == pytest.approx(1e-3 / energy, rel=1e-9)
+    assert re.search("does not close: .* of the momentum and .* of the energy", told.status)
+    assert told.status.startswith(read(hand_over(run, until), whole).status)

@@ -1,6 +1,8 @@
 """Fields, regions, gauges, contacts and outcome of solutions."""
 
+import copy
 import math
+import pickle
 import subprocess
 import sys
 
@@ -394,3 +396,14 @@ def test_fronts_refuse_material_damping():
 def test_places_and_times_that_do_not_fit_are_named(unequal):
     with pytest.raises(ValueError, match=r"x: shape \(2,\) does not broadcast"):
         unequal.velocity(1, [0.1, 0.2], [0.0, 1e-5, 2e-5])
+
+
+@pytest.mark.parametrize("options", [{}, {"dt": 1e-6}, {"cells": 20}])
+@pytest.mark.parametrize("copied", [lambda x: pickle.loads(pickle.dumps(x)), copy.deepcopy])
+def test_a_solution_can_be_copied_and_sent(options, copied):
+    solution = ri.solve(ri.System([rod(0.4, velocity=1.0), rod(1.0)]), **options)
+    again = copied(solution)
+    assert again.outcome == solution.outcome
+    t = np.linspace(0, solution.t_end, 9)
+    assert np.array_equal(again.velocity(0, 0.1, t), solution.velocity(0, 0.1, t))
+    assert np.array_equal(again.contacts[0].force(t), solution.contacts[0].force(t))

@@ -408,7 +408,6 @@ def test_arrays_that_do_not_fit(saved, name, change):
         {"run": {"class": "Magic"}},
         {"run": {"class": "Run"}},
         {"run": {"class": "Episode", "start": 0.0, "force_end": 0.0, "opening": 0.0}},
-        {"sizes": {}},
     ],
     ids=str,
 )

@@ -7,12 +7,13 @@ import warnings
 import numpy as np
 import pytest
 from exhaustive import few_of
+from fuzz.generators import TIMES
 from networks import STEP, random_network
 
 import rodimpact as ri
 
 STEEL = ri.materials.steel
-DAMAGES = 25  # of each seed
+DAMAGES = 25 * TIMES  # of each seed
 SEEDS = few_of(range(80), range(3))  # 2,000 of them in all
 
 

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from .. import kernels
+from ..memory import ask
 from ..row import Array
 from .assembly import Blueprint, start
 from .front_kernel import FREE, FULL, OPEN, GroupState, Results, family
@@ -22,6 +23,7 @@ from .layout_kernel import LAID, Layout, Make, lay_out_all
 from .tracking import as_arrays, on_arrays
 
 ROOM = 256  # rows of the log at first
+ROW_NUMBERS = 11  # that a row takes, on lists and then on arrays
 FIRST_BLOCK, LAST_BLOCK = 512, 2048  # members of a block
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
 MOST_MEMBERS, MOST_BYTES = 16384, 1 << 24  # of one call of `run_family`, for memory's sake
@@ -65,6 +67,8 @@ def run_family(
     ------
     Stopped
         If `stop` said so.
+    TooLong
+        If a member takes too much memory.
     """
     n, width, _ = plan.make.size
     count = math.prod(shape)
@@ -76,6 +80,8 @@ def run_family(
     results = space(count, n)
     waiting, room = np.arange(count), ROOM
     while len(waiting):
+        what = f"following {room} fronts of a member"
+        ask(ROW_NUMBERS * room, "max_events", what, "lower the cap, or stop earlier (until)")
         waiting = _run_blocks(plan, given, waiting, results, room, until, max_events, stop)
         room *= 8
     return results

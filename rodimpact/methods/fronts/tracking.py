@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import kernels
 from ..abilities import driven
+from ..memory import ask
 from ..run import MAX_EVENTS
 from .assembly import Assembly, start
 from .front_kernel import (
@@ -31,6 +32,7 @@ from .front_kernel import (
     segment_totals,
 )
 
+ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what results make of it
 LISTS_COLD, LISTS_WARM = 65_536, 2_048  # log rows up to which lists beat the compiler
 
 _LOG_TYPES = Log(np.int64, np.int32, np.int32, np.float64, np.int64, np.int32, np.int8)
@@ -88,6 +90,11 @@ def track(
     compile_after : int, optional
         Log rows after which the kernel runs compiled; chosen by cost if not given. The result is
         the same bit for bit.
+
+    Raises
+    ------
+    TooLong
+        If the run takes too much memory.
     """
     a = assembly
     mobility = [1 / Z if Z else 0.0 for Z in a.impedance]
@@ -140,6 +147,10 @@ def on_arrays(
 
 def _longer(log: Log, clock: Any, on_lists: bool) -> Log:
     """Make room for as much again in the list of fronts, of changes, or in both."""
+    used = int(clock[ROWS] + clock[CHANGES])
+    numbers = used * (LIST_NUMBERS if on_lists else ROW_NUMBERS)
+    remedy = "lower the cap, or stop earlier (until)"
+    ask(numbers, "max_events", f"a run of more than {clock[EVENTS]} events", remedy)
     full = [clock[ROWS] + 2 > len(log.value)] * 4 + [clock[CHANGES] >= len(log.change_tick)] * 3
     grown = []
     for column, grow in zip(log, full, strict=True):

@@ -561,8 +561,8 @@ def side_of(pieces: Pieces, grid: Grid, ends: Ends, p: int, right_end: bool, tol
         momentum += pieces.mass[n] * (grid.velocity[n] - grid.velocity[a])
     Z, held = 0.0, pieces.held[far] > 0
     mean: float = 0.0
-    if held or pieces.held[near] > 0:
-        mean = grid.velocity[far if held else near]
+    if held:
+        mean = grid.velocity[far]
     else:
         mean = grid.velocity[a] + momentum / mass
         for s in range(2):

@@ -14,7 +14,7 @@ from .. import kernels
 from ..abilities import driven
 from ..contact_law_kernel import RIGID, Chain, Tally
 from ..finality_kernel import NEVER
-from ..refinement import TooLong
+from ..memory import ask
 from ..row import Array, squeezed, whole
 from .grid_kernel import (
     DONE,
@@ -40,13 +40,32 @@ from .mesh import Mesh
 
 TOLERANCE = 2.0**-40  # of the velocities, below which contacts graze: round-off of many steps
 GAP_RESOLUTION = 1.0  # of what bodies cover in a step: dispersed waves open smaller gaps
-MOST_BYTES = 4 << 30  # of signals
 STATES_BYTES = 64 << 20  # of kept states, where their number is not given
 CELL_TIMES = {"explicit": (7e-10, 8e-7), "implicit": (6e-9, 2.5e-6)}
 """Time of a cell and a step, s, compiled and in plain Python."""
 
 PROOF_TIME = 2e-6  # s, about what plain Python takes for a node
 ROUND = 0.25  # s between two looks at the clock
+
+
+def check_memory(mesh: Mesh, step: float, steps: float, states: float) -> None:
+    """Raise TooLong where a run, what is kept of it, and its results take too much memory."""
+    row = mesh.row
+    contacts, masses = len(row.contact_link), sum(m >= 0 for m in row.mass_of)
+    ends = sum(kind != "none" for kind, _ in row.outside)
+    kept = 3 * len(mesh.touching) + len(mesh.interfaces) + 6 + len(row.masses)
+    # what the kernel keeps; force, gap, path, rate and power with integrals; edges and times
+    record = steps * (2 * kept + 10 * contacts + 5 * masses + 8 * ends + 10)
+    # two of each, while they are made larger or fields are made of them
+    fields = 2 * states * (2 * len(mesh.mass) + len(mesh.starts) + 3)
+    if not kernels.enabled():  # lists take four times what arrays take, and stand beside them
+        record, fields = record + 4 * steps * kept, 3 * fields
+    if record > fields:
+        field, remedy = "until", "stop earlier, or take fewer cells"
+    else:
+        field, remedy = "snapshots", "keep fewer, or take fewer cells"
+    what = f"a run of {steps:.4g} steps of {step:.3g} s with {states:.4g} states"
+    ask(record + fields, field, what, remedy)
 
 
 class Machine:
@@ -77,8 +96,8 @@ class Machine:
         self.tally = Tally(*(np.zeros(count) for _ in range(4)),
                            *(np.full(count, v, np.int64) for v in (-1, -1, 0, 0)))
         self._set_initial_state()
-        self.signals = self._allocate(room)
         self.keep = keep
+        self.signals = self._allocate(room)
         self.states = keep.make(self, room)
         sides = [[mesh.piece_of(node) for node in nodes] for nodes in mesh.touching.values()]
         left, right = (whole([pair[side] for pair in sides]) for side in (0, 1))
@@ -286,12 +305,7 @@ class Machine:
     def _allocate(self, room: int) -> Signals:
         links, bonds = len(self.mesh.touching), len(self.mesh.interfaces)
         masses = len(self.mesh.node_of_mass)
-        if 8 * room * (3 * links + bonds + 6 + masses) > MOST_BYTES:
-            message = (
-                f"a run of {room} steps of {self.step:.3g} s needs more than "
-                f"{MOST_BYTES / 1e9:.3g} GB; stop earlier, or take fewer cells"
-            )
-            raise TooLong([("until", message)])
+        check_memory(self.mesh, self.step, room, self.keep.count(self.mesh, room))
         given = np.zeros(2 * room)
         for side, (kind, value) in enumerate(self.row.outside):
             span = slice(side * room, (side + 1) * room)
@@ -337,7 +351,10 @@ class Machine:
             self.grid, self.implicit, self.links, self.chain, self.bonds, self.ends, self.tally,
             self.signals, self.states,
         )
-        fast = kernels.worth_compiling((end - self.taken) * cost(self.mesh, plain=True))
+        numbers = sum(len(column) for part in (self.signals, self.states) for column in part)
+        fast = kernels.worth_compiling(
+            (end - self.taken) * cost(self.mesh, plain=True) + numbers * kernels.LIST_TIME
+        )
         lists = parts if fast else tuple(kernels.as_lists(x) for x in parts)
         go: Callable[..., int] = kernels.compiled(run) if fast else run
         clock: Any = self.clock if fast else self.clock.tolist()
@@ -365,15 +382,23 @@ class Keeper:
         self.snapshots, self.stride = snapshots, 1
         self.most = snapshots if isinstance(snapshots, int) else 0
 
+    def count(self, mesh: Mesh, steps: float) -> float:
+        """How many states of a run are kept at most."""
+        if isinstance(self.snapshots, np.ndarray):
+            return 2.0 * len(self.snapshots) + 2
+        self.most = self.most or max(64, STATES_BYTES // (16 * len(mesh.mass)))
+        return min(steps, max(self.most, 3)) + 2
+
     def make(self, machine: Machine, room: int) -> States:
         """Empty states."""
-        nodes, pieces = len(machine.mesh.mass), len(machine.mesh.starts)
-        if self.most == 0:
-            self.most = max(64, STATES_BYTES // (16 * nodes))
         when = self._when(machine, room)
-        n = len(when)
-        return States(whole(when), np.zeros(n * nodes), np.zeros(n * (nodes + 1)),
-                      np.zeros(n * pieces), np.zeros(n))
+        return self._space(machine.mesh, when, len(when))
+
+    def _space(self, mesh: Mesh, when: list[int], count: int) -> States:
+        """Room for so many states, of which the first are kept at `when`."""
+        nodes, pieces = len(mesh.mass), len(mesh.starts)
+        return States(whole(when), np.zeros(count * nodes), np.zeros(count * (nodes + 1)),
+                      np.zeros(count * pieces), np.zeros(count))
 
     def _when(self, machine: Machine, end: int) -> list[int]:
         if isinstance(self.snapshots, np.ndarray):
@@ -387,18 +412,18 @@ class Keeper:
 
     def room_for(self, machine: Machine, end: int) -> States:
         """Keep what is kept already, thinned where there is no room, and make room up to `end`."""
-        old = machine.states
-        new = self.make(machine, end)
-        have = int(machine.clock[1])
-        if end not in new.when:
-            new = States(np.append(new.when, end), *(
-                np.append(x, np.zeros(len(x) // len(new.when))) for x in new[1:]
-            ))
-        kept = np.flatnonzero(np.isin(old.when[:have], new.when))
-        for x, y in zip(old[1:], new[1:], strict=True):
-            if len(y):
-                rows = x.reshape(len(old.when), -1)[kept]
-                y.reshape(len(new.when), -1)[: len(kept)] = rows
+        old, have = machine.states, int(machine.clock[1])
+        when, room = self._when(machine, end), len(old.lost)
+        if when[-1] != end:
+            when.append(end)
+        kept = np.flatnonzero(np.isin(old.when[:have], when))
+        new = old._replace(when=whole(when))
+        if len(when) > room:
+            enough = min(2 * room, int(self.count(machine.mesh, machine.room)))
+            new = self._space(machine.mesh, when, max(len(when), enough))
+        if len(when) > room or len(kept) < have:
+            for x, y in zip(old[1:], new[1:], strict=True):
+                y.reshape(len(new.lost), -1)[: len(kept)] = x.reshape(room, -1)[kept]
         machine.clock[1] = len(kept)
         return new
 

@@ -25,6 +25,7 @@ from .. import kernels
 from ..clock import STEP_TICKS, Clock
 from ..contact_law_kernel import RIGID
 from ..finality_kernel import NEVER
+from ..memory import ask
 from ..refinement import MEASURES, contact_measures, peak, refined, velocity_measure
 from ..row import Array, Row
 from ..run import Progress, Run
@@ -71,7 +72,9 @@ class GridRun(SteppedRun):
         """Largest strain of the states that were kept."""
         inside = self.mesh.stiffness > 0
         yielding = self.mesh.stiffness[inside] * self.mesh.width[inside]
-        return float(np.abs(self.states.force[:, inside] / yielding).max())
+        force = self.states.force
+        largest = np.maximum(force.max(axis=0), -force.min(axis=0))[inside]
+        return float((largest / yielding).max())
 
     @property
     def overshoot(self) -> float:
@@ -200,7 +203,9 @@ def follow(
     Raises
     ------
     InvalidModel
-        If the mesh would be unstable, or the run is too long for the memory.
+        If the mesh would be unstable.
+    TooLong
+        If the run takes too much memory.
     """
     row.check_scales()
     counts, step = _mesh_size(row, cells, dt, until)
@@ -261,6 +266,8 @@ def _mesh_size(
             raise InvalidModel([(row.paths[shortest + 1], message)])
         if until:
             least = max(least, math.ceil(min(FINEST / 4, FEWEST * float(T[longest]) / until)))
+        remedy = "give cells, or dt"
+        ask(4.0 * least * len(T), "cells", f"choosing those of {len(T)} segments", remedy)
         # of the numbers up to twice as many, the first for which all segments run nearest to 1
         numbers = np.arange(least, 2 * least)
         steps = numbers[:, None] * (T / T[longest])
@@ -268,7 +275,7 @@ def _mesh_size(
         cells = int(numbers[int(np.argmax(waste <= waste.min() + 2.0**-20))])
     base = float(T[longest]) / cells if cells is not None else dt
     assert base is not None
-    counts = np.floor(T / base * STABLE).astype(int)
+    counts = np.floor(T / base * STABLE)
     step = float((T / np.maximum(counts, 1)).min()) * COURANT if dt is None else dt
     if cells is not None:
         counts[longest] = cells
@@ -281,7 +288,7 @@ def _mesh_size(
         message = f"must be {least} or more for a cell in the shortest {where}, got {cells!r}"
         raise InvalidModel([("cells", message)])
     if counts.sum() > MOST_CELLS:
-        message = f"asks for {counts.sum()} cells, of {MOST_CELLS} at most"
+        message = f"asks for {counts.sum():.10g} cells, of {MOST_CELLS} at most"
         raise InvalidModel([("cells" if dt is None else "dt", message)])
     courant = step * counts / T
     if courant.max() > STABLE:
@@ -291,7 +298,7 @@ def _mesh_size(
             f"{row.paths[worst + 1]} in a step; at most {T[worst] / counts[worst]:.6g} s"
         )
         raise InvalidModel([("dt", f"{message}, got {dt!r}")])
-    return counts.tolist(), step
+    return counts.astype(int).tolist(), step
 
 
 def _level(
@@ -341,9 +348,9 @@ def _level(
     end = machine.taken * STEP_TICKS
     if until is not None and not steps:
         end = math.ceil(until / step * STEP_TICKS)
-    count, when = int(machine.clock[1]), machine.states.when
+    count, when, room = int(machine.clock[1]), machine.states.when, len(machine.states.lost)
     states = States._make([
-        when[:count], *(x.reshape(len(when), -1)[:count] for x in machine.states[1:4]),
+        when[:count], *(x.reshape(room, -1)[:count] for x in machine.states[1:4]),
         machine.states.lost[:count],
     ])
     return GridRun(

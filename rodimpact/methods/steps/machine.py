@@ -14,7 +14,7 @@ from ..abilities import driven
 from ..clock import STEP_TICKS
 from ..contact_law_kernel import RIGID, Chain, Tally
 from ..finality_kernel import NEVER
-from ..refinement import TooLong
+from ..memory import ask
 from ..row import Array, Row, squeezed, whole
 from .delays import edges_of_parts
 from .step_kernel import DONE, SQUEEZED, STEP, Points, Signals, State, finality_time, inside, run
@@ -22,7 +22,31 @@ from .step_kernel import DONE, SQUEEZED, STEP, Points, Signals, State, finality_
 TOLERANCE = 2.0**-48  # of the velocities, below which contacts graze
 PROOF_TIME = 2e-6  # s, about what plain Python takes for a contact and an average in a rod
 LINK_TIME = 3e-6  # s, about what plain Python takes for a link and a step; in a chain 5 times that
-MOST_BYTES = 4 << 30  # of the signals
+
+
+def check_memory(row: Row, step: float, seconds: float, parts: int) -> None:
+    """Raise TooLong where a run, and what results make of it, takes too much memory.
+
+    Parameters
+    ----------
+    row : Row
+    step, seconds : float
+        Of the run, s.
+    parts : int
+        Of a step.
+    """
+    steps, lines = parts * seconds / step, 2 * len(row.segments)
+    before = parts * sum(float(s.transit_time) for s in row.segments) / step
+    contacts, masses = len(row.contact_link), sum(m >= 0 for m in row.mass_of)
+    ends = sum(kind != "none" for kind, _ in row.outside)
+    # waves and their integrals; force, gap, path, rate and power with integrals; edges and times
+    numbers = steps * (2 * lines + 10 * contacts + 5 * masses + 6 * ends + 10) + 4 * before
+    if not kernels.enabled():  # lists take four times what arrays take, and stand beside them
+        numbers += 4 * (steps * (lines + 2 * contacts + masses + ends) + 2 * before)
+    if steps < before:
+        ask(numbers, "dt", f"keeping waves over {before:.4g} steps", "take a longer step")
+    what = f"a run of {steps:.4g} steps of {step:.3g} s"
+    ask(numbers, "until", what, "stop earlier, or take a longer step (dt or rtol)")
 
 
 class Machine:
@@ -98,13 +122,6 @@ class Machine:
         link_start = [-1] * len(row.laws)
         for place, i in enumerate(wanted):
             link_start[i] = place * room
-        bytes_wanted = 8 * (size + room * (2 * len(wanted) + len(row.masses)))
-        if bytes_wanted > MOST_BYTES:
-            message = (
-                f"a run of {room} steps of {self.step:.3g} s needs {bytes_wanted / 1e9:.3g} GB; "
-                "stop earlier, or take a longer step (dt or rtol)"
-            )
-            raise TooLong([("until", message)])
         return Signals(
             np.zeros(size), whole(starts), np.zeros(len(wanted) * room),
             np.zeros(len(wanted) * room), whole(link_start), np.zeros(len(row.masses) * room),
@@ -148,6 +165,8 @@ class Machine:
 
     def grow(self, room: int) -> None:
         """Make room for more steps."""
+        parts = len(self.state.part)
+        check_memory(self.row, self.step, room / parts * self.step, parts)
         old, was = self.signals, self.room
         self.signals, self.room = self._allocate(room), room
         for name, starts in (("wave", "wave_start"), ("force", "link_start"), ("gap", "link_start"),
@@ -168,7 +187,8 @@ class Machine:
             self.grow(max(end, 2 * self.room))
         chains = len(self.row.masses) + len({*self.row.first}) - 1
         links = len(self.row.laws) + 5 * chains
-        if kernels.worth_compiling((end - self.taken) * links * LINK_TIME):
+        converting = sum(map(len, self.signals)) * kernels.LIST_TIME
+        if kernels.worth_compiling((end - self.taken) * links * LINK_TIME + converting):
             flag = kernels.compiled(run)(
                 self.state, self.tally, self.signals, self.points, self.links, self.clock, end,
                 self.tol,

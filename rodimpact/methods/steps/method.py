@@ -32,7 +32,7 @@ from ..signals import StepSignal
 from ..stepped import NONE_TAKEN, StepRecord, accuracy, as_run
 from ..stepped_run import SteppedRun, clock_of_steps
 from .delays import WHOLE, arriving, lost_to_means, transit_ticks
-from .machine import Machine
+from .machine import Machine, check_memory
 from .step_kernel import CUTS, LINK, State, choose_step, inside
 
 RTOL = 1e-5
@@ -242,8 +242,8 @@ def follow(
 
     Raises
     ------
-    InvalidModel
-        If the run is too long for the memory.
+    TooLong
+        If the run takes too much memory.
     """
     row.check_scales()
     transits = [float(s.transit_time) for s in row.segments]
@@ -339,6 +339,7 @@ def _level(
     `closings` are those known of a run with another step; None if there are more than steps are cut
     for. The run has its own.
     """
+    check_memory(row, step, until or 0.0, 1)
     ticks = transit_ticks(row, step)
     if closings is None or not begins_with_jumps(row) or any(T % STEP_TICKS for T in ticks):
         run = attempt(row, ticks, step, [], until, max_events, may_cut=False)
@@ -395,6 +396,7 @@ def attempt(
 ) -> StepRun | Closing:
     """One run with given cuts, or the first closing inside a part of a step."""
     parts, nodes = len(cuts) + 1, len(ticks) + 1
+    check_memory(row, step, until or 0.0, parts)
     longest = max(
         math.ceil(sum(ticks[first - 1 : last]) / STEP_TICKS) for first, last in row.spans
     ) * parts

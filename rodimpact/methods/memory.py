@@ -1,0 +1,50 @@
+"""How much memory a run may take: asked for before it is taken, and refused with the figure.
+
+What a method takes it counts itself, at its largest: the arrays of its kernel, the record made of
+them, and the copies that results need. The limit is the same on all but small machines, so that a
+search for an accurate step ends at the same step on each.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+
+from ..model.frozen import InvalidModel
+
+MOST_BYTES = 2e9
+SHARE = 1 / 4  # of a machine's memory, where that is less
+
+
+class TooLong(InvalidModel):
+    """A run takes more steps than there is memory for."""
+
+
+def installed() -> float:
+    """Bytes of memory that this machine has."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (AttributeError, ValueError, OSError):  # a system that does not say
+        return math.inf
+
+
+def ask(numbers: float, field: str, what: str, remedy: str) -> None:
+    """Raise TooLong where so many numbers of 8 bytes are too much.
+
+    Parameters
+    ----------
+    numbers : float
+    field : str
+        To be changed.
+    what : str
+        What takes the memory.
+    remedy : str
+
+    Raises
+    ------
+    TooLong
+    """
+    most = min(MOST_BYTES, SHARE * installed())
+    if 8 * numbers > most:
+        size = f"{what} needs {8e-9 * numbers:.3g} GB of memory, more than {most / 1e9:.3g} GB"
+        raise TooLong([(field, f"{size}; {remedy}")])

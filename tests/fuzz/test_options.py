@@ -1,0 +1,83 @@
+"""Command lines of all commands with options of every kind: done, or refused in sentences."""
+
+import numpy as np
+import pytest
+from fuzz.generators import CASES, NUMBERS, SEEDS, TIMES, WORDS, one_of, patience
+
+from rodimpact.cli import COMMANDS, main
+
+EXAMPLES = 20 * TIMES  # of each seed
+OPTIONS = {
+    "run": ["--json", "--save", "--plot", "--gauges", "--gauge", "--method", "--until", "--dt",
+            "--rtol", "--max-events", "--cells", "--snapshots", "--force"],
+    "sweep": ["--vary", "--workers", "--checkpoint", "--on-error", "--csv", "--json", "--save",
+              "--plot", "--method", "--until", "--max-events"],
+    "rigid": ["--m1", "--m2", "--v1", "--v2", "-e", "--energy-release", "--json"],
+    "materials": ["--json"],
+    "export": ["-o", "--force"],
+    "animate": ["-o", "--field", "--frames", "--fps", "--magnify", "--dark", "--force"],
+    "box": ["--ratio", "-o", "--force"],
+    "explore": ["--port"],
+}
+SLOW = ("animate", "box", "export")
+LONG = ("doctor", "verify")  # they take no case, and seconds
+FLAGS = ("--json", "--force", "--csv", "--dark", "--energy-release")
+VALUES = [
+    *NUMBERS, *(word.strip("\"'") for word in WORDS if "\x00" not in word), "1 ms",
+    "0.1 ms", "10 us", "x.npz", "x.png", "x.html", "x.csv", "x.gif", ".", "/dev/null",
+    "/dev/full", "case.toml",
+    "no/such/folder/x.png", "x" * 300 + ".npz", "a=0:0.1", "a=1:1 mm", "a,b=0:0.1", "=:", "a=9:9",
+    "bodies.0.length=0.1:1:3", "bodies.0.velocity=1,2,3", "contacts.0.gap=1e-6:1e-3:3:log",
+    "bodies.0.length=0:1:1000000000", "bodies.9.length=1,2", "=", "fronts", "record", "raise",
+    "velocity", "stress", "2", "3", "65536", "-", "--",
+]
+LIKELY = {
+    "--until": "0.1 ms", "--max-events": "500", "--dt": "1 us", "--frames": "2", "--save": "x.npz",
+    "--plot": "x.png", "-o": "x.html", "--gauges": "g.csv", "--gauge": "a=0:0.1", "--m1": "1",
+    "--vary": "bodies.0.velocity=1,2,3", "--workers": "1", "--checkpoint": "checkpoint",
+    "--m2": "2", "--v1": "1", "--v2": "0", "-e": "0.5", "--port": "nonsense", "--method": "fronts",
+}
+
+
+def command_line(rng):
+    """One command with some of its options, likely values and others."""
+    command = one_of(rng, SLOW if rng.random() < 0.1 else sorted(OPTIONS.keys() - {*SLOW}))
+    words = [] if command in ("rigid", "materials", "box") else ["case.toml"]
+    good = rng.random()
+    for option in OPTIONS[command]:
+        if rng.random() < 0.4 or option in ("-o", "--m1", "--m2", "--v1", "--v2", "-e", "--port"):
+            words.append(option)
+            if option not in FLAGS:
+                likely = option in LIKELY and rng.random() < good
+                words.append(LIKELY[option] if likely else one_of(rng, VALUES))
+    if rng.random() < 0.05:
+        words.insert(rng.integers(len(words) + 1), one_of(rng, VALUES))
+    if command == "explore":
+        words += ["--port", one_of(rng, ["65536", "-1", "x", "1e9"])]  # it never serves
+    return [command, *words]
+
+
+def test_every_command_is_called_or_is_long():
+    assert {*OPTIONS, *LONG} == {*COMMANDS}
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("seed", SEEDS)
+def test_command_lines_are_done_or_refused(capsys, monkeypatch, tmp_path, seed):
+    rng = np.random.default_rng(seed)
+    refused = 0
+    for i in range(EXAMPLES):
+        folder = tmp_path / str(i)
+        folder.mkdir()
+        monkeypatch.chdir(folder)
+        (folder / "case.toml").write_text(one_of(rng, CASES))
+        with patience():
+            status = main(command_line(rng))
+        _, errors = capsys.readouterr()
+        assert "Traceback" not in errors
+        assert "fault of rodimpact" not in errors
+        assert status in (0, 1, 2, 3)
+        assert errors if status in (1, 2) else not errors
+        assert not list(folder.rglob(".rodimpact*"))
+        refused += status == 2
+    assert EXAMPLES / 4 < refused < EXAMPLES

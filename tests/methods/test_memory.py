@@ -1,0 +1,124 @@
+"""What a run may take is counted before it is taken, and bounds what it takes."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact.methods import kernels, memory
+from rodimpact.methods.fronts import families
+
+STEEL = ri.materials.steel
+HERTZ = ri.Hertz(1e10)
+
+
+def rod(length=0.5, velocity=0.0):
+    return ri.Rod(length, area=1e-4, material=STEEL, velocity=velocity)
+
+
+PAIR = ri.System([rod(velocity=1.0), rod()], contacts=[HERTZ])
+FOUR = [ri.Segment(0.1, area=area, material=STEEL) for area in (1e-4, 2e-4, 3e-4, 1e-4)]
+RAMP = ri.Samples([0.0, 1e3, 0.0], step=1e-4)
+ROWS = {
+    "pair": PAIR,
+    "between walls": ri.System(
+        [ri.Wall(), rod(velocity=1.0), ri.Wall()], contacts=[HERTZ, HERTZ]),
+    "row": ri.System([rod(velocity=1.0), *[rod()] * 4], contacts=[HERTZ] * 4),
+    "mass under gravity": ri.System(
+        [ri.RigidMass(1.0, velocity=1.0), rod(), ri.Wall()], contacts=[HERTZ, ri.Rigid()],
+        gravity=-9.81),
+    "chain of masses": ri.System(
+        [rod(velocity=1.0), *[ri.RigidMass(0.1)] * 6, rod()], contacts=[HERTZ] * 7),
+    "bonded masses": ri.System(
+        [rod(velocity=1.0), ri.RigidMass(0.1), ri.RigidMass(0.2), rod()],
+        contacts=[ri.Bonded()] * 3),
+    "pushed": ri.System([rod(), rod()], ends=(ri.Pushed(RAMP), ri.Absorbing())),
+    "moved": ri.System([rod(), rod()], ends=(ri.Moved(1.0), ri.Fixed()),
+                       contacts=[ri.SpringDashpot(1e8, 10.0)]),
+    "bouncing": ri.System([ri.Wall(), rod(velocity=-1.0)], gravity=-9.81),
+    "stepped": ri.System([ri.Rod(segments=FOUR, velocity=1.0), rod(0.4)], contacts=[HERTZ]),
+    "no common measure": ri.System([rod(velocity=1.0), rod(0.37812)], contacts=[ri.Spring(1e8)]),
+}
+
+
+def peak_of(system, **options):
+    """Bytes that a solution takes at most, asked for all that tables and figures need."""
+    tracemalloc.start()
+    try:
+        solution = ri.solve(system, **options)
+        str(solution)
+        solution.energy(np.linspace(0.0, solution.t_end, 20))
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.skipif(not kernels.enabled(), reason="plain Python takes long for so many steps")
+@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("options", [
+    {"method": "characteristics", "dt": 1e-6, "until": 0.06},
+    {"method": "finite-difference", "cells": 40, "until": 0.06},
+])
+def test_the_estimate_bounds_what_is_taken(monkeypatch, name, options):
+    pytest.importorskip("numba")  # plain Python, which short jobs run, has lists beside arrays
+    asked = []
+    monkeypatch.setattr(memory, "MOST_BYTES", np.inf)
+    monkeypatch.setattr(memory, "SHARE", np.inf)
+    peak_of(PAIR, **options | {"until": 1e-3})  # with what is made once
+    for method in ("steps", "grid"):
+        monkeypatch.setattr(f"rodimpact.methods.{method}.machine.ask",
+                            lambda numbers, *rest: asked.append(8 * numbers))
+    peak = peak_of(ROWS[name], **options)
+    assert peak <= max(asked) + 1e6
+    assert max(asked) <= 8 * peak
+
+
+@pytest.mark.parametrize(("options", "path"), [
+    ({"until": 1e150, "method": "characteristics"}, "until"),
+    ({"until": 1e20, "method": "characteristics"}, "until"),
+    ({"until": 1e150, "method": "finite-difference"}, "until"),
+    ({"until": 1e150, "dt": 1e-150}, "until"),
+    ({"dt": 1e-150, "method": "characteristics"}, "dt"),
+    ({"until": 1.0, "cells": 100, "snapshots": 10**15}, "snapshots"),
+    ({"until": 0.1, "cells": 100, "snapshots": np.linspace(0, 0.1, 300_000)}, "snapshots"),
+])
+def test_what_is_too_much_is_refused_with_figure_and_remedy(options, path):
+    tracemalloc.start()
+    try:
+        with pytest.raises(memory.TooLong, match=r"needs .* GB of memory, .* GB; ") as told:
+            ri.solve(PAIR, **options)
+        assert tracemalloc.get_traced_memory()[1] < 1e8
+    finally:
+        tracemalloc.stop()
+    assert [where for where, _ in told.value.problems] == [path]
+
+
+def test_a_fine_step_on_the_grid_is_told_by_its_cells():
+    with pytest.raises(ri.InvalidModel, match=r"dt: asks for \S+ cells, of \d+ at most"):
+        ri.solve(PAIR, dt=1e-150, method="finite-difference")
+
+
+def test_a_small_machine_allows_a_quarter_of_its_memory(monkeypatch):
+    monkeypatch.setattr(memory, "installed", lambda: 4e6)
+    memory.ask(125_000, "until", "this", "do less")
+    with pytest.raises(memory.TooLong, match=r"until: this needs .* GB.* 0\.001 GB; do less"):
+        memory.ask(125_001, "until", "this", "do less")
+
+
+@pytest.mark.parametrize("run", [
+    lambda system: ri.solve(system, max_events=10**15),
+    lambda system: ri.sweep(system, max_events=10**15),
+])
+def test_fronts_that_multiply_for_ever_are_refused(monkeypatch, run):
+    monkeypatch.setattr(memory, "MOST_BYTES", 8.0 * families.ROW_NUMBERS * families.ROOM * 8)
+    walls = [ri.Wall(), rod(velocity=1.0), rod(0.3781), rod(0.271), ri.Wall()]
+    with pytest.raises(memory.TooLong, match=r"max_events: .* needs .* GB .*; lower the cap"):
+        run(ri.System(walls))
+
+
+def test_many_steps_on_the_grid_keep_every_velocity_of_a_mass():
+    row = ri.System([ri.RigidMass(1.0, velocity=1.0), rod()], [1e3])
+    s = ri.solve(row, 2.0**17 * 1e-5 + 1.0, cells=8)
+    assert s.run.end > 2**17 * s.fields.clock.grain
+    assert s.outcome.velocities_after == (1.0, 0.0)
