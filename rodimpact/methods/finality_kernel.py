@@ -40,7 +40,7 @@ def separation_time(gap: float, left: Side, right: Side, tol: float) -> int:
     if opening <= tol:
         return NEVER
     wait = (reach - apart) / opening
-    return NEVER if wait > NEVER // 2 else int(wait) + 1
+    return int(wait) + 1 if wait <= NEVER // 2 else NEVER  # nan where energies overflow
 
 
 def bound_of(energy: float, slack: float) -> float:

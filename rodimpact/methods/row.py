@@ -230,6 +230,12 @@ class Row:
         if not self.scale * self.scale * largest * ROOM < math.inf:
             size = f"velocities and strains of {self.scale!r} m/s"
             raise InvalidModel([("bodies", f"{size} overflow the energy; use smaller")])
+        force = self.scale * max(
+            float(s.material.density * s.wave_speed * extremes(s.area)[1]) for s in self.segments
+        )
+        if not force * force * ROOM < math.inf:
+            size = f"velocities and strains of {self.scale!r} m/s make forces of {force:.3g} N"
+            raise InvalidModel([("bodies", f"{size}, which overflow; use smaller")])
         T = max(s.transit_time for s in self.segments)
         yielding = T / self._least_impedance
         problems: Problems = []

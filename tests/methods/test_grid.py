@@ -955,3 +955,11 @@ def test_grazing_is_up_to_the_tolerance(closing, episodes):
     row = [unit_rod(velocity=closing), unit_rod(), unit_rod(velocity=1.0)]
     s = solved(row, 0.25, dt=1 / 32, gaps=[0.0, 1.0])
     assert s.outcome.contacts[0].episodes == episodes
+
+
+@pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
+def test_forces_whose_squares_overflow_are_refused(method):
+    dense = ri.Material("dense", youngs_modulus=3.2e43, density=2e79)
+    body = ri.Rod(3.2e-96, area=1.5e83, material=dense, velocity=-1.4e60)
+    with pytest.raises(ri.InvalidModel, match=r"bodies: .* make forces of \S+ N, which overflow"):
+        ri.solve(ri.System([ri.Wall(), body]), method=method)
