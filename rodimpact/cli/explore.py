@@ -7,7 +7,6 @@ begins with two rods of different length.
 from __future__ import annotations
 
 import argparse
-import os
 import threading
 import webbrowser
 
@@ -27,8 +26,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> tuple[str, int]:
     """Serve the page until interrupted."""
-    # runs behind the page are short: plain Python is quicker than to start the compiler
-    os.environ["NUMBA_DISABLE_JIT"] = "1"
     from ..explore.design import Design
     from ..explore.presets import presets
     from ..explore.server import Server

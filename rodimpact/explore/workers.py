@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import threading
@@ -84,6 +85,7 @@ class _Worker:
         program = f"import sys; sys.path[:] = {sys.path!r}; {PROGRAM}"
         self.process = subprocess.Popen(
             [sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+            env={**os.environ, "NUMBA_DISABLE_JIT": "1"},  # short runs: compiling takes longer
             start_new_session=True,  # Ctrl-C is for the server alone, which ends them
             creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
         )
