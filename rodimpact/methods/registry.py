@@ -28,6 +28,7 @@ class Method(NamedTuple):
     takes: tuple[str, ...]
     run: Callable[..., Run]
     calls: tuple[str, ...] = ()
+    together: bool = False  # whether members of a family run in one compiled call
 
     def lacking(self, system: System) -> list[tuple[str, str]]:
         """Path and name of everything in the system that the method cannot do."""
@@ -35,7 +36,7 @@ class Method(NamedTuple):
 
 
 METHODS = {
-    "fronts": Method(fronts.LACKS, (), fronts.solve),
+    "fronts": Method(fronts.LACKS, (), fronts.solve, together=True),
     "characteristics": Method(steps.LACKS, ("dt", "rtol"), steps.solve),
     "finite-difference": Method(
         grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve, ("progress", "announce"),

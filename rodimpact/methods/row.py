@@ -201,10 +201,10 @@ class Row:
                 strained = max(strained, *(c * abs(e) for e in extremes(body.strain)))
         for kind, value in self.outside:
             if kind == "force":
-                pushed = max(pushed, *(abs(F) for F in extremes(value))) / self._least_impedance
+                pushed = max(pushed, *(abs(F) for F in extremes(value)))
         fall = abs(self.gravity) * max(s.transit_time for s in self.segments)
         spread = max(self._velocities) - min(self._velocities)
-        return float(spread + strained + pushed + fall)
+        return float(spread + strained + pushed / self._least_impedance + fall)
 
     @cached_property
     def _velocities(self) -> list[float]:

@@ -125,11 +125,10 @@ def collide(left: Body, right: Body, gap: float = 0.0,
     0.4
     """
     system = System([left, right], [gap], None if contact is None else [contact])
-    if system.shape or AUTO.method_for(system) != "fronts":
+    if system.shape:
         return solve(system).outcome
-    run = AUTO.run("fronts", system)
-    assert run.totals is not None
-    return outcome_of(run, run.totals)
+    run = AUTO.run(AUTO.method_for(system), system, announce=_announce)
+    return outcome_of(run, run.totals) if run.totals else Solution(run).outcome
 
 
 def _announce(sentence: str) -> None:

@@ -26,7 +26,7 @@ from ..methods.fronts.assembly import Blueprint
 from ..methods.fronts.families import Stopped, chunk_members, run_family
 from ..methods.fronts.front_kernel import CAP, CLOCK, FULL
 from ..methods.groups import body_velocities, unilateral
-from ..methods.registry import Options, count
+from ..methods.registry import METHODS, Options, count
 from ..methods.row import Row
 from ..methods.run import MAX_EVENTS
 from ..model import Rod, System
@@ -450,7 +450,7 @@ def sweep(
     if problems:
         raise InvalidModel(problems)
     of = _arrays(system, readings)
-    together = options.method == "fronts" and not readings.gauges
+    together = METHODS[options.method].together and not readings.gauges
     most = chunk_members(Blueprint(Row(system))) if together else ONE_BY_ONE
     chunks = _Chunks(system.shape, most)
     size = math.prod(system.shape)
@@ -517,10 +517,10 @@ def run_chunk(
 
     The method is chosen, and `options` hold for the family.
     """
-    by_fronts, columns = options.method == "fronts", {}
-    if not by_fronts or readings.gauges:
+    together, columns = METHODS[options.method].together, {}
+    if not together or readings.gauges:
         columns = _one_by_one(system, options, readings, stop)
-    if by_fronts:
+    if together:
         columns |= _together(system, options, stop)
     kinds = {name: kind for name, (kind, _) in _arrays(system, readings).items()}
     return {name: columns[name].astype(kind) for name, kind in kinds.items()}

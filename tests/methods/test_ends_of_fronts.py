@@ -285,7 +285,7 @@ def test_an_endless_end_stays_within_its_bound(seed, right):
     a, node = run.assembly, run.assembly.nodes[0]
     mean, *_ = group_motion(run.state, run.log, node, right, 0)
     d, bound2 = deviation_bound(run.state, run.log, node, right, 0, mean)
-    until = horizon(row, 30.0)
+    until = horizon(row, 60.0)
     solution = ri.solve(row, until, max_events=10 * CAP)
     assume(solution.stopped_by == "until")
     t = np.linspace(0, until, 2000)

@@ -139,3 +139,10 @@ def test_the_mesh_that_wastes_least():
     assert courant.min() >= 0.997
     counts, _ = _mesh_size(Row(ri.System([unit_rod(), unit_rod(0.02)])), None, None, None)
     assert min(counts) >= 8
+
+
+def test_the_scale_of_velocities_is_that_of_the_mirror_image():
+    """Each end's force counts once, over the least impedance."""
+    ends = ri.Pushed(3.0), ri.Pushed(ri.Steps([1.0, -2.0], [1.0]))
+    row = ri.System([unit_rod(area=0.5, velocity=0.25), unit_rod()], ends=ends)
+    assert Row(row).scale == Row(row.mirrored()).scale == pytest.approx(0.25 + 3.0 / 0.5)
