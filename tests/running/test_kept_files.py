@@ -1,0 +1,48 @@
+"""Files that earlier versions saved open in this one, and say what they said then."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+
+KEPT = Path(__file__).parent / "kept"  # of schema 3
+FACTS = json.loads((KEPT / "facts.json").read_text(encoding="utf-8"))
+ALIKE = {"rel": 1e-12, "abs": 1e-15}
+
+
+@pytest.mark.parametrize("method", ["fronts", "characteristics", "finite-difference"])
+def test_a_kept_solution_opens(method):
+    solution, facts = ri.load(KEPT / f"{method}.npz"), FACTS[method]
+    outcome, rod = solution.outcome, facts["rod"]
+    assert (solution.method, solution.status) == (method, facts["status"])
+    assert outcome.velocities_after == pytest.approx(tuple(facts["velocities_after"]), **ALIKE)
+    assert [c.impulse for c in outcome.contacts] == pytest.approx(facts["impulses"], **ALIKE)
+    assert [len(c.episodes) for c in solution.contacts] == facts["episodes"]
+    for name in ("velocity", "strain"):
+        value = getattr(solution, name)(rod, 0.1, 2e-4)
+        assert value == pytest.approx(facts[name], **ALIKE)
+    assert solution.contacts[0].force(4e-5) == pytest.approx(facts["force"], **ALIKE)
+    assert solution.energy(2e-4).total == pytest.approx(facts["energy"], **ALIKE)
+
+
+def test_a_kept_family_opens():
+    family, facts = ri.load(KEPT / "sweep.npz"), FACTS["sweep"]
+    assert np.array(family.velocities_after) == pytest.approx(
+        np.array(facts["velocities_after"]), **ALIKE)
+    assert family.strain == pytest.approx(np.array(facts["strain"]), **ALIKE)
+    assert family.system.bodies[0].length.tolist() == [0.2, 0.4]
+
+
+def test_a_field_that_comes_later_has_its_default():
+    """Read without an entry that has one, as an older file would be."""
+    from rodimpact.results.run_file import put_together, take_apart
+
+    run = ri.load(KEPT / "characteristics.npz").run
+    document, arrays = take_apart(run)
+    assert document["run"].pop("accuracy") is not None
+    assert document["run"]["clock"].pop("scale") > 0
+    older = put_together(document, arrays)
+    assert (older.accuracy, older.clock.scale, older.t_end) == ({}, 0.0, run.t_end)
