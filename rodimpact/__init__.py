@@ -10,8 +10,6 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .results import notebook
-
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:  # names under their own names, so that type checkers take them as public
@@ -109,15 +107,15 @@ def _in_notebook(result: Any) -> str:
     return html_of(result)
 
 
-notebook.html = _in_notebook
-
-
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first asked for."""
     if name in _MODULES:
         return import_module(f".{name}", __name__)
     if name in _WHERE:
         value = getattr(import_module(f".{_WHERE[name]}", __name__), name)
+        from .results import notebook
+
+        notebook.html = _in_notebook
         globals()[name] = value
         return value
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -3,4 +3,11 @@
 from collections.abc import Callable
 from typing import Any
 
-html: Callable[[Any], str]
+
+def _table(result: Any) -> str:
+    from ..storage.tables import as_html
+
+    return as_html(str(result))
+
+
+html: Callable[[Any], str] = _table

@@ -5,6 +5,8 @@ from __future__ import annotations
 import base64
 import io
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -72,3 +74,15 @@ def test_the_table_of_a_family_has_units_and_says_where_the_rest_is():
     text = table(ri.sweep(ri.System([rod(0.4, 1.0), rod(area=areas)]))._repr_html_())
     assert "0.0001 m^2" in text
     assert "12 of 30; to_csv writes all, save keeps them" in text
+
+
+def test_who_does_without_the_public_names_sees_the_table():
+    code = (
+        "from rodimpact.model import Rod, System, Wall\n"
+        "from rodimpact.materials import steel\n"
+        "from rodimpact.running.solving import solve\n"
+        "solution = solve(System([Rod(0.4, area=1e-4, material=steel, velocity=1.0), Wall()]))\n"
+        "print(solution._repr_html_()[:5])"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout == "<pre>\n"
