@@ -89,7 +89,7 @@ class Signals(NamedTuple):
 
     Attributes
     ----------
-    motion : Waves or GridStates
+    motion : Waves or GridMotion
     contacts : tuple of ContactSignal
     outside : (Outside or None, Outside or None)
         Left and right.
@@ -179,11 +179,12 @@ class Run:
     @cached_property
     def signals(self) -> Signals:
         """All that is known of the motion."""
-        return self.make_signals()
+        made = self.make_signals()
+        object.__setattr__(self, "make_signals", partial(_same, made))  # what they come from may go
+        return made
 
     def __getstate__(self) -> dict[str, Any]:
-        made = self.signals
-        return {**vars(self), "make_signals": partial(_same, made)}
+        return {"signals": self.signals, **vars(self)}
 
 
 def _same(signals: Signals) -> Signals:

@@ -17,7 +17,6 @@ from .signals import Floats, StepSignal
 from .status import end_sentence, proof_sentence, strain_warning
 from .stepped_run import SteppedRun
 
-NONE_TAKEN = " The end comes before half a step: none was taken. More cells shorten it."
 KINDS = {"velocity": "drive", "force": "drive", "absorbing": "absorbing"}
 
 
@@ -38,8 +37,8 @@ class StepRecord(NamedTuple):
 
 
 def as_run(
-    run: SteppedRun, method: str, until: float | None, motion: Callable[[StepRecord], Any],
-    remarks: str,
+    run: SteppedRun, method: str, until: float | None, motion: Callable[[StepRecord], Any], *,
+    finer: str, size: str = "", warning: str = "",
 ) -> Run:
     """Hand back a finished run.
 
@@ -51,8 +50,10 @@ def as_run(
         s; what was asked for.
     motion : function
         Makes `Signals.motion`.
-    remarks : str
-        Sentences on the step that follow on why the run ended, each with a space before.
+    finer : str
+        What makes the error less.
+    size, warning : str, optional
+        What is told with the step, and after its accuracy.
     """
     record, tick = _record(run), run.clock.tick
     final = run.finality_time >= 0
@@ -64,16 +65,20 @@ def as_run(
         run.row.system, run.stopped_by, proof, format_si(t_end, "s"),
         f"{run.events} steps times ends",
     )
+    status += f" Time step {format_si(run.step, 's')}{size}."
+    if until and not run.steps:
+        status += " The end comes before half a step: none was taken. More cells shorten it."
+    status += _accuracy(run, finer) + warning + strain_warning(run.largest_strain)
     return Run(
         method=method, until=until, clock=run.clock, end=run.end, t_end=t_end, t_final=t_final,
-        stopped_by=run.stopped_by, status=status + remarks + strain_warning(run.largest_strain),
-        events=run.events, contacts=_tallies(run, record), accuracy=run.estimates,
+        stopped_by=run.stopped_by, status=status, events=run.events,
+        contacts=_tallies(run, record), accuracy=run.estimates,
         make_signals=lambda: _signals(run, record, motion),
     )
 
 
-def accuracy(run: SteppedRun, finer: str) -> str:
-    """How wrong the outcome may be, where contacts can open; `finer` is what makes it less."""
+def _accuracy(run: SteppedRun, finer: str) -> str:
+    """How wrong the outcome may be, where contacts can open, and what makes it less."""
     if not run.estimates or not run.row.opening:
         return ""
     late = {name: value for name, value in run.estimates.items() if value > run.rtol}

@@ -30,7 +30,7 @@ from ..storage.writing import Arrays
 
 KINDS = {kind.__name__: kind for kind in (
     Clock, ContactSignal, ContactTally, Episode, GridMotion, Outside, Run, Signals, StepSignal,
-    System, Totals, Waves,
+    Totals, Waves,
 )}
 
 
@@ -54,10 +54,10 @@ def take_apart(run: Run) -> tuple[dict[str, Any], Arrays]:
             return put(value)
         if isinstance(value, System):
             return {"class": "System", "system": value.to_dict()}
-        if type(value).__name__ in KINDS or isinstance(value, Clock):
-            name = "Clock" if isinstance(value, Clock) else type(value).__name__
-            keys = _names(KINDS[name])
-            return {"class": name, **{key: plain(getattr(value, key)) for key in keys}}
+        kind = Clock if isinstance(value, Clock) else type(value)  # what else an assembly has goes
+        if kind in KINDS.values():
+            entries = {key: plain(getattr(value, key)) for key in _names(kind)}
+            return {"class": kind.__name__, **entries}
         if isinstance(value, Mapping):
             return {"class": "map", "items": [[plain(k), plain(v)] for k, v in value.items()]}
         return [plain(item) for item in value] if isinstance(value, list | tuple) else value

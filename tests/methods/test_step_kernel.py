@@ -444,8 +444,8 @@ def test_only_uniform_ends_are_bounded_by_the_waves_under_way():
     for rod, bounds in ((uniform, (0.0, 1.0)), (stepped, (-np.inf, np.inf))):
         machine = machine_of(ri.System([rod, ri.Wall()], [9.0]), 64)
         shift = machine.row.frame
-        side = ck.side_of(machine.state, machine.signals, len(machine.state.steps) - 2, 0, False, 0,
-                          machine.tol)
+        n = len(machine.state.steps) - 2
+        side = ck.group_motion(machine.state, machine.signals, n, 0, False, 0, machine.tol)
         assert (side.low + shift, side.high + shift) == pytest.approx(bounds)
         assert side.mean + shift == pytest.approx(0.5 if rod is uniform else 0.75)
 

@@ -539,6 +539,8 @@ def finality_time(pieces: Pieces, grid: Grid, links: Links, ends: Ends, tol: flo
     """
     wait = 0
     for i in range(len(links.gap)):
+        if links.gap[i] < 0:
+            return NEVER
         if wait < NEVER:
             left = side_of(pieces, grid, ends, pieces.left[i], True, tol)
             right = side_of(pieces, grid, ends, pieces.right[i], False, tol)

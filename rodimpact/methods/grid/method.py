@@ -20,7 +20,6 @@ from typing import Any
 import numpy as np
 
 from ...model.frozen import InvalidModel
-from ...units import format_si
 from .. import kernels
 from ..clock import STEP_TICKS, Clock
 from ..contact_law_kernel import RIGID
@@ -29,7 +28,7 @@ from ..memory import ask
 from ..refinement import MEASURES, contact_measures, peak, refined, velocity_measure
 from ..row import Array, Row
 from ..run import Progress, Run
-from ..stepped import NONE_TAKEN, StepRecord, accuracy, as_run
+from ..stepped import StepRecord, as_run
 from ..stepped_run import SteppedRun, clock_of_steps
 from .grid_kernel import Grid, States
 from .machine import GAP_RESOLUTION, Keeper, Machine, cost
@@ -151,11 +150,10 @@ def hand_over(run: GridRun, until: float | None) -> Run:
             pushes=mesh.outer_forces(record.forces, record.ends),
         )
 
-    remarks = f" Time step {format_si(run.step, 's')}, {sum(run.mesh.counts)} cells."
-    if until and not run.steps:
-        remarks += NONE_TAKEN
-    remarks += accuracy(run, "more cells") + _own_peak(run)
-    return as_run(run, "finite-difference", until, states, remarks)
+    return as_run(
+        run, "finite-difference", until, states, finer="more cells",
+        size=f", {sum(run.mesh.counts)} cells", warning=_own_peak(run),
+    )
 
 
 def _own_peak(run: GridRun) -> str:

@@ -18,7 +18,6 @@ import numpy as np
 
 from ...model import Rod, Steps
 from ...model.frozen import InvalidModel
-from ...units import format_si
 from .. import abilities as physics
 from .. import kernels
 from ..clock import STEP_TICKS, Clock
@@ -29,7 +28,7 @@ from ..refinement import contact_measures, refined, velocity_measure
 from ..row import Array, Row
 from ..run import Run, Waves
 from ..signals import StepSignal
-from ..stepped import NONE_TAKEN, StepRecord, accuracy, as_run
+from ..stepped import StepRecord, as_run
 from ..stepped_run import SteppedRun, clock_of_steps
 from .delays import WHOLE, arriving, lost_to_means, transit_ticks
 from .machine import Machine, check_memory
@@ -216,10 +215,7 @@ def hand_over(run: StepRun, until: float | None) -> Run:
         left = [StepSignal(ticks[len(ticks) - len(values) :], values) for values in lines]
         return Waves([None, None, *left])
 
-    remarks = f" Time step {format_si(run.step, 's')}."
-    if until and not run.steps:
-        remarks += NONE_TAKEN
-    return as_run(run, "characteristics", until, waves, remarks + accuracy(run, "a smaller dt"))
+    return as_run(run, "characteristics", until, waves, finer="a smaller dt")
 
 
 def follow(

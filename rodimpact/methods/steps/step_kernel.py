@@ -43,7 +43,14 @@ from ..contact_law_kernel import (
     start_impacts,
     stored,
 )
-from ..finality_kernel import NEVER, Side, bound_of, separation_time
+from ..finality_kernel import (
+    NEVER,
+    UNDECIDED,
+    Side,
+    bound_of,
+    by_velocities,
+    separation_time,
+)
 
 DONE, SQUEEZED, CLOSED = range(3)  # why a run stopped
 STEP, LINK, CUTS = range(3)  # places in the clock
@@ -103,10 +110,9 @@ class Group(NamedTuple):
     mass: float
     momentum: float
     mean: float  # velocity of the centre of mass; of the wall or the endless bar, if there is one
-    low: float  # least wave or velocity of a mass
+    low: float  # bounds of the end's velocity as long as it is free; infinite if not known
     high: float
     ground: int  # 1 if bonded to a wall, 2 to an endless bar, else 0
-    plain: bool  # low and high bound the velocity of the end at the contact as long as it is free
 
 
 def arriving(state: State, signals: Signals, line: int, s: int, j: int) -> float:
@@ -530,8 +536,10 @@ def group_motion(
         if state.law[k + state.first[k] + q] != BOND:
             mean = momentum / mass
             break
-    plain = parts == 1 or (parts == 2 and ground == 2) or high - low <= tol
-    return Group(mass, momentum, mean, low, high, ground, plain)
+    uniform = parts == 1 or (parts == 2 and ground == 2)
+    if not uniform and high - low > tol:  # waves grow where impedance changes
+        low, high = -math.inf, math.inf
+    return Group(mass, momentum, mean, low, high, ground)
 
 
 def deviation_bound(
@@ -600,23 +608,27 @@ def finality_time(state: State, signals: Signals, j: int, tol: float) -> int:
     wait = 0
     for k in range(len(state.first) - 1):
         for q in range(state.first[k + 1] - state.first[k] + 1):
-            i = k + state.first[k] + q
-            if state.law[i] >= RIGID and wait < NEVER:
-                left = side_of(state, signals, k, q, False, j, tol)
-                right = side_of(state, signals, k, q, True, j, tol)
-                wait = max(wait, separation_time(state.gap[i], left, right, tol))
+            if state.law[k + state.first[k] + q] >= RIGID and wait < NEVER:
+                wait = max(wait, contact_time(state, signals, k, q, j, tol))
     return wait
 
 
-def side_of(
-    state: State, signals: Signals, k: int, q: int, right: bool, j: int, tol: float
-) -> Side:
-    """What the proof asks of one side of contact q of node k, before part j."""
-    group = group_motion(state, signals, k, q, right, j, tol)
-    d, bound = deviation_bound(state, signals, k, q, right, j, group, tol)
-    if group.plain:
-        return Side(group.mean, group.low, group.high, d, bound)
-    return Side(group.mean, -math.inf, math.inf, d, bound)
+def contact_time(state: State, signals: Signals, k: int, q: int, j: int, tol: float) -> int:
+    """The same of contact q of node k; deviations are summed up only where they decide."""
+    gap = state.gap[k + state.first[k] + q]
+    if gap < 0:
+        return NEVER
+    left = group_motion(state, signals, k, q, False, j, tol)
+    right = group_motion(state, signals, k, q, True, j, tol)
+    answer = by_velocities(gap, left, right, tol)
+    if answer != UNDECIDED:
+        return answer
+    dl, bl = deviation_bound(state, signals, k, q, False, j, left, tol)
+    dr, br = deviation_bound(state, signals, k, q, True, j, right, tol)
+    return separation_time(
+        gap, Side(left.mean, left.low, left.high, dl, bl),
+        Side(right.mean, right.low, right.high, dr, br), tol,
+    )
 
 
 def choose_step(
