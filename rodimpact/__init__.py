@@ -57,9 +57,9 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .running.solving import LongRun as LongRun
     from .running.solving import collide as collide
     from .running.solving import solve as solve
-    from .running.sweeping import Axis as Axis
+    from .running.sweep_result import Axis as Axis
+    from .running.sweep_result import SweepResult as SweepResult
     from .running.sweeping import SweepError as SweepError
-    from .running.sweeping import SweepResult as SweepResult
     from .running.sweeping import sweep as sweep
     from .storage.casefile import Case as Case
     from .storage.casefile import parse_case as parse_case
@@ -91,7 +91,8 @@ _HOME = {
     "running.loading": ("load",),
     "storage.checkpoint": ("DamagedChunks",),
     "storage.reading": ("FileFormatError",),
-    "running.sweeping": ("Axis", "SweepError", "SweepResult", "sweep"),
+    "running.sweep_result": ("Axis", "SweepResult"),
+    "running.sweeping": ("SweepError", "sweep"),
     "storage.casefile": ("Case", "parse_case", "read_case", "write_case"),
 }
 _MODULES = ("materials", "plot", "rigid", "theory", "units")

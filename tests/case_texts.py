@@ -28,3 +28,19 @@ def problems(text, vary=None):
     paths = [path for path, _ in caught.value.problems]
     assert len(set(paths)) == len(paths), "a mistake is reported twice"
     return dict(caught.value.problems)
+UNEQUAL_RODS = """\
+schema = 1
+
+[[bodies]]
+kind = "rod"
+length = "0.4 m"
+area = "1 cm^2"
+material = "steel"
+velocity = 1.0
+
+[[bodies]]
+kind = "rod"
+length = "1 m"
+area = "1 cm^2"
+material = "steel"
+"""

@@ -21,7 +21,8 @@ from ..methods.abilities import driven
 from ..model import Bonded
 from ..model.frozen import InvalidModel, Problems
 from ..running.sweep_report import sweep_json, sweep_table
-from ..running.sweeping import SweepError, SweepResult, sweep
+from ..running.sweep_result import SweepResult
+from ..running.sweeping import SweepError, sweep
 from ..storage.casefile import Case, read_case
 from ..storage.reading import FileFormatError
 from . import DONE, INCOMPLETE, complain

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ..results.solution import Solution
 from ..running.sweep_report import sweep_table
-from ..running.sweeping import SweepResult
+from ..running.sweep_result import SweepResult
 from ..storage.report import solution_table
 from ..storage.tables import as_html
 from .families import sweep

@@ -9,7 +9,7 @@ from ..results.run_file import put_together
 from ..results.solution import Solution
 from ..storage.reading import read_npz, restored
 from ..storage.writing import Arrays, PathLike
-from .sweeping import SweepResult
+from .sweep_result import SweepResult
 
 
 def load(path: PathLike) -> Any:

@@ -13,7 +13,7 @@ from ..methods.groups import unilateral
 from ..model import Rod
 from ..storage.tables import SCHEMA_VERSION, align, clean, joules
 from ..units import format_si
-from .sweeping import STATUS, SweepResult
+from .sweep_result import STATUS, SweepResult
 
 MOST_MEMBERS, SOME_MEMBERS = 20, 12  # listed one by one, picked from a larger family
 MOST_BODIES = 8  # whose velocities are listed for each member

@@ -1,4 +1,4 @@
-"""sweep(): every collision of a family, on any executor, as arrays of the family's shape.
+"""sweep(): every collision of a family, on any executor.
 
 A family is cut into chunks, which are smaller families; a chunk's result is a table of columns, one
 row a collision. Whoever runs a chunk, and in which order, its numbers are the same bit for bit.
@@ -13,9 +13,9 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, replace
 from numbers import Integral
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,20 +31,24 @@ from ..methods.row import Row
 from ..methods.run import MAX_EVENTS
 from ..model import Rod, System
 from ..model.frozen import InvalidModel, Problems, number
-from ..results import notebook
 from ..results.outcome import effective_restitution
 from ..results.solution import Solution
 from ..storage.checkpoint import Checkpoint
-from ..storage.writing import PathLike, write_npz, written
+from ..storage.writing import PathLike
 from ..units import shown
-
-STATUS = ("final", "max_events", "clock", "refused", "until")
-"""Why each run stopped; `SweepResult.status` holds places in this tuple."""
-ENDED = [STATUS.index("final"), STATUS.index("until")]
+from .sweep_result import (
+    ENDED,
+    STATUS,
+    Columns,
+    ContactColumns,
+    Readings,
+    SweepResult,
+    arrays_of,
+    explanation,
+)
 
 ONE_BY_ONE = 16  # members of a chunk where each is solved alone
 AHEAD = 32  # chunks handed to an executor before the first is waited for
-Columns = dict[str, Any]
 
 
 class SweepError(ValueError):
@@ -68,293 +72,6 @@ class SweepError(ValueError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return SweepError, self._arguments
-
-
-class Axis(NamedTuple):
-    """One dimension of a family: the path of the number that varies along it alone, and its values.
-
-    Where there is no such number, the name is ``"axis 0"`` and the values count from 0.
-    """
-
-    name: str
-    values: Any
-
-
-class Readings(NamedTuple):
-    """Strain gauges, (body, m from its left end), and the times at which they are read, s."""
-
-    gauges: tuple[tuple[int, float], ...] = ()
-    times: Any = np.zeros(0)
-
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-ready."""
-        return {"gauges": [list(place) for place in self.gauges], "times": self.times.tolist()}
-
-
-class ContactColumns(NamedTuple):
-    """Totals of one contact; arrays of the family's shape, SI units."""
-
-    impulse: Any
-    peak_force: Any
-    duration: Any
-    episodes: Any
-
-
-@dataclass(frozen=True, eq=False)
-class SweepResult:
-    """Outcomes of a family of collisions; every array has its `shape`.
-
-    Attributes
-    ----------
-    system : System
-        The family.
-    options : Options
-        How each member was solved, by which method.
-    columns : dict of str to array
-        By name: ``restitution``; ``velocity_after.I`` of body I, m/s; ``impulse.K`` (N s),
-        ``peak_force.K`` (N), ``duration.K`` (time under force, s) and ``episodes.K`` of contact K;
-        ``vibration``, energy left in vibration and strain, J; ``final``; ``status``. Totals count
-        up to the end of the run: `until`, the proof that the collision is over, or what stopped it
-        before. A number that does not exist is nan, as the impulse of a bonded contact, which never
-        ends.
-    readings : Readings
-        The `gauges`, and the `times` at which they are read.
-    strain : array or None
-        At the gauges, of the family's shape + (gauge, time); nan after the end of a member's run.
-
-    Examples
-    --------
-    >>> import numpy as np, rodimpact as ri
-    >>> left = ri.Rod(np.array([0.2, 0.4, 0.8]), area=1e-4, material=ri.materials.steel, velocity=1)
-    >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
-    >>> ri.sweep(ri.System([left, right])).restitution.round(12)
-    array([0.2, 0.4, 0.8])
-    """
-
-    system: System
-    options: Options
-    columns: Columns
-    readings: Readings = field(default_factory=Readings)
-    strain: Any = None
-
-    @property
-    def method(self) -> str:
-        """Name of the method."""
-        return self.options.method
-
-    @property
-    def gauges(self) -> tuple[tuple[int, float], ...]:
-        """Strain gauges: body, and place in m from its left end."""
-        return self.readings.gauges
-
-    @property
-    def times(self) -> Any:
-        """Times of `strain`, s."""
-        return self.readings.times
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of the family."""
-        return self.system.shape
-
-    @property
-    def parameters(self) -> dict[str, Any]:
-        """Numbers in which the members differ, by path; they broadcast to `shape`."""
-        return self.system.parameters
-
-    @property
-    def axes(self) -> tuple[Axis, ...]:
-        """What varies along each dimension."""
-        axes = [Axis(f"axis {d}", np.arange(size)) for d, size in enumerate(self.shape)]
-        for path, values in reversed(self.parameters.items()):
-            wide = [d for d, size in enumerate(values.shape) if size > 1]
-            if len(wide) == 1:
-                axes[wide[0] - values.ndim] = Axis(path, values.ravel())
-        return tuple(axes)
-
-    @property
-    def restitution(self) -> Any:
-        """Effective coefficient of restitution e; nan where undefined, see `explain`."""
-        return self.columns["restitution"]
-
-    @property
-    def velocities_after(self) -> tuple[Any, ...]:
-        """Velocities of the centres of mass, one array a body, m/s."""
-        return tuple(self.columns[f"velocity_after.{i}"] for i in range(len(self.system.bodies)))
-
-    @property
-    def vibration(self) -> Any:
-        """Energy left in vibration and strain, J."""
-        return self.columns["vibration"]
-
-    @property
-    def final(self) -> Any:
-        """Whether it is proved that no contact can happen again."""
-        return self.columns["final"]
-
-    @property
-    def status(self) -> Any:
-        """Why each run stopped: places in `STATUS`."""
-        return self.columns["status"]
-
-    @property
-    def incomplete(self) -> Any:
-        """Where a run did not come to its end, but to the cap on events or the clock, or failed."""
-        return ~np.isin(self.status, ENDED)
-
-    @property
-    def contacts(self) -> tuple[ContactColumns, ...]:
-        """Totals of each contact, walls counted."""
-        return tuple(
-            ContactColumns(*(self.columns[f"{name}.{k}"] for name in ContactColumns._fields))
-            for k in range(len(self.system.contacts))
-        )
-
-    def _only_contact(self) -> ContactColumns:
-        able = unilateral(self.system)
-        if len(able) != 1:
-            message = f"these rows have {len(able)} contacts that can open, not 1"
-            raise ValueError(f"{message}; use result.contacts")
-        return self.contacts[able[0]]
-
-    @property
-    def impulse(self) -> Any:
-        """Impulse of the only contact, N s; ValueError where there are several."""
-        return self._only_contact().impulse
-
-    @property
-    def duration(self) -> Any:
-        """Time under force of the only contact, s; ValueError where there are several."""
-        return self._only_contact().duration
-
-    @property
-    def peak_force(self) -> Any:
-        """Largest force of the only contact, N; ValueError where there are several."""
-        return self._only_contact().peak_force
-
-    @property
-    def episodes(self) -> Any:
-        """How often the only contact pressed; ValueError where there are several."""
-        return self._only_contact().episodes
-
-    def explain(self, index: Any) -> str:
-        """Say of one member why it ended as it did, and why it has no restitution if it has none.
-
-        Parameters
-        ----------
-        index : int or tuple of int
-        """
-        member = self.system[index]
-        if member.shape:
-            raise ValueError(f"index: must pick one member, got {shown(index)}")
-        return _explain(member, self.options)
-
-    def save(self, path: PathLike, *, force: bool = False) -> None:
-        """Write an NPZ file that `rodimpact.load` reads.
-
-        Raises
-        ------
-        FileExistsError
-            If the file is there and `force` is false.
-        """
-        numbers: Columns = {}
-
-        def put(array: Any) -> dict[str, str]:
-            name = f"number.{len(numbers)}"
-            numbers[name] = array
-            return {"array": name}
-
-        document = {
-            "system": self.system._mapped(put).to_dict(), "options": asdict(self.options),
-            "shape": list(self.shape), **self.readings.to_dict(),
-        }
-        strain = {} if self.strain is None else {"strain": self.strain}
-        write_npz(path, "sweep", document, {**numbers, **self.columns, **strain}, force=force)
-
-    @classmethod
-    def restored(cls, document: dict[str, Any], arrays: Columns) -> SweepResult:
-        """Make again what `save` wrote."""
-
-        def take(value: Any) -> Any:
-            if isinstance(value, dict):
-                name = value.get("array")
-                return arrays[name] if name else {key: take(v) for key, v in value.items()}
-            return [take(v) for v in value] if isinstance(value, list) else value
-
-        system = System.from_dict(take(document["system"]))
-        gauges = tuple((body, x) for body, x in document["gauges"])
-        readings = Readings(gauges, np.array(document["times"], dtype=np.float64))
-        of = _arrays(system, readings)
-        columns = {name: arrays[name] for name in of}
-        if any(columns[name].shape != (*system.shape, *beyond) for name, (_, beyond) in of.items()):
-            raise ValueError("columns do not have the family's shape")
-        options, strain = Options(**document["options"]), columns.pop("strain", None)
-        return cls(system, options, columns, readings, strain)
-
-    def table(self, start: int = 0, stop: int | None = None) -> Columns:
-        """Varied numbers and results of the members `start` to `stop` in C order, by name."""
-        if not all(isinstance(n, Integral | None) for n in (start, stop)):
-            given = f"got {shown(start)} and {shown(stop)}"
-            raise ValueError(f"start, stop: must be whole numbers, {given}")
-        which = np.arange(math.prod(self.shape))[start:stop]
-        index = np.unravel_index(which, self.shape)
-        both = {**self.parameters, **self.columns}
-        return {name: np.broadcast_to(v, self.shape)[index] for name, v in both.items()}
-
-    def csv_lines(self) -> Iterator[str]:
-        """Lines of a table of all members, names first: every digit, an empty cell for nan."""
-        yield ",".join([*self.parameters, *self.columns])
-        size = math.prod(self.shape)
-        for start in range(0, size, 4096):
-            table = self.table(start, start + 4096)
-            table["status"] = np.array(STATUS)[table["status"]]
-            for row in zip(*(values.tolist() for values in table.values()), strict=True):
-                yield ",".join("" if v != v else str(v) for v in row)
-
-    def to_csv(self, path: PathLike, *, force: bool = False) -> None:
-        """Write a table of all members, one a line, with what varies and what came out.
-
-        Raises
-        ------
-        FileExistsError
-            If the file is there and `force` is false.
-        """
-        with written(path, force=force) as file:
-            for line in self.csv_lines():
-                file.write(f"{line}\n".encode())
-
-    def to_dataframe(self) -> Any:
-        """All members as a pandas DataFrame (extra ``dataframe``), one a row."""
-        pandas = _extra("pandas", "dataframe")
-        frame = pandas.DataFrame(self.table())
-        frame["status"] = pandas.Categorical.from_codes(frame["status"], STATUS)
-        return frame
-
-    def to_xarray(self) -> Any:
-        """Everything as an xarray Dataset (extra ``xarray``), a dimension an axis.
-
-        Strains have the dimensions ``gauge`` and ``time`` besides.
-        """
-        xarray = _extra("xarray", "xarray")
-        names = [axis.name for axis in self.axes]
-        coordinates = {axis.name: axis.values for axis in self.axes}
-        for path, values in self.parameters.items():
-            if path not in coordinates:
-                coordinates[path] = (names, np.broadcast_to(values, self.shape))
-        columns = {name: (names, values) for name, values in self.columns.items()}
-        if self.strain is not None:
-            coordinates |= {"time": self.times}
-            coordinates |= {"body": ("gauge", [body for body, _ in self.gauges])}
-            coordinates |= {"x": ("gauge", [x for _, x in self.gauges])}
-            columns["strain"] = ([*names, "gauge", "time"], self.strain)
-        return xarray.Dataset(columns, coordinates, {"status": ", ".join(STATUS)})
-
-    def __repr__(self) -> str:
-        what = ", ".join(self.parameters) or "nothing"
-        return f"<SweepResult of shape {self.shape} over {what}>"
-
-    def _repr_html_(self) -> str:
-        return notebook.html(self)
 
 
 def sweep(
@@ -449,7 +166,7 @@ def sweep(
         problems += error.problems
     if problems:
         raise InvalidModel(problems)
-    of = _arrays(system, readings)
+    of = arrays_of(system, readings)
     together = METHODS[options.method].together and not readings.gauges
     most = chunk_members(Blueprint(Row(system))) if together else ONE_BY_ONE
     chunks = _Chunks(system.shape, most)
@@ -522,7 +239,7 @@ def run_chunk(
         columns = _one_by_one(system, options, readings, stop)
     if together:
         columns |= _together(system, options, stop)
-    kinds = {name: kind for name, (kind, _) in _arrays(system, readings).items()}
+    kinds = {name: kind for name, (kind, _) in arrays_of(system, readings).items()}
     return {name: columns[name].astype(kind) for name, kind in kinds.items()}
 
 
@@ -533,7 +250,7 @@ def _one_by_one(
     size = math.prod(system.shape)
     columns: Columns = {
         name: np.full((size, *beyond), math.nan if kind is np.float64 else 0)
-        for name, (kind, beyond) in _arrays(system, readings).items()
+        for name, (kind, beyond) in arrays_of(system, readings).items()
     }
     columns["status"][:] = STATUS.index("refused")
     for place, index in enumerate(np.ndindex(system.shape)):
@@ -599,21 +316,6 @@ def _together(system: System, options: Options, stop: Callable[[], bool]) -> Col
         [capped, run.flag == CLOCK, run.flag == FULL, final], places, STATUS.index("until")
     )
     return {**columns, "vibration": unknown + run.vibration, "final": final, "status": status}
-
-
-def _arrays(system: System, readings: Readings) -> dict[str, tuple[Any, tuple[int, ...]]]:
-    """Columns that each member has, with types and shapes beyond the family's, by name."""
-    contacts = range(len(system.contacts))
-    kinds: dict[str, Any] = {"restitution": np.float64}
-    kinds |= {f"velocity_after.{i}": np.float64 for i in range(len(system.bodies))}
-    for name in ContactColumns._fields:
-        kind = np.int32 if name == "episodes" else np.float64
-        kinds |= {f"{name}.{k}": kind for k in contacts}
-    kinds |= {"vibration": np.float64, "final": np.bool_, "status": np.int8}
-    arrays: dict[str, tuple[Any, tuple[int, ...]]] = {name: (k, ()) for name, k in kinds.items()}
-    if readings.gauges:
-        arrays["strain"] = np.float64, (len(readings.gauges), len(readings.times))
-    return arrays
 
 
 class _Chunks:
@@ -700,36 +402,15 @@ def _readings(problems: Problems, system: System, gauges: Any, times: Any) -> Re
     return Readings(tuple(places), read_at)
 
 
-def _explain(member: System, options: Options) -> str:
-    try:
-        solution = Solution(options.run(options.method, member))
-    except InvalidModel as error:
-        return "; ".join(f"{path}: {message}" for path, message in error.problems)
-    o = solution.outcome
-    never = o.final or (o.driven and solution.stopped_by == "until")  # however long it runs
-    return (never and o.why_no_restitution()) or o.status
-
-
 def _raise_first(status: Any, start: int, system: System, options: Options) -> None:
     """Raise for the first member of a chunk that did not come to its end."""
     bad = np.flatnonzero(~np.isin(status, ENDED))
     if not bad.size:
         return
     index = tuple(int(i) for i in np.unravel_index(start + bad[0], system.shape))
-    reason = _explain(system[index], options)
+    reason = explanation(system[index], options)
     parameters = {
         path: float(np.broadcast_to(values, system.shape)[index])
         for path, values in system.parameters.items()
     }
     raise SweepError(index, parameters, f'{reason} (on_error="record" keeps the others)')
-
-
-def _extra(name: str, extra: str) -> Any:
-    """An optional package, imported on demand."""
-    from importlib import import_module
-
-    try:
-        return import_module(name)
-    except ImportError:
-        message = f"{name} is not installed; pip install 'rodimpact[{extra}]' adds it"
-        raise ImportError(message) from None

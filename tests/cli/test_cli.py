@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from case_texts import UNEQUAL_RODS as CASE
 
 import rodimpact as ri
 from rodimpact.cli import COMMANDS, main
@@ -15,22 +16,6 @@ from rodimpact.cli.doctor import version_of
 from rodimpact.cli.selfcheck import Check, checks
 
 ROOT = Path(ri.__file__).parent.parent
-CASE = """\
-schema = 1
-
-[[bodies]]
-kind = "rod"
-length = "0.4 m"
-area = "1 cm^2"
-material = "steel"
-velocity = 1.0
-
-[[bodies]]
-kind = "rod"
-length = "1 m"
-area = "1 cm^2"
-material = "steel"
-"""
 ENDLESS = """\
 schema = 1
 bodies = [

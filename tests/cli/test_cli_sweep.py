@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from case_texts import UNEQUAL_RODS as CASE
 
 import rodimpact as ri
 from rodimpact.cli import main
@@ -18,22 +19,6 @@ from rodimpact.cli import sweep as command
 from rodimpact.cli.progress import ProgressBar, a_second, how_long
 
 ROOT = Path(__file__).parents[2]
-CASE = """\
-schema = 1
-
-[[bodies]]
-kind = "rod"
-length = "0.4 m"
-area = "1 cm^2"
-material = "steel"
-velocity = 1.0
-
-[[bodies]]
-kind = "rod"
-length = "1 m"
-area = "1 cm^2"
-material = "steel"
-"""
 # fronts multiply for ever where these lengths do not fit together
 STEPPED = """\
 schema = 1

@@ -18,7 +18,7 @@ import rodimpact as ri
 from rodimpact import plot
 from rodimpact.methods.registry import Options
 from rodimpact.plot import quantities
-from rodimpact.running.sweeping import SweepResult
+from rodimpact.running.sweep_result import SweepResult
 
 STEEL = ri.materials.steel
 C = STEEL.wave_speed

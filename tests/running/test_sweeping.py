@@ -11,8 +11,8 @@ from systems import MATERIALS, random_system
 
 import rodimpact as ri
 from rodimpact import theory
-from rodimpact.running import sweeping
-from rodimpact.running.sweeping import STATUS, _Chunks
+from rodimpact.running.sweep_result import STATUS
+from rodimpact.running.sweeping import _Chunks
 
 STEEL = ri.materials.steel
 
@@ -633,7 +633,7 @@ def test_a_result_says_what_it_is():
     assert repr(ri.sweep(small_map((3, 2)))) == (
         "<SweepResult of shape (3, 2) over bodies.0.length, bodies.1.area>"
     )
-    assert sweeping.STATUS[0] == "final"
+    assert STATUS[0] == "final"
 
 
 @pytest.mark.parametrize("executor", [object(), "processes", 4, ProcessPoolExecutor])
