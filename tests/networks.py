@@ -9,8 +9,9 @@ import numpy as np
 
 import rodimpact as ri
 from rodimpact.methods.row import Row
-from rodimpact.methods.steps.delays import transit_ticks
-from rodimpact.methods.steps.method import StepRun, attempt
+from rodimpact.methods.steps.level_kernel import ABRUPT
+from rodimpact.methods.steps.machine import Machine
+from rodimpact.methods.steps.method import StepRun, finished
 
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 QUICK = ri.Material("quick", youngs_modulus=8.0, density=2.0)
@@ -132,8 +133,10 @@ def random_network(seed, *, bodies=5, driven=False):
 
 def run_network(system, until=SECONDS, step=STEP) -> StepRun:
     """A run of whole steps: they are not cut where rigid contacts close."""
-    plan = Row(system)
-    return attempt(plan, transit_ticks(plan, step), step, [], until, 10**9, may_cut=False)
+    machine = Machine(Row(system), until)
+    machine.work.make.kind[ABRUPT] = 0
+    machine.search(step, 0.0)
+    return finished(machine, 0.0)
 
 
 # What the waves say, without the package's own bookkeeping

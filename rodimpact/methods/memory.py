@@ -28,6 +28,11 @@ def installed() -> float:
         return math.inf
 
 
+def most_numbers() -> float:
+    """Numbers of 8 bytes that a run may keep."""
+    return min(MOST_BYTES, SHARE * installed()) / 8
+
+
 def ask(numbers: float, field: str, what: str, remedy: str) -> None:
     """Raise TooLong where so many numbers of 8 bytes are too much.
 
@@ -44,7 +49,7 @@ def ask(numbers: float, field: str, what: str, remedy: str) -> None:
     ------
     TooLong
     """
-    most = min(MOST_BYTES, SHARE * installed())
-    if 8 * numbers > most:
-        size = f"{what} needs {8e-9 * numbers:.3g} GB of memory, more than {most / 1e9:.3g} GB"
+    most = most_numbers()
+    if numbers > most:
+        size = f"{what} needs {8e-9 * numbers:.3g} GB of memory, more than {8e-9 * most:.3g} GB"
         raise TooLong([(field, f"{size}; {remedy}")])

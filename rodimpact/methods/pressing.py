@@ -6,12 +6,9 @@ import math
 
 import numpy as np
 
+from .measure_kernel import begin_of_force, end_of_force
 from .run import Episode
 from .signals import Floats, Ints
-
-LATEST = 2.0  # steps, by which a gap can close later than its contact first presses
-FAINT = 1e-6  # of the next mean force: what presses less is round-off
-SMOOTH = 0.3  # relative change of forces from step to step, beyond which they jump
 
 
 def pressed_spans(times: Floats, force: Floats, gap: Floats) -> list[tuple[float, float]]:
@@ -36,10 +33,10 @@ def pressed_spans(times: Floats, force: Floats, gap: Floats) -> list[tuple[float
     """
     spans = []
     for i, j in _pressing(force):
-        begin = _begin_of_force(times, force, gap, i)
+        begin = begin_of_force(times, force, gap, 0, len(force), i)
         running = j == len(force)
-        end = math.nan if running else max(begin, _end_of_force(times, force, gap, i, j))
-        spans.append((begin, end))
+        end = math.nan if running else max(begin, end_of_force(times, force, gap, 0, i, j))
+        spans.append((float(begin), float(end)))
     return spans
 
 
@@ -47,46 +44,6 @@ def _pressing(force: Floats) -> list[tuple[int, int]]:
     """First and behind the last of the steps in which a contact presses without a break."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], force > 0, [False]))))
     return [(int(i), int(j)) for i, j in edges.reshape(-1, 2)]
-
-
-def _begin_of_force(times: Floats, force: Floats, gap: Floats, i: int) -> float:
-    """When the force begins that first presses in step i."""
-    start, width = float(times[i]), float(times[i + 1] - times[i])
-    if i + 1 < len(force) and force[i] <= FAINT * force[i + 1]:
-        return start + width
-    before = max(i - 1, 0)
-    fell = float(gap[before] - gap[before + 1]) / float(times[before + 1] - times[before]) * width
-    return start + (width * float(gap[i]) / fell if 0 < gap[i] < LATEST * fell else 0.0)
-
-
-def _end_of_force(times: Floats, force: Floats, gap: Floats, i: int, j: int) -> float:
-    """When the force ends that presses in the steps i to j - 1."""
-    start, end = float(times[j - 1]), float(times[j])
-    if gap[j - 1] < 0:
-        through = gap[j - 1] / (gap[j - 1] - gap[j]) if gap[j] > 0 else 1.0
-        return start + (end - start) * float(through)
-    if j - i >= 3:
-        middles = (times[j - 3 : j + 1] + times[j - 2 : j + 2]) / 2
-        fall, last_fall = (-np.diff(force[j - 3 : j]) / np.diff(middles[:-1])).tolist()
-        if 0 < fall <= 2 * last_fall <= 4 * fall:
-            zero = float(middles[2] + force[j - 1] / last_fall)
-            if zero <= middles[3]:
-                return zero
-    return start + (end - start) * _share_of_jump(force[max(i, j - 4) : j][::-1])
-
-
-def _share_of_jump(force: Floats) -> float:
-    """Share of its step that a force presses which jumps, from up to four means, its own first.
-
-    All of it where the mean differs from what those beside lead to by no more than their curvature.
-    """
-    own, *beside = force.tolist()
-    if not beside:
-        return 1.0
-    smooth = len(beside) > 1 and max(beside) - min(beside) <= SMOOTH * beside[0]
-    led = 2 * beside[0] - beside[1] if smooth else beside[0]
-    curvature = abs(beside[0] - 2 * beside[1] + beside[2]) if smooth and len(beside) > 2 else 0.0
-    return 1.0 if led - own <= 2 * curvature else float(own / led)
 
 
 def episodes_of_steps(

@@ -2,35 +2,21 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
+from itertools import count
 from typing import TypeVar
 
 import numpy as np
 
 from .contact_law_kernel import IMPACT
+from .measure_kernel import largest_force, time_of_most
 from .memory import TooLong
+from .refinement_kernel import error_of, factor_of
 from .row import Array
 from .stepped_run import SteppedRun
 
 MEASURES = ("impulse", "largest force", "time of 99.9 % of the impulse")
-LOOK_BACK = 3  # coarser levels with which the finest is compared
-FEWEST = 4  # levels
 R = TypeVar("R", bound=SteppedRun)
-
-
-def factors() -> Iterator[int]:
-    """By how much the step is divided from level to level: 1, 2, 3, 4, 6, 8, 12, 16, 24, ...
-
-    Not by powers of two only: an error that depends on where in a step something happens may be the
-    same on all of those.
-    """
-    yield 1
-    power = 2
-    while True:
-        yield power
-        yield 3 * power // 2
-        power *= 2
 
 
 def refined(
@@ -38,10 +24,6 @@ def refined(
     known: Callable[[R], dict[str, float]] = lambda _: {},
 ) -> tuple[R, dict[str, float]]:
     """Divide the step until no measure is wrong by more than `goal`, or as far as it goes.
-
-    An error that falls in proportion to the step h is |q(g) - q(h)| h/(g - h), q(g) the result of a
-    coarser step g; one of higher order is less. The largest over the last coarser levels is the
-    estimate: errors that differ from level to level are not all equal by accident.
 
     Parameters
     ----------
@@ -66,7 +48,7 @@ def refined(
     finest: R | None = None
     levels: list[tuple[float, dict[str, Array]]] = []
     estimates: dict[str, float] = {}
-    for factor in factors():
+    for factor in map(factor_of, count()):
         if factor > max(4, last):
             break
         try:
@@ -88,14 +70,9 @@ def refined(
 
 def _error(levels: list[tuple[float, dict[str, Array]]], name: str) -> float:
     """Estimated error of a measure on the last level."""
-    if len(levels) < FEWEST:
-        return math.inf
-    step, values = levels[-1][0], levels[-1][1][name]
-    scale = float(np.max(np.abs(values), initial=0.0)) or 1.0
-    return max(
-        float(np.max(np.abs(coarse[name] - values), initial=0.0)) / scale * step / (wider - step)
-        for wider, coarse in levels[-1 - LOOK_BACK : -1]
-    )
+    values = [x for _, measured in levels for x in measured[name].tolist()]
+    width = len(values) // len(levels)
+    return error_of(values, width, [step for step, _ in levels], len(levels), 0, width, False)
 
 
 def velocity_measure(free: Sequence[float], scale: float) -> Array:
@@ -115,58 +92,11 @@ def contact_measures(run: SteppedRun) -> dict[str, Array]:
     """
     laws = [run.row.laws[link] for link in run.row.opening.values()]
     forces = [run.contact(k)[0] for k in run.row.opening]
+    times = run.edges * run.clock.tick
     lasting = [(law != IMPACT) * F for law, F in zip(laws, forces, strict=True)]
     measured = (
         [float(F @ run.durations) for F in forces],
-        [peak(run.edges, F) for F in lasting],
-        [_most_of(F, run.durations) for F in lasting],
+        [largest_force(times, F, 0, run.steps) for F in lasting],
+        [time_of_most(times, F, 0, run.steps) for F in lasting],
     )
     return {name: np.array(values) for name, values in zip(MEASURES, measured, strict=True)}
-
-
-def _most_of(force: Array, durations: Array) -> float:
-    """Time in which 99.9 % of the impulse has passed, s."""
-    passed = np.cumsum(force * durations)
-    if not len(passed) or passed[-1] <= 0:
-        return 0.0
-    goal = 0.999 * passed[-1]
-    j = int(np.searchsorted(passed, goal))
-    before = passed[j - 1] if j else 0.0
-    times = np.cumsum(durations)
-    return float(times[j] - durations[j] * (1 - (goal - before) / (passed[j] - before)))
-
-
-def peak(edges: Array, force: Array) -> float:
-    """Largest force behind averages between edges.
-
-    That of the parabola with the averages of three steps: at a smooth top its largest value, behind
-    a jump the one at the jump.
-    """
-    if not len(force) or force.max() <= 0:
-        return 0.0
-    G = np.concatenate(([0.0, 0.0], force, [0.0, 0.0]))
-    width = np.pad(np.diff(edges) / np.diff(edges).max(), 2, mode="edge")
-    j = int(np.argmax(G))
-    before, after = float(G[j] - G[j - 1]), float(G[j] - G[j + 1])
-    if before > 4 * after:
-        return _at_jump(G[j : j + 3], width[j : j + 3])
-    if after > 4 * before:
-        return _at_jump(G[j - 2 : j + 1][::-1], width[j - 2 : j + 1][::-1])
-    if before + after <= 0:
-        return float(G[j])
-    value, slope, curve = _parabola(G[j - 1 : j + 2], width[j - 1 : j + 2])
-    return value - slope * slope / (4 * curve) if curve < 0 else float(G[j])
-
-
-def _at_jump(means: Array, width: Array) -> float:
-    """Force just behind a jump, from the averages of three steps behind it, the next one first."""
-    rate, next_rate = -np.diff(means) / (width[1:] + width[:-1])
-    return _parabola(means, width)[0] if abs(rate - next_rate) < rate else float(means[0])
-
-
-def _parabola(means: Array, width: Array) -> tuple[float, float, float]:
-    """Coefficients of the parabola with averages over three steps, from where the first begins."""
-    ends = np.concatenate(([0.0], np.cumsum(width)))
-    passed = np.concatenate(([0.0], np.cumsum(means * width)))
-    _, value, slope, curve = np.linalg.solve(np.vander(ends, increasing=True), passed).tolist()
-    return value, 2 * slope, 3 * curve

@@ -9,7 +9,8 @@ arrays.
 from __future__ import annotations
 
 import math
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from functools import cached_property, reduce
 from itertools import pairwise
 from typing import Any
 
@@ -28,7 +29,7 @@ from ..model import (
     System,
     Wall,
 )
-from ..model.frozen import Problems
+from ..model.frozen import Number
 from ..model.profiles import extremes
 from .contact_law_kernel import BOND, COMPLIANT, FORCE, FREE, IMPACT, RIGID, SPRING
 
@@ -185,29 +186,32 @@ class Row:
     # On a time step -------------------------------------------------------------------------------
 
     @cached_property
-    def frame(self) -> float:
+    def frame(self) -> Number:
         """Velocity of the frame in which methods on a time step count velocities, m/s."""
         walls = [b.velocity for b in self.system.bodies if isinstance(b, Wall)]
-        low, high = min(self._velocities), max(self._velocities)
-        return float(sum(walls) / len(walls) if walls else low / 2 + high / 2)
+        if walls:
+            return _plain(sum(walls) / len(walls))
+        return _plain(smallest(self._velocities) / 2 + largest(self._velocities) / 2)
 
     @cached_property
-    def scale(self) -> float:
+    def scale(self) -> Number:
         """Scale of velocities, m/s."""
-        strained = pushed = 0.0
+        strained, pushed = [0.0], [0.0]
         for body, (start, stop) in zip(self.system.bodies, self.spans, strict=True):
             if isinstance(body, Rod):
-                c = max(s.wave_speed for s in self.segments[start - 1 : stop])
-                strained = max(strained, *(c * abs(e) for e in extremes(body.strain)))
+                c = largest([s.wave_speed for s in self.segments[start - 1 : stop]])
+                strained += [c * abs(e) for e in extremes(body.strain)]
         for kind, value in self.outside:
             if kind == "force":
-                pushed = max(pushed, *(abs(F) for F in extremes(value)))
-        fall = abs(self.gravity) * max(s.transit_time for s in self.segments)
-        spread = max(self._velocities) - min(self._velocities)
-        return float(spread + strained + pushed / self._least_impedance + fall)
+                pushed += [abs(F) for F in extremes(value)]
+        fall = abs(self.gravity) * largest([s.transit_time for s in self.segments])
+        spread = largest(self._velocities) - smallest(self._velocities)
+        return _plain(
+            spread + largest(strained) + largest(pushed) / self._least_impedance + fall
+        )
 
     @cached_property
-    def _velocities(self) -> list[float]:
+    def _velocities(self) -> list[Number]:
         velocities = list(self.mass_velocity)
         for body in self.system.bodies:
             if isinstance(body, Rod | Wall):
@@ -218,36 +222,51 @@ class Row:
         return velocities
 
     @cached_property
-    def _least_impedance(self) -> float:
+    def _least_impedance(self) -> Number:
         """Smallest impedance, kg/s."""
-        return float(min(
+        return smallest([
             s.material.density * s.wave_speed * extremes(s.area)[0] for s in self.segments
-        ))
+        ])
+
+    def beyond_scales(self) -> list[tuple[Any, str, Callable[[], str]]]:
+        """What steps would overflow, or where they lose an indentation in round-off.
+
+        Returns
+        -------
+        list of (bool or array, str, function)
+            Whether that is so, path, and what makes the sentence.
+        """
+        speed: Any = self.scale
+        heaviest: Any = largest([*self.masses, *(s.mass for s in self.segments)])
+        impedance: Any = largest([
+            s.material.density * s.wave_speed * extremes(s.area)[1] for s in self.segments
+        ])
+        T: Any = largest([s.transit_time for s in self.segments])
+        with np.errstate(over="ignore", invalid="ignore"):
+            force = speed * impedance
+            size = f"velocities and strains of {speed!r} m/s"
+            beyond: list[tuple[Any, str, Callable[[], str]]] = [
+                (~np.less(np.multiply(speed * speed, heaviest * ROOM), math.inf), "bodies",
+                 lambda: f"{size} overflow the energy; use smaller"),
+                (~np.less(np.multiply(force, force * ROOM), math.inf), "bodies",
+                 lambda: f"{size} make forces of {force:.3g} N, which overflow; use smaller"),
+            ]
+            for i, link in self.opening.items():
+                if self.laws[link] >= SPRING:
+                    k, p = self.stiffness[link], np.asarray(self.exponent[link])
+                    stiff = k * (T / self._least_impedance) * np.power(speed * T, p - 1)
+                    beyond.append((
+                        stiff > STIFFEST, f"contacts.{i}.stiffness",
+                        lambda k=k: f"is as good as rigid beside these rods, got {k!r}; "
+                        "use Rigid()",
+                    ))
+        return beyond
 
     def check_scales(self) -> None:
         """Raise InvalidModel where steps would overflow, or lose an indentation in round-off."""
-        largest = max(*self.masses, *(float(s.mass) for s in self.segments), 0.0)
-        if not self.scale * self.scale * largest * ROOM < math.inf:
-            size = f"velocities and strains of {self.scale!r} m/s"
-            raise InvalidModel([("bodies", f"{size} overflow the energy; use smaller")])
-        force = self.scale * max(
-            float(s.material.density * s.wave_speed * extremes(s.area)[1]) for s in self.segments
-        )
-        if not force * force * ROOM < math.inf:
-            size = f"velocities and strains of {self.scale!r} m/s make forces of {force:.3g} N"
-            raise InvalidModel([("bodies", f"{size}, which overflow; use smaller")])
-        T = max(s.transit_time for s in self.segments)
-        yielding = T / self._least_impedance
-        problems: Problems = []
-        for i, link in self.opening.items():
-            if self.laws[link] >= SPRING and (
-                self.stiffness[link] * yielding * (self.scale * T) ** (self.exponent[link] - 1)
-                > STIFFEST
-            ):
-                message = f"is as good as rigid beside these rods, got {self.stiffness[link]!r}"
-                problems.append((f"contacts.{i}.stiffness", f"{message}; use Rigid()"))
+        problems = [(path, sentence()) for bad, path, sentence in self.beyond_scales() if bad]
         if problems:
-            raise InvalidModel(problems)
+            raise InvalidModel(problems[:1] if problems[0][0] == "bodies" else problems)
 
     def stiffness_in_steps(self, step: float) -> Array:
         """Stiffness of each link where time is counted in steps, s, and lengths as velocities."""
@@ -261,6 +280,21 @@ class Row:
     def wall_speed(self, side: int, times: Array) -> Array:
         """Velocity of the left or right wall at times, s, in the frame."""
         return np.asarray(float(self.outside[side][1]) - self.frame - self.gravity * times)
+
+
+def largest(values: Sequence[Number]) -> Any:
+    """Largest of some numbers, for each member of a family."""
+    return reduce(np.maximum, values)
+
+
+def smallest(values: Sequence[Number]) -> Any:
+    """Smallest of some numbers, for each member of a family."""
+    return reduce(np.minimum, values)
+
+
+def _plain(value: Any) -> Number:
+    """A number as a float, those of a family as an array."""
+    return value if np.ndim(value) else float(value)
 
 
 def squeezed(seconds: float) -> InvalidModel:

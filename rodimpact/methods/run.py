@@ -123,6 +123,18 @@ class Totals(NamedTuple):
     works: Mapping[str, float]
 
 
+class GroupTotals(NamedTuple):
+    """What a run comes to, as its kernel adds it up.
+
+    Velocities of the groups of bonded bodies, before and after, [group] m/s, 0 where nothing of a
+    group can move; and what is left of vibration in each body, of motion and of strain, [body] J.
+    """
+
+    before: Floats
+    after: Floats
+    vibration: Floats
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Run:
     """A finished run of any method.
@@ -146,6 +158,8 @@ class Run:
     contacts : tuple of ContactTally
     totals : Totals or None
         None where they are to be read off the fields.
+    groups : GroupTotals or None
+        What of that the method's kernel has added up already.
     accuracy : dict of str to float
         Estimated error of each measure of the outcome, relative to its largest value, where a time
         step was chosen.
@@ -163,6 +177,7 @@ class Run:
     events: int
     contacts: tuple[ContactTally, ...]
     totals: Totals | None = None
+    groups: GroupTotals | None = None
     accuracy: Mapping[str, float] = field(default_factory=dict)
     make_signals: Callable[[], Signals]
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
+import operator
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -10,8 +12,8 @@ import numpy as np
 
 from ..model import Bonded, Wall
 from ..units import format_si
+from .measure_kernel import largest_force
 from .pressing import episodes_of_steps, pressed_spans
-from .refinement import peak
 from .run import ContactSignal, ContactTally, Outside, Run, Signals
 from .signals import Floats, StepSignal
 from .status import end_sentence, proof_sentence, strain_warning
@@ -72,7 +74,7 @@ def as_run(
     return Run(
         method=method, until=until, clock=run.clock, end=run.end, t_end=t_end, t_final=t_final,
         stopped_by=run.stopped_by, status=status, events=run.events,
-        contacts=_tallies(run, record), accuracy=run.estimates,
+        contacts=_tallies(run, record), groups=run.totals, accuracy=run.estimates,
         make_signals=lambda: _signals(run, record, motion),
     )
 
@@ -136,7 +138,7 @@ def _join_rigid_bodies(run: SteppedRun, forces: list[Floats], pushes: list[Float
 
 def _tallies(run: SteppedRun, record: StepRecord) -> tuple[ContactTally, ...]:
     """Totals of every contact in SI units."""
-    tallies, t, end = [], run.tally, float(run.edges[-1]) * run.clock.tick
+    tallies, t, times = [], run.tally, run.edges * run.clock.tick
     for k, (force, spans) in enumerate(zip(record.forces, record.spans, strict=True)):
         law = run.row.system.contacts[k]
         if isinstance(law, Bonded):
@@ -146,13 +148,14 @@ def _tallies(run: SteppedRun, record: StepRecord) -> tuple[ContactTally, ...]:
             continue
         link = run.place(k)
         begins, ends = np.array(spans).reshape(-1, 2).T
-        ends = np.nan_to_num(ends, nan=end)
+        ends = np.nan_to_num(ends, nan=times[-1])
         sudden = getattr(law, "restitution", None) is not None
         if sudden:  # an impact takes no time, though it takes a step here
             ends = np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
         tallies.append(ContactTally(
-            impulse=float(t.impulse[link]) * run.step, duration=float(np.sum(ends - begins)),
-            peak_force=math.nan if sudden else peak(run.edges, force),
+            impulse=float(t.impulse[link]) * run.step,
+            duration=float(functools.reduce(operator.add, ends - begins, 0.0)),
+            peak_force=math.nan if sudden else largest_force(times, force, 0, run.steps),
             first=float(begins[0]) if spans else math.nan,
             last=float(ends[-1]) if spans else math.nan, episodes=int(t.episodes[link]),
         ))

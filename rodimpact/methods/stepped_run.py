@@ -12,6 +12,7 @@ import numpy as np
 from .clock import STEP_TICKS, Clock
 from .contact_law_kernel import Tally
 from .row import Array, Row
+from .run import GroupTotals
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +45,8 @@ class SteppedRun(ABC):
         What they were to come to.
     resolved : float
         Gap that counts as an opening, m.
+    totals : GroupTotals or None
+        At the proof of finality, or at the end; None where they are to be read off the fields.
     """
 
     clock: Clock
@@ -59,6 +62,7 @@ class SteppedRun(ABC):
     estimates: dict[str, float] = field(default_factory=dict)
     rtol: float = 0.0
     resolved: float = 0.0
+    totals: GroupTotals | None = None
 
     @property
     def steps(self) -> int:

@@ -7,6 +7,7 @@ the drive is made: what is stored and compared are numbers only.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import reduce
 from itertools import pairwise
 from typing import Any, ClassVar, TypeAlias
 
@@ -222,10 +223,12 @@ def flipped(profile: Profile, length: Number) -> Profile:
     return Steps([profile.values[::-1][i] for i in kept], [edges[i] for i in kept[1:]])
 
 
-def extremes(profile: Profile) -> list[float]:
-    """Smallest and largest value of a profile."""
-    values: Any = profile.values if isinstance(profile, Steps | Samples) else [profile]
-    return [float(np.min(values)), float(np.max(values))]
+def extremes(profile: Profile) -> list[Number]:
+    """Smallest and largest value of a profile, of each member of a family."""
+    if isinstance(profile, Samples):
+        return [float(np.min(profile.values)), float(np.max(profile.values))]
+    values: Any = profile.values if isinstance(profile, Steps) else [profile]
+    return [reduce(np.minimum, values), reduce(np.maximum, values)]
 
 
 def averages(profile: Any, edges: Any, length: float) -> Floats:

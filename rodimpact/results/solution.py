@@ -284,7 +284,7 @@ class Solution:
         FileExistsError
             If the file is there and `force` is false.
         """
-        run = replace(self.run, totals=self._totals)
+        run = replace(self.run, totals=self._totals, groups=None)
         write_npz(path, "solution", *take_apart(run), force=force)
 
     def __str__(self) -> str:

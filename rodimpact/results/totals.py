@@ -23,12 +23,16 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
     book = ledger(fields, contacts, signals.outside, states)
     masses = [clock.mass(i) for i in range(count)]
     velocity, vibration = np.zeros((2, count)), (states.moving + states.strained).T
-    own = {inside[0]: v for inside, v in zip(states.bodies, states.velocity, strict=True)}
-    for group in groups(system):
+    own = {inside[0]: v[[0, -1]] for inside, v in zip(states.bodies, states.velocity, strict=True)}
+    for g, group in enumerate(groups(system)):
         inside = next((x for x in states.bodies if x[0] in group), [])
-        mean = own[inside[0]] if inside else np.zeros(1)
+        mean = own[inside[0]] if inside else np.zeros(2)
+        if run.groups:
+            mean = np.array([run.groups.before[g], run.groups.after[g]])
         for place in (0, -1):
             velocity[place, group] = velocities_in_group(system, group, inside, mean[place])
+    if run.groups:
+        vibration[-1] = run.groups.vibration
     impulse = sum(
         sign * float(side.push.integral(0, edges[-1])) * clock.tick
         for side, sign in zip(signals.outside, (1, -1), strict=True) if side is not None

@@ -66,8 +66,8 @@ def test_the_estimate_bounds_what_is_taken(monkeypatch, name, options):
     monkeypatch.setattr(memory, "MOST_BYTES", np.inf)
     monkeypatch.setattr(memory, "SHARE", np.inf)
     peak_of(PAIR, **options | {"until": 1e-3})  # with what is made once
-    for method in ("steps", "grid"):
-        monkeypatch.setattr(f"rodimpact.methods.{method}.machine.ask",
+    for owner in ("steps.layout", "grid.machine"):
+        monkeypatch.setattr(f"rodimpact.methods.{owner}.ask",
                             lambda numbers, *rest: asked.append(8 * numbers))
     peak = peak_of(ROWS[name], **options)
     assert peak <= max(asked) + 1e6

@@ -1,14 +1,15 @@
 """Halving a step until an outcome stands still."""
 
 import math
-from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
+from rodimpact.methods.measure_kernel import largest_force
 from rodimpact.methods.memory import TooLong
-from rodimpact.methods.refinement import factors, peak, refined
+from rodimpact.methods.refinement import refined
+from rodimpact.methods.refinement_kernel import factor_of
 
 
 class Run(NamedTuple):
@@ -32,7 +33,7 @@ def search(values, goal, last=64):
 
 
 def test_levels_are_not_powers_of_two_only():
-    assert list(islice(factors(), 10)) == [1, 2, 3, 4, 6, 8, 12, 16, 24, 32]
+    assert [factor_of(level) for level in range(10)] == [1, 2, 3, 4, 6, 8, 12, 16, 24, 32]
 
 
 def test_three_coarser_levels_must_agree():
@@ -109,10 +110,10 @@ def means(force, edges):
 def test_peaks_behind_averages(cut):
     edges = np.unique(np.concatenate((np.arange(101.0), np.arange(100) + cut)))
     top = [-1 / 1600, 2 * 50.3 / 1600, 1 - 50.3**2 / 1600]
-    assert peak(edges, means(top, edges)) == pytest.approx(1.0, abs=1e-12)
-    assert peak(np.arange(4), np.zeros(3)) == 0.0
+    assert largest_force(edges, means(top, edges), 0, len(edges) - 1) == pytest.approx(1.0, abs=1e-12)
+    assert largest_force(np.arange(4), np.zeros(3), 0, 3) == 0.0
     jump = means([1e-4, -0.02, 1.0], edges)
     for force, ends in ((jump, edges), (jump[::-1], 100 - edges[::-1])):
         padded = np.concatenate(([0.0, 0.0], force))
         after = np.concatenate((ends[0] - [2.0, 1.0], ends))
-        assert peak(after, padded) == pytest.approx(1.0, abs=1e-12)
+        assert largest_force(after, padded, 0, len(padded)) == pytest.approx(1.0, abs=1e-12)

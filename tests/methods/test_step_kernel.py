@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from laid_out import LaidOut, on_whole_steps
 from networks import STEP, UNIT, random_network, run_network, unit_rod
 from scipy.integrate import quad
 
@@ -15,17 +16,14 @@ import rodimpact as ri
 from rodimpact.methods import contact_law_kernel as lk
 from rodimpact.methods import finality_kernel, kernels
 from rodimpact.methods.clock import STEP_TICKS as TICKS
-from rodimpact.methods.row import Row
+from rodimpact.methods.steps import search_kernel
 from rodimpact.methods.steps import step_kernel as ck
-from rodimpact.methods.steps.delays import transit_ticks
-from rodimpact.methods.steps.machine import Machine
 
 PARTS = ("state", "tally", "signals")
 
 
 def machine_of(system, room, step=STEP, cuts=()):
-    plan = Row(system)
-    return Machine(plan, transit_ticks(plan, step), step, room, cuts)
+    return LaidOut(system, room, step, cuts)
 
 
 def whole_network(seed):
@@ -34,7 +32,7 @@ def whole_network(seed):
     while True:
         system = random_network(int(rng.integers(10**6)))
         closed = all(isinstance(end, ri.Free) for end in system.ends)
-        if closed and not any(T % TICKS for T in transit_ticks(Row(system), STEP)):
+        if closed and on_whole_steps(system, STEP):
             return system
 
 
@@ -106,16 +104,14 @@ def test_a_run_in_pieces_is_the_whole_run(driven):
         assert bits(whole) == bits(pieces), seed
 
 
-@pytest.mark.parametrize("driven", [False, True])
-def test_signals_that_grow_are_the_signals_of_enough_room(driven):
-    for seed in range(40):
-        system = random_network(seed, driven=driven)
-        whole, growing = machine_of(system, 200), machine_of(system, 7)
-        whole.advance(200)
-        for end in (7, 9, 13, 50, 200):
-            growing.advance(end)
-        assert growing.room == 200
-        assert bits(whole) == bits(growing), seed
+def test_a_run_that_outgrows_its_room_is_the_run_with_enough_room(monkeypatch):
+    monkeypatch.setattr(kernels, "enabled", lambda: False)
+    for seed in range(12):
+        system = random_network(seed, bodies=2)
+        whole = ri.solve(system, dt=STEP, max_events=3000)
+        with monkeypatch.context() as patch:
+            patch.setattr(search_kernel, "FIRST_ROOM", 3)
+            assert ri.solve(system, dt=STEP, max_events=3000).run.contacts == whole.run.contacts
 
 
 # Laws ---------------------------------------------------------------------------------------------
@@ -188,7 +184,7 @@ def chain(masses, speeds, laws, gaps=None, walls=(None, None), damping=0.0, stif
     law = [lk.FREE if walls[0] is None else laws[0], *laws[1:-1],
            lk.FREE if walls[1] is None else laws[-1]]
     row = ck.State(
-        [0, 0], [0.0, 0.0], [0.0, 0.0], [1.0], [0.0, 0.0], [0, m], list(masses), law,
+        [0, 0], [0.0, 0.0], [0.0, 0.0], [1], [1.0], [0.0, 0.0], [0, m], list(masses), law,
         [stiffness] * links, [EXPONENT.get(each, 1.0) for each in laws], [damping] * links,
         gaps or [0.0] * links, [0.0] * links, [0.0] * links, [1] * links, list(speeds), [0.0],
     )
@@ -396,7 +392,7 @@ def test_after_the_proof_nothing_presses():
     proved = met = 0
     for seed in range(150):
         system = random_network(seed, bodies=3)
-        machine = machine_of(system, 400)
+        machine = machine_of(system, 2000)
         while machine.taken < 400 and machine.finality_time():
             machine.advance(machine.taken + 16)
         if machine.finality_time() == 0:
@@ -419,7 +415,7 @@ def test_an_end_is_where_its_strains_put_it(right, cuts):
     rod = unit_rod(velocity=wave, strain=ri.Samples([0.4, 0.0, -0.1, 0.7]))
     system = ri.System([ri.Wall(), rod] if right else [rod, ri.Wall()], [5.0])
     machine = machine_of(system, 128, step=1 / 32, cuts=cuts)
-    machine.advance(7 * len(machine.state.part))
+    machine.advance(7 * (len(machine.places) - 1))
     row, signals, j, k = machine.state, machine.signals, machine.taken, 0 if right else 1
     group = ck.group_motion(row, signals, k, 0, right, j, machine.tol)
     away, bound = ck.deviation_bound(row, signals, k, 0, right, j, group, machine.tol)
@@ -465,14 +461,12 @@ def test_the_proof_waits_no_longer_than_it_says():
 
 
 def test_a_squeezed_mass_is_told_in_a_sentence(monkeypatch):
-    from rodimpact import InvalidModel
-    from rodimpact.methods.steps import machine as step_machine
+    from rodimpact.methods.steps import level_kernel
 
-    machine = machine_of(random_network(0), 8)
-    monkeypatch.setattr(step_machine, "run", lambda *_: ck.SQUEEZED)
+    monkeypatch.setattr(level_kernel, "run", lambda *_: ck.SQUEEZED)
     monkeypatch.setattr(kernels, "enabled", lambda: False)
-    with pytest.raises(InvalidModel, match=r"squeezed.*no room.*compliant law"):
-        machine.advance(8)
+    with pytest.raises(ri.InvalidModel, match=r"squeezed.*no room.*compliant law"):
+        run_network(random_network(0))
 
 
 def test_tallies_are_sums_over_the_signals():

@@ -7,13 +7,16 @@ import pytest
 from exhaustive import few_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from laid_out import places_of
 from networks import STEP, UNIT, random_network, run_network, shifted, unit_rod
 from scipy.integrate import solve_ivp
 from systems import horizon, random_system
 
 import rodimpact as ri
+from rodimpact.methods import kernels
 from rodimpact.methods.clock import STEP_TICKS
-from rodimpact.methods.refinement import peak
+from rodimpact.methods.measure_kernel import largest_force
+from rodimpact.methods.steps import layout, search_kernel
 from rodimpact.methods.steps import method as characteristics
 
 seeds = st.integers(0, 10**6)
@@ -170,8 +173,8 @@ def test_mass_on_a_fixed_rod(ratio, time, rebound, struck, fixed, held):
         ticks = s.fields.steps
         t = ticks[:-1] * s.fields.clock.tick
         near, far = np.count_nonzero(t < over), np.count_nonzero(t < over + 1)
-        top = peak(ticks[: near + 1], s.contacts[0].force(t[:near]))
-        fixed = peak(ticks[: far + 1], -s.stress(1, 1.0, t[:far]))
+        top = largest_force(ticks, s.contacts[0].force(t[:near]), 0, near)
+        fixed = largest_force(ticks, -s.stress(1, 1.0, t[:far]), 0, far)
         return np.array([over, float(s.velocity(0, 0.0, over + 1 / n)), top, fixed])
 
     found = values(600)
@@ -689,7 +692,8 @@ def test_rtol_is_kept(rtol):
 
 
 def test_what_does_not_converge_is_named(monkeypatch):
-    monkeypatch.setattr(characteristics, "FINEST", 128)
+    monkeypatch.setattr(kernels, "enabled", lambda: False)
+    monkeypatch.setattr(search_kernel, "MOST_DIVIDED", 128)
     row = [ri.RigidMass(1.0, velocity=1.0), unit_rod()]
     s = solved(row, 4.0, rtol=1e-9)
     assert "Not converged to 1e-09: " in s.status
@@ -701,12 +705,13 @@ def test_what_does_not_converge_is_named(monkeypatch):
 
 
 def test_four_levels_at_least(monkeypatch):
-    steps, level = [], characteristics._level
-    monkeypatch.setattr(characteristics, "_level",
-                        lambda *a: steps.append(a[1]) or level(*a))
+    sizes, measure = [], search_kernel.measure
+    monkeypatch.setattr(kernels, "enabled", lambda: False)
+    monkeypatch.setattr(search_kernel, "measure",
+                        lambda *a: sizes.append(a[3].step[0]) or measure(*a))
     row = [unit_rod(velocity=1.0), unit_rod()]
     solved(row, rtol=1e-3)
-    assert np.array(steps) * 64 == pytest.approx([1, 1 / 2, 1 / 3, 1 / 4])
+    assert np.array(sizes) * 28 == pytest.approx([1, 1 / 2, 1 / 3, 1 / 4])
 
 
 @pytest.mark.parametrize("law", [ri.Spring(1e2), ri.Hertz(1e3), ri.HuntCrossley(1e3, 0.1)])
@@ -716,7 +721,7 @@ def test_the_first_step_is_a_twentieth_of_the_contact_of_masses(law):
     m, v, power = 0.0075, 2.0, 2.0 if isinstance(law, ri.Spring) else 2.5  # twice the speed
     deepest = (power * m * v * v / (2 * law.stiffness)) ** (1 / power)
     beta = math.gamma(1 / power) * math.sqrt(math.pi) / math.gamma(1 / power + 0.5) / power
-    assert characteristics._resolving(plan) == pytest.approx(deepest / v * beta / 10, rel=1e-4)
+    assert layout._resolving(plan) == pytest.approx(deepest / v * beta / 10, rel=1e-4)
 
 
 def test_a_stiff_contact_of_a_mass_is_resolved():
@@ -831,9 +836,7 @@ def test_jumps_of_the_initial_state_and_of_drives_cut_the_steps():
     rod = unit_rod(velocity=ri.Steps([1.0, 0.0], [0.3]))
     drive = ri.Steps([0.0, 1.0], [0.65])  # of 0.2 steps
     system = ri.System([rod, ri.RigidMass(1.0)], ends=(ri.Moved(drive), ri.Free()))
-    plan = characteristics.Row(system)
-    places = characteristics.given_jumps(plan, [8 * STEP_TICKS], 1 / 8)
-    assert np.array(places) / STEP_TICKS == pytest.approx([0.2, 0.4, 0.6], abs=1e-10)
+    assert places_of(system, 1 / 8) == pytest.approx([0.2, 0.4, 0.6], abs=1e-10)
 
 
 @pytest.mark.parametrize("rest", [0.1, 0.6])

@@ -24,8 +24,9 @@ from .. import kernels
 from ..clock import STEP_TICKS, Clock
 from ..contact_law_kernel import RIGID
 from ..finality_kernel import NEVER
+from ..measure_kernel import largest_force
 from ..memory import ask
-from ..refinement import MEASURES, contact_measures, peak, refined, velocity_measure
+from ..refinement import MEASURES, contact_measures, refined, velocity_measure
 from ..row import Array, Row
 from ..run import Progress, Run
 from ..stepped import StepRecord, as_run
@@ -82,13 +83,13 @@ class GridRun(SteppedRun):
         Beside a jump waves on a grid overshoot by a share that no finer mesh makes less; averages
         over a few steps do not.
         """
-        peaks, less = [0.0], [0.0]
+        peaks, less, times = [0.0], [0.0], self.edges * self.clock.tick
         for contact, link in self.row.opening.items():
             if self.row.laws[link] == RIGID:
                 force = self.contact(contact)[0]
                 passed = np.concatenate((np.zeros(RINGING), np.cumsum(force)))
                 means = (passed[RINGING:] - passed[:-RINGING]) / RINGING
-                peaks.append(peak(self.edges, force))
+                peaks.append(largest_force(times, force, 0, self.steps))
                 less.append(peaks[-1] - float(means.max(initial=0.0)))
         return max(less) / (max(peaks) or 1.0)
 

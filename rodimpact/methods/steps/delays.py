@@ -1,23 +1,11 @@
-"""Transit times on the clock of a time step: whole steps, or means of two, and what these lose."""
+"""Delays on the clock of a time step: whole steps, or means of two, and what these lose."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..clock import STEP_TICKS
-from ..row import Array, Row
-
-WHOLE = 4  # ticks by which a transit may miss a whole number of steps: round-off
-
-
-def transit_ticks(row: Row, step: float) -> list[int]:
-    """Transit times of the segments in ticks; whole steps where they are that but for round-off."""
-    transits = []
-    for s in row.segments:
-        ticks = max(STEP_TICKS, round(float(s.transit_time) / step * STEP_TICKS))
-        near = round(ticks / STEP_TICKS) * STEP_TICKS
-        transits.append(near if abs(ticks - near) <= WHOLE + (ticks >> 50) else ticks)
-    return transits
+from ..row import Array
 
 
 def edges_of_parts(places: Array, first: int, last: int) -> Array:

@@ -1,49 +1,36 @@
-"""The method "characteristics": end signals as averages over a common time step.
+"""The method "characteristics": end signals averaged over a common time step.
 
 It carries what piecewise constant fronts cannot: rigid masses, compliant contacts, gravity, driven
-ends and smooth initial states. The row is laid out once; the step is chosen so that transit times
-are whole numbers of steps where they can be, and divided until the outcome stands still. Steps are
-cut where contacts close, which a run finds one after the other and begins anew for each.
+ends and smooth initial states. The step is chosen so that transit times are whole numbers of steps
+where they can be, and divided until the outcome stands still.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...model import Rod, Steps
 from ...model.frozen import InvalidModel
 from .. import abilities as physics
-from .. import kernels
-from ..clock import STEP_TICKS, Clock
-from ..contact_law_kernel import IMPACT, RIGID, SPRING
-from ..finality_kernel import NEVER
-from ..groups import groups
-from ..refinement import contact_measures, refined, velocity_measure
+from ..clock import STEP_TICKS
+from ..contact_law_kernel import RIGID
+from ..refinement import MEASURES
 from ..row import Array, Row
-from ..run import Run, Waves
+from ..run import GroupTotals, Run, Waves
 from ..signals import StepSignal
 from ..stepped import StepRecord, as_run
 from ..stepped_run import SteppedRun, clock_of_steps
-from .delays import WHOLE, arriving, lost_to_means, transit_ticks
-from .machine import Machine, check_memory
-from .step_kernel import CUTS, LINK, State, choose_step, inside
+from .delays import arriving, edges_of_parts
+from .layout import Work
+from .level_kernel import CLOSINGS, CUT, FINAL, LONGEST, PARTS, PROOF, REASON, TAKEN
+from .machine import Machine
+from .step_kernel import State, inside
 
 RTOL = 1e-5
-FIRST = 64  # fewest steps of the longest transit
-FINEST = 1 << 14  # most steps of the longest transit in the search for an accurate step
-ROUGHEST = 1 << 12  # the same where contacts close and open between steps, of which order 1 is left
-SHORTEST = 4  # fewest steps of the shortest transit
-MOST_STEPS = 1 << 16  # of the longest transit, that the shortest may ask for
-MOST_CUTS = 24  # of a step, where contacts close
-MOST_SEARCHED = 10_000  # steps of the longest transit, among which all transits may be whole
-MOMENT = STEP_TICKS >> 21  # ticks before and after an impact
-SAME = 1 / 16  # steps: a contact that closes so near to where it did was placed badly before
+STOPPED_BY = ("final", "until", "max_events")
+"""Why a run stopped, in the kernel's order."""
 
 
 class Closing(NamedTuple):
@@ -51,14 +38,6 @@ class Closing(NamedTuple):
 
     time: float
     link: int
-
-    def places(self, row: Row, step: float) -> list[float]:
-        """Ticks at which steps are cut: where the force begins, or around the moment of an impact.
-
-        The bodies of an impact change their velocity in the middle of a part, so that is short.
-        """
-        tick = self.time / step * STEP_TICKS
-        return [tick - MOMENT, tick + MOMENT] if row.laws[self.link] == IMPACT else [tick]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,50 +70,6 @@ class StepRun(SteppedRun):
     def arriving(self, line: int) -> Array:
         """What arrived at the other end in each step, in the falling frame."""
         return arriving(self.wave(line), self.clock.ticks[line // 2], np.diff(self.edges))
-
-    @property
-    def free_velocities(self) -> list[float]:
-        """At the end, of the centres of mass of groups of bonded bodies that nothing holds, m/s."""
-        a, row = self.clock, self.row
-        free: list[float] = []
-        fall = row.frame + row.gravity * a.tick * float(self.edges[-1])
-        edges = np.concatenate((self.edges_before, self.edges))
-        bonded = groups(row.system)
-        for group in bonded:
-            mass = momentum = 0.0
-            for body in group:
-                for s in range(row.spans[body][0], row.spans[body][1] + 1):
-                    start = self.edges[-1] - a.ticks[s]
-                    for wave in (self.wave(2 * s), self.wave(2 * s + 1)):
-                        stays = np.diff(np.maximum(edges[-1 - len(wave) :], start))
-                        momentum += a.impedance[s] / 2 * float(wave @ stays) * a.tick
-                    mass += a.impedance[s] * a.ticks[s] * a.tick
-                m = row.mass_of[body]
-                if 0 <= m < len(row.masses) and (body == 0 or row.mass_of[body - 1] != m):
-                    mass += row.masses[m]
-                    momentum += row.masses[m] * float(self.speed(m)[-1])
-            held = any(
-                kind in ("velocity", "absorbing") and group is end
-                for (kind, _), end in zip(row.outside, (bonded[0], bonded[-1]), strict=True)
-            )
-            if mass and not held:
-                free.append(float(momentum / mass + fall))
-        return free
-
-    @property
-    def energy_lost(self) -> float:
-        """Energy lost to the time step, of that which was there or was turned over."""
-        a, lasts = self.clock, np.diff(self.edges)
-        lost = float(np.sum(self.tally.numerical)) * self.step
-        there = sum(M * v * v for M, v in zip(
-            self.row.masses, np.array(self.row.mass_velocity) - self.row.frame, strict=True)) / 2
-        for line in range(2, 2 * len(a.ticks) - 2):
-            s, wave = line // 2, self.wave(line)
-            lost += a.impedance[s] * a.tick * float(np.sum(lost_to_means(wave, a.ticks[s], lasts)))
-            before = np.maximum(np.append(self.edges_before[-self.before(line) :], 0), -a.ticks[s])
-            there += a.impedance[s] * a.tick / 4 * float(
-                np.diff(before) @ wave[: self.before(line)] ** 2)
-        return lost / there if there > 0 else 0.0
 
     @property
     def largest_strain(self) -> float:
@@ -234,7 +169,7 @@ def follow(
     dt : float, optional
         Step, s; chosen if not given.
     rtol : float, optional
-        Relative accuracy to which the step is halved.
+        Relative accuracy to which the step is divided.
 
     Raises
     ------
@@ -242,201 +177,72 @@ def follow(
         If the run takes too much memory.
     """
     row.check_scales()
+    check_step(row, dt)
+    goal = RTOL if rtol is None else rtol
+    machine = Machine(row, until, most_parts(row, max_events))
+    machine.search(dt, goal)
+    run = finished(machine, goal)
+    return run if dt is None else replace(run, estimates={})
+
+
+def most_parts(row: Row, max_events: int) -> int:
+    """Cap on parts of steps, of one on steps times ends."""
+    return max(1, max_events // (len(row.segments) + 1))
+
+
+def finished(machine: Machine, goal: float) -> StepRun:
+    """Go on for a round trip of the longest rod after a proof, and hand over."""
+    row, at = machine.row, machine.work.level.at
+    totals, estimates = totals_of(machine.work), estimates_of(machine.work)
+    if at[REASON] == FINAL:
+        machine.extend(2 * at[LONGEST] - 1)
+    machine.to_arrays()
+    level, state, tally, signals = machine.work[4:8]
+    taken, ticks = int(level.at[TAKEN]), level.ticks[1:-1].tolist()
+    edges = level.edges[: taken + 1].copy()
+    earliest = -max(inside(state, s + 1) for s in range(len(ticks)))
+    closings = [
+        Closing(float(level.closing_time[q]), int(level.closing_link[q]))
+        for q in range(level.at[CLOSINGS])
+    ]
+    return StepRun(
+        clock=_clock(row, ticks, float(level.step[0])), row=row, step=float(level.step[0]),
+        edges=edges, end=int(edges[-1]), events=taken * (len(ticks) + 1), tally=tally,
+        signals=signals,
+        finality_time=int(level.at[PROOF]), stopped_by=STOPPED_BY[level.at[REASON]],
+        edges_before=edges_of_parts(level.places[: level.at[PARTS] + 1], earliest, -1),
+        state=state, closings=closings if level.at[CUT] else None, estimates=estimates, rtol=goal,
+        totals=totals,
+    )
+
+
+def check_step(row: Row, dt: float | None) -> None:
+    """Raise InvalidModel where a given step is longer than the shortest transit."""
     transits = [float(s.transit_time) for s in row.segments]
     if dt is not None and dt > min(transits) * (1 + 2.0**-36):
         path = row.paths[1 + transits.index(min(transits))]
         message = f"must not exceed the shortest transit time, {min(transits):.6g} s of {path}"
         raise InvalidModel([("dt", f"{message}, got {dt!r}")])
-    if dt is not None:
-        return _level(row, dt, until, max_events, [])
-    goal = RTOL if rtol is None else rtol
-    least = max(FIRST, math.ceil(SHORTEST * max(transits) / min(transits)),
-                math.ceil(max(transits) / _resolving(row)))
-    if least > MOST_STEPS:
-        short = min(range(len(transits)), key=transits.__getitem__)
-        message = (
-            f"its transit time or that of a contact is so short beside the longest, "
-            f"{max(transits):.3g} s, that this would take {least:.3g} steps; leave it out, soften "
-            "the contact of a mass, or give the step dt"
-        )
-        raise InvalidModel([(row.paths[short + 1], message)])
-    number, smear = _choose(transits, least, max(MOST_SEARCHED, 2 * least), 0.0)
-    fits = smear <= WHOLE / STEP_TICKS
-    abrupt = begins_with_jumps(row)
-
-    closings: list[Closing] | None = [] if fits and abrupt else None
-
-    def level(factor: int) -> StepRun:
-        nonlocal closings
-        steps = factor * number
-        if not fits:  # another share of a step on every level
-            low = factor * least
-            steps, _ = _choose(transits, low, 4 * low // 3 - 1, float(abrupt))
-        run = _level(row, max(transits) / steps, until, max_events, closings)
-        closings = run.closings
-        return run
-
-    first = number if fits else least
-    finest = FINEST if fits or not abrupt else ROUGHEST
-    run, estimates = refined(level, measures, goal, 2 * finest // first, _energy_error)
-    return replace(run, estimates=estimates, rtol=goal)
 
 
-def measures(run: StepRun) -> dict[str, Array]:
-    """What is to stand still: velocities, and what the contacts did."""
-    velocity = velocity_measure(run.free_velocities, run.row.scale)
-    return {"velocity": velocity, **contact_measures(run)}
-
-
-def begins_with_jumps(row: Row) -> bool:
-    """Whether a contact is rigid, an impact or a dashpot, so that its force begins with a jump."""
-    return any(
-        RIGID <= law <= IMPACT or (law == SPRING and damping > 0)
-        for law, damping in zip(row.laws, row.damping, strict=True)
+def totals_of(work: Work) -> GroupTotals:
+    """What the kernel has added up of groups and bodies."""
+    search = work.search
+    return GroupTotals(
+        *(np.array(x) for x in (search.before, search.after, search.vibration))
     )
 
 
-def _energy_error(run: StepRun) -> dict[str, float]:
-    """Share of the energy that jumps inside steps lose: so much may be missing elsewhere."""
-    return {"energy": run.energy_lost} if RIGID in run.row.laws else {}
+def estimates_of(work: Work) -> dict[str, float]:
+    """Estimated errors by the names of the measures."""
+    named = zip(("velocity", *MEASURES, "energy"), work.search.estimates, strict=True)
+    found = {name: float(error) for name, error in named}
+    if RIGID not in work.make.law:
+        del found["energy"]
+    return found
 
 
-def _choose(transits: list[float], least: int, most: int, power: float) -> tuple[int, float]:
-    """Let `choose_step` choose, compiled where that costs nothing more."""
-    choose: Callable[..., Any] = choose_step
-    if kernels.enabled() and kernels.started():
-        choose = kernels.compiled(choose_step)
-    times: Any = transits if choose is choose_step else np.array(transits)
-    number, smear = choose(times, least, most, WHOLE / STEP_TICKS, power)
-    return int(number), float(smear)
-
-
-def _resolving(row: Row) -> float:
-    """Step that resolves the contact of a mass with a stiff neighbour: a twentieth of its time."""
-    finest, v = math.inf, 2 * row.scale or 1.0
-    for i, sides in enumerate(row.beside):
-        around = [row.masses[m] for kind, m in sides if kind == "mass"]
-        if around and row.laws[i] >= SPRING:
-            m, stiff, power = 1 / sum(1 / M for M in around), row.stiffness[i], row.exponent[i] + 1
-            if power == 2:
-                finest = min(finest, math.pi * math.sqrt(m / stiff) / 20)
-            else:
-                deepest = (power / 2 * m * v * v / stiff) ** (1 / power)
-                finest = min(finest, 2.9432 * deepest / v / 20)
-    longest = max(float(s.transit_time) for s in row.segments)
-    return max(finest, longest / FINEST * 4)
-
-
-def _level(
-    row: Row, step: float, until: float | None, max_events: int, closings: list[Closing] | None
-) -> StepRun:
-    """One run with a given step, which is cut where contacts close whose force begins with a jump.
-
-    `closings` are those known of a run with another step; None if there are more than steps are cut
-    for. The run has its own.
-    """
-    check_memory(row, step, until or 0.0, 1)
-    ticks = transit_ticks(row, step)
-    if closings is None or not begins_with_jumps(row) or any(T % STEP_TICKS for T in ticks):
-        run = attempt(row, ticks, step, [], until, max_events, may_cut=False)
-        assert isinstance(run, StepRun)
-        return run
-    jumps = given_jumps(row, ticks, step)
-    for _ in range(MOST_CUTS):
-        cuts = places_inside([*jumps, *(x for c in closings for x in c.places(row, step))])
-        new = attempt(row, ticks, step, cuts, until, max_events, may_cut=True)
-        if isinstance(new, StepRun):
-            return replace(new, closings=closings)
-        closings = [
-            x for x in closings if x.link != new.link or abs(x.time - new.time) > SAME * step
-        ] + [new]
-        if len(closings) > MOST_CUTS:
-            break
-    return _level(row, step, until, max_events, None)
-
-
-def places_inside(ticks: Iterable[float]) -> list[int]:
-    """Places of ticks in their steps, in order, without those at the ends and beside others."""
-    inside_step = sorted({round(x) % STEP_TICKS for x in ticks})
-    return [x for before, x in pairwise([0, *inside_step])
-            if x - before > WHOLE and STEP_TICKS - x > WHOLE]
-
-
-def given_jumps(row: Row, ticks: list[int], step: float) -> list[int]:
-    """Ticks in a step at which jumps of the initial state and of drives pass the ends of segments.
-
-    None of them where there are more than a step is cut for.
-    """
-    jumps: list[float] = []
-    for body, (first, last) in zip(row.system.bodies, row.spans, strict=True):
-        profiles = (body.velocity, body.strain) if isinstance(body, Rod) else ()
-        at = [float(x) for p in profiles if isinstance(p, Steps) for x in p.at]
-        left = 0.0
-        for s in range(first, last + 1):
-            L = float(row.segments[s - 1].length)
-            away = [(x - left) / L * ticks[s - 1] for x in at if left < x < left + L]
-            jumps += [*away, *(-x for x in away)]
-            left += L
-    for _, value in row.outside:
-        if isinstance(value, Steps):
-            jumps += [float(t) / step * STEP_TICKS for t in value.at]
-    if any(law == IMPACT and gap == 0 for law, gap in zip(row.laws, row.gap, strict=True)):
-        jumps.append(MOMENT)
-    places = places_inside(jumps)
-    return places if len(places) <= MOST_CUTS else []
-
-
-def attempt(
-    row: Row, ticks: list[int], step: float, cuts: list[int], until: float | None,
-    max_events: int, may_cut: bool,
-) -> StepRun | Closing:
-    """One run with given cuts, or the first closing inside a part of a step."""
-    parts, nodes = len(cuts) + 1, len(ticks) + 1
-    check_memory(row, step, until or 0.0, parts)
-    longest = max(
-        math.ceil(sum(ticks[first - 1 : last]) / STEP_TICKS) for first, last in row.spans
-    ) * parts
-    proof, reason, going = -1, "until", True
-    cap = max(1, max_events // nodes)
-    end = None if until is None else round(until / step * STEP_TICKS)
-    room = 8 * longest if end is None else max(1, -(-end // STEP_TICKS)) * parts
-    machine = Machine(row, ticks, step, room, cuts)
-    machine.clock[CUTS] = may_cut
-    if end is not None:
-        first = np.searchsorted(machine.places, end % STEP_TICKS, "right") - 1
-        going = machine.advance(end // STEP_TICKS * parts + int(first))
-        if going and machine.finality_time() == 0:
-            proof = machine.taken
-        going = going and machine.finish(end)
-    else:
-        while going and proof < 0 and machine.taken < cap:
-            wait = machine.finality_time()
-            if wait == 0:
-                proof = machine.taken
-            else:
-                # an eighth more each time, so that proofs and copies cost no more than the run
-                pause = min(wait, 8 * longest) if wait < NEVER else longest
-                more = max(longest, pause, machine.taken // 8)
-                going = machine.advance(min(cap, machine.taken + more))
-        reason = "final" if proof >= 0 else "max_events"
-        if proof >= 0:
-            going = machine.advance(machine.taken + 2 * longest)
-    if not going:
-        when = machine.taken // parts + float(machine.state.closed[0])
-        return Closing(when * step, int(machine.clock[LINK]))
-    edges = machine.edges(0, machine.taken)
-    if end is not None:
-        edges[-1] = end
-    earliest = -max(inside(machine.state, s + 1) for s in range(len(ticks)))
-    return StepRun(
-        clock=_clock(row, ticks, step), row=row, step=step, edges=edges, end=int(edges[-1]),
-        events=machine.taken * nodes, tally=machine.tally, signals=machine.signals,
-        finality_time=proof, stopped_by=reason, edges_before=machine.edges(earliest, -1),
-        state=machine.state,
-    )
-
-
-def _clock(row: Row, ticks: list[int], step: float) -> Clock:
+def _clock(row: Row, ticks: list[int], step: float) -> Any:
     """Clock of a row whose segments have transit times of so many ticks."""
     errors = [abs(T * (step / STEP_TICKS) / float(s.transit_time) - 1)
               for T, s in zip(ticks, row.segments, strict=True)]

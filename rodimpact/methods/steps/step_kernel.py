@@ -64,6 +64,7 @@ class State(NamedTuple):
     steps: Any  # [segment] whole parts of steps in the transit time, 0 outside
     share: Any  # [segment] what of one more step there is
     transit: Any  # [segment] both together, in steps
+    parts: Any  # [1] into how many parts each step is cut
     part: Any  # [part] durations of the parts of a step
     mobility: Any  # [segment] 1/Z; 0 for a wall, that of the rod for an absorbing end
     first: Any  # [node + 1] first mass at the node; links of node k begin at k + first[k]
@@ -145,7 +146,7 @@ def join(state: State, tally: Tally, signals: Signals, k: int, j0: int, j1: int)
     wl, wr = state.share[k], state.share[k + 1]
     forced = state.law[i] == FORCE
     impulse, F = tally.impulse[i], state.force[i]
-    parts = len(state.part)
+    parts = state.parts[0]
     m = j0 % parts
     for j in range(j0, j1):
         a, b = wave[p + j], wave[q + j]
@@ -184,7 +185,7 @@ def touch(
     Z, gap, F = 1 / (Yl + Yr), state.gap[i], state.force[i]
     impulse, peak = tally.impulse[i], tally.peak[i]
     last, pressed = tally.last[i], tally.pressed[i]
-    parts = len(state.part)
+    parts = state.parts[0]
     m = j0 % parts
     for j in range(j0, j1):
         a, b, d = wave[p + j], wave[q + j], state.part[m]
@@ -230,7 +231,7 @@ def touch(
 
 def closes_inside(state: State, clock: Any, i: int, j: int, after: float) -> bool:
     """Note where in its step link i closes, `after` part j begins, if that is inside the part."""
-    m = j % len(state.part)
+    m = j % state.parts[0]
     if after <= PLACED or after >= state.part[m] - PLACED:
         return False
     before: float = 0.0
@@ -255,7 +256,7 @@ def press(
     wl, wr = state.share[k], state.share[k + 1]
     law, stiffness, exponent = state.law[i], state.stiffness[i], state.exponent[i]
     damping, w = state.damping[i], state.closing[i]
-    parts = len(state.part)
+    parts = state.parts[0]
     m = j0 % parts
     for j in range(j0, j1):
         a, b, gap, d = wave[p + j], wave[q + j], state.gap[i], state.part[m]
@@ -375,7 +376,7 @@ def resolve_contact(
     """Masses and contacts at node k in part j; SQUEEZED where they cannot move."""
     m0, i0, last = state.first[k], k + state.first[k], state.first[k + 1] - state.first[k]
     n, free, mobility, force = len(state.steps) - 2, points.free, points.mobility, links.force
-    d: float = state.part[j % len(state.part)]
+    d: float = state.part[j % state.parts[0]]
     speed = gather(state, signals, points, links, k, j, d)
     struck = True
     while struck:
@@ -502,7 +503,7 @@ def stay(state: State, s: int, i: int, j: int) -> float:
     """How long, of what left in part i, is still on its way through segment s before part j."""
     if i < j - state.steps[s]:
         return float(state.share[s])
-    return float(state.part[(i + 2 * state.steps[s]) % len(state.part)])
+    return float(state.part[(i + 2 * state.steps[s]) % state.parts[0]])
 
 
 def group_motion(

@@ -1,0 +1,218 @@
+"""A row, or a family of them, as numbers for the kernels of this method, and their work space."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import reduce
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...model import Rod, Samples, Steps
+from ...model.frozen import Number
+from .. import kernels
+from ..abilities import driven
+from ..contact_law_kernel import IMPACT, RIGID, SPRING, Chain, Tally
+from ..groups import groups
+from ..memory import ask
+from ..row import Row
+from .level_kernel import MOST_CUTS, MOST_PLACES, NONE, Level, Limit, Make, Numbers
+from .search_kernel import MEASURES, MOST_DIVIDED, MOST_LEVELS, Search, width_of_measures
+from .step_kernel import Points, Signals, State
+
+OUTSIDE = ("none", "velocity", "force", "absorbing")
+"""Kinds of what acts on an end, in the kernel's order."""
+
+
+class Work(NamedTuple):
+    """What the kernels of a run work on, in the order of their arguments; lists or arrays."""
+
+    make: Make
+    numbers: Numbers
+    limit: Limit
+    search: Search
+    level: Level
+    state: State
+    tally: Tally
+    signals: Signals
+    points: Points
+    links: Chain
+    clock: Any
+
+
+def is_even(row: Row) -> bool:
+    """Whether all that moves at t = 0, and all that acts from outside, is a number."""
+    profiles = [value for _, value in row.outside]
+    for body in row.system.bodies:
+        profiles += [body.velocity, body.strain] if isinstance(body, Rod) else []
+    return not any(isinstance(profile, Steps | Samples) for profile in profiles)
+
+
+def make_of(row: Row) -> Make:
+    """What a family of rows has in common, on lists."""
+    system, masses = row.system, len(row.masses)
+    bonded = groups(system)
+    group_of = {body: g for g, group in enumerate(bonded) for body in group}
+    group, mass_group, body_mass = [0] * (len(row.segments) + 2), [0] * masses, []
+    for body, (first, last) in enumerate(row.spans):
+        for s in range(first, last + 1):
+            group[s] = group_of[body]
+        m = row.mass_of[body]
+        body_mass.append(m if m < masses else -1)
+        if 0 <= m < masses:
+            mass_group[m] = group_of[body]
+    held = [0] * len(bonded)
+    for (kind, _), g in zip(row.outside, (0, -1), strict=True):
+        if kind in ("velocity", "absorbing"):
+            held[g] = 1
+    first_segment, last_segment = (list(ends) for ends in zip(*row.spans, strict=True))
+    return Make(
+        first=row.first, law=row.laws, opening=list(row.opening.values()), group=group,
+        mass_group=mass_group, held=held, body_first=first_segment, body_last=last_segment,
+        body_mass=body_mass, outside=[OUTSIDE.index(kind) for kind, _ in row.outside],
+        jump_segment=[s for s, _ in _jumps(row)],
+        kind=[int(driven(system)), int(begins_with_jumps(row)), int(RIGID in row.laws)],
+    )
+
+
+def numbers_of(row: Row) -> Numbers:
+    """What members of a family differ in: floats, or arrays of the shape of a family."""
+    right: list[Number] = [0.0] * len(row.segments)
+    left = right[:]
+    for body, (first, last) in zip(row.system.bodies, row.spans, strict=True):
+        if isinstance(body, Rod) and not isinstance(body.velocity, Steps | Samples) and (
+            not isinstance(body.strain, Steps | Samples)
+        ):
+            for s in range(first - 1, last):
+                v, stretch = body.velocity - row.frame, body.strain * row.segments[s].wave_speed
+                right[s], left[s] = v - stretch, v + stretch
+    outside = [0.0 if isinstance(v, Steps | Samples) else v for _, v in row.outside]
+    return Numbers(
+        transit=[s.transit_time for s in row.segments],
+        impedance=[s.impedance for s in row.segments],
+        right=right, left=left, stiffness=row.stiffness, exponent=row.exponent,
+        damping=row.damping, gap=row.gap, mass=row.masses,
+        speed=[v - row.frame for v in row.mass_velocity],
+        weight=[getattr(b, "mass", 0.0) if m >= 0 else 0.0
+                for b, m in zip(row.system.bodies, row.mass_of, strict=True)],
+        outside=outside, jump_place=[x for _, x in _jumps(row)],
+        setting=[row.frame, row.gravity, row.scale, _resolving(row)],
+    )
+
+
+def begins_with_jumps(row: Row) -> bool:
+    """Whether a contact is rigid, an impact or a dashpot, so that its force begins with a jump."""
+    return any(
+        RIGID <= law <= IMPACT or (law == SPRING and bool(np.any(np.asarray(damping) > 0)))
+        for law, damping in zip(row.laws, row.damping, strict=True)
+    )
+
+
+def _jumps(row: Row) -> list[tuple[int, float]]:
+    """Where the initial state jumps, and drives: segment and share of it, or 0 and time in s."""
+    jumps: list[tuple[int, float]] = []
+    for body, (first, last) in zip(row.system.bodies, row.spans, strict=True):
+        profiles = (body.velocity, body.strain) if isinstance(body, Rod) else ()
+        at = [float(x) for p in profiles if isinstance(p, Steps) for x in p.at]
+        begin = 0.0
+        for s in range(first, last + 1 if at else first):
+            L = float(row.segments[s - 1].length)
+            jumps += [(s, (x - begin) / L) for x in at if begin < x < begin + L]
+            begin += L
+    for _, value in row.outside:
+        if isinstance(value, Steps):
+            jumps += [(0, float(t)) for t in value.at]
+    return jumps
+
+
+def _resolving(row: Row) -> Number:
+    """Step that resolves the contact of a mass with a stiff neighbour: a twentieth of its time."""
+    v: Any = np.where(np.asarray(row.scale) > 0, 2 * np.asarray(row.scale), 1.0)
+    finest: Any = math.inf
+    for i, sides in enumerate(row.beside):
+        around = [row.masses[m] for kind, m in sides if kind == "mass"]
+        if around and row.laws[i] >= SPRING:
+            m, stiff, power = 1 / sum(1 / M for M in around), row.stiffness[i], row.exponent[i] + 1
+            deepest = (power / 2 * m * v * v / stiff) ** (1 / power)
+            time = math.pi * np.sqrt(m / stiff) if np.all(power == 2) else 2.9432 * deepest / v
+            finest = np.minimum(finest, time / 20)
+    longest: Any = reduce(np.maximum, [s.transit_time for s in row.segments])
+    finest = np.maximum(finest, longest / MOST_DIVIDED * 4)
+    return float(finest) if np.ndim(finest) == 0 else finest
+
+
+def memory_of(row: Row) -> tuple[float, float]:
+    """Numbers that a run keeps for a part of a step, and for an average from before t = 0.
+
+    Signals with what results make of them: waves and their integrals; force, gap, path, rate and
+    power with integrals; edges and times.
+    """
+    lines, contacts = 2 * len(row.segments), len(row.contact_link)
+    masses, ends = sum(m >= 0 for m in row.mass_of), sum(kind != "none" for kind, _ in row.outside)
+    step, before = 2 * lines + 10 * contacts + 5 * masses + 6 * ends + 10, 4
+    if not kernels.enabled():  # lists take four times what arrays take
+        step += 4 * (lines + 2 * contacts + masses + ends)
+        before += 8
+    return float(step), float(before)
+
+
+def check_memory(row: Row, step: float, parts: float, before: float) -> None:
+    """Raise TooLong where a run of so many parts, with averages from before t = 0, is too much."""
+    of_part, of_average = memory_of(row)
+    if parts < before:
+        what = f"keeping waves over {before:.4g} steps"
+        ask(before * of_average, "dt", what, "take a longer step")
+    what = f"a run of {parts:.4g} steps of {step:.3g} s"
+    numbers = parts * of_part + before * of_average
+    ask(numbers, "until", what, "stop earlier, or take a longer step (dt or rtol)")
+
+
+Full = Callable[[int, Any], Any]
+
+
+def space(make: Make, full: Full, room: int, before: int) -> Work:
+    """Work space for runs of `room` parts, on what `full` makes, a number of times the same.
+
+    Parameters
+    ----------
+    make : Make
+    full : function
+    room : int
+    before : int
+        Averages from before t = 0 of a line, all segments together.
+    """
+    links, masses, n = len(make.law), len(make.mass_group), len(make.group) - 2
+    bodies, bonded, width = len(make.body_first), len(make.held), width_of_measures(make)
+    lines, kept = 2 * n + sum(kind != NONE for kind in make.outside), len(make.opening)
+
+    def floats(*sizes: int) -> list[Any]:
+        return [full(size, 0.0) for size in sizes]
+
+    def counts(*sizes: int) -> list[Any]:
+        return [full(size, 0) for size in sizes]
+
+    jumps, contacts = len(make.jump_segment), sum(law >= RIGID for law in make.law)
+    numbers = Numbers(*floats(
+        n, n, n, n, links, links, links, links, masses, masses, bodies, 2, jumps, 4))
+    search = Search(
+        *counts(8), *floats(1, MOST_LEVELS, MOST_LEVELS * width, MEASURES + 1, bonded, bonded,
+                            bonded, bodies, kept, kept, kept))
+    level = Level(
+        *counts(11), *floats(1), *counts(n + 2, MOST_PLACES, room + 1), *floats(n + 2),
+        *floats(MOST_CUTS + 2), *counts(MOST_CUTS + 2), *floats(MOST_CUTS + 2),
+        *counts(MOST_CUTS + 2), *floats(room + 1, room + 1))
+    state = State(
+        *counts(n + 2), *floats(n + 2, n + 2), *counts(1), *floats(MOST_PLACES, n + 2),
+        make.first, *floats(masses), make.law,
+        *floats(links, links, links, links, links, links), *counts(links), *floats(masses, 1))
+    tally = Tally(*floats(links, links, links, links), *counts(links, links, links, links))
+    signals = Signals(
+        *floats(lines * room + 2 * (before + 1)), *counts(2 * n + 4),
+        *floats(contacts * room, contacts * room), *counts(links), *floats(masses * room),
+        *counts(masses))
+    return Work(
+        make, numbers, Limit(*floats(1), *counts(1), *floats(3)), search, level, state, tally,
+        signals, Points(*floats(masses + 2, masses + 2)),
+        Chain(*floats(*[masses + 1] * 10)), full(3, 0),
+    )
