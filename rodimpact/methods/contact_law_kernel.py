@@ -240,9 +240,15 @@ def balance(state: Any, chain: Chain, i0: int, last: int, speed: float, d: float
 
     Sweeps of `relax` descend on a convex function, the dual energy of the step, and so always
     converge, if slowly; a Newton step is kept where it halves what the next sweep has to change.
+    One link whose force is not given needs one sweep.
     `speed` is that of the bodies, whose round-off is no change.
     """
-    path = d * speed
+    path, unknown = d * speed, 0
+    for q in range(last + 1):
+        if state.law[i0 + q] <= FORCE:
+            chain.force[q] = chain.limit[q]
+        else:
+            unknown += 1
     left, tried, size = math.inf, False, path
     for _ in range(2 * SWEEPS):
         new = relax(state, chain, i0, last, d)
@@ -255,7 +261,7 @@ def balance(state: Any, chain: Chain, i0: int, last: int, speed: float, d: float
         for q in range(last + 1):
             size = max(size, path + abs(chain.force[q]) * chain.own[q])
             chain.kept[q] = chain.force[q]
-        if last == 0 or left <= 8 * EPS * size:
+        if unknown <= 1 or left <= 8 * EPS * size:
             return True
         newton(state, chain, i0, last)
     return bool(left <= ROUGH * size)
