@@ -68,6 +68,35 @@ def largest_force(times: Any, force: Any, start: int, steps: int) -> float:
     return F
 
 
+def deepest(times: Any, gap: Any, start: int, steps: int, before: float) -> float:
+    """Largest indentation, from gaps at step ends, `before` the first of them; 0 without any.
+
+    That of the parabola through three ends on the side of the largest of them to which the
+    indentation still grows; where it grows to neither, as at a kink, that end's own.
+    """
+    top, least = -1, before
+    for j in range(steps):
+        if gap[start + j] < least:
+            top, least = j, gap[start + j]
+    if least >= 0:
+        return 0.0
+    if top < 0:
+        return -least
+    for way in (-1, 1):
+        if not -1 <= top + 2 * way < steps:
+            continue
+        x1 = -(gap[start + top + way] if top + way >= 0 else before)
+        x2 = -(gap[start + top + 2 * way] if top + 2 * way >= 0 else before)
+        a = abs(times[top + 1 + way] - times[top + 1])
+        b = abs(times[top + 1 + 2 * way] - times[top + 1 + way])
+        rate, next_rate = (-least - x1) / a, (x1 - x2) / b
+        curve = (rate - next_rate) / (a + b)
+        slope = rate + curve * a  # towards the outside
+        if slope < 0 and curve < 0:
+            return -least - slope * slope / (4 * curve)
+    return -least
+
+
 def force_in_step(
     times: Any, force: Any, start: int, steps: int, j: int
 ) -> tuple[float, float, float, bool]:
@@ -198,7 +227,16 @@ def end_of_force(
     begin: float = times[j - 1]
     width = times[j] - begin
     if gap[j - 1] < 0:
-        return begin + width * (gap[j - 1] / (gap[j - 1] - gap[j]) if gap[j] > 0 else 1.0)
+        if gap[j] <= 0:
+            return begin + width
+        rate, before = (gap[j] - gap[j - 1]) / width, begin - times[j - 2] if j > 1 else width
+        curve = 0.0
+        if j > 1:
+            curve = (rate - (gap[j - 1] - gap[j - 2]) / before) / (width + before)
+        x = -gap[j - 1] / rate
+        for _ in range(4):  # of the parabola through three step ends
+            x = -gap[j - 1] / (rate + curve * (x - width))
+        return begin + (x if 0 < x < width else -gap[j - 1] / rate)
     p = start + j
     if j - i >= 3:
         fall = (force[p - 3] - force[p - 2]) / ((times[j - 1] - times[j - 3]) / 2)

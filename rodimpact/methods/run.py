@@ -127,12 +127,15 @@ class GroupTotals(NamedTuple):
     """What a run comes to, as its kernel adds it up.
 
     Velocities of the groups of bonded bodies, before and after, [group] m/s, 0 where nothing of a
-    group can move; and what is left of vibration in each body, of motion and of strain, [body] J.
+    group can move; what is left of vibration in each body, of motion and of strain, [body] J; and
+    of each contact that can open the largest force, N, and the time under force, s.
     """
 
     before: Floats
     after: Floats
     vibration: Floats
+    peak: Floats
+    pressed: Floats
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -152,10 +152,14 @@ def _tallies(run: SteppedRun, record: StepRecord) -> tuple[ContactTally, ...]:
         sudden = getattr(law, "restitution", None) is not None
         if sudden:  # an impact takes no time, though it takes a step here
             ends = np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
+        if run.totals:
+            c = list(run.row.opening).index(k)
+            highest, pressed = float(run.totals.peak[c]), float(run.totals.pressed[c])
+        else:
+            highest = math.nan if sudden else largest_force(times, force, 0, run.steps)
+            pressed = float(functools.reduce(operator.add, ends - begins, 0.0))
         tallies.append(ContactTally(
-            impulse=float(t.impulse[link]) * run.step,
-            duration=float(functools.reduce(operator.add, ends - begins, 0.0)),
-            peak_force=math.nan if sudden else largest_force(times, force, 0, run.steps),
+            impulse=float(t.impulse[link]) * run.step, duration=pressed, peak_force=highest,
             first=float(begins[0]) if spans else math.nan,
             last=float(ends[-1]) if spans else math.nan, episodes=int(t.episodes[link]),
         ))

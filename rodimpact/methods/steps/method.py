@@ -229,7 +229,8 @@ def totals_of(work: Work) -> GroupTotals:
     """What the kernel has added up of groups and bodies."""
     search = work.search
     return GroupTotals(
-        *(np.array(x) for x in (search.before, search.after, search.vibration))
+        *(np.array(x) for x in (search.before, search.after, search.vibration, search.peak,
+                                search.pressed))
     )
 
 

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 from ..clock import STEP_TICKS
 from ..contact_law_kernel import IMPACT, Chain, Tally
-from ..measure_kernel import largest_force, pressed_time, time_of_most
-from ..refinement_kernel import error_of, factor_of
+from ..measure_kernel import deepest, largest_force, pressed_time, time_of_most
+from ..refinement_kernel import carried_error, carried_on, error_of, factor_of
 from .level_kernel import (
     ABRUPT,
     ASKED,
@@ -57,10 +57,11 @@ ROUGHEST = 1 << 12  # the same where contacts close and open between steps, of w
 MOST_LEVELS = 40
 FARTHEST = 2.0  # by how much a step is divided at most from one level to the next
 MEASURES = 4  # velocity, impulse, largest force, time of most of the impulse
+PEAK, TIME = 2, 3
 FILL, TOO_SHORT, BEYOND = 20, 21, 22  # what `go_on` asks for, beside the flags of a level
 PREPARE, CHOOSE, LAY, RUN = range(4)  # what comes next
 # places in Search.at
-NEXT, LEVELS, RUNG, NUMBER, FEWEST_STEPS, FITS, MOST_FACTOR, FIXED = range(8)
+NEXT, LEVELS, RUNG, NUMBER, FEWEST_STEPS, FITS, MOST_FACTOR, FIXED, CARRIED = range(9)
 
 
 class Search(NamedTuple):
@@ -89,7 +90,7 @@ def prepare(make: Make, numbers: Numbers, search: Search, level: Level) -> int:
     level.at[CLOSINGS] = level.at[KEPT] = level.at[TRIES] = 0
     level.at[CUT] = make.kind[ABRUPT]
     level.at[ASKED] = FIRST_ROOM
-    at[NEXT], at[LEVELS], at[RUNG] = CHOOSE, 0, 0
+    at[NEXT], at[LEVELS], at[RUNG], at[CARRIED] = CHOOSE, 0, 0, 0
     if at[FIXED] > 0:
         at[NEXT] = LAY
         return DONE
@@ -176,7 +177,7 @@ def go_on(
                 measure(make, numbers, search, level, state, tally, signals)
                 over = level.at[REASON] == CAPPED or is_met(search)
                 at[NEXT] = CHOOSE
-                if is_smooth(make, search):
+                if is_smooth(make, search, level):
                     leave_out(search)
     add_up(make, numbers, search, level, state, tally, signals)
     return DONE
@@ -221,19 +222,27 @@ def measure(
             before = search.after[g]
     values[p] = numbers.setting[SCALE]
     p, count = p + 1, len(make.opening)
-    marks = (0, p - n * width, p - n * width + count, p - n * width + 2 * count, width)
+    marks = (0, p - n * width, p - n * width + count, p - n * width + 2 * count, width - count)
     for c in range(count):
         i, start = make.opening[c], signals.link_start[make.opening[c]]
         values[p + c] = tally.impulse[i] * h
-        values[p + count + c] = values[p + 2 * count + c] = 0.0
+        values[p + count + c] = values[p + 2 * count + c] = values[p + 3 * count + c] = 0.0
         if make.law[i] != IMPACT:
-            values[p + count + c] = largest_force(level.times, signals.force, start, steps)
+            values[p + count + c] = peak_force(numbers, level, signals, i)
             values[p + 2 * count + c] = time_of_most(level.times, signals.force, start, steps)
-    at[LEVELS], smooth = n + 1, is_smooth(make, search)
+            values[p + 3 * count + c] = time_under_force(make, numbers, level, signals, i)
+    at[LEVELS], smooth = n + 1, is_smooth(make, search, level)
     for name in range(MEASURES):
         search.estimates[name] = error_of(
             values, width, search.sizes, n + 1, marks[name], marks[name + 1], smooth
         )
+    at[CARRIED] = 0
+    if smooth:
+        for name, high in ((PEAK, marks[PEAK + 1]), (TIME, width)):
+            error = carried_error(values, width, search.sizes, n + 1, marks[name], high)
+            if error < search.estimates[name]:
+                search.estimates[name] = error
+                at[CARRIED] += name - 1
     search.estimates[MEASURES] = 0.0
     if make.kind[LOSES] > 0:
         search.estimates[MEASURES] = energy_lost(numbers, level, state, tally, signals)
@@ -242,13 +251,38 @@ def measure(
         level.kept_time[q], level.kept_link[q] = level.closing_time[q], level.closing_link[q]
 
 
+def peak_force(numbers: Numbers, level: Level, signals: Signals, i: int) -> float:
+    """Largest force of a contact, N: that of the largest indentation, if it has no dashpot."""
+    start, steps = signals.link_start[i], level.at[TAKEN]
+    if numbers.stiffness[i] > 0 and numbers.damping[i] == 0:
+        h, p = level.step[0], numbers.exponent[i]
+        before = numbers.gap[i] / h
+        x = h * deepest(level.times, signals.gap, start, steps, before)
+        return numbers.stiffness[i] * (x * math.sqrt(x) if p == 1.5 else x**p)
+    return largest_force(level.times, signals.force, start, steps)
+
+
+def time_under_force(
+    make: Make, numbers: Numbers, level: Level, signals: Signals, i: int
+) -> float:
+    """How long a contact presses, s; an impact takes no time, though it takes a step here."""
+    start, steps, h = signals.link_start[i], level.at[TAKEN], level.step[0]
+    level.gap[0] = numbers.gap[i]
+    for j in range(steps):
+        level.gap[j + 1] = signals.gap[start + j] * h
+    sudden = make.law[i] == IMPACT
+    return pressed_time(
+        level.times, signals.force, level.gap, start, steps, sudden, h * (1 + 1e-9)
+    )
+
+
 def width_of_measures(make: Make) -> int:
-    """How many numbers are watched on a level."""
+    """How many numbers are kept of a level: those that are watched, and times under force."""
     free = 0
     for g in range(len(make.held)):
         if make.held[g] == 0:
             free += 1
-    return free + max(free - 1, 0) + 1 + 3 * len(make.opening)
+    return free + max(free - 1, 0) + 1 + 4 * len(make.opening)
 
 
 def is_met(search: Search) -> bool:
@@ -259,9 +293,10 @@ def is_met(search: Search) -> bool:
     return bool(worst <= search.goal[0])
 
 
-def is_smooth(make: Make, search: Search) -> bool:
-    """Whether nothing depends on places inside steps."""
-    return bool(search.at[FITS] > 0 and make.kind[ABRUPT] == 0)
+def is_smooth(make: Make, search: Search, level: Level) -> bool:
+    """Whether no delay has a fraction, and no force begins with a jump behind t = 0."""
+    sudden = make.kind[ABRUPT] > 0 and (level.at[CUT] == 0 or level.at[CLOSINGS] > 0)
+    return bool(search.at[FITS] > 0 and not sudden)
 
 
 def leave_out(search: Search) -> None:
@@ -379,7 +414,7 @@ def add_up(
     signals: Signals,
 ) -> None:
     """Enter what the last level comes to: velocities, vibration, and totals of the contacts."""
-    steps, h = level.at[TAKEN], level.step[0]
+    at, steps, h = search.at, level.at[TAKEN], level.step[0]
     tick_times(level)
     group_velocities(make, numbers, level, signals, numbers.speed, 0, search.mass, search.before)
     group_velocities(
@@ -390,17 +425,18 @@ def add_up(
     )
     for c in range(len(make.opening)):
         i = make.opening[c]
-        start, sudden = signals.link_start[i], make.law[i] == IMPACT
-        level.gap[0] = numbers.gap[i]
-        for j in range(steps):
-            level.gap[j + 1] = signals.gap[start + j] * h
         search.impulse[c] = tally.impulse[i] * h
         search.peak[c] = math.nan
-        if not sudden:
-            search.peak[c] = largest_force(level.times, signals.force, start, steps)
-        search.pressed[c] = pressed_time(
-            level.times, signals.force, level.gap, start, steps, sudden, h * (1 + 1e-9)
-        )
+        if make.law[i] != IMPACT:
+            search.peak[c] = peak_force(numbers, level, signals, i)
+        search.pressed[c] = time_under_force(make, numbers, level, signals, i)
+        n, width, count = at[LEVELS], width_of_measures(make), len(make.opening)
+        if at[CARRIED] in (1, 3) and make.law[i] != IMPACT:
+            search.peak[c] = carried_on(
+                search.values, width, search.sizes, n, 1, width - 3 * count + c)
+        if at[CARRIED] in (2, 3) and make.law[i] != IMPACT:
+            search.pressed[c] = carried_on(
+                search.values, width, search.sizes, n, 1, width - count + c)
 
 
 class Results(NamedTuple):
