@@ -18,8 +18,8 @@ from .totals import tallies_of, totals_of
 from .tracking import FrontRun, track
 
 LACKS = (
-    physics.masses, physics.compliance, physics.gravity, physics.smooth_states,
-    physics.smooth_drives, physics.damping, physics.lateral, physics.taper,
+    physics.MASSES, physics.COMPLIANCE, physics.GRAVITY, physics.SMOOTH_STATES,
+    physics.SMOOTH_DRIVES, physics.DAMPING, physics.LATERAL, physics.TAPER,
 )
 ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come to rest
 ROUNDED = 2.0**-36  # relative change of a transit time that is told
