@@ -288,11 +288,10 @@ def _together(system: System, options: Options, stop: Callable[[], bool]) -> Col
     contacts = range(len(system.contacts))
     final = run.final & (not driven(system))
     unknown = np.where(run.flag == FULL, math.nan, 0.0)
+    stocks = ([x.reshape(system.shape) for x in stock.T] for stock in (run.before, run.after))
     before, after = (
-        [unknown + np.broadcast_to(v, system.shape).ravel()
-         for v in body_velocities(system, first, [x.reshape(system.shape) for x in by_segment.T],
-                                  0.0)]
-        for by_segment in (run.before, run.after)
+        [unknown + np.broadcast_to(v, system.shape).ravel() for v in velocities]
+        for velocities in body_velocities(system, first, 0.0, *stocks)
     )
     able = unilateral(system)
     e = np.full(len(unknown), math.nan)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,8 +37,7 @@ LISTS_COLD, LISTS_WARM = 65_536, 2_048  # log rows up to which lists beat the co
 _LOG_TYPES = Log(np.int64, np.int32, np.int32, np.float64, np.int64, np.int32, np.int8)
 
 
-@dataclass(frozen=True, slots=True)
-class FrontRun:
+class FrontRun(NamedTuple):
     """A finished run.
 
     Attributes
@@ -111,7 +109,7 @@ def track(
     kernel: Any = play
     on_lists = True
     while True:
-        if on_lists and kernels.enabled() and len(log.value) > compile_after:
+        if on_lists and len(log.value) > compile_after and kernels.enabled():
             state, tally, log, clock = on_arrays(state, tally, log, clock)
             kernel, on_lists = kernels.compiled(play), False
         flag = kernel(state, tally, log, clock, target, max_events, a.tolerance, a.window)
