@@ -27,11 +27,13 @@ def unilateral(system: System) -> list[int]:
 
 def grounds(system: System, group: list[int]) -> list[Any]:
     """Velocities of the walls and fixed ends that hold a group, from left to right."""
-    walls = [b.velocity for i in group if isinstance(b := system.bodies[i], Wall)]
-    left = [0.0] if 0 in group and isinstance(system.ends[0], Fixed) else []
-    last = len(system.bodies) - 1
-    right = [0.0] if last in group and isinstance(system.ends[1], Fixed) else []
-    return [*left, *walls, *right]
+    held: list[Any] = []
+    for at, here in ((0, group[0] == 0), (-1, group[-1] == len(system.bodies) - 1)):
+        if here and isinstance(body := system.bodies[at], Wall):
+            held.append(body.velocity)
+        elif here and isinstance(system.ends[at], Fixed):
+            held.append(0.0)
+    return held
 
 
 def velocities_in_group(system: System, group: list[int], inside: list[int], own: Any) -> list[Any]:

@@ -94,6 +94,7 @@ def _absolute_momentum(a: Assembly) -> float:
     total = 0.0
     for line, fronts in enumerate(a.waves[2:-2], 2):
         ends = [tick for tick, _ in fronts[1:]] + [0]
+        half = a.impedance[line // 2] / 2
         for (tick, wave), end in zip(fronts, ends, strict=True):
-            total += a.impedance[line // 2] / 2 * (end - tick) * a.tick * abs(wave + a.frame)
+            total += half * (end - tick) * a.tick * abs(wave + a.frame)
     return total

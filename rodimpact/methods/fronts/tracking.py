@@ -98,7 +98,8 @@ def track(
     mobility = [1 / Z if Z else 0.0 for Z in a.impedance]
     state: Any = start(a.ticks, mobility, a.status, a.gaps, a.outside, a.waves)
     state, tally, log, clock = state
-    opening, closing = (GroupState(*([0.0] * len(a.ticks) for _ in range(3))) for _ in range(2))
+    none = [0.0] * len(a.ticks)
+    opening, closing = (GroupState(none[:], none[:], none[:]) for _ in range(2))
     initial_state(state, log, opening)
     segment_totals(state, log, 0, opening)
     target = -2 * a.longest
@@ -120,7 +121,7 @@ def track(
         state, tally = State(*(x.tolist() for x in state)), Tally(*(x.tolist() for x in tally))
         clock = clock.tolist()
     final_state(state, tally, log, clock[NOW], opening, closing)
-    closing = GroupState(*([float(x) for x in column] for column in closing))
+    closing = GroupState(*(list(map(float, column)) for column in closing))
     n, m = clock[ROWS], clock[CHANGES]
     log = Log(*(x[:n] for x in log[:4]), *(x[:m] for x in log[4:]))
     finality_time = -1 if until is not None and driven(a.system) else clock[FINALITY]
