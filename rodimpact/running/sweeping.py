@@ -105,7 +105,7 @@ def sweep(
     workers : int, optional
         Number of threads where there is no executor; default: the processors at hand.
     progress : callable, optional
-        Called with the number of collisions done and of all, after each chunk.
+        Called with the number of collisions done and of all, twice a second or more often.
     on_error : "record" or "raise"
         What to do about a member that cannot be solved, or is stopped by the cap on events or the
         clock: go on, with its `status` and what is known of it, or raise.
@@ -130,6 +130,27 @@ def sweep(
     -----
     DamagedChunks
         If the checkpoint has parts that are not what was written; they are run again.
+
+    Notes
+    -----
+    An executor gets jobs of some two seconds, as many as it has workers and as many again. An
+    interrupt cancels those that wait; what runs ends within seconds, or with its present member.
+    Processes, dask, and MPI, started by ``mpiexec -n 65 python -m mpi4py.futures program.py``::
+
+        with ProcessPoolExecutor() as pool:  # under if __name__ == "__main__":
+            result = ri.sweep(family, executor=pool)
+
+        client.run(ri.warm)  # each machine compiles once, before the first job
+        result = ri.sweep(family, executor=client.get_executor())
+
+        with MPIPoolExecutor() as pool:
+            result = ri.sweep(family, executor=pool)
+
+    Under SLURM, ``sbatch --array=0-99`` starts a hundred programs, each with members of its own; a
+    checkpoint each lets them go on where they were::
+
+        task = int(os.environ["SLURM_ARRAY_TASK_ID"])
+        ri.sweep(family[task::100], checkpoint=f"part-{task}").save(f"part-{task}.npz")
 
     Examples
     --------
