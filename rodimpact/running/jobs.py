@@ -10,11 +10,12 @@ from __future__ import annotations
 import contextlib
 import math
 import os
+import queue
 import threading
 import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 QUICK, LONG = 0.1, 2.0  # s that a job shall take on threads of our own, and on what others give
@@ -53,9 +54,9 @@ def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
 
 def workers_of(executor: Any) -> int:
     """How many jobs an executor runs at a time, as far as it says."""
-    client = getattr(executor, "_client", None)
-    if client is not None:  # of dask
-        return sum(client.ncores().values()) or UNKNOWN
+    cores = getattr(getattr(executor, "_client", None), "ncores", None)
+    if cores is not None:  # dask
+        return sum(cores().values()) or UNKNOWN
     said = (getattr(executor, name, None) for name in ("_max_workers", "num_workers"))
     return next((n for n in said if isinstance(n, int) and n > 0), UNKNOWN)
 
@@ -121,6 +122,7 @@ class Jobs:
         self._pool, self._submit, self._unit, self._most = pool, submit, unit, most
         self._waiting, self._running = deque(spans), dict[Future[Any], Span]()
         self._left, self._size = sum(stop - start for start, stop in spans), unit
+        self._news: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
         self.end = math.inf
 
     def results(self) -> Generator[list[tuple[int, int, Any]]]:
@@ -128,12 +130,18 @@ class Jobs:
         try:
             self._hand_out()
             while self._running:
-                done, _ = wait(self._running, HEARTBEAT, FIRST_COMPLETED)
-                yield [self._take(job) for job in done]
+                yield [self._take(job) for job in self._ended()]
                 self._hand_out()
         finally:
             for job in self._running:
                 job.cancel()
+
+    def _ended(self) -> Iterator[Future[Any]]:
+        """Wait for a job to end, though not for long; it, and all others that have ended."""
+        with contextlib.suppress(queue.Empty):
+            yield self._news.get(timeout=HEARTBEAT)
+            while True:
+                yield self._news.get_nowait()
 
     def _hand_out(self) -> None:
         """Give every worker a job, and one to go on with."""
@@ -141,13 +149,15 @@ class Jobs:
             start, stop = self._waiting.popleft()
             if start >= self.end:
                 continue
-            fair = min(self._size, self._left // (2 * self._pool.workers))  # all end together
+            fair = min(self._size, self._left // self._pool.workers)  # so that all end together
             units = max(1, fair // self._unit)
             cut = min(start - start % self._unit + units * self._unit, stop)
             if cut < stop:
                 self._waiting.appendleft((cut, stop))
             self._left -= cut - start
-            self._running[self._submit(start, cut)] = start, cut
+            job = self._submit(start, cut)
+            self._running[job] = start, cut
+            job.add_done_callback(self._news.put)
 
     def _take(self, job: Future[Any]) -> tuple[int, int, Any]:
         start, stop = self._running.pop(job)
