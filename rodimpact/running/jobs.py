@@ -90,8 +90,9 @@ def run_parts(
     while done < count and before - begun < LONGEST:
         parts.append(run(done, min(done + size, count)))
         done, now = min(done + size, count), time.perf_counter()
-        quick = now - before < QUICK
-        size, before = min(GROWTH * size, most) if quick else max(size // GROWTH, first), now
+        quick, before = now - before < QUICK, now
+        size = min(GROWTH * size, most) if quick else max(size // GROWTH, first)
+        size -= size % first
     return parts, done, before - begun
 
 
@@ -158,6 +159,8 @@ class Jobs:
             job = self._submit(start, cut)
             self._running[job] = start, cut
             job.add_done_callback(self._news.put)
+            if job.done():  # by who does it at once, in the thread that asks
+                break
 
     def _take(self, job: Future[Any]) -> tuple[int, int, Any]:
         start, stop = self._running.pop(job)

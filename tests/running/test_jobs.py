@@ -124,6 +124,62 @@ def test_a_job_that_takes_too_long_hands_back_what_it_has_not_begun(clock):
     assert np.median(cluster.lasted) == 20.0
 
 
+def test_jobs_that_are_cut_short_fill_a_checkpoint(clock, monkeypatch, tmp_path):
+    """Interrupted once, then gone on with on a cluster of another size."""
+    monkeypatch.setattr(sweeping, "TOGETHER", 8)
+    seconds = costs("halves", 500)
+
+    def interrupt(done, total):
+        if done > 200:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        ri.sweep(family(seconds), "fronts", executor=Cluster(3, 500, clock), checkpoint=tmp_path,
+                 progress=interrupt)
+    done = np.count_nonzero(np.load(tmp_path / "checksums.npy"))
+    assert 200 < 8 * done < 400
+    cluster = Cluster(5, 500 - 8 * done, clock)
+    result = ri.sweep(family(seconds), "fronts", executor=cluster, checkpoint=tmp_path)
+    assert result.restitution.tolist() == seconds.tolist()
+    assert cluster.kept_back == 0
+    again = ri.sweep(family(seconds), "fronts", executor=Cluster(1, 0, clock), checkpoint=tmp_path)
+    assert again.restitution.tolist() == seconds.tolist()
+
+
+def test_news_of_an_executor_that_does_jobs_at_once_come_at_once(clock):
+    class AtOnce(Executor):
+        def submit(self, run, *members):
+            job = Future()
+            job.set_result(run(*members))
+            return job
+
+    seen = []
+    ri.sweep(family(np.ones(20)), "finite-difference", executor=AtOnce(),
+             progress=lambda done, total: seen.append(done))
+    assert seen[:3] == [1, 2, 3]
+    assert seen[-1] == 20
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_parts_of_a_job_keep_to_its_units(clock, seed):
+    """Whatever the parts take, a job that is cut short ends where a unit does."""
+    rng = np.random.default_rng(seed)
+    unit = int(rng.integers(1, 8))
+    most, count = unit + int(rng.integers(0, 100)), int(rng.integers(1, 1000))
+    spans = []
+
+    def run(start, stop):
+        spans.append((start, stop))
+        clock.now += rng.choice([0.01, 0.03, 0.5])
+
+    _, done, seconds = jobs.run_parts(run, count, unit, most)
+    assert seconds == clock.now
+    assert [at for at, _ in spans] == [0, *(stop for _, stop in spans[:-1])]
+    assert max(stop - start for start, stop in spans) <= most
+    assert done == spans[-1][1]
+    assert done == count or (done % unit == 0 and seconds >= jobs.LONGEST)
+
+
 def test_an_interrupt_cancels_what_waits(clock):
     """Workers that never end a job: the first news is that there is none."""
     handed = []
