@@ -5,10 +5,6 @@ No method can prove a collision final where something acts on and on from outsid
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-
-import numpy as np
-
 from ..model import (
     Bonded,
     Free,
@@ -18,91 +14,57 @@ from ..model import (
     RigidMass,
     Rod,
     Samples,
-    Segment,
     System,
     Wall,
 )
-from ..model.frozen import InvalidModel
+from ..model.frozen import InvalidModel, vanishes
 
-Places = Iterator[tuple[str, str]]
-Feature = Callable[[System], Places]
+MASSES, COMPLIANCE, GRAVITY = "rigid masses", "compliant contacts", "gravity"
+SMOOTH_STATES, SMOOTH_DRIVES = "profiles other than steps", "drives other than steps"
+DAMPING, LATERAL, TAPER = "damping", "lateral inertia", "tapered rods"
+_DRIVEN = (Pushed, Moved)
 
-TAPERS = "tapered rods"
 
-
-def masses(system: System) -> Places:
-    """Rigid masses."""
+def needs(system: System) -> list[tuple[str, str]]:
+    """Path and name of all the physics of a system that not every method has."""
+    found = [] if vanishes(system.gravity) else [("gravity", GRAVITY)]
     for i, body in enumerate(system.bodies):
         if isinstance(body, RigidMass):
-            yield f"bodies.{i}", "rigid masses"
-
-
-def compliance(system: System) -> Places:
-    """Contacts that give way."""
+            found.append((f"bodies.{i}", MASSES))
+        elif isinstance(body, Rod):
+            found += [(f"bodies.{i}.{where}", what) for where, what in _of_rod(body)]
     for i, law in enumerate(system.contacts):
-        if not isinstance(law, Rigid | Bonded):
-            yield f"contacts.{i}.law", "compliant contacts"
-
-
-def gravity(system: System) -> Places:
-    """Gravity."""
-    if np.any(system.gravity):
-        yield "gravity", "gravity"
-
-
-def smooth_states(system: System) -> Places:
-    """Initial states that are no steps."""
-    for i, body in enumerate(system.bodies):
-        if isinstance(body, Rod):
-            for name in ("velocity", "strain"):
-                if isinstance(getattr(body, name), Samples):
-                    yield f"bodies.{i}.{name}", "profiles other than steps"
-
-
-def smooth_drives(system: System) -> Places:
-    """Drives that are no steps in time."""
+        if not isinstance(law, (Rigid, Bonded)):
+            found.append((f"contacts.{i}.law", COMPLIANCE))
     for side, end in zip(("left", "right"), system.ends, strict=True):
-        if isinstance(end, Pushed | Moved) and isinstance(end.value, Samples):
-            yield f"ends.{side}.value", "drives other than steps"
+        if isinstance(end, _DRIVEN) and isinstance(end.value, Samples):
+            found.append((f"ends.{side}.value", SMOOTH_DRIVES))
+    return found
 
 
-def _segments(system: System) -> Iterator[tuple[str, Segment]]:
-    for i, body in enumerate(system.bodies):
-        segments = body.segments if isinstance(body, Rod) else ()
-        for j, segment in enumerate(segments):
-            place = f".segments.{j}" if len(segments) > 1 else ""
-            yield f"bodies.{i}{place}", segment
-
-
-def damping(system: System) -> Places:
-    """Viscous material."""
-    for path, segment in _segments(system):
-        if np.any(segment.material.viscosity):
-            yield f"{path}.material.viscosity", "damping"
-
-
-def lateral(system: System) -> Places:
-    """Lateral inertia."""
-    for path, segment in _segments(system):
+def _of_rod(rod: Rod) -> list[tuple[str, str]]:
+    states = {"velocity": rod.velocity, "strain": rod.strain}
+    found = [(name, SMOOTH_STATES) for name, v in states.items() if isinstance(v, Samples)]
+    for j, segment in enumerate(rod.segments):
+        place = f"segments.{j}." if len(rod.segments) > 1 else ""
+        if not vanishes(segment.material.viscosity):
+            found.append((f"{place}material.viscosity", DAMPING))
         if segment.polar_moment is not None:
-            yield f"{path}.polar_moment", "lateral inertia"
-
-
-def taper(system: System) -> Places:
-    """Areas that change along a segment."""
-    for path, segment in _segments(system):
+            found.append((f"{place}polar_moment", LATERAL))
         if segment.tapered:
-            yield f"{path}.area", TAPERS
+            found.append((f"{place}area", TAPER))
+    return found
 
 
 def driven(system: System) -> bool:
     """Whether forces from outside act: no bound says when the last contact is over."""
-    if any(isinstance(end, Pushed | Moved) for end in system.ends):
+    left, right = system.ends
+    if isinstance(left, _DRIVEN) or isinstance(right, _DRIVEN):
         return True
-    held = isinstance(system.bodies[0], Wall) or isinstance(system.bodies[-1], Wall) or any(
-        not isinstance(end, Free) for end in system.ends
-    )
-    return held and bool(np.any(system.gravity))
+    if vanishes(system.gravity):
+        return False
+    walls = isinstance(system.bodies[0], Wall) or isinstance(system.bodies[-1], Wall)
+    return walls or not (isinstance(left, Free) and isinstance(right, Free))
 
 
 def require_end(system: System, until: float | None) -> None:

@@ -27,11 +27,13 @@ def unilateral(system: System) -> list[int]:
 
 def grounds(system: System, group: list[int]) -> list[Any]:
     """Velocities of the walls and fixed ends that hold a group, from left to right."""
-    walls = [b.velocity for i in group if isinstance(b := system.bodies[i], Wall)]
-    left = [0.0] if 0 in group and isinstance(system.ends[0], Fixed) else []
-    last = len(system.bodies) - 1
-    right = [0.0] if last in group and isinstance(system.ends[1], Fixed) else []
-    return [*left, *walls, *right]
+    held: list[Any] = []
+    for at, here in ((0, group[0] == 0), (-1, group[-1] == len(system.bodies) - 1)):
+        if here and isinstance(body := system.bodies[at], Wall):
+            held.append(body.velocity)
+        elif here and isinstance(system.ends[at], Fixed):
+            held.append(0.0)
+    return held
 
 
 def velocities_in_group(system: System, group: list[int], inside: list[int], own: Any) -> list[Any]:
@@ -76,22 +78,24 @@ def movable(system: System) -> list[int]:
 
 
 def body_velocities(
-    system: System, first: Sequence[int], velocity: Sequence[Any], frame: Any
-) -> list[Any]:
-    """Velocities of the bodies, m/s: of their group, or of the wall that it is bonded to.
+    system: System, first: Sequence[int], frame: Any, *stocks: Sequence[Any]
+) -> list[list[Any]]:
+    """Velocities of the bodies at some times, m/s: of their group, or of its wall.
 
     Parameters
     ----------
     system : System
     first : sequence of int
         First segment of each body.
-    velocity : sequence of float or array
-        By segment, in the frame; for a family, one array of its shape a segment.
     frame : float or array
+    *stocks : sequence of float or array
+        Velocities by segment, in the frame, at each of the times; for a family, one array of its
+        shape a segment.
     """
-    velocities: list[Any] = []
+    velocities: list[list[Any]] = [[] for _ in stocks]
     for group in groups(system):
         inside = [i for i in group if not isinstance(system.bodies[i], Wall)]
-        own = velocity[first[(inside or group)[0]]] + frame
-        velocities += velocities_in_group(system, group, inside, own)
+        s = first[(inside or group)[0]]
+        for found, stock in zip(velocities, stocks, strict=True):
+            found += velocities_in_group(system, group, inside, stock[s] + frame)
     return velocities

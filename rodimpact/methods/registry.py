@@ -24,7 +24,7 @@ from .steps import method as steps
 class Method(NamedTuple):
     """A way to solve a system: physics that it lacks, its own options, its run, what that calls."""
 
-    lacks: Sequence[abilities.Feature]
+    lacks: Sequence[str]
     takes: tuple[str, ...]
     run: Callable[..., Run]
     calls: tuple[str, ...] = ()
@@ -32,7 +32,7 @@ class Method(NamedTuple):
 
     def lacking(self, system: System) -> list[tuple[str, str]]:
         """Path and name of everything in the system that the method cannot do."""
-        return [where for feature in self.lacks for where in feature(system)]
+        return [need for need in abilities.needs(system) if need[1] in self.lacks]
 
 
 METHODS = {
@@ -127,7 +127,8 @@ class Options:
             message = f"must be a System, such as System([rod, Wall()]), got {system!r}"
             raise InvalidModel([("system", message)])
         given = {name for name in OWN if getattr(self, name) is not None}
-        able = [name for name, method in METHODS.items() if not method.lacking(system)]
+        needs = {what for _, what in abilities.needs(system)}
+        able = [name for name, method in METHODS.items() if needs.isdisjoint(method.lacks)]
         if self.method == "auto":
             method = next(name for name in able if given <= {*METHODS[name].takes})
         else:
@@ -136,7 +137,7 @@ class Options:
         if method not in able:
             missing = METHODS[method].lacking(system)
             remedy = f'method "{able[0]}" has'
-            if all(what == abilities.TAPERS for _, what in missing):
+            if all(what == abilities.TAPER for _, what in missing):
                 remedy += ", or give rod.in_steps(n)"
             problems = [
                 (path, f'method "{method}" has no {what}; {remedy}') for path, what in missing

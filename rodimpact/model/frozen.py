@@ -14,6 +14,7 @@ import json
 import math
 import sys
 from collections.abc import Callable, Collection, Iterable
+from functools import cached_property
 from typing import Any, ClassVar, NamedTuple, Self, TypeAlias
 
 import numpy as np
@@ -185,6 +186,11 @@ def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
     return shape
 
 
+def vanishes(value: Number) -> bool:
+    """Whether a number is 0 in every member of a family."""
+    return value == 0 if isinstance(value, float) else not np.any(value)
+
+
 def in_range(*values: Number) -> Any:
     """Where derived quantities are neither too small nor too large to compute with."""
     good: Any = True
@@ -324,6 +330,18 @@ class Frozen:
         fields = ", ".join(f"{name}={short(v)}" for name, v in given if v is not None)
         return f"{type(self).__name__}({fields})"
 
+    @cached_property
+    def _varies(self) -> bool:
+        """Whether a number of this object, or of what it holds, is an array."""
+        for name, value in self.__dict__.items():
+            for item in value if isinstance(value, tuple) else (value,):
+                if isinstance(item, Frozen):
+                    if item._varies:
+                        return True
+                elif isinstance(item, np.ndarray) and name not in self._whole:
+                    return True
+        return False
+
     def _numbers(self, path: str = "") -> list[tuple[str, Number]]:
         """Every number of this object and of what it holds, with its path."""
         numbers: list[tuple[str, Number]] = []
@@ -355,7 +373,7 @@ class Frozen:
         twin = object.__new__(type(self))
         twin._set(**{
             name: value if name in self._whole else mapped(value)
-            for name, value in self.__dict__.items()
+            for name, value in self.__dict__.items() if name[0] != "_"
         })
         return twin
 

@@ -128,8 +128,7 @@ class System(Frozen):
         raise_noted(problems)
         self._set(bodies=tuple(bodies), gaps=widths, contacts=tuple(laws), gravity=g,
                   ends=tuple(both))
-        several = any(isinstance(v, np.ndarray) for _, v in self._numbers())
-        self._set(_shape=family_shape(self._named_numbers()) if several else ())
+        self._set(_shape=family_shape(self._named_numbers()) if self._varies else ())
         _check_joined(self)
 
     @property

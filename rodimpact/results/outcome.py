@@ -16,7 +16,6 @@ import numpy as np
 from ..methods.abilities import driven
 from ..methods.groups import unilateral
 from ..methods.run import ContactTally, Run, Totals
-from ..model import RigidMass, Wall
 from ..model.frozen import plain
 from ..rigid import RigidCollision, collide
 
@@ -248,13 +247,13 @@ def effective_restitution(
 
 def outcome_of(run: Run, totals: Totals) -> Outcome:
     """Name the totals of a run."""
-    system, kinds = run.system, {Wall: "wall", RigidMass: "mass"}
+    system = run.system
     (before, after), (started, stopped) = totals.velocities, totals.vibration
     momentum, energy = (
         missing / scale if scale > 0 else 0.0 for missing, scale in (totals.momentum, totals.energy)
     )
     return Outcome(
-        bodies=tuple(kinds.get(type(body), "rod") for body in system.bodies),
+        bodies=tuple(body.kind for body in system.bodies),
         masses=tuple(totals.masses),
         velocities_before=tuple(before), velocities_after=tuple(after),
         kinetic_before=totals.kinetic[0], kinetic_after=totals.kinetic[1],

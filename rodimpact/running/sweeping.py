@@ -1,18 +1,15 @@
 """sweep(): every collision of a family, on any executor.
 
-A family is cut into chunks, which are smaller families; a chunk's result is a table of columns, one
-row a collision. Whoever runs a chunk, and in which order, its numbers are the same bit for bit.
+Its members are run in chunks, which are smaller families; a chunk's result is a table of columns,
+one row a collision. Whoever runs a chunk, and in which order, its numbers are the same bit for bit.
 """
 
 from __future__ import annotations
 
 import contextlib
 import math
-import os
-import threading
-from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import asdict, replace
 from numbers import Integral
 from typing import Any
@@ -36,6 +33,7 @@ from ..results.solution import Solution
 from ..storage.checkpoint import Checkpoint
 from ..storage.writing import PathLike
 from ..units import shown
+from .jobs import Jobs, pool_of, run_parts
 from .sweep_result import (
     ENDED,
     STATUS,
@@ -47,8 +45,8 @@ from .sweep_result import (
     explanation,
 )
 
-ONE_BY_ONE = 16  # members of a chunk where each is solved alone
-AHEAD = 32  # chunks handed to an executor before the first is waited for
+TOGETHER = 1024  # members that are kept, or run again, as one where they run in compiled code
+MOST_BYTES = 1 << 26  # of the results of a job that an executor of others runs
 
 
 class SweepError(ValueError):
@@ -107,7 +105,7 @@ def sweep(
     workers : int, optional
         Number of threads where there is no executor; default: the processors at hand.
     progress : callable, optional
-        Called with the number of collisions done and of all, after each chunk.
+        Called with the number of collisions done and of all, twice a second or more often.
     on_error : "record" or "raise"
         What to do about a member that cannot be solved, or is stopped by the cap on events or the
         clock: go on, with its `status` and what is known of it, or raise.
@@ -132,6 +130,27 @@ def sweep(
     -----
     DamagedChunks
         If the checkpoint has parts that are not what was written; they are run again.
+
+    Notes
+    -----
+    An executor gets jobs of some two seconds, as many as it has workers and as many again. An
+    interrupt cancels those that wait; what runs ends within seconds, or with its present member.
+    Processes, dask, and MPI, started by ``mpiexec -n 65 python -m mpi4py.futures program.py``::
+
+        with ProcessPoolExecutor() as pool:  # under if __name__ == "__main__":
+            result = ri.sweep(family, executor=pool)
+
+        client.run(ri.warm)  # each machine compiles once, before the first job
+        result = ri.sweep(family, executor=client.get_executor())
+
+        with MPIPoolExecutor() as pool:
+            result = ri.sweep(family, executor=pool)
+
+    Under SLURM, ``sbatch --array=0-99`` starts a hundred programs, each with members of its own; a
+    checkpoint each lets them go on where they were::
+
+        task = int(os.environ["SLURM_ARRAY_TASK_ID"])
+        ri.sweep(family[task::100], checkpoint=f"part-{task}").save(f"part-{task}.npz")
 
     Examples
     --------
@@ -166,15 +185,14 @@ def sweep(
         problems += error.problems
     if problems:
         raise InvalidModel(problems)
-    of = arrays_of(system, readings)
+    of, size = arrays_of(system, readings), math.prod(system.shape)
     together = METHODS[options.method].together and not readings.gauges
-    most = chunk_members(Blueprint(Row(system))) if together else ONE_BY_ONE
-    chunks = _Chunks(system.shape, most)
-    size = math.prod(system.shape)
+    most = chunk_members(Blueprint(Row(system))) if together else size
+    units = _Units(system.shape, min(TOGETHER, most) if together else 1)
     keep: Checkpoint | None = None
     if checkpoint is None:
         columns = {name: np.empty((size, *beyond), kind) for name, (kind, beyond) in of.items()}
-        done = np.zeros(len(chunks), dtype=bool)
+        done = np.zeros(len(units), dtype=bool)
     else:
         described = {
             "format": "rodimpact sweep", "rodimpact": __version__, "system": system.digest,
@@ -182,42 +200,46 @@ def sweep(
         }
         shapes = {name: (np.dtype(kind), (*system.shape, *beyond))
                   for name, (kind, beyond) in of.items()}
-        spans = [chunks.span(number) for number in range(len(chunks))]
-        keep = Checkpoint(checkpoint, described, shapes, spans)
+        keep = Checkpoint(checkpoint, described, shapes, units)
         columns, done = keep.columns(), keep.done.copy()
 
-    def arrived(number: int, part: Columns) -> None:
-        start, stop = chunks.span(number)
-        if on_error == "raise":
-            _raise_first(part["status"], start, system, options)
-        if keep is not None and not done[number]:
-            keep.write(number, part)
-        elif keep is None:
+    def put(start: int, stop: int, part: Columns) -> None:
+        if keep is None:
             for name, values in part.items():
                 columns[name][start:stop] = values
-        if progress is not None:
-            progress(stop, size)
+            return
+        for unit in range(start // units.unit, -(-stop // units.unit)):
+            a, b = (at - start for at in units[unit])
+            keep.write(unit, {name: values[a:b] for name, values in part.items()})
 
-    waiting: deque[tuple[int, Any]] = deque()
-    try:
-        for number in np.flatnonzero(done).tolist():
-            start, stop = chunks.span(number)
-            arrived(number, {"status": columns["status"].reshape(-1)[start:stop]})
-        with _pool(executor, workers) as (pool, *asking):
-            for number in np.flatnonzero(~done).tolist():
-                if len(waiting) == AHEAD:
-                    first, job = waiting.popleft()
-                    arrived(first, job.result())
-                part = system[chunks.box(number)]
-                waiting.append((number, pool.submit(run_chunk, part, options, readings, *asking)))
-            while waiting:
-                first, job = waiting.popleft()
-                arrived(first, job.result())
-    finally:
-        for _, job in waiting:
-            job.cancel()
+    with contextlib.ExitStack() as stack:
         if keep is not None:
-            keep.close()
+            stack.callback(keep.close)
+        pool = stack.enter_context(pool_of(executor, workers))
+        first, largest = units.unit, max(most, MOST_BYTES // _bytes(of))
+        if pool.asking:  # what can be asked to stop needs no parts
+            first, largest = most, most
+
+        def submit(start: int, stop: int) -> Any:
+            job = _members(system, start, stop), options, readings, first, most
+            return pool.executor.submit(run_job, *job, *pool.asking)
+
+        jobs = Jobs(pool, submit, units.spans(~done), units.unit, largest)
+        if on_error == "raise":
+            for start, stop in units.spans(done):
+                status = columns["status"].reshape(-1)[start:stop]
+                jobs.end = min(jobs.end, start + _first_bad(status))
+        ended = sum(stop - start for start, stop in units.spans(done))
+        for news in stack.enter_context(contextlib.closing(jobs.results())):
+            for start, stop, part in news:
+                put(start, stop, part)
+                ended += stop - start
+                if on_error == "raise":
+                    jobs.end = min(jobs.end, start + _first_bad(part["status"]))
+            if progress is not None:
+                progress(ended, size)
+    if jobs.end < size:
+        _raise_for(int(jobs.end), system, options)
     if keep is not None:
         columns = keep.columns()
     shaped = {
@@ -227,10 +249,27 @@ def sweep(
     return SweepResult(system, options, shaped, readings, strain)
 
 
+def run_job(
+    system: System, options: Options, readings: Readings, first: int, most: int, *asking: Any
+) -> tuple[int, float, Columns]:
+    """Run the first members of a family in chunks; how many they are, s, and their columns.
+
+    What executors run; `first` and `most` are the members of the first chunk and of any.
+    """
+    parts, count, seconds = run_parts(
+        lambda start, stop: run_chunk(_members(system, start, stop), options, readings, *asking),
+        math.prod(system.shape), first, most,
+    )
+    columns = parts[0]
+    if len(parts) > 1:
+        columns = {name: np.concatenate([part[name] for part in parts]) for name in columns}
+    return count, seconds, columns
+
+
 def run_chunk(
     system: System, options: Options, readings: Readings, stop: Callable[[], bool] = lambda: False
 ) -> Columns:
-    """Columns of the members of a family, in C order; what executors run.
+    """Columns of the members of a family, in C order.
 
     The method is chosen, and `options` hold for the family.
     """
@@ -288,11 +327,10 @@ def _together(system: System, options: Options, stop: Callable[[], bool]) -> Col
     contacts = range(len(system.contacts))
     final = run.final & (not driven(system))
     unknown = np.where(run.flag == FULL, math.nan, 0.0)
+    stocks = ([x.reshape(system.shape) for x in stock.T] for stock in (run.before, run.after))
     before, after = (
-        [unknown + np.broadcast_to(v, system.shape).ravel()
-         for v in body_velocities(system, first, [x.reshape(system.shape) for x in by_segment.T],
-                                  0.0)]
-        for by_segment in (run.before, run.after)
+        [unknown + np.broadcast_to(v, system.shape).ravel() for v in velocities]
+        for velocities in body_velocities(system, first, 0.0, *stocks)
     )
     able = unilateral(system)
     e = np.full(len(unknown), math.nan)
@@ -318,54 +356,39 @@ def _together(system: System, options: Options, stop: Callable[[], bool]) -> Col
     return {**columns, "vibration": unknown + run.vibration, "final": final, "status": status}
 
 
-class _Chunks:
-    """A shape cut into boxes that are contiguous in C order and hold at most `most` members."""
+class _Units(Sequence[tuple[int, int]]):
+    """The members of a shape in C order, in spans of at most `most`: whole rows, if they can be."""
 
     def __init__(self, shape: tuple[int, ...], most: int) -> None:
-        padded = (1, *shape)
-        axis = min(d for d in range(len(padded)) if math.prod(padded[d + 1 :]) <= most)
-        self._outer, self._inner = padded[:axis], math.prod(padded[axis + 1 :])
-        self._rest = (slice(None),) * (len(shape) - axis)
-        parts = -(-padded[axis] // (most // self._inner))
-        self._cuts = [padded[axis] * i // parts for i in range(parts + 1)]
+        rows = [math.prod(shape[axis:]) for axis in range(len(shape) + 1)]
+        row = next(row for row in rows if row <= most)
+        self.size, self.unit = rows[0], row * (most // row)
 
     def __len__(self) -> int:
-        return math.prod(self._outer) * (len(self._cuts) - 1)
+        return -(-self.size // self.unit)
 
-    def span(self, number: int) -> tuple[int, int]:
-        """First and last flat index of a chunk."""
-        outer, part = divmod(number, len(self._cuts) - 1)
-        low, high = (outer * self._cuts[-1] + cut for cut in self._cuts[part : part + 2])
-        return low * self._inner, high * self._inner
+    def __getitem__(self, number: Any) -> Any:
+        start = range(0, self.size, self.unit)[number]
+        return start, min(start + self.unit, self.size)
 
-    def box(self, number: int) -> tuple[slice, ...]:
-        """Index of a chunk in the family."""
-        outer, part = divmod(number, len(self._cuts) - 1)
-        leading = [slice(int(i), int(i) + 1) for i in np.unravel_index(outer, self._outer)]
-        return (*leading, slice(*self._cuts[part : part + 2]), *self._rest)[1:]
+    def spans(self, wanted: Any) -> list[tuple[int, int]]:
+        """Members of the units that are wanted, in as few spans as there can be."""
+        edges = np.flatnonzero(np.diff(np.concatenate(([0], wanted, [0])))).tolist()
+        return [(self[a][0], self[b - 1][1]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-@contextlib.contextmanager
-def _pool(executor: Executor | None, workers: int | None) -> Iterator[tuple[Any, ...]]:
-    """An executor, and for our own what its jobs ask whether to stop."""
-    if executor is not None:
-        yield (executor,)
-        return
-    stopping = threading.Event()
-    with ThreadPoolExecutor(workers or _processors()) as pool:
-        try:
-            yield pool, stopping.is_set
-        except BaseException:
-            stopping.set()
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
-def _processors() -> int:
-    """Processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+def _members(system: System, start: int, stop: int) -> System:
+    """Members of a family from `start` to `stop` in C order."""
+    shape, axis, row = system.shape, len(system.shape), 1
+    while axis and start % (more := row * shape[axis - 1]) == 0 and stop % more == 0:
+        axis, row = axis - 1, more
+    if axis == 0:
+        return system
+    outer, first = divmod(start // row, shape[axis - 1])
+    last = first + (stop - start) // row
+    if last <= shape[axis - 1]:  # a box
+        return system[(*np.unravel_index(outer, shape[: axis - 1]), slice(first, last))]
+    return system[np.unravel_index(np.arange(start, stop), shape)]
 
 
 def _readings(problems: Problems, system: System, gauges: Any, times: Any) -> Readings:
@@ -402,15 +425,23 @@ def _readings(problems: Problems, system: System, gauges: Any, times: Any) -> Re
     return Readings(tuple(places), read_at)
 
 
-def _raise_first(status: Any, start: int, system: System, options: Options) -> None:
-    """Raise for the first member of a chunk that did not come to its end."""
+def _first_bad(status: Any) -> float:
+    """Place of the first member that did not come to its end; infinite if all did."""
     bad = np.flatnonzero(~np.isin(status, ENDED))
-    if not bad.size:
-        return
-    index = tuple(int(i) for i in np.unravel_index(start + bad[0], system.shape))
+    return int(bad[0]) if bad.size else math.inf
+
+
+def _raise_for(member: int, system: System, options: Options) -> None:
+    """Say why a member did not come to its end."""
+    index = tuple(int(i) for i in np.unravel_index(member, system.shape))
     reason = explanation(system[index], options)
     parameters = {
         path: float(np.broadcast_to(values, system.shape)[index])
         for path, values in system.parameters.items()
     }
     raise SweepError(index, parameters, f'{reason} (on_error="record" keeps the others)')
+
+
+def _bytes(of: dict[str, tuple[Any, tuple[int, ...]]]) -> int:
+    """Size of the results of a member."""
+    return sum(np.dtype(kind).itemsize * math.prod(beyond) for kind, beyond in of.values())

@@ -1,5 +1,6 @@
 """Families of collisions: the same numbers as one at a time, whoever runs them."""
 
+import itertools
 import multiprocessing
 import os
 import warnings
@@ -12,7 +13,7 @@ from systems import MATERIALS, random_system
 import rodimpact as ri
 from rodimpact import theory
 from rodimpact.running.sweep_result import STATUS
-from rodimpact.running.sweeping import _Chunks
+from rodimpact.running.sweeping import _members, _Units
 
 STEEL = ri.materials.steel
 
@@ -508,7 +509,7 @@ def test_progress_counts_collisions(small_chunks):
     seen = []
     ri.sweep(small_map(), progress=lambda done, total: seen.append((done, total)))
     assert seen[-1] == (35, 35)
-    assert [done for done, _ in seen] == sorted({done for done, _ in seen})
+    assert [done for done, _ in seen] == sorted(done for done, _ in seen)
 
 
 def test_an_interrupt_stops_the_sweep(small_chunks):
@@ -521,17 +522,27 @@ def test_an_interrupt_stops_the_sweep(small_chunks):
 
 @pytest.mark.parametrize("most", [1, 2, 3, 7, 1000])
 @pytest.mark.parametrize("shape", [(), (1,), (5,), (3, 4), (2, 1, 7), (4, 9)])
-def test_chunks_cut_a_shape_in_c_order(shape, most):
-    chunks = _Chunks(shape, most)
-    flat = np.arange(np.prod(shape, dtype=int)).reshape(shape)
-    found = []
-    for number in range(len(chunks)):
-        start, stop = chunks.span(number)
-        part = flat[chunks.box(number)].ravel().tolist()
-        assert part == list(range(start, stop))
-        assert 0 < len(part) <= most
-        found += part
-    assert found == flat.ravel().tolist()
+def test_units_cut_a_shape_in_c_order(shape, most):
+    units = _Units(shape, most)
+    assert all(0 < stop - start <= most for start, stop in units)
+    found = [member for span in units for member in range(*span)]
+    assert found == list(range(np.prod(shape, dtype=int)))
+    wanted = np.arange(len(units)) % 3 > 0
+    spans = units.spans(wanted)
+    assert [m for span in spans for m in range(*span)] == [
+        m for span, want in zip(units, wanted, strict=True) if want for m in range(*span)]
+    assert all(stop < start for (_, stop), (start, _) in itertools.pairwise(spans))
+
+
+@pytest.mark.parametrize("shape", [(1,), (5,), (3, 4), (2, 1, 7), (2, 3, 4)])
+def test_members_are_those_in_c_order(shape):
+    size = np.prod(shape)
+    lengths = np.linspace(0.1, 0.9, size).reshape(shape)
+    family = pair(lengths, 1e-4)
+    for start, stop in itertools.combinations(range(size + 1), 2):
+        part = _members(family, start, stop)
+        found = np.broadcast_to(part.bodies[0].length, part.shape)
+        assert found.ravel().tolist() == lengths.ravel()[start:stop].tolist()
 
 
 # Results -----------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -130,11 +130,10 @@ class Blueprint:
         marks = n + sum(self.make.jumps)
         rows = [n + 2, n + 2, n + 1, 2, 1, fronts, fronts, fronts, *[1] * 8]
         kinds = [0, 0.0, 0.0, 0.0, 0, 0, 0, 0.0, 0.0, 0, 0, 0.0, 0.0, 0.0, 0.0, 0]
-        layout = [full(members * row, zero) for row, zero in zip(rows, kinds, strict=True)]
+        layout = Layout(*map(full, [members * row for row in rows], kinds))
         sizes = [marks, marks, marks, marks, marks, n + 2, marks, marks, marks, 2]
         kinds = [0.0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0]
-        work = [full(size, zero) for size, zero in zip(sizes, kinds, strict=True)]
-        return Layout(*layout), Work(*work)
+        return layout, Work(*map(full, sizes, kinds))
 
 
 def assemble(row: Row, until: float | None = None) -> Assembly:
@@ -152,7 +151,7 @@ def assemble(row: Row, until: float | None = None) -> Assembly:
         When velocities overflow, or transit times are too far apart for one clock.
     """
     plan = Blueprint(row)
-    make, given = plan.make, [float(x) for x in plan.numbers]
+    make, given = plan.make, cast("list[float]", plan.numbers)
     n = make.size[0]
     end = -1.0 if until is None else until
     if make.size[2] > 2 * INTERPRETED and kernels.enabled():
@@ -237,13 +236,16 @@ def start(
     """
     n = len(ticks) - 2
     zero = 0 * mobility[1]
-    more = [0] * room
-    changes = [0] * room
-    fronts = [(t, l, wave) for l, line in enumerate(waves) for t, wave in line]
+    ticks_sent, lines_sent, sent = [], [], []
+    for l, fronts in enumerate(waves):
+        for t, wave in fronts:
+            ticks_sent.append(t)
+            lines_sent.append(l)
+            sent.append(wave)
+    count, more = len(sent), [0] * room
     log = Log(
-        [t for t, _, _ in fronts] + more, [-1] * (len(fronts) + room),
-        [l for _, l, _ in fronts] + more, [wave for _, _, wave in fronts] + [zero] * room,
-        changes, changes[:], changes[:],
+        ticks_sent + more, [-1] * (count + room), lines_sent + more, sent + [zero] * room,
+        more, more[:], more[:],
     )
     nodes, lines = [zero] * (n + 1), [-1] * (2 * n + 4)
     arrived = [outside[0], *[zero] * (2 * n + 2), outside[1]]
@@ -254,5 +256,5 @@ def start(
     counts = [0] * (n + 1)
     tally = Tally(nodes[:], nodes[:], nodes[:], counts, counts[:], counts[:], counts[:])
     clock = [0] * 7
-    begin(state, tally, log, clock, len(fronts))
+    begin(state, tally, log, clock, count)
     return state, tally, log, clock

@@ -18,8 +18,8 @@ from .totals import tallies_of, totals_of
 from .tracking import FrontRun, track
 
 LACKS = (
-    physics.masses, physics.compliance, physics.gravity, physics.smooth_states,
-    physics.smooth_drives, physics.damping, physics.lateral, physics.taper,
+    physics.MASSES, physics.COMPLIANCE, physics.GRAVITY, physics.SMOOTH_STATES,
+    physics.SMOOTH_DRIVES, physics.DAMPING, physics.LATERAL, physics.TAPER,
 )
 ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come to rest
 ROUNDED = 2.0**-36  # relative change of a transit time that is told
@@ -44,29 +44,35 @@ def hand_over(run: FrontRun, until: float | None) -> Run:
 
 def _status(run: FrontRun) -> str:
     """Why the run ended, and what to do if that is not enough."""
-    a, end = run.assembly, format_si(run.end * run.assembly.tick, "s")
+    a, values = run.assembly, run.log.value
     final = "" if run.finality_time < 0 else _pressing(run) or proof_sentence(
         any(run.tally.episodes), run.stopped_by == "until" and run.finality_time >= run.end,
         run.finality_time * a.tick,
     )
-    if run.stopped_by == "max_events" and not final:
-        sentence = (
-            f"Stopped by the cap of {run.events} events at {end}; fronts multiply where transit "
-            "times have no common measure. Raise max_events, or make lengths commensurate."
-        )
-    elif run.stopped_by == "clock":
-        sentence = (
-            f"Stopped by the clock after {end}: a contact may close later than it can count, if "
-            "ever. Give until= to set another end."
-        )
-    else:
-        sentence = end_sentence(a.system, run.stopped_by, final, end, f"{run.events} events")
+    sentence = final if run.stopped_by == "final" else _stopped(run, final)
     if a.transit_error > ROUNDED:
         sentence += (
             f" The transit time of {a.worst} was rounded by {a.transit_error:.2g} of itself to "
             "fit the clock."
         )
-    return sentence + strain_warning(float(np.abs(run.log.value).max()) / min(a.wave_speed[1:-1]))
+    fastest = max(map(abs, values)) if isinstance(values, list) else float(np.abs(values).max())
+    return sentence + strain_warning(fastest / min(a.wave_speed[1:-1]))
+
+
+def _stopped(run: FrontRun, final: str) -> str:
+    """What ended a run that did not end by its proof, and what that says, if it has one."""
+    end = format_si(run.end * run.assembly.tick, "s")
+    if run.stopped_by == "max_events" and not final:
+        return (
+            f"Stopped by the cap of {run.events} events at {end}; fronts multiply where transit "
+            "times have no common measure. Raise max_events, or make lengths commensurate."
+        )
+    if run.stopped_by == "clock":
+        return (
+            f"Stopped by the clock after {end}: a contact may close later than it can count, if "
+            "ever. Give until= to set another end."
+        )
+    return end_sentence(run.assembly.system, run.stopped_by, final, end, f"{run.events} events")
 
 
 def _pressing(run: FrontRun) -> str:

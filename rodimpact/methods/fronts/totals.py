@@ -23,8 +23,8 @@ def totals_of(run: FrontRun, tallies: Sequence[ContactTally]) -> Totals:
     masses = [a.mass(i) for i in range(count)]
     stocks = (run.opening, run.closing)
     before, after = (
-        [float(v) for v in body_velocities(system, first, stock.velocity, a.frame)]
-        for stock in stocks
+        [float(v) for v in velocities] for velocities in
+        body_velocities(system, first, a.frame, *(stock.velocity for stock in stocks))
     )
     vibration_before, vibration_after = (
         [math.fsum(stock.vibration[s : e + 1]) * a.tick for s, e in a.spans] for stock in stocks
@@ -94,6 +94,7 @@ def _absolute_momentum(a: Assembly) -> float:
     total = 0.0
     for line, fronts in enumerate(a.waves[2:-2], 2):
         ends = [tick for tick, _ in fronts[1:]] + [0]
+        half = a.impedance[line // 2] / 2
         for (tick, wave), end in zip(fronts, ends, strict=True):
-            total += a.impedance[line // 2] / 2 * (end - tick) * a.tick * abs(wave + a.frame)
+            total += half * (end - tick) * a.tick * abs(wave + a.frame)
     return total

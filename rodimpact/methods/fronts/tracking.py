@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,8 +37,7 @@ LISTS_COLD, LISTS_WARM = 65_536, 2_048  # log rows up to which lists beat the co
 _LOG_TYPES = Log(np.int64, np.int32, np.int32, np.float64, np.int64, np.int32, np.int8)
 
 
-@dataclass(frozen=True, slots=True)
-class FrontRun:
+class FrontRun(NamedTuple):
     """A finished run.
 
     Attributes
@@ -100,7 +98,8 @@ def track(
     mobility = [1 / Z if Z else 0.0 for Z in a.impedance]
     state: Any = start(a.ticks, mobility, a.status, a.gaps, a.outside, a.waves)
     state, tally, log, clock = state
-    opening, closing = (GroupState(*([0.0] * len(a.ticks) for _ in range(3))) for _ in range(2))
+    none = [0.0] * len(a.ticks)
+    opening, closing = (GroupState(none[:], none[:], none[:]) for _ in range(2))
     initial_state(state, log, opening)
     segment_totals(state, log, 0, opening)
     target = -2 * a.longest
@@ -111,7 +110,7 @@ def track(
     kernel: Any = play
     on_lists = True
     while True:
-        if on_lists and kernels.enabled() and len(log.value) > compile_after:
+        if on_lists and len(log.value) > compile_after and kernels.enabled():
             state, tally, log, clock = on_arrays(state, tally, log, clock)
             kernel, on_lists = kernels.compiled(play), False
         flag = kernel(state, tally, log, clock, target, max_events, a.tolerance, a.window)
@@ -122,7 +121,7 @@ def track(
         state, tally = State(*(x.tolist() for x in state)), Tally(*(x.tolist() for x in tally))
         clock = clock.tolist()
     final_state(state, tally, log, clock[NOW], opening, closing)
-    closing = GroupState(*([float(x) for x in column] for column in closing))
+    closing = GroupState(*(list(map(float, column)) for column in closing))
     n, m = clock[ROWS], clock[CHANGES]
     log = Log(*(x[:n] for x in log[:4]), *(x[:m] for x in log[4:]))
     finality_time = -1 if until is not None and driven(a.system) else clock[FINALITY]

@@ -134,7 +134,7 @@ class StepRun(SteppedRun):
         return np.concatenate(([initial], later))
 
 
-LACKS = (physics.damping, physics.lateral, physics.taper)
+LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
 
 
 def solve(row: Row, until: float | None, max_events: int, **options: Any) -> Run:
