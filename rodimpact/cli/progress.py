@@ -14,8 +14,7 @@ from typing import Any
 from ..model import System
 from ..results.solution import Solution
 from ..running.solving import LongRun, solve
-from . import DONE, INCOMPLETE
-from .asking import note
+from . import DONE, INCOMPLETE, complain
 
 REDRAWN = 0.1  # s between two states of the bar
 BAR = 30  # characters
@@ -41,7 +40,7 @@ def solved(system: System, **options: Any) -> Solution:
     """Solve, with a bar, and a word before a long run."""
     with warnings.catch_warnings(), progress_bar("steps") as bar:
         warnings.simplefilter("always", LongRun)
-        warnings.showwarning = lambda message, *_, **__: note(str(message))
+        warnings.showwarning = lambda message, *_, **__: complain(str(message), DONE)
         return solve(system, progress=bar, **options)
 
 

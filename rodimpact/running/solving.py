@@ -16,7 +16,7 @@ AUTO = Options()
 
 
 class LongRun(UserWarning):
-    """A run will take over a minute; the message says how long, and what takes less."""
+    """A run takes long, ten seconds or more; the message says how long, and what takes less."""
 
 
 def solve(

@@ -98,7 +98,6 @@ def test_every_public_name_is_called_or_is_a_result(calls):
         assert inspect.ismodule(thing) or isinstance(thing, type), name
 
 
-@pytest.mark.filterwarnings("ignore::rodimpact.LongRun")
 @pytest.mark.parametrize("seed", SEEDS)
 def test_calls_answer_or_refuse_in_a_sentence(monkeypatch, tmp_path, calls, seed):
     rng = np.random.default_rng(seed)
