@@ -38,12 +38,15 @@ class Forecast:
         if self._announce and total > MORE * self._told:
             self._told = total
             self._announce(
-                f"this run takes some {_spelled(total)}, perhaps more ({what}); {self._remedy} "
+                f"this run takes some {how_long(total)}, perhaps more ({what}); {self._remedy} "
                 "takes less"
             )
 
 
-def _spelled(seconds: float) -> str:
-    if seconds < 120:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.3g} h"
+def how_long(s: float) -> str:
+    """A time of so many seconds."""
+    minutes, seconds = divmod(round(s), 60)
+    hours, minutes = divmod(minutes, 60)
+    if hours:
+        return f"{hours} h {minutes} min"
+    return f"{minutes} min {seconds} s" if minutes else f"{seconds} s"
