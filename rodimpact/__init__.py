@@ -7,12 +7,16 @@
 0.4
 """
 
+from __future__ import annotations
+
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
 
+TYPE_CHECKING = False  # without `typing`, which takes longer than all else before the first command
 if TYPE_CHECKING:  # names under their own names, so that type checkers take them as public
+    from typing import Any
+
     from . import materials as materials
     from . import plot as plot
     from . import rigid as rigid
