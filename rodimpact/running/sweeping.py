@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import __version__
+from ..methods import memory
 from ..methods.abilities import driven
 from ..methods.fronts.assembly import Blueprint
 from ..methods.fronts.families import Stopped, chunk_members, run_family
@@ -235,10 +236,13 @@ def run_chunk(
     The method is chosen, and `options` hold for the family.
     """
     together, columns = METHODS[options.method].together, {}
-    if not together or readings.gauges:
-        columns = _one_by_one(system, options, readings, stop)
-    if together:
-        columns |= _together(system, options, stop)
+    try:
+        if not together or readings.gauges:
+            columns = _one_by_one(system, options, readings, stop)
+        if together:
+            columns |= _together(system, options, stop)
+    finally:
+        memory.give_back()
     kinds = {name: kind for name, (kind, _) in arrays_of(system, readings).items()}
     return {name: columns[name].astype(kind) for name, kind in kinds.items()}
 
@@ -351,8 +355,8 @@ def _pool(executor: Executor | None, workers: int | None) -> Iterator[tuple[Any,
     if executor is not None:
         yield (executor,)
         return
-    stopping = threading.Event()
-    with ThreadPoolExecutor(workers or _processors()) as pool:
+    stopping, threads = threading.Event(), workers or _processors()
+    with ThreadPoolExecutor(threads, initializer=memory.share, initargs=(threads,)) as pool:
         try:
             yield pool, stopping.is_set
         except BaseException:
