@@ -27,7 +27,7 @@ from ..methods.fronts.assembly import Blueprint
 from ..methods.fronts.families import Stopped, chunk_members, run_family
 from ..methods.fronts.front_kernel import CAP, CLOCK, FULL
 from ..methods.groups import body_velocities, unilateral
-from ..methods.registry import METHODS, Options, count
+from ..methods.registry import METHODS, Options, check_function, count
 from ..methods.row import Row
 from ..methods.run import MAX_EVENTS
 from ..model import Rod, System
@@ -152,6 +152,7 @@ def sweep(
         problems.append(("on_error", f'must be "raise" or "record", got {shown(on_error)}'))
     if workers is not None:
         workers = count(problems, "workers", workers)
+    check_function(problems, "progress", progress)
     runs_chunks = isinstance(executor, Executor | None)
     if not runs_chunks:
         message = "must be an executor, such as concurrent.futures.ProcessPoolExecutor()"
