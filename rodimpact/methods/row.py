@@ -9,6 +9,7 @@ arrays.
 from __future__ import annotations
 
 import math
+import sys
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -32,6 +33,7 @@ from ..model.frozen import Problems
 from ..model.profiles import extremes
 from .contact_law_kernel import BOND, COMPLIANT, FORCE, FREE, IMPACT, RIGID, SPRING
 
+SMALLEST, LARGEST = sys.float_info.min, sys.float_info.max
 ROOM = 2.0**60  # for sums over steps and cells
 STIFFEST = 2.0**80  # of a contact, times transit time over impedance
 LEAST = 2.0**-800  # stiffness, where time is counted in steps
@@ -225,25 +227,27 @@ class Row:
         ))
 
     def check_scales(self) -> None:
-        """Raise InvalidModel where steps would overflow, or lose an indentation in round-off."""
+        """Raise InvalidModel where steps overflow, vanish, or lose an indentation in round-off."""
         largest = max(*self.masses, *(float(s.mass) for s in self.segments), 0.0)
-        if not self.scale * self.scale * largest * ROOM < math.inf:
-            size = f"velocities and strains of {self.scale!r} m/s"
-            raise InvalidModel([("bodies", f"{size} overflow the energy; use smaller")])
         force = self.scale * max(
             float(s.material.density * s.wave_speed * extremes(s.area)[1]) for s in self.segments
         )
-        if not force * force * ROOM < math.inf:
-            size = f"velocities and strains of {self.scale!r} m/s make forces of {force:.3g} N"
-            raise InvalidModel([("bodies", f"{size}, which overflow; use smaller")])
+        for square, what in (
+            (self.scale * self.scale * largest, "energies"),
+            (force * force, f"squares of forces, {force:.3g} N,"),
+        ):
+            if self.scale and not SMALLEST * ROOM < square < LARGEST / ROOM:
+                how = "vanish; use larger" if square < 1 else "overflow; use smaller"
+                size = f"velocities and strains of {self.scale!r} m/s"
+                raise InvalidModel([("bodies", f"{size} make {what} that {how}")])
         T = max(s.transit_time for s in self.segments)
         yielding = T / self._least_impedance
         problems: Problems = []
         for i, link in self.opening.items():
-            if self.laws[link] >= SPRING and (
-                self.stiffness[link] * yielding * (self.scale * T) ** (self.exponent[link] - 1)
-                > STIFFEST
-            ):
+            with np.errstate(over="ignore", invalid="ignore"):
+                deepest = np.float64(self.scale * T) ** (self.exponent[link] - 1)
+                stiff = self.stiffness[link] * yielding * deepest
+            if self.laws[link] >= SPRING and not stiff <= STIFFEST:
                 message = f"is as good as rigid beside these rods, got {self.stiffness[link]!r}"
                 problems.append((f"contacts.{i}.stiffness", f"{message}; use Rigid()"))
         if problems:
