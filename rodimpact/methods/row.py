@@ -8,7 +8,6 @@ arrays.
 
 from __future__ import annotations
 
-import math
 import sys
 from functools import cached_property
 from itertools import pairwise
