@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from ..methods.duration import LongRun
 from ..model.frozen import InvalidModel, Problems
-from ..running.solving import LongRun
 from ..storage.casefile import write_case
 from .comparison import solved_curve
 from .design import Design

@@ -9,6 +9,10 @@ LONG = 8.0  # s, from which a run is announced: before anyone has waited for ten
 MORE = 4.0  # times as long as announced, and it is announced again
 
 
+class LongRun(UserWarning):
+    """Something takes long, ten seconds or more; the message says how long, and what takes less."""
+
+
 class Forecast:
     """Announces a run that takes long.
 

@@ -6,6 +6,7 @@ import warnings
 
 from numpy.typing import ArrayLike
 
+from ..methods.duration import LongRun
 from ..methods.registry import Options, check_function
 from ..methods.run import MAX_EVENTS, Progress
 from ..model import Body, ContactLaw, InvalidModel, System
@@ -14,10 +15,6 @@ from ..results.outcome import Outcome, outcome_of
 from ..results.solution import Solution
 
 AUTO = Options()
-
-
-class LongRun(UserWarning):
-    """A run takes long, ten seconds or more; the message says how long, and what takes less."""
 
 
 def solve(
