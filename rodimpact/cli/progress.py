@@ -63,7 +63,9 @@ class ProgressBar:
     def __call__(self, done: int, total: int) -> None:
         """Show that so many are done, unless the last news was just now."""
         now = time.monotonic()
-        since, before = self.start = self.start or (now, done)
+        if done:
+            self.start = self.start or (now, done)
+        since, before = self.start or (now, done)
         if now < self.drawn + REDRAWN:
             return
         self.drawn = now

@@ -11,6 +11,7 @@ Exit status 3 if some did not come to their end; the status of each says why.
 from __future__ import annotations
 
 import argparse
+import math
 import time
 from collections.abc import Iterable
 from functools import partial
@@ -130,6 +131,8 @@ def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:
     started = time.monotonic()
     try:
         with progress_bar("collisions") as bar:
+            if bar:
+                bar(0, math.prod(case.system.shape))
             result = sweep(case.system, progress=bar, **options)
     except KeyboardInterrupt:
         kept = options["checkpoint"]

@@ -539,7 +539,8 @@ def test_the_bar_tells_how_much_how_fast_how_long(case, capsys, monkeypatch):
     shown, clock = [], terminal(monkeypatch)
 
     def slow(system, progress, **_):
-        for seconds, done in ((0, 100), (1, 200), (2, 400), (62, 990)):
+        shown.append(screen(capsys.readouterr().err)[0])
+        for seconds, done in ((1, 100), (2, 200), (3, 400), (63, 990)):
             clock[0] = 100.0 + seconds
             progress(done, 1000)
             shown.append(screen(capsys.readouterr().err)[0])
@@ -548,13 +549,14 @@ def test_the_bar_tells_how_much_how_fast_how_long(case, capsys, monkeypatch):
     monkeypatch.setattr(command, "sweep", slow)
     assert sweep("--vary", LENGTHS) == 0
     assert shown == [
+        "  0 %  [                              ]",
         " 10 %  [###                           ]",
         " 20 %  [######                        ]  100 collisions/s  8 s left",
         " 40 %  [############                  ]  150 collisions/s  4 s left",
         " 99 %  [############################# ]  14.4 collisions/s  1 s left",
     ]
     out, err = capsys.readouterr()
-    assert screen(err) == ["5 collisions in 62 s, 0.0806 collisions/s", ""]
+    assert screen(err) == ["5 collisions in 63 s, 0.0794 collisions/s", ""]
     assert err.startswith("\r")
     assert "\x1b" not in err
     assert "collisions/s" not in out
