@@ -71,6 +71,11 @@ def solve(
         If the system is a family or cannot be put on one clock, or an argument is wrong or missing:
         a row with driven ends, or gravity and something that holds it, needs `until`.
 
+    Warns
+    -----
+    LongRun
+        Before a run takes ten seconds, with what takes less.
+
     Examples
     --------
     >>> import rodimpact as ri
