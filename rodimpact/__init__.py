@@ -7,17 +7,22 @@
 0.4
 """
 
+from __future__ import annotations
+
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
 
+TYPE_CHECKING = False  # without `typing`, which takes longer than all else before the first command
 if TYPE_CHECKING:  # names under their own names, so that type checkers take them as public
+    from typing import Any
+
     from . import materials as materials
     from . import plot as plot
     from . import rigid as rigid
     from . import theory as theory
     from . import units as units
+    from .methods.duration import LongRun as LongRun
     from .methods.kernels import DamagedCache as DamagedCache
     from .methods.registry import Options as Options
     from .methods.run import ContactTally as ContactTally
@@ -54,7 +59,6 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .results.ring_down import RingDown as RingDown
     from .results.solution import Solution as Solution
     from .running.loading import load as load
-    from .running.solving import LongRun as LongRun
     from .running.solving import collide as collide
     from .running.solving import solve as solve
     from .running.sweep_result import Axis as Axis
@@ -79,7 +83,8 @@ _HOME = {
     "model.system": ("System",),
     "methods.registry": ("Options",),
     "methods.kernels": ("DamagedCache",),
-    "running.solving": ("LongRun", "collide", "solve"),
+    "methods.duration": ("LongRun",),
+    "running.solving": ("collide", "solve"),
     "results.energy": ("EnergyLedger",),
     "results.gauges": ("Gauge", "gauges_to_csv"),
     "results.solution": ("Solution",),

@@ -17,8 +17,15 @@ def floating_point_errors_raise():
 
 
 @pytest.fixture
-def ctrl_c_is_heard():
-    """Children do not inherit that SIGINT is ignored, as it is in what a shell runs with `&`."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+def children_hear_signals():
+    """Children do not inherit that SIGINT or SIGHUP is ignored, as in what `&` or `nohup` started.
+
+    What is caught here is not caught there.
+    """
+    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name)]
+    ignored = [number for number in numbers if signal.getsignal(number) == signal.SIG_IGN]
+    for number in ignored:
+        signal.signal(number, lambda *_: None)
     yield
-    signal.signal(signal.SIGINT, before)
+    for number in ignored:
+        signal.signal(number, signal.SIG_IGN)

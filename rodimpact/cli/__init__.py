@@ -60,7 +60,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             text, status = "", int(stop.code or DONE)
         return status if _print(text) else FAULT
     except KeyboardInterrupt as stop:
-        return complain(str(stop) or "interrupted", INTERRUPTED)
+        ours = str(stop).startswith("interrupted")  # codecs write to it in what they were
+        return complain(str(stop) if ours else "interrupted", INTERRUPTED)
     except FileExistsError as error:
         return complain(str(error), MISTAKE)
     except OSError as error:

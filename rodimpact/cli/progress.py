@@ -11,11 +11,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from ..methods.duration import how_long
 from ..model import System
 from ..results.solution import Solution
-from ..running.solving import LongRun, solve
-from . import DONE, INCOMPLETE
-from .asking import note
+from ..running.solving import solve
+from . import DONE, INCOMPLETE, complain
 
 REDRAWN = 0.1  # s between two states of the bar
 BAR = 30  # characters
@@ -23,10 +23,18 @@ BAR = 30  # characters
 
 @contextmanager
 def progress_bar(of: str) -> Iterator[ProgressBar | None]:
-    """A bar for so many things, erased in the end; none where nobody looks."""
+    """A bar for so many things, erased for warnings and in the end; none where nobody looks."""
     bar = ProgressBar(of) if sys.stderr.isatty() else None
+
+    def tell(message: Warning | str, *_: Any, **__: Any) -> None:
+        if bar:
+            bar.erase()
+        complain(str(message), DONE)
+
     try:
-        yield bar
+        with warnings.catch_warnings():
+            warnings.showwarning = tell
+            yield bar
     finally:
         if bar:
             bar.erase()
@@ -38,10 +46,8 @@ def status_of(solution: Solution) -> int:
 
 
 def solved(system: System, **options: Any) -> Solution:
-    """Solve, with a bar, and a word before a long run."""
-    with warnings.catch_warnings(), progress_bar("steps") as bar:
-        warnings.simplefilter("always", LongRun)
-        warnings.showwarning = lambda message, *_, **__: note(str(message))
+    """Solve, with a bar."""
+    with progress_bar("steps") as bar:
         return solve(system, progress=bar, **options)
 
 
@@ -57,7 +63,9 @@ class ProgressBar:
     def __call__(self, done: int, total: int) -> None:
         """Show that so many are done, unless the last news was just now."""
         now = time.monotonic()
-        since, before = self.start = self.start or (now, done)
+        if done:
+            self.start = self.start or (now, done)
+        since, before = self.start or (now, done)
         if now < self.drawn + REDRAWN:
             return
         self.drawn = now
@@ -83,12 +91,3 @@ def a_second(rate: float, of: str) -> str:
     """A number of things a second."""
     number = f"{rate:.3g}" if rate < 100 else f"{float(f'{rate:.3g}'):,.0f}"
     return f"{number} {of}/s"
-
-
-def how_long(s: float) -> str:
-    """A time of so many seconds."""
-    minutes, seconds = divmod(round(s), 60)
-    hours, minutes = divmod(minutes, 60)
-    if hours:
-        return f"{hours} h {minutes} min"
-    return f"{minutes} min {seconds} s" if minutes else f"{seconds} s"

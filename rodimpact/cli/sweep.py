@@ -11,8 +11,8 @@ Exit status 3 if some did not come to their end; the status of each says why.
 from __future__ import annotations
 
 import argparse
+import math
 import time
-import warnings
 from collections.abc import Iterable
 from functools import partial
 from typing import Any
@@ -25,7 +25,7 @@ from ..running.sweep_result import SweepResult
 from ..running.sweeping import SweepError, sweep
 from ..storage.casefile import Case, read_case
 from ..storage.reading import FileFormatError
-from . import DONE, INCOMPLETE, complain
+from . import DONE, INCOMPLETE
 from .asking import attempt, check_format, check_outputs, note, whole_number, write
 from .progress import a_second, progress_bar
 from .run_options import add_run_options, run_options
@@ -130,10 +130,9 @@ def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:
     """Solve the family, with a progress bar on a terminal."""
     started = time.monotonic()
     try:
-        with warnings.catch_warnings(), progress_bar("collisions") as bar:
-            warnings.showwarning = (  # of a damaged checkpoint
-                lambda message, *_, **__: complain(str(message), DONE)  # type: ignore[assignment]
-            )
+        with progress_bar("collisions") as bar:
+            if bar:
+                bar(0, math.prod(case.system.shape))
             result = sweep(case.system, progress=bar, **options)
     except KeyboardInterrupt:
         kept = options["checkpoint"]
@@ -146,7 +145,7 @@ def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:
         raise InvalidModel([(case.path, message)]) from error
     except FileFormatError as error:
         raise InvalidModel([("--checkpoint", str(error))]) from error
-    seconds = time.monotonic() - started
+    seconds = max(time.monotonic() - started, 1e-9)
     count = result.restitution.size
     note(f"{count} collisions in {seconds:.3g} s, {a_second(count / seconds, 'collisions')}")
     return result

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import sys
 import traceback
+import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from http import HTTPStatus
@@ -15,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from ..methods.duration import LongRun
 from ..model.frozen import InvalidModel, Problems
 from ..storage.casefile import write_case
 from .comparison import solved_curve
@@ -70,6 +72,7 @@ def serve() -> None:
     On standard output a line with status and size comes before each answer.
     """
     np.seterr(all="ignore")
+    warnings.simplefilter("ignore", LongRun)  # there is a limit, and a word, for who asks
     questions, answers = sys.stdin.buffer, sys.stdout.buffer
     sys.stdout = sys.stderr  # what is printed is no answer
     with suppress(BrokenPipeError):  # nobody waits for it any more

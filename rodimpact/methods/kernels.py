@@ -20,6 +20,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from .duration import LongRun
+
 Kernel = Callable[..., Any]
 
 
@@ -50,6 +52,7 @@ def compiled(kernel: Kernel) -> Kernel:
 _ONE_AT_A_TIME = threading.Lock()
 SEAL = 16  # bytes of checksum after machine code
 LOADING, PATIENCE = 0.005, 2.0  # s: of a compiled call, and of plain Python before the first one
+LARGE = 9  # functions of a kernel, from which compiling takes seconds
 LIST_TIME = 5e-8  # s: of a number to and from a list
 _spent = 0.0
 
@@ -125,7 +128,7 @@ def _translate(kernel: Kernel, cache: bool) -> Kernel:
     if cache:
         with contextlib.suppress(AttributeError):  # a numba whose cache has other parts
             _watch(fast._cache._cache_file, kernel)  # type: ignore[attr-defined]
-            _mend(fast._cache)  # type: ignore[attr-defined]
+            _mend(fast._cache, kernel)  # type: ignore[attr-defined]
     return fast
 
 
@@ -171,13 +174,14 @@ def _watch(file: Any, kernel: types.FunctionType) -> None:
     file._source_stamp, file._dump, file._load_data = stamp, dump_sealed, load_sealed
 
 
-def _mend(cache: Any) -> None:
+def _mend(cache: Any, kernel: types.FunctionType) -> None:
     """Let the compiler do without what cannot be read from the cache, or written to it."""
     load, save = cache.load_overload, cache.save_overload
+    large = len(_parts(kernel)) > LARGE
 
     def load_or_none(signature: Any, target: Any) -> Any:
         try:
-            return load(signature, target)
+            code = load(signature, target)
         except OSError:
             return None
         except Exception:  # pickle raises a dozen kinds for a damaged file
@@ -185,12 +189,22 @@ def _mend(cache: Any) -> None:
                 cache.flush()
             _tell_of_damage()
             return None
+        if code is None and large:
+            _tell_of_compiling()
+        return code
 
     def save_if_possible(signature: Any, code: Any) -> None:
         with contextlib.suppress(Exception):  # a full disk, or an index that nobody may mend
             save(signature, code)
 
     cache.load_overload, cache.save_overload = load_or_none, save_if_possible
+
+
+@functools.cache
+def _tell_of_compiling() -> None:
+    if sys.stderr and sys.stderr.isatty():  # somebody waits for it
+        message = "machine code is made for this machine, once; that takes some ten seconds"
+        warnings.warn(message, LongRun, stacklevel=2)
 
 
 @functools.cache  # once is enough, though each kernel has files of its own

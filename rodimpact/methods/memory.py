@@ -2,18 +2,23 @@
 
 What a method takes it counts itself, at its largest: the arrays of its kernel, the record made of
 them, and the copies that results need. The limit is the same on all but small machines, so that a
-search for an accurate step ends at the same step on each.
+search for an accurate step ends at the same step on each. Runs side by side in threads have it too,
+but those that take more than their share of it go one after the other.
 """
 
 from __future__ import annotations
 
 import math
 import os
+import threading
 
 from ..model.frozen import InvalidModel
 
 MOST_BYTES = 2e9
 SHARE = 1 / 4  # of a machine's memory, where that is less
+
+_turn = threading.Lock()  # of the one thread that takes more than its share
+_thread = threading.local()  # its `share`, bytes, and whether it `has_turn`
 
 
 class TooLong(InvalidModel):
@@ -53,3 +58,21 @@ def ask(numbers: float, field: str, what: str, remedy: str) -> None:
     if numbers > most:
         size = f"{what} needs {8e-9 * numbers:.3g} GB of memory, more than {8e-9 * most:.3g} GB"
         raise TooLong([(field, f"{size}; {remedy}")])
+    if 8 * numbers > getattr(_thread, "share", math.inf) and not _thread.has_turn:
+        _turn.acquire()
+        _thread.has_turn = True
+
+
+def share(threads: int) -> None:
+    """Let this thread be one of so many: it waits its turn, in `ask`, to take more than its share.
+
+    The turn is its own until `give_back`. All together take half of the machine's memory at most.
+    """
+    _thread.share, _thread.has_turn = SHARE * installed() / threads, False
+
+
+def give_back() -> None:
+    """Let another thread take more than its share."""
+    if getattr(_thread, "has_turn", False):
+        _thread.has_turn = False
+        _turn.release()

@@ -178,6 +178,12 @@ def count(problems: Problems, name: str, value: Any) -> int:
     return 0
 
 
+def check_function(problems: Problems, name: str, value: Any) -> None:
+    """Note what cannot be called, if it is given."""
+    if value is not None and not callable(value):
+        problems.append((name, f"must be a function, got {shown(value)}"))
+
+
 def _single(problems: Problems, name: str, value: Any, unit: str, sign: str) -> Any:
     single = number(problems, name, value, unit, sign)
     if not isinstance(single, float):

@@ -8,7 +8,7 @@ arrays.
 
 from __future__ import annotations
 
-import math
+import sys
 from collections.abc import Callable, Sequence
 from functools import cached_property, reduce
 from itertools import pairwise
@@ -33,6 +33,8 @@ from ..model.frozen import Number
 from ..model.profiles import extremes
 from .contact_law_kernel import BOND, COMPLIANT, FORCE, FREE, IMPACT, RIGID, SPRING
 
+SMALLEST, LARGEST = sys.float_info.min, sys.float_info.max
+TOO_LARGE = "overflow; use smaller"
 ROOM = 2.0**60  # for sums over steps and cells
 STIFFEST = 2.0**80  # of a contact, times transit time over impedance
 LEAST = 2.0**-800  # stiffness, where time is counted in steps
@@ -229,7 +231,7 @@ class Row:
         ])
 
     def beyond_scales(self) -> list[tuple[Any, str, Callable[[], str]]]:
-        """What steps would overflow, or where they lose an indentation in round-off.
+        """Where steps overflow, vanish, or lose an indentation in round-off.
 
         Returns
         -------
@@ -242,28 +244,32 @@ class Row:
             s.material.density * s.wave_speed * extremes(s.area)[1] for s in self.segments
         ])
         T: Any = largest([s.transit_time for s in self.segments])
-        with np.errstate(over="ignore", invalid="ignore"):
+        beyond: list[tuple[Any, str, Callable[[], str]]] = []
+        with np.errstate(over="ignore", invalid="ignore", under="ignore"):
             force = speed * impedance
-            size = f"velocities and strains of {speed!r} m/s"
-            beyond: list[tuple[Any, str, Callable[[], str]]] = [
-                (~np.less(np.multiply(speed * speed, heaviest * ROOM), math.inf), "bodies",
-                 lambda: f"{size} overflow the energy; use smaller"),
-                (~np.less(np.multiply(force, force * ROOM), math.inf), "bodies",
-                 lambda: f"{size} make forces of {force:.3g} N, which overflow; use smaller"),
-            ]
+            for square, what in (
+                (np.multiply(speed, speed) * heaviest, "energies"),
+                (np.multiply(force, force), f"squares of forces, {np.max(force):.3g} N,"),
+            ):
+                good = np.less(SMALLEST * ROOM, square) & np.less(square, LARGEST / ROOM)
+                beyond.append((
+                    np.not_equal(speed, 0) & ~good, "bodies",
+                    lambda square=square, what=what: f"velocities and strains of {speed!r} m/s "
+                    f"make {what} that {'vanish; use larger' if square < 1 else TOO_LARGE}",
+                ))
             for i, link in self.opening.items():
                 if self.laws[link] >= SPRING:
                     k, p = self.stiffness[link], np.asarray(self.exponent[link])
                     stiff = k * (T / self._least_impedance) * np.power(speed * T, p - 1)
                     beyond.append((
-                        stiff > STIFFEST, f"contacts.{i}.stiffness",
+                        ~np.less_equal(stiff, STIFFEST), f"contacts.{i}.stiffness",
                         lambda k=k: f"is as good as rigid beside these rods, got {k!r}; "
                         "use Rigid()",
                     ))
         return beyond
 
     def check_scales(self) -> None:
-        """Raise InvalidModel where steps would overflow, or lose an indentation in round-off."""
+        """Raise InvalidModel where steps overflow, vanish, or lose an indentation in round-off."""
         problems = [(path, sentence()) for bad, path, sentence in self.beyond_scales() if bad]
         if problems:
             raise InvalidModel(problems[:1] if problems[0][0] == "bodies" else problems)

@@ -166,7 +166,7 @@ class System(Frozen):
         """Member of a family, or a smaller family, by NumPy's rules of indexing."""
         try:
             wanted = np.broadcast_to(0.0, self.shape)[index].shape
-        except (IndexError, OverflowError) as error:
+        except (IndexError, OverflowError, ValueError) as error:
             message = f"{shown(index)} picks nothing of a family of shape {self.shape}: {error}"
             raise IndexError(message) from None
         for lean in (True, False):

@@ -182,7 +182,7 @@ def animation(
     if not start < stop:
         raise ValueError(f"stop: must be later than start = {start!r} s, got {stop!r}")
     times = np.linspace(start, stop, int(frames))
-    return Animation(solution, field, times, fps, magnification)
+    return Animation(solution, field, times, float(fps), magnification)
 
 
 def check_frames(frames: int, fps: float) -> None:

@@ -96,8 +96,10 @@ def look(name: str = "light", width: float | None = None) -> Iterator[None]:
     85.0
     """
     check_choice("name", name, LOOKS)
-    if width is not None and not 50 <= single("width", width, "mm") <= 1000:
-        raise ValueError(f"width: must be 50 to 1000 mm, got {width!r}")
+    if width is not None:
+        width = single("width", width, "mm")
+        if not 50 <= width <= 1000:
+            raise ValueError(f"width: must be 50 to 1000 mm, got {width!r}")
     before = _colours.set(LOOKS[name]), _width.set(width)
     try:
         yield

@@ -118,8 +118,10 @@ def placing(
     ValueError
         If the magnification is not a positive number.
     """
-    if magnification is not None and not 0 < single("magnification", magnification, "") < math.inf:
-        raise ValueError(f"magnification: must be a positive number, got {magnification!r}")
+    if magnification is not None:
+        magnification = single("magnification", magnification, "")
+        if not 0 < magnification < math.inf:
+            raise ValueError(f"magnification: must be a positive number, got {magnification!r}")
     bodies = range(len(solution.system.bodies))
     lengths = [_length(solution, body) for body in bodies]
     begin = np.cumsum([0.0, *lengths[:-1]])

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from ..methods import kernels
 from ..methods.clock import Clock
 from ..methods.run import Signals
-from ..methods.signals import Floats, Ints, Side, StepSignal, integral_of_product
+from ..methods.signals import Floats, Ints, Side, StepSignal, each_once, integral_of_product
 from ..methods.steps.delays import lost_to_means
 from .field_kernel import sum_on_grid
 from .fields import Fields, Profile, Trace
@@ -188,7 +188,7 @@ class WaveFields(Fields):
         segment, offset = (int(v) for v in self.locate(body, x))
         A, B = self.waves(segment)
         T = a.ticks[segment]
-        ticks = np.unique(np.concatenate(([0], A.ticks + offset, B.ticks + (T - offset))))
+        ticks = each_once([0], A.ticks + offset, B.ticks + (T - offset))
         ticks = ticks[(ticks >= 0) & (ticks <= self.end)]
         times = ticks * a.tick
         moving = a.frame + a.gravity * times
@@ -268,7 +268,7 @@ class WaveFields(Fields):
         for s in range(first, last + 1):
             A, B = self.waves(s)
             T = a.ticks[s]
-            cuts = np.union1d(
+            cuts = each_once(
                 tick - A.jumps_in(tick - T, tick), B.jumps_in(tick - T, tick) - tick + T
             )
             unsure = tick >> 51  # it comes from a time: what left within that has just left

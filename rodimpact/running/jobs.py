@@ -18,6 +18,8 @@ from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from typing import Any, NamedTuple
 
+from ..methods import memory
+
 QUICK, LONG = 0.1, 2.0  # s that a job shall take on threads of our own, and on what others give
 LONGEST = 5.0  # s after which a job begins no further part
 HEARTBEAT = 0.4  # s; nobody waits longer for news
@@ -43,7 +45,7 @@ def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
         yield Pool(executor, workers_of(executor), LONG)
         return
     stopping, threads = threading.Event(), workers or _processors()
-    with ThreadPoolExecutor(threads) as own:
+    with ThreadPoolExecutor(threads, initializer=memory.share, initargs=(threads,)) as own:
         try:
             yield Pool(own, threads, QUICK, (stopping.is_set,))
         except BaseException:

@@ -6,17 +6,15 @@ import warnings
 
 from numpy.typing import ArrayLike
 
-from ..methods.registry import Options
+from ..methods.duration import LongRun
+from ..methods.registry import Options, check_function
 from ..methods.run import MAX_EVENTS, Progress
 from ..model import Body, ContactLaw, InvalidModel, System
+from ..model.frozen import Problems
 from ..results.outcome import Outcome, outcome_of
 from ..results.solution import Solution
 
 AUTO = Options()
-
-
-class LongRun(UserWarning):
-    """A run will take over a minute; the message says how long, and what takes less."""
 
 
 def solve(
@@ -73,6 +71,11 @@ def solve(
         If the system is a family or cannot be put on one clock, or an argument is wrong or missing:
         a row with driven ends, or gravity and something that holds it, needs `until`.
 
+    Warns
+    -----
+    LongRun
+        Before a run takes ten seconds, with what takes less.
+
     Examples
     --------
     >>> import rodimpact as ri
@@ -84,12 +87,16 @@ def solve(
     """
     options = Options(until, method, max_events, dt, rtol, cells, snapshots)
     chosen = options.method_for(system)
+    problems: Problems = []
+    check_function(problems, "progress", progress)
     if system.shape != ():
         message = (
             f"this is a family of shape {system.shape}, which is for sweep(system); or "
             "solve a member, solve(system[index]). Values along a rod are Steps(values, at)"
         )
-        raise InvalidModel([("system", message)])
+        problems.append(("system", message))
+    if problems:
+        raise InvalidModel(problems)
     return Solution(options.run(chosen, system, progress=progress, announce=_announce))
 
 

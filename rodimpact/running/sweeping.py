@@ -18,12 +18,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import __version__
+from ..methods import memory
 from ..methods.abilities import driven
 from ..methods.fronts.assembly import Blueprint
 from ..methods.fronts.families import Stopped, chunk_members, run_family
 from ..methods.fronts.front_kernel import CAP, CLOCK, FULL
 from ..methods.groups import body_velocities, unilateral
-from ..methods.registry import METHODS, Options, count
+from ..methods.registry import METHODS, Options, check_function, count
 from ..methods.row import Row
 from ..methods.run import MAX_EVENTS
 from ..model import Rod, System
@@ -170,6 +171,7 @@ def sweep(
         problems.append(("on_error", f'must be "raise" or "record", got {shown(on_error)}'))
     if workers is not None:
         workers = count(problems, "workers", workers)
+    check_function(problems, "progress", progress)
     runs_chunks = isinstance(executor, Executor | None)
     if not runs_chunks:
         message = "must be an executor, such as concurrent.futures.ProcessPoolExecutor()"
@@ -274,10 +276,13 @@ def run_chunk(
     The method is chosen, and `options` hold for the family.
     """
     together, columns = METHODS[options.method].together, {}
-    if not together or readings.gauges:
-        columns = _one_by_one(system, options, readings, stop)
-    if together:
-        columns |= _together(system, options, stop)
+    try:
+        if not together or readings.gauges:
+            columns = _one_by_one(system, options, readings, stop)
+        if together:
+            columns |= _together(system, options, stop)
+    finally:
+        memory.give_back()
     kinds = {name: kind for name, (kind, _) in arrays_of(system, readings).items()}
     return {name: columns[name].astype(kind) for name, kind in kinds.items()}
 

@@ -1,5 +1,6 @@
 """The command line: what is printed, where, and with which exit status."""
 
+import contextlib
 import json
 import os
 import signal
@@ -40,11 +41,24 @@ def case(tmp_path, monkeypatch):
     return path
 
 
+HOW = {"env": ENVIRONMENT, "text": True, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+
+
 def python(*arguments, **options):
     """Run Python on the package in a process of its own."""
-    how = {"env": ENVIRONMENT, "text": True, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     command = [sys.executable, *map(str, arguments)]
-    return subprocess.run(command, timeout=60, check=False, **(how | options))
+    return subprocess.run(command, timeout=60, check=False, **(HOW | options))
+
+
+@contextlib.contextmanager
+def started(*arguments, **options):
+    """As `python`, but at work meanwhile; it ends with the test that fails."""
+    command = [sys.executable, *map(str, arguments)]
+    with subprocess.Popen(command, **(HOW | options)) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
 
 
 # The program --------------------------------------------------------------------------------------
@@ -118,7 +132,7 @@ def test_an_interrupt_ends_with_130(monkeypatch, capsys):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no such signals")
-@pytest.mark.usefixtures("ctrl_c_is_heard")
+@pytest.mark.usefixtures("children_hear_signals")
 def test_sigint_ends_a_long_run_with_130_and_without_traceback(case):
     case.write_text(ENDLESS)
     code = (
@@ -127,13 +141,10 @@ def test_sigint_ends_a_long_run_with_130_and_without_traceback(case):
         "run.solved = lambda *a, **k: (print('solving', flush=True), solve(*a, **k))[1];"
         "sys.exit(main(['run', sys.argv[1]]))"
     )
-    process = subprocess.Popen(
-        [sys.executable, "-c", code, str(case)], env=ENVIRONMENT | {"NUMBA_DISABLE_JIT": "1"},
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )
-    assert process.stdout.readline() == "solving\n"
-    process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=30)
+    with started("-c", code, case, env=ENVIRONMENT | {"NUMBA_DISABLE_JIT": "1"}) as process:
+        assert process.stdout.readline() == "solving\n"
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=30)
     assert (process.returncode, out, err) == (130, "", "rodimpact: interrupted\n")
 
 
@@ -202,37 +213,48 @@ def test_nothing_but_results_goes_to_standard_output_when_stderr_is_closed(case,
 
 @pytest.mark.skipif(os.name == "nt", reason="no such signals")
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
-@pytest.mark.usefixtures("ctrl_c_is_heard")
+@pytest.mark.usefixtures("children_hear_signals")
 def test_signals_while_a_file_is_written_leave_nothing(case, tmp_path, name):
     code = (
         "import sys, time; from rodimpact.storage import writing;"
         "writing.os.fsync = lambda _: (print('writing', flush=True), time.sleep(60));"
         "from rodimpact.cli import main; sys.exit(main(sys.argv[1:]))"
     )
-    process = subprocess.Popen(
-        [sys.executable, "-c", code, "run", "case.toml", "--save", "a.npz"],
-        env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )
-    assert process.stdout.readline() == "writing\n"
-    process.send_signal(getattr(signal, name))
-    out, err = process.communicate(timeout=30)
+    with started("-c", code, "run", "case.toml", "--save", "a.npz") as process:
+        assert process.stdout.readline() == "writing\n"
+        process.send_signal(getattr(signal, name))
+        out, err = process.communicate(timeout=30)
     assert (process.returncode, out, err) == (130, "", "rodimpact: interrupted\n")
     assert [path.name for path in tmp_path.iterdir()] == ["case.toml"]
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no such signals")
-@pytest.mark.usefixtures("ctrl_c_is_heard")
+def test_signals_that_are_ignored_stay_so(monkeypatch, capsys):
+    """As what `nohup` starts is told to ignore SIGHUP."""
+    def hung_up():
+        signal.raise_signal(signal.SIGHUP)
+        return [Check("it went on", 1.0, 1.0)]
+
+    monkeypatch.setattr("rodimpact.cli.selfcheck.checks", hung_up)
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        assert main(["verify"]) == 0
+    finally:
+        signal.signal(signal.SIGHUP, before)
+    assert "it went on" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such signals")
+@pytest.mark.usefixtures("children_hear_signals")
 def test_ctrl_c_before_the_program_listens_shows_no_traceback(tmp_path):
     (tmp_path / "argparse.py").write_text("print('starting', flush=True)\nimport time\n"
                                           "time.sleep(60)\n")
     path = os.pathsep.join([str(tmp_path), str(ROOT)])
-    process = subprocess.Popen(
-        [sys.executable, "-m", "rodimpact", "materials"], env=ENVIRONMENT | {"PYTHONPATH": path},
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path,
-    )
-    assert process.stdout.readline() == "starting\n"
-    process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=30)
+    env = ENVIRONMENT | {"PYTHONPATH": path}
+    with started("-m", "rodimpact", "materials", env=env, cwd=tmp_path) as process:
+        assert process.stdout.readline() == "starting\n"
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=30)
     assert (process.returncode, err) == (-signal.SIGINT, "")
 
 

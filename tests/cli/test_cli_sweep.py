@@ -7,6 +7,7 @@ import math
 import os
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from case_texts import UNEQUAL_RODS as CASE
 import rodimpact as ri
 from rodimpact.cli import main
 from rodimpact.cli import sweep as command
-from rodimpact.cli.progress import ProgressBar, a_second, how_long
+from rodimpact.cli.progress import ProgressBar, a_second
 
 ROOT = Path(__file__).parents[2]
 # fronts multiply for ever where these lengths do not fit together
@@ -538,7 +539,8 @@ def test_the_bar_tells_how_much_how_fast_how_long(case, capsys, monkeypatch):
     shown, clock = [], terminal(monkeypatch)
 
     def slow(system, progress, **_):
-        for seconds, done in ((0, 100), (1, 200), (2, 400), (62, 990)):
+        shown.append(screen(capsys.readouterr().err)[0])
+        for seconds, done in ((1, 100), (2, 200), (3, 400), (63, 990)):
             clock[0] = 100.0 + seconds
             progress(done, 1000)
             shown.append(screen(capsys.readouterr().err)[0])
@@ -547,13 +549,14 @@ def test_the_bar_tells_how_much_how_fast_how_long(case, capsys, monkeypatch):
     monkeypatch.setattr(command, "sweep", slow)
     assert sweep("--vary", LENGTHS) == 0
     assert shown == [
+        "  0 %  [                              ]",
         " 10 %  [###                           ]",
         " 20 %  [######                        ]  100 collisions/s  8 s left",
         " 40 %  [############                  ]  150 collisions/s  4 s left",
         " 99 %  [############################# ]  14.4 collisions/s  1 s left",
     ]
     out, err = capsys.readouterr()
-    assert screen(err) == ["5 collisions in 62 s, 0.0806 collisions/s", ""]
+    assert screen(err) == ["5 collisions in 63 s, 0.0794 collisions/s", ""]
     assert err.startswith("\r")
     assert "\x1b" not in err
     assert "collisions/s" not in out
@@ -569,6 +572,21 @@ def test_the_bar_is_erased_when_a_sweep_breaks_off(case, capsys, monkeypatch):
     monkeypatch.setattr(command, "sweep", broken)
     assert sweep("--vary", LENGTHS) == 130
     assert screen(capsys.readouterr().err)[0].startswith("rodimpact: interrupted")
+
+
+def test_a_warning_stands_on_a_line_of_its_own(case, capsys, monkeypatch):
+    terminal(monkeypatch)
+
+    def long(system, progress, **_):
+        progress(1, 5)
+        warnings.warn("this takes long", ri.LongRun, stacklevel=1)
+        return ri.sweep(system)
+
+    monkeypatch.setattr(command, "sweep", long)
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        assert sweep("--vary", LENGTHS) == 0
+    assert screen(capsys.readouterr().err)[0] == "rodimpact: this takes long"
 
 
 def test_the_bar_fits_a_narrow_terminal(capsys, monkeypatch):
@@ -591,14 +609,6 @@ def test_the_bar_is_not_redrawn_too_often(capsys, monkeypatch):
 def test_nothing_but_the_result_is_told_to_a_program(case, capsys):
     assert sweep("--vary", LENGTHS) == 0
     assert capsys.readouterr().err == ""
-
-
-@pytest.mark.parametrize(
-    ("seconds", "said"),
-    [(0.2, "0 s"), (59.4, "59 s"), (59.6, "1 min 0 s"), (3725, "1 h 2 min"), (1e6, "277 h 46 min")],
-)
-def test_times_left(seconds, said):
-    assert how_long(seconds) == said
 
 
 @pytest.mark.parametrize(

@@ -328,7 +328,7 @@ def explore(*arguments):
             process.kill()
 
 
-@pytest.mark.usefixtures("ctrl_c_is_heard")
+@pytest.mark.usefixtures("children_hear_signals")
 def test_the_command_says_where_it_serves_and_ends_with_ctrl_c(tmp_path):
     case = tmp_path / "case.toml"
     case.write_text(ri.write_case(DESIGN.case))

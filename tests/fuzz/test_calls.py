@@ -98,7 +98,6 @@ def test_every_public_name_is_called_or_is_a_result(calls):
         assert inspect.ismodule(thing) or isinstance(thing, type), name
 
 
-@pytest.mark.filterwarnings("ignore::rodimpact.LongRun")
 @pytest.mark.parametrize("seed", SEEDS)
 def test_calls_answer_or_refuse_in_a_sentence(monkeypatch, tmp_path, calls, seed):
     rng = np.random.default_rng(seed)
@@ -141,6 +140,9 @@ REFUSED = [
     (lambda: PAIR[0], "0 picks nothing of a family of shape ()"),
     (lambda: FAMILY["a"], "'a' picks nothing of a family of shape (2,)"),
     (lambda: FAMILY[2**63], "9223372036854775808 picks nothing"),
+    (lambda: FAMILY[[1, [2, 3]]], "[1, [2, 3]] picks nothing of a family of shape (2,)"),
+    (lambda: ri.solve(PAIR, progress=3), "progress: must be a function, got 3"),
+    (lambda: ri.sweep(FAMILY, progress=STEEL), "progress: must be a function, got"),
     (lambda: ri.sweep(FAMILY).explain([0, 1]), "index: must pick one member"),
     (lambda: ri.sweep(FAMILY).table(0.5), "start, stop: must be whole numbers"),
     (lambda: ri.sweep(FAMILY, gauges=3), "gauges: must be [(body, x), ...], got 3"),

@@ -682,15 +682,32 @@ def test_fields_at_chosen_times_are_of_order_two(moment):
 # Long runs ----------------------------------------------------------------------------------------
 
 
-def test_long_runs_are_announced_and_tell_how_far_they_are(monkeypatch):
-    said = []
-    monkeypatch.setattr(finite_difference, "LONG", 1e-9)
+@pytest.fixture
+def slow(monkeypatch):
+    """A second from one look at the clock to the next, and a look after each round of steps."""
     monkeypatch.setattr(grid_machine, "ROUND", 1e-9)
     seconds = iter(range(10**6))
     monkeypatch.setattr(finite_difference.time, "monotonic", lambda: float(next(seconds)))
+
+
+def test_long_runs_are_announced_before_they_begin(monkeypatch):
+    monkeypatch.setattr(finite_difference, "cost", lambda mesh, plain: 0.1)
     row = [unit_rod(velocity=1.0), unit_rod()]
-    with pytest.warns(LongRun, match=r"the run with 20 cells takes about .*, 101 steps; fewer"):
-        solved(row, 10.0, 10, progress=lambda *news: said.append(news))
+    with pytest.warns(LongRun, match=r"takes some 10 s, .* \(101 steps, 20 cells\); .*fewer cells"):
+        solved(row, 10.0, 10)
+
+
+@pytest.mark.usefixtures("slow")
+def test_levels_of_a_search_that_add_up_are_announced():
+    with pytest.warns(LongRun, match=r"takes some .* s, perhaps more .* a larger rtol"):
+        solved([unit_rod(velocity=1.0), unit_rod(0.7)], 1.0, rtol=0.2)
+
+
+@pytest.mark.usefixtures("slow")
+def test_long_runs_tell_how_far_they_are():
+    said = []
+    row = [unit_rod(velocity=1.0), unit_rod()]
+    solved(row, 10.0, 10, progress=lambda *news: said.append(news))
     done = [news[0] for news in said]
     assert len(done) > 20
     assert done == sorted(done)
@@ -961,5 +978,5 @@ def test_grazing_is_up_to_the_tolerance(closing, episodes):
 def test_forces_whose_squares_overflow_are_refused(method):
     dense = ri.Material("dense", youngs_modulus=3.2e43, density=2e79)
     body = ri.Rod(3.2e-96, area=1.5e83, material=dense, velocity=-1.4e60)
-    with pytest.raises(ri.InvalidModel, match=r"bodies: .* make forces of \S+ N, which overflow"):
+    with pytest.raises(ri.InvalidModel, match=r"squares of forces, \S+ N, that overflow"):
         ri.solve(ri.System([ri.Wall(), body]), method=method)

@@ -5,6 +5,7 @@ import math
 import os
 import subprocess
 import sys
+import types
 import warnings
 from fractions import Fraction
 from pathlib import Path
@@ -19,6 +20,7 @@ from rodimpact.methods import kernels
 from rodimpact.methods.fronts import front_kernel, layout_kernel
 from rodimpact.methods.fronts.layout_kernel import assign_ticks, recognise
 from rodimpact.methods.fronts.tracking import track
+from rodimpact.methods.steps import step_kernel
 from rodimpact.results import field_kernel
 
 
@@ -357,3 +359,12 @@ def test_a_variable_with_which_numba_does_not_start_is_named():
     (output, errors), = call_in_processes(1, NUMBA_NUM_THREADS="0")
     assert output == ""
     assert errors.splitlines()[-1].startswith("OSError: NUMBA_NUM_THREADS = '0': numba does not")
+
+
+def test_who_waits_for_the_compiler_at_a_terminal_is_told(monkeypatch):
+    cache = types.SimpleNamespace(load_overload=lambda *_: None, save_overload=None)
+    kernels._mend(cache, step_kernel.run)
+    kernels._tell_of_compiling.cache_clear()
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    with pytest.warns(ri.LongRun, match="machine code is made for this machine, once"):
+        assert cache.load_overload(None, None) is None

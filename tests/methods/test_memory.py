@@ -1,6 +1,9 @@
 """What a run may take is counted before it is taken, and bounds what it takes."""
 
+import threading
+import time
 import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -8,6 +11,7 @@ import pytest
 import rodimpact as ri
 from rodimpact.methods import kernels, memory
 from rodimpact.methods.fronts import families
+from rodimpact.running import sweeping
 
 STEEL = ri.materials.steel
 HERTZ = ri.Hertz(1e10)
@@ -122,3 +126,42 @@ def test_many_steps_on_the_grid_keep_every_velocity_of_a_mass():
     s = ri.solve(row, 2.0**17 * 1e-5 + 1.0, cells=8)
     assert s.run.end > 2**17 * s.fields.clock.grain
     assert s.outcome.velocities_after == (1.0, 0.0)
+
+
+def test_threads_that_take_more_than_their_share_go_one_after_the_other(monkeypatch):
+    monkeypatch.setattr(memory, "installed", lambda: 4 * 8 * 400.0)  # numbers: 400, of 4 threads
+    together, at_work, most = threading.Barrier(4, timeout=20), [], []
+
+    def work(number):
+        memory.ask(100, "until", "this", "do less")
+        together.wait()  # all have their share at the same time
+        memory.ask(101, "until", "this", "do less")
+        at_work.append(number)
+        memory.ask(400, "until", "this", "do less")  # has its turn already
+        time.sleep(0.01)
+        most.append(len(at_work))
+        at_work.remove(number)
+        memory.give_back()
+
+    with ThreadPoolExecutor(4, initializer=memory.share, initargs=(4,)) as pool:
+        list(pool.map(work, range(4)))
+    assert most == [1] * 4
+    assert not memory._turn.locked()
+
+
+def test_a_sweep_takes_no_more_memory_with_more_threads(monkeypatch):
+    """Members are as without threads, though each is larger than a thread's share."""
+    family = ri.System([rod(np.linspace(0.3, 0.5, 20), velocity=1.0), rod()], contacts=[HERTZ])
+    alone = ri.sweep(family, dt=1e-6, workers=1)
+    share, solution, turns = memory.share, sweeping.Solution, []
+    monkeypatch.setattr(memory, "share", lambda threads: share(10**9 * threads))
+
+    def watched(run):
+        turns.append(memory._turn.locked())
+        return solution(run)
+
+    monkeypatch.setattr(sweeping, "Solution", watched)
+    result = ri.sweep(family, dt=1e-6, workers=4)
+    assert turns == [True] * 20
+    assert not memory._turn.locked()
+    assert result.restitution.tobytes() == alone.restitution.tobytes()

@@ -1,6 +1,7 @@
 """One placing of a row, for figures, films and the page alike."""
 
 import re
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -75,6 +76,12 @@ def test_magnification_is_round_and_moves_bodies_no_farther_than_a_part_of_the_r
     ends = np.array([plan.end(i, right, times) - plan.left[i] - right * plan.width(i)
                      for i in range(len(solution.system.bodies)) for right in (False, True)])
     assert np.ptp(ends) <= REACH * total * (1 + 1e-9)
+
+
+def test_a_magnification_of_any_kind_of_number_is_a_float(solution):
+    plan = placing(solution, 0.0, solution.t_end, Fraction(1, 4))
+    assert plan.magnification.hex() == 0.25.hex()
+    assert plan.scale.endswith("0.25")
 
 
 def test_walls_are_walls_and_fixed_ends_by_the_side_they_bound():

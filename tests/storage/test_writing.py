@@ -81,6 +81,7 @@ with written("a") as file:
 
 
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP", "SIGINT"])
+@pytest.mark.usefixtures("children_hear_signals")
 def test_a_signal_leaves_no_file(tmp_path, name):
     if not hasattr(signal, name):
         pytest.skip(f"no {name} here")
@@ -93,10 +94,8 @@ def test_a_signal_leaves_no_file(tmp_path, name):
     assert os.listdir(tmp_path) == []
 
 
-def test_signals_are_handled_as_before(tmp_path):
-    def mine(*_):
-        pass
-
+@pytest.mark.parametrize("mine", [lambda *_: None, signal.SIG_IGN])
+def test_signals_are_handled_as_before(tmp_path, mine):
     before = signal.signal(signal.SIGTERM, mine)
     try:
         with written(tmp_path / "a"):

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...model import Absorbing, Bonded, Fixed, Free, Wall
 from ..run import ContactSignal, Episode, Outside, Signals, Waves
-from ..signals import StepSignal
+from ..signals import StepSignal, each_once
 from .assembly import Assembly
 from .front_kernel import OPEN, PRESS, Log
 from .tracking import FrontRun
@@ -63,7 +63,7 @@ def _contact(
 ) -> ContactSignal:
     """Force and gap, from the waves that arrive at a contact and its changes of status."""
     left, right = (_arrivals(a, lines, node, side) for side in (0, 1))
-    ticks = np.unique(np.concatenate(([0], left.ticks, right.ticks, changes.ticks)))
+    ticks = each_once([0], left.ticks, right.ticks, changes.ticks)
     ticks = ticks[(ticks >= 0) & (ticks <= end)]
     closing = left.at(ticks) - right.at(ticks)
     yielding = sum(1 / a.impedance[s] for s in (node, node + 1) if a.impedance[s])
@@ -130,7 +130,7 @@ def _outside(
     assert inward is not None
     assert outward is not None
     T = a.ticks[s]
-    ticks = np.unique(np.concatenate(([0], inward.ticks, outward.ticks + T)))
+    ticks = each_once([0], inward.ticks, outward.ticks + T)
     ticks = ticks[(ticks >= 0) & (ticks <= end)]
     new, old = inward.at(ticks), outward.at(ticks - T)
     force = sign * a.impedance[s] * (new - old) / 2

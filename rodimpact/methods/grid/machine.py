@@ -43,6 +43,8 @@ GAP_RESOLUTION = 1.0  # of what bodies cover in a step: dispersed waves open sma
 STATES_BYTES = 64 << 20  # of kept states, where their number is not given
 CELL_TIMES = {"explicit": (7e-10, 8e-7), "implicit": (6e-9, 2.5e-6)}
 """Time of a cell and a step, s, compiled and in plain Python."""
+STEP_TIMES = 3e-7, 1e-5
+"""Time of a step beside that of its cells, with what results take."""
 
 PROOF_TIME = 2e-6  # s, about what plain Python takes for a node
 ROUND = 0.25  # s between two looks at the clock
@@ -430,7 +432,7 @@ class Keeper:
 
 def cost(mesh: Mesh, plain: bool) -> float:
     """About how long a step takes, s, in plain Python or compiled."""
-    return sum(
+    return STEP_TIMES[plain] + sum(
         (b - a + 1) * CELL_TIMES["implicit" if hidden else "explicit"][plain]
         for a, b, hidden in zip(mesh.starts, mesh.stops, mesh.implicit, strict=True)
     )

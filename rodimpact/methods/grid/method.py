@@ -23,6 +23,7 @@ from ...model.frozen import InvalidModel
 from .. import kernels
 from ..clock import STEP_TICKS, Clock
 from ..contact_law_kernel import RIGID
+from ..duration import Forecast
 from ..finality_kernel import NEVER
 from ..measure_kernel import largest_force
 from ..memory import ask
@@ -44,7 +45,7 @@ MOST_CELLS = 1 << 20
 STABLE = 1 + 2.0**-30  # Courant number up to which a mesh is taken; beyond 1 by round-off only
 LARGE_CHANGE = 1e-2  # of the largest force, from which it is said
 RINGING = 8  # steps in which waves beside a jump swing about their mean
-LONG = 60.0  # s, from which a run is announced
+LESS = "a larger rtol, fewer cells or an earlier end (until)"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,7 +198,7 @@ def follow(
     progress : function, optional
         Called during long runs with the steps done, and about how many there will be.
     announce : function, optional
-        Called with a sentence before a run that would take over a minute.
+        Called with a sentence before the run takes long.
 
     Raises
     ------
@@ -213,11 +214,12 @@ def follow(
         step = until / math.ceil(until / step * (1 - 1e-12))
 
     peaks: dict[int, Array] = {}
+    forecast = Forecast(announce, LESS)
 
     def level(factor: int) -> GridRun:
         finer = Mesh(row, [factor * N for N in counts])
         keep = Keeper(np.array(snapshots) if isinstance(snapshots, tuple) else snapshots)
-        run = _level(finer, step / factor, keep, until, max_events, progress, announce)
+        run = _level(finer, step / factor, keep, until, max_events, progress, forecast)
         peaks[factor] = contact_measures(run)[MEASURES[1]]
         return run
 
@@ -302,7 +304,7 @@ def _mesh_size(
 
 def _level(
     mesh: Mesh, step: float, keep: Keeper, until: float | None, max_events: int,
-    progress: Progress | None, announce: Callable[[str], None] | None,
+    progress: Progress | None, forecast: Forecast,
 ) -> GridRun:
     """One run on a given mesh."""
     row = mesh.row
@@ -313,20 +315,17 @@ def _level(
     steps = 0 if until is None else round(until / step)
     room = 8 * longest if until is None else max(1, steps)
     machine = Machine(mesh, step, keep, room)
-    size = f"{sum(mesh.counts)} cells"
+    size = f"{room} steps, {sum(mesh.counts)} cells"
     per_step = cost(mesh, plain=not kernels.enabled())
-    if announce and per_step * room > LONG:
-        announce(
-            f"the run with {size} takes about {_spell(per_step * room)}, {room} steps; fewer cells "
-            "or a larger rtol take less"
-        )
     began = time.monotonic()
 
     def tell(taken: int) -> None:
+        forecast.expect(per_step * max(room - taken, 0), size)
         if progress and time.monotonic() - began > 1.0:
             progress(taken, max(room, taken))
 
     last = cap if until is None else steps
+    tell(0)
     machine.advance(0)
     while proof < 0:
         wait = machine.finality_time()
@@ -358,10 +357,6 @@ def _level(
         finality_time=proof, stopped_by=reason, mesh=mesh, grid=machine.grid, states=states,
         resolved=GAP_RESOLUTION * row.scale * step,
     )
-
-
-def _spell(seconds: float) -> str:
-    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
 
 
 def _clock(mesh: Mesh, step: float) -> Clock:
