@@ -67,21 +67,26 @@ def try_compiled() -> tuple[str | None, bool | None, str]:
     None where compiling is disabled.
     """
     if not kernels.enabled():
-        return None, None, "disabled by NUMBA_DISABLE_JIT; everything works, long runs are slow"
+        return None, None, f"{kernels.why_not()}; everything works, long runs are slow"
     note("compiling; this takes a while the first time")
     try:
         begin = time.perf_counter()
-        compiled = solve_a_row(compile_after=0)
+        if reason := kernels.why_not():
+            raise ImportError(reason)
+        with kernels.forced(True):
+            compiled = solve_a_row()
         seconds = time.perf_counter() - begin
         cache = kernels.cache_directory(play) or None
     except Exception as error:  # whatever is wrong with this installation is the finding
         return None, False, f"fails: {type(error).__name__}: {error}"
-    if compiled != solve_a_row(compile_after=1_000_000):
+    with kernels.forced(False):
+        plain = solve_a_row()
+    if compiled != plain:
         return cache, False, "does not agree with interpreted code"
     return cache, True, f"works ({seconds:.2g} s), agrees with interpreted code exactly"
 
 
-def solve_a_row(compile_after: int) -> list[object]:
+def solve_a_row() -> list[object]:
     """Every number that one run leaves behind."""
     lengths = (0.31, 0.52, 0.23)
     row = [
@@ -89,6 +94,6 @@ def solve_a_row(compile_after: int) -> list[object]:
         for i, (length, material) in enumerate(zip(lengths, (steel, brass, aluminium), strict=True))
     ]
     system = System([*row, Wall()], gaps=[0.0, 1e-6, 1e-5])
-    run = track(assemble(Row(system)), compile_after=compile_after)
+    run = track(assemble(Row(system)))
     columns = (*run.state, *run.tally, *run.log)
     return [run.end, run.finality_time, run.events, *(list(column) for column in columns)]

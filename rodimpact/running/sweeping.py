@@ -208,8 +208,9 @@ def sweep(
                 if len(waiting) == AHEAD:
                     first, job = waiting.popleft()
                     arrived(first, job.result())
-                part = system[chunks.box(number)]
-                waiting.append((number, pool.submit(run_chunk, part, options, readings, *asking)))
+                part, more = system[chunks.box(number)], size - chunks.span(number)[1]
+                own = [*asking, more] if asking else []
+                waiting.append((number, pool.submit(run_chunk, part, options, readings, *own)))
             while waiting:
                 first, job = waiting.popleft()
                 arrived(first, job.result())
@@ -228,17 +229,19 @@ def sweep(
 
 
 def run_chunk(
-    system: System, options: Options, readings: Readings, stop: Callable[[], bool] = lambda: False
+    system: System, options: Options, readings: Readings,
+    stop: Callable[[], bool] = lambda: False, more: int = 0,
 ) -> Columns:
     """Columns of the members of a family, in C order; what executors run.
 
-    The method is chosen, and `options` hold for the family.
+    The method is chosen, and `options` hold for the family, of which so many `more` members are
+    certain to follow in this process.
     """
     together, columns = METHODS[options.method].together, {}
     if not together or readings.gauges:
         columns = _one_by_one(system, options, readings, stop)
     if together:
-        columns |= _together(system, options, stop)
+        columns |= _together(system, options, stop, more)
     kinds = {name: kind for name, (kind, _) in arrays_of(system, readings).items()}
     return {name: columns[name].astype(kind) for name, kind in kinds.items()}
 
@@ -280,10 +283,12 @@ def _one_by_one(
     return columns
 
 
-def _together(system: System, options: Options, stop: Callable[[], bool]) -> Columns:
-    """Columns of members that the fronts method runs in compiled code."""
+def _together(
+    system: System, options: Options, stop: Callable[[], bool], more: int
+) -> Columns:
+    """Columns of members that the fronts method runs as a family."""
     plan = Blueprint(Row(system))
-    run = run_family(plan, system.shape, options.until, options.max_events, stop)
+    run = run_family(plan, system.shape, options.until, options.max_events, stop, more)
     first, nodes = [span[0] for span in plan.row.spans], plan.make.node
     contacts = range(len(system.contacts))
     final = run.final & (not driven(system))

@@ -609,18 +609,17 @@ def test_doctor_names_what_is_missing():
 
 
 def test_doctor_notices_compiled_code_that_disagrees(monkeypatch, capsys):
-    monkeypatch.setenv("NUMBA_DISABLE_JIT", "0")
-    monkeypatch.setattr("rodimpact.cli.doctor.solve_a_row", lambda compile_after: [compile_after])
+    solved = iter("ab")
+    monkeypatch.setattr(kernels, "why_not", lambda: "")
+    monkeypatch.setattr(kernels, "enabled", lambda: True)
+    monkeypatch.setattr("rodimpact.cli.doctor.solve_a_row", lambda: [next(solved)])
     assert main(["doctor"]) == 4
     assert "does not agree" in capsys.readouterr().out
 
 
 def test_doctor_reports_compiled_code_that_fails(monkeypatch, capsys):
-    def fails(compile_after):
-        raise ImportError("no compiler")
-
-    monkeypatch.setenv("NUMBA_DISABLE_JIT", "0")
-    monkeypatch.setattr("rodimpact.cli.doctor.solve_a_row", fails)
+    monkeypatch.setattr(kernels, "enabled", lambda: True)
+    monkeypatch.setattr(kernels, "why_not", lambda: "no compiler")
     assert main(["doctor"]) == 4
     assert "fails: ImportError: no compiler" in capsys.readouterr().out
 

@@ -1,8 +1,8 @@
-"""The method "fronts" for many collisions of one make, laid out and run in compiled code.
+"""The method "fronts" for many collisions of one make, laid out and run by kernels.
 
 No Python object is made for a single collision. Members run in blocks that share a work space small
 enough for the processor's cache; one whose log outgrows it is run again with more room, to the same
-result.
+result. Blocks run in plain Python until their time says that compiling pays.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ from .tracking import as_arrays, on_arrays
 
 ROOM = 256  # rows of the log at first
 ROW_NUMBERS = 11  # that a row takes, on lists and then on arrays
-FIRST_BLOCK, LAST_BLOCK = 512, 2048  # members of a block
+ROW_TIME = 1e-6  # s; a guess of what plain Python takes for a row of the log
+FIRST_BLOCK, LAST_BLOCK = 32, 2048  # members of a block
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
 MOST_MEMBERS, MOST_BYTES = 16384, 1 << 24  # of one call of `run_family`, for memory's sake
 
@@ -41,7 +42,7 @@ def chunk_members(plan: Blueprint) -> int:
 
 def run_family(
     plan: Blueprint, shape: tuple[int, ...], until: float | None, max_events: int,
-    stop: Callable[[], bool] = lambda: False,
+    stop: Callable[[], bool] = lambda: False, more: int = 0,
 ) -> Results:
     """Run every member of a family to `until`, or to its proof of finality.
 
@@ -56,6 +57,8 @@ def run_family(
         Cap for each member.
     stop : callable
         Asked now and then whether to give up.
+    more : int
+        Members that other calls will run in this process.
 
     Returns
     -------
@@ -82,8 +85,8 @@ def run_family(
     while len(waiting):
         what = f"following {room} fronts of a member"
         ask(ROW_NUMBERS * room, "max_events", what, "lower the cap, or stop earlier (until)")
-        waiting = _run_blocks(plan, given, waiting, results, room, until, max_events, stop)
-        room *= 8
+        waiting = _run_blocks(plan, given, waiting, results, room, until, max_events, stop, more)
+        room, more = 8 * room, 0
     return results
 
 
@@ -99,16 +102,21 @@ def space(count: int, n: int) -> Results:
 
 def _run_blocks(
     plan: Blueprint, given: Array, which: Array, results: Results, room: int,
-    until: float | None, max_events: int, stop: Callable[[], bool],
+    until: float | None, max_events: int, stop: Callable[[], bool], more: int,
 ) -> Array:
     """Run some members; return those that filled the log."""
-    block = Block(plan, room, until)
+    blocks: dict[bool, Block] = {}
     again, first, size = [], 0, FIRST_BLOCK
+    plain = room * ROW_TIME  # s of a member
     while first < len(which):
         if stop():
             raise Stopped
-        members, begun = which[first : first + size], time.perf_counter()
-        everyone = len(which) == len(given)
+        members = which[first : first + size]
+        ahead = len(which) - first - len(members) + more if first else 0
+        fast = kernels.worth_compiling(
+            plain * len(members), family, lay_out_all, ahead=plain * ahead)
+        block = blocks.get(fast) or blocks.setdefault(fast, Block(plan, room, until, fast))
+        everyone, begun = len(which) == len(given), _now()
         place = slice(first, first + len(members)) if everyone else members
         part = Results(*(column[place] for column in results))
         full = block.run(block.lay_out(given[place]), max_events, part)
@@ -117,16 +125,23 @@ def _run_blocks(
                 column[members] = values
         again.append(members[full])
         first += len(members)
-        quick = time.perf_counter() - begun < PATIENCE / 4
-        size = min(4 * size, LAST_BLOCK) if quick else max(1, size // 2)
+        seconds = _now() - begun
+        if not fast:
+            plain = seconds / len(members)
+        size = min(4 * size, LAST_BLOCK) if seconds < PATIENCE / 4 else max(1, size // 2)
     return np.concatenate(again)
 
 
-class Block:
-    """Work space for some members at a time: arrays, or lists where nothing is compiled."""
+_now = getattr(time, "thread_time", time.perf_counter)  # a browser has no clock of threads
 
-    def __init__(self, plan: Blueprint, room: int, until: float | None = None) -> None:
-        self.plan, self.compiled = plan, kernels.enabled()
+
+class Block:
+    """Work space for some members at a time: arrays for compiled kernels, else lists."""
+
+    def __init__(
+        self, plan: Blueprint, room: int, until: float | None = None, fast: bool = True
+    ) -> None:
+        self.plan, self.fast = plan, fast
         self.until = -1.0 if until is None else until
         self.make: Any = plan.make
         n = self.make.size[0]
@@ -134,22 +149,24 @@ class Block:
             [1] * (n + 2), [1.0] * (n + 2), [FREE] * (n + 1), [0.0] * (n + 1), (0.0, 0.0), [], room
         )
         self.stocks = tuple(GroupState(*([0.0] * (n + 2) for _ in range(3))) for _ in range(2))
-        if self.compiled:
+        self.go: tuple[Any, Any] = lay_out_all, family
+        if fast:
             self.make = Make(*(np.array(x, dtype=np.int64) for x in self.make))
             self.state, self.stocks = on_arrays(*self.state), tuple(map(as_arrays, self.stocks))
+            self.go = kernels.compiled(lay_out_all), kernels.compiled(family)
         self.fates: Any = []
 
     def lay_out(self, given: Array) -> Layout:
         """Put members on their clocks; `fates` says for whom there is none."""
         count = len(given)
         if len(self.fates) != count:
-            full = np.full if self.compiled else lambda size, zero: [zero] * size
+            full = np.full if self.fast else lambda size, zero: [zero] * size
             self.layout, self.work = self.plan.space(count, full)
             self.fates = full(count, LAID)
         rows: Any = given.ravel()
-        kernels.compiled(lay_out_all)(
-            self.make, rows if self.compiled else rows.tolist(), self.until, self.layout,
-            self.work, self.fates,
+        self.go[0](
+            self.make, rows if self.fast else rows.tolist(), self.until, self.layout, self.work,
+            self.fates,
         )
         return self.layout
 
@@ -158,10 +175,10 @@ class Block:
         status: Any = np.tile(self.plan.status, len(members.count))
         status[np.asarray(members.gap) > 0] = OPEN
         flat: Any = Results(*(column.reshape(-1) for column in results))
-        if not self.compiled:
+        if not self.fast:
             status, flat = status.tolist(), kernels.as_lists(flat)
-        kernels.compiled(family)(*self.state, self.stocks, members, status, max_events, flat)
-        if not self.compiled:
+        self.go[1](*self.state, self.stocks, members, status, max_events, flat)
+        if not self.fast:
             for column, values in zip(results, flat, strict=True):
                 column[...] = np.reshape(values, column.shape)
         return np.asarray((np.asarray(self.fates) == LAID) & (results.flag == FULL))

@@ -188,7 +188,7 @@ class Machine:
         chains = len(self.row.masses) + len({*self.row.first}) - 1
         links = len(self.row.laws) + 5 * chains
         converting = sum(map(len, self.signals)) * kernels.LIST_TIME
-        if kernels.worth_compiling((end - self.taken) * links * LINK_TIME + converting):
+        if kernels.worth_compiling((end - self.taken) * links * LINK_TIME + converting, run):
             flag = kernels.compiled(run)(
                 self.state, self.tally, self.signals, self.points, self.links, self.clock, end,
                 self.tol,
@@ -228,7 +228,7 @@ class Machine:
         if driven(self.row.system):
             return NEVER
         averages_read = int(np.sum(self.state.steps)) * len(self.row.laws)
-        slow = kernels.worth_compiling(averages_read * PROOF_TIME)
+        slow = kernels.worth_compiling(averages_read * PROOF_TIME, finality_time)
         prove: Callable[..., int] = kernels.compiled(finality_time) if slow else finality_time
         wait = int(prove(self.state, self.signals, self.taken, self.tol))
         return wait if wait >= NEVER // len(self.state.part) else wait * len(self.state.part)

@@ -38,6 +38,7 @@ RTOL = 1e-5
 FIRST = 64  # fewest steps of the longest transit
 FINEST = 1 << 14  # most steps of the longest transit in the search for an accurate step
 ROUGHEST = 1 << 12  # the same where contacts close and open between steps, of which order 1 is left
+CHOICE_TIME = 1e-7  # s, about what plain Python takes for a transit and a number of steps
 SHORTEST = 4  # fewest steps of the shortest transit
 MOST_STEPS = 1 << 16  # of the longest transit, that the shortest may ask for
 MOST_CUTS = 24  # of a step, where contacts close
@@ -302,9 +303,9 @@ def _energy_error(run: StepRun) -> dict[str, float]:
 
 
 def _choose(transits: list[float], least: int, most: int, power: float) -> tuple[int, float]:
-    """Let `choose_step` choose, compiled where that costs nothing more."""
+    """Let `choose_step` choose."""
     choose: Callable[..., Any] = choose_step
-    if kernels.enabled() and kernels.started():
+    if kernels.worth_compiling((most - least) * len(transits) * CHOICE_TIME, choose_step):
         choose = kernels.compiled(choose_step)
     times: Any = transits if choose is choose_step else np.array(transits)
     number, smear = choose(times, least, most, WHOLE / STEP_TICKS, power)
