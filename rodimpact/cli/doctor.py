@@ -68,11 +68,11 @@ def try_compiled() -> tuple[str | None, bool | None, str]:
     """
     if not kernels.enabled():
         return None, None, f"{kernels.why_not()}; everything works, long runs are slow"
+    if reason := kernels.why_not():
+        return None, False, reason
     note("compiling; this takes a while the first time")
     try:
         begin = time.perf_counter()
-        if reason := kernels.why_not():
-            raise ImportError(reason)
         with kernels.forced(True):
             compiled = solve_a_row()
         seconds = time.perf_counter() - begin

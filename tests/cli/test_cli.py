@@ -14,6 +14,7 @@ import rodimpact as ri
 from rodimpact.cli import COMMANDS, main
 from rodimpact.cli.doctor import version_of
 from rodimpact.cli.selfcheck import Check, checks
+from rodimpact.methods import kernels
 
 ROOT = Path(ri.__file__).parent.parent
 ENDLESS = """\
@@ -618,10 +619,14 @@ def test_doctor_notices_compiled_code_that_disagrees(monkeypatch, capsys):
 
 
 def test_doctor_reports_compiled_code_that_fails(monkeypatch, capsys):
+    def fails():
+        raise OSError("no room")
+
     monkeypatch.setattr(kernels, "enabled", lambda: True)
-    monkeypatch.setattr(kernels, "why_not", lambda: "no compiler")
+    monkeypatch.setattr(kernels, "why_not", lambda: "")
+    monkeypatch.setattr("rodimpact.cli.doctor.solve_a_row", fails)
     assert main(["doctor"]) == 4
-    assert "fails: ImportError: no compiler" in capsys.readouterr().out
+    assert "fails: OSError: no room" in capsys.readouterr().out
 
 
 # box ----------------------------------------------------------------------------------------------
