@@ -1,7 +1,7 @@
 """Show versions, where compiled code is kept, and whether it works here.
 
 One collision is solved by compiled and by interpreted code; exit status 4 if they do not agree
-exactly.
+exactly. With --warm, everything that can run compiled is compiled and kept.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from ..methods.fronts.front_kernel import play
 from ..methods.fronts.tracking import track
 from ..methods.row import Row
 from ..model import Rod, System, Wall
+from ..running.warming import warm
 from ..storage.tables import SCHEMA_VERSION, align
 from . import DONE, UNVERIFIED
 from .asking import note
@@ -28,7 +29,9 @@ PACKAGES = ("numpy", "scipy", "numba", "matplotlib")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Only the form of the answer."""
+    """Whether to compile everything, and the form of the answer."""
+    parser.add_argument(
+        "--warm", action="store_true", help="compile everything now, so that nothing waits later")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -41,15 +44,19 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     }
     cache, agrees, verdict = try_compiled()
     status = UNVERIFIED if agrees is False else DONE
+    seconds = warm() if arguments.warm and agrees else None
     if arguments.json:
         findings = {
-            "versions": versions, "cache_directory": cache, "agrees": agrees, "status": verdict}
+            "versions": versions, "cache_directory": cache, "agrees": agrees, "status": verdict,
+            "seconds_to_compile_all": seconds}
         return json.dumps({"schema_version": SCHEMA_VERSION, **findings}, indent=2), status
     rows = [
         *([name, version or "missing"] for name, version in versions.items()),
         ["cache of compiled code", cache or "none"],
         ["compiled code", verdict],
     ]
+    if seconds is not None:
+        rows.append(["everything compiled", f"in {seconds:.1f} s"])
     return align(rows, left=(0, 1)), status
 
 

@@ -12,7 +12,7 @@ import os
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import asdict, replace
 from numbers import Integral
 from typing import Any
@@ -350,6 +350,16 @@ class _Chunks:
         return (*leading, slice(*self._cuts[part : part + 2]), *self._rest)[1:]
 
 
+class _Here(Executor):
+    """Does every job at once, itself."""
+
+    def submit(self, job: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
+        """Do it; what goes wrong is raised here."""
+        future: Future[Any] = Future()
+        future.set_result(job(*given, **named))
+        return future
+
+
 @contextlib.contextmanager
 def _pool(executor: Executor | None, workers: int | None) -> Iterator[tuple[Any, ...]]:
     """An executor, and for our own what its jobs ask whether to stop."""
@@ -358,8 +368,13 @@ def _pool(executor: Executor | None, workers: int | None) -> Iterator[tuple[Any,
         return
     stopping = threading.Event()
     with ThreadPoolExecutor(workers or _processors()) as pool:
+        doing: Executor = pool
         try:
-            yield pool, stopping.is_set
+            pool.submit(int)
+        except RuntimeError:  # no thread can start, as in a browser
+            doing = _Here()
+        try:
+            yield doing, stopping.is_set
         except BaseException:
             stopping.set()
             pool.shutdown(wait=False, cancel_futures=True)
