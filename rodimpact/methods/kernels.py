@@ -145,8 +145,8 @@ def _fault() -> str:
 
 @functools.cache  # once is enough
 def _tell_of_no_compiler() -> None:
-    message = f"this takes long in plain Python, some fifty times less compiled: {why_not()}"
-    warnings.warn(message, NoCompiler, stacklevel=4)
+    message = f"{why_not()}; long runs go in plain Python, some fifty times slower"
+    warnings.warn(message, NoCompiler, stacklevel=2)
 
 
 def _tell_of_compiling(seconds: float) -> None:

@@ -47,7 +47,8 @@ def warm() -> float:
         for family in families:
             for name, method in METHODS.items():
                 if not method.lacking(family):
-                    sweep(family, name, workers=1)
-                    solution = solve(family[0], method=name)
+                    cells = 8 if "cells" in method.takes else None
+                    sweep(family, name, cells=cells, workers=1)
+                    solution = solve(family[0], method=name, cells=cells)
                     solution.velocity(1, np.array([[0.0], [0.5]]), np.array([0.0, 1e-4]))
     return time.perf_counter() - begun

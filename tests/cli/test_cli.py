@@ -599,9 +599,18 @@ def test_doctor_finds_nothing_wrong(capsys):
     assert main(["doctor", "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
     assert data["versions"]["rodimpact"] == ri.__version__
-    assert data["agrees"] is (None if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0" else True)
+    assert data["agrees"] is (True if kernels.enabled() else None)
     assert main(["doctor"]) == 0
     assert "compiled code" in capsys.readouterr().out
+
+
+def test_doctor_says_how_long_it_took_to_compile_everything(monkeypatch, capsys):
+    monkeypatch.setattr("rodimpact.cli.doctor.try_compiled", lambda: ("here", True, "works"))
+    monkeypatch.setattr("rodimpact.cli.doctor.warm", lambda: 24.04)
+    assert main(["doctor", "--warm", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["seconds_to_compile_all"] == 24.04
+    assert main(["doctor", "--warm"]) == 0
+    assert "in 24.0 s" in capsys.readouterr().out
 
 
 def test_doctor_names_what_is_missing():
