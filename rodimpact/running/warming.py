@@ -41,7 +41,7 @@ def warm() -> float:
     speeds = np.array([1.0, 2.0])
     families = [
         System([Rod(0.5, area=1e-4, material=steel, velocity=speeds), bar]),
-        System([RigidMass(0.1, velocity=speeds), bar], contacts=[Spring(1e10)]),
+        System([RigidMass(0.1, velocity=speeds), bar], contacts=[Spring(1e6)]),
     ]
     with kernels.forced(True):
         for family in families:
