@@ -622,6 +622,7 @@ def test_doctor_notices_compiled_code_that_disagrees(monkeypatch, capsys):
     solved = iter("ab")
     monkeypatch.setattr(kernels, "why_not", lambda: "")
     monkeypatch.setattr(kernels, "enabled", lambda: True)
+    monkeypatch.setattr(kernels, "cache_directory", lambda kernel: "")
     monkeypatch.setattr("rodimpact.cli.doctor.solve_a_row", lambda: [next(solved)])
     assert main(["doctor"]) == 4
     assert "does not agree" in capsys.readouterr().out
