@@ -26,7 +26,7 @@ Kernel = Callable[..., Any]
 # what things cost, s of processor time
 STARTING, LOADING = 0.4, 0.02  # numba itself; machine code from disk
 COMPILING = 5e-4  # a byte of bytecode
-CALLING = 2e-3  # a compiled call, with space for its arrays
+CALLING = 5e-4  # a compiled call, with space for its arrays
 LIST_TIME = 5e-8  # a number to and from a list
 
 SEAL = 16  # bytes of checksum after machine code

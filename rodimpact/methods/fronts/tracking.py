@@ -104,7 +104,7 @@ def track(
     on_lists = True
     while True:
         # what is not over takes as long again as it took
-        if on_lists and kernels.worth_compiling(len(log.value) * ROW_TIME, play):
+        if on_lists and kernels.worth_compiling(clock[ROWS] * ROW_TIME, play):
             state, tally, log, clock = on_arrays(state, tally, log, clock)
             kernel, on_lists = kernels.compiled(play), False
         flag = kernel(state, tally, log, clock, target, max_events, a.tolerance, a.window)
