@@ -179,14 +179,14 @@ def test_a_member_that_outgrows_the_work_space_runs_again(monkeypatch):
 
 
 def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
-    system, asked = small_map((30, 20)), []
+    system, asked = small_map((10, 10)), []
     plain = ri.sweep(system)
 
     def in_turns(seconds, *kernels, ahead=0.0):
         asked.append(seconds + ahead)
         return len(asked) % 2 == 0
 
-    monkeypatch.setattr("rodimpact.methods.fronts.families.LAST_BLOCK", 64)
+    monkeypatch.setattr("rodimpact.methods.fronts.families.PATIENCE", 0.0)
     monkeypatch.setattr(kernels, "worth_compiling", in_turns)
     assert same(ri.sweep(system, workers=1), plain)
     assert len(asked) > 9

@@ -107,12 +107,12 @@ def _run_blocks(
     """Run some members; return those that filled the log."""
     blocks: dict[bool, Block] = {}
     again, first, size = [], 0, FIRST_BLOCK
-    plain = room * ROW_TIME  # s of a member
+    plain, measured = room * ROW_TIME, False  # s of a member in plain Python
     while first < len(which):
         if stop():
             raise Stopped
         members = which[first : first + size]
-        ahead = len(which) - first - len(members) + more if first else 0
+        ahead = len(which) - first - len(members) + more if measured else 0
         fast = kernels.worth_compiling(
             plain * len(members), family, lay_out_all, ahead=plain * ahead)
         block = blocks.get(fast) or blocks.setdefault(fast, Block(plan, room, until, fast))
@@ -126,9 +126,10 @@ def _run_blocks(
         again.append(members[full])
         first += len(members)
         seconds = _now() - begun
+        quick = seconds < PATIENCE / 4
         if not fast:
-            plain = seconds / len(members)
-        size = min(4 * size, LAST_BLOCK) if seconds < PATIENCE / 4 else max(1, size // 2)
+            plain, measured = seconds / len(members), measured or not quick
+        size = min(4 * size, LAST_BLOCK) if quick else max(1, size // 2)
     return np.concatenate(again)
 
 
