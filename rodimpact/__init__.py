@@ -24,6 +24,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from . import units as units
     from .methods.duration import LongRun as LongRun
     from .methods.kernels import DamagedCache as DamagedCache
+    from .methods.kernels import NoCompiler as NoCompiler
     from .methods.registry import Options as Options
     from .methods.run import ContactTally as ContactTally
     from .methods.run import Episode as Episode
@@ -65,6 +66,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .running.sweep_result import SweepResult as SweepResult
     from .running.sweeping import SweepError as SweepError
     from .running.sweeping import sweep as sweep
+    from .running.warming import warm as warm
     from .storage.casefile import Case as Case
     from .storage.casefile import parse_case as parse_case
     from .storage.casefile import read_case as read_case
@@ -82,8 +84,8 @@ _HOME = {
     "model.ends": ("Absorbing", "Fixed", "Free", "Moved", "Pushed"),
     "model.system": ("System",),
     "methods.registry": ("Options",),
-    "methods.kernels": ("DamagedCache",),
     "methods.duration": ("LongRun",),
+    "methods.kernels": ("DamagedCache", "NoCompiler"),
     "running.solving": ("collide", "solve"),
     "results.energy": ("EnergyLedger",),
     "results.gauges": ("Gauge", "gauges_to_csv"),
@@ -98,6 +100,7 @@ _HOME = {
     "storage.reading": ("FileFormatError",),
     "running.sweep_result": ("Axis", "SweepResult"),
     "running.sweeping": ("SweepError", "sweep"),
+    "running.warming": ("warm",),
     "storage.casefile": ("Case", "parse_case", "read_case", "write_case"),
 }
 _MODULES = ("materials", "plot", "rigid", "theory", "units")

@@ -1,7 +1,7 @@
 """Show versions, where compiled code is kept, and whether it works here.
 
 One collision is solved by compiled and by interpreted code; exit status 4 if they do not agree
-exactly.
+exactly. With --warm, everything that can run compiled is compiled and kept.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from ..methods.fronts.front_kernel import play
 from ..methods.fronts.tracking import track
 from ..methods.row import Row
 from ..model import Rod, System, Wall
+from ..running.warming import warm
 from ..storage.tables import SCHEMA_VERSION, align
 from . import DONE, UNVERIFIED
 from .asking import note
@@ -28,7 +29,9 @@ PACKAGES = ("numpy", "scipy", "numba", "matplotlib")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Only the form of the answer."""
+    """Whether to compile everything, and the form of the answer."""
+    parser.add_argument(
+        "--warm", action="store_true", help="compile everything now, so that nothing waits later")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -41,15 +44,19 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     }
     cache, agrees, verdict = try_compiled()
     status = UNVERIFIED if agrees is False else DONE
+    seconds = warm() if arguments.warm and agrees else None
     if arguments.json:
         findings = {
-            "versions": versions, "cache_directory": cache, "agrees": agrees, "status": verdict}
+            "versions": versions, "cache_directory": cache, "agrees": agrees, "status": verdict,
+            "seconds_to_compile_all": seconds}
         return json.dumps({"schema_version": SCHEMA_VERSION, **findings}, indent=2), status
     rows = [
         *([name, version or "missing"] for name, version in versions.items()),
         ["cache of compiled code", cache or "none"],
         ["compiled code", verdict],
     ]
+    if seconds is not None:
+        rows.append(["everything compiled", f"in {seconds:.1f} s"])
     return align(rows, left=(0, 1)), status
 
 
@@ -67,21 +74,26 @@ def try_compiled() -> tuple[str | None, bool | None, str]:
     None where compiling is disabled.
     """
     if not kernels.enabled():
-        return None, None, "disabled by NUMBA_DISABLE_JIT; everything works, long runs are slow"
+        return None, None, f"{kernels.why_not()}; everything works, long runs are slow"
+    if reason := kernels.why_not():
+        return None, False, reason
     note("compiling; this takes a while the first time")
     try:
         begin = time.perf_counter()
-        compiled = solve_a_row(compile_after=0)
+        with kernels.forced(True):
+            compiled = solve_a_row()
         seconds = time.perf_counter() - begin
         cache = kernels.cache_directory(play) or None
     except Exception as error:  # whatever is wrong with this installation is the finding
         return None, False, f"fails: {type(error).__name__}: {error}"
-    if compiled != solve_a_row(compile_after=1_000_000):
+    with kernels.forced(False):
+        plain = solve_a_row()
+    if compiled != plain:
         return cache, False, "does not agree with interpreted code"
     return cache, True, f"works ({seconds:.2g} s), agrees with interpreted code exactly"
 
 
-def solve_a_row(compile_after: int) -> list[object]:
+def solve_a_row() -> list[object]:
     """Every number that one run leaves behind."""
     lengths = (0.31, 0.52, 0.23)
     row = [
@@ -89,6 +101,6 @@ def solve_a_row(compile_after: int) -> list[object]:
         for i, (length, material) in enumerate(zip(lengths, (steel, brass, aluminium), strict=True))
     ]
     system = System([*row, Wall()], gaps=[0.0, 1e-6, 1e-5])
-    run = track(assemble(Row(system)), compile_after=compile_after)
+    run = track(assemble(Row(system)))
     columns = (*run.state, *run.tally, *run.log)
     return [run.end, run.finality_time, run.events, *(list(column) for column in columns)]

@@ -1,8 +1,8 @@
 """The one door to numba: kernels run as plain Python or compiled, bit for bit the same.
 
 A kernel is a plain function that calls only functions of kernel files (`*_kernel.py`); the compile
-cache is told of all of them. Short jobs run it on lists as it stands, because starting the compiler
-costs more than they do; long ones run `compiled(kernel)` on arrays.
+cache is told of all of them. Plain Python runs it on lists as it stands, `compiled(kernel)` runs it
+on arrays; `worth_compiling` says which. Where there is no numba, everything is plain Python.
 """
 
 from __future__ import annotations
@@ -11,36 +11,156 @@ import contextlib
 import dis
 import functools
 import hashlib
+import importlib.util
 import os
 import sys
 import threading
 import types
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from .duration import LongRun
-
 Kernel = Callable[..., Any]
+
+# what things cost, s of processor time
+STARTING, LOADING = 0.4, 0.02  # numba itself; machine code from disk
+COMPILING = 5e-4  # a byte of bytecode
+CALLING = 5e-4  # a compiled call, with space for its arrays
+LIST_TIME = 5e-8  # a number to and from a list
+
+SEAL = 16  # bytes of checksum after machine code
 
 
 class DamagedCache(UserWarning):
     """Machine code on disk is not what was written, and is made anew."""
 
 
+class NoCompiler(UserWarning):
+    """A long run goes in plain Python, because numba is missing or does not start."""
+
+
 def enabled() -> bool:
-    """Whether kernels may be compiled (NUMBA_DISABLE_JIT says no)."""
+    """Whether kernels may be compiled: numba is there, and NUMBA_DISABLE_JIT does not say no."""
+    return _asked_for() and _installed()
+
+
+def worth_compiling(seconds: float, *kernels: Kernel, ahead: float = 0.0) -> bool:
+    """Whether a job shall run compiled.
+
+    A process pays for machine code once plain Python has taken as long for the same kernels, or is
+    certain to: it then takes at most about twice the least time.
+
+    Parameters
+    ----------
+    seconds : float
+        What the job takes in plain Python.
+    *kernels : function
+        What it calls.
+    ahead : float, optional
+        Seconds in plain Python that are certain to follow.
+
+    Warns
+    -----
+    NoCompiler
+        If it would be worth it, and numba is missing or does not start.
+    """
+    if _forced is not None:
+        return _forced and not why_not()
+    if seconds + ahead <= CALLING or not _asked_for():
+        return False
+    total = _spent.get(kernels, 0.0) + seconds
+    if not _pays(total + ahead, [kernel for kernel in kernels if kernel not in _ready]):
+        _spent[kernels] = total
+        return False
+    _ready.update(kernels)
+    return True
+
+
+@contextlib.contextmanager
+def forced(compiling: bool) -> Iterator[None]:
+    """Compile everything, or nothing, whatever it costs."""
+    global _forced
+    before, _forced = _forced, compiling
+    try:
+        yield
+    finally:
+        _forced = before
+
+
+_forced: bool | None = None
+_spent: dict[tuple[Kernel, ...], float] = {}  # s, in plain Python
+_ready: set[Kernel] = set()  # paid for by this process
+
+
+def _pays(seconds: float, kernels: list[Kernel]) -> bool:
+    """Whether machine code of these kernels costs less than so many seconds."""
+    if not kernels:
+        return True
+    price = 0.0 if _ready else STARTING
+    if seconds <= price:
+        return False  # without a look at the cache, for which numba must start
+    reason = why_not()
+    to_compile = [kernel for kernel in kernels if reason or not _on_disk(kernel)]
+    parts = {part for kernel in to_compile for part in _parts(kernel)}
+    price += LOADING * len(kernels)
+    price += COMPILING * sum(len(part.__code__.co_code) for part in parts)
+    if seconds <= price:
+        return False
+    if reason:
+        _tell_of_no_compiler()
+    elif to_compile:
+        _tell_of_compiling(price)
+    return not reason
+
+
+def why_not() -> str:
+    """Why nothing is compiled; empty if it can be, which is known once numba has started."""
+    if not _asked_for():
+        return "disabled by NUMBA_DISABLE_JIT"
+    return _fault()
+
+
+def _asked_for() -> bool:
     return os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0")
 
 
-def started() -> bool:
-    """Whether this process has paid for starting the compiler already."""
-    return enabled() and "numba" in sys.modules
+@functools.cache
+def _installed() -> bool:
+    return importlib.util.find_spec("numba") is not None
+
+
+@functools.cache
+def _fault() -> str:
+    if not _installed():
+        return "numba is not installed"
+    try:
+        import numba  # noqa: F401
+    except Exception as error:  # of itself, of what it needs, or of a variable with a wrong value
+        given = ", ".join(f"{k} = {v!r}" for k, v in os.environ.items() if k.startswith("NUMBA_"))
+        remedy = f" Mend or unset {given}" if given else ""
+        return f"numba does not start: {error}{remedy}"
+    return ""
+
+
+@functools.cache  # once is enough
+def _tell_of_no_compiler() -> None:
+    message = f"{why_not()}; long runs go in plain Python, some fifty times slower"
+    warnings.warn(message, NoCompiler, stacklevel=2)
+
+
+def _tell_of_compiling(seconds: float) -> None:
+    """Tell a person who waits, once; a program never sees it."""
+    if not _told and ("ipykernel" in sys.modules or (sys.stderr and sys.stderr.isatty())):
+        sys.stderr.write(f"compiling once, about {seconds:.0f} s\n")
+        _told.append(True)
+
+
+_told: list[bool] = []
 
 
 def compiled(kernel: Kernel) -> Kernel:
-    """Return the same source as machine code, or the kernel itself where compiling is disabled.
+    """Return the same source as machine code, or the kernel itself where there is no compiler.
 
     Machine code is kept on disk. Where that is impossible (no writable place, full disk) it is
     made anew in each process.
@@ -50,26 +170,6 @@ def compiled(kernel: Kernel) -> Kernel:
 
 
 _ONE_AT_A_TIME = threading.Lock()
-SEAL = 16  # bytes of checksum after machine code
-LOADING, PATIENCE = 0.005, 2.0  # s: of a compiled call, and of plain Python before the first one
-LARGE = 9  # functions of a kernel, from which compiling takes seconds
-LIST_TIME = 5e-8  # s: of a number to and from a list
-_spent = 0.0
-
-
-def worth_compiling(seconds: float) -> bool:
-    """Whether a job of so many seconds in plain Python shall run compiled.
-
-    Starting the compiler takes about a second, and many the first time on a machine; a process
-    does without until its short jobs have added up to as much.
-    """
-    global _spent
-    if not enabled():
-        return False
-    if started():
-        return seconds > LOADING
-    _spent += seconds
-    return _spent > PATIENCE
 
 
 def as_lists(columns: Any) -> Any:
@@ -85,7 +185,7 @@ def copy_back(lists: Any, columns: Any) -> None:
 
 @functools.cache
 def _compiled(kernel: Kernel) -> Kernel:
-    if not enabled():
+    if why_not():
         return kernel
     try:
         return _translate(kernel, True)
@@ -101,15 +201,20 @@ def cache_directory(kernel: Kernel) -> str:
         return ""
 
 
+def _on_disk(kernel: Kernel) -> bool:
+    """Whether the cache has machine code of this kernel, for this processor."""
+    try:
+        twin: Any = _translate(kernel, True)
+        own = twin._cache._index_key(None, twin.targetctx.codegen())[1:]
+        return any(key[1:] == own for key in twin._cache._cache_file._load_index())
+    except Exception:  # no place for a cache, a damaged one, or one of another numba
+        return False
+
+
 @functools.cache
 def _translate(kernel: Kernel, cache: bool) -> Kernel:
     """Compile a twin of `kernel` whose callees in kernel files are compiled twins too."""
-    try:
-        import numba
-    except ValueError as error:
-        given = ", ".join(f"{k} = {v!r}" for k, v in os.environ.items() if k.startswith("NUMBA_"))
-        message = f"numba does not start: {error} Mend or unset this environment variable"
-        raise OSError(f"{given}: {message}") from None
+    import numba
 
     assert isinstance(kernel, types.FunctionType)
     scope = dict(kernel.__globals__)
@@ -128,7 +233,7 @@ def _translate(kernel: Kernel, cache: bool) -> Kernel:
     if cache:
         with contextlib.suppress(AttributeError):  # a numba whose cache has other parts
             _watch(fast._cache._cache_file, kernel)  # type: ignore[attr-defined]
-            _mend(fast._cache, kernel)  # type: ignore[attr-defined]
+            _mend(fast._cache)  # type: ignore[attr-defined]
     return fast
 
 
@@ -142,6 +247,7 @@ def _callees(kernel: types.FunctionType) -> list[types.FunctionType]:
     ]
 
 
+@functools.cache
 def _parts(kernel: types.FunctionType) -> set[types.FunctionType]:
     """A kernel and all that it calls, directly or not."""
     parts, waiting = {kernel}, [kernel]
@@ -174,14 +280,13 @@ def _watch(file: Any, kernel: types.FunctionType) -> None:
     file._source_stamp, file._dump, file._load_data = stamp, dump_sealed, load_sealed
 
 
-def _mend(cache: Any, kernel: types.FunctionType) -> None:
+def _mend(cache: Any) -> None:
     """Let the compiler do without what cannot be read from the cache, or written to it."""
     load, save = cache.load_overload, cache.save_overload
-    large = len(_parts(kernel)) > LARGE
 
     def load_or_none(signature: Any, target: Any) -> Any:
         try:
-            code = load(signature, target)
+            return load(signature, target)
         except OSError:
             return None
         except Exception:  # pickle raises a dozen kinds for a damaged file
@@ -189,22 +294,12 @@ def _mend(cache: Any, kernel: types.FunctionType) -> None:
                 cache.flush()
             _tell_of_damage()
             return None
-        if code is None and large:
-            _tell_of_compiling()
-        return code
 
     def save_if_possible(signature: Any, code: Any) -> None:
         with contextlib.suppress(Exception):  # a full disk, or an index that nobody may mend
             save(signature, code)
 
     cache.load_overload, cache.save_overload = load_or_none, save_if_possible
-
-
-@functools.cache
-def _tell_of_compiling() -> None:
-    if sys.stderr and sys.stderr.isatty():  # somebody waits for it
-        message = "machine code is made for this machine, once; that takes some ten seconds"
-        warnings.warn(message, LongRun, stacklevel=2)
 
 
 @functools.cache  # once is enough, though each kernel has files of its own

@@ -14,10 +14,13 @@ from ..model.arguments import array
 from ..model.frozen import InvalidModel, Problems, number
 from ..units import shown
 from . import abilities
+from .family import FamilyRun
+from .fronts import families as front_families
 from .fronts import method as fronts
 from .grid import method as grid
 from .row import Row
 from .run import MAX_EVENTS, Run
+from .steps import families as step_families
 from .steps import method as steps
 
 
@@ -28,7 +31,8 @@ class Method(NamedTuple):
     takes: tuple[str, ...]
     run: Callable[..., Run]
     calls: tuple[str, ...] = ()
-    together: bool = False  # whether members of a family run in one compiled call
+    family: Callable[..., FamilyRun] | None = None  # runs many members in one call
+    together: Callable[[Row], int] = lambda _: 0  # how many; 0 where each runs alone
 
     def lacking(self, system: System) -> list[tuple[str, str]]:
         """Path and name of everything in the system that the method cannot do."""
@@ -36,8 +40,10 @@ class Method(NamedTuple):
 
 
 METHODS = {
-    "fronts": Method(fronts.LACKS, (), fronts.solve, together=True),
-    "characteristics": Method(steps.LACKS, ("dt", "rtol"), steps.solve),
+    "fronts": Method(fronts.LACKS, (), fronts.solve, (), front_families.solve_family,
+                     front_families.together),
+    "characteristics": Method(steps.LACKS, ("dt", "rtol"), steps.solve, (),
+                              step_families.solve_family, step_families.together),
     "finite-difference": Method(
         grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve, ("progress", "announce"),
     ),

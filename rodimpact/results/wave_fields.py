@@ -22,7 +22,7 @@ from ..methods.steps.delays import lost_to_means
 from .field_kernel import sum_on_grid
 from .fields import Fields, Profile, Trace
 
-COMPILED_GRID = 100_000  # points from which a grid is worth a compiled loop
+POINT_TIME = 4e-9  # s that NumPy takes longer for a point of a grid than a compiled loop
 
 
 class WaveFields(Fields):
@@ -119,7 +119,7 @@ class WaveFields(Fields):
     ) -> Floats:
         A, B = self.waves(s)
         a, delay = sign * A.values, self.clock.ticks[s] - offset
-        if kernels.started() and offset.size * when.size >= COMPILED_GRID:
+        if kernels.worth_compiling(offset.size * when.size * POINT_TIME, sum_on_grid):
             out = np.empty((offset.size, when.size))
             kernels.compiled(sum_on_grid)(
                 out, when, A.ticks, a, offset, B.ticks, B.values, delay, factor, shift

@@ -46,12 +46,27 @@ def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
         return
     stopping, threads = threading.Event(), workers or _processors()
     with ThreadPoolExecutor(threads, initializer=memory.share, initargs=(threads,)) as own:
+        doing: Executor = own
         try:
-            yield Pool(own, threads, QUICK, (stopping.is_set,))
+            own.submit(int)
+        except RuntimeError:  # no thread can start, as in a browser
+            doing = Here()
+        try:
+            yield Pool(doing, threads, QUICK, (stopping.is_set,))
         except BaseException:
             stopping.set()
             own.shutdown(wait=False, cancel_futures=True)
             raise
+
+
+class Here(Executor):
+    """Does every job at once, itself."""
+
+    def submit(self, job: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
+        """Do it; what goes wrong is raised here."""
+        future: Future[Any] = Future()
+        future.set_result(job(*given, **named))
+        return future
 
 
 def workers_of(executor: Any) -> int:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..methods.family import STOPPED_BY
 from ..methods.groups import unilateral
 from ..methods.registry import Options
 from ..model import System
@@ -23,7 +24,7 @@ from ..results.solution import Solution
 from ..storage.writing import PathLike, write_npz, written
 from ..units import shown
 
-STATUS = ("final", "max_events", "clock", "refused", "until")
+STATUS = STOPPED_BY
 """Why each run stopped; `SweepResult.status` holds places in this tuple."""
 ENDED = [STATUS.index("final"), STATUS.index("until")]
 

@@ -19,11 +19,8 @@ from numpy.typing import ArrayLike
 
 from .. import __version__
 from ..methods import memory
-from ..methods.abilities import driven
-from ..methods.fronts.assembly import Blueprint
-from ..methods.fronts.families import Stopped, chunk_members, run_family
-from ..methods.fronts.front_kernel import CAP, CLOCK, FULL
-from ..methods.groups import body_velocities, unilateral
+from ..methods.family import Stopped
+from ..methods.groups import unilateral
 from ..methods.registry import METHODS, Options, check_function, count
 from ..methods.row import Row
 from ..methods.run import MAX_EVENTS
@@ -188,8 +185,8 @@ def sweep(
     if problems:
         raise InvalidModel(problems)
     of, size = arrays_of(system, readings), math.prod(system.shape)
-    together = METHODS[options.method].together and not readings.gauges
-    most = chunk_members(Blueprint(Row(system))) if together else size
+    together = 0 if readings.gauges else METHODS[options.method].together(Row(system))
+    most = together or size
     units = _Units(system.shape, min(TOGETHER, most) if together else 1)
     keep: Checkpoint | None = None
     if checkpoint is None:
@@ -224,7 +221,8 @@ def sweep(
 
         def submit(start: int, stop: int) -> Any:
             job = _members(system, start, stop), options, readings, first, most
-            return pool.executor.submit(run_job, *job, *pool.asking)
+            own = [*pool.asking, size - stop] if pool.asking else []
+            return pool.executor.submit(run_job, *job, *own)
 
         jobs = Jobs(pool, submit, units.spans(~done), units.unit, largest)
         if on_error == "raise":
@@ -269,18 +267,20 @@ def run_job(
 
 
 def run_chunk(
-    system: System, options: Options, readings: Readings, stop: Callable[[], bool] = lambda: False
+    system: System, options: Options, readings: Readings,
+    stop: Callable[[], bool] = lambda: False, more: int = 0,
 ) -> Columns:
     """Columns of the members of a family, in C order.
 
-    The method is chosen, and `options` hold for the family.
+    The method is chosen, and `options` hold for the family, of which so many `more` members are
+    certain to follow in this process.
     """
-    together, columns = METHODS[options.method].together, {}
+    together, columns = METHODS[options.method].together(Row(system)), {}
     try:
         if not together or readings.gauges:
             columns = _one_by_one(system, options, readings, stop)
         if together:
-            columns |= _together(system, options, stop)
+            columns |= _together(system, options, stop, more)
     finally:
         memory.give_back()
     kinds = {name: kind for name, (kind, _) in arrays_of(system, readings).items()}
@@ -324,41 +324,27 @@ def _one_by_one(
     return columns
 
 
-def _together(system: System, options: Options, stop: Callable[[], bool]) -> Columns:
-    """Columns of members that the fronts method runs in compiled code."""
-    plan = Blueprint(Row(system))
-    run = run_family(plan, system.shape, options.until, options.max_events, stop)
-    first, nodes = [span[0] for span in plan.row.spans], plan.make.node
-    contacts = range(len(system.contacts))
-    final = run.final & (not driven(system))
-    unknown = np.where(run.flag == FULL, math.nan, 0.0)
-    stocks = ([x.reshape(system.shape) for x in stock.T] for stock in (run.before, run.after))
-    before, after = (
-        [unknown + np.broadcast_to(v, system.shape).ravel() for v in velocities]
-        for velocities in body_velocities(system, first, 0.0, *stocks)
-    )
-    able = unilateral(system)
-    e = np.full(len(unknown), math.nan)
+def _together(
+    system: System, options: Options, stop: Callable[[], bool], more: int
+) -> Columns:
+    """Columns of members that the method runs in one call."""
+    method = METHODS[options.method]
+    assert method.family is not None
+    own = {name: getattr(options, name) for name in method.takes}
+    run = method.family(
+        Row(system), options.until, options.max_events, **own, stop=stop, more=more)
+    able, e = unilateral(system), np.full(len(run.final), math.nan)
     if len(able) == 1:
         k = able[0]
         e = effective_restitution(
-            final, run.episodes[:, nodes[k]], before[k : k + 2], after[k : k + 2]
-        )
-    columns = {"restitution": e}
-    columns |= {f"velocity_after.{i}": v for i, v in enumerate(after)}
-    for name in ContactColumns._fields:
-        by_node = getattr(run, name)
-        for k in contacts:
-            values = by_node[:, nodes[k]]
-            if name != "episodes":
-                values = unknown + values if k in able else np.full(len(e), math.nan)
-            columns[f"{name}.{k}"] = values
-    capped = (run.flag == CAP) & (~final | (options.until is not None))
-    places = [STATUS.index(name) for name in ("max_events", "clock", "refused", "final")]
-    status = np.select(
-        [capped, run.flag == CLOCK, run.flag == FULL, final], places, STATUS.index("until")
-    )
-    return {**columns, "vibration": unknown + run.vibration, "final": final, "status": status}
+            run.final, run.contacts["episodes"][k], run.before[k : k + 2], run.after[k : k + 2])
+    columns = {"restitution": e, "vibration": run.vibration, "final": run.final,
+               "status": run.stopped_by}
+    columns |= {f"velocity_after.{i}": v for i, v in enumerate(run.after)}
+    return columns | {
+        f"{name}.{k}": values
+        for name, by_contact in run.contacts.items() for k, values in enumerate(by_contact)
+    }
 
 
 class _Units(Sequence[tuple[int, int]]):

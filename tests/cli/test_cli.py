@@ -15,6 +15,7 @@ import rodimpact as ri
 from rodimpact.cli import COMMANDS, main
 from rodimpact.cli.doctor import version_of
 from rodimpact.cli.selfcheck import Check, checks
+from rodimpact.methods import kernels
 
 ROOT = Path(ri.__file__).parent.parent
 ENDLESS = """\
@@ -620,9 +621,18 @@ def test_doctor_finds_nothing_wrong(capsys):
     assert main(["doctor", "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
     assert data["versions"]["rodimpact"] == ri.__version__
-    assert data["agrees"] is (None if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0" else True)
+    assert data["agrees"] is (True if kernels.enabled() else None)
     assert main(["doctor"]) == 0
     assert "compiled code" in capsys.readouterr().out
+
+
+def test_doctor_says_how_long_it_took_to_compile_everything(monkeypatch, capsys):
+    monkeypatch.setattr("rodimpact.cli.doctor.try_compiled", lambda: ("here", True, "works"))
+    monkeypatch.setattr("rodimpact.cli.doctor.warm", lambda: 24.04)
+    assert main(["doctor", "--warm", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["seconds_to_compile_all"] == 24.04
+    assert main(["doctor", "--warm"]) == 0
+    assert "in 24.0 s" in capsys.readouterr().out
 
 
 def test_doctor_names_what_is_missing():
@@ -631,20 +641,24 @@ def test_doctor_names_what_is_missing():
 
 
 def test_doctor_notices_compiled_code_that_disagrees(monkeypatch, capsys):
-    monkeypatch.setenv("NUMBA_DISABLE_JIT", "0")
-    monkeypatch.setattr("rodimpact.cli.doctor.solve_a_row", lambda compile_after: [compile_after])
+    solved = iter("ab")
+    monkeypatch.setattr(kernels, "why_not", lambda: "")
+    monkeypatch.setattr(kernels, "enabled", lambda: True)
+    monkeypatch.setattr(kernels, "cache_directory", lambda kernel: "")
+    monkeypatch.setattr("rodimpact.cli.doctor.solve_a_row", lambda: [next(solved)])
     assert main(["doctor"]) == 4
     assert "does not agree" in capsys.readouterr().out
 
 
 def test_doctor_reports_compiled_code_that_fails(monkeypatch, capsys):
-    def fails(compile_after):
-        raise ImportError("no compiler")
+    def fails():
+        raise OSError("no room")
 
-    monkeypatch.setenv("NUMBA_DISABLE_JIT", "0")
+    monkeypatch.setattr(kernels, "enabled", lambda: True)
+    monkeypatch.setattr(kernels, "why_not", lambda: "")
     monkeypatch.setattr("rodimpact.cli.doctor.solve_a_row", fails)
     assert main(["doctor"]) == 4
-    assert "fails: ImportError: no compiler" in capsys.readouterr().out
+    assert "fails: OSError: no room" in capsys.readouterr().out
 
 
 # box ----------------------------------------------------------------------------------------------

@@ -471,8 +471,10 @@ def test_compiled_and_interpreted_runs_are_bit_identical():
         system = with_ends(seed)
         until = horizon(system, 4)
         assembly = assembled(system, until)
-        plain = track(assembly, until, 4000, compile_after=10**9)
-        fast = track(assembly, until, 4000, compile_after=0)
+        with kernels.forced(False):
+            plain = track(assembly, until, 4000)
+        with kernels.forced(True):
+            fast = track(assembly, until, 4000)
         assert plain.state == fast.state
         assert plain.tally == fast.tally
         assert (plain.end, plain.finality_time) == (fast.end, fast.finality_time)

@@ -915,12 +915,12 @@ def test_ends_that_approach_at_the_start_and_part_at_once_have_no_negative_gap(s
         assert np.all(gap[1:40] > 0)
 
 
-def test_it_runs_without_a_compiler(monkeypatch):
+def test_it_runs_the_same_in_plain_python():
     row = [ri.Rod(1.0, area=1.0, material=material(viscosity=0.01), velocity=1.0), unit_rod(0.7)]
-    with monkeypatch.context() as patch:
-        patch.setattr(kernels, "worth_compiling", lambda seconds: False)
+    with kernels.forced(False):
         plain = solved(row, 3.0, 30)
-    assert plain.outcome == solved(row, 3.0, 30).outcome
+    with kernels.forced(True):
+        assert plain.outcome == solved(row, 3.0, 30).outcome
 
 
 def test_a_peak_that_grows_with_the_mesh_is_named(monkeypatch):

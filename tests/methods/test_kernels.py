@@ -5,7 +5,6 @@ import math
 import os
 import subprocess
 import sys
-import types
 import warnings
 from fractions import Fraction
 from pathlib import Path
@@ -20,7 +19,6 @@ from rodimpact.methods import kernels
 from rodimpact.methods.fronts import front_kernel, layout_kernel
 from rodimpact.methods.fronts.layout_kernel import assign_ticks, recognise
 from rodimpact.methods.fronts.tracking import track
-from rodimpact.methods.steps import step_kernel
 from rodimpact.results import field_kernel
 
 
@@ -356,15 +354,103 @@ def test_a_damaged_cache_is_made_anew(tmp_path, damage):
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
 def test_a_variable_with_which_numba_does_not_start_is_named():
-    (output, errors), = call_in_processes(1, NUMBA_NUM_THREADS="0")
-    assert output == ""
-    assert errors.splitlines()[-1].startswith("OSError: NUMBA_NUM_THREADS = '0': numba does not")
+    """A long job goes on in plain Python."""
+    code = "import rodimpact as ri; print(ri.warm())"
+    done = subprocess.run(
+        [sys.executable, "-c", code], env={**os.environ, "NUMBA_NUM_THREADS": "0"},
+        capture_output=True, text=True, check=True,
+    )
+    assert done.stdout == "0.0\n"
+    assert "NoCompiler: nothing can be compiled: numba does not start: " in done.stderr
+    assert "Mend or unset NUMBA_NUM_THREADS = '0'" in done.stderr
 
 
-def test_who_waits_for_the_compiler_at_a_terminal_is_told(monkeypatch):
-    cache = types.SimpleNamespace(load_overload=lambda *_: None, save_overload=None)
-    kernels._mend(cache, step_kernel.run)
-    kernels._tell_of_compiling.cache_clear()
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    with pytest.warns(ri.LongRun, match="machine code is made for this machine, once"):
-        assert cache.load_overload(None, None) is None
+# What is worth compiling --------------------------------------------------------------------------
+
+
+@pytest.fixture
+def fresh(monkeypatch):
+    """As if the process began, with a numba that is there and a cache that is empty."""
+    monkeypatch.delenv("NUMBA_DISABLE_JIT", raising=False)
+    monkeypatch.setattr(kernels, "_spent", {})
+    monkeypatch.setattr(kernels, "_ready", set())
+    monkeypatch.setattr(kernels, "_told", [])
+    monkeypatch.setattr(kernels, "_fault", lambda: "")
+    monkeypatch.setattr(kernels, "_on_disk", lambda kernel: False)
+    return monkeypatch
+
+
+def spent_before_compiling(job, *kernel, **ahead):
+    """Seconds of plain Python until jobs of one length run compiled."""
+    count = 0
+    while not kernels.worth_compiling(job, *kernel, **ahead):
+        count += 1
+        assert count < 10_000
+    return count * job
+
+
+def test_plain_python_goes_on_until_it_has_taken_as_long_as_compiling(fresh):
+    play, lay_out = front_kernel.play, layout_kernel.lay_out
+    cold = spent_before_compiling(0.1, play)
+    assert kernels.STARTING < cold < 60
+    assert spent_before_compiling(0.1, play) == 0  # its machine code is there
+    assert spent_before_compiling(0.1, lay_out) > 0.5
+    fresh.setattr(kernels, "_ready", set())
+    fresh.setattr(kernels, "_spent", {})
+    fresh.setattr(kernels, "_on_disk", lambda kernel: True)
+    warm = spent_before_compiling(0.1, play)
+    assert kernels.STARTING - 0.1 < warm < cold / 2
+    assert kernels.worth_compiling(0.1, lay_out)  # numba has started
+
+
+def test_what_is_ahead_counts_as_soon_as_it_is_known(fresh):
+    assert not kernels.worth_compiling(0.01, recognise, ahead=0.3)
+    assert kernels.worth_compiling(0.01, recognise, ahead=60.0)
+
+
+def test_a_job_shorter_than_a_compiled_call_stays_plain_and_never_looks_for_numba(fresh):
+    fresh.setattr(kernels, "_fault", None)
+    for _ in range(10_000):
+        assert not kernels.worth_compiling(kernels.CALLING / 2, recognise)
+    assert not kernels.worth_compiling(kernels.STARTING / 2, recognise)
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+def test_one_line_on_a_terminal_says_how_long_compiling_takes(fresh, capsys, terminal):
+    fresh.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
+    assert kernels.worth_compiling(60.0, front_kernel.play)
+    assert kernels.worth_compiling(60.0, layout_kernel.lay_out)
+    told = capsys.readouterr().err
+    assert told.count("compiling once, about") == told.count("\n") == int(terminal)
+
+
+def test_without_numba_a_long_job_is_plain_and_the_user_is_told_once(fresh):
+    fresh.setattr(kernels, "_fault", lambda: "numba is not installed")
+    kernels._tell_of_no_compiler.cache_clear()
+    assert not kernels.worth_compiling(0.5, front_kernel.play)
+    with pytest.warns(ri.NoCompiler, match="numba is not installed; long runs go in plain Python"):
+        assert not kernels.worth_compiling(60.0, front_kernel.play)
+    assert not kernels.worth_compiling(60.0, front_kernel.play)
+    with kernels.forced(True):
+        assert not kernels.worth_compiling(60.0, front_kernel.play)
+    with pytest.warns(ri.NoCompiler, match="nothing can be compiled: numba is not installed"):
+        assert ri.warm() == 0.0
+
+
+def test_everything_that_may_run_compiled_is_warmed(monkeypatch):
+    """Kernels that `worth_compiling` is asked about anywhere are among those that `warm` meets."""
+    package = Path(ri.__file__).parent
+    asked = {
+        argument.id
+        for path in package.rglob("*.py") for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
+        and node.func.attr == "worth_compiling"
+        for argument in node.args[1:] if isinstance(argument, ast.Name)
+    }
+    met = set()
+    monkeypatch.setattr(kernels, "worth_compiling", lambda seconds, *kernel, ahead=0.0: bool(
+        met.update(k.__name__ for k in kernel)))
+    monkeypatch.setattr(kernels, "why_not", lambda: "")
+    ri.warm()
+    assert {"family", "run"} < asked
+    assert asked <= met

@@ -2,7 +2,6 @@
 
 import itertools
 import multiprocessing
-import os
 import warnings
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 
@@ -12,6 +11,7 @@ from systems import MATERIALS, random_system
 
 import rodimpact as ri
 from rodimpact import theory
+from rodimpact.methods import kernels
 from rodimpact.running.sweep_result import STATUS
 from rodimpact.running.sweeping import _members, _Units
 
@@ -72,8 +72,7 @@ def assert_equal_to_one_at_a_time(result, **options):
 
 
 def test_a_map_equals_the_closed_form():
-    shape = (60, 50) if os.environ.get("NUMBA_DISABLE_JIT", "0") == "0" else (12, 10)
-    system = small_map(shape)
+    system = small_map(shape := (60, 50))
     result = ri.sweep(system)
     left, right = (body.segments[0] for body in system.bodies)
     exact = theory.saint_venant(
@@ -113,7 +112,8 @@ def varied(seed):
 @pytest.mark.parametrize("seed", range(40))
 def test_members_of_random_rows_equal_one_at_a_time(seed):
     system = varied(seed)
-    result = ri.sweep(system, max_events=2000, on_error="record")
+    with kernels.forced(bool(seed % 4)):
+        result = ri.sweep(system, max_events=2000, on_error="record")
     assert_equal_to_one_at_a_time(result, max_events=2000)
 
 
@@ -174,7 +174,35 @@ def test_a_member_that_outgrows_the_work_space_runs_again(monkeypatch):
     ])
     roomy = ri.sweep(system)
     monkeypatch.setattr("rodimpact.methods.fronts.families.ROOM", 16)
-    assert same(ri.sweep(system), roomy)
+    for compiling in (False, True):
+        with kernels.forced(compiling):
+            assert same(ri.sweep(system), roomy)
+
+
+def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
+    system, asked = small_map((10, 10)), []
+    plain = ri.sweep(system)
+
+    def in_turns(seconds, *kernels, ahead=0.0):
+        asked.append(seconds + ahead)
+        return len(asked) % 2 == 0
+
+    monkeypatch.setattr("rodimpact.methods.fronts.families.PATIENCE", 0.0)
+    monkeypatch.setattr(kernels, "worth_compiling", in_turns)
+    assert same(ri.sweep(system, workers=1), plain)
+    assert len(asked) > 9
+    assert asked[1] > asked[-1]  # what is ahead counts
+
+
+def test_where_no_thread_can_start(monkeypatch, small_chunks):
+    system = small_map()
+    threaded = ri.sweep(system)
+
+    def refuses(thread):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr("threading.Thread.start", refuses)
+    assert same(ri.sweep(system), threaded)
 
 
 # Runs to a time ----------------------------------------------------------------------------------
@@ -189,8 +217,9 @@ def chain(count=200, bodies=10):
 
 
 def test_a_chain_of_ten_rods_with_gaps_has_velocities():
-    count = 200 if os.environ.get("NUMBA_DISABLE_JIT", "0") == "0" else 5
-    result = ri.sweep(chain(count), until=3e-3)
+    count = 200 if kernels.enabled() else 5
+    with kernels.forced(True):
+        result = ri.sweep(chain(count), until=3e-3)
     velocities = np.transpose(result.velocities_after)
     assert velocities.shape == (count, 10)
     assert np.isfinite(velocities).all()
@@ -209,7 +238,8 @@ def test_a_chain_of_ten_rods_with_gaps_has_velocities():
 def test_members_that_end_at_a_time_equal_one_at_a_time(seed, transits):
     system = varied(seed)
     options = {"until": transits * 2e-4, "max_events": 2000}
-    result = ri.sweep(system, **options)
+    with kernels.forced(bool(seed % 4)):
+        result = ri.sweep(system, **options)
     assert_equal_to_one_at_a_time(result, **options)
     for index in np.ndindex(result.shape):
         solution = ri.solve(system[index], **options)
@@ -380,7 +410,7 @@ def with_one_bad(count=10_000):
 
 
 def test_one_bad_member_does_not_lose_the_others():
-    system, index = with_one_bad(400 if os.environ.get("NUMBA_DISABLE_JIT") == "1" else 10_000)
+    system, index = with_one_bad(10_000)
     result = ri.sweep(system, on_error="record")
     bad = result.status != STATUS.index("final")
     assert np.argwhere(bad).tolist() == [list(index)]
@@ -470,7 +500,8 @@ def small_chunks(monkeypatch):
 def test_every_executor_gives_the_same_bytes(small_chunks):
     system = small_map()
     serial = ri.sweep(system, executor=InOrder())
-    assert same(ri.sweep(system), serial)
+    with kernels.forced(True):
+        assert same(ri.sweep(system), serial)
     assert same(ri.sweep(system, workers=1), serial)
     assert same(ri.sweep(system, workers=5), serial)
     spawn = multiprocessing.get_context("spawn")

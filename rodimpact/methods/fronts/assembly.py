@@ -40,7 +40,7 @@ OUTSIDE: dict[type[End], int] = {
     Free: STEADY, Fixed: STEADY, Absorbing: ENDLESS, Pushed: PUSHED, Moved: MOVED,
 }
 STATUS = {laws.FREE: FREE, laws.FORCE: PUSH, laws.BOND: BOND, laws.RIGID: TOUCH}
-INTERPRETED = 200  # durations up to which the tick rule is not worth compiling
+PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,7 +154,7 @@ def assemble(row: Row, until: float | None = None) -> Assembly:
     make, given = plan.make, cast("list[float]", plan.numbers)
     n = make.size[0]
     end = -1.0 if until is None else until
-    if make.size[2] > 2 * INTERPRETED and kernels.enabled():
+    if kernels.worth_compiling(make.size[2] ** 2 * PAIR_TIME, lay_out):
         layout, work = plan.space(1, np.full)
         arrays = Make(*(np.array(x, dtype=np.int64) for x in make))
         fate = kernels.compiled(lay_out)(arrays, np.array(given), 0, end, layout, work)

@@ -1,8 +1,8 @@
-"""The method "fronts" for many collisions of one make, laid out and run in compiled code.
+"""The method "fronts" for many collisions of one make, laid out and run by kernels.
 
 No Python object is made for a single collision. Members run in blocks that share a work space small
 enough for the processor's cache; one whose log outgrows it is run again with more room, to the same
-result.
+result. Blocks run in plain Python until their time says that compiling pays.
 """
 
 from __future__ import annotations
@@ -15,33 +15,65 @@ from typing import Any
 import numpy as np
 
 from .. import kernels
+from ..abilities import driven
+from ..family import STOPPED_BY, FamilyRun, Stopped
+from ..groups import body_velocities, unilateral
 from ..memory import ask
-from ..row import Array
+from ..row import Array, Row
 from .assembly import Blueprint, start
-from .front_kernel import FREE, FULL, OPEN, GroupState, Results, family
+from .front_kernel import CAP, CLOCK, FREE, FULL, OPEN, GroupState, Results, family
 from .layout_kernel import LAID, Layout, Make, lay_out_all
 from .tracking import as_arrays, on_arrays
 
 ROOM = 256  # rows of the log at first
 ROW_NUMBERS = 11  # that a row takes, on lists and then on arrays
-FIRST_BLOCK, LAST_BLOCK = 512, 2048  # members of a block
+ROW_TIME = 1e-6  # s; a guess of what plain Python takes for a row of the log
+FIRST_BLOCK, LAST_BLOCK = 32, 2048  # members of a block
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
 MOST_MEMBERS, MOST_BYTES = 16384, 1 << 24  # of one call of `run_family`, for memory's sake
 
 
-class Stopped(Exception):
-    """A run was told to stop."""
-
-
-def chunk_members(plan: Blueprint) -> int:
+def together(row: Row) -> int:
     """How many members to run in one call."""
-    n, width, _ = plan.make.size
+    n, width, _ = Blueprint(row).make.size
     return int(max(1, min(MOST_MEMBERS, MOST_BYTES // (8 * (width + 6 * (n + 2))))))
+
+
+def solve_family(
+    row: Row, until: float | None, max_events: int, stop: Callable[[], bool] = lambda: False,
+    more: int = 0,
+) -> FamilyRun:
+    """Totals of every member; arguments as of `run_family`."""
+    plan, system, shape = Blueprint(row), row.system, row.system.shape
+    run = run_family(plan, shape, until, max_events, stop, more)
+    first, nodes = [span[0] for span in row.spans], plan.make.node
+    final = run.final & (not driven(system))
+    unknown = np.where(run.flag == FULL, math.nan, 0.0)
+    stocks = ([x.reshape(shape) for x in stock.T] for stock in (run.before, run.after))
+    before, after = (
+        [unknown + np.broadcast_to(v, shape).ravel() for v in velocities]
+        for velocities in body_velocities(system, first, 0.0, *stocks)
+    )
+    able, contacts = unilateral(system), {}
+    for name in ("impulse", "peak_force", "duration", "episodes"):
+        by_node = getattr(run, name)
+        values = [by_node[:, nodes[k]] for k in range(len(nodes))]
+        if name != "episodes":
+            values = [unknown + x if k in able else np.full(len(x), math.nan)
+                      for k, x in enumerate(values)]
+        contacts[name] = values
+    capped = (run.flag == CAP) & (~final | (until is not None))
+    reasons = [capped, run.flag == CLOCK, run.flag == FULL, final]
+    places = [STOPPED_BY.index(name) for name in ("max_events", "clock", "refused", "final")]
+    return FamilyRun(
+        before, after, unknown + run.vibration, contacts, final,
+        np.select(reasons, places, STOPPED_BY.index("until")),
+    )
 
 
 def run_family(
     plan: Blueprint, shape: tuple[int, ...], until: float | None, max_events: int,
-    stop: Callable[[], bool] = lambda: False,
+    stop: Callable[[], bool] = lambda: False, more: int = 0,
 ) -> Results:
     """Run every member of a family to `until`, or to its proof of finality.
 
@@ -56,6 +88,8 @@ def run_family(
         Cap for each member.
     stop : callable
         Asked now and then whether to give up.
+    more : int
+        Members that other calls will run in this process.
 
     Returns
     -------
@@ -82,8 +116,8 @@ def run_family(
     while len(waiting):
         what = f"following {room} fronts of a member"
         ask(ROW_NUMBERS * room, "max_events", what, "lower the cap, or stop earlier (until)")
-        waiting = _run_blocks(plan, given, waiting, results, room, until, max_events, stop)
-        room *= 8
+        waiting = _run_blocks(plan, given, waiting, results, room, until, max_events, stop, more)
+        room, more = 8 * room, 0
     return results
 
 
@@ -99,16 +133,21 @@ def space(count: int, n: int) -> Results:
 
 def _run_blocks(
     plan: Blueprint, given: Array, which: Array, results: Results, room: int,
-    until: float | None, max_events: int, stop: Callable[[], bool],
+    until: float | None, max_events: int, stop: Callable[[], bool], more: int,
 ) -> Array:
     """Run some members; return those that filled the log."""
-    block = Block(plan, room, until)
+    blocks: dict[bool, Block] = {}
     again, first, size = [], 0, FIRST_BLOCK
+    plain, measured = room * ROW_TIME, False  # s of a member in plain Python
     while first < len(which):
         if stop():
             raise Stopped
-        members, begun = which[first : first + size], time.perf_counter()
-        everyone = len(which) == len(given)
+        members = which[first : first + size]
+        ahead = len(which) - first - len(members) + more if measured else 0
+        fast = kernels.worth_compiling(
+            plain * len(members), family, lay_out_all, ahead=plain * ahead)
+        block = blocks.get(fast) or blocks.setdefault(fast, Block(plan, room, until, fast))
+        everyone, begun = len(which) == len(given), _now()
         place = slice(first, first + len(members)) if everyone else members
         part = Results(*(column[place] for column in results))
         full = block.run(block.lay_out(given[place]), max_events, part)
@@ -117,16 +156,24 @@ def _run_blocks(
                 column[members] = values
         again.append(members[full])
         first += len(members)
-        quick = time.perf_counter() - begun < PATIENCE / 4
+        seconds = _now() - begun
+        quick = seconds < PATIENCE / 4
+        if not fast:
+            plain, measured = seconds / len(members), measured or not quick
         size = min(4 * size, LAST_BLOCK) if quick else max(1, size // 2)
     return np.concatenate(again)
 
 
-class Block:
-    """Work space for some members at a time: arrays, or lists where nothing is compiled."""
+_now = getattr(time, "thread_time", time.perf_counter)  # a browser has no clock of threads
 
-    def __init__(self, plan: Blueprint, room: int, until: float | None = None) -> None:
-        self.plan, self.compiled = plan, kernels.enabled()
+
+class Block:
+    """Work space for some members at a time: arrays for compiled kernels, else lists."""
+
+    def __init__(
+        self, plan: Blueprint, room: int, until: float | None = None, fast: bool = True
+    ) -> None:
+        self.plan, self.fast = plan, fast
         self.until = -1.0 if until is None else until
         self.make: Any = plan.make
         n = self.make.size[0]
@@ -134,22 +181,24 @@ class Block:
             [1] * (n + 2), [1.0] * (n + 2), [FREE] * (n + 1), [0.0] * (n + 1), (0.0, 0.0), [], room
         )
         self.stocks = tuple(GroupState(*([0.0] * (n + 2) for _ in range(3))) for _ in range(2))
-        if self.compiled:
+        self.go: tuple[Any, Any] = lay_out_all, family
+        if fast:
             self.make = Make(*(np.array(x, dtype=np.int64) for x in self.make))
             self.state, self.stocks = on_arrays(*self.state), tuple(map(as_arrays, self.stocks))
+            self.go = kernels.compiled(lay_out_all), kernels.compiled(family)
         self.fates: Any = []
 
     def lay_out(self, given: Array) -> Layout:
         """Put members on their clocks; `fates` says for whom there is none."""
         count = len(given)
         if len(self.fates) != count:
-            full = np.full if self.compiled else lambda size, zero: [zero] * size
+            full = np.full if self.fast else lambda size, zero: [zero] * size
             self.layout, self.work = self.plan.space(count, full)
             self.fates = full(count, LAID)
         rows: Any = given.ravel()
-        kernels.compiled(lay_out_all)(
-            self.make, rows if self.compiled else rows.tolist(), self.until, self.layout,
-            self.work, self.fates,
+        self.go[0](
+            self.make, rows if self.fast else rows.tolist(), self.until, self.layout, self.work,
+            self.fates,
         )
         return self.layout
 
@@ -158,10 +207,10 @@ class Block:
         status: Any = np.tile(self.plan.status, len(members.count))
         status[np.asarray(members.gap) > 0] = OPEN
         flat: Any = Results(*(column.reshape(-1) for column in results))
-        if not self.compiled:
+        if not self.fast:
             status, flat = status.tolist(), kernels.as_lists(flat)
-        kernels.compiled(family)(*self.state, self.stocks, members, status, max_events, flat)
-        if not self.compiled:
+        self.go[1](*self.state, self.stocks, members, status, max_events, flat)
+        if not self.fast:
             for column, values in zip(results, flat, strict=True):
                 column[...] = np.reshape(values, column.shape)
         return np.asarray((np.asarray(self.fates) == LAID) & (results.flag == FULL))

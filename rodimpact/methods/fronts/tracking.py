@@ -32,7 +32,7 @@ from .front_kernel import (
 )
 
 ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what results make of it
-LISTS_COLD, LISTS_WARM = 65_536, 2_048  # log rows up to which lists beat the compiler
+ROW_TIME = 2e-6  # s, about what plain Python takes for a row of the log
 
 _LOG_TYPES = Log(np.int64, np.int32, np.int32, np.float64, np.int64, np.int32, np.int8)
 
@@ -70,10 +70,7 @@ class FrontRun(NamedTuple):
 
 
 def track(
-    assembly: Assembly,
-    until: float | None = None,
-    max_events: int = MAX_EVENTS,
-    compile_after: int | None = None,
+    assembly: Assembly, until: float | None = None, max_events: int = MAX_EVENTS
 ) -> FrontRun:
     """Follow every front of a collision.
 
@@ -85,9 +82,6 @@ def track(
         collision has been proved final.
     max_events : int
         Cap; a run that reaches it says so in `stopped_by`.
-    compile_after : int, optional
-        Log rows after which the kernel runs compiled; chosen by cost if not given. The result is
-        the same bit for bit.
 
     Raises
     ------
@@ -105,12 +99,11 @@ def track(
     target = -2 * a.longest
     if until is not None:
         target = round(until / a.tick)
-    if compile_after is None:
-        compile_after = LISTS_WARM if kernels.started() else LISTS_COLD
     kernel: Any = play
     on_lists = True
     while True:
-        if on_lists and len(log.value) > compile_after and kernels.enabled():
+        # what is not over takes as long again as it took
+        if on_lists and kernels.worth_compiling(clock[ROWS] * ROW_TIME, play):
             state, tally, log, clock = on_arrays(state, tally, log, clock)
             kernel, on_lists = kernels.compiled(play), False
         flag = kernel(state, tally, log, clock, target, max_events, a.tolerance, a.window)

@@ -329,7 +329,7 @@ class Machine:
             return NEVER
         nodes = 2 * len(self.mesh.mass)
         parts: Any = self.pieces, self.grid, self.links, self.ends
-        if kernels.worth_compiling(nodes * PROOF_TIME):
+        if kernels.worth_compiling(nodes * PROOF_TIME, finality_time):
             return int(kernels.compiled(finality_time)(*parts, self.tol))
         pieces, grid, links, ends = map(kernels.as_lists, parts)
         return finality_time(pieces, grid, links, ends, self.tol)
@@ -355,7 +355,7 @@ class Machine:
         )
         numbers = sum(len(column) for part in (self.signals, self.states) for column in part)
         fast = kernels.worth_compiling(
-            (end - self.taken) * cost(self.mesh, plain=True) + numbers * kernels.LIST_TIME
+            (end - self.taken) * cost(self.mesh, plain=True) + numbers * kernels.LIST_TIME, run
         )
         lists = parts if fast else tuple(kernels.as_lists(x) for x in parts)
         go: Callable[..., int] = kernels.compiled(run) if fast else run

@@ -10,35 +10,80 @@ import math
 import time
 from collections.abc import Callable
 from functools import reduce
+from typing import Any
 
 import numpy as np
 
 from .. import kernels
-from ..memory import most_numbers
+from ..family import STOPPED_BY, FamilyRun, Stopped
+from ..groups import groups, movable, velocities_in_group
+from ..memory import ask, most_numbers
 from ..row import Row, whole
-from .layout import make_of, memory_of, numbers_of, space
+from .layout import Work, is_even, make_of, memory_of, numbers_of, space
 from .level_kernel import ROOM, Make
 from .machine import averages_before
+from .method import RTOL, most_parts
+from .method import STOPPED_BY as REASONS
 from .search_kernel import Results, solve_members
+from .step_kernel import DONE
 
 PATIENCE = 0.1  # s; about how long a call runs before `stop` is asked again
+MOST_MEMBERS = 4096  # of one call of `run_family`
+MEMBER_TIME = 0.02  # s; a guess of what plain Python takes for a member
 
 
-class Stopped(Exception):
-    """A run was told to stop."""
+def together(row: Row) -> int:
+    """How many members to run in one call; 0 where each is to be run alone."""
+    return MOST_MEMBERS if is_even(row) else 0
+
+
+def solve_family(
+    row: Row, until: float | None, max_events: int, dt: float | None, rtol: float | None,
+    stop: Callable[[], bool] = lambda: False, more: int = 0,
+) -> FamilyRun:
+    """Totals of every member; arguments as of `run_family`."""
+    system, count = row.system, math.prod(row.system.shape)
+    run = run_family(row, until, most_parts(row, max_events), dt, rtol or RTOL, stop, more)
+    refused = run.flag != DONE
+    unknown, final = np.where(refused, math.nan, 0.0), run.final > 0
+    before: list[Any] = []
+    after: list[Any] = []
+    free = movable(system)
+    for g, group in enumerate(groups(system)):
+        inside = [i for i in group if i in free]
+        for found, velocity in ((before, run.before), (after, run.after)):
+            shared = velocity[:, g].reshape(system.shape)
+            found += [unknown + np.broadcast_to(v, system.shape).ravel()
+                      for v in velocities_in_group(system, group, inside, shared)]
+    contacts = {}
+    for name, values in (("impulse", run.impulse), ("peak_force", run.peak),
+                         ("duration", run.pressed)):
+        contacts[name] = _by_contact(row, unknown[:, None] + values, math.nan)
+    contacts["episodes"] = _by_contact(row, run.episodes, 0)
+    places = np.array([STOPPED_BY.index(name) for name in REASONS])[run.reason]
+    places[final & (until is None)] = STOPPED_BY.index("final")
+    places[refused] = STOPPED_BY.index("refused")
+    vibration = unknown + reduce(np.add, run.vibration.T, np.zeros(count))
+    return FamilyRun(before, after, vibration, contacts, final & ~refused, places)
+
+
+def _by_contact(row: Row, values: Any, missing: float) -> list[Any]:
+    """Columns of what contacts that can open have, by contact."""
+    able = list(row.opening)
+    none = np.full(len(values), missing)
+    return [values[:, able.index(k)] if k in able else none for k in range(len(row.contact_link))]
 
 
 def run_family(
-    row: Row, shape: tuple[int, ...], until: float | None, most_parts: int, dt: float | None,
-    rtol: float, stop: Callable[[], bool] = lambda: False,
+    row: Row, until: float | None, most_parts: int, dt: float | None, rtol: float,
+    stop: Callable[[], bool] = lambda: False, more: int = 0,
 ) -> Results:
     """Solve every member of a family whose rows are even.
 
     Parameters
     ----------
     row : Row
-    shape : tuple of int
-        Of the family.
+        Of a family.
     until : float or None
         s.
     most_parts : int
@@ -48,6 +93,8 @@ def run_family(
     rtol : float
     stop : callable
         Asked now and then whether to give up.
+    more : int
+        Members that other calls will run in this process.
 
     Returns
     -------
@@ -60,8 +107,8 @@ def run_family(
     Stopped
         If `stop` said so.
     """
-    count, lists = math.prod(shape), make_of(row)
-    make = Make(*map(whole, lists))
+    shape, make = row.system.shape, make_of(row)
+    count = math.prod(shape)
     columns = [x for column in numbers_of(row) for x in column]
     given = np.empty((count, len(columns)))
     for place, x in enumerate(columns):
@@ -73,22 +120,54 @@ def run_family(
         shortest = reduce(np.minimum, [s.transit_time for s in row.segments])
         beyond |= np.broadcast_to(dt > shortest * (1 + 2.0**-36), shape).ravel()
     groups, bodies, contacts = len(make.held), len(make.body_first), len(make.opening)
+    wide = [groups] * 2 + [bodies] + [contacts] * 3
     results = Results(
-        *(np.zeros(count, dtype=np.int64) for _ in range(3)), *np.zeros((2, count * groups)),
-        np.zeros(count * bodies), *np.zeros((3, count * contacts)),
-        np.zeros(count * contacts, dtype=np.int64),
+        *(np.zeros(count, dtype=np.int64) for _ in range(3)),
+        *(np.zeros((count, width)) for width in wide), np.zeros((count, contacts), dtype=np.int64),
     )
-    solve, work = kernels.compiled(solve_members), space(make, np.full, 0, 0)
-    member, size = 0, 1
+    room, member, size, plain, fast = (0, 0), 0, 1, MEMBER_TIME, False
+    work: Any = None
     while member < count:
         if stop():
             raise Stopped
-        work.limit.until[0], work.limit.steps[0] = -1.0 if until is None else until, most_parts
-        work.limit.numbers[:], work.search.goal[0] = [most_numbers(), *memory_of(row)], rtol
-        last, begun = min(member + size, count), time.perf_counter()
-        reached = solve(*work, given.ravel(), beyond, member, last, dt or 0.0, results)
-        if reached < last:
-            work = space(make, np.full, int(work.level.at[ROOM]) + 1, averages_before(work.level))
-        quick = time.perf_counter() - begun < PATIENCE / 4
-        member, size = reached, 2 * size if quick else max(1, size // 2)
-    return Results(*(x.reshape(count, -1) if x.size != count else x for x in results))
+        last = min(member + size, count)
+        if not fast:
+            ahead = plain * (count - last + more)
+            fast = kernels.worth_compiling(plain * (last - member), solve_members, ahead=ahead)
+            work = None if fast else work
+        if work is None:
+            work = _work(row, make, fast, *room)
+            work.limit.until[0], work.limit.steps[0] = -1.0 if until is None else until, most_parts
+            work.search.goal[0] = rtol
+        begun = _now()
+        part = Results(*(x[member:last].reshape(-1) for x in results))
+        if fast:
+            solve = kernels.compiled(solve_members)
+            given_part, beyond_part = given[member:last].reshape(-1), beyond[member:last]
+            reached = solve(*work, given_part, beyond_part, dt or 0.0, part)
+        else:
+            rows, lists = given[member:last].ravel().tolist(), kernels.as_lists(part)
+            reached = solve_members(*work, rows, beyond[member:last].tolist(), dt or 0.0, lists)
+            kernels.copy_back(lists, part)
+        if reached < last - member:
+            room, work = (int(work.level.at[ROOM]) + 1, averages_before(work.level)), None
+        seconds = _now() - begun
+        if not fast and reached:
+            plain = seconds / reached
+        member += reached
+        size = 2 * size if seconds < PATIENCE / 4 else max(1, size // 2)
+    return results
+
+
+def _work(row: Row, make: Make, fast: bool, room: int, before: int) -> Work:
+    """Work space with room for so many parts, and averages from before t = 0."""
+    of_part, of_average = memory_of(row)
+    numbers = room * of_part + before * of_average
+    ask(numbers, "until", "a member of the family", "stop earlier (until)")
+    work = space(Make(*map(whole, make)), np.full, room, before) if fast else space(
+        make, lambda size, zero: [zero] * size, room, before)
+    work.limit.numbers[:] = [most_numbers(), of_part, of_average]
+    return work
+
+
+_now = getattr(time, "thread_time", time.perf_counter)  # a browser has no clock of threads

@@ -110,7 +110,8 @@ class Machine:
         """Go on with the search, compiled from when that pays."""
         chains = len(self.row.masses) + len({*self.row.first}) - 1
         links = len(self.row.laws) + 5 * chains
-        if kernels.worth_compiling(self.work.level.at[ROOM] / 2 * links * LINK_TIME):
+        seconds = self.work.level.at[ROOM] / 2 * links * LINK_TIME
+        if not self.compiled and kernels.worth_compiling(seconds, go_on):
             self.to_arrays()
         return int((kernels.compiled(go_on) if self.compiled else go_on)(*self.work))
 

@@ -457,17 +457,17 @@ class Results(NamedTuple):
 def solve_members(
     make: Make, numbers: Numbers, limit: Limit, search: Search, level: Level, state: State,
     tally: Tally, signals: Signals, points: Points, links: Chain, clock: Any, given: Any,
-    beyond: Any, first: int, last: int, step: float, results: Results,
+    beyond: Any, step: float, results: Results,
 ) -> int:
-    """Solve members `first` to `last` - 1 of a family, whose numbers are rows of `given`.
+    """Solve members of a family, whose numbers are rows of `given`.
 
     `step`, s, is chosen where it is 0. Those that are `beyond` what steps can do are left out.
 
     Returns
     -------
-    Member for which there is no room; `last` if there is.
+    How many of the first members were solved, before one for which there is no room.
     """
-    for member in range(first, last):
+    for member in range(len(beyond)):
         if beyond[member]:
             results.flag[member] = BEYOND
             continue
@@ -485,7 +485,7 @@ def solve_members(
         results.flag[member] = flag
         if flag == DONE:
             enter(make, search, level, tally, results, member)
-    return last
+    return len(beyond)
 
 
 def take(given: Any, member: int, numbers: Numbers) -> None:

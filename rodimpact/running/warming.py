@@ -1,0 +1,54 @@
+"""warm(): everything that can run compiled, compiled before anybody waits for it."""
+
+from __future__ import annotations
+
+import time
+import warnings
+
+import numpy as np
+
+from ..materials import steel
+from ..methods import kernels
+from ..methods.registry import METHODS
+from ..model import RigidMass, Rod, System
+from ..model.laws import Spring
+from .solving import solve
+from .sweeping import sweep
+
+
+def warm() -> float:
+    """Compile everything that can run compiled, and keep it on disk.
+
+    Where that is done already the machine code is loaded from there. Without it a long run or a
+    large family compiles what it needs when it begins. ``dask.distributed.Client.run(ri.warm)``
+    does it on each worker of a cluster.
+
+    Returns
+    -------
+    float
+        Time it took, s.
+
+    Warns
+    -----
+    NoCompiler
+        If nothing can be compiled.
+    """
+    begun = time.perf_counter()
+    if reason := kernels.why_not():
+        warnings.warn(f"nothing can be compiled: {reason}", kernels.NoCompiler, stacklevel=2)
+        return 0.0
+    bar = Rod(1.0, area=1e-4, material=steel)
+    speeds = np.array([1.0, 2.0])
+    families = [
+        System([Rod(0.5, area=1e-4, material=steel, velocity=speeds), bar]),
+        System([RigidMass(0.1, velocity=speeds), bar], contacts=[Spring(1e6)]),
+    ]
+    with kernels.forced(True):
+        for family in families:
+            for name, method in METHODS.items():
+                if not method.lacking(family):
+                    cells = 8 if "cells" in method.takes else None
+                    sweep(family, name, cells=cells, workers=1)
+                    solution = solve(family[0], method=name, cells=cells)
+                    solution.velocity(1, np.array([[0.0], [0.5]]), np.array([0.0, 1e-4]))
+    return time.perf_counter() - begun

@@ -1,0 +1,5 @@
+"""On PYTHONPATH, this makes Python do as if numba were not installed, in children too."""
+
+import sys
+
+sys.modules["numba"] = None
