@@ -229,9 +229,9 @@ def end_of_force(
     if gap[j - 1] < 0:
         if gap[j] <= 0:
             return begin + width
-        rate, before = (gap[j] - gap[j - 1]) / width, begin - times[j - 2] if j > 1 else width
-        curve = 0.0
-        if j > 1:
+        rate, curve = (gap[j] - gap[j - 1]) / width, 0.0
+        if j - i >= 3:
+            before = begin - times[j - 2]
             curve = (rate - (gap[j - 1] - gap[j - 2]) / before) / (width + before)
         x = -gap[j - 1] / rate
         for _ in range(4):  # of the parabola through three step ends

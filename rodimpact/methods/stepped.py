@@ -156,10 +156,11 @@ def _tallies(run: SteppedRun, record: StepRecord) -> tuple[ContactTally, ...]:
             c = list(run.row.opening).index(k)
             highest, pressed = float(run.totals.peak[c]), float(run.totals.pressed[c])
         else:
-            highest = math.nan if sudden else largest_force(times, force, 0, run.steps)
+            highest = float(largest_force(times, force, 0, run.steps))
             pressed = float(functools.reduce(operator.add, ends - begins, 0.0))
         tallies.append(ContactTally(
-            impulse=float(t.impulse[link]) * run.step, duration=pressed, peak_force=highest,
+            impulse=float(t.impulse[link]) * run.step, duration=pressed,
+            peak_force=math.nan if sudden else highest,
             first=float(begins[0]) if spans else math.nan,
             last=float(ends[-1]) if spans else math.nan, episodes=int(t.episodes[link]),
         ))

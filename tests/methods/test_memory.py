@@ -151,7 +151,8 @@ def test_threads_that_take_more_than_their_share_go_one_after_the_other(monkeypa
 
 def test_a_sweep_takes_no_more_memory_with_more_threads(monkeypatch):
     """Members are as without threads, though each is larger than a thread's share."""
-    family = ri.System([rod(np.linspace(0.3, 0.5, 20), velocity=1.0), rod()], contacts=[HERTZ])
+    even = ri.Samples([1.0, 1.0])
+    family = ri.System([rod(np.linspace(0.3, 0.5, 20), velocity=even), rod()], contacts=[HERTZ])
     alone = ri.sweep(family, dt=1e-6, workers=1)
     share, solution, turns = memory.share, sweeping.Solution, []
     monkeypatch.setattr(memory, "share", lambda threads: share(10**9 * threads))

@@ -105,11 +105,10 @@ def test_a_run_in_pieces_is_the_whole_run(driven):
 
 
 def test_a_run_that_outgrows_its_room_is_the_run_with_enough_room(monkeypatch):
-    monkeypatch.setattr(kernels, "enabled", lambda: False)
     for seed in range(12):
         system = random_network(seed, bodies=2)
         whole = ri.solve(system, dt=STEP, max_events=3000)
-        with monkeypatch.context() as patch:
+        with monkeypatch.context() as patch, kernels.forced(False):
             patch.setattr(search_kernel, "FIRST_ROOM", 3)
             assert ri.solve(system, dt=STEP, max_events=3000).run.contacts == whole.run.contacts
 
@@ -464,8 +463,7 @@ def test_a_squeezed_mass_is_told_in_a_sentence(monkeypatch):
     from rodimpact.methods.steps import level_kernel
 
     monkeypatch.setattr(level_kernel, "run", lambda *_: ck.SQUEEZED)
-    monkeypatch.setattr(kernels, "enabled", lambda: False)
-    with pytest.raises(ri.InvalidModel, match=r"squeezed.*no room.*compliant law"):
+    with kernels.forced(False), pytest.raises(ri.InvalidModel, match=r"squeezed.*no room.*compliant law"):
         run_network(random_network(0))
 
 

@@ -175,8 +175,9 @@ def test_the_contact_of_two_masses_has_its_closed_form_to_order_2(exponent):
         apart = float(contact.gap(run.t_end)) / 3.0
         errors.append([apart / (run.t_end - duration) - 1, contact.peak_force / peak - 1])
     coarse, middle, fine = np.abs(errors)
-    assert coarse / middle == pytest.approx(4.0, rel=0.1)
-    assert middle / fine == pytest.approx(4.0, rel=0.05)
+    assert coarse[0] / middle[0] == pytest.approx(4.0, rel=0.1)
+    assert middle[0] / fine[0] == pytest.approx(4.0, rel=0.05)
+    assert np.all(coarse[1] / middle[1] > 14)  # the largest indentation, of order 4
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.3, 1.5, 2.0, 4.0])

@@ -161,7 +161,7 @@ def run_family(
 
 def _work(row: Row, make: Make, fast: bool, room: int, before: int) -> Work:
     """Work space with room for so many parts, and averages from before t = 0."""
-    of_part, of_average = memory_of(row)
+    of_part, of_average = memory_of(row, not fast)
     numbers = room * of_part + before * of_average
     ask(numbers, "until", "a member of the family", "stop earlier (until)")
     work = space(Make(*map(whole, make)), np.full, room, before) if fast else space(

@@ -11,7 +11,6 @@ import numpy as np
 
 from ...model import Rod, Samples, Steps
 from ...model.frozen import Number
-from .. import kernels
 from ..abilities import driven
 from ..contact_law_kernel import IMPACT, RIGID, SPRING, Chain, Tally
 from ..groups import groups
@@ -142,24 +141,24 @@ def _resolving(row: Row) -> Number:
     return float(finest) if np.ndim(finest) == 0 else finest
 
 
-def memory_of(row: Row) -> tuple[float, float]:
+def memory_of(row: Row, on_lists: bool) -> tuple[float, float]:
     """Numbers that a run keeps for a part of a step, and for an average from before t = 0.
 
-    Signals with what results make of them: waves and their integrals; force, gap, path, rate and
+    Lists take four times what arrays take, and stand beside them at the end. Signals with what results make of them: waves and their integrals; force, gap, path, rate and
     power with integrals; edges and times.
     """
     lines, contacts = 2 * len(row.segments), len(row.contact_link)
     masses, ends = sum(m >= 0 for m in row.mass_of), sum(kind != "none" for kind, _ in row.outside)
     step, before = 2 * lines + 10 * contacts + 5 * masses + 6 * ends + 10, 4
-    if not kernels.enabled():  # lists take four times what arrays take
+    if on_lists:
         step += 4 * (lines + 2 * contacts + masses + ends)
         before += 8
     return float(step), float(before)
 
 
-def check_memory(row: Row, step: float, parts: float, before: float) -> None:
+def check_memory(row: Row, step: float, parts: float, before: float, on_lists: bool) -> None:
     """Raise TooLong where a run of so many parts, with averages from before t = 0, is too much."""
-    of_part, of_average = memory_of(row)
+    of_part, of_average = memory_of(row, on_lists)
     if parts < before:
         what = f"keeping waves over {before:.4g} steps"
         ask(before * of_average, "dt", what, "take a longer step")

@@ -35,6 +35,8 @@ MOST_CUTS = 24  # of a step, where contacts close
 MOST_PLACES = 4 * MOST_CUTS + 2
 MOMENT = STEP_TICKS >> 21  # ticks before and after an impact
 SAME = 1 / 16  # steps: a contact that closes so near to where it did was placed badly before
+MOST_OF_TRANSIT = 2.0**26  # steps; more are too many for memory, and for whole numbers
+MOST_PARTS = 2.0**52
 LAID, FULL, TOO_LONG, VANISHED = range(10, 14)  # how laying out went
 FINAL, UNTIL, CAPPED = range(3)  # why a run stopped
 DRIVEN, ABRUPT, LOSES = range(3)  # places in Make.kind: no proof is to be looked for; the force of
@@ -127,7 +129,8 @@ def put_on_ticks(numbers: Numbers, level: Level) -> bool:
     """Transit times on the clock of the step; return whether all are whole steps."""
     h, fits = level.step[0], True
     for s in range(len(numbers.transit)):
-        ticks = max(STEP_TICKS, near_tick(numbers.transit[s] / h * STEP_TICKS))
+        steps = min(numbers.transit[s] / h, MOST_OF_TRANSIT)
+        ticks = max(STEP_TICKS, near_tick(steps * STEP_TICKS))
         near = (ticks + STEP_TICKS // 2) // STEP_TICKS * STEP_TICKS
         if abs(ticks - near) <= WHOLE + (ticks >> 50):
             ticks = near
@@ -218,6 +221,11 @@ def lay_out(
     """
     at, h, n = level.at, level.step[0], len(numbers.transit)
     parts = at[PARTS]
+    if limit.until[0] / h * parts > MOST_PARTS:
+        return TOO_LONG
+    for s in range(n):
+        if numbers.transit[s] / h > MOST_OF_TRANSIT:
+            return TOO_LONG
     count = total = 0
     for body in range(len(make.body_first)):
         ticks = 0

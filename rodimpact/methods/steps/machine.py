@@ -58,7 +58,7 @@ class Machine:
         self.work = self.work._replace(numbers=numbers)
         limit = self.work.limit
         limit.until[0], limit.steps[0] = -1.0 if until is None else until, most_parts
-        limit.numbers[:] = [most_numbers(), *memory_of(row)]
+        limit.numbers[:] = [most_numbers(), *memory_of(row, True)]
 
     def _space(self, room: int, before: int) -> Work:
         if self.compiled:
@@ -84,18 +84,27 @@ class Machine:
             if flag == FILL:
                 self.fill()
             elif flag == FULL:
+                self._decide()
                 self.enlarge()
+            elif flag == TOO_LONG and not self.compiled and kernels.enabled():
+                self.to_arrays()
+                flag = FULL
         if flag == TOO_SHORT:
             raise self._too_short()
         level, at = self.work.level, self.work.level.at
         if flag == SQUEEZED:
             raise squeezed(float(level.edges[self.work.clock[STEP]]) / STEP_TICKS * level.step[0])
         if flag == TOO_LONG:
-            before, parts = averages_before(level), at[ROOM]
-            check_memory(self.row, level.step[0], 0 if self.until is None else parts, before)
-            check_memory(self.row, level.step[0], parts, before)
+            self._refuse(level.step[0], at[PARTS], at[ROOM])
         if flag == VANISHED:
             self.row.stiffness_in_steps(level.step[0])
+
+    def _refuse(self, step: float, parts: int, room: int) -> None:
+        """Raise TooLong for a run on a step, s, that is cut into so many parts."""
+        before = parts * sum(self.work.numbers.transit) / step
+        least = 0.0 if self.until is None else parts * self.until / step
+        for count in (least, max(least, room)):
+            check_memory(self.row, step, count, before, not self.compiled)
 
     def extend(self, parts: int) -> None:
         """Run on for so many parts, for which there is room."""
@@ -108,12 +117,16 @@ class Machine:
 
     def _go_on(self) -> int:
         """Go on with the search, compiled from when that pays."""
+        self._decide()
+        return int((kernels.compiled(go_on) if self.compiled else go_on)(*self.work))
+
+    def _decide(self) -> None:
+        """Hand over to arrays if compiling pays for the run that was laid out."""
         chains = len(self.row.masses) + len({*self.row.first}) - 1
         links = len(self.row.laws) + 5 * chains
         seconds = self.work.level.at[ROOM] / 2 * links * LINK_TIME
         if not self.compiled and kernels.worth_compiling(seconds, go_on):
             self.to_arrays()
-        return int((kernels.compiled(go_on) if self.compiled else go_on)(*self.work))
 
     def to_arrays(self) -> None:
         """Hand the work space over to arrays."""
@@ -125,11 +138,14 @@ class Machine:
             if isinstance(old, tuple) else np.array(old, new.dtype)
             for old, new in zip(lists, self._space(0, 0), strict=True)
         ))
+        self.work.limit.numbers[1:] = memory_of(self.row, False)
 
     def enlarge(self) -> None:
         """Make room for the run that was laid out, which is to be laid out again."""
         old = self.work
-        new = self._space(int(old.level.at[ROOM]) + 1, averages_before(self.work.level))
+        room, before = int(old.level.at[ROOM]) + 1, averages_before(old.level)
+        check_memory(self.row, old.level.step[0], room, before, not self.compiled)
+        new = self._space(room, before)
         for was, now in zip(old[1:5], new[1:5], strict=True):  # the rest is laid out
             for column, wider in zip(was, now, strict=True):
                 wider[: len(column)] = column
