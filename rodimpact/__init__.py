@@ -18,7 +18,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from . import rigid as rigid
     from . import theory as theory
     from . import units as units
-    from .methods.kernels import DamagedCache as DamagedCache
+    from .methods.machine_code import DamagedCache as DamagedCache
     from .methods.registry import Options as Options
     from .methods.run import ContactTally as ContactTally
     from .methods.run import Episode as Episode
@@ -78,7 +78,7 @@ _HOME = {
     "model.ends": ("Absorbing", "Fixed", "Free", "Moved", "Pushed"),
     "model.system": ("System",),
     "methods.registry": ("Options",),
-    "methods.kernels": ("DamagedCache",),
+    "methods.machine_code": ("DamagedCache",),
     "running.solving": ("LongRun", "collide", "solve"),
     "results.energy": ("EnergyLedger",),
     "results.gauges": ("Gauge", "gauges_to_csv"),
