@@ -23,13 +23,15 @@ from numba.core.compiler import Compiler
 from numba.core.serialize import dumps
 
 from . import machine_code
+from .columns import see
 from .kernel_parts import callees, sources
 
-NEWEST = (0, 68)  # numba that links libraries as `Part` needs it; any newer takes twice as long
-SWITCHES = {"nogil": True, "no_cfunc_wrapper": True}
-# most of a call would be counting references, though kernels make no arrays, and handing a hundred
-# array fields to the next kernel
-INSIDE = {"_nrt": False, "forceinline": True}
+NEWEST = (0, 68)  # numba whose insides are known; any newer is left to itself, and takes longer
+SWITCHES = {"nogil": True}
+INSIDE = {
+    "_nrt": False,  # kernels make no arrays, whose references would be counted
+    "forceinline": True, "no_rewrites": True, "no_cfunc_wrapper": True,
+}
 TAG = sys.implementation.cache_tag
 
 
@@ -53,7 +55,7 @@ def on_disk(kernel: types.FunctionType) -> bool:
     return isinstance(cache, Kept) and any(cache.files())
 
 
-class Kept(FunctionCache):  # type: ignore[misc]
+class Kept(FunctionCache):
     """Machine code of one kernel on disk: a file for each signature and processor."""
 
     def files(self, made: str = "") -> list[Path]:
@@ -95,7 +97,7 @@ def _digest(data: bytes) -> str:
     return hashlib.blake2b(data, digest_size=8).hexdigest()
 
 
-class Part(JITCodeLibrary):  # type: ignore[misc]
+class Part(JITCodeLibrary):
     """A function within others: linked with what it calls, and neither optimised nor finished."""
 
     def finalize(self) -> None:
@@ -113,7 +115,7 @@ class Part(JITCodeLibrary):  # type: ignore[misc]
         """Do nothing: there is no machine code yet."""
 
 
-class Within(Compiler):  # type: ignore[misc]
+class Within(Compiler):
     """Makes a part of a function."""
 
     def __init__(self, *given: Any) -> None:
@@ -124,17 +126,22 @@ class Within(Compiler):  # type: ignore[misc]
 @functools.cache
 def _part(kernel: types.FunctionType) -> Any:
     """Return a kernel for use within others."""
-    if numba.version_info[:2] > NEWEST:
-        return _dispatcher(kernel, no_cpython_wrapper=True)
-    fast = _dispatcher(kernel, no_cpython_wrapper=True, pipeline_class=Within)
-    fold = fast._compiler.fold_argument_types
+    if _known():
+        fast = _dispatcher(kernel, no_cpython_wrapper=True, pipeline_class=Within)
+        fold = fast._compiler.fold_argument_types
 
-    def fold_alike(args: Any, names: Any) -> Any:
-        signature, found = fold(args, names)
-        return signature, tuple(map(numba.types.unliteral, found))
+        def fold_alike(args: Any, names: Any) -> Any:
+            signature, found = fold(args, names)
+            return signature, tuple(map(numba.types.unliteral, found))
 
-    fast._compiler.fold_argument_types = fold_alike  # or it would be made anew for each constant
-    return fast
+        fast._compiler.fold_argument_types = fold_alike  # or it were made anew for each constant
+        return fast
+    return _dispatcher(kernel)
+
+
+def _known() -> bool:
+    """Whether the insides of this numba are those that `Part`, `Columns` and INSIDE need."""
+    return bool(numba.version_info[:2] <= NEWEST)
 
 
 def _dispatcher(kernel: types.FunctionType, **switches: Any) -> Any:
@@ -144,7 +151,9 @@ def _dispatcher(kernel: types.FunctionType, **switches: Any) -> Any:
         scope[callee.__name__] = _part(callee)
     twin = types.FunctionType(kernel.__code__, scope, kernel.__name__, kernel.__defaults__)
     twin.__qualname__, twin.__module__ = kernel.__qualname__, kernel.__module__
-    try:
-        return numba.njit(twin, **SWITCHES, **INSIDE, **switches)
-    except KeyError:  # a numba without those of INSIDE
-        return numba.njit(twin, **SWITCHES, **switches)
+    if _known():
+        switches |= INSIDE
+        for made in scope.values():
+            if isinstance(made, type) and issubclass(made, tuple) and hasattr(made, "_fields"):
+                see(made)
+    return numba.njit(twin, **SWITCHES, **switches)

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import warnings
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ import numba
 from numba.core.caching import FunctionCache
 
 from rodimpact.methods import translation
+from rodimpact.methods.columns import Columns
 
 DURATIONS = np.array([1.0, 0.5, math.sqrt(0.5), 1 / 3])
 
@@ -60,8 +62,11 @@ def test_numba_has_the_insides_that_parts_and_files_need(cache):
     assert type(kernels.compiled(assign_ticks)._cache) is translation.Kept
     (part,) = translation._part(common_parts).overloads.values()
     assert type(part.library) is translation.Part
-    (file,) = files(cache)
-    assert file.name.startswith("rodimpact.methods.fronts.layout_kernel.assign_ticks.")
+    kernels.compiled(total)(pair())
+    ((seen,),) = kernels.compiled(total).overloads
+    assert type(seen) is Columns
+    assert any(file.name.startswith("rodimpact.methods.fronts.layout_kernel.assign_ticks.")
+               for file in files(cache))
 
 
 def test_a_newer_numba_finishes_every_function(cache, monkeypatch):
@@ -71,20 +76,89 @@ def test_a_newer_numba_finishes_every_function(cache, monkeypatch):
     for path in files(cache):
         path.unlink()
     assert ticks() == expected
-    assert type(next(iter(translation._part(recognise).overloads.values())).library) is not (
-        translation.Part)
+    libraries = [x.library for x in translation._part(common_parts).overloads.values()]
+    assert translation.Part not in map(type, libraries)
 
 
-def test_a_numba_that_counts_references(cache, monkeypatch):
-    njit = numba.njit
+class Pair(NamedTuple):
+    a: Any
+    b: Any
 
-    def without(function, **switches):
-        if "_nrt" in switches:
-            raise KeyError("Unrecognized options")
-        return njit(function, **switches)
 
-    monkeypatch.setattr(numba, "njit", without)
-    assert kernels.compiled(recognise)(0.5) == (1, 2)
+class Three(NamedTuple):
+    number: Any
+    whole: Any
+    flag: Any
+
+
+def pair():
+    return Pair(np.array([1.0, 2.0, 4.0]), np.array([8.0]))
+
+
+def total(columns):
+    found, count = 0.0, 0
+    for column in columns:
+        for x in column:
+            found, count = found + x, count + len(column)
+    return found, count
+
+
+def rotate(columns):
+    """Read and write at both ends, as whole numbers, fractions and flags."""
+    columns.number[-1], columns.number[0] = columns.number[0], columns.whole[-2]
+    columns.whole[1] += 3
+    columns.flag[0] = columns.number[0] > columns.whole[0]
+    for i in range(len(columns.flag)):
+        if columns.flag[i]:
+            columns.number[1] += columns.flag[i - 1]
+
+
+def both(pairs, other):
+    return total(pairs[0])[0] - total(pairs[1])[0] + other.b[0]
+
+
+def three():
+    return Three(np.array([0.5, 1.5, 2.5]), np.array([7, 8, 9]), np.array([False, True]))
+
+
+def as_lists(columns):
+    return type(columns)(*(column.tolist() for column in columns))
+
+
+def test_columns_are_read_and_written_as_lists_are(cache):
+    fast, slow = three(), as_lists(three())
+    kernels.compiled(rotate)(fast)
+    rotate(slow)
+    assert as_lists(fast) == slow != as_lists(three())
+    assert kernels.compiled(total)(pair()) == total(pair()) == (15.0, 10)
+    pairs = pair(), Pair(*(-x for x in pair()))
+    assert kernels.compiled(both)(pairs, pair()) == both(pairs, pair()) == 38.0
+    with pytest.raises(numba.errors.TypingError, match="differ in type"):
+        kernels.compiled(total)(three())
+
+
+@pytest.mark.parametrize("kind", ["strided", "read only"])
+def test_arrays_of_another_kind_are_read_too(cache, kind):
+    array = np.arange(8.0)
+    columns = Pair(array[::2], array)
+    if kind == "read only":
+        array.flags.writeable = False
+        columns = Pair(array, array)
+    assert kernels.compiled(ends)(columns) == ends(columns)
+    ((seen,),) = kernels.compiled(ends).overloads
+    assert type(seen) is not Columns
+
+
+def ends(columns):
+    return columns.a[0] + 10 * columns.a[-1] + 100 * columns.b[1]
+
+
+def test_read_only_arrays_are_not_written_to(cache):
+    columns = three()
+    columns.number.flags.writeable = False
+    with pytest.raises(numba.errors.TypingError):
+        kernels.compiled(rotate)(columns)
+    assert as_lists(columns) == as_lists(three())
 
 
 def test_an_error_in_a_part_is_that_of_plain_python(cache):
