@@ -7,6 +7,7 @@ for that a pointer will do, which makes them a third cheaper to compile.
 
 from __future__ import annotations
 
+import functools
 import operator
 from typing import Any
 
@@ -96,6 +97,7 @@ class _WalkModel(models.StructModel):
         super().__init__(manager, typ, members)
 
 
+@functools.cache
 def see(made: type) -> None:
     """Let numba see NamedTuples of this class so, where they hold nothing but plain arrays."""
     usual = typeof_impl.dispatch(tuple)

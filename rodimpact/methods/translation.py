@@ -66,10 +66,8 @@ class Kept(FunctionCache):
         """Return what was kept for this signature, None if nothing was."""
         target.refresh()
         kept = machine_code.read(self._file(signature, target.codegen()))
-        if kept is None:
-            return None
-        code = self._impl.rebuild(target, pickle.loads(kept))
-        return code if code.signature.args == signature else None
+        code = kept and self._impl.rebuild(target, pickle.loads(kept))
+        return code if code and code.signature.args == signature else None
 
     def save_overload(self, signature: Any, code: Any) -> None:
         """Keep machine code; what other sources or compilers left goes."""

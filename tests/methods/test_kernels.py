@@ -148,7 +148,7 @@ def test_a_row_of_many_rods_uses_the_same_rule():
 
 @pytest.mark.parametrize("module", [layout_kernel, front_kernel, field_kernel])
 def test_kernel_files_stand_alone(module):
-    """The compile cache sees changes of the kernel's own file only."""
+    """They run where there is nothing but Python."""
     tree = ast.parse(Path(module.__file__).read_text())
     imported = {
         name.name if isinstance(node, ast.Import) else node.module
