@@ -1,4 +1,4 @@
-"""What a kernel is made of: the functions that it calls, and the sources of them all."""
+"""What machine code is made of: the functions that a kernel calls, and the sources of all."""
 
 from __future__ import annotations
 
@@ -34,9 +34,13 @@ def parts(kernel: types.FunctionType) -> set[types.FunctionType]:
 
 @functools.cache
 def sources() -> bytes:
-    """A digest of all kernel files: constants of one may stand in the machine code of another."""
+    """A digest of all kernel files, as constants of one may stand in the code of another.
+
+    And of the files that say how they are translated.
+    """
+    here = Path(__file__).parent
     files = sorted(PACKAGE.rglob("*_kernel.py"))
     digest = hashlib.blake2b(digest_size=16)
-    for file in files:
+    for file in (*files, here / "columns.py", here / "translation.py"):
         digest.update(hashlib.blake2b(file.read_bytes()).digest())
     return digest.digest()
