@@ -23,8 +23,8 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from . import theory as theory
     from . import units as units
     from .methods.duration import LongRun as LongRun
-    from .methods.kernels import DamagedCache as DamagedCache
     from .methods.kernels import NoCompiler as NoCompiler
+    from .methods.machine_code import DamagedCache as DamagedCache
     from .methods.registry import Options as Options
     from .methods.run import ContactTally as ContactTally
     from .methods.run import Episode as Episode
@@ -85,7 +85,8 @@ _HOME = {
     "model.system": ("System",),
     "methods.registry": ("Options",),
     "methods.duration": ("LongRun",),
-    "methods.kernels": ("DamagedCache", "NoCompiler"),
+    "methods.kernels": ("NoCompiler",),
+    "methods.machine_code": ("DamagedCache",),
     "running.solving": ("collide", "solve"),
     "results.energy": ("EnergyLedger",),
     "results.gauges": ("Gauge", "gauges_to_csv"),

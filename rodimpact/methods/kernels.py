@@ -8,32 +8,24 @@ on arrays; `worth_compiling` says which. Where there is no numba, everything is 
 from __future__ import annotations
 
 import contextlib
-import dis
 import functools
-import hashlib
 import importlib.util
 import os
 import sys
 import threading
-import types
 import warnings
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
+
+from .kernel_parts import parts as parts_of
 
 Kernel = Callable[..., Any]
 
 # what things cost, s of processor time
 STARTING, LOADING = 0.4, 0.02  # numba itself; machine code from disk
-COMPILING = 5e-4  # a byte of bytecode
+COMPILING = 2e-4  # a byte of bytecode
 CALLING = 5e-4  # a compiled call, with space for its arrays
 LIST_TIME = 5e-8  # a number to and from a list
-
-SEAL = 16  # bytes of checksum after machine code
-
-
-class DamagedCache(UserWarning):
-    """Machine code on disk is not what was written, and is made anew."""
 
 
 class NoCompiler(UserWarning):
@@ -102,7 +94,7 @@ def _pays(seconds: float, kernels: list[Kernel]) -> bool:
         return False  # without a look at the cache, for which numba must start
     reason = why_not()
     to_compile = [kernel for kernel in kernels if reason or not _on_disk(kernel)]
-    parts = {part for kernel in to_compile for part in _parts(kernel)}
+    parts = {part for kernel in to_compile for part in parts_of(kernel)}
     price += LOADING * len(kernels)
     price += COMPILING * sum(len(part.__code__.co_code) for part in parts)
     if seconds <= price:
@@ -135,7 +127,7 @@ def _fault() -> str:
     if not _installed():
         return "numba is not installed"
     try:
-        import numba  # noqa: F401
+        _translation()
     except Exception as error:  # of itself, of what it needs, or of a variable with a wrong value
         given = ", ".join(f"{k} = {v!r}" for k, v in os.environ.items() if k.startswith("NUMBA_"))
         remedy = f" Mend or unset {given}" if given else ""
@@ -187,122 +179,22 @@ def copy_back(lists: Any, columns: Any) -> None:
 def _compiled(kernel: Kernel) -> Kernel:
     if why_not():
         return kernel
-    try:
-        return _translate(kernel, True)
-    except RuntimeError:  # numba found no place for its cache
-        return _translate(kernel, False)
+    fast: Kernel = _translation().translate(kernel)
+    return fast
 
 
 def cache_directory(kernel: Kernel) -> str:
     """Where the machine code of this kernel is kept; empty if it is kept nowhere."""
-    try:
-        return str(_translate(kernel, True).stats.cache_path)  # type: ignore[attr-defined]
-    except RuntimeError:
-        return ""
+    place: str = _translation().directory(kernel)
+    return place
 
 
 def _on_disk(kernel: Kernel) -> bool:
-    """Whether the cache has machine code of this kernel, for this processor."""
-    try:
-        twin: Any = _translate(kernel, True)
-        own = twin._cache._index_key(None, twin.targetctx.codegen())[1:]
-        return any(key[1:] == own for key in twin._cache._cache_file._load_index())
-    except Exception:  # no place for a cache, a damaged one, or one of another numba
-        return False
+    """Whether there is machine code of this kernel."""
+    return bool(_translation().on_disk(kernel))
 
 
-@functools.cache
-def _translate(kernel: Kernel, cache: bool) -> Kernel:
-    """Compile a twin of `kernel` whose callees in kernel files are compiled twins too."""
-    import numba
+def _translation() -> Any:
+    from . import translation  # starts numba
 
-    assert isinstance(kernel, types.FunctionType)
-    scope = dict(kernel.__globals__)
-    for callee in _callees(kernel):
-        scope[callee.__name__] = _translate(callee, cache)
-    compile_: Any = numba.njit
-    twin = types.FunctionType(kernel.__code__, scope, kernel.__name__, kernel.__defaults__)
-    twin.__qualname__, twin.__module__ = kernel.__qualname__, kernel.__module__
-    # most of a call would be counting references, though kernels make no arrays, and handing a
-    # hundred array fields to the next kernel
-    switches = {"_nrt": False, "forceinline": True}
-    try:
-        fast: Kernel = compile_(twin, cache=cache, nogil=True, **switches)
-    except KeyError:  # a numba without one of them
-        fast = compile_(twin, cache=cache, nogil=True)
-    if cache:
-        with contextlib.suppress(AttributeError):  # a numba whose cache has other parts
-            _watch(fast._cache._cache_file, kernel)  # type: ignore[attr-defined]
-            _mend(fast._cache)  # type: ignore[attr-defined]
-    return fast
-
-
-def _callees(kernel: types.FunctionType) -> list[types.FunctionType]:
-    """Functions that a kernel calls, of its own file and of other kernel files."""
-    names = {x.argval for x in dis.get_instructions(kernel) if x.opname == "LOAD_GLOBAL"}
-    called = [kernel.__globals__.get(name) for name in sorted(names)]
-    return [
-        f for f in called if isinstance(f, types.FunctionType)
-        and (f.__module__ == kernel.__module__ or f.__module__.endswith("_kernel"))
-    ]
-
-
-@functools.cache
-def _parts(kernel: types.FunctionType) -> set[types.FunctionType]:
-    """A kernel and all that it calls, directly or not."""
-    parts, waiting = {kernel}, [kernel]
-    while waiting:
-        new = set(_callees(waiting.pop())) - parts
-        parts |= new
-        waiting += new
-    return parts
-
-
-def _watch(file: Any, kernel: types.FunctionType) -> None:
-    """Let the cache notice a change in any source that the kernel is made of, or in itself."""
-    sources = [os.stat(name) for name in sorted({f.__code__.co_filename for f in _parts(kernel)})]
-    stamp = repr([(source.st_mtime, source.st_size) for source in sources]) + " sealed"
-    dump, load = file._dump, file._load_data
-
-    def seal(data: bytes) -> bytes:
-        return hashlib.blake2b(stamp.encode() + data, digest_size=SEAL).digest()
-
-    def dump_sealed(code: Any) -> bytes:
-        data: bytes = dump(code)
-        return data + seal(data)  # what reads it ends before the seal
-
-    def load_sealed(name: str) -> Any:
-        data = Path(file._data_path(name)).read_bytes()
-        if data[-SEAL:] != seal(data[:-SEAL]):
-            raise ValueError(f"{name} is damaged")
-        return load(name)
-
-    file._source_stamp, file._dump, file._load_data = stamp, dump_sealed, load_sealed
-
-
-def _mend(cache: Any) -> None:
-    """Let the compiler do without what cannot be read from the cache, or written to it."""
-    load, save = cache.load_overload, cache.save_overload
-
-    def load_or_none(signature: Any, target: Any) -> Any:
-        try:
-            return load(signature, target)
-        except OSError:
-            return None
-        except Exception:  # pickle raises a dozen kinds for a damaged file
-            with contextlib.suppress(OSError):
-                cache.flush()
-            _tell_of_damage()
-            return None
-
-    def save_if_possible(signature: Any, code: Any) -> None:
-        with contextlib.suppress(Exception):  # a full disk, or an index that nobody may mend
-            save(signature, code)
-
-    cache.load_overload, cache.save_overload = load_or_none, save_if_possible
-
-
-@functools.cache  # once is enough, though each kernel has files of its own
-def _tell_of_damage() -> None:
-    message = "machine code in the compiler's cache is damaged; it is made anew"
-    warnings.warn(message, DamagedCache, stacklevel=2)
+    return translation

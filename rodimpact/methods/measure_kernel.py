@@ -93,8 +93,8 @@ def deepest(times: Any, gap: Any, start: int, steps: int, before: float) -> floa
         curve = (rate - next_rate) / (a + b)
         slope = rate + curve * a  # towards the outside
         if slope < 0 and curve < 0:
-            return -least - slope * slope / (4 * curve)
-    return -least
+            return float(-least - slope * slope / (4 * curve))
+    return float(-least)
 
 
 def force_in_step(
@@ -205,7 +205,7 @@ def begin_of_force(
     A contact begins where its gap is closed that goes on as in the step before.
     """
     begin: float = times[i]
-    width = times[i + 1] - begin
+    width: float = times[i + 1] - begin
     if i + 1 < steps and force[start + i] <= FAINT * force[start + i + 1]:
         return begin + width
     before = max(i - 1, 0)
@@ -225,18 +225,20 @@ def end_of_force(
     lead to. If it falls evenly, it ends where the line through the last means reaches 0.
     """
     begin: float = times[j - 1]
-    width = times[j] - begin
+    width: float = times[j] - begin
     if gap[j - 1] < 0:
         if gap[j] <= 0:
             return begin + width
-        rate, curve = (gap[j] - gap[j - 1]) / width, 0.0
+        rate: float = (gap[j] - gap[j - 1]) / width
+        line, curve = -gap[j - 1] / rate, 0.0
         if j - i >= 3:
             before = begin - times[j - 2]
             curve = (rate - (gap[j - 1] - gap[j - 2]) / before) / (width + before)
-        x = -gap[j - 1] / rate
-        for _ in range(4):  # of the parabola through three step ends
-            x = -gap[j - 1] / (rate + curve * (x - width))
-        return begin + (x if 0 < x < width else -gap[j - 1] / rate)
+        x = line
+        for _ in range(4):  # where the parabola through three step ends is 0
+            slope = rate + curve * (x - width)
+            x = -gap[j - 1] / slope if slope > 0 else line
+        return begin + (x if 0 < x < width else line)
     p = start + j
     if j - i >= 3:
         fall = (force[p - 3] - force[p - 2]) / ((times[j - 1] - times[j - 3]) / 2)
@@ -244,7 +246,7 @@ def end_of_force(
         if 0 < fall <= 2 * last_fall <= 4 * fall:
             zero = (times[j - 1] + times[j]) / 2 + force[p - 1] / last_fall
             if zero <= (times[j] + times[j + 1]) / 2:
-                return zero
+                return float(zero)
     return begin + width * share_of_jump(force, start, i, j)
 
 

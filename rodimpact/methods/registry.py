@@ -42,7 +42,7 @@ class Method(NamedTuple):
 METHODS = {
     "fronts": Method(fronts.LACKS, (), fronts.solve, (), front_families.solve_family,
                      front_families.together),
-    "characteristics": Method(steps.LACKS, ("dt", "rtol"), steps.solve, (),
+    "characteristics": Method(steps.LACKS, ("dt", "rtol"), steps.solve, ("announce",),
                               step_families.solve_family, step_families.together),
     "finite-difference": Method(
         grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve, ("progress", "announce"),

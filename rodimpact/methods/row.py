@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
-from functools import cached_property, reduce
+from functools import cached_property, partial, reduce
 from itertools import pairwise
 from typing import Any
 
@@ -34,7 +34,7 @@ from ..model.profiles import extremes
 from .contact_law_kernel import BOND, COMPLIANT, FORCE, FREE, IMPACT, RIGID, SPRING
 
 SMALLEST, LARGEST = sys.float_info.min, sys.float_info.max
-TOO_LARGE = "overflow; use smaller"
+AS_GOOD_AS_RIGID = "is as good as rigid beside these rods, got {!r}; use Rigid()"
 ROOM = 2.0**60  # for sums over steps and cells
 STIFFEST = 2.0**80  # of a contact, times transit time over impedance
 LEAST = 2.0**-800  # stiffness, where time is counted in steps
@@ -188,7 +188,7 @@ class Row:
     # On a time step -------------------------------------------------------------------------------
 
     @cached_property
-    def frame(self) -> Number:
+    def frame(self) -> Any:
         """Velocity of the frame in which methods on a time step count velocities, m/s."""
         walls = [b.velocity for b in self.system.bodies if isinstance(b, Wall)]
         if walls:
@@ -196,9 +196,10 @@ class Row:
         return _plain(smallest(self._velocities) / 2 + largest(self._velocities) / 2)
 
     @cached_property
-    def scale(self) -> Number:
+    def scale(self) -> Any:
         """Scale of velocities, m/s."""
-        strained, pushed = [0.0], [0.0]
+        strained: list[Any] = [0.0]
+        pushed: list[Any] = [0.0]
         for body, (start, stop) in zip(self.system.bodies, self.spans, strict=True):
             if isinstance(body, Rod):
                 c = largest([s.wave_speed for s in self.segments[start - 1 : stop]])
@@ -213,7 +214,7 @@ class Row:
         )
 
     @cached_property
-    def _velocities(self) -> list[Number]:
+    def _velocities(self) -> list[Any]:
         velocities = list(self.mass_velocity)
         for body in self.system.bodies:
             if isinstance(body, Rod | Wall):
@@ -224,7 +225,7 @@ class Row:
         return velocities
 
     @cached_property
-    def _least_impedance(self) -> Number:
+    def _least_impedance(self) -> Any:
         """Smallest impedance, kg/s."""
         return smallest([
             s.material.density * s.wave_speed * extremes(s.area)[0] for s in self.segments
@@ -254,8 +255,7 @@ class Row:
                 good = np.less(SMALLEST * ROOM, square) & np.less(square, LARGEST / ROOM)
                 beyond.append((
                     np.not_equal(speed, 0) & ~good, "bodies",
-                    lambda square=square, what=what: f"velocities and strains of {speed!r} m/s "
-                    f"make {what} that {'vanish; use larger' if square < 1 else TOO_LARGE}",
+                    partial(_beyond_numbers, speed, square, what),
                 ))
             for i, link in self.opening.items():
                 if self.laws[link] >= SPRING:
@@ -263,8 +263,7 @@ class Row:
                     stiff = k * (T / self._least_impedance) * np.power(speed * T, p - 1)
                     beyond.append((
                         ~np.less_equal(stiff, STIFFEST), f"contacts.{i}.stiffness",
-                        lambda k=k: f"is as good as rigid beside these rods, got {k!r}; "
-                        "use Rigid()",
+                        partial(AS_GOOD_AS_RIGID.format, k),
                     ))
         return beyond
 
@@ -298,7 +297,12 @@ def smallest(values: Sequence[Number]) -> Any:
     return reduce(np.minimum, values)
 
 
-def _plain(value: Any) -> Number:
+def _beyond_numbers(speed: Any, square: Any, what: str) -> str:
+    how = "vanish; use larger" if square < 1 else "overflow; use smaller"
+    return f"velocities and strains of {speed!r} m/s make {what} that {how}"
+
+
+def _plain(value: Any) -> Any:
     """A number as a float, those of a family as an array."""
     return value if np.ndim(value) else float(value)
 

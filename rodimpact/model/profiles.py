@@ -223,7 +223,7 @@ def flipped(profile: Profile, length: Number) -> Profile:
     return Steps([profile.values[::-1][i] for i in kept], [edges[i] for i in kept[1:]])
 
 
-def extremes(profile: Profile) -> list[Number]:
+def extremes(profile: Profile) -> list[Any]:
     """Smallest and largest value of a profile, of each member of a family."""
     if isinstance(profile, Samples):
         return [float(np.min(profile.values)), float(np.max(profile.values))]

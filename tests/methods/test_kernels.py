@@ -1,17 +1,15 @@
-"""Ticks and fronts at the level of the kernels, and the door to the compiler."""
+"""Ticks and fronts at the level of the kernels, on lists and compiled."""
 
 import ast
 import math
 import os
 import subprocess
 import sys
-import warnings
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
-from exhaustive import few_of
 from runs import assembled
 
 import rodimpact as ri
@@ -153,7 +151,7 @@ def test_a_row_of_many_rods_uses_the_same_rule():
 
 @pytest.mark.parametrize("module", [layout_kernel, front_kernel, field_kernel])
 def test_kernel_files_stand_alone(module):
-    """The compile cache sees changes of the kernel's own file only."""
+    """They run where there is nothing but Python."""
     tree = ast.parse(Path(module.__file__).read_text())
     imported = {
         name.name if isinstance(node, ast.Import) else node.module
@@ -175,130 +173,6 @@ class TestCompiled:
             whole = fast(durations, 49, *work)
             assert (work[3].tolist(), whole) == ticks_of(durations.tolist())
 
-    def test_without_a_writable_place_for_the_cache(self, monkeypatch):
-        import numba
-
-        calls = []
-
-        def njit(function, cache, **switches):
-            calls.append(cache)
-            if cache:
-                raise RuntimeError("no locator available")
-            return function
-
-        monkeypatch.setattr(numba, "njit", njit)
-        kernels._translate.cache_clear()
-        kernels._compiled.cache_clear()
-        try:
-            assert kernels.compiled(recognise)(0.5) == (1, 2)
-            assert calls == [True, False]
-        finally:
-            kernels._translate.cache_clear()
-            kernels._compiled.cache_clear()
-
-    def test_with_a_numba_that_counts_references(self, monkeypatch):
-        import numba
-
-        def njit(function, cache, nogil):
-            return function
-
-        def strict(function, **switches):
-            if "_nrt" in switches:
-                raise KeyError("Unrecognized options")
-            return njit(function, **switches)
-
-        monkeypatch.setattr(numba, "njit", strict)
-        kernels._translate.cache_clear()
-        kernels._compiled.cache_clear()
-        try:
-            assert kernels.compiled(recognise)(0.5) == (1, 2)
-        finally:
-            kernels._translate.cache_clear()
-            kernels._compiled.cache_clear()
-
-    @pytest.mark.parametrize("where", ["_open_for_write", "_save_index", "_save_data"])
-    def test_when_the_cache_cannot_be_written_at_the_first_call(self, cache, monkeypatch, where):
-        from numba.core.caching import IndexDataCacheFile
-
-        def full_disk(*arguments):
-            raise OSError(28, "No space left on device")
-
-        monkeypatch.setattr(IndexDataCacheFile, where, full_disk)
-        fast = kernels.compiled(recognise)
-        assert fast(0.5) == (1, 2)
-        assert fast(0.25) == (1, 4)
-        assert not list(cache.rglob("*.nbc"))
-
-    @pytest.mark.parametrize("seed", few_of(range(100), range(6)))
-    def test_no_damage_to_the_cache_goes_unnoticed(self, cache, seed):
-        """Bytes changed, lost, or another kernel's: machine code is made anew, and kept."""
-        rng = np.random.default_rng(seed)
-        assert kernels.compiled(recognise)(0.5) == (1, 2)
-        for path in cache.rglob("*.nb?"):
-            data = bytearray(path.read_bytes())
-            damage = rng.integers(4)
-            if damage == 0:
-                data[rng.integers(len(data))] ^= 1 << rng.integers(8)
-            elif damage == 1:
-                del data[rng.integers(len(data)) :]
-            elif damage == 2:
-                data = bytearray(rng.bytes(len(data)))
-            else:
-                start = rng.integers(len(data))
-                data[start : start + 16] = bytes(16)
-            path.write_bytes(data)
-        again()
-        with warnings.catch_warnings(record=True) as told:
-            warnings.simplefilter("always")
-            assert kernels.compiled(recognise)(0.5) == (1, 2)
-        assert {warning.category for warning in told} <= {kernels.DamagedCache}
-        again()
-        assert kernels.compiled(recognise)(0.25) == (1, 4)  # and nothing is told
-
-    def test_a_flipped_bit_in_machine_code_is_told(self, cache):
-        assert kernels.compiled(recognise)(0.5) == (1, 2)
-        for path in cache.rglob("*.nbc"):
-            data = bytearray(path.read_bytes())
-            data[len(data) // 2] ^= 1
-            path.write_bytes(data)
-        again()
-        with pytest.warns(kernels.DamagedCache, match="is damaged; it is made anew"):
-            assert kernels.compiled(recognise)(0.5) == (1, 2)
-
-    def test_what_another_source_left_is_not_taken_for_this_ones(self, cache, monkeypatch):
-        """A process that ends between index and code leaves an index of new, code of old."""
-        assert kernels.compiled(recognise)(0.5) == (1, 2)
-        (code,) = cache.rglob("*recognise*.nbc")
-        stale = code.read_bytes()
-        later = os.stat(layout_kernel.__file__).st_mtime + 1
-        stat = os.stat
-        monkeypatch.setattr(kernels.os, "stat", lambda name, **how: type(stat(name))(
-            [*stat(name)[:8], later, *stat(name)[9:]]))
-        again()
-        assert kernels.compiled(recognise)(0.5) == (1, 2)
-        code.write_bytes(stale)
-        again()
-        with pytest.warns(kernels.DamagedCache):
-            assert kernels.compiled(recognise)(0.5) == (1, 2)
-
-
-def again():
-    """As if another process began."""
-    kernels._translate.cache_clear()
-    kernels._compiled.cache_clear()
-    kernels._tell_of_damage.cache_clear()
-
-
-@pytest.fixture
-def cache(tmp_path, monkeypatch):
-    """A cache of machine code of its own."""
-    import numba
-
-    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
-    again()
-    yield tmp_path
-    again()
-
 
 def test_disabled_compiling_returns_the_kernel_itself(monkeypatch):
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
@@ -307,49 +181,6 @@ def test_disabled_compiling_returns_the_kernel_itself(monkeypatch):
         assert kernels.compiled(recognise) is recognise
     finally:
         kernels._compiled.cache_clear()
-
-
-
-ONE_CALL = """
-import numpy as np
-from rodimpact.methods import kernels
-from rodimpact.results import field_kernel as k
-print(kernels.compiled(k.first_at_or_after)(np.array([1, 5, 9]), 6, 0))
-"""
-
-
-def call_in_processes(count, **variables):
-    """Output and errors of processes that call a compiled kernel at the same time."""
-    started = [
-        subprocess.Popen([sys.executable, "-c", ONE_CALL], env={**os.environ, **variables},
-                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        for _ in range(count)
-    ]
-    return [process.communicate() for process in started]
-
-
-@pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
-@pytest.mark.parametrize("damage", [b"", b"\x80\x04\x95", "other names", "cut short"])
-def test_a_damaged_cache_is_made_anew(tmp_path, damage):
-    """Indices that name what another version had, and files that a crash left half written."""
-    place = {"NUMBA_CACHE_DIR": str(tmp_path)}
-    assert call_in_processes(1, **place) == [("2\n", "")]
-    kept = [*tmp_path.rglob("*.nb?")]
-    assert kept
-    for file in kept:
-        whole = file.read_bytes()
-        if damage == "other names":
-            file.write_bytes(whole.replace(b"rodimpact", b"rodimpakt"))
-        elif damage == "cut short":
-            file.write_bytes(whole[: len(whole) // 2])
-        else:
-            file.write_bytes(damage)
-    for output, errors in call_in_processes(3, **place):
-        assert output == "2\n"
-        assert errors.count("DamagedCache: machine code in") <= 1
-        assert "Traceback" not in errors
-    assert call_in_processes(1, **place) == [("2\n", "")]
-    assert not list(tmp_path.rglob("*.tmp*"))
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")

@@ -257,7 +257,8 @@ def kick(grid: Grid) -> None:
         else:
             for i in range(a + 1, b):
                 v[i] += mobility[i] * (force[i + 1] - force[i])
-    for i in grid.joint:
+    for j in range(len(grid.joint)):
+        i = grid.joint[j]
         v[i] += mobility[i] * (force[i + 1] - force[i])
 
 

@@ -121,12 +121,14 @@ def run_family(
         beyond |= np.broadcast_to(dt > shortest * (1 + 2.0**-36), shape).ravel()
     groups, bodies, contacts = len(make.held), len(make.body_first), len(make.opening)
     wide = [groups] * 2 + [bodies] + [contacts] * 3
-    results = Results(
+    empty: list[Any] = [
         *(np.zeros(count, dtype=np.int64) for _ in range(3)),
         *(np.zeros((count, width)) for width in wide), np.zeros((count, contacts), dtype=np.int64),
-    )
+    ]
+    results = Results(*empty)
     room, member, size, plain, fast = (0, 0), 0, 1, MEMBER_TIME, False
     work: Any = None
+    solve: Any
     while member < count:
         if stop():
             raise Stopped
@@ -147,7 +149,8 @@ def run_family(
             reached = solve(*work, given_part, beyond_part, dt or 0.0, part)
         else:
             rows, lists = given[member:last].ravel().tolist(), kernels.as_lists(part)
-            reached = solve_members(*work, rows, beyond[member:last].tolist(), dt or 0.0, lists)
+            solve = solve_members
+            reached = solve(*work, rows, beyond[member:last].tolist(), dt or 0.0, lists)
             kernels.copy_back(lists, part)
         if reached < last - member:
             room, work = (int(work.level.at[ROOM]) + 1, averages_before(work.level)), None

@@ -144,8 +144,9 @@ def _resolving(row: Row) -> Number:
 def memory_of(row: Row, on_lists: bool) -> tuple[float, float]:
     """Numbers that a run keeps for a part of a step, and for an average from before t = 0.
 
-    Lists take four times what arrays take, and stand beside them at the end. Signals with what results make of them: waves and their integrals; force, gap, path, rate and
-    power with integrals; edges and times.
+    Signals with what results make of them: waves and their integrals; force, gap, path, rate and
+    power with integrals; edges and times. Lists take four times what arrays take, and stand beside
+    them at the end.
     """
     lines, contacts = 2 * len(row.segments), len(row.contact_link)
     masses, ends = sum(m >= 0 for m in row.mass_of), sum(kind != "none" for kind, _ in row.outside)
@@ -201,10 +202,11 @@ def space(make: Make, full: Full, room: int, before: int) -> Work:
         *counts(11), *floats(1), *counts(n + 2, MOST_PLACES, room + 1), *floats(n + 2),
         *floats(MOST_CUTS + 2), *counts(MOST_CUTS + 2), *floats(MOST_CUTS + 2),
         *counts(MOST_CUTS + 2), *floats(room + 1, room + 1))
-    state = State(
+    of_row: list[Any] = [
         *counts(n + 2), *floats(n + 2, n + 2), *counts(1), *floats(MOST_PLACES, n + 2),
-        make.first, *floats(masses), make.law,
-        *floats(links, links, links, links, links, links), *counts(links), *floats(masses, 1))
+        make.first, *floats(masses), make.law, *floats(*[links] * 6), *counts(links),
+        *floats(masses, 1)]
+    state = State(*of_row)
     tally = Tally(*floats(links, links, links, links), *counts(links, links, links, links))
     signals = Signals(
         *floats(lines * room + 2 * (before + 1)), *counts(2 * n + 4),

@@ -5,6 +5,9 @@ A run begins on lists, in plain Python, and goes on in compiled code once that p
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from ...model import Rod
@@ -12,6 +15,7 @@ from ...model.frozen import InvalidModel
 from ...model.profiles import averages
 from .. import kernels
 from ..clock import STEP_TICKS
+from ..duration import Forecast
 from ..memory import most_numbers
 from ..row import Array, Row, squeezed, whole
 from .delays import edges_of_parts
@@ -33,6 +37,8 @@ from .level_kernel import (
 from .search_kernel import FILL, FIXED, MOST_STEPS, NEXT, PREPARE, TOO_SHORT, go_on
 from .step_kernel import CUTS, SQUEEZED, STEP, inside, run
 
+LESS = "a larger rtol, a longer dt or an earlier end (until)"
+FASTER = 50  # times is compiled code
 LINK_TIME = 3e-6  # s, about what plain Python takes for a link and a step; in a chain 5 times that
 
 
@@ -65,8 +71,12 @@ class Machine:
             return space(Make(*map(whole, self._make)), np.full, room, before)
         return space(self._make, lambda size, zero: [zero] * size, room, before)
 
-    def search(self, dt: float | None, goal: float) -> None:
+    def search(
+        self, dt: float | None, goal: float, announce: Callable[[str], None] | None = None
+    ) -> None:
         """Run level after level until the outcome stands still; or once, with the step dt, s.
+
+        `announce` is called with a sentence where that takes long.
 
         Raises
         ------
@@ -78,11 +88,14 @@ class Machine:
         search, level = self.work.search, self.work.level
         search.goal[0], search.at[FIXED], search.at[NEXT] = goal, int(dt is not None), PREPARE
         level.step[0] = dt or 0.0
-        flag = FILL
+        flag, forecast = FILL, Forecast(announce, LESS)
         while flag in (FILL, FULL):
             flag = self._go_on()
             if flag == FILL:
                 self.fill()
+                self._decide()
+                parts = self.work.level.at[ROOM]
+                forecast.expect(self._seconds(), f"about {parts} steps")
             elif flag == FULL:
                 self._decide()
                 self.enlarge()
@@ -122,22 +135,27 @@ class Machine:
 
     def _decide(self) -> None:
         """Hand over to arrays if compiling pays for the run that was laid out."""
+        if not self.compiled and kernels.worth_compiling(self._seconds(), go_on):
+            self.to_arrays()
+
+    def _seconds(self) -> float:
+        """About how long the run takes that was laid out, s."""
         chains = len(self.row.masses) + len({*self.row.first}) - 1
         links = len(self.row.laws) + 5 * chains
-        seconds = self.work.level.at[ROOM] / 2 * links * LINK_TIME
-        if not self.compiled and kernels.worth_compiling(seconds, go_on):
-            self.to_arrays()
+        parts = self.work.level.at[ROOM] / (2 if self.until is None else 1)
+        return float(parts * links * LINK_TIME / (FASTER if self.compiled else 1))
 
     def to_arrays(self) -> None:
         """Hand the work space over to arrays."""
         if self.compiled:
             return
         lists, self.compiled = self.work, True
-        self.work = Work(*(
+        arrays: list[Any] = [
             type(old)(*(np.array(x, kind.dtype) for x, kind in zip(old, new, strict=True)))
             if isinstance(old, tuple) else np.array(old, new.dtype)
             for old, new in zip(lists, self._space(0, 0), strict=True)
-        ))
+        ]
+        self.work = Work(*arrays)
         self.work.limit.numbers[1:] = memory_of(self.row, False)
 
     def enlarge(self) -> None:

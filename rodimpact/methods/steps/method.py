@@ -7,6 +7,7 @@ where they can be, and divided until the outcome stands still.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -154,7 +155,8 @@ def hand_over(run: StepRun, until: float | None) -> Run:
 
 
 def follow(
-    row: Row, until: float | None, max_events: int, dt: float | None, rtol: float | None
+    row: Row, until: float | None, max_events: int, dt: float | None, rtol: float | None,
+    announce: Callable[[str], None] | None = None,
 ) -> StepRun:
     """Run a single collision.
 
@@ -170,6 +172,8 @@ def follow(
         Step, s; chosen if not given.
     rtol : float, optional
         Relative accuracy to which the step is divided.
+    announce : function, optional
+        Called with a sentence where the run takes long.
 
     Raises
     ------
@@ -180,7 +184,7 @@ def follow(
     check_step(row, dt)
     goal = RTOL if rtol is None else rtol
     machine = Machine(row, until, most_parts(row, max_events))
-    machine.search(dt, goal)
+    machine.search(dt, goal, announce)
     run = finished(machine, goal)
     return run if dt is None else replace(run, estimates={})
 

@@ -258,7 +258,7 @@ def peak_force(numbers: Numbers, level: Level, signals: Signals, i: int) -> floa
         h, p = level.step[0], numbers.exponent[i]
         before = numbers.gap[i] / h
         x = h * deepest(level.times, signals.gap, start, steps, before)
-        return numbers.stiffness[i] * (x * math.sqrt(x) if p == 1.5 else x**p)
+        return float(numbers.stiffness[i] * (x * math.sqrt(x) if p == 1.5 else x**p))
     return largest_force(level.times, signals.force, start, steps)
 
 
