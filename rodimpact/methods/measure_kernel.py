@@ -238,7 +238,7 @@ def end_of_force(
         for _ in range(4):  # where the parabola through three step ends is 0
             slope = rate + curve * (x - width)
             x = -gap[j - 1] / slope if slope > 0 else line
-        return begin + (x if 0 < x < width else line)
+        return float(begin + (x if 0 < x < width else line))
     p = start + j
     if j - i >= 3:
         fall = (force[p - 3] - force[p - 2]) / ((times[j - 1] - times[j - 3]) / 2)

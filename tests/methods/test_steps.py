@@ -136,11 +136,9 @@ def e_of_mass_on_rod(mu):
 
 @pytest.mark.parametrize("mu", [0.25, 1.0, 4.0])
 def test_mass_on_a_free_rod_at_the_default_tolerance(mu):
-    row = ri.System([ri.RigidMass(1 / mu, velocity=1.0), unit_rod()])
-    s, finer = ri.solve(row), ri.solve(row, rtol=1e-6)
+    s = ri.solve(ri.System([ri.RigidMass(1 / mu, velocity=1.0), unit_rod()]))
     assert s.method == METHOD
-    assert s.outcome.restitution == pytest.approx(e_of_mass_on_rod(mu), abs=1e-5)
-    assert finer.outcome.restitution == pytest.approx(e_of_mass_on_rod(mu), abs=1e-6)
+    assert s.outcome.restitution == pytest.approx(e_of_mass_on_rod(mu), abs=1e-6)
     assert s.outcome.duration == pytest.approx(2.0, rel=1e-12)
     assert s.outcome.peak_force == pytest.approx(1.0, rel=1e-5)
     assert abs(s.outcome.peak_force - 1) <= s.accuracy["largest force"]
@@ -714,7 +712,7 @@ def test_four_levels_at_least(monkeypatch):
     row = [unit_rod(velocity=1.0), unit_rod()]
     with kernels.forced(False):
         solved(row, rtol=1e-3)
-    assert np.array(sizes) * 28 == pytest.approx([1, 1 / 2, 1 / 3, 1 / 4])
+    assert np.array(sizes) * 64 == pytest.approx([1, 1 / 2, 1 / 3, 1 / 4])
 
 
 @pytest.mark.parametrize("law", [ri.Spring(1e2), ri.Hertz(1e3), ri.HuntCrossley(1e3, 0.1)])

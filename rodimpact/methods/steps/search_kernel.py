@@ -48,7 +48,7 @@ from .level_kernel import (
 )
 from .step_kernel import CLOSED, DONE, Points, Signals, State, choose_step, inside
 
-FIRST = 28  # fewest steps of the longest transit
+FIRST = 64  # fewest steps of the longest transit
 SHORTEST = 4  # fewest steps of the shortest transit
 MOST_STEPS = 1 << 16  # of the longest transit, that the shortest may ask for
 MOST_SEARCHED = 10_000  # steps of the longest transit, among which all transits may be whole
