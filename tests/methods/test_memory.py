@@ -69,11 +69,13 @@ def test_the_estimate_bounds_what_is_taken(monkeypatch, name, options):
     asked = []
     monkeypatch.setattr(memory, "MOST_BYTES", np.inf)
     monkeypatch.setattr(memory, "SHARE", np.inf)
-    peak_of(PAIR, **options | {"until": 1e-3})  # with what is made once
+    with kernels.forced(True):
+        peak_of(PAIR, **options | {"until": 1e-3})  # with what is made once
     for owner in ("steps.layout", "grid.machine"):
         monkeypatch.setattr(f"rodimpact.methods.{owner}.ask",
                             lambda numbers, *rest: asked.append(8 * numbers))
-    peak = peak_of(ROWS[name], **options)
+    with kernels.forced(True):
+        peak = peak_of(ROWS[name], **options)
     assert peak <= max(asked) + 1e6
     assert max(asked) <= 8 * peak
 

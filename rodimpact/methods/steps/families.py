@@ -21,10 +21,10 @@ from ..memory import ask, most_numbers
 from ..row import Row, whole
 from .layout import Work, is_even, make_of, memory_of, numbers_of, space
 from .level_kernel import ROOM, Make
-from .machine import averages_before
+from .machine import averages_before, no_results
 from .method import RTOL, most_parts
 from .method import STOPPED_BY as REASONS
-from .search_kernel import Results, solve_members
+from .search_kernel import MEMBERS, Results, work_on
 from .step_kernel import DONE
 
 PATIENCE = 0.1  # s; about how long a call runs before `stop` is asked again
@@ -120,22 +120,17 @@ def run_family(
         shortest = reduce(np.minimum, [s.transit_time for s in row.segments])
         beyond |= np.broadcast_to(dt > shortest * (1 + 2.0**-36), shape).ravel()
     groups, bodies, contacts = len(make.held), len(make.body_first), len(make.opening)
-    wide = [groups] * 2 + [bodies] + [contacts] * 3
-    empty: list[Any] = [
-        *(np.zeros(count, dtype=np.int64) for _ in range(3)),
-        *(np.zeros((count, width)) for width in wide), np.zeros((count, contacts), dtype=np.int64),
-    ]
-    results = Results(*empty)
+    wide = [groups] * 2 + [bodies] + [contacts] * 4
+    results = no_results(count, *wide)
     room, member, size, plain, fast = (0, 0), 0, 1, MEMBER_TIME, False
     work: Any = None
-    solve: Any
     while member < count:
         if stop():
             raise Stopped
         last = min(member + size, count)
         if not fast:
             ahead = plain * (count - last + more)
-            fast = kernels.worth_compiling(plain * (last - member), solve_members, ahead=ahead)
+            fast = kernels.worth_compiling(plain * (last - member), work_on, ahead=ahead)
             work = None if fast else work
         if work is None:
             work = _work(row, make, fast, *room)
@@ -143,14 +138,15 @@ def run_family(
             work.search.goal[0] = rtol
         begun = _now()
         part = Results(*(x[member:last].reshape(-1) for x in results))
+        rows, beyond_part = given[member:last].reshape(-1), beyond[member:last]
+        solve: Any
         if fast:
-            solve = kernels.compiled(solve_members)
-            given_part, beyond_part = given[member:last].reshape(-1), beyond[member:last]
-            reached = solve(*work, given_part, beyond_part, dt or 0.0, part)
+            solve = kernels.compiled(work_on)
+            reached = solve(*work, rows, beyond_part, dt or 0.0, part, MEMBERS)
         else:
-            rows, lists = given[member:last].ravel().tolist(), kernels.as_lists(part)
-            solve = solve_members
-            reached = solve(*work, rows, beyond[member:last].tolist(), dt or 0.0, lists)
+            lists = kernels.as_lists(part)
+            solve = work_on
+            reached = solve(*work, rows.tolist(), beyond_part.tolist(), dt or 0.0, lists, MEMBERS)
             kernels.copy_back(lists, part)
         if reached < last - member:
             room, work = (int(work.level.at[ROOM]) + 1, averages_before(work.level)), None

@@ -413,3 +413,15 @@ def run_part(
     for s in range(n):
         state.share[s] = level.share[s]
     return flag
+
+
+def extend(
+    numbers: Numbers, level: Level, state: State, tally: Tally, signals: Signals, points: Points,
+    links: Chain, clock: Any,
+) -> int:
+    """Run on after the proof, to a round trip of the longest rod from there."""
+    end, clock[CUTS] = level.at[TAKEN] + 2 * level.at[LONGEST] - 1, 0
+    tol = TOLERANCE * numbers.setting[SCALE]
+    flag: int = run(state, tally, signals, points, links, clock, end, tol)
+    level.at[TAKEN] = end
+    return flag

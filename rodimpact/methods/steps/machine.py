@@ -24,18 +24,26 @@ from .level_kernel import (
     FULL,
     PARTS,
     ROOM,
-    SCALE,
-    TAKEN,
-    TOLERANCE,
     TOO_LONG,
     VANISHED,
     Level,
     Make,
     Numbers,
-    fill_evenly,
 )
-from .search_kernel import FILL, FIXED, MOST_STEPS, NEXT, PREPARE, TOO_SHORT, go_on
-from .step_kernel import CUTS, SQUEEZED, STEP, inside, run
+from .search_kernel import (
+    EVENLY,
+    EXTEND,
+    FILL,
+    FIXED,
+    MOST_STEPS,
+    NEXT,
+    PREPARE,
+    SEARCH,
+    TOO_SHORT,
+    Results,
+    work_on,
+)
+from .step_kernel import SQUEEZED, STEP, inside
 
 LESS = "a larger rtol, a longer dt or an earlier end (until)"
 FASTER = 50  # times is compiled code
@@ -90,12 +98,13 @@ class Machine:
         level.step[0] = dt or 0.0
         flag, forecast = FILL, Forecast(announce, LESS)
         while flag in (FILL, FULL):
-            flag = self._go_on()
+            self._decide()
+            flag = self._do(SEARCH)
             if flag == FILL:
                 self.fill()
                 self._decide()
-                parts = self.work.level.at[ROOM]
-                forecast.expect(self._seconds(), f"about {parts} steps")
+                if (seconds := self._seconds()) > 1:
+                    forecast.expect(seconds, f"about {self.work.level.at[ROOM]} steps")
             elif flag == FULL:
                 self._decide()
                 self.enlarge()
@@ -119,23 +128,20 @@ class Machine:
         for count in (least, max(least, room)):
             check_memory(self.row, step, count, before, not self.compiled)
 
-    def extend(self, parts: int) -> None:
-        """Run on for so many parts, for which there is room."""
-        work = self.work
-        work.clock[CUTS] = 0
-        end, tol = work.level.at[TAKEN] + parts, TOLERANCE * self.work.numbers.setting[SCALE]
-        kernel = kernels.compiled(run) if self.compiled else run
-        kernel(work.state, work.tally, work.signals, work.points, work.links, work.clock, end, tol)
-        work.level.at[TAKEN] = end
+    def extend(self) -> None:
+        """Run on after the proof for a round trip of the longest rod."""
+        self._do(EXTEND)
 
-    def _go_on(self) -> int:
-        """Go on with the search, compiled from when that pays."""
-        self._decide()
-        return int((kernels.compiled(go_on) if self.compiled else go_on)(*self.work))
+    def _do(self, job: int) -> int:
+        """Let the kernel do one of its jobs on the work space."""
+        if not self.compiled:
+            return work_on(*self.work, [], [], 0.0, NO_RESULTS, job)
+        kernel = kernels.compiled(work_on)
+        return int(kernel(*self.work, NOTHING, NOTHING > 0, 0.0, NO_RESULTS, job))
 
     def _decide(self) -> None:
         """Hand over to arrays if compiling pays for the run that was laid out."""
-        if not self.compiled and kernels.worth_compiling(self._seconds(), go_on):
+        if not self.compiled and kernels.worth_compiling(self._seconds(), work_on):
             self.to_arrays()
 
     def _seconds(self) -> float:
@@ -171,10 +177,8 @@ class Machine:
 
     def fill(self) -> None:
         """Fill in waves at t = 0, and what comes from outside."""
-        make, numbers, _, _, level, state, _, signals, *_ = self.work
         if self.even:
-            fill = kernels.compiled(fill_evenly) if self.compiled else fill_evenly
-            fill(make, numbers, level, state, signals)
+            self._do(EVENLY)
         else:
             self._initial_state()
             self._drive()
@@ -232,6 +236,18 @@ class Machine:
             "soften the contact of a mass, or give the step dt"
         )
         return InvalidModel([(self.row.paths[short + 1], message)])
+
+
+def no_results(count: int, *widths: int) -> Results:
+    """Zeros for so many members, of which each column has so many numbers; the last are whole."""
+    columns: list[Any] = [np.zeros(count, dtype=np.int64) for _ in range(3)]
+    columns += [np.zeros((count, width)) for width in widths[:-1]]
+    columns.append(np.zeros((count, widths[-1]), dtype=np.int64))
+    return Results(*columns)
+
+
+NOTHING = np.zeros(0)
+NO_RESULTS = Results(*(column.reshape(-1) for column in no_results(0, *[0] * 7)))
 
 
 def averages_before(level: Level) -> int:

@@ -25,7 +25,7 @@ from ..stepped import StepRecord, as_run
 from ..stepped_run import SteppedRun, clock_of_steps
 from .delays import arriving, edges_of_parts
 from .layout import Work
-from .level_kernel import CLOSINGS, CUT, FINAL, LONGEST, PARTS, PROOF, REASON, TAKEN
+from .level_kernel import CLOSINGS, CUT, FINAL, PARTS, PROOF, REASON, TAKEN
 from .machine import Machine
 from .step_kernel import State, inside
 
@@ -199,7 +199,7 @@ def finished(machine: Machine, goal: float) -> StepRun:
     row, at = machine.row, machine.work.level.at
     totals, estimates = totals_of(machine.work), estimates_of(machine.work)
     if at[REASON] == FINAL:
-        machine.extend(2 * at[LONGEST] - 1)
+        machine.extend()
     machine.to_arrays()
     level, state, tally, signals = machine.work[4:8]
     taken, ticks = int(level.at[TAKEN]), level.ticks[1:-1].tolist()

@@ -41,6 +41,7 @@ from .level_kernel import (
     Numbers,
     begin_of,
     cut_steps,
+    extend,
     fill_evenly,
     lay_out,
     note_closing,
@@ -60,6 +61,7 @@ MEASURES = 4  # velocity, impulse, largest force, time of most of the impulse
 PEAK, TIME = 2, 3
 FILL, TOO_SHORT, BEYOND = 20, 21, 22  # what `go_on` asks for, beside the flags of a level
 PREPARE, CHOOSE, LAY, RUN = range(4)  # what comes next
+MEMBERS, SEARCH, EVENLY, EXTEND = range(4)  # jobs
 # places in Search.at
 NEXT, LEVELS, RUNG, NUMBER, FEWEST_STEPS, FITS, MOST_FACTOR, FIXED, CARRIED = range(9)
 
@@ -486,6 +488,27 @@ def solve_members(
         if flag == DONE:
             enter(make, search, level, tally, results, member)
     return len(beyond)
+
+
+def work_on(
+    make: Make, numbers: Numbers, limit: Limit, search: Search, level: Level, state: State,
+    tally: Tally, signals: Signals, points: Points, links: Chain, clock: Any, given: Any,
+    beyond: Any, step: float, results: Results, job: int,
+) -> int:
+    """Do a job of a run, or of a family; this is the one kernel of which there is machine code."""
+    if job == MEMBERS:
+        return solve_members(
+            make, numbers, limit, search, level, state, tally, signals, points, links, clock,
+            given, beyond, step, results,
+        )
+    if job == SEARCH:
+        return go_on(
+            make, numbers, limit, search, level, state, tally, signals, points, links, clock
+        )
+    if job == EVENLY:
+        fill_evenly(make, numbers, level, state, signals)
+        return DONE
+    return extend(numbers, level, state, tally, signals, points, links, clock)
 
 
 def take(given: Any, member: int, numbers: Numbers) -> None:
