@@ -199,7 +199,7 @@ def space(make: Make, full: Full, room: int, before: int) -> Work:
         *counts(9), *floats(1, MOST_LEVELS, MOST_LEVELS * width, MEASURES + 1, bonded, bonded,
                             bonded, bodies, kept, kept, kept))
     level = Level(
-        *counts(11), *floats(1), *counts(n + 2, MOST_PLACES, room + 1), *floats(n + 2),
+        *counts(12), *floats(1), *counts(n + 2, MOST_PLACES, room + 1), *floats(n + 2),
         *floats(MOST_CUTS + 2), *counts(MOST_CUTS + 2), *floats(MOST_CUTS + 2),
         *counts(MOST_CUTS + 2), *floats(room + 1, room + 1))
     of_row: list[Any] = [

@@ -41,9 +41,9 @@ LAID, FULL, TOO_LONG, VANISHED = range(10, 14)  # how laying out went
 FINAL, UNTIL, CAPPED = range(3)  # why a run stopped
 DRIVEN, ABRUPT, LOSES = range(3)  # places in Make.kind: no proof is to be looked for; the force of
 # a contact begins with a jump; energy is lost where rigid contacts close
-FIRST_ROOM = 8  # transits of the longest rod
+FIRST_ROOM, LEAST_ROOM = 8, 3  # transits of the longest rod
 # places in Level.at
-PARTS, ROOM, ASKED, LONGEST, PROOF, TAKEN, REASON, CUT, CLOSINGS, KEPT, TRIES = range(11)
+PARTS, ROOM, ASKED, LONGEST, PROOF, TAKEN, REASON, CUT, CLOSINGS, KEPT, TRIES, HAD = range(12)
 
 
 class Make(NamedTuple):
@@ -236,11 +236,17 @@ def lay_out(
                 total += 1
         count = max(count, -(-ticks // STEP_TICKS))
     at[LONGEST] = count * parts
+    left = limit.numbers[0] - total * limit.numbers[2]
     room = at[ASKED] * at[LONGEST]
     if limit.until[0] >= 0:
         room = near_tick(limit.until[0] / h) * parts + parts
+    elif room * limit.numbers[1] > left:  # as much as there is, if that is more than before
+        least = max(LEAST_ROOM, at[HAD] + 1)
+        most = left / (at[LONGEST] * limit.numbers[1])
+        if most >= least:
+            room = math.floor(most) * at[LONGEST]
     at[ROOM] = room
-    if room * limit.numbers[1] + total * limit.numbers[2] > limit.numbers[0]:
+    if room * limit.numbers[1] > left:
         return TOO_LONG
     if room + 1 > len(level.edges) or not place_signals(make, level, signals):
         return FULL
@@ -386,6 +392,7 @@ def run_level(
             pause = min(wait * at[PARTS], 8 * longest)
         j = min(cap, j + max(longest, pause, j // 8))
         if j + 2 * longest + 2 > room:
+            at[HAD] = room // longest
             at[ASKED] *= 4
             return FULL
         flag = run(state, tally, signals, points, links, clock, j, tol)

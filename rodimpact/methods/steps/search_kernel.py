@@ -25,6 +25,7 @@ from .level_kernel import (
     FRAME,
     FULL,
     GRAVITY,
+    HAD,
     KEPT,
     LAID,
     LOSES,
@@ -91,7 +92,7 @@ def prepare(make: Make, numbers: Numbers, search: Search, level: Level) -> int:
         shortest = min(shortest, numbers.transit[s])
     level.at[CLOSINGS] = level.at[KEPT] = level.at[TRIES] = 0
     level.at[CUT] = make.kind[ABRUPT]
-    level.at[ASKED] = FIRST_ROOM
+    level.at[ASKED], level.at[HAD] = FIRST_ROOM, 0
     at[NEXT], at[LEVELS], at[RUNG], at[CARRIED] = CHOOSE, 0, 0, 0
     if at[FIXED] > 0:
         at[NEXT] = LAY
