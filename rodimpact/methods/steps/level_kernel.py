@@ -387,10 +387,10 @@ def run_level(
             flag = run(state, tally, signals, points, links, clock, j + 1, tol)
             break
         # an eighth more each time, so that proofs cost no more than the run
-        pause = longest
+        pause, half = 0, (longest + 1) // 2
         if wait < NEVER // at[PARTS]:
             pause = min(wait * at[PARTS], 8 * longest)
-        j = min(cap, j + max(longest, pause, j // 8))
+        j = min(cap, j + max(half, pause, j // 8))
         if j + 2 * longest + 2 > room:
             at[HAD] = room // longest
             at[ASKED] *= 4

@@ -324,6 +324,19 @@ def gather(
     return speed
 
 
+def apart(state: State, links: Chain, i0: int, last: int, graze: float) -> bool:
+    """Whether nothing presses in this part, as all that could stays apart; if so, lay it out."""
+    for q in range(last + 1):
+        law, gap = state.law[i0 + q], state.gap[i0 + q]
+        if law != FREE and (law < RIGID or law == IMPACT or gap <= 0):
+            return False
+        if law != FREE and gap - links.free[q] <= graze:
+            return False
+    for q in range(last + 1):
+        links.force[q], links.place[q] = 0.0, links.free[q] - state.gap[i0 + q]
+    return True
+
+
 def approach(state: State, signals: Signals, k: int, q: int, j: int) -> float:
     """Velocity at which the points of an impact approach each other as step j begins."""
     m0, m1, n = state.first[k], state.first[k + 1], len(state.steps) - 2
@@ -378,7 +391,7 @@ def resolve_contact(
     n, free, mobility, force = len(state.steps) - 2, points.free, points.mobility, links.force
     d: float = state.part[j % state.parts[0]]
     speed = gather(state, signals, points, links, k, j, d)
-    struck = True
+    struck = not apart(state, links, i0, last, d * tol)
     while struck:
         if not balance(state, links, i0, last, speed, d):
             clock[STEP], clock[LINK] = j, i0
