@@ -67,6 +67,8 @@ def contact(
     check_solution(solution)
     chosen = array("contact", contact, "").ravel().tolist()
     count = len(solution.contacts)
+    if not chosen:
+        raise ValueError("contact: must be an index or several, got none")
     for index in chosen:
         if index not in range(count):
             have = f"from 0 to {count - 1}" if count else "given only where there are two bodies"

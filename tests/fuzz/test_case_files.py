@@ -32,7 +32,7 @@ def check(status, out, errors, files):
     assert "Warning" not in errors
     assert "fault of rodimpact" not in errors
     if status in (0, 3):
-        assert not errors
+        assert all("this run takes some" in line for line in errors.splitlines())
         assert files <= {"x.npz"}
         found = json.loads(out, parse_constant=pytest.fail)
         residuals = [found["outcome"][f"{of}_residual"] for of in ("momentum", "energy")]
