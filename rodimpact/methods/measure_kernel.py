@@ -6,7 +6,6 @@ entry a step, `times` (s) and `gap` (m) one more; `start` is where a signal's fi
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 LATEST = 2.0  # steps, by which a gap can close later than its contact first presses
@@ -72,40 +71,30 @@ def largest_force(times: Any, force: Any, start: int, steps: int) -> float:
 def deepest(times: Any, gap: Any, start: int, steps: int, before: float) -> float:
     """Largest indentation, from gaps at step ends, `before` the first of them; 0 without any.
 
-    That of a parabola through the end where it is largest, one beside it, and the next on either
-    side: where the indentation has kinks at step ends, the parabola of less curvature spans none.
+    That of the parabola through three ends on the side of the largest of them to which the
+    indentation still grows; where it grows to neither, as at a kink, that end's own.
     """
     top, least = -1, before
     for j in range(steps):
         if gap[start + j] < least:
             top, least = j, gap[start + j]
-    most: float = max(-least, 0.0)
-    if least >= 0 or top < 0:
-        return most
+    if least >= 0:
+        return 0.0
+    if top < 0:
+        return -least
     for way in (-1, 1):
-        near = top + way
-        if not -1 <= near < steps:
+        if not -1 <= top + 2 * way < steps:
             continue
-        a = abs(times[near + 1] - times[top + 1])
-        rate = (end_gap(gap, start, near, before) - least) / a  # with which it falls off
-        curve = math.inf
-        for other in (top - way, near + way):
-            if -1 <= other < steps:
-                b = (times[other + 1] - times[top + 1]) / (times[near + 1] - times[top + 1]) * a
-                next_rate = (end_gap(gap, start, other, before) - least) / b
-                bend = (next_rate - rate) / (b - a)
-                if abs(bend) < abs(curve):
-                    curve = bend
-        slope = rate - curve * a
-        if slope < 0 < curve < math.inf:
-            most = max(most, slope * slope / (4 * curve) - least)
-    return most
-
-
-def end_gap(gap: Any, start: int, j: int, before: float) -> float:
-    """Gap at the end of step j, -1 for the begin of the first."""
-    x: float = gap[start + j] if j >= 0 else before
-    return x
+        x1 = -(gap[start + top + way] if top + way >= 0 else before)
+        x2 = -(gap[start + top + 2 * way] if top + 2 * way >= 0 else before)
+        a = abs(times[top + 1 + way] - times[top + 1])
+        b = abs(times[top + 1 + 2 * way] - times[top + 1 + way])
+        rate, next_rate = (-least - x1) / a, (x1 - x2) / b
+        curve = (rate - next_rate) / (a + b)
+        slope = rate + curve * a  # towards the outside
+        if slope < 0 and curve < 0:
+            return float(-least - slope * slope / (4 * curve))
+    return float(-least)
 
 
 def force_in_step(
