@@ -7,7 +7,7 @@ from typing import Any
 
 LOOK_BACK = 3  # coarser levels with which the finest is compared
 FEWEST = 4  # levels
-SURE = 1.5  # by what powers of the step between 3/2 and 2 differ
+SURE = 1.5  # by what powers of the step between 3/2 and 2 differ; margin of an estimate
 
 
 def factor_of(level: int) -> int:
@@ -61,7 +61,7 @@ def error_of(
         error = max(error, change * h / (g - h))
         square = change * h * h / (g * g - h * h)
         least, most = min(least, square), max(most, square)
-    return SURE * most if smooth and most <= SURE * least else error
+    return most if smooth and most <= SURE * least else error
 
 
 def largest_change(

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from ..clock import STEP_TICKS
 from ..contact_law_kernel import IMPACT, Chain, Tally
 from ..measure_kernel import deepest, largest_force, pressed_time, time_of_most
-from ..refinement_kernel import carried_error, carried_on, error_of, factor_of
+from ..refinement_kernel import SURE, carried_error, carried_on, error_of, factor_of
 from .level_kernel import (
     ABRUPT,
     ASKED,
@@ -238,7 +238,7 @@ def measure(
         error = error_of(
             values, width, search.sizes, n + 1, marks[name], marks[name + 1], smooth, scale
         )
-        search.estimates[name] = max(error, lost)
+        search.estimates[name] = max(SURE * error, lost)
     search.estimates[MEASURES] = lost
     at[PEAKS_CARRIED] = at[TIMES_CARRIED] = 0
     if smooth:
