@@ -387,7 +387,7 @@ def vibrations(
 def energy_lost(
     numbers: Numbers, level: Level, state: State, tally: Tally, signals: Signals
 ) -> float:
-    """Energy lost to the time step, of that which was there at t = 0.
+    """Energy lost to the time step, of that which was there at t = 0 in the frame of the row.
 
     Where rigid contacts close inside a part, and, of a mean of two averages, their variance.
     """
