@@ -80,13 +80,16 @@ def test_an_indentation_ends_where_its_parabola_does():
 
 
 def test_a_faint_first_force_is_none():
-    force, gap = np.array([1e-7, 1.0, 1.0]), np.array([0.5, 0.0, 0.0, 0.0])
-    assert mk.begin_of_force(np.arange(4.0), force, gap, 0, 3, 0) == 1.0
+    times, gap = np.arange(4.0), np.array([0.0, 0.0, 0.0, 0.0])
+    assert mk.begin_of_force(times, np.array([1e-7, 1.0, 1.0]), gap, 0, 3, 0) == 1.0
+    far = np.array([5.1, 5.0, 0.0, 0.0])  # what does not close within two steps begins at once
+    assert mk.begin_of_force(times, np.array([0.0, 1.0, 1.0]), far, 0, 3, 1) == 1.0
 
 
 @pytest.mark.parametrize(("force", "share"), [
     ([3], 1.0), ([4, 1], 0.25), ([4, 5], 1.0), ([4, 4, 1], 0.25), ([4, 4, 4, 1], 0.25),
     ([1, 4, 1], 0.25), ([1, 4, 5], 1.0), ([4, 3.6, 1.6], 0.5), ([1.0, 0.9, 0.81, 0.729], 1.0),
+    ([4, 3.6, 3.2, 2.0], 2 / 2.8),
 ])
 def test_the_share_of_the_last_step_that_a_jump_leaves(force, share):
     assert mk.share_of_jump(np.array(force, float), 0, 0, len(force)) == pytest.approx(share)
@@ -99,3 +102,5 @@ def test_a_largest_force_beside_a_jump_is_that_of_its_own_side():
     assert mk.largest_force(times, padded, 0, 43) == pytest.approx(2.0, abs=1e-12)
     assert mk.largest_force(times, np.concatenate(([9.0], padded)), 1, 43) == pytest.approx(2.0)
     assert math.isclose(mk.largest_force(EVEN, means(Polynomial([0, 4, -4]), EVEN), 0, 40), 1.0)
+    rising = np.concatenate((means(Polynomial([0, 4, -4]), EVEN[:17]), [0.0] * 3))
+    assert mk.largest_force(EVEN, rising, 0, 19) == pytest.approx(0.96)

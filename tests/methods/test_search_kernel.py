@@ -49,8 +49,9 @@ def test_cuts_are_in_order_and_apart():
 
 
 def test_a_transit_is_rounded_to_whole_steps_within_round_off():
-    level = machine(unit_rod(0.5), unit_rod(0.25 + 2.0**-60), unit_rod(0.3)).work.level
-    assert level.ticks[1:-1] == [8 * TICKS, 4 * TICKS, round(0.3 * 16 * TICKS)]
+    off = 0.25 + 3 / TICKS / 16
+    level = machine(unit_rod(0.5), unit_rod(off), unit_rod(0.3), unit_rod(0.06)).work.level
+    assert level.ticks[1:-1] == [8 * TICKS, 4 * TICKS, round(0.3 * 16 * TICKS), TICKS]
     assert level.at[lk.CUT] == 0  # not all of them are
 
 
@@ -59,6 +60,23 @@ def test_steps_are_cut_where_jumps_pass_the_ends_of_rods():
     work = machine(steps, unit_rod(), contacts=[ri.Rigid()]).work
     cut = round(0.27 * 16 * TICKS) % TICKS
     assert work.level.places[: work.level.at[lk.PARTS] + 1] == sorted([0, cut, TICKS - cut, TICKS])
+
+
+def test_impacts_have_a_short_part_of_their_own():
+    masses = ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(1.0)
+    law = ri.Rigid(restitution=0.5)
+    level = machine(*masses, unit_rod(), contacts=[law, ri.Rigid()], gaps=[0.0, 9.0]).work.level
+    assert level.places[: level.at[lk.PARTS] + 1] == [0, lk.MOMENT, TICKS]
+    work = ran(*masses, unit_rod(), contacts=[law, ri.Rigid()], gaps=[0.0, 9.0], until=1.0)
+    assert work.search.impulse[0] == pytest.approx(0.75)
+    assert work.search.pressed[0] == 0.0
+    assert math.isnan(work.search.peak[0])
+    work = machine(*masses, unit_rod(), contacts=[law, ri.Rigid()], gaps=[0.2, 9.0]).work
+    level = work.level
+    level.closing_time[0], level.closing_link[0], level.at[lk.CLOSINGS] = 3.25 / 16, 1, 1
+    lk.cut_steps(work.make, work.numbers, level)
+    middle = TICKS // 4
+    assert level.places[1 : level.at[lk.PARTS]] == [middle - lk.MOMENT, middle + lk.MOMENT]
 
 
 def test_a_closing_replaces_the_same_one_that_was_badly_placed():
@@ -82,7 +100,9 @@ def test_there_must_be_room():
     assert work.level.at[lk.ROOM] == lk.FIRST_ROOM * 16
     work.limit.numbers[0] = 1.0
     assert lk.lay_out(*arguments) == lk.TOO_LONG
-    work.limit.until[0] = 1e300
+    work.limit.numbers[0], work.level.step[0] = math.inf, 1 / 2 / lk.MOST_OF_TRANSIT
+    assert lk.lay_out(*arguments) == lk.TOO_LONG
+    work.level.step[0], work.limit.until[0] = 1 / 16, 1e300
     assert lk.lay_out(*arguments) == lk.TOO_LONG
 
 
@@ -101,6 +121,34 @@ def test_the_last_part_ends_where_it_was_asked_to(until):
     assert level.at[lk.TAKEN] == math.ceil(until * 16)
     assert level.edges[level.at[lk.TAKEN]] == round(until * 16 * TICKS)
     assert work.search.impulse[0] == pytest.approx(until / 2, rel=1e-12)  # F = 1/2 to t = 2
+
+
+def test_a_last_part_leaves_the_steps_as_they_were():
+    work = ran(unit_rod(0.7, velocity=1.0), unit_rod(), until=0.53)
+    assert work.state.part[0] == 1.0
+    assert work.state.share[1] == pytest.approx(0.7 * 16 % 1)
+
+
+def test_a_run_ends_with_its_proof():
+    at = ran(unit_rod(velocity=1.0), unit_rod()).level.at
+    assert (at[lk.REASON], at[lk.TAKEN]) == (lk.FINAL, at[lk.PROOF] + 1)
+    at = ran(unit_rod(velocity=1.0), unit_rod(), until=5.0).level.at
+    assert (at[lk.REASON], at[lk.PROOF]) == (lk.UNTIL, 5 * 16)
+
+
+def test_a_moved_end_under_gravity_pushes_a_rod():
+    work = ran(unit_rod(velocity=1.0), ends=(ri.Moved(1.0), ri.Free()), gravity=-2.0, until=0.5)
+    assert work.search.after[0] == pytest.approx(1 - 2 * 0.5 + 0.5**2, abs=1e-12)  # F = 2 t
+    assert work.level.at[lk.PROOF] == -1
+
+
+def test_what_an_endless_bar_brings_is_what_it_was():
+    work = ran(unit_rod(velocity=1.0), ends=(ri.Absorbing(), ri.Free()), until=3.0)
+    assert work.search.after[0] == pytest.approx(1.0, abs=1e-12)
+    assert work.state.mobility[0] == 1.0
+    work = ran(unit_rod(velocity=3.0), unit_rod(velocity=1.0), ends=(ri.Free(), ri.Absorbing()),
+               contacts=[ri.Bonded()], until=8.0)
+    assert work.search.after[0] == pytest.approx(1.0, abs=1e-12)
 
 
 # The search
@@ -128,6 +176,10 @@ def test_levels_follow_each_other_to_the_last():
     assert sizes[:7] == [1, 2, 3, 4, 6, 8, 12]
     assert sizes[-1] == 512
     _, work = prepared(unit_rod(), unit_rod(math.sqrt(0.5)))
+    work.level.at[lk.TRIES] = 9
+    sk.choose_level(work.make, work.numbers, work.search, work.level)
+    assert 64 < 1 / work.level.step[0] < 4 * 64 // 3  # where waves fit best
+    assert work.level.at[lk.TRIES] == 0
     work.search.at[sk.LEVELS] = sk.MOST_LEVELS
     assert not sk.choose_level(work.make, work.numbers, work.search, work.level)
 
@@ -142,6 +194,16 @@ def test_levels_that_cannot_be_accurate_are_left_out():
     search.at[sk.RUNG], search.estimates[0] = 4, math.inf
     sk.leave_out(search)
     assert search.at[sk.RUNG] == 4
+
+
+def test_what_hangs_on_places_inside_steps_is_not_smooth():
+    _, work = prepared(unit_rod(velocity=1.0), unit_rod())
+    search, level = work.search, work.level
+    assert sk.is_smooth(work.make, search, level)
+    level.at[lk.CLOSINGS] = 1
+    assert not sk.is_smooth(work.make, search, level)
+    level.at[lk.CLOSINGS], search.at[sk.FITS] = 0, 0
+    assert not sk.is_smooth(work.make, search, level)
 
 
 def test_all_but_the_duration_must_come_to_the_goal():
@@ -196,9 +258,9 @@ def test_vibration_is_that_of_each_body():
 
 def test_energy_is_lost_where_delays_are_means_of_two_averages():
     """Of that which is there in the frame of the row, at the mean of both velocities."""
-    for length in (math.sqrt(0.5), 0.5):
+    for length, gap in ((math.sqrt(0.5), 0.0), (math.sqrt(0.5), 0.21), (0.5, 0.0)):
         striker = ri.Rod(length, area=1.0, material=UNIT, velocity=1.0)
-        work = ran(striker, unit_rod(), until=3.0)
+        work = ran(striker, unit_rod(), until=3.0, gaps=[gap])
         lost = sk.energy_lost(work.numbers, work.level, work.state, work.tally, work.signals)
         left = sum(work.search.vibration) + sum(
             m * v * v / 2 for m, v in zip(work.search.mass, work.search.after, strict=True)
@@ -224,6 +286,18 @@ def test_totals_are_carried_on_only_where_estimates_say_so():
     ):
         assert abs(found - exact) < abs(own - exact) / 2
     assert work.work.clock[CUTS] == 0
+    assert search.at[sk.RUNG] >= n
+    levels, scale = (search.values, last, search.sizes, n), row.scale
+    assert measured[2] == pytest.approx(measured[1] - measured[0])
+    assert search.estimates[sk.VELOCITY] == sk.SURE * sk.error_of(*levels, 0, 3, True, scale)
+    assert search.estimates[sk.DURATION] == sk.carried_error(*levels, last - 1, last)
+
+
+def test_estimates_are_no_less_than_the_energy_that_is_lost():
+    work = Machine(Row(ri.System([unit_rod(math.sqrt(0.5), velocity=1.0), unit_rod()], [0.21])))
+    work.search(None, 0.02)
+    *measures, lost = work.work.search.estimates
+    assert min(measures) >= lost > 0
 
 
 def test_results_stand_in_the_rows_of_their_member():
@@ -237,4 +311,5 @@ def test_results_stand_in_the_rows_of_their_member():
     assert results.peak == [-1.0] * 2 + list(work.search.peak) + [-1.0] * 2
     assert results.pressed[2:4] == list(work.search.pressed)
     assert results.episodes[2:4] == [work.tally.episodes[i] for i in work.make.opening]
+    assert results.episodes[2:4] == [1, 1]
     assert results.final == [-1.0, 1, -1.0]
