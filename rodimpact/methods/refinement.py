@@ -72,7 +72,7 @@ def _error(levels: list[tuple[float, dict[str, Array]]], name: str) -> float:
     """Estimated error of a measure on the last level."""
     values = [x for _, measured in levels for x in measured[name].tolist()]
     width = len(values) // len(levels)
-    return error_of(values, width, [step for step, _ in levels], len(levels), 0, width, False)
+    return error_of(values, width, [step for step, _ in levels], len(levels), 0, width, False, 0.0)
 
 
 def velocity_measure(free: Sequence[float], scale: float) -> Array:

@@ -7,7 +7,7 @@ from typing import Any
 
 LOOK_BACK = 3  # coarser levels with which the finest is compared
 FEWEST = 4  # levels
-SURE = 1.5  # by what powers of the step between 3/2 and 2 differ
+SURE = 1.5  # by what powers of the step between 3/2 and 2 differ; margin of an estimate
 
 
 def factor_of(level: int) -> int:
@@ -22,9 +22,10 @@ def factor_of(level: int) -> int:
 
 
 def error_of(
-    values: Any, width: int, steps: Any, count: int, low: int, high: int, smooth: bool
+    values: Any, width: int, steps: Any, count: int, low: int, high: int, smooth: bool,
+    scale: float,
 ) -> float:
-    """Estimated error of a measure on the last level, relative to its largest value.
+    """Estimated error of a measure on the last level, relative to a scale.
 
     An error that falls in proportion to the step h is |q(g) - q(h)| h/(g - h), q(g) the result of a
     coarser step g; one of higher order is less. The largest over the last coarser levels is the
@@ -43,6 +44,8 @@ def error_of(
         Places of the measure on a level.
     smooth : bool
         Whether nothing depends on places inside steps.
+    scale : float
+        0 for the largest value of the measure.
 
     Returns
     -------
@@ -54,23 +57,29 @@ def error_of(
     h, error, least, most = steps[count - 1], 0.0, math.inf, 0.0
     for back in range(1, LOOK_BACK + 1):
         g = steps[count - 1 - back]
-        change = largest_change(values, width, count, back, low, high)
+        change = largest_change(values, width, count, back, low, high, scale)
         error = max(error, change * h / (g - h))
         square = change * h * h / (g * g - h * h)
         least, most = min(least, square), max(most, square)
-    return SURE * most if smooth and most <= SURE * least else error
+    return most if smooth and most <= SURE * least else error
 
 
-def largest_change(values: Any, width: int, count: int, back: int, low: int, high: int) -> float:
-    """Largest change of a measure since some levels before, relative to its largest value."""
-    last, scale, change = (count - 1) * width, 0.0, 0.0
+def largest_change(
+    values: Any, width: int, count: int, back: int, low: int, high: int, scale: float
+) -> float:
+    """Largest change of a measure since some levels before, relative to a scale.
+
+    That is its largest value where it is given as 0.
+    """
+    last, largest, change = (count - 1) * width, scale, 0.0
     for i in range(low, high):
-        scale = max(scale, abs(values[last + i]))
+        if scale == 0:
+            largest = max(largest, abs(values[last + i]))
         off = abs(values[last - back * width + i] - values[last + i])
         if off != off:
             return math.inf
         change = max(change, off)
-    return change / scale if scale > 0 else change
+    return change / largest if largest > 0 else change
 
 
 def carried_on(values: Any, width: int, steps: Any, count: int, back: int, i: int) -> float:
@@ -84,24 +93,25 @@ def carried_on(values: Any, width: int, steps: Any, count: int, back: int, i: in
 def carried_error(values: Any, width: int, steps: Any, count: int, low: int, high: int) -> float:
     """Estimated error of a measure that is carried on, relative to its largest value.
 
-    By how much it differs if it is carried on from another level before; twice that, since for an
-    error of order 3/2 the error would be 1.35 times as much. Infinite where errors do not fall with
-    the square of the step.
+    By how much it differs if it is carried on from another level before, and twice that: for an
+    error of order 3/2 the error would be 1.35 times as much. At least 2/3 of what carrying on
+    changes: between the last level and step 0 the square may count less, as where a largest value
+    lies beside a kink. Infinite where errors do not fall with the square of the step.
     """
     if count < FEWEST:
         return math.inf
     h, least, most = steps[count - 1], math.inf, 0.0
     for back in range(1, LOOK_BACK + 1):
         g = steps[count - 1 - back]
-        square = largest_change(values, width, count, back, low, high) / (g * g - h * h)
+        square = largest_change(values, width, count, back, low, high, 0.0) / (g * g - h * h)
         least, most = min(least, square), max(most, square)
     if not most <= SURE * least:
         return math.inf
-    scale = spread = 0.0
+    last, scale, error = (count - 1) * width, 0.0, 0.0
     for i in range(low, high):
         nearest = carried_on(values, width, steps, count, 1, i)
         scale = max(scale, abs(nearest))
+        error = max(error, abs(nearest - values[last + i]) / SURE)
         for back in range(2, LOOK_BACK + 1):
-            other = carried_on(values, width, steps, count, back, i)
-            spread = max(spread, abs(other - nearest))
-    return 2 * spread / scale if scale > 0 else 2 * spread
+            error = max(error, 2 * abs(carried_on(values, width, steps, count, back, i) - nearest))
+    return error / scale if scale > 0 else error

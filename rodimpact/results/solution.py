@@ -59,8 +59,9 @@ class Solution:
     events : int
         Arrivals at ends that were solved.
     accuracy : dict of str to float
-        Estimated error of each measure of the outcome, relative to its largest value, where a time
-        step was chosen; empty where the method is exact or the step was given.
+        Estimated error of each measure of the outcome, relative to its largest value, of velocities
+        to their scale, where a time step was chosen; empty where the method is exact or the step
+        was given. All come to rtol but that of the duration, which hangs on faint forces.
     fields : Fields
     method : str
     """

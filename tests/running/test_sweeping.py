@@ -7,6 +7,8 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor
 
 import numpy as np
 import pytest
+from exhaustive import few_of
+from networks import random_network
 from systems import MATERIALS, random_system
 
 import rodimpact as ri
@@ -155,6 +157,39 @@ def test_families_of_the_method_on_a_time_step():
     assert_equal_to_one_at_a_time(result)
     with pytest.raises(ri.InvalidModel, match='"fronts" has no rigid masses'):
         ri.sweep(system, method="fronts")
+
+
+def even_network(seed):
+    """Two members of a random row: masses, laws, ends, gravity; all at t = 0 and outside even."""
+    system, shares = random_network(seed, bodies=3, driven=seed % 2 == 1), np.array([1.0, 0.9])
+
+    def even(profile):
+        return float(np.mean(getattr(profile, "values", profile)))
+
+    bodies = [
+        ri.Rod(
+            segments=[ri.Segment(s.length, s.area * shares, s.material) for s in body.segments],
+            velocity=even(body.velocity), strain=even(body.strain) * shares,
+        ) if isinstance(body, ri.Rod) else body for body in system.bodies
+    ]
+    ends = [type(end)(even(end.value)) if isinstance(end, ri.Pushed | ri.Moved) else end
+            for end in system.ends]
+    gaps = [gap * shares for gap in system.gaps]
+    return ri.System(bodies, gaps, system.contacts, gravity=system.gravity, ends=ends)
+
+
+@pytest.mark.parametrize("seed", few_of(range(300), range(0, 300, 25)))
+def test_members_of_random_rows_on_a_time_step_equal_one_at_a_time(seed):
+    system = even_network(seed)
+    options = {"method": "characteristics", "until": 1.5, "rtol": 1e-2}
+    with kernels.forced(True):
+        result = ri.sweep(system, **options)
+        assert_equal_to_one_at_a_time(result, **options)
+    options = {"method": "characteristics", "until": 0.5, "dt": 1 / 32}
+    with kernels.forced(True):
+        result = ri.sweep(system, **options)
+    with kernels.forced(False):
+        assert same(ri.sweep(system, workers=1, **options), result)
 
 
 def test_a_single_collision_is_a_family_too():

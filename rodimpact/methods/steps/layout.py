@@ -196,7 +196,7 @@ def space(make: Make, full: Full, room: int, before: int) -> Work:
     numbers = Numbers(*floats(
         n, n, n, n, links, links, links, links, masses, masses, bodies, 2, jumps, 4))
     search = Search(
-        *counts(9), *floats(1, MOST_LEVELS, MOST_LEVELS * width, MEASURES + 1, bonded, bonded,
+        *counts(10), *floats(1, MOST_LEVELS, MOST_LEVELS * width, MEASURES + 1, bonded, bonded,
                             bonded, bodies, kept, kept, kept))
     level = Level(
         *counts(12), *floats(1), *counts(n + 2, MOST_PLACES, room + 1), *floats(n + 2),

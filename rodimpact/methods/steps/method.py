@@ -240,7 +240,7 @@ def totals_of(work: Work) -> GroupTotals:
 
 def estimates_of(work: Work) -> dict[str, float]:
     """Estimated errors by the names of the measures."""
-    named = zip(("velocity", *MEASURES, "energy"), work.search.estimates, strict=True)
+    named = zip(("velocity", *MEASURES, "duration", "energy"), work.search.estimates, strict=True)
     found = {name: float(error) for name, error in named}
     if RIGID not in work.make.law:
         del found["energy"]

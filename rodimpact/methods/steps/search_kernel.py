@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from ..clock import STEP_TICKS
 from ..contact_law_kernel import IMPACT, Chain, Tally
 from ..measure_kernel import deepest, largest_force, pressed_time, time_of_most
-from ..refinement_kernel import carried_error, carried_on, error_of, factor_of
+from ..refinement_kernel import SURE, carried_error, carried_on, error_of, factor_of
 from .level_kernel import (
     ABRUPT,
     ASKED,
@@ -58,13 +58,14 @@ MOST_DIVIDED = 1 << 14  # steps of the longest transit in the search for an accu
 ROUGHEST = 1 << 12  # the same where contacts close and open between steps, of which order 1 is left
 MOST_LEVELS = 40
 FARTHEST = 2.0  # by how much a step is divided at most from one level to the next
-MEASURES = 4  # velocity, impulse, largest force, time of most of the impulse
-PEAK, TIME = 2, 3
+VELOCITY, IMPULSE, PEAK, TIME, DURATION = range(5)  # measures, the last of which may stay rough
+MEASURES = 5
 FILL, TOO_SHORT, BEYOND = 20, 21, 22  # what `go_on` asks for, beside the flags of a level
 PREPARE, CHOOSE, LAY, RUN = range(4)  # what comes next
 MEMBERS, SEARCH, EVENLY, EXTEND = range(4)  # jobs
 # places in Search.at
-NEXT, LEVELS, RUNG, NUMBER, FEWEST_STEPS, FITS, MOST_FACTOR, FIXED, CARRIED = range(9)
+NEXT, LEVELS, RUNG, NUMBER, FEWEST_STEPS, FITS, MOST_FACTOR, FIXED = range(8)
+PEAKS_CARRIED, TIMES_CARRIED = 8, 9
 
 
 class Search(NamedTuple):
@@ -74,7 +75,7 @@ class Search(NamedTuple):
     goal: Any  # [1]
     sizes: Any  # [level] s
     values: Any  # [level * width] what was measured
-    estimates: Any  # [5] errors: of the measures, and of the energy
+    estimates: Any  # [6] errors: of the measures, and of the energy
     mass: Any  # [group] kg
     before: Any  # [group] velocities of the centres of mass, m/s
     after: Any  # [group]
@@ -93,7 +94,8 @@ def prepare(make: Make, numbers: Numbers, search: Search, level: Level) -> int:
     level.at[CLOSINGS] = level.at[KEPT] = level.at[TRIES] = 0
     level.at[CUT] = make.kind[ABRUPT]
     level.at[ASKED], level.at[HAD] = FIRST_ROOM, 0
-    at[NEXT], at[LEVELS], at[RUNG], at[CARRIED] = CHOOSE, 0, 0, 0
+    at[NEXT], at[LEVELS], at[RUNG] = CHOOSE, 0, 0
+    at[PEAKS_CARRIED] = at[TIMES_CARRIED] = 0
     if at[FIXED] > 0:
         at[NEXT] = LAY
         return DONE
@@ -207,7 +209,7 @@ def measure(
     neither a largest force nor a time: their impulse grows in jumps.
     """
     at, values, steps, h = search.at, search.values, level.at[TAKEN], level.step[0]
-    n, width = at[LEVELS], width_of_measures(make)
+    n, width, count = at[LEVELS], width_of_measures(make), len(make.opening)
     search.sizes[n] = h
     tick_times(level)
     group_velocities(
@@ -216,16 +218,14 @@ def measure(
     p = n * width
     before = math.nan
     for g in range(len(make.held)):
-        if make.held[g] == 0 and search.mass[g] > 0:
+        if make.held[g] == 0:
             values[p] = search.after[g]
             p += 1
             if before == before:
                 values[p] = search.after[g] - before
                 p += 1
             before = search.after[g]
-    values[p] = numbers.setting[SCALE]
-    p, count = p + 1, len(make.opening)
-    marks = (0, p - n * width, p - n * width + count, p - n * width + 2 * count, width - count)
+    marks = (0, width - 4 * count, width - 3 * count, width - 2 * count, width - count, width)
     for c in range(count):
         i, start = make.opening[c], signals.link_start[make.opening[c]]
         values[p + c] = tally.impulse[i] * h
@@ -235,20 +235,24 @@ def measure(
             values[p + 2 * count + c] = time_of_most(level.times, signals.force, start, steps)
             values[p + 3 * count + c] = time_under_force(make, numbers, level, signals, i)
     at[LEVELS], smooth = n + 1, is_smooth(make, search, level)
+    lost = energy_lost(numbers, level, state, tally, signals) if make.kind[LOSES] > 0 else 0.0
     for name in range(MEASURES):
-        search.estimates[name] = error_of(
-            values, width, search.sizes, n + 1, marks[name], marks[name + 1], smooth
+        scale = numbers.setting[SCALE] if name == VELOCITY else 0.0
+        error = error_of(
+            values, width, search.sizes, n + 1, marks[name], marks[name + 1], smooth, scale
         )
-    at[CARRIED] = 0
+        search.estimates[name] = max(SURE * error, lost)
+    search.estimates[MEASURES] = lost
+    at[PEAKS_CARRIED] = at[TIMES_CARRIED] = 0
     if smooth:
-        for name, high in ((PEAK, marks[PEAK + 1]), (TIME, width)):
-            error = carried_error(values, width, search.sizes, n + 1, marks[name], high)
-            if error < search.estimates[name]:
-                search.estimates[name] = error
-                at[CARRIED] += name - 1
-    search.estimates[MEASURES] = 0.0
-    if make.kind[LOSES] > 0:
-        search.estimates[MEASURES] = energy_lost(numbers, level, state, tally, signals)
+        error = carried_error(values, width, search.sizes, n + 1, marks[PEAK], marks[PEAK + 1])
+        if error < search.estimates[PEAK]:
+            search.estimates[PEAK], at[PEAKS_CARRIED] = error, 1
+        error = carried_error(values, width, search.sizes, n + 1, marks[TIME], width)
+        if error < search.estimates[TIME]:
+            search.estimates[TIME], at[TIMES_CARRIED] = error, 1
+            search.estimates[DURATION] = carried_error(
+                values, width, search.sizes, n + 1, marks[DURATION], width)
     level.at[KEPT] = level.at[CLOSINGS] if level.at[CUT] > 0 else -1
     for q in range(level.at[CLOSINGS]):
         level.kept_time[q], level.kept_link[q] = level.closing_time[q], level.closing_link[q]
@@ -285,13 +289,13 @@ def width_of_measures(make: Make) -> int:
     for g in range(len(make.held)):
         if make.held[g] == 0:
             free += 1
-    return free + max(free - 1, 0) + 1 + 4 * len(make.opening)
+    return free + max(free - 1, 0) + 4 * len(make.opening)
 
 
 def is_met(search: Search) -> bool:
     """Whether all estimates have come to the goal."""
     worst = 0.0
-    for name in range(MEASURES + 1):
+    for name in range(DURATION):
         worst = max(worst, search.estimates[name])
     return bool(worst <= search.goal[0])
 
@@ -305,7 +309,7 @@ def is_smooth(make: Make, search: Search, level: Level) -> bool:
 def leave_out(search: Search) -> None:
     """Leave out levels that cannot be accurate, if errors fall with the square of the step."""
     at, excess = search.at, 0.0
-    for name in range(MEASURES):
+    for name in range(DURATION):
         excess = max(excess, search.estimates[name] / search.goal[0])
     if excess < math.inf:
         factor = factor_of(at[RUNG] - 1) * min(FARTHEST, math.sqrt(excess))
@@ -386,7 +390,7 @@ def vibrations(
 def energy_lost(
     numbers: Numbers, level: Level, state: State, tally: Tally, signals: Signals
 ) -> float:
-    """Energy lost to the time step, of that which was there at t = 0.
+    """Energy lost to the time step, of that which was there at t = 0 in the frame of the row.
 
     Where rigid contacts close inside a part, and, of a mean of two averages, their variance.
     """
@@ -434,10 +438,10 @@ def add_up(
             search.peak[c] = peak_force(numbers, level, signals, i)
         search.pressed[c] = time_under_force(make, numbers, level, signals, i)
         n, width, count = at[LEVELS], width_of_measures(make), len(make.opening)
-        if at[CARRIED] in (1, 3) and make.law[i] != IMPACT:
+        if at[PEAKS_CARRIED] > 0 and make.law[i] != IMPACT:
             search.peak[c] = carried_on(
                 search.values, width, search.sizes, n, 1, width - 3 * count + c)
-        if at[CARRIED] in (2, 3) and make.law[i] != IMPACT:
+        if at[TIMES_CARRIED] > 0 and make.law[i] != IMPACT:
             search.pressed[c] = carried_on(
                 search.values, width, search.sizes, n, 1, width - count + c)
 

@@ -1,0 +1,106 @@
+"""What a force did, read from means over steps and gaps at their ends: polynomials as oracles."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.polynomial import Polynomial
+
+from rodimpact.methods import measure_kernel as mk
+
+EVEN = np.linspace(0, 1, 41)
+CUT = np.unique(np.concatenate((EVEN, EVEN[:-1] + 0.007)))
+
+
+def means(force, times):
+    whole = force.integ()
+    return np.diff(whole(times)) / np.diff(times)
+
+
+@pytest.mark.parametrize("times", [EVEN, CUT], ids=["even", "cut"])
+@pytest.mark.parametrize("force", [
+    Polynomial([2, -2]), Polynomial([1]), Polynomial([0, 0, 3]),
+])
+def test_most_of_an_impulse_of_1_has_passed(force, times):
+    passed = force.integ() - 0.999
+    exact = min(x.real for x in passed.roots() if abs(x.imag) < 1e-9 and 0 < x.real <= 1)
+    assert mk.time_of_most(times, means(force, times), 0, len(times) - 1) == pytest.approx(
+        exact, abs=1e-9
+    )
+
+
+def test_without_an_impulse_it_takes_no_time():
+    assert mk.time_of_most(EVEN, np.zeros(40), 0, 40) == 0.0
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_parabola_has_the_means_of_three_steps(way):
+    force, begin = Polynomial([0.3, -2, 5]), CUT[8] if way > 0 else CUT[9]
+    a, b, c = mk.parabola(CUT, means(force, CUT), 0, len(CUT) - 1, 8, way)
+    x = way * 0.01
+    assert a + b * abs(x) + c * x * x == pytest.approx(force(begin + x))
+
+
+@pytest.mark.parametrize("top", [0.503, 0.06, 0.94])
+@pytest.mark.parametrize("times", [EVEN, CUT], ids=["even", "cut"])
+def test_the_deepest_indentation_is_between_step_ends(times, top):
+    gap = (times - top) ** 2 - 2.0
+    assert mk.deepest(times, gap[1:], 0, len(times) - 1, gap[0]) == pytest.approx(2.0, abs=1e-12)
+
+
+def test_at_a_kink_the_deepest_indentation_is_its_own():
+    gap = np.abs(EVEN - EVEN[17]) - 1.0
+    assert mk.deepest(EVEN, gap[1:], 0, 40, gap[0]) == 1.0
+    assert mk.deepest(EVEN, EVEN[1:] - 1, 0, 40, -1.0) == 1.0  # it opens from the first
+    assert mk.deepest(EVEN, np.ones(40), 0, 40, 0.5) == 0.0
+
+
+def pressed(force, gap, sudden=False, instant=0.0):
+    times = np.arange(len(force) + 1) / 2
+    return mk.pressed_time(times, np.array(force), np.array(gap), 0, len(force), sudden, instant)
+
+
+def test_times_under_force_add_up():
+    gap = [0.0] * 9
+    assert pressed([1, 1, 0, 1, 0, 0, 1, 1], gap) == pytest.approx(2.5)
+    assert pressed([1, 0, 1, 1, 0, 0, 0, 0], gap, True, 0.5) == pytest.approx(1.0)
+    assert pressed([0.0] * 8, gap) == 0.0
+
+
+def test_an_indentation_ends_where_its_parabola_does():
+    x = Polynomial([-0.9, 0.2, 0.11])  # gaps at the ends 0, 1, 2, 3
+    exact = max(x.roots())
+    times, gap = np.arange(6.0), x(np.arange(6.0))
+    assert mk.end_of_force(times, np.ones(5), gap, 0, 0, 3) == pytest.approx(exact, rel=1e-3)
+    assert mk.end_of_force(times, np.ones(5), gap, 0, 2, 3) == pytest.approx(
+        2 - gap[2] / (gap[3] - gap[2])  # a line where there are too few ends
+    )
+    shut = np.full(6, -1.0)
+    assert mk.end_of_force(times, np.ones(5), shut, 0, 0, 3) == 3.0
+
+
+def test_a_faint_first_force_is_none():
+    times, gap = np.arange(4.0), np.array([0.0, 0.0, 0.0, 0.0])
+    assert mk.begin_of_force(times, np.array([1e-7, 1.0, 1.0]), gap, 0, 3, 0) == 1.0
+    far = np.array([5.1, 5.0, 0.0, 0.0])  # what does not close within two steps begins at once
+    assert mk.begin_of_force(times, np.array([0.0, 1.0, 1.0]), far, 0, 3, 1) == 1.0
+
+
+@pytest.mark.parametrize(("force", "share"), [
+    ([3], 1.0), ([4, 1], 0.25), ([4, 5], 1.0), ([4, 4, 1], 0.25), ([4, 4, 4, 1], 0.25),
+    ([1, 4, 1], 0.25), ([1, 4, 5], 1.0), ([4, 3.6, 1.6], 0.5), ([1.0, 0.9, 0.81, 0.729], 1.0),
+    ([4, 3.6, 3.2, 2.0], 2 / 2.8),
+])
+def test_the_share_of_the_last_step_that_a_jump_leaves(force, share):
+    assert mk.share_of_jump(np.array(force, float), 0, 0, len(force)) == pytest.approx(share)
+
+
+def test_a_largest_force_beside_a_jump_is_that_of_its_own_side():
+    force = means(Polynomial([2, -1]), EVEN)
+    padded = np.concatenate(([0.0] * 3, force))
+    times = np.concatenate((EVEN[0] - 0.025 * np.arange(3, 0, -1), EVEN))
+    assert mk.largest_force(times, padded, 0, 43) == pytest.approx(2.0, abs=1e-12)
+    assert mk.largest_force(times, np.concatenate(([9.0], padded)), 1, 43) == pytest.approx(2.0)
+    assert math.isclose(mk.largest_force(EVEN, means(Polynomial([0, 4, -4]), EVEN), 0, 40), 1.0)
+    rising = np.concatenate((means(Polynomial([0, 4, -4]), EVEN[:17]), [0.0] * 3))
+    assert mk.largest_force(EVEN, rising, 0, 19) == pytest.approx(0.96)
