@@ -97,6 +97,7 @@ class Machine:
         count = len(mesh.touching)
         self.tally = Tally(*(np.zeros(count) for _ in range(4)),
                            *(np.full(count, v, np.int64) for v in (-1, -1, 0, 0)))
+        self.tol, self.gap_resolution = TOLERANCE * row.scale, GAP_RESOLUTION * row.scale
         self._set_initial_state()
         self.keep = keep
         self.signals = self._allocate(room)
@@ -107,7 +108,6 @@ class Machine:
                              mesh.lateral / h, left, right)
         self.clock = whole([0, 0, 0])
         self.taken = 0
-        self.tol, self.gap_resolution = TOLERANCE * row.scale, GAP_RESOLUTION * row.scale
 
     # Laying out ---------------------------------------------------------------------------------
 
@@ -170,7 +170,7 @@ class Machine:
         chosen, nodes = list(mesh.touching), list(mesh.touching.values())
         count = len(chosen)
         sides: list[list[int]] = [[], []]
-        own, shared = np.zeros((2, count))
+        own, shared, left_ease, right_ease = np.zeros((4, count))
         for q, pair in enumerate(nodes):
             for side, node in enumerate(pair):
                 piece = mesh.piece_of(node)
@@ -178,6 +178,8 @@ class Machine:
                 sides[side].append(place)
                 answer = (self.implicit.by_last, self.implicit.by_first)[side]
                 own[q] += (mobility if place < 0 else answer)[node] / 2
+                if not mesh.held[node]:
+                    (left_ease, right_ease)[side][q] = h / mesh.mass[node]
             if q and mesh.piece_of(pair[0]) == mesh.piece_of(nodes[q - 1][1]):
                 if sides[0][q] >= 0:
                     shared[q] = self.implicit.by_first[pair[0]] / 2
@@ -191,7 +193,7 @@ class Machine:
             np.ones(count, np.int64), (gap == 0).astype(np.int64),
             whole([pair[0] for pair in nodes]), whole([pair[1] for pair in nodes]),
             whole(sides[0]), whole(sides[1]), own, shared, np.zeros(count),
-            np.append(np.flatnonzero(shared == 0), count),
+            left_ease, right_ease, np.zeros(count), np.append(np.flatnonzero(shared == 0), count),
         )
         return links, Chain(*np.zeros((len(Chain._fields), count)))
 
@@ -244,6 +246,23 @@ class Machine:
         links = self.links
         closing = v[links.left] - v[links.right]
         links.shut[links.gap <= closing / 2] = 1  # closes before the first kick
+        self._meet(kick)
+
+    def _meet(self, kick: Array) -> None:
+        """Find the forces by which ends meet before the first kick, which gives the half of `kick`.
+
+        All of the velocity by which they close is due where they touch at t = 0, nothing where they
+        meet at the kick. Less is taken where viscosity ties a node to the next in a step, which
+        would throw it back, and nothing where lateral inertia does.
+        """
+        mesh, links, v = self.mesh, self.links, self.grid.velocity + kick
+        due = v[links.left] - v[links.right] - 2 * links.gap
+        ease = links.left_ease + links.right_ease
+        cells = np.stack([links.left, links.right + 1])
+        tied = (mesh.viscous[cells] * [links.left_ease, links.right_ease]).max(axis=0)
+        meets = (links.law == RIGID) & (links.shut == 1) & (ease > 0) & (due / 2 > self.tol)
+        meets &= ~mesh.lateral[cells].any(axis=0)
+        links.met[meets] = (due / np.where(ease > 0, ease, 1.0) / (1 + (tied / 4) ** 2))[meets]
 
     def _dragged(self, jump: Array) -> Array:
         """Changes of velocity where held ends jump: lateral inertia takes neighbours along."""
