@@ -133,7 +133,7 @@ def test_what_touches_at_the_start_is_no_part_of_a_step_late(viscosity):
     edges, force = s.run.signals.edges * s.run.clock.tick, s.contacts[0].push.values
     passed = np.concatenate(([0.0], np.cumsum(force * np.diff(edges))))
     halfway = np.interp(passed[-1] / 2, passed, edges)
-    assert halfway == pytest.approx(0.4, abs=0.05 * edges[1])
+    assert halfway == pytest.approx(0.4, abs=0.1 * edges[1])
 
 
 def test_fields_at_jumps_are_of_order_one_half():

@@ -66,14 +66,6 @@ def test_the_search_ends_at_the_last_factor():
     assert found.factor == 8
 
 
-def test_an_error_that_is_known_counts_as_one_that_is_estimated():
-    found, estimates = refined(
-        Run, lambda _: {"impulse": np.ones(1)}, 1e-2, 64, lambda r: {"energy": 0.1 / r.factor}
-    )
-    assert found.factor == 12
-    assert estimates == {"impulse": 0.0, "energy": pytest.approx(0.1 / 12)}
-
-
 def test_a_run_that_is_too_long_ends_the_search():
     def level(factor):
         if factor > 1:

@@ -16,9 +16,9 @@ Bodies bonded together are one *piece* of neighbouring nodes; between pieces lie
 stiffness. Contacts are the links of `contact_law_kernel` between the last node of a piece and the
 first of the next, with the discrete inertia seen there. Their w is the mean closing velocity of a
 step. A rigid contact does not update its gap while it is shut: the two nodes move on with one
-velocity. The energy that the nodes lose as it shuts is of the size of a cell. What shuts before the
-first kick does so when it comes to it: left to the kick, all that follows would be half a step
-late.
+velocity. The energy that the nodes lose as it shuts is of the size of a cell. Ends that shut
+before the first kick are not let into each other until then: all that follows would be as much too
+late, half a step where they touch from the start.
 
 Units are those of `contact_law_kernel`: M/h, E A h/dx, displacement/h.
 """
@@ -102,9 +102,8 @@ class Links(NamedTuple):
     own: Any  # half the mobility of both sides together
     shared: Any  # half the mobility that it shares with the link before
     before: Any  # closing velocity at the start of the step
-    left_ease: Any  # 1/mass of the node, 0 where it is held
-    right_ease: Any
-    met: Any  # force in the first step by which ends meet before its kick; 0 in later steps
+    left_shift: Any  # displacement of its nodes as they shut before the first kick
+    right_shift: Any
     group: Any  # [group + 1] first links of those that feel each other
 
 
@@ -405,11 +404,10 @@ def resolve_contact(
         signals.closing[signals.link_start[i] + j] = links.gap[i] - gap
         if links.law[i] == RIGID:
             signals.closing[signals.link_start[i] + j] = w
-        if links.met[i] > 0:  # the path of both forces together: they have lost this
-            signals.closing[signals.link_start[i] + j] = tally.numerical[i] / (F + links.met[i])
+            if j == 0 and F > 0:  # with what `shut_at_once` has entered
+                signals.closing[signals.link_start[i] + j] = tally.numerical[i] / F
         opened = links.open[i]
-        record_step(links, tally, signals, i, j, F + links.met[i], gap, 1.0)
-        links.met[i] = 0.0
+        record_step(links, tally, signals, i, j, F, gap, 1.0)
         if gap <= gap_resolution:
             links.open[i] = min(opened, links.open[i])
     return True
@@ -449,40 +447,35 @@ def record_bond_forces(
         signals.mass_speed[m * room + j] = v[signals.mass_node[m]]
 
 
-def remember(
-    grid: Grid, links: Links, bonds: Bonds, ends: Ends, tally: Tally, first: bool
-) -> None:
+def shut_at_once(grid: Grid, links: Links, tally: Tally) -> None:
+    """Part the ends that shut before the first kick by what they would overlap there."""
+    v, force, stiffness = grid.velocity, grid.force, grid.stiffness
+    for i in range(len(links.law)):
+        l, r = links.left[i], links.right[i]
+        for n, shift in ((l, links.left_shift[i]), (r, links.right_shift[i])):
+            for cell, sign in ((n, 1), (n + 1, -1)):
+                k = stiffness[cell]
+                if k > 0:
+                    tension = force[cell] + k * (v[cell] - v[cell - 1]) / 2
+                    tally.numerical[i] -= sign * shift * (tension + sign * k * shift / 2)
+                    force[cell] += sign * k * shift
+            for p in range(len(grid.start)):
+                if grid.start[p] == n:
+                    grid.place[p] += shift
+
+
+def remember(grid: Grid, links: Links, bonds: Bonds, ends: Ends) -> None:
     """Note the velocities that are asked for after the step."""
     v = grid.velocity
-    for b in range(len(bonds.node)):
-        bonds.here[b] = bonds.there[b] = v[bonds.node[b]]
-    if first:
-        meet(grid, links, tally)
     for i in range(len(links.law)):
         links.before[i] = v[links.left[i]] - v[links.right[i]]
     for side in range(2):
         ends.old[side] = v[ends.node[side]]
     for b in range(len(bonds.node)):
         n, c = bonds.node[b], bonds.cell[b]
+        bonds.here[b] = bonds.there[b] = v[n]
         if c >= 0:
             bonds.there[b] = v[n - 1 if c == n else n + 1]
-
-
-def meet(grid: Grid, links: Links, tally: Tally) -> None:
-    """Change the velocities of ends that meet before the first kick; what is strained stays so."""
-    v, force, stiffness = grid.velocity, grid.force, grid.stiffness
-    for i in range(len(links.law)):
-        l, r, F = links.left[i], links.right[i], links.met[i]
-        sides = ((l, -F * links.left_ease[i]), (r, F * links.right_ease[i]))
-        tally.numerical[i] += F * (v[l] + sides[0][1] / 2 - v[r] - sides[1][1] / 2)
-        for n, change in sides:
-            for cell, sign in ((n, 1), (n + 1, -1)):
-                k = stiffness[cell]
-                if k > 0:
-                    rate = sign * (v[cell] - v[cell - 1])
-                    force[cell] -= sign * k * change / 2
-                    tally.numerical[i] += k * change * (2 * rate + change) / 8
-            v[n] += change
 
 
 def dissipate(grid: Grid, implicit: Implicit) -> None:
@@ -542,7 +535,9 @@ def run(
         clock[STEP], clock[KEPT] = j, place
         if j >= end:
             return DONE
-        remember(grid, links, bonds, ends, tally, j == 0)
+        if j == 0:
+            shut_at_once(grid, links, tally)
+        remember(grid, links, bonds, ends)
         for p in range(len(grid.start)):
             grid.place[p] += v[grid.start[p]] / 2
         drift(grid, implicit)

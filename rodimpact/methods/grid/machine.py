@@ -46,6 +46,7 @@ CELL_TIMES = {"explicit": (7e-10, 8e-7), "implicit": (6e-9, 2.5e-6)}
 STEP_TIMES = 3e-7, 1e-5
 """Time of a step beside that of its cells, with what results take."""
 
+MOST_RETARDATION = 1 / 64  # eta/E over the longest transit, up to which ends shut without delay
 PROOF_TIME = 2e-6  # s, about what plain Python takes for a node
 ROUND = 0.25  # s between two looks at the clock
 
@@ -170,7 +171,7 @@ class Machine:
         chosen, nodes = list(mesh.touching), list(mesh.touching.values())
         count = len(chosen)
         sides: list[list[int]] = [[], []]
-        own, shared, left_ease, right_ease = np.zeros((4, count))
+        own, shared = np.zeros((2, count))
         for q, pair in enumerate(nodes):
             for side, node in enumerate(pair):
                 piece = mesh.piece_of(node)
@@ -178,8 +179,6 @@ class Machine:
                 sides[side].append(place)
                 answer = (self.implicit.by_last, self.implicit.by_first)[side]
                 own[q] += (mobility if place < 0 else answer)[node] / 2
-                if not mesh.held[node]:
-                    (left_ease, right_ease)[side][q] = h / mesh.mass[node]
             if q and mesh.piece_of(pair[0]) == mesh.piece_of(nodes[q - 1][1]):
                 if sides[0][q] >= 0:
                     shared[q] = self.implicit.by_first[pair[0]] / 2
@@ -193,7 +192,7 @@ class Machine:
             np.ones(count, np.int64), (gap == 0).astype(np.int64),
             whole([pair[0] for pair in nodes]), whole([pair[1] for pair in nodes]),
             whole(sides[0]), whole(sides[1]), own, shared, np.zeros(count),
-            left_ease, right_ease, np.zeros(count), np.append(np.flatnonzero(shared == 0), count),
+            *np.zeros((2, count)), np.append(np.flatnonzero(shared == 0), count),
         )
         return links, Chain(*np.zeros((len(Chain._fields), count)))
 
@@ -246,23 +245,26 @@ class Machine:
         links = self.links
         closing = v[links.left] - v[links.right]
         links.shut[links.gap <= closing / 2] = 1  # closes before the first kick
-        self._meet(kick)
+        self._shut_at_once(closing, kick)
 
-    def _meet(self, kick: Array) -> None:
-        """Find the forces by which ends meet before the first kick, which gives the half of `kick`.
+    def _shut_at_once(self, closing: Array, kick: Array) -> None:
+        """Find how far apart to put ends that shut before the first kick, the lighter one more.
 
-        All of the velocity by which they close is due where they touch at t = 0, nothing where they
-        meet at the kick. Less is taken where viscosity ties a node to the next in a step, which
-        would throw it back, and nothing where lateral inertia does.
+        By half the velocity by which they then close, `kick` with it, where they touch at t = 0; by
+        nothing where they meet at the kick, nor where viscosity rules: strain would linger there.
         """
-        mesh, links, v = self.mesh, self.links, self.grid.velocity + kick
-        due = v[links.left] - v[links.right] - 2 * links.gap
-        ease = links.left_ease + links.right_ease
-        cells = np.stack([links.left, links.right + 1])
-        tied = (mesh.viscous[cells] * [links.left_ease, links.right_ease]).max(axis=0)
-        meets = (links.law == RIGID) & (links.shut == 1) & (ease > 0) & (due / 2 > self.tol)
-        meets &= ~mesh.lateral[cells].any(axis=0)
-        links.met[meets] = (due / np.where(ease > 0, ease, 1.0) / (1 + (tied / 4) ** 2))[meets]
+        mesh, links = self.mesh, self.links
+        parting = kick[links.right] - kick[links.left]
+        overlap = (closing - parting) / 2 - links.gap
+        ease = np.where(mesh.held == 1, 0.0, 1 / np.where(mesh.mass > 0, mesh.mass, 1.0))
+        left, right = ease[links.left], ease[links.right]
+        late = (links.law == RIGID) & (links.shut == 1) & (left + right > 0)
+        late &= (overlap > self.tol) & (closing > 2 * parting)
+        stiffness = np.where(mesh.stiffness > 0, mesh.stiffness, 1.0)
+        retardation = (mesh.viscous / stiffness)[[links.left, links.right + 1]].max(axis=0)
+        late &= retardation <= MOST_RETARDATION * max(mesh.counts) * self.step
+        links.left_shift[late] = -(overlap * left / (left + right))[late]
+        links.right_shift[late] = (overlap * right / (left + right))[late]
 
     def _dragged(self, jump: Array) -> Array:
         """Changes of velocity where held ends jump: lateral inertia takes neighbours along."""
