@@ -18,6 +18,8 @@ from .stepped_run import SteppedRun
 
 STEP_TIME = 2e-7  # s, about what a measure takes for a step in plain Python
 MEASURES = ("impulse", "largest force", "time of 99.9 % of the impulse")
+DOUBT = 2  # times what changes tell: where they cancel, errors are larger
+PART = 0.1  # of a step, to which times are known at best
 R = TypeVar("R", bound=SteppedRun)
 
 
@@ -70,8 +72,12 @@ def refined(
 def _error(levels: list[tuple[float, dict[str, Array]]], name: str) -> float:
     """Estimated error of a measure on the last level."""
     values = [x for _, measured in levels for x in measured[name].tolist()]
-    width = len(values) // len(levels)
-    return error_of(values, width, [step for step, _ in levels], len(levels), 0, width, False)
+    width, steps = len(values) // len(levels), [step for step, _ in levels]
+    error = DOUBT * error_of(values, width, steps, len(levels), 0, width, False)
+    latest = max(values[-width:], default=0.0)
+    if name == MEASURES[2] and latest > 0:
+        error = max(error, PART * steps[-1] / latest)
+    return error
 
 
 def velocity_measure(free: Sequence[float], scale: float) -> Array:

@@ -192,7 +192,7 @@ class Machine:
             np.ones(count, np.int64), (gap == 0).astype(np.int64),
             whole([pair[0] for pair in nodes]), whole([pair[1] for pair in nodes]),
             whole(sides[0]), whole(sides[1]), own, shared, np.zeros(count),
-            *np.zeros((2, count)), np.append(np.flatnonzero(shared == 0), count),
+            np.zeros(count), np.zeros(count), np.append(np.flatnonzero(shared == 0), count),
         )
         return links, Chain(*np.zeros((len(Chain._fields), count)))
 
