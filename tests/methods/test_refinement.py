@@ -62,7 +62,7 @@ def test_the_estimate_of_a_first_order_method_is_its_error(order):
 def test_the_search_ends_at_the_last_factor():
     found, estimates, run = search(lambda factor: float(factor % 3), 1e-3, last=8)
     assert run == [1, 2, 3, 4, 6, 8]
-    assert estimates["impulse"] == pytest.approx(DOUBT * 3.0)  # 6 gives 0, 8 gives 2, 6/(8 - 6) times
+    assert estimates["impulse"] == pytest.approx(DOUBT * 3.0)  # 6 gives 0, 8 gives 2
     assert found.factor == 8
 
 
