@@ -102,8 +102,9 @@ class Links(NamedTuple):
     own: Any  # half the mobility of both sides together
     shared: Any  # half the mobility that it shares with the link before
     before: Any  # closing velocity at the start of the step
-    left_shift: Any  # displacement of its nodes as they shut before the first kick
-    right_shift: Any
+    strained: Any  # [strained cell] which one, as its end shuts before the first kick
+    stretch: Any  # [strained cell] by how much then
+    straining: Any  # [strained cell] link
     group: Any  # [group + 1] first links of those that feel each other
 
 
@@ -449,19 +450,13 @@ def record_bond_forces(
 
 def shut_at_once(grid: Grid, links: Links, tally: Tally) -> None:
     """Part the ends that shut before the first kick by what they would overlap there."""
-    v, force, stiffness = grid.velocity, grid.force, grid.stiffness
-    for i in range(len(links.law)):
-        l, r = links.left[i], links.right[i]
-        for n, shift in ((l, links.left_shift[i]), (r, links.right_shift[i])):
-            for cell, sign in ((n, 1), (n + 1, -1)):
-                k = stiffness[cell]
-                if k > 0:
-                    tension = force[cell] + k * (v[cell] - v[cell - 1]) / 2
-                    tally.numerical[i] -= sign * shift * (tension + sign * k * shift / 2)
-                    force[cell] += sign * k * shift
-            for p in range(len(grid.start)):
-                if grid.start[p] == n:
-                    grid.place[p] += shift
+    v, force = grid.velocity, grid.force
+    for e in range(len(links.strained)):
+        i, stretch = links.strained[e], links.stretch[e]
+        k = grid.stiffness[i]
+        tension = force[i] + k * (v[i] - v[i - 1]) / 2
+        tally.numerical[links.straining[e]] -= stretch * (tension + k * stretch / 2)
+        force[i] += k * stretch
 
 
 def remember(grid: Grid, links: Links, bonds: Bonds, ends: Ends) -> None:

@@ -192,7 +192,7 @@ class Machine:
             np.ones(count, np.int64), (gap == 0).astype(np.int64),
             whole([pair[0] for pair in nodes]), whole([pair[1] for pair in nodes]),
             whole(sides[0]), whole(sides[1]), own, shared, np.zeros(count),
-            np.zeros(count), np.zeros(count), np.append(np.flatnonzero(shared == 0), count),
+            whole([]), np.zeros(0), whole([]), np.append(np.flatnonzero(shared == 0), count),
         )
         return links, Chain(*np.zeros((len(Chain._fields), count)))
 
@@ -248,7 +248,7 @@ class Machine:
         self._shut_at_once(closing, kick)
 
     def _shut_at_once(self, closing: Array, kick: Array) -> None:
-        """Find how far apart to put ends that shut before the first kick, the lighter one more.
+        """Put ends apart that shut before the first kick, the lighter one more.
 
         By half the velocity by which they then close, `kick` with it, where they touch at t = 0; by
         nothing where they meet at the kick, nor where viscosity rules: strain would linger there.
@@ -263,8 +263,17 @@ class Machine:
         stiffness = np.where(mesh.stiffness > 0, mesh.stiffness, 1.0)
         retardation = (mesh.viscous / stiffness)[[links.left, links.right + 1]].max(axis=0)
         late &= retardation <= MOST_RETARDATION * max(mesh.counts) * self.step
-        links.left_shift[late] = -(overlap * left / (left + right))[late]
-        links.right_shift[late] = (overlap * right / (left + right))[late]
+        strained: list[tuple[int, float, int]] = []
+        for i in np.flatnonzero(late).tolist():
+            share = overlap[i] / (left[i] + right[i])
+            for n, shift in ((links.left[i], -left[i] * share), (links.right[i], right[i] * share)):
+                self.grid.place[np.array(mesh.starts) == n] += shift
+                strained += [(cell, sign * shift, i) for cell, sign in ((n, 1), (n + 1, -1))
+                             if mesh.stiffness[cell] > 0]
+        cells, stretches, places = zip(*strained, strict=True) if strained else ((), (), ())
+        self.links = links._replace(
+            strained=whole(list(cells)), stretch=np.array(stretches, float),
+            straining=whole(list(places)))
 
     def _dragged(self, jump: Array) -> Array:
         """Changes of velocity where held ends jump: lateral inertia takes neighbours along."""
@@ -365,8 +374,13 @@ class Machine:
 
     # Running ------------------------------------------------------------------------------------
 
-    def advance(self, end: int, tell: Callable[[int], None] | None = None) -> None:
-        """Run to step `end`; `tell` hears of the steps taken, several times a second."""
+    def advance(
+        self, end: int, tell: Callable[[int], None] | None = None, ahead: float = 0.0
+    ) -> None:
+        """Run to step `end`; `tell` hears of the steps taken, several times a second.
+
+        So many seconds in plain Python, `ahead`, are certain to follow.
+        """
         if end > self.room:
             self._grow(max(end, 2 * self.room))
         self.states = self.keep.room_for(self, end)
@@ -376,7 +390,8 @@ class Machine:
         )
         numbers = sum(len(column) for part in (self.signals, self.states) for column in part)
         fast = kernels.worth_compiling(
-            (end - self.taken) * cost(self.mesh, plain=True) + numbers * kernels.LIST_TIME, run
+            (end - self.taken) * cost(self.mesh, plain=True) + numbers * kernels.LIST_TIME, run,
+            ahead=ahead,
         )
         lists = parts if fast else tuple(kernels.as_lists(x) for x in parts)
         go: Callable[..., int] = kernels.compiled(run) if fast else run

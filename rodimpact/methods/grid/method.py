@@ -27,6 +27,8 @@ from ..duration import Forecast
 from ..measure_kernel import largest_force
 from ..memory import ask
 from ..refinement import MEASURES, contact_measures, refined, velocity_measure
+from ..refinement_kernel import FEWEST as FEWEST_LEVELS
+from ..refinement_kernel import factor_of
 from ..row import Array, Row
 from ..run import Progress, Run
 from ..stepped import StepRecord, as_run
@@ -222,18 +224,23 @@ def follow(
 
     peaks: dict[float, Array] = {}
     forecast = Forecast(announce, LESS)
+    searching = cells is None and dt is None and stepping
 
     def level(factor: int) -> GridRun:
         finer = Mesh(row, [factor * N for N in counts])
         keep = Keeper(np.array(snapshots) if isinstance(snapshots, tuple) else snapshots)
-        return _level(finer, step / factor, keep, until, max_events, progress, forecast)
+        finest = factor_of(FEWEST_LEVELS - 1) if searching else 0
+        others = sum(f * f for f in range(factor + 1, finest + 1))
+        if until is None:
+            others += finest**2  # the round trip after the proof
+        return _level(finer, step / factor, keep, until, max_events, progress, forecast, others / factor**2)
 
     def measures(run: GridRun) -> dict[str, Array]:
         by_contact = contact_measures(run)
         peaks[run.step] = by_contact.pop(MEASURES[1])
         return {"velocity": velocity_measure(_free_velocities(run), row.scale), **by_contact}
 
-    if cells is not None or dt is not None or not stepping:
+    if not searching:
         return _after_the_proof(level(1))
     goal = RTOL if rtol is None else rtol
     run, estimates = refined(level, measures, goal, FINEST // max(counts))
@@ -307,9 +314,12 @@ def _mesh_size(
 
 def _level(
     mesh: Mesh, step: float, keep: Keeper, until: float | None, max_events: int,
-    progress: Progress | None, forecast: Forecast,
+    progress: Progress | None, forecast: Forecast, others: float,
 ) -> GridRun:
-    """One run on a given mesh, to its end or to the proof of finality."""
+    """One run on a given mesh, to its end or to the proof of finality.
+
+    Others that are certain to follow take so many times as long.
+    """
     row, clock = mesh.row, _clock(mesh, step)
     longest = _round_trip(clock) // 2
     cap = max(1, max_events // len(row.laws))
@@ -319,6 +329,7 @@ def _level(
     machine = Machine(mesh, step, keep, room)
     size = f"{room} steps, {sum(mesh.counts)} cells"
     per_step = cost(mesh, plain=not kernels.enabled())
+    ahead = others * (steps or 2 * longest) * cost(mesh, plain=True)
     began = time.monotonic()
 
     def tell(taken: int) -> None:
@@ -334,7 +345,7 @@ def _level(
             proof = machine.taken
         elif machine.taken < last:
             more = max(longest // 4, machine.taken // 8, 1)
-            machine.advance(min(last, machine.taken + more), tell)
+            machine.advance(min(last, machine.taken + more), tell, ahead)
         else:
             break
     if until is not None:
