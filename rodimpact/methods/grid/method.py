@@ -233,7 +233,8 @@ def follow(
         others = sum(f * f for f in range(factor + 1, finest + 1))
         if until is None:
             others += finest**2  # the round trip after the proof
-        return _level(finer, step / factor, keep, until, max_events, progress, forecast, others / factor**2)
+        return _level(finer, step / factor, keep, until, max_events, progress, forecast,
+                      others / factor**2)
 
     def measures(run: GridRun) -> dict[str, Array]:
         by_contact = contact_measures(run)
@@ -341,10 +342,11 @@ def _level(
     tell(0)
     machine.advance(0)
     while proof < 0:
-        if machine.finality_time() == 0:
+        wait = machine.finality_time()
+        if wait == 0:
             proof = machine.taken
         elif machine.taken < last:
-            more = max(longest // 4, machine.taken // 8, 1)
+            more = max(min(wait, max(longest // 4, machine.taken // 8)), FEWEST)
             machine.advance(min(last, machine.taken + more), tell, ahead)
         else:
             break
