@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import count
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
+from . import kernels
 from .contact_law_kernel import IMPACT
 from .measure_kernel import largest_force, time_of_most
 from .memory import TooLong
@@ -15,13 +16,15 @@ from .refinement_kernel import error_of, factor_of
 from .row import Array
 from .stepped_run import SteppedRun
 
+STEP_TIME = 2e-7  # s, about what a measure takes for a step in plain Python
 MEASURES = ("impulse", "largest force", "time of 99.9 % of the impulse")
+DOUBT = 2  # times what changes tell: where they cancel, errors are larger
+PART = 0.1  # of a step, to which times are known at best
 R = TypeVar("R", bound=SteppedRun)
 
 
 def refined(
     level: Callable[[int], R], measures: Callable[[R], dict[str, Array]], goal: float, last: int,
-    known: Callable[[R], dict[str, float]] = lambda _: {},
 ) -> tuple[R, dict[str, float]]:
     """Divide the step until no measure is wrong by more than `goal`, or as far as it goes.
 
@@ -35,8 +38,6 @@ def refined(
     goal : float
     last : int
         Largest factor, 4 at least.
-    known : function, optional
-        Errors of a run that need no other one to be known.
 
     Returns
     -------
@@ -61,7 +62,7 @@ def refined(
             break
         finest, values = finer, measures(finer)
         levels.append((finest.step, values))
-        estimates = {**{name: _error(levels, name) for name in values}, **known(finest)}
+        estimates = {name: _error(levels, name) for name in values}
         if finest.stopped_by == "max_events" or max(estimates.values()) <= goal:
             break
     assert finest is not None
@@ -71,8 +72,12 @@ def refined(
 def _error(levels: list[tuple[float, dict[str, Array]]], name: str) -> float:
     """Estimated error of a measure on the last level."""
     values = [x for _, measured in levels for x in measured[name].tolist()]
-    width = len(values) // len(levels)
-    return error_of(values, width, [step for step, _ in levels], len(levels), 0, width, False, 0.0)
+    width, steps = len(values) // len(levels), [step for step, _ in levels]
+    error = DOUBT * error_of(values, width, steps, len(levels), 0, width, False, 0.0)
+    latest = max(values[-width:], default=0.0)
+    if name == MEASURES[2] and latest > 0:
+        error = max(error, PART * steps[-1] / latest)
+    return error
 
 
 def velocity_measure(free: Sequence[float], scale: float) -> Array:
@@ -92,11 +97,17 @@ def contact_measures(run: SteppedRun) -> dict[str, Array]:
     """
     laws = [run.row.laws[link] for link in run.row.opening.values()]
     forces = [run.contact(k)[0] for k in run.row.opening]
-    times = run.edges * run.clock.tick
     lasting = [(law != IMPACT) * F for law, F in zip(laws, forces, strict=True)]
     measured = (
         [float(F @ run.durations) for F in forces],
-        [largest_force(times, F, 0, run.steps) for F in lasting],
-        [time_of_most(times, F, 0, run.steps) for F in lasting],
+        *([_measured(kernel, run, F) for F in lasting] for kernel in (largest_force, time_of_most)),
     )
     return {name: np.array(values) for name, values in zip(MEASURES, measured, strict=True)}
+
+
+def _measured(kernel: Callable[..., float], run: SteppedRun, force: Array) -> float:
+    """What a kernel measures of the mean forces in the steps of a run."""
+    times: Any = run.edges * run.clock.tick
+    if kernels.worth_compiling(run.steps * STEP_TIME, kernel):
+        return float(kernels.compiled(kernel)(times, force, 0, run.steps))
+    return kernel(times.tolist(), force.tolist(), 0, run.steps)

@@ -256,7 +256,7 @@ class GridFields(Fields):
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
         nodes, _, mass = self._span(body)
-        own = self.motion.velocity[:, nodes] @ mass
+        own = (self.motion.velocity[:, nodes] * mass).sum(axis=1)  # state by state the same bits
         moving = self._in_time(own[:, None], 0, self.to_ticks(t))
         momentum: Floats = moving + mass.sum() * (self.clock.frame + self._fallen(t))
         return momentum

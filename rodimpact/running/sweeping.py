@@ -297,6 +297,8 @@ def _one_by_one(
         for name, (kind, beyond) in arrays_of(system, readings).items()
     }
     columns["status"][:] = STATUS.index("refused")
+    if "snapshots" in METHODS[options.method].takes and not readings.gauges:
+        options = replace(options, snapshots=2)  # an outcome needs the first and the last state
     for place, index in enumerate(np.ndindex(system.shape)):
         if stop():
             raise Stopped

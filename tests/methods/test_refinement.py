@@ -8,7 +8,7 @@ import pytest
 
 from rodimpact.methods.measure_kernel import largest_force
 from rodimpact.methods.memory import TooLong
-from rodimpact.methods.refinement import refined
+from rodimpact.methods.refinement import DOUBT, PART, refined
 from rodimpact.methods.refinement_kernel import carried_error, carried_on, error_of, factor_of
 
 
@@ -48,7 +48,7 @@ def test_what_powers_of_two_do_not_see_is_seen():
     """A sawtooth that is the same on all of them, as of a contact that closes inside a step."""
     _, estimates, run = search(lambda n: 1.0 if n & (n - 1) == 0 else 1 + 0.1 / n, 1e-3)
     assert run[-1] == 64
-    assert estimates["impulse"] == pytest.approx(0.1 / 48 * 3)
+    assert estimates["impulse"] == pytest.approx(DOUBT * 0.1 / 48 * 3)
 
 
 @pytest.mark.parametrize("order", [1, 2])
@@ -62,16 +62,15 @@ def test_the_estimate_of_a_first_order_method_is_its_error(order):
 def test_the_search_ends_at_the_last_factor():
     found, estimates, run = search(lambda factor: float(factor % 3), 1e-3, last=8)
     assert run == [1, 2, 3, 4, 6, 8]
-    assert estimates["impulse"] == pytest.approx(3.0)  # 6 gives 0 and 8 gives 2, 6/(8 - 6) times
+    assert estimates["impulse"] == pytest.approx(DOUBT * 3.0)  # 6 gives 0, 8 gives 2
     assert found.factor == 8
 
 
-def test_an_error_that_is_known_counts_as_one_that_is_estimated():
-    found, estimates = refined(
-        Run, lambda _: {"impulse": np.ones(1)}, 1e-2, 64, lambda r: {"energy": 0.1 / r.factor}
-    )
-    assert found.factor == 12
-    assert estimates == {"impulse": 0.0, "energy": pytest.approx(0.1 / 12)}
+def test_a_time_is_known_to_a_part_of_a_step_at_best():
+    name = "time of 99.9 % of the impulse"
+    found, estimates = refined(Run, lambda _: {name: np.array([0.0, 2.0])}, 0.01, 64)
+    assert found.factor == 6
+    assert estimates == {name: pytest.approx(PART / 6 / 2)}
 
 
 def test_a_run_that_is_too_long_ends_the_search():

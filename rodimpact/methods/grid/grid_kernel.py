@@ -16,7 +16,9 @@ Bodies bonded together are one *piece* of neighbouring nodes; between pieces lie
 stiffness. Contacts are the links of `contact_law_kernel` between the last node of a piece and the
 first of the next, with the discrete inertia seen there. Their w is the mean closing velocity of a
 step. A rigid contact does not update its gap while it is shut: the two nodes move on with one
-velocity. The energy that the nodes lose as it shuts is of the size of a cell.
+velocity. The energy that the nodes lose as it shuts is of the size of a cell. Ends that shut
+before the first kick are not let into each other until then: all that follows would be as much too
+late, half a step where they touch from the start.
 
 Units are those of `contact_law_kernel`: M/h, E A h/dx, displacement/h.
 """
@@ -100,6 +102,9 @@ class Links(NamedTuple):
     own: Any  # half the mobility of both sides together
     shared: Any  # half the mobility that it shares with the link before
     before: Any  # closing velocity at the start of the step
+    strained: Any  # [strained cell] which one, as its end shuts before the first kick
+    stretch: Any  # [strained cell] by how much then
+    straining: Any  # [strained cell] link
     group: Any  # [group + 1] first links of those that feel each other
 
 
@@ -400,6 +405,8 @@ def resolve_contact(
         signals.closing[signals.link_start[i] + j] = links.gap[i] - gap
         if links.law[i] == RIGID:
             signals.closing[signals.link_start[i] + j] = w
+            if j == 0 and F > 0:  # with what `shut_at_once` has entered
+                signals.closing[signals.link_start[i] + j] = tally.numerical[i] / F
         opened = links.open[i]
         record_step(links, tally, signals, i, j, F, gap, 1.0)
         if gap <= gap_resolution:
@@ -439,6 +446,17 @@ def record_bond_forces(
         signals.bond[b * room + j] = F
     for m in range(len(signals.mass_node)):
         signals.mass_speed[m * room + j] = v[signals.mass_node[m]]
+
+
+def shut_at_once(grid: Grid, links: Links, tally: Tally) -> None:
+    """Part the ends that shut before the first kick by what they would overlap there."""
+    v, force = grid.velocity, grid.force
+    for e in range(len(links.strained)):
+        i, stretch = links.strained[e], links.stretch[e]
+        k = grid.stiffness[i]
+        tension = force[i] + k * (v[i] - v[i - 1]) / 2
+        tally.numerical[links.straining[e]] -= stretch * (tension + k * stretch / 2)
+        force[i] += k * stretch
 
 
 def remember(grid: Grid, links: Links, bonds: Bonds, ends: Ends) -> None:
@@ -512,6 +530,8 @@ def run(
         clock[STEP], clock[KEPT] = j, place
         if j >= end:
             return DONE
+        if j == 0:
+            shut_at_once(grid, links, tally)
         remember(grid, links, bonds, ends)
         for p in range(len(grid.start)):
             grid.place[p] += v[grid.start[p]] / 2

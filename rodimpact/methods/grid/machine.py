@@ -46,6 +46,7 @@ CELL_TIMES = {"explicit": (7e-10, 8e-7), "implicit": (6e-9, 2.5e-6)}
 STEP_TIMES = 3e-7, 1e-5
 """Time of a step beside that of its cells, with what results take."""
 
+MOST_RETARDATION = 1 / 64  # eta/E over the longest transit, up to which ends shut without delay
 PROOF_TIME = 2e-6  # s, about what plain Python takes for a node
 ROUND = 0.25  # s between two looks at the clock
 
@@ -97,6 +98,7 @@ class Machine:
         count = len(mesh.touching)
         self.tally = Tally(*(np.zeros(count) for _ in range(4)),
                            *(np.full(count, v, np.int64) for v in (-1, -1, 0, 0)))
+        self.tol, self.gap_resolution = TOLERANCE * row.scale, GAP_RESOLUTION * row.scale
         self._set_initial_state()
         self.keep = keep
         self.signals = self._allocate(room)
@@ -107,7 +109,6 @@ class Machine:
                              mesh.lateral / h, left, right)
         self.clock = whole([0, 0, 0])
         self.taken = 0
-        self.tol, self.gap_resolution = TOLERANCE * row.scale, GAP_RESOLUTION * row.scale
 
     # Laying out ---------------------------------------------------------------------------------
 
@@ -191,7 +192,7 @@ class Machine:
             np.ones(count, np.int64), (gap == 0).astype(np.int64),
             whole([pair[0] for pair in nodes]), whole([pair[1] for pair in nodes]),
             whole(sides[0]), whole(sides[1]), own, shared, np.zeros(count),
-            np.append(np.flatnonzero(shared == 0), count),
+            whole([]), np.zeros(0), whole([]), np.append(np.flatnonzero(shared == 0), count),
         )
         return links, Chain(*np.zeros((len(Chain._fields), count)))
 
@@ -244,6 +245,35 @@ class Machine:
         links = self.links
         closing = v[links.left] - v[links.right]
         links.shut[links.gap <= closing / 2] = 1  # closes before the first kick
+        self._shut_at_once(closing, kick)
+
+    def _shut_at_once(self, closing: Array, kick: Array) -> None:
+        """Put ends apart that shut before the first kick, the lighter one more.
+
+        By half the velocity by which they then close, `kick` with it, where they touch at t = 0; by
+        nothing where they meet at the kick, nor where viscosity rules: strain would linger there.
+        """
+        mesh, links = self.mesh, self.links
+        parting = kick[links.right] - kick[links.left]
+        overlap = (closing - parting) / 2 - links.gap
+        ease = np.where(mesh.held == 1, 0.0, 1 / np.where(mesh.mass > 0, mesh.mass, 1.0))
+        left, right = ease[links.left], ease[links.right]
+        late = (links.law == RIGID) & (links.shut == 1) & (left + right > 0)
+        late &= (overlap > self.tol) & (closing > 2 * parting)
+        stiffness = np.where(mesh.stiffness > 0, mesh.stiffness, 1.0)
+        retardation = (mesh.viscous / stiffness)[[links.left, links.right + 1]].max(axis=0)
+        late &= retardation <= MOST_RETARDATION * max(mesh.counts) * self.step
+        strained: list[tuple[int, float, int]] = []
+        for i in np.flatnonzero(late).tolist():
+            share = overlap[i] / (left[i] + right[i])
+            for n, shift in ((links.left[i], -left[i] * share), (links.right[i], right[i] * share)):
+                self.grid.place[np.array(mesh.starts) == n] += shift
+                strained += [(cell, sign * shift, i) for cell, sign in ((n, 1), (n + 1, -1))
+                             if mesh.stiffness[cell] > 0]
+        cells, stretches, places = zip(*strained, strict=True) if strained else ((), (), ())
+        self.links = links._replace(
+            strained=whole(list(cells)), stretch=np.array(stretches, float),
+            straining=whole(list(places)))
 
     def _dragged(self, jump: Array) -> Array:
         """Changes of velocity where held ends jump: lateral inertia takes neighbours along."""
@@ -344,8 +374,13 @@ class Machine:
 
     # Running ------------------------------------------------------------------------------------
 
-    def advance(self, end: int, tell: Callable[[int], None] | None = None) -> None:
-        """Run to step `end`; `tell` hears of the steps taken, several times a second."""
+    def advance(
+        self, end: int, tell: Callable[[int], None] | None = None, ahead: float = 0.0
+    ) -> None:
+        """Run to step `end`; `tell` hears of the steps taken, several times a second.
+
+        So many seconds in plain Python, `ahead`, are certain to follow.
+        """
         if end > self.room:
             self._grow(max(end, 2 * self.room))
         self.states = self.keep.room_for(self, end)
@@ -355,7 +390,8 @@ class Machine:
         )
         numbers = sum(len(column) for part in (self.signals, self.states) for column in part)
         fast = kernels.worth_compiling(
-            (end - self.taken) * cost(self.mesh, plain=True) + numbers * kernels.LIST_TIME, run
+            (end - self.taken) * cost(self.mesh, plain=True) + numbers * kernels.LIST_TIME, run,
+            ahead=ahead,
         )
         lists = parts if fast else tuple(kernels.as_lists(x) for x in parts)
         go: Callable[..., int] = kernels.compiled(run) if fast else run

@@ -24,15 +24,16 @@ from .. import kernels
 from ..clock import STEP_TICKS, Clock
 from ..contact_law_kernel import RIGID
 from ..duration import Forecast
-from ..finality_kernel import NEVER
 from ..measure_kernel import largest_force
 from ..memory import ask
 from ..refinement import MEASURES, contact_measures, refined, velocity_measure
+from ..refinement_kernel import FEWEST as FEWEST_LEVELS
+from ..refinement_kernel import factor_of
 from ..row import Array, Row
 from ..run import Progress, Run
 from ..stepped import StepRecord, as_run
 from ..stepped_run import SteppedRun, clock_of_steps
-from .grid_kernel import Grid, States
+from .grid_kernel import States
 from .machine import GAP_RESOLUTION, Keeper, Machine, cost
 from .mesh import MESH, GridMotion, Mesh
 
@@ -63,10 +64,14 @@ class GridRun(SteppedRun):
         Relative change of the largest force from a mesh at most half as fine; nan without one.
     """
 
-    mesh: Mesh
-    grid: Grid
+    machine: Machine
     states: States
     peak_change: float = math.nan
+
+    @property
+    def mesh(self) -> Mesh:
+        """Of the run."""
+        return self.machine.mesh
 
     @property
     def largest_strain(self) -> float:
@@ -179,6 +184,10 @@ def follow(
 ) -> GridRun:
     """Run a single collision.
 
+    The step is divided until velocities, impulses, and when 99.9 % of them has passed, stand still.
+    The largest force is left out: beside a jump waves overshoot, on any mesh, and flat ends of
+    viscous rods, or of rods with lateral inertia, meet with a force that has no largest value.
+
     Parameters
     ----------
     row : Row
@@ -213,42 +222,44 @@ def follow(
     if until is not None and stepping:
         step = until / math.ceil(until / step * (1 - 1e-12))
 
-    peaks: dict[int, Array] = {}
+    peaks: dict[float, Array] = {}
     forecast = Forecast(announce, LESS)
+    searching = cells is None and dt is None and stepping
 
     def level(factor: int) -> GridRun:
         finer = Mesh(row, [factor * N for N in counts])
         keep = Keeper(np.array(snapshots) if isinstance(snapshots, tuple) else snapshots)
-        run = _level(finer, step / factor, keep, until, max_events, progress, forecast)
-        peaks[factor] = contact_measures(run)[MEASURES[1]]
-        return run
+        finest = factor_of(FEWEST_LEVELS - 1) if searching else 0
+        others = sum(f * f for f in range(factor + 1, finest + 1))
+        if until is None:
+            others += finest**2  # the round trip after the proof
+        return _level(finer, step / factor, keep, until, max_events, progress, forecast,
+                      others / factor**2)
 
-    if cells is not None or dt is not None or not stepping:
-        return level(1)
+    def measures(run: GridRun) -> dict[str, Array]:
+        by_contact = contact_measures(run)
+        peaks[run.step] = by_contact.pop(MEASURES[1])
+        return {"velocity": velocity_measure(_free_velocities(run), row.scale), **by_contact}
+
+    if not searching:
+        return _after_the_proof(level(1))
     goal = RTOL if rtol is None else rtol
     run, estimates = refined(level, measures, goal, FINEST // max(counts))
-    change, last = math.nan, max(peaks)
-    rougher = [factor for factor in peaks if 2 * factor <= last]
-    if rougher and peaks[last].max(initial=0.0) > 0:
-        change = float(np.abs(peaks[last] - peaks[max(rougher)]).max() / peaks[last].max())
-    return replace(run, estimates=estimates, rtol=goal, peak_change=change)
+    change = math.nan
+    rougher = [h for h in peaks if h >= 2 * run.step * (1 - 1e-12)]
+    last = peaks[run.step]
+    if rougher and last.max(initial=0.0) > 0:
+        change = float(np.abs(last - peaks[min(rougher)]).max() / last.max())
+    return replace(_after_the_proof(run), estimates=estimates, rtol=goal, peak_change=change)
 
 
-def measures(run: GridRun) -> dict[str, Array]:
-    """What is to stand still: velocities, impulses, and when 99.9 % of them has passed.
-
-    The largest force is left out: beside a jump waves overshoot, on any mesh, and flat ends of
-    viscous rods, or of rods with lateral inertia, meet with a force that has no largest value.
-    """
-    by_contact = contact_measures(run)
-    del by_contact[MEASURES[1]]
-    m, v = run.mesh.mass, run.grid.velocity
-    free = [
+def _free_velocities(run: GridRun) -> list[float]:
+    """Mean velocities of the pieces that nothing holds."""
+    mesh, m, v = run.mesh, run.mesh.mass, run.machine.grid.velocity
+    return [
         float(m[a : b + 1] @ v[a : b + 1] / m[a : b + 1].sum())
-        for a, b in zip(run.mesh.starts, run.mesh.stops, strict=True)
-        if not run.mesh.held[a : b + 1].any()
+        for a, b in zip(mesh.starts, mesh.stops, strict=True) if not mesh.held[a : b + 1].any()
     ]
-    return {"velocity": velocity_measure(free, run.row.scale), **by_contact}
 
 
 def _mesh_size(
@@ -304,12 +315,14 @@ def _mesh_size(
 
 def _level(
     mesh: Mesh, step: float, keep: Keeper, until: float | None, max_events: int,
-    progress: Progress | None, forecast: Forecast,
+    progress: Progress | None, forecast: Forecast, others: float,
 ) -> GridRun:
-    """One run on a given mesh."""
-    row = mesh.row
-    clock = _clock(mesh, step)
-    longest = max(1, math.ceil(clock.longest / STEP_TICKS))
+    """One run on a given mesh, to its end or to the proof of finality.
+
+    Others that are certain to follow take so many times as long.
+    """
+    row, clock = mesh.row, _clock(mesh, step)
+    longest = _round_trip(clock) // 2
     cap = max(1, max_events // len(row.laws))
     proof, reason = -1, "until"
     steps = 0 if until is None else round(until / step)
@@ -317,6 +330,7 @@ def _level(
     machine = Machine(mesh, step, keep, room)
     size = f"{room} steps, {sum(mesh.counts)} cells"
     per_step = cost(mesh, plain=not kernels.enabled())
+    ahead = others * (steps or 2 * longest) * cost(mesh, plain=True)
     began = time.monotonic()
 
     def tell(taken: int) -> None:
@@ -332,31 +346,49 @@ def _level(
         if wait == 0:
             proof = machine.taken
         elif machine.taken < last:
-            pause = min(wait, 8 * longest) if wait < NEVER else longest
-            more = max(longest, pause, machine.taken // 8)
-            machine.advance(min(last, machine.taken + more), tell)
+            more = max(min(wait, max(longest // 4, machine.taken // 8)), FEWEST)
+            machine.advance(min(last, machine.taken + more), tell, ahead)
         else:
             break
     if until is not None:
         machine.advance(last, tell)
     else:
         reason = "final" if proof >= 0 else "max_events"
-        if proof >= 0:
-            machine.advance(machine.taken + 2 * longest, tell)
     end = machine.taken * STEP_TICKS
     if until is not None and not steps:
         end = math.ceil(until / step * STEP_TICKS)
-    count, when, room = int(machine.clock[1]), machine.states.when, len(machine.states.lost)
-    states = States._make([
-        when[:count], *(x.reshape(room, -1)[:count] for x in machine.states[1:4]),
-        machine.states.lost[:count],
-    ])
     return GridRun(
-        clock=clock, row=row, step=step, edges=STEP_TICKS * np.arange(machine.taken + 1), end=end,
-        events=machine.taken * len(row.laws), tally=machine.tally, signals=machine.signals,
-        finality_time=proof, stopped_by=reason, mesh=mesh, grid=machine.grid, states=states,
+        clock=clock, row=row, step=step, **_taken(machine), end=end,
+        tally=machine.tally, finality_time=proof, stopped_by=reason, machine=machine,
         resolved=GAP_RESOLUTION * row.scale * step,
     )
+
+
+def _round_trip(clock: Clock) -> int:
+    """Steps in which waves cross the longest rod and come back."""
+    return 2 * max(1, math.ceil(clock.longest / STEP_TICKS))
+
+
+def _after_the_proof(run: GridRun) -> GridRun:
+    """Go on for a round trip of the longest rod, where the run ended with a proof."""
+    machine = run.machine
+    if run.stopped_by != "final":
+        return run
+    machine.advance(machine.taken + _round_trip(run.clock))
+    return replace(run, **_taken(machine), end=machine.taken * STEP_TICKS)
+
+
+def _taken(machine: Machine) -> dict[str, Any]:
+    """What a run has of the steps that a machine has taken."""
+    count, room = int(machine.clock[1]), len(machine.states.lost)
+    states = States._make([
+        machine.states.when[:count],
+        *(x.reshape(room, -1)[:count] for x in machine.states[1:4]), machine.states.lost[:count],
+    ])
+    return {
+        "edges": STEP_TICKS * np.arange(machine.taken + 1), "signals": machine.signals,
+        "events": machine.taken * len(machine.row.laws), "states": states,
+    }
 
 
 def _clock(mesh: Mesh, step: float) -> Clock:
