@@ -54,11 +54,11 @@ class Bar(Frozen):
 
     Examples
     --------
-    A steel bar of 20 mm: waves of 100 kHz are a good 3 % slower than long ones.
+    A steel bar of 20 mm: waves of 100 kHz are a good 4 % slower than long ones.
 
     >>> bar = Bar(wave_speed=5189.0, poisson_ratio=0.29, radius=0.01)
     >>> bar.phase_velocity([0.0, 100e3]).round().tolist()
-    [5189.0, 5018.0]
+    [5189.0, 4958.0]
     """
 
     fields: ClassVar[dict[str, Field]] = {
@@ -143,7 +143,7 @@ class Bar(Frozen):
         --------
         >>> bar = Bar(wave_speed=5000.0, poisson_ratio=0.3, radius=0.01)
         >>> bar.group_velocity([0.0, 150e3]).round().tolist()
-        [5000.0, 3128.0]
+        [5000.0, 1975.0]
         """
         c = self._ratio(frequency)
         G = 2 * math.pi * self.radius / self.wave_speed * array("frequency", frequency, "Hz") / c
@@ -226,7 +226,7 @@ def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
     Examples
     --------
     >>> round(rayleigh_speed(0.25), 6)  # sqrt(2 - 2/sqrt(3)) of the shear speed
-    0.581475
+    0.581481
     """
     nu = array("poisson_ratio", poisson_ratio, "")
     refuse(~((nu >= 0) & (nu <= 0.5)), "must be from 0 to 0.5", poisson_ratio=nu)
@@ -250,8 +250,7 @@ def _each(wave: Any, given: Array, poisson_ratio: Array) -> Array:
     turns = sign[..., 1:] != sign[..., :1]
     first = turns.argmax(axis=-1)
     roots = np.ones(given.shape)
-    for i in np.argwhere((given > 0) & turns.any(axis=-1)):
-        i = tuple(i)
+    for i in map(tuple, np.argwhere((given > 0) & turns.any(axis=-1))):
         w, v, x = float(given[i]), float(nu[i]), grid[first[i] : first[i] + 2].tolist()
         roots[i] = brentq(lambda x, w=w, v=v: _equation(wave(w, x), x, v), *x, xtol=1e-15)
     return roots

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -14,6 +13,7 @@ from numpy.typing import ArrayLike
 from ..methods.signals import Floats
 from ..model.arguments import array, refuse
 from ..model.frozen import InvalidModel, Problems, number
+from ..storage.tables import misnamed
 from ..storage.writing import write_text, written
 from ..units import shown
 
@@ -73,16 +73,6 @@ class Gauge:
         place = np.searchsorted(self.times, t, "right") - 1
         strain: Floats = self.strain[np.maximum(place, 0)]
         return strain
-
-
-def misnamed(column: object) -> str:
-    """Say why a column cannot have this name: it would end a cell, or a spreadsheet compute it."""
-    if isinstance(column, str) and re.fullmatch(r"\w[\w .:()/-]*", column) and column != "time":
-        return ""
-    return (
-        "a column is named by letters, digits, blanks and _ . : ( ) / -, a letter or a digit "
-        f'first, and not "time"; got {column!r}'
-    )
 
 
 def gauges_to_csv(
