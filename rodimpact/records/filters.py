@@ -40,8 +40,8 @@ LOW_PASS: dict[str, Callable[[Floats, float, float], Floats]] = {
 }
 
 
-def averaged(values: Floats, times: Floats, at: Floats, duration: float) -> Floats:
-    """Means over a duration about the instants `at`, exact for straight lines; any steps."""
+def averaged(values: Floats, times: Floats, duration: float) -> Floats:
+    """Means over a duration about each instant, exact for straight lines; any steps."""
     slopes = np.diff(values) / np.diff(times)
     before = np.concatenate(([0.0], np.cumsum((values[1:] + values[:-1]) / 2 * np.diff(times))))
 
@@ -55,7 +55,7 @@ def averaged(values: Floats, times: Floats, at: Floats, duration: float) -> Floa
         total: Floats = before[i] + s * (values[i] + slopes[i] * s / 2) + held
         return total
 
-    means: Floats = (integral(at + duration / 2) - integral(at - duration / 2)) / duration
+    means: Floats = (integral(times + duration / 2) - integral(times - duration / 2)) / duration
     return means
 
 

@@ -340,7 +340,7 @@ class Signal(Frozen):
                 message = "is missing; a gauge of finite length averages over gauge_length"
                 raise ValueError(f"wave_speed: {message}/wave_speed seconds")
             c = positive("wave_speed", single("wave_speed", wave_speed, "m/s"), "m/s").item()
-            signal = self.replace(values=filters.averaged(self.values, self.times, self.times, length / c))
+            signal = self.replace(values=filters.averaged(self.values, self.times, length / c))
         if bandwidth is not None:
             if isinstance(order, bool) or order not in (1, 2):
                 raise ValueError(f"order: must be 1 or 2, got {shown(order)}")

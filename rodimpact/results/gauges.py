@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 from ..methods.signals import Floats
 from ..model.arguments import array, refuse
 from ..model.frozen import InvalidModel, Problems, number
-from ..records.filters import averaged
 from ..records.signal import Signal
 from ..storage.tables import misnamed
 from ..storage.writing import write_text, written
@@ -59,10 +58,11 @@ class Gauge:
     sampled: bool = False
 
     def signal(self, interval: float | None = None, name: str = "") -> Signal:
-        """Return the strain as a signal: its means over equal intervals.
+        """Return the strain as a signal at equal intervals.
 
-        Means move with a jump, however little it moves within an interval, so that a fit can follow
-        it. Jumps count exactly; samples of a grid are joined by straight lines.
+        A sample is a mean over an interval and a half to either side, weighted by a parabolic
+        spline: it varies smoothly with the time of a jump, so that a fit can follow it. Samples of
+        a grid, which has no jumps, are joined by straight lines.
 
         Parameters
         ----------
@@ -90,13 +90,16 @@ class Gauge:
             message = f"must not be longer than the record, {self.end!r} s, got {step!r}"
             raise InvalidModel([("interval", message)])
         times = step * np.arange(_rows(self.end, step))
-        if self.sampled and len(self.times) > 1:
-            means = averaged(self.strain, self.times, times, step)
-        else:
-            knots = np.append(self.times, self.end)
-            total = np.concatenate(([0.0], np.cumsum(self.strain * np.diff(knots))))
-            edges = np.clip(np.append(times, times[-1] + step) - step / 2, 0.0, self.end)
-            means = np.diff(np.interp(edges, knots, total)) / np.diff(edges)
+        if self.sampled:
+            return Signal(np.interp(times, self.times, self.strain), times, name=name)
+        place = self.times[1:] / step + 0.5
+        before = place.astype(int)
+        u, jump = place - before, np.diff(self.strain)
+        shares = (1 - u) ** 3, 4 - 6 * u**2 + 3 * u**3, 1 + 3 * (u + u**2 - u**3), u**3
+        change = np.zeros(len(times) + 4)
+        for k, share in enumerate(shares):
+            np.add.at(change, before + k, jump * share / 6)
+        means = self.strain[0] + np.cumsum(change)[1 : len(times) + 1]
         return Signal(means, times, name=name)
 
     def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
