@@ -35,8 +35,9 @@ TIMES = re.compile(r"(?i)(?:time|t|zeit|temps|tiempo|x-?axis|seconds?)\b.*")
 MEASURED = ("time", "voltage", "dimensionless", "force", "pressure", "velocity", "length",
             "acceleration")
 """What a unit at the end of a name may be, without brackets: incident_V."""
-_NUMBER = r"[+-]?(?:\d+(?:{0}\d*)?|{0}\d+)(?:[eE][+-]?\d+)?|(?i:[+-]?(?:nan|inf(?:inity)?))"
-_NUMBERS = {sign: re.compile(_NUMBER.format(re.escape(sign))) for sign in ".,"}
+_NUMBER = r"[+-]?(?:\d+(?:{0})?|{1})(?:[eE][+-]?\d+)?|(?i:[+-]?(?:nan|inf(?:inity)?))"
+_NUMBERS = {".": re.compile(_NUMBER.format(r"\.\d*", r"\.\d+")),
+            ",": re.compile(_NUMBER.format(r",\d+", r",\d+"))}
 
 
 class ClippedSignal(UserWarning):
@@ -352,12 +353,13 @@ def _form_of(lines: list[str], decimal: str | None) -> tuple[_Form, int]:
 
 
 def _first(lines: list[str], form: _Form) -> int | None:
-    """First line of a run of `SURE` with equally many numbers, or of as many as there are."""
+    """First line of numbers, of which `SURE` lines on end have equally many, or all that follow."""
     for i, line in enumerate(lines):
         if count := form.numbers(line):
             rest = [text for text in lines[i : i + 2 * SURE] if text.strip()][:SURE]
             if all(form.numbers(text) == count for text in rest):
-                return i
+                alike = (j for j in range(i) if form.numbers(lines[j]) == count)
+                return next(alike, i) if count > 1 else i
     return None
 
 
