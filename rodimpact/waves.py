@@ -163,20 +163,37 @@ class Bar(Frozen):
         """Frequency above which the first mode alone does not describe the bar, Hz."""
         return CUT_OFF * self.wave_speed / self.radius
 
-    def delays(self, frequency: Array) -> Array:
-        """Seconds a metre by which waves up to the cut-off are later than long waves, 1/c - 1/c0.
+    def delays(self, frequency: ArrayLike) -> Number:
+        """Seconds a metre by which waves are later than long ones, 1/c - 1/c0.
 
-        From a curve through exact values, for records of many frequencies.
+        From a curve through exact values, for the many frequencies of a record.
+
+        Parameters
+        ----------
+        frequency : float or array
+            From 0 to the cut-off, Hz.
+
+        Returns
+        -------
+        float or array
+            s/m.
+
+        Raises
+        ------
+        ValueError
+            If a frequency is out of this range.
         """
-        slowness = _slowness(self.poisson_ratio)(frequency * self.radius / self.wave_speed)
-        lag: Array = slowness / self.wave_speed
-        return lag
+        f = array("frequency", frequency, "Hz")
+        room = self.cut_off * (1 + 1e-12)
+        refuse(~((f >= 0) & (f <= room)), f"must be 0 to {self.cut_off!r} Hz", frequency=f)
+        lag = _slowness(self.poisson_ratio)(f * self.radius / self.wave_speed)
+        return plain(lag / self.wave_speed)
 
     def _ratio(self, frequency: ArrayLike) -> Array:
         f = array("frequency", frequency, "Hz")
         refuse(~((f >= 0) & (f < np.inf)), "must be 0 or more, and finite", frequency=f)
         W = 2 * math.pi * f * self.radius / self.wave_speed
-        return _each(lambda w, x: w / x, W, np.asarray(self.poisson_ratio))
+        return _each(lambda w, x: w / x, W, np.full(f.shape, self.poisson_ratio))
 
 
 def first_mode(radius_over_wavelength: ArrayLike, poisson_ratio: ArrayLike) -> Number:
@@ -243,17 +260,16 @@ def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
 
 def _each(wave: Any, given: Array, poisson_ratio: Array) -> Array:
     """Lowest roots x = c/c0 of the equation, where G is `wave` of what is given and of x."""
-    given, nu = np.broadcast_arrays(given, poisson_ratio)
-    least = 0.9 * np.asarray(rayleigh_speed(nu))
-    grid = np.arange(least.min(initial=1.0), 1.0 + 2 * SCAN, SCAN)
-    sign = np.sign(_equation(wave(given[..., None], grid), grid, nu[..., None]))
-    turns = sign[..., 1:] != sign[..., :1]
-    first = turns.argmax(axis=-1)
-    roots = np.ones(given.shape)
-    for i in map(tuple, np.argwhere((given > 0) & turns.any(axis=-1))):
-        w, v, x = float(given[i]), float(nu[i]), grid[first[i] : first[i] + 2].tolist()
-        roots[i] = brentq(lambda x, w=w, v=v: _equation(wave(w, x), x, v), *x, xtol=1e-15)
-    return roots
+    known, nu, roots = given.ravel(), poisson_ratio.ravel(), np.ones(given.size)
+    least = 0.9 * np.min(rayleigh_speed(nu), initial=1.0)
+    grid = np.arange(least, 1.0 + 2 * SCAN, SCAN)
+    sign = np.sign(_equation(wave(known[:, None], grid), grid, nu[:, None]))
+    turns = sign[:, 1:] != sign[:, :1]
+    first = turns.argmax(axis=1)
+    for i in np.flatnonzero((known > 0) & turns.any(axis=1)):
+        g, v, ends = float(known[i]), float(nu[i]), grid[first[i] : first[i] + 2]
+        roots[i] = brentq(lambda x, g=g, v=v: _equation(wave(g, x), x, v), *ends, xtol=1e-15)
+    return roots.reshape(given.shape)
 
 
 def _equation(G: Any, x: Any, nu: Any) -> Any:

@@ -75,8 +75,8 @@ class Bridge(Frozen):
         for name, value in numbers.items():
             if isinstance(value, np.ndarray):
                 problems.append((name, f"must be a single number, got {shown(value)}"))
-        if numbers["gain"] == 0:
-            problems.append(("gain", "must not be 0"))
+            elif name == "gain" and value == 0:
+                problems.append((name, "must not be 0"))
         if not isinstance(kind, str) or kind not in ALONG:
             message = f"must be one of {', '.join(map(repr, ALONG))}, got {shown(kind)}"
             problems.append(("kind", message))

@@ -393,7 +393,8 @@ class Signal(Frozen):
         Raises
         ------
         ValueError
-            If the units differ under a given scale, this signal is 0 everywhere, or bounds are none.
+            If a scale is given and the units differ, this signal is 0 everywhere, or bounds are
+            none.
 
         Examples
         --------

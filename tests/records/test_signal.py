@@ -52,7 +52,7 @@ def test_a_signal_is_immutable_and_known_by_what_it_says():
     (lambda: ri.Signal([1.0], dt=1.0), "values: must be a list of two numbers or more"),
     (lambda: ri.Signal([1.0, math.nan], dt=1.0), r"values\.1: must be a finite number, got nan"),
     (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 1.0]), "times: must be as many as values, got 2"),
-    (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 2.0, 1.0]), r"times\.2: must increase, got 1.0 after"),
+    (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 2.0, 1.0]), r"times\.2: must increase, got 1.0 aft"),
     (lambda: ri.Signal([1.0, 2.0], dt=0.0), "dt = 0.0: must be positive"),
     (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit="mV"), "unit: must be of the SI, got 'mV'; give "
      "the values in V, that is times 0.001"),
@@ -255,7 +255,7 @@ def test_to_xarray_and_back():
                               {"units": "microstrain"})
     assert ri.Signal.from_xarray(strain) == ri.Signal([0.0, 5e-4], [0.0, 2e-6], name="bar")
     bare = strain.drop_attrs()
-    with pytest.raises(ValueError, match="t: has no units; set .attrs"):
+    with pytest.raises(ValueError, match="t: has no units; set"):
         ri.Signal.from_xarray(bare)
     with pytest.raises(ValueError, match="must be a DataArray of one dimension"):
         ri.Signal.from_xarray(3)
@@ -278,7 +278,7 @@ def test_bridges(kind, nu, factor):
     ({"kind": "third"}, "kind: must be one of 'quarter', 'half', 'full', got 'third'"),
     ({"kind": "full"}, "poisson_ratio: is missing"),
     ({"poisson_ratio": 0.3}, "poisson_ratio: belongs to gauges across"),
-    ({"gain": 0}, "gain: must not be 0"), ({"excitation": -1.0}, "excitation: must be a finite pos"),
+    ({"gain": 0}, "gain: must not be 0"), ({"excitation": -1.0}, "excitation: must be a finite"),
     ({"gauge_factor": [2.0, 2.1]}, "gauge_factor: must be a single number"),
 ])
 def test_wrong_bridges(changes, said):
