@@ -124,7 +124,10 @@ def read_signals(
     >>> bar.times.tolist(), bar.values.tolist(), bar.unit
     ([-5e-07, 0.0], [0.00125, 0.0025], 'V')
     """
-    if decimal not in (None, ".", ","):
+    for name, word in (("time", time), ("time_unit", time_unit)):
+        if word is not None and not isinstance(word, str):
+            raise ValueError(f"{name}: must be a word, got {shown(word)}")
+    if decimal is not None and (not isinstance(decimal, str) or decimal not in (".", ",")):
         raise ValueError(f'decimal: must be "." or ",", got {shown(decimal)}')
     if rate is not None:
         rate = positive("rate", single("rate", rate, "Hz"), "Hz").item()
@@ -182,7 +185,7 @@ class _Table:
         return values
 
     def signals(
-        self, time: Any, time_unit: Any, rate: float | None, units: Any
+        self, time: str | None, time_unit: str | None, rate: float | None, units: Any
     ) -> dict[str, Signal]:
         """Signal of each channel."""
         named = [j for j, name in enumerate(self.names) if TIMES.fullmatch(name)]
@@ -212,7 +215,7 @@ class _Table:
             self._warn_if_clipped(j)
         return signals
 
-    def _clock(self, time: Any, named: list[int]) -> int:
+    def _clock(self, time: str | None, named: list[int]) -> int:
         """Which column has the times."""
         if self.count < 2:
             raise FileFormatError("has one column; give rate, the samples a second in Hz")
@@ -238,7 +241,7 @@ class _Table:
         """Whether the columns have names of their own."""
         return self.names != [str(j + 1) for j in range(self.count)]
 
-    def _times(self, column: int, unit: Any) -> Floats:
+    def _times(self, column: int, unit: str | None) -> Floats:
         """Times in s, increasing and without gaps."""
         name = shown(self.names[column])
         unit = unit or self.units[column]

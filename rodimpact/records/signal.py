@@ -342,7 +342,7 @@ class Signal(Frozen):
             c = positive("wave_speed", single("wave_speed", wave_speed, "m/s"), "m/s").item()
             signal = self.replace(values=filters.averaged(self.values, self.times, length / c))
         if bandwidth is not None:
-            if isinstance(order, bool) or order not in (1, 2):
+            if type(order) is not int or order not in (1, 2):
                 raise ValueError(f"order: must be 1 or 2, got {shown(order)}")
             signal = signal.low_pass(bandwidth, "first-order" if order == 1 else "second-order")
         return signal * _one("scale", scale, "") + _one("offset", offset, self.unit)
