@@ -53,7 +53,11 @@ class _Form(NamedTuple):
     def cells(self, line: str) -> list[str]:
         if not self.delimiter:
             return line.split()
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=self.delimiter), [])]
+        try:
+            row = next(csv.reader([line], delimiter=self.delimiter), [])
+        except csv.Error:  # a cell without an end
+            row = [line]
+        return [cell.strip() for cell in row]
 
     def numbers(self, line: str) -> int:
         """How many numbers the line has; 0 if it has anything else."""
@@ -61,8 +65,9 @@ class _Form(NamedTuple):
         return len(cells) if all(map(_NUMBERS[self.decimal].fullmatch, cells)) else 0
 
 
+COMMAS = _Form(",", ".")
 FORMS = [_Form(delimiter, decimal) for delimiter in ("\t", ";", "") for decimal in ".,"]
-FORMS.insert(4, _Form(",", "."))
+FORMS.insert(4, COMMAS)
 
 
 def read_signals(
@@ -326,44 +331,47 @@ def _decoded(data: bytes) -> str:
 
 def _form_of(lines: list[str], decimal: str | None) -> tuple[_Form, int]:
     """How lines are cut into numbers, and the first line of numbers."""
-    found: list[tuple[_Form, int]] = []
-    for form in FORMS:
-        if decimal is not None and form != _Form(",", ".") and form.decimal != decimal:
-            continue
-        if decimal == "," and form.delimiter == ",":
-            continue
-        if (start := _first(lines, form)) is not None:
-            found.append((form, start))
-    if not found:
+    forms = [form for form in FORMS if decimal in (None, form.decimal) or form == COMMAS]
+    if decimal == ",":
+        forms.remove(COMMAS)
+    found: list[_Form] = []
+    for start in range(len(lines)):
+        if found := [form for form in forms if _begins(lines, start, form)]:
+            break
+    else:
         raise FileFormatError("has no table of numbers; export it as text, with a row a sample")
-    earliest = min(start for _, start in found)
-    found = [entry for entry in found if entry[1] == earliest]
-    several = [entry for entry in found if entry[0].numbers(lines[earliest]) > 1] or found
-    body = lines[earliest:]
-    commas, points = (any(sign in line for line in body) for sign in ",.")
-    cuts = {form.delimiter for form, _ in several}
-    if len(several) == len(found) or not commas:
-        # decimals cannot be told apart by the first rows where these are whole numbers
-        wanted = "," if commas and not points and "," not in cuts else "."
-        return next((e for e in several if e[0].decimal == wanted), several[0])
-    heads = _last_text(lines[:earliest])
-    if heads and len(_Form(",", ".").cells(heads)) == several[0][0].numbers(lines[earliest]):
-        return several[0]
-    raise FileFormatError(
-        f"line {earliest + 1}: {shown(lines[earliest])} may be two numbers or one with a decimal "
-        'comma; give decimal="." or decimal=","'
-    )
+    line, body = lines[start], lines[start:]
+    several = [form for form in found if form.numbers(line) > 1]
+    if not several:
+        form = found[0] if any("." in row for row in body) else found[-1]
+    elif len({form.delimiter for form in found}) == 1 or "," not in line:
+        # where the first rows are whole numbers, later ones tell the decimal sign
+        wanted = "," if any("," in row for row in body) and several[0] != COMMAS else "."
+        form = next((f for f in several if f.decimal == wanted), several[0])
+    elif len(several) == len(found) or _named(lines[:start], several[0].numbers(line)):
+        form = several[0]
+    else:
+        raise FileFormatError(
+            f"line {start + 1}: {shown(line)} may be two numbers or one with a decimal comma; "
+            'give decimal="." or decimal=","'
+        )
+    count = form.numbers(line)
+    alike = (i for i in range(start) if form.numbers(lines[i]) == count > 1)
+    return form, next(alike, start)
 
 
-def _first(lines: list[str], form: _Form) -> int | None:
-    """First line of numbers, of which `SURE` lines on end have equally many, or all that follow."""
-    for i, line in enumerate(lines):
-        if count := form.numbers(line):
-            rest = [text for text in lines[i : i + 2 * SURE] if text.strip()][:SURE]
-            if all(form.numbers(text) == count for text in rest):
-                alike = (j for j in range(i) if form.numbers(lines[j]) == count)
-                return next(alike, i) if count > 1 else i
-    return None
+def _begins(lines: list[str], start: int, form: _Form) -> bool:
+    """Whether `SURE` lines from there on, or all that follow, have equally many numbers."""
+    if not (count := form.numbers(lines[start])):
+        return False
+    rows = [line for line in lines[start : start + 2 * SURE] if line.strip()][:SURE]
+    return all(form.numbers(row) == count for row in rows)
+
+
+def _named(lines: list[str], count: int) -> bool:
+    """Whether the last line before the numbers names so many columns between commas."""
+    last = next((line for line in reversed(lines) if line.strip()), "")
+    return len(COMMAS.cells(last)) == count
 
 
 def _heads(lines: list[str], form: _Form, count: int) -> tuple[list[str], list[str]]:
@@ -399,7 +407,3 @@ def _name_and_unit(head: str) -> tuple[str, str]:
 def _without_end(cells: list[str]) -> list[str]:
     """Cells of a line, without the empty one behind a delimiter at its end."""
     return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
-
-
-def _last_text(lines: list[str]) -> str:
-    return next((line for line in reversed(lines) if line.strip()), "")
