@@ -14,11 +14,12 @@ import numpy as np
 from ..model.quantities import Floats
 
 MOST = 10**7  # samples of a record with its margins
+SHORT = 1e-6  # of a step: what a mean over less would tell is lost in round-off
 
 
 def gaussian(values: Floats, dt: float, frequency: float) -> Floats:
     """Weights of a bell around each instant, whose spectrum falls to 1/sqrt(2) at a frequency."""
-    tail = math.ceil(1 / (frequency * dt))  # 7.5 standard deviations
+    tail = math.ceil(min(1 / dt / frequency, MOST))  # 7.5 standard deviations
     half = math.log(2) / 2
     return _through(values, dt, lambda f: np.exp(-half * (f / frequency) ** 2), tail)
 
@@ -42,6 +43,8 @@ LOW_PASS: dict[str, Callable[[Floats, float, float], Floats]] = {
 
 def averaged(values: Floats, times: Floats, duration: float) -> Floats:
     """Means over a duration about each instant, exact for straight lines; any steps."""
+    if duration < SHORT * np.diff(times).min():
+        return values
     slopes = np.diff(values) / np.diff(times)
     before = np.concatenate(([0.0], np.cumsum((values[1:] + values[:-1]) / 2 * np.diff(times))))
 

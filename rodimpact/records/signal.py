@@ -22,6 +22,7 @@ from ..model.arguments import Array, array, finite, of_kind, plain, positive, re
 from ..model.bodies import Rod, Segment
 from ..model.frozen import Frozen, InvalidModel, Number, Problems
 from ..model.quantities import Floats, floats
+from ..storage.extras import optional
 from ..storage.tables import named_with_unit
 from ..storage.writing import write_text
 from ..units import shown
@@ -467,8 +468,7 @@ class Signal(Frozen):
 
     def to_xarray(self) -> Any:
         """Return an xarray DataArray over ``time``, with units (extra ``xarray``)."""
-        import xarray
-
+        xarray = optional("xarray", "xarray")
         time = ("time", self.times, {"units": "s"})
         return xarray.DataArray(
             self.values, {"time": time}, "time", self.name or None, {"units": self.unit or "1"}

@@ -161,6 +161,9 @@ def test_answers_of_amplifiers_to_a_ramp():
     np.testing.assert_allclose(ramp.low_pass(30e3, "first-order").values, want, atol=1e-18)
     with pytest.raises(ValueError, match="must be below half of the sampling rate, 1 MHz"):
         ramp.low_pass(6e5)
+    for slow in (1e-6, 5e-324):
+        with pytest.raises(ValueError, match="the pulse spreads over 10000000 samples, too many"):
+            ramp.low_pass(slow)
     with pytest.raises(ValueError, match="kind: must be one of 'gaussian'"):
         ramp.low_pass(1e4, "boxcar")
 
@@ -173,6 +176,8 @@ def test_what_a_gauge_and_its_amplifier_do():
                                pulse.values[(t > 21e-6) & (t < 23e-6)], atol=1e-12)
     at_corner = np.argmin(np.abs(t - 20e-6))
     assert averaged.values[at_corner] == pytest.approx(0.5e6 * 1e-6**2 / 2 / 2e-6, rel=1e-9)
+    short = pulse.as_measured(gauge_length=1e-30, wave_speed=5000.0)
+    assert short.values == pytest.approx(pulse.values, abs=1e-6)
     seen = pulse.as_measured(bandwidth=100e3, order=2, scale=3.0, offset=0.5)
     wanted = pulse.low_pass(100e3, "second-order") * 3 + 0.5
     assert seen == wanted
