@@ -40,7 +40,7 @@ def test_the_program_of_the_readme_prints_what_it_says(tmp_path, monkeypatch):
 
 def test_the_record_of_the_readme_is_met(monkeypatch):
     monkeypatch.chdir(Path(__file__).parents[1])
-    names = {}
+    names = {"ri": rodimpact}
     with contextlib.redirect_stdout(io.StringIO()):
         exec(re.search(r"```python\n(record = .*?)```", README, re.S)[1], names)
     record, model = names["record"], names["model"]

@@ -82,7 +82,7 @@ class Gauge:
         >>> import rodimpact as ri
         >>> rods = [ri.Rod(0.2, area=1e-4, material=ri.materials.steel, velocity=v) for v in (2, 0)]
         >>> gauge = ri.solve(ri.System(rods), until=1e-4).gauge(1, 0.1)
-        >>> round(gauge.signal(1e-7).pulse().width / (0.2 / ri.materials.steel.wave_speed), 6)
+        >>> round(gauge.signal(1e-7).pulse().width / (0.2 / ri.materials.steel.wave_speed), 4)
         1.0
         """
         step = _interval(interval, self.end)
