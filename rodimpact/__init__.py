@@ -22,6 +22,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from . import rigid as rigid
     from . import theory as theory
     from . import units as units
+    from . import waves as waves
     from .methods.duration import LongRun as LongRun
     from .methods.kernels import NoCompiler as NoCompiler
     from .methods.machine_code import DamagedCache as DamagedCache
@@ -49,6 +50,12 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .model.laws import SpringDashpot as SpringDashpot
     from .model.profiles import Samples as Samples
     from .model.profiles import Steps as Steps
+    from .records.bridge import Bridge as Bridge
+    from .records.comparison import Misfit as Misfit
+    from .records.comparison import Pulse as Pulse
+    from .records.reading import ClippedSignal as ClippedSignal
+    from .records.reading import read_signals as read_signals
+    from .records.signal import Signal as Signal
     from .results.contacts import ContactHistory as ContactHistory
     from .results.energy import EnergyLedger as EnergyLedger
     from .results.gauges import Gauge as Gauge
@@ -87,6 +94,10 @@ _HOME = {
     "methods.duration": ("LongRun",),
     "methods.kernels": ("NoCompiler",),
     "methods.machine_code": ("DamagedCache",),
+    "records.bridge": ("Bridge",),
+    "records.comparison": ("Misfit", "Pulse"),
+    "records.reading": ("ClippedSignal", "read_signals"),
+    "records.signal": ("Signal",),
     "running.solving": ("collide", "solve"),
     "results.energy": ("EnergyLedger",),
     "results.gauges": ("Gauge", "gauges_to_csv"),
@@ -104,7 +115,7 @@ _HOME = {
     "running.warming": ("warm",),
     "storage.casefile": ("Case", "parse_case", "read_case", "write_case"),
 }
-_MODULES = ("materials", "plot", "rigid", "theory", "units")
+_MODULES = ("materials", "plot", "rigid", "theory", "units", "waves")
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
 
 __all__ = [*sorted(_WHERE), *_MODULES]

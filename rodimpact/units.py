@@ -14,7 +14,7 @@ import reprlib
 from decimal import Decimal
 from fractions import Fraction
 from numbers import Real
-from typing import Any
+from typing import Any, NamedTuple
 
 TIMES = "\N{MULTIPLICATION SIGN}"
 MOST_CHARACTERS = 1000  # of a number with its unit; a float written out in full has no more
@@ -35,7 +35,8 @@ UNITS: dict[str, dict[str, str]] = {
     "force": {"N": "1", "mN": "1e-3", "kN": "1e3", "MN": "1e6", "lbf": "4.4482216152605"},
     "mass": {"kg": "1", "g": "1e-3", "mg": "1e-6", "t": "1e3", "lb": "0.45359237"},
     "acceleration": {"m/s^2": "1", "cm/s^2": "1e-2", "mm/s^2": "1e-3"},
-    "dimensionless": {"%": "1e-2"},
+    "dimensionless": {"%": "1e-2", "microstrain": "1e-6"},
+    "voltage": {"V": "1", "mV": "1e-3", "uV": "1e-6", "kV": "1e3"},
     "stiffness": {
         "N/m": "1", "N/mm": "1e3", "kN/m": "1e3", "kN/mm": "1e6", "MN/m": "1e6", "GN/m": "1e9",
     },
@@ -54,6 +55,7 @@ _SPELLINGS = str.maketrans(
     {"\u00b5": "u", "\u03bc": "u", "\u00b2": "^2", "\u00b3": "^3", "\u2074": "^4", "\u00b7": " ",
      "*": " "}
 )
+_ALIASES = {"1": "", "um/m": "microstrain", "ustrain": "microstrain", "u\u03b5": "microstrain"}
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXES = {-9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 # A prefix on m^2 would be squared as well, and kg has one already.
@@ -112,7 +114,7 @@ Use one of s, ms, us, ns, or a bare number in SI units.
         quantity = _QUANTITY.fullmatch(text.strip())
         if quantity is None:
             raise refusal("it is not a decimal number followed by a unit")
-        unit = " ".join((quantity["unit"] or "").translate(_SPELLINGS).split())
+        unit = _spelt(quantity["unit"] or "")
         if unit and unit not in units:
             raise refusal(_explain(unit, units))
         if abs(int(quantity["power"] or 0)) > 2 * MOST_CHARACTERS:
@@ -131,6 +133,50 @@ Use one of s, ms, us, ns, or a bare number in SI units.
     return value
 
 
+class Conversion(NamedTuple):
+    """A unit of the SI, and the factor that makes one of it."""
+
+    unit: str
+    factor: Fraction
+
+
+def conversion(unit: str) -> Conversion | None:
+    """Unit of the SI for any unit known here; None if it is not known.
+
+    Examples
+    --------
+    >>> conversion("mV"), conversion("microstrain").unit, conversion("furlong")
+    (Conversion(unit='V', factor=Fraction(1, 1000)), '', None)
+    """
+    spelt = _spelt(unit)
+    if not spelt:
+        return Conversion("", Fraction(1))
+    for dimension, known in UNITS.items():
+        if spelt in known:
+            return Conversion(si_unit(dimension), Fraction(known[spelt]))
+    return None
+
+
+def in_si(values: Any, unit: Any) -> tuple[Any, str]:
+    """Numbers in a unit as numbers in the SI, and its unit; ValueError if the unit is unknown.
+
+    Examples
+    --------
+    >>> in_si(250.0, "us")
+    (0.00025, 's')
+    """
+    known = conversion(unit) if isinstance(unit, str) else None
+    if known is None:
+        near = [name for names in UNITS.values() for name in names]
+        close = difflib.get_close_matches(shown(unit)[1:-1], near, n=1)
+        hint = f"; perhaps {close[0]!r} is meant" if close else "; use one such as 'V', 'mV' or 'N'"
+        raise ValueError(f"unknown unit {shown(unit)}{hint}")
+    # one operation, which rounds once
+    factor = known.factor
+    scaled = values * float(factor) if factor >= 1 else values / float(1 / factor)
+    return scaled, known.unit
+
+
 def dimension_of(unit: str) -> str:
     """Dimension of which this is the SI unit; the unit itself if it stands in no dimension.
 
@@ -146,6 +192,12 @@ def si_unit(dimension: str) -> str:
     """SI unit of a dimension; "" for pure numbers."""
     units = UNITS.get(dimension, {dimension: "1"})
     return next((unit for unit, factor in units.items() if factor == "1"), "")
+
+
+def _spelt(unit: str) -> str:
+    """A unit as `UNITS` spells it."""
+    spelt = " ".join(unit.translate(_SPELLINGS).split())
+    return _ALIASES.get(spelt, spelt)
 
 
 def _explain(unit: str, units: dict[str, str]) -> str:

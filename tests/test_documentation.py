@@ -38,6 +38,15 @@ def test_the_program_of_the_readme_prints_what_it_says(tmp_path, monkeypatch):
     assert (tmp_path / "row.png").stat().st_size > 10_000
 
 
+def test_the_record_of_the_readme_is_met(monkeypatch):
+    monkeypatch.chdir(Path(__file__).parents[1])
+    names = {"ri": rodimpact}
+    with contextlib.redirect_stdout(io.StringIO()):
+        exec(re.search(r"```python\n(record = .*?)```", README, re.S)[1], names)
+    record, model = names["record"], names["model"]
+    assert record.window(-20e-6, 120e-6).misfit(model).rms < 0.02
+
+
 def test_links_and_pictures_of_the_readme_exist():
     for target in re.findall(r"\]\(([^)]+)\)", README):
         if not target.startswith("http"):

@@ -13,11 +13,12 @@ from functools import partial
 
 from ..model import Rod
 from ..model.frozen import Problems
-from ..results.gauges import gauges_to_csv, misnamed
+from ..results.gauges import gauges_to_csv
 from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
 from ..storage.casefile import Case, read_case
 from ..storage.report import solution_dict, solution_table
+from ..storage.tables import misnamed
 from .asking import attempt, check_format, check_outputs, quantity, write
 from .progress import solved, status_of
 from .run_options import NUMBERS, add_run_options, run_options

@@ -36,7 +36,8 @@ class Trace(NamedTuple):
     """What passes a place: states that hold from each time on, of a rod.
 
     times [n] in s; rightward, leftward [n], the waves v - c eps and v + c eps in m/s, in the frame
-    at t = 0; moving [n], the velocity of that frame; wave_speed in m/s.
+    at t = 0; moving [n], the velocity of that frame; wave_speed in m/s; sampled, whether the states
+    are those of instants, between which a grid knows no others.
     """
 
     times: Floats
@@ -44,6 +45,7 @@ class Trace(NamedTuple):
     leftward: Floats
     moving: Floats
     wave_speed: float
+    sampled: bool = False
 
 
 def nearest(marks: Ints, ticks: Ints) -> Ints:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -14,6 +13,8 @@ from numpy.typing import ArrayLike
 from ..methods.signals import Floats
 from ..model.arguments import array, refuse
 from ..model.frozen import InvalidModel, Problems, number
+from ..records.signal import Signal
+from ..storage.tables import misnamed
 from ..storage.writing import write_text, written
 from ..units import shown
 
@@ -42,6 +43,8 @@ class Gauge:
         velocity at t = 0; their sum is `strain`.
     end : float
         s.
+    sampled : bool
+        Whether the entries are samples of what varies between them, as on a grid.
     """
 
     body: int
@@ -52,6 +55,52 @@ class Gauge:
     rightward: Floats
     leftward: Floats
     end: float
+    sampled: bool = False
+
+    def signal(self, interval: float | None = None, name: str = "") -> Signal:
+        """Return the strain as a signal at equal intervals.
+
+        A sample is a mean over an interval and a half to either side, weighted by a parabolic
+        spline: it varies smoothly with the time of a jump, so that a fit can follow it. Samples of
+        a grid, which has no jumps, are joined by straight lines.
+
+        Parameters
+        ----------
+        interval : float, optional
+            Between samples, s; by default a 10 000th of the record.
+        name : str
+            Of the signal.
+
+        Raises
+        ------
+        InvalidModel
+            If the interval is not a positive number of seconds, too short, or longer than the
+            record.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> rods = [ri.Rod(0.2, area=1e-4, material=ri.materials.steel, velocity=v) for v in (2, 0)]
+        >>> gauge = ri.solve(ri.System(rods), until=1e-4).gauge(1, 0.1)
+        >>> round(gauge.signal(1e-7).pulse().width / (0.2 / ri.materials.steel.wave_speed), 4)
+        1.0
+        """
+        step = _interval(interval, self.end)
+        if self.end < step:
+            message = f"must not be longer than the record, {self.end!r} s, got {step!r}"
+            raise InvalidModel([("interval", message)])
+        times = step * np.arange(_rows(self.end, step))
+        if self.sampled:
+            return Signal(np.interp(times, self.times, self.strain), times, name=name)
+        place = self.times[1:] / step + 0.5
+        before = place.astype(int)
+        u, jump = place - before, np.diff(self.strain)
+        shares = (1 - u) ** 3, 4 - 6 * u**2 + 3 * u**3, 1 + 3 * (u + u**2 - u**3), u**3
+        change = np.zeros(len(times) + 4)
+        for k, share in enumerate(shares):
+            np.add.at(change, before + k, jump * share / 6)
+        means = self.strain[0] + np.cumsum(change)[1 : len(times) + 1]
+        return Signal(means, times, name=name)
 
     def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write time, strain, rightward and leftward strain and velocity, one row a jump.
@@ -73,16 +122,6 @@ class Gauge:
         place = np.searchsorted(self.times, t, "right") - 1
         strain: Floats = self.strain[np.maximum(place, 0)]
         return strain
-
-
-def misnamed(column: object) -> str:
-    """Say why a column cannot have this name: it would end a cell, or a spreadsheet compute it."""
-    if isinstance(column, str) and re.fullmatch(r"\w[\w .:()/-]*", column) and column != "time":
-        return ""
-    return (
-        "a column is named by letters, digits, blanks and _ . : ( ) / -, a letter or a digit "
-        f'first, and not "time"; got {column!r}'
-    )
 
 
 def gauges_to_csv(
@@ -133,17 +172,13 @@ def gauges_to_csv(
         problems.append(("gauges", "needs at least one record, such as solution.gauge(1, 0.5)"))
     problems += [("gauges", sentence) for name in gauges if (sentence := misnamed(name))]
     end = min((record.end for record in gauges.values()), default=0.0)
-    if interval is None:
-        interval = end / SAMPLES if end else 1.0
-    step: Any = number(problems, "interval", interval, "s", "positive")
-    if not isinstance(step, float):
-        problems.append(("interval", f"must be a single number, got {interval!r}"))
-    elif not problems and end / step > MOST_ROWS:
-        message = f"gives {end / step:.3g} rows, more than {MOST_ROWS}; take at least"
-        problems.append(("interval", f"{message} {end / MOST_ROWS:.3g} s, got {step!r}"))
+    try:
+        step = _interval(interval, end)
+    except InvalidModel as error:
+        problems += error.problems
     if problems:
         raise InvalidModel(problems)
-    rows = int(end / step * (1 + 1e-12)) + 1
+    rows = _rows(end, step)
     with written(path, force=force) as file:
         file.write((",".join(["time", *gauges]) + "\n").encode())
         for start in range(0, rows, TOGETHER):
@@ -151,3 +186,24 @@ def gauges_to_csv(
             columns = [times, *(record.strain_at(times) for record in gauges.values())]
             for row in zip(*(column.tolist() for column in columns), strict=True):
                 file.write((",".join(map(repr, row)) + "\n").encode())
+
+
+def _interval(interval: Any, end: float) -> float:
+    """Seconds between samples of a record; InvalidModel if they are none, or make too many."""
+    if interval is None:
+        return end / SAMPLES if end else 1.0
+    problems: Problems = []
+    step = number(problems, "interval", interval, "s", "positive")
+    if not isinstance(step, float):
+        problems.append(("interval", f"must be a single number, got {interval!r}"))
+    elif not problems and end / step > MOST_ROWS:
+        message = f"gives {end / step:.3g} rows, more than {MOST_ROWS}; take at least"
+        problems.append(("interval", f"{message} {end / MOST_ROWS:.3g} s, got {step!r}"))
+    if problems or not isinstance(step, float):
+        raise InvalidModel(problems)
+    return step
+
+
+def _rows(end: float, step: float) -> int:
+    """How many samples a record has at this step."""
+    return int(end / step * (1 + 1e-12)) + 1

@@ -188,7 +188,7 @@ class Solution:
         return Gauge(
             body, float(self.fields.check(body, x)), trace.times, (left - right) * per_wave,
             (left + right) / 2 + trace.moving, (rest - right) * per_wave, (left - rest) * per_wave,
-            self.t_end,
+            self.t_end, trace.sampled,
         )
 
     # Energy and state ---------------------------------------------------------------------------

@@ -21,6 +21,7 @@ from ..model import System
 from ..model.frozen import InvalidModel
 from ..results import notebook
 from ..results.solution import Solution
+from ..storage.extras import optional
 from ..storage.writing import PathLike, write_npz, written
 from ..units import shown
 
@@ -286,7 +287,7 @@ class SweepResult:
 
     def to_dataframe(self) -> Any:
         """All members as a pandas DataFrame (extra ``dataframe``), one a row."""
-        pandas = _extra("pandas", "dataframe")
+        pandas = optional("pandas", "dataframe")
         frame = pandas.DataFrame(self.table())
         frame["status"] = pandas.Categorical.from_codes(frame["status"], STATUS)
         return frame
@@ -296,7 +297,7 @@ class SweepResult:
 
         Strains have the dimensions ``gauge`` and ``time`` besides.
         """
-        xarray = _extra("xarray", "xarray")
+        xarray = optional("xarray", "xarray")
         names = [axis.name for axis in self.axes]
         coordinates = {axis.name: axis.values for axis in self.axes}
         for path, values in self.parameters.items():
@@ -342,14 +343,3 @@ def explanation(member: System, options: Options) -> str:
     o = solution.outcome
     never = o.final or (o.driven and solution.stopped_by == "until")  # however long it runs
     return (never and o.why_no_restitution()) or o.status
-
-
-def _extra(name: str, extra: str) -> Any:
-    """An optional package, imported on demand."""
-    from importlib import import_module
-
-    try:
-        return import_module(name)
-    except ImportError:
-        message = f"{name} is not installed; pip install 'rodimpact[{extra}]' adds it"
-        raise ImportError(message) from None

@@ -25,7 +25,7 @@ _SPECIAL = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # JSON has no 
 
 
 class FileFormatError(ValueError):
-    """A file is not what rodimpact saved: foreign, damaged, or of a newer version."""
+    """A file is not what it should be: foreign, damaged, or of a newer version."""
 
 
 def open_regular(path: PathLike) -> BinaryIO:

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import html
 import math
+import re
 from collections.abc import Sequence
 
+from ..model.frozen import InvalidModel
 from ..units import format_si
 
 SCHEMA_VERSION = 1
@@ -60,6 +62,29 @@ def clean(value: float, scale: float) -> float:
 def as_html(text: str) -> str:
     """A table as HTML, for notebooks."""
     return f"<pre>{html.escape(text)}</pre>"
+
+
+def misnamed(column: object) -> str:
+    """Say why a column cannot have this name: it would end a cell, or a spreadsheet compute it."""
+    if isinstance(column, str) and re.fullmatch(r"\w[\w .:()/-]*", column) and column != "time":
+        return ""
+    return (
+        "a column is named by letters, digits, blanks and _ . : ( ) / -, a letter or a digit "
+        f'first, and not "time"; got {column!r}'
+    )
+
+
+def named_with_unit(column: str, unit: str) -> str:
+    """Head of a column; InvalidModel if it cannot have this name.
+
+    Examples
+    --------
+    >>> named_with_unit("incident", "V"), named_with_unit("strain", "")
+    ('incident [V]', 'strain [1]')
+    """
+    if column != "time" and (sentence := misnamed(column)):
+        raise InvalidModel([("name", sentence)])
+    return f"{column} [{unit or 1}]"
 
 
 def joules(value: float, scale: float) -> str:

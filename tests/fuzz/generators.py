@@ -242,6 +242,8 @@ RODS = [
 ]
 PAIR = ri.System(RODS)
 FAMILY = ri.System([ri.Rod([0.1, 0.2], area=1e-4, material=STEEL, velocity=1.0), ri.Wall()])
+VOLTS = ri.Signal(np.hanning(50), dt=1e-6, unit="V")
+BAR = ri.waves.Bar(5000.0, 0.3, 0.01)
 SOLVED = cache(lambda: ri.solve(PAIR))
 FLAGS = {"force", "dimensionless", "across", "allow_energy_release"}  # whatever has a truth
 
@@ -274,7 +276,7 @@ def objects(rng):
         ri.Spring(1e7), ri.Bonded(), ri.Hertz(1e9), ri.Free(), ri.Fixed(), ri.Absorbing(),
         ri.Pushed(10.0), ri.Steps([1.0, 0.0], [0.1]), ri.Samples([1.0, 2.0]),
         ri.Segment(0.1, 1e-4, STEEL), [ri.Segment(0.1, 1e-4, STEEL)], [rod, ri.Wall()],
-        ri.System([rod, ri.Wall()]), ri.System([family, rod]), ri.Options(),
+        ri.System([rod, ri.Wall()]), ri.System([family, rod]), ri.Options(), VOLTS,
     ]
 
 
@@ -296,6 +298,10 @@ def likely(rng, name):
         "progress": [None], "executor": [None], "checkpoint": [None], "workers": [1, None],
         "youngs_modulus": [1e11], "density": [1e3], "name": ["x"], "case": [system],
         "result": [ri.sweep(FAMILY)],
+        "frequency": [5e4, np.array([0.0, 1e5])], "poisson_ratio": [0.3], "other": [VOLTS, -VOLTS],
+        "distance": [0.1], "bar": [BAR], "kind": ["gaussian", "quarter"], "volts": [VOLTS],
+        "start": [1e-5], "end": [4e-5], "delay": [1e-5], "before": [1e-5], "shift": [0.0, None],
+        "scale": [1.0, None], "units": ["V", None], "rate": [1e6, None], "unit": ["V", ""],
         "record": [solution.gauge(0, 0.1)], "path": ["file.npz", "file.csv"],
     }
     choices |= {flag: [False, True] for flag in FLAGS}

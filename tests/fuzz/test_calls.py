@@ -8,6 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from fuzz.generators import (
+    BAR,
     FAMILY,
     FLAGS,
     PAIR,
@@ -16,6 +17,7 @@ from fuzz.generators import (
     SOLVED,
     STEEL,
     TIMES,
+    VOLTS,
     called,
     likely,
     objects,
@@ -26,18 +28,19 @@ import rodimpact as ri
 
 EXAMPLES = 150 * TIMES  # of each seed
 USED = (
-    "Absorbing", "Bonded", "Case", "Fixed", "Free", "Hertz", "HuntCrossley", "Material", "Moved",
-    "Options", "PowerLaw", "Pushed", "Rigid", "RigidMass", "Rod", "Samples", "Segment", "Spring",
-    "SpringDashpot", "Steps", "System", "Wall", "collide", "gauges_to_csv", "load", "parse_case",
-    "read_case", "regions_of", "solve", "sweep", "write_case",
+    "Absorbing", "Bonded", "Bridge", "Case", "Fixed", "Free", "Hertz", "HuntCrossley", "Material",
+    "Moved", "Options", "PowerLaw", "Pushed", "Rigid", "RigidMass", "Rod", "Samples", "Segment",
+    "Signal", "Spring", "SpringDashpot", "Steps", "System", "Wall", "collide", "gauges_to_csv",
+    "load", "parse_case", "read_case", "read_signals", "regions_of", "solve", "sweep", "write_case",
 )
 """Public names that users call; the others are results."""
+BRIDGE = ri.Bridge("quarter", gauge_factor=2.0, excitation=5.0)
 READ_BACK = {"from_dict", "restored"}  # they take what files hold, which is checked there
 
 
 def of_modules():
     """Functions of the public modules, by name."""
-    for module in (ri.rigid, ri.theory, ri.plot):
+    for module in (ri.rigid, ri.theory, ri.waves, ri.plot):
         for name, function in inspect.getmembers(module, inspect.isfunction):
             own = function.__module__ == module.__name__ or module is ri.plot
             if name[0] != "_" and own:
@@ -54,6 +57,7 @@ def of_results():
         waves.contacts[0], steps.contacts[0], grid.contacts[0], waves.gauge(0, 0.1), waves.outcome,
         ri.sweep(FAMILY), ri.Hertz, ri.Spring(1e7), ri.Samples([1.0, 2.0]),
         ri.Steps([1.0, 0.0], [0.1]), ri.regions_of(waves), waves.energy([0.0, 1e-5]),
+        BAR, VOLTS, BRIDGE,
     ]
     for thing in things:
         for name in dir(thing):

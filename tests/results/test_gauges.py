@@ -132,3 +132,42 @@ def test_mistakes_on_the_command_line(tmp_path, capsys, monkeypatch, options, sa
     assert main(["run", "case.toml", *options]) == 2
     assert said in capsys.readouterr().err
     assert not (tmp_path / "x.csv").exists()
+
+
+def test_a_signal_is_the_mean_under_a_spline(bars):
+    """Against the mean over very short pieces of the staircase."""
+    record, step = bars.gauge(1, 0.5), 7e-6
+    signal = record.signal(step)
+    pieces = np.arange(-1.5, 1.5, 1e-4) + 5e-5
+    weights = np.where(abs(pieces) < 0.5, 0.75 - pieces**2, (1.5 - abs(pieces)) ** 2 / 2) * 1e-4
+    for t, value in zip(signal.times[2:-2], signal.values[2:-2], strict=True):
+        assert record.strain_at(t + step * pieces) @ weights == pytest.approx(value, abs=2e-7)
+    assert len(record.signal()) == 10_001
+
+
+def test_signals_vary_smoothly_with_the_length_of_a_striker():
+    def values(length):
+        rods = [ri.Rod(L, area=1e-4, material=STEEL, velocity=v)
+                for L, v in ((length, 10.0), (0.5, 0.0))]
+        return ri.solve(ri.System(rods), until=1e-4).gauge(1, 0.2).signal(1e-7).values
+
+    wanted, lengths = values(0.128), np.linspace(0.127, 0.1272, 25)
+    records = [values(length) for length in lengths]
+    assert len({record.tobytes() for record in records}) == 25
+    off = np.array([np.sqrt(np.mean((record - wanted) ** 2)) for record in records])
+    at = lengths - 0.1271
+    assert np.abs(off - np.polyval(np.polyfit(at, off, 2), at)).max() < 0.01 * np.ptp(off)
+
+
+def test_signals_of_a_grid_run_straight_between_its_samples():
+    rods = [ri.Rod(0.2, area=1e-4, material=STEEL, velocity=v) for v in (1.0, 0.0)]
+    record = ri.solve(ri.System(rods), until=4e-5, cells=16, snapshots=9).gauge(1, 0.1)
+    step = record.times[1] / 2
+    signal = record.signal(step)
+    strain = record.strain[: (len(signal) + 1) // 2]
+    assert np.ptp(strain) > 1e-5
+    np.testing.assert_allclose(signal.values[::2], strain, atol=1e-18)
+    between = (strain[1:] + strain[:-1]) / 2
+    np.testing.assert_allclose(signal.values[1::2][: len(between)], between, atol=1e-18)
+    with pytest.raises(ri.InvalidModel, match="interval: must not be longer than the record"):
+        record.signal(1.0)

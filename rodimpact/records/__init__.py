@@ -1,0 +1,1 @@
+"""Records of laboratories: signals, how they are read, measured and compared."""

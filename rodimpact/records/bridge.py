@@ -1,0 +1,112 @@
+"""Wheatstone bridges: from the volts of an amplifier to the strain of a bar."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from ..model.arguments import of_kind
+from ..model.frozen import Field, Frozen, Problems, raise_noted
+from ..units import shown
+from .signal import Signal
+
+ALONG = {"quarter": 1, "half": 2, "full": 2}
+"""Gauges along the bar, for each bridge."""
+
+
+class Bridge(Frozen):
+    """A bridge of strain gauges with its amplifier.
+
+    Parameters
+    ----------
+    kind : str
+        ``"quarter"``: one gauge along the bar. ``"half"``: two, on opposite sides and in opposite
+        arms, so that bending drops out; or, with a `poisson_ratio`, one along and one across.
+        ``"full"``: two along and two across.
+    gauge_factor : float
+        Of the gauges.
+    excitation : float
+        Voltage that feeds the bridge, V.
+    gain : float
+        Of the amplifier; negative if it inverts.
+    poisson_ratio : float, optional
+        Of the bar, if gauges lie across it.
+
+    Raises
+    ------
+    InvalidModel
+        Naming every argument that is not what it should be.
+
+    Notes
+    -----
+    ``strain = 4 V/(n gauge_factor excitation gain)``, with n the strain of the arms together over
+    that along the bar: 1 for a quarter bridge, 2 or 1 + nu for a half, 2 (1 + nu) for a full one.
+    The bend of a quarter bridge's characteristic, half a gauge factor times the strain (0.2 % at
+    2000 microstrain), is left out.
+
+    Examples
+    --------
+    >>> bridge = Bridge("quarter", gauge_factor=2.061, excitation=8.0, gain=200.0)
+    >>> volts = Signal([0.0, 1.0, 1.0], dt=1e-6, unit="V", name="incident")
+    >>> (bridge.strain(volts).values * 1e6).round().tolist()
+    [0.0, 1213.0, 1213.0]
+    """
+
+    fields: ClassVar[dict[str, Field]] = {
+        "gauge_factor": Field("", "positive"), "excitation": Field("V", "positive"),
+        "gain": Field(""), "poisson_ratio": Field("", "[0, 0.5]", optional=True),
+    }
+    kind: str
+    gauge_factor: float
+    excitation: float
+    gain: float
+    poisson_ratio: float | None
+
+    def __init__(
+        self, kind: str, *, gauge_factor: float, excitation: float, gain: float = 1.0,
+        poisson_ratio: float | None = None,
+    ) -> None:
+        problems: Problems = []
+        numbers = dict(zip(self.fields, self._checked(
+            problems, gauge_factor=gauge_factor, excitation=excitation, gain=gain,
+            poisson_ratio=poisson_ratio,
+        ), strict=True))
+        for name, value in numbers.items():
+            if isinstance(value, np.ndarray):
+                problems.append((name, f"must be a single number, got {shown(value)}"))
+            elif name == "gain" and value == 0:
+                problems.append((name, "must not be 0"))
+        if not isinstance(kind, str) or kind not in ALONG:
+            message = f"must be one of {', '.join(map(repr, ALONG))}, got {shown(kind)}"
+            problems.append(("kind", message))
+        elif kind == "full" and poisson_ratio is None:
+            message = "is missing; two gauges of a full bridge lie across the bar"
+            problems.append(("poisson_ratio", message))
+        elif kind == "quarter" and poisson_ratio is not None:
+            message = "belongs to gauges across the bar, which a quarter bridge has not"
+            problems.append(("poisson_ratio", f"{message}; leave it out"))
+        raise_noted(problems)
+        self._set(kind=kind, **numbers)
+
+    @property
+    def strain_per_volt(self) -> float:
+        """Strain along the bar for each volt behind the amplifier, 1/V."""
+        nu, n = self.poisson_ratio, float(ALONG[self.kind])
+        if nu is not None:
+            n = 1 + nu if self.kind == "half" else n * (1 + nu)
+        return 4 / (n * self.gauge_factor * self.excitation * self.gain)
+
+    def strain(self, volts: Signal) -> Signal:
+        """Return the strain along the bar, positive in tension.
+
+        Raises
+        ------
+        ValueError
+            If the signal is not in volts.
+        """
+        of_kind("volts", volts, Signal, "read_signals('shot.csv', rate=1e7, units='V')['CH1']")
+        if volts.unit != "V":
+            got = volts.unit or "pure numbers"
+            raise ValueError(f"volts: must be a signal in V, got {shown(volts.name)} in {got}")
+        return volts.replace(values=volts.values * self.strain_per_volt, unit="")

@@ -1,0 +1,110 @@
+"""What gauges, amplifiers and bars do to a pulse: linear filters of samples at equal steps.
+
+Before the record and after it, its first and its last value hold on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..model.quantities import Floats
+
+MOST = 10**7  # samples of a record with its margins
+SHORT = 1e-6  # of a step: what a mean over less would tell is lost in round-off
+
+
+def gaussian(values: Floats, dt: float, frequency: float) -> Floats:
+    """Weights of a bell around each instant, whose spectrum falls to 1/sqrt(2) at a frequency."""
+    tail = math.ceil(min(1 / dt / frequency, MOST))  # 7.5 standard deviations
+    half = math.log(2) / 2
+    return _through(values, dt, lambda f: np.exp(-half * (f / frequency) ** 2), tail)
+
+
+def first_order(values: Floats, dt: float, frequency: float) -> Floats:
+    """Answer of an amplifier 1/(1 + s/w), exact for straight lines between samples."""
+    w = 2 * math.pi * frequency
+    return _answer([w], [1.0, w], values, dt)
+
+
+def second_order(values: Floats, dt: float, frequency: float) -> Floats:
+    """Answer of a Butterworth amplifier, exact for straight lines between samples."""
+    w = 2 * math.pi * frequency
+    return _answer([w * w], [1.0, math.sqrt(2) * w, w * w], values, dt)
+
+
+LOW_PASS: dict[str, Callable[[Floats, float, float], Floats]] = {
+    "gaussian": gaussian, "first-order": first_order, "second-order": second_order,
+}
+
+
+def averaged(values: Floats, times: Floats, duration: float) -> Floats:
+    """Means over a duration about each instant, exact for straight lines; any steps."""
+    if duration < SHORT * np.diff(times).min():
+        return values
+    slopes = np.diff(values) / np.diff(times)
+    before = np.concatenate(([0.0], np.cumsum((values[1:] + values[:-1]) / 2 * np.diff(times))))
+
+    def integral(t: Floats) -> Floats:
+        inside = np.clip(t, times[0], times[-1])
+        i = np.clip(np.searchsorted(times, inside, "right") - 1, 0, len(slopes) - 1)
+        s = inside - times[i]
+        held = values[0] * np.minimum(t - times[0], 0.0) + values[-1] * np.maximum(
+            t - times[-1], 0.0
+        )
+        total: Floats = before[i] + s * (values[i] + slopes[i] * s / 2) + held
+        return total
+
+    means: Floats = (integral(times + duration / 2) - integral(times - duration / 2)) / duration
+    return means
+
+
+def dispersed(values: Floats, dt: float, distance: float, bar: Any) -> Floats:
+    """The pulse after a distance in m along a `waves.Bar`, at the pace of long waves."""
+    tail = math.ceil(min(3 * abs(distance) / bar.wave_speed / dt, MOST))
+
+    def transfer(f: Floats) -> Any:
+        carried = f <= bar.cut_off
+        phase = 2 * np.pi * f[carried] * bar.delays(f[carried]) * distance
+        gains = np.zeros(f.shape, dtype=complex)
+        gains[carried] = np.exp(-1j * phase)
+        return gains
+
+    return _through(values, dt, transfer, tail)
+
+
+def _through(values: Floats, dt: float, transfer: Callable[[Floats], Any], tail: int) -> Floats:
+    """Values after a filter of that gain over frequency, whose answers last `tail` samples.
+
+    A smooth way leads from the last value back to the first, out of reach of the record.
+    """
+    from scipy import fft
+
+    margin = tail + len(values) // 4 + 64
+    if len(values) + 3 * margin > MOST:
+        raise ValueError(
+            f"dt = {dt!r}: the pulse spreads over {tail} samples, too many beside {MOST}; "
+            "take a longer dt by resampled(dt), or a shorter distance"
+        )
+    count = fft.next_fast_len(len(values) + 3 * margin, real=True)
+    back = np.arange(1, count - len(values) - 2 * margin + 1)
+    weight = (1 + np.cos(np.pi * back / (len(back) + 1))) / 2
+    first, last = values[0], values[-1]
+    whole = np.concatenate((
+        values, np.full(margin, last), first + (last - first) * weight, np.full(margin, first)
+    ))
+    spectrum = fft.rfft(whole) * transfer(fft.rfftfreq(count, dt))
+    result: Floats = fft.irfft(spectrum, count)[: len(values)]
+    return result
+
+
+def _answer(above: list[float], below: list[float], values: Floats, dt: float) -> Floats:
+    """Answer of an amplifier with these polynomials in s, at rest before."""
+    from scipy import signal
+
+    top, bottom, _ = signal.cont2discrete((above, below), dt, method="foh")
+    result: Floats = values[0] + signal.lfilter(np.ravel(top), bottom, values - values[0])
+    return result

@@ -1,0 +1,409 @@
+"""Tables as laboratories write them, read as signals.
+
+Delimiter, decimal sign, encoding and the lines before the numbers are found in the file where it
+leaves no choice; what it leaves open is asked for, never guessed.
+"""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import os
+import re
+import warnings
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .. import units as known_units
+from ..model.arguments import positive, single
+from ..model.frozen import nearest
+from ..model.quantities import Floats
+from ..storage.reading import FileFormatError, open_regular
+from ..storage.writing import PathLike
+from ..units import one_line, shown
+from .signal import EVEN, Signal
+
+SURE = 3  # rows of numbers that begin a table
+GAP = 1.5  # steps from which on samples are missing
+HELD = 8  # samples in a row at the largest value, and
+LONGER = 4  # times as many as at any other: a recorder at its limit
+MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"),
+         (codecs.BOM_UTF16_BE, "utf-16"))
+TIMES = re.compile(r"(?i)(?:time|t|zeit|temps|tiempo|x-?axis|seconds?)\b.*")
+MEASURED = ("time", "voltage", "dimensionless", "force", "pressure", "velocity", "length",
+            "acceleration")
+"""What a unit at the end of a name may be, without brackets: incident_V."""
+_NUMBER = r"[+-]?(?:\d+(?:{0})?|{1})(?:[eE][+-]?\d+)?|(?i:[+-]?(?:nan|inf(?:inity)?))"
+_NUMBERS = {".": re.compile(_NUMBER.format(r"\.\d*", r"\.\d+")),
+            ",": re.compile(_NUMBER.format(r",\d+", r",\d+"))}
+
+
+class ClippedSignal(UserWarning):
+    """A channel stays at its largest value for long, as one does that left the recorder's range."""
+
+
+class _Form(NamedTuple):
+    """How a line is cut into numbers: delimiter, "" for blanks, and decimal sign."""
+
+    delimiter: str
+    decimal: str
+
+    def cells(self, line: str) -> list[str]:
+        if not self.delimiter:
+            return line.split()
+        try:
+            row = next(csv.reader([line], delimiter=self.delimiter), [])
+        except csv.Error:  # a cell without an end
+            row = [line]
+        return [cell.strip() for cell in row]
+
+    def numbers(self, line: str) -> int:
+        """How many numbers the line has; 0 if it has anything else."""
+        cells = _without_end(self.cells(line))
+        return len(cells) if all(map(_NUMBERS[self.decimal].fullmatch, cells)) else 0
+
+
+COMMAS = _Form(",", ".")
+FORMS = [_Form(delimiter, decimal) for delimiter in ("\t", ";", "") for decimal in ".,"]
+FORMS.insert(4, COMMAS)
+
+
+def read_signals(
+    path: PathLike, *, time: str | None = None, time_unit: str | None = None,
+    rate: float | None = None, units: str | Mapping[str, str] | None = None,
+    decimal: str | None = None,
+) -> dict[str, Signal]:
+    r"""Read the channels of a table of text.
+
+    Columns may be parted by tabs, semicolons, commas or blanks, decimals by points or commas; the
+    text may be UTF-8, UTF-16 with its mark, or Latin-1; any lines may come before the numbers. A
+    unit stands in the head, ``incident [mV]``, ``incident (mV)``, ``incident_mV`` or ``incident /
+    mV``, or in a line of its own below; volts, seconds and so on are made of it.
+
+    Parameters
+    ----------
+    path : str or path
+    time : str, optional
+        Head of the column of times, if it is not called ``time`` or ``t``; without heads it is the
+        first.
+    time_unit : str, optional
+        ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``, if the head does not say it.
+    rate : float, optional
+        Samples a second, Hz, of a table without times; it begins at t = 0.
+    units : str or mapping, optional
+        Units of all channels, or of channels by name, in place of what the head says; a channel
+        for which neither says anything is a pure number.
+    decimal : str, optional
+        ``"."`` or ``","``, where the file leaves it open.
+
+    Returns
+    -------
+    dict
+        A `Signal` for each channel, by name, in the order of the columns; without heads they are
+        ``"1"``, ``"2"`` and so on.
+
+    Warns
+    -----
+    ClippedSignal
+        If a channel stays at its largest value, and at no other, for long.
+
+    Raises
+    ------
+    FileFormatError
+        If the file is no such table: with the line and the column of what cannot be read, of a
+        number that is none, of a time that does not increase, or of a gap.
+    ValueError
+        If an argument is not what it should be.
+    OSError
+        If the file cannot be read at all.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     shot = pathlib.Path(folder, "shot.txt")
+    ...     _ = shot.write_text("Shot 12\nt (us); bar (mV)\n-0,5; 1,25\n0,0; 2,5\n")
+    ...     bar = read_signals(shot)["bar"]
+    >>> bar.times.tolist(), bar.values.tolist(), bar.unit
+    ([-5e-07, 0.0], [0.00125, 0.0025], 'V')
+    """
+    for name, word in (("time", time), ("time_unit", time_unit)):
+        if word is not None and not isinstance(word, str):
+            raise ValueError(f"{name}: must be a word, got {shown(word)}")
+    if decimal is not None and (not isinstance(decimal, str) or decimal not in (".", ",")):
+        raise ValueError(f'decimal: must be "." or ",", got {shown(decimal)}')
+    if rate is not None:
+        rate = positive("rate", single("rate", rate, "Hz"), "Hz").item()
+        if time is not None or time_unit is not None:
+            raise ValueError("rate: give either rate or a column of times, not both")
+    with open_regular(path) as file:
+        data = file.read()
+    try:
+        return _Table(data, decimal).signals(time, time_unit, rate, units)
+    except FileFormatError as error:
+        raise FileFormatError(f"{os.fspath(path)}: {error}") from None
+
+
+class _Table:
+    """Names, units and numbers of the columns of a text."""
+
+    def __init__(self, data: bytes, decimal: str | None) -> None:
+        lines = _decoded(data).splitlines()
+        form, start = _form_of(lines, decimal)
+        head = lines[:start]
+        body = [(i, form.cells(line)) for i, line in enumerate(lines[start:], start + 1)
+                if line.strip()]
+        if not any(row[-1] for _, row in body):
+            for _, row in body:
+                row.pop()
+        self.lines = [i for i, _ in body]
+        self.count = len(body[0][1])
+        for i, row in body:
+            if len(row) != self.count:
+                raise FileFormatError(
+                    f"line {i}: has {len(row)} columns, the lines before it {self.count}; complete "
+                    "or remove it"
+                )
+        self.names, self.units = _heads(head, form, self.count)
+        self.columns = [self._numbers(j, [row[j] for _, row in body], form.decimal)
+                        for j in range(self.count)]
+
+    def _numbers(self, column: int, cells: list[str], decimal: str) -> Floats:
+        """Finite numbers of a column."""
+        good = _NUMBERS[decimal].fullmatch
+        for line, cell in zip(self.lines, cells, strict=True):
+            if not good(cell):
+                what = f"must be a number, got {shown(cell)}" if cell else "is empty"
+                raise FileFormatError(
+                    f"line {line}, column {shown(self.names[column])}: {what}; complete or remove "
+                    "the line"
+                )
+        values = np.array([float(cell.replace(",", ".")) for cell in cells])
+        if not (finite := np.isfinite(values)).all():
+            i = int((~finite).argmax())
+            raise FileFormatError(
+                f"line {self.lines[i]}, column {shown(self.names[column])}: must be a finite "
+                f"number, got {shown(cells[i])}; cut the record there, or fill in the sample"
+            )
+        return values
+
+    def signals(
+        self, time: str | None, time_unit: str | None, rate: float | None, units: Any
+    ) -> dict[str, Signal]:
+        """Signal of each channel."""
+        named = [j for j, name in enumerate(self.names) if TIMES.fullmatch(name)]
+        if rate is not None:
+            if named:
+                raise FileFormatError(
+                    f"has a column of times, {shown(self.names[named[0]])}; leave rate out"
+                )
+            times = np.arange(len(self.lines)) / rate
+            channels = list(range(self.count))
+        else:
+            clock = self._clock(time, named)
+            times = self._times(clock, time_unit)
+            channels = [j for j in range(self.count) if j != clock]
+        if len(self.lines) < 2:
+            raise FileFormatError("has one line of numbers; a signal has two samples or more")
+        wanted = self._wanted_units(units, [self.names[j] for j in channels])
+        signals = {}
+        for j in channels:
+            name = self.names[j]
+            unit = self.units[j] if wanted.get(name) is None else wanted[name]
+            try:
+                values, si = known_units.in_si(self.columns[j], unit)
+            except ValueError as error:
+                raise FileFormatError(f"column {shown(name)}: {error}; give units=") from None
+            signals[name] = Signal(values, times, unit=si, name=name)
+            self._warn_if_clipped(j)
+        return signals
+
+    def _clock(self, time: str | None, named: list[int]) -> int:
+        """Which column has the times."""
+        if self.count < 2:
+            raise FileFormatError("has one column; give rate, the samples a second in Hz")
+        if time is not None:
+            if time not in self.names:
+                message = f"has no column {shown(time)}; {nearest(time, self.names)}"
+                raise FileFormatError(message)
+            return self.names.index(time)
+        if len(named) > 1:
+            raise FileFormatError(
+                f"has several columns of times, {', '.join(shown(self.names[j]) for j in named)}; "
+                "say by time= which is that of the channels you want"
+            )
+        if named or not self.headed:
+            return named[0] if named else 0
+        raise FileFormatError(
+            f"has no column called time (its columns are {', '.join(map(shown, self.names[:8]))}); "
+            "name it by time=, or give rate, the samples a second in Hz"
+        )
+
+    @property
+    def headed(self) -> bool:
+        """Whether the columns have names of their own."""
+        return self.names != [str(j + 1) for j in range(self.count)]
+
+    def _times(self, column: int, unit: str | None) -> Floats:
+        """Times in s, increasing and without gaps."""
+        name = shown(self.names[column])
+        unit = unit or self.units[column]
+        if not unit:
+            raise FileFormatError(
+                f"column {name}: names no unit of time; give time_unit, one of 's', 'ms', 'us', "
+                "'ns'"
+            )
+        try:
+            times, si = known_units.in_si(self.columns[column], unit)
+        except ValueError as error:
+            raise FileFormatError(f"column {name}: {error}; give time_unit") from None
+        if si != "s":
+            raise FileFormatError(
+                f"column {name}: must be times, but {shown(unit)} is no unit of time; name the "
+                "column of times by time=, or give time_unit"
+            )
+        steps = np.diff(times)
+        if (steps <= 0).any():
+            i = int((steps <= 0).argmax())
+            raise FileFormatError(
+                f"line {self.lines[i + 1]}, column {name}: times must increase, got "
+                f"{times[i + 1]:.9g} s after {times[i]:.9g} s; if they are written with too few "
+                "digits, remove the column and give rate"
+            )
+        usual = float(np.median(steps)) if steps.size else 0.0
+        odd = np.abs(steps - usual) > EVEN * usual
+        if odd.any() and odd.mean() < 0.1 and (wide := steps > GAP * usual).any():
+            i = int(wide.argmax())
+            raise FileFormatError(
+                f"line {self.lines[i + 1]}, column {name}: samples are missing, {steps[i]:.6g} s "
+                f"lie between it and the line before, {usual:.6g} s between others; cut the "
+                "record there, or fill in the samples"
+            )
+        return times  # type: ignore[no-any-return]
+
+    def _wanted_units(self, units: Any, channels: list[str]) -> dict[str, str]:
+        """Units that are given, by channel."""
+        if units is None:
+            return {}
+        if isinstance(units, str):
+            return dict.fromkeys(channels, units)
+        if not isinstance(units, Mapping):
+            message = f"must be a unit, or units by channel, got {shown(units)}"
+            raise ValueError(f"units: {message}")
+        for name in units:
+            if name not in channels:
+                raise ValueError(f"units: there is no channel {shown(name)}; "
+                                 f"{nearest(name, channels)}")
+        return dict(units)
+
+    def _warn_if_clipped(self, column: int) -> None:
+        values = self.columns[column]
+        edges = np.flatnonzero(np.diff(values) != 0) + 1
+        starts = np.concatenate(([0], edges))
+        lengths = np.diff(np.append(starts, len(values)))
+        level = values[starts]
+        limit = ((level == values.max()) | (level == values.min())) & (level != values[0])
+        held, others = lengths * limit, lengths * ~limit
+        if held.max() >= max(HELD, LONGER * others.max()):
+            i = int(held.argmax())
+            name = shown(self.names[column])
+            warnings.warn(
+                f"column {name} stays at {level[i]:.6g} for {held[i]} samples from line "
+                f"{self.lines[int(starts[i])]} on: the recorder may have cut it off there",
+                ClippedSignal, stacklevel=4,
+            )
+
+
+def _decoded(data: bytes) -> str:
+    """The text of a file."""
+    encoding = next((name for mark, name in MARKS if data.startswith(mark)), "utf-8")
+    try:
+        if encoding != "utf-16" and b"\0" in data:
+            raise FileFormatError("is no text (it holds the character NUL); export it as text")
+        return data.decode(encoding)
+    except UnicodeDecodeError:
+        if encoding != "utf-8":
+            raise FileFormatError(f"is not the text in {encoding} that its mark says") from None
+        return data.decode("latin-1")
+
+
+def _form_of(lines: list[str], decimal: str | None) -> tuple[_Form, int]:
+    """How lines are cut into numbers, and the first line of numbers."""
+    forms = [form for form in FORMS if decimal in (None, form.decimal) or form == COMMAS]
+    if decimal == ",":
+        forms.remove(COMMAS)
+    found: list[_Form] = []
+    for start in range(len(lines)):
+        if found := [form for form in forms if _begins(lines, start, form)]:
+            break
+    else:
+        raise FileFormatError("has no table of numbers; export it as text, with a row a sample")
+    line, body = lines[start], lines[start:]
+    several = [form for form in found if form.numbers(line) > 1]
+    if not several:
+        form = found[0] if any("." in row for row in body) else found[-1]
+    elif len({form.delimiter for form in found}) == 1 or "," not in line:
+        # where the first rows are whole numbers, later ones tell the decimal sign
+        wanted = "," if any("," in row for row in body) and several[0] != COMMAS else "."
+        form = next((f for f in several if f.decimal == wanted), several[0])
+    elif len(several) == len(found) or _named(lines[:start], several[0].numbers(line)):
+        form = several[0]
+    else:
+        raise FileFormatError(
+            f"line {start + 1}: {shown(line)} may be two numbers or one with a decimal comma; "
+            'give decimal="." or decimal=","'
+        )
+    count = form.numbers(line)
+    alike = (i for i in range(start) if form.numbers(lines[i]) == count > 1)
+    return form, next(alike, start)
+
+
+def _begins(lines: list[str], start: int, form: _Form) -> bool:
+    """Whether `SURE` lines from there on, or all that follow, have equally many numbers."""
+    if not (count := form.numbers(lines[start])):
+        return False
+    rows = [line for line in lines[start : start + 2 * SURE] if line.strip()][:SURE]
+    return all(form.numbers(row) == count for row in rows)
+
+
+def _named(lines: list[str], count: int) -> bool:
+    """Whether the last line before the numbers names so many columns between commas."""
+    last = next((line for line in reversed(lines) if line.strip()), "")
+    return len(COMMAS.cells(last)) == count
+
+
+def _heads(lines: list[str], form: _Form, count: int) -> tuple[list[str], list[str]]:
+    """Names and units of the columns, from the lines before the numbers."""
+    texts = [line.lstrip("#%/ ") for line in lines if line.strip("#%/ \t\r;,")]
+    rows = [row for row in (_without_end(form.cells(text)) for text in texts) if len(row) == count]
+    if not rows:
+        return [str(j + 1) for j in range(count)], [""] * count
+    below: list[str] = []
+    units = [cell.strip("[]() ") for cell in rows[-1]]
+    if len(rows) > 1 and all(known_units.conversion(unit) is not None for unit in units):
+        below = units
+        rows.pop()
+    names, inside = zip(*map(_name_and_unit, rows[-1]), strict=True)
+    double = [name for name in names if names.count(name) > 1]
+    if double:
+        raise FileFormatError(f"has two columns called {shown(double[0])}; rename one")
+    return list(names), below or list(inside)
+
+
+def _name_and_unit(head: str) -> tuple[str, str]:
+    """Name of a column and its unit, "" if it has none."""
+    head = head.strip(" \"'")
+    if found := re.fullmatch(r"(.*?)[\s_/,]*[\[(]([^\[\]()]*)[\])]", head):
+        return one_line(found[1] or found[2]), found[2].strip() if found[1] else ""
+    if (found := re.fullmatch(r"(.*?)\s*(?:/|\bin\b|_|,|\s)\s*([^\s_/,]+)", head)) and found[1]:
+        si = known_units.conversion(found[2])
+        if si and known_units.dimension_of(si.unit) in MEASURED and found[2] != "1":
+            return one_line(found[1]), found[2]
+    return one_line(head), ""
+
+
+def _without_end(cells: list[str]) -> list[str]:
+    """Cells of a line, without the empty one behind a delimiter at its end."""
+    return cells[:-1] if len(cells) > 1 and not cells[-1] else cells

@@ -1,0 +1,533 @@
+"""A measured or computed time series, with its unit and its name.
+
+>>> import rodimpact as ri
+>>> ramp = ri.Signal([0.0, 1.0, 2.0, 2.0, 2.0], dt=1e-6, unit="V", name="incident")
+>>> (2 * ramp).shifted(1.0).at(1.0)
+0.0
+
+Between samples it runs straight. Every method returns another signal; none is ever changed.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .. import units
+from ..model.arguments import Array, array, finite, of_kind, plain, positive, refuse, single
+from ..model.bodies import Rod, Segment
+from ..model.frozen import Frozen, InvalidModel, Number, Problems
+from ..model.quantities import Floats, floats
+from ..storage.extras import optional
+from ..storage.tables import named_with_unit
+from ..storage.writing import write_text
+from ..units import shown
+from . import filters
+from .comparison import Bounds, Misfit, Pulse, misfit_of, pulse_of
+
+EVEN = 0.05  # of a step: how far times may be off equal steps, as printed digits leave them
+
+
+class Signal(Frozen):
+    """A time series.
+
+    Parameters
+    ----------
+    values : array, shape (n,)
+        Two samples or more, in `unit`.
+    times : array, shape (n,), optional
+        When they were taken, increasing, s; or else give `dt`.
+    dt : float, optional
+        Time between two samples, s.
+    start : float
+        Time of the first sample, s, where `dt` is given.
+    unit : str
+        Of the SI: ``"V"``, ``"N"``, ``"m/s"``; ``""`` for strain and other pure numbers.
+    name : str
+        Of the channel.
+
+    Attributes
+    ----------
+    times, values : array, shape (n,)
+        s and `unit`; read-only.
+    unit, name : str
+
+    Raises
+    ------
+    InvalidModel
+        Naming every argument that is not what it should be: a time that does not increase, a
+        sample that is not finite, a unit that is not of the SI.
+
+    Examples
+    --------
+    >>> Signal([0.0, 1.0, 1.0], dt=1e-6, unit="V", name="incident")
+    Signal(values=array(3,), times=array(3,), unit='V', name='incident')
+    """
+
+    _instead: ClassVar[dict[str, tuple[str, ...]]] = {"dt": ("times",), "start": ("times",)}
+    _whole: ClassVar[tuple[str, ...]] = ("values", "times")
+    values: Floats
+    times: Floats
+    unit: str
+    name: str
+
+    def __init__(
+        self, values: ArrayLike, times: ArrayLike | None = None, *, dt: float | None = None,
+        start: float = 0.0, unit: str = "", name: str = "",
+    ) -> None:
+        problems: Problems = []
+        for field, word in (("unit", unit), ("name", name)):
+            if not isinstance(word, str) or not word.isprintable():
+                problems.append((field, f"must be a word, got {shown(word)}"))
+        if not problems and (si := units.conversion(unit)) and si.factor != 1:
+            message = f"must be of the SI, got {unit!r}; give the values in {si.unit or 'units'}"
+            problems.append(("unit", f"{message}, that is times {float(si.factor):g}"))
+        v = _samples(problems, "values", values, "" if problems else unit)
+        if times is not None and dt is not None:
+            problems.append(("dt", "give either times or dt, not both"))
+        elif times is None and dt is None:
+            problems.append(("times", "is missing; give the times, or dt between two samples"))
+        elif times is None:
+            try:
+                step, first = single("dt", dt, "s"), single("start", start, "s")
+                positive("dt", step, "s")
+                finite("start", first, "s")
+                times = first + step * np.arange(v.size)
+            except ValueError as error:
+                path, _, message = str(error).partition(": ")
+                problems.append((path, message))
+        if not problems:
+            t = _samples(problems, "times", times, "s")
+        if not problems and t.shape != v.shape:
+            problems.append(("times", f"must be as many as values, got {t.size} for {v.size}"))
+        if not problems and (back := np.flatnonzero(np.diff(t) <= 0)).size:
+            i = int(back[0])
+            message = f"must increase, got {float(t[i + 1])!r} after {float(t[i])!r}"
+            problems.append((f"times.{i + 1}", message))
+        if problems:
+            raise InvalidModel(problems)
+        self._set(values=v, times=t, unit=unit, name=name)
+
+    @property
+    def start(self) -> float:
+        """Time of the first sample, s."""
+        return float(self.times[0])
+
+    @property
+    def end(self) -> float:
+        """Time of the last sample, s."""
+        return float(self.times[-1])
+
+    @property
+    def dt(self) -> float:
+        """Time between two samples, s.
+
+        Raises
+        ------
+        ValueError
+            If the steps are not equal.
+        """
+        count = len(self.times) - 1
+        step = (self.end - self.start) / count
+        off = np.abs(self.times - (self.start + step * np.arange(count + 1))) > EVEN * step
+        if off.any():
+            i = int(off.argmax())
+            raise ValueError(
+                f"{self._title}: the samples are not at equal steps (sample {i} is at "
+                f"{float(self.times[i])!r} s); make them so by resampled(dt)"
+            )
+        return step
+
+    @property
+    def _title(self) -> str:
+        return f"signal {self.name!r}" if self.name else "signal"
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def at(self, t: ArrayLike) -> Number:
+        """Values at times in s; ValueError outside of the record."""
+        t = array("t", t, "s")
+        room = 1e-9 * (self.end - self.start)
+        outside = ~((t >= self.start - room) & (t <= self.end + room))
+        refuse(outside, f"must be {self.start!r} to {self.end!r} s, as the {self._title} is", t=t)
+        return plain(np.interp(t, self.times, self.values))
+
+    def resampled(self, dt: float | None = None, *, times: ArrayLike | None = None) -> Signal:
+        """Return the signal at steps of `dt`, s, from its start on, or at the given times.
+
+        Straight lines are read where the new samples lie. Before steps become longer, `low_pass`
+        takes out what they cannot show.
+
+        Raises
+        ------
+        ValueError
+            If times lie outside of the record, or not just one of the two is given.
+        """
+        if (dt is None) == (times is None):
+            raise ValueError("dt: give either dt or times")
+        if times is None:
+            step = positive("dt", single("dt", dt, "s"), "s").item()
+            count = (self.end - self.start) / step * (1 + 1e-12)
+            if not 1 <= count < filters.MOST:
+                message = f"dt = {step}: makes {count + 1:.3g} samples of {self._title}"
+                raise ValueError(f"{message}; take one that makes 2 to {filters.MOST}")
+            times = self.start + step * np.arange(int(count) + 1)
+        return self.replace(values=self.at(times), times=times)
+
+    def shifted(self, delay: float) -> Signal:
+        """Return the signal later by a delay, s."""
+        return self.replace(times=self.times + _one("delay", delay, "s"))
+
+    def window(self, start: float, end: float) -> Signal:
+        """Return the samples from start to end, s; ValueError if these are not two or more."""
+        inside = self._within(start, end)
+        return self.replace(values=self.values[inside], times=self.times[inside])
+
+    def extended(self, before: float = 0.0, after: float = 0.0) -> Signal:
+        """Return the signal with its first value for some time before it, and its last after it, s.
+
+        What `low_pass` and `propagated` spread out, a record that begins just before its pulse
+        would lose.
+
+        Raises
+        ------
+        ValueError
+            If the samples are not at equal steps, or a time is negative or too long.
+        """
+        step, counts = self.dt, []
+        for name, given in (("before", before), ("after", after)):
+            count = _one(name, given, "s") / step
+            if not 0 <= count < filters.MOST:
+                message = f"must be 0 or more, and at most {filters.MOST} samples"
+                raise ValueError(f"{name} = {given}: {message}")
+            counts.append(math.ceil(count * (1 - 1e-12)))
+        ahead, behind = counts
+        times = np.concatenate((
+            self.start - step * np.arange(ahead, 0, -1), self.times,
+            self.end + step * np.arange(1, behind + 1),
+        ))
+        return self.replace(values=np.pad(self.values, (ahead, behind), "edge"), times=times)
+
+    def baseline(self, start: float, end: float) -> Signal:
+        """Return the signal less its mean from start to end, s."""
+        return self - float(self.values[self._within(start, end)].mean())
+
+    def _within(self, start: float, end: float) -> Any:
+        """Which samples lie between these times."""
+        low, high = _one("start", start, "s"), _one("end", end, "s")
+        inside = (self.times >= low) & (self.times <= high)
+        if inside.sum() < 2:
+            message = f"from {low!r} to {high!r} s there are fewer than two samples"
+            raise ValueError(
+                f"start, end: {message}; the {self._title} runs from {self.start!r} to "
+                f"{self.end!r} s"
+            )
+        return inside
+
+    def low_pass(
+        self, frequency: float,
+        kind: Literal["gaussian", "first-order", "second-order"] = "gaussian",
+    ) -> Signal:
+        """Return the signal without what is faster than a frequency.
+
+        Parameters
+        ----------
+        frequency : float
+            At which a vibration keeps 1/sqrt(2) of its amplitude, Hz; below half of the sampling
+            rate.
+        kind : str
+            ``"gaussian"`` delays nothing, as suits data; ``"first-order"`` and ``"second-order"``
+            (Butterworth) are amplifiers, which answer to what has been. Before the record and
+            after it, its first and its last value are taken to hold; a record that begins with its
+            pulse is best `extended` before.
+
+        Raises
+        ------
+        ValueError
+            If the samples are not at equal steps, or an argument is not what it should be.
+
+        Examples
+        --------
+        A pulse through an amplifier of 100 kHz: 1 - exp(-2 pi f t).
+
+        >>> step = Signal([0.0, *[1.0] * 99], dt=1e-7)
+        >>> round(step.low_pass(100e3, "first-order").at(50e-7), 3)
+        0.955
+        """
+        if not isinstance(kind, str) or kind not in filters.LOW_PASS:
+            known = ", ".join(map(repr, filters.LOW_PASS))
+            raise ValueError(f"kind: must be one of {known}, got {shown(kind)}")
+        f = positive("frequency", single("frequency", frequency, "Hz"), "Hz").item()
+        if f * self.dt >= 0.5:
+            rate = units.format_si(1 / self.dt, "Hz")
+            raise ValueError(f"frequency = {f}: must be below half of the sampling rate, {rate}")
+        return self.replace(values=filters.LOW_PASS[kind](self.values, self.dt, f))
+
+    def propagated(
+        self, distance: float, bar: Any, *, radius: float | None = None
+    ) -> Signal:
+        """Return the pulse as it will be farther along a round bar, by its exact first mode.
+
+        Each vibration of the record runs at its own phase velocity; those above the cut-off of the
+        first mode, `waves.CUT_OFF`, are taken out, forwards and back alike. Samples bear the times
+        at which long waves would bring them.
+
+        Parameters
+        ----------
+        distance : float
+            m; negative to go back to where the pulse came from.
+        bar : waves.Bar, Rod or Segment
+            A rod is asked for what `waves.Bar.of` wants.
+        radius : float, optional
+            Equivalent radius of a rod that is not round, m.
+
+        Raises
+        ------
+        InvalidModel
+            If the rod is not uniform, not said to be round, or without Poisson's ratio.
+        ValueError
+            If the samples are not at equal steps, or the distance is out of proportion to them.
+
+        Notes
+        -----
+        A. Tyas and A. J. Watson, An investigation of frequency domain dispersion correction of
+        pressure bar signals, International Journal of Impact Engineering 25 (2001) 87. What the
+        section does not have in common (amplitudes that differ over it) is not corrected.
+        """
+        from .. import waves
+
+        z = _one("distance", distance, "m")
+        if isinstance(bar, Rod | Segment):
+            bar = waves.Bar.of(bar, radius)
+        elif radius is not None:
+            raise ValueError("radius: belongs to a rod; a waves.Bar has its own")
+        of_kind("bar", bar, waves.Bar, "waves.Bar(wave_speed=5000, poisson_ratio=0.3, radius=0.01)")
+        values = filters.dispersed(self.values, self.dt, z, bar)
+        return self.replace(values=values, times=self.times + z / bar.wave_speed)
+
+    def as_measured(
+        self, *, gauge_length: float = 0.0, wave_speed: float | None = None,
+        bandwidth: float | None = None, order: int = 1, scale: float = 1.0, offset: float = 0.0,
+    ) -> Signal:
+        """Return what a gauge and its amplifier make of a computed signal.
+
+        Parameters
+        ----------
+        gauge_length : float
+            Over which the gauge averages, m.
+        wave_speed : float, optional
+            At which the pulse passes it, m/s; needed with a gauge length.
+        bandwidth : float, optional
+            Frequency at which the amplifier keeps 1/sqrt(2) of the amplitude, Hz.
+        order : int
+            Of the amplifier: 1, or 2 (Butterworth).
+        scale, offset : float
+            ``scale * signal + offset`` is recorded; the offset is in `unit`.
+
+        Raises
+        ------
+        ValueError
+            If an argument is not what it should be.
+        """
+        signal, length = self, _one("gauge_length", gauge_length, "m")
+        refuse(np.asarray(length < 0), "must be 0 or more", gauge_length=np.asarray(length))
+        if length:
+            if wave_speed is None:
+                message = "is missing; a gauge of finite length averages over gauge_length"
+                raise ValueError(f"wave_speed: {message}/wave_speed seconds")
+            c = positive("wave_speed", single("wave_speed", wave_speed, "m/s"), "m/s").item()
+            signal = self.replace(values=filters.averaged(self.values, self.times, length / c))
+        if bandwidth is not None:
+            if type(order) is not int or order not in (1, 2):
+                raise ValueError(f"order: must be 1 or 2, got {shown(order)}")
+            signal = signal.low_pass(bandwidth, "first-order" if order == 1 else "second-order")
+        return signal * _one("scale", scale, "") + _one("offset", offset, self.unit)
+
+    def pulse(self) -> Pulse:
+        """Timing of the pulse that holds the largest sample; cut others away by `window`.
+
+        Raises
+        ------
+        ValueError
+            If the signal is 0 everywhere, or does not fall below half and a tenth of its plateau
+            before and after.
+
+        Examples
+        --------
+        >>> trapezoid = Signal([0, 0, 1, 1, 1, 0, 0], [0, 2e-6, 4e-6, 10e-6, 12e-6, 14e-6, 20e-6])
+        >>> pulse = trapezoid.pulse()
+        >>> round(pulse.width * 1e6, 9), round(pulse.rise * 1e6, 9), pulse.plateau
+        (10.0, 1.6, 1.0)
+        """
+        try:
+            return pulse_of(self.times, self.values)
+        except ValueError as error:
+            raise ValueError(f"{self._title}: {error}") from None
+
+    def misfit(
+        self, other: Signal, *, shift: Bounds | None = None, scale: Bounds | None = None
+    ) -> Misfit:
+        """How far another signal, at best, is from this one.
+
+        Parameters
+        ----------
+        other : Signal
+            The prediction. Beyond its ends it is taken to keep its first and its last value.
+        shift : float or (float, float), optional
+            By which it comes later, s: fixed, or between bounds; by default as much as suits best,
+            up to the length of this record to either side.
+        scale : float or (float, float), optional
+            By which it is multiplied: fixed, or between bounds; by default what suits best, which
+            takes volts to strain as well.
+
+        Returns
+        -------
+        Misfit
+            With the root of the mean square over the plateau of this signal, which is the median of
+            its samples above 0.7 of the largest.
+
+        Raises
+        ------
+        ValueError
+            If a scale is given and the units differ, this signal is 0 everywhere, or bounds are
+            none.
+
+        Examples
+        --------
+        >>> shape = Signal(np.hanning(101), dt=1e-6)
+        >>> fit = shape.misfit(0.5 * shape.shifted(-7.3e-6))
+        >>> fit.rms < 1e-2, round(fit.scale, 2), round(fit.shift * 1e6, 1)
+        (True, 2.0, 7.3)
+        """
+        of_kind("other", other, Signal, "solution.gauge(1, 0.5).signal(1e-7)")
+        if scale is not None:
+            self._same_unit(other, "compared but by a free scale")
+        pair = (self.times, self.values), (other.times, other.values)
+        return misfit_of(*pair, _bounds("shift", shift, "s"), _bounds("scale", scale, ""))
+
+    def _same_unit(self, other: Signal, done: str) -> None:
+        if self.unit != other.unit:
+            mine, theirs = self.unit or "pure numbers", other.unit or "pure numbers"
+            raise ValueError(
+                f"{self._title} is in {mine} and {other._title} in {theirs}: they cannot be {done}"
+            )
+
+    def _operand(self, other: Any, done: str) -> Any:
+        """What is added: a number in `unit`, or the values of a signal of the same times."""
+        if not isinstance(other, Signal):
+            return _one("number", other, self.unit)
+        self._same_unit(other, done)
+        if not np.array_equal(self.times, other.times):
+            raise ValueError(
+                f"{self._title} and {other._title} have other times; take one "
+                f".resampled(times=...) with the times of the other before they are {done}"
+            )
+        return other.values
+
+    def __add__(self, other: Signal | float) -> Signal:
+        return self.replace(values=self.values + self._operand(other, "added"))
+
+    def __sub__(self, other: Signal | float) -> Signal:
+        return self.replace(values=self.values - self._operand(other, "subtracted"))
+
+    def __mul__(self, number: float) -> Signal:
+        return self.replace(values=self.values * _one("number", number, ""))
+
+    def __truediv__(self, number: float) -> Signal:
+        divisor = _one("number", number, "")
+        refuse(np.asarray(divisor == 0), "must not be 0", number=np.asarray(divisor))
+        return self.replace(values=self.values / divisor)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __neg__(self) -> Signal:
+        return self * -1.0
+
+    def __rsub__(self, number: float) -> Signal:
+        return -self + number
+
+    def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """Write times and values, with their units in the head.
+
+        Raises
+        ------
+        FileExistsError
+            If the file is there and `force` is false.
+        InvalidModel
+            If the name of the signal would break the table.
+        """
+        columns = ("time", "s"), (self.name or "signal", self.unit)
+        head = ",".join(named_with_unit(*column) for column in columns)
+        rows = zip(self.times.tolist(), self.values.tolist(), strict=True)
+        write_text(path, "\n".join([head, *(f"{t!r},{v!r}" for t, v in rows), ""]), force=force)
+
+    def to_xarray(self) -> Any:
+        """Return an xarray DataArray over ``time``, with units (extra ``xarray``)."""
+        xarray = optional("xarray", "xarray")
+        time = ("time", self.times, {"units": "s"})
+        return xarray.DataArray(
+            self.values, {"time": time}, "time", self.name or None, {"units": self.unit or "1"}
+        )
+
+    @classmethod
+    def from_xarray(cls, data: Any) -> Signal:
+        """Make a signal of a DataArray over time; both have an attribute ``units``.
+
+        Raises
+        ------
+        ValueError
+            If it has other dimensions than one, or its units are missing or unknown.
+        """
+        if len(getattr(data, "dims", ())) != 1:
+            raise ValueError(f"data: must be a DataArray of one dimension, got {shown(data)}")
+        (dimension,) = data.dims
+        over = data[dimension]
+        for what in (over, data):
+            if "units" not in what.attrs:
+                message = f"{what.name}: has no units; set .attrs['units'], such as 'us' or '1'"
+                raise ValueError(message)
+        times, unit = units.in_si(over.values, over.attrs["units"])
+        if unit != "s":
+            raise ValueError(f"{dimension}: must be times, got {over.attrs['units']!r}")
+        values, unit = units.in_si(data.values, data.attrs["units"])
+        return cls(values, times, unit=unit, name=str(data.name or ""))
+
+
+def _samples(problems: Problems, path: str, given: Any, unit: str) -> Array:
+    """Samples as a read-only array; mistakes are noted in `problems`."""
+    try:
+        samples = floats(given, unit)
+    except ValueError as error:
+        problems.append((path, str(error)))
+        return np.zeros(2)
+    if samples.ndim != 1 or samples.size < 2:
+        problems.append((path, f"must be a list of two numbers or more, got {shown(given)}"))
+    elif not (good := np.isfinite(samples)).all():
+        i = int((~good).argmax())
+        problems.append((f"{path}.{i}", f"must be a finite number, got {float(samples[i])!r}"))
+    samples.flags.writeable = False
+    return samples
+
+
+def _one(name: str, value: Any, unit: str) -> float:
+    """A single finite number."""
+    return float(finite(name, single(name, value, unit), unit))
+
+
+def _bounds(name: str, given: Any, unit: str) -> tuple[float, float] | None:
+    """Lower and upper bound: of a number, of two, or None if it is free."""
+    if given is None:
+        return None
+    ends = finite(name, array(name, given, unit), unit)
+    if ends.ndim == 0:
+        return ends.item(), ends.item()
+    if ends.shape != (2,) or ends[0] > ends[1]:
+        raise ValueError(f"{name}: must be a number, or (low, high), got {shown(given)}")
+    return float(ends[0]), float(ends[1])
+
+

@@ -1,0 +1,125 @@
+"""Tables as laboratories write them: what is read, and what is refused with a sentence."""
+
+import re
+import warnings
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact.storage.reading import FileFormatError
+
+T = [0.0, 1e-6, 2e-6, 3e-6]
+BAR = [0.001, -0.0025, 0.25, 1.0]  # V
+
+
+@pytest.fixture
+def read(tmp_path):
+    def signals(text, encoding="utf-8", **options):
+        data = text if isinstance(text, bytes) else text.encode(encoding)
+        (tmp_path / "shot.txt").write_bytes(data)
+        return ri.read_signals(tmp_path / "shot.txt", **options)
+
+    return signals
+
+
+@pytest.mark.parametrize("text", [
+    "time_s,bar_V\n0,0.001\n1e-6,-0.0025\n2e-6,0.25\n3e-6,1\n",
+    "time [us],bar [mV]\n0,1\n1,-2.5\n2,250\n3,1000\n",
+    "t (ms);bar (mV)\r\n0;1\r\n0,001;-2,5\r\n0,002;250\r\n0,003;1000\r\n",
+    "t/us\tbar/mV\n0\t1,0\n1\t-2,5\n2\t250\n3\t1000",
+    "# shot 12, 3 May\n# time(us)  bar(V)\n\n0 .001\n1 -.0025\n2 .25\n 3  1.\n",
+    "Sample rate, 1 MHz\nTime,bar\n(us),(mV)\n\n0.0,1.0\n1.0,-2.5\n2.0,250.0\n3.0,1000.0\n",
+    '"Time, us","bar, mV"\n"0","1"\n"1","-2.5"\n"2","250"\n"3","1e3"\n',
+    "TIME in us;bar in V;\n0,0;0,001;\n1,0;-0,0025;\n2,0;0,25;\n3,0;1,0;\n",
+    "time_ns,bar_V\n0,0.001\n1000,-0.0025\n2000,0.25\n3000,1\n\n\n",
+    "Zeit [µs] ; bar [mV]\n0;1\n1;-2,5\n2;250\n3;1000\n",
+    "bar [mV]\tTime (us)\n1\t0\n-2.5\t1\n250\t2\n1000\t3\n",
+], ids=range(11))
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "utf-16"])
+def test_one_record_in_many_clothes(read, text, encoding):
+    (bar,) = read(text, encoding).values()
+    assert (bar.name, bar.unit) == ("bar", "V")
+    np.testing.assert_allclose(bar.times, T, rtol=1e-15, atol=0)
+    np.testing.assert_allclose(bar.values, BAR, rtol=1e-15, atol=0)
+
+
+def test_units_and_rates_that_the_file_does_not_say(read):
+    bare = "0;1\n1;-2.5\n2;250\n3;1000\n"
+    signals = read(bare, time_unit="us", units="mV")
+    assert signals == {"2": ri.Signal(BAR, T, unit="V", name="2")}
+    assert list(read(bare, rate=1e6)) == ["1", "2"]
+    assert read(bare, rate=1e6, units={"2": "mV"})["2"].unit == "V"
+    heads = read("clock,a,b\n0,1,2\n1,3,4\n", time="clock", time_unit="ms", units={"b": "kN"})
+    assert heads["b"] == ri.Signal([2000.0, 4000.0], [0.0, 1e-3], unit="N", name="b")
+    assert heads["a"].unit == ""
+    single = read("bar_microstrain\n100\n-200\n", rate=1e6)["bar"]
+    assert single == ri.Signal([1e-4, -2e-4], dt=1e-6, name="bar")
+    assert read("1,5\n2,5\n", rate=1.0, decimal=",")["1"].values.tolist() == [1.5, 2.5]
+    assert list(read("1,5\n2,5\n", rate=1.0, decimal=".")) == ["1", "2"]
+    assert list(read("a,b\n1,5\n2,5\n", rate=1.0)) == ["a", "b"]
+
+
+@pytest.mark.parametrize(("text", "options", "said"), [
+    ("time,a\n0,1\n1,2\n", {}, "column 'time': names no unit of time; give time_unit, one of 's'"),
+    ("time [min],a\n0,1\n1,2\n", {}, "column 'time': unknown unit 'min'"),
+    ("time [V],a\n0,1\n1,2\n", {}, "must be times, but 'V' is no unit of time"),
+    ("time_s,a [furlong]\n0,1\n1,2\n", {}, "column 'a': unknown unit 'furlong'"),
+    ("a,b\n0,1\n1,2\n", {}, "has no column called time (its columns are 'a', 'b'); name it by"),
+    ("a,b\n0,1\n1,2\n", {"time": "c"}, "has no column 'c'; use one of a, b"),
+    ("time_s,a\n0,1\n1,2\n", {"rate": 1.0}, "has a column of times, 'time'; leave rate out"),
+    ("1\n2\n3\n", {}, "has one column; give rate"),
+    ("time_s,a\n0,1\n", {}, "has one line of numbers"),
+    ("time_s,a,a\n0,1,2\n1,2,3\n", {}, "has two columns called 'a'; rename one"),
+    ("time_s,time_us,a\n0,0,1\n1,1,2\n", {}, "has two columns called 'time'"),
+    ("1,5\n2,5\n", {"rate": 1.0}, "line 1: '1,5' may be two numbers or one with a decimal comma"),
+    ("time_s,a\n0,1\n1,2\n2,x\n3,4\n", {}, "line 4, column 'a': must be a number, got 'x'"),
+    ("time_s,a\n0,1\n1,2\n2,\n3,4\n", {}, "line 4, column 'a': is empty; complete or remove"),
+    ("time_s,a\n0,1\n1,2\n2,nan\n3,4\n", {}, "line 4, column 'a': must be a finite number"),
+    ("time_s,a\n0,1\n1,2\n2,3\n3,4,5\n", {}, "line 5: has 3 columns, the lines before it 2"),
+    ("time_s,a\n0,1\n1,2\n1,3\n", {}, "line 4, column 'time': times must increase, got 1 s after"),
+    ("time_s,a\n" + "".join(f"{i + 5 * (i > 30)},1\n" for i in range(60)), {},
+     "line 33, column 'time': samples are missing, 6 s lie between it and the line before, 1 s"),
+    ("no numbers here\n", {}, "has no table of numbers"),
+    ("", {}, "has no table of numbers"),
+    (b"PK\x03\x04\0\0\0", {}, "is no text (it holds the character NUL)"),
+    (b"\xef\xbb\xbf\xff,1\n", {}, "is not the text in utf-8-sig that its mark says"),
+], ids=range(22))
+def test_what_is_no_record_is_refused_with_the_place(read, text, options, said):
+    with pytest.raises(FileFormatError, match=f"shot.txt: .*{re.escape(said)}"):
+        read(text, **options)
+
+
+@pytest.mark.parametrize(("options", "said"), [
+    ({"rate": 1.0, "time": "a"}, "rate: give either rate or a column of times"),
+    ({"rate": -1.0}, "rate = -1.0: must be positive"), ({"decimal": ";"}, 'decimal: must be "."'),
+    ({"units": {"c": "V"}}, "units: there is no channel 'c'; use one of a"),
+    ({"units": 3}, "units: must be a unit, or units by channel, got 3"),
+    ({"units": {"a": 3}}, "unknown unit 3"),
+])
+def test_wrong_options(read, options, said):
+    with pytest.raises(ValueError, match=said):
+        read("a\n1\n2\n", **({"rate": 1.0} | options))
+
+
+def test_a_channel_at_the_limit_of_its_recorder_is_announced(read):
+    t = np.arange(300)
+    wave = 3 * np.sin(t / 40) + 0.1 * np.sin(t * t)
+
+    def table(values):
+        return "time_us,a_V\n" + "".join(f"{i},{v!r}\n" for i, v in zip(t, values, strict=True))
+
+    with pytest.warns(ri.ClippedSignal, match="column 'a' stays at 2 for [0-9]+ samples from line"):
+        clipped = read(table(np.minimum(wave, 2.0).tolist()))["a"]
+    assert clipped.values.max() == 2.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        read(table(wave.round(1).tolist()))
+        read(table(np.where((t > 100) & (t < 200), -1.0, 0.0).tolist()))  # as computed
+
+
+def test_long_tables_are_told_apart_from_gaps(read):
+    """Times that are not uniform on purpose, as those of jumps, are no gap."""
+    times = np.cumsum(np.arange(1, 20) ** 2)
+    signal = read("time_s,a\n" + "".join(f"{x},1\n" for x in times))["a"]
+    assert signal.times.tolist() == times.tolist()

@@ -1,0 +1,292 @@
+"""Signals against closed forms of filters, pulses and shifts."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+
+BAR = ri.waves.Bar(wave_speed=5000.0, poisson_ratio=0.3, radius=5e-3)
+
+
+def trapezoid(start=20e-6, rise=4e-6, width=60e-6, height=2.0, dt=1e-7, **names):
+    """A pulse whose half height lasts `width`."""
+    corners = start + np.array([0, rise, width, width + rise])
+    t = dt * np.arange(2001)
+    return ri.Signal(np.interp(t, corners, [0, height, height, 0]), t, **names)
+
+
+def tone(frequency, dt=1e-7, count=8001):
+    """A burst of one frequency, smooth at its ends."""
+    t = dt * np.arange(count)
+    middle = t[-1] / 2
+    return ri.Signal(np.cos(2 * np.pi * frequency * t) * np.exp(-(((t - middle) / 5e-5) ** 2)), t)
+
+
+def phase_and_gain(after, before, frequency):
+    """Of a burst, as a complex number."""
+    def amplitude(s):
+        return np.sum(s.values * np.exp(-2j * np.pi * frequency * s.times)) * s.dt
+
+    return amplitude(after) / amplitude(before)
+
+
+def test_a_signal_is_immutable_and_known_by_what_it_says():
+    values = np.array([0.0, 1.0, 1.0])
+    signal = ri.Signal(values, dt=1e-6, start=1.0, unit="V", name="a")
+    values[0] = 7.0
+    assert signal.values.tolist() == [0.0, 1.0, 1.0]
+    assert signal == ri.Signal([0, 1, 1], [1.0, 1.000001, 1.000002], unit="V", name="a")
+    assert signal != signal.replace(unit="N")
+    assert (len(signal), signal.start, signal.end) == (3, 1.0, 1.000002)
+    with pytest.raises(ValueError, match="read-only"):
+        signal.values[0] = 1.0
+    with pytest.raises(AttributeError, match="frozen"):
+        signal.unit = "N"
+
+
+@pytest.mark.parametrize(("make", "said"), [
+    (lambda: ri.Signal([1.0, 2.0]), "times: is missing"),
+    (lambda: ri.Signal([1.0, 2.0], [0.0, 1.0], dt=1.0), "dt: give either times or dt"),
+    (lambda: ri.Signal([1.0], dt=1.0), "values: must be a list of two numbers or more"),
+    (lambda: ri.Signal([1.0, math.nan], dt=1.0), r"values\.1: must be a finite number, got nan"),
+    (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 1.0]), "times: must be as many as values, got 2"),
+    (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 2.0, 1.0]), r"times\.2: must increase, got 1.0 aft"),
+    (lambda: ri.Signal([1.0, 2.0], dt=0.0), "dt = 0.0: must be positive"),
+    (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit="mV"), "unit: must be of the SI, got 'mV'; give "
+     "the values in V, that is times 0.001"),
+    (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit=3), "unit: must be a word, got 3"),
+    (lambda: ri.Signal("12", dt=1.0), "values: must be a number"),
+])
+def test_what_is_no_signal_is_refused(make, said):
+    with pytest.raises(ValueError, match=said):
+        make()
+
+
+def test_values_between_samples_lie_on_straight_lines():
+    signal = ri.Signal([0.0, 2.0, 2.0], [0.0, 1.0, 4.0])
+    assert signal.at([0.25, 3.0]).tolist() == [0.5, 2.0]
+    assert signal.resampled(0.5).values.tolist() == [0, 1, 2, 2, 2, 2, 2, 2, 2]
+    assert signal.resampled(times=[0.5, 2.5]).times.tolist() == [0.5, 2.5]
+    assert signal.window(0.5, 4.0).times.tolist() == [1.0, 4.0]
+    assert signal.shifted(-1.0).times.tolist() == [-1.0, 0.0, 3.0]
+    for call, said in (
+        (lambda: signal.at(4.1), "t = 4.1: must be 0.0 to 4.0 s"),
+        (lambda: signal.dt, "are not at equal steps .sample 1 is at 1.0 s.; make them so by"),
+        (lambda: signal.window(1.5, 3.0), "fewer than two samples; the signal runs from 0.0"),
+        (lambda: signal.resampled(), "give either dt or times"),
+        (lambda: signal.resampled(5.0), "makes 1.8 samples"),
+        (lambda: signal.resampled(times=[1.0, 5.0]), "t = 5.0 at index .1,.: must be"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            call()
+
+
+def test_arithmetic():
+    a, b = trapezoid(), trapezoid(height=1.0)
+    assert (a - b - b).values.tolist() == [0.0] * 2001
+    assert (2 * b / 2 + 1.0 - (1 - -b)).values == pytest.approx(0, abs=1e-15)
+    assert (a + 3.0).baseline(0.0, 19e-6).values == pytest.approx(a.values, abs=1e-15)
+    for call, said in (
+        (lambda: a + b.shifted(1e-6), "have other times; take one .resampled"),
+        (lambda: a + b.replace(unit="V"), "is in pure numbers and signal in V: they cannot be add"),
+        (lambda: a * b, "number: must"), (lambda: a / 0, "number = 0.0: must not be 0"),
+        (lambda: a + "1", "number: must be a number"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            call()
+
+
+def test_timing_of_a_pulse():
+    pulse = (-1 * trapezoid()).pulse()
+    assert pulse.plateau == -2.0
+    assert pulse.width == pytest.approx(60e-6, rel=1e-9)
+    assert pulse.rise == pytest.approx(0.8 * 4e-6, rel=1e-9)
+    assert pulse.start == pytest.approx(20.4e-6, rel=1e-9)
+    noise = 0.01 * np.sin(np.arange(2001) ** 2)
+    rough = trapezoid() + ri.Signal(noise, trapezoid().times)
+    assert rough.pulse().width == pytest.approx(60e-6, abs=1e-7)
+    for signal, said in ((trapezoid() * 0, "is 0 everywhere"),
+                         (trapezoid().window(30e-6, 2e-4), "is not whole"),
+                         (trapezoid().window(0.0, 60e-6), "is not whole")):
+        with pytest.raises(ValueError, match=said):
+            signal.pulse()
+
+
+def test_misfit_finds_what_was_done():
+    record = trapezoid(unit="V")
+    model = (0.4 * record).shifted(-33.33e-6)
+    free = record.misfit(model)
+    assert free.shift == pytest.approx(33.33e-6, abs=1e-9)
+    assert free.scale == pytest.approx(2.5, rel=1e-4)
+    assert free.rms < 1e-4
+    bounded = record.misfit(model, shift=(30e-6, 31e-6), scale=(0.9, 1.1))
+    assert bounded.shift == pytest.approx(31e-6, abs=1e-8)
+    assert bounded.scale == 1.1
+    fixed = record.misfit(record * 0.9, shift=0.0, scale=1.0)
+    assert fixed.rms == pytest.approx(0.1 * np.sqrt(np.mean(record.values**2)) / 2, rel=1e-9)
+    assert fixed[1:] == (0.0, 1.0)
+    strain = model.replace(unit="")
+    assert record.misfit(strain).rms == free.rms
+    for call, said in (
+        (lambda: record.misfit(strain, scale=1.0), "is in V and signal in pure numbers"),
+        (lambda: record.misfit(3), "other: must be a Signal"),
+        (lambda: record.misfit(record, shift=(2.0, 1.0)), "shift: must be a number, or .low, high"),
+        (lambda: (record * 0).misfit(record), "0 everywhere"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            call()
+
+
+@pytest.mark.parametrize(("kind", "transfer"), [
+    ("gaussian", lambda r: 2 ** (-(r**2) / 2)),
+    ("first-order", lambda r: 1 / (1 + 1j * r)),
+    ("second-order", lambda r: 1 / (1 - r * r + 1j * math.sqrt(2) * r)),
+])
+def test_low_pass(kind, transfer):
+    burst = tone(50e3)
+    for f in (20e3, 50e3, 200e3):
+        got = phase_and_gain(burst.low_pass(f, kind), burst, 50e3)
+        assert got == pytest.approx(transfer(50e3 / f), abs=2e-4)
+    level = ri.Signal(np.full(100, 3.0), dt=1e-6)
+    np.testing.assert_allclose(level.low_pass(2e4, kind).values, 3.0, rtol=1e-12)
+
+
+def test_answers_of_amplifiers_to_a_ramp():
+    """1/(1 + s tau) makes t - tau (1 - exp(-t/tau)) of t; straight lines are exact."""
+    t, tau = 1e-6 * np.arange(50), 1 / (2 * math.pi * 30e3)
+    ramp = ri.Signal(t, t)
+    want = t - tau * -np.expm1(-t / tau)
+    np.testing.assert_allclose(ramp.low_pass(30e3, "first-order").values, want, atol=1e-18)
+    with pytest.raises(ValueError, match="must be below half of the sampling rate, 1 MHz"):
+        ramp.low_pass(6e5)
+    for slow in (1e-6, 5e-324):
+        with pytest.raises(ValueError, match="the pulse spreads over 10000000 samples, too many"):
+            ramp.low_pass(slow)
+    with pytest.raises(ValueError, match="kind: must be one of 'gaussian'"):
+        ramp.low_pass(1e4, "boxcar")
+
+
+def test_what_a_gauge_and_its_amplifier_do():
+    pulse = trapezoid()
+    averaged = pulse.as_measured(gauge_length=0.01, wave_speed=5000.0)  # over 2 us
+    t = averaged.times
+    np.testing.assert_allclose(averaged.values[(t > 21e-6) & (t < 23e-6)],
+                               pulse.values[(t > 21e-6) & (t < 23e-6)], atol=1e-12)
+    at_corner = np.argmin(np.abs(t - 20e-6))
+    assert averaged.values[at_corner] == pytest.approx(0.5e6 * 1e-6**2 / 2 / 2e-6, rel=1e-9)
+    short = pulse.as_measured(gauge_length=1e-30, wave_speed=5000.0)
+    assert short.values == pytest.approx(pulse.values, abs=1e-6)
+    seen = pulse.as_measured(bandwidth=100e3, order=2, scale=3.0, offset=0.5)
+    wanted = pulse.low_pass(100e3, "second-order") * 3 + 0.5
+    assert seen == wanted
+    assert pulse.as_measured() == pulse
+    for call, said in (
+        (lambda: pulse.as_measured(gauge_length=0.01), "wave_speed: is missing"),
+        (lambda: pulse.as_measured(gauge_length=-0.01), "gauge_length = -0.01: must be 0 or more"),
+        (lambda: pulse.as_measured(bandwidth=1e5, order=3), "order: must be 1 or 2, got 3"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            call()
+
+
+def test_each_vibration_propagates_at_its_own_speed():
+    z = 0.7
+    for f in (20e3, 120e3, 240e3):
+        burst = tone(f)
+        got = phase_and_gain(burst.propagated(z, BAR), burst, f)
+        narrow = 2e-3 + 0.05 * (f / 240e3) ** 2  # the burst has some width in frequency
+        assert got == pytest.approx(np.exp(-1j * BAR.wavenumber(f) * z), abs=narrow)
+    beyond = tone(300e3)  # the first mode ends at 262 kHz
+    assert np.abs(beyond.propagated(z, BAR).values).max() < 1e-3
+
+
+def test_there_and_back_again():
+    pulse = trapezoid(rise=20e-6).low_pass(60e3)
+    back = pulse.extended(1e-4, 1e-4).propagated(0.5, BAR).propagated(-0.5, BAR)
+    np.testing.assert_allclose(back.at(pulse.times), pulse.values, atol=1e-5)
+    assert pulse.propagated(0.5, BAR).start == pytest.approx(1e-4, rel=1e-12)
+    stiff = ri.waves.Bar(wave_speed=5000.0, poisson_ratio=0.0, radius=5e-3)
+    np.testing.assert_allclose(pulse.propagated(0.5, stiff).values, pulse.values, atol=1e-5)
+
+
+def test_a_rod_is_a_bar_if_it_is_round():
+    steel = ri.materials.steel
+    rod = ri.Rod(1.0, diameter=0.02, material=steel, polar_moment="circular")
+    pulse = trapezoid()
+    moved = pulse.propagated(0.2, rod)
+    assert moved == pulse.propagated(0.2, ri.waves.Bar.of(rod))
+    plain = ri.Rod(1.0, diameter=0.02, material=steel)
+    assert pulse.propagated(0.2, plain, radius=ri.waves.Bar.of(rod).radius) == moved
+    for call, said in (
+        (lambda: pulse.propagated(0.2, plain), "bar.section: is not said to be round"),
+        (lambda: pulse.propagated(0.2, BAR, radius=1.0), "radius: belongs to a rod"),
+        (lambda: pulse.propagated(0.2, 5000.0), "bar: must be a Bar, such as waves.Bar"),
+        (lambda: pulse.propagated(1e9, BAR), "the pulse spreads over .* too many"),
+        (lambda: ri.Signal([0, 1, 2], [0, 1, 3]).propagated(1.0, BAR), "not at equal steps"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            call()
+
+
+def test_extended():
+    signal = ri.Signal([1.0, 2.0, 3.0], dt=0.5)
+    assert signal.extended(1.0, 0.7).values.tolist() == [1, 1, 1, 2, 3, 3, 3]
+    assert signal.extended(1.0, 0.7).times.tolist() == [-1, -0.5, 0, 0.5, 1, 1.5, 2]
+    with pytest.raises(ValueError, match=r"before = -1.0: must be 0 or more"):
+        signal.extended(-1.0)
+
+
+def test_to_a_table_and_back(tmp_path):
+    signal = trapezoid(unit="V", name="incident bar")
+    signal.to_csv(tmp_path / "a.csv")
+    assert (tmp_path / "a.csv").read_text().splitlines()[0] == "time [s],incident bar [V]"
+    assert ri.read_signals(tmp_path / "a.csv") == {"incident bar": signal}
+    with pytest.raises(FileExistsError):
+        signal.to_csv(tmp_path / "a.csv")
+    with pytest.raises(ri.InvalidModel, match="name: a column is named by"):
+        signal.replace(name="a,b").to_csv(tmp_path / "b.csv")
+
+
+def test_to_xarray_and_back():
+    xarray = pytest.importorskip("xarray")
+    signal = trapezoid(unit="V", name="incident")
+    data = signal.to_xarray()
+    assert data.attrs["units"] == "V"
+    assert data["time"].attrs["units"] == "s"
+    assert ri.Signal.from_xarray(data) == signal
+    strain = xarray.DataArray([0.0, 500.0], {"t": ("t", [0.0, 2.0], {"units": "us"})}, "t", "bar",
+                              {"units": "microstrain"})
+    assert ri.Signal.from_xarray(strain) == ri.Signal([0.0, 5e-4], [0.0, 2e-6], name="bar")
+    bare = strain.drop_attrs()
+    with pytest.raises(ValueError, match="t: has no units; set"):
+        ri.Signal.from_xarray(bare)
+    with pytest.raises(ValueError, match="must be a DataArray of one dimension"):
+        ri.Signal.from_xarray(3)
+
+
+@pytest.mark.parametrize(("kind", "nu", "factor"), [
+    ("quarter", None, 4.0), ("half", None, 2.0), ("half", 0.25, 3.2), ("full", 0.25, 1.6),
+])
+def test_bridges(kind, nu, factor):
+    bridge = ri.Bridge(kind, gauge_factor=2.0, excitation=10.0, gain=50.0, poisson_ratio=nu)
+    volts = trapezoid(unit="V", name="a")
+    strain = bridge.strain(volts)
+    assert strain.pulse().plateau == pytest.approx(factor * 2.0 / 1000.0, rel=1e-12)
+    assert (strain.unit, strain.name) == ("", "a")
+    with pytest.raises(ValueError, match="volts: must be a signal in V, got 'a' in pure numbers"):
+        bridge.strain(strain)
+
+
+@pytest.mark.parametrize(("changes", "said"), [
+    ({"kind": "third"}, "kind: must be one of 'quarter', 'half', 'full', got 'third'"),
+    ({"kind": "full"}, "poisson_ratio: is missing"),
+    ({"poisson_ratio": 0.3}, "poisson_ratio: belongs to gauges across"),
+    ({"gain": 0}, "gain: must not be 0"), ({"excitation": -1.0}, "excitation: must be a finite"),
+    ({"gauge_factor": [2.0, 2.1]}, "gauge_factor: must be a single number"),
+])
+def test_wrong_bridges(changes, said):
+    given = {"kind": "quarter", "gauge_factor": 2.0, "excitation": 10.0} | changes
+    with pytest.raises(ri.InvalidModel, match=said):
+        ri.Bridge(given.pop("kind"), **given)
