@@ -37,6 +37,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .model.ends import Absorbing as Absorbing
     from .model.ends import Fixed as Fixed
     from .model.ends import Free as Free
+    from .model.ends import Incoming as Incoming
     from .model.ends import Moved as Moved
     from .model.ends import Pushed as Pushed
     from .model.frozen import InvalidModel as InvalidModel
@@ -81,7 +82,7 @@ _HOME = {
     "model.laws": (
         "Bonded", "Hertz", "HuntCrossley", "PowerLaw", "Rigid", "Spring", "SpringDashpot",
     ),
-    "model.ends": ("Absorbing", "Fixed", "Free", "Moved", "Pushed"),
+    "model.ends": ("Absorbing", "Fixed", "Free", "Incoming", "Moved", "Pushed"),
     "model.system": ("System",),
     "methods.registry": ("Options",),
     "methods.duration": ("LongRun",),

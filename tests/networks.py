@@ -82,11 +82,12 @@ def random_end(rng, body, driven):
     if isinstance(body, ri.Rod):
         kinds += [ri.Absorbing, ri.Fixed]
     if driven:
-        kinds += [ri.Pushed] * 2 + ([ri.Moved] * 2 if isinstance(body, ri.Rod) else [])
+        kinds += [ri.Pushed] * 2
+        kinds += [ri.Moved, ri.Moved, ri.Incoming] if isinstance(body, ri.Rod) else []
     kind = kinds[rng.integers(len(kinds))]
     if kind is ri.Pushed:
         return ri.Pushed(random_drive(rng, 1.0))
-    return ri.Moved(random_drive(rng, 0.3)) if kind is ri.Moved else kind()
+    return kind(random_drive(rng, 0.3)) if kind in (ri.Moved, ri.Incoming) else kind()
 
 
 def move_together(row, contacts):

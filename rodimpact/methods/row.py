@@ -20,6 +20,7 @@ from ..model import (
     Absorbing,
     Bonded,
     Fixed,
+    Incoming,
     InvalidModel,
     Moved,
     Pushed,
@@ -38,7 +39,10 @@ AS_GOOD_AS_RIGID = "is as good as rigid beside these rods, got {!r}; use Rigid()
 ROOM = 2.0**60  # for sums over steps and cells
 STIFFEST = 2.0**80  # of a contact, times transit time over impedance
 LEAST = 2.0**-800  # stiffness, where time is counted in steps
-KINDS = {Fixed: "velocity", Moved: "velocity", Pushed: "force", Absorbing: "absorbing"}
+KINDS = {
+    Fixed: "velocity", Moved: "velocity", Pushed: "force", Absorbing: "absorbing",
+    Incoming: "absorbing",
+}
 Array = np.ndarray[Any, np.dtype[Any]]
 
 
@@ -65,7 +69,8 @@ class Row:
     contact_link : list of int
         Link of each contact, -1 where it joins rigid bodies for good.
     outside : list of (str, value)
-        Left and right: ``"none"``, ``"velocity"``, ``"force"`` or ``"absorbing"``.
+        Left and right: ``"none"``, ``"velocity"``, ``"force"`` or ``"absorbing"``; the value of
+        the last is the strain of the wave that comes in.
     """
 
     def __init__(self, system: System) -> None:
@@ -150,6 +155,10 @@ class Row:
         self.outside[side] = (kind, getattr(end, "value", 0.0))
         self._add({"none": FREE, "force": FORCE}.get(kind, BOND))
 
+    def wave_of_strain(self, side: int) -> Any:
+        """The wave that comes in through an end is this, m/s, times its strain."""
+        return (-2, 2)[side] * self.segments[-side].wave_speed
+
     def _merge(self, body: Any) -> None:
         """Join a rigid body to the one before it: two masses, or a mass and a wall."""
         if isinstance(body, Wall):
@@ -204,9 +213,11 @@ class Row:
             if isinstance(body, Rod):
                 c = largest([s.wave_speed for s in self.segments[start - 1 : stop]])
                 strained += [c * abs(e) for e in extremes(body.strain)]
-        for kind, value in self.outside:
+        for side, (kind, value) in enumerate(self.outside):
             if kind == "force":
                 pushed += [abs(F) for F in extremes(value)]
+            elif kind == "absorbing":
+                strained += [abs(e * self.wave_of_strain(side)) for e in extremes(value)]
         fall = abs(self.gravity) * largest([s.transit_time for s in self.segments])
         spread = largest(self._velocities) - smallest(self._velocities)
         return _plain(

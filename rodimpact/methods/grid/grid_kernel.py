@@ -122,7 +122,7 @@ class Ends(NamedTuple):
     kind: Any  # NOTHING, PUSHED, MOVED, ENDLESS
     node: Any
     impedance: Any  # of an endless bar
-    rest: Any  # the wave that comes from it
+    rest: Any  # the wave that comes from it beside the given one
     old: Any  # velocity of the node before the step
 
 
@@ -146,7 +146,7 @@ class Signals(NamedTuple):
     closing: Any
     link_start: Any  # [link]
     bond: Any  # bond b starts at b room
-    given: Any  # at side room: force, or velocity at the end of each step
+    given: Any  # at side room: force or wave, or velocity at the end of each step
     push: Any  # at side room: force of the outside to the inside
     speed: Any  # at side room: mean velocity of the end
     room: Any  # [1]
@@ -295,7 +295,8 @@ def outer_force(ends: Ends, signals: Signals, side: int, j: int, v: float) -> fl
         if side == 1:
             F = -F
     elif ends.kind[side] == ENDLESS:
-        F = ends.impedance[side] * (ends.rest[side] - v)
+        wave = ends.rest[side] + signals.given[side * signals.room[0] + j]
+        F = ends.impedance[side] * (wave - v)
     return F
 
 

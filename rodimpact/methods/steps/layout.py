@@ -87,6 +87,9 @@ def numbers_of(row: Row) -> Numbers:
                 v, stretch = body.velocity - row.frame, body.strain * row.segments[s].wave_speed
                 right[s], left[s] = v - stretch, v + stretch
     outside = [0.0 if isinstance(v, Steps | Samples) else v for _, v in row.outside]
+    for side, (kind, _) in enumerate(row.outside):
+        if kind == "absorbing":
+            outside[side] = outside[side] * row.wave_of_strain(side)
     return Numbers(
         transit=[s.transit_time for s in row.segments],
         impedance=[s.impedance for s in row.segments],

@@ -77,7 +77,7 @@ class Numbers(NamedTuple):
     mass: Any  # [mass] kg
     speed: Any  # [mass] in the frame
     weight: Any  # [body] mass of a rigid body, kg
-    outside: Any  # [2] velocity or force of an end
+    outside: Any  # [2] velocity or force of an end, or wave that comes in, m/s
     jump_place: Any  # [jump] share of the segment, or time in s
     setting: Any  # [4] frame, gravity, scale of velocities, shortest step that contacts ask for
 
@@ -343,7 +343,7 @@ def fill_evenly(
             continue
         fall = 0.0
         if kind == ABSORBING:
-            value = signals.wave[signals.wave_start[own] - 1]
+            value += signals.wave[signals.wave_start[own] - 1]
         elif kind == VELOCITY:
             value -= numbers.setting[FRAME]
             fall = numbers.setting[GRAVITY] * level.step[0] / (2 * STEP_TICKS)

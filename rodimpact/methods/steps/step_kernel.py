@@ -10,8 +10,8 @@ two parts for ever after. Places in signals are counted in parts, lengths of tim
 
 Node k joins the segments k and k + 1; line 2s carries a and line 2s + 1 carries b through
 segment s. The segments 0 and n + 1 stand for what lies outside: lines 0 and 2n + 3 bring what comes
-from there, filled in advance: the velocity of a wall or a drive (mobility 0), the constant wave
-of an endless bar (absorbing end), or under the law FORCE the force itself.
+from there, filled in advance: the velocity of a wall or a drive (mobility 0), the wave that comes
+through an endless bar (absorbing end), or under the law FORCE the force itself.
 
 At a node stands a chain of points: the left rod end, masses, the right rod end; and of links, one
 between neighbours. A force F > 0 in a link pushes its two points apart. Over one part of a step
