@@ -48,6 +48,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .model.laws import Rigid as Rigid
     from .model.laws import Spring as Spring
     from .model.laws import SpringDashpot as SpringDashpot
+    from .model.laws import Yielding as Yielding
     from .model.profiles import Samples as Samples
     from .model.profiles import Steps as Steps
     from .results.contacts import ContactHistory as ContactHistory
@@ -81,6 +82,7 @@ _HOME = {
     "model.bodies": ("Material", "RigidMass", "Rod", "Segment", "Wall"),
     "model.laws": (
         "Bonded", "Hertz", "HuntCrossley", "PowerLaw", "Rigid", "Spring", "SpringDashpot",
+        "Yielding",
     ),
     "model.ends": ("Absorbing", "Fixed", "Free", "Incoming", "Moved", "Pushed"),
     "model.system": ("System",),

@@ -29,10 +29,11 @@ from ..model import (
     Rod,
     System,
     Wall,
+    Yielding,
 )
 from ..model.frozen import Number
 from ..model.profiles import extremes
-from .contact_law_kernel import BOND, COMPLIANT, FORCE, FREE, IMPACT, RIGID, SPRING
+from .contact_law_kernel import BOND, COMPLIANT, FORCE, FREE, IMPACT, RIGID, SPRING, YIELD
 
 SMALLEST, LARGEST = sys.float_info.min, sys.float_info.max
 AS_GOOD_AS_RIGID = "is as good as rigid beside these rods, got {!r}; use Rigid()"
@@ -64,8 +65,8 @@ class Row:
     mass_of : list of int
         Mass of each body; len(masses) + 0 or 1 if bonded to the left or right wall, -1 for a rod or
         a wall.
-    laws, stiffness, exponent, damping, gap : list
-        By link.
+    laws, stiffness, exponent, damping, strength, gap : list
+        By link; where it yields `damping` is the hardening, as a share of the stiffness.
     contact_link : list of int
         Link of each contact, -1 where it joins rigid bodies for good.
     outside : list of (str, value)
@@ -79,6 +80,7 @@ class Row:
         self.stiffness: list[Any] = []
         self.exponent: list[Any] = []
         self.damping: list[Any] = []
+        self.strength: list[Any] = []
         self.gap: list[Any] = []
         self.contact_link: list[int] = []
         self.masses: list[Any] = []
@@ -132,12 +134,13 @@ class Row:
 
     def _add(
         self, law: int, damping: Any = 0.0, gap: Any = 0.0, stiffness: Any = 0.0,
-        exponent: Any = 1.0,
+        exponent: Any = 1.0, strength: Any = 0.0,
     ) -> None:
         self.laws.append(law)
         self.stiffness.append(stiffness)
         self.exponent.append(exponent)
         self.damping.append(damping)
+        self.strength.append(strength)
         self.gap.append(gap)
 
     def _link(self, law: Any, gap: Any) -> None:
@@ -146,6 +149,9 @@ class Row:
         elif isinstance(law, Rigid):
             e = law.restitution
             self._add(RIGID if e is None else IMPACT, 0.0 if e is None else e, gap)
+        elif isinstance(law, Yielding):
+            k = law.stiffness
+            self._add(YIELD, law.hardening / k, gap, k, strength=law.yield_force)
         else:
             damping = getattr(law, "damping", 0.0)
             self._add(COMPLIANT[law.law], damping, gap, law.stiffness, law.exponent)

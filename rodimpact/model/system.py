@@ -30,7 +30,7 @@ from .frozen import (
     raise_noted,
     require,
 )
-from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Rigid
+from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Rigid, Yielding
 from .profiles import flipped, negative, profile_from
 
 SIDES = ("left", "right")
@@ -220,6 +220,8 @@ class System(Frozen):
         for i, law in enumerate(self.contacts):
             if np.any(getattr(law, "damping", 0.0)):
                 problems.append((f"contacts.{i}.damping", "must be 0"))
+            if isinstance(law, Yielding):
+                problems.append((f"contacts.{i}", "must not yield"))
             e = law.restitution if isinstance(law, Rigid) else None
             if e is not None and np.any(np.asarray(e) < 1):
                 problems.append((f"contacts.{i}.restitution", "must be 1"))

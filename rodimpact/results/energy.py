@@ -30,7 +30,7 @@ class EnergyLedger:
     contact : array
         Stored in compliant contacts.
     dissipated : array
-        Lost in dashpots and impacts of rigid bodies since t = 0.
+        Lost in dashpots, in what yields and in impacts of rigid bodies since t = 0.
     damped : array
         Lost in damped material since t = 0.
     numerical : array

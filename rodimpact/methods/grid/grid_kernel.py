@@ -30,12 +30,13 @@ from ..contact_law_kernel import (
     IMPACT,
     RIGID,
     SPRING,
+    YIELD,
     Chain,
     Tally,
     balance,
+    indent,
     record_step,
     start_impacts,
-    stored,
 )
 from ..finality_kernel import NEVER, Side, bound_of, separation_time
 
@@ -88,6 +89,7 @@ class Links(NamedTuple):
     stiffness: Any
     exponent: Any
     damping: Any
+    strength: Any
     gap: Any
     force: Any
     closing: Any  # mean closing velocity of the last step
@@ -351,10 +353,7 @@ def settle(
         elif gap <= 0 and abs(w) <= tol:
             rest = gap
     elif law >= SPRING:
-        rest = -chain.place[q]
-        if links.damping[i] > 0:
-            k, p = links.stiffness[i], links.exponent[i]
-            tally.lost[i] += F * (gap - rest) + stored(law, k, p, gap) - stored(law, k, p, rest)
+        rest = indent(links, tally, i, F, chain.place[q])
     return rest
 
 
@@ -399,7 +398,7 @@ def resolve_contact(
         gap = settle(links, tally, chain, i, q, F, w, tol)
         links.closing[i] = w
         signals.closing[signals.link_start[i] + j] = links.gap[i] - gap
-        if links.law[i] == RIGID:
+        if links.law[i] == RIGID or links.law[i] == YIELD:
             signals.closing[signals.link_start[i] + j] = w
         opened = links.open[i]
         record_step(links, tally, signals, i, j, F, gap, 1.0)

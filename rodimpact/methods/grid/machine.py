@@ -187,7 +187,8 @@ class Machine:
         links = Links(
             whole([row.laws[i] for i in chosen]),
             row.stiffness_in_steps(h)[chosen], np.array(row.exponent)[chosen],
-            np.array(row.damping)[chosen], gap, np.zeros(count), np.zeros(count),
+            np.array(row.damping)[chosen], np.array(row.strength)[chosen], gap,
+            np.zeros(count), np.zeros(count),
             np.ones(count, np.int64), (gap == 0).astype(np.int64),
             whole([pair[0] for pair in nodes]), whole([pair[1] for pair in nodes]),
             whole(sides[0]), whole(sides[1]), own, shared, np.zeros(count),

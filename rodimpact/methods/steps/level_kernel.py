@@ -73,6 +73,7 @@ class Numbers(NamedTuple):
     stiffness: Any  # [link]
     exponent: Any  # [link]
     damping: Any  # [link]
+    strength: Any  # [link] N
     gap: Any  # [link] m
     mass: Any  # [mass] kg
     speed: Any  # [mass] in the frame
@@ -273,6 +274,7 @@ def lay_out(
         if k > 0 and state.stiffness[i] < LEAST:
             return VANISHED
         state.exponent[i], state.damping[i] = p, numbers.damping[i]
+        state.strength[i] = numbers.strength[i]
         state.gap[i] = numbers.gap[i] / h
         state.force[i] = state.closing[i] = 0.0
         state.open[i] = 1
