@@ -28,8 +28,8 @@ EXAMPLES = 150 * TIMES  # of each seed
 USED = (
     "Absorbing", "Bonded", "Case", "Fixed", "Free", "Hertz", "HuntCrossley", "Incoming", "Material",
     "Moved", "Options", "PowerLaw", "Pushed", "Rigid", "RigidMass", "Rod", "Samples", "Segment",
-    "Spring", "SpringDashpot", "Steps", "System", "Wall", "collide", "gauges_to_csv", "load",
-    "parse_case", "read_case", "regions_of", "solve", "sweep", "write_case",
+    "Spring", "SpringDashpot", "Steps", "System", "Wall", "Yielding", "collide", "gauges_to_csv",
+    "load", "parse_case", "read_case", "regions_of", "solve", "sweep", "write_case",
 )
 """Public names that users call; the others are results."""
 READ_BACK = {"from_dict", "restored"}  # they take what files hold, which is checked there
