@@ -38,6 +38,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .model.ends import Absorbing as Absorbing
     from .model.ends import Fixed as Fixed
     from .model.ends import Free as Free
+    from .model.ends import Incoming as Incoming
     from .model.ends import Moved as Moved
     from .model.ends import Pushed as Pushed
     from .model.frozen import InvalidModel as InvalidModel
@@ -48,6 +49,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .model.laws import Rigid as Rigid
     from .model.laws import Spring as Spring
     from .model.laws import SpringDashpot as SpringDashpot
+    from .model.laws import Yielding as Yielding
     from .model.profiles import Samples as Samples
     from .model.profiles import Steps as Steps
     from .records.bridge import Bridge as Bridge
@@ -87,8 +89,9 @@ _HOME = {
     "model.bodies": ("Material", "RigidMass", "Rod", "Segment", "Wall"),
     "model.laws": (
         "Bonded", "Hertz", "HuntCrossley", "PowerLaw", "Rigid", "Spring", "SpringDashpot",
+        "Yielding",
     ),
-    "model.ends": ("Absorbing", "Fixed", "Free", "Moved", "Pushed"),
+    "model.ends": ("Absorbing", "Fixed", "Free", "Incoming", "Moved", "Pushed"),
     "model.system": ("System",),
     "methods.registry": ("Options",),
     "methods.duration": ("LongRun",),

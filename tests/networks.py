@@ -57,13 +57,14 @@ def random_law(rng, *pair):
     if rng.random() < 0.12 and not all(isinstance(b, ri.Wall) for b in pair):
         return ri.Bonded()
     k = logarithmic(rng, 1e-2, 1e3) if rng.random() < 0.7 else logarithmic(rng, 1e3, 1e9)
-    kind = rng.integers(5)
+    kind = rng.integers(6)
     if kind == 0:
         has_rod = any(isinstance(b, ri.Rod) for b in pair)
         return ri.Rigid() if has_rod else ri.Rigid(restitution=float(rng.choice([0, 1, 0.6])))
     return [
         ri.Spring(k), ri.SpringDashpot(k, logarithmic(rng, 1e-3, 1e2)), ri.Hertz(k),
         ri.HuntCrossley(k, logarithmic(rng, 1e-2, 10)),
+        ri.Yielding(k, logarithmic(rng, 1e-3, 1.0), float(k * rng.choice([0.0, 0.1, 0.8]))),
     ][kind - 1]
 
 
@@ -82,11 +83,12 @@ def random_end(rng, body, driven):
     if isinstance(body, ri.Rod):
         kinds += [ri.Absorbing, ri.Fixed]
     if driven:
-        kinds += [ri.Pushed] * 2 + ([ri.Moved] * 2 if isinstance(body, ri.Rod) else [])
+        kinds += [ri.Pushed] * 2
+        kinds += [ri.Moved, ri.Moved, ri.Incoming] if isinstance(body, ri.Rod) else []
     kind = kinds[rng.integers(len(kinds))]
     if kind is ri.Pushed:
         return ri.Pushed(random_drive(rng, 1.0))
-    return ri.Moved(random_drive(rng, 0.3)) if kind is ri.Moved else kind()
+    return kind(random_drive(rng, 0.3)) if kind in (ri.Moved, ri.Incoming) else kind()
 
 
 def move_together(row, contacts):
@@ -195,8 +197,7 @@ def energy_of_contacts(run):
             continue
         _, gap = run.contact(k)
         x = np.maximum(-np.concatenate(([run.row.system.gaps[k]], gap)), 0.0)
-        linear = isinstance(law, ri.Spring | ri.SpringDashpot)
-        total += law.stiffness * (x * x / 2 if linear else x**2.5 / 2.5)
+        total += law.stored(x)
     return total
 
 

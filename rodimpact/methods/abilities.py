@@ -8,6 +8,7 @@ from __future__ import annotations
 from ..model import (
     Bonded,
     Free,
+    Incoming,
     Moved,
     Pushed,
     Rigid,
@@ -22,7 +23,7 @@ from ..model.frozen import InvalidModel, vanishes
 MASSES, COMPLIANCE, GRAVITY = "rigid masses", "compliant contacts", "gravity"
 SMOOTH_STATES, SMOOTH_DRIVES = "profiles other than steps", "drives other than steps"
 DAMPING, LATERAL, TAPER = "damping", "lateral inertia", "tapered rods"
-_DRIVEN = (Pushed, Moved)
+_DRIVEN = (Pushed, Moved, Incoming)
 
 
 def needs(system: System) -> list[tuple[str, str]]:

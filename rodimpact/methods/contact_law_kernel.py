@@ -7,14 +7,16 @@ through the body between them those of its two neighbours. Its law gives F from 
 Laws: a compliant contact has the indentation x, and over a step the force (U(x1) - U(x0))/(x1 - x0)
 of its stored energy U (discrete gradient: Gonzalez, J. Nonlinear Sci. 6, 1996), the dashpot's mean
 over the same path, and never pulls; this is convex and increasing in x1, so Newton's method falls
-on the root from the right. A rigid contact takes the force that keeps its closing below a limit.
-An impact of rigid bodies takes the force that leaves a closing velocity of at most -e times the one
-before (Moreau, CISM 302, 1988).
+on the root from the right. What yields is a spring up to its strength; x counts from where its
+faces have moved to. A rigid contact takes the force that keeps its closing below a limit. An impact
+of rigid bodies takes the force that leaves a closing velocity of at most -e times the one before
+(Moreau, CISM 302, 1988).
 
 Time is counted in steps: lengths are velocity times steps, and masses and stiffnesses are scaled to
 match: M/h, k h^p for a force k x^p, a dashpot's constant as it is. What happens lasts d, a
-step or a part of one; links close by lengths. `state` stands for any
-NamedTuple with the columns of the links: law, stiffness, exponent, damping and gap.
+step or a part of one; links close by lengths. `state` stands for any NamedTuple with the columns of
+the links: law, stiffness, exponent, damping (of YIELD the hardening, as a share of the stiffness),
+strength (of YIELD the force at which it yields now) and gap.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-FREE, FORCE, BOND, RIGID, IMPACT, SPRING, HERTZ, HUNT, POWER = range(9)  # laws of links
+FREE, FORCE, BOND, RIGID, IMPACT, SPRING, HERTZ, HUNT, POWER, YIELD = range(10)  # laws of links
 COMPLIANT = {  # and their names in the model
     "spring": SPRING, "spring-dashpot": SPRING, "hertz": HERTZ, "hunt-crossley": HUNT,
     "power": POWER,
@@ -175,6 +177,63 @@ def solve_law(
     return max(F, 0 * F), x, slope
 
 
+def past_yield(
+    k: float, hardening: float, strength: float, x0: float, c: float, y: float
+) -> tuple[float, float, float]:
+    """What `solve_law` returns, if the contact comes past x = strength/k; else x1 is x0.
+
+    From there the force grows by `hardening` k, so that the mean force times the path is quadratic
+    in x1, which is without what of it moves the faces for good.
+    """
+    most = strength / k
+    path, F, slope = most - x0, (strength + k * x0) / 2, k / 2
+    if x0 < 0:
+        share = most / path
+        F, slope = strength * share / 2, slope * share * (2 - share)
+    if path - c + y * F >= 0:
+        return 0.0, x0, 0.0
+    soft = hardening * k / 2
+    a, b = 1 + y * soft, (c - y * (strength - 2 * soft * path)) / 2
+    rest = y * path * (strength - F - soft * path)
+    root = math.sqrt(max(b * b + a * rest, 0.0))
+    w = (b + root) / a if b >= 0 else rest / (root - b)
+    elastic, plastic = path / w, (w - path) / w
+    F = elastic * F + plastic * (strength + soft * (w - path))
+    slope = elastic * (elastic * slope + plastic * 2 * soft) + plastic * plastic * soft
+    if y * slope > 1:
+        F = (c - w) / y
+    return F, x0 + w, slope
+
+
+def solve_link(
+    law: int, k: float, p: float, damping: float, strength: float, d: float, x0: float, c: float,
+    y: float, w: float,
+) -> tuple[float, float, float]:
+    """Solve any compliant contact over a time d; see `solve_law`."""
+    rate = damping / d
+    if law == YIELD:
+        F, x, slope = past_yield(k, damping, strength, x0, c, y)
+        if x > strength / k:
+            return F, x, slope
+        law, rate = SPRING, 0.0
+    return solve_law(law, k, p, rate, x0, c, y, w)
+
+
+def indent(state: Any, tally: Tally, i: int, F: float, x: float) -> float:
+    """Enter what compliant contact i loses on its way to x under the mean force F; return its gap.
+
+    One that yields hardens, and its faces move for good.
+    """
+    law, k, p, gap = state.law[i], state.stiffness[i], state.exponent[i], state.gap[i]
+    rest = -x
+    if law == YIELD and x > state.strength[i] / k:
+        state.strength[i] += state.damping[i] * (k * x - state.strength[i])
+        rest = -state.strength[i] / k
+    if state.damping[i] > 0 or law == YIELD:
+        tally.lost[i] += F * (gap + x) + (stored(law, k, p, gap) - stored(law, k, p, rest))
+    return rest
+
+
 def pushed(chain: Chain, q: int, last: int) -> float:
     """By how much link q would close without its own force."""
     c: float = chain.free[q]
@@ -200,9 +259,9 @@ def relax(state: Any, chain: Chain, i0: int, last: int, d: float) -> float:
                 F = slope = 0.0
         else:
             gap = state.gap[i]
-            guess = chain.place[q] + gap
-            F, chain.place[q], slope = solve_law(
-                law, state.stiffness[i], state.exponent[i], state.damping[i] / d, -gap, c, y, guess
+            F, chain.place[q], slope = solve_link(
+                law, state.stiffness[i], state.exponent[i], state.damping[i], state.strength[i], d,
+                -gap, c, y, chain.place[q] + gap,
             )
         change = max(change, abs(F - chain.force[q]) * y)
         chain.force[q], chain.slope[q] = F, slope

@@ -100,14 +100,14 @@ def contact_measures(run: SteppedRun) -> dict[str, Array]:
     lasting = [(law != IMPACT) * F for law, F in zip(laws, forces, strict=True)]
     measured = (
         [float(F @ run.durations) for F in forces],
-        *([_measured(kernel, run, F) for F in lasting] for kernel in (largest_force, time_of_most)),
+        *([_measured(of, run, F) for F in lasting] for of in (largest_force, time_of_most)),
     )
     return {name: np.array(values) for name, values in zip(MEASURES, measured, strict=True)}
 
 
-def _measured(kernel: Callable[..., float], run: SteppedRun, force: Array) -> float:
+def _measured(measure: Callable[..., float], run: SteppedRun, force: Array) -> float:
     """What a kernel measures of the mean forces in the steps of a run."""
     times: Any = run.edges * run.clock.tick
-    if kernels.worth_compiling(run.steps * STEP_TIME, kernel):
-        return float(kernels.compiled(kernel)(times, force, 0, run.steps))
-    return kernel(times.tolist(), force.tolist(), 0, run.steps)
+    if kernels.worth_compiling(run.steps * STEP_TIME, largest_force, time_of_most):
+        return float(kernels.compiled(measure)(times, force, 0, run.steps))
+    return measure(times.tolist(), force.tolist(), 0, run.steps)

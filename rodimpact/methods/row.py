@@ -20,6 +20,7 @@ from ..model import (
     Absorbing,
     Bonded,
     Fixed,
+    Incoming,
     InvalidModel,
     Moved,
     Pushed,
@@ -28,17 +29,21 @@ from ..model import (
     Rod,
     System,
     Wall,
+    Yielding,
 )
 from ..model.frozen import Number
 from ..model.profiles import extremes
-from .contact_law_kernel import BOND, COMPLIANT, FORCE, FREE, IMPACT, RIGID, SPRING
+from .contact_law_kernel import BOND, COMPLIANT, FORCE, FREE, IMPACT, RIGID, SPRING, YIELD
 
 SMALLEST, LARGEST = sys.float_info.min, sys.float_info.max
 AS_GOOD_AS_RIGID = "is as good as rigid beside these rods, got {!r}; use Rigid()"
 ROOM = 2.0**60  # for sums over steps and cells
 STIFFEST = 2.0**80  # of a contact, times transit time over impedance
 LEAST = 2.0**-800  # stiffness, where time is counted in steps
-KINDS = {Fixed: "velocity", Moved: "velocity", Pushed: "force", Absorbing: "absorbing"}
+KINDS = {
+    Fixed: "velocity", Moved: "velocity", Pushed: "force", Absorbing: "absorbing",
+    Incoming: "absorbing",
+}
 Array = np.ndarray[Any, np.dtype[Any]]
 
 
@@ -60,12 +65,13 @@ class Row:
     mass_of : list of int
         Mass of each body; len(masses) + 0 or 1 if bonded to the left or right wall, -1 for a rod or
         a wall.
-    laws, stiffness, exponent, damping, gap : list
-        By link.
+    laws, stiffness, exponent, damping, strength, gap : list
+        By link; where it yields `damping` is the hardening, as a share of the stiffness.
     contact_link : list of int
         Link of each contact, -1 where it joins rigid bodies for good.
     outside : list of (str, value)
-        Left and right: ``"none"``, ``"velocity"``, ``"force"`` or ``"absorbing"``.
+        Left and right: ``"none"``, ``"velocity"``, ``"force"`` or ``"absorbing"``; the value of
+        the last is the strain of the wave that comes in.
     """
 
     def __init__(self, system: System) -> None:
@@ -74,6 +80,7 @@ class Row:
         self.stiffness: list[Any] = []
         self.exponent: list[Any] = []
         self.damping: list[Any] = []
+        self.strength: list[Any] = []
         self.gap: list[Any] = []
         self.contact_link: list[int] = []
         self.masses: list[Any] = []
@@ -127,12 +134,13 @@ class Row:
 
     def _add(
         self, law: int, damping: Any = 0.0, gap: Any = 0.0, stiffness: Any = 0.0,
-        exponent: Any = 1.0,
+        exponent: Any = 1.0, strength: Any = 0.0,
     ) -> None:
         self.laws.append(law)
         self.stiffness.append(stiffness)
         self.exponent.append(exponent)
         self.damping.append(damping)
+        self.strength.append(strength)
         self.gap.append(gap)
 
     def _link(self, law: Any, gap: Any) -> None:
@@ -141,6 +149,9 @@ class Row:
         elif isinstance(law, Rigid):
             e = law.restitution
             self._add(RIGID if e is None else IMPACT, 0.0 if e is None else e, gap)
+        elif isinstance(law, Yielding):
+            k = law.stiffness
+            self._add(YIELD, law.hardening / k, gap, k, strength=law.yield_force)
         else:
             damping = getattr(law, "damping", 0.0)
             self._add(COMPLIANT[law.law], damping, gap, law.stiffness, law.exponent)
@@ -149,6 +160,10 @@ class Row:
         kind = KINDS.get(type(end), "none")
         self.outside[side] = (kind, getattr(end, "value", 0.0))
         self._add({"none": FREE, "force": FORCE}.get(kind, BOND))
+
+    def wave_of_strain(self, side: int) -> Any:
+        """The wave that comes in through an end is this, m/s, times its strain."""
+        return (-2, 2)[side] * self.segments[-side].wave_speed
 
     def _merge(self, body: Any) -> None:
         """Join a rigid body to the one before it: two masses, or a mass and a wall."""
@@ -204,9 +219,11 @@ class Row:
             if isinstance(body, Rod):
                 c = largest([s.wave_speed for s in self.segments[start - 1 : stop]])
                 strained += [c * abs(e) for e in extremes(body.strain)]
-        for kind, value in self.outside:
+        for side, (kind, value) in enumerate(self.outside):
             if kind == "force":
                 pushed += [abs(F) for F in extremes(value)]
+            elif kind == "absorbing":
+                strained += [abs(e * self.wave_of_strain(side)) for e in extremes(value)]
         fall = abs(self.gravity) * largest([s.transit_time for s in self.segments])
         spread = largest(self._velocities) - smallest(self._velocities)
         return _plain(

@@ -1,14 +1,14 @@
 """The description of a collision: materials, bodies, contact laws, ends, and rows of them."""
 
 from .bodies import Body, Material, RigidMass, Rod, Segment, Wall
-from .ends import Absorbing, End, Fixed, Free, Moved, Pushed
+from .ends import Absorbing, End, Fixed, Free, Incoming, Moved, Pushed
 from .frozen import InvalidModel
-from .laws import Bonded, ContactLaw, Rigid
+from .laws import Bonded, ContactLaw, Rigid, Yielding
 from .profiles import Samples, Steps
 from .system import SIDES, System
 
 __all__ = [
-    "SIDES", "Absorbing", "Body", "Bonded", "ContactLaw", "End", "Fixed", "Free", "InvalidModel",
-    "Material", "Moved", "Pushed", "Rigid", "RigidMass", "Rod", "Samples", "Segment", "Steps",
-    "System", "Wall",
+    "SIDES", "Absorbing", "Body", "Bonded", "ContactLaw", "End", "Fixed", "Free", "Incoming",
+    "InvalidModel", "Material", "Moved", "Pushed", "Rigid", "RigidMass", "Rod", "Samples",
+    "Segment", "Steps", "System", "Wall", "Yielding",
 ]

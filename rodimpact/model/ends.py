@@ -1,6 +1,7 @@
 """The two ends of a row: free, held, endless or driven.
 
-A driven end follows a profile in time. SI units; a number may be an array, which makes a family.
+A driven end, and a wave that comes in, follow a profile in time. SI units; a number may be an
+array, which makes a family.
 """
 
 from __future__ import annotations
@@ -101,8 +102,40 @@ class Moved(_Driven):
     fields: ClassVar[dict[str, Field]] = {"value": Field("m/s", label="velocity", along="time")}
 
 
-End: TypeAlias = Free | Fixed | Absorbing | Pushed | Moved
+class Incoming(_Driven, Absorbing):
+    """The rod goes on for ever, and a wave comes in from there, such as a measured pulse.
+
+    It adds to what the initial state of the rod has there. What comes to the end leaves, as from an
+    absorbing end.
+
+    Parameters
+    ----------
+    value : float, array, Steps, Samples or function
+        Strain of the incoming wave at the end over time, s, as a gauge there would show it if
+        nothing came back: negative for a pulse that compresses, at both ends. `Steps` take times
+        for `at`, `Samples` need their `step`; a function of time is sampled.
+    duration : float, optional
+        s, for a function only: it is sampled at 4097 times from 0 to this, and its last value holds
+        on.
+
+    Raises
+    ------
+    InvalidModel
+        Naming every field that is not what it should be.
+
+    Examples
+    --------
+    >>> from rodimpact.model.profiles import Samples
+    >>> Incoming(Samples([0.0, -1e-3, -1e-3, 0.0], step=2e-5))
+    Incoming(value=Samples(values=array(4,), step=2e-05))
+    """
+
+    kind: ClassVar[str] = "incoming"
+    fields: ClassVar[dict[str, Field]] = {"value": Field("", label="strain", along="time")}
+
+
+End: TypeAlias = Free | Fixed | Absorbing | Pushed | Moved | Incoming
 ENDS: dict[str, type[End]] = {
-    end.kind: end for end in (Free, Fixed, Absorbing, Pushed, Moved)
+    end.kind: end for end in (Free, Fixed, Absorbing, Pushed, Moved, Incoming)
 }
 FREE = Free()

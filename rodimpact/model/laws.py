@@ -273,8 +273,54 @@ class PowerLaw(_Compliant):
         self._take(stiffness=stiffness, exponent=exponent)
 
 
-ContactLaw: TypeAlias = Rigid | Bonded | Spring | SpringDashpot | Hertz | HuntCrossley | PowerLaw
+class Yielding(_Compliant):
+    """A spring that yields: specimens, pulse shapers and soft ends.
+
+    F = k d up to the yield force, then F rises by `hardening` times d. What unloads follows the
+    first stiffness, and what loads again follows it back up to the largest force so far. The faces
+    have moved for good then: d, and the gap of the contact, count from where they are.
+
+    Parameters
+    ----------
+    stiffness : float or array
+        k, N/m.
+    yield_force : float or array
+        Force at which it first yields, N.
+    hardening : float or array, optional
+        Stiffness while it yields, N/m, less than k.
+
+    Raises
+    ------
+    InvalidModel
+        If a number is not positive, or the hardening negative or not less than the stiffness.
+    """
+
+    law: ClassVar[str] = "yielding"
+    fields: ClassVar[dict[str, Field]] = {
+        "stiffness": Field("N/m", "positive"), "yield_force": Field("N", "positive"),
+        "hardening": Field("N/m", "non-negative"),
+    }
+    exponent = 1.0
+    yield_force: Number
+    hardening: Number
+
+    def __init__(
+        self, stiffness: ArrayLike, yield_force: ArrayLike, hardening: ArrayLike = 0.0
+    ) -> None:
+        self._take(stiffness=stiffness, yield_force=yield_force, hardening=hardening)
+        family_shape(self._numbers())
+        problems: Problems = []
+        k, less = self.stiffness, np.less(self.hardening, self.stiffness)
+        message = "must be less than the stiffness {0!r}, got {1!r}"
+        require(problems, less, "hardening", message, k, self.hardening)
+        raise_noted(problems)
+
+
+ContactLaw: TypeAlias = (
+    Rigid | Bonded | Spring | SpringDashpot | Hertz | HuntCrossley | PowerLaw | Yielding
+)
 CONTACT_LAWS: dict[str, type[ContactLaw]] = {
-    law.law: law for law in (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw)
+    law.law: law for law in (
+        Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw, Yielding)
 }
 RIGID = Rigid()

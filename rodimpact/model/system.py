@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from ..units import shown
 from .bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
-from .ends import ENDS, FREE, Absorbing, End, Fixed, Free, Moved, Pushed
+from .ends import ENDS, FREE, Absorbing, End, Fixed, Free, Incoming, Moved, Pushed
 from .frozen import (
     Field,
     Frozen,
@@ -30,7 +30,7 @@ from .frozen import (
     raise_noted,
     require,
 )
-from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Rigid
+from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Rigid, Yielding
 from .profiles import flipped, negative, profile_from
 
 SIDES = ("left", "right")
@@ -53,8 +53,8 @@ class System(Frozen):
         Acceleration of free bodies, m/s^2, positive to the right.
     ends : (End, End), optional
         What happens at the left and at the right end of the row: `Free`, `Fixed`, `Absorbing`,
-        `Pushed` or `Moved`; default `Free`, as it must be where a wall stands. A mass takes `Free`
-        and `Pushed` only.
+        `Pushed`, `Moved` or `Incoming`; default `Free`, as it must be where a wall stands. A mass
+        takes `Free` and `Pushed` only.
 
     Raises
     ------
@@ -220,6 +220,8 @@ class System(Frozen):
         for i, law in enumerate(self.contacts):
             if np.any(getattr(law, "damping", 0.0)):
                 problems.append((f"contacts.{i}.damping", "must be 0"))
+            if isinstance(law, Yielding):
+                problems.append((f"contacts.{i}", "must not yield"))
             e = law.restitution if isinstance(law, Rigid) else None
             if e is not None and np.any(np.asarray(e) < 1):
                 problems.append((f"contacts.{i}.restitution", "must be 1"))
@@ -323,5 +325,6 @@ def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
             Fixed: "put a Wall() there with Bonded() or another contact law",
             Moved: "put a Wall(velocity) there with Bonded() or another contact law",
             Absorbing: "put a Rod with an absorbing end there",
+            Incoming: "put a Rod there, through whose end the wave comes in",
         }[type(end)]
         problems.append((path, f"{name} needs a rod, and a mass is there; {remedy}"))

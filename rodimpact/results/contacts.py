@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.run import ContactSignal, ContactTally
 from ..methods.signals import Floats, Side
-from ..model import Rigid
+from ..model import ContactLaw, Rigid, Yielding
 from .fields import Fields, check_side
 
 
@@ -51,12 +51,22 @@ class ContactHistory:
     def gap(self, t: ArrayLike) -> Floats:
         """Distance between the two bodies, m.
 
-        Exactly 0 while they touch rigidly; minus the indentation in a compliant contact.
+        Exactly 0 while they touch rigidly; minus the indentation in a compliant contact. Where one
+        has yielded it counts from the faces as they are then.
         """
         ticks = self._fields.to_ticks(t, "right")
         i = np.searchsorted(self.push.ticks, ticks, "right") - 1
         gap: Floats = self._gap[i] + self._rate[i] * (ticks - self.push.ticks[i])
         return np.maximum(gap, 0.0) if isinstance(self.law, Rigid) else gap
+
+    def law_at(self, t: float) -> ContactLaw:
+        """The law as it is at t: what has yielded has hardened."""
+        law = self.law
+        if not isinstance(law, Yielding):
+            return law
+        earlier = self._gap[self.push.ticks <= self._fields.to_ticks(t)]
+        deepest = -min(float(np.min(earlier, initial=0.0)), float(self.gap(t)))
+        return law.replace(yield_force=max(law.yield_force, law.stiffness * deepest))
 
     def breakpoints(self) -> tuple[Floats, Floats, Floats]:
         """Times (s) at which force or gap rate may change, force just after (N), and gap (m)."""

@@ -30,7 +30,7 @@ class EnergyLedger:
     contact : array
         Stored in compliant contacts.
     dissipated : array
-        Lost in dashpots and impacts of rigid bodies since t = 0.
+        Lost in dashpots, in what yields and in impacts of rigid bodies since t = 0.
     damped : array
         Lost in damped material since t = 0.
     numerical : array
@@ -38,7 +38,7 @@ class EnergyLedger:
         no whole number of them, or by the half cells at the ends on a grid. It goes to zero with
         the step, but for rods with lateral inertia: their ends have mass, and meet inelastically.
     radiated : array
-        Gone since t = 0 through absorbing ends.
+        Gone since t = 0 through absorbing ends, less what came in there.
     wall_work, drive_work, gravity_work : array
         Work done since t = 0 by moving walls, driven ends and gravity.
     residual : array

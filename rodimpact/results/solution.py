@@ -272,7 +272,8 @@ class Solution:
                 ))
         gaps = [max(0.0, float(contact.gap(t))) for contact in self.contacts]
         return System(
-            bodies, gaps, self.system.contacts, gravity=self.system.gravity, ends=self.system.ends
+            bodies, gaps, [contact.law_at(t) for contact in self.contacts],
+            gravity=self.system.gravity, ends=self.system.ends,
         )
 
     # Files and pictures -------------------------------------------------------------------------

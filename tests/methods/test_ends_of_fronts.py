@@ -48,9 +48,12 @@ def random_end(rng, body, time, driven):
     if isinstance(body, ri.Wall):
         return ri.Free()
     kinds = [ri.Free, ri.Fixed, ri.Absorbing, ri.Absorbing]
-    kind = (kinds + [ri.Pushed, ri.Moved] * 3 * driven)[rng.integers(4 + 6 * driven)]
+    drives = [ri.Pushed, ri.Moved, ri.Incoming] * 2
+    kind = (kinds + drives * driven)[rng.integers(4 + 6 * driven)]
     if kind is ri.Pushed:
         return ri.Pushed(random_drive(rng, float(body.segments[0].impedance), time))
+    if kind is ri.Incoming:
+        return ri.Incoming(random_drive(rng, 0.5 / body.segments[0].wave_speed, time))
     return ri.Moved(random_drive(rng, 0.5, time)) if kind is ri.Moved else kind()
 
 
@@ -98,7 +101,8 @@ def test_fields_are_those_of_the_other_method(seed):
 
 @pytest.mark.parametrize("end", [
     ri.Absorbing(), ri.Pushed(ri.Steps([0.0, 0.3, 0.0], [0.5, 2.5])), ri.Moved(-0.25),
-], ids=["absorbing", "force", "velocity"])
+    ri.Incoming(ri.Steps([0.0, -0.15, 0.0], [0.5, 2.5])),
+], ids=["absorbing", "force", "velocity", "incoming"])
 def test_contacts_are_those_of_the_other_method(end):
     """A short rod strikes a long one; until they meet again, which is in the midst of a step."""
     system = ri.System([rod(0.5, 1.0, 0.7), rod(4.0)], ends=(ri.Free(), end))
@@ -111,6 +115,36 @@ def test_contacts_are_those_of_the_other_method(end):
     times = np.linspace(0, 5.5, 23)
     assert exact.energy(times).radiated == pytest.approx(steps.energy(times).radiated, abs=1e-9)
     assert exact.energy(times).drive_work == pytest.approx(steps.energy(times).drive_work, abs=1e-9)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("method", ["fronts", "characteristics"])
+def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
+    """What comes out of a rod with that wave in it, or in through an end, drives a bar alike."""
+    c, L, at, strains = 2.0, 6.0, [0.25, 1.0, 1.5], [-0.1, -0.3, 0.05, 0.0]
+    fast = ri.Material("fast", youngs_modulus=4.0, density=1.0)
+    places = [L - c * t for t in reversed(at)]
+    wave = ri.Steps(strains[::-1], places)
+    long = ri.Rod(L, area=1.0, material=fast, strain=wave,
+                  velocity=ri.Steps([0.2 - c * e for e in wave.values], places))
+    bar = ri.Rod(1.5, area=1.0, material=fast, velocity=0.2)
+    other = ri.Rod(2.0, area=0.7, material=fast)
+    whole = ri.System([long, bar, other], [0.0, 0.1], [ri.Bonded(), ri.Rigid()])
+    cut = ri.System([bar, other], [0.1], ends=(ri.Incoming(ri.Steps(strains, at)), ri.Free()))
+    bodies = (1, 2), (0, 1)
+    if mirrored:
+        whole, cut, bodies = whole.mirrored(), cut.mirrored(), ((1, 0), (1, 0))
+    until, t = 5.0, np.linspace(0.013, 4.95, 100)
+    expected, found = ri.solve(whole, until, method), ri.solve(cut, until, method)
+    for theirs, ours in zip(*bodies, strict=True):
+        v = expected.velocity(theirs, 0.7, t)
+        assert np.abs(found.velocity(ours, 0.7, t) - v).max() < 1e-14
+    assert found.outcome.contacts[0].impulse == pytest.approx(expected.outcome.contacts[0].impulse)
+    assert np.abs(found.energy(t).residual).max() < 1e-13
+    brought = 4.0 * (0.25 * 0.01 + 0.75 * 0.09 + 0.5 * 0.0025) * c  # E A c times strain squared
+    still = cut.replace(bodies=[body.replace(velocity=0.0) for body in cut.bodies])
+    early = ri.solve(still, 1.5, method)  # nothing has come back yet
+    assert early.energy(1.5).radiated == pytest.approx(-brought, rel=1e-13)
 
 
 # Closed forms ------------------------------------------------------------------------------------

@@ -238,8 +238,7 @@ def energy_of_contacts(run):
         if not isinstance(law, ri.Rigid | ri.Bonded):
             _, gap = run.contact(i)
             x = np.maximum(-np.concatenate(([run.row.system.gaps[i]], gap)), 0.0)
-            linear = isinstance(law, ri.Spring | ri.SpringDashpot)
-            total += law.stiffness * (x * x / 2 if linear else x**2.5 / 2.5)
+            total += law.stored(x)
     return total[run.states.when]
 
 

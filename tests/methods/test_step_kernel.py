@@ -173,6 +173,32 @@ def test_stored_energy():
     assert lk.stored(lk.SPRING, 3.0, 1.0, 0.5) == lk.stored(lk.RIGID, 3.0, 1.0, -0.5) == 0.0
 
 
+@settings(max_examples=150)
+@given(st.floats(0.1, 1e3), st.floats(0, 0.95), st.floats(1e-3, 1e2), st.floats(-2, 1),
+       st.floats(-3, 3), st.floats(-6, 3))
+def test_a_yielding_contact_is_solved(k, hardening, strength, start, c, size):
+    """Its mean force is that along the path, and takes back what the path lacks."""
+    most, y = strength / k, 10**size
+    x0 = min(start, most)
+
+    def solve(c):
+        return lk.solve_link(lk.YIELD, k, 1.0, hardening, strength, 0.5, x0, c, y, 0.1)
+
+    F, x1, slope = solve(c)
+    assert x1 == pytest.approx(x0 + c - y * F, abs=1e-12 * (1 + abs(c) + y * F))
+
+    def force(x):
+        return max(0.0, min(k * x, strength + hardening * k * (x - most)))
+
+    w = x1 - x0
+    if abs(w) > 1e-6:
+        cuts = [(x - x0) / w for x in (0.0, most) if 0 < (x - x0) / w < 1]
+        mean, _ = quad(lambda s: force(x0 + s * w), 0, 1, points=cuts or None)
+        assert abs(F - mean) <= 1e-7 * mean + 1e-8 * k + 1e-9 * abs(c) / y
+        again = solve(c + 1e-5 * abs(w))
+        assert again[0] - F == pytest.approx(slope * (again[1] - x1), rel=1e-3, abs=1e-8 * k)
+
+
 # A chain on its own: masses and walls, no rod -----------------------------------------------------
 
 
@@ -185,7 +211,8 @@ def chain(masses, speeds, laws, gaps=None, walls=(None, None), damping=0.0, stif
     row = ck.State(
         [0, 0], [0.0, 0.0], [0.0, 0.0], [1], [1.0], [0.0, 0.0], [0, m], list(masses), law,
         [stiffness] * links, [EXPONENT.get(each, 1.0) for each in laws], [damping] * links,
-        gaps or [0.0] * links, [0.0] * links, [0.0] * links, [1] * links, list(speeds), [0.0],
+        [0.0] * links, gaps or [0.0] * links, [0.0] * links, [0.0] * links, [1] * links,
+        list(speeds), [0.0],
     )
     wave = [w or 0.0 for w in walls for _ in range(room + 1)]
     signals = ck.Signals(

@@ -342,6 +342,62 @@ def test_mass_through_a_law_on_an_endless_bar(name, mirrored):
     assert errors[1] <= errors[0] / 8 + 1e-8
 
 
+@pytest.mark.parametrize("hardening", [0.0, 2.0])
+@pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
+def test_restitution_of_masses_that_yield(method, hardening):
+    """What remains is what the spring holds at the largest force; the rest is in the ledger."""
+    M, k, strength = (0.5, 0.8), 10.0, 0.5
+    energy = M[0] * M[1] / (M[0] + M[1]) / 2
+    plastic = energy - strength**2 / (2 * k)  # strength s + hardening s^2/2 of the way s
+    way = plastic / strength
+    if hardening:
+        way = (math.sqrt(strength**2 + 2 * hardening * plastic) - strength) / hardening
+    largest = strength + hardening * way
+    system = ri.System(
+        [ri.RigidMass(M[0], velocity=1.0), ri.RigidMass(M[1]), unit_rod()], [0.01, 100.0],
+        [ri.Yielding(k, strength, hardening), ri.Rigid()])
+    s = ri.solve(system, 3.0, method, rtol=1e-6)
+    v = s.outcome.velocities_after
+    assert v[1] - v[0] == pytest.approx(math.sqrt(largest**2 / (2 * k) / energy), abs=2e-6)
+    assert s.contacts[0].peak_force == pytest.approx(largest, rel=1e-4)
+    assert s.outcome.dissipated == pytest.approx(energy - largest**2 / (2 * k), abs=1e-6)
+    t = np.linspace(0, 3, 40)
+    assert np.abs(s.energy(t).residual).max() < 1e-13
+    assert np.all(s.contacts[0].force(t) >= 0)
+    after = s.system_at(2.9)
+    assert after.contacts[0].yield_force == pytest.approx(largest, rel=1e-4)
+    assert after.contacts[0].hardening == hardening
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_mass_through_what_yields_on_an_endless_bar(mirrored):
+    """Loads as a spring, yields until both move together, and unloads as a spring."""
+    M, Z, k, strength, hardening = 0.5, 2.0, 5.0, 0.3, 0.7
+
+    def follow(stiffness, y, ends):  # F, V, impulse
+        ends.terminal = True
+        found = solve_ivp(
+            lambda _, y: [stiffness * (y[1] - y[0] / Z), -y[0] / M, y[0]], (0, 99.0), y,
+            rtol=1e-11, atol=1e-13, events=ends)
+        return found.y[:, -1]
+
+    y = follow(k, [0.0, 1.0, 0.0], lambda _, y: y[0] - strength)
+    y = follow(hardening, y, lambda _, y: y[1] - y[0] / Z)
+    largest = y[0]
+    y = follow(k, y, lambda _, y: y[0])
+    system = ri.System([ri.RigidMass(M, velocity=1.0), unit_rod(1.0, Z)],
+                       contacts=[ri.Yielding(k, strength, hardening)],
+                       ends=(ri.Free(), ri.Absorbing()))
+    system = system.mirrored() if mirrored else system
+    errors = []
+    for n in (32, 128):
+        outcome = ri.solve(system, 6.0, dt=1 / n).outcome
+        errors.append(abs(outcome.contacts[0].impulse - y[2]))
+        assert outcome.contacts[0].peak_force <= largest + 1e-4
+    assert errors[1] <= 3e-5
+    assert errors[1] <= errors[0] / 8 + 1e-8
+
+
 def test_spring_between_endless_bars_is_of_order_two():
     k, errors = 1.0, []
     for n in (16, 32, 64):

@@ -13,6 +13,7 @@ HERTZ = ri.Hertz(1e9)
 OTHERS = [
     ri.Fixed(), ri.Absorbing(), ri.Pushed(1e3), ri.Moved(2.0),
     ri.Pushed(ri.Steps([1e3, 0.0], [1e-4])), ri.Moved(ri.Samples([0.0, 1.0], step=1e-5)),
+    ri.Incoming(ri.Samples([0.0, -1e-3], step=1e-5)),
 ]
 
 
@@ -58,6 +59,7 @@ def test_nothing_is_beyond_a_wall(end):
         (ri.Fixed(), "put a Wall() there with Bonded()"),
         (ri.Moved(1.0), "put a Wall(velocity) there"),
         (ri.Absorbing(), "put a Rod with an absorbing end there"),
+        (ri.Incoming(1e-3), "put a Rod there"),
     ],
 )
 def test_a_mass_is_only_pushed(end, remedy):

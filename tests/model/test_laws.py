@@ -16,6 +16,7 @@ LAWS = [
     ri.Rigid(), ri.Rigid(restitution=0.5), ri.Bonded(), ri.Spring(stiffness=1e6),
     ri.SpringDashpot(stiffness=1e6, damping=20.0), ri.Hertz(stiffness=1e9),
     ri.HuntCrossley(stiffness=1e9, damping=0.1), ri.PowerLaw(stiffness=1e9, exponent=2.0),
+    ri.Yielding(stiffness=1e9, yield_force=1e3, hardening=1e7),
 ]
 
 
@@ -36,6 +37,7 @@ def test_a_law_survives_its_description(law):
 def test_names():
     assert list(CONTACT_LAWS) == [
         "rigid", "bonded", "spring", "spring-dashpot", "hertz", "hunt-crossley", "power",
+        "yielding",
     ]
     assert len(set(LAWS)) == len(LAWS)
 
@@ -49,7 +51,7 @@ def test_a_plain_rigid_contact_is_described_by_its_name_alone():
 
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf, True, "1 N/m", None])
 @pytest.mark.parametrize("law", [ri.Spring, ri.SpringDashpot, ri.Hertz, ri.HuntCrossley,
-                                 ri.PowerLaw])
+                                 ri.PowerLaw, ri.Yielding])
 def test_a_stiffness_is_positive(law, value):
     more = {name: 1.0 for name in law.fields if name != "stiffness"}
     found = problems(lambda: law(stiffness=value, **more))
@@ -255,3 +257,30 @@ def test_a_case_file_and_a_family_take_it():
     family = case.system.replace(contacts=[ri.PowerLaw(1e9, exponent=[1.5, 2.0])])
     swept = ri.sweep(family)
     assert swept.restitution[1] == ri.solve(case.system).outcome.restitution
+
+
+# What yields --------------------------------------------------------------------------------------
+
+
+def test_hardening_is_less_than_the_stiffness():
+    assert ri.Yielding(1e9, 1e3).hardening == 0.0
+    found = problems(lambda: ri.Yielding(1e9, 1e3, [0.0, 1e9]))
+    assert found == {
+        "hardening[1]": "must be less than the stiffness 1000000000.0, got 1000000000.0"}
+    found = problems(lambda: ri.Yielding(1e9, -1.0, -1.0))
+    assert list(found) == ["yield_force", "hardening"]
+
+
+def test_a_case_file_and_a_family_name_what_yields():
+    law = ri.Yielding(1e8, [1e3, 3e3], 1e7)
+    rods = [ri.Rod(1.0, area=1e-4, material=STEEL, velocity=1.0),
+            ri.Rod(2.0, area=1e-4, material=STEEL)]
+    family = ri.System(rods, contacts=[law])
+    case = ri.parse_case(ri.write_case(family[1]))
+    assert case.system == family[1]
+    swept = ri.sweep(family)
+    for i in range(2):
+        outcome = ri.solve(family[i]).outcome
+        assert swept.restitution[i] == outcome.restitution
+        assert swept.columns["peak_force.0"][i] == outcome.contacts[0].peak_force
+    assert swept.restitution[0] < swept.restitution[1]

@@ -96,7 +96,7 @@ class MyLaw(ri.Hertz):
     (lambda: ri.System([MyRod(1.0, area=1e-4, material=steel)]), "bodies.0",
      "must be a Rod, a RigidMass or a Wall itself, got MyRod("),
     (lambda: ri.System([rod()], ends=(ri.Free(), MyEnd())), "ends.right",
-     "must be an end itself, one of Free, Fixed, Absorbing, Pushed, Moved, got MyEnd()"),
+     "must be an end itself, one of Free, Fixed, Absorbing, Pushed, Moved, Incoming, got MyEnd()"),
     (lambda: ri.System([rod(), rod()], contacts=[MyLaw(1e9)]), "contacts.0",
      "must be a contact law itself, one of Rigid, Bonded, Spring, SpringDashpot, Hertz"),
 ])
@@ -428,9 +428,11 @@ def test_no_film_runs_backwards_where_something_is_lost_or_driven():
         "bodies.1.material.viscosity", "bodies.2.segments.1.material.viscosity",
         "contacts.0.damping", "contacts.1.damping", "contacts.3.restitution", "ends.left",
     ]
-    for end in (ri.Pushed(0.0), ri.Moved(0.0)):
+    for end in (ri.Pushed(0.0), ri.Moved(0.0), ri.Incoming(0.0)):
         found = problems(ri.System([rod()], ends=(ri.Free(), end)).reversed)
         assert [path for path, _ in found] == ["ends.right"]
+    found = problems(ri.System([rod(), rod()], contacts=[ri.Yielding(1.0, 1.0)]).reversed)
+    assert [path for path, _ in found] == ["contacts.0"]
     calm = [ri.SpringDashpot(1.0, 0.0), ri.HuntCrossley(1.0, 0.0)]
     ri.System([rod(), rod(), rod()], contacts=calm).reversed()
 
@@ -747,7 +749,8 @@ EVERYTHING = [
     ri.RigidMass(2.0, velocity=1.0), ri.Wall(0.5), ri.Steps([1.0, 2.0], [0.1]),
     ri.Samples([1.0, 2.0], step=0.1), ri.Rigid(0.5), ri.Bonded(), ri.Spring(1e6),
     ri.SpringDashpot(1e6, 2.0), ri.Hertz(1e9), ri.HuntCrossley(1e9, 0.1), ri.PowerLaw(1e9, 2.0),
-    ri.Free(), ri.Fixed(), ri.Absorbing(), ri.Pushed(1e3), ri.Moved(1.0),
+    ri.Yielding(1e9, 1e3, 1e7), ri.Free(), ri.Fixed(), ri.Absorbing(), ri.Pushed(1e3),
+    ri.Moved(1.0), ri.Incoming(1e-3),
     ri.System([ri.Rod(0.4, area=1e-4, material=steel), ri.Wall()], [1e-3], gravity=1.0),
 ]
 

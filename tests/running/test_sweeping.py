@@ -289,6 +289,7 @@ def test_members_that_end_at_a_time_equal_one_at_a_time(seed, transits):
     ri.Pushed(np.array([-1e3, 0.0, 2e3])),
     ri.Pushed(ri.Steps([1e3, np.array([-1e3, 0.0, 2e3]), 0.0], [3e-5, 1.1e-4])),
     ri.Moved(ri.Steps([0.0, 1.0], [np.array([1e-5, 1e-4, 1.0])])),
+    ri.Incoming(ri.Steps([-1e-3, 0.0], [np.array([1e-5, 1e-4, 1.0])])),
 ])
 def test_driven_rows_run_together_to_a_time(end):
     rods = [ri.Rod(L, area=1e-4, material=STEEL) for L in (0.3, np.array([[0.2], [0.5]]))]

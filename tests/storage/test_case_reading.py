@@ -226,6 +226,8 @@ def test_tapers_lateral_inertia_damping_and_a_grid_in_space():
 @pytest.mark.parametrize(("written", "end"), [
     ('"fixed"', ri.Fixed()), ('"absorbing"', ri.Absorbing()), ('"free"', ri.Free()),
     ('"force"\nvalue = "-2 kN"', ri.Pushed(-2000)), ('"velocity"\nvalue = 3', ri.Moved(3)),
+    ('"incoming"\nvalue = {samples = [0, -1e-3], step = "2 us"}',
+     ri.Incoming(ri.Samples([0, -1e-3], step=2e-6))),
 ])
 def test_ends(written, end):
     case = parse_case(HEAD + A_ROD + LEFT + written)
@@ -474,7 +476,7 @@ def test_a_case_is_frozen():
         (HEAD + A_ROD + "[ends]\nleft = 'fixed'", "ends.left", "must be a table, got 'fixed'"),
         (HEAD + A_ROD + "[ends.top]\nkind = 'fixed'", "ends.top", "use one of left, right"),
         (HEAD + A_ROD + "[ends.left]", "ends.left.kind",
-         "is missing; use one of free, fixed, absorbing, force, velocity"),
+         "is missing; use one of free, fixed, absorbing, force, velocity, incoming"),
         (HEAD + A_ROD + LEFT + "'clamped'\nvalue = 1", "ends.left.kind", "unknown kind 'clamped'"),
         (HEAD + A_ROD + LEFT + "'fixed'\nvalue = 1", "ends.left.value", "use one of kind"),
         (HEAD + A_ROD + LEFT + "'force'", "ends.left.value", "is missing; give a force, in SI"),

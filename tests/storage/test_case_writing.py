@@ -67,8 +67,8 @@ def random_row(seed):
     bodies = [rod(), *(mass() if rng.random() < 0.5 else rod() for _ in range(rng.integers(5)))]
     rng.shuffle(bodies)
     ends = [ri.Free(), ri.Pushed(random_profile(rng, 2.0)), ri.Fixed(), ri.Absorbing(),
-            ri.Moved(random_profile(rng, 2.0))]
-    pair = [ends[rng.integers(2 if isinstance(bodies[i], ri.RigidMass) else 5)] for i in (0, -1)]
+            ri.Moved(random_profile(rng, 2.0)), ri.Incoming(random_profile(rng, 2.0))]
+    pair = [ends[rng.integers(2 if isinstance(bodies[i], ri.RigidMass) else 6)] for i in (0, -1)]
     if rng.random() < 0.3:
         bodies, pair[1] = [*bodies, ri.Wall(rng.normal())], ri.Free()
     contacts, gaps = [], []

@@ -13,7 +13,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ...model import Absorbing, Bonded, End, Fixed, Free, Moved, Pushed, Rod, Steps
+from ...model import Absorbing, Bonded, End, Fixed, Free, Incoming, Moved, Pushed, Rod, Steps
 from ...model.frozen import InvalidModel, Number
 from .. import contact_law_kernel as laws
 from .. import kernels
@@ -37,7 +37,8 @@ from .layout_kernel import (
 )
 
 OUTSIDE: dict[type[End], int] = {
-    Free: STEADY, Fixed: STEADY, Absorbing: ENDLESS, Pushed: PUSHED, Moved: MOVED,
+    Free: STEADY, Fixed: STEADY, Absorbing: ENDLESS, Incoming: ENDLESS, Pushed: PUSHED,
+    Moved: MOVED,
 }
 STATUS = {laws.FREE: FREE, laws.FORCE: PUSH, laws.BOND: BOND, laws.RIGID: TOUCH}
 PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
@@ -103,7 +104,7 @@ class Blueprint:
         spans, pieces, contacts = list(row.spans), row.segments, len(system.gaps)
         n, nodes = len(pieces), [last for _, last in spans[:contacts]]
         for side, end in enumerate(system.ends):
-            if isinstance(end, Free | Absorbing):
+            if isinstance(end, Free):
                 continue
             numbers = _in_pieces(getattr(end, "value", 0.0))
             spans.insert(side * len(spans), (1, 0))

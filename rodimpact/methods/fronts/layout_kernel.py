@@ -271,6 +271,8 @@ def survey(make: Make, given: Any, row: int, work: Work) -> tuple[float, float]:
             v = given[row + make.profile[body] + j]
             if kind == PUSHED:
                 pushed = max(pushed, abs(v))
+            elif kind == ENDLESS:
+                strained = max(strained, 2 * given[row + i * (n - 1)] * abs(v))
             else:
                 low, high = min(low, v), max(high, v)
             if kind == STEADY:
@@ -307,7 +309,7 @@ def clock_bits(ratio: float) -> int:
 
 def jumps_outside(make: Make, i: int) -> int:
     """How often what drives an end jumps; i is 0 for the left end, 1 for the right one."""
-    if make.outside[i] == MOVED or make.outside[i] == PUSHED:
+    if make.outside[i] != STEADY:
         return int(make.jumps[2 * i * (len(make.first) - 1)])
     return 0
 
@@ -334,17 +336,24 @@ def drive(
 ) -> int:
     """Write the fronts, from row r on, of what drives end i of the row; return the next.
 
-    They are velocities in the frame, or those that a force gives to the end. Times of jumps are
-    the durations from `place` on.
+    They are velocities in the frame, or those that a force gives to the end; or what comes in
+    through an endless bar: what left that end last, and the wave of which the strain is given.
+    Times of jumps are the durations from `place` on.
     """
     n, sent, jumps, tol = make.size[0], r, jumps_outside(make, i), layout.tolerance[m]
-    first = m * make.size[1] + make.profile[i * (len(make.first) - 1)]
-    at = first + jumps + 1
-    x1, more, j = 0, True, 0
+    row = m * make.size[1]
+    first = row + make.profile[i * (len(make.first) - 1)]
+    at, x1, more, j = first + jumps + 1, 0, True, 0
+    came = 0.0
+    for f in range(m * make.size[2], r):
+        if layout.line[f] == 2 + i * (2 * n - 1):
+            came = layout.value[f]
     while more:
         value, x0 = given[first + j], x1
         if make.outside[i] == PUSHED:
             value *= layout.mobility[m * (n + 2) + 1 + i * (n - 1)]
+        elif make.outside[i] == ENDLESS:
+            value = (4 * i - 2) * given[row + i * (n - 1)] * value + came
         else:
             value -= layout.frame[m]
         more = j < jumps and given[at + j] <= until
@@ -354,24 +363,6 @@ def drive(
             r += 1
         j += 1
     return r
-
-
-def prolong(make: Make, m: int, i: int, begun: int, layout: Layout, r: int) -> int:
-    """Let the row go on for ever beyond end i: from there comes what left that end last.
-
-    Parameters
-    ----------
-    begun, r : int
-        First and next row of the member's fronts.
-    """
-    n = make.size[0]
-    own, cell = 2 + i * (2 * n - 1), m * (n + 2)
-    for f in range(begun, r):
-        if layout.line[f] == own:
-            layout.value[r] = layout.value[f]
-    layout.tick[r], layout.line[r] = 0, i * (2 * n + 3)
-    layout.mobility[cell + i * (n + 1)] = layout.mobility[cell + 1 + i * (n - 1)]
-    return r + 1
 
 
 def momentum_varies(make: Make, m: int, layout: Layout) -> bool:
@@ -496,8 +487,8 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
     place = len(work.duration) - late
     for i in range(2):
         if make.outside[i] == ENDLESS:
-            r = prolong(make, m, i, m * fronts, layout, r)
-        elif make.outside[i] != STEADY:
+            layout.mobility[cell + i * (n + 1)] = layout.mobility[cell + 1 + i * (n - 1)]
+        if make.outside[i] != STEADY:
             r = drive(make, given, m, i, until, place, layout, work, r)
             place += jumps_outside(make, i)
     layout.count[m] = r - m * fronts

@@ -32,12 +32,13 @@ from ..contact_law_kernel import (
     IMPACT,
     RIGID,
     SPRING,
+    YIELD,
     Chain,
     Tally,
     balance,
+    indent,
     record_step,
     start_impacts,
-    stored,
 )
 from ..finality_kernel import NEVER, Side, bound_of, separation_time
 
@@ -90,6 +91,7 @@ class Links(NamedTuple):
     stiffness: Any
     exponent: Any
     damping: Any
+    strength: Any
     gap: Any
     force: Any
     closing: Any  # mean closing velocity of the last step
@@ -127,7 +129,7 @@ class Ends(NamedTuple):
     kind: Any  # NOTHING, PUSHED, MOVED, ENDLESS
     node: Any
     impedance: Any  # of an endless bar
-    rest: Any  # the wave that comes from it
+    rest: Any  # the wave that comes from it beside the given one
     old: Any  # velocity of the node before the step
 
 
@@ -151,7 +153,7 @@ class Signals(NamedTuple):
     closing: Any
     link_start: Any  # [link]
     bond: Any  # bond b starts at b room
-    given: Any  # at side room: force, or velocity at the end of each step
+    given: Any  # at side room: force or wave, or velocity at the end of each step
     push: Any  # at side room: force of the outside to the inside
     speed: Any  # at side room: mean velocity of the end
     room: Any  # [1]
@@ -300,7 +302,8 @@ def outer_force(ends: Ends, signals: Signals, side: int, j: int, v: float) -> fl
         if side == 1:
             F = -F
     elif ends.kind[side] == ENDLESS:
-        F = ends.impedance[side] * (ends.rest[side] - v)
+        wave = ends.rest[side] + signals.given[side * signals.room[0] + j]
+        F = ends.impedance[side] * (wave - v)
     return F
 
 
@@ -355,10 +358,7 @@ def settle(
         elif gap <= 0 and abs(w) <= tol:
             rest = gap
     elif law >= SPRING:
-        rest = -chain.place[q]
-        if links.damping[i] > 0:
-            k, p = links.stiffness[i], links.exponent[i]
-            tally.lost[i] += F * (gap - rest) + stored(law, k, p, gap) - stored(law, k, p, rest)
+        rest = indent(links, tally, i, F, chain.place[q])
     return rest
 
 
@@ -403,7 +403,7 @@ def resolve_contact(
         gap = settle(links, tally, chain, i, q, F, w, tol)
         links.closing[i] = w
         signals.closing[signals.link_start[i] + j] = links.gap[i] - gap
-        if links.law[i] == RIGID:
+        if links.law[i] == RIGID or links.law[i] == YIELD:
             signals.closing[signals.link_start[i] + j] = w
             if j == 0 and F > 0:  # with what `shut_at_once` has entered
                 signals.closing[signals.link_start[i] + j] = tally.numerical[i] / F

@@ -188,7 +188,8 @@ class Machine:
         links = Links(
             whole([row.laws[i] for i in chosen]),
             row.stiffness_in_steps(h)[chosen], np.array(row.exponent)[chosen],
-            np.array(row.damping)[chosen], gap, np.zeros(count), np.zeros(count),
+            np.array(row.damping)[chosen], np.array(row.strength)[chosen], gap,
+            np.zeros(count), np.zeros(count),
             np.ones(count, np.int64), (gap == 0).astype(np.int64),
             whole([pair[0] for pair in nodes]), whole([pair[1] for pair in nodes]),
             whole(sides[0]), whole(sides[1]), own, shared, np.zeros(count),
@@ -300,7 +301,8 @@ class Machine:
             if kind == "force":
                 force[mesh.ends[side]] += (1, -1)[side] * self._pushes(value, 1)[0]
             elif kind == "absorbing":
-                force[mesh.ends[side]] = 0.0
+                wave = row.wave_of_strain(side) * self._pushes(value, 1)[0]
+                force[mesh.ends[side]] = self._impedance(side) * wave
         for law, gap, left, right in zip(
             links.law, links.gap, links.left, links.right, strict=True
         ):
@@ -316,7 +318,7 @@ class Machine:
         return found
 
     def _pushes(self, value: Any, steps: int) -> Array:
-        """A driving force at each kick, N: its mean over two steps, which waves can follow."""
+        """What drives an end at each kick: its mean over two steps, which waves can follow."""
         halves = averages(value, self.step / 2 * np.arange(2 * steps + 2), 0.0)
         around = np.concatenate((halves[:1], halves))
         mean: Array = (around[:-3:2] + around[1:-2:2] + around[2:-1:2] + around[3::2]) / 4
@@ -346,6 +348,8 @@ class Machine:
                 given[span] = self._given(value, edges[1:])
             elif kind == "force":
                 given[span] = self._pushes(value, room)
+            elif kind == "absorbing":
+                given[span] = self.row.wave_of_strain(side) * self._pushes(value, room)
         self.room = room
         return Signals._make([
             *np.zeros((3, links * room)), whole([i * room for i in range(links)]),

@@ -87,11 +87,14 @@ def numbers_of(row: Row) -> Numbers:
                 v, stretch = body.velocity - row.frame, body.strain * row.segments[s].wave_speed
                 right[s], left[s] = v - stretch, v + stretch
     outside = [0.0 if isinstance(v, Steps | Samples) else v for _, v in row.outside]
+    for side, (kind, _) in enumerate(row.outside):
+        if kind == "absorbing":
+            outside[side] = outside[side] * row.wave_of_strain(side)
     return Numbers(
         transit=[s.transit_time for s in row.segments],
         impedance=[s.impedance for s in row.segments],
         right=right, left=left, stiffness=row.stiffness, exponent=row.exponent,
-        damping=row.damping, gap=row.gap, mass=row.masses,
+        damping=row.damping, strength=row.strength, gap=row.gap, mass=row.masses,
         speed=[v - row.frame for v in row.mass_velocity],
         weight=[getattr(b, "mass", 0.0) if m >= 0 else 0.0
                 for b, m in zip(row.system.bodies, row.mass_of, strict=True)],
@@ -194,7 +197,7 @@ def space(make: Make, full: Full, room: int, before: int) -> Work:
 
     jumps, contacts = len(make.jump_segment), sum(law >= RIGID for law in make.law)
     numbers = Numbers(*floats(
-        n, n, n, n, links, links, links, links, masses, masses, bodies, 2, jumps, 4))
+        n, n, n, n, links, links, links, links, links, masses, masses, bodies, 2, jumps, 4))
     search = Search(
         *counts(10), *floats(1, MOST_LEVELS, MOST_LEVELS * width, MEASURES + 1, bonded, bonded,
                             bonded, bodies, kept, kept, kept))
@@ -204,7 +207,7 @@ def space(make: Make, full: Full, room: int, before: int) -> Work:
         *counts(MOST_CUTS + 2), *floats(room + 1, room + 1))
     of_row: list[Any] = [
         *counts(n + 2), *floats(n + 2, n + 2), *counts(1), *floats(MOST_PLACES, n + 2),
-        make.first, *floats(masses), make.law, *floats(*[links] * 6), *counts(links),
+        make.first, *floats(masses), make.law, *floats(*[links] * 7), *counts(links),
         *floats(masses, 1)]
     state = State(*of_row)
     tally = Tally(*floats(links, links, links, links), *counts(links, links, links, links))

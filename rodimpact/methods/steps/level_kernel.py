@@ -73,11 +73,12 @@ class Numbers(NamedTuple):
     stiffness: Any  # [link]
     exponent: Any  # [link]
     damping: Any  # [link]
+    strength: Any  # [link] N
     gap: Any  # [link] m
     mass: Any  # [mass] kg
     speed: Any  # [mass] in the frame
     weight: Any  # [body] mass of a rigid body, kg
-    outside: Any  # [2] velocity or force of an end
+    outside: Any  # [2] velocity or force of an end, or wave that comes in, m/s
     jump_place: Any  # [jump] share of the segment, or time in s
     setting: Any  # [4] frame, gravity, scale of velocities, shortest step that contacts ask for
 
@@ -273,6 +274,7 @@ def lay_out(
         if k > 0 and state.stiffness[i] < LEAST:
             return VANISHED
         state.exponent[i], state.damping[i] = p, numbers.damping[i]
+        state.strength[i] = numbers.strength[i]
         state.gap[i] = numbers.gap[i] / h
         state.force[i] = state.closing[i] = 0.0
         state.open[i] = 1
@@ -343,7 +345,7 @@ def fill_evenly(
             continue
         fall = 0.0
         if kind == ABSORBING:
-            value = signals.wave[signals.wave_start[own] - 1]
+            value += signals.wave[signals.wave_start[own] - 1]
         elif kind == VELOCITY:
             value -= numbers.setting[FRAME]
             fall = numbers.setting[GRAVITY] * level.step[0] / (2 * STEP_TICKS)

@@ -219,12 +219,12 @@ class Machine:
             kind, value = row.outside[side]
             if kind == "none":
                 continue
-            if kind == "absorbing":  # what left this end just before t = 0
-                found = np.full(len(edges) - 1, signals.wave[signals.wave_start[own] - 1])
-            else:
-                found = averages(value, edges, 0.0)
-                if kind == "velocity":
-                    found = found - row.frame - row.gravity * (edges[1:] + edges[:-1]) / 2
+            found = averages(value, edges, 0.0)
+            if kind == "absorbing":  # beside what left this end just before t = 0
+                came = signals.wave[signals.wave_start[own] - 1]
+                found = row.wave_of_strain(side) * found + came
+            elif kind == "velocity":
+                found = found - row.frame - row.gravity * (edges[1:] + edges[:-1]) / 2
             self._enter(int(signals.wave_start[line]) - 1, found)
 
     def _too_short(self) -> InvalidModel:

@@ -16,7 +16,7 @@ import numpy as np
 from ...model.frozen import InvalidModel
 from .. import abilities as physics
 from ..clock import STEP_TICKS
-from ..contact_law_kernel import RIGID
+from ..contact_law_kernel import RIGID, YIELD
 from ..refinement import MEASURES
 from ..row import Array, Row
 from ..run import GroupTotals, Run, Waves
@@ -85,8 +85,24 @@ class StepRun(SteppedRun):
 
     def path(self, contact: int) -> Array:
         """How far a contact that can open closes in each step, m."""
+        link = self.place(contact)
+        if self.row.laws[link] == YIELD:  # its faces move
+            left, right = map(self._end_speed, self.row.beside[link], (0, 1))
+            return np.asarray((left - right) * self.durations)
         _, gap = self.contact(contact)
         return np.asarray(-np.diff(gap, prepend=float(self.row.system.gaps[contact])))
+
+    def _end_speed(self, body: tuple[str, int], right: int) -> Array:
+        """Mean velocity in each step of what stands beside a link, in the frame."""
+        kind, i = body
+        if kind == "mass":
+            speed = self.speed(i)
+            return (speed[1:] + speed[:-1]) / 2
+        if kind == "outside":
+            last = len(self.signals.wave_start) - 1
+            return self.by_step(self.signals.wave, self.signals.wave_start[last * right])
+        out = 2 * i + 1 - right
+        return (self.wave(out)[self.before(out) :] + self.arriving(out ^ 1)) / 2
 
     def bond(self, contact: int) -> Array:
         """Mean force in a bonded contact in each step, N, from the waves of a rod that it joins."""

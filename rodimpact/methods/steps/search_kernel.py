@@ -11,7 +11,7 @@ import math
 from typing import Any, NamedTuple
 
 from ..clock import STEP_TICKS
-from ..contact_law_kernel import IMPACT, Chain, Tally
+from ..contact_law_kernel import IMPACT, YIELD, Chain, Tally
 from ..measure_kernel import deepest, largest_force, pressed_time, time_of_most
 from ..refinement_kernel import SURE, carried_error, carried_on, error_of, factor_of
 from .level_kernel import (
@@ -231,7 +231,7 @@ def measure(
         values[p + c] = tally.impulse[i] * h
         values[p + count + c] = values[p + 2 * count + c] = values[p + 3 * count + c] = 0.0
         if make.law[i] != IMPACT:
-            values[p + count + c] = peak_force(numbers, level, signals, i)
+            values[p + count + c] = peak_force(make, numbers, level, state, signals, i)
             values[p + 2 * count + c] = time_of_most(level.times, signals.force, start, steps)
             values[p + 3 * count + c] = time_under_force(make, numbers, level, signals, i)
     at[LEVELS], smooth = n + 1, is_smooth(make, search, level)
@@ -258,14 +258,18 @@ def measure(
         level.kept_time[q], level.kept_link[q] = level.closing_time[q], level.closing_link[q]
 
 
-def peak_force(numbers: Numbers, level: Level, signals: Signals, i: int) -> float:
+def peak_force(
+    make: Make, numbers: Numbers, level: Level, state: State, signals: Signals, i: int
+) -> float:
     """Largest force of a contact, N: that of the largest indentation, if it has no dashpot."""
     start, steps = signals.link_start[i], level.at[TAKEN]
-    if numbers.stiffness[i] > 0 and numbers.damping[i] == 0:
+    yields = make.law[i] == YIELD
+    if numbers.stiffness[i] > 0 and (numbers.damping[i] == 0 or yields):
         h, p = level.step[0], numbers.exponent[i]
         before = numbers.gap[i] / h
         x = h * deepest(level.times, signals.gap, start, steps, before)
-        return float(numbers.stiffness[i] * (x * math.sqrt(x) if p == 1.5 else x**p))
+        F = float(numbers.stiffness[i] * (x * math.sqrt(x) if p == 1.5 else x**p))
+        return min(F, state.strength[i]) if yields else F
     return largest_force(level.times, signals.force, start, steps)
 
 
@@ -435,7 +439,7 @@ def add_up(
         search.impulse[c] = tally.impulse[i] * h
         search.peak[c] = math.nan
         if make.law[i] != IMPACT:
-            search.peak[c] = peak_force(numbers, level, signals, i)
+            search.peak[c] = peak_force(make, numbers, level, state, signals, i)
         search.pressed[c] = time_under_force(make, numbers, level, signals, i)
         n, width, count = at[LEVELS], width_of_measures(make), len(make.opening)
         if at[PEAKS_CARRIED] > 0 and make.law[i] != IMPACT:

@@ -10,8 +10,8 @@ two parts for ever after. Places in signals are counted in parts, lengths of tim
 
 Node k joins the segments k and k + 1; line 2s carries a and line 2s + 1 carries b through
 segment s. The segments 0 and n + 1 stand for what lies outside: lines 0 and 2n + 3 bring what comes
-from there, filled in advance: the velocity of a wall or a drive (mobility 0), the constant wave
-of an endless bar (absorbing end), or under the law FORCE the force itself.
+from there, filled in advance: the velocity of a wall or a drive (mobility 0), the wave that comes
+through an endless bar (absorbing end), or under the law FORCE the force itself.
 
 At a node stands a chain of points: the left rod end, masses, the right rod end; and of links, one
 between neighbours. A force F > 0 in a link pushes its two points apart. Over one part of a step
@@ -37,11 +37,11 @@ from ..contact_law_kernel import (
     Chain,
     Tally,
     balance,
+    indent,
     pushed,
     record_step,
-    solve_law,
+    solve_link,
     start_impacts,
-    stored,
 )
 from ..finality_kernel import (
     NEVER,
@@ -59,7 +59,7 @@ PLACED = 1 / (1 << 20)  # of a step: how near to its ends a contact closes as if
 
 
 class State(NamedTuple):
-    """A row of n segments and m masses: lists or arrays; the last six change in place."""
+    """A row of n segments and m masses: lists or arrays; the last seven change in place."""
 
     steps: Any  # [segment] whole parts of steps in the transit time, 0 outside
     share: Any  # [segment] what of one more step there is
@@ -72,7 +72,9 @@ class State(NamedTuple):
     law: Any  # [link]
     stiffness: Any  # [link] of what is compliant
     exponent: Any  # [link] of the indentation
-    damping: Any  # [link] of SPRING and HUNT: F = k x^(3/2) (1 + damping w); of IMPACT e
+    damping: Any  # [link] of SPRING and HUNT: F = k x^(3/2) (1 + damping w); of IMPACT e; of YIELD
+    # the hardening
+    strength: Any  # [link] of YIELD, N
     gap: Any  # [link] minus the indentation
     force: Any  # [link] of the last step
     closing: Any  # [link] by how much it closed in the last step
@@ -269,14 +271,11 @@ def press(
             jumps = clock[CUTS] > 0 and gap > 0 and law == SPRING and damping > 0
             if jumps and closes_inside(state, clock, i, j, gap / (a - b)):
                 return CLOSED
-            F, x, _ = solve_law(
-                law, stiffness, exponent, damping / d, -gap, d * (a - b), d * (Yl + Yr), w
+            F, x, _ = solve_link(
+                law, stiffness, exponent, damping, state.strength[i], d, -gap, d * (a - b),
+                d * (Yl + Yr), w,
             )
-            w, rest = x + gap, -x
-            if damping > 0:
-                drop = stored(law, stiffness, exponent, gap)
-                drop -= stored(law, stiffness, exponent, rest)
-                tally.lost[i] += F * w + drop
+            w, rest = x + gap, indent(state, tally, i, F, x)
         if k > 0:
             wave[left + j] = a - 2 * F * Yl
         if k < n:
@@ -365,21 +364,16 @@ def settle(
     state.closing[i] = w
     if law <= BOND:
         return gap
+    rest: float = gap - w
     if law == RIGID:
         tally.numerical[i] += F * gap
-        rest = gap - w
         return 0.0 if F > 0 or rest <= max(d * tol, EARLY * w) else rest
     if law == IMPACT:
         if F > 0:
             tally.lost[i] += F * links.limit[q]
             return gap - float(links.limit[q])
-        return gap if gap <= 0 and abs(w) <= d * tol else gap - w
-    rest = -float(links.place[q])
-    if state.damping[i] > 0:
-        k, p = state.stiffness[i], state.exponent[i]
-        drop = stored(law, k, p, gap) - stored(law, k, p, rest)
-        tally.lost[i] += F * (gap - rest) + drop
-    return rest
+        return gap if gap <= 0 and abs(w) <= d * tol else rest
+    return indent(state, tally, i, F, links.place[q])
 
 
 def resolve_contact(
