@@ -89,7 +89,7 @@ def test_a_faint_first_force_is_none():
 @pytest.mark.parametrize(("force", "share"), [
     ([3], 1.0), ([4, 1], 0.25), ([4, 5], 1.0), ([4, 4, 1], 0.25), ([4, 4, 4, 1], 0.25),
     ([1, 4, 1], 0.25), ([1, 4, 5], 1.0), ([4, 3.6, 1.6], 0.5), ([1.0, 0.9, 0.81, 0.729], 1.0),
-    ([4, 3.6, 3.2, 2.0], 2 / 2.8),
+    ([4, 3.6, 3.2, 2.1], 0.75),
 ])
 def test_the_share_of_the_last_step_that_a_jump_leaves(force, share):
     assert mk.share_of_jump(np.array(force, float), 0, 0, len(force)) == pytest.approx(share)

@@ -186,37 +186,46 @@ def space(make: Make, full: Full, room: int, before: int) -> Work:
         Averages from before t = 0 of a line, all segments together.
     """
     links, masses, n = len(make.law), len(make.mass_group), len(make.group) - 2
-    bodies, bonded, width = len(make.body_first), len(make.held), width_of_measures(make)
-    lines, kept = 2 * n + sum(kind != NONE for kind in make.outside), len(make.opening)
+    bodies, bonded, opening = len(make.body_first), len(make.held), len(make.opening)
+    contacts, jumps = sum(law >= RIGID for law in make.law), len(make.jump_segment)
+    lines, cuts = 2 * n + sum(kind != NONE for kind in make.outside), MOST_CUTS + 2
 
-    def floats(*sizes: int) -> list[Any]:
-        return [full(size, 0.0) for size in sizes]
+    def of(kind: Callable[..., Any], whole: str = "", **sizes: int) -> Any:
+        """Columns of so many numbers; whole ones where they are named so."""
+        counts = whole.split()
+        return kind(**{name: full(n, 0 if name in counts else 0.0) for name, n in sizes.items()})
 
-    def counts(*sizes: int) -> list[Any]:
-        return [full(size, 0) for size in sizes]
-
-    jumps, contacts = len(make.jump_segment), sum(law >= RIGID for law in make.law)
-    numbers = Numbers(*floats(
-        n, n, n, n, links, links, links, links, links, masses, masses, bodies, 2, jumps, 4))
-    search = Search(
-        *counts(10), *floats(1, MOST_LEVELS, MOST_LEVELS * width, MEASURES + 1, bonded, bonded,
-                            bonded, bodies, kept, kept, kept))
-    level = Level(
-        *counts(12), *floats(1), *counts(n + 2, MOST_PLACES, room + 1), *floats(n + 2),
-        *floats(MOST_CUTS + 2), *counts(MOST_CUTS + 2), *floats(MOST_CUTS + 2),
-        *counts(MOST_CUTS + 2), *floats(room + 1, room + 1))
-    of_row: list[Any] = [
-        *counts(n + 2), *floats(n + 2, n + 2), *counts(1), *floats(MOST_PLACES, n + 2),
-        make.first, *floats(masses), make.law, *floats(*[links] * 7), *counts(links),
-        *floats(masses, 1)]
-    state = State(*of_row)
-    tally = Tally(*floats(links, links, links, links), *counts(links, links, links, links))
-    signals = Signals(
-        *floats(lines * room + 2 * (before + 1)), *counts(2 * n + 4),
-        *floats(contacts * room, contacts * room), *counts(links), *floats(masses * room),
-        *counts(masses))
+    numbers = of(
+        Numbers, transit=n, impedance=n, right=n, left=n, stiffness=links, exponent=links,
+        damping=links, strength=links, gap=links, mass=masses, speed=masses, weight=bodies,
+        outside=2, jump_place=jumps, setting=4,
+    )
+    search = of(
+        Search, "at", at=10, goal=1, sizes=MOST_LEVELS, estimates=MEASURES + 1,
+        values=MOST_LEVELS * width_of_measures(make), mass=bonded, before=bonded, after=bonded,
+        vibration=bodies, impulse=opening, peak=opening, pressed=opening,
+    )
+    level = of(
+        Level, "at ticks places edges closing_link kept_link", at=12, step=1, ticks=n + 2,
+        places=MOST_PLACES, edges=room + 1, share=n + 2, closing_time=cuts, closing_link=cuts,
+        kept_time=cuts, kept_link=cuts, times=room + 1, gap=room + 1,
+    )
+    state = of(
+        State, "steps parts open", steps=n + 2, share=n + 2, transit=n + 2, parts=1,
+        part=MOST_PLACES, mobility=n + 2, first=0, mass=masses, law=0, stiffness=links,
+        exponent=links, damping=links, strength=links, gap=links, force=links, closing=links,
+        open=links, speed=masses, closed=1,
+    )._replace(first=make.first, law=make.law)
+    tally = of(
+        Tally, "first last pressed episodes", **dict.fromkeys(Tally._fields, links)
+    )
+    signals = of(
+        Signals, "wave_start link_start mass_start", wave=lines * room + 2 * (before + 1),
+        wave_start=2 * n + 4, force=contacts * room, gap=contacts * room, link_start=links,
+        speed=masses * room, mass_start=masses,
+    )
     return Work(
-        make, numbers, Limit(*floats(1), *counts(1), *floats(3)), search, level, state, tally,
-        signals, Points(*floats(masses + 2, masses + 2)),
-        Chain(*floats(*[masses + 1] * 10)), full(3, 0),
+        make, numbers, of(Limit, "steps", until=1, steps=1, numbers=3), search, level, state,
+        tally, signals, of(Points, "", **dict.fromkeys(Points._fields, masses + 2)),
+        of(Chain, "", **dict.fromkeys(Chain._fields, masses + 1)), full(3, 0),
     )
