@@ -405,8 +405,8 @@ def resolve_contact(
         signals.closing[signals.link_start[i] + j] = links.gap[i] - gap
         if links.law[i] == RIGID or links.law[i] == YIELD:
             signals.closing[signals.link_start[i] + j] = w
-            if j == 0 and F > 0:  # with what `shut_at_once` has entered
-                signals.closing[signals.link_start[i] + j] = tally.numerical[i] / F
+        if links.law[i] == RIGID and j == 0 and F > 0:  # with what `shut_at_once` has entered
+            signals.closing[signals.link_start[i] + j] = tally.numerical[i] / F
         opened = links.open[i]
         record_step(links, tally, signals, i, j, F, gap, 1.0)
         if gap <= gap_resolution:
