@@ -124,10 +124,9 @@ def test_the_impulse_converges_with_the_cells():
         assert order(errors) >= 0.6
 
 
-@pytest.mark.parametrize("viscosity", [0.0, 1e-3])
-def test_what_touches_at_the_start_is_no_part_of_a_step_late(viscosity):
+def test_viscous_ends_that_touch_at_the_start_are_no_part_of_a_step_late():
     """The first rod has given half of its momentum once its wave has come to its far end."""
-    pair = [ri.Rod(L, area=1.0, material=material(viscosity=viscosity), velocity=v)
+    pair = [ri.Rod(L, area=1.0, material=material(viscosity=1e-3), velocity=v)
             for L, v in ((0.4, 1.0), (1.0, 0.0))]
     s = solved(pair, 2.0, 100)
     edges, force = s.run.signals.edges * s.run.clock.tick, s.contacts[0].push.values
@@ -810,7 +809,7 @@ def test_impedances_far_apart():
     for area in (1e6, 1e-6):
         s = solved([unit_rod(velocity=1.0), unit_rod(area=area)], None, 100)
         expected = (-1.0, 0.0) if area > 1 else (1.0, 2.0)
-        assert s.outcome.velocities_after == pytest.approx(expected, abs=6e-3)
+        assert s.outcome.velocities_after == pytest.approx(expected, abs=5e-3)
         assert abs(s.outcome.energy_residual) <= 1e-12
 
 
