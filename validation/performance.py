@@ -12,9 +12,12 @@ marked "fresh" are taken in a new process that has not loaded numba.
 from __future__ import annotations
 
 import math
+import os
+import resource
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -74,6 +77,17 @@ def fresh(code: str) -> float:
     """What a new process prints."""
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     return float(done.stdout)
+
+
+def processor_time(code: str, empty_cache: bool) -> float:
+    """Processor time of a new process, s, without machine code on disk or with what it needs."""
+    with tempfile.TemporaryDirectory() as folder:
+        place = {**os.environ, "NUMBA_CACHE_DIR": folder}
+        for _ in range(1 if empty_cache else 2):
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, env=place)
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 def command(*arguments: str) -> float:
@@ -246,6 +260,20 @@ x, t = np.linspace(0, 1, 1000)[:, None], np.linspace(0, solution.t_end, 1000)
 solution.velocity(1, x, t)
 print(median(lambda: solution.velocity(1, x, t), 21))
 """
+MAP = """
+import numpy as np
+import rodimpact as ri
+steel = ri.materials.steel
+shorter = ri.Rod(np.linspace(0.05, 1.5, 200)[:, None], area=1e-4, material=steel, velocity=1.0)
+ri.sweep(ri.System([shorter, ri.Rod(1.0, area=np.geomspace(1e-5, 1e-3, 200), material=steel)]))
+"""
+DAMP = """
+import rodimpact as ri
+steel = ri.materials.steel.damped(1e-2, 5e3)
+ri.solve(ri.System([ri.Rod(x, area=1e-4, material=steel, velocity=v)
+                    for x, v in ((0.4, 1.0), (1.0, 0.0))]))
+"""
+WARM = "import rodimpact as ri; ri.warm()"
 MEMORY = """
 import resource, sys
 import rodimpact as ri
@@ -397,6 +425,10 @@ def measure() -> list[Figure]:
         Figure(f"{SIDE**2} Hertz pairs, two threads", hertz_pairs(), 1.7 * share),
         Figure(f"{SIDE**2} masses on a rod, two threads", masses_on_a_rod(), share),
         Figure(f"{damped} damped pairs, two threads", damped_pairs(), 6.0 * damped / 200),
+        Figure("a map of 200 x 200, empty cache, processor time", processor_time(MAP, True), 7.0),
+        Figure("the same, warm cache", processor_time(MAP, False), 1.5),
+        Figure("a damped pair, empty cache, processor time", processor_time(DAMP, True), 6.0),
+        Figure("warm(), empty cache, processor time", processor_time(WARM, True), 25.0),
         Figure("10^6 steps of five rods, rigid contacts", rigid, 0.3),
         Figure("10^6 steps of five rods, springs", row_on_steps(ri.Spring(10.0)), 0.3),
         Figure("10^6 steps of five rods, Hertz", row_on_steps(ri.Hertz(10.0)), 0.3),
