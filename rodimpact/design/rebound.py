@@ -17,6 +17,7 @@ from ..model.arguments import of_kind, single
 from ..model.quantities import Floats
 from ..results import notebook
 from ..results.closed_forms import closed_form
+from ..running.sweep_result import SweepResult
 from ..running.sweeping import sweep
 from ..storage.tables import align
 
@@ -32,10 +33,8 @@ class RestitutionDesign:
     system : System
     wanted, reached : float
         e; `reached` is that of the system.
-    family : System
-        Among whose members it was looked for.
-    restitution : [n] array
-        e of these; nan for those without.
+    family : SweepResult
+        The members among which it was looked for.
     place : float
         Where among the members the system lies: 2.5 is half way from member 2 to member 3.
     """
@@ -43,8 +42,7 @@ class RestitutionDesign:
     system: System
     wanted: float
     reached: float
-    family: System
-    restitution: Floats
+    family: SweepResult
     place: float
 
     @property
@@ -56,7 +54,7 @@ class RestitutionDesign:
     def values(self) -> dict[str, float]:
         """What was varied, as it is in the system, by the paths of a case file; SI units."""
         return {path: float(_between(array, self.place))
-                for path, array in self.family.parameters.items()}
+                for path, array in self.family.system.parameters.items()}
 
     def __str__(self) -> str:
         rows = [[path, f"{value:.6g}"] for path, value in self.values.items()]
@@ -81,8 +79,7 @@ def restitution(wanted: float, family: System) -> RestitutionDesign:
     Returns
     -------
     RestitutionDesign
-        With the first system along the family that has it. Where the family has a closed form
-        e is from there, else from `sweep`.
+        With the first system along the family that has it.
 
     Raises
     ------
@@ -111,7 +108,8 @@ def restitution(wanted: float, family: System) -> RestitutionDesign:
     e = single("wanted", wanted, "")
     if not 0 <= e < math.inf:
         raise ValueError(f"wanted: must be an e of 0 or more, got {e!r}")
-    known = _restitution(family)
+    members = sweep(family)
+    known = members.restitution
     if not np.isfinite(known).any():
         raise ValueError("family: none of its members has an e; sweep(family).explain says why")
 
@@ -120,7 +118,7 @@ def restitution(wanted: float, family: System) -> RestitutionDesign:
         return System.from_dict(alone.to_dict())
 
     def miss(place: float) -> float:
-        return float(_restitution(member(place))) - e
+        return _restitution(member(place)) - e
 
     off = known - e
     sides = np.flatnonzero(off[:-1] * off[1:] <= 0)
@@ -138,13 +136,13 @@ def restitution(wanted: float, family: System) -> RestitutionDesign:
             raise ValueError(
                 f"wanted: e = {e:g} is not reached; with {paths} as given e runs from {low:.6g} to "
                 f"{high:.6g}: let them vary further, or let something else vary")
-    return RestitutionDesign(member(place), e, miss(place) + e, family, known, float(place))
+    return RestitutionDesign(member(place), e, miss(place) + e, members, float(place))
 
 
-def _restitution(system: System) -> Floats:
-    """e of a system or a family."""
+def _restitution(system: System) -> float:
+    """e of a single system, from the closed form if there is one."""
     form = closed_form(system)
-    return np.asarray(sweep(system).restitution if form is None else form.column("restitution"))
+    return float(sweep(system).restitution if form is None else form.column("restitution"))
 
 
 def _between(array: Floats, place: float) -> float:

@@ -28,7 +28,7 @@ from .pulses import PulseDesign, differences, force_over_time, staircase
 
 WIDEST = (math.exp(-4.0), math.exp(1.5))  # area ratios
 MOST_SEGMENTS = 100
-MOST_STEPS = 60  # of least squares from each start
+MOST_STEPS = 30  # of least squares from each start
 PERFECT = 1e-12  # misfit that is round-off
 
 
@@ -55,7 +55,7 @@ class _Shot(NamedTuple):
     def force(self, system: System, until: float) -> Signal:
         """Force on the bar, N."""
         times, force, _ = solve(system, until=until, method="fronts").contacts[0].breakpoints()
-        return staircase(times, force, until, "reached")
+        return staircase(times, force, until, "force on the bar")
 
     def peeled(self, force: Floats, low: float, high: float) -> Floats:
         """Areas within bounds, m^2, that give these first steps, N, one after the other."""
@@ -180,7 +180,7 @@ def striker(
     for start in starts:
         tries.append(least_squares(
             residual, np.clip(start, *bounds), bounds=tuple(bounds), method="dogbox",
-            max_nfev=MOST_STEPS, ftol=1e-6, xtol=1e-8, gtol=1e-14))
+            diff_step=1e-5, max_nfev=MOST_STEPS, ftol=1e-4, xtol=1e-8, gtol=None))
         if tries[-1].cost < PERFECT**2:
             break
     system = shot.system(area * np.exp(min(tries, key=lambda tried: tried.cost).x))
@@ -188,4 +188,4 @@ def striker(
     mean, square = differences(force, reached, edges)
     share = np.diff(edges) / end / peak**2
     return PulseDesign(system, 0, force, reached, float(np.sqrt(share @ mean**2)),
-                       float(np.sqrt(max(0.0, share @ (square - mean**2)))))
+                       float(np.sqrt(np.maximum(0.0, share @ (square - mean**2)))))

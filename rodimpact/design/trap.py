@@ -105,7 +105,7 @@ def momentum_trap(
     found = behind(c * (released - float(breaks[pressed[0]])) / 2)
 
     times_now, _, reached = _waves(solve(found, until=end), last)
-    got = staircase(times_now, reached, end, "reached")
+    got = staircase(times_now, reached, end, "force of the wave back into the bar")
     wanted = staircase([*times[before], passed], [*returned[before], 0.0], end, "wanted")
     _, square = differences(wanted, got, np.array([0.0, end]))
     misfit = float(np.sqrt(square[0]) / np.abs(arriving).max())
