@@ -21,6 +21,8 @@ from ..results import notebook
 from ..storage.tables import align
 from ..units import format_si, shown
 
+INSTANT = 2.0**-40  # of a pulse: what is shorter is round-off of its times
+
 
 @dataclass(frozen=True)
 class PulseDesign:
@@ -72,7 +74,8 @@ class PulseDesign:
 def staircase(times: Any, values: Any, end: float, name: str) -> Signal:
     """Forces, N, that hold from each time, s, to the next, and to the end."""
     t, v = np.asarray(times, float), np.asarray(values, float)
-    t, v = t[t < end], v[t < end]
+    lasting = np.diff(np.minimum(np.append(t, end), end)) > INSTANT * end
+    t, v = t[lasting], v[lasting]
     both = np.column_stack([t, np.nextafter(np.append(t[1:], end), -np.inf)])
     return Signal(np.repeat(v, 2), both.ravel(), unit="N", name=name)
 
@@ -101,7 +104,7 @@ def differences(wanted: Signal, reached: Signal, edges: Floats) -> tuple[Floats,
     points = np.column_stack([middle - half / math.sqrt(3), middle + half / math.sqrt(3)])
     difference = (np.interp(points, reached.times, reached.values)
                   - np.interp(points, wanted.times, wanted.values))
-    place = np.searchsorted(edges, middle, "right") - 1
+    place = np.searchsorted(edges[1:-1], middle, "right")
     sums = [np.bincount(place, half * (difference**power).sum(axis=1), len(edges) - 1)
             for power in (1, 2)]
     first, second = (total / np.diff(edges) for total in sums)

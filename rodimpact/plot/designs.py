@@ -13,6 +13,7 @@ from ..design.pulses import PulseDesign
 from ..design.rebound import RestitutionDesign
 from ..model import Rod
 from ..model.arguments import of_kind
+from .curves import Curve
 from .families import sweep
 from .scales import engineering, place_scale, time_scale
 from .sides import side_of
@@ -89,7 +90,7 @@ def _silhouette(ax: Axes, rod: Rod) -> StepPatch:
     reach = 1.1 * float(radii.max()) * thickness.factor
     ax.set(xlim=(0, 1.02 * edges[-1] * place.factor), ylim=(-reach, reach), xlabel=place.label,
            ylabel=f"radius ({thickness.unit})")
-    ax.annotate("struck end", (edges[-1] * place.factor, 0.0), (-4, 0),
+    ax.annotate("striking end", (edges[-1] * place.factor, 0.0), (-4, 0),
                 textcoords="offset points", ha="right", va="center", fontsize=SMALL)
     dress(ax)
     return body
@@ -98,6 +99,7 @@ def _silhouette(ax: Axes, rod: Rod) -> StepPatch:
 def _restitution(found: RestitutionDesign, ax: Axes | None) -> Design:
     """Draw e along the family, the wanted one, and where the system lies."""
     curve = sweep(found.family, axes(ax, 5.6, 3.6))
+    assert isinstance(curve, Curve)
     side = side_of(found.family, 0)
     values = np.asarray(found.family.axes[0][1], dtype=float)
     x = float(np.interp(found.place, np.arange(values.size), values)) * side.scale.factor
@@ -107,5 +109,6 @@ def _restitution(found: RestitutionDesign, ax: Axes | None) -> Design:
     label = f"reached at {x:.4g} {side.scale.unit}".rstrip()
     (reached,) = curve.ax.plot(x, found.reached, color=colour, marker="o", markersize=7.0,
                                linestyle="", zorder=4, label=label)
-    legend_above(curve.ax, [*filter(None, [curve.theory]), wanted, reached], columns=3)
+    known = [each for each in (curve.theory, curve.values) if each is not None]
+    legend_above(curve.ax, [*known, wanted, reached], columns=4)
     return Design(curve.ax, wanted, reached, None)
