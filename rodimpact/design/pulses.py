@@ -82,13 +82,14 @@ def staircase(times: Any, values: Any, end: float, name: str) -> Signal:
 
 def force_over_time(name: str, given: object, end: float) -> Signal:
     """The argument as a force, N, until `end`, s; ValueError if it is none."""
-    if isinstance(given, Steps):
+    if isinstance(given, Steps) and not any(map(np.ndim, (*given.values, *given.at))):
         return staircase([0.0, *given.at], given.values, end, "wanted")
     if not isinstance(given, Signal):
         example = "Signal(values, dt=1e-6, unit='N') or Steps"
-        raise ValueError(f"{name}: must be force over time, {example}, got {shown(given)}")
+        raise ValueError(f"{name}: must be a force over time, {example}, got {shown(given)}")
     if given.unit != "N":
-        raise ValueError(f"{name}: must be in N, got {given.unit or 'pure numbers'}; multiply it")
+        got = f"one in {given.unit}" if given.unit else "one of pure numbers"
+        raise ValueError(f"{name}: must be a force in N, got {got}; Signal(..., unit='N') is one")
     outside = np.nextafter([given.start, given.end], [-np.inf, np.inf])
     times = np.unique(np.concatenate([[0.0, end], outside, given.times]))
     times = times[(times >= 0) & (times <= end)]

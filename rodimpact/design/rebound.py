@@ -10,7 +10,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from ..model import System
 from ..model.arguments import of_kind, single
@@ -119,6 +118,8 @@ def restitution(wanted: float, family: System) -> RestitutionDesign:
 
     def miss(place: float) -> float:
         return _restitution(member(place)) - e
+
+    from scipy.optimize import brentq, minimize_scalar
 
     off = known - e
     sides = np.flatnonzero(off[:-1] * off[1:] <= 0)

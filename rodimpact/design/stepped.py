@@ -13,7 +13,6 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from ..model import Absorbing, Bonded, Free, Material, Rigid, Rod, Segment, System
 from ..model.arguments import array, of_kind, positive, single
@@ -24,10 +23,12 @@ from ..model.quantities import Floats
 from ..records.signal import Signal
 from ..running.solving import solve
 from ..units import shown
-from .pulses import PulseDesign, differences, force_over_time, staircase
+from .pulses import INSTANT, PulseDesign, differences, force_over_time, staircase
 
 WIDEST = (math.exp(-4.0), math.exp(1.5))  # area ratios
 MOST_SEGMENTS = 100
+LONGEST = 20  # durations until when the pulse may be asked for
+LEAST = 1e-6  # parts of the speed, or of a wave, by which a start keeps off what has no area
 MOST_STEPS = 30  # of least squares from each start
 PERFECT = 1e-12  # misfit that is round-off
 
@@ -42,9 +43,9 @@ class _Shot(NamedTuple):
     contact: Rigid | Bonded
 
     @property
-    def impedance(self) -> float:
-        """Of the striker, for each m^2 of its area, kg/(m^2 s)."""
-        return float(self.material.density * self.material.wave_speed)
+    def area(self) -> float:
+        """Of the bar, m^2."""
+        return float(self.bar.segments[0].area)  # type: ignore[arg-type]
 
     def system(self, areas: Floats, behind: Free | Absorbing = FREE) -> System:
         """The shot; areas from the struck end on, in m^2."""
@@ -57,22 +58,28 @@ class _Shot(NamedTuple):
         times, force, _ = solve(system, until=until, method="fronts").contacts[0].breakpoints()
         return staircase(times, force, until, "force on the bar")
 
-    def peeled(self, force: Floats, low: float, high: float) -> Floats:
+    def matched(self, force: Floats) -> Floats:
+        """Areas, m^2, each of which alone would give its step of the force, N."""
+        bar = float(self.bar.segments[0].impedance)
+        velocity = np.clip(force / (bar * self.velocity), LEAST, 1 - LEAST)
+        per_area = self.material.density * self.material.wave_speed
+        return np.asarray(velocity / (1 - velocity) * bar / per_area)
+
+    def peeled(self, force: Floats, bounds: Floats) -> Floats:
         """Areas within bounds, m^2, that give these first steps, N, one after the other."""
         step = 2 * self.length / float(self.material.wave_speed)
-        speed = self.velocity - force[0] / float(self.bar.segments[0].impedance)
-        first = force[0] / (speed * self.impedance) if speed > 0 else high
-        areas = [min(max(first, low), high)]
+        areas = np.clip(self.matched(force[:1]), *bounds)
         bonded = self._replace(contact=Bonded())
         for k in range(1, len(force)):
             silent, free = (
-                bonded.force(bonded.system(np.array(areas), behind), (k + 1) * step).values[-1]
+                bonded.force(bonded.system(areas, behind), (k + 1) * step).values[-1]
                 for behind in (Absorbing(), FREE))
-            reflection = (force[k] - silent) / (free - silent)
-            reflection = min(max(reflection, -0.999), 0.999)
+            heard = free - silent
+            reflection = (force[k] - silent) / heard if heard else 0.0
+            reflection = min(max(reflection, LEAST - 1), 1 - LEAST)
             area = areas[-1] * (1 - reflection) / (1 + reflection)
-            areas.append(min(max(area, low), high))
-        return np.array(areas)
+            areas = np.append(areas, np.clip(area, *bounds))
+        return areas
 
 
 def striker(
@@ -131,61 +138,77 @@ def striker(
     >>> len(found.system.bodies[0].segments), round(100 * found.misfit, 1)
     (10, 12.8)
     """
+    from scipy.optimize import least_squares
+
+    shot, force, edges, ratios = _checked(
+        wanted, bar, velocity, duration, until, segments, area_ratio, material, contact)
+    end, widths = float(edges[-1]), np.diff(edges)
+    peak = float(np.abs(force.values).max())
+    share = np.sqrt(widths / edges[-1]) / peak
+
+    def residual(logarithms: Floats) -> Floats:
+        reached = shot.force(shot.system(shot.area * np.exp(logarithms)), end)
+        return share * differences(force, reached, edges)[0]
+
+    silence = Signal([0.0, 0.0], [0.0, end], unit="N")
+    means = differences(silence, force, edges)[0][:segments]
+    starts = (shot.peeled(means, shot.area * ratios), shot.matched(means))
+    bounds = np.log(ratios)
+    tries: list[Any] = []
+    for areas in starts:
+        start = np.clip(np.log(areas / shot.area), *bounds)
+        tries.append(least_squares(
+            residual, start, bounds=tuple(bounds), method="dogbox", diff_step=1e-5,
+            max_nfev=MOST_STEPS, ftol=1e-4, xtol=1e-8, gtol=None))
+        if tries[-1].cost < PERFECT**2:
+            break
+    best = min(tries, key=lambda tried: tried.cost)
+    system = shot.system(shot.area * np.exp(best.x))
+    reached = shot.force(system, end)
+    mean, square = differences(force, reached, edges)
+    inside = np.maximum(square - mean**2, 0.0)
+    misfit, within = (float(np.sqrt(np.sum(share**2 * part))) for part in (mean**2, inside))
+    return PulseDesign(system, 0, force, reached, misfit, within)
+
+
+def _checked(
+    wanted: Any, bar: Any, velocity: Any, duration: Any, until: Any, segments: Any,
+    area_ratio: Any, material: Any, contact: Any,
+) -> tuple[_Shot, Signal, Floats, Floats]:
+    """The shot, the wanted force, times of its steps, and bounds; the errors of `striker`."""
     of_kind("bar", bar, Rod, "Rod(2.0, area=1e-4, material=materials.steel)")
-    if len(bar.segments) != 1 or not bar.segments[0].ideal or System([bar]).shape:
+    piece = bar.segments[0]
+    steel = piece.material if material is None else material
+    of_kind("material", steel, Material, "materials.steel")
+    if len(bar.segments) != 1 or not piece.ideal or System([bar]).shape:
         raise ValueError(f"bar: must be a single uniform rod without damping, got {shown(bar)}")
     if bar.velocity != 0 or bar.strain != 0:
         raise ValueError("bar: must be at rest and free of strain before impact")
-    of_kind("material", material or bar.segments[0].material, Material, "materials.steel")
+    if np.any(steel.viscosity) or np.ndim(steel.wave_speed):
+        message = "must be a single material without viscosity"
+        raise ValueError(f"material: {message}, got {shown(steel.name)}")
     if not isinstance(contact, Rigid | Bonded):
         raise ValueError(f"contact: must be Rigid() or Bonded(), got {shown(contact)}")
-    V, T = (positive(name, single(name, value, unit), unit).item() for name, value, unit in
-            (("velocity", velocity, "m/s"), ("duration", duration, "s")))
-    end = 2 * T if until is None else positive("until", single("until", until, "s"), "s").item()
-    if isinstance(segments, bool) or segments not in range(1, MOST_SEGMENTS + 1):
+    V, T, end = (positive(name, single(name, value, unit), unit).item() for name, value, unit in (
+        ("velocity", velocity, "m/s"), ("duration", duration, "s"),
+        ("until", 2 * single("duration", duration, "s") if until is None else until, "s")))
+    if type(segments) is not int or not 1 <= segments <= MOST_SEGMENTS:
         message = f"must be a whole number from 1 to {MOST_SEGMENTS}"
         raise ValueError(f"segments: {message}, got {shown(segments)}")
+    if not T * (1 - INSTANT) <= end <= LONGEST * T:
+        message = f"must be from the duration, {T!r} s, to {LONGEST} times that"
+        raise ValueError(f"until: {message}, got {end!r}")
     ratios = positive("area_ratio", array("area_ratio", area_ratio, ""), "")
     if ratios.shape != (2,) or not ratios[0] < ratios[1]:
         raise ValueError(f"area_ratio: must be (smallest, largest), got {shown(area_ratio)}")
-    step = T / segments
-    if not end >= T * (1 - 1e-9):
-        raise ValueError(f"until: must not be below duration, {T!r} s, got {end!r}")
     force = force_over_time("wanted", wanted, end)
-    peak = float(np.abs(force.values).max())
-    if peak == 0:
-        raise ValueError("wanted: is 0 from impact to `until`; give the force over time since then")
-    if force.values.min() < 0 and isinstance(contact, Rigid):
-        message = f"pulls, {float(force.values.min())!r} N, and faces only push"
+    if not force.values.any():
+        message = "is 0 from impact on; give the force over the time since then"
+        raise ValueError(f"wanted: {message}")
+    lowest = float(force.values.min())
+    if lowest < 0 and isinstance(contact, Rigid):
+        message = f"pulls with {-lowest!r} N, and faces only push"
         raise ValueError(f"wanted: {message}; make it 0 there, or take contact=Bonded()")
-
-    steel = bar.segments[0].material if material is None else material
-    shot = _Shot(bar, steel, V, step / 2 * float(steel.wave_speed), contact)
-    impedance = float(bar.segments[0].impedance)
-    area = impedance / float(bar.segments[0].material.density * bar.segments[0].wave_speed)
-    edges = np.unique([*(step * np.arange(math.ceil(end / step - 1e-9))), end])
-    widths = np.sqrt(np.diff(edges) / end)
-
-    def residual(logarithm: Floats) -> Floats:
-        reached = shot.force(shot.system(area * np.exp(logarithm)), end)
-        return widths * differences(force, reached, edges)[0] / peak
-
-    bounds = np.log(ratios)
-    zero = Signal([0.0, 0.0], [0.0, end], unit="N")
-    means = differences(zero, force, edges)[0][:segments]
-    starts = [np.log(shot.peeled(means, *(area * ratios)) / area)]
-    alone = np.clip(means / (V * impedance), 1e-9, 0.99)
-    starts.append(np.log(alone / (1 - alone) * impedance / area / shot.impedance))
-    tries: list[Any] = []
-    for start in starts:
-        tries.append(least_squares(
-            residual, np.clip(start, *bounds), bounds=tuple(bounds), method="dogbox",
-            diff_step=1e-5, max_nfev=MOST_STEPS, ftol=1e-4, xtol=1e-8, gtol=None))
-        if tries[-1].cost < PERFECT**2:
-            break
-    system = shot.system(area * np.exp(min(tries, key=lambda tried: tried.cost).x))
-    reached = shot.force(system, end)
-    mean, square = differences(force, reached, edges)
-    share = np.diff(edges) / end / peak**2
-    return PulseDesign(system, 0, force, reached, float(np.sqrt(share @ mean**2)),
-                       float(np.sqrt(np.maximum(0.0, share @ (square - mean**2)))))
+    step = T / segments
+    edges = np.append(step * np.arange(math.ceil(end / step * (1 - INSTANT))), end)
+    return _Shot(bar, steel, V, step / 2 * float(steel.wave_speed), contact), force, edges, ratios

@@ -21,7 +21,8 @@ from ..results.solution import Solution
 from ..running.solving import solve
 from .pulses import PulseDesign, differences, staircase
 
-SILENT = 1e-9  # of the largest force: no more than round-off
+FAINTEST = 1e-3  # of the largest force: a trap need not be longer for less
+ROUND_OFF = 1e-9  # of times and displacements
 
 
 def momentum_trap(
@@ -80,10 +81,10 @@ def momentum_trap(
 
     alone, last = solve(system, until=end), len(system.bodies) - 1
     times, arriving, returned = _waves(alone, last)
-    before = times < passed * (1 - SILENT)
+    before = times < passed * (1 - ROUND_OFF)
     place = alone.displacement(last, float(bar.length), [0.0, *times[before], passed])
     gap, furthest = float(place[-1] - place[0]), float(place.max() - place[0])
-    if furthest > gap + SILENT * float(np.ptp(place)):
+    if furthest > gap + ROUND_OFF * float(np.ptp(place)):
         message = f"the right end is at {gap:.6g} m at {passed!r} s, and was at {furthest:.6g} m"
         raise ValueError(f"after: {message} before; take the time at which it is furthest")
 
@@ -97,7 +98,7 @@ def momentum_trap(
 
     c = float(steel.wave_speed)
     breaks, force, _ = solve(behind(c * end), until=end).contacts[-1].breakpoints()
-    pressed = np.flatnonzero((force > SILENT * force.max()) & (breaks < end))
+    pressed = np.flatnonzero((force > FAINTEST * force.max()) & (breaks < end))
     if not pressed.size:
         message = f"nothing pushes on the right end from {passed!r} to {end!r} s"
         raise ValueError(f"until: {message}; take a later time")
