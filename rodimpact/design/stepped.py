@@ -63,7 +63,7 @@ class _Shot(NamedTuple):
         bar = float(self.bar.segments[0].impedance)
         velocity = np.clip(force / (bar * self.velocity), LEAST, 1 - LEAST)
         per_area = self.material.density * self.material.wave_speed
-        return np.asarray(velocity / (1 - velocity) * bar / per_area)
+        return velocity / (1 - velocity) * bar / per_area
 
     def peeled(self, force: Floats, bounds: Floats) -> Floats:
         """Areas within bounds, m^2, that give these first steps, N, one after the other."""
@@ -148,7 +148,7 @@ def striker(
 
     def residual(logarithms: Floats) -> Floats:
         reached = shot.force(shot.system(shot.area * np.exp(logarithms)), end)
-        return share * differences(force, reached, edges)[0]
+        return np.asarray(share * differences(force, reached, edges)[0])
 
     silence = Signal([0.0, 0.0], [0.0, end], unit="N")
     means = differences(silence, force, edges)[0][:segments]
