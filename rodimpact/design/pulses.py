@@ -37,8 +37,8 @@ class PulseDesign:
     wanted, reached : Signal
         Force over time, N, positive in compression; `reached` is exact for the system.
     misfit : float
-        Root of the mean square of their difference over `wanted`'s time, over the peak; of a
-        striker that of the means over each of its steps.
+        Root of the mean square of their difference, over the peak: for a striker of the means over
+        each of its steps, for a trap at every time from which on nothing is wanted.
     staircase : float
         The same of what the difference varies within steps: a striker of such steps leaves it
         whatever its areas. 0 without steps. The squares of both add up to that at every time.

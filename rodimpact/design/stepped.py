@@ -116,6 +116,7 @@ def striker(
     Returns
     -------
     PulseDesign
+        Its striker is body 0, the last of whose segments strikes the bar.
 
     Raises
     ------

@@ -45,7 +45,7 @@ def momentum_trap(
     -------
     PulseDesign
         `wanted` and `reached` are the wave that runs back from the right end into the bar, N, which
-        is to be 0 from `after` on; `misfit` is relative to the largest force that arrives.
+        is to be 0 from `after` on; `misfit` is what it is then, over the largest that arrives.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def momentum_trap(
     times_now, _, reached = _waves(solve(found, until=end), last)
     got = staircase(times_now, reached, end, "force of the wave back into the bar")
     wanted = staircase([*times[before], passed], [*returned[before], 0.0], end, "wanted")
-    _, square = differences(wanted, got, np.array([0.0, end]))
+    _, square = differences(wanted, got, np.array([passed, end]))
     misfit = float(np.sqrt(square[0]) / np.abs(arriving).max())
     return PulseDesign(found, last + 1, wanted, got, misfit, 0.0)
 

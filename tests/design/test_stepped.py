@@ -68,7 +68,7 @@ def test_a_hidden_striker_of_another_material_is_found():
     assert found.system.bodies[0].transit_time == pytest.approx(T / 2)
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("shape", few_of(SHAPES, {"trapezoid"}))
 def test_shapes_are_met_to_what_ten_steps_can(shape):
     wanted, percent = SHAPES[shape]
     found = ri.design.striker(wanted, BAR, velocity=SPEED, duration=T)
