@@ -98,7 +98,8 @@ def momentum_trap(
 
     c = float(steel.wave_speed)
     breaks, force, _ = solve(behind(c * end), until=end).contacts[-1].breakpoints()
-    pressed = np.flatnonzero((force > FAINTEST * force.max()) & (breaks < end))
+    due = (breaks >= passed * (1 - ROUND_OFF)) & (breaks < end)
+    pressed = np.flatnonzero(due & (force > FAINTEST * force.max()))
     if not pressed.size:
         message = f"nothing pushes on the right end from {passed!r} to {end!r} s"
         raise ValueError(f"until: {message}; take a later time")

@@ -44,15 +44,17 @@ def test_without_a_gap_the_first_pulse_leaves():
     assert sum(outcome.vibration_after) == pytest.approx(0, abs=1e-12)
 
 
-def test_a_smooth_pulse_is_trapped_too():
+@pytest.mark.parametrize(("power", "mean"), [(1, 2 / np.pi), (2, 1 / 2)])
+def test_a_smooth_pulse_is_trapped_too(power, mean):
     T, force = 40e-6, 2e4
     bar, push = rod(), ri.Pushed(
-        lambda t: force * np.where(t < T, np.sin(np.pi * t / T) ** 2, 0.0), duration=2 * T)
+        lambda t: force * np.where(t < T, np.sin(np.pi * t / T) ** power, 0.0), duration=2 * T)
     found = ri.design.momentum_trap(
         ri.System([bar], ends=(push, ri.Free())), after=1 / C + T, until=3 / C + T)
-    assert found.system.gaps[0] == pytest.approx(T * force / bar.segments[0].impedance, rel=1e-4)
-    assert float(found.system.bodies[1].length) == pytest.approx(C * T / 2, rel=0.1)
-    assert found.misfit < 5e-3
+    moved = 2 * mean * T * force / bar.segments[0].impedance
+    assert found.system.gaps[0] == pytest.approx(moved, rel=1e-3)
+    assert float(found.system.bodies[1].length) == pytest.approx(C * T / 2, rel=0.05)
+    assert found.misfit < 2.5e-3
 
 
 @pytest.mark.parametrize(("row", "times", "sentence"), [
