@@ -33,8 +33,9 @@ class Design(NamedTuple):
 def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> Design:
     """Draw what was wanted of a design and what its system reaches.
 
-    Of a pulse, forces over time; in a new figure the silhouette of a stepped body, its diameters if
-    it is round, lies above them. Of a restitution, e along the family with the place of the system.
+    Of a pulse, forces over time, and how far they are apart: the root of the mean square over the
+    peak; in a new figure the silhouette of a stepped body, as it is if round, lies above them. Of a
+    restitution, e along the family with the place of the system.
 
     Parameters
     ----------
@@ -53,7 +54,7 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> De
     rod, outline = found.system.bodies[found.body], None
     assert isinstance(rod, Rod)
     if ax is None and len(rod.segments) > 1:
-        above, ax = new_figure(5.6, 4.6).subplots(2, 1, height_ratios=[1, 3]).tolist()
+        above, ax = new_figure(5.6, 4.6).subplots(2, 1, height_ratios=[1, 2.5]).tolist()
         outline = _silhouette(above, rod)
     ax = axes(ax, 5.6, 3.4)
     end, largest = found.wanted.end, max(
@@ -67,7 +68,7 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> De
     wanted = line(found.wanted, color=colours().series[1], alpha=0.6, linewidth=3.5,
                   label="wanted")
     percent = 100 * np.hypot(found.misfit, found.staircase)
-    label = f"reached, {percent:.2g} % of the peak apart" if percent >= 0.01 else "reached"
+    label = f"reached, {percent:.2g} % off" if percent >= 0.01 else "reached"
     reached = line(found.reached, color=colours().ink, linewidth=1.2, label=label)
     ax.axhline(0.0, color=colours().faint, linewidth=0.6, zorder=0)
     ax.set(xlim=(0, end * time.factor), xlabel=time.label, ylabel=force.label)
@@ -89,7 +90,7 @@ def _silhouette(ax: Axes, rod: Rod) -> StepPatch:
                      edgecolor=colours().ink, linewidth=0.8)
     reach = 1.1 * float(radii.max()) * thickness.factor
     ax.set(xlim=(0, 1.02 * edges[-1] * place.factor), ylim=(-reach, reach), xlabel=place.label,
-           ylabel=f"radius ({thickness.unit})")
+           ylabel=f"from axis\n({thickness.unit})")
     ax.annotate("striking end", (edges[-1] * place.factor, 0.0), (-4, 0),
                 textcoords="offset points", ha="right", va="center", fontsize=SMALL)
     dress(ax)
