@@ -26,7 +26,7 @@ from ..units import shown
 from .pulses import INSTANT, PulseDesign, differences, force_over_time, staircase
 
 WIDEST = (math.exp(-4.0), math.exp(1.5))  # area ratios
-MOST_SEGMENTS = 100
+MOST_SEGMENTS = 50
 LONGEST = 20  # durations until when the pulse may be asked for
 LEAST = 1e-6  # parts of the speed, or of a wave, by which a start keeps off what has no area
 MOST_STEPS = 30  # of least squares from each start
@@ -104,7 +104,7 @@ def striker(
         Time over which the pulse is to be as wanted, s; by default twice the duration, so that
         ringing counts.
     segments : int
-        Of the striker, from 1 to 100.
+        Of the striker, from 1 to 50; ten take about a second, forty ten.
     area_ratio : (float, float)
         Smallest and largest area of a segment over that of the bar.
     material : Material, optional

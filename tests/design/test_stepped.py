@@ -113,7 +113,7 @@ GOOD = {"wanted": SHAPES["ramp"][0], "bar": BAR, "velocity": SPEED, "duration": 
     ({"velocity": -1.0}, "velocity = -1.0: must be positive"),
     ({"duration": [T, T]}, "duration: must be a single number"),
     ({"until": T / 2}, "until: must be from the duration, 0.0001 s, to 20 times that, got 5e-05"),
-    ({"segments": 0}, "segments: must be a whole number from 1 to 100, got 0"),
+    ({"segments": 0}, "segments: must be a whole number from 1 to 50, got 0"),
     ({"area_ratio": 0.5}, "area_ratio: must be (smallest, largest), got 0.5"),
     ({"contact": ri.Spring(1e8)}, "contact: must be Rigid() or Bonded()"),
 ])
