@@ -17,6 +17,7 @@ TYPE_CHECKING = False  # without `typing`, which takes longer than all else befo
 if TYPE_CHECKING:  # names under their own names, so that type checkers take them as public
     from typing import Any
 
+    from . import design as design
     from . import materials as materials
     from . import plot as plot
     from . import rigid as rigid
@@ -118,7 +119,7 @@ _HOME = {
     "running.warming": ("warm",),
     "storage.casefile": ("Case", "parse_case", "read_case", "write_case"),
 }
-_MODULES = ("materials", "plot", "rigid", "theory", "units", "waves")
+_MODULES = ("design", "materials", "plot", "rigid", "theory", "units", "waves")
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
 
 __all__ = [*sorted(_WHERE), *_MODULES]

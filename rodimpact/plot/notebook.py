@@ -8,11 +8,13 @@ import io
 
 from matplotlib.figure import Figure
 
+from ..design import PulseDesign, RestitutionDesign
 from ..results.solution import Solution
 from ..running.sweep_report import sweep_table
 from ..running.sweep_result import SweepResult
 from ..storage.report import solution_table
 from ..storage.tables import as_html
+from .designs import design
 from .families import sweep
 from .page import headline, overview
 from .quantities import parameter
@@ -21,8 +23,12 @@ DOTS_PER_INCH = 90
 MORE = "to_csv writes all, save keeps them"
 
 
-def html_of(result: Solution | SweepResult) -> str:
+def html_of(result: Solution | SweepResult | PulseDesign | RestitutionDesign) -> str:
     """Picture and table of a result."""
+    if isinstance(result, PulseDesign | RestitutionDesign):
+        figure = design(result).ax.figure
+        assert isinstance(figure, Figure)
+        return _image(figure, "wanted and reached") + as_html(str(result))
     return _solution(result) if isinstance(result, Solution) else _sweep(result)
 
 

@@ -41,9 +41,9 @@ READ_BACK = {"from_dict", "restored"}  # they take what files hold, which is che
 
 def of_modules():
     """Functions of the public modules, by name."""
-    for module in (ri.rigid, ri.theory, ri.waves, ri.plot):
+    for module in (ri.rigid, ri.theory, ri.waves, ri.design, ri.plot):
         for name, function in inspect.getmembers(module, inspect.isfunction):
-            own = function.__module__ == module.__name__ or module is ri.plot
+            own = function.__module__ == module.__name__ or module in (ri.design, ri.plot)
             if name[0] != "_" and own:
                 yield f"{module.__name__}.{name}", function
     yield from {"units.parse": ri.units.parse, "units.format_si": ri.units.format_si}.items()

@@ -1,0 +1,112 @@
+"""A pulse that was wanted and the one that a design reaches, and how far they are apart.
+
+A pulse is a `Signal`: straight between samples. One of jumps has two samples at each, as near to
+each other as floats are. Every integral here is exact: that of a cubic, by Gauss's two points in
+each stretch without a kink.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..model import Rod, System
+from ..model.profiles import Steps
+from ..model.quantities import Floats
+from ..records.signal import Signal
+from ..results import notebook
+from ..storage.tables import align
+from ..units import format_si, shown
+
+INSTANT = 2.0**-40  # of a pulse: what is shorter is round-off of its times
+
+
+@dataclass(frozen=True)
+class PulseDesign:
+    """A body that was designed for a pulse.
+
+    Attributes
+    ----------
+    system : System
+        The row with it.
+    body : int
+        Which of the row it is.
+    wanted, reached : Signal
+        Force over time, N, positive in compression; `reached` is exact for the system.
+    misfit : float
+        Root of the mean square of their difference, over the peak: for a striker of the means over
+        each of its steps, for a trap at every time from which on nothing is wanted.
+    staircase : float
+        The same of what the difference varies within steps: a striker of such steps leaves it
+        whatever its areas. 0 without steps. The squares of both add up to that at every time.
+    """
+
+    system: System
+    body: int
+    wanted: Signal
+    reached: Signal
+    misfit: float
+    staircase: float
+
+    def __str__(self) -> str:
+        rod = self.system.bodies[self.body]
+        assert isinstance(rod, Rod)
+        rows = [["segment", "length", "area", "diameter if round"]]
+        for i, piece in enumerate(rod.segments):
+            assert isinstance(piece.area, float)
+            diameter = math.sqrt(4 * piece.area / math.pi)
+            rows.append([str(i), format_si(float(piece.length), "m"),
+                         format_si(piece.area, "m^2"), format_si(diameter, "m")])
+        facts = [["gap before it", format_si(float(self.system.gaps[self.body - 1]), "m")]
+                 ] if self.body else []
+        facts.append(["misfit, of the peak", f"{100 * self.misfit:.3g} %"])
+        if self.staircase:
+            facts.append(["within steps, of the peak", f"{100 * self.staircase:.3g} %"])
+        return "\n\n".join([align(rows), align(facts)])
+
+    def _repr_html_(self) -> str:
+        return notebook.html(self)
+
+
+def staircase(times: Any, values: Any, end: float, name: str) -> Signal:
+    """Forces, N, that hold from each time, s, to the next, and to the end."""
+    t, v = np.asarray(times, float), np.asarray(values, float)
+    lasting = np.diff(np.minimum(np.append(t, end), end)) > INSTANT * end
+    t, v = t[lasting], v[lasting]
+    both = np.column_stack([t, np.nextafter(np.append(t[1:], end), -np.inf)])
+    return Signal(np.repeat(v, 2), both.ravel(), unit="N", name=name)
+
+
+def force_over_time(name: str, given: object, end: float) -> Signal:
+    """The argument as a force, N, until `end`, s; ValueError if it is none."""
+    if isinstance(given, Steps) and not any(map(np.ndim, (*given.values, *given.at))):
+        return staircase([0.0, *given.at], given.values, end, "wanted")
+    if not isinstance(given, Signal):
+        example = "Signal(values, dt=1e-6, unit='N') or Steps"
+        raise ValueError(f"{name}: must be a force over time, {example}, got {shown(given)}")
+    if given.unit != "N":
+        got = f"one in {given.unit}" if given.unit else "one of pure numbers"
+        raise ValueError(f"{name}: must be a force in N, got {got}; Signal(..., unit='N') is one")
+    outside = np.nextafter([given.start, given.end], [-np.inf, np.inf])
+    times = np.unique(np.concatenate([[0.0, end], outside, given.times]))
+    times = times[(times >= 0) & (times <= end)]
+    values = np.interp(times, given.times, given.values, left=0.0, right=0.0)
+    return Signal(values, times, unit="N", name="wanted")
+
+
+def differences(wanted: Signal, reached: Signal, edges: Floats) -> tuple[Floats, Floats]:
+    """Mean difference reached - wanted between edges, s, and mean of its square there."""
+    kinks = np.concatenate([edges, wanted.times, reached.times])
+    kinks = np.unique(kinks[(kinks >= edges[0]) & (kinks <= edges[-1])])
+    middle, half = (kinks[1:] + kinks[:-1]) / 2, np.diff(kinks) / 2
+    points = np.column_stack([middle - half / math.sqrt(3), middle + half / math.sqrt(3)])
+    difference = (np.interp(points, reached.times, reached.values)
+                  - np.interp(points, wanted.times, wanted.values))
+    place = np.searchsorted(edges[1:-1], middle, "right")
+    sums = [np.bincount(place, half * (difference**power).sum(axis=1), len(edges) - 1)
+            for power in (1, 2)]
+    first, second = (total / np.diff(edges) for total in sums)
+    return first, second

@@ -1,0 +1,215 @@
+"""A stepped striker whose first pulse follows a wanted shape.
+
+The struck bar hears of a segment one round trip after the segment before it, so step k of the pulse
+decides segment k when those before are known (layer peeling): the force is a straight line in the
+reflection from there, and two solutions, with nothing and with a free end behind what is known,
+give that line. Steps that no area gives, and the ringing afterwards, are left to least squares.
+All waves are those of `rodimpact.solve`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..model import Absorbing, Bonded, Free, Material, Rigid, Rod, Segment, System
+from ..model.arguments import array, of_kind, positive, single
+from ..model.ends import FREE
+from ..model.laws import RIGID
+from ..model.profiles import Steps
+from ..model.quantities import Floats
+from ..records.signal import Signal
+from ..running.solving import solve
+from ..units import shown
+from .pulses import INSTANT, PulseDesign, differences, force_over_time, staircase
+
+WIDEST = (math.exp(-4.0), math.exp(1.5))  # area ratios
+MOST_SEGMENTS = 50
+LONGEST = 20  # durations until when the pulse may be asked for
+LEAST = 1e-6  # parts of the speed, or of a wave, by which a start keeps off what has no area
+MOST_STEPS = 30  # of least squares from each start
+PERFECT = 1e-12  # misfit that is round-off
+
+
+class _Shot(NamedTuple):
+    """What is not varied: bar, material and speed of the striker, length of a segment, contact."""
+
+    bar: Rod
+    material: Material
+    velocity: float
+    length: float
+    contact: Rigid | Bonded
+
+    @property
+    def area(self) -> float:
+        """Of the bar, m^2."""
+        return float(self.bar.segments[0].area)  # type: ignore[arg-type]
+
+    def system(self, areas: Floats, behind: Free | Absorbing = FREE) -> System:
+        """The shot; areas from the struck end on, in m^2."""
+        segments = [Segment(self.length, float(area), self.material) for area in areas[::-1]]
+        row = [Rod(segments=segments, velocity=self.velocity), self.bar]
+        return System(row, contacts=[self.contact], ends=(behind, Absorbing()))
+
+    def force(self, system: System, until: float) -> Signal:
+        """Force on the bar, N."""
+        times, force, _ = solve(system, until=until, method="fronts").contacts[0].breakpoints()
+        return staircase(times, force, until, "force on the bar")
+
+    def matched(self, force: Floats) -> Floats:
+        """Areas, m^2, each of which alone would give its step of the force, N."""
+        bar = float(self.bar.segments[0].impedance)
+        velocity = np.clip(force / (bar * self.velocity), LEAST, 1 - LEAST)
+        per_area = self.material.density * self.material.wave_speed
+        return velocity / (1 - velocity) * bar / per_area
+
+    def peeled(self, force: Floats, bounds: Floats) -> Floats:
+        """Areas within bounds, m^2, that give these first steps, N, one after the other."""
+        step = 2 * self.length / float(self.material.wave_speed)
+        areas = np.clip(self.matched(force[:1]), *bounds)
+        bonded = self._replace(contact=Bonded())
+        for k in range(1, len(force)):
+            silent, free = (
+                bonded.force(bonded.system(areas, behind), (k + 1) * step).values[-1]
+                for behind in (Absorbing(), FREE))
+            heard = free - silent
+            reflection = (force[k] - silent) / heard if heard else 0.0
+            reflection = min(max(reflection, LEAST - 1), 1 - LEAST)
+            area = areas[-1] * (1 - reflection) / (1 + reflection)
+            areas = np.append(areas, np.clip(area, *bounds))
+        return areas
+
+
+def striker(
+    wanted: Signal | Steps, bar: Rod, *, velocity: float, duration: float,
+    until: float | None = None, segments: int = 10, area_ratio: tuple[float, float] = WIDEST,
+    material: Material | None = None, contact: Rigid | Bonded = RIGID,
+) -> PulseDesign:
+    """Find a stepped striker that sends a pulse of a wanted shape into a bar.
+
+    Parameters
+    ----------
+    wanted : Signal or Steps
+        Force on the struck end of the bar over the time since impact, N, positive in compression;
+        a signal is 0 outside of its record.
+    bar : Rod
+        Uniform, at rest; it is taken to go on for ever.
+    velocity : float
+        Of the striker, m/s.
+    duration : float
+        Of the pulse, s: two transits of the striker, whose segments all have the same.
+    until : float, optional
+        Time over which the pulse is to be as wanted, s; by default twice the duration, so that
+        ringing counts.
+    segments : int
+        Of the striker, from 1 to 50; ten take about a second, forty ten.
+    area_ratio : (float, float)
+        Smallest and largest area of a segment over that of the bar.
+    material : Material, optional
+        Of the striker; by default that of the bar.
+    contact : Rigid or Bonded
+        By default the faces only push, so that a force that would pull is 0; the exact inverse of
+        a pulse that pulls is found for faces that are `Bonded`.
+
+    Returns
+    -------
+    PulseDesign
+        Its striker is body 0, the last of whose segments strikes the bar.
+
+    Raises
+    ------
+    InvalidModel or ValueError
+        If an argument is not what it should be, or the wanted force pulls at a contact that cannot.
+
+    Notes
+    -----
+    Areas of `n` steps follow from the first `n` steps of a pulse that a striker can make, to
+    round-off times how much the outer segments hide those behind them: steep steps reflect nearly
+    all, and what is behind them is hardly heard.
+
+    Examples
+    --------
+    >>> import numpy as np, rodimpact as ri
+    >>> bar = ri.Rod(2.0, area=3e-4, material=ri.materials.steel)
+    >>> peak = 0.4 * bar.segments[0].impedance * 10.0
+    >>> ramp = ri.Signal([0.0, peak], [0.0, 100e-6], unit="N")
+    >>> found = ri.design.striker(ramp, bar, velocity=10.0, duration=100e-6)
+    >>> len(found.system.bodies[0].segments), round(100 * found.misfit, 1)
+    (10, 12.8)
+    """
+    from scipy.optimize import least_squares
+
+    shot, force, edges, ratios = _checked(
+        wanted, bar, velocity, duration, until, segments, area_ratio, material, contact)
+    end, widths = float(edges[-1]), np.diff(edges)
+    peak = float(np.abs(force.values).max())
+    share = np.sqrt(widths / edges[-1]) / peak
+
+    def residual(logarithms: Floats) -> Floats:
+        reached = shot.force(shot.system(shot.area * np.exp(logarithms)), end)
+        return np.asarray(share * differences(force, reached, edges)[0])
+
+    silence = Signal([0.0, 0.0], [0.0, end], unit="N")
+    means = differences(silence, force, edges)[0][:segments]
+    starts = (shot.peeled(means, shot.area * ratios), shot.matched(means))
+    bounds = np.log(ratios)
+    tries: list[Any] = []
+    for areas in starts:
+        start = np.clip(np.log(areas / shot.area), *bounds)
+        tries.append(least_squares(
+            residual, start, bounds=tuple(bounds), method="dogbox", diff_step=1e-5,
+            max_nfev=MOST_STEPS, ftol=1e-4, xtol=1e-8, gtol=None))
+        if tries[-1].cost < PERFECT**2:
+            break
+    best = min(tries, key=lambda tried: tried.cost)
+    system = shot.system(shot.area * np.exp(best.x))
+    reached = shot.force(system, end)
+    mean, square = differences(force, reached, edges)
+    inside = np.maximum(square - mean**2, 0.0)
+    misfit, within = (float(np.sqrt(np.sum(share**2 * part))) for part in (mean**2, inside))
+    return PulseDesign(system, 0, force, reached, misfit, within)
+
+
+def _checked(
+    wanted: Any, bar: Any, velocity: Any, duration: Any, until: Any, segments: Any,
+    area_ratio: Any, material: Any, contact: Any,
+) -> tuple[_Shot, Signal, Floats, Floats]:
+    """The shot, the wanted force, times of its steps, and bounds; the errors of `striker`."""
+    of_kind("bar", bar, Rod, "Rod(2.0, area=1e-4, material=materials.steel)")
+    piece = bar.segments[0]
+    steel = piece.material if material is None else material
+    of_kind("material", steel, Material, "materials.steel")
+    if len(bar.segments) != 1 or not piece.ideal or System([bar]).shape:
+        raise ValueError(f"bar: must be a single uniform rod without damping, got {shown(bar)}")
+    if bar.velocity != 0 or bar.strain != 0:
+        raise ValueError("bar: must be at rest and free of strain before impact")
+    if np.any(steel.viscosity) or np.ndim(steel.wave_speed):
+        message = "must be a single material without viscosity"
+        raise ValueError(f"material: {message}, got {shown(steel.name)}")
+    if not isinstance(contact, Rigid | Bonded):
+        raise ValueError(f"contact: must be Rigid() or Bonded(), got {shown(contact)}")
+    V, T, end = (positive(name, single(name, value, unit), unit).item() for name, value, unit in (
+        ("velocity", velocity, "m/s"), ("duration", duration, "s"),
+        ("until", 2 * single("duration", duration, "s") if until is None else until, "s")))
+    if type(segments) is not int or not 1 <= segments <= MOST_SEGMENTS:
+        message = f"must be a whole number from 1 to {MOST_SEGMENTS}"
+        raise ValueError(f"segments: {message}, got {shown(segments)}")
+    if not T * (1 - INSTANT) <= end <= LONGEST * T:
+        message = f"must be from the duration, {T!r} s, to {LONGEST} times that"
+        raise ValueError(f"until: {message}, got {end!r}")
+    ratios = positive("area_ratio", array("area_ratio", area_ratio, ""), "")
+    if ratios.shape != (2,) or not ratios[0] < ratios[1]:
+        raise ValueError(f"area_ratio: must be (smallest, largest), got {shown(area_ratio)}")
+    force = force_over_time("wanted", wanted, end)
+    if not force.values.any():
+        message = "is 0 from impact on; give the force over the time since then"
+        raise ValueError(f"wanted: {message}")
+    lowest = float(force.values.min())
+    if lowest < 0 and isinstance(contact, Rigid):
+        message = f"pulls with {-lowest!r} N, and faces only push"
+        raise ValueError(f"wanted: {message}; make it 0 there, or take contact=Bonded()")
+    step = T / segments
+    edges = np.append(step * np.arange(math.ceil(end / step * (1 - INSTANT))), end)
+    return _Shot(bar, steel, V, step / 2 * float(steel.wave_speed), contact), force, edges, ratios

@@ -1,0 +1,115 @@
+"""What a design was to reach and what it reaches: pulses over time, or e over what was varied."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import StepPatch
+
+from ..design.pulses import PulseDesign
+from ..design.rebound import RestitutionDesign
+from ..model import Rod
+from ..model.arguments import of_kind
+from .curves import Curve
+from .families import sweep
+from .scales import engineering, place_scale, time_scale
+from .sides import side_of
+from .style import SMALL, axes, colours, dress, legend_above, new_figure, styled
+
+
+class Design(NamedTuple):
+    """Artists of a design; `outline` is the silhouette of a stepped body, if it is drawn."""
+
+    ax: Axes
+    wanted: Line2D
+    reached: Line2D
+    outline: StepPatch | None
+
+
+@styled
+def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> Design:
+    """Draw what was wanted of a design and what its system reaches.
+
+    Of a pulse, forces over time, and how far they are apart: the root of the mean square over the
+    peak; in a new figure the silhouette of a stepped body, as it is if round, lies above them. Of a
+    restitution, e along the family with the place of the system.
+
+    Parameters
+    ----------
+    found : PulseDesign or RestitutionDesign
+        From `rodimpact.design`.
+    ax : Axes, optional
+        By default the Axes of a new figure.
+
+    Returns
+    -------
+    Design
+    """
+    if isinstance(found, RestitutionDesign):
+        return _restitution(found, ax)
+    of_kind("found", found, PulseDesign, "design.striker(...)")
+    rod, outline = found.system.bodies[found.body], None
+    assert isinstance(rod, Rod)
+    if ax is None and len(rod.segments) > 1:
+        above, ax = new_figure(5.6, 4.6).subplots(2, 1, height_ratios=[1, 2.5]).tolist()
+        outline = _silhouette(above, rod)
+    ax = axes(ax, 5.6, 3.4)
+    end, largest = found.wanted.end, max(
+        float(np.abs(each.values).max()) for each in (found.wanted, found.reached))
+    time, force = time_scale(end), engineering(found.reached.name, largest, "N")
+
+    def line(signal: Any, **how: Any) -> Line2D:
+        (drawn,) = ax.plot(signal.times * time.factor, signal.values * force.factor, **how)
+        return drawn
+
+    wanted = line(found.wanted, color=colours().series[1], alpha=0.6, linewidth=3.5,
+                  label="wanted")
+    percent = 100 * np.hypot(found.misfit, found.staircase)
+    label = f"reached, {percent:.2g} % off" if percent >= 0.01 else "reached"
+    reached = line(found.reached, color=colours().ink, linewidth=1.2, label=label)
+    ax.axhline(0.0, color=colours().faint, linewidth=0.6, zorder=0)
+    ax.set(xlim=(0, end * time.factor), xlabel=time.label, ylabel=force.label)
+    legend_above(ax, [wanted, reached])
+    dress(ax)
+    return Design(ax, wanted, reached, outline)
+
+
+def _silhouette(ax: Axes, rod: Rod) -> StepPatch:
+    """Draw a rod as it looks if it is round, its parts to one scale."""
+    edges = np.concatenate([[0.0], np.cumsum([float(piece.length) for piece in rod.segments])])
+    impedances = [float(piece.impedance / piece.material.density / piece.wave_speed)
+                  for piece in rod.segments]
+    radii = np.sqrt(np.array(impedances) / np.pi)
+    place = place_scale(float(edges[-1]))
+    thickness = engineering("diameter", 2 * float(radii.max()), "m")
+    body = ax.stairs(radii * thickness.factor, edges * place.factor, fill=True,
+                     baseline=-radii * thickness.factor, facecolor=colours().wall,
+                     edgecolor=colours().ink, linewidth=0.8)
+    reach = 1.1 * float(radii.max()) * thickness.factor
+    ax.set(xlim=(0, 1.02 * edges[-1] * place.factor), ylim=(-reach, reach), xlabel=place.label,
+           ylabel=f"from axis\n({thickness.unit})")
+    ax.annotate("striking end", (edges[-1] * place.factor, 0.0), (-4, 0),
+                textcoords="offset points", ha="right", va="center", fontsize=SMALL)
+    dress(ax)
+    return body
+
+
+def _restitution(found: RestitutionDesign, ax: Axes | None) -> Design:
+    """Draw e along the family, the wanted one, and where the system lies."""
+    curve = sweep(found.family, axes(ax, 5.6, 3.6))
+    assert isinstance(curve, Curve)
+    side = side_of(found.family, 0)
+    values = np.asarray(found.family.axes[0][1], dtype=float)
+    x = float(np.interp(found.place, np.arange(values.size), values)) * side.scale.factor
+    colour = colours().series[3]
+    wanted = curve.ax.axhline(found.wanted, color=colour, linestyle="--", linewidth=1.2,
+                              label=f"wanted e = {found.wanted:.4g}")
+    label = f"reached at {x:.4g} {side.scale.unit}".rstrip()
+    (reached,) = curve.ax.plot(x, found.reached, color=colour, marker="o", markersize=7.0,
+                               linestyle="", zorder=4, label=label)
+    known = [each for each in (curve.theory, curve.values) if each is not None]
+    legend_above(curve.ax, [*known, wanted, reached], columns=4)
+    return Design(curve.ax, wanted, reached, None)
