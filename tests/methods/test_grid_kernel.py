@@ -21,7 +21,7 @@ from rodimpact.methods.grid.method import _mesh_size
 from rodimpact.methods.row import Row
 
 seeds = st.integers(0, 10**6)
-PARTS = ("grid", "implicit", "links", "chain", "bonds", "ends", "tally", "signals", "states")
+PARTS = ("grid", "implicit", "radial", "links", "chain", "bonds", "ends", "tally", "signals", "states")
 
 
 def machine_of(system, room, snapshots=None, step=STEP):
@@ -33,7 +33,8 @@ def machine_of(system, room, snapshots=None, step=STEP):
 def side_of(machine, node, right_end):
     """Mean velocity, deviation and bound of the end at a node."""
     piece = machine.mesh.piece_of(node)
-    side = fk.side_of(machine.pieces, machine.grid, machine.ends, piece, right_end, machine.tol)
+    side = fk.side_of(machine.pieces, machine.grid, machine.radial, machine.ends, piece, right_end,
+                      machine.tol)
     return side.mean, side.deviation, side.bound
 
 
@@ -63,7 +64,8 @@ def test_the_kernel_imports_kernels_only():
     imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     imported |= {a.name for node in ast.walk(tree) if isinstance(node, ast.Import)
                  for a in node.names}
-    assert imported <= {"__future__", "math", "typing", "contact_law_kernel", "finality_kernel"}
+    assert imported <= {"__future__", "math", "typing", "contact_law_kernel", "finality_kernel",
+                        "radial_kernel"}
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
