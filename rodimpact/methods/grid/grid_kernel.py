@@ -43,12 +43,11 @@ from ..contact_law_kernel import (
     start_impacts,
 )
 from ..finality_kernel import NEVER, Side, bound_of, separation_time
-from .radial_kernel import Radial, drift_radially, energy_of_cell, kick_radially
+from .radial_kernel import FAR, Radial, drift_radially, energy_of_cell, kick_radially
 
 DONE, SQUEEZED = range(2)  # why a run stopped
 STEP, KEPT, LINK = range(3)  # places in the clock
 NOTHING, PUSHED, MOVED, ENDLESS = range(4)  # what an end does: free, force, velocity, absorbing
-FAR = (1 << 40) - 1  # n & FAR tells the compiler that n >= 0, so that its loops run in vectors
 
 
 class Grid(NamedTuple):

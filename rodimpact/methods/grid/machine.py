@@ -42,7 +42,7 @@ from .radial_kernel import Radial
 TOLERANCE = 2.0**-40  # of the velocities, below which contacts graze: round-off of many steps
 GAP_RESOLUTION = 1.0  # of what bodies cover in a step: dispersed waves open smaller gaps
 STATES_BYTES = 64 << 20  # of kept states, where their number is not given
-CELL_TIMES = {"explicit": (7e-10, 8e-7), "implicit": (6e-9, 2.5e-6), "radial": (2e-9, 8e-7)}
+CELL_TIMES = {"explicit": (7e-10, 8e-7), "implicit": (6e-9, 2.5e-6), "radial": (7e-10, 8e-7)}
 """Time of a cell and a step, s, compiled and in plain Python; of radial motion beside the other."""
 STEP_TIMES = 3e-7, 1e-5
 """Time of a step beside that of its cells, with what results take."""
