@@ -316,11 +316,12 @@ def _mesh_size(
     courant = step / stable
     if courant.max() > STABLE:
         worst = int(np.argmax(courant))
-        message = (
-            f"would be unstable: waves would cross {courant.max():.6g} cells of "
-            f"{row.paths[worst + 1]} in a step; at most {stable[worst]:.6g} s"
-        )
-        raise InvalidModel([("dt", f"{message}, got {dt!r}")])
+        many, path = f"{courant.max():.6g}", row.paths[worst + 1]
+        cause = f"waves would cross {many} cells of {path} in a step"
+        if row.segments[worst].lateral_inertia is not None:
+            cause = f"radial motion of {path} is {many} times too fast for it"
+        message = f"would be unstable: {cause}; at most {stable[worst]:.6g} s, got {dt!r}"
+        raise InvalidModel([("dt", message)])
     return counts.astype(int).tolist(), step
 
 
