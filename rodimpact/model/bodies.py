@@ -185,7 +185,7 @@ class Segment(Frozen):
         motion sideways is to count; the material then needs a `poisson_ratio`. ``"circular"`` is
         that of a solid round section, I_p = A^2/(2 pi), along a taper too.
     lateral_inertia : "rayleigh-love" or "mindlin-herrmann", optional
-        Theory of the motion sideways, Rayleigh and Love's where a polar moment is given; see
+        Theory of the motion sideways; None, with a polar moment, is that of Rayleigh and Love. See
         `rodimpact.model.lateral_inertia`. With a diameter it needs no polar moment.
 
     Raises

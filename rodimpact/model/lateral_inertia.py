@@ -18,7 +18,11 @@ second moment, and w = q a at the surface of a round rod of radius a.
 At ends of rods, whatever holds, touches or pushes them, and at rigid masses the motion sideways is
 free: no shear, q_x = 0. Where segments meet, q and the shear force are continuous, since points
 common to both sections move alike; so no energy is lost there. A rod starts without sideways
-motion, at q = -nu u_x. Viscosity resists the rate of u_x, not that of q.
+motion, at q = -nu u_x, also where its state is that of a solution at some time. Viscosity resists
+the rate of u_x, not that of q; and stress is E u_x, without what moves the rod sideways.
+
+On a grid time steps are a little shorter for Mindlin and Herrmann, since the fastest waves run at
+sqrt((lambda + 2 mu)/rho); with cells longer than a they stay below about a/c.
 
 Source: A. E. H. Love, A Treatise on the Mathematical Theory of Elasticity, 4th ed., 1927, art. 278;
 Lord Rayleigh, The Theory of Sound, art. 157; R. D. Mindlin and G. Herrmann, A one-dimensional

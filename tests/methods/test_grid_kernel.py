@@ -215,7 +215,7 @@ def test_steps_against_dense_matrices(seed, ends):
     n, states = len(machine.mesh.mass), machine.states
     velocity, force = (x.reshape(len(states.when), -1) for x in (states.velocity, states.force))
     radial = np.zeros_like(force)
-    if machine.mesh.radial:
+    if machine.mesh.swells:
         radial = machine.step * states.radial.reshape(force.shape)
     v, F, q = dense_run(
         machine.mesh, machine.step, velocity[0], force[0, 1:n], radial[0, 1:n], 40, push)
@@ -240,7 +240,7 @@ def energy_of_bodies(run):
         free[node] = (mesh.cell_mass[node] + mesh.cell_mass[node + 1]) / 2
     kinetic = v * v @ free / 2 + change**2 @ (lateral - k * h * h / 4) / 2
     total = kinetic + force**2 @ (1 / k) / 2
-    if mesh.radial:
+    if mesh.swells:
         J, b, G = (x[1:-1][inside] for x in mesh.cells[4:7])
         q, p = h * states.radial[:, 1:-1], states.radial_rate[:, 1:-1]
         for moved, share in ((q, 1.0), (h * p / 2, -1.0)):

@@ -756,6 +756,9 @@ def test_what_only_finite_differences_have(method):
             head + 'lateral inertia; method "finite-difference" has',
         "bodies.2.area": head + 'tapered rods; method "finite-difference" has',
     }
+    word = rod(polar_moment="circular", lateral_inertia="mindlin-herrmann")
+    assert refused(method, word) == {
+        "bodies.0.lateral_inertia": head + 'lateral inertia; method "finite-difference" has'}
     assert refused(method, cone(), rod()) == {
         "bodies.0.area": head + 'tapered rods; method "finite-difference" has, or give '
         "rod.in_steps(n)"}

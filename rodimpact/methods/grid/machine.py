@@ -61,7 +61,7 @@ def check_memory(mesh: Mesh, step: float, steps: float, states: float) -> None:
     # what the kernel keeps; force, gap, path, rate and power with integrals; edges and times
     record = steps * (2 * kept + 10 * contacts + 5 * masses + 8 * ends + 10)
     # two of each, while they are made larger or fields are made of them
-    fields = 2 * states * (2 * len(mesh.mass) * (1 + mesh.radial) + len(mesh.starts) + 3)
+    fields = 2 * states * (2 * len(mesh.mass) * (1 + mesh.swells) + len(mesh.starts) + 3)
     if not kernels.enabled():  # lists take four times what arrays take, and stand beside them
         record, fields = record + 4 * steps * kept, 3 * fields
     if record > fields:
@@ -447,7 +447,7 @@ class Keeper:
         if isinstance(self.snapshots, np.ndarray):
             return 2.0 * len(self.snapshots) + 2
         self.most = self.most or max(
-            64, STATES_BYTES // (16 * len(mesh.mass) * (1 + mesh.radial)))
+            64, STATES_BYTES // (16 * len(mesh.mass) * (1 + mesh.swells)))
         return min(steps, max(self.most, 3)) + 2
 
     def make(self, machine: Machine, room: int) -> States:
@@ -458,7 +458,7 @@ class Keeper:
     def _space(self, mesh: Mesh, when: list[int], count: int) -> States:
         """Room for so many states, of which the first are kept at `when`."""
         nodes, pieces = len(mesh.mass), len(mesh.starts)
-        radial = count * (nodes + 1) * mesh.radial
+        radial = count * (nodes + 1) * mesh.swells
         return States(whole(when), np.zeros(count * nodes), np.zeros(count * (nodes + 1)),
                       np.zeros(count * pieces), np.zeros(count), *np.zeros((2, radial)))
 

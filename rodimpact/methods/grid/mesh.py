@@ -63,7 +63,7 @@ class RadialMotion(NamedTuple):
     """Radial strain q of the cells that have their own, on a grid.
 
     swelling, coupling, radial [cell] as in `Cells`; shear [node] between its cells, N m
-    strain, rate [state, cell] : q and its rate, 1/s and 1/s^2 times steps
+    strain, rate [state, cell] : q in 1/s times steps, and its rate in 1/s
     """
 
     swelling: Array
@@ -235,7 +235,7 @@ class Mesh:
         return Interface(node, mass + self.cell_mass[cell] / 2, side, cell, -1, -1)
 
     @property
-    def radial(self) -> bool:
+    def swells(self) -> bool:
         """Whether cells have a radial strain of their own."""
         return bool(np.any(self.cells.swelling))
 
@@ -293,7 +293,7 @@ def _cells(segment: Any, count: int) -> Cells:
         swelling, coupling = INERTIA * rho * polar * dx, moduli.coupling * area
         radial, shear = moduli.radial * area * dx, moduli.shear * polar / dx
     elif segment.polar_moment is not None:
-        lateral = lateral + rho * float(material.poisson_ratio) ** 2 * polar / dx
+        lateral = rho * float(material.poisson_ratio) ** 2 * polar / dx
     viscous = float(material.viscosity) * area / dx
     return Cells(rho * area * dx, stiffness, viscous, lateral, swelling, coupling, radial, shear)
 
@@ -370,13 +370,12 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     counts = [max(4, round(MODAL_CELLS * float(s.transit_time) / transit)) for s in segments]
     parts = [_cells(s, N) for s, N in zip(segments, counts, strict=True)]
     mass, stiffness, viscous, lateral, *_ = cells = Cells(*np.concatenate(parts, axis=1))
-    swells = cells.swelling > 0
     M = np.diag((np.append(mass, 0.0) + np.append(0.0, mass)) / 2) + _chain(lateral)
     K = block_diag(_chain(stiffness), np.diag(cells.radial) + _chain(_in_series(cells.shear)))
     n = len(M)
     K[:n, n:] = np.diff(np.eye(n), axis=0).T * cells.coupling
     K[n:, :n] = K[:n, n:].T
-    kept = np.append(np.ones(n, bool), swells)
+    kept = np.append(np.ones(n, bool), cells.swelling > 0)
     M = block_diag(M, np.diag(cells.swelling))[np.ix_(kept, kept)]
     squares, modes = eigh(K[np.ix_(kept, kept)], M, subset_by_index=[1, MODES])
     rates = np.einsum("im,ij,jm->m", modes[:n], _chain(viscous), modes[:n]) / 2

@@ -80,7 +80,7 @@ class GridRun(SteppedRun):
         inside = self.mesh.stiffness > 0
         yielding = self.mesh.stiffness[inside] * self.mesh.width[inside]
         force = self.states.force
-        if self.mesh.radial:
+        if self.mesh.swells:
             force = force - self.mesh.cells.coupling * self.states.radial * self.step
         largest = np.maximum(force.max(axis=0), -force.min(axis=0))[inside]
         return float((largest / yielding).max())
@@ -160,7 +160,7 @@ def hand_over(run: GridRun, until: float | None) -> Run:
         return GridMotion(
             **{name: getattr(mesh, name) for name in MESH}, **states,
             pushes=mesh.outer_forces(record.forces, record.ends),
-            radial=radial if mesh.radial else None,
+            radial=radial if mesh.swells else None,
         )
 
     return as_run(
