@@ -120,16 +120,6 @@ def test_a_collision_of_thin_rods_is_proved_to_be_over_and_ends_like_that_of_ide
     assert s.outcome.numerical > 0
 
 
-def test_a_saved_solution_keeps_its_radial_motion(tmp_path):
-    s = solved([rod(segment(0.4), segment(0.2, 0.08), velocity=1.0), rod(segment(0.8))])
-    s.save(tmp_path / "run.npz")
-    again, t = ri.load(tmp_path / "run.npz"), np.linspace(0, 1, 11)
-    assert again.system == s.system
-    for entry in ("strain", "vibrational_kinetic", "residual"):
-        assert np.array_equal(getattr(again.energy(t), entry), getattr(s.energy(t), entry))
-    assert np.array_equal(again.strain(1, 0.3, t), s.strain(1, 0.3, t))
-
-
 def test_the_lasting_mode():
     lossy = UNIT.replace(viscosity=1e-3)
     omega, rate = lasting_mode([segment(1.0, 0.1, lossy)])
