@@ -8,7 +8,7 @@ A bar of radius a carries a wave of wavelength l at the phase velocity c; below,
 with the dilatational and the shear speed c1 and c2. This is the equation as K. F. Graff has it,
 Wave Motion in Elastic Solids, divided by A B, so that c = c1 and c = c2 solve it no more; where A
 or B is imaginary, J becomes I. Long waves run at c0 = sqrt(E/rho), c/c0 = 1 - nu^2 G^2/4, short
-ones at the speed of Rayleigh's surface waves.
+ones at the speed of Rayleigh's surface waves. `mindlin_herrmann` is an approximation to it.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from scipy.special import i0e, i1e, j0, j1
 from .model.arguments import Array, Number, array, plain, refuse, together
 from .model.bodies import CIRCULAR, Rod, Segment
 from .model.frozen import Field, Frozen, InvalidModel
+from .model.lateral_inertia import INERTIA, radial_moduli
 from .units import shown
 
 CUT_OFF = 0.2619
@@ -228,6 +229,59 @@ def first_mode(radius_over_wavelength: ArrayLike, poisson_ratio: ArrayLike) -> N
     refuse(~((s >= 0) & (s < np.inf)), "must be 0 or more, and finite", radius_over_wavelength=s)
     refuse(~((nu >= 0) & (nu <= 0.5)), "must be from 0 to 0.5", poisson_ratio=nu)
     return plain(_each(lambda g, _: g, 2 * math.pi * s, nu))
+
+
+def mindlin_herrmann(
+    radius_over_wavelength: ArrayLike, poisson_ratio: ArrayLike
+) -> tuple[Number, Number]:
+    """Phase velocities of both branches by Mindlin and Herrmann over that of long waves, c/c0.
+
+    The roots x = c^2/c0^2 of a quadratic equation, with the moduli of the theory over E and
+    G = 2 pi a/l::
+
+        (x - axial) (x - shear/m - 2 radial/(m G^2)) = 2 coupling^2/(m G^2)
+
+    The slow branch stands for `first_mode`; along the fast one, which starts at a cut-off
+    frequency, mostly the radius swings. See `rodimpact.model.lateral_inertia` for the theory.
+
+    Parameters
+    ----------
+    radius_over_wavelength : float or array
+        0 or more, 1.
+    poisson_ratio : float or array
+        Above -1 and below 0.5, 1.
+
+    Returns
+    -------
+    slow, fast : float or array
+        c/c0, of the broadcast shape of the arguments; the fast one is infinite for long waves.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of its range.
+
+    Examples
+    --------
+    >>> slow, fast = mindlin_herrmann([0.0, 0.1, 0.3], 0.29)
+    >>> slow.round(5).tolist(), fast.round(5).tolist()
+    ([1.0, 0.98863, 0.87005], [inf, 3.47427, 1.42475])
+    """
+    s, nu = together(
+        radius_over_wavelength=array("radius_over_wavelength", radius_over_wavelength, ""),
+        poisson_ratio=array("poisson_ratio", poisson_ratio, ""),
+    )
+    refuse(~((s >= 0) & (s < np.inf)), "must be 0 or more, and finite", radius_over_wavelength=s)
+    refuse(~((nu > -1) & (nu < 0.5)), "must be above -1 and below 0.5", poisson_ratio=nu)
+    moduli = radial_moduli(1.0, nu)
+    slowest, cut_off = moduli.shear / INERTIA, 2 * moduli.radial / INERTIA
+    with np.errstate(divide="ignore", over="ignore"):
+        square = (2 * math.pi * s) ** 2
+        long, short = 1 / (1 + square), 1 / (1 + 1 / square)  # the equation times short
+        both = (moduli.axial + slowest) * short + cut_off * long
+        product = moduli.axial * slowest * short + cut_off * long
+        larger = both + np.sqrt(both * both - 4 * product * short)
+        return plain(np.sqrt(2 * product / larger)), plain(np.sqrt(larger / (2 * short)))
 
 
 def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 from scipy.special import jv
 
 import rodimpact as ri
@@ -104,7 +105,32 @@ def test_a_rod_that_is_no_round_bar_is_refused(make, said):
         waves.Bar.of(make())
 
 
+@pytest.mark.parametrize("nu", [-0.3, 0.0, 0.29, 0.45])
+def test_mindlin_herrmann_against_a_matrix(nu):
+    """Roots of det(K - omega^2 M) for u = exp(i k x), q = i exp(i k x); a = E = rho = 1."""
+    s = np.array([1e-3, 0.05, 0.3, 2.0, 1e200])
+    slow, fast = waves.mindlin_herrmann(s, nu)
+    lame, mu = nu / ((1 + nu) * (1 - 2 * nu)), 1 / (2 + 2 * nu)
+    for k, *found in zip(2 * np.pi * s[:-1], slow, fast, strict=False):
+        K = [[(lame + 2 * mu) * k * k, 2 * lame * k],
+             [2 * lame * k, 4 * (lame + mu) + 0.81 * mu * k * k / 2]]
+        assert found == pytest.approx(np.sqrt(eigh(K, np.diag([1, 0.81]))[0]) / k, rel=1e-9)
+    ends = sorted([np.sqrt(lame + 2 * mu), np.sqrt(mu / 2)])
+    assert [slow[-1], fast[-1]] == pytest.approx(ends, rel=1e-12)
+    assert waves.mindlin_herrmann(0.0, nu) == (1.0, np.inf)
+    factor = 1.62 - 0.81 / (2 + 2 * nu)  # of the dispersion of long waves
+    assert slow[0] == pytest.approx(1 - factor * (nu * np.pi * 1e-3) ** 2, abs=1e-9)
+
+
+def test_mindlin_herrmann_is_near_the_first_mode():
+    s, nu = np.linspace(0.01, 0.6, 30)[:, None], np.array([0.25, 0.29, 0.33, 0.345])
+    apart = waves.mindlin_herrmann(s, nu)[0] - waves.first_mode(s, nu)
+    assert 0.009 < np.abs(apart).max() <= 0.01
+
+
 @pytest.mark.parametrize(("call", "said"), [
+    (lambda: waves.mindlin_herrmann(-1.0, 0.3), "radius_over_wavelength = -1.0: must be 0 or more"),
+    (lambda: waves.mindlin_herrmann(1.0, 0.5), "poisson_ratio = 0.5: must be above -1 and below"),
     (lambda: waves.first_mode(-1.0, 0.3), "radius_over_wavelength = -1.0: must be 0 or more"),
     (lambda: waves.first_mode(1.0, 0.6), "poisson_ratio = 0.6: must be from 0 to 0.5"),
     (lambda: waves.first_mode([1, 2], [0.1, 0.2, 0.3]), "do not broadcast"),

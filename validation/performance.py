@@ -40,7 +40,7 @@ from rodimpact.methods.fronts.front_kernel import (
     play,
 )
 from rodimpact.methods.grid.machine import Keeper, Machine
-from rodimpact.methods.grid.mesh import Mesh
+from rodimpact.methods.grid.mesh import Mesh, stable_step
 from rodimpact.methods.grid.method import COURANT
 from rodimpact.methods.row import Row
 from rodimpact.methods.run import MAX_EVENTS
@@ -390,14 +390,14 @@ def row_on_steps(law: Any, steps: int = 50_000) -> float:
 
 
 def cell_on_grid(
-    material: ri.Material, lateral: bool = False, rods: int = 2, steps: int = 20_000
+    material: ri.Material, theory: str | None = None, rods: int = 2, steps: int = 20_000
 ) -> float:
     """Time of a cell and step of one or two rods with 800 cells on a grid, in cache, s."""
-    moment, cells = "circular" if lateral else None, 800 // rods
-    row = [ri.Rod(1.0, area=1e-4, material=material, velocity=v, polar_moment=moment)
+    cells = 800 // rods
+    row = [ri.Rod(1.0, diameter=0.012, material=material, velocity=v, lateral_inertia=theory)
            for v in (1.0, 0.0)[:rods]]
     mesh = Mesh(Row(ri.System(row)), [cells] * rods)
-    step = COURANT / cells / float(material.wave_speed)
+    step = COURANT * stable_step(row[0].segments[0], cells)
     machine = Machine(mesh, step, Keeper(4), 8 * steps)
     spans = []
     for _ in range(7):
@@ -439,7 +439,8 @@ def measure() -> list[Figure]:
         Figure("a cell and step of a rod on a grid", cell_on_grid(STEEL, rods=1), 0.5e-9),
         Figure("a cell and step of two rods and their contact", cell_on_grid(STEEL), 0.5e-9),
         Figure("a cell and step on a grid, damped", cell_on_grid(STEEL.damped(1e-3, 1e4)), 5e-9),
-        Figure("a cell and step on a grid, lateral inertia", cell_on_grid(STEEL, True), 5e-9),
+        *(Figure(f"a cell and step on a grid, {theory}", cell_on_grid(STEEL, theory), bound)
+          for theory, bound in (("rayleigh-love", 5e-9), ("mindlin-herrmann", 2e-9))),
         Figure("velocity on 1000 x 1000 points, compiled", fresh("import numba\n" + FIELD), 2e-3),
         Figure("velocity on 1000 x 1000 points, not compiled, fresh", fresh(FIELD), 30e-3),
     ]

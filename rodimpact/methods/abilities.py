@@ -51,7 +51,8 @@ def _of_rod(rod: Rod) -> list[tuple[str, str]]:
         if not vanishes(segment.material.viscosity):
             found.append((f"{place}material.viscosity", DAMPING))
         if segment.polar_moment is not None:
-            found.append((f"{place}polar_moment", LATERAL))
+            given = "polar_moment" if segment.lateral_inertia is None else "lateral_inertia"
+            found.append((f"{place}{given}", LATERAL))
         if segment.tapered:
             found.append((f"{place}area", TAPER))
     return found

@@ -27,10 +27,12 @@ from .frozen import (
     Problems,
     family_shape,
     in_range,
+    nearest,
     number,
     raise_noted,
     require,
 )
+from .lateral_inertia import MINDLIN_HERRMANN, THEORIES
 from .profiles import (
     Floats,
     Profile,
@@ -182,17 +184,14 @@ class Segment(Frozen):
         Polar second moment I_p of the cross-section about the axis, m^4, if the inertia of the
         motion sideways is to count; the material then needs a `poisson_ratio`. ``"circular"`` is
         that of a solid round section, I_p = A^2/(2 pi), along a taper too.
+    lateral_inertia : "rayleigh-love" or "mindlin-herrmann", optional
+        Theory of the motion sideways; None, with a polar moment, is that of Rayleigh and Love. See
+        `rodimpact.model.lateral_inertia`. With a diameter it needs no polar moment.
 
     Raises
     ------
     InvalidModel
         Naming every field that is not what it should be.
-
-    Notes
-    -----
-    Lateral inertia makes the wave equation that of Rayleigh and Love,
-    rho A u_tt - rho nu^2 I_p u_xxtt = E A u_xx: A. E. H. Love, A Treatise on the Mathematical
-    Theory of Elasticity, 4th ed., 1927, art. 278; Lord Rayleigh, The Theory of Sound, art. 157.
 
     Examples
     --------
@@ -215,6 +214,7 @@ class Segment(Frozen):
     area: Number | Samples
     material: Material
     polar_moment: Number | str | None
+    lateral_inertia: str | None
 
     def __init__(
         self,
@@ -224,6 +224,7 @@ class Segment(Frozen):
         *,
         diameter: ArrayLike | None = None,
         polar_moment: ArrayLike | str | None = None,
+        lateral_inertia: str | None = None,
     ) -> None:
         problems: Problems = []
         (L,) = self._checked(problems, length=length)
@@ -241,10 +242,15 @@ class Segment(Frozen):
         if not isinstance(material, Material):
             message = f"must be a Material, such as materials.steel, got {shown(material)}"
             problems.append(("material", message))
+        if lateral_inertia is not None:
+            if polar_moment is None and diameter is not None:
+                polar_moment = CIRCULAR
+            lateral_inertia = _theory(problems, lateral_inertia, polar_moment, material)
         if polar_moment is not None:
             polar_moment = _polar_moment(problems, polar_moment, A, material)
         raise_noted(problems)
-        self._set(length=L, area=A, material=material, polar_moment=polar_moment)
+        self._set(length=L, area=A, material=material, polar_moment=polar_moment,
+                  lateral_inertia=lateral_inertia)
         if isinstance(A, Samples):
             for bound in extremes(A):
                 Segment(L, bound, material)
@@ -398,6 +404,23 @@ def _polar_moment(problems: Problems, value: Any, area: Any, material: Any) -> N
     return number(problems, "polar_moment", value, *Segment.fields["polar_moment"][:2])
 
 
+def _theory(problems: Problems, word: Any, polar_moment: Any, material: Any) -> str | None:
+    """The theory of lateral inertia, None for that of Rayleigh and Love; note mistakes."""
+    if not isinstance(word, str) or word not in THEORIES:
+        message = f"unknown theory {shown(word)}; {nearest(word, THEORIES)}"
+        problems.append(("lateral_inertia", message))
+    elif polar_moment is None:
+        message = "needs a polar_moment; give it, or the diameter of a round rod"
+        problems.append(("lateral_inertia", message))
+    if word != MINDLIN_HERRMANN:
+        return None
+    if isinstance(material, Material) and material.poisson_ratio is not None:
+        message = f'must be below 0.5 for "{MINDLIN_HERRMANN}", got {{0!r}}'
+        nu = material.poisson_ratio
+        require(problems, nu < 0.5, "material.poisson_ratio", message, nu)
+    return MINDLIN_HERRMANN
+
+
 class _Body(Frozen):
     """A body of a row, described by its kind."""
 
@@ -422,6 +445,8 @@ class Rod(_Body):
         Of a solid round section, m, in place of the area.
     polar_moment : float, array or "circular", optional
         m^4, for lateral inertia, as in `Segment`.
+    lateral_inertia : "rayleigh-love" or "mindlin-herrmann", optional
+        As in `Segment`.
     segments : sequence of Segment
         Pieces of a stepped rod, from left to right.
     velocity : float, array, Steps, Samples or function
@@ -441,7 +466,8 @@ class Rod(_Body):
         "velocity": Field("m/s", along="length"), "strain": Field(along="length"),
     }
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {
-        "diameter": ("area",), "segments": ("length", "area", "material", "polar_moment"),
+        "diameter": ("area",),
+        "segments": ("length", "area", "material", "polar_moment", "lateral_inertia"),
     }
     segments: tuple[Segment, ...]
     velocity: Profile
@@ -455,6 +481,7 @@ class Rod(_Body):
         diameter: ArrayLike | None = None,
         material: Material | None = None,
         polar_moment: ArrayLike | str | None = None,
+        lateral_inertia: str | None = None,
         segments: Sequence[Segment] | None = None,
         velocity: ProfileLike = 0.0,
         strain: ProfileLike = 0.0,
@@ -462,18 +489,20 @@ class Rod(_Body):
         problems: Problems = []
         pieces: tuple[Segment, ...] = ()
         if segments is not None:
-            uniform = (length, area, diameter, material, polar_moment)
+            uniform = (length, area, diameter, material, polar_moment, lateral_inertia)
             pieces = _joined(problems, segments, any(given is not None for given in uniform))
         elif isinstance(area, Steps):
             if diameter is not None:
                 problems.append(("diameter", "give either area or diameter, not both"))
-            pieces = _between_jumps(problems, length, area, material, polar_moment)
+            pieces = _between_jumps(
+                problems, length, area, material, polar_moment, lateral_inertia)
         else:
             L: Any = length
             try:
-                pieces = (
-                    Segment(L, area, material, diameter=diameter, polar_moment=polar_moment),
-                )
+                pieces = (Segment(
+                    L, area, material, diameter=diameter, polar_moment=polar_moment,
+                    lateral_inertia=lateral_inertia,
+                ),)
             except InvalidModel as error:
                 problems += error.problems
         if len(pieces) > 1 and not problems:
@@ -561,7 +590,8 @@ def _joined(problems: Problems, segments: Any, described: bool) -> tuple[Segment
 
 
 def _between_jumps(
-    problems: Problems, length: Any, area: Steps, material: Any, polar_moment: Any
+    problems: Problems, length: Any, area: Steps, material: Any, polar_moment: Any,
+    lateral_inertia: Any,
 ) -> tuple[Segment, ...]:
     """Segments of a rod whose area jumps; mistakes are noted in `problems`."""
     L = number(problems, "length", length, *Segment.fields["length"][:2])
@@ -573,7 +603,8 @@ def _between_jumps(
     mistakes = dict.fromkeys(problems)  # that of a length is one of every piece
     for i, (A, (start, end)) in enumerate(zip(area.values, pairwise(edges), strict=True)):
         try:
-            pieces.append(Segment(end - start, A, material, polar_moment=polar_moment))
+            pieces.append(Segment(end - start, A, material, polar_moment=polar_moment,
+                                  lateral_inertia=lateral_inertia))
         except InvalidModel as error:
             for path, message in error.problems:
                 mistakes[path.replace("area", f"area.values.{i}"), message] = None

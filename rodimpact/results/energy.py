@@ -36,7 +36,8 @@ class EnergyLedger:
     numerical : array
         Lost since t = 0 to the time step: as rigid contacts shut inside of one, where a transit is
         no whole number of them, or by the half cells at the ends on a grid. It goes to zero with
-        the step, but for rods with lateral inertia: their ends have mass, and meet inelastically.
+        the step, but for lateral inertia by Rayleigh and Love: such ends have mass, and meet
+        inelastically.
     radiated : array
         Gone since t = 0 through absorbing ends, less what came in there.
     wall_work, drive_work, gravity_work : array

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.clock import STEP_TICKS, Clock
-from ..methods.grid.mesh import GridMotion
+from ..methods.grid.mesh import GridMotion, RadialMotion
 from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Side
 from ..model import Rod
@@ -143,7 +143,7 @@ class GridFields(Fields):
                 behind = cell + inward * (N > 1)
                 strain = 1.5 * self._strain[:, cell] - 0.5 * self._strain[:, behind]
                 rate = 1.5 * self._rate_in(cell) - 0.5 * self._rate_in(behind)
-                if not mesh.lateral[node] and not mesh.lateral[node + 1]:
+                if not (mesh.lateral[node] or mesh.lateral[node + 1] or self._swells(cell)):
                     pull = self._pull(node + 1) - self._pull(node) + self._pushed(node)
                     gained = pull * mesh.cell_mass[cell] / 2 / mesh.mass[node]
                     stress = (self._pull(cell) - inward * gained) / float(area)
@@ -153,6 +153,11 @@ class GridFields(Fields):
                 strains.append(strain)
                 rates.append(rate)
         return np.array(strains).T, np.array(rates).T
+
+    def _swells(self, cell: int) -> bool:
+        """Whether a cell has a radial strain of its own."""
+        radial = self.motion.radial
+        return radial is not None and bool(radial.swelling[cell])
 
     def _rate_in(self, cell: int) -> Floats:
         """Rate of strain of a cell, at the states."""
@@ -179,8 +184,11 @@ class GridFields(Fields):
     @cached_property
     def _strain(self) -> Floats:
         """[state, cell]."""
-        stiff = np.where(self.motion.stiffness > 0, self.motion.stiffness, np.inf)
-        return np.asarray(self.motion.force / stiff / self.motion.width)
+        grid, force = self.motion, self.motion.force
+        if grid.radial is not None:
+            force = force - grid.radial.coupling * grid.radial.strain * self._step
+        stiff = np.where(grid.stiffness > 0, grid.stiffness, np.inf)
+        return np.asarray(force / stiff / grid.width)
 
     @cached_property
     def _rate(self) -> Floats:
@@ -268,7 +276,29 @@ class GridFields(Fields):
         change, k = np.diff(v), self.motion.stiffness[cells]
         bound = self.motion.lateral[cells] - k * self._step**2 / 4
         kinetic = float(mass @ (v * v) + bound @ (change * change)) / 2
-        return kinetic, float(np.sum(self.motion.force[place, cells] ** 2 / k)) / 2
+        strained = float(np.sum(self.motion.force[place, cells] ** 2 / k)) / 2
+        if self.motion.radial is not None:
+            moving, swollen = self._radial_energy(self.motion.radial, nodes, cells, place, change)
+            kinetic, strained = kinetic + moving, strained + swollen
+        return kinetic, strained
+
+    def _radial_energy(
+        self, radial: RadialMotion, nodes: slice, cells: slice, place: int, change: Floats
+    ) -> tuple[float, float]:
+        """What radial strains add to both energies of a rod whose nodes part like `change`, J.
+
+        A spring between two rods belongs to either by half.
+        """
+        h, inner = self._step, slice(nodes.start + 1, nodes.stop - 1)
+        b, k, G = radial.coupling[cells], self.motion.stiffness[cells], radial.radial[cells]
+        q, p = radial.strain[place] * h, radial.rate[place]
+        slope, faster = np.diff(q), np.diff(p)
+        shear = radial.shear[nodes] / 2
+        shear[1:-1] = radial.shear[inner]
+        strained = (G - b * b / k) @ q[cells] ** 2 + shear @ slope[nodes] ** 2
+        less = 2 * (b * change) @ p[cells] + G @ p[cells] ** 2 + shear @ faster[nodes] ** 2
+        kinetic = radial.swelling[cells] @ p[cells] ** 2 - h * h / 4 * less
+        return float(kinetic) / 2, float(strained) / 2
 
     def nearest_known(self, ticks: Ints) -> Ints:
         return nearest(self.motion.when * STEP_TICKS, ticks)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..methods.clock import Clock
-from ..methods.grid.mesh import GridMotion
+from ..methods.grid.mesh import GridMotion, RadialMotion
 from ..methods.run import (
     ContactSignal,
     ContactTally,
@@ -29,8 +29,8 @@ from ..model import System
 from ..storage.writing import Arrays
 
 KINDS = {kind.__name__: kind for kind in (
-    Clock, ContactSignal, ContactTally, Episode, GridMotion, Outside, Run, Signals, StepSignal,
-    Totals, Waves,
+    Clock, ContactSignal, ContactTally, Episode, GridMotion, Outside, RadialMotion, Run, Signals,
+    StepSignal, Totals, Waves,
 )}
 
 

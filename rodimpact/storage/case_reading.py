@@ -13,6 +13,7 @@ from ..model import SIDES, System
 from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
 from ..model.frozen import Field, InvalidModel, Number
+from ..model.lateral_inertia import THEORIES
 from ..model.laws import CONTACT_LAWS, FACE, ContactLaw, Hertz, Spring
 from ..units import shown
 from .case import SCHEMA, Case
@@ -21,7 +22,7 @@ from .grids import Grids
 
 OPTIONS = {"until": "time", "dt": "time", "rtol": "dimensionless"}  # with units
 DAMPING = {"loss_factor": Field(), "loss_frequency": Field("Hz")}
-SEGMENT = (*Segment.fields, "material")
+SEGMENT = (*Segment.fields, "material", "lateral_inertia")
 ANY_ROD = Rod(1.0, area=1.0, material=materials.steel)
 STAND_INS: dict[str, Body] = {"rod": ANY_ROD, "mass": RigidMass(1.0), "wall": Wall()}
 """Bodies in place of those whose mistakes allow none."""
@@ -129,7 +130,9 @@ def _read_segments(table: Table, known: Materials) -> dict[str, Any]:
 
 
 def _shape(table: Table, known: Materials) -> dict[str, Any]:
-    return {**table.entries(Segment), "material": _material(table, known)}
+    theory = table.word("lateral_inertia", THEORIES) if table.has("lateral_inertia") else None
+    return {**table.entries(Segment), "material": _material(table, known),
+            "lateral_inertia": theory}
 
 
 def _material(table: Table, known: Materials, key: str = "material") -> Material:

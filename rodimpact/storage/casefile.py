@@ -40,7 +40,8 @@ numbers of its class, under their names; Hertz contact a stiffness, or left_radi
 A [materials.NAME] takes youngs_modulus, density, poisson_ratio and viscosity, or for the latter a
 loss_factor and the loss_frequency at which it is that; a stepped rod takes [[bodies.segments]] with
 length, area and material each. For lateral inertia rods and segments take a polar_moment, a number
-or "circular". Mistakes bear the path of the entry, such as `bodies.0.length`.
+or "circular", or with a diameter just lateral_inertia, "rayleigh-love" or "mindlin-herrmann".
+Mistakes bear the path of the entry, such as `bodies.0.length`.
 
 A profile is {values = [1.0, 0.0], at = [0.1]}, constant between jumps, or {samples = [...]}, at
 equal distances from end to end. In time `at` are times, and samples have a `step` between them.

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from networks import STEP, UNIT, unit_rod
 from runs import solution_of
+from scipy.linalg import block_diag
 
 import rodimpact as ri
 from rodimpact.methods import kernels
@@ -21,7 +22,9 @@ from rodimpact.methods.grid.method import _mesh_size
 from rodimpact.methods.row import Row
 
 seeds = st.integers(0, 10**6)
-PARTS = ("grid", "implicit", "links", "chain", "bonds", "ends", "tally", "signals", "states")
+PARTS = (
+    "grid", "implicit", "radial", "links", "chain", "bonds", "ends", "tally", "signals", "states",
+)
 
 
 def machine_of(system, room, snapshots=None, step=STEP):
@@ -33,7 +36,8 @@ def machine_of(system, room, snapshots=None, step=STEP):
 def side_of(machine, node, right_end):
     """Mean velocity, deviation and bound of the end at a node."""
     piece = machine.mesh.piece_of(node)
-    side = fk.side_of(machine.pieces, machine.grid, machine.ends, piece, right_end, machine.tol)
+    side = fk.side_of(machine.pieces, machine.grid, machine.radial, machine.ends, piece, right_end,
+                      machine.tol)
     return side.mean, side.deviation, side.bound
 
 
@@ -63,7 +67,8 @@ def test_the_kernel_imports_kernels_only():
     imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     imported |= {a.name for node in ast.walk(tree) if isinstance(node, ast.Import)
                  for a in node.names}
-    assert imported <= {"__future__", "math", "typing", "contact_law_kernel", "finality_kernel"}
+    assert imported <= {"__future__", "math", "typing", "contact_law_kernel", "finality_kernel",
+                        "radial_kernel"}
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
@@ -164,27 +169,29 @@ def test_elimination_against_dense_matrices(seed, nodes, held_left, held_right):
 # A step against dense matrices --------------------------------------------------------------------
 
 
-def dense_run(mesh, step, v, strain_force, steps, push):
-    """Leapfrog of one piece with matrices: velocity and force after the steps."""
+def dense_run(mesh, step, v, force, radial, steps, push):
+    """Leapfrog of one piece with matrices: velocity, force and radial strain after the steps."""
     n = len(v)
-    difference = np.diff(np.eye(n), axis=0)
+    inner, between = (np.diff(np.eye(size), axis=0) for size in (n, n - 1))
     k, d, j = (x[1:n] for x in (mesh.stiffness, mesh.viscous, mesh.lateral))
-    damping = difference.T @ (d[:, None] * difference)
-    M = np.diag(mesh.mass) + difference.T @ (j[:, None] * difference)
-    left = M / step + damping / 2
-    free = mesh.held == 0
-    force = strain_force.copy()
-    v = v.copy()
+    J, b, G = (x[1:n] for x in (mesh.cells.swelling, mesh.cells.coupling, mesh.cells.radial))
+    coupled = inner.T * b
+    K = np.block([
+        [inner.T @ (k[:, None] * inner), coupled],
+        [coupled.T, np.diag(G) + between.T @ (mesh.shear[1 : n - 1, None] * between)],
+    ])
+    M = block_diag(np.diag(mesh.mass) + inner.T @ (j[:, None] * inner), np.diag(J))
+    damping = block_diag(inner.T @ (d[:, None] * inner), np.zeros((n - 1, n - 1)))
+    free = np.append(mesh.held == 0, J > 0)
+    x = np.concatenate(([0.0], np.cumsum((force - b * radial) / k), radial))
+    rate, outer = np.append(v, np.zeros(n - 1)), np.zeros(2 * n - 1)
+    outer[0], outer[n - 1] = push[0], -push[1]
+    left = (M / step + damping / 2)[np.ix_(free, free)]
     for _ in range(steps):
-        force += k * step * (difference @ v) / 2  # in the middle of the step
-        right = -difference.T @ force - damping @ v
-        right[0] += push[0]
-        right[-1] -= push[1]
-        dv = np.zeros(n)
-        dv[free] = np.linalg.solve(left[np.ix_(free, free)], right[free])
-        v += dv
-        force += k * step * (difference @ v) / 2
-    return v, force
+        x += step * rate / 2  # in the middle of the step
+        rate[free] += np.linalg.solve(left, (outer - K @ x - damping @ rate)[free])
+        x += step * rate / 2
+    return rate[:n], k * (inner @ x[:n]) + b * x[n:], x[n:]
 
 
 @pytest.mark.parametrize("ends", ["free", "fixed", "pushed"])
@@ -205,12 +212,16 @@ def test_steps_against_dense_matrices(seed, ends):
     system = ri.System(row, contacts=[ri.Bonded()] * (len(row) - 1), ends=kinds[ends])
     machine = machine_of(system, 40)
     machine.advance(40)
-    n = len(machine.mesh.mass)
-    velocity, force = (x.reshape(len(machine.states.when), -1)
-                       for x in (machine.states.velocity, machine.states.force))
-    v, F = dense_run(machine.mesh, machine.step, velocity[0], force[0, 1:n], 40, push)
+    n, states = len(machine.mesh.mass), machine.states
+    velocity, force = (x.reshape(len(states.when), -1) for x in (states.velocity, states.force))
+    radial = np.zeros_like(force)
+    if machine.mesh.swells:
+        radial = machine.step * states.radial.reshape(force.shape)
+    v, F, q = dense_run(
+        machine.mesh, machine.step, velocity[0], force[0, 1:n], radial[0, 1:n], 40, push)
     assert velocity[-1] == pytest.approx(v, abs=1e-12)
     assert force[-1, 1:n] == pytest.approx(F, abs=1e-12)
+    assert radial[-1, 1:n] == pytest.approx(q, abs=1e-12)
 
 
 # Passivity ----------------------------------------------------------------------------------------
@@ -228,7 +239,16 @@ def energy_of_bodies(run):
     for node in np.flatnonzero(mesh.held):  # half cells on a driven end move with it
         free[node] = (mesh.cell_mass[node] + mesh.cell_mass[node + 1]) / 2
     kinetic = v * v @ free / 2 + change**2 @ (lateral - k * h * h / 4) / 2
-    return kinetic + force**2 @ (1 / k) / 2
+    total = kinetic + force**2 @ (1 / k) / 2
+    if mesh.swells:
+        J, b, G = (x[1:-1][inside] for x in mesh.cells[4:7])
+        q, p = h * states.radial[:, 1:-1], states.radial_rate[:, 1:-1]
+        for moved, share in ((q, 1.0), (h * p / 2, -1.0)):
+            total += share * np.diff(moved, axis=1) ** 2 @ mesh.shear[1:-1] / 2
+        q, p = q[:, inside], p[:, inside]
+        total += q * q @ (G - b * b / k) / 2 + p * p @ (J - h * h / 4 * G) / 2
+        total -= h * h / 4 * (change * p) @ b
+    return total
 
 
 def energy_of_contacts(run):

@@ -675,6 +675,35 @@ def test_segments_bring_their_own_polar_moment():
     assert "polar_moment" in message
 
 
+@pytest.mark.parametrize("word", ["rayleigh-love", "mindlin-herrmann"])
+def test_a_word_and_a_diameter_are_enough_for_lateral_inertia(word):
+    one = ri.Rod(1.0, diameter=0.02, material=steel, lateral_inertia=word)
+    assert one.segments[0].polar_moment == "circular"
+    moment = ri.Rod(1.0, diameter=0.02, material=steel, polar_moment="circular")
+    assert (one == moment) == (word == "rayleigh-love")
+    assert moment.replace(lateral_inertia=word) == one
+    tube = rod(polar_moment=2e-8, lateral_inertia=word)
+    assert tube.segments[0].polar_moment == 2e-8
+    steps = rod(area=ri.Steps([1e-4, 2e-4], [0.25]), polar_moment="circular", lateral_inertia=word)
+    assert steps.segments[1] == steps.segments[0].replace(length=0.75, area=2e-4)
+
+
+@pytest.mark.parametrize(("given", "path", "said"), [
+    ({"lateral_inertia": "mindlin"}, "lateral_inertia", "perhaps 'mindlin-herrmann' is meant"),
+    ({"lateral_inertia": 1}, "lateral_inertia", "unknown theory 1; use one of rayleigh-love, mind"),
+    ({"lateral_inertia": "mindlin-herrmann", "polar_moment": None}, "lateral_inertia",
+     "needs a polar_moment; give it, or the diameter of a round rod"),
+    ({"lateral_inertia": "mindlin-herrmann", "material": steel.replace(poisson_ratio=0.5)},
+     "material.poisson_ratio", 'must be below 0.5 for "mindlin-herrmann", got 0.5'),
+    ({"lateral_inertia": "mindlin-herrmann", "material": ri.materials.oak},
+     "material.poisson_ratio", "is missing in 'oak'; lateral inertia needs it"),
+])
+def test_theories_of_lateral_inertia_are_checked(given, path, said):
+    [(found, message)] = problems(lambda: rod(**{"polar_moment": "circular", **given}))
+    assert found == path
+    assert said in message
+
+
 # What is new, in all that a system can do
 
 
@@ -700,7 +729,8 @@ def test_tapers_and_lateral_inertia_in_a_row():
 
 def test_every_new_field_counts_for_equality_and_digest():
     rods = [rod(), rod(area=ri.Samples([1e-4, 1e-4])), rod(area=ri.Samples([1e-4, 2e-4])),
-            rod(polar_moment=1e-8), rod(polar_moment=2e-8), rod(polar_moment="circular")]
+            rod(polar_moment=1e-8), rod(polar_moment=2e-8), rod(polar_moment="circular"),
+            rod(polar_moment="circular", lateral_inertia="mindlin-herrmann")]
     assert len(set(rods)) == len({one.digest for one in rods}) == len(rods)
     assert rod(polar_moment="circular") == rod(polar_moment="circular")
     assert set(rod().segments[0].to_dict()) == {"length", "area", "material"}
@@ -726,6 +756,9 @@ def test_what_only_finite_differences_have(method):
             head + 'lateral inertia; method "finite-difference" has',
         "bodies.2.area": head + 'tapered rods; method "finite-difference" has',
     }
+    word = rod(polar_moment="circular", lateral_inertia="mindlin-herrmann")
+    assert refused(method, word) == {
+        "bodies.0.lateral_inertia": head + 'lateral inertia; method "finite-difference" has'}
     assert refused(method, cone(), rod()) == {
         "bodies.0.area": head + 'tapered rods; method "finite-difference" has, or give '
         "rod.in_steps(n)"}
@@ -751,6 +784,7 @@ EVERYTHING = [
     ri.SpringDashpot(1e6, 2.0), ri.Hertz(1e9), ri.HuntCrossley(1e9, 0.1), ri.PowerLaw(1e9, 2.0),
     ri.Yielding(1e9, 1e3, 1e7), ri.Free(), ri.Fixed(), ri.Absorbing(), ri.Pushed(1e3),
     ri.Moved(1.0), ri.Incoming(1e-3),
+    ri.Segment(0.4, None, steel, diameter=0.01, lateral_inertia="mindlin-herrmann"),
     ri.System([ri.Rod(0.4, area=1e-4, material=steel), ri.Wall()], [1e-3], gravity=1.0),
 ]
 

@@ -181,6 +181,11 @@ RUNS = {
         ri.System([SHORT, ri.Rod(0.3, area=ri.Samples([1e-4, 3e-4]),
                                  material=STEEL.damped(0.01, 1e4))], gaps=[1e-6]), {"cells": 20},
     ),
+    "grid: radial motion": (
+        ri.System([SHORT, ri.Rod(0.3, diameter=0.02, material=STEEL.replace(poisson_ratio=0.3),
+                                 lateral_inertia="mindlin-herrmann")]),
+        {"until": 1e-4, "cells": 20},
+    ),
     "grid: no time": (ri.System([SHORT, LONG]), {"until": 0, "cells": 10}),
     "grid: chosen states": (ri.System([SHORT, LONG]), {"until": 2e-4, "snapshots": [1e-5, 1.3e-4],
                                                        "cells": 10}),
@@ -209,7 +214,8 @@ def facts(s):
     found["t_final"] = repr(s.t_final)
     found["types"] = [type(getattr(s, name)) for name in ("until", "t_end", "t_final", "events")]
     if s.method == "finite-difference":
-        found["states"] = [np.asarray(x).tobytes() for x in s.fields.motion[:-1]]
+        *motion, _, radial = s.fields.motion
+        found["states"] = [np.asarray(x).tobytes() for x in (*motion, *(radial or ()))]
     else:
         found["signals"] = [w and (w.ticks.tobytes(), w.values.tobytes()) for w in s.fields.signals]
     found["end"] = s.fields.end

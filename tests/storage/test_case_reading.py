@@ -206,6 +206,7 @@ def test_tapers_lateral_inertia_damping_and_a_grid_in_space():
         area = "2 cm^2"
         material = "steel"
         polar_moment = "0.5 cm^4"
+        lateral_inertia = "mindlin-herrmann"
         [solve]
         method = "finite-difference"
         cells = 400
@@ -217,7 +218,8 @@ def test_tapers_lateral_inertia_damping_and_a_grid_in_space():
         ri.Rod(0.4, area=ri.Samples([1e-4, 2e-4, 4e-4]), material=STEEL, polar_moment="circular"),
         ri.Rod(0.5, area=ri.Steps([1e-4, 3e-4], [0.2]), material=rubber),
         ri.Rod(segments=[ri.Segment(0.1, ri.Samples([1e-4, 2e-4]), rubber),
-                         ri.Segment(0.2, 2e-4, STEEL, polar_moment=0.5e-8)]),
+                         ri.Segment(0.2, 2e-4, STEEL, polar_moment=0.5e-8,
+                                    lateral_inertia="mindlin-herrmann")]),
     ])
     assert case.solve == {"method": "finite-difference", "cells": 400, "snapshots": 20}
     assert parse_case(write_case(case)) == dataclasses.replace(case, path="case")
@@ -378,6 +380,11 @@ def test_a_case_is_frozen():
          'must be "circular" along a taper'),
         (HEAD + A_ROD + "polar_moment = 'circle'", "bodies.0.polar_moment",
          "unknown polar_moment 'circle'; perhaps 'circular' is meant"),
+        (HEAD + A_ROD + "polar_moment = 'circular'\nlateral_inertia = 'mindlin'",
+         "bodies.0.lateral_inertia",
+         "unknown lateral_inertia 'mindlin'; perhaps 'mindlin-herrmann' is meant"),
+        (HEAD + A_ROD + "lateral_inertia = 'mindlin-herrmann'", "bodies.0.lateral_inertia",
+         "needs a polar_moment"),
         (HEAD + A_ROD + "polar_moment = '1 cm^3'", "bodies.0.polar_moment", "perhaps cm^4 is"),
         (HEAD + A_ROD + "polar_moment = -1", "bodies.0.polar_moment",
          "must be a finite positive number of m^4, got -1.0"),
@@ -649,7 +656,7 @@ json_like = st.recursive(
     inner=st.sampled_from(["", "kind", "length", "area", "material", "velocity", "segments", "gap",
                            "law", "stiffness", "left_radius", "restitution", "left", "value",
                            "steel", "until", "method", "max_events", "dt", "plot", "cells",
-                           "polar_moment"]),
+                           "polar_moment", "lateral_inertia"]),
     value=json_like,
 )
 @settings(max_examples=300)

@@ -47,8 +47,10 @@ def random_row(seed):
     def piece():
         areas, polar = [1e-4, ri.Samples(rng.uniform(1, 2, size=5))], [None, "circular", 1e-8]
         tapered = rng.integers(2)
-        return ri.Segment(rng.uniform(0.1, 1), areas[tapered], STEEL,
-                          polar_moment=polar[rng.integers(3 - tapered)])
+        moment = polar[rng.integers(3 - tapered)]
+        theory = "mindlin-herrmann" if moment and rng.random() < 0.5 else None
+        return ri.Segment(rng.uniform(0.1, 1), areas[tapered], STEEL, polar_moment=moment,
+                          lateral_inertia=theory)
 
     def rod():
         pieces = [piece() for _ in range(rng.integers(1, 3))]

@@ -12,6 +12,8 @@ of the viscous force by the mean over the step: (M + J + D/2) dv = forces - D v.
 tridiagonal, so the step follows the wave speed alone; it is eliminated from both ends to the
 middle, two independent recurrences at a time.
 
+Cells may have a radial strain of their own; see `radial_kernel`.
+
 Bodies bonded together are one *piece* of neighbouring nodes; between pieces lies a cell without
 stiffness. Contacts are the links of `contact_law_kernel` between the last node of a piece and the
 first of the next, with the discrete inertia seen there. Their w is the mean closing velocity of a
@@ -41,11 +43,11 @@ from ..contact_law_kernel import (
     start_impacts,
 )
 from ..finality_kernel import NEVER, Side, bound_of, separation_time
+from .radial_kernel import FAR, Radial, drift_radially, energy_of_cell, kick_radially
 
 DONE, SQUEEZED = range(2)  # why a run stopped
 STEP, KEPT, LINK = range(3)  # places in the clock
 NOTHING, PUSHED, MOVED, ENDLESS = range(4)  # what an end does: free, force, velocity, absorbing
-FAR = (1 << 40) - 1  # n & FAR tells the compiler that n >= 0, so that its loops run in vectors
 
 
 class Grid(NamedTuple):
@@ -141,6 +143,7 @@ class Pieces(NamedTuple):
     mass: Any  # [node]
     held: Any  # [node] 1 if its velocity is given
     lateral: Any  # [cell] inertia that resists changes of its length
+    relaxed: Any  # [cell] stiffness where the radial strain follows
     left: Any  # [link] piece on the left
     right: Any
 
@@ -169,6 +172,8 @@ class States(NamedTuple):
     force: Any
     place: Any
     lost: Any
+    radial: Any  # radial strains of cells, none where no cell has its own
+    radial_rate: Any
 
 
 def factor(implicit: Implicit, diagonal: Any, held: Any, p: int) -> None:
@@ -483,7 +488,7 @@ def dissipate(grid: Grid, implicit: Implicit) -> None:
             lost[i] += viscous[i] * rate * rate
 
 
-def keep(grid: Grid, implicit: Implicit, states: States, place: int) -> None:
+def keep(grid: Grid, implicit: Implicit, radial: Radial, states: States, place: int) -> None:
     """Enter a state: all as it is at the end of a step."""
     v, force, stiffness = grid.velocity, grid.force, grid.stiffness
     n, pieces, lost = len(v), len(grid.start), 0.0
@@ -494,21 +499,27 @@ def keep(grid: Grid, implicit: Implicit, states: States, place: int) -> None:
         tension = force[i] + stiffness[i] * (v[i] - v[i - 1]) / 2
         states.force[place * (n + 1) + i] = tension
         lost += implicit.lost[i]
+    for g in range(len(radial.first)):
+        for i in range(radial.first[g], radial.last[g] + 1):
+            c = place * (n + 1) + i
+            states.force[c] += radial.coupling[i] * radial.rate[i] / 2
+            states.radial[c] = radial.strain[i] + radial.rate[i] / 2
+            states.radial_rate[c] = radial.rate[i]
     for p in range(pieces):
         states.place[place * pieces + p] = grid.place[p]
     states.lost[place] = lost
 
 
 def run(
-    grid: Grid, implicit: Implicit, links: Links, chain: Chain, bonds: Bonds, ends: Ends,
-    tally: Tally, signals: Signals, states: States, clock: Any, end: int, tol: float,
+    grid: Grid, implicit: Implicit, radial: Radial, links: Links, chain: Chain, bonds: Bonds,
+    ends: Ends, tally: Tally, signals: Signals, states: States, clock: Any, end: int, tol: float,
     gap_resolution: float,
 ) -> int:
     """Go on from the end of step clock[STEP] to that of step `end`.
 
     Parameters
     ----------
-    grid, implicit, links, chain, bonds, ends, tally, signals, states
+    grid, implicit, radial, links, chain, bonds, ends, tally, signals, states
     clock : [3] int
         Steps taken; states kept; link of the trouble after SQUEEZED.
     end : int
@@ -525,7 +536,7 @@ def run(
     j = clock[STEP]
     while True:
         if place < len(states.when) and states.when[place] == j:
-            keep(grid, implicit, states, place)
+            keep(grid, implicit, radial, states, place)
             place += 1
         clock[STEP], clock[KEPT] = j, place
         if j >= end:
@@ -536,6 +547,8 @@ def run(
         for p in range(len(grid.start)):
             grid.place[p] += v[grid.start[p]] / 2
         drift(grid, implicit)
+        drift_radially(radial, grid.force)
+        kick_radially(radial, grid.force)
         kick(grid)
         kick_implicit(grid, implicit, ends, signals, j)
         move_ends(grid, ends, signals, j)
@@ -553,7 +566,9 @@ def run(
         j += 1
 
 
-def finality_time(pieces: Pieces, grid: Grid, links: Links, ends: Ends, tol: float) -> int:
+def finality_time(
+    pieces: Pieces, grid: Grid, radial: Radial, links: Links, ends: Ends, tol: float
+) -> int:
     """Steps until it may be proved that nothing meets again: 0 if it is, NEVER if not as it is.
 
     For rows whose ends are not driven.
@@ -563,13 +578,15 @@ def finality_time(pieces: Pieces, grid: Grid, links: Links, ends: Ends, tol: flo
         if links.gap[i] < 0:
             return NEVER
         if wait < NEVER:
-            left = side_of(pieces, grid, ends, pieces.left[i], True, tol)
-            right = side_of(pieces, grid, ends, pieces.right[i], False, tol)
+            left = side_of(pieces, grid, radial, ends, pieces.left[i], True, tol)
+            right = side_of(pieces, grid, radial, ends, pieces.right[i], False, tol)
             wait = max(wait, separation_time(links.gap[i], left, right, tol))
     return wait
 
 
-def side_of(pieces: Pieces, grid: Grid, ends: Ends, p: int, right_end: bool, tol: float) -> Side:
+def side_of(
+    pieces: Pieces, grid: Grid, radial: Radial, ends: Ends, p: int, right_end: bool, tol: float
+) -> Side:
     """What the proof asks of piece p, whose right or left end is at the contact.
 
     A far endless bar of impedance Z gives way by the momentum it has taken, over Z. The end is half
@@ -604,15 +621,17 @@ def side_of(pieces: Pieces, grid: Grid, ends: Ends, p: int, right_end: bool, tol
         taken += pieces.mass[n] * v
         if n < b:
             k, change = grid.stiffness[n + 1], grid.velocity[n + 1] - grid.velocity[n]
-            now = grid.force[n + 1] + k * change / 2
+            coupling, rate = radial.coupling[n + 1], radial.rate[n + 1]
+            now = grid.force[n + 1] + k * change / 2 + coupling * rate / 2
             energy += pieces.lateral[n + 1] * change * change / 2
             energy += (now * now - k * k * change * change / 4) / (2 * k)
+            energy += energy_of_cell(radial, n + 1, change)
             beyond += pieces.mass[n] / mass
             g: float = 1.0
             if not held and Z == 0:
                 g = beyond if right_end else 1 - beyond
-            d += now / k * g
-            slack += g * g / k
+            d += (now - coupling * (radial.strain[n + 1] + rate / 2)) / k * g
+            slack += g * g / pieces.relaxed[n + 1]
     if not right_end:
         d = -d
     if Z > 0:

@@ -37,12 +37,13 @@ from .grid_kernel import (
     substitute,
 )
 from .mesh import Mesh
+from .radial_kernel import Radial
 
 TOLERANCE = 2.0**-40  # of the velocities, below which contacts graze: round-off of many steps
 GAP_RESOLUTION = 1.0  # of what bodies cover in a step: dispersed waves open smaller gaps
 STATES_BYTES = 64 << 20  # of kept states, where their number is not given
-CELL_TIMES = {"explicit": (7e-10, 8e-7), "implicit": (6e-9, 2.5e-6)}
-"""Time of a cell and a step, s, compiled and in plain Python."""
+CELL_TIMES = {"explicit": (7e-10, 8e-7), "implicit": (6e-9, 2.5e-6), "radial": (7e-10, 8e-7)}
+"""Time of a cell and a step, s, compiled and in plain Python; of radial motion beside the other."""
 STEP_TIMES = 3e-7, 1e-5
 """Time of a step beside that of its cells, with what results take."""
 
@@ -61,7 +62,7 @@ def check_memory(mesh: Mesh, step: float, steps: float, states: float) -> None:
     # what the kernel keeps; force, gap, path, rate and power with integrals; edges and times
     record = steps * (2 * kept + 10 * contacts + 5 * masses + 8 * ends + 10)
     # two of each, while they are made larger or fields are made of them
-    fields = 2 * states * (2 * len(mesh.mass) + len(mesh.starts) + 3)
+    fields = 2 * states * (2 * len(mesh.mass) * (1 + mesh.swells) + len(mesh.starts) + 3)
     if not kernels.enabled():  # lists take four times what arrays take, and stand beside them
         record, fields = record + 4 * steps * kept, 3 * fields
     if record > fields:
@@ -90,6 +91,7 @@ class Machine:
             if hidden:
                 mobility[a : b + 1] = 0.0
         self.grid = self._grid(mobility, implicit)
+        self.radial = self._radial()
         self.links, self.chain = self._links(mobility, implicit)
         self.bonds = self._bonds()
         self.ends = Ends(
@@ -107,7 +109,7 @@ class Machine:
         sides = [[mesh.piece_of(node) for node in nodes] for nodes in mesh.touching.values()]
         left, right = (whole([pair[side] for pair in sides]) for side in (0, 1))
         self.pieces = Pieces(whole(mesh.starts), whole(mesh.stops), mesh.mass / h, mesh.held,
-                             mesh.lateral / h, left, right)
+                             mesh.lateral / h, mesh.cells.relaxed * h, left, right)
         self.clock = whole([0, 0, 0])
         self.taken = 0
 
@@ -121,7 +123,7 @@ class Machine:
     def _impedance(self, side: int) -> float:
         """Impedance sqrt(E A rho A) of the rod's last cell at an end."""
         cell = self.mesh.ends[side] + (1 if side == 0 else 0)
-        return math.sqrt(float(self.mesh.stiffness[cell] * self.mesh.cell_mass[cell]))
+        return math.sqrt(float(self.mesh.cells.relaxed[cell] * self.mesh.cell_mass[cell]))
 
     def _grid(self, mobility: Array, implicit: list[bool]) -> Grid:
         mesh, h = self.mesh, self.step
@@ -142,6 +144,19 @@ class Machine:
             np.zeros(n), np.zeros(n + 1), mobility, stiffness, whole(first), whole(last),
             np.array(kick), np.array(stiff), whole(sorted({*first, *last})),
             whole(mesh.starts), np.zeros(len(mesh.starts)),
+        )
+
+    def _radial(self) -> Radial:
+        cells, h = self.mesh.cells, self.step
+        n = len(cells.swelling)
+        swells = np.append(cells.swelling > 0, False)
+        turns = np.flatnonzero(np.diff(swells.astype(int)))
+        stiffness = np.where(cells.stiffness > 0, cells.stiffness, 1.0)
+        ease = np.divide(h, cells.swelling, out=np.zeros(n), where=swells[:-1])
+        return Radial(
+            turns[::2] + 1, turns[1::2], np.zeros(n), np.zeros(n), ease, cells.coupling * h,
+            (cells.radial - cells.coupling**2 / stiffness) * h, cells.coupling / stiffness,
+            self.mesh.shear * h,
         )
 
     def _implicit(self, mass: Array, implicit: list[bool]) -> Implicit:
@@ -235,7 +250,10 @@ class Machine:
                 node = mesh.ends[side]
                 jump[node] = self._given(value, np.zeros(1))[0] - v[node]
         v += self._dragged(jump)
-        tension = mesh.stiffness * strain
+        slow = -mesh.cells.coupling / np.where(mesh.cells.radial > 0, mesh.cells.radial, 1.0)
+        radial = slow * strain
+        self.radial.strain[:] = radial / self.step
+        tension = mesh.stiffness * strain + mesh.cells.coupling * radial
         kick = self._first_kick(tension)
         grid.force[:] = tension + grid.stiffness * np.diff(kick - v, prepend=0.0, append=0.0) / 2
         grid.place[:] = kick[mesh.starts] / 2
@@ -366,11 +384,11 @@ class Machine:
         if driven(self.row.system):
             return NEVER
         nodes = 2 * len(self.mesh.mass)
-        parts: Any = self.pieces, self.grid, self.links, self.ends
+        parts: Any = self.pieces, self.grid, self.radial, self.links, self.ends
         if kernels.worth_compiling(nodes * PROOF_TIME, finality_time):
             return int(kernels.compiled(finality_time)(*parts, self.tol))
-        pieces, grid, links, ends = map(kernels.as_lists, parts)
-        return finality_time(pieces, grid, links, ends, self.tol)
+        pieces, grid, radial, links, ends = map(kernels.as_lists, parts)
+        return finality_time(pieces, grid, radial, links, ends, self.tol)
 
     def _grow(self, room: int) -> None:
         old, was = self.signals, self.room
@@ -393,8 +411,8 @@ class Machine:
             self._grow(max(end, 2 * self.room))
         self.states = self.keep.room_for(self, end)
         parts: tuple[Any, ...] = (
-            self.grid, self.implicit, self.links, self.chain, self.bonds, self.ends, self.tally,
-            self.signals, self.states,
+            self.grid, self.implicit, self.radial, self.links, self.chain, self.bonds, self.ends,
+            self.tally, self.signals, self.states,
         )
         numbers = sum(len(column) for part in (self.signals, self.states) for column in part)
         fast = kernels.worth_compiling(
@@ -432,7 +450,8 @@ class Keeper:
         """How many states of a run are kept at most."""
         if isinstance(self.snapshots, np.ndarray):
             return 2.0 * len(self.snapshots) + 2
-        self.most = self.most or max(64, STATES_BYTES // (16 * len(mesh.mass)))
+        self.most = self.most or max(
+            64, STATES_BYTES // (16 * len(mesh.mass) * (1 + mesh.swells)))
         return min(steps, max(self.most, 3)) + 2
 
     def make(self, machine: Machine, room: int) -> States:
@@ -443,8 +462,9 @@ class Keeper:
     def _space(self, mesh: Mesh, when: list[int], count: int) -> States:
         """Room for so many states, of which the first are kept at `when`."""
         nodes, pieces = len(mesh.mass), len(mesh.starts)
+        radial = count * (nodes + 1) * mesh.swells
         return States(whole(when), np.zeros(count * nodes), np.zeros(count * (nodes + 1)),
-                      np.zeros(count * pieces), np.zeros(count))
+                      np.zeros(count * pieces), np.zeros(count), *np.zeros((2, radial)))
 
     def _when(self, machine: Machine, end: int) -> list[int]:
         if isinstance(self.snapshots, np.ndarray):
@@ -479,4 +499,4 @@ def cost(mesh: Mesh, plain: bool) -> float:
     return STEP_TIMES[plain] + sum(
         (b - a + 1) * CELL_TIMES["implicit" if hidden else "explicit"][plain]
         for a, b, hidden in zip(mesh.starts, mesh.stops, mesh.implicit, strict=True)
-    )
+    ) + np.count_nonzero(mesh.cells.swelling) * CELL_TIMES["radial"][plain]

@@ -7,6 +7,8 @@ between the nodes i - 1 and i, so the cells 0, those between pieces, and the las
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_left
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -14,6 +16,7 @@ import numpy as np
 
 from ...model import Segment
 from ...model.frozen import InvalidModel
+from ...model.lateral_inertia import INERTIA, MINDLIN_HERRMANN, radial_moduli
 from ..contact_law_kernel import BOND, FORCE, FREE, RIGID
 from ..row import Array, Row
 
@@ -32,6 +35,45 @@ class Interface(NamedTuple):
     end: int
 
 
+class Cells(NamedTuple):
+    """What cells are made of, all [cell] arrays; q is the radial strain of `lateral_inertia`.
+
+    cell_mass rho A dx, kg; stiffness (E, or lambda + 2 mu at constant q) A/dx, N/m
+    viscous eta A/dx, N s/m; lateral rho nu^2 I_p/dx, kg, by Rayleigh and Love
+    By Mindlin and Herrmann: swelling, the inertia m rho I_p dx of q, kg m^2; coupling 2 lambda A,
+    tension for a unit of q, N; radial 4 (lambda + mu) A dx and shear s mu I_p/dx, N m.
+    """
+
+    cell_mass: Array
+    stiffness: Array
+    viscous: Array
+    lateral: Array
+    swelling: Array
+    coupling: Array
+    radial: Array
+    shear: Array
+
+    @property
+    def relaxed(self) -> Array:
+        """Stiffness E A/dx [cell] of slow stretching, where q follows, N/m."""
+        return self.stiffness - self.coupling**2 / np.where(self.radial > 0, self.radial, 1.0)
+
+
+class RadialMotion(NamedTuple):
+    """Radial strain q of the cells that have their own, on a grid.
+
+    swelling, coupling, radial [cell] as in `Cells`; shear [node] between its cells, N m
+    strain, rate [state, cell] : q in 1/s times steps, and its rate in 1/s
+    """
+
+    swelling: Array
+    coupling: Array
+    radial: Array
+    shear: Array
+    strain: Array
+    rate: Array
+
+
 class GridMotion(NamedTuple):
     """What a grid knows of the motion: the mesh, states at some times, forces from outside a piece.
 
@@ -40,6 +82,7 @@ class GridMotion(NamedTuple):
     when [state] in steps; velocity [state, node] in m/s, in the frame; force [state, cell] in N;
     place [state, piece] in m/s times steps; lost [state] in W times steps
     pushes : by node, [steps] mean force to the right from outside its piece, N
+    radial : RadialMotion, where there is any
     """
 
     counts: Sequence[int]
@@ -58,6 +101,7 @@ class GridMotion(NamedTuple):
     place: Array
     lost: Array
     pushes: Mapping[int, Array]
+    radial: RadialMotion | None = None
 
 
 MESH = GridMotion._fields[:10]
@@ -78,8 +122,11 @@ class Mesh:
         First and last node of each piece.
     mass, held : [node] array
         kg; whether the velocity is given.
+    cells : Cells
     cell_mass, stiffness, viscous, lateral : [cell] array
-        rho A dx, E A/dx, eta A/dx and rho nu^2 I_p/dx: kg, N/m, N s/m, kg.
+        Of the cells.
+    shear : [node] array
+        Of the radial strain of its two cells, those of `Cells` in series, N m.
     width : [cell] array
         dx, m; 1 between pieces.
     touching : dict of int to (int, int)
@@ -105,7 +152,7 @@ class Mesh:
         self.ends = [0, 0]
         self._nodes = 0
         held: list[int] = []
-        cells: list[tuple[int, Array]] = []
+        cells: list[tuple[int, Cells]] = []
         node = -1
         for i, (left, right) in enumerate(row.beside):
             law = row.laws[i]
@@ -149,19 +196,19 @@ class Mesh:
         self._nodes += 1
         return node
 
-    def _fill(self, held: list[int], cells: list[tuple[int, Array]]) -> None:
+    def _fill(self, held: list[int], cells: list[tuple[int, Cells]]) -> None:
         n = self._nodes
         self.mass, self.held = np.zeros(n), np.zeros(n, np.int64)
-        self.cell_mass, self.stiffness, self.viscous, self.lateral = np.zeros((4, n + 1))
+        self.cells = Cells(*np.zeros((len(Cells._fields), n + 1)))
+        self.cell_mass, self.stiffness, self.viscous, self.lateral, *_ = self.cells
         for node, columns in cells:
-            span = slice(node + 1, node + 1 + columns.shape[1])
-            for of_row, of_segment in zip(
-                (self.cell_mass, self.stiffness, self.viscous, self.lateral), columns, strict=True
-            ):
-                of_row[span] = of_segment
+            for of_row, of_segment in zip(self.cells, columns, strict=True):
+                of_row[node + 1 : node + 1 + len(of_segment)] = of_segment
         self.mass += (self.cell_mass[:-1] + self.cell_mass[1:]) / 2
+        self.shear = _in_series(self.cells.shear)
         for m, node in enumerate(self.node_of_mass):
             self.mass[node] += self.row.masses[m]
+            self.shear[node] = 0.0
         self.held[held] = 1
 
     def _asked(self, link: int) -> bool:
@@ -186,6 +233,11 @@ class Mesh:
         node = self.first[s] if side else self.last[s]
         cell = node + side
         return Interface(node, mass + self.cell_mass[cell] / 2, side, cell, -1, -1)
+
+    @property
+    def swells(self) -> bool:
+        """Whether cells have a radial strain of their own."""
+        return bool(np.any(self.cells.swelling))
 
     @property
     def implicit(self) -> list[bool]:
@@ -228,25 +280,73 @@ class Mesh:
         return int(np.searchsorted(self.starts, node, "right")) - 1
 
 
-def _cells(segment: Any, count: int) -> Array:
-    """Mass, stiffness, viscosity and lateral inertia of the cells of a segment [4, cells]."""
+def _cells(segment: Any, count: int) -> Cells:
+    """The cells of a segment."""
     material, dx = segment.material, float(segment.length) / count
     area = segment.area_between(np.linspace(0.0, float(segment.length), count + 1))
     E, rho = float(material.youngs_modulus), float(material.density)
-    lateral = np.zeros(count)
-    if segment.polar_moment is not None:
-        lateral += rho * float(material.poisson_ratio) ** 2 * segment.polar_moments(area) / dx
-    return np.array([
-        rho * area * dx, E * area / dx, float(material.viscosity) * area / dx, lateral
-    ])
+    stiffness, polar = E * area / dx, segment.polar_moments(area)
+    lateral, swelling, coupling, radial, shear = np.zeros((5, count))
+    if segment.lateral_inertia == MINDLIN_HERRMANN:
+        moduli = radial_moduli(E, float(material.poisson_ratio))
+        stiffness = moduli.axial * area / dx
+        swelling, coupling = INERTIA * rho * polar * dx, moduli.coupling * area
+        radial, shear = moduli.radial * area * dx, moduli.shear * polar / dx
+    elif segment.polar_moment is not None:
+        lateral = rho * float(material.poisson_ratio) ** 2 * polar / dx
+    viscous = float(material.viscosity) * area / dx
+    return Cells(rho * area * dx, stiffness, viscous, lateral, swelling, coupling, radial, shear)
 
 
-def _refuse_stiff(path: str, columns: Array) -> None:
+def _in_series(springs: Array) -> Array:
+    """Of neighbours half of each in series [node]."""
+    left, right = springs[:-1], springs[1:]
+    both = left * right
+    joined: Array = 2 * both / np.where(both > 0, left + right, 1.0)
+    return joined
+
+
+def crossing_time(segment: Any) -> float:
+    """Time in which the fastest waves cross a segment, s."""
+    if segment.lateral_inertia is None:
+        return float(segment.transit_time)
+    whole = _cells(segment, 1)
+    return math.sqrt(float(whole.cell_mass[0] / whole.stiffness[0]))
+
+
+def stable_step(segment: Any, count: int) -> float:
+    """Longest stable step of a segment in so many cells, s.
+
+    Leapfrog is stable up to 2/omega of the fastest motion. By Mindlin and Herrmann that is the one
+    in which all nodes and all radial strains swing against their neighbours; its equation is a
+    bound where cells differ, too::
+
+        (omega^2 - 4 k/m) (omega^2 - (G + 4 s)/J) = 4 b^2/(m J)
+
+    with the mass m, stiffness k, coupling b, radial G, shear s and swelling J of a cell.
+    """
+    if segment.lateral_inertia is None:
+        return float(segment.transit_time) / count
+    m, k, _, _, J, b, G, s = _cells(segment, count)
+    axial, radial = 4 * k / m, (G + 4 * s) / J
+    square = (axial + radial + np.hypot(axial - radial, 4 * b / np.sqrt(m * J))) / 2
+    return 2 / math.sqrt(float(square.max()))
+
+
+def most_cells(segment: Any, count: int, step: float) -> int:
+    """How many cells, `count` at most, a segment may have for a step in s to be stable."""
+    if segment.lateral_inertia is None:
+        return count
+    unstable = bisect_left(range(1, count + 1), True, key=lambda N: stable_step(segment, N) < step)
+    return max(1, unstable)
+
+
+def _refuse_stiff(path: str, cells: Cells) -> None:
     """Raise InvalidModel where cells resist changes of length so much that nothing else counts."""
-    mass, stiffness, viscous, lateral = columns
-    impedance = np.sqrt(stiffness) * np.sqrt(mass)
+    impedance = np.sqrt(cells.stiffness) * np.sqrt(cells.cell_mass)
     for name, size in (
-        ("material.viscosity", viscous / impedance), ("polar_moment", lateral / mass),
+        ("material.viscosity", cells.viscous / impedance),
+        ("polar_moment", cells.lateral / cells.cell_mass),
     ):
         if size.max() > STIFFEST:
             message = (
@@ -264,15 +364,21 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     angular frequency, decay rate of the amplitude : float
         rad/s and 1/s; a mode x of K x = omega^2 M x decays at x D x/(2 x M x).
     """
-    from scipy.linalg import eigh
+    from scipy.linalg import block_diag, eigh
 
     transit = sum(float(s.transit_time) for s in segments)
     counts = [max(4, round(MODAL_CELLS * float(s.transit_time) / transit)) for s in segments]
     parts = [_cells(s, N) for s, N in zip(segments, counts, strict=True)]
-    mass, stiffness, viscous, lateral = np.concatenate(parts, axis=1)
+    mass, stiffness, viscous, lateral, *_ = cells = Cells(*np.concatenate(parts, axis=1))
     M = np.diag((np.append(mass, 0.0) + np.append(0.0, mass)) / 2) + _chain(lateral)
-    squares, modes = eigh(_chain(stiffness), M, subset_by_index=[1, MODES])
-    rates = np.einsum("im,ij,jm->m", modes, _chain(viscous), modes) / 2
+    K = block_diag(_chain(stiffness), np.diag(cells.radial) + _chain(_in_series(cells.shear)))
+    n = len(M)
+    K[:n, n:] = np.diff(np.eye(n), axis=0).T * cells.coupling
+    K[n:, :n] = K[:n, n:].T
+    kept = np.append(np.ones(n, bool), cells.swelling > 0)
+    M = block_diag(M, np.diag(cells.swelling))[np.ix_(kept, kept)]
+    squares, modes = eigh(K[np.ix_(kept, kept)], M, subset_by_index=[1, MODES])
+    rates = np.einsum("im,ij,jm->m", modes[:n], _chain(viscous), modes[:n]) / 2
     slowest = int(np.argmin(rates))
     return float(np.sqrt(squares[slowest])), float(rates[slowest])
 

@@ -35,7 +35,7 @@ from ..stepped import StepRecord, as_run
 from ..stepped_run import SteppedRun, clock_of_steps
 from .grid_kernel import States
 from .machine import GAP_RESOLUTION, Keeper, Machine, cost
-from .mesh import MESH, GridMotion, Mesh
+from .mesh import MESH, GridMotion, Mesh, RadialMotion, crossing_time, most_cells, stable_step
 
 RTOL = 1e-3
 COURANT = 0.999
@@ -59,7 +59,8 @@ class GridRun(SteppedRun):
     grid : Grid
         The kernel's, at the end, on arrays.
     states : States
-        What was kept: columns [state, node], [state, cell], [state, piece] and [state].
+        What was kept: columns [state, node], [state, cell], [state, piece] and [state]; of radial
+        strains [state, cell] or [state, 0].
     peak_change : float
         Relative change of the largest force from a mesh at most half as fine; nan without one.
     """
@@ -79,6 +80,8 @@ class GridRun(SteppedRun):
         inside = self.mesh.stiffness > 0
         yielding = self.mesh.stiffness[inside] * self.mesh.width[inside]
         force = self.states.force
+        if self.mesh.swells:
+            force = force - self.mesh.cells.coupling * self.states.radial * self.step
         largest = np.maximum(force.max(axis=0), -force.min(axis=0))[inside]
         return float((largest / yielding).max())
 
@@ -151,10 +154,13 @@ def solve(row: Row, until: float | None, max_events: int, **options: Any) -> Run
 def hand_over(run: GridRun, until: float | None) -> Run:
     """What every method hands back, of a run to `until`."""
     def states(record: StepRecord) -> GridMotion:
-        mesh = run.mesh
+        mesh, states = run.mesh, run.states._asdict()
+        motion, cells = (states.pop("radial"), states.pop("radial_rate")), mesh.cells
+        radial = RadialMotion(cells.swelling, cells.coupling, cells.radial, mesh.shear, *motion)
         return GridMotion(
-            **{name: getattr(mesh, name) for name in MESH}, **run.states._asdict(),
+            **{name: getattr(mesh, name) for name in MESH}, **states,
             pushes=mesh.outer_forces(record.forces, record.ends),
+            radial=radial if mesh.swells else None,
         )
 
     return as_run(
@@ -266,7 +272,7 @@ def _mesh_size(
     row: Row, cells: int | None, dt: float | None, until: float | None
 ) -> tuple[list[int], float]:
     """Cells of each segment, and the step, s, that is stable for them."""
-    T = np.array([float(s.transit_time) for s in row.segments])
+    T = np.array([crossing_time(s) for s in row.segments])
     longest, shortest = int(np.argmax(T)), int(np.argmin(T))
     if cells is None and dt is None:
         least = max(FIRST, math.ceil(FEWEST * T[longest] / T[shortest]))
@@ -288,7 +294,6 @@ def _mesh_size(
     base = float(T[longest]) / cells if cells is not None else dt
     assert base is not None
     counts = np.floor(T / base * STABLE)
-    step = float((T / np.maximum(counts, 1)).min()) * COURANT if dt is None else dt
     if cells is not None:
         counts[longest] = cells
     if counts.min() < 1:
@@ -302,14 +307,21 @@ def _mesh_size(
     if counts.sum() > MOST_CELLS:
         message = f"asks for {counts.sum():.10g} cells, of {MOST_CELLS} at most"
         raise InvalidModel([("cells" if dt is None else "dt", message)])
-    courant = step * counts / T
+    if dt is not None and cells is None:  # the most cells for which it is stable
+        counts = np.array([most_cells(s, int(N), dt / STABLE)
+                           for s, N in zip(row.segments, counts, strict=True)])
+    stable = np.array([
+        stable_step(s, int(N)) for s, N in zip(row.segments, counts, strict=True)])
+    step = float(stable.min()) * COURANT if dt is None else dt
+    courant = step / stable
     if courant.max() > STABLE:
         worst = int(np.argmax(courant))
-        message = (
-            f"would be unstable: waves would cross {courant.max():.6g} cells of "
-            f"{row.paths[worst + 1]} in a step; at most {T[worst] / counts[worst]:.6g} s"
-        )
-        raise InvalidModel([("dt", f"{message}, got {dt!r}")])
+        many, path = f"{courant.max():.6g}", row.paths[worst + 1]
+        cause = f"waves would cross {many} cells of {path} in a step"
+        if row.segments[worst].lateral_inertia is not None:
+            cause = f"radial motion of {path} is {many} times too fast for it"
+        message = f"would be unstable: {cause}; at most {stable[worst]:.6g} s, got {dt!r}"
+        raise InvalidModel([("dt", message)])
     return counts.astype(int).tolist(), step
 
 
@@ -384,6 +396,7 @@ def _taken(machine: Machine) -> dict[str, Any]:
     states = States._make([
         machine.states.when[:count],
         *(x.reshape(room, -1)[:count] for x in machine.states[1:4]), machine.states.lost[:count],
+        *(x.reshape(room, -1)[:count] for x in machine.states[5:]),
     ])
     return {
         "edges": STEP_TICKS * np.arange(machine.taken + 1), "signals": machine.signals,

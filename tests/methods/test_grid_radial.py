@@ -1,0 +1,129 @@
+"""Lateral inertia by Mindlin and Herrmann on a grid: limits, symmetries, and the stable step."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.linalg import block_diag, eigh
+
+import rodimpact as ri
+from rodimpact.methods.grid.mesh import Mesh, lasting_mode, most_cells, stable_step
+from rodimpact.methods.grid.method import follow
+from rodimpact.methods.row import Row
+
+METHOD, THEORY = "finite-difference", "mindlin-herrmann"
+UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0, poisson_ratio=0.3)
+
+
+def segment(length, radius=0.05, material=UNIT, theory=THEORY):
+    return ri.Segment(length, None, material, diameter=2 * radius, lateral_inertia=theory)
+
+
+def rod(*pieces, **options):
+    return ri.Rod(segments=list(pieces), **options)
+
+
+def solved(bodies, until=1.0, contacts=None, **mesh):
+    return ri.solve(ri.System(bodies, contacts=contacts), until, METHOD, **mesh or {"dt": 0.008})
+
+
+def fastest(mesh):
+    """Largest angular frequency of a mesh, from its whole matrices."""
+    n, cells = len(mesh.mass), mesh.cells
+    k, J, b, G = (x[1:n] for x in (cells.stiffness, cells.swelling, cells.coupling, cells.radial))
+    inner, between = (np.diff(np.eye(size), axis=0) for size in (n, n - 1))
+    K = np.block([
+        [inner.T @ (k[:, None] * inner), inner.T * b],
+        [(inner.T * b).T, np.diag(G) + between.T @ (mesh.shear[1 : n - 1, None] * between)],
+    ])
+    kept = np.append(np.ones(n, bool), J > 0)
+    M = block_diag(np.diag(mesh.mass), np.diag(J))
+    return math.sqrt(eigh(K[np.ix_(kept, kept)], M[np.ix_(kept, kept)], eigvals_only=True)[-1])
+
+
+@pytest.mark.parametrize("count", [3, 10, 40, 100])
+def test_the_stable_step_is_that_of_the_fastest_motion(count):
+    """Coarse cells are bound by the cut-off of the second branch, fine ones by its waves."""
+    piece = segment(1.0)
+    exact = 2 / fastest(Mesh(Row(ri.System([rod(piece)])), [count]))
+    assert stable_step(piece, count) == pytest.approx(exact, rel=2e-3)
+    assert stable_step(piece, count) <= exact * (1 + 1e-12)
+    step = stable_step(piece, count)
+    assert most_cells(piece, 10 * count, step * (1 - 1e-9)) == count
+
+
+def test_the_stable_step_holds_where_sections_and_theories_differ():
+    cone = ri.Segment(0.5, ri.Samples([0.02, 0.004]), UNIT, polar_moment="circular",
+                      lateral_inertia=THEORY)
+    pieces, counts = [segment(0.5), cone, segment(0.3, 0.1), segment(0.2, theory=None)], [20, 9, 5]
+    mesh = Mesh(Row(ri.System([rod(*pieces)])), [*counts, 4])
+    step = min(stable_step(s, N) for s, N in zip(pieces, [*counts, 4], strict=True))
+    assert 0.9 < step * fastest(mesh) / 2 <= 1 + 1e-12
+
+
+def test_a_step_beyond_the_radial_motion_is_refused():
+    with pytest.raises(ri.InvalidModel, match=r"radial motion of bodies\.0 is .* times too fast"):
+        solved([rod(segment(1.0))], dt=0.06)
+
+
+def test_a_held_rod_strained_evenly_stays_at_rest():
+    """w = -nu a u_x at the start: the radius is that of slow stretching."""
+    held = ri.System([rod(segment(1.0), strain=1e-3)], ends=(ri.Fixed(), ri.Fixed()))
+    s = ri.solve(held, 1.0, METHOD, cells=40)
+    x, t = np.linspace(0, 1, 21)[:, None], np.linspace(0, 1, 11)
+    assert np.abs(s.velocity(0, x, t)).max() <= 1e-15
+    assert s.strain(0, x, t) == pytest.approx(1e-3, abs=1e-15)
+    assert s.energy(t).strain == pytest.approx(math.pi * 0.05**2 * 1e-6 / 2, rel=1e-12)
+    assert follow(Row(held), 1.0, 10**9, cells=40).largest_strain == pytest.approx(1e-3, rel=1e-12)
+
+
+def test_without_poisson_effect_it_is_the_ideal_rod():
+    flat = UNIT.replace(poisson_ratio=0.0)
+    mine, ideal = (
+        solved([rod(segment(0.4, material=flat, theory=theory), velocity=1.0),
+                rod(segment(0.8, material=flat, theory=theory))])
+        for theory in (THEORY, None)
+    )
+    x, t = np.linspace(0, 0.8, 9)[:, None], np.linspace(0, 1, 11)
+    assert mine.velocity(1, x, t) == pytest.approx(ideal.velocity(1, x, t), abs=1e-13)
+
+
+def test_a_rod_in_pieces_is_the_whole_rod():
+    """Where segments, and bonded rods, of one section meet nothing is reflected."""
+    t = np.linspace(0, 1, 21)
+    striker = rod(segment(0.4), velocity=1.0)
+    whole = solved([striker, rod(segment(0.8))], cells=80)
+    two = solved([striker, rod(segment(0.4), segment(0.4))], cells=40)
+    bonded = solved([striker, rod(segment(0.4)), rod(segment(0.4))],
+                    contacts=[ri.Rigid(), ri.Bonded()], cells=40)
+    assert two.velocity(1, 0.7, t) == pytest.approx(whole.velocity(1, 0.7, t), abs=1e-12)
+    assert bonded.velocity(2, 0.3, t) == pytest.approx(whole.velocity(1, 0.7, t), abs=1e-12)
+    assert two.energy(t).strain == pytest.approx(whole.energy(t).strain, abs=1e-14)
+    assert bonded.energy(t).strain == pytest.approx(whole.energy(t).strain, abs=1e-14)
+
+
+def test_a_wall_is_a_mirror():
+    """A contact leaves the radius free, so two equal rods see a wall in each other."""
+    t = np.linspace(0, 2.5, 26)
+    pair = solved([rod(segment(1.0), velocity=1.0), rod(segment(1.0), velocity=-1.0)], 2.5)
+    wall = solved([rod(segment(1.0), velocity=1.0), ri.Wall()], 2.5)
+    assert wall.velocity(0, 0.3, t) == pytest.approx(pair.velocity(0, 0.3, t), abs=1e-12)
+    assert wall.velocity(0, 0.3, t) == pytest.approx(-pair.velocity(1, 0.7, t), abs=1e-12)
+
+
+def test_a_collision_of_thin_rods_is_proved_to_be_over_and_ends_like_that_of_ideal_ones():
+    pair = ri.System([rod(segment(0.4, 0.01), velocity=1.0), rod(segment(1.0, 0.01))])
+    s = ri.solve(pair, method=METHOD, cells=100)
+    assert s.final
+    assert s.outcome.restitution == pytest.approx(0.4, abs=0.01)
+    assert abs(s.outcome.energy_residual) <= 1e-12
+    assert s.outcome.numerical > 0
+
+
+def test_the_lasting_mode():
+    lossy = UNIT.replace(viscosity=1e-3)
+    omega, rate = lasting_mode([segment(1.0, 0.1, lossy)])
+    exact = math.pi * float(ri.waves.mindlin_herrmann(0.05, 0.3)[0])
+    assert omega == pytest.approx(exact, rel=3e-4)
+    assert omega < math.pi * (1 - 2e-3)
+    assert rate == pytest.approx(1e-3 * omega**2 / 2, rel=1e-2)
