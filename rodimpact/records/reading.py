@@ -21,6 +21,7 @@ from ..model.arguments import positive, single
 from ..model.frozen import nearest
 from ..model.quantities import Floats
 from ..storage.reading import FileFormatError, open_regular
+from ..storage.tables import TIMES
 from ..storage.writing import PathLike
 from ..units import one_line, shown
 from .signal import EVEN, Signal
@@ -31,7 +32,6 @@ HELD = 8  # samples in a row at the largest value, and
 LONGER = 4  # times as many as at any other: a recorder at its limit
 MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"),
          (codecs.BOM_UTF16_BE, "utf-16"))
-TIMES = re.compile(r"(?i)(?:time|t|zeit|temps|tiempo|x-?axis|seconds?)\b.*")
 MEASURED = ("time", "voltage", "dimensionless", "force", "pressure", "velocity", "length",
             "acceleration")
 """What a unit at the end of a name may be, without brackets: incident_V."""
