@@ -173,9 +173,7 @@ def gauges_to_csv(
     'time [s],incident [1],transmitted [1]'
     """
     problems: Problems = []
-    if not isinstance(gauges, Mapping) or not all(isinstance(g, Gauge) for g in gauges.values()):
-        message = "must be records by name, such as {'incident': solution.gauge(1, 0.5)}"
-        raise InvalidModel([("gauges", f"{message}, got {shown(gauges)}")])
+    check_gauges(gauges)
     if not gauges:
         problems.append(("gauges", "needs at least one record, such as solution.gauge(1, 0.5)"))
     problems += [("gauges", sentence) for name in gauges if (sentence := misnamed(name))]
@@ -193,6 +191,14 @@ def gauges_to_csv(
                for times in blocks)
     heads = [heading("time", "s"), *(heading(name, "") for name in gauges)]
     write_table(path, heads, columns, force=force)
+
+
+def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
+    """Gauges by name; InvalidModel for anything else."""
+    if not isinstance(gauges, Mapping) or not all(isinstance(g, Gauge) for g in gauges.values()):
+        message = "must be records by name, such as {'incident': solution.gauge(1, 0.5)}"
+        raise InvalidModel([("gauges", f"{message}, got {shown(gauges)}")])
+    return gauges
 
 
 def _interval(interval: Any, end: float) -> float:
