@@ -260,11 +260,10 @@ def _json(laid: dict[str, Laid]) -> str:
 def _draw(laid: dict[str, Laid], path: str, force: bool) -> None:
     """Draw all channels side by side."""
     from .. import plot
-    from ..plot.style import new_figure
+    from ..plot.comparison import side_by_side
 
-    figure = new_figure(5.6 * len(laid), 4.2)
-    pairs = figure.subplots(2, len(laid), squeeze=False, sharex="col", height_ratios=(3, 1)).T
+    pairs = side_by_side(len(laid))
     for pair, (measured, predicted, found, _) in zip(pairs, laid.values(), strict=True):
         scale = found.scale if measured.unit == predicted.unit else None  # else it was free
         plot.comparison(measured, predicted, pair, shift=found.shift, scale=scale)
-    plot.save(figure, path, force=force)
+    plot.save(pairs[0][0], path, force=force)
