@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from ..model import Rod
 from ..model.frozen import InvalidModel, Problems, nearest
 from ..records.bridge import ALONG, Bridge
-from ..records.comparison import Misfit, Pulse
+from ..records.comparison import Misfit, Pulse, gain_unit
 from ..records.reading import read_signals
 from ..records.signal import Signal
 from ..results.regions import nothing_to_draw
@@ -224,8 +224,6 @@ def _table(laid: dict[str, Laid]) -> str:
     """Tables of all channels."""
     blocks = []
     for name, (measured, predicted, found, pulses) in laid.items():
-        over = f"/{predicted.unit}" if predicted.unit else ""
-        unit = "" if measured.unit == predicted.unit else f"{measured.unit or 1}{over}"
         units = {"start": "s", "width": "s", "rise": "s", "plateau": measured.unit}
         words = {"start": "pulse starts", "width": "width at half height",
                  "rise": "rise from 10 to 90 %", "plateau": "plateau"}
@@ -236,7 +234,8 @@ def _table(laid: dict[str, Laid]) -> str:
         ]) + "\n" + align([
             ["misfit, root mean square over plateau", f"{100 * found.rms:.4g} %"],
             ["shift of the prediction", format_si(found.shift, "s")],
-            ["gain of the prediction", f"{found.scale:.6g} {unit}".rstrip()],
+            ["gain of the prediction",
+             f"{found.scale:.6g} {gain_unit(measured.unit, predicted.unit)}".rstrip()],
         ]))
     return "\n\n".join(blocks)
 
@@ -257,7 +256,7 @@ def _json(laid: dict[str, Laid]) -> str:
 def _draw(laid: dict[str, Laid], path: str, force: bool) -> None:
     """Draw all channels side by side."""
     from .. import plot
-    from ..plot.comparison import side_by_side
+    from ..plot.residuals import side_by_side
 
     pairs = side_by_side(len(laid))
     for pair, (measured, predicted, found, _) in zip(pairs, laid.values(), strict=True):

@@ -11,7 +11,6 @@ made, which `save` writes to a file; in a notebook, run ``%matplotlib inline`` a
 'time t (µs)'
 """
 
-from .comparison import comparison
 from .diagram import spacetime
 from .families import sweep
 from .histories import contact
@@ -19,6 +18,7 @@ from .law import restitution
 from .ledger import energy
 from .moving import animation
 from .page import overview
+from .residuals import comparison
 from .saving import save
 from .stages import snapshots
 from .strains import gauge

@@ -116,7 +116,8 @@ class Borders:
             paths += ax.plot(*track.T, color=self.colours.ink, linewidth=1.0, linestyle="-.",
                              zorder=5, path_effects=casing, label=name)
             ax.annotate(name, track[0], textcoords="offset points", va="bottom", zorder=6,
-                        fontsize=SMALL + 1, color=self.colours.ink, path_effects=casing, **turn)
+                        fontsize=SMALL + 1, color=self.colours.ink, path_effects=casing,
+                        parse_math=False, **turn)
         return paths
 
     def drives(self, ax: Axes) -> list[Line2D]:

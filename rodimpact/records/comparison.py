@@ -85,6 +85,19 @@ def plateau(values: Floats) -> float:
     return float(np.median(height[height > NEAR_TOP * largest]))
 
 
+def gain_unit(measured: str, predicted: str) -> str:
+    """Unit of what takes a prediction in one unit to a record in another; "" if they are alike.
+
+    Examples
+    --------
+    >>> gain_unit("V", ""), gain_unit("", "V"), gain_unit("N", "V"), gain_unit("V", "V")
+    ('V', '1/V', 'N/V', '')
+    """
+    if measured == predicted:
+        return ""
+    return f"{measured or 1}/{predicted}" if predicted else measured
+
+
 def misfit_of(
     record: Record, model: Record, shift: tuple[float, float] | None,
     scale: tuple[float, float] | None,

@@ -51,6 +51,16 @@ def test_the_band_is_scaled_with_the_prediction():
             plot.comparison(PULSE, PULSE, band=band)
 
 
+def test_names_are_no_formulas():
+    odd = PULSE.replace(name="$x_{$")
+    figure = plot.comparison(odd, odd).ax.figure
+    figure.draw_without_rendering()
+    solution = rods()
+    picture = plot.spacetime(solution, gauges={"$x_{$": solution.gauge(1, 0.5)})
+    picture.ax.figure.draw_without_rendering()
+    assert "$x_{$" in [text.get_text() for text in picture.ax.texts]
+
+
 def test_axes_are_a_pair_and_long_records_are_thinned():
     pair = Figure().subplots(2, 1)
     long = PULSE.resampled(1e-9)

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from ..methods.signals import Floats
 from ..model.arguments import of_kind
-from ..records.comparison import Bounds, Misfit, plateau
+from ..records.comparison import Bounds, Misfit, gain_unit, plateau
 from ..records.signal import Signal
 from ..units import TIMES
 from .scales import engineering, signed
@@ -114,7 +114,8 @@ def comparison(
         each.axhline(0.0, color=faint, linewidth=0.6, zorder=0)
         grid(each)
         dress(each)
-    upper.set(xlim=(t[0] * time.factor, t[-1] * time.factor), ylabel=unit.label)
+    upper.set(xlim=(t[0] * time.factor, t[-1] * time.factor))
+    upper.set_ylabel(unit.label, parse_math=False)
     lower.set(xlim=upper.get_xlim(), xlabel=time.label, ylabel="residual\n(% of plateau)")
     reach = 1.9 * max(map(abs, lower.get_ylim()))
     lower.set_ylim(-reach, reach)
@@ -140,9 +141,6 @@ def _adjusted(measured: Signal, predicted: Signal, found: Misfit) -> str:
         late = engineering("", abs(found.shift), "s").write(abs(found.shift))
         text += f", {late} {'later' if found.shift > 0 else 'earlier'}"
     if found.scale != 1:
-        unit = ""
-        if measured.unit != predicted.unit:
-            over = f"/{predicted.unit}" if predicted.unit else ""
-            unit = f" {measured.unit or '1' * bool(over)}{over}"
-        text += f", {TIMES} {signed(f'{found.scale:.4g}')}{unit}"
+        unit = gain_unit(measured.unit, predicted.unit)
+        text += f", {TIMES} {signed(f'{found.scale:.4g} {unit}')}".rstrip()
     return text
