@@ -19,12 +19,13 @@ from .law import restitution
 from .ledger import energy
 from .moving import animation
 from .page import overview
+from .residuals import comparison
 from .saving import save
 from .stages import snapshots
 from .strains import gauge
 from .style import look
 
 __all__ = [
-    "animation", "contact", "design", "energy", "gauge", "look", "overview", "restitution",
-    "save", "snapshots", "spacetime", "sweep",
+    "animation", "comparison", "contact", "design", "energy", "gauge", "look", "overview",
+    "restitution", "save", "snapshots", "spacetime", "sweep",
 ]
