@@ -13,7 +13,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from ..methods.signals import Floats
-from ..model import Absorbing, Bonded, Moved, Pushed, Rigid, RigidMass, Rod
+from ..model import Absorbing, Moved, Pushed, Rigid, RigidMass, Rod
 from ..results.placing import Placing
 from .plane import Plane
 from .polygons import Polygons
@@ -57,7 +57,7 @@ class Borders:
         pressing, touching = [], []
         start, stop = self.plane.span
         for history in self.plan.solution.contacts:
-            if isinstance(history.law, Bonded):
+            if not history.law.opens:
                 continue
             cuts = self.cut.cuts(history)
             times = np.concatenate(([start], cuts[(cuts > start) & (cuts < stop)], [stop]))

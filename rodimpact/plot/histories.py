@@ -15,7 +15,7 @@ from matplotlib.patches import StepPatch
 from matplotlib.text import Annotation
 
 from ..methods.signals import Floats
-from ..model import Bonded, Rigid
+from ..model import Bonded, Joint, Rigid
 from ..model.arguments import array
 from ..results.contacts import ContactHistory
 from ..results.solution import Solution, check_solution
@@ -43,7 +43,7 @@ def contact(
 ) -> Contact:
     """Draw force and gap of a contact, or of several together, against time.
 
-    A gap below 0 is the indentation of a compliant contact. An impact of two rigid bodies lasts no
+    A gap below 0 is the indentation of a compliant contact; of a joint it is the stretch. An impact of two rigid bodies lasts no
     time: its force is the mean over the time step that the label names.
 
     Parameters
@@ -86,7 +86,11 @@ def contact(
     force = force_scale(solution, histories)
     low, high = min(g.min() for *_, g in records), max(g.max() for *_, g in records)
     indented = low < 0 and not all(isinstance(h.law, Rigid | Bonded) for h in histories)
-    gap = engineering("gap, below 0\nindentation" if indented else "gap", max(-low, high), "m")
+    laws = [history.law for history in histories]
+    word = "gap, below 0\nindentation" if indented else "gap"
+    if any(isinstance(law, Joint) for law in laws):
+        word = f"{word},\nor stretch" if any(law.opens for law in laws) else "stretch"
+    gap = engineering(word, max(-low, high), "m")
 
     forces = draw_forces(force_ax, histories, end, time, force)
     gaps: list[Line2D] = []

@@ -33,7 +33,8 @@ def machine_of(system, room, snapshots=None, step=STEP):
 def side_of(machine, node, right_end):
     """Mean velocity, deviation and bound of the end at a node."""
     piece = machine.mesh.piece_of(node)
-    side = fk.side_of(machine.pieces, machine.grid, machine.ends, piece, right_end, machine.tol)
+    side = fk.side_of(machine.groups, machine.grid, machine.links, machine.ends, piece, right_end,
+                      machine.tol)
     return side.mean, side.deviation, side.bound
 
 

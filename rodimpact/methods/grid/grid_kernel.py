@@ -13,7 +13,7 @@ tridiagonal, so the step follows the wave speed alone; it is eliminated from bot
 middle, two independent recurrences at a time.
 
 Bodies bonded together are one *piece* of neighbouring nodes; between pieces lies a cell without
-stiffness. Contacts are the links of `contact_law_kernel` between the last node of a piece and the
+stiffness. Contacts and joints are the links of `contact_law_kernel` between the last node of a piece and the
 first of the next, with the discrete inertia seen there. Their w is the mean closing velocity of a
 step. A rigid contact does not update its gap while it is shut: the two nodes move on with one
 velocity. The energy that the nodes lose as it shuts is of the size of a cell. Ends that shut
@@ -30,8 +30,8 @@ from typing import Any, NamedTuple
 
 from ..contact_law_kernel import (
     IMPACT,
+    JOINT,
     RIGID,
-    SPRING,
     YIELD,
     Chain,
     Tally,
@@ -85,7 +85,7 @@ class Implicit(NamedTuple):
 
 
 class Links(NamedTuple):
-    """Contacts that can open, from left to right."""
+    """Contacts and joints, from left to right."""
 
     law: Any
     stiffness: Any
@@ -133,16 +133,17 @@ class Ends(NamedTuple):
     old: Any  # velocity of the node before the step
 
 
-class Pieces(NamedTuple):
-    """What the proof of finality asks of the pieces."""
+class Groups(NamedTuple):
+    """What the proof of finality asks of pieces, and of those that are joined."""
 
-    first: Any  # [piece] nodes
+    first: Any  # [group] nodes
     last: Any
     mass: Any  # [node]
     held: Any  # [node] 1 if its velocity is given
     lateral: Any  # [cell] inertia that resists changes of its length
-    left: Any  # [link] piece on the left
+    left: Any  # [link] group on the left
     right: Any
+    joint: Any  # [cell] the joint that stands there, -1 without
 
 
 class Signals(NamedTuple):
@@ -357,7 +358,7 @@ def settle(
             rest = gap - chain.limit[q]
         elif gap <= 0 and abs(w) <= tol:
             rest = gap
-    elif law >= SPRING:
+    else:
         rest = indent(links, tally, i, F, chain.place[q])
     return rest
 
@@ -553,36 +554,41 @@ def run(
         j += 1
 
 
-def finality_time(pieces: Pieces, grid: Grid, links: Links, ends: Ends, tol: float) -> int:
+def finality_time(groups: Groups, grid: Grid, links: Links, ends: Ends, tol: float) -> int:
     """Steps until it may be proved that nothing meets again: 0 if it is, NEVER if not as it is.
 
     For rows whose ends are not driven.
     """
     wait = 0
     for i in range(len(links.gap)):
+        if links.law[i] == JOINT:
+            continue
         if links.gap[i] < 0:
             return NEVER
         if wait < NEVER:
-            left = side_of(pieces, grid, ends, pieces.left[i], True, tol)
-            right = side_of(pieces, grid, ends, pieces.right[i], False, tol)
+            left = side_of(groups, grid, links, ends, groups.left[i], True, tol)
+            right = side_of(groups, grid, links, ends, groups.right[i], False, tol)
             wait = max(wait, separation_time(links.gap[i], left, right, tol))
     return wait
 
 
-def side_of(pieces: Pieces, grid: Grid, ends: Ends, p: int, right_end: bool, tol: float) -> Side:
-    """What the proof asks of piece p, whose right or left end is at the contact.
+def side_of(
+    groups: Groups, grid: Grid, links: Links, ends: Ends, p: int, right_end: bool, tol: float
+) -> Side:
+    """What the proof asks of group p, whose right or left end is at the contact.
 
-    A far endless bar of impedance Z gives way by the momentum it has taken, over Z. The end is half
-    a step ahead of the cells, by no more than the velocity that the energy gives it.
+    A far endless bar of impedance Z gives way by the momentum it has taken, over Z, and a joint
+    that is a dashpot alone by the change of momentum over its c. The end is half a step ahead of
+    the cells, by no more than the velocity that the energy gives it.
     """
-    a, b = pieces.first[p], pieces.last[p]
+    a, b = groups.first[p], groups.last[p]
     near, far = (b, a) if right_end else (a, b)
     mass: float = 0.0
     momentum: float = 0.0  # relative to the first node, so that a body without vibration has none
     for n in range(a, b + 1):
-        mass += pieces.mass[n]
-        momentum += pieces.mass[n] * (grid.velocity[n] - grid.velocity[a])
-    Z, held = 0.0, pieces.held[far] > 0
+        mass += groups.mass[n]
+        momentum += groups.mass[n] * (grid.velocity[n] - grid.velocity[a])
+    Z, held = 0.0, groups.held[far] > 0
     mean: float = 0.0
     if held:
         mean = grid.velocity[far]
@@ -598,19 +604,26 @@ def side_of(pieces: Pieces, grid: Grid, ends: Ends, p: int, right_end: bool, tol
     beyond: float = 0.0
     d: float = 0.0
     slack: float = 0.0
+    loose: float = 0.0
     for n in range(a, b + 1):
         v = grid.velocity[n] - mean
-        energy += pieces.mass[n] * v * v / 2
-        taken += pieces.mass[n] * v
+        energy += groups.mass[n] * v * v / 2
+        taken += groups.mass[n] * v
         if n < b:
             k, change = grid.stiffness[n + 1], grid.velocity[n + 1] - grid.velocity[n]
-            now = grid.force[n + 1] + k * change / 2
-            energy += pieces.lateral[n + 1] * change * change / 2
-            energy += (now * now - k * k * change * change / 4) / (2 * k)
-            beyond += pieces.mass[n] / mass
+            now, i = grid.force[n + 1] + k * change / 2, groups.joint[n + 1]
+            if i >= 0:
+                k, change = links.stiffness[i], 0.0
+                now = k * links.gap[i]
+            beyond += groups.mass[n] / mass
             g: float = 1.0
             if not held and Z == 0:
                 g = beyond if right_end else 1 - beyond
+            if k == 0:
+                loose += 2 * g / links.damping[i]
+                continue
+            energy += groups.lateral[n + 1] * change * change / 2
+            energy += (now * now - k * k * change * change / 4) / (2 * k)
             d += now / k * g
             slack += g * g / k
     if not right_end:
@@ -618,7 +631,9 @@ def side_of(pieces: Pieces, grid: Grid, ends: Ends, p: int, right_end: bool, tol
     if Z > 0:
         d -= taken / Z
         slack = 2 * (slack + mass / (Z * Z))
-    bound = bound_of(energy, slack) + math.sqrt(max(energy, 0.0) / (2 * pieces.mass[near]))
+    if loose > 0:
+        slack = 2 * (slack + mass * loose * loose)
+    bound = bound_of(energy, slack) + math.sqrt(max(energy, 0.0) / (2 * groups.mass[near]))
     if bound <= tol:
         return Side(mean, mean, mean, d, bound)
     return Side(mean, -math.inf, math.inf, d, bound)
