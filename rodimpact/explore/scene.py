@@ -209,12 +209,10 @@ def _contacts(solution: Solution, stop: float, exact: bool) -> list[Scene]:
         if not isinstance(contact.law, Bonded):
             gaps.append(_series(name, times, contact.gap(times)))
     plots = [_plot("force", "Contact force", "N", forces)] if forces else []
-    laws = [c.law for c in solution.contacts if not isinstance(c.law, Bonded)]
-    title = "Gap, below 0 indentation"
-    if all(isinstance(law, Rigid) for law in laws):
-        title = "Gap"
-    elif any(isinstance(law, Joint) for law in laws):
-        title = "Stretch of joints" if not any(law.opens for law in laws) else f"{title}, or stretch"
+    laws = {type(c.law) for c in solution.contacts} - {Bonded}
+    title = "Gap" if laws <= {Rigid} else "Gap, below 0 indentation"
+    if Joint in laws:
+        title = f"{title}, or stretch" if laws > {Joint} else "Stretch of joints"
     return plots + ([_plot("gap", title, "m", gaps)] if gaps else [])
 
 

@@ -7,10 +7,10 @@ through the body between them those of its two neighbours. Its law gives F from 
 Laws: a compliant contact has the indentation x, and over a step the force (U(x1) - U(x0))/(x1 - x0)
 of its stored energy U (discrete gradient: Gonzalez, J. Nonlinear Sci. 6, 1996), the dashpot's mean
 over the same path, and never pulls; this is convex and increasing in x1, so Newton's method falls
-on the root from the right. A joint is a spring and a dashpot that pull as well. What yields is a spring up to its strength; x counts from where its
-faces have moved to. A rigid contact takes the force that keeps its closing below a limit. An impact
-of rigid bodies takes the force that leaves a closing velocity of at most -e times the one before
-(Moreau, CISM 302, 1988).
+on the root from the right. A joint is a spring and a dashpot that pull as well. What yields is a
+spring up to its strength; x counts from where its faces have moved to. A rigid contact takes the
+force that keeps its closing below a limit. An impact of rigid bodies takes the force that leaves a
+closing velocity of at most -e times the one before (Moreau, CISM 302, 1988).
 
 Time is counted in steps: lengths are velocity times steps, and masses and stiffnesses are scaled to
 match: M/h, k h^p for a force k x^p, a dashpot's constant as it is. What happens lasts d, a

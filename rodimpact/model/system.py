@@ -113,8 +113,9 @@ class System(Frozen):
                 message = f"must be a contact law itself, one of {known}, got {shown(law)}"
                 problems.append((f"contacts.{i}", message))
             elif not law.opens and i < len(widths):
-                more = "" if isinstance(law, Bonded) else "; give its Joint a stretch"
-                message = f"must be 0 where bodies are {'bonded' if not more else 'joined'}, got {{0!r}}{more}"
+                message = "must be 0 where bodies are joined, got {0!r}; give the Joint a stretch"
+                if isinstance(law, Bonded):
+                    message = "must be 0 where bodies are bonded, got {0!r}"
                 require(problems, np.equal(widths[i], 0), f"gaps.{i}", message, widths[i])
             elif isinstance(law, Rigid):
                 _check_rigid(problems, i, law, *bodies[i : i + 2])

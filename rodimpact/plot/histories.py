@@ -43,8 +43,9 @@ def contact(
 ) -> Contact:
     """Draw force and gap of a contact, or of several together, against time.
 
-    A gap below 0 is the indentation of a compliant contact; of a joint it is the stretch. An impact of two rigid bodies lasts no
-    time: its force is the mean over the time step that the label names.
+    A gap below 0 is the indentation of a compliant contact; that of a joint is its stretch. An
+    impact of two rigid bodies lasts no time: its force is the mean over the time step that the
+    label names.
 
     Parameters
     ----------

@@ -103,7 +103,7 @@ class Machine:
         self.keep = keep
         self.signals = self._allocate(room)
         self.states = keep.make(self, room)
-        first, last = map(whole, zip(*mesh.groups, strict=True))
+        first, last = (whole(list(ends)) for ends in zip(*mesh.groups, strict=True))
         left, right = (np.searchsorted(first, nodes, "right") - 1
                        for nodes in (self.links.left, self.links.right))
         joint = np.full(len(mesh.mass) + 1, -1)

@@ -225,7 +225,7 @@ class Mesh:
 
     @property
     def groups(self) -> list[tuple[int, int]]:
-        """First and last node of all that hangs together: pieces, and those with a joint between."""
+        """First and last node of all that hangs together: pieces, with the joints between them."""
         joined = {left for i, (left, _) in self.touching.items() if self.row.laws[i] == JOINT}
         first = [a for a in self.starts if a - 1 not in joined]
         last = [b for b in self.stops if b not in joined]

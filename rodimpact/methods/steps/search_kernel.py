@@ -435,8 +435,8 @@ def energy_lost(
     for s in range(1, len(level.ticks) - 1):
         Z, fraction = numbers.impedance[s - 1], level.ticks[s] % STEP_TICKS
         for line in (2 * s, 2 * s + 1):
-            stored = inside_segment(level, signals, line, 0, -level.ticks[s], 0.0, True)
-            there += Z * tick / 4 * stored
+            held = inside_segment(level, signals, line, 0, -level.ticks[s], 0.0, True)
+            there += Z * tick / 4 * held
             start = signals.wave_start[line] - inside(state, s)
             if fraction > 0:
                 for j in range(level.at[TAKEN]):

@@ -73,8 +73,8 @@ class State(NamedTuple):
     law: Any  # [link]
     stiffness: Any  # [link] of what is compliant
     exponent: Any  # [link] of the indentation
-    damping: Any  # [link] of JOINT, SPRING and HUNT: F = k x^(3/2) (1 + damping w); of IMPACT e; of YIELD
-    # the hardening
+    damping: Any  # [link] of HUNT: F = k x^(3/2) (1 + damping w); of JOINT and SPRING; of IMPACT e;
+    # of YIELD the hardening
     strength: Any  # [link] of YIELD, N
     gap: Any  # [link] minus the indentation, the stretch of a JOINT
     force: Any  # [link] of the last step
@@ -517,7 +517,7 @@ def stay(state: State, s: int, i: int, j: int) -> float:
 def group_motion(
     state: State, signals: Signals, k: int, q: int, right: bool, j: int, tol: float
 ) -> Group:
-    """Motion of everything that hangs together on one side of contact q of node k, before part j."""
+    """Motion of all that hangs together on one side of contact q of node k, before part j."""
     mass = momentum = mean = 0.0
     ground, parts, low, high = 0, 0, math.inf, -math.inf
     while True:
