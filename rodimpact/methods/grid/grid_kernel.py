@@ -17,8 +17,8 @@ stiffness. Contacts and joints are the links of `contact_law_kernel` between the
 piece and the first of the next, with the discrete inertia seen there. Their w is the mean closing
 velocity of a step. A rigid contact does not update its gap while it is shut: the two nodes move on
 with one velocity. The energy that the nodes lose as it shuts is of the size of a cell. Ends that
-shut before the first kick are not let into each other until then: all that follows would be as much too
-late, half a step where they touch from the start.
+shut before the first kick are not let into each other until then: all that follows would be as much
+too late, half a step where they touch from the start.
 
 Units are those of `contact_law_kernel`: M/h, E A h/dx, displacement/h.
 """
