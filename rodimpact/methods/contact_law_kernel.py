@@ -367,10 +367,11 @@ def record_step(
         signals.force[start + j] = F
         signals.gap[start + j] = gap
     state.force[i], state.gap[i] = F, gap
+    if F > 0 or state.law[i] == JOINT:
+        tally.impulse[i] += F * d
     if state.law[i] == JOINT:
         return
     if F > 0:
-        tally.impulse[i] += F * d
         tally.peak[i] = max(tally.peak[i], F)
         if tally.first[i] < 0:
             tally.first[i] = j

@@ -238,8 +238,10 @@ def energy_of_contacts(run):
     for i, law in enumerate(run.row.system.contacts):
         if not isinstance(law, ri.Rigid | ri.Bonded):
             _, gap = run.contact(i)
-            x = np.maximum(-np.concatenate(([run.row.system.gaps[i]], gap)), 0.0)
-            total += law.stored(x)
+            x = -np.concatenate(([run.row.system.gaps[i]], gap))
+            if isinstance(law, ri.Joint):
+                x[0] = law.stretch
+            total += law.stored(x if isinstance(law, ri.Joint) else np.maximum(x, 0.0))
     return total[run.states.when]
 
 

@@ -13,12 +13,12 @@ tridiagonal, so the step follows the wave speed alone; it is eliminated from bot
 middle, two independent recurrences at a time.
 
 Bodies bonded together are one *piece* of neighbouring nodes; between pieces lies a cell without
-stiffness. Contacts and joints are the links of `contact_law_kernel` between the last node of a
-piece and the first of the next, with the discrete inertia seen there. Their w is the mean closing
-velocity of a step. A rigid contact does not update its gap while it is shut: the two nodes move on
-with one velocity. The energy that the nodes lose as it shuts is of the size of a cell. Ends that
-shut before the first kick are not let into each other until then: all that follows would be as much
-too late, half a step where they touch from the start.
+stiffness. Contacts are the links of `contact_law_kernel` between the last node of a piece and the
+first of the next, with the discrete inertia seen there. Their w is the mean closing velocity of a
+step. A rigid contact does not update its gap while it is shut: the two nodes move on with one
+velocity. The energy that the nodes lose as it shuts is of the size of a cell. Ends that shut
+before the first kick are not let into each other until then: all that follows would be as much too
+late, half a step where they touch from the start.
 
 Units are those of `contact_law_kernel`: M/h, E A h/dx, displacement/h.
 """
