@@ -210,7 +210,7 @@ def _contacts(solution: Solution, stop: float, exact: bool) -> list[Scene]:
             gaps.append(_series(name, times, contact.gap(times)))
     plots = [_plot("force", "Contact force", "N", forces)] if forces else []
     laws = {type(c.law) for c in solution.contacts} - {Bonded}
-    title = "Gap" if laws <= {Rigid} else "Gap, below 0 indentation"
+    title = "Gap" if laws <= {Rigid, Joint} else "Gap, below 0 indentation"
     if Joint in laws:
         title = f"{title}, or stretch" if laws > {Joint} else "Stretch of joints"
     return plots + ([_plot("gap", title, "m", gaps)] if gaps else [])

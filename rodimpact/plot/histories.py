@@ -86,11 +86,11 @@ def contact(
     records = [_record(history, end) for history in histories]
     force = force_scale(solution, histories)
     low, high = min(g.min() for *_, g in records), max(g.max() for *_, g in records)
-    indented = low < 0 and not all(isinstance(h.law, Rigid | Bonded) for h in histories)
-    laws = [history.law for history in histories]
+    laws = {type(history.law) for history in histories}
+    indented = low < 0 and not laws <= {Rigid, Bonded, Joint}
     word = "gap, below 0\nindentation" if indented else "gap"
-    if any(isinstance(law, Joint) for law in laws):
-        word = f"{word},\nor stretch" if any(law.opens for law in laws) else "stretch"
+    if Joint in laws:
+        word = f"{word},\nor stretch" if laws > {Joint} else "stretch"
     gap = engineering(word, max(-low, high), "m")
 
     forces = draw_forces(force_ax, histories, end, time, force)
@@ -98,7 +98,7 @@ def contact(
     for i, (times, _, g) in enumerate(records):
         at = telling(g)
         gaps += gap_ax.plot(times[at] * time.factor, g[at] * gap.factor, linewidth=1.5, **_line(i))
-    if indented:
+    if indented or Joint in laws:
         gap_ax.axhline(0.0, color=colours().faint, linewidth=0.6, zorder=0)
     for each, scale, column in ((force_ax, force, 1), (gap_ax, gap, 2)):
         dress(each)

@@ -116,7 +116,7 @@ def test_a_state_goes_on_with_its_stretch():
     assert rest.system.contacts[0].stretch == float(whole.contacts[0].gap(1.5)) != 0
     t = np.linspace(0, 2.5, 40)
     assert rest.contacts[0].gap(t) == pytest.approx(whole.contacts[0].gap(1.5 + t), abs=1e-12)
-    between = [s.position(1, 0.0, u) - s.position(0, 1.0, u) for s, u in ((whole, 4.0), (rest, 2.5))]
+    between = [s.position(1, 0.0, s.t_end) - s.position(0, 1.0, s.t_end) for s in (whole, rest)]
     assert between == pytest.approx([whole.contacts[0].gap(4.0)] * 2, abs=1e-12)
 
 

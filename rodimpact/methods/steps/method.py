@@ -1,8 +1,8 @@
 """The method "characteristics": end signals averaged over a common time step.
 
-It carries what piecewise constant fronts cannot: rigid masses, compliant contacts, joints, gravity, driven
-ends and smooth initial states. The step is chosen so that transit times are whole numbers of steps
-where they can be, and divided until the outcome stands still.
+It carries what piecewise constant fronts cannot: rigid masses, compliant contacts, joints, gravity,
+driven ends and smooth initial states. The step is chosen so that transit times are whole numbers of
+steps where they can be, and divided until the outcome stands still.
 """
 
 from __future__ import annotations
