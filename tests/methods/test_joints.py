@@ -4,10 +4,17 @@ import math
 
 import numpy as np
 import pytest
+from laid_out import LaidOut
 from networks import unit_rod
 from scipy.linalg import expm
 
 import rodimpact as ri
+from rodimpact.methods.grid import grid_kernel
+from rodimpact.methods.grid.machine import Keeper, Machine
+from rodimpact.methods.grid.mesh import Mesh
+from rodimpact.methods.grid.method import _mesh_size
+from rodimpact.methods.row import Row
+from rodimpact.methods.steps import step_kernel
 
 QUICK = ri.Material("quick", youngs_modulus=6.0, density=1.5)  # wave speed 2
 METHODS = {"characteristics": {"dt": 1 / 64}, "finite-difference": {"cells": 64}}
@@ -76,6 +83,76 @@ def test_the_proof_counts_on_how_far_a_joint_gives_way(method, joint):
     assert s.outcome.contacts[0].episodes >= 1
     later = solved(row, 4 * s.t_final, method)
     assert later.outcome.contacts[0].last <= s.t_final
+
+
+def sides_of(method, system, steps):
+    """Mean velocity, deviation and bound, as the proof takes them, left of the last contact.
+
+    At the ends of some steps 1/64, in the laboratory and in SI units.
+    """
+    row, found = Row(system), []
+    if method == "characteristics":
+        machine = LaidOut(system, steps[-1], 1 / 64)
+        link = row.contact_link[-1]
+        node = next(k for k in range(len(row.first) - 1) if link < k + 1 + row.first[k + 1])
+        where = node, link - node - row.first[node], False
+        for j in steps:
+            machine.advance(j)
+            state, signals, tol = machine.state, machine.signals, machine.tol
+            group = step_kernel.group_motion(state, signals, *where, j, tol)
+            d, bound = step_kernel.deviation_bound(state, signals, *where, j, group, tol)
+            found.append((group.mean + row.frame, d / 64, bound / 64))
+        return found
+    counts, step = _mesh_size(row, None, 1 / 64, None)
+    machine = Machine(Mesh(row, counts), step, Keeper(None), steps[-1])
+    for j in steps:
+        machine.advance(j)
+        side = grid_kernel.side_of(
+            machine.groups, machine.grid, machine.links, machine.ends,
+            int(machine.groups.left[-1]), True, machine.tol)
+        found.append((side.mean + row.frame, side.deviation / 64, side.bound / 64))
+    return found
+
+
+HANGING = {
+    "free": [ri.RigidMass(0.5, velocity=-1.0), quick_rod(velocity=0.2), unit_rod(velocity=0.4)],
+    "wall": [ri.Wall(), quick_rod(velocity=0.2), unit_rod(velocity=0.4)],
+}
+
+
+@both
+@pytest.mark.parametrize("start", HANGING)
+@pytest.mark.parametrize("law", ["soft", "dashpot"])
+def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound(
+    method, start, law
+):
+    """Far from all else: the centre of mass, strains and stretches; what a dashpot gave way."""
+    joints = {
+        "soft": [ri.Joint(0.02, stretch=0.3), ri.Joint(0.05, 0.01)],
+        "dashpot": [ri.Joint(0.0, 0.05), ri.Joint(0.0, 0.3)],
+    }[law]
+    system = ri.System([*HANGING[start], unit_rod()], [0.0, 0.0, 90.0], [*joints, ri.Rigid()])
+    steps = [0, 64, 320, 640, 1280]
+    s = solved(system, 20.0, method, **{"dt": 1 / 64, "cells": None})
+    (V, d, bound), *later = sides_of(method, system, steps)
+    moved = s.displacement(2, 1.0, np.array(steps[1:]) / 64)
+    for j, end, (now, then, limit) in zip(steps[1:], moved, later, strict=True):
+        assert now == pytest.approx(V, abs=1e-10)
+        assert abs(end - V * j / 64 + d) <= bound
+        assert limit <= bound * (1 + 1e-9)
+        if law == "soft":
+            assert end == pytest.approx(V * j / 64 + then - d, abs=1e-9)
+    assert max(abs(moved - V * np.array(steps[1:]) / 64 + d)) > bound / 10
+
+
+@both
+def test_a_compressed_joint_lets_go(method):
+    """All is at rest, and yet something will meet."""
+    row = ri.System([unit_rod(), unit_rod(), unit_rod()], [0.0, 0.02],
+                    [ri.Joint(2.0, stretch=-0.1), ri.Rigid()], ends=(ri.Fixed(), ri.Free()))
+    s = solved(row, None, method, max_events=20_000)
+    assert s.outcome.contacts[1].episodes >= 1
+    assert s.outcome.velocities_after[2] > 0
 
 
 @both
