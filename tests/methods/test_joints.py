@@ -133,7 +133,7 @@ def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound
     }[law]
     system = ri.System([*HANGING[start], unit_rod()], [0.0, 0.0, 90.0], [*joints, ri.Rigid()])
     steps = [0, 64, 320, 640, 1280]
-    s = solved(system, 20.0, method, **{"dt": 1 / 64, "cells": None})
+    s = solved(system, 20.0, method, dt=1 / 64, cells=None)
     (V, d, bound), *later = sides_of(method, system, steps)
     moved = s.displacement(2, 1.0, np.array(steps[1:]) / 64)
     for j, end, (now, then, limit) in zip(steps[1:], moved, later, strict=True):
