@@ -56,6 +56,10 @@ def random_rod(rng):
 def random_law(rng, *pair):
     if rng.random() < 0.12 and not all(isinstance(b, ri.Wall) for b in pair):
         return ri.Bonded()
+    if rng.random() < 0.12:
+        k, c = logarithmic(rng, 1e-1, 1e4), logarithmic(rng, 1e-2, 1e2)
+        k, c = [(k, 0.0), (k, c), (0.0, c)][rng.integers(3)]
+        return ri.Joint(k, c, stretch=float(rng.uniform(-0.3, 0.3)) / (1 + k))
     k = logarithmic(rng, 1e-2, 1e3) if rng.random() < 0.7 else logarithmic(rng, 1e3, 1e9)
     kind = rng.integers(6)
     if kind == 0:
@@ -125,7 +129,7 @@ def random_network(seed, *, bodies=5, driven=False):
             if bonded and isinstance(body, ri.RigidMass) and not isinstance(before, ri.Rod):
                 row[i] = ri.RigidMass(body.mass, velocity=before.velocity)
     gaps = [
-        0.0 if isinstance(law, ri.Bonded) or rng.random() < 0.5 else float(rng.uniform(0, 0.3))
+        0.0 if not law.opens or rng.random() < 0.5 else float(rng.uniform(0, 0.3))
         for law in contacts
     ]
     ends = [random_end(rng, row[i], driven) for i in (0, -1)]
@@ -196,8 +200,10 @@ def energy_of_contacts(run):
         if isinstance(law, ri.Rigid | ri.Bonded):
             continue
         _, gap = run.contact(k)
-        x = np.maximum(-np.concatenate(([run.row.system.gaps[k]], gap)), 0.0)
-        total += law.stored(x)
+        x = -np.concatenate(([run.row.system.gaps[k]], gap))
+        if isinstance(law, ri.Joint):
+            x[0] = law.stretch
+        total += law.stored(x if isinstance(law, ri.Joint) else np.maximum(x, 0.0))
     return total
 
 

@@ -18,7 +18,6 @@ from functools import partial
 from typing import Any
 
 from ..methods.abilities import driven
-from ..model import Bonded
 from ..model.frozen import InvalidModel, Problems
 from ..running.sweep_report import sweep_json, sweep_table
 from ..running.sweep_result import SweepResult
@@ -114,7 +113,7 @@ def _check_case(problems: Problems, case: Case, draws: bool) -> None:
         message = "a sweep keeps no states; take snapshots out of the case"
         problems.append(("solve.snapshots", message))
     wide = sum(len(axis.values) > 1 for axis in case.varied)
-    contacts = sum(not isinstance(law, Bonded) for law in case.system.contacts)
+    contacts = sum(law.opens for law in case.system.contacts)
     if draws and case.varied and not 1 <= wide <= 2:
         message = f"a figure has one or two axes, and {wide} numbers vary; leave it out"
         problems.append(("--plot", message))

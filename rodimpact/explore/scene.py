@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..methods.signals import Floats
-from ..model import Bonded, Rigid, RigidMass, Rod, Wall
+from ..model import Bonded, Joint, Rigid, RigidMass, Rod, Wall
 from ..model.frozen import InvalidModel
 from ..model.profiles import extremes
 from ..results.closed_forms import ClosedForm, closed_form
@@ -199,7 +199,7 @@ def _series(name: str, t: Any, y: Any, steps: bool = False) -> Scene:
 
 
 def _contacts(solution: Solution, stop: float, exact: bool) -> list[Scene]:
-    """Force and gap of the contacts that can open, of bonded ones the force."""
+    """Force and gap of the contacts, stretch of joints, of bonded ones the force."""
     forces, gaps = [], []
     for contact in solution.contacts:
         name = f"contact {contact.index}-{contact.index + 1}"
@@ -209,8 +209,10 @@ def _contacts(solution: Solution, stop: float, exact: bool) -> list[Scene]:
         if not isinstance(contact.law, Bonded):
             gaps.append(_series(name, times, contact.gap(times)))
     plots = [_plot("force", "Contact force", "N", forces)] if forces else []
-    compliant = any(not isinstance(c.law, Rigid | Bonded) for c in solution.contacts)
-    title = "Gap, below 0 indentation" if compliant else "Gap"
+    laws = {type(c.law) for c in solution.contacts} - {Bonded}
+    title = "Gap" if laws <= {Rigid, Joint} else "Gap, below 0 indentation"
+    if Joint in laws:
+        title = f"{title}, or stretch" if laws > {Joint} else "Stretch of joints"
     return plots + ([_plot("gap", title, "m", gaps)] if gaps else [])
 
 

@@ -9,6 +9,7 @@ from ..model import (
     Bonded,
     Free,
     Incoming,
+    Joint,
     Moved,
     Pushed,
     Rigid,
@@ -21,6 +22,7 @@ from ..model import (
 from ..model.frozen import InvalidModel, vanishes
 
 MASSES, COMPLIANCE, GRAVITY = "rigid masses", "compliant contacts", "gravity"
+JOINTS = "joints"
 SMOOTH_STATES, SMOOTH_DRIVES = "profiles other than steps", "drives other than steps"
 DAMPING, LATERAL, TAPER = "damping", "lateral inertia", "tapered rods"
 _DRIVEN = (Pushed, Moved, Incoming)
@@ -36,7 +38,8 @@ def needs(system: System) -> list[tuple[str, str]]:
             found += [(f"bodies.{i}.{where}", what) for where, what in _of_rod(body)]
     for i, law in enumerate(system.contacts):
         if not isinstance(law, (Rigid, Bonded)):
-            found.append((f"contacts.{i}.law", COMPLIANCE))
+            what = JOINTS if isinstance(law, Joint) else COMPLIANCE
+            found.append((f"contacts.{i}.law", what))
     for side, end in zip(("left", "right"), system.ends, strict=True):
         if isinstance(end, _DRIVEN) and isinstance(end.value, Samples):
             found.append((f"ends.{side}.value", SMOOTH_DRIVES))

@@ -7,10 +7,10 @@ through the body between them those of its two neighbours. Its law gives F from 
 Laws: a compliant contact has the indentation x, and over a step the force (U(x1) - U(x0))/(x1 - x0)
 of its stored energy U (discrete gradient: Gonzalez, J. Nonlinear Sci. 6, 1996), the dashpot's mean
 over the same path, and never pulls; this is convex and increasing in x1, so Newton's method falls
-on the root from the right. What yields is a spring up to its strength; x counts from where its
-faces have moved to. A rigid contact takes the force that keeps its closing below a limit. An impact
-of rigid bodies takes the force that leaves a closing velocity of at most -e times the one before
-(Moreau, CISM 302, 1988).
+on the root from the right. A joint is a spring and a dashpot that pull as well. What yields is a
+spring up to its strength; x counts from where its faces have moved to. A rigid contact takes the
+force that keeps its closing below a limit. An impact of rigid bodies takes the force that leaves a
+closing velocity of at most -e times the one before (Moreau, CISM 302, 1988).
 
 Time is counted in steps: lengths are velocity times steps, and masses and stiffnesses are scaled to
 match: M/h, k h^p for a force k x^p, a dashpot's constant as it is. What happens lasts d, a
@@ -24,7 +24,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-FREE, FORCE, BOND, RIGID, IMPACT, SPRING, HERTZ, HUNT, POWER, YIELD = range(10)  # laws of links
+FREE, FORCE, BOND, JOINT, RIGID, IMPACT, SPRING, HERTZ, HUNT, POWER, YIELD = range(11)
+"""Laws of links: from RIGID on they can open."""
 COMPLIANT = {  # and their names in the model
     "spring": SPRING, "spring-dashpot": SPRING, "hertz": HERTZ, "hunt-crossley": HUNT,
     "power": POWER,
@@ -67,7 +68,7 @@ class Chain(NamedTuple):
 
 def stored(law: int, k: float, p: float, gap: float) -> float:
     """Energy stored in a compliant contact."""
-    if gap >= 0 or law < SPRING:
+    if law != JOINT and (gap >= 0 or law < SPRING):
         return 0.0
     if p == 1:
         return k * gap * gap / 2
@@ -205,12 +206,23 @@ def past_yield(
     return F, x0 + w, slope
 
 
+def solve_joint(
+    k: float, rate: float, x0: float, c: float, y: float
+) -> tuple[float, float, float]:
+    """What `solve_law` returns for a spring and a dashpot that pull as well."""
+    slope = k / 2 + rate
+    ease = 1 + y * slope
+    return (k * x0 + slope * c) / ease, x0 + (c - y * k * x0) / ease, slope
+
+
 def solve_link(
     law: int, k: float, p: float, damping: float, strength: float, d: float, x0: float, c: float,
     y: float, w: float,
 ) -> tuple[float, float, float]:
     """Solve any compliant contact over a time d; see `solve_law`."""
     rate = damping / d
+    if law == JOINT:
+        return solve_joint(k, rate, x0, c, y)
     if law == YIELD:
         F, x, slope = past_yield(k, damping, strength, x0, c, y)
         if x > strength / k:
@@ -252,7 +264,7 @@ def relax(state: Any, chain: Chain, i0: int, last: int, d: float) -> float:
         law, slope = state.law[i], 0.0
         if law <= FORCE:
             F = chain.limit[q]
-        elif law <= IMPACT:
+        elif law <= IMPACT and law != JOINT:
             F = (c - chain.limit[q]) / y
             slope = -1.0
             if law != BOND and F <= 0:
@@ -348,15 +360,18 @@ def record_step(
 ) -> None:
     """Enter step j, or a part of duration d, of contact i: its force, and the gap at the end.
 
-    `state.open` is 1 once the contact has opened.
+    `state.open` is 1 once the contact has opened; a joint never does.
     """
     start = signals.link_start[i]
     if start >= 0:
         signals.force[start + j] = F
         signals.gap[start + j] = gap
     state.force[i], state.gap[i] = F, gap
-    if F > 0:
+    if F > 0 or state.law[i] == JOINT:
         tally.impulse[i] += F * d
+    if state.law[i] == JOINT:
+        return
+    if F > 0:
         tally.peak[i] = max(tally.peak[i], F)
         if tally.first[i] < 0:
             tally.first[i] = j

@@ -1,4 +1,4 @@
-"""Bodies that are bonded together: which they are, and what their common velocity is."""
+"""Bodies that are bonded or joined together: which they are, and what their common velocity is."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from ..model import Bonded, Fixed, RigidMass, System, Wall
 
 
 def groups(system: System) -> list[list[int]]:
-    """Bodies that are bonded together, from left to right."""
+    """Bodies that are bonded or joined together, from left to right."""
     bonded: list[list[int]] = [[0]]
     for i, law in enumerate(system.contacts):
-        if not isinstance(law, Bonded):
+        if law.opens:
             bonded.append([])
         bonded[-1].append(i + 1)
     return bonded
@@ -22,7 +22,7 @@ def groups(system: System) -> list[list[int]]:
 
 def unilateral(system: System) -> list[int]:
     """Contacts that can open."""
-    return [k for k, law in enumerate(system.contacts) if not isinstance(law, Bonded)]
+    return [k for k, law in enumerate(system.contacts) if law.opens]
 
 
 def grounds(system: System, group: list[int]) -> list[Any]:

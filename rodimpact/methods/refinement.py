@@ -93,13 +93,19 @@ def contact_measures(run: SteppedRun) -> dict[str, Array]:
     """Impulse, largest force, and time of 99.9 % of the impulse, by contact that can open.
 
     Restitution follows from the impulses. Impacts of rigid bodies have neither of the other two:
-    their impulse grows in jumps.
+    their impulse grows in jumps. A joint is never done: of it counts the impulse up to a given end,
+    beside the largest so far.
     """
     laws = [run.row.laws[link] for link in run.row.opening.values()]
     forces = [run.contact(k)[0] for k in run.row.opening]
     lasting = [(law != IMPACT) * F for law, F in zip(laws, forces, strict=True)]
+    joined: list[float] = []
+    for k in run.row.by_law if run.stopped_by == "until" else ():
+        if k not in run.row.opening:
+            passed = np.cumsum(run.contact(k)[0] * run.durations)
+            joined += [*passed[-1:], np.abs(passed).max(initial=0.0)]
     measured = (
-        [float(F @ run.durations) for F in forces],
+        [*joined, *(float(F @ run.durations) for F in forces)],
         *([_measured(of, run, F) for F in lasting] for of in (largest_force, time_of_most)),
     )
     return {name: np.array(values) for name, values in zip(MEASURES, measured, strict=True)}

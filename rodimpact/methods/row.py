@@ -22,6 +22,7 @@ from ..model import (
     Fixed,
     Incoming,
     InvalidModel,
+    Joint,
     Moved,
     Pushed,
     Rigid,
@@ -33,10 +34,10 @@ from ..model import (
 )
 from ..model.frozen import Number
 from ..model.profiles import extremes
-from .contact_law_kernel import BOND, COMPLIANT, FORCE, FREE, IMPACT, RIGID, SPRING, YIELD
+from .contact_law_kernel import BOND, COMPLIANT, FORCE, FREE, IMPACT, JOINT, RIGID, SPRING, YIELD
 
 SMALLEST, LARGEST = sys.float_info.min, sys.float_info.max
-AS_GOOD_AS_RIGID = "is as good as rigid beside these rods, got {!r}; use Rigid()"
+AS_GOOD_AS_RIGID = "is as good as rigid beside these rods, got {!r}; use {}()"
 ROOM = 2.0**60  # for sums over steps and cells
 STIFFEST = 2.0**80  # of a contact, times transit time over impedance
 LEAST = 2.0**-800  # stiffness, where time is counted in steps
@@ -66,7 +67,8 @@ class Row:
         Mass of each body; len(masses) + 0 or 1 if bonded to the left or right wall, -1 for a rod or
         a wall.
     laws, stiffness, exponent, damping, strength, gap : list
-        By link; where it yields `damping` is the hardening, as a share of the stiffness.
+        By link; where it yields `damping` is the hardening, as a share of the stiffness; the gap of
+        a joint is its stretch.
     contact_link : list of int
         Link of each contact, -1 where it joins rigid bodies for good.
     outside : list of (str, value)
@@ -149,6 +151,8 @@ class Row:
         elif isinstance(law, Rigid):
             e = law.restitution
             self._add(RIGID if e is None else IMPACT, 0.0 if e is None else e, gap)
+        elif isinstance(law, Joint):
+            self._add(JOINT, law.damping, law.stretch, law.stiffness)
         elif isinstance(law, Yielding):
             k = law.stiffness
             self._add(YIELD, law.hardening / k, gap, k, strength=law.yield_force)
@@ -196,9 +200,14 @@ class Row:
         return list(pairwise(stands))
 
     @cached_property
+    def by_law(self) -> dict[int, int]:
+        """Links of the contacts whose force follows from a law, all but the bonded, by contact."""
+        return {k: i for k, i in enumerate(self.contact_link) if i >= 0 and self.laws[i] > BOND}
+
+    @cached_property
     def opening(self) -> dict[int, int]:
         """Links of the contacts that can open, by contact."""
-        return {k: i for k, i in enumerate(self.contact_link) if i >= 0 and self.laws[i] >= RIGID}
+        return {k: i for k, i in self.by_law.items() if self.laws[i] >= RIGID}
 
     # On a time step -------------------------------------------------------------------------------
 
@@ -224,6 +233,9 @@ class Row:
                 pushed += [abs(F) for F in extremes(value)]
             elif kind == "absorbing":
                 strained += [abs(e * self.wave_of_strain(side)) for e in extremes(value)]
+        for link in self.by_law.values():
+            if self.laws[link] == JOINT:
+                pushed.append(abs(self.stiffness[link] * self.gap[link]))
         fall = abs(self.gravity) * largest([s.transit_time for s in self.segments])
         spread = largest(self._velocities) - smallest(self._velocities)
         return _plain(
@@ -274,13 +286,14 @@ class Row:
                     np.not_equal(speed, 0) & ~good, "bodies",
                     partial(_beyond_numbers, speed, square, what),
                 ))
-            for i, link in self.opening.items():
-                if self.laws[link] >= SPRING:
+            for i, link in self.by_law.items():
+                if self.laws[link] >= SPRING or self.laws[link] == JOINT:
                     k, p = self.stiffness[link], np.asarray(self.exponent[link])
                     stiff = k * (T / self._least_impedance) * np.power(speed * T, p - 1)
                     beyond.append((
                         ~np.less_equal(stiff, STIFFEST), f"contacts.{i}.stiffness",
-                        partial(AS_GOOD_AS_RIGID.format, k),
+                        partial(AS_GOOD_AS_RIGID.format, k,
+                                "Bonded" if self.laws[link] == JOINT else "Rigid"),
                     ))
         return beyond
 

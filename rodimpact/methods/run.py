@@ -38,7 +38,8 @@ class Episode(NamedTuple):
 class ContactTally(NamedTuple):
     """Totals of one contact, kept while the run went: SI units, times nan where there was none.
 
-    A bonded contact has an impulse and a largest push; the rest is for contacts that can open.
+    A bonded contact or a joint has an impulse and a largest push; the rest is for those that can
+    open.
     """
 
     impulse: float

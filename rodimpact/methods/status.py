@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..model import Bonded, System, Wall
+from ..model import System, Wall
 from ..units import format_si
 from .abilities import driven
 
@@ -35,8 +35,8 @@ def _way_to_the_proof(system: System) -> str:
     if driven(system):
         what = "gravity acts" if system.gravity else "an end is driven"
         return f"while {what}, no contact is known to be the last"
-    if len(walls) == 2 or any(isinstance(law, Bonded) for law in walls):
-        return "a row between walls, or bonded to one, may never come to an end"
+    if len(walls) == 2 or not all(law.opens for law in walls):
+        return "a row between walls, or joined to one, may never come to an end"
     return "leave out until= to run to the proof"
 
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..model import Bonded, Wall
+from ..model import Wall
 from ..units import format_si
 from .measure_kernel import largest_force
 from .pressing import episodes_of_steps, pressed_spans
@@ -27,7 +27,7 @@ class StepRecord(NamedTuple):
 
     forces, gaps, paths : by contact, [steps] N, [steps + 1] m, and [steps] m by which the bodies
     approach under the force: beside the change of the gap what a grid loses as it shuts.
-    spans : by contact, when it pressed, s; none of a bonded one.
+    spans : by contact, when it pressed, s; none of one that cannot open.
     ends : left and right, kind, [steps] force on the row, N, and velocity, m/s, or None.
     """
 
@@ -80,12 +80,12 @@ def as_run(
 
 
 def _accuracy(run: SteppedRun, finer: str) -> str:
-    """How wrong the outcome may be, where contacts can open, and what makes it less.
+    """How wrong the outcome may be, where contacts follow laws, and what makes it less.
 
     Durations may stay rough: they hang on where faint forces begin and end.
     """
     errors = {name: value for name, value in run.estimates.items() if name != "duration"}
-    if not errors or not run.row.opening:
+    if not errors or not run.row.by_law:
         return ""
     late = {name: value for name, value in errors.items() if value > run.rtol}
     if not late:
@@ -101,12 +101,12 @@ def _accuracy(run: SteppedRun, finer: str) -> str:
 def _record(run: SteppedRun) -> StepRecord:
     row, times, forces, gaps, paths, spans = run.row, run.edges * run.clock.tick, [], [], [], []
     for k, link in enumerate(row.contact_link):
-        if k in row.opening:
+        if k in row.by_law:
             force, gap = run.contact(k)
             forces.append(force)
-            gaps.append(np.concatenate(([float(row.system.gaps[k])], gap)))
+            gaps.append(np.concatenate(([float(row.gap[link])], gap)))
             paths.append(run.path(k))
-            spans.append(pressed_spans(times, force, gaps[-1]))
+            spans.append(pressed_spans(times, force, gaps[-1]) if k in row.opening else [])
         else:
             forces.append(run.bond(k) if link >= 0 else np.full(run.steps, math.nan))
             gaps.append(np.zeros(run.steps + 1))
@@ -145,7 +145,7 @@ def _tallies(run: SteppedRun, record: StepRecord) -> tuple[ContactTally, ...]:
     tallies, t, times = [], run.tally, run.edges * run.clock.tick
     for k, (force, spans) in enumerate(zip(record.forces, record.spans, strict=True)):
         law = run.row.system.contacts[k]
-        if isinstance(law, Bonded):
+        if not law.opens:
             impulse = float(force @ run.durations)
             tallies.append(ContactTally(impulse, float(np.max(force, initial=0.0)), 0.0,
                                         math.nan, math.nan, 0))

@@ -75,7 +75,7 @@ class SteppedRun(ABC):
         return np.asarray(np.diff(self.edges) * self.clock.tick)
 
     def contact(self, contact: int) -> tuple[Array, Array]:
-        """Mean force in each step, N, and gap at its end, m; of a contact that can open."""
+        """Mean force in each step, N, and gap at its end, m; not of a bonded contact."""
         place = self.place(contact)
         gap = self.by_link(self.signals.gap, place) * self.step
         return self.by_link(self.signals.force, place), gap
@@ -95,11 +95,11 @@ class SteppedRun(ABC):
 
     @abstractmethod
     def place(self, contact: int) -> int:
-        """Place in the tally of a contact that can open."""
+        """Place in the tally of a contact that is not bonded."""
 
     @abstractmethod
     def path(self, contact: int) -> Array:
-        """How far a contact that can open closes in each step, m."""
+        """How far a contact that is not bonded closes in each step, m."""
 
     @abstractmethod
     def bond(self, contact: int) -> Array:

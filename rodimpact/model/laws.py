@@ -1,8 +1,8 @@
 """Contact laws: what acts between two neighbours of a row.
 
-A contact pushes and never pulls, but for `Bonded`. Compliant laws give the force F, N, from the
-indentation d, by which the bodies overlap, m, and its rate d', m/s. Any number may be an array,
-which makes a family; SI units.
+A contact pushes and never pulls, but for `Bonded` and `Joint`. Compliant laws give the force F, N,
+from the indentation d, by which the bodies overlap, m, and its rate d', m/s. Any number may be an
+array, which makes a family; SI units.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ class _Law(Frozen):
 
     _tag: ClassVar[str] = "law"
     law: ClassVar[str]
+    opens: ClassVar[bool] = True
 
 
 class _Compliant(_Law):
@@ -76,6 +77,54 @@ class Bonded(_Law):
     """Two neighbours joined for good: they share velocity and force, in tension too."""
 
     law: ClassVar[str] = "bonded"
+    opens: ClassVar[bool] = False
+
+
+class Joint(_Compliant):
+    """Two neighbours joined for good by a spring and a dashpot side by side: glue, a bolt.
+
+    It pulls as well as it pushes: F = -(k s + c s'), s the stretch and s' its rate. The gap of the
+    contact is the stretch, below 0 where it is compressed.
+
+    Parameters
+    ----------
+    stiffness : float or array
+        k, N/m; 0 for a dashpot alone.
+    damping : float or array, optional
+        c, N s/m.
+    stretch : float or array, optional
+        s at t = 0, m.
+
+    Raises
+    ------
+    InvalidModel
+        If the stiffness or the damping is negative, or both are 0.
+    """
+
+    law: ClassVar[str] = "joint"
+    opens: ClassVar[bool] = False
+    fields: ClassVar[dict[str, Field]] = {
+        "stiffness": Field("N/m", "non-negative"), "damping": Field("N s/m", "non-negative"),
+        "stretch": Field("m"),
+    }
+    exponent = 1.0
+    damping: Number
+    stretch: Number
+
+    def __init__(
+        self, stiffness: ArrayLike, damping: ArrayLike = 0.0, stretch: ArrayLike = 0.0
+    ) -> None:
+        self._take(stiffness=stiffness, damping=damping, stretch=stretch)
+        family_shape(self._numbers())
+        problems: Problems = []
+        joins = np.add(self.stiffness, self.damping) > 0
+        message = "must be positive where the damping is 0, got {0!r}"
+        require(problems, joins, "stiffness", message, self.stiffness)
+        raise_noted(problems)
+
+    def stored(self, indentation: ArrayLike) -> Any:
+        """Energy stored at a stretch or an indentation, m, of either sign: k s^2/2, J."""
+        return super().stored(np.abs(array("indentation", indentation, "m")))
 
 
 class Spring(_Compliant):
@@ -317,10 +366,10 @@ class Yielding(_Compliant):
 
 
 ContactLaw: TypeAlias = (
-    Rigid | Bonded | Spring | SpringDashpot | Hertz | HuntCrossley | PowerLaw | Yielding
+    Rigid | Bonded | Joint | Spring | SpringDashpot | Hertz | HuntCrossley | PowerLaw | Yielding
 )
 CONTACT_LAWS: dict[str, type[ContactLaw]] = {
     law.law: law for law in (
-        Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw, Yielding)
+        Rigid, Bonded, Joint, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw, Yielding)
 }
 RIGID = Rigid()

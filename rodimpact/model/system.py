@@ -112,8 +112,10 @@ class System(Frozen):
                 known = ", ".join(kind.__name__ for kind in CONTACT_LAWS.values())
                 message = f"must be a contact law itself, one of {known}, got {shown(law)}"
                 problems.append((f"contacts.{i}", message))
-            elif isinstance(law, Bonded) and i < len(widths):
-                message = "must be 0 where bodies are bonded, got {0!r}"
+            elif not law.opens and i < len(widths):
+                message = "must be 0 where bodies are joined, got {0!r}; give the Joint a stretch"
+                if isinstance(law, Bonded):
+                    message = "must be 0 where bodies are bonded, got {0!r}"
                 require(problems, np.equal(widths[i], 0), f"gaps.{i}", message, widths[i])
             elif isinstance(law, Rigid):
                 _check_rigid(problems, i, law, *bodies[i : i + 2])

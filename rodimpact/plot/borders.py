@@ -14,7 +14,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from ..methods.signals import Floats
-from ..model import Absorbing, Bonded, Moved, Pushed, Rigid, RigidMass, Rod
+from ..model import Absorbing, Joint, Moved, Pushed, Rigid, RigidMass, Rod
 from ..results.gauges import Gauge
 from ..results.placing import Placing
 from .plane import Plane
@@ -29,6 +29,7 @@ OPEN_END = (0, (3, 2))  # dashes of an end through which waves leave
 DRIVEN = {Pushed: "driven by a force", Moved: "driven at a velocity"}
 ARROWS = 8  # marks of a driven end
 POINTS = 1000  # of the path of a gauge, at most
+INSTANTS = 1000  # of the faces of a joint
 
 
 class Borders:
@@ -61,7 +62,7 @@ class Borders:
         pressing, touching = [], []
         start, stop = self.plane.span
         for history in self.plan.solution.contacts:
-            if isinstance(history.law, Bonded):
+            if not history.law.opens:
                 continue
             cuts = self.cut.cuts(history)
             times = np.concatenate(([start], cuts[(cuts > start) & (cuts < stop)], [stop]))
@@ -120,6 +121,17 @@ class Borders:
                         parse_math=False, **turn)
         return paths
 
+    def joints(self, ax: Axes) -> list[Polygon]:
+        """Hatched strips between the faces that joints hold together."""
+        strips, times = [], np.linspace(*self.plane.span, INSTANTS)
+        for i, law in enumerate(self.system.contacts):
+            if isinstance(law, Joint):
+                left, right = self._track(i, True, times), self._track(i + 1, False, times)
+                strips.append(Polygon(np.concatenate((left, right[::-1])), zorder=2.5,
+                                      label="joint", **joint_style()))
+                ax.add_patch(strips[-1])
+        return strips
+
     def drives(self, ax: Axes) -> list[Line2D]:
         """Arrow heads along the paths of driven ends, towards the row."""
         marks = []
@@ -142,6 +154,12 @@ def wall_style() -> dict[str, Any]:
 def mass_style() -> dict[str, Any]:
     """Patches of rigid masses."""
     return {"facecolor": colours().mass, "edgecolor": colours().ink, "linewidth": 0.6}
+
+
+def joint_style() -> dict[str, Any]:
+    """Patches between the faces of a joint."""
+    return {"facecolor": colours().paper, "edgecolor": colours().ink, "hatch": "xxxxx",
+            "linewidth": 0.0}
 
 
 def drive_style() -> dict[str, Any]:

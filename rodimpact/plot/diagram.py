@@ -131,7 +131,7 @@ def spacetime(
     walls, ends, (pressing, touching) = borders.walls(ax), borders.ends(), borders.contacts()
     for lines in (ends, touching, pressing):
         ax.add_collection(lines)
-    masses, drives = borders.masses(ax), borders.drives(ax)
+    masses, joints, drives = borders.masses(ax), borders.joints(ax), borders.drives(ax)
     paths = borders.gauges(ax, stations)
 
     plane.dress(ax, place_label(plan, place))
@@ -140,7 +140,7 @@ def spacetime(
     if field == "energy":
         bar.ax.set_ylim(0.0, norm.vmax)
     named: list[Artist] = [lines for lines in (pressing, touching) if lines.get_segments()]
-    named += [*masses[:1], *drives]
+    named += [*masses[:1], *joints[:1], *drives]
     if any(isinstance(end, Absorbing) for end in solution.system.ends):
         named.append(Line2D([], [], label="absorbing end", **open_style()))
     legend_above(ax, named)

@@ -15,7 +15,7 @@ from matplotlib.patches import StepPatch
 from matplotlib.text import Annotation
 
 from ..methods.signals import Floats
-from ..model import Bonded, Rigid
+from ..model import Bonded, Joint, Rigid
 from ..model.arguments import array
 from ..results.contacts import ContactHistory
 from ..results.solution import Solution, check_solution
@@ -42,8 +42,9 @@ def contact(
 ) -> Contact:
     """Draw force and gap of a contact, or of several together, against time.
 
-    A gap below 0 is the indentation of a compliant contact. An impact of two rigid bodies lasts no
-    time: its force is the mean over the time step that the label names.
+    A gap below 0 is the indentation of a compliant contact; that of a joint is its stretch. An
+    impact of two rigid bodies lasts no time: its force is the mean over the time step that the
+    label names.
 
     Parameters
     ----------
@@ -81,15 +82,19 @@ def contact(
     records = [_record(history, end) for history in histories]
     force = force_scale(solution, histories)
     low, high = min(g.min() for *_, g in records), max(g.max() for *_, g in records)
-    indented = low < 0 and not all(isinstance(h.law, Rigid | Bonded) for h in histories)
-    gap = engineering("gap, below 0\nindentation" if indented else "gap", max(-low, high), "m")
+    laws = {type(history.law) for history in histories}
+    indented = low < 0 and not laws <= {Rigid, Bonded, Joint}
+    word = "gap, below 0\nindentation" if indented else "gap"
+    if Joint in laws:
+        word = f"{word},\nor stretch" if laws > {Joint} else "stretch"
+    gap = engineering(word, max(-low, high), "m")
 
     forces = draw_forces(force_ax, histories, end, time, force)
     gaps: list[Line2D] = []
     for i, (times, _, g) in enumerate(records):
         at = telling(g)
         gaps += gap_ax.plot(times[at] * time.factor, g[at] * gap.factor, linewidth=1.5, **_line(i))
-    if indented:
+    if indented or Joint in laws:
         gap_ax.axhline(0.0, color=colours().faint, linewidth=0.6, zorder=0)
     for each, scale, column in ((force_ax, force, 1), (gap_ax, gap, 2)):
         dress(each)

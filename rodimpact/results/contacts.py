@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.run import ContactSignal, ContactTally
 from ..methods.signals import Floats, Side
-from ..model import ContactLaw, Rigid, Yielding
+from ..model import ContactLaw, Joint, Rigid, Yielding
 from .fields import Fields, check_side
 
 
@@ -51,8 +51,8 @@ class ContactHistory:
     def gap(self, t: ArrayLike) -> Floats:
         """Distance between the two bodies, m.
 
-        Exactly 0 while they touch rigidly; minus the indentation in a compliant contact. Where one
-        has yielded it counts from the faces as they are then.
+        Exactly 0 while they touch rigidly; minus the indentation in a compliant contact, the
+        stretch of a joint. Where one has yielded it counts from the faces as they are then.
         """
         ticks = self._fields.to_ticks(t, "right")
         i = np.searchsorted(self.push.ticks, ticks, "right") - 1
@@ -60,8 +60,10 @@ class ContactHistory:
         return np.maximum(gap, 0.0) if isinstance(self.law, Rigid) else gap
 
     def law_at(self, t: float) -> ContactLaw:
-        """The law as it is at t: what has yielded has hardened."""
+        """The law as it is at t: what has yielded has hardened, and a joint is stretched."""
         law = self.law
+        if isinstance(law, Joint):
+            return law.replace(stretch=float(self.gap(t)))
         if not isinstance(law, Yielding):
             return law
         earlier = self._gap[self.push.ticks <= self._fields.to_ticks(t)]

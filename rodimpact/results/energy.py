@@ -28,7 +28,7 @@ class EnergyLedger:
     strain : array
         Strain energy.
     contact : array
-        Stored in compliant contacts.
+        Stored in compliant contacts and joints.
     dissipated : array
         Lost in dashpots, in what yields and in impacts of rigid bodies since t = 0.
     damped : array
@@ -71,8 +71,10 @@ class EnergyLedger:
 
 
 def stored(law: Any, gap: Floats) -> Floats:
-    """Energy in a contact whose gap is minus the indentation, J."""
-    x = np.maximum(-np.asarray(gap), 0.0)
+    """Energy in a contact whose gap is minus the indentation, or in a joint, J."""
+    x = -np.asarray(gap)
+    if law.opens:
+        x = np.maximum(x, 0.0)
     return np.asarray(law.stored(x)) if hasattr(law, "stored") else np.zeros(x.shape)
 
 
@@ -101,7 +103,7 @@ def ledger(
     contact, dissipated, numerical = (np.zeros(t.shape) for _ in range(3))
     for history in contacts:
         energy = stored(history.law, history.gap(t))
-        lost = history.work_until(t) - energy
+        lost = history.work_until(t) - (energy - energy[0])
         contact += energy
         if getattr(history.law, "restitution", 0.0) is None:
             numerical += lost
@@ -110,7 +112,8 @@ def ledger(
     damped = fields.damped(ticks)
     numerical += fields.smeared(ticks)
     in_bodies = states.kinetic, states.moving.sum(axis=0), states.strained.sum(axis=0)
-    missing = sum(x - x[0] for x in in_bodies) + contact + dissipated + damped + numerical
+    missing = sum(x - x[0] for x in in_bodies) + contact - contact[0]
+    missing += dissipated + damped + numerical
     for work in (*works.values(), fallen):
         missing = missing - work
     return EnergyLedger(

@@ -216,7 +216,8 @@ class Fields(ABC):
         a, places, x = self.clock, [], 0.0
         for body, (first, last) in enumerate(a.spans):
             if body:
-                x += float(a.system.gaps[body - 1])
+                law = a.system.contacts[body - 1]
+                x += float(a.system.gaps[body - 1]) + float(getattr(law, "stretch", 0.0))
             places.append(x)
             if last:
                 x += sum(a.length[first : last + 1])

@@ -1,6 +1,6 @@
 """What a collision did: velocities of the bodies before and after, impulse, restitution, energy.
 
-The totals of a run have their names here. Bodies bonded together move, for an outcome, with their
+The totals of a run have their names here. Bodies joined together move, for an outcome, with their
 common velocity.
 """
 
@@ -64,7 +64,9 @@ class Outcome:
     status : str
         Why the run ended, and what to do if that is not enough.
     contact_energy : float
-        Stored in compliant contacts at the end, J.
+        Stored in compliant contacts and joints at the end, J.
+    contact_energy_before : float
+        The same before: in stretched joints, J.
     dissipated, numerical, radiated : float
         Lost in contacts, to the time step (see `EnergyLedger`), and through absorbing ends,
         J.
@@ -92,6 +94,7 @@ class Outcome:
     final: bool
     status: str
     contact_energy: float = 0.0
+    contact_energy_before: float = 0.0
     dissipated: float = 0.0
     numerical: float = 0.0
     radiated: float = 0.0

@@ -242,7 +242,8 @@ class Solution:
     def system_at(self, t: float) -> System:
         """State at time t in s as a new system: continue it, change it, or reverse it.
 
-        Gaps, velocities and strains are those just after t; the clock starts anew.
+        Gaps, velocities and strains are those just after t, and the stretch of joints; the clock
+        starts anew.
 
         Raises
         ------
@@ -254,7 +255,8 @@ class Solution:
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
             if isinstance(getattr(end, "value", 0.0), Steps | Samples):
                 raise ValueError(f"ends.{side}: is driven by a function of time; drive it anew")
-        pressed = [c.index for c in self.contacts if stored(c.law, c.gap(t)) > 0]
+        pressed = [c.index for c in self.contacts
+                   if c.law.opens and stored(c.law, c.gap(t)) > 0]
         if pressed:
             message = f"compliant contact {pressed[0]} is pressed at that time; choose another"
             raise ValueError(f"t: {message}")
@@ -270,7 +272,7 @@ class Solution:
                     segments=body.segments, velocity=_steps(profile.edges, profile.velocity),
                     strain=_steps(profile.edges, profile.strain),
                 ))
-        gaps = [max(0.0, float(contact.gap(t))) for contact in self.contacts]
+        gaps = [max(0.0, float(c.gap(t))) if c.law.opens else 0.0 for c in self.contacts]
         return System(
             bodies, gaps, [contact.law_at(t) for contact in self.contacts],
             gravity=self.system.gravity, ends=self.system.ends,

@@ -54,5 +54,6 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
         vibration=(vibration[0].tolist(), vibration[-1].tolist()),
         momentum=(missing, absolute), energy=(float(book.residual[-1]), turnover),
         works={"contact_energy": float(book.contact[-1]),
+               "contact_energy_before": float(book.contact[0]),
                **{name: float(getattr(book, name)[-1]) for name in works}},
     )

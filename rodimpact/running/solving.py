@@ -34,9 +34,9 @@ def solve(
         again, and one round trip of the longest rod more.
     method : str
         ``"fronts"``: exact wave-front tracking. ``"characteristics"``: end signals averaged over a
-        time step; has rigid masses, compliant contacts, gravity, smooth initial states and drives.
-        ``"finite-difference"``: a staggered grid; has damping, tapered rods and lateral inertia as
-        well. ``"auto"`` takes the first that can do the job.
+        time step; has rigid masses, compliant contacts, joints, gravity, smooth initial states and
+        drives. ``"finite-difference"``: a staggered grid; has damping, tapered rods and lateral
+        inertia as well. ``"auto"`` takes the first that can do the job.
     max_events : int
         Arrivals at ends after which the run gives up; `Solution.status` then says so. On a time
         step, steps times ends, where `until` is not given.

@@ -34,7 +34,7 @@
                              # `rodimpact.solve`; all but the last for `rodimpact.sweep` too
     [output]                 # plot, save: names of files to write
 
-A law, "rigid", "bonded", "spring", "spring-dashpot", "hertz", "hunt-crossley" and so on, takes the
+A law, "rigid", "bonded", "joint", "spring", "spring-dashpot", "hertz" and so on, takes the
 numbers of its class, under their names; Hertz contact a stiffness, or left_radius and right_radius.
 
 A [materials.NAME] takes youngs_modulus, density, poisson_ratio and viscosity, or for the latter a

@@ -171,13 +171,14 @@ def _contacts(o: Any) -> str:
             force, time = format_si(c.peak_force, "N"), format_si(c.duration, "s")
             rows.append([name, impulse, force, time, str(c.episodes)])
         else:
-            rows.append([f"{name} bonded", impulse, "-", "-", "-"])
+            rows.append([f"{name} joined", impulse, "-", "-", "-"])
     return align(rows)
 
 
 def _energy(o: Any) -> str:
     vibration = sum(o.vibration_before), sum(o.vibration_after)
-    total = o.kinetic_before + vibration[0], o.kinetic_after + vibration[1] + o.contact_energy
+    held = o.contact_energy_before, o.contact_energy
+    total = o.kinetic_before + vibration[0] + held[0], o.kinetic_after + vibration[1] + held[1]
     scale, inner = max(total), _vibration_scale(o)
 
     def row(name: str, before: float, after: float, scale: float) -> list[str]:
@@ -188,8 +189,9 @@ def _energy(o: Any) -> str:
         row("moving as a whole", o.kinetic_before, o.kinetic_after, scale),
         row("vibration and strain", *vibration, inner),
     ]
-    if o.contact_energy:
-        rows.append(["in compliant contacts", "", joules(o.contact_energy, scale)])
+    if any(held):
+        before = joules(held[0], scale) if held[0] else ""
+        rows.append(["in compliant contacts", before, joules(held[1], scale)])
     rows.append(row("total", *total, scale))
     scale = max(scale, *(abs(value) for _, value in _exchanges(o)))
     rows += [[name, "", joules(value, scale)]
@@ -279,6 +281,7 @@ def _outcome(o: Any) -> dict[str, Any]:
         "kinetic_before": finite(o.kinetic_before),
         "kinetic_after": finite(o.kinetic_after),
         "contact_energy": finite(o.contact_energy),
+        "contact_energy_before": finite(o.contact_energy_before),
         "dissipated": finite(o.dissipated),
         "damped": finite(o.damped),
         "numerical": finite(o.numerical),

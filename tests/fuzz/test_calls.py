@@ -30,7 +30,7 @@ EXAMPLES = 150 * TIMES  # of each seed
 USED = (
     "Absorbing", "Bonded", "Bridge", "Case", "Fixed", "Free", "Hertz", "HuntCrossley", "Incoming",
     "Material", "Moved", "Options", "PowerLaw", "Pushed", "Rigid", "RigidMass", "Rod", "Samples",
-    "Segment", "Signal", "Spring", "SpringDashpot", "Steps", "System", "Wall", "Yielding",
+    "Joint", "Segment", "Signal", "Spring", "SpringDashpot", "Steps", "System", "Wall", "Yielding",
     "collide", "gauges_to_csv", "load", "parse_case", "read_case", "read_signals", "regions_of",
     "signals_from_xarray", "signals_to_xarray", "solve", "sweep", "write_case", "write_signals",
 )

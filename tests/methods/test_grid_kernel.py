@@ -36,8 +36,8 @@ def machine_of(system, room, snapshots=None, step=STEP):
 def side_of(machine, node, right_end):
     """Mean velocity, deviation and bound of the end at a node."""
     piece = machine.mesh.piece_of(node)
-    side = fk.side_of(machine.pieces, machine.grid, machine.radial, machine.ends, piece, right_end,
-                      machine.tol)
+    side = fk.side_of(machine.groups, machine.grid, machine.radial, machine.links, machine.ends,
+                      piece, right_end, machine.tol)
     return side.mean, side.deviation, side.bound
 
 
@@ -257,8 +257,10 @@ def energy_of_contacts(run):
     for i, law in enumerate(run.row.system.contacts):
         if not isinstance(law, ri.Rigid | ri.Bonded):
             _, gap = run.contact(i)
-            x = np.maximum(-np.concatenate(([run.row.system.gaps[i]], gap)), 0.0)
-            total += law.stored(x)
+            x = -np.concatenate(([run.row.system.gaps[i]], gap))
+            if isinstance(law, ri.Joint):
+                x[0] = law.stretch
+            total += law.stored(x if isinstance(law, ri.Joint) else np.maximum(x, 0.0))
     return total[run.states.when]
 
 

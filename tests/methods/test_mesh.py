@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from networks import UNIT, unit_rod
 
 import rodimpact as ri
-from rodimpact.methods.contact_law_kernel import BOND, RIGID
+from rodimpact.methods.contact_law_kernel import BOND
 from rodimpact.methods.grid.mesh import Interface, Mesh
 from rodimpact.methods.grid.method import _mesh_size
 from rodimpact.methods.row import Row
@@ -91,7 +91,7 @@ def test_every_row(seed, driven):
     assert mesh.starts[0] == 0
     assert mesh.starts[1:] == [b + 1 for b in mesh.stops[:-1]]
     assert mesh.stops[-1] + 1 == len(mesh.mass) == len(mesh.stiffness) - 1
-    assert set(mesh.touching) == {i for i, law in enumerate(plan.laws) if law >= RIGID}
+    assert set(mesh.touching) == {i for i, law in enumerate(plan.laws) if law > BOND}
     assert len(mesh.touching) == len(mesh.starts) - 1
     for (left, right), a, b in zip(
         mesh.touching.values(), mesh.stops[:-1], mesh.starts[1:], strict=True

@@ -261,7 +261,7 @@ def test_energy_is_lost_where_delays_are_means_of_two_averages():
     for length, gap in ((math.sqrt(0.5), 0.0), (math.sqrt(0.5), 0.21), (0.5, 0.0)):
         striker = ri.Rod(length, area=1.0, material=UNIT, velocity=1.0)
         work = ran(striker, unit_rod(), until=3.0, gaps=[gap])
-        lost = sk.energy_lost(work.numbers, work.level, work.state, work.tally, work.signals)
+        lost = sk.energy_lost(*work[:2], work.level, work.state, work.tally, work.signals)
         left = sum(work.search.vibration) + sum(
             m * v * v / 2 for m, v in zip(work.search.mass, work.search.after, strict=True)
         )

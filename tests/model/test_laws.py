@@ -14,6 +14,7 @@ from rodimpact.model.system import restored
 STEEL = ri.materials.steel
 LAWS = [
     ri.Rigid(), ri.Rigid(restitution=0.5), ri.Bonded(), ri.Spring(stiffness=1e6),
+    ri.Joint(stiffness=1e6, damping=20.0, stretch=-1e-6), ri.Joint(0.0, 20.0),
     ri.SpringDashpot(stiffness=1e6, damping=20.0), ri.Hertz(stiffness=1e9),
     ri.HuntCrossley(stiffness=1e9, damping=0.1), ri.PowerLaw(stiffness=1e9, exponent=2.0),
     ri.Yielding(stiffness=1e9, yield_force=1e3, hardening=1e7),
@@ -36,8 +37,8 @@ def test_a_law_survives_its_description(law):
 
 def test_names():
     assert list(CONTACT_LAWS) == [
-        "rigid", "bonded", "spring", "spring-dashpot", "hertz", "hunt-crossley", "power",
-        "yielding",
+        "rigid", "bonded", "joint", "spring", "spring-dashpot", "hertz", "hunt-crossley",
+        "power", "yielding",
     ]
     assert len(set(LAWS)) == len(LAWS)
 

@@ -98,7 +98,7 @@ class MyLaw(ri.Hertz):
     (lambda: ri.System([rod()], ends=(ri.Free(), MyEnd())), "ends.right",
      "must be an end itself, one of Free, Fixed, Absorbing, Pushed, Moved, Incoming, got MyEnd()"),
     (lambda: ri.System([rod(), rod()], contacts=[MyLaw(1e9)]), "contacts.0",
-     "must be a contact law itself, one of Rigid, Bonded, Spring, SpringDashpot, Hertz"),
+     "must be a contact law itself, one of Rigid, Bonded, Joint, Spring, SpringDashpot"),
 ])
 def test_classes_made_from_those_of_the_model_are_refused(make, path, message):
     [(where, got)] = problems(make)

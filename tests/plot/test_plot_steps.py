@@ -255,6 +255,25 @@ def test_indentation_is_named_where_there_is_some(solved):
     assert plot.contact(solved["hopkinson"]).gap_ax.get_ylabel().startswith("gap (")
 
 
+def test_a_joint_is_stretched_and_drawn_between_its_faces():
+    row = ri.System([rod(0.4, 1.0), rod(0.3), rod(0.5)],
+                    contacts=[ri.Rigid(), ri.Joint(1e8, 1e3)])
+    s = ri.solve(row, 0.4e-3)
+    assert plot.contact(s, contact=1).gap_ax.get_ylabel().startswith("stretch (")
+    label = plot.contact(s, contact=[0, 1]).gap_ax.get_ylabel()
+    assert label.startswith("gap,\nor stretch (")
+    picture = plot.spacetime(s)
+    strip = next(p for p in picture.ax.patches if p.get_label() == "joint")
+    x, t = strip.get_xy().T
+    wide = np.abs(x[:1000] - x[1999:999:-1])
+    stretch = np.abs(s.contacts[1].gap(np.minimum(t[:1000] * 1e-6, s.t_end)))
+    assert np.argmax(wide) == pytest.approx(np.argmax(stretch), abs=1)
+    assert wide.max() / stretch.max() == pytest.approx(np.median(wide[500:] / stretch[500:]))
+    middle = x[:1000] / 2 + x[1999:999:-1] / 2
+    pressing = np.concatenate(picture.pressing.get_segments())
+    assert pressing[:, 0].max() < middle.min()
+
+
 def test_the_force_of_an_impact_is_named_a_mean(solved):
     label = plot.contact(solved["masses"], contact=1).force_ax.get_ylabel()
     assert "mean over" in label

@@ -438,7 +438,7 @@ def test_a_case_is_frozen():
         (HEAD + A_ROD + A_WALL + "[[contacts]]\ngap = 1\nlaw = 'bonded'", "contacts.0.gap",
          "must be 0 where bodies are bonded"),
         (HEAD + A_ROD + A_WALL + "[[contacts]]\nlaw = 'glued'", "contacts.0.law",
-         "unknown law 'glued'; use one of rigid, bonded, spring, spring-dashpot, hertz, hunt-cr"),
+         "unknown law 'glued'; use one of rigid, bonded, joint, spring, spring-dashpot, hertz"),
         (HEAD + A_ROD + A_WALL + LAW + "'Hertzian'\nstiffness = 1", "contacts.0.law",
          "perhaps 'hertz' is meant"),
         (HEAD + A_MASS + A_MASS + A_ROD, "contacts.0", "no wave decides this contact: give Rigid("),

@@ -98,7 +98,7 @@ def test_walls_have_no_mass_and_bonds_no_episodes():
     solution = ri.solve(system, until=1e-3)
     text = str(solution)
     assert [c.strip() for c in cells(text, "0 ")] == ["wall", "-", "0 m/s", "0 m/s", "-"]
-    assert cells(text, "0-1 bonded")[-1].strip() == "-"
+    assert cells(text, "0-1 joined")[-1].strip() == "-"
     assert "work of moving walls" in text
     data = report.outcome_dict(solution.outcome)
     assert data["bodies"][0]["mass"] is None

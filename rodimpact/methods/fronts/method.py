@@ -18,7 +18,7 @@ from .totals import tallies_of, totals_of
 from .tracking import FrontRun, track
 
 LACKS = (
-    physics.MASSES, physics.COMPLIANCE, physics.GRAVITY, physics.SMOOTH_STATES,
+    physics.MASSES, physics.COMPLIANCE, physics.JOINTS, physics.GRAVITY, physics.SMOOTH_STATES,
     physics.SMOOTH_DRIVES, physics.DAMPING, physics.LATERAL, physics.TAPER,
 )
 ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come to rest

@@ -32,8 +32,8 @@ from typing import Any, NamedTuple
 
 from ..contact_law_kernel import (
     IMPACT,
+    JOINT,
     RIGID,
-    SPRING,
     YIELD,
     Chain,
     Tally,
@@ -87,7 +87,7 @@ class Implicit(NamedTuple):
 
 
 class Links(NamedTuple):
-    """Contacts that can open, from left to right."""
+    """Contacts and joints, from left to right."""
 
     law: Any
     stiffness: Any
@@ -135,17 +135,18 @@ class Ends(NamedTuple):
     old: Any  # velocity of the node before the step
 
 
-class Pieces(NamedTuple):
-    """What the proof of finality asks of the pieces."""
+class Groups(NamedTuple):
+    """What the proof of finality asks of pieces, and of those that are joined."""
 
-    first: Any  # [piece] nodes
+    first: Any  # [group] nodes
     last: Any
     mass: Any  # [node]
     held: Any  # [node] 1 if its velocity is given
     lateral: Any  # [cell] inertia that resists changes of its length
     relaxed: Any  # [cell] stiffness where the radial strain follows
-    left: Any  # [link] piece on the left
+    left: Any  # [link] group on the left
     right: Any
+    joint: Any  # [cell] the joint that stands there, -1 without
 
 
 class Signals(NamedTuple):
@@ -362,7 +363,7 @@ def settle(
             rest = gap - chain.limit[q]
         elif gap <= 0 and abs(w) <= tol:
             rest = gap
-    elif law >= SPRING:
+    else:
         rest = indent(links, tally, i, F, chain.place[q])
     return rest
 
@@ -567,7 +568,7 @@ def run(
 
 
 def finality_time(
-    pieces: Pieces, grid: Grid, radial: Radial, links: Links, ends: Ends, tol: float
+    groups: Groups, grid: Grid, radial: Radial, links: Links, ends: Ends, tol: float
 ) -> int:
     """Steps until it may be proved that nothing meets again: 0 if it is, NEVER if not as it is.
 
@@ -575,31 +576,35 @@ def finality_time(
     """
     wait = 0
     for i in range(len(links.gap)):
+        if links.law[i] == JOINT:
+            continue
         if links.gap[i] < 0:
             return NEVER
         if wait < NEVER:
-            left = side_of(pieces, grid, radial, ends, pieces.left[i], True, tol)
-            right = side_of(pieces, grid, radial, ends, pieces.right[i], False, tol)
+            left = side_of(groups, grid, radial, links, ends, groups.left[i], True, tol)
+            right = side_of(groups, grid, radial, links, ends, groups.right[i], False, tol)
             wait = max(wait, separation_time(links.gap[i], left, right, tol))
     return wait
 
 
 def side_of(
-    pieces: Pieces, grid: Grid, radial: Radial, ends: Ends, p: int, right_end: bool, tol: float
+    groups: Groups, grid: Grid, radial: Radial, links: Links, ends: Ends, p: int, right_end: bool,
+    tol: float,
 ) -> Side:
-    """What the proof asks of piece p, whose right or left end is at the contact.
+    """What the proof asks of group p, whose right or left end is at the contact.
 
-    A far endless bar of impedance Z gives way by the momentum it has taken, over Z. The end is half
-    a step ahead of the cells, by no more than the velocity that the energy gives it.
+    A far endless bar of impedance Z gives way by the momentum it has taken, over Z, and a joint
+    that is a dashpot alone by the change of momentum over its c. The end is half a step ahead of
+    the cells, by no more than the velocity that the energy gives it.
     """
-    a, b = pieces.first[p], pieces.last[p]
+    a, b = groups.first[p], groups.last[p]
     near, far = (b, a) if right_end else (a, b)
     mass: float = 0.0
     momentum: float = 0.0  # relative to the first node, so that a body without vibration has none
     for n in range(a, b + 1):
-        mass += pieces.mass[n]
-        momentum += pieces.mass[n] * (grid.velocity[n] - grid.velocity[a])
-    Z, held = 0.0, pieces.held[far] > 0
+        mass += groups.mass[n]
+        momentum += groups.mass[n] * (grid.velocity[n] - grid.velocity[a])
+    Z, held = 0.0, groups.held[far] > 0
     mean: float = 0.0
     if held:
         mean = grid.velocity[far]
@@ -615,29 +620,39 @@ def side_of(
     beyond: float = 0.0
     d: float = 0.0
     slack: float = 0.0
+    loose: float = 0.0
     for n in range(a, b + 1):
         v = grid.velocity[n] - mean
-        energy += pieces.mass[n] * v * v / 2
-        taken += pieces.mass[n] * v
+        energy += groups.mass[n] * v * v / 2
+        taken += groups.mass[n] * v
         if n < b:
             k, change = grid.stiffness[n + 1], grid.velocity[n + 1] - grid.velocity[n]
             coupling, rate = radial.coupling[n + 1], radial.rate[n + 1]
             now = grid.force[n + 1] + k * change / 2 + coupling * rate / 2
-            energy += pieces.lateral[n + 1] * change * change / 2
-            energy += (now * now - k * k * change * change / 4) / (2 * k)
-            energy += energy_of_cell(radial, n + 1, change)
-            beyond += pieces.mass[n] / mass
+            relaxed, i = groups.relaxed[n + 1], groups.joint[n + 1]
+            if i >= 0:
+                k, change = links.stiffness[i], 0.0
+                now, relaxed = k * links.gap[i], k
+            beyond += groups.mass[n] / mass
             g: float = 1.0
             if not held and Z == 0:
                 g = beyond if right_end else 1 - beyond
+            if k == 0:
+                loose += 2 * g / links.damping[i]
+                continue
+            energy += groups.lateral[n + 1] * change * change / 2
+            energy += (now * now - k * k * change * change / 4) / (2 * k)
+            energy += energy_of_cell(radial, n + 1, change)
             d += (now - coupling * (radial.strain[n + 1] + rate / 2)) / k * g
-            slack += g * g / pieces.relaxed[n + 1]
+            slack += g * g / relaxed
     if not right_end:
         d = -d
     if Z > 0:
         d -= taken / Z
         slack = 2 * (slack + mass / (Z * Z))
-    bound = bound_of(energy, slack) + math.sqrt(max(energy, 0.0) / (2 * pieces.mass[near]))
+    if loose > 0:
+        slack = 2 * (slack + mass * loose * loose)
+    bound = bound_of(energy, slack) + math.sqrt(max(energy, 0.0) / (2 * groups.mass[near]))
     if bound <= tol:
         return Side(mean, mean, mean, d, bound)
     return Side(mean, -math.inf, math.inf, d, bound)

@@ -12,7 +12,7 @@ from ...model import Rod
 from ...model.profiles import averages
 from .. import kernels
 from ..abilities import driven
-from ..contact_law_kernel import RIGID, Chain, Tally
+from ..contact_law_kernel import JOINT, RIGID, Chain, Tally
 from ..finality_kernel import NEVER
 from ..memory import ask
 from ..row import Array, squeezed, whole
@@ -26,9 +26,9 @@ from .grid_kernel import (
     Bonds,
     Ends,
     Grid,
+    Groups,
     Implicit,
     Links,
-    Pieces,
     Signals,
     States,
     factor,
@@ -106,10 +106,14 @@ class Machine:
         self.keep = keep
         self.signals = self._allocate(room)
         self.states = keep.make(self, room)
-        sides = [[mesh.piece_of(node) for node in nodes] for nodes in mesh.touching.values()]
-        left, right = (whole([pair[side] for pair in sides]) for side in (0, 1))
-        self.pieces = Pieces(whole(mesh.starts), whole(mesh.stops), mesh.mass / h, mesh.held,
-                             mesh.lateral / h, mesh.cells.relaxed * h, left, right)
+        first, last = (whole(list(ends)) for ends in zip(*mesh.groups, strict=True))
+        left, right = (np.searchsorted(first, nodes, "right") - 1
+                       for nodes in (self.links.left, self.links.right))
+        joint = np.full(len(mesh.mass) + 1, -1)
+        for i in np.flatnonzero(self.links.law == JOINT):
+            joint[self.links.right[i]] = i
+        self.groups = Groups(first, last, mesh.mass / h, mesh.held, mesh.lateral / h,
+                             mesh.cells.relaxed * h, left, right, joint)
         self.clock = whole([0, 0, 0])
         self.taken = 0
 
@@ -325,11 +329,14 @@ class Machine:
             elif kind == "absorbing":
                 wave = row.wave_of_strain(side) * self._pushes(value, 1)[0]
                 force[mesh.ends[side]] = self._impedance(side) * wave
-        for law, gap, left, right in zip(
-            links.law, links.gap, links.left, links.right, strict=True
+        for law, stiffness, gap, left, right in zip(
+            links.law, links.stiffness, links.gap, links.left, links.right, strict=True
         ):
             if law == RIGID and gap == 0 and force[left] > force[right]:
                 force[left] = force[right] = 0.0
+            elif law == JOINT:
+                force[left] += stiffness * gap
+                force[right] -= stiffness * gap
         found: Array = self.grid.mobility * force / 2
         if len(self.implicit.first):
             lists = kernels.as_lists(self.implicit)
@@ -384,11 +391,11 @@ class Machine:
         if driven(self.row.system):
             return NEVER
         nodes = 2 * len(self.mesh.mass)
-        parts: Any = self.pieces, self.grid, self.radial, self.links, self.ends
+        parts: Any = self.groups, self.grid, self.radial, self.links, self.ends
         if kernels.worth_compiling(nodes * PROOF_TIME, finality_time):
             return int(kernels.compiled(finality_time)(*parts, self.tol))
-        pieces, grid, radial, links, ends = map(kernels.as_lists, parts)
-        return finality_time(pieces, grid, radial, links, ends, self.tol)
+        groups, grid, radial, links, ends = map(kernels.as_lists, parts)
+        return finality_time(groups, grid, radial, links, ends, self.tol)
 
     def _grow(self, room: int) -> None:
         old, was = self.signals, self.room

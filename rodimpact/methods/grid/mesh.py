@@ -17,7 +17,7 @@ import numpy as np
 from ...model import Segment
 from ...model.frozen import InvalidModel
 from ...model.lateral_inertia import INERTIA, MINDLIN_HERRMANN, radial_moduli
-from ..contact_law_kernel import BOND, FORCE, FREE, RIGID
+from ..contact_law_kernel import BOND, FORCE, FREE, JOINT
 from ..row import Array, Row
 
 STIFFEST = 2.0**32  # times the inertia of a cell, beyond which round-off drowns its motion
@@ -130,7 +130,7 @@ class Mesh:
     width : [cell] array
         dx, m; 1 between pieces.
     touching : dict of int to (int, int)
-        By link that can open: the nodes on its left and on its right.
+        By link of a law: the nodes on its left and on its right.
     ends : list of int
         Node on which the outside acts, left and right.
     interfaces : dict of int to Interface
@@ -225,7 +225,7 @@ class Mesh:
             node, mass = self.node_of_mass[m], mass + self.row.masses[m]
             i += 1 if side else -1
             law = self.row.laws[i]
-            if law >= RIGID:
+            if law > BOND:
                 return Interface(node, mass, side, -1, i, -1)
             if law in (FREE, FORCE):
                 return Interface(node, mass, side, -1, -1, side if law == FORCE else -1)
@@ -250,7 +250,7 @@ class Mesh:
     def outer_forces(
         self, forces: Sequence[Array], ends: Sequence[tuple[str, Array, Array] | None]
     ) -> dict[int, Array]:
-        """Forces to the right on nodes: of contacts that can open, and of what is outside the row.
+        """Forces to the right on nodes: of contacts not bonded, and of what is outside the row.
 
         Parameters
         ----------
@@ -274,6 +274,14 @@ class Mesh:
             if end is not None and link not in self.touching:
                 pushes[node] = pushes.get(node, 0.0) + sign * end[1]
         return pushes
+
+    @property
+    def groups(self) -> list[tuple[int, int]]:
+        """First and last node of all that hangs together: pieces, with the joints between them."""
+        joined = {left for i, (left, _) in self.touching.items() if self.row.laws[i] == JOINT}
+        first = [a for a in self.starts if a - 1 not in joined]
+        last = [b for b in self.stops if b not in joined]
+        return list(zip(first, last, strict=True))
 
     def piece_of(self, node: int) -> int:
         """Piece to which a node belongs."""

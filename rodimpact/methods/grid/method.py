@@ -103,11 +103,11 @@ class GridRun(SteppedRun):
         return max(less) / (max(peaks) or 1.0)
 
     def path(self, contact: int) -> Array:
-        """How far a contact that can open closes in each step, m."""
+        """How far a contact that is not bonded closes in each step, m."""
         return self.by_link(self.signals.closing, self.place(contact)) * self.step
 
     def place(self, contact: int) -> int:
-        """Place in the tally of a contact that can open."""
+        """Place in the tally of a contact that is not bonded."""
         return list(self.mesh.touching).index(self.row.contact_link[contact])
 
     def bond(self, contact: int) -> Array:
@@ -260,11 +260,11 @@ def follow(
 
 
 def _free_velocities(run: GridRun) -> list[float]:
-    """Mean velocities of the pieces that nothing holds."""
+    """Mean velocities of the groups of pieces that nothing holds."""
     mesh, m, v = run.mesh, run.mesh.mass, run.machine.grid.velocity
     return [
         float(m[a : b + 1] @ v[a : b + 1] / m[a : b + 1].sum())
-        for a, b in zip(mesh.starts, mesh.stops, strict=True) if not mesh.held[a : b + 1].any()
+        for a, b in mesh.groups if not mesh.held[a : b + 1].any()
     ]
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from ...model import Rod, Samples, Steps
 from ...model.frozen import Number
 from ..abilities import driven
-from ..contact_law_kernel import IMPACT, RIGID, SPRING, Chain, Tally
+from ..contact_law_kernel import BOND, IMPACT, JOINT, RIGID, SPRING, Chain, Tally
 from ..groups import groups
 from ..memory import ask
 from ..row import Row
@@ -134,10 +134,12 @@ def _resolving(row: Row) -> Number:
     finest: Any = math.inf
     for i, sides in enumerate(row.beside):
         around = [row.masses[m] for kind, m in sides if kind == "mass"]
-        if around and row.laws[i] >= SPRING:
+        if around and (row.laws[i] >= SPRING or row.laws[i] == JOINT):
             m, stiff, power = 1 / sum(1 / M for M in around), row.stiffness[i], row.exponent[i] + 1
-            deepest = (power / 2 * m * v * v / stiff) ** (1 / power)
-            time = math.pi * np.sqrt(m / stiff) if np.all(power == 2) else 2.9432 * deepest / v
+            with np.errstate(divide="ignore"):  # a dashpot alone has no time
+                deepest = (power / 2 * m * v * v / stiff) ** (1 / power)
+                swing = math.pi * np.sqrt(m / np.asarray(stiff))
+            time = swing if np.all(power == 2) else 2.9432 * deepest / v
             finest = np.minimum(finest, time / 20)
     longest: Any = reduce(np.maximum, [s.transit_time for s in row.segments])
     finest = np.maximum(finest, longest / MOST_DIVIDED * 4)
@@ -187,7 +189,7 @@ def space(make: Make, full: Full, room: int, before: int) -> Work:
     """
     links, masses, n = len(make.law), len(make.mass_group), len(make.group) - 2
     bodies, bonded, opening = len(make.body_first), len(make.held), len(make.opening)
-    contacts, jumps = sum(law >= RIGID for law in make.law), len(make.jump_segment)
+    contacts, jumps = sum(law > BOND for law in make.law), len(make.jump_segment)
     lines, cuts = 2 * n + sum(kind != NONE for kind in make.outside), MOST_CUTS + 2
 
     def of(kind: Callable[..., Any], whole: str = "", **sizes: int) -> Any:

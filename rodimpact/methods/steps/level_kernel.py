@@ -11,7 +11,7 @@ import math
 from typing import Any, NamedTuple
 
 from ..clock import STEP_TICKS
-from ..contact_law_kernel import IMPACT, RIGID, Chain, Tally
+from ..contact_law_kernel import BOND, IMPACT, Chain, Tally
 from ..finality_kernel import NEVER
 from .step_kernel import (
     CUTS,
@@ -319,7 +319,7 @@ def place_signals(make: Make, level: Level, signals: Signals) -> bool:
     wanted = 0
     for i in range(len(make.law)):
         signals.link_start[i] = -1
-        if make.law[i] >= RIGID:
+        if make.law[i] > BOND:
             signals.link_start[i] = wanted * room
             wanted += 1
     for m in range(len(signals.mass_start)):

@@ -1,8 +1,8 @@
 """The method "characteristics": end signals averaged over a common time step.
 
-It carries what piecewise constant fronts cannot: rigid masses, compliant contacts, gravity, driven
-ends and smooth initial states. The step is chosen so that transit times are whole numbers of steps
-where they can be, and divided until the outcome stands still.
+It carries what piecewise constant fronts cannot: rigid masses, compliant contacts, joints, gravity,
+driven ends and smooth initial states. The step is chosen so that transit times are whole numbers of
+steps where they can be, and divided until the outcome stands still.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from ...model.frozen import InvalidModel
 from .. import abilities as physics
 from ..clock import STEP_TICKS
-from ..contact_law_kernel import RIGID, YIELD
+from ..contact_law_kernel import BOND, RIGID, YIELD
 from ..refinement import MEASURES
 from ..row import Array, Row
 from ..run import GroupTotals, Run, Waves
@@ -80,17 +80,17 @@ class StepRun(SteppedRun):
         return float(max(waves))
 
     def place(self, contact: int) -> int:
-        """Place in the tally of a contact that can open."""
+        """Place in the tally of a contact that is not bonded."""
         return self.row.contact_link[contact]
 
     def path(self, contact: int) -> Array:
-        """How far a contact that can open closes in each step, m."""
+        """How far a contact that is not bonded closes in each step, m."""
         link = self.place(contact)
         if self.row.laws[link] == YIELD:  # its faces move
             left, right = map(self._end_speed, self.row.beside[link], (0, 1))
             return np.asarray((left - right) * self.durations)
         _, gap = self.contact(contact)
-        return np.asarray(-np.diff(gap, prepend=float(self.row.system.gaps[contact])))
+        return np.asarray(-np.diff(gap, prepend=float(self.row.gap[link])))
 
     def _end_speed(self, body: tuple[str, int], right: int) -> Array:
         """Mean velocity in each step of what stands beside a link, in the frame."""
@@ -127,7 +127,7 @@ class StepRun(SteppedRun):
         outgoing, incoming = self.wave(out)[self.before(out) :], self.arriving(out ^ 1)
         line = self.signals.wave_start[(2 * n + 3) * side]
         imposed = self.by_step(self.signals.wave, line)
-        if row.laws[link] >= RIGID:
+        if row.laws[link] > BOND:
             force, v = self.by_link(self.signals.force, link), imposed
         elif kind == "force" and row.first[1 + side * n] > row.first[side * n]:
             speed = self.speed(0 if side == 0 else len(row.masses) - 1)

@@ -11,7 +11,7 @@ import math
 from typing import Any, NamedTuple
 
 from ..clock import STEP_TICKS
-from ..contact_law_kernel import IMPACT, YIELD, Chain, Tally
+from ..contact_law_kernel import IMPACT, JOINT, YIELD, Chain, Tally, stored
 from ..measure_kernel import deepest, largest_force, pressed_time, time_of_most
 from ..refinement_kernel import SURE, carried_error, carried_on, error_of, factor_of
 from .level_kernel import (
@@ -35,6 +35,7 @@ from .level_kernel import (
     TAKEN,
     TOO_LONG,
     TRIES,
+    UNTIL,
     WHOLE,
     Level,
     Limit,
@@ -206,10 +207,12 @@ def measure(
 
     The error of restitution may be twice that of velocities, so each is seen from the next one as
     well. Beside the scale, the round-off of bodies at rest is none. Impacts of rigid bodies have
-    neither a largest force nor a time: their impulse grows in jumps.
+    neither a largest force nor a time: their impulse grows in jumps. A joint is never done: of it
+    counts the impulse up to a given end, beside the largest so far.
     """
     at, values, steps, h = search.at, search.values, level.at[TAKEN], level.step[0]
     n, width, count = at[LEVELS], width_of_measures(make), len(make.opening)
+    passed = 0.0
     search.sizes[n] = h
     tick_times(level)
     group_velocities(
@@ -225,7 +228,14 @@ def measure(
                 values[p] = search.after[g] - before
                 p += 1
             before = search.after[g]
-    marks = (0, width - 4 * count, width - 3 * count, width - 2 * count, width - count, width)
+    marks = (0, p - n * width, width - 3 * count, width - 2 * count, width - count, width)
+    for i in range(len(make.law)):
+        if make.law[i] == JOINT:
+            values[p] = 0.0
+            if level.at[REASON] == UNTIL:
+                values[p], most = joint_impulse(level, signals, signals.link_start[i], steps)
+                passed = max(passed, most)
+            p += 1
     for c in range(count):
         i, start = make.opening[c], signals.link_start[make.opening[c]]
         values[p + c] = tally.impulse[i] * h
@@ -234,10 +244,16 @@ def measure(
             values[p + count + c] = peak_force(make, numbers, level, state, signals, i)
             values[p + 2 * count + c] = time_of_most(level.times, signals.force, start, steps)
             values[p + 3 * count + c] = time_under_force(make, numbers, level, signals, i)
+        if passed > 0:
+            passed = max(passed, values[p + c])
     at[LEVELS], smooth = n + 1, is_smooth(make, search, level)
-    lost = energy_lost(numbers, level, state, tally, signals) if make.kind[LOSES] > 0 else 0.0
+    lost = energy_lost(make, numbers, level, state, tally, signals) if make.kind[LOSES] > 0 else 0.0
     for name in range(MEASURES):
-        scale = numbers.setting[SCALE] if name == VELOCITY else 0.0
+        scale = 0.0
+        if name == VELOCITY:
+            scale = numbers.setting[SCALE]
+        elif name == IMPULSE:
+            scale = passed
         error = error_of(
             values, width, search.sizes, n + 1, marks[name], marks[name + 1], smooth, scale
         )
@@ -256,6 +272,15 @@ def measure(
     level.at[KEPT] = level.at[CLOSINGS] if level.at[CUT] > 0 else -1
     for q in range(level.at[CLOSINGS]):
         level.kept_time[q], level.kept_link[q] = level.closing_time[q], level.closing_link[q]
+
+
+def joint_impulse(level: Level, signals: Signals, start: int, steps: int) -> tuple[float, float]:
+    """Impulse of a joint at the end, and the largest until then, N s."""
+    impulse = most = 0.0
+    for j in range(steps):
+        impulse += signals.force[start + j] * (level.times[j + 1] - level.times[j])
+        most = max(most, abs(impulse))
+    return impulse, most
 
 
 def peak_force(
@@ -289,11 +314,14 @@ def time_under_force(
 
 def width_of_measures(make: Make) -> int:
     """How many numbers are kept of a level: those that are watched, and times under force."""
-    free = 0
+    free = joints = 0
     for g in range(len(make.held)):
         if make.held[g] == 0:
             free += 1
-    return free + max(free - 1, 0) + 4 * len(make.opening)
+    for i in range(len(make.law)):
+        if make.law[i] == JOINT:
+            joints += 1
+    return free + max(free - 1, 0) + joints + 4 * len(make.opening)
 
 
 def is_met(search: Search) -> bool:
@@ -392,7 +420,7 @@ def vibrations(
 
 
 def energy_lost(
-    numbers: Numbers, level: Level, state: State, tally: Tally, signals: Signals
+    make: Make, numbers: Numbers, level: Level, state: State, tally: Tally, signals: Signals
 ) -> float:
     """Energy lost to the time step, of that which was there at t = 0 in the frame of the row.
 
@@ -401,13 +429,14 @@ def energy_lost(
     tick, lost, there = level.step[0] / STEP_TICKS, 0.0, 0.0
     for i in range(len(tally.numerical)):
         lost += tally.numerical[i] * level.step[0]
+        there += stored(make.law[i], numbers.stiffness[i], numbers.exponent[i], numbers.gap[i])
     for m in range(len(numbers.mass)):
         there += numbers.mass[m] * numbers.speed[m] * numbers.speed[m] / 2
     for s in range(1, len(level.ticks) - 1):
         Z, fraction = numbers.impedance[s - 1], level.ticks[s] % STEP_TICKS
         for line in (2 * s, 2 * s + 1):
-            stored = inside_segment(level, signals, line, 0, -level.ticks[s], 0.0, True)
-            there += Z * tick / 4 * stored
+            held = inside_segment(level, signals, line, 0, -level.ticks[s], 0.0, True)
+            there += Z * tick / 4 * held
             start = signals.wave_start[line] - inside(state, s)
             if fraction > 0:
                 for j in range(level.at[TAKEN]):

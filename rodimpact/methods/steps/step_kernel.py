@@ -32,6 +32,7 @@ from ..contact_law_kernel import (
     FORCE,
     FREE,
     IMPACT,
+    JOINT,
     RIGID,
     SPRING,
     Chain,
@@ -72,10 +73,10 @@ class State(NamedTuple):
     law: Any  # [link]
     stiffness: Any  # [link] of what is compliant
     exponent: Any  # [link] of the indentation
-    damping: Any  # [link] of SPRING and HUNT: F = k x^(3/2) (1 + damping w); of IMPACT e; of YIELD
-    # the hardening
+    damping: Any  # [link] of HUNT: F = k x^(3/2) (1 + damping w); of JOINT and SPRING; of IMPACT e;
+    # of YIELD the hardening
     strength: Any  # [link] of YIELD, N
-    gap: Any  # [link] minus the indentation
+    gap: Any  # [link] minus the indentation, the stretch of a JOINT
     force: Any  # [link] of the last step
     closing: Any  # [link] by how much it closed in the last step
     open: Any  # [link] 1 if the gap has opened since the contact last pressed
@@ -108,7 +109,7 @@ class Points(NamedTuple):
 
 
 class Group(NamedTuple):
-    """What is bonded together on one side of a contact."""
+    """What is bonded and joined together on one side of a contact."""
 
     mass: float
     momentum: float
@@ -247,7 +248,7 @@ def closes_inside(state: State, clock: Any, i: int, j: int, after: float) -> boo
 def press(
     state: State, tally: Tally, signals: Signals, clock: Any, k: int, j0: int, j1: int
 ) -> int:
-    """Compliant contact between two rod ends, or between a rod end and a wall.
+    """Compliant contact or joint between two rod ends, or between a rod end and a wall.
 
     A dashpot's force begins with a jump: as in `touch`, the run may be to stop where it does.
     """
@@ -267,7 +268,7 @@ def press(
         if wr > 0:
             b += wr * (wave[q + j - 1] - b)
         F, rest = 0.0, gap - d * (a - b)
-        if gap < 0 or rest < 0:
+        if gap < 0 or rest < 0 or law == JOINT:
             jumps = clock[CUTS] > 0 and gap > 0 and law == SPRING and damping > 0
             if jumps and closes_inside(state, clock, i, j, gap / (a - b)):
                 return CLOSED
@@ -516,7 +517,7 @@ def stay(state: State, s: int, i: int, j: int) -> float:
 def group_motion(
     state: State, signals: Signals, k: int, q: int, right: bool, j: int, tol: float
 ) -> Group:
-    """Motion of everything bonded together on one side of contact q of node k, before part j."""
+    """Motion of all that hangs together on one side of contact q of node k, before part j."""
     mass = momentum = mean = 0.0
     ground, parts, low, high = 0, 0, math.inf, -math.inf
     while True:
@@ -537,13 +538,16 @@ def group_motion(
             Z = 1 / state.mobility[element]
             mass += state.transit[element] * Z
             for l in (2 * element, 2 * element + 1):
-                for i in range(j - inside(state, element), j):
-                    v, d = signals.wave[signals.wave_start[l] + i], stay(state, element, i, j)
+                for p in range(j - inside(state, element), j):
+                    v, d = signals.wave[signals.wave_start[l] + p], stay(state, element, p, j)
                     momentum += Z * v * d / 2
                     low, high = min(low, v), max(high, v)
-        if state.law[k + state.first[k] + q] != BOND:
+        i = k + state.first[k] + q
+        if not BOND <= state.law[i] <= JOINT:
             mean = momentum / mass
             break
+        if state.law[i] == JOINT and state.gap[i] != 0:
+            low, high = -math.inf, math.inf
     uniform = parts == 1 or (parts == 2 and ground == 2)
     if not uniform and high - low > tol:  # waves grow where impedance changes
         low, high = -math.inf, math.inf
@@ -557,7 +561,7 @@ def deviation_bound(
 
     A wall at the far end has all the mass. A far endless bar of impedance Z gives way by the
     momentum it has taken, over Z, so that momentum, of which there is at most sqrt(2 m E), counts
-    as well.
+    as well. So does a joint that is a dashpot alone, by the change of momentum over c.
 
     Returns
     -------
@@ -565,7 +569,7 @@ def deviation_bound(
         Deviation now, positive to the right, and its bound.
     """
     mass, mean, ground = group.mass, group.mean, group.ground
-    energy = slack = d = 0.0
+    energy = slack = d = loose = 0.0
     g, Y = 1.0, 0.0
     while True:
         element, k, q = beyond(state, k, q, right)
@@ -595,13 +599,23 @@ def deviation_bound(
                     passed += lasts
                     energy += lasts * v * v / (4 * y)
                     d += lasts * sign * v * (g0 + (g - g0) * place) / 2
-        if state.law[k + state.first[k] + q] != BOND:
+        link = k + state.first[k] + q
+        if not BOND <= state.law[link] <= JOINT:
             break
+        if state.law[link] == JOINT and state.stiffness[link] > 0:
+            stretch, stiff = state.gap[link], state.stiffness[link]
+            energy += stiff * stretch * stretch / 2
+            slack += g * g / stiff
+            d += g * stretch
+        elif state.law[link] == JOINT:
+            loose += 2 * g / state.damping[link]
     if right:
         d = -d
     if ground == 2:
         d -= (group.momentum - mass * mean) * Y
         slack = 2 * (slack + mass * Y * Y)
+    if loose > 0:
+        slack = 2 * (slack + mass * loose * loose)
     if group.high - group.low <= tol:
         return d, 0.0
     return d, bound_of(energy, slack)
