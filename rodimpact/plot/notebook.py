@@ -8,6 +8,7 @@ import io
 
 from matplotlib.figure import Figure
 
+from ..fitting.result import Fit
 from ..results.solution import Solution
 from ..running.sweep_report import sweep_table
 from ..running.sweep_result import SweepResult
@@ -21,8 +22,10 @@ DOTS_PER_INCH = 90
 MORE = "to_csv writes all, save keeps them"
 
 
-def html_of(result: Solution | SweepResult) -> str:
+def html_of(result: Solution | SweepResult | Fit) -> str:
     """Picture and table of a result."""
+    if isinstance(result, Fit):
+        return as_html(str(result))
     return _solution(result) if isinstance(result, Solution) else _sweep(result)
 
 
