@@ -63,6 +63,9 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .records.reading import ClippedSignal as ClippedSignal
     from .records.reading import read_signals as read_signals
     from .records.signal import Signal as Signal
+    from .records.together import signals_from_xarray as signals_from_xarray
+    from .records.together import signals_to_xarray as signals_to_xarray
+    from .records.together import write_signals as write_signals
     from .results.contacts import ContactHistory as ContactHistory
     from .results.energy import EnergyLedger as EnergyLedger
     from .results.gauges import Gauge as Gauge
@@ -106,6 +109,7 @@ _HOME = {
     "records.comparison": ("Misfit", "Pulse"),
     "records.reading": ("ClippedSignal", "read_signals"),
     "records.signal": ("Signal",),
+    "records.together": ("signals_from_xarray", "signals_to_xarray", "write_signals"),
     "running.solving": ("collide", "solve"),
     "results.energy": ("EnergyLedger",),
     "results.gauges": ("Gauge", "gauges_to_csv"),

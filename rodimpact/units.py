@@ -168,7 +168,9 @@ def in_si(values: Any, unit: Any) -> tuple[Any, str]:
     known = conversion(unit) if isinstance(unit, str) else None
     if known is None:
         near = [name for names in UNITS.values() for name in names]
-        close = difflib.get_close_matches(shown(unit)[1:-1], near, n=1)
+        word = shown(unit)[1:-1]
+        close = [name for name in near if name.casefold() == word.casefold()]
+        close = close or difflib.get_close_matches(word, near, n=1)
         hint = f"; perhaps {close[0]!r} is meant" if close else "; use one such as 'V', 'mV' or 'N'"
         raise ValueError(f"unknown unit {shown(unit)}{hint}")
     # one operation, which rounds once

@@ -27,6 +27,7 @@ COMMANDS = {
     "box": "replay the textbook's collisions of elastic rods, in words and figures",
     "run": "solve a case file",
     "sweep": "map a family of collisions over one or more numbers of a case",
+    "compare": "lay a measured record beside the gauges of a case",
     "explore": "play with a collision in the browser",
     "export": "write a collision as a page to hand out",
     "animate": "make a moving picture of a case: GIF, HTML or MP4",

@@ -11,6 +11,7 @@ made, which `save` writes to a file; in a notebook, run ``%matplotlib inline`` a
 'time t (µs)'
 """
 
+from .comparison import comparison
 from .diagram import spacetime
 from .families import sweep
 from .histories import contact
@@ -24,6 +25,6 @@ from .strains import gauge
 from .style import look
 
 __all__ = [
-    "animation", "contact", "energy", "gauge", "look", "overview", "restitution", "save",
-    "snapshots", "spacetime", "sweep",
+    "animation", "comparison", "contact", "energy", "gauge", "look", "overview", "restitution",
+    "save", "snapshots", "spacetime", "sweep",
 ]

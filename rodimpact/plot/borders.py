@@ -1,7 +1,8 @@
-"""What bounds the rods in a space-time diagram: their ends, contacts, masses and walls."""
+"""What bounds the rods in a space-time diagram, ends, contacts, masses and walls, and gauges."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,17 +15,20 @@ from numpy.typing import NDArray
 
 from ..methods.signals import Floats
 from ..model import Absorbing, Bonded, Moved, Pushed, Rigid, RigidMass, Rod
+from ..results.gauges import Gauge
 from ..results.placing import Placing
 from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster
-from .style import colours
+from .style import SMALL, colours
+from .thinning import evenly
 
 Cut: TypeAlias = Polygons | Raster
 WALL = 0.04  # depth of a wall, in lengths of the row
 OPEN_END = (0, (3, 2))  # dashes of an end through which waves leave
 DRIVEN = {Pushed: "driven by a force", Moved: "driven at a velocity"}
 ARROWS = 8  # marks of a driven end
+POINTS = 1000  # of the path of a gauge, at most
 
 
 class Borders:
@@ -95,6 +99,25 @@ class Borders:
                                       label="rigid mass", **mass_style()))
                 ax.add_patch(strips[-1])
         return strips
+
+    def gauges(self, ax: Axes, records: Mapping[str, Gauge]) -> list[Line2D]:
+        """Paths of strain gauges, each with its name."""
+        casing = [withStroke(linewidth=2.4, foreground=self.colours.paper)]
+        turn: Any = {"rotation": 0, "ha": "left", "xytext": (3, 2)} if self.plane.across else {
+            "rotation": 90, "ha": "right", "xytext": (-2, 3)}
+        paths = []
+        for name, record in records.items():
+            start, stop = self.plane.span
+            inside = record.times[(record.times > start) & (record.times < stop)]
+            times = np.concatenate(([start], inside[evenly(inside.size, POINTS)], [stop]))
+            moved = self.plan.solution.displacement(record.body, record.x, times)
+            track = self.plane.points(
+                self.plan.place(record.body, record.x, times, moved), times)
+            paths += ax.plot(*track.T, color=self.colours.ink, linewidth=1.0, linestyle="-.",
+                             zorder=5, path_effects=casing, label=name)
+            ax.annotate(name, track[0], textcoords="offset points", va="bottom", zorder=6,
+                        fontsize=SMALL + 1, color=self.colours.ink, path_effects=casing, **turn)
+        return paths
 
     def drives(self, ax: Axes) -> list[Line2D]:
         """Arrow heads along the paths of driven ends, towards the row."""

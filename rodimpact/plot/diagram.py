@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -15,6 +16,7 @@ from matplotlib.patches import Polygon
 from matplotlib.text import Text
 
 from ..model import Absorbing
+from ..results.gauges import Gauge, check_gauges
 from ..results.placing import placing
 from ..results.solution import Solution, check_solution
 from .borders import Borders, Cut, open_style
@@ -44,6 +46,7 @@ class SpaceTime(NamedTuple):
     colour_bar: Colorbar
     masses: list[Polygon]
     scale: Scale
+    gauges: list[Line2D]
 
 
 @styled
@@ -51,6 +54,7 @@ def spacetime(
     solution: Solution, ax: Axes | None = None, field: str = "velocity",
     dimensionless: bool = False, start: float = 0.0, stop: float | None = None,
     magnification: float | None = None, coordinates: str = "lab", across: bool = False,
+    gauges: Mapping[str, Gauge] | None = None,
 ) -> SpaceTime:
     """Draw where every piece of rod is at every time, coloured by its state.
 
@@ -85,6 +89,8 @@ def spacetime(
     coordinates : "lab" or "body"
     across : bool
         Whether time runs to the right and places lie upward, instead of the other way round.
+    gauges : mapping of str to Gauge, optional
+        Stations to draw, by name, as for `gauges_to_csv`.
 
     Returns
     -------
@@ -93,13 +99,14 @@ def spacetime(
     Raises
     ------
     ValueError
-        For an unknown field or coordinates, an empty interval, more than 100 000 regions, a
-        magnification that is not positive or given for coordinates of the bodies, or a
-        dimensionless picture of a row in which nothing approaches.
+        For gauges that are none, an unknown field or coordinates, an empty interval, more than
+        100 000 regions, a magnification that is not positive or given for coordinates of the
+        bodies, or a dimensionless picture of a row in which nothing approaches.
     """
     check_solution(solution)
     check_choice("field", field, FIELDS)
     check_choice("coordinates", coordinates, ("lab", "body"))
+    stations = {} if gauges is None else check_gauges(gauges)
     cut: Cut = (Raster if is_stepped(solution) else Polygons)(solution, start, stop)
     stop = solution.t_end if stop is None else stop
     plan = placing(solution, start, stop, magnification)
@@ -125,6 +132,7 @@ def spacetime(
     for lines in (ends, touching, pressing):
         ax.add_collection(lines)
     masses, drives = borders.masses(ax), borders.drives(ax)
+    paths = borders.gauges(ax, stations)
 
     plane.dress(ax, place_label(plan, place))
     dress(ax)
@@ -137,4 +145,4 @@ def spacetime(
         named.append(Line2D([], [], label="absorbing end", **open_style()))
     legend_above(ax, named)
     return SpaceTime(ax, drawn, ends, pressing, touching, walls, cut.finish(), bar, masses,
-                     scale)
+                     scale, paths)

@@ -19,9 +19,8 @@ from ..model import Bonded, Rigid
 from ..model.arguments import array
 from ..results.contacts import ContactHistory
 from ..results.solution import Solution, check_solution
-from ..units import shown
 from .scales import Scale, engineering, time_scale, written
-from .style import DASHES, SMALL, colours, dress, legend_above, new_figure, styled
+from .style import DASHES, SMALL, colours, dress, legend_above, styled, two_axes
 from .thinning import telling
 
 MARKED_UP_TO = 3  # episodes of contact
@@ -73,12 +72,7 @@ def contact(
         if index not in range(count):
             have = f"from 0 to {count - 1}" if count else "given only where there are two bodies"
             raise ValueError(f"contact: must be {have}, got {index:g}")
-    if ax is None:
-        ax = new_figure(5.6, 4.2).subplots(2, 1, sharex=True).tolist()
-    pair = list(ax) if isinstance(ax, Sequence | np.ndarray) else []
-    if len(pair) != 2 or not all(isinstance(each, Axes) for each in pair):
-        raise ValueError(f"ax: needs a pair of Axes, for force and gap, got {shown(ax)}")
-    force_ax, gap_ax = pair
+    force_ax, gap_ax = two_axes(ax, "force and gap", (1, 1), 5.6, 4.2)
     histories = [solution.contacts[int(index)] for index in chosen]
     end = solution.t_end
     time = time_scale(end)

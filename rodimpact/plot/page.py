@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from matplotlib.figure import Figure
 
 from ..model import RigidMass, Wall
+from ..results.gauges import Gauge
 from ..results.solution import Solution, check_solution
 from .diagram import spacetime
 from .histories import contact
@@ -18,7 +21,7 @@ NAMED_UP_TO = 6  # bodies whose velocities fit into the headline
 
 
 @styled
-def overview(solution: Solution) -> Figure:
+def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> Figure:
     """Draw velocity and stress in space and time, force and gap of the first contacts, and energy.
 
     Its many Axes are arranged on a figure of its own, so it takes none.
@@ -26,6 +29,8 @@ def overview(solution: Solution) -> Figure:
     Parameters
     ----------
     solution : Solution
+    gauges : mapping of str to Gauge, optional
+        Stations to draw in space and time, by name.
 
     Returns
     -------
@@ -35,7 +40,7 @@ def overview(solution: Solution) -> Figure:
     Raises
     ------
     ValueError
-        If the solution lasts no time.
+        If the solution lasts no time, or gauges are none.
     """
     check_solution(solution)
     time_scale(solution.t_end)  # refuses what lasts no time
@@ -44,7 +49,7 @@ def overview(solution: Solution) -> Figure:
     upper, lower = halves[0].subgridspec(1, 2), halves[1].subgridspec(2, 2)
     stop = drawn_until(solution)
     for column, field in enumerate(("velocity", "stress")):
-        spacetime(solution, figure.add_subplot(upper[column]), field, stop=stop)
+        spacetime(solution, figure.add_subplot(upper[column]), field, stop=stop, gauges=gauges)
     able_to_open = solution.outcome.unilateral[:CONTACTS]
     if able_to_open:
         force_ax = figure.add_subplot(lower[0, 0])

@@ -119,8 +119,9 @@ def _labels(ax: Axes, polygons: list[Floats], values: Floats, norm: Normalize) -
         box = _centre(corners) + np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half
         if _inside(box, corners):
             x, y = _centre(polygon)
+            ground = {"facecolor": DIVERGING(norm(value)), "edgecolor": "none", "pad": 1.0}
             written.append(ax.text(x, y, text, ha="center", va="center", zorder=6, fontsize=SMALL,
-                                   color=ink_on(norm, value)))
+                                   color=ink_on(norm, value), bbox=ground))
     return written
 
 

@@ -14,6 +14,7 @@ from contextvars import ContextVar
 from functools import wraps
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
+import numpy as np
 from matplotlib import rc_context, rcParams
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -158,6 +159,20 @@ def axes(ax: Axes | None, width: float, height: float) -> Axes:
         return new_figure(width, height).add_subplot()
     of_kind("ax", ax, Axes, "plt.gca()")
     return ax
+
+
+def two_axes(
+    ax: Sequence[Axes] | None, what: str, heights: tuple[int, int], width: float, height: float,
+) -> tuple[Axes, Axes]:
+    """The pair of Axes given, or those of a new figure, one above the other, over one time."""
+    if ax is None:
+        pair = new_figure(width, height).subplots(2, 1, sharex=True, height_ratios=heights).tolist()
+    else:
+        pair = list(ax) if isinstance(ax, Sequence | np.ndarray) else []
+    if len(pair) != 2 or not all(isinstance(each, Axes) for each in pair):
+        raise ValueError(f"ax: needs a pair of Axes, for {what}, got {shown(ax)}")
+    upper, lower = pair
+    return upper, lower
 
 
 def dress(ax: Axes) -> None:

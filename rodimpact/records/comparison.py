@@ -12,7 +12,8 @@ Bounds: TypeAlias = float | tuple[float, float]
 Record: TypeAlias = tuple[Floats, Floats]  # times and values
 
 NEAR_TOP = 0.7  # of the largest sample: from here on samples belong to the plateau
-SHIFTS = 513  # that are tried before the best is refined
+SHIFTS = 513  # that are tried before the best is refined, and a quarter as many around the tops
+ENOUGH = 10_000  # samples of a record to choose among these
 
 
 class Pulse(NamedTuple):
@@ -76,11 +77,12 @@ def pulse_of(times: Floats, values: Floats) -> Pulse:
 
 
 def plateau(values: Floats) -> float:
-    """Median of the samples above 0.7 of the largest; ValueError if there is none above 0."""
-    largest = values.max()
+    """Median of the samples above 0.7 of the largest, without its sign; ValueError if all are 0."""
+    height = values if values.max() >= -values.min() else -values
+    largest = height.max()
     if largest <= 0:
         raise ValueError("there is no pulse: the signal is 0 everywhere")
-    return float(np.median(values[values > NEAR_TOP * largest]))
+    return float(np.median(height[height > NEAR_TOP * largest]))
 
 
 def misfit_of(
@@ -89,17 +91,19 @@ def misfit_of(
 ) -> Misfit:
     """Smallest root of the mean square over the plateau of the record, within bounds."""
     times, values = record
-    level = plateau(values if values.max() >= -values.min() else -values)
+    level = plateau(values)
 
-    def scale_at(shift: float) -> tuple[float, Floats]:
-        m = np.interp(times - shift, *model)
+    def at(shift: float, record: Record = record, model: Record = model) -> tuple[float, float]:
+        """Misfit with the best scale, and that scale."""
+        y, m = record[1], np.interp(record[0] - shift, *model)
         power = float(m @ m)
-        best = float(m @ values) / power if power else 1.0
-        return (best if scale is None else min(max(best, scale[0]), scale[1])), m
+        best = float(m @ y) / power if power else 1.0
+        if scale is not None:
+            best = min(max(best, scale[0]), scale[1])
+        return float(np.sqrt(np.mean((best * m - y) ** 2))) / level, best
 
     def rms(shift: float) -> float:
-        factor, m = scale_at(shift)
-        return float(np.sqrt(np.mean((factor * m - values) ** 2))) / level
+        return at(shift)[0]
 
     length = times[-1] - times[0]
     low, high = (-length, length) if shift is None else shift
@@ -108,12 +112,24 @@ def misfit_of(
         from scipy.optimize import minimize_scalar
 
         tried = np.linspace(low, high, SHIFTS)
-        i = int(np.argmin([rms(s) for s in tried]))
-        around = tried[max(i - 1, 0)], tried[min(i + 1, SHIFTS - 1)]
+        tops = times[np.abs(values).argmax()], model[0][np.abs(model[1]).argmax()]
+        wide = length * np.mean(np.abs(values) > level / 2)  # so long is what is high
+        together = tops[0] - tops[1] + wide * np.linspace(-1, 1, SHIFTS // 4)
+        tried = np.sort(np.concatenate((tried, together[(low < together) & (together < high)])))
+        few = _thinned(record), _thinned(model)
+        i = int(np.argmin([at(s, *few)[0] for s in tried]))
+        around = tried[max(i - 1, 0)], tried[min(i + 1, len(tried) - 1)]
         options = {"xatol": 1e-9 * length}
         refined = minimize_scalar(rms, bounds=around, method="bounded", options=options)
         best = min((float(refined.x), float(tried[i])), key=rms)
-    return Misfit(rms(best), best, scale_at(best)[0])
+    found, factor = at(best)
+    return Misfit(found, best, factor)
+
+
+def _thinned(record: Record) -> Record:
+    """One sample in so many that `ENOUGH` are left, or twice as many."""
+    times, values = (column[:: max(1, len(column) // ENOUGH)].copy() for column in record)
+    return times, values
 
 
 def _stretch(v: Floats, top: int, level: float) -> tuple[int, int]:

@@ -21,21 +21,30 @@ from ..model.arguments import positive, single
 from ..model.frozen import nearest
 from ..model.quantities import Floats
 from ..storage.reading import FileFormatError, open_regular
+from ..storage.tables import TIMES
 from ..storage.writing import PathLike
 from ..units import one_line, shown
 from .signal import EVEN, Signal
 
+NO_TEXT = "is no text (it holds the character NUL); export it as text, in UTF-8"
 SURE = 3  # rows of numbers that begin a table
 GAP = 1.5  # steps from which on samples are missing
 HELD = 8  # samples in a row at the largest value, and
 LONGER = 4  # times as many as at any other: a recorder at its limit
 MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"),
          (codecs.BOM_UTF16_BE, "utf-16"))
-TIMES = re.compile(r"(?i)(?:time|t|zeit|temps|tiempo|x-?axis|seconds?)\b.*")
+MOST_HEAD = 10_000  # lines before the numbers
+WORDS = {"second": "s", "seconds": "s", "sec": "s", "msec": "ms", "usec": "us", "nsec": "ns",
+         "volt": "V", "volts": "V", "strain": "1", "-": "1", "m/m": "1", "mm/mm": "1"}
+"""Units as instruments spell them."""
 MEASURED = ("time", "voltage", "dimensionless", "force", "pressure", "velocity", "length",
             "acceleration")
 """What a unit at the end of a name may be, without brackets: incident_V."""
 _NUMBER = r"[+-]?(?:\d+(?:{0})?|{1})(?:[eE][+-]?\d+)?|(?i:[+-]?(?:nan|inf(?:inity)?))"
+_DATE = re.compile(r"\d+[-/.:]\d+[-/.:]\d.*")
+_THOUSANDS = {".": re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+"),
+              ",": re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")}
+_PARTED = re.compile(r"[+-]?\d{1,3}([,.'\N{RIGHT SINGLE QUOTATION MARK}\s]\d{3})+([.,]\d+)?")
 _NUMBERS = {".": re.compile(_NUMBER.format(r"\.\d*", r"\.\d+")),
             ",": re.compile(_NUMBER.format(r",\d+", r",\d+"))}
 
@@ -53,6 +62,8 @@ class _Form(NamedTuple):
     def cells(self, line: str) -> list[str]:
         if not self.delimiter:
             return line.split()
+        if '"' not in line:
+            return [cell.strip() for cell in line.split(self.delimiter)]
         try:
             row = next(csv.reader([line], delimiter=self.delimiter), [])
         except csv.Error:  # a cell without an end
@@ -62,7 +73,10 @@ class _Form(NamedTuple):
     def numbers(self, line: str) -> int:
         """How many numbers the line has; 0 if it has anything else."""
         cells = _without_end(self.cells(line))
-        return len(cells) if all(map(_NUMBERS[self.decimal].fullmatch, cells)) else 0
+        return len(cells) if all(map(self.is_number, cells)) else 0
+
+    def is_number(self, cell: str) -> bool:
+        return _NUMBERS[self.decimal].fullmatch(cell) is not None
 
 
 COMMAS = _Form(",", ".")
@@ -151,11 +165,13 @@ class _Table:
 
     def __init__(self, data: bytes, decimal: str | None) -> None:
         lines = _decoded(data).splitlines()
+        while lines and not lines[-1].strip("\t ;,"):
+            lines.pop()
         form, start = _form_of(lines, decimal)
         head = lines[:start]
         body = [(i, form.cells(line)) for i, line in enumerate(lines[start:], start + 1)
                 if line.strip()]
-        if not any(row[-1] for _, row in body):
+        while not any(row[-1] for _, row in body):
             for _, row in body:
                 row.pop()
         self.lines = [i for i, _ in body]
@@ -167,8 +183,11 @@ class _Table:
                     "or remove it"
                 )
         self.names, self.units = _heads(head, form, self.count)
-        self.columns = [self._numbers(j, [row[j] for _, row in body], form.decimal)
-                        for j in range(self.count)]
+        columns = [[row[j] for _, row in body] for j in range(self.count)]
+        self.columns = [self._numbers(j, column, form.decimal)
+                        for j, column in enumerate(columns)]
+        if decimal is None and form != COMMAS:
+            _check_decimal(columns, form.decimal)
 
     def _numbers(self, column: int, cells: list[str], decimal: str) -> Floats:
         """Finite numbers of a column."""
@@ -196,8 +215,9 @@ class _Table:
         named = [j for j, name in enumerate(self.names) if TIMES.fullmatch(name)]
         if rate is not None:
             if named:
+                remedy = "leave rate out" if self.count > 1 else "it has no other"
                 raise FileFormatError(
-                    f"has a column of times, {shown(self.names[named[0]])}; leave rate out"
+                    f"has a column of times, {shown(self.names[named[0]])}; {remedy}"
                 )
             times = np.arange(len(self.lines)) / rate
             channels = list(range(self.count))
@@ -321,12 +341,15 @@ def _decoded(data: bytes) -> str:
     encoding = next((name for mark, name in MARKS if data.startswith(mark)), "utf-8")
     try:
         if encoding != "utf-16" and b"\0" in data:
-            raise FileFormatError("is no text (it holds the character NUL); export it as text")
-        return data.decode(encoding)
+            raise FileFormatError(NO_TEXT)
+        text = data.decode(encoding).replace("\N{MINUS SIGN}", "-")
     except UnicodeDecodeError:
         if encoding != "utf-8":
             raise FileFormatError(f"is not the text in {encoding} that its mark says") from None
         return data.decode("latin-1")
+    if "\0" in text:
+        raise FileFormatError(NO_TEXT)
+    return text
 
 
 def _form_of(lines: list[str], decimal: str | None) -> tuple[_Form, int]:
@@ -335,15 +358,16 @@ def _form_of(lines: list[str], decimal: str | None) -> tuple[_Form, int]:
     if decimal == ",":
         forms.remove(COMMAS)
     found: list[_Form] = []
-    for start in range(len(lines)):
+    for start in range(min(len(lines), MOST_HEAD)):
         if found := [form for form in forms if _begins(lines, start, form)]:
             break
     else:
-        raise FileFormatError("has no table of numbers; export it as text, with a row a sample")
+        raise FileFormatError(f"has no table of numbers{_why_none(lines, forms)}")
     line, body = lines[start], lines[start:]
     several = [form for form in found if form.numbers(line) > 1]
     if not several:
-        form = found[0] if any("." in row for row in body) else found[-1]
+        sign = "," if any("," in row for row in body) else "."
+        form = next((form for form in found if form.decimal == sign), found[0])
     elif len({form.delimiter for form in found}) == 1 or "," not in line:
         # where the first rows are whole numbers, later ones tell the decimal sign
         wanted = "," if any("," in row for row in body) and several[0] != COMMAS else "."
@@ -358,6 +382,35 @@ def _form_of(lines: list[str], decimal: str | None) -> tuple[_Form, int]:
     count = form.numbers(line)
     alike = (i for i in range(start) if form.numbers(lines[i]) == count > 1)
     return form, next(alike, start)
+
+
+def _why_none(lines: list[str], forms: list[_Form]) -> str:
+    """What keeps a line in the middle of the file from being numbers, and the remedy."""
+    i = next((i for i in range(len(lines) // 2, len(lines)) if lines[i].strip()), None)
+    if i is None:
+        return "; export it as text, with a row a sample"
+    form = max(forms, key=lambda form: sum(map(form.is_number, form.cells(lines[i]))))
+    cells = form.cells(lines[i])
+    if not any(form.is_number(c) or _DATE.fullmatch(c) or _PARTED.fullmatch(c) for c in cells):
+        return (" in columns parted by tabs, semicolons, commas or blanks; export it as text, with "
+                "a row a sample")
+    odd = next(cell for cell in cells if not form.is_number(cell))
+    remedy = "below their heads, columns must be of numbers"
+    if _DATE.fullmatch(odd):
+        remedy = "write times in seconds, or remove them and give rate"
+    elif _PARTED.fullmatch(odd):
+        remedy = "write numbers without signs between thousands"
+    return f": line {i + 1} has {shown(odd) if odd else 'an empty cell'}; {remedy}"
+
+
+def _check_decimal(columns: list[list[str]], sign: str) -> None:
+    """Refuse numbers that may be thousands or parts of one: all are like 1,234."""
+    cells = [cell for column in columns for cell in column if sign in cell]
+    if cells and all(map(_THOUSANDS[sign].fullmatch, cells)):
+        raise FileFormatError(
+            f"has numbers such as {shown(cells[0])}, which may be with decimals or in thousands; "
+            f'give decimal="{sign}" if with decimals, or write them without signs between thousands'
+        )
 
 
 def _begins(lines: list[str], start: int, form: _Form) -> bool:
@@ -376,12 +429,23 @@ def _named(lines: list[str], count: int) -> bool:
 
 def _heads(lines: list[str], form: _Form, count: int) -> tuple[list[str], list[str]]:
     """Names and units of the columns, from the lines before the numbers."""
-    texts = [line.lstrip("#%/ ") for line in lines if line.strip("#%/ \t\r;,")]
-    rows = [row for row in (_without_end(form.cells(text)) for text in texts) if len(row) == count]
+    texts = {i: text for i, line in enumerate(lines, 1) if (text := line.strip("#%/ \t\r;,"))}
+    rows = [row for row in (_head_cells(text, form, count) for text in texts.values())
+            if len(row) == count and all(row)]
     if not rows:
+        if texts and form.delimiter and count > 1:
+            i = max(texts)
+            given = len(form.cells(texts[i]))
+            if given > 1:
+                raise FileFormatError(
+                    f"line {i}: has {given} heads for {count} columns of numbers; give each one")
         return [str(j + 1) for j in range(count)], [""] * count
+    if count > 1 and form.is_number(rows[-1][0]):
+        odd = next(cell for cell in rows[-1] if not form.is_number(cell))
+        raise FileFormatError(
+            f"begins with a line that has {shown(odd)} beside numbers; complete or remove it")
     below: list[str] = []
-    units = [cell.strip("[]() ") for cell in rows[-1]]
+    units = [_spelt(cell.strip("[]() ")) for cell in rows[-1]]
     if len(rows) > 1 and all(known_units.conversion(unit) is not None for unit in units):
         below = units
         rows.pop()
@@ -392,18 +456,36 @@ def _heads(lines: list[str], form: _Form, count: int) -> tuple[list[str], list[s
     return list(names), below or list(inside)
 
 
+def _head_cells(text: str, form: _Form, count: int) -> list[str]:
+    """Heads in a line; between blanks, a unit in brackets belongs to what is before it."""
+    cells = _without_end(form.cells(text))
+    if not form.delimiter and len(cells) != count:
+        joined = re.sub(r"\s+([\[(])", r"\1", text).split()
+        cells = joined if len(joined) == count else re.split(r"\s{2,}|\t", text)
+    if len(cells) == count + 1 and cells[-1].casefold() == "comment":  # of LabVIEW, without entries
+        cells.pop()
+    return cells
+
+
+def _spelt(unit: str) -> str:
+    """A unit as it is known here."""
+    return WORDS.get(unit.casefold(), unit)
+
+
 def _name_and_unit(head: str) -> tuple[str, str]:
     """Name of a column and its unit, "" if it has none."""
     head = head.strip(" \"'")
     if found := re.fullmatch(r"(.*?)[\s_/,]*[\[(]([^\[\]()]*)[\])]", head):
-        return one_line(found[1] or found[2]), found[2].strip() if found[1] else ""
+        return one_line(found[1] or found[2]), _spelt(found[2].strip()) if found[1] else ""
     if (found := re.fullmatch(r"(.*?)\s*(?:/|\bin\b|_|,|\s)\s*([^\s_/,]+)", head)) and found[1]:
-        si = known_units.conversion(found[2])
-        if si and known_units.dimension_of(si.unit) in MEASURED and found[2] != "1":
-            return one_line(found[1]), found[2]
+        si = known_units.conversion(unit := _spelt(found[2]))
+        if si and known_units.dimension_of(si.unit) in MEASURED and unit != "1":
+            return one_line(found[1]), unit
     return one_line(head), ""
 
 
 def _without_end(cells: list[str]) -> list[str]:
-    """Cells of a line, without the empty one behind a delimiter at its end."""
-    return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
+    """Cells of a line, without the empty ones behind delimiters at its end."""
+    while len(cells) > 1 and not cells[-1]:
+        cells = cells[:-1]
+    return cells

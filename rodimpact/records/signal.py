@@ -23,8 +23,7 @@ from ..model.bodies import Rod, Segment
 from ..model.frozen import Frozen, InvalidModel, Number, Problems
 from ..model.quantities import Floats, floats
 from ..storage.extras import optional
-from ..storage.tables import named_with_unit
-from ..storage.writing import write_text
+from ..storage.tables import heading, write_table
 from ..units import shown
 from . import filters
 from .comparison import Bounds, Misfit, Pulse, misfit_of, pulse_of
@@ -461,10 +460,8 @@ class Signal(Frozen):
         InvalidModel
             If the name of the signal would break the table.
         """
-        columns = ("time", "s"), (self.name or "signal", self.unit)
-        head = ",".join(named_with_unit(*column) for column in columns)
-        rows = zip(self.times.tolist(), self.values.tolist(), strict=True)
-        write_text(path, "\n".join([head, *(f"{t!r},{v!r}" for t, v in rows), ""]), force=force)
+        heads = heading("time", "s"), heading(self.name or "signal", self.unit)
+        write_table(path, heads, [(self.times, self.values)], force=force)
 
     def to_xarray(self) -> Any:
         """Return an xarray DataArray over ``time``, with units (extra ``xarray``)."""

@@ -36,8 +36,8 @@ class Trace(NamedTuple):
     """What passes a place: states that hold from each time on, of a rod.
 
     times [n] in s; rightward, leftward [n], the waves v - c eps and v + c eps in m/s, in the frame
-    at t = 0; moving [n], the velocity of that frame; wave_speed in m/s; sampled, whether the states
-    are those of instants, between which a grid knows no others.
+    at t = 0; moving [n], the velocity of that frame; wave_speed in m/s; stretch [n], the difference
+    2 c eps of the waves just after each time, and stretching [n], its rate until the next, m/s^2.
     """
 
     times: Floats
@@ -45,7 +45,8 @@ class Trace(NamedTuple):
     leftward: Floats
     moving: Floats
     wave_speed: float
-    sampled: bool = False
+    stretch: Floats
+    stretching: Floats
 
 
 def nearest(marks: Ints, ticks: Ints) -> Ints:

@@ -14,8 +14,7 @@ from ..methods.signals import Floats
 from ..model.arguments import array, refuse
 from ..model.frozen import InvalidModel, Problems, number
 from ..records.signal import Signal
-from ..storage.tables import misnamed
-from ..storage.writing import write_text, written
+from ..storage.tables import heading, misnamed, write_table
 from ..units import shown
 
 SAMPLES = 10_000  # of a record where no interval is given
@@ -25,9 +24,12 @@ TOGETHER = 4096  # rows that are made at a time
 
 @dataclass(frozen=True)
 class Gauge:
-    """Record of a strain gauge: strain and velocity are constant between jumps.
+    """Record of a strain gauge: an entry for each jump, each step, or each state of a grid.
 
-    On a grid it has an entry for each state that was kept, which holds until the next.
+    Strain and velocity are constant between jumps of fronts; on a time step they are means until
+    the next entry, on a grid they are those of its time. What the strain is in between, `strain_at`
+    and `signal` tell: in a time step a straight line about the mean, which rises as the steps
+    around it do but not beyond their means; on a grid a straight line to the next entry.
 
     Attributes
     ----------
@@ -37,14 +39,14 @@ class Gauge:
     times : array
         s; the record starts at t = 0 and entry i holds from times[i] on, the last to `end`.
     strain, velocity : array
-        Just after each time; m/s.
+        From each time on; m/s.
     rightward, leftward : array
         Strain carried by the wave running right and by the one running left, relative to the
         velocity at t = 0; their sum is `strain`.
     end : float
         s.
-    sampled : bool
-        Whether the entries are samples of what varies between them, as on a grid.
+    strain_after, strain_rate : array
+        Strain just after each time, and how fast it changes until the next, 1/s.
     """
 
     body: int
@@ -55,14 +57,14 @@ class Gauge:
     rightward: Floats
     leftward: Floats
     end: float
-    sampled: bool = False
+    strain_after: Floats
+    strain_rate: Floats
 
     def signal(self, interval: float | None = None, name: str = "") -> Signal:
         """Return the strain as a signal at equal intervals.
 
         A sample is a mean over an interval and a half to either side, weighted by a parabolic
-        spline: it varies smoothly with the time of a jump, so that a fit can follow it. Samples of
-        a grid, which has no jumps, are joined by straight lines.
+        spline: it varies smoothly with the time of a jump, so that a fit can follow it.
 
         Parameters
         ----------
@@ -90,37 +92,43 @@ class Gauge:
             message = f"must not be longer than the record, {self.end!r} s, got {step!r}"
             raise InvalidModel([("interval", message)])
         times = step * np.arange(_rows(self.end, step))
-        if self.sampled:
-            return Signal(np.interp(times, self.times, self.strain), times, name=name)
-        place = self.times[1:] / step + 0.5
-        before = place.astype(int)
-        u, jump = place - before, np.diff(self.strain)
-        shares = (1 - u) ** 3, 4 - 6 * u**2 + 3 * u**3, 1 + 3 * (u + u**2 - u**3), u**3
-        change = np.zeros(len(times) + 4)
-        for k, share in enumerate(shares):
-            np.add.at(change, before + k, jump * share / 6)
-        means = self.strain[0] + np.cumsum(change)[1 : len(times) + 1]
-        return Signal(means, times, name=name)
+        means = np.concatenate(([0.0], self.strain_at(times), [0.0, 0.0]))
+        begins, lasts = self.times[1:], np.diff(self.times)
+        jump = self.strain_after[1:] - self.strain_after[:-1] - self.strain_rate[:-1] * lasts
+        bend = np.diff(self.strain_rate) * step
+        place = begins / step + 0.5  # of jumps and bends, between the samples that they change
+        sample = place.astype(int)
+        u = place - sample
+        x, passed = 0.5 - u, step * sample >= begins
+        shares = (  # of a jump, of a bend: what the spline makes of it, less what it is
+            ((1 - u) ** 3 / 6, (1 - u) ** 4 / 24),
+            (1 / 2 + 3 * x / 4 - x**3 / 3 - passed,
+             13 / 64 - abs(x) / 2 + 3 * x**2 / 8 - x**4 / 12),
+            (-(u**3) / 6, u**4 / 24),
+        )
+        for k, (of_jump, of_bend) in enumerate(shares):
+            np.add.at(means, sample + k, jump * of_jump + bend * of_bend)
+        return Signal(means[1 : len(times) + 1], times, name=name)
 
     def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
-        """Write time, strain, rightward and leftward strain and velocity, one row a jump.
+        """Write time, strain, rightward and leftward strain and velocity, one row an entry.
 
         Raises
         ------
         FileExistsError
             If the file is there and `force` is false.
         """
-        names = ("time", "strain", "rightward", "leftward", "velocity")
-        columns = (self.times, self.strain, self.rightward, self.leftward, self.velocity)
-        rows = [names, *zip(*([repr(v) for v in c.tolist()] for c in columns), strict=True)]
-        write_text(path, "".join(",".join(row) + "\n" for row in rows), force=force)
+        names = ("strain", "rightward", "leftward", "velocity")
+        heads = [heading("time", "s"), *map(heading, names, ("", "", "", "m/s"))]
+        columns = [self.times, *(getattr(self, name) for name in names)]
+        write_table(path, heads, [columns], force=force)
 
     def strain_at(self, t: ArrayLike) -> Floats:
         """Strain at times t in s, from 0 to `end`; ValueError at others."""
         t = array("t", t, "s")
         refuse(~((t >= 0) & (t <= self.end * (1 + 1e-9))), f"must be 0 to {self.end!r} s", t=t)
-        place = np.searchsorted(self.times, t, "right") - 1
-        strain: Floats = self.strain[np.maximum(place, 0)]
+        i = np.maximum(np.searchsorted(self.times, t, "right") - 1, 0)
+        strain: Floats = self.strain_after[i] + self.strain_rate[i] * (t - self.times[i])
         return strain
 
 
@@ -162,12 +170,10 @@ def gauges_to_csv(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     ri.gauges_to_csv(f"{folder}/bars.csv", gauges, interval=1e-6)
     ...     pathlib.Path(f"{folder}/bars.csv").read_text().splitlines()[0]
-    'time,incident,transmitted'
+    'time [s],incident [1],transmitted [1]'
     """
     problems: Problems = []
-    if not isinstance(gauges, Mapping) or not all(isinstance(g, Gauge) for g in gauges.values()):
-        message = "must be records by name, such as {'incident': solution.gauge(1, 0.5)}"
-        raise InvalidModel([("gauges", f"{message}, got {shown(gauges)}")])
+    check_gauges(gauges)
     if not gauges:
         problems.append(("gauges", "needs at least one record, such as solution.gauge(1, 0.5)"))
     problems += [("gauges", sentence) for name in gauges if (sentence := misnamed(name))]
@@ -179,13 +185,20 @@ def gauges_to_csv(
     if problems:
         raise InvalidModel(problems)
     rows = _rows(end, step)
-    with written(path, force=force) as file:
-        file.write((",".join(["time", *gauges]) + "\n").encode())
-        for start in range(0, rows, TOGETHER):
-            times = step * np.arange(start, min(start + TOGETHER, rows))
-            columns = [times, *(record.strain_at(times) for record in gauges.values())]
-            for row in zip(*(column.tolist() for column in columns), strict=True):
-                file.write((",".join(map(repr, row)) + "\n").encode())
+    blocks = (step * np.arange(start, min(start + TOGETHER, rows))
+              for start in range(0, rows, TOGETHER))
+    columns = ([times, *(record.strain_at(times) for record in gauges.values())]
+               for times in blocks)
+    heads = [heading("time", "s"), *(heading(name, "") for name in gauges)]
+    write_table(path, heads, columns, force=force)
+
+
+def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
+    """Gauges by name; InvalidModel for anything else."""
+    if not isinstance(gauges, Mapping) or not all(isinstance(g, Gauge) for g in gauges.values()):
+        message = "must be records by name, such as {'incident': solution.gauge(1, 0.5)}"
+        raise InvalidModel([("gauges", f"{message}, got {shown(gauges)}")])
+    return gauges
 
 
 def _interval(interval: Any, end: float) -> float:

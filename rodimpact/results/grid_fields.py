@@ -242,7 +242,9 @@ class GridFields(Fields):
         c = a.wave_speed[int(self.segment_at(body, x))]
         v = self._at_nodes(self.motion.velocity, body, x, ticks)
         stretch = c * self._at_cells(self._stretch, body, x, ticks)
-        return Trace(times, v - stretch, v + stretch, a.frame + a.gravity * times, c, sampled=True)
+        rate = np.append(2 * np.diff(stretch) / np.diff(times), 0.0)
+        moving = a.frame + a.gravity * times
+        return Trace(times, v - stretch, v + stretch, moving, c, 2 * stretch, rate)
 
     # Integrals over bodies ------------------------------------------------------------------------
 

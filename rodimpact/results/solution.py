@@ -188,7 +188,7 @@ class Solution:
         return Gauge(
             body, float(self.fields.check(body, x)), trace.times, (left - right) * per_wave,
             (left + right) / 2 + trace.moving, (rest - right) * per_wave, (left - rest) * per_wave,
-            self.t_end, trace.sampled,
+            self.t_end, trace.stretch * per_wave, trace.stretching * per_wave,
         )
 
     # Energy and state ---------------------------------------------------------------------------

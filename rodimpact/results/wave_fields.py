@@ -192,9 +192,13 @@ class WaveFields(Fields):
         ticks = ticks[(ticks >= 0) & (ticks <= self.end)]
         times = ticks * a.tick
         moving = a.frame + a.gravity * times
-        return Trace(
-            times, A.at(ticks - offset), B.at(ticks - (T - offset)), moving, a.wave_speed[segment]
-        )
+        right, left = A.at(ticks - offset), B.at(ticks - (T - offset))
+        stretch, rate = left - right, np.zeros(len(ticks))
+        if self.steps is not None:
+            for wave, delay, sign in ((A, offset, -1.0), (B, T - offset, 1.0)):
+                gained, slope = _within_steps(wave, ticks - delay)
+                stretch, rate = stretch + sign * gained, rate + sign * slope / a.tick
+        return Trace(times, right, left, moving, a.wave_speed[segment], stretch, rate)
 
     # Integrals over bodies ----------------------------------------------------------------------
 
@@ -283,6 +287,24 @@ class WaveFields(Fields):
             strain += ((left - right) * (0.5 / a.wave_speed[s])).tolist()
             segments += [s] * (len(bounds) - 1)
         return Profile(np.array(edges), np.array(velocity), np.array(strain), np.array(segments))
+
+
+def _within_steps(wave: StepSignal, ticks: Ints) -> tuple[Floats, Floats]:
+    """At ticks, how far a wave is above the mean of the step, and its slope there, a tick.
+
+    A straight line in each step keeps its mean; where the steps before and after are on either side
+    of it, the line rises or falls as they do, but not beyond their means, else it is level. So a
+    smooth wave is of second order, and a jump between steps stays one.
+    """
+    begins, v = wave.ticks, wave.values
+    widths, change, slopes = np.diff(begins), np.diff(v), np.zeros(len(v))
+    middles = begins + np.append(widths, widths[-1:].sum()) / 2
+    if len(v) > 2:
+        usual = (change[1:] + change[:-1]) / (middles[2:] - middles[:-2])
+        most = 2 * np.minimum(np.abs(change[1:]), np.abs(change[:-1])) / widths[1:]
+        slopes[1:-1] = np.where(change[1:] * change[:-1] > 0, np.clip(usual, -most, most), 0.0)
+    i = np.maximum(np.searchsorted(begins, ticks, "right") - 1, 0)
+    return slopes[i] * (ticks - middles[i]), slopes[i]
 
 
 def _steps_on_grid(ticks: Ints, values: Floats, delay: Ints, when: Ints) -> Floats:

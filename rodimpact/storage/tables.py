@@ -9,11 +9,17 @@ from __future__ import annotations
 import html
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 from ..model.frozen import InvalidModel
-from ..units import format_si
+from ..units import format_si, shown
+from .writing import PathLike, written
 
+LONGEST = 60  # characters of the name of a column
+TIMES = re.compile(r"(?i)(?:time|t|zeit|temps|tiempo|x-?axis|seconds?)\b.*")
+"""Names of columns of times."""
+_NAME = re.compile(rf"(?!.*  )\w[\w .:()/-]{{0,{LONGEST - 1}}}(?<![ _/])")
 SCHEMA_VERSION = 1
 """Of JSON for programs."""
 
@@ -65,26 +71,42 @@ def as_html(text: str) -> str:
 
 
 def misnamed(column: object) -> str:
-    """Say why a column cannot have this name: it would end a cell, or a spreadsheet compute it."""
-    if isinstance(column, str) and re.fullmatch(r"\w[\w .:()/-]*", column) and column != "time":
+    """Say why a column cannot have this name: it would not be read as it was written."""
+    if isinstance(column, str) and _NAME.fullmatch(column) and not TIMES.fullmatch(column):
         return ""
     return (
-        "a column is named by letters, digits, blanks and _ . : ( ) / -, a letter or a digit "
-        f'first, and not "time"; got {column!r}'
+        "a column is named by letters, digits, single blanks and _ . : ( ) / -, a letter or digit "
+        f"first, no _ or / last, {LONGEST} at most, and not as times are; got {shown(column)}"
     )
 
 
-def named_with_unit(column: str, unit: str) -> str:
-    """Head of a column; InvalidModel if it cannot have this name.
+def heading(column: str, unit: str) -> str:
+    """Head of a column with its unit; InvalidModel if it cannot have this name or this unit.
 
     Examples
     --------
-    >>> named_with_unit("incident", "V"), named_with_unit("strain", "")
+    >>> heading("incident", "V"), heading("strain", "")
     ('incident [V]', 'strain [1]')
     """
     if column != "time" and (sentence := misnamed(column)):
         raise InvalidModel([("name", sentence)])
+    if re.search(r'[]["(),;]', unit):
+        message = f"a unit in a table has no brackets, commas or quotes; got {shown(unit)}"
+        raise InvalidModel([("unit", message)])
     return f"{column} [{unit or 1}]"
+
+
+def write_table(
+    path: PathLike, heads: Sequence[str], blocks: Iterable[Sequence[Any]], *,
+    force: bool = False,
+) -> None:
+    """Write a table of numbers with all their digits, as CSV; rows come in blocks of columns."""
+    with written(path, force=force) as file:
+        file.write(f"{','.join(heads)}\n".encode())
+        for columns in blocks:
+            cells = (map(repr, column.tolist()) for column in columns)
+            rows = map(",".join, zip(*cells, strict=True))
+            file.write("".join(f"{row}\n" for row in rows).encode())
 
 
 def joules(value: float, scale: float) -> str:

@@ -303,6 +303,7 @@ def likely(rng, name):
         "start": [1e-5], "end": [4e-5], "delay": [1e-5], "before": [1e-5], "shift": [0.0, None],
         "scale": [1.0, None], "units": ["V", None], "rate": [1e6, None], "unit": ["V", ""],
         "record": [solution.gauge(0, 0.1)], "path": ["file.npz", "file.csv"],
+        "signals": [{"a": VOLTS, "b": VOLTS}], "measured": [VOLTS], "predicted": [VOLTS],
     }
     choices |= {flag: [False, True] for flag in FLAGS}
     return one_of(rng, choices[name]) if name in choices else None

@@ -32,7 +32,7 @@ USED = (
     "Material", "Moved", "Options", "PowerLaw", "Pushed", "Rigid", "RigidMass", "Rod", "Samples",
     "Segment", "Signal", "Spring", "SpringDashpot", "Steps", "System", "Wall", "Yielding",
     "collide", "gauges_to_csv", "load", "parse_case", "read_case", "read_signals", "regions_of",
-    "solve", "sweep", "write_case",
+    "signals_from_xarray", "signals_to_xarray", "solve", "sweep", "write_case", "write_signals",
 )
 """Public names that users call; the others are results."""
 BRIDGE = ri.Bridge("quarter", gauge_factor=2.0, excitation=5.0)

@@ -35,7 +35,11 @@ def read(tmp_path):
     "time_ns,bar_V\n0,0.001\n1000,-0.0025\n2000,0.25\n3000,1\n\n\n",
     "Zeit [µs] ; bar [mV]\n0;1\n1;-2,5\n2;250\n3;1000\n",
     "bar [mV]\tTime (us)\n1\t0\n-2.5\t1\n250\t2\n1000\t3\n",
-], ids=range(11))
+    "x-axis,bar,,\nsecond,Volt,,\n0,.001,,\n1e-6,-.0025,,\n2e-6,.25,,\n3e-6,1,,\n,,,\n",
+    "Separator\tTab\n***End_of_Header***\t\t\ntime (sec)\tbar (Volts)\tComment\n0\t0.001\t\n"
+    "1e-6\t-0.0025\t\n2e-6\t0.25\t\n3e-6\t1\t\n",
+    "  time [us]   bar [mV]\n    0.0    1.0\n    1.0   -2.5\n    2.0  250.0\n    3.0 1000.0\n",
+], ids=range(14))
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "utf-16"])
 def test_one_record_in_many_clothes(read, text, encoding):
     (bar,) = read(text, encoding).values()
@@ -55,6 +59,12 @@ def test_units_and_rates_that_the_file_does_not_say(read):
     assert heads["a"].unit == ""
     single = read("bar_microstrain\n100\n-200\n", rate=1e6)["bar"]
     assert single == ri.Signal([1e-4, -2e-4], dt=1e-6, name="bar")
+    one = read("bar one [mV]\n1\n2\n", rate=1.0)["bar one"]
+    assert (one.values.tolist(), one.unit) == ([0.001, 0.002], "V")
+    assert read("time_s;a\n0;\N{MINUS SIGN}1\n1;2\n")["a"].values.tolist() == [-1.0, 2.0]
+    many = "time_s;a\n0;1,001\n1;1,002\n"
+    assert read(many, decimal=",")["a"].values.tolist() == [1.001, 1.002]
+    assert read(many.replace("1;1,002", "1;0,002"))["a"].values.tolist() == [1.001, 0.002]
     assert read("1,5\n2,5\n", rate=1.0, decimal=",")["1"].values.tolist() == [1.5, 2.5]
     assert list(read("1,5\n2,5\n", rate=1.0, decimal=".")) == ["1", "2"]
     assert list(read("a,b\n1,5\n2,5\n", rate=1.0)) == ["a", "b"]
@@ -84,7 +94,23 @@ def test_units_and_rates_that_the_file_does_not_say(read):
     ("", {}, "has no table of numbers"),
     (b"PK\x03\x04\0\0\0", {}, "is no text (it holds the character NUL)"),
     (b"\xef\xbb\xbf\xff,1\n", {}, "is not the text in utf-8-sig that its mark says"),
-], ids=range(22))
+    ("time_s\ta\n0\t1\n1\t2\n".encode("utf-32"), {}, "is no text (it holds the character NUL)"),
+    ("time_s;a\n0;1,001\n1;1,002\n", {}, "such as '1,001', which may be with decimals or in"),
+    ("time_s;a\n0;1.001\n1;1.002\n", {}, 'give decimal="." if with decimals, or write them'),
+    ("time_s;a\n" + "0;1,234.5\n" * 4, {}, "line 3 has '1,234.5'; write numbers without signs"),
+    ("time_s;a\n" + "0;1'234\n" * 4, {}, """line 3 has "1'234"; write numbers without signs"""),
+    ("time,a\n" + "2026-05-03 10:11:12,1\n" * 4, {}, "write times in seconds, or remove them and"),
+    ("time,a\n" + "10:11:12.5,1\n" * 4, {}, "line 3 has '10:11:12.5'; write times in seconds"),
+    ("time_s,a,b\n" + "0,1,ok\n" * 4, {}, "line 3 has 'ok'; below their heads, columns must be"),
+    ("Record,9,,0,1\n" * 4, {}, "line 3 has 'Record'; below their heads, columns must be of"),
+    ("time_s,a\n" + "0,0x1\n" * 4, {}, "line 3 has '0x1'; below"),
+    ("time_s|a\n" + "0|1\n" * 4, {}, "no table of numbers in columns parted by tabs, semicolons"),
+    ("time_s,a, left\n0.5,1\n1,2\n", {}, "line 1: has 3 heads for 2 columns of numbers; give each"),
+    ("time_s,a,b\n0,1,\n1,2,\n", {}, "line 1: has 3 heads for 2 columns of numbers; give each"),
+    ("time_s,a\n0,#N/A\n1,2\n2,3\n", {}, "begins with a line that has '#N/A' beside numbers"),
+    ("time_s\n0\n1\n", {"rate": 1.0}, "has a column of times, 'time'; it has no other"),
+    ("time_s,a [mv]\n0,1\n1,2\n", {}, "column 'a': unknown unit 'mv'; perhaps 'mV' is meant"),
+], ids=range(38))
 def test_what_is_no_record_is_refused_with_the_place(read, text, options, said):
     with pytest.raises(FileFormatError, match=f"shot.txt: .*{re.escape(said)}"):
         read(text, **options)

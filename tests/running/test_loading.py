@@ -125,7 +125,7 @@ def test_gauge_record_goes_to_csv_once(tmp_path):
     gauge = ri.solve(ri.System([SHORT, LONG])).gauge(body=1, x=0.5)
     gauge.to_csv(tmp_path / "g.csv")
     head, *rows = (tmp_path / "g.csv").read_text().splitlines()
-    assert head == "time,strain,rightward,leftward,velocity"
+    assert head == "time [s],strain [1],rightward [1],leftward [1],velocity [m/s]"
     assert [float(row.split(",")[1]) for row in rows] == gauge.strain.tolist()
     with pytest.raises(FileExistsError, match="--force"):
         gauge.to_csv(tmp_path / "g.csv")

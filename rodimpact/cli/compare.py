@@ -1,0 +1,270 @@
+"""Lay a measured record beside what the gauges of a case show: misfit, shift, gain, pulse timing.
+
+rodimpact compare CASE.toml RECORD.csv --gauge incident=1:0.5 --start -20us --stop 120us
+
+A gauge bears the name of its channel. The prediction is shifted in time and multiplied as suits the
+record best, unless --shift and --scale say how much; pulses are timed after that. Exit status 3 if
+the run stopped before what was asked.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from functools import partial
+from typing import Any, NamedTuple
+
+from ..model import Rod
+from ..model.frozen import InvalidModel, Problems, nearest
+from ..records.bridge import ALONG, Bridge
+from ..records.comparison import Misfit, Pulse
+from ..records.reading import read_signals
+from ..records.signal import Signal
+from ..results.regions import nothing_to_draw
+from ..results.solution import Solution
+from ..storage.casefile import read_case
+from ..storage.tables import SCHEMA_VERSION, align
+from ..units import format_si
+from .asking import attempt, check_format, check_outputs, quantity, write
+from .gauge_places import FORM, add_gauge_option, gauge_places
+from .progress import progress_bar, solved, status_of
+from .run_options import NUMBERS, add_run_options, run_options
+
+_BRIDGE = {"gauge_factor": "dimensionless", "excitation": "voltage", "gain": "dimensionless",
+           "poisson_ratio": "dimensionless"}
+_DIMENSIONS = {"rate": "frequency", "start": "time", "stop": "time", "shift": "time",
+               "scale": "dimensionless", "carried": "length", "radius": "length", **_BRIDGE}
+_OPTIONS = {"time": "--time", "time_unit": "--time-unit", "rate": "--rate", "units": "--unit",
+            "decimal": "--decimal", "kind": "--bridge"}
+
+
+class Laid(NamedTuple):
+    """A channel and its prediction, shifted and multiplied, and the pulses of the two, if whole."""
+
+    measured: Signal
+    predicted: Signal
+    misfit: Misfit
+    pulses: tuple[Pulse | None, Pulse | None]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """A case, a record and how to read it, what to compare, what to write, how far to go."""
+    parser.add_argument("case", metavar="CASE.toml", help="the case file")
+    parser.add_argument("record", metavar="RECORD.csv", help="the record, as text")
+    add_gauge_option(parser, "a channel of the record and its place")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--save", metavar="FILE", help="draw it: .png, .svg or .pdf")
+    parser.add_argument("--force", action="store_true", help="replace an existing file")
+    compared = parser.add_argument_group("what is compared")
+    for name, metavar, what in (
+        ("start", "TIME", "of the part of the record; by default all"),
+        ("stop", "TIME", "its end"),
+        ("shift", "TIME", "fixed, of the prediction; positive is later"),
+        ("scale", "X", "its gain, fixed"),
+        ("carried", "LENGTH", "carry what passes the gauge so much farther by the exact waves of "
+         "a round bar, for a gauge put close behind the struck end"),
+        ("radius", "LENGTH", "equivalent radius of that bar, if the case does not call it round"),
+    ):
+        compared.add_argument(f"--{name}", metavar=metavar, help=what)
+    record = parser.add_argument_group("what the record is, where it does not say so itself")
+    for name, metavar, what in (
+        ("time", "COLUMN", "the column of times"), ("time-unit", "UNIT", "s, ms, us or ns"),
+        ("rate", "FREQUENCY", "samples a second, of a record without times"),
+        ("decimal", "SIGN", "point or comma: . or ,"),
+    ):
+        record.add_argument(f"--{name}", metavar=metavar, help=what)
+    record.add_argument("--unit", metavar="[CHANNEL=]UNIT", action="append", default=[],
+                        help="of all channels, or of one")
+    bridge = parser.add_argument_group("strain of a bridge, from volts")
+    bridge.add_argument("--bridge", choices=tuple(ALONG))
+    for name in _BRIDGE:
+        bridge.add_argument(f"--{name.replace('_', '-')}", metavar="X")
+    add_run_options(parser, tuple(NUMBERS))
+
+
+def run(arguments: argparse.Namespace) -> tuple[str, int]:
+    """Check everything, solve, compare, write the figure, and hand back the table or JSON."""
+    problems: Problems = []
+    case = attempt(problems, read_case, arguments.case)
+    options = run_options(problems, arguments, case)
+    places = gauge_places(problems, arguments.gauge, case)
+    if not arguments.gauge:
+        problems.append(("--gauge", f"is missing; {FORM} names a channel and where its gauge is"))
+    numbers = {
+        name: quantity(problems, f"--{name.replace('_', '-')}", text, dimension)
+        for name, dimension in _DIMENSIONS.items()
+        if (text := getattr(arguments, name)) is not None
+    }
+    for name in ("rate", "radius"):
+        if numbers.get(name, 1.0) <= 0:
+            problems.append((f"--{name}", f"must be positive, got {numbers[name]!r}"))
+    if "radius" in numbers and "carried" not in numbers:
+        problems.append(("--radius", "goes with --carried"))
+    bridge = _bridge(problems, arguments, numbers)
+    signals = _record(problems, arguments, numbers)
+    for name in places if signals else ():
+        if name not in signals:
+            message = f"the record has no channel {name!r}; {nearest(name, signals)}"
+            problems.append((f"--gauge {name}", message))
+    if arguments.save is not None:
+        check_format(problems, "--save", arguments.save)
+    check_outputs(problems, {"--save": arguments.save}, arguments.force)
+    assert case is not None  # or there were problems
+
+    measured = {name: _prepared(name, signals[name], bridge, numbers) for name in places}
+    solution = solved(case.system, **options)
+    if reason := nothing_to_draw(solution):
+        raise InvalidModel([(case.path, reason)])
+    laid = {}
+    for name, place in places.items():
+        try:
+            laid[name] = _laid(measured[name], _predicted(solution, place, numbers), numbers)
+        except ValueError as error:
+            message = str(error).replace("radius=,", "--radius,")
+            raise InvalidModel([(f"--gauge {name}", message)]) from None
+    status = status_of(solution)
+    if arguments.save is not None:
+        draw = partial(_draw, laid, force=arguments.force)
+        status = write("--save", arguments.save, draw) or status
+    return (_json(laid) if arguments.json else _table(laid)), status
+
+
+def _bridge(
+    problems: Problems, arguments: argparse.Namespace, numbers: dict[str, float]
+) -> Bridge | None:
+    """The bridge, if one is named."""
+    given = {name: numbers[name] for name in _BRIDGE if name in numbers}
+    if arguments.bridge is None:
+        problems += [(f"--{name.replace('_', '-')}", "goes with --bridge") for name in given]
+        return None
+    missing = [name for name in ("gauge_factor", "excitation") if name not in given]
+    problems += [(f"--{name.replace('_', '-')}", "is missing; --bridge needs it")
+                 for name in missing]
+    if missing or not all(map(math.isfinite, given.values())):
+        return None
+    try:
+        return Bridge(arguments.bridge, **given)
+    except InvalidModel as error:
+        problems += [(f"--{path.replace('_', '-')}", text) for path, text in error.problems]
+        return None
+
+
+def _record(
+    problems: Problems, arguments: argparse.Namespace, numbers: dict[str, float]
+) -> dict[str, Signal]:
+    """Channels of the record; none, and why, if it cannot be read."""
+    by_channel = dict(text.rsplit("=", 1) for text in arguments.unit if "=" in text)
+    for_all = [text for text in arguments.unit if "=" not in text]
+    if for_all and len(arguments.unit) > 1:
+        message = "give one for all channels, or one CHANNEL=UNIT for each"
+        problems.append(("--unit", message))
+    if problems:
+        return {}
+    units: Any = for_all[0] if for_all else by_channel or None
+    try:
+        with progress_bar("lines"):
+            return read_signals(
+                arguments.record, time=arguments.time, time_unit=arguments.time_unit,
+                rate=numbers.get("rate"), units=units, decimal=arguments.decimal,
+            )
+    except OSError as error:
+        message = f"cannot be read: {error.strerror or error}"
+        problems.append((arguments.record, message))
+    except ValueError as error:
+        path, _, message = str(error).partition(": ")
+        problems.append((_OPTIONS.get(path, path), message))
+    return {}
+
+
+def _prepared(
+    name: str, signal: Signal, bridge: Bridge | None, numbers: dict[str, float]
+) -> Signal:
+    """A channel as strain if there is a bridge, cut to what is compared."""
+    try:
+        strain = signal if bridge is None else bridge.strain(signal)
+        start, stop = numbers.get("start", signal.start), numbers.get("stop", signal.end)
+        return strain.window(start, stop)
+    except ValueError as error:
+        path, _, message = str(error).partition(": ")
+        option = {"volts": "--bridge", "start, end": "--start, --stop"}.get(path, path)
+        raise InvalidModel([(f"{option} of {name}", message)]) from None
+
+
+def _predicted(
+    solution: Solution, place: tuple[int, float], numbers: dict[str, float]
+) -> Signal:
+    """What a gauge shows, as much farther along its bar as is asked."""
+    signal = solution.gauge(*place).signal()
+    if "carried" not in numbers:
+        return signal
+    rod, around = solution.system.bodies[place[0]], signal.end / 4
+    assert isinstance(rod, Rod)
+    wide = signal.extended(around, around)
+    return wide.propagated(numbers["carried"], rod, radius=numbers.get("radius"))
+
+
+def _laid(measured: Signal, predicted: Signal, numbers: dict[str, float]) -> Laid:
+    """A prediction laid over a record."""
+    fixed = {name: numbers.get(name) for name in ("shift", "scale")}
+    found = measured.misfit(predicted, **fixed)
+    moved = predicted.replace(
+        values=found.scale * predicted.values, times=predicted.times + found.shift,
+        unit=measured.unit)
+    return Laid(measured, predicted, found, (
+        _pulse(measured, measured), _pulse(moved, measured)))
+
+
+def _pulse(signal: Signal, within: Signal) -> Pulse | None:
+    """Timing of the pulse in a signal, while another lasts; None if there is no whole one."""
+    try:
+        return signal.window(within.start, within.end).pulse()
+    except ValueError:
+        return None
+
+
+def _table(laid: dict[str, Laid]) -> str:
+    """Tables of all channels."""
+    blocks = []
+    for name, (measured, predicted, found, pulses) in laid.items():
+        over = f"/{predicted.unit}" if predicted.unit else ""
+        unit = "" if measured.unit == predicted.unit else f"{measured.unit or 1}{over}"
+        units = {"start": "s", "width": "s", "rise": "s", "plateau": measured.unit}
+        words = {"start": "pulse starts", "width": "width at half height",
+                 "rise": "rise from 10 to 90 %", "plateau": "plateau"}
+        blocks.append(align([
+            [name, "measured", "predicted"],
+            *([words[each], *("-" if pulse is None else format_si(getattr(pulse, each), unit_of)
+                              for pulse in pulses)] for each, unit_of in units.items()),
+        ]) + "\n" + align([
+            ["misfit, root mean square over plateau", f"{100 * found.rms:.4g} %"],
+            ["shift of the prediction", format_si(found.shift, "s")],
+            ["gain of the prediction", f"{found.scale:.6g} {unit}".rstrip()],
+        ]))
+    return "\n\n".join(blocks)
+
+
+def _json(laid: dict[str, Laid]) -> str:
+    """The same as JSON, in SI units."""
+    channels = {
+        name: {
+            "unit": each.measured.unit, "start": each.measured.start, "stop": each.measured.end,
+            "misfit": each.misfit._asdict(),
+            **{which: pulse and pulse._asdict() for which, pulse in
+               zip(("measured", "predicted"), each.pulses, strict=True)},
+        } for name, each in laid.items()
+    }
+    return json.dumps({"schema_version": SCHEMA_VERSION, "channels": channels}, indent=2)
+
+
+def _draw(laid: dict[str, Laid], path: str, force: bool) -> None:
+    """Draw all channels side by side."""
+    from .. import plot
+    from ..plot.style import new_figure
+
+    figure = new_figure(5.6 * len(laid), 4.2)
+    pairs = figure.subplots(2, len(laid), squeeze=False, sharex="col", height_ratios=(3, 1)).T
+    for pair, (measured, predicted, found, _) in zip(pairs, laid.values(), strict=True):
+        scale = found.scale if measured.unit == predicted.unit else None  # else it was free
+        plot.comparison(measured, predicted, pair, shift=found.shift, scale=scale)
+    plot.save(figure, path, force=force)

@@ -1,0 +1,140 @@
+"""A measured signal over a predicted one, and below what is left between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.lines import Line2D
+
+from ..methods.signals import Floats
+from ..model.arguments import of_kind
+from ..records.comparison import Bounds, Misfit, plateau
+from ..records.signal import Signal
+from ..units import TIMES
+from .scales import engineering, signed
+from .style import SMALL, colours, dress, grid, legend_above, styled, two_axes
+from .thinning import telling
+
+BROAD = 3.8  # inches: room for a legend in one line
+
+
+class Comparison(NamedTuple):
+    """Artists of a comparison, and its numbers; the band is there if it was given."""
+
+    ax: Axes
+    residual_ax: Axes
+    measured: Line2D
+    predicted: Line2D
+    residual: Line2D
+    band: PolyCollection | None
+    misfit: Misfit
+
+
+@styled
+def comparison(
+    measured: Signal, predicted: Signal, ax: Sequence[Axes] | None = None, *,
+    shift: Bounds | None = None, scale: Bounds | None = None, band: Signal | None = None,
+) -> Comparison:
+    """Draw a record over its prediction, and the residual, measured less predicted, below.
+
+    The prediction is drawn as much later, and multiplied by as much, as suits the record best, or
+    as is given; its label says how much. The misfit is the root of the mean square of the residual
+    over the plateau of the record.
+
+    Parameters
+    ----------
+    measured : Signal
+        Cut to what is to be compared, by `Signal.window`.
+    predicted : Signal
+        Beyond its ends it is taken to keep its first and its last value.
+    ax : two Axes, optional
+        For signals and residual; by default those of a new figure, one above the other.
+    shift, scale : float or (float, float), optional
+        Of the prediction, s and a factor: fixed, or between bounds, as for `Signal.misfit`.
+    band : Signal, optional
+        Half width of a band about the prediction, such as two standard errors, over the times and
+        in the unit of the prediction.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    ValueError
+        If `ax` is no pair, the band has another unit than the prediction, or `Signal.misfit`
+        refuses.
+
+    Examples
+    --------
+    >>> import numpy as np, rodimpact as ri
+    >>> pulse = ri.Signal(np.hanning(201), dt=1e-6, name="incident")
+    >>> picture = ri.plot.comparison(pulse, (0.5 * pulse).shifted(-3e-6))
+    >>> picture.predicted.get_label().replace(ri.units.TIMES, 'times')
+    'predicted, 3 µs later, times 2'
+    """
+    of_kind("measured", measured, Signal, "read_signals('shot.csv')['incident']")
+    found = measured.misfit(predicted, shift=shift, scale=scale)
+    t, values = measured.times, measured.values
+    model: Floats = found.scale * np.interp(t - found.shift, predicted.times, predicted.values)
+    wide: Floats | None = None
+    if band is not None:
+        of_kind("band", band, Signal, "0.02 * predicted")
+        if band.unit != predicted.unit:
+            raise ValueError(f"band: must be in the unit of the prediction, {predicted.unit!r}, "
+                             f"got {band.unit!r}")
+        wide = abs(found.scale) * np.interp(t - found.shift, band.times, np.abs(band.values))
+    upper, lower = two_axes(ax, "signals and residual", (3, 1), 5.6, 4.2)
+
+    time = engineering("time t", float(np.abs(t).max()), "s")
+    unit = engineering(measured.name or "signal", float(np.abs(values).max()), measured.unit)
+    percent = 100 / plateau(values)
+    series, faint = colours().series, colours().faint
+    area = None
+    if wide is not None:
+        x = t * time.factor
+        area = upper.fill_between(x, (model - wide) * unit.factor, (model + wide) * unit.factor,
+                                  color=series[1], alpha=0.25, linewidth=0, label="its band")
+        lower.fill_between(x, -wide * percent, wide * percent, color=series[1], alpha=0.25,
+                           linewidth=0)
+
+    def line(on: Axes, y: Floats, factor: float, **how: Any) -> Line2D:
+        kept = telling(y)
+        return on.plot(t[kept] * time.factor, y[kept] * factor, **how)[0]
+
+    one = line(upper, values, unit.factor, color=series[0], linewidth=1.2, label="measured")
+    other = line(upper, model, unit.factor, color=series[1], linewidth=1.2, linestyle="--",
+                 label=f"predicted{_adjusted(measured, predicted, found)}")
+    left = line(lower, values - model, percent, color=colours().ink, linewidth=0.9)
+    for each in (upper, lower):
+        each.axhline(0.0, color=faint, linewidth=0.6, zorder=0)
+        grid(each)
+        dress(each)
+    upper.set(xlim=(t[0] * time.factor, t[-1] * time.factor), ylabel=unit.label)
+    lower.set(xlim=upper.get_xlim(), xlabel=time.label, ylabel="residual\n(% of plateau)")
+    reach = 1.9 * max(map(abs, lower.get_ylim()))
+    lower.set_ylim(-reach, reach)
+    lower.text(0.01, 0.97, f"misfit {100 * found.rms:.3g} % of the plateau",
+               transform=lower.transAxes, va="top", fontsize=SMALL + 1, color=colours().ink)
+    room = upper.get_window_extent().width / upper.figure.dpi
+    legend_above(upper, [one, other, *([] if area is None else [area])], 3 if room > BROAD else 1)
+    return Comparison(upper, lower, one, other, left, area, found)
+
+
+def _adjusted(measured: Signal, predicted: Signal, found: Misfit) -> str:
+    """By how much the prediction was shifted and multiplied, in words; nothing if by nothing."""
+    text = ""
+    if found.shift:
+        late = engineering("", abs(found.shift), "s").write(abs(found.shift))
+        text += f", {late} {'later' if found.shift > 0 else 'earlier'}"
+    if found.scale != 1:
+        unit = ""
+        if measured.unit != predicted.unit:
+            over = f"/{predicted.unit}" if predicted.unit else ""
+            unit = f" {measured.unit or '1' * bool(over)}{over}"
+        text += f", {TIMES} {signed(f'{found.scale:.4g}')}{unit}"
+    return text

@@ -1,0 +1,105 @@
+"""Several signals over the same times: one table, one Dataset.
+
+>>> from rodimpact.records.signal import Signal
+>>> import pathlib, tempfile
+>>> bars = {"incident": Signal([0.0, 1.0], dt=1e-6, unit="V"), "specimen": Signal([0, 9], dt=1e-6)}
+>>> with tempfile.TemporaryDirectory() as folder:
+...     write_signals(f"{folder}/shot.csv", bars)
+...     print(pathlib.Path(folder, "shot.csv").read_text())
+time [s],incident [V],specimen [1]
+0.0,0.0,0.0
+1e-06,1.0,9.0
+<BLANKLINE>
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..model.frozen import InvalidModel, Problems
+from ..model.quantities import Floats
+from ..storage.extras import optional
+from ..storage.tables import heading, misnamed, write_table
+from ..storage.writing import PathLike
+from ..units import shown
+from .signal import Signal
+
+
+def write_signals(path: PathLike, signals: Mapping[str, Signal], *, force: bool = False) -> None:
+    """Write signals as one table: a column of times, then one a signal, with units in the heads.
+
+    Parameters
+    ----------
+    path : str or path
+        Of a CSV file, which `read_signals` reads to the same signals.
+    signals : mapping of str to Signal
+        By names of the columns, as `read_signals` hands them back; all with the same times.
+    force : bool
+        Whether to replace an existing file.
+
+    Raises
+    ------
+    InvalidModel
+        If there is no signal, times differ, or a name would break the table.
+    FileExistsError
+        If the file is there and `force` is false.
+    """
+    times = _times_of(signals)
+    problems: Problems = [("signals", said) for name in signals if (said := misnamed(name))]
+    if problems:
+        raise InvalidModel(problems)
+    heads = [heading("time", "s"), *(heading(name, s.unit) for name, s in signals.items())]
+    write_table(path, heads, [[times, *(s.values for s in signals.values())]], force=force)
+
+
+def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
+    """Return signals as an xarray Dataset over ``time``, with units (extra ``xarray``).
+
+    Parameters
+    ----------
+    signals : mapping of str to Signal
+        By names of the variables; all with the same times.
+
+    Raises
+    ------
+    InvalidModel
+        If there is no signal, or times differ.
+    """
+    _times_of(signals)
+    xarray = optional("xarray", "xarray")
+    return xarray.Dataset({name: signal.to_xarray() for name, signal in signals.items()})
+
+
+def signals_from_xarray(data: Any) -> dict[str, Signal]:
+    """Make a signal of each variable of a Dataset; all and their times have ``units``.
+
+    Raises
+    ------
+    ValueError
+        If that is no Dataset, or as `Signal.from_xarray` does.
+    """
+    if not hasattr(data, "data_vars"):
+        raise ValueError(f"data: must be an xarray Dataset, got {shown(data)}")
+    return {str(name): Signal.from_xarray(each) for name, each in data.data_vars.items()}
+
+
+def _times_of(signals: Any) -> Floats:
+    """The times of all signals; InvalidModel if they have none in common."""
+    if not isinstance(signals, Mapping) or not signals:
+        message = "must be signals by name, such as {'incident': Signal([0.0, 1.0], dt=1e-6)}"
+        raise InvalidModel([("signals", f"{message}, got {shown(signals)}")])
+    for name, signal in signals.items():
+        if not isinstance(signal, Signal):
+            message = f"{shown(name)} must be a Signal, got {shown(signal)}"
+            raise InvalidModel([("signals", message)])
+    first, *others = signals
+    times: Floats = signals[first].times
+    for name in others:
+        if not np.array_equal(signals[name].times, times):
+            message = f"{shown(name)} has other times than {shown(first)}"
+            remedy = "take it .resampled(times=...) with the times of the other"
+            raise InvalidModel([("signals", f"{message}; {remedy}")])
+    return times
