@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..methods.registry import METHODS, Options, count
-from ..model import System
+from ..model import Rod, System
 from ..model.frozen import InvalidModel, Problems, number, raise_noted
 from ..model.quantities import Floats
 from ..running.sweeping import readings_of
@@ -61,8 +61,9 @@ def fit(
     until : float
         Time to which each collision runs, s.
     method, dt, rtol, cells
-        Of each collision, as for `solve`. Where a time step is needed and none of them given, it is
-        half the interval.
+        Of each collision, as for `solve`. Where none of them is given, and one is needed, a step is
+        half the interval, and a cell is crossed in one: predictions vary smoothly only while steps
+        and cells stay as they are.
     interval : float, optional
         Between samples of computed signals, s; by default the shortest of the records.
     starts : int
@@ -119,8 +120,8 @@ def fit(
         problems.append(("until", "is missing; give the seconds in which all pulses pass"))
     readings_of(problems, system, [m.gauge for m in records], np.zeros(1))
     raise_noted(problems)
-    if "dt" in METHODS[options.method].takes and dt is rtol is cells is None:
-        options = replace(options, dt=step / 2)
+    if dt is rtol is cells is None:
+        options = replace(options, **_divided(options.method, system, step))
     parameters = parameters_of(system, vary)
     objective = Objective(system, records, parameters, options, step, executor)
 
@@ -135,6 +136,14 @@ def fit(
     ))
     ends = [_descend(objective, point, sizes) for point in least]
     return _result(objective, sorted(ends, key=lambda end: end.misfit), sizes)
+
+
+def _divided(method: str, system: System, interval: float) -> dict[str, Any]:
+    """The step, or the cells, that a method takes where none are given."""
+    if "cells" in METHODS[method].takes:
+        pieces = [s for rod in system.bodies if isinstance(rod, Rod) for s in rod.segments]
+        return {"cells": math.ceil(max(s.transit_time for s in pieces) / interval)}
+    return {"dt": interval / 2} if "dt" in METHODS[method].takes else {}
 
 
 def _coarse(own: Sequence[float]) -> list[Floats]:

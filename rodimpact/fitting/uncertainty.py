@@ -15,7 +15,7 @@ import numpy as np
 from ..model.quantities import Floats
 
 DIVISIONS = (2, 3, 4, 5, 6)
-KEPT = 0.02  # of what a block tells of a number, where nothing else tells it
+KEPT = 0.002  # of what a block tells of a number, where nothing else tells it
 FLAT = 1e-12  # of the information about the best known direction: below is none
 
 

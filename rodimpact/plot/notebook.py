@@ -15,6 +15,7 @@ from ..running.sweep_result import SweepResult
 from ..storage.report import solution_table
 from ..storage.tables import as_html
 from .families import sweep
+from .fits import fit
 from .page import headline, overview
 from .quantities import parameter
 
@@ -25,8 +26,16 @@ MORE = "to_csv writes all, save keeps them"
 def html_of(result: Solution | SweepResult | Fit) -> str:
     """Picture and table of a result."""
     if isinstance(result, Fit):
-        return as_html(str(result))
+        return _fit(result)
     return _solution(result) if isinstance(result, Solution) else _sweep(result)
+
+
+def _fit(found: Fit) -> str:
+    """Figures of all records, and table of a fit."""
+    drawn = [(m.title, fit(found, record=i).ax.figure) for i, m in enumerate(found.measured)]
+    pictures = [_image(figure, f"{title}, measured and predicted")
+                for title, figure in drawn if isinstance(figure, Figure)]
+    return "".join(pictures) + as_html(str(found))
 
 
 def _solution(solution: Solution) -> str:

@@ -154,7 +154,9 @@ def test_paths_are_those_of_case_files():
 def test_a_result_as_table_and_file(tmp_path):
     found = ri.fit(rods(), measured(record(rods(), 1e-5)), {PATHS[0]: (0.1, 0.4)}, UNTIL)
     assert "Model error is not in them" in str(found)
-    assert "<pre>" in found._repr_html_()
+    assert found._repr_html_().count("<img") == 1
+    drawn = ri.plot.fit(found)
+    np.testing.assert_array_equal(drawn.predicted.get_ydata(), drawn.predicted.get_ydata())
     found.to_csv(tmp_path / "fit.csv")
     (row,) = csv.DictReader((tmp_path / "fit.csv").read_text().splitlines())
     assert float(row["value"]) == found.values[PATHS[0]]
