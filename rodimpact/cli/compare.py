@@ -29,7 +29,7 @@ from ..units import format_si
 from .asking import attempt, check_format, check_outputs, quantity, write
 from .gauge_places import FORM, add_gauge_option, gauge_places
 from .progress import progress_bar, solved, status_of
-from .run_options import NUMBERS, add_run_options, run_options
+from .run_options import NUMBERS, add_run_options, flag, run_options
 
 _BRIDGE = {"gauge_factor": "dimensionless", "excitation": "voltage", "gain": "dimensionless",
            "poisson_ratio": "dimensionless"}
@@ -79,7 +79,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     bridge = parser.add_argument_group("strain of a bridge, from volts")
     bridge.add_argument("--bridge", choices=tuple(ALONG))
     for name in _BRIDGE:
-        bridge.add_argument(f"--{name.replace('_', '-')}", metavar="X")
+        bridge.add_argument(flag(name), metavar="X")
     add_run_options(parser, tuple(NUMBERS))
 
 
@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     if not arguments.gauge:
         problems.append(("--gauge", f"is missing; {FORM} names a channel and where its gauge is"))
     numbers = {
-        name: quantity(problems, f"--{name.replace('_', '-')}", text, dimension)
+        name: quantity(problems, flag(name), text, dimension)
         for name, dimension in _DIMENSIONS.items()
         if (text := getattr(arguments, name)) is not None
     }
@@ -136,17 +136,16 @@ def _bridge(
     """The bridge, if one is named."""
     given = {name: numbers[name] for name in _BRIDGE if name in numbers}
     if arguments.bridge is None:
-        problems += [(f"--{name.replace('_', '-')}", "goes with --bridge") for name in given]
+        problems += [(flag(name), "goes with --bridge") for name in given]
         return None
     missing = [name for name in ("gauge_factor", "excitation") if name not in given]
-    problems += [(f"--{name.replace('_', '-')}", "is missing; --bridge needs it")
-                 for name in missing]
+    problems += [(flag(name), "is missing; --bridge needs it") for name in missing]
     if missing or not all(map(math.isfinite, given.values())):
         return None
     try:
         return Bridge(arguments.bridge, **given)
     except InvalidModel as error:
-        problems += [(f"--{path.replace('_', '-')}", text) for path, text in error.problems]
+        problems += [(flag(field), text) for field, text in error.problems]
         return None
 
 
@@ -157,8 +156,7 @@ def _record(
     by_channel = dict(text.rsplit("=", 1) for text in arguments.unit if "=" in text)
     for_all = [text for text in arguments.unit if "=" not in text]
     if for_all and len(arguments.unit) > 1:
-        message = "give one for all channels, or one CHANNEL=UNIT for each"
-        problems.append(("--unit", message))
+        problems.append(("--unit", "give one for all channels, or one CHANNEL=UNIT for each"))
     if problems:
         return {}
     units: Any = for_all[0] if for_all else by_channel or None
@@ -169,8 +167,7 @@ def _record(
                 rate=numbers.get("rate"), units=units, decimal=arguments.decimal,
             )
     except OSError as error:
-        message = f"cannot be read: {error.strerror or error}"
-        problems.append((arguments.record, message))
+        problems.append((arguments.record, f"cannot be read: {error.strerror or error}"))
     except ValueError as error:
         path, _, message = str(error).partition(": ")
         problems.append((_OPTIONS.get(path, path), message))
@@ -260,11 +257,10 @@ def _json(laid: dict[str, Laid]) -> str:
 def _draw(laid: dict[str, Laid], path: str, force: bool) -> None:
     """Draw all channels side by side."""
     from .. import plot
-    from ..plot.style import new_figure
+    from ..plot.comparison import side_by_side
 
-    figure = new_figure(5.6 * len(laid), 4.2)
-    pairs = figure.subplots(2, len(laid), squeeze=False, sharex="col", height_ratios=(3, 1)).T
+    pairs = side_by_side(len(laid))
     for pair, (measured, predicted, found, _) in zip(pairs, laid.values(), strict=True):
         scale = found.scale if measured.unit == predicted.unit else None  # else it was free
         plot.comparison(measured, predicted, pair, shift=found.shift, scale=scale)
-    plot.save(figure, path, force=force)
+    plot.save(pairs[0][0], path, force=force)

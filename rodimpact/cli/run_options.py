@@ -33,7 +33,7 @@ def add_run_options(parser: argparse.ArgumentParser, names: Sequence[str]) -> No
     parser.add_argument("--method", choices=METHOD_NAMES, help="instead of the case's")
     for name in names:
         option = NUMBERS[name]
-        parser.add_argument(_flag(name), metavar=option.metavar, help=option.help)
+        parser.add_argument(flag(name), metavar=option.metavar, help=option.help)
 
 
 def run_options(
@@ -44,9 +44,9 @@ def run_options(
     for name, option in NUMBERS.items():
         text = getattr(arguments, name, None)
         if text is not None and option.dimension:
-            given[name] = quantity(problems, _flag(name), text, option.dimension)
+            given[name] = quantity(problems, flag(name), text, option.dimension)
         elif text is not None:
-            given[name] = whole_number(problems, _flag(name), text)
+            given[name] = whole_number(problems, flag(name), text)
     if arguments.method is not None:
         given["method"] = arguments.method
     own = {
@@ -62,7 +62,7 @@ def run_options(
             checked.method_for(case.system)
     except InvalidModel as error:
         for name, message in error.problems:
-            path = f"solve.{name}" if name in own.keys() - given.keys() else _flag(name)
+            path = f"solve.{name}" if name in own.keys() - given.keys() else flag(name)
             if name not in NUMBERS:
                 path = name
             if path not in known:
@@ -70,5 +70,6 @@ def run_options(
     return options
 
 
-def _flag(name: str) -> str:
+def flag(name: str) -> str:
+    """The option of that name."""
     return f"--{name.replace('_', '-')}"

@@ -16,7 +16,7 @@ from ..records.comparison import Bounds, Misfit, plateau
 from ..records.signal import Signal
 from ..units import TIMES
 from .scales import engineering, signed
-from .style import SMALL, colours, dress, grid, legend_above, styled, two_axes
+from .style import SMALL, colours, dress, grid, legend_above, new_figure, styled, two_axes
 from .thinning import telling
 
 BROAD = 3.8  # inches: room for a legend in one line
@@ -88,7 +88,7 @@ def comparison(
             raise ValueError(f"band: must be in the unit of the prediction, {predicted.unit!r}, "
                              f"got {band.unit!r}")
         wide = abs(found.scale) * np.interp(t - found.shift, band.times, np.abs(band.values))
-    upper, lower = two_axes(ax, "signals and residual", (3, 1), 5.6, 4.2)
+    upper, lower = side_by_side(1)[0] if ax is None else two_axes(ax, "signals and residual")
 
     time = engineering("time t", float(np.abs(t).max()), "s")
     unit = engineering(measured.name or "signal", float(np.abs(values).max()), measured.unit)
@@ -123,6 +123,14 @@ def comparison(
     room = upper.get_window_extent().width / upper.figure.dpi
     legend_above(upper, [one, other, *([] if area is None else [area])], 3 if room > BROAD else 1)
     return Comparison(upper, lower, one, other, left, area, found)
+
+
+@styled
+def side_by_side(count: int) -> list[tuple[Axes, Axes]]:
+    """Axes for signals and residual of so many comparisons, on a new figure."""
+    figure = new_figure(5.6 * count, 4.2)
+    grid = figure.subplots(2, count, squeeze=False, sharex="col", height_ratios=(3, 1))
+    return list(zip(*grid.tolist(), strict=True))
 
 
 def _adjusted(measured: Signal, predicted: Signal, found: Misfit) -> str:

@@ -20,7 +20,7 @@ from ..model.arguments import array
 from ..results.contacts import ContactHistory
 from ..results.solution import Solution, check_solution
 from .scales import Scale, engineering, time_scale, written
-from .style import DASHES, SMALL, colours, dress, legend_above, styled, two_axes
+from .style import DASHES, SMALL, colours, dress, legend_above, new_figure, styled, two_axes
 from .thinning import telling
 
 MARKED_UP_TO = 3  # episodes of contact
@@ -72,7 +72,9 @@ def contact(
         if index not in range(count):
             have = f"from 0 to {count - 1}" if count else "given only where there are two bodies"
             raise ValueError(f"contact: must be {have}, got {index:g}")
-    force_ax, gap_ax = two_axes(ax, "force and gap", (1, 1), 5.6, 4.2)
+    if ax is None:
+        ax = new_figure(5.6, 4.2).subplots(2, 1, sharex=True).tolist()
+    force_ax, gap_ax = two_axes(ax, "force and gap")
     histories = [solution.contacts[int(index)] for index in chosen]
     end = solution.t_end
     time = time_scale(end)

@@ -161,14 +161,9 @@ def axes(ax: Axes | None, width: float, height: float) -> Axes:
     return ax
 
 
-def two_axes(
-    ax: Sequence[Axes] | None, what: str, heights: tuple[int, int], width: float, height: float,
-) -> tuple[Axes, Axes]:
-    """The pair of Axes given, or those of a new figure, one above the other, over one time."""
-    if ax is None:
-        pair = new_figure(width, height).subplots(2, 1, sharex=True, height_ratios=heights).tolist()
-    else:
-        pair = list(ax) if isinstance(ax, Sequence | np.ndarray) else []
+def two_axes(ax: Any, what: str) -> tuple[Axes, Axes]:
+    """The pair of Axes given; ValueError for anything else."""
+    pair = list(ax) if isinstance(ax, Sequence | np.ndarray) else []
     if len(pair) != 2 or not all(isinstance(each, Axes) for each in pair):
         raise ValueError(f"ax: needs a pair of Axes, for {what}, got {shown(ax)}")
     upper, lower = pair

@@ -94,7 +94,8 @@ def read_signals(
     Columns may be parted by tabs, semicolons, commas or blanks, decimals by points or commas; the
     text may be UTF-8, UTF-16 with its mark, or Latin-1; any lines may come before the numbers. A
     unit stands in the head, ``incident [mV]``, ``incident (mV)``, ``incident_mV`` or ``incident /
-    mV``, or in a line of its own below; volts, seconds and so on are made of it.
+    mV``, or in a line of its own below; volts, seconds and so on are made of it. What scopes write
+    before, such as an interval or a unit far from its column, is not heeded: it is to be given.
 
     Parameters
     ----------
@@ -110,7 +111,8 @@ def read_signals(
         Units of all channels, or of channels by name, in place of what the head says; a channel
         for which neither says anything is a pure number.
     decimal : str, optional
-        ``"."`` or ``","``, where the file leaves it open.
+        ``"."`` or ``","``, where the file leaves it open: 0,1 may be two numbers, and 1,234, if all
+        are like that, thousands.
 
     Returns
     -------

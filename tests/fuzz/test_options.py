@@ -12,6 +12,9 @@ OPTIONS = {
             "--rtol", "--max-events", "--cells", "--snapshots", "--force"],
     "sweep": ["--vary", "--workers", "--checkpoint", "--on-error", "--csv", "--json", "--save",
               "--plot", "--method", "--until", "--max-events"],
+    "compare": ["--gauge", "--json", "--save", "--start", "--stop", "--shift", "--scale",
+                "--carried", "--radius", "--time-unit", "--rate", "--unit", "--bridge", "--gain",
+                "--gauge-factor", "--excitation", "--until", "--force"],
     "rigid": ["--m1", "--m2", "--v1", "--v2", "-e", "--energy-release", "--json"],
     "materials": ["--json"],
     "export": ["-o", "--force"],
@@ -31,7 +34,10 @@ VALUES = [
     "bodies.0.length=0:1:1000000000", "bodies.9.length=1,2", "=", "fronts", "record", "raise",
     "velocity", "stress", "2", "3", "65536", "-", "--",
 ]
+RECORD = "time [us],a [V]\n" + "".join(f"{i},{min(i % 50, 9)}\n" for i in range(100))
 LIKELY = {
+    "--start": "0", "--stop": "40 us", "--carried": "0.1", "--radius": "5 mm", "--bridge": "half",
+    "--gauge-factor": "2", "--excitation": "5 V", "--scale": "1", "--shift": "1 us",
     "--until": "0.1 ms", "--max-events": "500", "--dt": "1 us", "--frames": "2", "--save": "x.npz",
     "--plot": "x.png", "-o": "x.html", "--gauges": "g.csv", "--gauge": "a=0:0.1", "--m1": "1",
     "--vary": "bodies.0.velocity=1,2,3", "--workers": "1", "--checkpoint": "checkpoint",
@@ -43,6 +49,7 @@ def command_line(rng):
     """One command with some of its options, likely values and others."""
     command = one_of(rng, SLOW if rng.random() < 0.1 else sorted(OPTIONS.keys() - {*SLOW}))
     words = [] if command in ("rigid", "materials", "box") else ["case.toml"]
+    words += ["record.csv"] * (command == "compare")
     good = rng.random()
     for option in OPTIONS[command]:
         if rng.random() < 0.4 or option in ("-o", "--m1", "--m2", "--v1", "--v2", "-e", "--port"):
@@ -71,6 +78,7 @@ def test_command_lines_are_done_or_refused(capsys, monkeypatch, tmp_path, seed):
         folder.mkdir()
         monkeypatch.chdir(folder)
         (folder / "case.toml").write_text(one_of(rng, CASES))
+        (folder / "record.csv").write_text(RECORD)
         with patience():
             status = main(command_line(rng))
         _, errors = capsys.readouterr()

@@ -539,7 +539,7 @@ def test_axes_are_the_first_that_any_figure_takes_after_its_subject():
     whole = {"overview", "animation"}  # several Axes, arranged on a figure of their own
     for name in set(plot.__all__) - {"look", "save"} - whole:
         _, *names = signature(getattr(plot, name)).parameters
-        assert names[name == "restitution"] == "ax", name
+        assert names[name in ("comparison", "restitution")] == "ax", name
 
 
 def test_drawing_needs_no_pyplot_and_the_package_no_matplotlib():

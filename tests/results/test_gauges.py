@@ -170,6 +170,9 @@ def test_a_step_is_a_line_about_its_mean():
     top = np.abs(wanted).max()
     assert record.strain_at(t) == pytest.approx(wanted, abs=1e-4 * top)
     assert np.abs(record.strain[np.isin(record.times, t)] - wanted).max() > 2e-3 * top
+    dense = record.strain_at(np.linspace(0.0, 0.29 / c, 5000))
+    means = record.strain[record.times < 0.3 / c]
+    assert means.min() <= dense.min() < 0 == dense.max() == means.max()
     middles = (record.times[1:] + record.times[:-1]) / 2
     kept = record.times[1:] < record.end
     assert record.strain_at(middles[kept]) == pytest.approx(record.strain[:-1][kept], abs=1e-16)

@@ -1,0 +1,90 @@
+"""Measured over predicted, and stations of gauges in space and time."""
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import rodimpact as ri
+from rodimpact import plot
+from rodimpact.units import TIMES
+
+T = 1e-7 * np.arange(1001)
+PULSE = ri.Signal(np.interp(T, [2e-5, 3e-5, 6e-5, 7e-5], [0, 2, 2, 0]), T, unit="V", name="bar")
+
+
+def test_what_is_drawn_is_measured_predicted_and_their_difference():
+    model = (0.5 * PULSE).shifted(4e-6)
+    picture = plot.comparison(PULSE, model, shift=0.0, scale=1.0)
+    assert picture.misfit == PULSE.misfit(model, shift=0.0, scale=1.0)
+    np.testing.assert_allclose(picture.measured.get_xdata(), T * 1e6)
+    np.testing.assert_allclose(picture.measured.get_ydata(), PULSE.values)
+    wanted = np.interp(T, model.times, model.values)
+    np.testing.assert_allclose(picture.predicted.get_ydata(), wanted)
+    np.testing.assert_allclose(picture.residual.get_ydata(), (PULSE.values - wanted) / 2 * 100)
+    assert picture.predicted.get_label() == "predicted"
+    assert picture.ax.get_ylabel() == "bar (V)"
+    (text,) = picture.residual_ax.texts
+    assert text.get_text() == f"misfit {100 * picture.misfit.rms:.3g} % of the plateau"
+
+
+@pytest.mark.parametrize(("change", "said"), [
+    (lambda s: (0.5 * s).shifted(4e-6), "predicted, 4 µs earlier, x 2"),
+    (lambda s: (-4 * s).shifted(-4e-6), "predicted, 4 µs later, x -0.25"),
+    (lambda s: (1e-3 * s).shifted(4e-6).replace(unit=""), "predicted, 4 µs earlier, x 1000 V"),
+    (lambda s: (0.1 * s).shifted(4e-6).replace(unit="N"), "predicted, 4 µs earlier, x 10 V/N"),
+])
+def test_shift_and_gain_are_told(change, said):
+    picture = plot.comparison(PULSE, change(PULSE))
+    label = picture.predicted.get_label().replace(TIMES, "x").replace("\N{MINUS SIGN}", "-")
+    assert label == said
+    residual = picture.residual.get_ydata()
+    assert residual == pytest.approx(0.0, abs=0.1)
+
+
+def test_the_band_is_scaled_with_the_prediction():
+    picture = plot.comparison(PULSE, -0.5 * PULSE, shift=0.0, band=0.05 * PULSE)
+    top = picture.band.get_paths()[0].vertices[:, 1].max()
+    assert top == pytest.approx(2.2)
+    for band, said in ((PULSE.replace(unit="N"), "band: must be in the unit of the prediction"),
+                       (0.1, "band: must be a Signal")):
+        with pytest.raises(ValueError, match=said):
+            plot.comparison(PULSE, PULSE, band=band)
+
+
+def test_axes_are_a_pair_and_long_records_are_thinned():
+    pair = Figure().subplots(2, 1)
+    long = PULSE.resampled(1e-9)
+    picture = plot.comparison(long, long, pair, shift=0.0)
+    assert (picture.ax, picture.residual_ax) == tuple(pair)
+    assert picture.measured.get_xdata().size < 3000 < len(long)
+    with pytest.raises(ValueError, match="ax: needs a pair of Axes, for signals and residual"):
+        plot.comparison(PULSE, PULSE, pair[0])
+
+
+def rods(**law):
+    steel = ri.materials.steel
+    both = [ri.Rod(L, area=1e-4, material=steel, velocity=v) for L, v in ((0.3, 10.0), (1.0, 0.0))]
+    return ri.solve(ri.System(both, **law), until=4e-4)
+
+
+@pytest.mark.parametrize("solution", [rods(), rods(contacts=[ri.Spring(1e8)])],
+                         ids=["fronts", "characteristics"])
+@pytest.mark.parametrize("across", [False, True])
+def test_stations_move_with_their_rod(solution, across):
+    gauges = {"incident": solution.gauge(1, 0.5), "struck end": solution.gauge(1, 0.0)}
+    picture = plot.spacetime(solution, gauges=gauges, across=across, magnification=10.0)
+    assert [line.get_label() for line in picture.gauges] == list(gauges)
+    place, time = picture.gauges[0].get_data()[:: -1 if across else 1]
+    wanted = 0.3 + 0.5 + 10.0 * solution.displacement(1, 0.5, np.clip(time / 1e6, 0, 4e-4))
+    assert place == pytest.approx(wanted, abs=1e-12)
+    assert (time[0], time[-1]) == pytest.approx((0.0, 400.0))
+    assert {"incident", "struck end"} <= {text.get_text() for text in picture.ax.texts}
+
+
+def test_stations_are_on_the_page():
+    solution = rods()
+    page = plot.overview(solution, {"bar": solution.gauge(1, 0.5)})
+    assert sum("bar" in [text.get_text() for text in ax.texts] for ax in page.axes) == 2
+    for gauges in ([solution.gauge(1, 0.5)], {"bar": (1, 0.5)}):
+        with pytest.raises(ri.InvalidModel, match="gauges: must be records by name"):
+            plot.spacetime(solution, gauges=gauges)
