@@ -8,11 +8,11 @@ nor speed was recorded. Misfit is the root of the mean square over the plateau. 
 rigid ends and ideal waves, 3.3 with Hertz, 1.7 with both; steel: 9.0, 4.2 and 3.3, and 2.5 where a
 Gaussian low-pass of 27 kHz takes the place of the rounded ends. Repeated shots differ by 1 to 3 %.
 
-Free as well, the wave speed of titanium is 4724 m/s with a standard error of 95 m/s: 1.5 below the
-laboratory's calibration, 4866 m/s, and 2.6 below 4975 m/s, which E and rho give. Model error is not
+Free as well, the wave speed of titanium is 4724 m/s with a standard error of 101 m/s: 1.4 below the
+laboratory's calibration, 4866 m/s, and 2.5 below 4975 m/s, which E and rho give. Model error is not
 in these errors. How large it is shows where the theory is another one: with Rayleigh-Love's waves
-the wave speed is 4280 +- 53 m/s, at a misfit of 1.5 %. With 4866 m/s given the striker is
-124.0 +- 0.9 mm long, with 4975 m/s 126.7 +- 1.2 mm; it had 127.
+the wave speed is 4280 +- 54 m/s, at a misfit of 1.5 %. With 4866 m/s given the striker is
+124.0 +- 1.2 mm long, with 4975 m/s 126.7 +- 1.5 mm; it had 127.
 
 Equilibrium of the specimen. Incident, reflected and transmitted pulse are carried to the specimen;
 the forces of the first two must be that of the third. The misfit is taken where the incident pulse

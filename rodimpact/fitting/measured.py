@@ -98,4 +98,8 @@ class Measured:
             lasting = abs(self.distance) / float(rod.segments[0].wave_speed)
             longer = strain.extended(lasting, lasting)
             strain = longer.propagated(self.distance, rod, radius=self.radius)
-        return self.seen(strain) if self.seen else strain
+        if self.seen is None:
+            return strain
+        shown_strain = self.seen(strain)
+        of_kind("seen(strain)", shown_strain, Signal, "strain.low_pass(100e3)")
+        return shown_strain
