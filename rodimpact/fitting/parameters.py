@@ -77,8 +77,9 @@ def parameters_of(system: System, vary: Any) -> list[Parameter]:
         if path not in known:
             problems.append((f"vary.{path}", f"is no number of the system; {nearest(path, known)}"))
             continue
+        unit = _unit(system, known[path][0])
         try:
-            ends = floats(bounds, FIELDS.get(path.split(".")[-1], Field()).unit)
+            ends = floats(bounds, unit)
         except ValueError as error:
             problems.append((f"vary.{path}", str(error)))
             continue
@@ -92,11 +93,10 @@ def parameters_of(system: System, vary: Any) -> list[Parameter]:
                 message = f"is varied as {other} already; leave one of them out"
                 problems.append((f"vary.{path}", message))
                 break
-        owner, _, field = known[path][0].rpartition(".")
-        table = _at(described, owner)
+        table, field = _at(described, known[path][0])
         start = math.sqrt(table[MODULUS] / table["density"]) if field == SPEED else table[field]
         low, high = ends.tolist()
-        found.append(Parameter(path, known[path], start, low, high, _unit(system, known[path][0])))
+        found.append(Parameter(path, known[path], start, low, high, unit))
     if problems:
         raise InvalidModel(problems)
     return found
@@ -105,13 +105,13 @@ def parameters_of(system: System, vary: Any) -> list[Parameter]:
 def changed(system: System, parameters: Sequence[Parameter], values: Sequence[float]) -> System:
     """The system with these numbers; InvalidModel, which names them, if there is none."""
     described = system.to_dict()
-    each = [(*place.rpartition(".")[::2], value)
+    each = [(*_at(described, place), value)
             for p, value in zip(parameters, values, strict=True) for place in p.places]
-    for owner, field, value in sorted(each, key=lambda one: one[1] == SPEED):
-        table = _at(described, owner)
+    for table, field, value in sorted(each, key=lambda one: one[1] == SPEED):
         if field == SPEED:
-            field, value = MODULUS, table["density"] * value**2
-        table[field] = value
+            table[MODULUS] = table["density"] * value * abs(value)
+        else:
+            table[field] = value
     try:
         return System.from_dict(described)
     except InvalidModel as error:
@@ -131,16 +131,15 @@ def _places(system: System) -> dict[str, list[str]]:
             for name in (field, SPEED) if field == MODULUS else (field,):
                 place = f"{owner}.{name}"
                 found[place] = [place]
-                material = f"materials.{_at(described, owner)['name']}.{name}"
-                found.setdefault(material, []).append(place)
+                table, _ = _at(described, place)
+                found.setdefault(f"materials.{table['name']}.{name}", []).append(place)
     return found
 
 
-def _at(described: Any, owner: str) -> Any:
-    """The table of a description at a path."""
-    steps = owner.split(".") if owner else []
-    return reduce(lambda table, step: table[int(step) if isinstance(table, list) else step],
-                  steps, described)
+def _at(described: Any, place: str) -> tuple[Any, Any]:
+    """The table or list of a description that holds a number, and the key of this."""
+    *steps, last = (int(step) if step.isdecimal() else step for step in place.split("."))
+    return reduce(lambda table, step: table[step], steps, described), last
 
 
 def _unit(system: System, place: str) -> str:

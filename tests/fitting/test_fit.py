@@ -146,6 +146,9 @@ def test_paths_are_those_of_case_files():
     other = ri.Material("titanium", youngs_modulus=4500 * 5000.0**2, density=4500)
     wanted = rods(material=other, contacts=[ri.Hertz(1e11)], gaps=[2e-3])
     assert changed(system, parameters, [5000.0, 4500.0, 1e11, 2e-3]) == wanted
+    steps = rods(velocity=ri.Steps([1.0, 2.0], at=[0.1]))
+    moved = changed(steps, parameters_of(steps, {"bodies.0.velocity.values.1": (0, 9)}), [3.0])
+    assert moved == rods(velocity=ri.Steps([1.0, 3.0], at=[0.1]))
     for p in parameters:
         assert p.value(p.share(p.low * 0.7 + p.high * 0.3)) == pytest.approx(
             p.low * 0.7 + p.high * 0.3)
@@ -156,7 +159,10 @@ def test_a_result_as_table_and_file(tmp_path):
     assert "Model error is not in them" in str(found)
     assert found._repr_html_().count("<img") == 1
     drawn = ri.plot.fit(found)
-    np.testing.assert_array_equal(drawn.predicted.get_ydata(), drawn.predicted.get_ydata())
+    assert drawn.misfit.rms == pytest.approx(found.misfits[0], rel=1e-9)
+    assert (drawn.misfit.shift, drawn.misfit.scale) == (0, 1)
+    with pytest.raises(ValueError, match="record: must be a whole number from 0 to 0, got 1"):
+        ri.plot.fit(found, record=1)
     found.to_csv(tmp_path / "fit.csv")
     (row,) = csv.DictReader((tmp_path / "fit.csv").read_text().splitlines())
     assert float(row["value"]) == found.values[PATHS[0]]
@@ -179,6 +185,7 @@ OK = ri.Measured(FLAT, (1, 0.2))
     ({"vary": {"materials.steel.wave_speed": (4e3, 6e3),
                "bodies.1.material.youngs_modulus": (1e11, 3e11)}}, "is varied as materials.steel"),
     ({"vary": {"bodies.0.area": (-1e-4, -1e-5)}}, "between the bounds lie systems that are none"),
+    ({"vary": {"materials.steel.wave_speed": (-5e3, -4e3)}}, "lie systems that are none"),
     ({"vary": {"bodies.1.length": (0.05, 0.6)}}, "the gauge leaves its rod between the bounds"),
     ({"measured": FLAT}, r"measured: must be Measured\(signal, gauge\)"),
     ({"measured": []}, r"measured: must be Measured\(signal, gauge\)"),
