@@ -35,7 +35,9 @@ UNKNOWN = {"contacts.0.stiffness": (3e7, 1e10), "contacts.0.yield_force": (1e3, 
 SPRING = {"contacts.0.stiffness": (1e6, 1e10)}
 
 
-def fitted(specimen: ri.Yielding | ri.Spring, dispersion: bool) -> ri.Fit:
+def fitted(
+    specimen: ri.Yielding | ri.Spring, dispersion: bool = False, starts: int = 1
+) -> ri.Fit:
     """Fit of a specimen to the reflected and the transmitted pulse."""
     first, last = record(TITANIUM)
     bar, near = TITANIUM.bar, TITANIUM.to_gauge
@@ -57,16 +59,17 @@ def fitted(specimen: ri.Yielding | ri.Spring, dispersion: bool) -> ri.Fit:
                     shift=late, scale=-1 / STRAIN, level=level)
         for signal, gauge in ((first, (0, 0.0)), (last, (1, near)))
     ]
-    return ri.fit(system, records, UNKNOWN if isinstance(specimen, ri.Yielding) else SPRING, UNTIL)
+    unknown = UNKNOWN if isinstance(specimen, ri.Yielding) else SPRING
+    return ri.fit(system, records, unknown, UNTIL, starts=starts)
 
 
 def run() -> list[Row]:
     """Misfits in per cent."""
     copper = ri.Yielding(1e8, 5e3, 1e6)
     cases = [
-        ("copper specimen, yielding", fitted(copper, False), (5.2, 2.5)),
-        ("copper specimen, yielding, dispersion", fitted(copper, True), (3.0, 2.3)),
-        ("copper specimen, spring", fitted(ri.Spring(1e8), False), (22.0, 20.0)),
+        ("copper specimen, yielding", fitted(copper, starts=3), (5.2, 2.5)),
+        ("copper specimen, yielding, dispersion", fitted(copper, dispersion=True), (3.0, 2.3)),
+        ("copper specimen, spring", fitted(ri.Spring(1e8)), (22.0, 20.0)),
     ]
     pulses = "reflected", "transmitted"
     return [

@@ -82,8 +82,7 @@ class Measured:
     @cached_property
     def size(self) -> float:
         """What misfits are relative to, in the unit of the signal."""
-        v = self.signal.values
-        return self.level or plateau(v if v.max() >= -v.min() else -v)
+        return self.level or plateau(self.signal.values)
 
     @property
     def title(self) -> str:
@@ -100,6 +99,6 @@ class Measured:
             strain = longer.propagated(self.distance, rod, radius=self.radius)
         if self.seen is None:
             return strain
-        shown_strain = self.seen(strain)
-        of_kind("seen(strain)", shown_strain, Signal, "strain.low_pass(100e3)")
-        return shown_strain
+        seen = self.seen(strain)
+        of_kind("seen(strain)", seen, Signal, "strain.low_pass(100e3)")
+        return seen
