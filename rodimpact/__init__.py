@@ -24,6 +24,11 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from . import theory as theory
     from . import units as units
     from . import waves as waves
+    from .fitting.measured import Measured as Measured
+    from .fitting.result import Descent as Descent
+    from .fitting.result import Fit as Fit
+    from .fitting.result import Fitted as Fitted
+    from .fitting.searching import fit as fit
     from .methods.duration import LongRun as LongRun
     from .methods.kernels import NoCompiler as NoCompiler
     from .methods.machine_code import DamagedCache as DamagedCache
@@ -122,6 +127,9 @@ _HOME = {
     "running.sweep_result": ("Axis", "SweepResult"),
     "running.sweeping": ("SweepError", "sweep"),
     "running.warming": ("warm",),
+    "fitting.measured": ("Measured",),
+    "fitting.result": ("Descent", "Fit", "Fitted"),
+    "fitting.searching": ("fit",),
     "storage.casefile": ("Case", "parse_case", "read_case", "write_case"),
 }
 _MODULES = ("design", "materials", "plot", "rigid", "theory", "units", "waves")

@@ -14,6 +14,7 @@ made, which `save` writes to a file; in a notebook, run ``%matplotlib inline`` a
 from .designs import design
 from .diagram import spacetime
 from .families import sweep
+from .fits import fit
 from .histories import contact
 from .law import restitution
 from .ledger import energy
@@ -26,6 +27,6 @@ from .strains import gauge
 from .style import look
 
 __all__ = [
-    "animation", "comparison", "contact", "design", "energy", "gauge", "look", "overview",
+    "animation", "comparison", "contact", "design", "energy", "fit", "gauge", "look", "overview",
     "restitution", "save", "snapshots", "spacetime", "sweep",
 ]

@@ -9,6 +9,7 @@ import io
 from matplotlib.figure import Figure
 
 from ..design import PulseDesign, RestitutionDesign
+from ..fitting.result import Fit
 from ..results.solution import Solution
 from ..running.sweep_report import sweep_table
 from ..running.sweep_result import SweepResult
@@ -16,6 +17,7 @@ from ..storage.report import solution_table
 from ..storage.tables import as_html
 from .designs import design
 from .families import sweep
+from .fits import fit
 from .page import headline, overview
 from .quantities import parameter
 
@@ -23,13 +25,23 @@ DOTS_PER_INCH = 90
 MORE = "to_csv writes all, save keeps them"
 
 
-def html_of(result: Solution | SweepResult | PulseDesign | RestitutionDesign) -> str:
+def html_of(result: Solution | SweepResult | PulseDesign | RestitutionDesign | Fit) -> str:
     """Picture and table of a result."""
     if isinstance(result, PulseDesign | RestitutionDesign):
         figure = design(result).ax.figure
         assert isinstance(figure, Figure)
         return _image(figure, "wanted and reached") + as_html(str(result))
+    if isinstance(result, Fit):
+        return _fit(result)
     return _solution(result) if isinstance(result, Solution) else _sweep(result)
+
+
+def _fit(found: Fit) -> str:
+    """Figures of all records, and table of a fit."""
+    drawn = [(m.title, fit(found, record=i).ax.figure) for i, m in enumerate(found.measured)]
+    pictures = [_image(figure, f"{title}, measured and predicted")
+                for title, figure in drawn if isinstance(figure, Figure)]
+    return "".join(pictures) + as_html(str(found))
 
 
 def _solution(solution: Solution) -> str:

@@ -67,11 +67,9 @@ def dispersed(values: Floats, dt: float, distance: float, bar: Any) -> Floats:
     tail = math.ceil(min(3 * abs(distance) / bar.wave_speed / dt, MOST))
 
     def transfer(f: Floats) -> Any:
-        carried = f <= bar.cut_off
-        phase = 2 * np.pi * f[carried] * bar.delays(f[carried]) * distance
-        gains = np.zeros(f.shape, dtype=complex)
-        gains[carried] = np.exp(-1j * phase)
-        return gains
+        below = np.clip((bar.cut_off - f) / f[1] + 0.5, 0.0, 1.0)  # share of what f stands for
+        carried = np.minimum(f, bar.cut_off)
+        return below * np.exp(-2j * np.pi * carried * bar.delays(carried) * distance)
 
     return _through(values, dt, transfer, tail)
 

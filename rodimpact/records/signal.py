@@ -407,7 +407,7 @@ class Signal(Frozen):
         if scale is not None:
             self._same_unit(other, "compared but by a free scale")
         pair = (self.times, self.values), (other.times, other.values)
-        return misfit_of(*pair, _bounds("shift", shift, "s"), _bounds("scale", scale, ""))
+        return misfit_of(*pair, bounds_of("shift", shift, "s"), bounds_of("scale", scale, ""))
 
     def _same_unit(self, other: Signal, done: str) -> None:
         if self.unit != other.unit:
@@ -516,7 +516,7 @@ def _one(name: str, value: Any, unit: str) -> float:
     return float(finite(name, single(name, value, unit), unit))
 
 
-def _bounds(name: str, given: Any, unit: str) -> tuple[float, float] | None:
+def bounds_of(name: str, given: Any, unit: str) -> tuple[float, float] | None:
     """Lower and upper bound: of a number, of two, or None if it is free."""
     if given is None:
         return None

@@ -176,7 +176,7 @@ def sweep(
     try:
         options = Options(until, method, max_events, dt, rtol, cells)
         options = replace(options, method=options.method_for(system))
-        readings = _readings(problems, system, gauges, times)
+        readings = readings_of(problems, system, gauges, times)
         if not math.prod(system.shape):
             message = f"has no members, its shape is {system.shape}; select one or more"
             problems.append(("system", message))
@@ -384,7 +384,7 @@ def _members(system: System, start: int, stop: int) -> System:
     return system[np.unravel_index(np.arange(start, stop), shape)]
 
 
-def _readings(problems: Problems, system: System, gauges: Any, times: Any) -> Readings:
+def readings_of(problems: Problems, system: System, gauges: Any, times: Any) -> Readings:
     """Check gauges and times; note mistakes."""
     if not isinstance(gauges, Sequence | np.ndarray):
         problems.append(("gauges", f"must be [(body, x), ...], got {shown(gauges)}"))

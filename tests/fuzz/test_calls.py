@@ -29,10 +29,11 @@ import rodimpact as ri
 EXAMPLES = 150 * TIMES  # of each seed
 USED = (
     "Absorbing", "Bonded", "Bridge", "Case", "Fixed", "Free", "Hertz", "HuntCrossley", "Incoming",
-    "Material", "Moved", "Options", "PowerLaw", "Pushed", "Rigid", "RigidMass", "Rod", "Samples",
-    "Joint", "Segment", "Signal", "Spring", "SpringDashpot", "Steps", "System", "Wall", "Yielding",
-    "collide", "gauges_to_csv", "load", "parse_case", "read_case", "read_signals", "regions_of",
-    "signals_from_xarray", "signals_to_xarray", "solve", "sweep", "write_case", "write_signals",
+    "Joint", "Material", "Measured", "Moved", "Options", "PowerLaw", "Pushed", "Rigid", "RigidMass",
+    "Rod", "Samples", "Segment", "Signal", "Spring", "SpringDashpot", "Steps", "System", "Wall",
+    "Yielding", "collide", "fit", "gauges_to_csv", "load", "parse_case", "read_case",
+    "read_signals", "regions_of", "signals_from_xarray", "signals_to_xarray", "solve", "sweep",
+    "write_case", "write_signals",
 )
 """Public names that users call; the others are results."""
 BRIDGE = ri.Bridge("quarter", gauge_factor=2.0, excitation=5.0)

@@ -202,6 +202,16 @@ def test_each_vibration_propagates_at_its_own_speed():
     assert np.abs(beyond.propagated(z, BAR).values).max() < 1e-3
 
 
+def test_a_propagated_pulse_varies_smoothly_with_the_bar():
+    """Though the number of frequencies below the cut-off changes from one bar to the next."""
+    pulse = trapezoid(rise=1e-6).extended(1e-4, 1e-4)
+    speeds = np.linspace(5000.0, 5040.0, 41)
+    moved = np.array([
+        pulse.propagated(0.5, ri.waves.Bar(c, 0.29, 5e-3)).values for c in speeds
+    ])
+    assert np.abs(np.diff(moved, 2, axis=0)).max() < 0.1 * np.abs(np.diff(moved, axis=0)).max()
+
+
 def test_there_and_back_again():
     pulse = trapezoid(rise=20e-6).low_pass(60e3)
     back = pulse.extended(1e-4, 1e-4).propagated(0.5, BAR).propagated(-0.5, BAR)

@@ -1,0 +1,53 @@
+"""What a fit does not tell, in sentences: what is open, lies at a bound, or hangs on the start."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ..model.quantities import Floats
+from ..units import format_si
+from .result import Descent, Fitted, correlation_of
+
+LOOSE = 0.5  # of the range: a number with a larger standard error is not determined
+AT_BOUND = 1e-3  # of the range
+ALIKE = 0.98  # correlation from which on two numbers are hardly told apart
+SAME = 1e-3  # relative difference of misfits that counts as none
+APART = 0.3  # standard errors by which searches may end apart
+
+
+def doubts(
+    fitted: Sequence[Fitted], relative: Floats, descents: Sequence[Descent]
+) -> Iterator[str]:
+    """Sentences about numbers; `relative` is their covariance over the ranges that they have."""
+    errors = np.sqrt(np.diag(relative))
+    open_ones = errors > LOOSE
+    for f, is_open in zip(fitted, open_ones, strict=True):
+        if is_open:
+            yield (f"{f.name} is not determined: its standard error is as large as its range. "
+                   "Fix it, or add a record that depends on it.")
+        if not f.high - f.low < np.inf:
+            continue
+        for end, remedy in ((f.low, "lower"), (f.high, "raise")):
+            if abs(f.value - end) <= AT_BOUND * (f.high - f.low):
+                yield (f"{f.name} is at its bound, {format_si(end, f.unit)}, and its standard "
+                       f"error means little: {remedy} the bound, or fix the number.")
+    correlation = correlation_of(relative)
+    for i, j in np.argwhere(np.triu(np.abs(correlation) > ALIKE, 1)):
+        if not (open_ones[i] or open_ones[j]):
+            yield (f"{fitted[i].name} and {fitted[j].name} are hardly told apart: their errors "
+                   f"are correlated by {correlation[i, j]:.3f}. Fix one of them.")
+    best, *others = descents
+    if not best.complete:
+        yield "The best search was stopped before it came to a minimum."
+    worse = [d.misfit for d in others if d.misfit > (1 + SAME) * best.misfit]
+    if worse:
+        yield (f"{len(worse)} of {len(descents)} searches ended at larger misfits, "
+               f"{100 * min(worse):.3g} % and more: there are several minima. More starts, or "
+               "narrower bounds, show whether this is the best one.")
+    for f in fitted:
+        same = [d.values[f.name] for d in descents if d.misfit <= (1 + SAME) * best.misfit]
+        if np.ptp(same) > APART * f.standard_error:
+            ends = f"{format_si(min(same), f.unit)} to {format_si(max(same), f.unit)}"
+            yield f"Searches with the same misfit ended at other values of {f.name}: {ends}."

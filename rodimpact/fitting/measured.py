@@ -1,0 +1,104 @@
+"""A record, and how what is computed becomes comparable with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from ..methods.registry import check_function
+from ..model import Rod, System
+from ..model.arguments import finite, of_kind, positive, single
+from ..model.frozen import Problems, raise_noted
+from ..records.comparison import Bounds, plateau
+from ..records.signal import Signal, bounds_of
+from ..units import shown
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A record, and where and how it was measured.
+
+    Parameters
+    ----------
+    signal : Signal
+        Cut by `Signal.window` to what is to be explained.
+    gauge : (int, float)
+        Body, and place in m from its left end, where strain is computed.
+    distance : float, optional
+        From there to the gauge of the record, m, negative where the pulse runs to the left: exact
+        waves carry it so far, as `Signal.propagated` does.
+    radius : float, optional
+        Of the round rod in which they do, m, where the rod is not said to be round.
+    shift : float or (float, float), optional
+        By which the computed signal comes later, s: fixed, or between bounds; by default free.
+    scale : float or (float, float), optional
+        By which strain is multiplied to be the signal: fixed, or between bounds; by default free.
+    seen : function, optional
+        Makes of the computed signal what gauge and amplifier show of it, such as
+        ``lambda strain: strain.low_pass(100e3)``.
+    level : float, optional
+        What misfits are relative to, in the unit of the signal; by default its plateau.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not what it should be.
+
+    Examples
+    --------
+    >>> pulse = Signal([0.0, 2.0, 2.0, 0.0], dt=1e-5, unit="V", name="incident")
+    >>> Measured(pulse, gauge=(1, 0.5), shift=(-1e-5, 1e-5)).limits
+    ((-1e-05, 1e-05), None)
+    """
+
+    signal: Signal
+    gauge: tuple[int, float]
+    distance: float = 0.0
+    radius: float | None = None
+    shift: Bounds | None = None
+    scale: Bounds | None = None
+    seen: Callable[[Signal], Signal] | None = None
+    level: float | None = None
+
+    def __post_init__(self) -> None:
+        of_kind("signal", self.signal, Signal, "read_signals('record.csv')['incident']")
+        if not isinstance(self.gauge, tuple | list) or len(self.gauge) != 2:
+            raise ValueError(f"gauge: must be (body, x), such as (1, 0.5), got {shown(self.gauge)}")
+        finite("distance", single("distance", self.distance, "m"), "m")
+        problems: Problems = []
+        check_function(problems, "seen", self.seen)
+        raise_noted(problems)
+        if self.level is not None:
+            positive("level", single("level", self.level, self.signal.unit), self.signal.unit)
+        _ = self.limits, self.size
+
+    @cached_property
+    def limits(self) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
+        """Bounds of shift, s, and scale; None where it is free."""
+        return bounds_of("shift", self.shift, "s"), bounds_of("scale", self.scale, "")
+
+    @cached_property
+    def size(self) -> float:
+        """What misfits are relative to, in the unit of the signal."""
+        return self.level or plateau(self.signal.values)
+
+    @property
+    def title(self) -> str:
+        """What a table calls it."""
+        return self.signal.name or f"gauge {self.gauge[0]}, {self.gauge[1]:g} m"
+
+    def carried(self, strain: Signal, system: System) -> Signal:
+        """What is compared with the record, but for shift and scale."""
+        if self.distance:
+            rod: Any = system.bodies[self.gauge[0]]
+            assert isinstance(rod, Rod)
+            lasting = abs(self.distance) / float(rod.segments[0].wave_speed)
+            longer = strain.extended(lasting, lasting)
+            strain = longer.propagated(self.distance, rod, radius=self.radius)
+        if self.seen is None:
+            return strain
+        seen = self.seen(strain)
+        of_kind("seen(strain)", seen, Signal, "strain.low_pass(100e3)")
+        return seen

@@ -1,0 +1,168 @@
+"""What a fit found, how well it is known, and what it does not tell."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..model import System
+from ..model.quantities import Floats
+from ..records.signal import Signal
+from ..results import notebook
+from ..storage.tables import align
+from ..storage.writing import PathLike, write_text
+from ..units import format_si
+from .measured import Measured
+
+MODEL_ERROR = (
+    "The standard errors come from what the records leave unexplained. Model error is not in them: "
+    "of numbers taken as known, of laws and theory, and of the calibration."
+)
+TABLE = "number,unit,value,standard error,low,high"
+
+
+class Fitted(NamedTuple):
+    """A number that was fitted.
+
+    Attributes
+    ----------
+    name : str
+        Its path; ``shift`` (s) and ``scale`` of a record, followed by the index of this where there
+        are several.
+    unit : str
+    value, standard_error : float
+        In that unit.
+    low, high : float
+        Bounds; infinite where there are none.
+    """
+
+    name: str
+    unit: str
+    value: float
+    standard_error: float
+    low: float
+    high: float
+
+
+class Descent(NamedTuple):
+    """Where a search ended.
+
+    Attributes
+    ----------
+    misfit : float
+        Root of the mean square of all records over their levels.
+    values : dict of str to float
+        Numbers by name.
+    complete : bool
+        Whether it came to a minimum, and was not stopped on its way.
+    """
+
+    misfit: float
+    values: dict[str, float]
+    complete: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """What a fit found.
+
+    Attributes
+    ----------
+    system : System
+        With the best numbers.
+    measured : tuple of Measured
+    fitted : tuple of Fitted
+        Every number with its standard error.
+    covariance : array, shape (number, number)
+        Of `fitted`, in their units.
+    predicted : tuple of Signal
+        At the times of each record, in its unit.
+    bands : tuple of array
+        Standard errors of what is predicted, as the numbers fitted are uncertain.
+    misfits : tuple of float
+        Root of the mean square over the level of each record.
+    descents : tuple of Descent
+        Where the searches ended, the best first.
+    notes : tuple of str
+        What is not determined, lies at a bound, or depends on where the search began.
+    """
+
+    system: System
+    measured: tuple[Measured, ...]
+    fitted: tuple[Fitted, ...]
+    covariance: Floats
+    predicted: tuple[Signal, ...]
+    bands: tuple[Floats, ...]
+    misfits: tuple[float, ...]
+    descents: tuple[Descent, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Best values by name."""
+        return {f.name: f.value for f in self.fitted}
+
+    @property
+    def standard_errors(self) -> dict[str, float]:
+        """Standard errors by name."""
+        return {f.name: f.standard_error for f in self.fitted}
+
+    @property
+    def correlation(self) -> Floats:
+        """Correlations of the errors, shape (number, number)."""
+        return correlation_of(self.covariance)
+
+    def to_csv(self, path: PathLike, *, force: bool = False) -> None:
+        """Write a row for each number: its value, standard error and bounds, in its unit.
+
+        Raises
+        ------
+        FileExistsError
+            If the file is there and `force` is false.
+        """
+        rows = [",".join([f.name, f.unit or "1", *map(repr, f[2:])]) for f in self.fitted]
+        write_text(path, "\n".join([TABLE, *rows, ""]), force=force)
+
+    def __str__(self) -> str:
+        names, last = [f.name for f in self.fitted], len(self.fitted) - 1
+        numbers = [["", "value", "standard error", "from", "to"]]
+        numbers += [[f.name, *_with_error(f), _end(f.low, f), _end(f.high, f)] for f in self.fitted]
+        matrix = [["correlation", *map(str, range(1, last + 1))]]
+        matrix += [
+            [f"{i + 1} {name}", *(f"{c:.2f}" for c in self.correlation[i, :i]), *[""] * (last - i)]
+            for i, name in enumerate(names)
+        ]
+        misfits = [["record", "misfit"]]
+        misfits += [[m.title, f"{100 * misfit:.3g} %"]
+                    for m, misfit in zip(self.measured, self.misfits, strict=True)]
+        tables = [numbers, *([matrix] if last else []), misfits]
+        return "\n\n".join([*map(align, tables), "\n".join([*self.notes, MODEL_ERROR])])
+
+    def _repr_html_(self) -> str:
+        return notebook.html(self)
+
+
+def correlation_of(covariance: Floats) -> Floats:
+    """Correlations; 0 of what has no error."""
+    errors = np.sqrt(np.diag(covariance))
+    errors[errors == 0] = np.inf
+    correlation: Floats = covariance / np.outer(errors, errors)
+    np.fill_diagonal(correlation, 1.0)
+    return correlation
+
+
+def _end(bound: float, f: Fitted) -> str:
+    """A bound, if there is one."""
+    return format_si(bound, f.unit, 4) if math.isfinite(bound) else "-"
+
+
+def _with_error(f: Fitted) -> list[str]:
+    """Value and standard error, both to the second digit of the error."""
+    digits = 6
+    if 0 < f.standard_error < math.inf and f.value:
+        first, last = (math.floor(math.log10(abs(x))) for x in (f.value, f.standard_error))
+        digits = min(max(first - last + 2, 2), 15)
+    return [format_si(f.value, f.unit, digits), format_si(f.standard_error, f.unit, 2)]

@@ -1,0 +1,214 @@
+"""fit(): the numbers of a system with which it explains measured records best.
+
+A coarse sweep over all that the bounds allow finds several places to start from; from each of them
+least squares descend. Where they end should be one place.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..methods.registry import METHODS, Options, count
+from ..model import Rod, System
+from ..model.frozen import InvalidModel, Problems, number, raise_noted
+from ..model.quantities import Floats
+from ..running.sweeping import readings_of
+from ..units import shown
+from .doubts import doubts
+from .measured import Measured
+from .objective import Objective
+from .parameters import parameters_of
+from .result import Descent, Fit, Fitted
+from .uncertainty import covariance
+
+TRIES = 16  # systems of the coarse sweep for each number that varies
+MOST_STEPS = 200
+
+
+class End(NamedTuple):
+    """Where a descent ended, and whether that is a minimum."""
+
+    misfit: float
+    point: Floats
+    complete: bool
+
+
+def fit(
+    system: System, measured: Measured | Sequence[Measured],
+    vary: dict[str, tuple[float, float]], until: float, *, method: str = "auto",
+    dt: float | None = None, rtol: float | None = None, cells: int | None = None,
+    interval: float | None = None, starts: int = 3, executor: Executor | None = None,
+) -> Fit:
+    """Fit numbers of a system to measured records.
+
+    Parameters
+    ----------
+    system : System
+        A single one; its own numbers are tried first.
+    measured : Measured or sequence of Measured
+        Records, with their gauges.
+    vary : dict of str to (float, float)
+        What is unknown: paths of numbers as in a case file, each with bounds, in SI units.
+        ``materials.NAME.field`` is that of all bodies of a material, and ``wave_speed`` stands for
+        its Young's modulus. Between bounds above 0 that are tenfold or more apart, steps are
+        ratios.
+    until : float
+        Time to which each collision runs, s.
+    method, dt, rtol, cells
+        Of each collision, as for `solve`. Where none of them is given, and one is needed, a step is
+        half the interval, and a cell is crossed in one: predictions vary smoothly only while steps
+        and cells stay as they are.
+    interval : float, optional
+        Between samples of computed signals, s; by default the shortest of the records.
+    starts : int
+        From how many places of a coarse sweep least squares begin.
+    executor : concurrent.futures.Executor, optional
+        Who solves the collisions of a sweep and of a derivative; by default one after the other.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    InvalidModel
+        If an argument is not what it should be, with its path.
+
+    Notes
+    -----
+    Derivatives are central differences. Standard errors do not take residuals for independent: they
+    say by how much the numbers move where halves to sixths of the records are left out, and are
+    never less than what so many independent samples tell as the residuals have correlation times.
+
+    Examples
+    --------
+    How long was the striker, and how fast? The record is a computed one:
+
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> rods = [ri.Rod(x, area=1e-4, material=steel, velocity=v) for x, v in ((0.2, 10), (1, 0))]
+    >>> record = ri.solve(ri.System(rods), until=2e-4).gauge(1, 0.4).signal(1e-6)
+    >>> unknown = ri.System([ri.Rod(0.3, area=1e-4, material=steel, velocity=5.0), rods[1]])
+    >>> found = ri.fit(unknown, ri.Measured(record, (1, 0.4), shift=0.0, scale=1.0),
+    ...                {"bodies.0.length": (0.1, 0.4), "bodies.0.velocity": (1.0, 20.0)}, 2e-4)
+    >>> {path: round(value, 6) for path, value in found.values.items()}
+    {'bodies.0.length': 0.2, 'bodies.0.velocity': 10.0}
+    """
+    records = [measured] if isinstance(measured, Measured) else measured
+    problems: Problems = []
+    if not isinstance(records, list | tuple) or not records or not all(
+        isinstance(m, Measured) for m in records
+    ):
+        message = "must be Measured(signal, gauge), or a list of them"
+        raise InvalidModel([("measured", f"{message}, got {shown(measured)}")])
+    options = Options(until, method, dt=dt, rtol=rtol, cells=cells)
+    options = replace(options, method=options.method_for(system))
+    if system.shape:
+        message = f"must be a single one, got a family of shape {system.shape}; fit system[index]"
+        problems.append(("system", message))
+    shortest = min(float(np.diff(m.signal.times).min()) for m in records)
+    step: Any = number(problems, "interval", shortest if interval is None else interval, "s",
+                       "positive")
+    begins = count(problems, "starts", starts)
+    if options.until is None:
+        problems.append(("until", "is missing; give the seconds in which all pulses pass"))
+    readings_of(problems, system, [m.gauge for m in records], np.zeros(1))
+    raise_noted(problems)
+    if dt is rtol is cells is None:
+        options = replace(options, **_divided(options.method, system, step))
+    parameters = parameters_of(system, vary)
+    objective = Objective(system, records, parameters, options, step, executor)
+
+    tried = _coarse([p.share(p.start) for p in parameters])
+    swept = [objective.started(shares, curves)
+             for shares, curves in zip(tried, objective.curves(tried), strict=True)]
+    least = [min(swept[k::begins], key=lambda one: one[0])[1]
+             for k in range(min(begins, len(swept)))]
+    sizes = np.concatenate((
+        np.ones(len(parameters)), [m.signal.end - m.signal.start for m in records],
+        np.abs(least[0][-len(records) :]),
+    ))
+    ends = [_descend(objective, point, sizes) for point in least]
+    return _result(objective, sorted(ends, key=lambda end: end.misfit), sizes)
+
+
+def _divided(method: str, system: System, interval: float) -> dict[str, Any]:
+    """The step, or the cells, that a method takes where none are given."""
+    if "cells" in METHODS[method].takes:
+        pieces = [s for rod in system.bodies if isinstance(rod, Rod) for s in rod.segments]
+        return {"cells": math.ceil(max(s.transit_time for s in pieces) / interval)}
+    return {"dt": interval / 2} if "dt" in METHODS[method].takes else {}
+
+
+def _coarse(own: Sequence[float]) -> list[Floats]:
+    """Shares that fill evenly what lies between the bounds, first those of the system itself.
+
+    Multiples of the powers of 1/x, x^(n+1) = x + 1: each new place lies far from all before it.
+    """
+    n, root = len(own), 2.0
+    for _ in range(64):
+        root = (1 + root) ** (1 / (n + 1))
+    steps = root ** -np.arange(1.0, n + 1)
+    return [np.array(own), *((0.5 + k * steps) % 1 for k in range(1, TRIES * n))]
+
+
+def _descend(objective: Objective, start: Floats, sizes: Floats) -> End:
+    """Where least squares end."""
+    from scipy.optimize import least_squares
+
+    free = objective.free
+
+    def point(x: Floats) -> Floats:
+        whole = start.copy()
+        whole[free] = x * sizes[free]
+        return whole
+
+    found = least_squares(
+        lambda x: objective.residuals(point(x)), (start / sizes)[free],
+        lambda x: (objective.derivatives(point(x)) * sizes)[:, free],
+        bounds=((objective.low / sizes)[free], (objective.high / sizes)[free]), x_scale="jac",
+        ftol=1e-10, xtol=1e-8, gtol=1e-10, max_nfev=MOST_STEPS,
+    )
+    return End(math.sqrt(2 * found.cost / len(found.fun)), point(found.x), found.status > 0)
+
+
+def _result(objective: Objective, ends: Sequence[End], sizes: Floats) -> Fit:
+    """The best end with its errors, and what there is to say about it."""
+    best, records, free = ends[0].point, objective.measured, objective.free
+    residuals, jacobian = objective.residuals(best), objective.derivatives(best)[:, free]
+    ranges = np.minimum(objective.high - objective.low, sizes)[free]
+    jacobian *= ranges
+    lengths = [len(m.signal) for m in records]
+    relative = covariance(jacobian, residuals, lengths)
+    units = ranges * objective.slopes(best)[free]
+    errors = np.sqrt(np.diag(relative))
+
+    def numbers(point: Floats) -> Any:
+        return objective.numbers(point)[free].tolist()
+
+    fitted = tuple(map(
+        Fitted, objective.names, objective.units, numbers(best), (errors * units).tolist(),
+        numbers(objective.low), numbers(objective.high),
+    ))
+    descents = tuple(
+        Descent(misfit, dict(zip(objective.names, numbers(point), strict=True)), complete)
+        for misfit, point, complete in ends
+    )
+    spread = np.sqrt(np.einsum("ij,jk,ik->i", jacobian, relative, jacobian))
+    predicted, bands, misfits = [], [], []
+    cuts = np.cumsum(lengths)[:-1]
+    for m, r, s in zip(records, np.split(residuals, cuts), np.split(spread, cuts), strict=True):
+        predicted.append(m.signal.replace(values=m.signal.values + m.size * r))
+        bands.append(m.size * s)
+        misfits.append(math.sqrt(float(np.mean(r**2))))
+    return Fit(
+        objective.system_at(best), tuple(records), fitted, relative * np.outer(units, units),
+        tuple(predicted), tuple(bands), tuple(misfits), descents,
+        tuple(doubts(fitted, relative, descents)),
+    )

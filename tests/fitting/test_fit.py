@@ -1,0 +1,219 @@
+"""Fits find what made a record, say how well, and say what they cannot find."""
+
+import csv
+import math
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact.fitting.doubts import doubts
+from rodimpact.fitting.objective import Objective
+from rodimpact.fitting.parameters import changed, parameters_of
+from rodimpact.fitting.uncertainty import covariance
+from rodimpact.methods.registry import Options
+
+STEEL = ri.materials.steel
+UNTIL = 1.5e-4
+PATHS = "bodies.0.length", "bodies.0.velocity"
+
+
+def rods(length=0.2, velocity=10.0, material=STEEL, **row):
+    pair = [ri.Rod(x, area=1e-4, material=material, velocity=v)
+            for x, v in ((length, velocity), (0.6, 0.0))]
+    return ri.System(pair, **row)
+
+
+def record(system, noise=0.0, interval=5e-7):
+    signal = ri.solve(system, until=UNTIL).gauge(1, 0.2).signal(interval, name="gauge")
+    random = np.random.default_rng(7).standard_normal(len(signal))
+    return signal.replace(values=signal.values + noise * random)
+
+
+def measured(signal, **how):
+    return ri.Measured(signal, (1, 0.2), **{"shift": 0.0, "scale": 1.0, **how})
+
+
+def test_a_fit_finds_what_made_a_record():
+    strain = 10.0 / (2 * STEEL.wave_speed)
+    noisy = measured(record(rods(), 0.02 * strain))
+    found = ri.fit(rods(0.24, 5.0), noisy, {PATHS[0]: (0.15, 0.25), PATHS[1]: (1.0, 20.0)}, UNTIL)
+    assert not found.notes
+    for path, wanted in zip(PATHS, (0.2, 10.0), strict=True):
+        assert found.values[path] == pytest.approx(wanted, rel=5e-3)
+        assert abs(found.values[path] - wanted) < 4 * found.standard_errors[path]
+    during = int(0.4 / STEEL.wave_speed / 5e-7)  # samples of the pulse
+    assert found.standard_errors[PATHS[1]] == pytest.approx(10 * 0.02 / during**0.5, rel=0.7)
+    assert found.misfits[0] == pytest.approx(0.02, rel=0.1)
+    assert found.system.bodies[0].length == found.values[PATHS[0]]
+    off = found.predicted[0].values - noisy.signal.values
+    assert math.sqrt(np.mean(off**2)) == pytest.approx(found.misfits[0] * noisy.size, rel=1e-9)
+    assert len(found.descents) == 3
+    for end in found.descents:
+        assert end.values[PATHS[0]] == pytest.approx(found.values[PATHS[0]], rel=1e-6)
+
+
+def test_shift_and_scale_are_free_where_nothing_is_said():
+    moved = record(rods()).shifted(3e-6) * 2.5
+    found = ri.fit(rods(), ri.Measured(moved, (1, 0.2)), {PATHS[0]: (0.1, 0.4)}, UNTIL)
+    assert found.values["shift"] == pytest.approx(3e-6, abs=1e-9)
+    assert found.values["scale"] == pytest.approx(2.5, rel=1e-4)
+    assert found.values[PATHS[0]] == pytest.approx(0.2, rel=1e-4)
+
+
+def test_several_records_have_shifts_of_their_own_and_one_system():
+    system = rods()
+    solution = ri.solve(system, until=UNTIL)
+    places = (1, 0.2), (1, 0.4)
+    records = [
+        ri.Measured(solution.gauge(*place).signal(5e-7).shifted(late), place, scale=1.0)
+        for place, late in zip(places, (1e-6, 2e-6), strict=True)
+    ]
+    alone = ri.fit(system, records, {PATHS[0]: (0.1, 0.4)}, UNTIL)
+    with ThreadPoolExecutor(2) as pool:
+        together = ri.fit(system, records, {PATHS[0]: (0.1, 0.4)}, UNTIL, executor=pool)
+    assert alone.values == together.values
+    assert alone.values["shift.0"] == pytest.approx(1e-6, abs=1e-9)
+    assert alone.values["shift.1"] == pytest.approx(2e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("at", [(0.2, 10.0, 0.0, 1.0), (0.21, 9.0, 2e-6, 1.2)])
+def test_derivatives_are_those_of_the_residuals(at):
+    """Strain is proportional to the velocity; the others against long steps of the residuals."""
+    m = ri.Measured(record(rods()), (1, 0.2))
+    parameters = parameters_of(rods(), {PATHS[0]: (0.1, 0.4), PATHS[1]: (1.0, 20.0)})
+    objective = Objective(rods(), [m], parameters, Options(UNTIL, "fronts"), 5e-7, None)
+    length, velocity, *others = at
+    point = np.array([parameters[0].share(length), parameters[1].share(velocity), *others])
+    J = objective.derivatives(point)
+    predicted = objective.residuals(point) + m.signal.values / m.size
+    slope = parameters[1].slope(point[1])
+    np.testing.assert_allclose(J[:, 1], predicted / velocity * slope, atol=1e-9)
+    np.testing.assert_allclose(J[:, 3], predicted / others[1], atol=1e-9)
+    for number, step in ((0, 1e-5), (2, 1e-10)):
+        beside = np.eye(4)[number] * step
+        apart = objective.residuals(point + beside) - objective.residuals(point - beside)
+        np.testing.assert_allclose(J[:, number], apart / (2 * step), rtol=2e-3,
+                                   atol=2e-3 * np.abs(J[:, number]).max())
+
+
+@pytest.mark.parametrize("lasting", [1, 10])
+def test_standard_errors_of_a_mean(lasting):
+    """Of n samples, each `lasting` times in a row, it is sigma/sqrt(n/lasting), or a bit more."""
+    random, n = np.random.default_rng(1), 1200
+    variances = []
+    for _ in range(400):
+        noise = np.repeat(random.standard_normal(n // lasting), lasting)
+        J = np.ones((n, 1))
+        variances.append(covariance(J, noise - noise.mean(), [n // 2, n // 2])[0, 0])
+    assert 0.95 < np.mean(variances) * n / lasting < 1.5
+
+
+def test_what_is_not_determined_is_told():
+    """Amplitude is velocity times scale, and the density of a lone material alters neither."""
+    noisy = record(rods(), 1e-5)
+    both = ri.fit(rods(), measured(noisy, scale=(0.1, 10.0)), {PATHS[1]: (1.0, 100.0)}, UNTIL)
+    assert any("not determined" in s or "hardly told apart" in s for s in both.notes)
+    bounded = ri.fit(rods(), measured(noisy), {PATHS[0]: (0.1, 0.15)}, UNTIL)
+    assert any(f"{PATHS[0]} is at its bound, 150 mm" in sentence for sentence in bounded.notes)
+    silent = ri.fit(rods(), measured(noisy), {"bodies.1.length": (0.58, 0.6)}, 1e-4)
+    assert any("bodies.1.length is not determined" in sentence for sentence in silent.notes)
+
+
+def test_doubts_about_where_searches_end():
+    numbers = [ri.Fitted(name, "m", 1.0, 0.01, 0.0, 2.0) for name in "ab"]
+    ends = [ri.Descent(rms, {"a": a, "b": 1.0}, True) for rms, a in ((0.02, 1.0), (0.02, 1.5))]
+    said = list(doubts(numbers, np.diag([1e-4, 1e-4]), ends))
+    assert said == ["Searches with the same misfit ended at other values of a: 1 m to 1.5 m."]
+    ends[1] = ends[1]._replace(misfit=0.04)
+    (said,) = doubts(numbers, np.diag([1e-4, 1e-4]), ends)
+    assert "1 of 2 searches ended at larger misfits, 4 % and more" in said
+    close = np.array([[1e-4, 0.99e-4], [0.99e-4, 1e-4]])
+    (said,) = doubts(numbers, close, ends[:1])
+    assert "a and b are hardly told apart: their errors are correlated by 0.990" in said
+
+
+def test_paths_are_those_of_case_files():
+    titanium = ri.Material("titanium", youngs_modulus=100e9, density=4400)
+    system = rods(material=titanium, contacts=[ri.Hertz(1e10)], gaps=[1e-3])
+    vary = {"materials.titanium.wave_speed": (4000, 6000), "materials.titanium.density": (4e3, 5e3),
+            "contacts.0.stiffness": (1e8, 1e12), "contacts.0.gap": (0.0, 1e-2)}
+    parameters = parameters_of(system, vary)
+    assert [p.unit for p in parameters] == ["m/s", "kg/m^3", "N/m^1.5", "m"]
+    assert parameters[0].start == titanium.wave_speed
+    assert parameters[2].value(0.5) == pytest.approx(1e10)
+    other = ri.Material("titanium", youngs_modulus=4500 * 5000.0**2, density=4500)
+    wanted = rods(material=other, contacts=[ri.Hertz(1e11)], gaps=[2e-3])
+    assert changed(system, parameters, [5000.0, 4500.0, 1e11, 2e-3]) == wanted
+    steps = rods(velocity=ri.Steps([1.0, 2.0], at=[0.1]))
+    moved = changed(steps, parameters_of(steps, {"bodies.0.velocity.values.1": (0, 9)}), [3.0])
+    assert moved == rods(velocity=ri.Steps([1.0, 3.0], at=[0.1]))
+    for p in parameters:
+        assert p.value(p.share(p.low * 0.7 + p.high * 0.3)) == pytest.approx(
+            p.low * 0.7 + p.high * 0.3)
+
+
+def test_a_result_as_table_and_file(tmp_path):
+    found = ri.fit(rods(), measured(record(rods(), 1e-5)), {PATHS[0]: (0.1, 0.4)}, UNTIL)
+    assert "Model error is not in them" in str(found)
+    assert found._repr_html_().count("<img") == 1
+    drawn = ri.plot.fit(found)
+    assert drawn.misfit.rms == pytest.approx(found.misfits[0], rel=1e-9)
+    assert (drawn.misfit.shift, drawn.misfit.scale) == (0, 1)
+    with pytest.raises(ValueError, match="record: must be a whole number from 0 to 0, got 1"):
+        ri.plot.fit(found, record=1)
+    found.to_csv(tmp_path / "fit.csv")
+    (row,) = csv.DictReader((tmp_path / "fit.csv").read_text().splitlines())
+    assert float(row["value"]) == found.values[PATHS[0]]
+    assert float(row["standard error"]) == found.standard_errors[PATHS[0]] > 0
+    assert (row["number"], row["unit"], row["low"], row["high"]) == (PATHS[0], "m", "0.1", "0.4")
+    with pytest.raises(FileExistsError):
+        found.to_csv(tmp_path / "fit.csv")
+
+
+FLAT = ri.Signal([0.0, 1.0, 1.0, 0.0], dt=1e-5, name="flat")
+OK = ri.Measured(FLAT, (1, 0.2))
+
+
+@pytest.mark.parametrize(("change", "said"), [
+    ({"vary": {}}, "vary: must name numbers with their bounds"),
+    ({"vary": {"bodies.0.lenght": (0.1, 0.2)}}, "perhaps 'bodies.0.length' is meant"),
+    ({"vary": {PATHS[0]: (0.2, 0.1)}}, r"vary.bodies.0.length: must be \(low, high\)"),
+    ({"vary": {PATHS[0]: 0.1}}, r"vary.bodies.0.length: must be \(low, high\)"),
+    ({"vary": {PATHS[0]: ("a", 1)}}, "vary.bodies.0.length: must be a number of metres"),
+    ({"vary": {"materials.steel.wave_speed": (4e3, 6e3),
+               "bodies.1.material.youngs_modulus": (1e11, 3e11)}}, "is varied as materials.steel"),
+    ({"vary": {"bodies.0.area": (-1e-4, -1e-5)}}, "between the bounds lie systems that are none"),
+    ({"vary": {"materials.steel.wave_speed": (-5e3, -4e3)}}, "lie systems that are none"),
+    ({"vary": {"bodies.1.length": (0.05, 0.6)}}, "the gauge leaves its rod between the bounds"),
+    ({"measured": FLAT}, r"measured: must be Measured\(signal, gauge\)"),
+    ({"measured": []}, r"measured: must be Measured\(signal, gauge\)"),
+    ({"measured": ri.Measured(FLAT, (1, 2.0))}, "gauges.0.x: must lie in body 1"),
+    ({"measured": ri.Measured(FLAT, (3, 0.2))}, "gauges.0.body: must be a rod"),
+    ({"until": None}, "until: is missing"),
+    ({"until": -1.0}, "until: must be"),
+    ({"starts": 0}, "starts: must be a positive whole number"),
+    ({"interval": 0.0}, "interval: must be a finite positive number of seconds"),
+    ({"system": rods(velocity=np.array([1.0, 2.0]))}, "system: must be a single one"),
+    ({"system": 3}, "system: must be a System"),
+])
+def test_mistakes_are_named(change, said):
+    how = {"system": rods(), "measured": OK, "vary": {PATHS[0]: (0.1, 0.2)}, "until": UNTIL}
+    with pytest.raises(ri.InvalidModel, match=said):
+        ri.fit(**{**how, **change})
+
+
+@pytest.mark.parametrize(("change", "said"), [
+    ({"signal": [1, 2]}, "signal: must be a Signal"),
+    ({"gauge": 1}, r"gauge: must be \(body, x\)"),
+    ({"distance": math.inf}, "distance.*must be finite"),
+    ({"shift": (1.0, 0.0)}, r"shift: must be a number, or \(low, high\)"),
+    ({"scale": "x"}, "scale: must be a number"),
+    ({"level": -1.0}, "level.*must be positive"),
+    ({"seen": 3}, "seen: must be a function"),
+    ({"signal": 0 * FLAT}, "there is no pulse"),
+])
+def test_mistakes_of_records_are_named(change, said):
+    with pytest.raises(ValueError, match=said):
+        ri.Measured(**{"signal": FLAT, "gauge": (1, 0.2), **change})
