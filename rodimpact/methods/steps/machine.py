@@ -96,17 +96,17 @@ class Machine:
         search, level = self.work.search, self.work.level
         search.goal[0], search.at[FIXED], search.at[NEXT] = goal, int(dt is not None), PREPARE
         level.step[0] = dt or 0.0
-        flag, forecast = FILL, Forecast(announce, LESS)
+        flag, forecast, decided = FILL, Forecast(announce, LESS), False
         while flag in (FILL, FULL):
-            self._decide()
             flag = self._do(SEARCH)
+            if flag in (FILL, FULL) and not decided:
+                self._decide()
+            decided = flag == FULL  # on what is laid out again
             if flag == FILL:
                 self.fill()
-                self._decide()
                 if (seconds := self._seconds()) > 1:
                     forecast.expect(seconds, f"about {self.work.level.at[ROOM]} steps")
             elif flag == FULL:
-                self._decide()
                 self.enlarge()
             elif flag == TOO_LONG and not self.compiled and kernels.enabled():
                 self.to_arrays()

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -236,10 +237,15 @@ def finished(machine: Machine, goal: float) -> StepRun:
     )
 
 
+def longest_step(row: Row) -> Any:
+    """Longest step that may be given, s: the shortest transit time, but for round-off."""
+    return reduce(np.minimum, [s.transit_time for s in row.segments]) * (1 + 2.0**-36)
+
+
 def check_step(row: Row, dt: float | None) -> None:
     """Raise InvalidModel where a given step is longer than the shortest transit."""
-    transits = [float(s.transit_time) for s in row.segments]
-    if dt is not None and dt > min(transits) * (1 + 2.0**-36):
+    if dt is not None and dt > longest_step(row):
+        transits = [float(s.transit_time) for s in row.segments]
         path = row.paths[1 + transits.index(min(transits))]
         message = f"must not exceed the shortest transit time, {min(transits):.6g} s of {path}"
         raise InvalidModel([("dt", f"{message}, got {dt!r}")])
