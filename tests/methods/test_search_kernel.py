@@ -84,11 +84,11 @@ def test_a_closing_replaces_the_same_one_that_was_badly_placed():
     level, state, clock = work.level, work.state, work.clock
     for step, where in ((3, 0.25), (3, 0.27), (5, 0.5)):
         clock[STEP], clock[LINK], state.closed[0] = step, 1, where
-        lk.note_closing(level, state, clock)
+        lk.note_closing(work.numbers, level, state, clock)
     assert level.at[lk.CLOSINGS] == 2
     assert level.closing_time[:2] == [3.27 / 16, 5.5 / 16]
     level.at[lk.TRIES] = lk.MOST_CUTS
-    lk.note_closing(level, state, clock)
+    lk.note_closing(work.numbers, level, state, clock)
     assert level.at[lk.CUT] == level.at[lk.CLOSINGS] == 0
 
 
@@ -178,7 +178,7 @@ def test_levels_follow_each_other_to_the_last():
     _, work = prepared(unit_rod(), unit_rod(math.sqrt(0.5)))
     work.level.at[lk.TRIES] = 9
     sk.choose_level(work.make, work.numbers, work.search, work.level)
-    assert 64 < 1 / work.level.step[0] < 4 * 64 // 3  # where waves fit best
+    assert sk.FIRST < 1 / work.level.step[0] < 4 * sk.FIRST // 3  # where waves fit best
     assert work.level.at[lk.TRIES] == 0
     work.search.at[sk.LEVELS] = sk.MOST_LEVELS
     assert not sk.choose_level(work.make, work.numbers, work.search, work.level)
@@ -279,13 +279,13 @@ def test_totals_are_carried_on_only_where_estimates_say_so():
     measured = search.values[(n - 1) * last : n * last]
     assert search.at[sk.PEAKS_CARRIED] == search.at[sk.TIMES_CARRIED] == 1
     fine = Machine(row)
-    fine.search(search.sizes[n - 1] / 8, 0.0)
+    fine.search(search.sizes[n - 1] / 32, 0.0)
     for found, own, exact in (
         (search.peak[0], measured[-3], fine.work.search.peak[0]),
         (search.pressed[0], measured[-1], fine.work.search.pressed[0]),
     ):
         assert abs(found - exact) < abs(own - exact) / 2
-    assert work.work.clock[CUTS] == 0
+    assert work.work.level.at[lk.CLOSINGS] == 0
     assert search.at[sk.RUNG] >= n
     levels, scale = (search.values, last, search.sizes, n), row.scale
     assert measured[2] == pytest.approx(measured[1] - measured[0])

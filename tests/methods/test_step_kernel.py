@@ -1,6 +1,7 @@
 """The kernel of steps in time, below the model: laws, chains, proofs, and the same bits always."""
 
 import ast
+import math
 from fractions import Fraction
 from pathlib import Path
 
@@ -212,7 +213,7 @@ def chain(masses, speeds, laws, gaps=None, walls=(None, None), damping=0.0, stif
         [0, 0], [0.0, 0.0], [0.0, 0.0], [1], [1.0], [0.0, 0.0], [0, m], list(masses), law,
         [stiffness] * links, [EXPONENT.get(each, 1.0) for each in laws], [damping] * links,
         [0.0] * links, gaps or [0.0] * links, [0.0] * links, [0.0] * links, [1] * links,
-        list(speeds), [0.0],
+        list(speeds), [0.0], [math.inf],
     )
     wave = [w or 0.0 for w in walls for _ in range(room + 1)]
     signals = ck.Signals(

@@ -20,6 +20,7 @@ from .level_kernel import MOST_CUTS, MOST_PLACES, NONE, Level, Limit, Make, Numb
 from .search_kernel import MEASURES, MOST_DIVIDED, MOST_LEVELS, Search, width_of_measures
 from .step_kernel import Points, Signals, State
 
+LEAST_LAYER = 2.0**-24  # of the longest transit: less is stiffer than steps resolve
 OUTSIDE = ("none", "velocity", "force", "absorbing")
 """Kinds of what acts on an end, in the kernel's order."""
 
@@ -99,7 +100,7 @@ def numbers_of(row: Row) -> Numbers:
         weight=[getattr(b, "mass", 0.0) if m >= 0 else 0.0
                 for b, m in zip(row.system.bodies, row.mass_of, strict=True)],
         outside=outside, jump_place=[x for _, x in _jumps(row)],
-        setting=[row.frame, row.gravity, row.scale, _resolving(row)],
+        setting=[row.frame, row.gravity, row.scale, _resolving(row), _layer(row)],
     )
 
 
@@ -138,10 +139,37 @@ def _resolving(row: Row) -> Number:
             m, stiff, power = 1 / sum(1 / M for M in around), row.stiffness[i], row.exponent[i] + 1
             deepest = (power / 2 * m * v * v / stiff) ** (1 / power)
             time = math.pi * np.sqrt(m / stiff) if np.all(power == 2) else 2.9432 * deepest / v
+            for Z in [row.segments[s - 1].impedance for kind, s in sides if kind == "segment"]:
+                time = np.where(math.pi * m / Z > 2 * time, math.inf, time)  # none swings back
             finest = np.minimum(finest, time / 20)
     longest: Any = reduce(np.maximum, [s.transit_time for s in row.segments])
     finest = np.maximum(finest, longest / MOST_DIVIDED * 4)
     return float(finest) if np.ndim(finest) == 0 else finest
+
+
+def _layer(row: Row) -> Number:
+    """Least time in which a contact loads a rod, s: until what comes is carried by its impedance.
+
+    That of a light mass takes as long as its momentum does to go over.
+    """
+    v: Any = np.where(np.asarray(row.scale) > 0, 2 * np.asarray(row.scale), 1.0)
+    longest: Any = reduce(np.maximum, [s.transit_time for s in row.segments])
+    least: Any = math.inf
+    for i, sides in enumerate(row.beside):
+        Z: Any = [row.segments[s - 1].impedance for kind, s in sides if kind == "segment"]
+        M: Any = [row.masses[m] for kind, m in sides if kind == "mass"]
+        if not Z:
+            continue
+        Z = 1 / sum(1 / z for z in Z)
+        if row.laws[i] >= SPRING:
+            time = (Z * v / row.stiffness[i]) ** (1 / row.exponent[i]) / v
+            if row.laws[i] == SPRING:
+                time = time + row.damping[i] / row.stiffness[i]
+            least = np.minimum(least, time)
+        elif row.laws[i] == RIGID and M:
+            least = np.minimum(least, M[0] / Z)
+    least = np.maximum(least, longest * LEAST_LAYER)
+    return float(least) if np.ndim(least) == 0 else least
 
 
 def memory_of(row: Row, on_lists: bool) -> tuple[float, float]:
@@ -189,6 +217,7 @@ def space(make: Make, full: Full, room: int, before: int) -> Work:
     bodies, bonded, opening = len(make.body_first), len(make.held), len(make.opening)
     contacts, jumps = sum(law >= RIGID for law in make.law), len(make.jump_segment)
     lines, cuts = 2 * n + sum(kind != NONE for kind in make.outside), MOST_CUTS + 2
+    places = max(MOST_PLACES, room + 1)
 
     def of(kind: Callable[..., Any], whole: str = "", **sizes: int) -> Any:
         """Columns of so many numbers; whole ones where they are named so."""
@@ -198,7 +227,7 @@ def space(make: Make, full: Full, room: int, before: int) -> Work:
     numbers = of(
         Numbers, transit=n, impedance=n, right=n, left=n, stiffness=links, exponent=links,
         damping=links, strength=links, gap=links, mass=masses, speed=masses, weight=bodies,
-        outside=2, jump_place=jumps, setting=4,
+        outside=2, jump_place=jumps, setting=5,
     )
     search = of(
         Search, "at", at=10, goal=1, sizes=MOST_LEVELS, estimates=MEASURES + 1,
@@ -206,15 +235,15 @@ def space(make: Make, full: Full, room: int, before: int) -> Work:
         vibration=bodies, impulse=opening, peak=opening, pressed=opening,
     )
     level = of(
-        Level, "at ticks places edges closing_link kept_link", at=12, step=1, ticks=n + 2,
-        places=MOST_PLACES, edges=room + 1, share=n + 2, closing_time=cuts, closing_link=cuts,
+        Level, "at ticks places edges closing_link kept_link", at=14, step=1, ticks=n + 2,
+        places=places, edges=room + 1, share=n + 2, closing_time=cuts, closing_link=cuts,
         kept_time=cuts, kept_link=cuts, times=room + 1, gap=room + 1,
     )
     state = of(
-        State, "steps parts open", steps=n + 2, share=n + 2, transit=n + 2, parts=1,
-        part=MOST_PLACES, mobility=n + 2, first=0, mass=masses, law=0, stiffness=links,
-        exponent=links, damping=links, strength=links, gap=links, force=links, closing=links,
-        open=links, speed=masses, closed=1,
+        State, "steps parts open", steps=n + 2, share=n + 2, transit=n + 2, parts=1, part=places,
+        mobility=n + 2, first=0, mass=masses, law=0, stiffness=links, exponent=links,
+        damping=links, strength=links, gap=links, force=links, closing=links, open=links,
+        speed=masses, closed=1, layer=1,
     )._replace(first=make.first, law=make.law)
     tally = of(
         Tally, "first last pressed episodes", **dict.fromkeys(Tally._fields, links)

@@ -23,6 +23,7 @@ from .layout import Work, check_memory, is_even, make_of, memory_of, numbers_of,
 from .level_kernel import (
     FULL,
     PARTS,
+    PERIOD,
     ROOM,
     TOO_LONG,
     VANISHED,
@@ -121,8 +122,9 @@ class Machine:
         if flag == VANISHED:
             self.row.stiffness_in_steps(level.step[0])
 
-    def _refuse(self, step: float, parts: int, room: int) -> None:
+    def _refuse(self, step: float, parts: float, room: int) -> None:
         """Raise TooLong for a run on a step, s, that is cut into so many parts."""
+        parts = parts * STEP_TICKS / self.work.level.at[PERIOD]
         before = parts * sum(self.work.numbers.transit) / step
         least = 0.0 if self.until is None else parts * self.until / step
         for count in (least, max(least, room)):
@@ -252,5 +254,5 @@ NO_RESULTS = Results(*(column.reshape(-1) for column in no_results(0, *[0] * 7))
 
 def averages_before(level: Level) -> int:
     """Averages from before t = 0 of a line, all segments together."""
-    parts = level.at[PARTS]
-    return int(sum(T // STEP_TICKS * parts + (T % STEP_TICKS > 0) for T in level.ticks))
+    parts, period = level.at[PARTS], level.at[PERIOD]
+    return int(sum(T // period * parts + (T % period > 0) for T in level.ticks))
