@@ -12,7 +12,7 @@ from rodimpact.methods.row import Row
 from rodimpact.methods.steps import level_kernel as lk
 from rodimpact.methods.steps import search_kernel as sk
 from rodimpact.methods.steps.machine import Machine
-from rodimpact.methods.steps.step_kernel import CUTS, LINK, STEP
+from rodimpact.methods.steps.step_kernel import LINK, STEP
 
 
 def machine(*bodies, until=None, step=1 / 16, **options):
