@@ -184,6 +184,32 @@ def test_levels_follow_each_other_to_the_last():
     assert not sk.choose_level(work.make, work.numbers, work.search, work.level)
 
 
+def test_graded_parts_grow_from_a_cut_and_are_divided_from_level_to_level():
+    _, work = prepared(ri.RigidMass(1.0, velocity=1.0), unit_rod(0.5), unit_rod(0.75),
+                       contacts=[ri.Spring(1e4), ri.Rigid()], gaps=[0.0, 0.1])
+    level = work.level
+    assert level.at[lk.CUT] == level.at[lk.FACTOR] == 1
+    level.closing_time[0], level.closing_link[0], level.at[lk.CLOSINGS] = 0.6, 2, 1
+    level.places.extend([0] * 2000)  # the least room is not enough
+    found = []
+    for factor in (1, 2):
+        assert sk.choose_level(work.make, work.numbers, work.search, level)
+        assert level.at[lk.FACTOR] == factor
+        lk.cut_steps(work.make, work.numbers, level)
+        found.append(np.array(level.places[: level.at[lk.PARTS] + 1]) * level.step[0] / TICKS)
+    coarse, fine = found
+    assert coarse[-1] == pytest.approx(0.25)  # of which both transits are whole numbers
+    cut = np.argmin(abs(coarse - 0.1))
+    assert coarse[cut] == pytest.approx(0.1)  # 0.6, two periods later
+    assert fine[::2] == pytest.approx(coarse, abs=1e-12)
+    for begin, end in ((0, cut), (cut, len(coarse) - 1)):
+        widths = np.diff(coarse[begin : end + 1])
+        behind = coarse[begin:end] - coarse[begin] + 1e-4
+        even = lk.WIDEST * level.step[0] * 2
+        assert np.all(widths <= 1.001 * np.minimum(even, 1.05 * lk.GROWTH * behind))
+        assert widths[0] == pytest.approx(lk.GROWTH * 1e-4, rel=0.05)
+
+
 def test_levels_that_cannot_be_accurate_are_left_out():
     _, work = prepared(unit_rod(), unit_rod())
     search = work.search
