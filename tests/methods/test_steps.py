@@ -818,13 +818,13 @@ def test_the_first_step_is_a_twentieth_of_the_contact_of_masses(law):
     m, v, power = 0.0075, 2.0, 2.0 if isinstance(law, ri.Spring) else 2.5  # twice the speed
     deepest = (power * m * v * v / (2 * law.stiffness)) ** (1 / power)
     beta = math.gamma(1 / power) * math.sqrt(math.pi) / math.gamma(1 / power + 0.5) / power
-    assert layout._resolving(plan) == pytest.approx(deepest / v * beta / 10, rel=1e-4)
+    assert layout._contact_times(plan)[0] == pytest.approx(deepest / v * beta / 10, rel=1e-4)
 
 
 def test_how_long_a_contact_takes_to_load_a_rod():
     def layer(law, left=None):
         row = [left or ri.RigidMass(0.3, velocity=1.0), unit_rod()]
-        return layout._layer(characteristics.Row(ri.System(row, contacts=[law])))
+        return layout._contact_times(characteristics.Row(ri.System(row, contacts=[law])))[1]
 
     assert layer(ri.Rigid()) == 0.3
     assert layer(ri.Spring(50.0)) == pytest.approx(1 / 50)

@@ -100,7 +100,7 @@ def numbers_of(row: Row) -> Numbers:
         weight=[getattr(b, "mass", 0.0) if m >= 0 else 0.0
                 for b, m in zip(row.system.bodies, row.mass_of, strict=True)],
         outside=outside, jump_place=[x for _, x in _jumps(row)],
-        setting=[row.frame, row.gravity, row.scale, _resolving(row), _layer(row)],
+        setting=[row.frame, row.gravity, row.scale, *_contact_times(row)],
     )
 
 
@@ -129,47 +129,36 @@ def _jumps(row: Row) -> list[tuple[int, float]]:
     return jumps
 
 
-def _resolving(row: Row) -> Number:
-    """Step that resolves the contact of a mass with a stiff neighbour: a twentieth of its time."""
-    v: Any = np.where(np.asarray(row.scale) > 0, 2 * np.asarray(row.scale), 1.0)
-    finest: Any = math.inf
-    for i, sides in enumerate(row.beside):
-        around = [row.masses[m] for kind, m in sides if kind == "mass"]
-        if around and row.laws[i] >= SPRING:
-            m, stiff, power = 1 / sum(1 / M for M in around), row.stiffness[i], row.exponent[i] + 1
-            deepest = (power / 2 * m * v * v / stiff) ** (1 / power)
-            time = math.pi * np.sqrt(m / stiff) if np.all(power == 2) else 2.9432 * deepest / v
-            for Z in [row.segments[s - 1].impedance for kind, s in sides if kind == "segment"]:
-                time = np.where(math.pi * m / Z > 2 * time, math.inf, time)  # none swings back
-            finest = np.minimum(finest, time / 20)
-    longest: Any = reduce(np.maximum, [s.transit_time for s in row.segments])
-    finest = np.maximum(finest, longest / MOST_DIVIDED * 4)
-    return float(finest) if np.ndim(finest) == 0 else finest
+def _contact_times(row: Row) -> list[Number]:
+    """Times that the contacts ask for, s.
 
-
-def _layer(row: Row) -> Number:
-    """Least time in which a contact loads a rod, s: until what comes is carried by its impedance.
-
-    That of a light mass takes as long as its momentum does to go over.
+    A step that resolves the contact of a mass: a twentieth of its time, where it swings back. And
+    the least time in which a contact loads a rod, whose impedance then carries what comes: that of
+    its deformation, and where it has none, that in which the momentum of a mass goes over.
     """
     v: Any = np.where(np.asarray(row.scale) > 0, 2 * np.asarray(row.scale), 1.0)
-    longest: Any = reduce(np.maximum, [s.transit_time for s in row.segments])
-    least: Any = math.inf
+    finest: Any = math.inf
+    layer: Any = math.inf
     for i, sides in enumerate(row.beside):
-        Z: Any = [row.segments[s - 1].impedance for kind, s in sides if kind == "segment"]
-        M: Any = [row.masses[m] for kind, m in sides if kind == "mass"]
-        if not Z:
-            continue
-        Z = 1 / sum(1 / z for z in Z)
-        if row.laws[i] >= SPRING:
-            time = (Z * v / row.stiffness[i]) ** (1 / row.exponent[i]) / v
-            if row.laws[i] == SPRING:
-                time = time + row.damping[i] / row.stiffness[i]
-            least = np.minimum(least, time)
-        elif row.laws[i] == RIGID and M:
-            least = np.minimum(least, M[0] / Z)
-    least = np.maximum(least, longest * LEAST_LAYER)
-    return float(least) if np.ndim(least) == 0 else least
+        law, stiff, power = row.laws[i], row.stiffness[i], row.exponent[i] + 1
+        masses = [row.masses[m] for kind, m in sides if kind == "mass"]
+        ends = [row.segments[s - 1].impedance for kind, s in sides if kind == "segment"]
+        m: Any = 1 / sum(1 / M for M in masses) if masses else math.inf
+        Z: Any = 1 / sum(1 / z for z in ends) if ends else math.inf
+        if law >= SPRING and masses:
+            deepest = (power / 2 * m * v * v / stiff) ** (1 / power)
+            time = math.pi * np.sqrt(m / stiff) if np.all(power == 2) else 2.9432 * deepest / v
+            swings = math.pi * m <= 2 * time * Z
+            finest = np.minimum(finest, np.where(swings, time / 20, math.inf))
+        if law >= SPRING and ends:
+            lag = row.damping[i] / stiff if law == SPRING else 0.0
+            layer = np.minimum(layer, (Z * v / stiff) ** (1 / (power - 1)) / v + lag)
+        elif law == RIGID and masses and ends:
+            layer = np.minimum(layer, m / Z)
+    longest: Any = reduce(np.maximum, [s.transit_time for s in row.segments])
+    times = (np.maximum(finest, longest / MOST_DIVIDED * 4),
+             np.maximum(layer, longest * LEAST_LAYER))
+    return [float(time) if np.ndim(time) == 0 else time for time in times]
 
 
 def memory_of(row: Row, on_lists: bool) -> tuple[float, float]:

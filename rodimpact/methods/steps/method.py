@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import reduce
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -26,20 +26,13 @@ from ..stepped import StepRecord, as_run
 from ..stepped_run import SteppedRun, clock_of_steps
 from .delays import arriving, edges_of_parts
 from .layout import Work
-from .level_kernel import CLOSINGS, CUT, FINAL, PARTS, PROOF, REASON, TAKEN
+from .level_kernel import FINAL, PARTS, PROOF, REASON, TAKEN
 from .machine import Machine
 from .step_kernel import State, inside
 
 RTOL = 1e-5
 STOPPED_BY = ("final", "until", "max_events")
 """Why a run stopped, in the kernel's order."""
-
-
-class Closing(NamedTuple):
-    """A contact that closes, and whose force begins with a jump: time, s, and its link."""
-
-    time: float
-    link: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,13 +45,10 @@ class StepRun(SteppedRun):
         As `edges`, before t = 0.
     state : State
         The kernel's, at the end, on arrays.
-    closings : list of Closing or None
-        Where contacts close and steps are cut; None where they are not.
     """
 
     edges_before: Array
     state: State
-    closings: list[Closing] | None = None
 
     def before(self, line: int) -> int:
         """How many averages a line has from before t = 0."""
@@ -222,18 +212,13 @@ def finished(machine: Machine, goal: float) -> StepRun:
     taken, ticks = int(level.at[TAKEN]), level.ticks[1:-1].tolist()
     edges = level.edges[: taken + 1].copy()
     earliest = -max(inside(state, s + 1) for s in range(len(ticks)))
-    closings = [
-        Closing(float(level.closing_time[q]), int(level.closing_link[q]))
-        for q in range(level.at[CLOSINGS])
-    ]
     return StepRun(
         clock=_clock(row, ticks, float(level.step[0])), row=row, step=float(level.step[0]),
         edges=edges, end=int(edges[-1]), events=taken * (len(ticks) + 1), tally=tally,
         signals=signals,
         finality_time=int(level.at[PROOF]), stopped_by=STOPPED_BY[level.at[REASON]],
         edges_before=edges_of_parts(level.places[: level.at[PARTS] + 1], earliest, -1),
-        state=state, closings=closings if level.at[CUT] else None, estimates=estimates, rtol=goal,
-        totals=totals,
+        state=state, estimates=estimates, rtol=goal, totals=totals,
     )
 
 
