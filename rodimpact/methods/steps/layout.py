@@ -12,7 +12,7 @@ import numpy as np
 from ...model import Rod, Samples, Steps
 from ...model.frozen import Number
 from ..abilities import driven
-from ..contact_law_kernel import IMPACT, RIGID, SPRING, Chain, Tally
+from ..contact_law_kernel import IMPACT, RIGID, SPRING, YIELD, Chain, Tally
 from ..groups import groups
 from ..memory import ask
 from ..row import Row
@@ -21,6 +21,7 @@ from .search_kernel import MEASURES, MOST_DIVIDED, MOST_LEVELS, Search, width_of
 from .step_kernel import Points, Signals, State
 
 LEAST_LAYER = 2.0**-24  # of the longest transit: less is stiffer than steps resolve
+LINEAR = (SPRING, YIELD)
 OUTSIDE = ("none", "velocity", "force", "absorbing")
 """Kinds of what acts on an end, in the kernel's order."""
 
@@ -134,7 +135,7 @@ def _contact_times(row: Row) -> list[Number]:
 
     A step that resolves the contact of a mass: a twentieth of its time, where it swings back. And
     the least time in which a contact loads a rod, whose impedance then carries what comes: that of
-    its deformation, and where it has none, that in which the momentum of a mass goes over.
+    a linear spring's deformation, or that in which the momentum of a rigid mass goes over.
     """
     v: Any = np.where(np.asarray(row.scale) > 0, 2 * np.asarray(row.scale), 1.0)
     finest: Any = math.inf
@@ -148,11 +149,10 @@ def _contact_times(row: Row) -> list[Number]:
         if law >= SPRING and masses:
             deepest = (power / 2 * m * v * v / stiff) ** (1 / power)
             time = math.pi * np.sqrt(m / stiff) if np.all(power == 2) else 2.9432 * deepest / v
-            swings = math.pi * m <= 2 * time * Z
+            swings = (law not in LINEAR) | (math.pi * m <= 2 * time * Z)
             finest = np.minimum(finest, np.where(swings, time / 20, math.inf))
-        if law >= SPRING and ends:
-            lag = row.damping[i] / stiff if law == SPRING else 0.0
-            layer = np.minimum(layer, (Z * v / stiff) ** (1 / (power - 1)) / v + lag)
+        if law in LINEAR and ends:
+            layer = np.minimum(layer, (Z + (row.damping[i] if law == SPRING else 0.0)) / stiff)
         elif law == RIGID and masses and ends:
             layer = np.minimum(layer, m / Z)
     longest: Any = reduce(np.maximum, [s.transit_time for s in row.segments])
