@@ -6,7 +6,7 @@ through the body between them those of its two neighbours. Its law gives F from 
 
 Laws: a compliant contact has the indentation x, and over a step the force (U(x1) - U(x0))/(x1 - x0)
 of its stored energy U (discrete gradient: Gonzalez, J. Nonlinear Sci. 6, 1996), the dashpot's mean
-over the same path, and never pulls; this is convex and increasing in x1, so Newton's method falls
+over the same path, and pulls nowhere; this is convex and increasing in x1, so Newton's method falls
 on the root from the right. A joint is a spring and a dashpot that pull as well. What yields is a
 spring up to its strength; x counts from where its faces have moved to. A rigid contact takes the
 force that keeps its closing below a limit. An impact of rigid bodies takes the force that leaves a
@@ -102,20 +102,22 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
 def mean_force(law: int, k: float, p: float, d: float, x0: float, x1: float) -> tuple[float, float]:
     """Mean force of a compliant contact while its indentation goes from x0 to x1, and dF/dx1.
 
-    SPRING: k q + d dq/dt with q = max(x, 0); HERTZ: k q^(3/2); HUNT: the same times (1 + d dx/dt);
-    POWER: k q^p; averaged along the straight path, cut at 0.
+    SPRING: k q + d dq/dt with q = max(x, 0), as long as that presses; HERTZ: k q^(3/2); HUNT: the
+    same times (1 + d dx/dt); POWER: k q^p; averaged along the straight path, cut at 0.
     """
     if x0 <= 0 and x1 <= 0:
         return 0.0, 0.0
     if p == 1:
-        if x1 <= 0:
-            share = x0 / (x0 - x1)
-            F, dF = k * x0 * share / 2 - d * x0, k * share * share / 2
+        w = x1 - x0
+        if k * x1 + d * w < 0:  # it lets go on the way
+            first = max(k * x0 + d * w, 0.0)
+            share = first / (-k * w) if first > 0 else 0.0
+            F, dF = first * share / 2, share * (d + k * share / 2)
         elif x0 < 0:
             share = x1 / (x1 - x0)
             F, dF = k * x1 * share / 2 + d * x1, k * share * (2 - share) / 2 + d
         else:
-            F, dF = k * (x0 + x1) / 2 + d * (x1 - x0), k / 2 + d
+            F, dF = k * (x0 + x1) / 2 + d * w, k / 2 + d
     elif p == 1.5:
         if x1 <= 0:
             F = 2 * k * x0 * x0 * math.sqrt(x0) / (5 * (x0 - x1))

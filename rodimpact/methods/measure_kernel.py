@@ -222,13 +222,12 @@ def end_of_force(
 
     That of a compliant contact ends where its indentation does. The force of a rigid one ends with
     a jump inside its last step: after that share of it which its mean is of what the means before
-    lead to. If it falls evenly, it ends where the line through the last means reaches 0.
+    lead to. If it falls evenly, it ends where the line through the last means reaches 0. A dashpot
+    lets go while there is an indentation, where the force has fallen to 0 from what means lead to.
     """
     begin: float = times[j - 1]
     width: float = times[j] - begin
-    if gap[j - 1] < 0:
-        if gap[j] <= 0:
-            return begin + width
+    if gap[j - 1] < 0 < gap[j]:
         rate: float = (gap[j] - gap[j - 1]) / width
         line, curve = -gap[j - 1] / rate, 0.0
         if j - i >= 3:
@@ -242,11 +241,16 @@ def end_of_force(
     p = start + j
     if j - i >= 3:
         fall = (force[p - 3] - force[p - 2]) / ((times[j - 1] - times[j - 3]) / 2)
+        if gap[j - 1] < 0:
+            led = force[p - 2] - fall * (begin - times[j - 2]) / 2
+            return float(begin + width * min(1.0, 2 * force[p - 1] / led)) if led > 0 else begin
         last_fall = (force[p - 2] - force[p - 1]) / ((times[j] - times[j - 2]) / 2)
         if 0 < fall <= 2 * last_fall <= 4 * fall:
             zero = (times[j - 1] + times[j]) / 2 + force[p - 1] / last_fall
             if zero <= (times[j] + times[j + 1]) / 2:
                 return float(zero)
+    if gap[j - 1] < 0:
+        return begin + width
     return begin + width * share_of_jump(force, start, i, j)
 
 

@@ -79,6 +79,16 @@ def test_an_indentation_ends_where_its_parabola_does():
     assert mk.end_of_force(times, np.ones(5), shut, 0, 0, 3) == 3.0
 
 
+@pytest.mark.parametrize("end", [0.501, 0.507, 0.52])
+def test_a_dashpot_lets_go_inside_a_part_while_there_is_an_indentation(end):
+    force = Polynomial([end, -1.0])
+    passed = force.integ()(np.minimum(CUT, end))
+    gap = np.full(len(CUT), -0.1)
+    mean = np.diff(passed) / np.diff(CUT)
+    found = mk.pressed_time(CUT, mean, gap, 0, len(mean), False, 0.0)
+    assert found == pytest.approx(end, rel=1e-9)
+
+
 def test_a_faint_first_force_is_none():
     times, gap = np.arange(4.0), np.array([0.0, 0.0, 0.0, 0.0])
     assert mk.begin_of_force(times, np.array([1e-7, 1.0, 1.0]), gap, 0, 3, 0) == 1.0

@@ -12,7 +12,7 @@ from rodimpact.methods.row import Row
 from rodimpact.methods.steps import level_kernel as lk
 from rodimpact.methods.steps import search_kernel as sk
 from rodimpact.methods.steps.machine import Machine
-from rodimpact.methods.steps.step_kernel import CUTS, LINK, STEP
+from rodimpact.methods.steps.step_kernel import LINK, STEP
 
 
 def machine(*bodies, until=None, step=1 / 16, **options):
@@ -84,11 +84,11 @@ def test_a_closing_replaces_the_same_one_that_was_badly_placed():
     level, state, clock = work.level, work.state, work.clock
     for step, where in ((3, 0.25), (3, 0.27), (5, 0.5)):
         clock[STEP], clock[LINK], state.closed[0] = step, 1, where
-        lk.note_closing(level, state, clock)
+        lk.note_closing(work.numbers, level, state, clock)
     assert level.at[lk.CLOSINGS] == 2
     assert level.closing_time[:2] == [3.27 / 16, 5.5 / 16]
     level.at[lk.TRIES] = lk.MOST_CUTS
-    lk.note_closing(level, state, clock)
+    lk.note_closing(work.numbers, level, state, clock)
     assert level.at[lk.CUT] == level.at[lk.CLOSINGS] == 0
 
 
@@ -178,10 +178,36 @@ def test_levels_follow_each_other_to_the_last():
     _, work = prepared(unit_rod(), unit_rod(math.sqrt(0.5)))
     work.level.at[lk.TRIES] = 9
     sk.choose_level(work.make, work.numbers, work.search, work.level)
-    assert 64 < 1 / work.level.step[0] < 4 * 64 // 3  # where waves fit best
+    assert sk.FIRST < 1 / work.level.step[0] < 4 * sk.FIRST // 3  # where waves fit best
     assert work.level.at[lk.TRIES] == 0
     work.search.at[sk.LEVELS] = sk.MOST_LEVELS
     assert not sk.choose_level(work.make, work.numbers, work.search, work.level)
+
+
+def test_graded_parts_grow_from_a_cut_and_are_divided_from_level_to_level():
+    _, work = prepared(ri.RigidMass(1.0, velocity=1.0), unit_rod(0.5), unit_rod(0.75),
+                       contacts=[ri.Spring(1e4), ri.Rigid()], gaps=[0.0, 0.1])
+    level = work.level
+    assert level.at[lk.CUT] == level.at[lk.FACTOR] == 1
+    level.closing_time[0], level.closing_link[0], level.at[lk.CLOSINGS] = 0.6, 2, 1
+    level.places.extend([0] * 2000)  # the least room is not enough
+    found = []
+    for factor in (1, 2):
+        assert sk.choose_level(work.make, work.numbers, work.search, level)
+        assert level.at[lk.FACTOR] == factor
+        lk.cut_steps(work.make, work.numbers, level)
+        found.append(np.array(level.places[: level.at[lk.PARTS] + 1]) * level.step[0] / TICKS)
+    coarse, fine = found
+    assert coarse[-1] == pytest.approx(0.25)  # of which both transits are whole numbers
+    cut = np.argmin(abs(coarse - 0.1))
+    assert coarse[cut] == pytest.approx(0.1)  # 0.6, two periods later
+    assert fine[::2] == pytest.approx(coarse, abs=1e-12)
+    for begin, end in ((0, cut), (cut, len(coarse) - 1)):
+        widths = np.diff(coarse[begin : end + 1])
+        behind = coarse[begin:end] - coarse[begin] + 1e-4
+        even = lk.WIDEST * level.step[0] * 2
+        assert np.all(widths <= 1.001 * np.minimum(even, 1.05 * lk.GROWTH * behind))
+        assert widths[0] == pytest.approx(lk.GROWTH * 1e-4, rel=0.05)
 
 
 def test_levels_that_cannot_be_accurate_are_left_out():
@@ -279,13 +305,13 @@ def test_totals_are_carried_on_only_where_estimates_say_so():
     measured = search.values[(n - 1) * last : n * last]
     assert search.at[sk.PEAKS_CARRIED] == search.at[sk.TIMES_CARRIED] == 1
     fine = Machine(row)
-    fine.search(search.sizes[n - 1] / 8, 0.0)
+    fine.search(search.sizes[n - 1] / 32, 0.0)
     for found, own, exact in (
         (search.peak[0], measured[-3], fine.work.search.peak[0]),
         (search.pressed[0], measured[-1], fine.work.search.pressed[0]),
     ):
         assert abs(found - exact) < abs(own - exact) / 2
-    assert work.work.clock[CUTS] == 0
+    assert work.work.level.at[lk.CLOSINGS] == 0
     assert search.at[sk.RUNG] >= n
     levels, scale = (search.values, last, search.sizes, n), row.scale
     assert measured[2] == pytest.approx(measured[1] - measured[0])

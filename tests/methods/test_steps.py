@@ -148,6 +148,46 @@ def test_mass_on_a_free_rod_at_the_default_tolerance(mu):
     assert right.outcome.restitution == pytest.approx(s.outcome.restitution, rel=1e-12)
 
 
+def mass_on_a_stiff_spring(M, k):
+    """Impulse, largest force and duration: two exponentials, and an equation with their echo."""
+    root = math.sqrt(k * k - 4 * k / M)
+    slow, fast = (-k + root) / 2, (-k - root) / 2
+
+    def indentation(t):
+        return (math.exp(slow * t) - math.exp(fast * t)) / root
+
+    speed = 1 - k / M * (math.expm1(slow * 2) / slow - math.expm1(fast * 2) / fast) / root
+    top = indentation(math.log(fast / slow) / root)
+
+    def apart(_, y):
+        return y[0]
+
+    apart.terminal = True
+    echo = solve_ivp(
+        lambda t, y: (y[1] - 2 * k * indentation(t) - k * y[0], -k / M * y[0]), (0, 2),
+        (indentation(2), speed), events=apart, method="DOP853", rtol=1e-12, atol=1e-15,
+    )
+    return M * (1 - echo.y[1, -1]), k * top, 2 + echo.t_events[0][0]
+
+
+@pytest.mark.parametrize(
+    ("M", "k", "gap"), [(0.1, 500.0, 0.0), (1.0, 500.0, 0.33), (1.0, 2e4, 0.0), (0.3, 1e6, 0.33)]
+)
+def test_a_stiff_spring_is_resolved_in_few_steps(M, k, gap):
+    """Far fewer than would be as short all along as those in which its force grows."""
+    law = [ri.Spring(k)]
+    s = solved([ri.RigidMass(M, velocity=1.0), unit_rod()], gaps=[gap], contacts=law)
+    impulse, top, lasts = mass_on_a_stiff_spring(M, k)
+    o = s.outcome
+    assert abs(o.impulse / impulse - 1) <= s.accuracy["impulse"] <= 1e-5
+    assert abs(o.peak_force / top - 1) <= s.accuracy["largest force"] <= 1e-5
+    assert o.duration == pytest.approx(lasts, rel=1e-5)
+    assert abs(o.energy_residual) <= 1e-13
+    assert s.run.events <= 20_000
+    left = solved([unit_rod(), ri.RigidMass(M, velocity=-1.0)], gaps=[gap], contacts=law)
+    assert left.outcome.impulse == pytest.approx(o.impulse, rel=1e-10)
+
+
 @pytest.mark.parametrize("mu", [0.25, 1.0, 4.0])
 def test_mass_on_a_free_rod_is_of_order_two(mu):
     row = [ri.RigidMass(1 / mu, velocity=1.0), unit_rod()]
@@ -768,7 +808,7 @@ def test_four_levels_at_least(monkeypatch):
     row = [unit_rod(velocity=1.0), unit_rod()]
     with kernels.forced(False):
         solved(row, rtol=1e-3)
-    assert np.array(sizes) * 64 == pytest.approx([1, 1 / 2, 1 / 3, 1 / 4])
+    assert np.array(sizes) * search_kernel.FIRST == pytest.approx([1, 1 / 2, 1 / 3, 1 / 4])
 
 
 @pytest.mark.parametrize("law", [ri.Spring(1e2), ri.Hertz(1e3), ri.HuntCrossley(1e3, 0.1)])
@@ -778,7 +818,21 @@ def test_the_first_step_is_a_twentieth_of_the_contact_of_masses(law):
     m, v, power = 0.0075, 2.0, 2.0 if isinstance(law, ri.Spring) else 2.5  # twice the speed
     deepest = (power * m * v * v / (2 * law.stiffness)) ** (1 / power)
     beta = math.gamma(1 / power) * math.sqrt(math.pi) / math.gamma(1 / power + 0.5) / power
-    assert layout._resolving(plan) == pytest.approx(deepest / v * beta / 10, rel=1e-4)
+    assert layout._contact_times(plan)[0] == pytest.approx(deepest / v * beta / 10, rel=1e-4)
+
+
+def test_how_long_a_contact_takes_to_load_a_rod():
+    def layer(law, left=None):
+        row = [left or ri.RigidMass(0.3, velocity=1.0), unit_rod()]
+        return layout._contact_times(characteristics.Row(ri.System(row, contacts=[law])))[1]
+
+    assert layer(ri.Rigid()) == 0.3
+    assert layer(ri.Spring(50.0)) == pytest.approx(1 / 50)
+    assert layer(ri.Spring(50.0), unit_rod(velocity=1.0)) == pytest.approx(1 / 100)
+    assert layer(ri.SpringDashpot(50.0, 4.0)) == pytest.approx(5 / 50)
+    assert layer(ri.Hertz(54.0)) == math.inf  # its force grows evenly
+    assert layer(ri.Rigid(), unit_rod(velocity=1.0)) == math.inf
+    assert layer(ri.Spring(1e12)) == layout.LEAST_LAYER
 
 
 def test_a_stiff_contact_of_a_mass_is_resolved():

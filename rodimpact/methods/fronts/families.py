@@ -8,7 +8,6 @@ result. Blocks run in plain Python until their time says that compiling pays.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -16,7 +15,7 @@ import numpy as np
 
 from .. import kernels
 from ..abilities import driven
-from ..family import STOPPED_BY, FamilyRun, Stopped
+from ..family import STOPPED_BY, FamilyRun, Stopped, now, table
 from ..groups import body_velocities, unilateral
 from ..memory import ask
 from ..row import Array, Row
@@ -104,15 +103,9 @@ def run_family(
     TooLong
         If a member takes too much memory.
     """
-    n, width, _ = plan.make.size
-    count = math.prod(shape)
-    given = np.empty((count, width))
-    given[:] = [x if isinstance(x, float) else 0.0 for x in plan.numbers]
-    for column, number in enumerate(plan.numbers):
-        if not isinstance(number, float):
-            given[:, column] = np.broadcast_to(number, shape).ravel()
-    results = space(count, n)
-    waiting, room = np.arange(count), ROOM
+    given = table(plan.numbers, shape)
+    results = space(len(given), plan.make.size[0])
+    waiting, room = np.arange(len(given)), ROOM
     while len(waiting):
         what = f"following {room} fronts of a member"
         ask(ROW_NUMBERS * room, "max_events", what, "lower the cap, or stop earlier (until)")
@@ -147,7 +140,7 @@ def _run_blocks(
         fast = kernels.worth_compiling(
             plain * len(members), family, lay_out_all, ahead=plain * ahead)
         block = blocks.get(fast) or blocks.setdefault(fast, Block(plan, room, until, fast))
-        everyone, begun = len(which) == len(given), _now()
+        everyone, begun = len(which) == len(given), now()
         place = slice(first, first + len(members)) if everyone else members
         part = Results(*(column[place] for column in results))
         full = block.run(block.lay_out(given[place]), max_events, part)
@@ -156,15 +149,12 @@ def _run_blocks(
                 column[members] = values
         again.append(members[full])
         first += len(members)
-        seconds = _now() - begun
+        seconds = now() - begun
         quick = seconds < PATIENCE / 4
         if not fast:
             plain, measured = seconds / len(members), measured or not quick
         size = min(4 * size, LAST_BLOCK) if quick else max(1, size // 2)
     return np.concatenate(again)
-
-
-_now = getattr(time, "thread_time", time.perf_counter)  # a browser has no clock of threads
 
 
 class Block:

@@ -9,9 +9,9 @@ from ..row import Array
 
 
 def edges_of_parts(places: Array, first: int, last: int) -> Array:
-    """Ticks at which the parts from `first` on begin, up to `last`, of steps cut at `places`."""
+    """Ticks at which the parts from `first` on begin, up to `last`, of periods cut at `places`."""
     j, parts = np.arange(first, last + 1), len(places) - 1
-    return np.asarray(j // parts * STEP_TICKS + places[j % parts])
+    return np.asarray(j // parts * places[-1] + places[j % parts])
 
 
 def shares(transit: int, lasts: Array) -> Array:

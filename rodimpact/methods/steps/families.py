@@ -7,7 +7,6 @@ them on the same work space. What `solve` makes of a member is the same bit for 
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from functools import reduce
 from typing import Any
@@ -15,14 +14,14 @@ from typing import Any
 import numpy as np
 
 from .. import kernels
-from ..family import STOPPED_BY, FamilyRun, Stopped
+from ..family import STOPPED_BY, FamilyRun, Stopped, now, table
 from ..groups import groups, movable, velocities_in_group
 from ..memory import ask, most_numbers
 from ..row import Row, whole
 from .layout import Work, is_even, make_of, memory_of, numbers_of, space
 from .level_kernel import ROOM, Make
 from .machine import averages_before, no_results
-from .method import RTOL, most_parts
+from .method import RTOL, longest_step, most_parts
 from .method import STOPPED_BY as REASONS
 from .search_kernel import MEMBERS, Results, work_on
 from .step_kernel import DONE
@@ -108,17 +107,13 @@ def run_family(
         If `stop` said so.
     """
     shape, make = row.system.shape, make_of(row)
-    count = math.prod(shape)
-    columns = [x for column in numbers_of(row) for x in column]
-    given = np.empty((count, len(columns)))
-    for place, x in enumerate(columns):
-        given[:, place] = np.broadcast_to(x, shape).ravel()
+    given = table([x for column in numbers_of(row) for x in column], shape)
+    count = len(given)
     beyond = np.zeros(count, dtype=bool)
     for bad, _, _ in row.beyond_scales():
         beyond |= np.broadcast_to(bad, shape).ravel()
     if dt is not None:
-        shortest = reduce(np.minimum, [s.transit_time for s in row.segments])
-        beyond |= np.broadcast_to(dt > shortest * (1 + 2.0**-36), shape).ravel()
+        beyond |= np.broadcast_to(dt > longest_step(row), shape).ravel()
     groups, bodies, contacts = len(make.held), len(make.body_first), len(make.opening)
     wide = [groups] * 2 + [bodies] + [contacts] * 4
     results = no_results(count, *wide)
@@ -136,7 +131,7 @@ def run_family(
             work = _work(row, make, fast, *room)
             work.limit.until[0], work.limit.steps[0] = -1.0 if until is None else until, most_parts
             work.search.goal[0] = rtol
-        begun = _now()
+        begun = now()
         part = Results(*(x[member:last].reshape(-1) for x in results))
         rows, beyond_part = given[member:last].reshape(-1), beyond[member:last]
         solve: Any
@@ -150,7 +145,7 @@ def run_family(
             kernels.copy_back(lists, part)
         if reached < last - member:
             room, work = (int(work.level.at[ROOM]) + 1, averages_before(work.level)), None
-        seconds = _now() - begun
+        seconds = now() - begun
         if not fast and reached:
             plain = seconds / reached
         member += reached
@@ -167,6 +162,3 @@ def _work(row: Row, make: Make, fast: bool, room: int, before: int) -> Work:
         make, lambda size, zero: [zero] * size, room, before)
     work.limit.numbers[:] = [most_numbers(), of_part, of_average]
     return work
-
-
-_now = getattr(time, "thread_time", time.perf_counter)  # a browser has no clock of threads

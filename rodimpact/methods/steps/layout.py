@@ -12,7 +12,7 @@ import numpy as np
 from ...model import Rod, Samples, Steps
 from ...model.frozen import Number
 from ..abilities import driven
-from ..contact_law_kernel import BOND, IMPACT, JOINT, RIGID, SPRING, Chain, Tally
+from ..contact_law_kernel import BOND, IMPACT, JOINT, RIGID, SPRING, YIELD, Chain, Tally
 from ..groups import groups
 from ..memory import ask
 from ..row import Row
@@ -20,6 +20,8 @@ from .level_kernel import MOST_CUTS, MOST_PLACES, NONE, Level, Limit, Make, Numb
 from .search_kernel import MEASURES, MOST_DIVIDED, MOST_LEVELS, Search, width_of_measures
 from .step_kernel import Points, Signals, State
 
+LEAST_LAYER = 2.0**-24  # of the longest transit: less is stiffer than steps resolve
+LINEAR = (SPRING, YIELD)
 OUTSIDE = ("none", "velocity", "force", "absorbing")
 """Kinds of what acts on an end, in the kernel's order."""
 
@@ -99,7 +101,7 @@ def numbers_of(row: Row) -> Numbers:
         weight=[getattr(b, "mass", 0.0) if m >= 0 else 0.0
                 for b, m in zip(row.system.bodies, row.mass_of, strict=True)],
         outside=outside, jump_place=[x for _, x in _jumps(row)],
-        setting=[row.frame, row.gravity, row.scale, _resolving(row)],
+        setting=[row.frame, row.gravity, row.scale, *_contact_times(row)],
     )
 
 
@@ -128,22 +130,37 @@ def _jumps(row: Row) -> list[tuple[int, float]]:
     return jumps
 
 
-def _resolving(row: Row) -> Number:
-    """Step that resolves the contact of a mass with a stiff neighbour: a twentieth of its time."""
+def _contact_times(row: Row) -> list[Number]:
+    """Times that the contacts ask for, s.
+
+    A step that resolves the contact of a mass: a twentieth of its time, where it swings back. And
+    the least time in which a contact loads a rod, whose impedance then carries what comes: that of
+    a linear spring's deformation, or that in which the momentum of a rigid mass goes over.
+    """
     v: Any = np.where(np.asarray(row.scale) > 0, 2 * np.asarray(row.scale), 1.0)
     finest: Any = math.inf
+    layer: Any = math.inf
     for i, sides in enumerate(row.beside):
-        around = [row.masses[m] for kind, m in sides if kind == "mass"]
-        if around and (row.laws[i] >= SPRING or row.laws[i] == JOINT):
-            m, stiff, power = 1 / sum(1 / M for M in around), row.stiffness[i], row.exponent[i] + 1
+        law, stiff, power = row.laws[i], row.stiffness[i], row.exponent[i] + 1
+        masses = [row.masses[m] for kind, m in sides if kind == "mass"]
+        ends = [row.segments[s - 1].impedance for kind, s in sides if kind == "segment"]
+        m: Any = 1 / sum(1 / M for M in masses) if masses else math.inf
+        Z: Any = 1 / sum(1 / z for z in ends) if ends else math.inf
+        if masses and (law >= SPRING or law == JOINT):
             with np.errstate(divide="ignore"):  # a dashpot alone has no time
                 deepest = (power / 2 * m * v * v / stiff) ** (1 / power)
                 swing = math.pi * np.sqrt(m / np.asarray(stiff))
             time = swing if np.all(power == 2) else 2.9432 * deepest / v
-            finest = np.minimum(finest, time / 20)
+            swings = (law not in LINEAR) | (math.pi * m <= 2 * time * Z)
+            finest = np.minimum(finest, np.where(swings, time / 20, math.inf))
+        if law in LINEAR and ends:
+            layer = np.minimum(layer, (Z + (row.damping[i] if law == SPRING else 0.0)) / stiff)
+        elif law == RIGID and masses and ends:
+            layer = np.minimum(layer, m / Z)
     longest: Any = reduce(np.maximum, [s.transit_time for s in row.segments])
-    finest = np.maximum(finest, longest / MOST_DIVIDED * 4)
-    return float(finest) if np.ndim(finest) == 0 else finest
+    times = (np.maximum(finest, longest / MOST_DIVIDED * 4),
+             np.maximum(layer, longest * LEAST_LAYER))
+    return [float(time) if np.ndim(time) == 0 else time for time in times]
 
 
 def memory_of(row: Row, on_lists: bool) -> tuple[float, float]:
@@ -191,6 +208,7 @@ def space(make: Make, full: Full, room: int, before: int) -> Work:
     bodies, bonded, opening = len(make.body_first), len(make.held), len(make.opening)
     contacts, jumps = sum(law > BOND for law in make.law), len(make.jump_segment)
     lines, cuts = 2 * n + sum(kind != NONE for kind in make.outside), MOST_CUTS + 2
+    places = max(MOST_PLACES, room + 1)
 
     def of(kind: Callable[..., Any], whole: str = "", **sizes: int) -> Any:
         """Columns of so many numbers; whole ones where they are named so."""
@@ -200,7 +218,7 @@ def space(make: Make, full: Full, room: int, before: int) -> Work:
     numbers = of(
         Numbers, transit=n, impedance=n, right=n, left=n, stiffness=links, exponent=links,
         damping=links, strength=links, gap=links, mass=masses, speed=masses, weight=bodies,
-        outside=2, jump_place=jumps, setting=4,
+        outside=2, jump_place=jumps, setting=5,
     )
     search = of(
         Search, "at", at=10, goal=1, sizes=MOST_LEVELS, estimates=MEASURES + 1,
@@ -208,15 +226,15 @@ def space(make: Make, full: Full, room: int, before: int) -> Work:
         vibration=bodies, impulse=opening, peak=opening, pressed=opening,
     )
     level = of(
-        Level, "at ticks places edges closing_link kept_link", at=12, step=1, ticks=n + 2,
-        places=MOST_PLACES, edges=room + 1, share=n + 2, closing_time=cuts, closing_link=cuts,
+        Level, "at ticks places edges closing_link kept_link", at=14, step=1, ticks=n + 2,
+        places=places, edges=room + 1, share=n + 2, closing_time=cuts, closing_link=cuts,
         kept_time=cuts, kept_link=cuts, times=room + 1, gap=room + 1,
     )
     state = of(
-        State, "steps parts open", steps=n + 2, share=n + 2, transit=n + 2, parts=1,
-        part=MOST_PLACES, mobility=n + 2, first=0, mass=masses, law=0, stiffness=links,
-        exponent=links, damping=links, strength=links, gap=links, force=links, closing=links,
-        open=links, speed=masses, closed=1,
+        State, "steps parts open", steps=n + 2, share=n + 2, transit=n + 2, parts=1, part=places,
+        mobility=n + 2, first=0, mass=masses, law=0, stiffness=links, exponent=links,
+        damping=links, strength=links, gap=links, force=links, closing=links, open=links,
+        speed=masses, closed=1, layer=1,
     )._replace(first=make.first, law=make.law)
     tally = of(
         Tally, "first last pressed episodes", **dict.fromkeys(Tally._fields, links)

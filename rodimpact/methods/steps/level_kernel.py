@@ -3,6 +3,10 @@
 A run ends at `until`, or where it is proved that nothing meets again, or at the cap on steps. Where
 all delays are whole steps, steps are cut where contacts close whose force begins with a jump: the
 run stops at the first closing inside a part of a step, to be laid out anew with a cut there.
+
+The force of a stiff contact grows within a time, its layer, that may be far shorter than a step,
+and does so again wherever waves come back. Then parts are laid out over a period, of which all
+transit times are whole numbers, and grow from each cut on, from a share of the layer to a step.
 """
 
 from __future__ import annotations
@@ -21,18 +25,22 @@ from .step_kernel import (
     Points,
     Signals,
     State,
+    abrupt,
     finality_time,
     inside,
     run,
 )
 
 NONE, VELOCITY, FORCED, ABSORBING = range(4)  # what acts on an end of the row
-FRAME, GRAVITY, SCALE, FINEST = range(4)  # places in Numbers.setting
+FRAME, GRAVITY, SCALE, FINEST, LAYER = range(5)  # places in Numbers.setting
 WHOLE = 4  # ticks by which a transit may miss a whole number of steps: round-off
 TOLERANCE = 1 / (1 << 48)  # of the velocities, below which contacts graze
 LEAST = 1 / (1 << 800)  # stiffness, where time is counted in steps
 MOST_CUTS = 24  # of a step, where contacts close
 MOST_PLACES = 4 * MOST_CUTS + 2
+GROWTH = 0.09  # of graded parts: by how much of their distance from a cut, and of the layer
+WIDEST = 1.6  # steps, that a graded part may last
+EARLIER = 4  # layers, by which steps are cut before a stiff contact closes
 MOMENT = STEP_TICKS >> 21  # ticks before and after an impact
 SAME = 1 / 16  # steps: a contact that closes so near to where it did was placed badly before
 MOST_OF_TRANSIT = 2.0**26  # steps; more are too many for memory, and for whole numbers
@@ -44,6 +52,7 @@ DRIVEN, ABRUPT, LOSES = range(3)  # places in Make.kind: no proof is to be looke
 FIRST_ROOM, LEAST_ROOM = 8, 3  # transits of the longest rod
 # places in Level.at
 PARTS, ROOM, ASKED, LONGEST, PROOF, TAKEN, REASON, CUT, CLOSINGS, KEPT, TRIES, HAD = range(12)
+PERIOD, FACTOR = 12, 13  # in ticks; by what steps are divided whose parts are graded, or 0
 
 
 class Make(NamedTuple):
@@ -80,7 +89,8 @@ class Numbers(NamedTuple):
     weight: Any  # [body] mass of a rigid body, kg
     outside: Any  # [2] velocity or force of an end, or wave that comes in, m/s
     jump_place: Any  # [jump] share of the segment, or time in s
-    setting: Any  # [4] frame, gravity, scale of velocities, shortest step that contacts ask for
+    setting: Any  # [5] frame, gravity, scale of velocities, shortest step that contacts ask for,
+    # and the least time in which one loads a rod
 
 
 class Level(NamedTuple):
@@ -89,7 +99,7 @@ class Level(NamedTuple):
     at: Any  # whole numbers, see their places
     step: Any  # [1] s
     ticks: Any  # [segment] transit times
-    places: Any  # where in a step its parts begin, and where it ends
+    places: Any  # where in a period its parts begin, and where it ends
     edges: Any  # [part + 1] ticks
     share: Any  # [segment] room for the shares of a part
     closing_time: Any  # contacts that close, s, and their links
@@ -116,7 +126,7 @@ def near_tick(x: float) -> int:
 def edge(level: Level, j: int) -> int:
     """Tick at which part j begins, which may lie before t = 0."""
     parts = level.at[PARTS]
-    tick: int = j // parts * STEP_TICKS + level.places[j % parts]
+    tick: int = j // parts * level.at[PERIOD] + level.places[j % parts]
     return tick
 
 
@@ -127,8 +137,8 @@ def begin_of(level: Level, j: int) -> int:
 
 
 def put_on_ticks(numbers: Numbers, level: Level) -> bool:
-    """Transit times on the clock of the step; return whether all are whole steps."""
-    h, fits = level.step[0], True
+    """Transit times on the clock of the step, and its period; whether all are whole steps."""
+    h, fits, period = level.step[0], True, 0
     for s in range(len(numbers.transit)):
         steps = min(numbers.transit[s] / h, MOST_OF_TRANSIT)
         ticks = max(STEP_TICKS, near_tick(steps * STEP_TICKS))
@@ -137,13 +147,15 @@ def put_on_ticks(numbers: Numbers, level: Level) -> bool:
             ticks = near
         level.ticks[s + 1] = ticks
         fits = fits and ticks % STEP_TICKS == 0
+        period = math.gcd(period, ticks)
+    level.at[PERIOD] = period if fits and level.at[FACTOR] > 0 else STEP_TICKS
     return fits
 
 
 def cut_at(level: Level, tick: int, count: int) -> int:
-    """Enter the place in a step of a tick in order; return how many there are."""
-    x, i = tick % STEP_TICKS, count
-    if x <= WHOLE or STEP_TICKS - x <= WHOLE:
+    """Enter the place in a period of a tick in order; return how many there are."""
+    x, i = tick % level.at[PERIOD], count
+    if x <= WHOLE or level.at[PERIOD] - x <= WHOLE:
         return count
     for q in range(count):
         if abs(level.places[q] - x) <= WHOLE:
@@ -156,7 +168,7 @@ def cut_at(level: Level, tick: int, count: int) -> int:
 
 
 def cut_steps(make: Make, numbers: Numbers, level: Level) -> None:
-    """Transit times on the clock of the step, and places at which each step is cut into parts.
+    """Transit times on the clock of the step, and places at which each period is cut into parts.
 
     Where jumps of the initial state and of drives pass the ends of segments, if these are no more
     than a step is cut for; and where contacts close. The bodies of an impact change their velocity
@@ -186,15 +198,54 @@ def cut_steps(make: Make, numbers: Numbers, level: Level) -> None:
                 count = cut_at(level, tick + MOMENT, count)
             else:
                 count = cut_at(level, tick, count)
-    places[count] = STEP_TICKS
+    places[count] = at[PERIOD]
     at[PARTS] = count
+    if at[FACTOR] > 0:
+        grade(level, numbers.setting[LAYER] / h * STEP_TICKS)
 
 
-def note_closing(level: Level, state: State, clock: Any) -> None:
+def grade(level: Level, layer: float) -> None:
+    """Divide what lies between places into parts that grow, if there is room; count them.
+
+    At a time t behind a place a part lasts GROWTH (layer + t) over the factor of the level, and
+    WIDEST at most. Hence log(1 + t/layer) is divided evenly, and then what is left.
+    """
+    at, places, count, total = level.at, level.places, level.at[PARTS], 0
+    for q in range(count):
+        total += graded_parts(level, layer, places[q + 1] - places[q])[0]
+    at[PARTS] = total
+    if total >= len(places):
+        return
+    growth, widest = GROWTH / at[FACTOR], WIDEST * STEP_TICKS
+    logs = math.log1p(max(widest / growth - layer, 0.0) / layer) / growth
+    places[total] = places[count]
+    for q in range(count - 1, -1, -1):
+        begin = places[q]
+        parts, steps = graded_parts(level, layer, places[q + 1] - begin)
+        total -= parts
+        for m in range(parts):
+            x = m * steps / parts
+            t = layer * math.expm1(growth * min(x, logs)) + max(x - logs, 0.0) * widest
+            places[total + m] = begin + near_tick(t)
+
+
+def graded_parts(level: Level, layer: float, ticks: int) -> tuple[int, float]:
+    """Into how many graded parts so many ticks are divided: a multiple of the factor, and exact."""
+    growth, widest = GROWTH / level.at[FACTOR], WIDEST * STEP_TICKS
+    even = max(widest / growth - layer, 0.0)  # from where on parts no longer grow
+    exact = math.log1p(min(ticks, even) / layer) / growth + max(ticks - even, 0.0) / widest
+    if exact <= 1:
+        return 1, exact
+    return math.ceil(exact / level.at[FACTOR]) * level.at[FACTOR], exact
+
+
+def note_closing(numbers: Numbers, level: Level, state: State, clock: Any) -> None:
     """Remember the contact that has closed inside a part; cut no more where there are too many."""
-    at, h = level.at, level.step[0]
-    when = (clock[STEP] // at[PARTS] + state.closed[0]) * h
-    count, link = 0, clock[LINK]
+    at, h, link = level.at, level.step[0], clock[LINK]
+    when = (clock[STEP] // at[PARTS] * (at[PERIOD] // STEP_TICKS) + state.closed[0]) * h
+    if not abrupt(state, link):
+        when = max(0.0, when - EARLIER * numbers.setting[LAYER])
+    count = 0
     for q in range(at[CLOSINGS]):
         other = level.closing_link[q]
         if other != link or abs(level.closing_time[q] - when) > SAME * h:
@@ -221,8 +272,9 @@ def lay_out(
     that takes too much memory; VANISHED: a force is less than a double holds
     """
     at, h, n = level.at, level.step[0], len(numbers.transit)
-    parts = at[PARTS]
-    if limit.until[0] / h * parts > MOST_PARTS:
+    parts, period = at[PARTS], at[PERIOD]
+    periods = limit.until[0] / (h * (period // STEP_TICKS))
+    if periods * parts > MOST_PARTS:
         return TOO_LONG
     for s in range(n):
         if numbers.transit[s] / h > MOST_OF_TRANSIT:
@@ -232,15 +284,15 @@ def lay_out(
         ticks = 0
         for s in range(make.body_first[body], make.body_last[body] + 1):
             ticks += level.ticks[s]
-            total += level.ticks[s] // STEP_TICKS * parts
-            if level.ticks[s] % STEP_TICKS > 0:
+            total += level.ticks[s] // period * parts
+            if level.ticks[s] % period > 0:
                 total += 1
-        count = max(count, -(-ticks // STEP_TICKS))
+        count = max(count, -(-ticks // period))
     at[LONGEST] = count * parts
     left = limit.numbers[0] - total * limit.numbers[2]
     room = at[ASKED] * at[LONGEST]
     if limit.until[0] >= 0:
-        room = near_tick(limit.until[0] / h) * parts + parts
+        room = near_tick(periods) * parts + parts
     elif room * limit.numbers[1] > left:  # as much as there is, if that is more than before
         least = max(LEAST_ROOM, at[HAD] + 1)
         most = left / (at[LONGEST] * limit.numbers[1])
@@ -253,7 +305,7 @@ def lay_out(
         return FULL
     for s in range(n + 2):
         ticks = level.ticks[s]
-        state.steps[s] = ticks // STEP_TICKS * parts
+        state.steps[s] = ticks // period * parts
         state.share[s] = ticks % STEP_TICKS / STEP_TICKS
         state.transit[s] = ticks / STEP_TICKS
         state.mobility[s] = 1 / numbers.impedance[s - 1] if 1 <= s <= n else 0.0
@@ -261,6 +313,7 @@ def lay_out(
         if make.outside[side] == ABSORBING:
             state.mobility[(n + 1) * side] = state.mobility[1 if side == 0 else n]
     state.parts[0] = parts
+    state.layer[0] = numbers.setting[LAYER] / h if at[FACTOR] > 0 else math.inf
     for m in range(parts):
         state.part[m] = (level.places[m + 1] - level.places[m]) / STEP_TICKS
     for i in range(len(make.law)):
@@ -283,8 +336,12 @@ def lay_out(
         tally.pressed[i] = tally.episodes[i] = 0
     for m in range(len(numbers.mass)):
         state.mass[m], state.speed[m] = numbers.mass[m] / h, numbers.speed[m]
+    begin = m = 0
     for j in range(room + 1):
-        level.edges[j] = edge(level, j)
+        level.edges[j] = begin + level.places[m]
+        m += 1
+        if m == parts:
+            begin, m = begin + period, 0
     at[PROOF], at[TAKEN] = -1, 0
     clock[STEP] = clock[LINK] = 0
     clock[CUTS] = at[CUT]
@@ -307,8 +364,8 @@ def place_signals(make: Make, level: Level, signals: Signals) -> bool:
         signals.wave_start[line] = -1
         ahead = 1
         if 1 <= s <= n:
-            ahead = level.ticks[s] // STEP_TICKS * parts
-            if level.ticks[s] % STEP_TICKS > 0:
+            ahead = level.ticks[s] // level.at[PERIOD] * parts
+            if level.ticks[s] % level.at[PERIOD] > 0:
                 ahead += 1
         kept = 1 <= s <= n
         if line == 0 or line == 2 * n + 3:
@@ -391,7 +448,7 @@ def run_level(
         # an eighth more each time, so that proofs cost no more than the run
         pause, half = 0, (longest + 1) // 2
         if wait < NEVER // at[PARTS]:
-            pause = min(wait * at[PARTS], 8 * longest)
+            pause = min(wait * at[PARTS] * STEP_TICKS // at[PERIOD], 8 * longest)
         j = min(cap, j + max(half, pause, j // 8))
         if j + 2 * longest + 2 > room:
             at[HAD] = room // longest

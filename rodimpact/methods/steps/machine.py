@@ -23,6 +23,7 @@ from .layout import Work, check_memory, is_even, make_of, memory_of, numbers_of,
 from .level_kernel import (
     FULL,
     PARTS,
+    PERIOD,
     ROOM,
     TOO_LONG,
     VANISHED,
@@ -96,17 +97,17 @@ class Machine:
         search, level = self.work.search, self.work.level
         search.goal[0], search.at[FIXED], search.at[NEXT] = goal, int(dt is not None), PREPARE
         level.step[0] = dt or 0.0
-        flag, forecast = FILL, Forecast(announce, LESS)
+        flag, forecast, decided = FILL, Forecast(announce, LESS), False
         while flag in (FILL, FULL):
-            self._decide()
             flag = self._do(SEARCH)
+            if flag in (FILL, FULL) and not decided:
+                self._decide()
+            decided = flag == FULL  # on what is laid out again
             if flag == FILL:
                 self.fill()
-                self._decide()
                 if (seconds := self._seconds()) > 1:
                     forecast.expect(seconds, f"about {self.work.level.at[ROOM]} steps")
             elif flag == FULL:
-                self._decide()
                 self.enlarge()
             elif flag == TOO_LONG and not self.compiled and kernels.enabled():
                 self.to_arrays()
@@ -121,8 +122,9 @@ class Machine:
         if flag == VANISHED:
             self.row.stiffness_in_steps(level.step[0])
 
-    def _refuse(self, step: float, parts: int, room: int) -> None:
+    def _refuse(self, step: float, parts: float, room: int) -> None:
         """Raise TooLong for a run on a step, s, that is cut into so many parts."""
+        parts = parts * STEP_TICKS / self.work.level.at[PERIOD]
         before = parts * sum(self.work.numbers.transit) / step
         least = 0.0 if self.until is None else parts * self.until / step
         for count in (least, max(least, room)):
@@ -252,5 +254,5 @@ NO_RESULTS = Results(*(column.reshape(-1) for column in no_results(0, *[0] * 7))
 
 def averages_before(level: Level) -> int:
     """Averages from before t = 0 of a line, all segments together."""
-    parts = level.at[PARTS]
-    return int(sum(T // STEP_TICKS * parts + (T % STEP_TICKS > 0) for T in level.ticks))
+    parts, period = level.at[PARTS], level.at[PERIOD]
+    return int(sum(T // period * parts + (T % period > 0) for T in level.ticks))

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from functools import reduce
+from typing import Any
 
 import numpy as np
 
@@ -25,20 +26,13 @@ from ..stepped import StepRecord, as_run
 from ..stepped_run import SteppedRun, clock_of_steps
 from .delays import arriving, edges_of_parts
 from .layout import Work
-from .level_kernel import CLOSINGS, CUT, FINAL, PARTS, PROOF, REASON, TAKEN
+from .level_kernel import FINAL, PARTS, PROOF, REASON, TAKEN
 from .machine import Machine
 from .step_kernel import State, inside
 
 RTOL = 1e-5
 STOPPED_BY = ("final", "until", "max_events")
 """Why a run stopped, in the kernel's order."""
-
-
-class Closing(NamedTuple):
-    """A contact that closes, and whose force begins with a jump: time, s, and its link."""
-
-    time: float
-    link: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,13 +45,10 @@ class StepRun(SteppedRun):
         As `edges`, before t = 0.
     state : State
         The kernel's, at the end, on arrays.
-    closings : list of Closing or None
-        Where contacts close and steps are cut; None where they are not.
     """
 
     edges_before: Array
     state: State
-    closings: list[Closing] | None = None
 
     def before(self, line: int) -> int:
         """How many averages a line has from before t = 0."""
@@ -221,25 +212,25 @@ def finished(machine: Machine, goal: float) -> StepRun:
     taken, ticks = int(level.at[TAKEN]), level.ticks[1:-1].tolist()
     edges = level.edges[: taken + 1].copy()
     earliest = -max(inside(state, s + 1) for s in range(len(ticks)))
-    closings = [
-        Closing(float(level.closing_time[q]), int(level.closing_link[q]))
-        for q in range(level.at[CLOSINGS])
-    ]
     return StepRun(
         clock=_clock(row, ticks, float(level.step[0])), row=row, step=float(level.step[0]),
         edges=edges, end=int(edges[-1]), events=taken * (len(ticks) + 1), tally=tally,
         signals=signals,
         finality_time=int(level.at[PROOF]), stopped_by=STOPPED_BY[level.at[REASON]],
         edges_before=edges_of_parts(level.places[: level.at[PARTS] + 1], earliest, -1),
-        state=state, closings=closings if level.at[CUT] else None, estimates=estimates, rtol=goal,
-        totals=totals,
+        state=state, estimates=estimates, rtol=goal, totals=totals,
     )
+
+
+def longest_step(row: Row) -> Any:
+    """Longest step that may be given, s: the shortest transit time, but for round-off."""
+    return reduce(np.minimum, [s.transit_time for s in row.segments]) * (1 + 2.0**-36)
 
 
 def check_step(row: Row, dt: float | None) -> None:
     """Raise InvalidModel where a given step is longer than the shortest transit."""
-    transits = [float(s.transit_time) for s in row.segments]
-    if dt is not None and dt > min(transits) * (1 + 2.0**-36):
+    if dt is not None and dt > longest_step(row):
+        transits = [float(s.transit_time) for s in row.segments]
         path = row.paths[1 + transits.index(min(transits))]
         message = f"must not exceed the shortest transit time, {min(transits):.6g} s of {path}"
         raise InvalidModel([("dt", f"{message}, got {dt!r}")])

@@ -20,6 +20,7 @@ from .level_kernel import (
     CAPPED,
     CLOSINGS,
     CUT,
+    FACTOR,
     FINEST,
     FIRST_ROOM,
     FRAME,
@@ -28,6 +29,7 @@ from .level_kernel import (
     HAD,
     KEPT,
     LAID,
+    LAYER,
     LOSES,
     PROOF,
     REASON,
@@ -46,17 +48,19 @@ from .level_kernel import (
     extend,
     fill_evenly,
     lay_out,
+    near_tick,
     note_closing,
     run_level,
 )
 from .step_kernel import CLOSED, DONE, Points, Signals, State, choose_step, inside
 
-FIRST = 64  # fewest steps of the longest transit
+FIRST = 56  # fewest steps of the longest transit
 SHORTEST = 4  # fewest steps of the shortest transit
 MOST_STEPS = 1 << 16  # of the longest transit, that the shortest may ask for
 MOST_SEARCHED = 10_000  # steps of the longest transit, among which all transits may be whole
 MOST_DIVIDED = 1 << 14  # steps of the longest transit in the search for an accurate step
 ROUGHEST = 1 << 12  # the same where contacts close and open between steps, of which order 1 is left
+BRIEF = 10.0  # steps: parts are graded where a contact loads a rod in less
 MOST_LEVELS = 40
 FARTHEST = 2.0  # by how much a step is divided at most from one level to the next
 VELOCITY, IMPULSE, PEAK, TIME, DURATION = range(5)  # measures, the last of which may stay rough
@@ -93,7 +97,7 @@ def prepare(make: Make, numbers: Numbers, search: Search, level: Level) -> int:
         longest = max(longest, numbers.transit[s])
         shortest = min(shortest, numbers.transit[s])
     level.at[CLOSINGS] = level.at[KEPT] = level.at[TRIES] = 0
-    level.at[CUT] = make.kind[ABRUPT]
+    level.at[CUT], level.at[FACTOR] = make.kind[ABRUPT], 0
     level.at[ASKED], level.at[HAD] = FIRST_ROOM, 0
     at[NEXT], at[LEVELS], at[RUNG] = CHOOSE, 0, 0
     at[PEAKS_CARRIED] = at[TIMES_CARRIED] = 0
@@ -113,6 +117,8 @@ def prepare(make: Make, numbers: Numbers, search: Search, level: Level) -> int:
     at[MOST_FACTOR] = max(4, 2 * finest // (number if fits else least))
     if not fits:
         level.at[CUT] = 0
+    elif numbers.setting[LAYER] * number < BRIEF * longest:
+        level.at[CUT] = level.at[FACTOR] = 1
     return DONE
 
 
@@ -133,6 +139,8 @@ def choose_level(make: Make, numbers: Numbers, search: Search, level: Level) -> 
         )
     level.step[0] = longest / steps
     level.at[TRIES] = 0
+    if level.at[FACTOR] > 0:
+        level.at[FACTOR] = factor
     return True
 
 
@@ -170,7 +178,7 @@ def go_on(
                 make, numbers, limit, level, state, tally, signals, points, links, clock
             )
             if flag == CLOSED:
-                note_closing(level, state, clock)
+                note_closing(numbers, level, state, clock)
             if flag in (CLOSED, FULL):
                 at[NEXT] = LAY
             elif flag != DONE:
@@ -191,8 +199,9 @@ def go_on(
 
 def repeat_last(search: Search, level: Level) -> None:
     """Go back to the level before, which was the finest that can be run."""
-    search.at[NEXT], search.at[FIXED] = LAY, 1
+    search.at[NEXT], search.at[FIXED], tried = LAY, 1, level.step[0]
     level.step[0] = search.sizes[search.at[LEVELS] - 1]
+    level.at[FACTOR] = near_tick(level.at[FACTOR] * tried / level.step[0])
     level.at[CLOSINGS] = max(level.at[KEPT], 0)
     level.at[CUT] = 1 if level.at[KEPT] >= 0 else 0
     for q in range(level.at[CLOSINGS]):

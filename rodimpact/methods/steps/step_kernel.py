@@ -5,8 +5,9 @@ and what leaves one end arrives at the other a transit time later. Signals are a
 Where transit times are whole numbers of steps a delay is exact; otherwise what arrives in a step is
 the mean of what left during that time, (1 - w) of one step and w of the one before it, which keeps
 the momentum and never adds energy. Where all delays are whole, each step may be cut at the same
-places into parts: then a jump that begins at a cut, as where a rigid contact closes, lies between
-two parts for ever after. Places in signals are counted in parts, lengths of time in steps.
+places into parts, or each period of several steps: then a jump that begins at a cut, as where a
+rigid contact closes, lies between two parts for ever after. Places in signals are counted in parts,
+lengths of time in steps.
 
 Node k joins the segments k and k + 1; line 2s carries a and line 2s + 1 carries b through
 segment s. The segments 0 and n + 1 stand for what lies outside: lines 0 and 2n + 3 bring what comes
@@ -60,13 +61,13 @@ PLACED = 1 / (1 << 20)  # of a step: how near to its ends a contact closes as if
 
 
 class State(NamedTuple):
-    """A row of n segments and m masses: lists or arrays; the last seven change in place."""
+    """A row of n segments and m masses: lists or arrays; the last eight change in place."""
 
     steps: Any  # [segment] whole parts of steps in the transit time, 0 outside
     share: Any  # [segment] what of one more step there is
     transit: Any  # [segment] both together, in steps
-    parts: Any  # [1] into how many parts each step is cut
-    part: Any  # [part] durations of the parts of a step
+    parts: Any  # [1] into how many parts each step is cut, or each period of steps
+    part: Any  # [part] their durations
     mobility: Any  # [segment] 1/Z; 0 for a wall, that of the rod for an absorbing end
     first: Any  # [node + 1] first mass at the node; links of node k begin at k + first[k]
     mass: Any  # [mass]
@@ -81,7 +82,8 @@ class State(NamedTuple):
     closing: Any  # [link] by how much it closed in the last step
     open: Any  # [link] 1 if the gap has opened since the contact last pressed
     speed: Any  # [mass] velocity
-    closed: Any  # [1] where in its step a contact closed, after CLOSED
+    closed: Any  # [1] where in its period a contact closed, in steps, after CLOSED
+    layer: Any  # [1] steps: longer parts do not resolve how the force of a stiff contact begins
 
 
 class Signals(NamedTuple):
@@ -232,8 +234,14 @@ def touch(
     return DONE
 
 
+def abrupt(state: State, i: int) -> bool:
+    """Whether the force of link i begins with a jump."""
+    law = state.law[i]
+    return bool(RIGID <= law < SPRING or (law == SPRING and state.damping[i] > 0))
+
+
 def closes_inside(state: State, clock: Any, i: int, j: int, after: float) -> bool:
-    """Note where in its step link i closes, `after` part j begins, if that is inside the part."""
+    """Note where in its period link i closes, `after` part j begins, if that is inside the part."""
     m = j % state.parts[0]
     if after <= PLACED or after >= state.part[m] - PLACED:
         return False
@@ -269,8 +277,8 @@ def press(
             b += wr * (wave[q + j - 1] - b)
         F, rest = 0.0, gap - d * (a - b)
         if gap < 0 or rest < 0 or law == JOINT:
-            jumps = clock[CUTS] > 0 and gap > 0 and law == SPRING and damping > 0
-            if jumps and closes_inside(state, clock, i, j, gap / (a - b)):
+            sudden = gap > 0 and law != JOINT and (d > state.layer[0] or abrupt(state, i))
+            if clock[CUTS] > 0 and sudden and closes_inside(state, clock, i, j, gap / (a - b)):
                 return CLOSED
             F, x, _ = solve_link(
                 law, stiffness, exponent, damping, state.strength[i], d, -gap, d * (a - b),
@@ -396,8 +404,8 @@ def resolve_contact(
         i = i0 + q
         if RIGID <= state.law[i] <= IMPACT and force[q] * (mobility[q] + mobility[q + 1]) <= tol:
             force[q] = 0.0
-        abrupt = RIGID <= state.law[i] <= SPRING and (state.law[i] < SPRING or state.damping[i] > 0)
-        if clock[CUTS] > 0 and abrupt and force[q] > 0 and state.gap[i] > 0:
+        sudden = state.law[i] >= RIGID and (d > state.layer[0] or abrupt(state, i))
+        if clock[CUTS] > 0 and sudden and force[q] > 0 and state.gap[i] > 0:
             speed = pushed(links, q, last) / d
             if closes_inside(state, clock, i, j, state.gap[i] / speed):
                 return CLOSED
