@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from ..fitting.result import Fit
 from ..model.arguments import of_kind
 from ..units import shown
-from .comparison import Comparison, comparison
+from .residuals import Comparison, comparison
 
 
 def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Comparison:
