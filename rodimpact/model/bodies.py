@@ -409,7 +409,8 @@ def _theory(problems: Problems, word: Any, polar_moment: Any, material: Any) -> 
     if not isinstance(word, str) or word not in THEORIES:
         message = f"unknown theory {shown(word)}; {nearest(word, THEORIES)}"
         problems.append(("lateral_inertia", message))
-    elif polar_moment is None:
+        return None
+    if polar_moment is None:
         message = "needs a polar_moment; give it, or the diameter of a round rod"
         problems.append(("lateral_inertia", message))
     if word != MINDLIN_HERRMANN:

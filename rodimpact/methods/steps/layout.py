@@ -12,7 +12,7 @@ import numpy as np
 from ...model import Rod, Samples, Steps
 from ...model.frozen import Number
 from ..abilities import driven
-from ..contact_law_kernel import BOND, IMPACT, JOINT, RIGID, SPRING, YIELD, Chain, Tally
+from ..contact_law_kernel import BOND, IMPACT, JOINT, RIGID, SPRING, Chain, Tally
 from ..groups import groups
 from ..memory import ask
 from ..row import Row
@@ -21,7 +21,6 @@ from .search_kernel import MEASURES, MOST_DIVIDED, MOST_LEVELS, Search, width_of
 from .step_kernel import Points, Signals, State
 
 LEAST_LAYER = 2.0**-24  # of the longest transit: less is stiffer than steps resolve
-LINEAR = (SPRING, YIELD)
 OUTSIDE = ("none", "velocity", "force", "absorbing")
 """Kinds of what acts on an end, in the kernel's order."""
 
@@ -141,7 +140,7 @@ def _contact_times(row: Row) -> list[Number]:
     finest: Any = math.inf
     layer: Any = math.inf
     for i, sides in enumerate(row.beside):
-        law, stiff, power = row.laws[i], row.stiffness[i], row.exponent[i] + 1
+        law, stiff, power = row.laws[i], row.stiffness[i], np.asarray(row.exponent[i]) + 1
         masses = [row.masses[m] for kind, m in sides if kind == "mass"]
         ends = [row.segments[s - 1].impedance for kind, s in sides if kind == "segment"]
         m: Any = 1 / sum(1 / M for M in masses) if masses else math.inf
@@ -150,11 +149,12 @@ def _contact_times(row: Row) -> list[Number]:
             with np.errstate(divide="ignore"):  # a dashpot alone has no time
                 deepest = (power / 2 * m * v * v / stiff) ** (1 / power)
                 swing = math.pi * np.sqrt(m / np.asarray(stiff))
-            time = swing if np.all(power == 2) else 2.9432 * deepest / v
-            swings = (law not in LINEAR) | (math.pi * m <= 2 * time * Z)
+            time = np.where(power == 2, swing, 2.9432 * deepest / v)
+            swings = (law == JOINT) | (power != 2) | (math.pi * m <= 2 * time * Z)
             finest = np.minimum(finest, np.where(swings, time / 20, math.inf))
-        if law in LINEAR and ends:
-            layer = np.minimum(layer, (Z + (row.damping[i] if law == SPRING else 0.0)) / stiff)
+        if law >= SPRING and ends:
+            loading = (Z + (row.damping[i] if law == SPRING else 0.0)) / stiff
+            layer = np.minimum(layer, np.where(power == 2, loading, math.inf))
         elif law == RIGID and masses and ends:
             layer = np.minimum(layer, m / Z)
     longest: Any = reduce(np.maximum, [s.transit_time for s in row.segments])
