@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..results.placing import Placing
 from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster
+from .springs import length
 from .style import colours
 
 Cut: TypeAlias = Polygons | Raster
@@ -25,6 +27,7 @@ WALL = 0.04  # depth of a wall, in lengths of the row
 OPEN_END = (0, (3, 2))  # dashes of an end through which waves leave
 DRIVEN = {Pushed: "driven by a force", Moved: "driven at a velocity"}
 ARROWS = 8  # marks of a driven end
+STEPS = 1001  # along springs and gauges
 
 
 class Borders:
@@ -52,9 +55,9 @@ class Borders:
             linewidths=[1.6 if a else 0.8 for a in absorbing],
             linestyles=[OPEN_END if a else "-" for a in absorbing])
 
-    def contacts(self) -> tuple[LineCollection, LineCollection]:
-        """Where bodies press, and where they touch without force."""
-        pressing, touching = [], []
+    def contacts(self) -> tuple[LineCollection, LineCollection, LineCollection]:
+        """Where bodies press, where they touch without force, and where a gap has no width."""
+        pressing, touching, apart = [], [], []
         start, stop = self.plane.span
         for history in self.plan.solution.contacts:
             if isinstance(history.law, Bonded):
@@ -63,14 +66,43 @@ class Borders:
             times = np.concatenate(([start], cuts[(cuts > start) & (cuts < stop)], [stop]))
             track = self.plane.points(self.plan.between(history.index, times), times)
             force, gap = self.cut.pressing(history, times)
-            pressing += _stretches(track, force > 0)
-            if isinstance(history.law, Rigid):
-                touching += _stretches(track, (force <= 0) & (gap == 0))
+            presses, touches = force > 0, (gap == 0) & isinstance(history.law, Rigid)
+            pressing += _stretches(track, presses)
+            touching += _stretches(track, touches & ~presses)
+            if not self.plan.magnification:
+                apart += _stretches(track, ~touches & ~presses)
         casing = withStroke(linewidth=4.5, foreground=self.colours.paper)
         how: Any = {"colors": self.colours.ink, "capstyle": "butt"}
         return (LineCollection(pressing, linewidths=3.0, zorder=5, path_effects=[casing],
                                label="pressing", **how),
-                LineCollection(touching, linewidths=1.2, zorder=4, label="touching", **how))
+                LineCollection(touching, linewidths=1.2, zorder=4, label="touching", **how),
+                LineCollection(apart, linewidths=2.4, zorder=4, label="apart", capstyle="butt",
+                               colors=self.colours.paper, path_effects=apart_style()))
+
+    def springs(self, ax: Axes) -> list[Polygon]:
+        """Where the springs of compliant contacts are pressed."""
+        bands = []
+        times = np.linspace(*self.plane.span, STEPS)
+        for history in self.plan.solution.contacts:
+            if not (free := length(self.plan, history.index)):
+                continue
+            left = self.plan.end(history.index, True, times)
+            right = np.minimum(self.plan.end(history.index + 1, False, times), left + free)
+            faces = np.stack([self.plane.points(x, times) for x in (left, right)], axis=1)
+            for band in _stretches(faces, history.gap(times)[:-1] < 0):
+                bands.append(Polygon(np.concatenate((band[:, 0], band[::-1, 1])), zorder=1.5,
+                                     facecolor=self.colours.wall, label="spring, pressed"))
+                ax.add_patch(bands[-1])
+        return bands
+
+    def gauges(self, ax: Axes, places: Sequence[tuple[int, float]]) -> list[Line2D]:
+        """Dashed paths of strain gauges on bodies, m from their left ends."""
+        lines = []
+        for body, x in places:
+            times = np.linspace(*self.plane.span, STEPS)
+            path = gauge_path(self.plan, body, x, times)
+            lines += ax.plot(*self.plane.points(path, times).T, zorder=5, **gauge_style())
+        return lines
 
     def walls(self, ax: Axes) -> list[Polygon]:
         """Hatched bands beyond the faces of walls and fixed ends."""
@@ -123,6 +155,29 @@ def mass_style() -> dict[str, Any]:
 def drive_style() -> dict[str, Any]:
     """Marks of driven ends."""
     return {"linestyle": "", "color": colours().ink, "markerfacecolor": colours().paper}
+
+
+def gauge_path(plan: Placing, body: int, x: float, times: Floats) -> Floats:
+    """Places in the picture, m, of a strain gauge; ValueError unless it sits on a rod."""
+    plan.solution.strain(body, x, 0.0)
+    return plan.place(body, x, times, plan.moved(body, x, times))
+
+
+def gauge_style() -> dict[str, Any]:
+    """Lines and marks of strain gauges."""
+    return {"color": colours().series[4], "linewidth": 1.2, "linestyle": (0, (2, 2)),
+            "label": "strain gauge"}
+
+
+def apart_style() -> list[Any]:
+    """Edges of the line that stands for a gap."""
+    return [withStroke(linewidth=3.6, foreground=colours().ink)]
+
+
+def apart_mark() -> Line2D:
+    """What the line that stands for a gap looks like in a legend."""
+    return Line2D([], [], color=colours().paper, linewidth=2.4, path_effects=apart_style(),
+                  label="apart")
 
 
 def open_style() -> dict[str, Any]:

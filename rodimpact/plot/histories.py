@@ -21,12 +21,14 @@ from ..results.contacts import ContactHistory
 from ..results.solution import Solution, check_solution
 from ..units import shown
 from .scales import Scale, engineering, time_scale, written
+from .showing import picture
 from .style import DASHES, SMALL, colours, dress, legend_above, new_figure, styled
 from .thinning import telling
 
 MARKED_UP_TO = 3  # episodes of contact
 
 
+@picture
 class Contact(NamedTuple):
     """Artists of a contact's history: steps of force, lines of gap, marks of what happens when."""
 

@@ -20,13 +20,14 @@ from PIL import Image
 from ..model.arguments import single
 from ..results.placing import placing
 from ..results.solution import Solution, check_solution
-from .bars import Bars
+from .bars import THICKNESS_TOLD, Bars
 from .diagram import spacetime
 from .film import Film
 from .histories import draw_forces, force_scale
 from .page import headline
 from .polygons import drawn_until
 from .scales import Scale, axis_scales, written
+from .springs import with_springs
 from .style import NORMAL, SMALL, check_choice, colours, dress, legend_above, new_figure, styled
 
 FIELDS = ("velocity", "stress", "strain")
@@ -49,7 +50,7 @@ class Animation(Film):
         self.times, self.fps, self.title = times, fps, headline(solution)
         self.field, self.colours = field, colours()
         start, stop = float(times[0]), float(times[-1])
-        plan = placing(solution, start, stop, magnification)
+        plan = with_springs(placing(solution, start, stop, magnification), times)
         self._time, place = axis_scales(solution, False, stop, plan.row)
         self._bars = Bars(plan, times[:: 1 + times.size // SAMPLED], place)
         self.figure = new_figure(8.4, 6.4)
@@ -57,7 +58,7 @@ class Animation(Film):
         grid = self.figure.add_gridspec(2, 2, height_ratios=(1, 3.6), width_ratios=(3, 1))
         below = self.figure.add_subplot(grid[1, 0])
         picture = spacetime(solution, below, field, start=start, stop=stop,
-                            magnification=magnification)
+                            magnification=plan.magnification, coordinates="lab")
         self._norm: Any = picture.regions.norm
         self._factor = picture.scale.factor
         self._row = self.figure.add_subplot(grid[0, 0], sharex=below)
@@ -85,8 +86,9 @@ class Animation(Film):
             *([f"first {written(stop, 's')} of {written(solution.t_end, 's')}"]
               if stop < solution.t_end else []),
             f"colour: {self.field}",
-            *([self._bars.plan.scale] if self._bars.plan.magnification != 1 else []),
-            "thickness: strain, exaggerated",
+            *([f"{self._bars.plan.scale},\nwhich bends fronts"]
+              if self._bars.plan.magnification != 1 else []),
+            THICKNESS_TOLD,
         ]
         ax.text(0.0, 0.68, "\n".join(words), transform=ax.transAxes, va="top", fontsize=SMALL + 1,
                 color=self.colours.ink, linespacing=1.5)
@@ -119,7 +121,8 @@ class Animation(Film):
         values = np.array([getattr(piece, self.field) for piece in bars.pieces]) * self._factor
         blocks, faces = bars.walls(ax)
         actors = [*blocks, *faces, bars.rods(ax, values, self._norm), *bars.masses(ax),
-                  *bars.ends(ax), bars.outlines(ax)]
+                  *bars.ends(ax), bars.outlines(ax), *bars.springs(ax),
+                  *bars.contacts(ax)]
         return [actor for actor in actors if actor is not None]
 
     def clock(self, number: int) -> str:  # noqa: D102

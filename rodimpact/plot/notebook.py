@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import base64
 import html
-import io
-
-from matplotlib.figure import Figure
+from typing import Any
 
 from ..design import PulseDesign, RestitutionDesign
 from ..results.solution import Solution
@@ -19,16 +17,13 @@ from .families import sweep
 from .page import headline, overview
 from .quantities import parameter
 
-DOTS_PER_INCH = 90
 MORE = "to_csv writes all, save keeps them"
 
 
 def html_of(result: Solution | SweepResult | PulseDesign | RestitutionDesign) -> str:
     """Picture and table of a result."""
     if isinstance(result, PulseDesign | RestitutionDesign):
-        figure = design(result).ax.figure
-        assert isinstance(figure, Figure)
-        return _image(figure, "wanted and reached") + as_html(str(result))
+        return _image(design(result), "wanted and reached") + as_html(str(result))
     return _solution(result) if isinstance(result, Solution) else _sweep(result)
 
 
@@ -57,18 +52,15 @@ def _family(result: SweepResult) -> str:
     """Picture of e, or of the last body's velocity; none of a family with three axes, or none."""
     for quantity in ("restitution", f"velocity_after.{len(result.system.bodies) - 1}"):
         try:
-            ax = sweep(result, quantity=quantity).ax
+            drawn = sweep(result, quantity=quantity)
         except ValueError:
             continue
-        assert isinstance(ax.figure, Figure)
-        return _image(ax.figure, f"{quantity} over {', '.join(result.parameters)}")
+        return _image(drawn, f"{quantity} over {', '.join(result.parameters)}")
     return ""
 
 
-def _image(figure: Figure, description: str) -> str:
-    """A figure as HTML that needs no file."""
-    memory = io.BytesIO()
-    figure.savefig(memory, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
-    data = base64.b64encode(memory.getvalue()).decode()
+def _image(drawn: Any, description: str) -> str:
+    """A picture as HTML that needs no file."""
+    data = base64.b64encode(drawn._repr_png_()).decode()
     return (f'<img src="data:image/png;base64,{data}" alt="{html.escape(description)}" '
             'style="max-width: 100%">')

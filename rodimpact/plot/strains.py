@@ -14,7 +14,8 @@ from matplotlib.patches import Rectangle, StepPatch
 from ..methods.signals import Floats
 from ..model.arguments import of_kind
 from ..results.gauges import Gauge
-from .scales import Scale, engineering, time_scale
+from .scales import Scale, engineering, place_scale, time_scale
+from .showing import picture
 from .style import axes, colours, dress, legend_above, styled
 from .thinning import telling
 
@@ -24,6 +25,7 @@ MICROSECONDS = (1e-6, 0.05)  # the same for times, s
 FAINTEST = 0.01  # of the largest strain that a wave carries: less is no pulse
 
 
+@picture
 class GaugeRecord(NamedTuple):
     """Artists of a strain gauge's record; `windows` are shaded, by name."""
 
@@ -101,11 +103,11 @@ def gauge(
     faint, series = colours().faint, colours().series
     shades = {"incident": series[0], "reflected": series[1], "transmitted": series[3]}
     width = 5.0 if record.times.size <= BOLD_UP_TO else 2.5
-    strain = steps(record, record.strain, "strain", color=faint, linewidth=width, zorder=1)
+    strain = steps(record, record.strain, _where(record), color=faint, linewidth=width, zorder=1)
     rightward = steps(record, record.rightward, "wave running right", color=series[0])
     leftward = steps(record, record.leftward, "wave running left", color=series[1], linestyle="--")
     beyond = None if transmitted is None else steps(
-        transmitted, transmitted.strain, "transmitted strain", color=series[3], linestyle="-.")
+        transmitted, transmitted.strain, _where(transmitted), color=series[3], linestyle="-.")
     ax.axhline(0.0, color=faint, linewidth=0.6, zorder=0)
     low, high = ax.get_ylim()
     ax.set(xlim=(0, record.end * time.factor), ylim=(low, high), xlabel=time.label,
@@ -123,6 +125,11 @@ def gauge(
     legend_above(ax, [line for line in lines if line is not None])
     dress(ax)
     return GaugeRecord(ax, strain, rightward, leftward, beyond, windows)
+
+
+def _where(record: Gauge) -> str:
+    """Name of a record: where its gauge is."""
+    return f"strain of body {record.body} at {place_scale(record.x).write(record.x)}"
 
 
 class _Pulse(NamedTuple):
