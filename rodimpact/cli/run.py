@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     solution = solved(case.system, **options)
     status = status_of(solution)
     writers: dict[str, Callable[..., None]] = {
-        "save": solution.save, "plot": partial(_draw, solution),
+        "save": solution.save, "plot": partial(_draw, solution, places),
         "gauges": partial(_record, solution, places),
     }
     for name, (where, path) in files.items():
@@ -72,12 +72,14 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     return text, status
 
 
-def _draw(solution: Solution, path: str, force: bool) -> None:
-    """Draw a run; ValueError if there is nothing to draw."""
+def _draw(
+    solution: Solution, places: dict[str, tuple[int, float]], path: str, force: bool
+) -> None:
+    """Draw a run with its gauges; ValueError if there is nothing to draw."""
     from .. import plot
 
     _check_time(solution)
-    plot.save(plot.overview(solution), path, force=force)
+    plot.save(plot.overview(solution, list(places.values())), path, force=force)
 
 
 def _record(

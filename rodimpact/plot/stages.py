@@ -132,7 +132,7 @@ def snapshots(
         words = [broken(line, width / 3) for line in happening(solution, t).splitlines()]
         ax.text(1.01, -row, "\n".join(words), transform=ax.get_yaxis_transform(), va="center",
                 fontsize=SMALL + 1)
-    told = (f"velocities in parts of the closing speed v = {written(speeds.closing, 'm/s')}"
+    told = (f"velocities in parts of the closing speed, v = {written(speeds.closing, 'm/s')}"
             if speeds.closing else f"velocities ({speeds.scale.unit})")
     marks = [THICKNESS_TOLD, "thick line: pressing", "square: strain gauge"]
     seen = [any(piece.strain for piece in pieces), *map(bool, lines)]

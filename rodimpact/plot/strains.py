@@ -14,7 +14,7 @@ from matplotlib.patches import Rectangle, StepPatch
 from ..methods.signals import Floats
 from ..model.arguments import of_kind
 from ..results.gauges import Gauge
-from .scales import Scale, engineering, place_scale, time_scale
+from .scales import Scale, engineering, listed, place_scale, time_scale
 from .showing import picture
 from .style import axes, colours, dress, legend_above, styled
 from .thinning import telling
@@ -103,11 +103,11 @@ def gauge(
     faint, series = colours().faint, colours().series
     shades = {"incident": series[0], "reflected": series[1], "transmitted": series[3]}
     width = 5.0 if record.times.size <= BOLD_UP_TO else 2.5
-    strain = steps(record, record.strain, _where(record), color=faint, linewidth=width, zorder=1)
+    strain = steps(record, record.strain, "strain", color=faint, linewidth=width, zorder=1)
     rightward = steps(record, record.rightward, "wave running right", color=series[0])
     leftward = steps(record, record.leftward, "wave running left", color=series[1], linestyle="--")
     beyond = None if transmitted is None else steps(
-        transmitted, transmitted.strain, _where(transmitted), color=series[3], linestyle="-.")
+        transmitted, transmitted.strain, "transmitted strain", color=series[3], linestyle="-.")
     ax.axhline(0.0, color=faint, linewidth=0.6, zorder=0)
     low, high = ax.get_ylim()
     ax.set(xlim=(0, record.end * time.factor), ylim=(low, high), xlabel=time.label,
@@ -122,14 +122,10 @@ def gauge(
     for window in windows.values():
         ax.add_patch(window)
     lines = (strain, rightward, leftward, beyond, *windows.values())
-    legend_above(ax, [line for line in lines if line is not None])
+    places = listed([f"body {r.body} at {place_scale(r.x).write(r.x)}" for r in records])
+    legend_above(ax, [line for line in lines if line is not None], title=f"gauge on {places}")
     dress(ax)
     return GaugeRecord(ax, strain, rightward, leftward, beyond, windows)
-
-
-def _where(record: Gauge) -> str:
-    """Name of a record: where its gauge is."""
-    return f"strain of body {record.body} at {place_scale(record.x).write(record.x)}"
 
 
 class _Pulse(NamedTuple):
