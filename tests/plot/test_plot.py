@@ -197,7 +197,8 @@ def test_walls_are_hatched_and_move_as_they_do(solved):
     (wall,) = plot.spacetime(solved["wall"], axes()).walls
     assert wall.get_hatch()
     assert wall.get_xy()[:2, 0] == pytest.approx([0.5, 0.5])
-    (wall,) = plot.spacetime(solved["moving wall"], axes(), coordinates="lab", magnification=1.0).walls
+    (wall,) = plot.spacetime(
+        solved["moving wall"], axes(), coordinates="lab", magnification=1.0).walls
     assert wall.get_xy()[:2, 0] == pytest.approx([0.0, 2.0 * 1e-3])
 
 
