@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from exhaustive import few_of
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from systems import horizon, random_system
@@ -131,6 +132,47 @@ def test_colour_of_each_region_is_the_field_in_its_middle(solved):
             x, t = regions.x[begin:end].mean(), regions.t[begin:end].mean()
             expected = getattr(solution, field)(int(regions.body[i]), x, t) * scale
             assert values[i] == pytest.approx(float(expected), abs=1e-9)
+
+
+def test_fronts_of_one_wave_speed_are_parallel(solved):
+    picture = plot.spacetime(solved["unequal"], axes())
+    sides = np.concatenate([np.diff(path, axis=0, append=path[:1]) for path in corners(picture)])
+    fronts = sides[(np.abs(sides) > 1e-9).all(axis=1)]
+    assert np.abs(fronts[:, 0] / fronts[:, 1]) * 1e6 == pytest.approx([C] * len(fronts))
+    assert len(fronts) >= 10
+
+
+def test_a_crowd_has_lines_at_its_strongest_fronts_alone():
+    head = ri.Rod(segments=[ri.Segment(0.1 + 0.03 * (7 * i % 5), 1e-4 * (1 + 3 * i % 4), STEEL)
+                            for i in range(5)])
+    solution = ri.solve(ri.System([rod(0.4, 1.0), head]))
+    picture = plot.spacetime(solution, axes())
+    (lines,) = (each for each in picture.ax.collections
+                if isinstance(each, LineCollection)
+                and each not in (picture.ends, picture.pressing, picture.touching, picture.apart))
+    drawn = lines.get_segments()
+    values = picture.regions.get_array()
+    assert 10 < len(drawn) < values.size / 4
+    # the first front into the struck rod is 0.5 m/s strong, most others are faint
+    first = min(drawn, key=lambda line: np.hypot(*(line.mean(axis=0) - [0.4, 0.0])))
+    assert {tuple(first[0].round(9)), tuple(first[1].round(9))} >= {(0.4, 0.0)}
+    stages = plot.snapshots(solution, axes(), [solution.t_end], magnification=1.0)
+    boxes = [path.get_extents() for path in stages.bars.get_paths()]
+    profiles = [solution.fields.profile(i, solution.fields.end) for i in (0, 1)]
+    assert len(boxes) < sum(p.velocity.size for p in profiles) / 2
+    assert sum(box.width for box in boxes) == pytest.approx(1.2, abs=1e-3)
+    speeds = stages.bars.get_array()
+    momentum = sum(v * box.width for v, box in zip(speeds, boxes, strict=True))
+    assert momentum == pytest.approx(
+        sum(float(p.velocity @ np.diff(p.edges)) for p in profiles), rel=1e-3)
+
+
+def test_key_stages_fill_a_wide_slide(solved):
+    figure = plot.snapshots(solved["unequal"], times=moments(solved["unequal"], 6)).ax.figure
+    assert 1.6 < figure.get_figwidth() / figure.get_figheight() < 1.9
+    label = figure.axes[0].get_xlabel()
+    assert "thicker: compressed, thinner: stretched" in label
+    assert "thick line: pressing" in label
 
 
 def test_contact_presses_then_touches_then_opens(solved):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from exhaustive import few_of
@@ -129,6 +131,24 @@ def test_masses_are_strips_of_the_width_that_the_label_names(solved):
     ends = picture.ends.get_segments()
     assert ends[4][:, 0] == pytest.approx(right[::-1, 0])  # the rod bonded to its right side
     assert plot.spacetime(solved["hopkinson"], axes()).masses == []
+
+
+@pytest.mark.parametrize("name", ["hertz", "pushed"])
+def test_springs_keep_magnified_faces_apart(solved, name):
+    solution = solved[name]
+    assert min(contact.gap(np.linspace(0, solution.t_end, 99)).min()
+               for contact in solution.contacts) < 0
+    picture = plot.spacetime(solution, axes(), coordinates="lab")
+    assert "springs drawn long" in " ".join(picture.ax.get_xlabel().split())
+    assert "spring, pressed" in legend(picture.ax)
+    paths = picture.ends.get_segments()
+    for right, left in zip(paths[1:-1:2], paths[2::2], strict=True):
+        assert np.all(left[:, 0] - right[:, 0] > 0)
+    stages = plot.snapshots(solution, axes())
+    places = [path.get_extents() for path in stages.bars.get_paths()]
+    for a, b in itertools.pairwise(places):
+        assert a.y0 > b.y1 or b.x0 > a.x1 - 1e-9
+    assert "springs drawn long" in " ".join(stages.ax.get_xlabel().split())
 
 
 def test_borders_are_told_in_the_legend(solved):
