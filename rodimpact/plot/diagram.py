@@ -138,7 +138,8 @@ def spacetime(
         ax.add_collection(lines)
     springs, masses, drives = borders.springs(ax), borders.masses(ax), borders.drives(ax)
 
-    plane.dress(ax, place_label(plan, place))
+    bent = ", which bends fronts" if plan.magnification > 1 else ""
+    plane.dress(ax, place_label(plan, place) + bent)
     dress(ax)
     bar = colour_bar(ax, drawn, scale.label)
     if field == "energy":

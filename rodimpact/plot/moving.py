@@ -76,7 +76,7 @@ class Animation(Film):
         self.figure.suptitle(broken(self.title, self.figure.bbox.width), color=self.colours.ink,
                              fontsize=NORMAL + 1)
         self.figure.set_dpi(DOTS_PER_INCH)
-        grid = self.figure.add_gridspec(2, 2, height_ratios=(1, 3.6), width_ratios=(3, 1))
+        grid = self.figure.add_gridspec(2, 2, height_ratios=(1.2, 3.6), width_ratios=(3, 1))
         below = self.figure.add_subplot(grid[1, 0])
         picture = spacetime(solution, below, field, start=start, stop=stop,
                             magnification=plan.magnification, coordinates="lab")
@@ -110,16 +110,13 @@ class Animation(Film):
             *([f"slowed down {_rounded(slowness)} times"] if slowness > 1 else []),
             *([f"first {written(stop, 's')} of {written(solution.t_end, 's')}"]
               if stop < solution.t_end else []),
-            f"colour: {self.field}",
-            *([f"{self._bars.plan.scale},\nwhich bends fronts"]
-              if self._bars.plan.magnification != 1 else []),
             THICKNESS_TOLD.replace(", ", ",\n"),
         ]
-        ax.text(0.0, 0.45, "\n".join(words), transform=ax.transAxes, va="top", fontsize=SMALL + 1,
+        ax.text(0.0, 0.0, "\n".join(words), transform=ax.transAxes, va="bottom", fontsize=SMALL + 1,
                 color=self.colours.faint, linespacing=1.4)
         how: Any = {"transform": ax.transAxes, "color": self.colours.ink, "animated": True}
-        return [ax.text(0.0, 0.8, "", va="bottom", fontsize=NORMAL + 4, **how),
-                ax.text(0.0, 0.75, "", va="top", fontsize=NORMAL, **how)]
+        return [ax.text(0.0, 1.0, "", va="top", fontsize=NORMAL + 4, **how),
+                ax.text(0.0, 0.85, "", va="top", fontsize=NORMAL, **how)]
 
     @styled
     def frame(self, number: int) -> NDArray[np.uint8]:  # noqa: D102
@@ -249,7 +246,11 @@ def _approach(plan: Placing, times: NDArray[np.float64]) -> NDArray[np.float64]:
 def _captions(solution: Solution, start: float, stop: float) -> tuple[list[float], list[str]]:
     """Times at which something happens at contacts, and what to read before and after each."""
     turns = sorted({t for t in contact_turns(solution) if start <= t <= stop})
-    told = [f"{written(t, 's')}: {happening(solution, t)}".replace("\n", ",\n") for t in turns]
+    told = []
+    for t in turns:
+        first, *others = happening(solution, t).splitlines()
+        more = [others[0] + (", ..." if others[1:] else "")] if others else []
+        told.append("\n".join([f"{written(t, 's')}:", first, *more]))
     return turns, ["before contact" if start == 0 and turns else "", *told]
 
 

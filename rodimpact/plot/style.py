@@ -212,7 +212,7 @@ def legend_above(
     room = int(ax.figure.bbox.width / ax.figure.dpi / COLUMN)
     ax.legend(handles=shown, loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1,
               ncols=max(1, min(columns, room)), frameon=False, fontsize=size, title=title,
-              title_fontsize=size)
+              title_fontsize=size, alignment="left")
 
 
 def colour_bar(ax: Axes, drawn: ScalarMappable, label: str, **how: Any) -> Colorbar:

@@ -200,7 +200,7 @@ def test_axes_carry_units_and_the_magnification(solved):
     assert picture.ax.get_ylabel() == "time t (µs)"
     label = picture.ax.get_xlabel()
     assert "(m)" in label
-    assert label.endswith("displacements \N{MULTIPLICATION SIGN} 2000")
+    assert label.endswith("displacements \N{MULTIPLICATION SIGN} 2000, which bends fronts")
     assert picture.colour_bar.ax.get_ylabel() == "stress, tension positive (MPa)"
     assert plot.spacetime(solved["cradle"], axes()).ax.get_ylabel() == "time t (ms)"
     assert plot.spacetime(solved["unequal"], axes(), "strain").colour_bar.ax.get_ylabel() == (
