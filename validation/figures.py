@@ -95,6 +95,13 @@ def chains() -> Axes:
     return equal
 
 
+def key_stages(solution: ri.Solution) -> list[float]:
+    """Start, wave half-way, at the end, force ends, gap opens, end."""
+    episode = solution.contacts[0].episodes[0]
+    return [0.0, episode.force_end / 4, episode.force_end / 2, episode.force_end, episode.opening,
+            solution.t_end]
+
+
 def main() -> None:
     """Draw every picture."""
     FOLDER.mkdir(exist_ok=True)
@@ -103,7 +110,7 @@ def main() -> None:
     cradle_of_five = ri.solve(ri.System(rods(*[0.2] * 5)))
     pictures = {
         "unequal_rods": ri.plot.spacetime(unequal).ax,
-        "unequal_rods_stages": ri.plot.snapshots(unequal).ax,
+        "unequal_rods_stages": ri.plot.snapshots(unequal, times=key_stages(unequal)).ax,
         "unequal_rods_contact": ri.plot.contact(unequal).force_ax,
         "unequal_rods_energy": ri.plot.energy(unequal).ax,
         "equal_rods": ri.plot.spacetime(equal).ax,

@@ -1,35 +1,42 @@
 """Replay the textbook's box on the axial collision of elastic rods, in words and figures.
 
-Identical rods, a rod on a rigid wall, and rods of different length: steel, 1 m long and 1 cm^2
-thick, struck at 1 m/s. Then the coefficient of restitution of sixty pairs of rods against the law
-e = l1/l2. The figures go to a directory of their own.
+Identical rods, a rod on a rigid wall, and rods of different length: 1 m long and 1 cm^2 thick,
+struck at 1 m/s. Then the coefficient of restitution of sixty pairs of rods against the law
+e = l1/l2. The figures go to a directory of their own, with a page, index.html, that shows it all.
 """
 
 from __future__ import annotations
 
 import argparse
+import math
 import textwrap
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from ..explore.presets import steel_rod
-from ..model import Rod, System, Wall
+from ..materials import TABLE
+from ..model import Material, Rod, System, Wall
 from ..model.frozen import InvalidModel, Problems
 from ..results.closed_forms import closed_form
 from ..results.solution import Solution
 from ..running.solving import collide, solve
 from ..storage.tables import align, clean
+from ..storage.writing import write_text
 from ..units import format_si
 from . import DONE
 from .asking import note, quantity
+from .box_page import box_page
 from .stages import LEGEND, stages, tell
 
-FIGURES = [
-    *(f"{row}-{view}.png" for row in ("identical", "wall", "unequal")
-      for view in ("velocity", "stress", "stages", "contact", "energy")),
-    "restitution.png",
-]
+if TYPE_CHECKING:
+    from ..plot.style import Colours
+
+KEYS = ["identical", "wall", "unequal", "dowel"]
+VIEWS = ("velocity", "stress", "stages", "contact", "energy")
+PAGE = "index.html"
 PAIRS = 60  # length ratios at which e is compared with l1/l2
+AREA = 1e-4  # m^2
+DOWEL = 0.9144, math.pi / 4 * 0.0127**2  # 3 ft, m, and half an inch thick, m^2
+STAGES = 6  # in a figure
 
 
 class Replay(NamedTuple):
@@ -44,6 +51,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """A ratio of lengths, and where the figures go."""
     parser.add_argument("--ratio", default="0.4", metavar="R",
                         help="l1/l2 of the rods of different length, up to 1; default 0.4")
+    parser.add_argument("--material", choices=TABLE, default="steel", metavar="NAME",
+                        help="of the rods, from rodimpact materials; default steel")
+    parser.add_argument("--dowel", action="store_true",
+                        help="also drop a 3-foot wooden dowel on a stone floor")
+    parser.add_argument("--format", choices=("png", "svg", "pdf"), default="png",
+                        help="of the figures; default png")
+    parser.add_argument("--dark", action="store_true", help="light lines on dark paper")
     parser.add_argument("-o", "--output", default="rodimpact-box", metavar="DIR",
                         help="directory of the figures; default ./rodimpact-box")
     parser.add_argument("--force", action="store_true", help="replace existing figures")
@@ -56,62 +70,90 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     if not problems and not 0 < ratio <= 1:
         message = f"must be above 0 and at most 1, the left rod being the shorter, got {ratio!r}"
         problems.append(("--ratio", message))
+    suffix, last = arguments.format, f"restitution.{arguments.format}"
+    keys = KEYS if arguments.dowel else KEYS[:-1]
+    names = [*(name for key in keys for name in figures_of(key, suffix)), last]
     directory = Path(arguments.output)
     if directory.exists() and not directory.is_dir():
         problems.append(("--output", f"{arguments.output!r} is not a directory; name another"))
-    elif not arguments.force and (there := [n for n in FIGURES if (directory / n).exists()]):
+    elif not arguments.force and (there := [
+            name for name in (*names, PAGE) if (directory / name).exists()]):
         message = f"{directory} holds {', '.join(there)} already"
         problems.append(("--output", f"{message}; give --force to replace them, or name another"))
     if problems:
         raise InvalidModel(problems)
     directory.mkdir(parents=True, exist_ok=True)
 
-    replays = solve_all(ratio)
+    material = TABLE[arguments.material]
+    replays = solve_all(ratio, material, arguments.dowel)
     ratios = [i / PAIRS for i in range(1, PAIRS + 1)]
-    values = [restitution(r) for r in ratios]
+    values = [restitution(r, material) for r in ratios]
     note("drawing")
-    draw(replays, ratios, values, directory, arguments.force)
+    draw(replays, ratios, values, [directory / name for name in names], arguments)
     largest = max(abs(e - r) for e, r in zip(values, ratios, strict=True))
-    blocks = [
-        introduction(),
-        *(describe(replay) for replay in replays),
-        f"Length ratios from {ratios[0]:.3g} to 1\n"
-        f"{PAIRS} pairs of rods solved: e is l1/l2 but for {largest:.1e} at most.",
-        f"{len(FIGURES)} figures in {directory}\n"
-        + textwrap.fill(", ".join(FIGURES), 98, break_on_hyphens=False),
-    ]
-    return "\n\n\n".join(blocks), DONE
+    law = (f"Length ratios from {ratios[0]:.3g} to 1\n"
+           f"{PAIRS} pairs of rods solved: e is l1/l2 but for {largest:.1e} at most.")
+    parts = [(introduction(material), []),
+             *((describe(replay), figures_of(key, suffix))
+               for key, replay in zip(keys, replays, strict=True)),
+             (law, [last])]
+    write_text(directory / PAGE, box_page(parts, look_of(arguments)), force=arguments.force)
+    listed = (f"{len(names)} figures in {directory}, and {PAGE}, which shows them\n"
+              + textwrap.fill(", ".join(names), 98, break_on_hyphens=False))
+    return "\n\n\n".join([*(text for text, _ in parts), listed]), DONE
 
 
-def solve_all(ratio: float) -> list[Replay]:
-    """Solve the three collisions of the box, in the order of FIGURES."""
+def look_of(arguments: argparse.Namespace) -> Colours:
+    """Colours of the figures and of their page."""
+    from ..plot.style import LOOKS
+
+    return LOOKS["dark" if arguments.dark else "light"]
+
+
+def figures_of(key: str, suffix: str) -> list[str]:
+    """Names of the figures of a collision."""
+    return [f"{key}-{view}.{suffix}" for view in VIEWS]
+
+
+def rod(material: Material, length: float, velocity: float = 0.0) -> Rod:
+    """A rod of the box."""
+    return Rod(length, area=AREA, material=material, velocity=velocity)
+
+
+def solve_all(ratio: float, material: Material, dowel: bool) -> list[Replay]:
+    """Solve the collisions of the box in the order of KEYS, the last if a dowel is wanted."""
     title, both = f"Rods of different length, l1/l2 = {ratio:g}", ("left rod", "right rod")
-    pairs: list[tuple[str, tuple[str, str], float, Rod | Wall]] = [
-        ("Identical rods", both, 1.0, steel_rod(1.0)),
-        ("A rod on a rigid wall", ("rod", "wall"), 1.0, Wall()),
-        (title, both, ratio, steel_rod(1.0)),
+    metre, struck = rod(material, 1.0, 1.0), rod(material, 1.0)
+    rows: list[tuple[str, tuple[str, str], Rod, Rod | Wall]] = [
+        ("Identical rods", both, metre, struck),
+        ("A rod on a rigid wall", ("rod", "wall"), metre, Wall()),
+        (title, both, rod(material, ratio, 1.0), struck),
     ]
-    return [
-        Replay(title, names, solve(System([steel_rod(length, 1.0), right])))
-        for title, names, length, right in pairs
-    ]
+    if dowel:
+        length, area = DOWEL
+        wood = Rod(length, area=area, material=TABLE["oak"], velocity=1.0)
+        rows.append(("A wooden dowel, 3 ft long, on a stone floor", ("dowel", "floor"), wood,
+                     Wall()))
+    return [Replay(title, names, solve(System([left, right])))
+            for title, names, left, right in rows]
 
 
-def restitution(ratio: float) -> float:
+def restitution(ratio: float, material: Material) -> float:
     """Coefficient of restitution of two rods whose lengths have this ratio."""
-    return collide(steel_rod(ratio, 1.0), steel_rod(1.0)).restitution
+    return collide(rod(material, ratio, 1.0), rod(material, 1.0)).restitution
 
 
-def introduction() -> str:
+def introduction(material: Material) -> str:
     """What is collided, and how fast that is."""
-    rod = steel_rod(1.0)
-    c = float(rod.segments[0].wave_speed)
-    trips = format_si(2 * float(rod.transit_time), "s")
+    trips = 2 / float(material.wave_speed)
     return (
         "The axial collision of elastic rods\n"
-        "Steel rods of 1 cm^2, the longest 1 m long; the left one comes at v = 1 m/s.\n"
-        f"Waves run along a steel bar at {c:.0f} m/s, about 5000 m/s, not 1000 m/s: two trips\n"
-        f"along 1 m take {trips}, so the collision lasts about 0.4 ms, not a few ms.\n\n"
+        f"Rods of {material.name}, 1 cm^2 thick, the longest 1 m long; the left one comes at "
+        "v = 1 m/s.\n"
+        f"Waves run along them at {material.wave_speed:.0f} m/s (in metals at 3000 to 6000 m/s, "
+        "not about 1000 m/s): two trips\n"
+        f"along 1 m take {format_si(trips, 's')}, so the collision lasts about {1e3 * trips:.1g} "
+        "ms.\n\n"
         f"What is where, from left to right: velocity and stress of each uniform piece.\n{LEGEND}"
     )
 
@@ -157,28 +199,35 @@ def results(replay: Replay) -> str:
     remark = f"2 l/c of the {replay.names[0]} is {format_si(trip, 's')}"
     if isinstance(right, Rod):
         remark += f", of the {replay.names[1]} {format_si(2 * float(right.transit_time), 's')}"
-    return f"{table}\n{remark}. Vibration keeps (1 - e^2) m_coll v^2/2."
+    if episode.opening > episode.force_end:
+        remark += (
+            f".\nThe textbook lets the rods part as the force ends, {format_si(o.duration, 's')}; "
+            "they touch without force\nuntil the long rod's wave is back and the gap opens, "
+            f"{format_si(episode.opening - episode.start, 's')}")
+    return f"{table}\n{remark}.\nVibration keeps (1 - e^2) m_coll v^2/2."
 
 
 def draw(
-    replays: list[Replay], ratios: list[float], values: list[float], directory: Path, force: bool
+    replays: list[Replay], ratios: list[float], values: list[float], paths: list[Path],
+    arguments: argparse.Namespace,
 ) -> None:
     """Draw every collision, and e against the ratio of lengths."""
     from .. import plot
+    from ..plot.moments import moments
 
-    figures = [plot.restitution(ratios, values).ax.figure]
-    for replay in reversed(replays):
-        solution = replay.solution
-        times = {t for s in stages(solution, replay.names) for t in (s.time, s.middle)}
-        axes = (
-            plot.spacetime(solution, field="velocity").ax,
-            plot.spacetime(solution, field="stress").ax,
-            plot.snapshots(solution, times=sorted(times)).ax,
-            plot.contact(solution).force_ax,
-            plot.energy(solution).ax,
-        )
-        for ax in axes:
-            ax.set_title(replay.title, loc="left", pad=18)
-        figures[:0] = [ax.figure for ax in axes]
-    for name, figure in zip(FIGURES, figures, strict=True):
-        plot.save(figure, directory / name, force=force)
+    with plot.style.coloured(look_of(arguments)):
+        figures = [plot.restitution(ratios, values).ax.figure]
+        for replay in reversed(replays):
+            solution = replay.solution
+            axes = (
+                plot.spacetime(solution, field="velocity").ax,
+                plot.spacetime(solution, field="stress").ax,
+                plot.snapshots(solution, times=moments(solution, STAGES)).ax,
+                plot.contact(solution).force_ax,
+                plot.energy(solution).ax,
+            )
+            for ax in axes:
+                ax.set_title(replay.title.replace("l1/l2", "ℓ₁/ℓ₂"), loc="left", pad=18)
+            figures[:0] = [ax.figure for ax in axes]
+        for path, figure in zip(paths, figures, strict=True):
+            plot.save(figure, path, force=arguments.force)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import groupby
 from typing import Any, NamedTuple
 
@@ -13,17 +14,34 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from ..methods.signals import Floats
-from ..model import Absorbing, RigidMass, Rod
+from ..model import Absorbing, Bonded, RigidMass, Rod
 from ..model.profiles import extremes
+from ..results.fields import Profile
+from ..results.gauges import Gauge
 from ..results.placing import Placing
-from .borders import DRIVEN, WALL, drive_style, mass_style, open_style, wall_style
+from .borders import (
+    DRIVEN,
+    WALL,
+    drive_style,
+    gauge_path,
+    gauge_style,
+    mass_style,
+    open_style,
+    wall_style,
+)
 from .sampling import is_stepped, mean_areas, sampled
 from .scales import Scale
-from .style import DIVERGING, colours
+from .springs import draw_springs, is_compliant
+from .style import colours
 
 THICKNESS = 0.5  # of the thickest bar, in distances between rows
 SWELLING = 0.25  # relative thickening at the largest strain
 THINNEST = 0.35  # thinnest bar beside the thickest
+THICKNESS_TOLD = "thicker: compressed, thinner: stretched"
+PRESSING = 0.36  # half height of the line of a contact that presses
+MANY = 16  # pieces of a rod from which those alike are drawn as one
+ALIKE = 0.1  # of the range of a rod's velocities: how much they differ at most
+ONE_WAY = 0.1  # how much velocity and stretch may differ across a front that has a direction
 NARROWEST = 1e-9  # part of a rod that is drawn: fronts leave an end at no exact floating-point time
 
 
@@ -66,15 +84,15 @@ class Bars:
         solution, fields = self.plan.solution, self.plan.solution.fields
         rods = [(i, body) for i, body in enumerate(self.system.bodies) if isinstance(body, Rod)]
         widest = max(extremes(s.area)[1] for _, rod in rods for s in rod.segments)
-        states = [(row, i, rod, t, sampled(solution, i, t) if self.stepped
-                   else fields.profile(i, int(fields.to_ticks(t))))
+        states = [(row, i, rod, t, sampled(solution, i, max(t, 0.0)) if self.stepped
+                   else _thinned(fields.profile(i, int(fields.to_ticks(max(t, 0.0))))))
                   for row, t in enumerate(self.times.tolist()) for i, rod in rods]
         self.largest = self.largest or max(
             float(np.abs(profile.strain).max()) for *_, profile in states) or 1.0
         self.pieces: list[Piece] = []
         self.fronts: list[tuple[float, float, bool]] = []
         for row, i, rod, t, profile in states:
-            displaced = solution.displacement(i, profile.edges, t)
+            displaced = self.plan.moved(i, profile.edges, t)
             edges = (self.plan.place(i, profile.edges, t, displaced) * self.place.factor).tolist()
             first = profile.segment[0]
             areas = mean_areas(rod, profile.edges, profile.segment - first)
@@ -91,7 +109,7 @@ class Bars:
                 if not self.stepped and j and wide[j - 1] and which == profile.segment[j - 1]:
                     jump = v - float(profile.velocity[j - 1])
                     stretch = float(segment.wave_speed) * (strain - float(profile.strain[j - 1]))
-                    if np.isclose(abs(jump), abs(stretch), rtol=1e-6, atol=0.0):
+                    if np.isclose(abs(jump), abs(stretch), rtol=ONE_WAY, atol=0.0):
                         self.fronts.append((edges[j], -row + 0.4, jump * stretch < 0))
 
     def rods(self, ax: Axes, numbers: Floats, norm: Normalize) -> PolyCollection:
@@ -101,7 +119,8 @@ class Bars:
         bars = PolyCollection(
             [[(p.left, -p.row - p.half), (p.right, -p.row - p.half),
               (p.right, -p.row + p.half), (p.left, -p.row + p.half)] for p in self.pieces],
-            array=numbers, cmap=DIVERGING, norm=norm, zorder=2, rasterized=self.stepped, **lines)
+            array=numbers, cmap=self.colours.signed, norm=norm, zorder=2,
+            rasterized=self.stepped, **lines)
         ax.add_collection(bars)
         return bars
 
@@ -156,6 +175,50 @@ class Bars:
                                  zorder=4, **drive_style())
         return drawn
 
+    def springs(self, ax: Axes) -> list[Line2D]:
+        """Zigzags at compliant contacts."""
+        return draw_springs(ax, self.plan, self.times, self.place.factor)
+
+    def contacts(self, ax: Axes) -> list[Line2D]:
+        """A thick line where bodies press."""
+        drawn: list[Line2D] = []
+        for history in self.plan.solution.contacts:
+            if is_compliant(history) or isinstance(history.law, Bonded):
+                continue
+            x = self._end(history.index, True)
+            pressing = history.force(np.maximum(self.times, 0.0)) > 0
+            for row in np.flatnonzero(pressing & (self.times >= 0)).tolist():
+                drawn += ax.plot([x[row], x[row]], [-row - PRESSING, -row + PRESSING],
+                                 color=self.colours.ink, linewidth=2.6, zorder=4)
+        return drawn
+
+    def gauges(self, ax: Axes, records: Mapping[str, Gauge]) -> list[Line2D]:
+        """Squares where strain gauges are."""
+        drawn: list[Line2D] = []
+        rows = -np.arange(self.times.size)
+        for record in records.values():
+            path = gauge_path(self.plan, record, self.times) * self.place.factor
+            drawn += ax.plot(path, rows - THICKNESS / 2, zorder=5, **{
+                **gauge_style(), "linestyle": "", "marker": "s", "markersize": 4.5})
+        return drawn
+
     def _end(self, body: int, right: bool) -> Floats:
         """Places of an end of a body, in the unit of the picture."""
         return self.plan.end(body, right, self.times) * self.place.factor
+
+
+def _thinned(profile: Profile) -> Profile:
+    """A state with neighbours that are alike joined to pieces with their mean, if it has many."""
+    edges, velocity, strain, segment = profile
+    if velocity.size <= MANY:
+        return profile
+    room, starts = ALIKE * float(np.ptp(velocity)), [0]
+    for j in range(1, velocity.size):
+        group = velocity[starts[-1] : j + 1]
+        if segment[j] != segment[starts[-1]] or np.ptp(group) > room:
+            starts.append(j)
+    widths = np.diff(edges)
+    total = np.add.reduceat(widths, starts)
+    return Profile(np.append(edges[starts], edges[-1]),
+                   np.add.reduceat(velocity * widths, starts) / total,
+                   np.add.reduceat(strain * widths, starts) / total, segment[starts])

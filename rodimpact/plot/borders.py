@@ -20,6 +20,7 @@ from ..results.placing import Placing
 from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster
+from .springs import length
 from .style import SMALL, colours
 from .thinning import evenly
 
@@ -28,8 +29,7 @@ WALL = 0.04  # depth of a wall, in lengths of the row
 OPEN_END = (0, (3, 2))  # dashes of an end through which waves leave
 DRIVEN = {Pushed: "driven by a force", Moved: "driven at a velocity"}
 ARROWS = 8  # marks of a driven end
-POINTS = 1000  # of the path of a gauge, at most
-INSTANTS = 1000  # of the faces of a joint
+STEPS = 1001  # along springs, faces of joints and gauges
 
 
 class Borders:
@@ -57,9 +57,9 @@ class Borders:
             linewidths=[1.6 if a else 0.8 for a in absorbing],
             linestyles=[OPEN_END if a else "-" for a in absorbing])
 
-    def contacts(self) -> tuple[LineCollection, LineCollection]:
-        """Where bodies press, and where they touch without force."""
-        pressing, touching = [], []
+    def contacts(self) -> tuple[LineCollection, LineCollection, LineCollection]:
+        """Where bodies press, where they touch without force, and where a gap has no width."""
+        pressing, touching, apart = [], [], []
         start, stop = self.plane.span
         for history in self.plan.solution.contacts:
             if not history.law.opens:
@@ -68,14 +68,35 @@ class Borders:
             times = np.concatenate(([start], cuts[(cuts > start) & (cuts < stop)], [stop]))
             track = self.plane.points(self.plan.between(history.index, times), times)
             force, gap = self.cut.pressing(history, times)
-            pressing += _stretches(track, force > 0)
-            if isinstance(history.law, Rigid):
-                touching += _stretches(track, (force <= 0) & (gap == 0))
+            presses, touches = force > 0, (gap == 0) & isinstance(history.law, Rigid)
+            pressing += _stretches(track, presses)
+            touching += _stretches(track, touches & ~presses)
+            if not self.plan.magnification:
+                apart += _stretches(track, ~touches & ~presses)
         casing = withStroke(linewidth=4.5, foreground=self.colours.paper)
         how: Any = {"colors": self.colours.ink, "capstyle": "butt"}
         return (LineCollection(pressing, linewidths=3.0, zorder=5, path_effects=[casing],
                                label="pressing", **how),
-                LineCollection(touching, linewidths=1.2, zorder=4, label="touching", **how))
+                LineCollection(touching, linewidths=1.2, zorder=4, label="touching", **how),
+                LineCollection(apart, linewidths=2.4, zorder=4, label="apart", capstyle="butt",
+                               colors=self.colours.paper, path_effects=apart_style()))
+
+    def springs(self, ax: Axes) -> list[Polygon]:
+        """Where the springs of compliant contacts are pressed."""
+        bands = []
+        times = np.linspace(*self.plane.span, STEPS)
+        for history in self.plan.solution.contacts:
+            free = length(self.plan, history.index)
+            if not free or isinstance(history.law, Joint):
+                continue
+            left = self.plan.end(history.index, True, times)
+            right = np.minimum(self.plan.end(history.index + 1, False, times), left + free)
+            faces = np.stack([self.plane.points(x, times) for x in (left, right)], axis=1)
+            for band in _stretches(faces, history.gap(times)[:-1] < 0):
+                bands.append(Polygon(np.concatenate((band[:, 0], band[::-1, 1])), zorder=1.5,
+                                     facecolor=self.colours.wall, label="spring, pressed"))
+                ax.add_patch(bands[-1])
+        return bands
 
     def walls(self, ax: Axes) -> list[Polygon]:
         """Hatched bands beyond the faces of walls and fixed ends."""
@@ -110,10 +131,8 @@ class Borders:
         for name, record in records.items():
             start, stop = self.plane.span
             inside = record.times[(record.times > start) & (record.times < stop)]
-            times = np.concatenate(([start], inside[evenly(inside.size, POINTS)], [stop]))
-            moved = self.plan.solution.displacement(record.body, record.x, times)
-            track = self.plane.points(
-                self.plan.place(record.body, record.x, times, moved), times)
+            times = np.concatenate(([start], inside[evenly(inside.size, STEPS)], [stop]))
+            track = self.plane.points(gauge_path(self.plan, record, times), times)
             paths += ax.plot(*track.T, color=self.colours.ink, linewidth=1.0, linestyle="-.",
                              zorder=5, path_effects=casing, label=name)
             ax.annotate(name, track[0], textcoords="offset points", va="bottom", zorder=6,
@@ -123,7 +142,7 @@ class Borders:
 
     def joints(self, ax: Axes) -> list[Polygon]:
         """Hatched strips between the faces that joints hold together."""
-        strips, times = [], np.linspace(*self.plane.span, INSTANTS)
+        strips, times = [], np.linspace(*self.plane.span, STEPS)
         for i, law in enumerate(self.system.contacts):
             if isinstance(law, Joint):
                 left, right = self._track(i, True, times), self._track(i + 1, False, times)
@@ -165,6 +184,28 @@ def joint_style() -> dict[str, Any]:
 def drive_style() -> dict[str, Any]:
     """Marks of driven ends."""
     return {"linestyle": "", "color": colours().ink, "markerfacecolor": colours().paper}
+
+
+def gauge_path(plan: Placing, gauge: Gauge, times: Floats) -> Floats:
+    """Places in the picture, m, of a strain gauge."""
+    return plan.place(gauge.body, gauge.x, times, plan.moved(gauge.body, gauge.x, times))
+
+
+def gauge_style() -> dict[str, Any]:
+    """Lines and marks of strain gauges."""
+    return {"color": colours().series[4], "linewidth": 1.2, "linestyle": (0, (2, 2)),
+            "label": "strain gauge"}
+
+
+def apart_style() -> list[Any]:
+    """Edges of the line that stands for a gap."""
+    return [withStroke(linewidth=3.6, foreground=colours().ink)]
+
+
+def apart_mark() -> Line2D:
+    """What the line that stands for a gap looks like in a legend."""
+    return Line2D([], [], color=colours().paper, linewidth=2.4, path_effects=apart_style(),
+                  label="apart")
 
 
 def open_style() -> dict[str, Any]:

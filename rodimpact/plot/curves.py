@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..methods.signals import Floats
 from ..results.closed_forms import ClosedForm
 from .scales import ROUND_OFF
+from .showing import picture
 from .sides import Shown, Side, count_ticks, dress_side
 from .style import COMPUTED, colours, dress, grid, legend_above
 
@@ -28,6 +29,7 @@ LEAP = 8.0  # usual differences that a jump surpasses
 SEEN = 0.02  # of a quantity's range: a smaller jump is not seen
 
 
+@picture
 class Curve(NamedTuple):
     """Artists of a family with one axis; `theory` is the closed form, if there is one."""
 

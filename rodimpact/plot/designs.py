@@ -16,10 +16,12 @@ from ..model.arguments import of_kind
 from .curves import Curve
 from .families import sweep
 from .scales import engineering, place_scale, time_scale
+from .showing import picture
 from .sides import side_of
 from .style import SMALL, axes, colours, dress, legend_above, new_figure, styled
 
 
+@picture
 class Design(NamedTuple):
     """Artists of a design; `outline` is the silhouette of a stepped body, if it is drawn."""
 

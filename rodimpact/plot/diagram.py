@@ -19,15 +19,18 @@ from ..model import Absorbing
 from ..results.gauges import Gauge, check_gauges
 from ..results.placing import placing
 from ..results.solution import Solution, check_solution
-from .borders import Borders, Cut, open_style
+from .borders import Borders, Cut, apart_mark, open_style
 from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster
 from .sampling import is_stepped
 from .scales import FIELDS, Scale, axis_scales, field_scale, place_label, written
+from .showing import picture
+from .springs import with_springs
 from .style import axes, centred, check_choice, colour_bar, dress, legend_above, styled
 
 
+@picture
 class SpaceTime(NamedTuple):
     """Artists of a space-time diagram; `ends` are the ends of the rods.
 
@@ -41,6 +44,7 @@ class SpaceTime(NamedTuple):
     ends: LineCollection
     pressing: LineCollection
     touching: LineCollection
+    apart: LineCollection
     walls: list[Polygon]
     labels: list[Text]
     colour_bar: Colorbar
@@ -53,7 +57,7 @@ class SpaceTime(NamedTuple):
 def spacetime(
     solution: Solution, ax: Axes | None = None, field: str = "velocity",
     dimensionless: bool = False, start: float = 0.0, stop: float | None = None,
-    magnification: float | None = None, coordinates: str = "lab", across: bool = False,
+    magnification: float | None = None, coordinates: str = "body", across: bool = False,
     gauges: Mapping[str, Gauge] | None = None,
 ) -> SpaceTime:
     """Draw where every piece of rod is at every time, coloured by its state.
@@ -62,13 +66,14 @@ def spacetime(
     between them are wave fronts. A solution on a time step has flat cells instead, each with the
     average over its time; they stay pixels in SVG and PDF, and so do displacements.
 
-    Bodies are drawn where they are in the laboratory, with displacements and gaps magnified by the
-    factor named under the picture; where the whole row drifts much farther than it deforms, as seen
-    at the speed named there. In coordinates of the bodies, every piece stays at its place in the
-    undeformed row without gaps. A thick line marks a contact that presses, a thin one a rigid
-    contact that touches without force. Rigid masses are strips of the width named under the
-    picture, fixed ends are hatched as walls, absorbing ends dashed, driven ends marked by arrow
-    heads.
+    In coordinates of the bodies every piece stays at its place in the undeformed row without gaps,
+    so that all fronts of a wave speed are parallel. In the laboratory, bodies are drawn where they
+    are, with displacements and gaps magnified by the factor named under the picture, which bends
+    fronts, and with springs at compliant contacts; where the whole row drifts much farther than it
+    deforms, as seen at the speed named there. A thick line marks a contact that presses, a thin one
+    a rigid contact that touches without force, a double one bodies that are apart. Rigid masses are
+    strips of the width named under the picture, fixed ends are hatched as walls, absorbing ends
+    dashed, driven ends marked by arrow heads.
 
     Parameters
     ----------
@@ -85,8 +90,9 @@ def spacetime(
     start, stop : float
         Interval of time, s; by default the whole solution.
     magnification : float, optional
-        Of displacements and gaps; by default 1, 2 or 5 times a power of ten that shows them well.
-    coordinates : "lab" or "body"
+        Of displacements and gaps in the laboratory; by default 1, 2 or 5 times a power of ten that
+        shows them well.
+    coordinates : "body" or "lab"
     across : bool
         Whether time runs to the right and places lie upward, instead of the other way round.
     gauges : mapping of str to Gauge, optional
@@ -112,8 +118,10 @@ def spacetime(
     plan = placing(solution, start, stop, magnification)
     if coordinates == "body":
         if magnification is not None:
-            raise ValueError('magnification: nothing moves in coordinates="body"; leave it out')
+            raise ValueError('magnification: nothing moves in coordinates="body"; leave it out, or '
+                             'give coordinates="lab"')
         plan = replace(plan, magnification=0.0)
+    plan = with_springs(plan, np.linspace(start, stop, 301))
     values = cut.values(field, plan.frame)
     rest = plan.frame if field == "velocity" else 0.0
     reach = [float(np.nanmin(values)), float(np.nanmax(values))]
@@ -128,21 +136,23 @@ def spacetime(
     norm = centred([v * scale.factor for v in reach], rest * scale.factor)
     drawn = cut.draw(ax, plan, plane, values * scale.factor, norm)
     borders = Borders(plan, cut, plane)
-    walls, ends, (pressing, touching) = borders.walls(ax), borders.ends(), borders.contacts()
-    for lines in (ends, touching, pressing):
+    walls, ends, contacts = borders.walls(ax), borders.ends(), borders.contacts()
+    for lines in (ends, *contacts):
         ax.add_collection(lines)
     masses, joints, drives = borders.masses(ax), borders.joints(ax), borders.drives(ax)
-    paths = borders.gauges(ax, stations)
+    springs, paths = borders.springs(ax), borders.gauges(ax, stations)
 
-    plane.dress(ax, place_label(plan, place))
+    bent = ", which bends fronts" if plan.magnification > 1 else ""
+    plane.dress(ax, place_label(plan, place) + bent)
     dress(ax)
     bar = colour_bar(ax, drawn, scale.label)
     if field == "energy":
         bar.ax.set_ylim(0.0, norm.vmax)
-    named: list[Artist] = [lines for lines in (pressing, touching) if lines.get_segments()]
-    named += [*masses[:1], *joints[:1], *drives]
+    named: list[Artist] = [lines for lines in contacts if lines.get_segments()]
+    named = [apart_mark() if lines is contacts[2] else lines for lines in named]
+    named += [*springs[:1], *masses[:1], *joints[:1], *drives]
     if any(isinstance(end, Absorbing) for end in solution.system.ends):
         named.append(Line2D([], [], label="absorbing end", **open_style()))
     legend_above(ax, named)
-    return SpaceTime(ax, drawn, ends, pressing, touching, walls, cut.finish(), bar, masses,
+    return SpaceTime(ax, drawn, ends, *contacts, walls, cut.finish(), bar, masses,
                      scale, paths)

@@ -20,12 +20,15 @@ from ..model.arguments import array
 from ..results.contacts import ContactHistory
 from ..results.solution import Solution, check_solution
 from .scales import Scale, engineering, time_scale, written
+from .showing import picture
 from .style import DASHES, SMALL, colours, dress, legend_above, new_figure, styled, two_axes
-from .thinning import telling
+from .thinning import evenly, telling
 
 MARKED_UP_TO = 3  # episodes of contact
+NAMED_UP_TO = 12  # contacts in a row
 
 
+@picture
 class Contact(NamedTuple):
     """Artists of a contact's history: steps of force, lines of gap, marks of what happens when."""
 
@@ -131,6 +134,26 @@ def draw_forces(
         drawn.append(ax.stairs(
             values, edges, linewidth=1.5, label=f"contact {history.index}", **_line(i), **how))
     return drawn
+
+
+def draw_row_of_forces(ax: Axes, solution: Solution, contacts: Sequence[int]) -> None:
+    """Draw the forces of many contacts against time, one above the other, to one scale."""
+    histories = [solution.contacts[k] for k in contacts]
+    force = force_scale(solution, histories)
+    time = time_scale(solution.t_end)
+    records = [_record(history, solution.t_end) for history in histories]
+    largest = max(float(np.abs(f).max()) for _, f, _ in records) or 1.0
+    for i, (times, f, _) in enumerate(records):
+        kept, colour = telling(f), _line(i)["color"]
+        edges = np.append(times[kept], times[-1]) * time.factor
+        ax.stairs(i + 0.85 * f[kept] / largest, edges, baseline=i, fill=True, color=colour,
+                  alpha=0.35)
+        ax.axhline(i, color=colours().faint, linewidth=0.6, zorder=0)
+    shown = evenly(len(records), NAMED_UP_TO)
+    ax.set_yticks(shown, [f"contact {contacts[i]}" for i in shown])
+    ax.set(xlim=(0, solution.t_end * time.factor), ylim=(0, len(records)), xlabel=time.label)
+    ax.set_title(f"{force.name}, largest {force.write(largest)}", loc="left", fontsize=SMALL + 1)
+    dress(ax)
 
 
 def _line(i: int) -> dict[str, Any]:

@@ -12,9 +12,11 @@ from numpy.typing import ArrayLike
 
 from ..model.arguments import array
 from .scales import MINUS
+from .showing import picture
 from .style import COMPUTED, SMALL, axes, colours, dress, grid, styled
 
 
+@picture
 class Restitution(NamedTuple):
     """Artists of restitution against the ratio of lengths."""
 

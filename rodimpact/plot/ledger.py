@@ -16,9 +16,11 @@ from ..methods.signals import Floats
 from ..results.placing import placing
 from ..results.regions import regions_of
 from ..results.solution import Solution, check_solution
+from ..storage.report import ENERGIES
 from .moments import contact_turns
 from .sampling import is_stepped
 from .scales import ROUND_OFF, engineering, listed, time_scale, written
+from .showing import picture
 from .style import INK, SMALL, axes, dress, legend_above, styled
 
 SAMPLES = 201  # energies bend like parabolas where a force acts
@@ -28,20 +30,16 @@ FEWEST = 31
 TURNS = 6  # of contacts that are sampled too
 CORNERS_UP_TO = 500
 BANDS = {
-    "kinetic": ("motion of the centres of mass", "#53659f", "white"),
-    "vibrational_kinetic": ("vibration, kinetic", "#f0dc78", INK),
-    "strain": ("vibration, strain", "#a0a0a0", INK),
-    "contact": ("in compliant contacts", "#7aa6a1", INK),
-    "dissipated": ("lost in contacts", "#d9b3a6", INK),
-    "radiated": ("gone through absorbing ends", "#e3e3e3", INK),
-    "damped": ("lost in material", "#e0c39a", INK),
-    "numerical": ("lost to the time step", "#c7a3c4", INK),
+    "kinetic": "#53659f", "vibrational_kinetic": "#f0dc78", "strain": "#b9b9b9",
+    "contact": "#7aa6a1", "dissipated": "#d9b3a6", "radiated": "#e3e3e3", "damped": "#e0c39a",
+    "numerical": "#c7a3c4",
 }
-"""Entries of the ledger that are stacked, with words, colour, and colour of the words."""
+"""Entries of the ledger that are stacked, and their colours."""
 ALWAYS = ("kinetic", "vibrational_kinetic", "strain")
 WORKS = {"wall_work": "the walls", "drive_work": "the driven ends", "gravity_work": "gravity"}
 
 
+@picture
 class Energy(NamedTuple):
     """Artists of an energy ledger; `work` is the line of what works add, if any."""
 
@@ -53,7 +51,7 @@ class Energy(NamedTuple):
 
 @styled
 def energy(solution: Solution, ax: Axes | None = None) -> Energy:
-    """Draw the energy of all bodies against time, split into motion, vibration and strain.
+    """Draw the energy of all bodies against time: moving as a whole, vibration, and strain.
 
     Above it lies what is stored in compliant contacts, lost there and in damped material, gone
     through absorbing ends and lost to the time step, each if there is any. If the whole row drifts,
@@ -88,7 +86,7 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
     x = times * time.factor
     bands = ax.stackplot(
         x, np.stack(list(parts.values())) * scale.factor, linewidth=0.0,
-        colors=[BANDS[entry][1] for entry in parts], labels=[BANDS[entry][0] for entry in parts])
+        colors=[BANDS[entry] for entry in parts], labels=[ENERGIES[entry] for entry in parts])
     seen = f" in a frame moving at {written(frame, 'm/s')}" if frame else ""
     ax.set(xlim=(0, solution.t_end * time.factor),
            ylim=(0, 1.08 * float(max(total.max(), supplied.max())) * scale.factor or 1.0),
@@ -102,9 +100,10 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
     missing: list[Artist] = [] if work is None else [work]
     stacked = np.cumsum(list(parts.values()), axis=0)
     for band, upper, (entry, part) in zip(bands, stacked, parts.items(), strict=True):
-        name, _, colour = BANDS[entry]
+        name = ENERGIES[entry]
         spot = _widest(ax, x, (upper - part) * scale.factor, upper * scale.factor, name)
         if spot:
+            colour = "white" if entry == "kinetic" else INK
             labels.append(ax.text(*spot, name, color=colour, ha="center", va="center",
                                   fontsize=SMALL + 1))
         elif part.max() > ROUND_OFF * total.max():

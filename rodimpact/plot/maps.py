@@ -26,20 +26,22 @@ from ..methods.signals import Floats
 from ..results.closed_forms import ClosedForm
 from .curves import jumps
 from .scales import ROUND_OFF, signed
+from .showing import picture
 from .sides import Shown, Side, count_ticks, dress_side
-from .style import DIVERGING, SMALL, centred, colour_bar, colours, dress, ink_on, legend_above
+from .style import RISING, SMALL, centred, colour_bar, colours, dress, ink_on, legend_above
 from .thinning import evenly
 
 LINES = 150  # points a side, at most, from which lines are drawn
 CRUMB = 8  # points of a piece of a line, at least, unless the map itself is coarse
 PLATEAU = 3  # rows of points on which values equal: no line follows such a plateau
 COLOURS = 24  # counts that have a colour each, at most
-SMOOTH_COLOURS = DIVERGING.resampled(100)  # as smooth to the eye as 256, and half the file
+SMOOTH = 100  # colours: to the eye as smooth as 256, and half the file
 
 
 Plane: TypeAlias = tuple[Floats, Floats]  # numbers on the axes from which lines are drawn
 
 
+@picture
 class Map(NamedTuple):
     """Artists of a family with two axes; `theory` holds lines of equal times and impedances."""
 
@@ -61,7 +63,7 @@ def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: ClosedForm 
     i, j = (evenly(side.values.size, LINES) for side in (across, up))
     plane = across.numbers[i], up.numbers[j]
     contours, labels = (None, []) if shown.is_count else _contours(
-        ax, plane, shown.values[np.ix_(i, j)], norm)
+        ax, plane, shown.values[np.ix_(i, j)], palette, norm)
     paper, ink, faint, *_ = colours()
     handles: list[Artist] = []
     lines: list[QuadContourSet] = []
@@ -87,17 +89,17 @@ def _colours(shown: Shown) -> tuple[Colormap, Normalize]:
         low, high = 0.0, len(shown.words) - 1.0
     count = int(high - low) + 1
     if shown.is_count and count <= COLOURS:
-        return DIVERGING.resampled(count), BoundaryNorm(low - 0.5 + np.arange(count + 1), count)
+        return RISING.resampled(count), BoundaryNorm(low - 0.5 + np.arange(count + 1), count)
     largest = max(-low, high)
     if low < -ROUND_OFF * largest and high > ROUND_OFF * largest:
-        return SMOOTH_COLOURS, centred((low, high))
+        return colours().signed.resampled(SMOOTH), centred((low, high))
     if high - low <= ROUND_OFF * largest:
         low, high = min(low, 0.0), max(high, 0.0)
-    return SMOOTH_COLOURS, Normalize(low, high if high > low else low + 1.0)
+    return RISING.resampled(SMOOTH), Normalize(low, high if high > low else low + 1.0)
 
 
 def _contours(
-    ax: Axes, plane: Plane, values: Floats, norm: Normalize
+    ax: Axes, plane: Plane, values: Floats, palette: Colormap, norm: Normalize
 ) -> tuple[QuadContourSet | None, list[Text]]:
     """Draw lines at round values, each with its value, up to the jumps and not across them."""
     known = values[np.isfinite(values)]
@@ -118,7 +120,7 @@ def _contours(
         return None, []
     lines = ax.contour(
         *plane, np.ma.array(values, mask=~smooth).T, levels=levels, linestyles="-", linewidths=0.8,
-        colors=[ink_on(norm, x) for x in levels], zorder=3)
+        colors=[ink_on(norm, x, palette) for x in levels], zorder=3)
     least = min(CRUMB, min(values.shape) // 5)
     lines.set_paths([_without_crumbs(path, least) for path in lines.get_paths()])
     return lines, list(ax.clabel(lines, fmt=lambda x: signed(f"{x:g}"), fontsize=SMALL + 1,

@@ -1,7 +1,8 @@
 """A moving picture: the row above, its space-time diagram and contact forces growing below it.
 
-Only what moves is drawn anew in each frame, over a picture of all the rest; the future lies under a
-cover of the colour of the paper.
+It begins before the contact, tells what happens when, and rests at the end. Only what moves is
+drawn anew in each frame, over a picture of all the rest; the future lies under a cover of the
+colour of the paper.
 """
 
 from __future__ import annotations
@@ -17,23 +18,39 @@ from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 from PIL import Image
 
+from ..model import Rod
 from ..model.arguments import single
-from ..results.placing import placing
+from ..results.placing import Placing, placing
 from ..results.solution import Solution, check_solution
-from .bars import Bars
+from .bars import THICKNESS_TOLD, Bars
 from .diagram import spacetime
 from .film import Film
 from .histories import draw_forces, force_scale
+from .moments import contact_turns, happening
 from .page import headline
 from .polygons import drawn_until
-from .scales import Scale, axis_scales, written
-from .style import NORMAL, SMALL, check_choice, colours, dress, legend_above, new_figure, styled
+from .scales import Scale, axis_scales, signed, written
+from .springs import with_springs
+from .style import (
+    NORMAL,
+    SMALL,
+    broken,
+    check_choice,
+    coloured,
+    colours,
+    dress,
+    legend_above,
+    new_figure,
+    styled,
+)
 
 FIELDS = ("velocity", "stress", "strain")
 MOST_FRAMES, MOST_PER_SECOND = 10_000, 50
 DOTS_PER_INCH = 100
 CONTACTS = 5  # shown at most
 SAMPLED = 100  # frames by whose largest strain bars swell
+APPROACH, WAY = 0.2, 0.12  # before contact, at most: parts of the frames, and of the row
+REST = 1.5  # of the last frame, s
 
 
 class Animation(Film):
@@ -46,24 +63,32 @@ class Animation(Film):
         self, solution: Solution, field: str, times: NDArray[np.float64], fps: float,
         magnification: float | None,
     ) -> None:
-        self.times, self.fps, self.title = times, fps, headline(solution)
+        self.fps, self.title = fps, headline(solution)
         self.field, self.colours = field, colours()
         start, stop = float(times[0]), float(times[-1])
-        plan = placing(solution, start, stop, magnification)
+        plan = with_springs(placing(solution, start, stop, magnification), times)
+        before = _approach(plan, times)
+        self.times = np.concatenate((before, times, np.full(round(REST * fps), stop)))
+        self._turns, self._captions = _captions(solution, start, stop)
         self._time, place = axis_scales(solution, False, stop, plan.row)
         self._bars = Bars(plan, times[:: 1 + times.size // SAMPLED], place)
-        self.figure = new_figure(8.4, 6.4)
+        self.figure = new_figure(8.4, 6.8)
+        self.figure.suptitle(broken(self.title, self.figure.bbox.width), color=self.colours.ink,
+                             fontsize=NORMAL + 1)
         self.figure.set_dpi(DOTS_PER_INCH)
-        grid = self.figure.add_gridspec(2, 2, height_ratios=(1, 3.6), width_ratios=(3, 1))
+        grid = self.figure.add_gridspec(2, 2, height_ratios=(1.2, 3.6), width_ratios=(3, 1))
         below = self.figure.add_subplot(grid[1, 0])
         picture = spacetime(solution, below, field, start=start, stop=stop,
-                            magnification=magnification)
+                            magnification=plan.magnification, coordinates="lab")
         self._norm: Any = picture.regions.norm
         self._factor = picture.scale.factor
         self._row = self.figure.add_subplot(grid[0, 0], sharex=below)
         self._row.set(ylim=(-0.6, 0.6), autoscale_on=False)
         self._row.set_axis_off()
-        self._clock = self._words(self.figure.add_subplot(grid[0, 1]), solution, stop)
+        first = [float(plan.end(i, False, self.times[0])) for i in range(len(plan.left))]
+        below.set_xlim(left=min(below.get_xlim()[0], (min(first) - 0.02 * plan.row) * place.factor))
+        self._clock, self._caption = self._words(
+            self.figure.add_subplot(grid[0, 1]), solution, times)
         growing = [below]
         if solution.outcome.unilateral:
             growing.append(self.figure.add_subplot(grid[1, 1], sharey=below))
@@ -76,27 +101,31 @@ class Animation(Film):
         self.figure.set_layout_engine("none")
         self._still = self._canvas.copy_from_bbox(self.figure.bbox)
 
-    def _words(self, ax: Axes, solution: Solution, stop: float) -> Any:
-        """Write what the picture shows and how fast; the clock, still empty, is handed back."""
+    def _words(self, ax: Axes, solution: Solution, times: NDArray[np.float64]) -> list[Any]:
+        """Write what the picture shows and how fast; clock and caption, still empty, come back."""
         ax.set_axis_off()
-        slowness = (self.times.size - 1) / self.fps / (stop - float(self.times[0]))
+        stop = float(times[-1])
+        slowness = (times.size - 1) / self.fps / (stop - float(times[0]))
         words = [
             *([f"slowed down {_rounded(slowness)} times"] if slowness > 1 else []),
             *([f"first {written(stop, 's')} of {written(solution.t_end, 's')}"]
               if stop < solution.t_end else []),
-            f"colour: {self.field}",
-            *([self._bars.plan.scale] if self._bars.plan.magnification != 1 else []),
-            "thickness: strain, exaggerated",
+            THICKNESS_TOLD.replace(", ", ",\n"),
         ]
-        ax.text(0.0, 0.68, "\n".join(words), transform=ax.transAxes, va="top", fontsize=SMALL + 1,
-                color=self.colours.ink, linespacing=1.5)
-        return ax.text(0.0, 0.75, "", transform=ax.transAxes, va="bottom", fontsize=NORMAL + 4,
-                       color=self.colours.ink, animated=True)
+        ax.text(0.0, 0.0, "\n".join(words), transform=ax.transAxes, va="bottom", fontsize=SMALL + 1,
+                color=self.colours.faint, linespacing=1.4)
+        how: Any = {"transform": ax.transAxes, "color": self.colours.ink, "animated": True}
+        return [ax.text(0.0, 1.0, "", va="top", fontsize=NORMAL + 4, **how),
+                ax.text(0.0, 0.85, "", va="top", fontsize=NORMAL, **how)]
 
     @styled
     def frame(self, number: int) -> NDArray[np.uint8]:  # noqa: D102
+        with coloured(self.colours):
+            return self._drawn(number)
+
+    def _drawn(self, number: int) -> NDArray[np.uint8]:
         t = float(self.times[number])
-        now, end = t * self._time.factor, float(self.times[-1]) * self._time.factor
+        now, end = max(t, 0.0) * self._time.factor, float(self.times[-1]) * self._time.factor
         self._canvas.restore_region(self._still)
         for cover, line in zip(self._covers, self._nows, strict=True):
             cover.set(y=now, height=end - now)
@@ -104,7 +133,9 @@ class Animation(Film):
             for artist in (cover, line.axes.spines["left"], line):
                 line.axes.draw_artist(artist)
         self._clock.set_text(self.clock(number))
-        self._clock.axes.draw_artist(self._clock)
+        self._caption.set_text(self._captions[np.searchsorted(self._turns, t, side="right")])
+        for text in (self._clock, self._caption):
+            text.axes.draw_artist(text)
         for artist in self._actors(t):
             self._row.draw_artist(artist)
             artist.remove()
@@ -119,14 +150,15 @@ class Animation(Film):
         values = np.array([getattr(piece, self.field) for piece in bars.pieces]) * self._factor
         blocks, faces = bars.walls(ax)
         actors = [*blocks, *faces, bars.rods(ax, values, self._norm), *bars.masses(ax),
-                  *bars.ends(ax), bars.outlines(ax)]
+                  *bars.ends(ax), bars.outlines(ax), *bars.springs(ax),
+                  *bars.contacts(ax)]
         return [actor for actor in actors if actor is not None]
 
     def clock(self, number: int) -> str:  # noqa: D102
         end = float(self.times[-1]) * self._time.factor
         decimals = max(0, 2 - math.floor(math.log10(end)))
         now = float(self.times[number]) * self._time.factor
-        return f"t = {now:.{decimals}f} {self._time.unit}"
+        return signed(f"t = {now:.{decimals}f} {self._time.unit}")
 
 
 @styled
@@ -139,7 +171,8 @@ def animation(
     Above, the row moves and deforms, with displacements magnified as in `spacetime` and by the
     factor named there; compressed pieces are thicker, stretched ones thinner. Below, the space-time
     diagram grows, and beside it the force of the contacts. They are arranged on a figure of the
-    film's own, so it takes no Axes.
+    film's own, so it takes no Axes. A film from t = 0 in which bodies touch then begins with their
+    approach; each ends with a rest of 1.5 s.
 
     Parameters
     ----------
@@ -147,7 +180,7 @@ def animation(
     field : "velocity", "stress" or "strain"
         Tells the colours.
     frames : int
-        2 to 10 000 of them, evenly spread from `start` to `stop`.
+        2 to 10 000 of them, evenly spread from `start` to `stop`; approach and rest are added.
     fps : float
         Frames a second, 1 to 50.
     start, stop : float
@@ -171,8 +204,8 @@ def animation(
     >>> import rodimpact as ri
     >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
     >>> film = ri.plot.animation(ri.solve(ri.System([rod, ri.Wall()])), frames=5)
-    >>> film.clock(4), film.frame(4).shape
-    ('t = 317 µs', (640, 840, 3))
+    >>> film.clock(len(film) - 1), film.frame(4).shape
+    ('t = 317 µs', (680, 840, 3))
     """
     check_solution(solution)
     check_choice("field", field, FIELDS)
@@ -192,6 +225,33 @@ def check_frames(frames: int, fps: float) -> None:
         raise ValueError(f"frames: must be a whole number from 2 to {MOST_FRAMES}, got {frames!r}")
     if not 1 <= rate <= MOST_PER_SECOND:
         raise ValueError(f"fps: must be 1 to {MOST_PER_SECOND} frames a second, got {fps!r}")
+
+
+def _approach(plan: Placing, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Times before 0 at which bodies come that touch at t = 0, if each has one velocity."""
+    solution = plan.solution
+    V, gaps = np.array(solution.outcome.velocities_before), solution.system.gaps
+    closing = [float(V[k] - V[k + 1]) for k, gap in enumerate(gaps) if gap == 0]
+    still = all(np.ptp(solution.fields.profile(i, 0).velocity) == 0
+                and not solution.fields.profile(i, 0).strain.any()
+                for i, body in enumerate(solution.system.bodies) if isinstance(body, Rod))
+    if times[0] != 0 or not still or max(closing, default=0.0) <= 0 or min(closing) < 0:
+        return np.empty(0)
+    step = float(times[1])
+    way = WAY * plan.row / (plan.magnification * max(closing))
+    count = int(min(way / step, APPROACH * times.size))
+    return np.arange(-count, 0, dtype=np.float64) * step
+
+
+def _captions(solution: Solution, start: float, stop: float) -> tuple[list[float], list[str]]:
+    """Times at which something happens at contacts, and what to read before and after each."""
+    turns = sorted({t for t in contact_turns(solution) if start <= t <= stop})
+    told = []
+    for t in turns:
+        first, *others = happening(solution, t).splitlines()
+        more = [others[0] + (", ..." if others[1:] else "")] if others else []
+        told.append("\n".join([f"{written(t, 's')}:", first, *more]))
+    return turns, ["before contact" if start == 0 and turns else "", *told]
 
 
 def _draw_forces(ax: Axes, solution: Solution, time: Scale) -> None:

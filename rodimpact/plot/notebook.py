@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import base64
 import html
-import io
-
-from matplotlib.figure import Figure
+from typing import Any
 
 from ..design import PulseDesign, RestitutionDesign
 from ..fitting.result import Fit
@@ -21,16 +19,13 @@ from .fits import fit
 from .page import headline, overview
 from .quantities import parameter
 
-DOTS_PER_INCH = 90
 MORE = "to_csv writes all, save keeps them"
 
 
 def html_of(result: Solution | SweepResult | PulseDesign | RestitutionDesign | Fit) -> str:
     """Picture and table of a result."""
     if isinstance(result, PulseDesign | RestitutionDesign):
-        figure = design(result).ax.figure
-        assert isinstance(figure, Figure)
-        return _image(figure, "wanted and reached") + as_html(str(result))
+        return _image(design(result), "wanted and reached") + as_html(str(result))
     if isinstance(result, Fit):
         return _fit(result)
     return _solution(result) if isinstance(result, Solution) else _sweep(result)
@@ -38,9 +33,8 @@ def html_of(result: Solution | SweepResult | PulseDesign | RestitutionDesign | F
 
 def _fit(found: Fit) -> str:
     """Figures of all records, and table of a fit."""
-    drawn = [(m.title, fit(found, record=i).ax.figure) for i, m in enumerate(found.measured)]
-    pictures = [_image(figure, f"{title}, measured and predicted")
-                for title, figure in drawn if isinstance(figure, Figure)]
+    pictures = [_image(fit(found, record=i), f"{m.title}, measured and predicted")
+                for i, m in enumerate(found.measured)]
     return "".join(pictures) + as_html(str(found))
 
 
@@ -69,18 +63,15 @@ def _family(result: SweepResult) -> str:
     """Picture of e, or of the last body's velocity; none of a family with three axes, or none."""
     for quantity in ("restitution", f"velocity_after.{len(result.system.bodies) - 1}"):
         try:
-            ax = sweep(result, quantity=quantity).ax
+            drawn = sweep(result, quantity=quantity)
         except ValueError:
             continue
-        assert isinstance(ax.figure, Figure)
-        return _image(ax.figure, f"{quantity} over {', '.join(result.parameters)}")
+        return _image(drawn, f"{quantity} over {', '.join(result.parameters)}")
     return ""
 
 
-def _image(figure: Figure, description: str) -> str:
-    """A figure as HTML that needs no file."""
-    memory = io.BytesIO()
-    figure.savefig(memory, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
-    data = base64.b64encode(memory.getvalue()).decode()
+def _image(drawn: Any, description: str) -> str:
+    """A picture as HTML that needs no file."""
+    data = base64.b64encode(drawn._repr_png_()).decode()
     return (f'<img src="data:image/png;base64,{data}" alt="{html.escape(description)}" '
             'style="max-width: 100%">')

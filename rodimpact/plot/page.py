@@ -10,19 +10,21 @@ from ..model import RigidMass, Wall
 from ..results.gauges import Gauge
 from ..results.solution import Solution, check_solution
 from .diagram import spacetime
-from .histories import contact
+from .histories import contact, draw_row_of_forces
 from .ledger import energy
 from .polygons import drawn_until
 from .scales import closing_speed, digits, engineering, listed, time_scale, written
 from .style import NORMAL, SMALL, colours, new_figure, styled
 
-CONTACTS = 4  # shown at most
+TOGETHER = 3  # contacts whose forces and gaps are drawn over each other; more have a line each
 NAMED_UP_TO = 6  # bodies whose velocities fit into the headline
 
 
 @styled
 def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> Figure:
-    """Draw velocity and stress in space and time, force and gap of the first contacts, and energy.
+    """Draw velocity and stress in space and time, contacts, and energy.
+
+    Of up to three contacts force and gap are drawn, of more the forces, one above the other.
 
     Its many Axes are arranged on a figure of its own, so it takes none.
 
@@ -50,8 +52,10 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     stop = drawn_until(solution)
     for column, field in enumerate(("velocity", "stress")):
         spacetime(solution, figure.add_subplot(upper[column]), field, stop=stop, gauges=gauges)
-    able_to_open = solution.outcome.unilateral[:CONTACTS]
-    if able_to_open:
+    able_to_open = solution.outcome.unilateral
+    if len(able_to_open) > TOGETHER:
+        draw_row_of_forces(figure.add_subplot(lower[:, 0]), solution, able_to_open)
+    elif able_to_open:
         force_ax = figure.add_subplot(lower[0, 0])
         contact(solution, (force_ax, figure.add_subplot(lower[1, 0], sharex=force_ax)),
                 able_to_open)
@@ -61,9 +65,6 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     if stop < solution.t_end:
         notes.append(f"The upper pictures show the first {written(stop, 's')}; "
                      "later ones would have too many regions to be read.")
-    if len(able_to_open) < len(solution.outcome.unilateral):
-        notes.append(f"Contacts {', '.join(map(str, able_to_open))} of "
-                     f"{len(solution.outcome.unilateral)} are shown.")
     figure.supxlabel("\n".join(notes), fontsize=SMALL + 1, color=colours().ink)
     return figure
 

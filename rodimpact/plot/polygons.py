@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection, TriMesh
+from matplotlib.collections import LineCollection, PolyCollection, TriMesh
 from matplotlib.colors import Normalize
 from matplotlib.text import Text
 
@@ -17,10 +17,12 @@ from ..results.regions import readable_until, regions_of
 from ..results.solution import Solution
 from .plane import Plane
 from .sampling import energy_density, is_stepped
-from .scales import digits
-from .style import DIVERGING, SMALL, colours, ink_on
+from .scales import ROUND_OFF, digits
+from .style import SMALL, colours, ink_on
 
 CROWDED = 3.0  # typical thickness of a region, points, below which lines would hide the colours
+SPARSE = 12.0  # distance between fronts where they are a crowd, points
+SEEN = 0.05  # of the range of values: smaller jumps have no line in a crowd
 REGIONS = 20_000  # more cannot be read
 
 
@@ -70,7 +72,7 @@ class Polygons:
         corners = plane.points(places, r.t)
         self._polygons = np.split(corners, r.start[1:-1])
         self._norm = norm
-        self._drawn = PolyCollection(self._polygons, cmap=DIVERGING, norm=norm, zorder=2,
+        self._drawn = PolyCollection(self._polygons, cmap=colours().signed, norm=norm, zorder=2,
                                      edgecolors=colours().ink, linewidths=0.35)
         ax.add_collection(self._drawn)
         if numbers.size == len(r):
@@ -79,16 +81,44 @@ class Polygons:
         self._drawn.set_facecolor("none")
         return ax.tripcolor(
             corners[:, 0], corners[:, 1], numbers, triangles=_fans(r.start), shading="gouraud",
-            cmap=DIVERGING, norm=norm, zorder=1.9, rasterized=True)
+            cmap=colours().signed, norm=norm, zorder=1.9, rasterized=True)
 
     def finish(self) -> list[Text]:
         """Once limits are set: write each number where it has room; no lines in a crowd."""
         ax, numbers = self._drawn.axes, self._drawn.get_array()
         assert isinstance(ax, Axes)
         if _thickness(ax, self._polygons) < CROWDED:
-            self._drawn.set(edgecolor="none" if numbers is None else "face", linewidth=0.1)
+            self._drawn.set(edgecolor="none" if numbers is None else "face", linewidth=0.4)
+            if numbers is not None:
+                ax.add_collection(LineCollection(
+                    self._strongest(np.asarray(numbers)), colors=colours().ink, linewidths=0.35,
+                    zorder=2.2))
             return []
         return [] if numbers is None else _labels(ax, self._polygons, numbers, self._norm)
+
+    def _strongest(self, numbers: Floats) -> list[Floats]:
+        """The fronts across which numbers jump most, as many as leave `SPARSE` points between."""
+        r, after = self.regions, np.arange(1, self.regions.x.size + 1)
+        after[r.start[1:] - 1] = r.start[:-1]
+        here = np.column_stack((self._body, r.x, r.t))
+        ends = np.stack((here, here[after]), axis=1)
+        order = np.lexsort((ends[..., 1], ends[..., 2]), axis=1)
+        keys = np.take_along_axis(ends, order[..., None], axis=1).reshape(-1, 6)
+        by_key = np.lexsort(keys.T)
+        same = (keys[by_key[1:]] == keys[by_key[:-1]]).all(axis=1)
+        first, second = by_key[:-1][same], by_key[1:][same]
+        owner = np.repeat(np.arange(len(r)), np.diff(r.start))
+        jump = np.abs(numbers[owner[first]] - numbers[owner[second]])
+        corners = np.concatenate(self._polygons)
+        ax = self._drawn.axes
+        assert isinstance(ax, Axes)
+        lengths = np.hypot(*(_points(ax, corners[first]) - _points(ax, corners[after[first]])).T)
+        room = math.prod(ax.get_window_extent().size) * (72 / ax.figure.dpi) ** 2 / SPARSE
+        strongest = np.argsort(-jump, kind="stable")
+        fits = np.cumsum(lengths[strongest]) < room
+        least = jump[strongest[~fits]].max(initial=SEEN * float(np.ptp(numbers)))
+        kept = first[jump > least * (1 + ROUND_OFF)]
+        return list(np.stack((corners[kept], corners[after[kept]]), axis=1))
 
 
 def drawn_until(solution: Solution) -> float:
@@ -119,7 +149,7 @@ def _labels(ax: Axes, polygons: list[Floats], values: Floats, norm: Normalize) -
         box = _centre(corners) + np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half
         if _inside(box, corners):
             x, y = _centre(polygon)
-            ground = {"facecolor": DIVERGING(norm(value)), "edgecolor": "none", "pad": 1.0}
+            ground = {"facecolor": colours().signed(norm(value)), "edgecolor": "none", "pad": 1.0}
             written.append(ax.text(x, y, text, ha="center", va="center", zorder=6, fontsize=SMALL,
                                    color=ink_on(norm, value), bbox=ground))
     return written

@@ -16,7 +16,7 @@ from ..results.solution import Solution
 from .plane import Plane
 from .sampling import averaged, energy_density, mean_areas, modulus, pieces
 from .scales import ROUND_OFF
-from .style import DIVERGING
+from .style import colours
 
 ROWS = 400  # cells one above the other
 
@@ -98,7 +98,7 @@ class Raster:
         when = np.broadcast_to(self.times[:, None], across.shape)
         return ax.pcolormesh(
             *np.moveaxis(plane.points(across, when), -1, 0), np.ma.masked_invalid(numbers),
-            cmap=DIVERGING, norm=norm, zorder=2, shading="flat", rasterized=True,
+            cmap=colours().signed, norm=norm, zorder=2, shading="flat", rasterized=True,
             antialiased=False, edgecolors="none", linewidth=0)
 
     def finish(self) -> list[Text]:

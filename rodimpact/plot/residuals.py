@@ -16,12 +16,14 @@ from ..records.comparison import Bounds, Misfit, gain_unit, plateau
 from ..records.signal import Signal
 from ..units import TIMES
 from .scales import engineering, signed
+from .showing import picture
 from .style import SMALL, colours, dress, grid, legend_above, new_figure, styled, two_axes
 from .thinning import telling
 
 BROAD = 3.8  # inches: room for a legend in one line
 
 
+@picture
 class Comparison(NamedTuple):
     """Artists of a comparison, and its numbers; the band is there if it was given."""
 

@@ -7,11 +7,11 @@ import os
 from typing import Any
 
 from matplotlib import rc_context
-from matplotlib.figure import Figure
 
 from ..storage.writing import write_bytes
 from .film import format_of
 from .moving import Animation
+from .showing import figure_of
 
 DOTS_PER_INCH = 200
 FORMATS: dict[str, dict[str, Any]] = {
@@ -44,16 +44,8 @@ def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> Non
         picture.save(path, force=force)
         return
     kind = format_of(path, FORMATS)
-    figure = _figure_of(picture)
+    figure = figure_of(picture)
     memory = io.BytesIO()
     with rc_context({"svg.hashsalt": "rodimpact", "svg.fonttype": "path", "pdf.fonttype": 42}):
         figure.savefig(memory, format=kind, dpi=DOTS_PER_INCH, metadata=FORMATS[kind])
     write_bytes(path, memory.getvalue(), force=force)
-
-
-def _figure_of(picture: Any) -> Figure:
-    axes = getattr(picture, "ax", getattr(picture, "force_ax", picture))
-    figure = getattr(axes, "figure", axes)
-    if not isinstance(figure, Figure):
-        raise ValueError(f"picture: must be a figure, axes or a picture of them, got {picture!r}")
-    return figure

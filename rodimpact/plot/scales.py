@@ -12,6 +12,7 @@ from ..model.profiles import extremes
 from ..results.placing import Placing
 from ..results.solution import Solution
 from ..units import format_power
+from .springs import length as spring_length
 
 FIELDS = ("velocity", "stress", "strain", "displacement", "energy")
 ROUND_OFF = 1e-9  # beside the largest value shown, as good as nothing
@@ -156,6 +157,8 @@ def place_label(plan: Placing, place: Scale) -> str:
         label += f" in a frame moving at {written(plan.frame, 'm/s')}"
     if plan.block:
         label += f", masses drawn {plan.block * place.factor:g} {place.unit}".rstrip() + " wide"
+    if any(spring_length(plan, contact.index) for contact in plan.solution.contacts):
+        label += ", springs drawn long"
     return f"{label}, {plan.scale}"
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from itertools import compress
 from typing import NamedTuple
 
 import numpy as np
@@ -18,17 +19,21 @@ from matplotlib.text import Text
 from ..methods.signals import Floats
 from ..model import RigidMass
 from ..model.arguments import array
+from ..results.gauges import Gauge, check_gauges
 from ..results.placing import Placing, placing
 from ..results.solution import Solution, check_solution
-from .bars import Bars, Piece
+from .bars import THICKNESS_TOLD, Bars, Piece
 from .moments import happening, moments
 from .sampling import is_stepped
 from .scales import Scale, Speeds, digits, engineering, first_rod, place_label, place_scale, written
+from .showing import picture
+from .springs import with_springs
 from .style import SMALL, axes, broken, centred, colour_bar, colours, dress, ink_on, styled
 
 ALIKE = 0.02  # velocities of a stretch that bears one label, in parts of the largest
 
 
+@picture
 class Snapshots(NamedTuple):
     """Artists of snapshots; `bars` holds a polygon for each uniform piece, row by row.
 
@@ -50,18 +55,18 @@ class Snapshots(NamedTuple):
 @styled
 def snapshots(
     solution: Solution, ax: Axes | None = None, times: Sequence[float] | Floats | None = None,
-    magnification: float | None = None,
+    magnification: float | None = None, gauges: Mapping[str, Gauge] | None = None,
 ) -> Snapshots:
     """Draw the row at chosen times, one below the other, coloured by velocity.
 
     Every uniform piece bears its velocity, in the frame of the picture, as a multiple of the
     closing speed v, or, if nothing approaches, in the unit named under the picture. Displacements
     and gaps are magnified as in `spacetime`; compressed pieces are drawn shorter and thicker,
-    stretched ones longer and thinner. Small triangles above a bar show which way a front runs. With
-    a time step there are no fronts; a colour bar tells velocities, and stretches in which they
-    hardly differ bear the mean, to two digits. Rigid masses are dark blocks of the width named
-    under the picture, with their velocity below; fixed ends are hatched as walls, absorbing ends
-    dashed, driven ends marked by arrow heads.
+    stretched ones longer and thinner; a thick line marks a contact that presses. Small triangles
+    above a bar show which way a front runs. With a time step there are no fronts; a colour bar
+    tells velocities, and stretches in which they hardly differ bear the mean, to two digits. Rigid
+    masses are dark blocks of the width named under the picture, with their velocity below; fixed
+    ends are hatched as walls, absorbing ends dashed, driven ends marked by arrow heads.
 
     Parameters
     ----------
@@ -73,6 +78,8 @@ def snapshots(
         the contacts, and the end.
     magnification : float, optional
         Of displacements and gaps; by default chosen as in `spacetime`.
+    gauges : mapping of str to Gauge, optional
+        Strain gauges to be marked, by name, as for `gauges_to_csv`.
 
     Returns
     -------
@@ -88,9 +95,10 @@ def snapshots(
     if when.size == 0:
         raise ValueError("times: needs at least one time, got none")
     solution.fields.to_ticks(when)  # refuses times outside the solution
-    plan = placing(solution, 0.0, float(when.max()), magnification)
+    last = float(when.max())
+    plan = with_springs(placing(solution, 0.0, last, magnification), np.linspace(0.0, last, 301))
     place = place_scale(plan.row)
-    ax = axes(ax, 6.6, 0.9 + 0.72 * when.size)
+    ax = axes(ax, 9.6, 0.9 + 0.72 * when.size)
 
     stepped, (_, ink, faint, *_) = is_stepped(solution), colours()
     drawn = Bars(plan, when, place)
@@ -101,6 +109,8 @@ def snapshots(
     bars, outlines = drawn.rods(ax, velocities, norm), drawn.outlines(ax)
     (walls, _), masses = drawn.walls(ax), drawn.masses(ax)
     drawn.ends(ax)
+    drawn.springs(ax)
+    lines = drawn.contacts(ax), drawn.gauges(ax, {} if gauges is None else check_gauges(gauges))
     ax.autoscale_view()
     ax.margins(x=0.03)
     ax.set_ylim(0.45 - when.size, 0.6)
@@ -123,9 +133,12 @@ def snapshots(
         words = [broken(line, width / 3) for line in happening(solution, t).splitlines()]
         ax.text(1.01, -row, "\n".join(words), transform=ax.get_yaxis_transform(), va="center",
                 fontsize=SMALL + 1)
-    ax.set_xlabel(broken(place_label(plan, place), width) + "\n" + broken(
-        f"velocities in parts of the closing speed, v = {written(speeds.closing, 'm/s')}"
-        if speeds.closing else f"velocities ({speeds.scale.unit})", width))
+    told = (f"velocities in parts of the closing speed, v = {written(speeds.closing, 'm/s')}"
+            if speeds.closing else f"velocities ({speeds.scale.unit})")
+    marks = [THICKNESS_TOLD, "thick line: pressing", "square: strain gauge"]
+    seen = [any(piece.strain for piece in pieces), *map(bool, lines)]
+    ax.set_xlabel("\n".join(broken(label, width) for label in (
+        place_label(plan, place), told, ", ".join(compress(marks, seen))) if label))
     dress(ax)
     ax.tick_params(axis="y", length=0)
     ax.spines["left"].set_visible(False)

@@ -14,7 +14,8 @@ from matplotlib.patches import Rectangle, StepPatch
 from ..methods.signals import Floats
 from ..model.arguments import of_kind
 from ..results.gauges import Gauge
-from .scales import Scale, engineering, time_scale
+from .scales import Scale, engineering, listed, place_scale, time_scale
+from .showing import picture
 from .style import axes, colours, dress, legend_above, styled
 from .thinning import telling
 
@@ -24,6 +25,7 @@ MICROSECONDS = (1e-6, 0.05)  # the same for times, s
 FAINTEST = 0.01  # of the largest strain that a wave carries: less is no pulse
 
 
+@picture
 class GaugeRecord(NamedTuple):
     """Artists of a strain gauge's record; `windows` are shaded, by name."""
 
@@ -120,7 +122,8 @@ def gauge(
     for window in windows.values():
         ax.add_patch(window)
     lines = (strain, rightward, leftward, beyond, *windows.values())
-    legend_above(ax, [line for line in lines if line is not None])
+    places = listed([f"body {r.body} at {place_scale(r.x).write(r.x)}" for r in records])
+    legend_above(ax, [line for line in lines if line is not None], title=f"gauge on {places}")
     dress(ax)
     return GaugeRecord(ax, strain, rightward, leftward, beyond, windows)
 

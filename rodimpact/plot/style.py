@@ -1,8 +1,9 @@
 """One look for all figures: fonts, colours on light and dark paper, sizes for print, dressed axes.
 
-The colour map runs from dark blue over grey to light yellow. Blue and yellow differ for every
-common kind of colour-blindness, and the lightness rises all the way, so that a print in grey still
-tells push from pull; paper stays white or nearly black, so that a gap differs from a rod at rest.
+Signed values run from blue over nearly the colour of the paper to yellow, so that stillness is
+quiet and what moves is seen; others from dark blue over grey to light yellow, ever lighter, so that
+a print in grey still tells more from less. Blue and yellow differ for every common kind of
+colour-blindness.
 """
 
 from __future__ import annotations
@@ -20,11 +21,11 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
-from matplotlib.colors import LinearSegmentedColormap, Normalize
-from matplotlib.figure import Figure
+from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
 
 from ..model.arguments import of_kind, single
 from ..units import shown
+from .showing import Sheet
 
 FONT = "DejaVu Sans"  # comes with matplotlib and has every sign used here
 INK, FAINT = "#1a1a1a", "#8a8a8a"
@@ -37,16 +38,19 @@ COLUMN = 1.6  # width of a column of a legend, inches
 COMPUTED: dict[str, Any] = {"marker": "o", "markersize": 3.5, "markerfacecolor": "none",
                             "markeredgewidth": 0.8, "label": "computed"}
 
-DIVERGING = LinearSegmentedColormap.from_list(
-    "rodimpact", ["#16256e", "#53659f", "#a0a0a0", "#d6c05f", "#ffe94a"]
-)
+RISING = LinearSegmentedColormap.from_list(
+    "rising", ["#16256e", "#53659f", "#a0a0a0", "#d6c05f", "#ffe94a"])
+ON_LIGHT = LinearSegmentedColormap.from_list(
+    "signed on light", ["#16256e", "#7084c4", "#f4f4f1", "#eec654", "#c48600"])
+ON_DARK = LinearSegmentedColormap.from_list(
+    "signed on dark", ["#9db7ff", "#4e62a0", "#262b33", "#967a30", "#ffe94a"])
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
 
 class Colours(NamedTuple):
-    """Colours beside those of the colour map: of paper, lines, bodies, and series of curves."""
+    """Colours of paper, lines, bodies, series of curves, and signed values."""
 
     paper: str
     ink: str
@@ -54,12 +58,13 @@ class Colours(NamedTuple):
     wall: str
     mass: str
     series: tuple[str, ...]
+    signed: Colormap
 
 
 LOOKS = {
-    "light": Colours("#ffffff", INK, FAINT, "#d9d9d9", "#33302e", SERIES),
+    "light": Colours("#ffffff", INK, FAINT, "#d9d9d9", "#33302e", SERIES, ON_LIGHT),
     "dark": Colours("#14161a", "#e8e8e8", "#8f939b", "#33373e", "#cfc8c0",
-                    ("#8ea6ff", "#f0a13c", "#b4b4b4", "#5cc588", "#e283ad")),
+                    ("#8ea6ff", "#f0a13c", "#b4b4b4", "#5cc588", "#e283ad"), ON_DARK),
 }
 _colours: ContextVar[Colours] = ContextVar("colours", default=LOOKS["light"])
 _width: ContextVar[float | None] = ContextVar("width", default=None)
@@ -101,12 +106,22 @@ def look(name: str = "light", width: float | None = None) -> Iterator[None]:
         width = single("width", width, "mm")
         if not 50 <= width <= 1000:
             raise ValueError(f"width: must be 50 to 1000 mm, got {width!r}")
-    before = _colours.set(LOOKS[name]), _width.set(width)
+    before = _width.set(width)
+    try:
+        with coloured(LOOKS[name]):
+            yield
+    finally:
+        _width.reset(before)
+
+
+@contextmanager
+def coloured(wanted: Colours) -> Iterator[None]:
+    """Draw in these colours."""
+    before = _colours.set(wanted)
     try:
         yield
     finally:
-        _colours.reset(before[0])
-        _width.reset(before[1])
+        _colours.reset(before)
 
 
 def check_choice(argument: str, value: str, known: Collection[str]) -> None:
@@ -139,18 +154,18 @@ def centred(values: Any, rest: float = 0.0) -> Normalize:
     return Normalize(rest - reach, rest + reach)
 
 
-def ink_on(norm: Normalize, value: float) -> str:
-    """Colour of text that can be read on the colour of `value`."""
-    red, green, blue, _ = DIVERGING(norm(value))
+def ink_on(norm: Normalize, value: float, palette: Colormap | None = None) -> str:
+    """Colour of text that can be read on the colour of `value`, by default a signed one."""
+    red, green, blue, _ = (palette or colours().signed)(norm(value))
     return "white" if 0.3 * red + 0.59 * green + 0.11 * blue < 0.45 else INK
 
 
-def new_figure(width: float, height: float) -> Figure:
+def new_figure(width: float, height: float) -> Sheet:
     """Figure of a size in inches, or of the width asked for, that pyplot does not keep."""
     wanted = _width.get()
     scale = wanted / INCH / width if wanted else 1.0
     tall = height * (scale if scale > 1 else math.sqrt(scale))  # labels take room as before
-    return Figure(figsize=(width * scale, tall), layout="constrained")
+    return Sheet(figsize=(width * scale, tall), layout="constrained")
 
 
 def axes(ax: Axes | None, width: float, height: float) -> Axes:
@@ -207,7 +222,7 @@ def legend_above(
     room = int(ax.figure.bbox.width / ax.figure.dpi / COLUMN)
     ax.legend(handles=shown, loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1,
               ncols=max(1, min(columns, room)), frameon=False, fontsize=size, title=title,
-              title_fontsize=size)
+              title_fontsize=size, alignment="left")
 
 
 def colour_bar(ax: Axes, drawn: ScalarMappable, label: str, **how: Any) -> Colorbar:

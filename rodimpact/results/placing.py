@@ -89,15 +89,19 @@ class Placing:
               if isinstance(end, Fixed)),
         ]
 
+    def moved(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
+        """Displacement, m; before t = 0 bodies come as they are then, with their velocity."""
+        before = np.minimum(t, 0.0) * self.solution.outcome.velocities_before[body]
+        return np.asarray(self.solution.displacement(body, x, np.maximum(t, 0.0)) + before)
+
     def end(self, body: int, right: bool, t: ArrayLike) -> Floats:
         """Place X of the left or right end of a body at t."""
         x = self.width(body) if right else 0.0
-        return self.place(body, x, t, self.solution.displacement(body, x, t))
+        return self.place(body, x, t, self.moved(body, x, t))
 
     def between(self, contact: int, t: ArrayLike) -> Floats:
-        """Place X of a contact at t: half-way between the faces where they overlap."""
-        left, right = self.end(contact, True, t), self.end(contact + 1, False, t)
-        return np.where(right < left, (left + right) / 2, left)
+        """Place X of a contact at t: half-way between the faces."""
+        return (self.end(contact, True, t) + self.end(contact + 1, False, t)) / 2
 
 
 def placing(

@@ -12,6 +12,13 @@ from ..units import format_si
 from .tables import SCHEMA_VERSION, align, clean, finite, joules
 
 MOST_EPISODES = 12  # listed in a table
+ENERGIES = {
+    "kinetic": "moving as a whole", "vibrational_kinetic": "vibration", "strain": "strain",
+    "inner": "vibration and strain", "contact": "in compliant contacts",
+    "dissipated": "lost in contacts", "damped": "lost in material",
+    "numerical": "lost to the time step", "radiated": "gone through absorbing ends",
+}
+"""What tables, figures and the page call the entries of an energy ledger."""
 
 
 def outcome_table(outcome: Any) -> str:
@@ -186,12 +193,12 @@ def _energy(o: Any) -> str:
 
     rows = [
         ["energy", "before", _then(o)],
-        row("moving as a whole", o.kinetic_before, o.kinetic_after, scale),
-        row("vibration and strain", *vibration, inner),
+        row(ENERGIES["kinetic"], o.kinetic_before, o.kinetic_after, scale),
+        row(ENERGIES["inner"], *vibration, inner),
     ]
     if any(held):
         before = joules(held[0], scale) if held[0] else ""
-        rows.append(["in compliant contacts", before, joules(held[1], scale)])
+        rows.append([ENERGIES["contact"], before, joules(held[1], scale)])
     rows.append(row("total", *total, scale))
     scale = max(scale, *(abs(value) for _, value in _exchanges(o)))
     rows += [[name, "", joules(value, scale)]
@@ -203,9 +210,9 @@ def _exchanges(o: Any) -> list[tuple[str, float]]:
     """Works and losses between before and after, J."""
     return [
         ("work of moving walls", o.wall_work), ("work of driven ends", o.drive_work),
-        ("work of gravity", o.gravity_work), ("lost in contacts", o.dissipated),
-        ("lost in material", o.damped), ("lost to the time step", o.numerical),
-        ("radiated", o.radiated),
+        ("work of gravity", o.gravity_work),
+        *((ENERGIES[name], getattr(o, name))
+          for name in ("dissipated", "damped", "numerical", "radiated")),
     ]
 
 

@@ -66,8 +66,9 @@ def clean(value: float, scale: float) -> float:
 
 
 def as_html(text: str) -> str:
-    """A table as HTML, for notebooks."""
-    return f"<pre>{html.escape(text)}</pre>"
+    """A table as HTML, for notebooks and pages made of them; its columns stay aligned."""
+    style = "white-space: pre; overflow-x: auto; font-family: monospace; text-align: left"
+    return f'<pre style="{style}">{html.escape(text)}</pre>'
 
 
 def misnamed(column: object) -> str:

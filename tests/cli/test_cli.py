@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -715,9 +716,36 @@ def test_box_corrects_the_speed_of_sound(box):
 def test_box_draws_what_it_lists(box):
     text, directory = box
     names = {path.name for path in directory.iterdir()}
-    assert len(names) == 16
+    figures = names - {"index.html"}
+    assert len(figures) == 16
     assert all(name in text for name in names)
-    assert all(path.read_bytes().startswith(b"\x89PNG") for path in directory.iterdir())
+    assert all((directory / name).read_bytes().startswith(b"\x89PNG") for name in figures)
+    page = (directory / "index.html").read_text(encoding="utf-8")
+    assert set(re.findall(r'<img src="([^"]+)"', page)) == figures
+    assert "the contact force ends" in page
+
+
+def test_box_says_where_the_textbook_lets_the_rods_part(box):
+    words = " ".join(story(box[0], "Rods of different length, l1/l2 = 0.4"))
+    assert "lets the rods part as the force ends, 158.493 us" in words
+    assert "the gap opens, 396.232 us" in words
+    assert "lets the rods part" not in " ".join(story(box[0], "Identical rods"))
+
+
+def test_box_draws_another_format_material_and_look_and_a_dowel(tmp_path, capsys):
+    given = ["--format", "svg", "--dark", "--material", "brass", "--dowel"]
+    assert main(["box", *given, "-o", str(tmp_path)]) == 0
+    text = capsys.readouterr().out
+    assert "3434 m/s" in text
+    dowel = story(text, "A wooden dowel, 3 ft long, on a stone floor")
+    assert "coefficient of restitution e 1 1" in dowel
+    trips = 2 * 3 * 0.3048 / ri.materials.oak.wave_speed
+    assert f"contact force lasts {1e6 * trips:.3f} us {1e6 * trips:.3f} us" in dowel
+    figures = sorted(path.name for path in tmp_path.glob("*.svg"))
+    assert len(figures) == 21
+    assert "#14161a" in (tmp_path / "dowel-stages.svg").read_text(encoding="utf-8")
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert sorted(re.findall(r'<img src="([^"]+)"', page)) == figures
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ from PIL import Image
 import rodimpact as ri
 from rodimpact import plot
 from rodimpact.cli import main
-from rodimpact.plot.style import DIVERGING, LOOKS
+from rodimpact.plot.style import LOOKS, ON_LIGHT
 
 STEEL = ri.materials.steel
 C = STEEL.wave_speed
@@ -79,7 +79,7 @@ def colours(film, field):
     bar = next(ax for ax in film.figure.axes if ax.get_ylabel().startswith(field))
     low, high = bar.get_ylim()
     factor = {"m/s": 1.0, "MPa": 1e-6}[re.search(r"\((.*)\)", bar.get_ylabel())[1]]
-    return lambda value: np.array(DIVERGING((value * factor - low) / (high - low))[:3]) * 255
+    return lambda value: np.array(ON_LIGHT((value * factor - low) / (high - low))[:3]) * 255
 
 
 # Frames -----------------------------------------------------------------------------------------
@@ -104,9 +104,9 @@ def test_rods_are_where_they_are_in_the_colour_of_their_state(solved, field):
 def test_displacements_are_magnified_and_the_factor_is_told(solved):
     solution = solved["unequal"]
     film = plot.animation(solution, frames=3, magnification=1000.0)
+    assert "displacements \N{MULTIPLICATION SIGN} 1000" in film.figure.axes[0].get_xlabel()
     texts = [t.get_text() for ax in film.figure.axes for t in ax.texts]
-    assert any("displacements \N{MULTIPLICATION SIGN} 1000" in text for text in texts)
-    assert any("exaggerated" in text for text in texts)
+    assert any("thicker: compressed" in text for text in texts)
     below = film.figure.axes[0]
     row = next(a for a in film.figure.axes
                if below.get_shared_x_axes().joined(a, below) and a is not below)
@@ -140,6 +140,41 @@ def test_frames_may_be_asked_for_in_any_order(film):
     assert np.array_equal(film.frame(2), first)
 
 
+def test_it_begins_with_the_approach_and_says_what_happens(solved):
+    solution = solved["unequal"]
+    film = plot.animation(solution, frames=41, fps=20, magnification=2000.0)
+    step = solution.t_end / 40
+    before = film.times[film.times < 0]
+    assert before == pytest.approx(-step * np.arange(len(before), 0, -1))
+    assert 2 <= len(before) <= 8
+    assert film.times[-31:] == pytest.approx([solution.t_end] * 31)
+    assert film.clock(0).startswith("t = \N{MINUS SIGN}")
+    below = film.figure.axes[0]
+    row = next(a for a in film.figure.axes
+               if below.get_shared_x_axes().joined(a, below) and a is not below)
+    picture, t = film.frame(0).astype(float), before[0]
+    right = 0.4 + 2000 * t
+    expected = colours(film, "velocity")
+    assert picture[pixel(film, row, right - 0.02, 0.1)] == pytest.approx(expected(1.0), abs=3)
+    assert tuple(picture[pixel(film, row, (right + 0.4) / 2, 0.1)]) == (255, 255, 255)
+    told = []
+    for number in (0, len(before), int(np.searchsorted(film.times, 2e-4)), len(film) - 1):
+        film.frame(number)
+        told += [t.get_text() for ax in film.figure.axes for t in ax.texts
+                 if "contact" in t.get_text() or "force" in t.get_text() or "gap" in t.get_text()]
+    assert told == ["before contact", "0 s:\nforce begins", "158 µs:\nforce ends",
+                    "396 µs:\ngap opens"]
+    assert film.figure.get_suptitle().startswith("2 rods, closing speed 1 m/s, restitution e = 0.4")
+
+
+def test_a_film_keeps_the_look_it_was_made_in(solved):
+    with plot.look("dark"):
+        film = plot.animation(solved["walls"], frames=2)
+    with plot.look("dark"):
+        expected = film.frame(1)
+    assert np.array_equal(film.frame(1), expected)
+
+
 def test_the_clock_goes_from_start_to_stop(solved):
     film = plot.animation(solved["unequal"], frames=3, start=1e-4, stop=2e-4)
     assert [film.clock(i) for i in range(3)] == ["t = 100 µs", "t = 150 µs", "t = 200 µs"]
@@ -151,8 +186,9 @@ def test_every_row_moves(solved, name):
     with plot.look("dark" if name in ("walls", "masses") else "light", width=160):
         film = plot.animation(solved[name], "stress", frames=3)
     frames = list(film.frames())
-    assert [frame.shape for frame in frames] == [frames[0].shape] * 3
+    assert [frame.shape for frame in frames] == [frames[0].shape] * len(film)
     assert not np.array_equal(frames[0], frames[1])
+    assert np.array_equal(frames[-1], frames[-2])
     paper = np.round(np.array(to_rgb(film.colours.paper)) * 255)
     assert np.array_equal(frames[0][0, 0], paper)
     assert film.colours == LOOKS["dark" if name in ("walls", "masses") else "light"]
@@ -201,7 +237,7 @@ def test_a_gif_shows_every_frame_in_its_time_again_and_again(film, tmp_path):
         assert shown.info["loop"] == 0
         for number in range(7):
             shown.seek(number)
-            assert shown.info["duration"] == 100
+            assert shown.info["duration"] == (1600 if number == 6 else 100)
             picture = np.asarray(shown.convert("RGB"))
             assert alike(picture, film.frame(number))
             assert tuple(picture[0, 0]) == (255, 255, 255)
@@ -215,11 +251,11 @@ def test_the_page_holds_all_frames_and_asks_for_nothing(film, tmp_path):
     assert not re.search(r"https?:|//[a-z]|<link|url\(|\{[a-z]+\}", words)
     assert re.findall(r'src=|src = "[^"]*"', text) == ['src = "data:image/png;base64,"']
     assert json.loads(re.search(r"clocks = (\[.*?\]);", text)[1]) == [
-        film.clock(i) for i in range(7)]
+        film.clock(i) for i in range(len(film))]
     data = re.search(r"pictures = \[\n(.*?)\]\.map", text, re.DOTALL)[1]
     frames = [Image.open(io.BytesIO(base64.b64decode(frame)))
               for frame in re.findall('"([^"]+)"', data)]
-    assert len(frames) == 7
+    assert len(frames) == len(film) == 7 + 15
     page = Image.new("RGBA", frames[0].size)
     for number, frame in enumerate(frames):
         page.alpha_composite(frame.convert("RGBA"))
@@ -236,7 +272,7 @@ def test_a_notebook_plays_it(film):
 def test_progress_counts_the_frames(film, tmp_path):
     seen = []
     film.save(tmp_path / "film.gif", progress=lambda done, total: seen.append((done, total)))
-    assert seen == [(i, 7) for i in range(1, 8)]
+    assert seen == [(i, 22) for i in range(1, 23)]
 
 
 @pytest.mark.parametrize("suffix", ["gif", "html"])
@@ -322,7 +358,7 @@ def test_the_command_makes_the_film(case, capsys):
     assert animate("-o", "film.gif", "--frames", "4", "--fps", "20", "--field", "stress",
                    "--dark", "--until", "0.2 ms") == 0
     out, err = capsys.readouterr()
-    assert out == "4 frames from 0 s to 200 us, 0.2 s to watch: film.gif\n"
+    assert out == "34 frames from 0 s to 200 us, 1.7 s to watch: film.gif\n"
     assert err == ""
     with Image.open("film.gif") as shown:
         assert shown.n_frames == 4

@@ -28,7 +28,7 @@ def picture(html):
 
 
 def table(html):
-    return re.search(r"<pre>(.*)</pre>$", html, re.DOTALL)[1]
+    return re.search(r'<pre style="white-space: pre;[^>]*>(.*)</pre>$', html, re.DOTALL)[1]
 
 
 LENGTHS = np.linspace(0.2, 1.0, 5)
@@ -85,4 +85,18 @@ def test_who_does_without_the_public_names_sees_the_table():
         "print(solution._repr_html_()[:5])"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert run.stdout == "<pre>\n"
+    assert run.stdout == "<pre \n"
+
+
+def test_every_picture_shows_its_figure():
+    solution = ri.solve(ri.System([rod(0.4, 1.0), rod()]))
+    pictures = [
+        ri.plot.spacetime(solution), ri.plot.snapshots(solution), ri.plot.contact(solution),
+        ri.plot.energy(solution), ri.plot.gauge(solution.gauge(1, 0.5)),
+        ri.plot.restitution([0.5], [0.5]), ri.plot.overview(solution),
+        ri.plot.sweep(ri.sweep(FAMILIES["curve"][0])), ri.plot.sweep(ri.sweep(FAMILIES["map"][0])),
+    ]
+    for drawn in pictures:
+        shown = np.asarray(Image.open(io.BytesIO(drawn._repr_png_())).convert("L"))
+        assert min(shown.shape) > 200
+        assert np.ptp(shown) > 200

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from exhaustive import few_of
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from systems import horizon, random_system
@@ -19,7 +20,7 @@ from systems import horizon, random_system
 import rodimpact as ri
 from rodimpact import plot
 from rodimpact.plot.moments import moments
-from rodimpact.plot.style import DIVERGING
+from rodimpact.plot.style import LOOKS, RISING
 
 STEEL = ri.materials.steel
 C = STEEL.wave_speed
@@ -75,6 +76,11 @@ def corners(picture):
     return [path.vertices[:-1] for path in picture.regions.get_paths()]
 
 
+def lightness(colours):
+    red, green, blue = colours[:, :3].T
+    return 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2
+
+
 def area(points):
     x, y = points.T
     return abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
@@ -95,7 +101,7 @@ def test_regions_tile_each_rod_between_its_ends(solved, name):
 @every_row
 def test_rods_never_overlap_and_gaps_are_drawn_to_the_same_scale(solved, name):
     solution = solved[name]
-    picture = plot.spacetime(solution, axes(), magnification=50.0)
+    picture = plot.spacetime(solution, axes(), coordinates="lab", magnification=50.0)
     scale = {"µs": 1e6, "ms": 1e3}[picture.ax.get_ylabel()[-3:-1]]
     paths = picture.ends.get_segments()
     rods = [i for i, body in enumerate(solution.system.bodies) if isinstance(body, ri.Rod)]
@@ -128,6 +134,47 @@ def test_colour_of_each_region_is_the_field_in_its_middle(solved):
             assert values[i] == pytest.approx(float(expected), abs=1e-9)
 
 
+def test_fronts_of_one_wave_speed_are_parallel(solved):
+    picture = plot.spacetime(solved["unequal"], axes())
+    sides = np.concatenate([np.diff(path, axis=0, append=path[:1]) for path in corners(picture)])
+    fronts = sides[(np.abs(sides) > 1e-9).all(axis=1)]
+    assert np.abs(fronts[:, 0] / fronts[:, 1]) * 1e6 == pytest.approx([C] * len(fronts))
+    assert len(fronts) >= 10
+
+
+def test_a_crowd_has_lines_at_its_strongest_fronts_alone():
+    head = ri.Rod(segments=[ri.Segment(0.1 + 0.03 * (7 * i % 5), 1e-4 * (1 + 3 * i % 4), STEEL)
+                            for i in range(5)])
+    solution = ri.solve(ri.System([rod(0.4, 1.0), head]))
+    picture = plot.spacetime(solution, axes())
+    (lines,) = (each for each in picture.ax.collections
+                if isinstance(each, LineCollection)
+                and each not in (picture.ends, picture.pressing, picture.touching, picture.apart))
+    drawn = lines.get_segments()
+    values = picture.regions.get_array()
+    assert 10 < len(drawn) < values.size / 4
+    # the first front into the struck rod is 0.5 m/s strong, most others are faint
+    first = min(drawn, key=lambda line: np.hypot(*(line.mean(axis=0) - [0.4, 0.0])))
+    assert {tuple(first[0].round(9)), tuple(first[1].round(9))} >= {(0.4, 0.0)}
+    stages = plot.snapshots(solution, axes(), [solution.t_end], magnification=1.0)
+    boxes = [path.get_extents() for path in stages.bars.get_paths()]
+    profiles = [solution.fields.profile(i, solution.fields.end) for i in (0, 1)]
+    assert len(boxes) < sum(p.velocity.size for p in profiles) / 2
+    assert sum(box.width for box in boxes) == pytest.approx(1.2, abs=1e-3)
+    speeds = stages.bars.get_array()
+    momentum = sum(v * box.width for v, box in zip(speeds, boxes, strict=True))
+    assert momentum == pytest.approx(
+        sum(float(p.velocity @ np.diff(p.edges)) for p in profiles), rel=1e-3)
+
+
+def test_key_stages_fill_a_wide_slide(solved):
+    figure = plot.snapshots(solved["unequal"], times=moments(solved["unequal"], 6)).ax.figure
+    assert 1.6 < figure.get_figwidth() / figure.get_figheight() < 1.9
+    label = figure.axes[0].get_xlabel()
+    assert "thicker: compressed, thinner: stretched" in label
+    assert "thick line: pressing" in label
+
+
 def test_contact_presses_then_touches_then_opens(solved):
     picture = plot.spacetime(solved["unequal"], axes())
     (pressing,), (touching,) = picture.pressing.get_segments(), picture.touching.get_segments()
@@ -136,21 +183,24 @@ def test_contact_presses_then_touches_then_opens(solved):
     assert touching[[0, -1], 1] == pytest.approx([2 * transit, 5 * transit])
     assert picture.pressing.get_linewidth()[0] > picture.touching.get_linewidth()[0]
     assert [text.get_text() for text in picture.ax.get_legend().get_texts()] == [
-        "pressing", "touching"]
+        "pressing", "touching", "apart"]
+    (apart,) = picture.apart.get_segments()
+    assert apart[:, 0] == pytest.approx([0.4, 0.4])
+    assert apart[[0, -1], 1] == pytest.approx([5 * transit, 7 * transit])
 
 
 def test_receding_rods_have_no_contact_to_draw(solved):
     picture = plot.spacetime(solved["receding"], axes())
     assert picture.pressing.get_segments() == picture.touching.get_segments() == []
-    assert picture.ax.get_legend() is None
+    assert len(picture.apart.get_segments()) == 1
 
 
 def test_axes_carry_units_and_the_magnification(solved):
-    picture = plot.spacetime(solved["unequal"], axes(), "stress")
+    picture = plot.spacetime(solved["unequal"], axes(), "stress", coordinates="lab")
     assert picture.ax.get_ylabel() == "time t (µs)"
     label = picture.ax.get_xlabel()
     assert "(m)" in label
-    assert label.endswith("displacements \N{MULTIPLICATION SIGN} 2000")
+    assert label.endswith("displacements \N{MULTIPLICATION SIGN} 2000, which bends fronts")
     assert picture.colour_bar.ax.get_ylabel() == "stress, tension positive (MPa)"
     assert plot.spacetime(solved["cradle"], axes()).ax.get_ylabel() == "time t (ms)"
     assert plot.spacetime(solved["unequal"], axes(), "strain").colour_bar.ax.get_ylabel() == (
@@ -160,7 +210,7 @@ def test_axes_carry_units_and_the_magnification(solved):
 
 def test_magnification_makes_motion_visible_whatever_the_speed(solved):
     for name in ("unequal", "tiny", "cradle", "wall", "drifting"):
-        picture = plot.spacetime(solved[name], axes())
+        picture = plot.spacetime(solved[name], axes(), coordinates="lab")
         last = corners(picture)
         width = np.ptp(np.concatenate(last)[:, 0])
         moved = max(np.ptp(path[:, 0]) for path in picture.ends.get_segments())
@@ -168,7 +218,8 @@ def test_magnification_makes_motion_visible_whatever_the_speed(solved):
 
 
 def test_a_drifting_row_is_drawn_in_a_moving_frame(solved):
-    still, drifting = (plot.spacetime(solved[n], axes()) for n in ("unequal", "drifting"))
+    still, drifting = (plot.spacetime(solved[n], axes(), coordinates="lab")
+                       for n in ("unequal", "drifting"))
     assert "frame moving at 100 m/s" in drifting.ax.get_xlabel()
     assert "frame" not in still.ax.get_xlabel()
     for a, b in zip(corners(still), corners(drifting), strict=True):
@@ -177,7 +228,7 @@ def test_a_drifting_row_is_drawn_in_a_moving_frame(solved):
 
 def test_without_magnification_places_are_those_of_the_solution(solved):
     solution = solved["moving wall"]
-    picture = plot.spacetime(solution, axes(), magnification=1.0)
+    picture = plot.spacetime(solution, axes(), coordinates="lab", magnification=1.0)
     assert picture.ax.get_xlabel() == "place x (m), true to scale"
     for path, (body, x) in zip(picture.ends.get_segments(),
                                [(1, 0.0), (1, 0.4), (2, 0.0), (2, 0.6)], strict=True):
@@ -188,7 +239,8 @@ def test_walls_are_hatched_and_move_as_they_do(solved):
     (wall,) = plot.spacetime(solved["wall"], axes()).walls
     assert wall.get_hatch()
     assert wall.get_xy()[:2, 0] == pytest.approx([0.5, 0.5])
-    (wall,) = plot.spacetime(solved["moving wall"], axes(), magnification=1.0).walls
+    (wall,) = plot.spacetime(
+        solved["moving wall"], axes(), coordinates="lab", magnification=1.0).walls
     assert wall.get_xy()[:2, 0] == pytest.approx([0.0, 2.0 * 1e-3])
 
 
@@ -376,7 +428,7 @@ def test_energy_bands_add_up_to_what_there_was(solved, name):
     assert motion[end] / initial == pytest.approx(0.4, rel=1e-6)
     assert drawn.work is None
     assert [t.get_text() for t in drawn.labels] == [
-        "motion of the centres of mass", "vibration, kinetic", "vibration, strain"]
+        "moving as a whole", "vibration", "strain"]
     assert drawn.ax.get_ylabel() == (
         "energy (mJ)" if name == "unequal" else "energy in a frame moving at 100 m/s (mJ)")
 
@@ -440,7 +492,7 @@ def test_a_solution_without_duration_has_a_snapshot_but_no_history():
 def test_small_rows_are_measured_in_millimetres():
     solution = ri.solve(ri.System([rod(0.02, 1.0), rod(0.05)]))
     picture = plot.spacetime(solution, axes())
-    assert picture.ax.get_xlabel().startswith("place x (mm)")
+    assert picture.ax.get_xlabel().endswith("(mm)")
     assert picture.pressing.get_segments()[0][0, 0] == pytest.approx(20.0)
 
 
@@ -473,9 +525,35 @@ def test_overview_names_the_result_and_what_is_missing(solved, monkeypatch):
     assert solved["bouncing"].status in plot.overview(solved["bouncing"]).get_supxlabel()
     assert plot.overview(solved["unequal"]).get_supxlabel() == ""
     monkeypatch.setattr("rodimpact.plot.polygons.REGIONS", 30)
-    monkeypatch.setattr("rodimpact.plot.page.CONTACTS", 2)
     assert "the first 396 µs" in plot.overview(solved["impedances"]).get_supxlabel()
-    assert "Contacts 0, 1 of 4" in plot.overview(solved["cradle"]).get_supxlabel()
+
+
+def test_overview_of_many_contacts_draws_each_on_a_line_of_its_own(solved):
+    ax = next(ax for ax in plot.overview(solved["cradle"]).axes
+              if ax.get_title(loc="left").startswith("contact force, largest 1.98 kN"))
+    assert [t.get_text() for t in ax.get_yticklabels()] == [f"contact {i}" for i in range(4)]
+    for i, (steps, contact) in enumerate(zip(ax.patches, solved["cradle"].contacts, strict=True)):
+        values, edges, baseline = steps.get_data()
+        assert baseline == i
+        pressing = np.flatnonzero(values > i)
+        assert values.max() == pytest.approx(i + 0.85)
+        (episode,) = contact.episodes
+        assert edges[[pressing[0], pressing[-1] + 1]] == pytest.approx(
+            [1e3 * episode.start, 1e3 * episode.force_end])
+
+
+def test_gauges_are_marked_where_they_are(solved):
+    solution = solved["unequal"]
+    gauges = {"struck": solution.gauge(0, 0.1), "far": solution.gauge(1, 0.25)}
+    lines = plot.spacetime(solution, gauges=gauges).gauges
+    assert [set(line.get_xdata().round(9)) for line in lines] == [{0.1}, {0.65}]
+    picture = plot.snapshots(solution, times=[0.0, solution.t_end], magnification=1.0,
+                             gauges=gauges)
+    lines = [line for line in picture.ax.lines if line.get_label() == "strain gauge"]
+    assert lines[1].get_xdata() == pytest.approx(
+        [0.65, float(solution.position(1, 0.25, solution.t_end))])
+    with pytest.raises(ri.InvalidModel, match="must be records by name"):
+        plot.snapshots(solution, gauges=[(1, 0.0)])
 
 
 def test_saved_vector_file_has_paths_and_the_same_bytes_every_time(solved, tmp_path):
@@ -517,10 +595,17 @@ def test_save_refuses_unknown_suffixes_and_existing_files(solved, tmp_path):
 
 
 def test_colours_grow_lighter_all_the_way():
-    red, green, blue, _ = DIVERGING(np.linspace(0, 1, 101)).T
-    lightness = 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2
-    assert np.all(np.diff(lightness) > 0)
-    assert np.ptp(DIVERGING(0.5)[:3]) < 0.02
+    assert np.all(np.diff(lightness(RISING(np.linspace(0, 1, 101)))) > 0)
+
+
+@pytest.mark.parametrize("name", LOOKS)
+def test_stillness_is_quiet_and_the_more_a_thing_moves_the_more_it_is_seen(name):
+    look = LOOKS[name]
+    paper = lightness(np.array([to_rgb(look.paper)]))[0]
+    for side in (look.signed(np.linspace(0.5, 1, 51)), look.signed(np.linspace(0.5, 0, 51))):
+        apart = np.abs(lightness(side) - paper)
+        assert np.all(np.diff(apart) > 0)
+        assert apart[0] < 0.1
 
 
 def test_a_given_axes_is_used_and_settings_are_left_alone(solved):

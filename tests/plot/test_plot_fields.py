@@ -155,7 +155,7 @@ def test_fronts_in_a_crowd_leave_no_lines_over_displacements():
 
 @pytest.mark.parametrize("field", ["displacement", "energy"])
 def test_cells_have_the_field_in_their_middle(stepwise, field):
-    picture = plot.spacetime(stepwise, axes(), field, magnification=1.0)
+    picture = plot.spacetime(stepwise, axes(), field, coordinates="lab", magnification=1.0)
     values = np.ma.asarray(picture.regions.get_array())
     times = np.linspace(0, stepwise.t_end, values.shape[0] + 1)
     t = (times[:-1] + times[1:]) / 2

@@ -50,7 +50,7 @@ def contrast(a, b):
 
 @pytest.mark.parametrize("name", LOOKS)
 def test_everything_can_be_seen_on_its_paper(name):
-    paper, ink, faint, _, mass, series = LOOKS[name]
+    paper, ink, faint, _, mass, series, _ = LOOKS[name]
     assert contrast(ink, paper) > 12
     assert contrast(mass, paper) > 7
     assert min(contrast(colour, paper) for colour in (faint, *series)) > 3
