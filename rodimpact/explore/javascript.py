@@ -1,0 +1,441 @@
+"""Functions of this package as JavaScript, so that the page computes with the same kernels.
+
+What is translated is what has a method below, to the same values bit for bit: numbers, text, lists,
+tables and named tuples; loops and conditions; calls of functions that are translated too. All else
+is refused with its file and line. Integers must stay below 2^53. Where JavaScript means another
+thing, page/python.js says what Python means. A condition is true, false or a number: a list is
+none. Division by 0 gives what arrays give, and nobody adds lists.
+"""
+
+from __future__ import annotations
+
+import ast
+import bisect
+import inspect
+import json
+import math
+import re
+import textwrap
+from collections.abc import Iterable, Mapping
+from types import FunctionType
+from typing import Any, NoReturn
+
+MOST = 1 << 53  # doubles hold whole numbers below
+OPERATORS: dict[type, str] = {
+    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Lt: "<", ast.LtE: "<=",
+    ast.Gt: ">", ast.GtE: ">=", ast.Eq: "===", ast.NotEq: "!==", ast.And: " && ", ast.Or: " || ",
+}
+EXACT: dict[type, str] = {
+    ast.FloorDiv: "floordiv", ast.Mod: "mod", ast.BitXor: "xor", ast.LShift: "shl",
+    ast.RShift: "shr",
+}
+CALLS = {
+    "len": "{}.length", "abs": "Math.abs({})", "int": "py.int({})", "round": "py.round({})",
+    "sorted": "py.sorted({})", "list": "Array.from({})", "enumerate": "py.enumerate({})",
+    "zip": "py.zip({})", "range": "py.range({})", "bool": "py.bool({})",
+    "bisect_left": "py.bisect_left({})", "bisect_right": "py.bisect_right({})",
+}
+MATH = {
+    "inf": "Infinity", "nan": "NaN", "sqrt": "Math.sqrt", "floor": "Math.floor",
+    "gcd": "py.gcd", "frexp": "py.frexp", "isfinite": "Number.isFinite",
+}
+KINDS = {"float": "number", "str": "string", "dict": "object", "list": "array"}
+METHODS = {
+    "append": "{}.push({})", "extend": "py.extend({},{})", "get": "py.get({},{})",
+    "keys": "Object.keys({})",
+}
+TAKEN = frozenset(
+    "Array Infinity Math NaN Number Object await break case catch class const continue debugger "
+    "default delete do else enum eval export extends false finally for function if implements "
+    "import in instanceof interface let new null of package private protected public py return "
+    "static super switch this throw true try typeof undefined var void while with yield".split()
+)
+
+
+class Untranslatable(ValueError):
+    """A function uses what is not translated; the message says what, and where."""
+
+
+def javascript(
+    roots: Iterable[FunctionType], constants: Mapping[str, float] | None = None,
+    known: Mapping[FunctionType, str] | None = None,
+) -> str:
+    """Functions, and all of the package that they call, as JavaScript.
+
+    Parameters
+    ----------
+    roots : iterable of functions
+    constants : mapping of str to number, optional
+        Values that stand in for those of modules, by name.
+    known : mapping of functions to str, optional
+        Functions that the page has under a name of its own.
+
+    Raises
+    ------
+    Untranslatable
+        At the first thing that is not translated, or where two functions bear one name.
+    """
+    waiting, made = list(roots), dict.fromkeys(known or ())
+    texts: dict[str, str] = {}
+    fields = {field for function in waiting for used in function.__globals__.values()
+              for value in (used, *getattr(used, "__globals__", {}).values())
+              for field in getattr(value, "_fields", ())}
+    while waiting:
+        function = waiting.pop(0)
+        if function in made:
+            continue
+        made[function] = None
+        visitor = Visitor(function, fields, constants or {}, known or {})
+        if function.__name__ in texts:
+            visitor.refuse(visitor.tree, f"another function called {function.__name__}")
+        texts[function.__name__] = visitor.visit(visitor.tree)
+        waiting += visitor.called
+    return "\n".join(texts.values())
+
+
+def tree_of(function: FunctionType) -> ast.FunctionDef:
+    """The definition of a function, with the lines of its file."""
+    lines, first = inspect.getsourcelines(function)
+    tree = ast.parse(textwrap.dedent("".join(lines))).body[0]
+    assert isinstance(tree, ast.FunctionDef)
+    return ast.increment_lineno(tree, first - 1)
+
+
+class Visitor(ast.NodeVisitor):
+    """Translates one function; `called` are those that it calls."""
+
+    def __init__(
+        self, function: FunctionType, fields: set[str], constants: Mapping[str, float],
+        known: Mapping[FunctionType, str],
+    ) -> None:
+        self.function, self.fields = function, fields
+        self.constants, self.known = constants, known
+        self.tree = tree_of(function)
+        self.called: list[FunctionType] = []
+        self.inside = [n.arg for n in self.tree.args.args]
+        self.local = {n.id for n in ast.walk(self.tree)
+                      if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        self.count = 0
+
+    def refuse(self, node: Any, what: str) -> NoReturn:
+        """Say what is not translated, and where it stands."""
+        where = f"{inspect.getsourcefile(self.function)}:{node.lineno}"
+        raise Untranslatable(f"{where}: {what} is not translated to JavaScript")
+
+    def generic_visit(self, node: ast.AST) -> NoReturn:
+        """Refuse what has no method here."""
+        self.refuse(node, type(node).__name__)
+
+    def visit(self, node: ast.AST) -> str:
+        """Text of a node."""
+        return str(super().visit(node))
+
+    # Statements -----------------------------------------------------------------------------------
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> str:
+        a = node.args
+        if node is not self.tree or a.vararg or a.kwarg or a.kwonlyargs or node.decorator_list:
+            self.refuse(node, "such a function")
+        first = len(a.args) - len(a.defaults)
+        names = [self.name(n.arg) for n in a.args]
+        names[first:] = [f"{n}={self.visit(d)}" for n, d in zip(names[first:], a.defaults,
+                                                              strict=True)]
+        own = sorted(self.name(n) for n in self.local - set(self.inside))
+        begin = f"let {','.join(own)};\n" if own else ""
+        return f"function {node.name}({','.join(names)}){{\n{begin}{self.block(node.body)}}}"
+
+    def block(self, body: list[ast.stmt]) -> str:
+        """Statements, each on a line."""
+        return "".join(self.visit(statement) for statement in body)
+
+    def visit_Expr(self, node: ast.Expr) -> str:
+        return "" if isinstance(node.value, ast.Constant) else f"{self.visit(node.value)};\n"
+
+    def visit_Return(self, node: ast.Return) -> str:
+        return f"return {self.visit(node.value)};\n" if node.value else "return;\n"
+
+    def visit_Break(self, _: ast.Break) -> str:
+        return "break;\n"
+
+    def visit_Continue(self, _: ast.Continue) -> str:
+        return "continue;\n"
+
+    def visit_If(self, node: ast.If) -> str:
+        other = f"else{{\n{self.block(node.orelse)}}}\n" if node.orelse else ""
+        return f"if({self.test(node.test)}){{\n{self.block(node.body)}}}\n{other}"
+
+    def visit_While(self, node: ast.While) -> str:
+        if node.orelse:
+            self.refuse(node, "else of a loop")
+        return f"while({self.test(node.test)}){{\n{self.block(node.body)}}}\n"
+
+    def visit_For(self, node: ast.For) -> str:
+        if node.orelse:
+            self.refuse(node, "else of a loop")
+        body, call = self.block(node.body), node.iter
+        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and (
+            call.func.id == "range" and isinstance(node.target, ast.Name)
+        ):
+            start, stop, step = self.span(call)
+            i, end = self.temporary(), self.temporary()
+            turn = ">" if step < 0 else "<"
+            head = f"let {i}={start},{end}={stop};{i}{turn}{end};{i}+={step}"
+            return f"for({head}){{\n{self.visit(node.target)}={i};\n{body}}}\n"
+        return f"for({self.target(node.target)} of {self.visit(call)}){{\n{body}}}\n"
+
+    def span(self, call: ast.Call) -> tuple[str, str, int]:
+        """Start, stop and step of a range."""
+        given = [self.visit(x) for x in call.args]
+        step = ast.literal_eval(call.args[2]) if len(given) > 2 else 1
+        return (*(given[:2] if len(given) > 1 else ["0", *given]), step)  # type: ignore[return-value]
+
+    def visit_Assign(self, node: ast.Assign) -> str:
+        (first, *others), value = node.targets, node.value
+        if isinstance(first, ast.Tuple) and isinstance(value, ast.Tuple) and not others:
+            given = [(self.temporary(), self.visit(x)) for x in value.elts]
+            text = "".join(f"const {name}={x};" for name, x in given)
+            return text + "".join(
+                f"{self.target(x)}={name};" for x, (name, _) in zip(first.elts, given, strict=True)
+            ) + "\n"
+        if others:
+            name = self.temporary()
+            text = "".join(f"{self.target(x)}={name};" for x in node.targets)
+            return f"const {name}={self.visit(value)};{text}\n"
+        return f"{self.target(first)}={self.visit(value)};\n"
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> str:
+        assert node.value is not None
+        return f"{self.target(node.target)}={self.visit(node.value)};\n"
+
+    def visit_AugAssign(self, node: ast.AugAssign) -> str:
+        if isinstance(node.value, ast.List | ast.ListComp):
+            self.refuse(node, "adding lists")
+        if type(node.op) in OPERATORS:
+            sign = OPERATORS[type(node.op)]
+            return f"{self.target(node.target)}{sign}={self.visit(node.value)};\n"
+        if not isinstance(node.target, ast.Name):
+            self.refuse(node, "such a change in place")
+        value = self.binary(node, self.visit(node.target), node.op, node.value)
+        return f"{self.target(node.target)}={value};\n"
+
+    def target(self, node: ast.expr) -> str:
+        """What is assigned to."""
+        if isinstance(node, ast.Tuple):
+            return f"[{','.join(map(self.target, node.elts))}]"
+        if isinstance(node, ast.Subscript):
+            return f"{self.visit(node.value)}[{self.index(node.slice)}]"
+        if isinstance(node, ast.Name):
+            return self.name(node.id)
+        return self.refuse(node, f"assigning to {type(node).__name__}")
+
+    # Expressions ----------------------------------------------------------------------------------
+
+    def visit_Constant(self, node: ast.Constant) -> str:
+        return self.literal(node, node.value)
+
+    def literal(self, node: ast.AST, value: Any) -> str:
+        """A number, a text, a truth value or None."""
+        if isinstance(value, bool | str) or value is None:
+            return json.dumps(value)
+        if isinstance(value, float):
+            return repr(value) if math.isfinite(value) else self.refuse(node, f"{value}")
+        if isinstance(value, int) and abs(value) < MOST:
+            return repr(value)
+        return self.refuse(node, f"the constant {value!r}")
+
+    def visit_Name(self, node: ast.Name) -> str:
+        if node.id in self.local or node.id in self.inside:
+            return self.name(node.id)
+        if node.id in self.constants:
+            return self.literal(node, self.constants[node.id])
+        value = self.function.__globals__.get(node.id)
+        if isinstance(value, int | float | str):
+            return self.literal(node, value)
+        return self.refuse(node, f"the name {node.id}")
+
+    def name(self, name: str) -> str:
+        """A name, changed where JavaScript has it for something else."""
+        return f"{name}$" if name in TAKEN else name
+
+    def temporary(self) -> str:
+        """A name that nothing has."""
+        self.count += 1
+        return f"_{self.count}"
+
+    def visit_Attribute(self, node: ast.Attribute) -> str:
+        if isinstance(node.value, ast.Name) and node.value.id == "math" and node.attr in MATH:
+            return MATH[node.attr]
+        if node.attr not in self.fields:
+            self.refuse(node, f"the attribute {node.attr}")
+        return f"{self.visit(node.value)}.{node.attr}"
+
+    def visit_Subscript(self, node: ast.Subscript) -> str:
+        where, value = node.slice, self.visit(node.value)
+        if isinstance(where, ast.Slice):
+            if where.step:
+                self.refuse(node, "a step of a slice")
+            ends = [self.visit(x) if x else None for x in (where.lower or ast.Constant(0),
+                                                           where.upper)]
+            return f"{value}.slice({','.join(filter(None, ends))})"
+        if isinstance(where, ast.UnaryOp) and isinstance(where.operand, ast.Constant):
+            return f"{value}.at({self.visit(where)})"
+        return f"{value}[{self.index(where)}]"
+
+    def index(self, node: ast.expr) -> str:
+        """Where in a list or table; not counted from its end."""
+        if isinstance(node, ast.UnaryOp | ast.Slice | ast.Tuple):
+            self.refuse(node, "such an index")
+        return self.visit(node)
+
+    def visit_BinOp(self, node: ast.BinOp) -> str:
+        return self.binary(node, self.visit(node.left), node.op, node.right)
+
+    def binary(self, node: Any, left: str, op: ast.operator, right: ast.expr) -> str:
+        """Two numbers with an operator between them."""
+        lists = ast.List | ast.ListComp
+        if isinstance(op, ast.Mult) and isinstance(node.left, ast.List):
+            if len(node.left.elts) != 1:
+                self.refuse(node, "repeating such a list")
+            return f"py.repeat({self.visit(node.left.elts[0])},{self.visit(right)})"
+        if isinstance(right, lists) or isinstance(getattr(node, "left", None), lists):
+            self.refuse(node, "adding lists")
+        other = self.visit(right)
+        if isinstance(op, ast.Pow):
+            if left not in ("2", "2.0"):
+                self.refuse(node, "a power of anything but 2")
+            return f"py.pow2({other})"
+        if type(op) in EXACT:
+            return f"py.{EXACT[type(op)]}({left},{other})"
+        if type(op) not in OPERATORS:
+            self.refuse(node, type(op).__name__)
+        space = " " if other[0] == "-" else ""
+        return f"({left}{OPERATORS[type(op)]}{space}{other})"
+
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> str:
+        if isinstance(node.op, ast.Not):
+            return f"!{self.truth(node.operand, 'bool')}"
+        if isinstance(node.op, ast.USub):
+            return f"(-{self.visit(node.operand)})"
+        return self.refuse(node, type(node.op).__name__)
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> str:
+        joined = OPERATORS[type(node.op)].join(self.truth(x, "bool") for x in node.values)
+        return f"({joined})"
+
+    def test(self, node: ast.expr) -> str:
+        """A condition."""
+        return self.truth(node, "truth")
+
+    def truth(self, node: ast.expr, kind: str) -> str:
+        """What decides: "bool" is true or false, "truth" a number too."""
+        sure = isinstance(node, ast.Compare | ast.BoolOp) or (
+            isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not)) or (
+            isinstance(node, ast.Constant) and isinstance(node.value, bool))
+        return self.visit(node) if sure else f"py.{kind}({self.visit(node)})"
+
+    def visit_Compare(self, node: ast.Compare) -> str:
+        sides = [node.left, *node.comparators]
+        if any(isinstance(x, ast.Call) for side in sides[1:-1] for x in ast.walk(side)):
+            self.refuse(node, "a call between two comparisons")
+        parts = [self.comparison(node, *pair) for pair in zip(sides, node.ops, sides[1:],
+                                                              strict=False)]
+        return f"({' && '.join(parts)})"
+
+    def comparison(self, node: Any, left: ast.expr, op: ast.cmpop, right: ast.expr) -> str:
+        """Two things compared."""
+        if isinstance(op, ast.Is | ast.IsNot) and isinstance(right, ast.Constant):
+            sign = "!=" if isinstance(op, ast.IsNot) else "=="
+            exact = "" if right.value is None else "="
+            return f"{self.visit(left)}{sign}{exact}{self.visit(right)}"
+        if isinstance(op, ast.In | ast.NotIn):
+            no = "!" if isinstance(op, ast.NotIn) else ""
+            if isinstance(right, ast.Tuple):
+                return f"{no}{self.visit(right)}.includes({self.visit(left)})"
+            return f"{no}Object.hasOwn({self.visit(right)},{self.visit(left)})"
+        if type(op) not in OPERATORS:
+            self.refuse(node, type(op).__name__)
+        return f"{self.visit(left)}{OPERATORS[type(op)]}{self.visit(right)}"
+
+    def visit_IfExp(self, node: ast.IfExp) -> str:
+        return f"({self.test(node.test)}?{self.visit(node.body)}:{self.visit(node.orelse)})"
+
+    def visit_Tuple(self, node: ast.Tuple | ast.List) -> str:
+        return f"[{','.join(map(self.visit, node.elts))}]"
+
+    visit_List = visit_Tuple
+
+    def visit_Starred(self, node: ast.Starred) -> str:
+        return f"...{self.visit(node.value)}"
+
+    def visit_Dict(self, node: ast.Dict) -> str:
+        entries = [f"...{self.visit(value)}" if key is None
+                   else f"{self.visit(key)}:{self.visit(value)}"
+                   for key, value in zip(node.keys, node.values, strict=True)]
+        return f"({{{','.join(entries)}}})"
+
+    def visit_ListComp(self, node: ast.ListComp) -> str:
+        text = self.visit(node.elt)
+        for i, loop in enumerate(reversed(node.generators)):
+            item = self.target(loop.target)
+            kept = "".join(f".filter(({item})=>{self.test(x)})" for x in loop.ifs)
+            every = "flatMap" if i else "map"
+            text = f"Array.from({self.visit(loop.iter)}){kept}.{every}(({item})=>({text}))"
+        return text
+
+    def visit_JoinedStr(self, node: ast.JoinedStr) -> str:
+        return f"({'+'.join(map(self.visit, node.values)) or json.dumps('')})"
+
+    def visit_FormattedValue(self, node: ast.FormattedValue) -> str:
+        value, spec = self.visit(node.value), node.format_spec
+        if node.conversion != -1:
+            self.refuse(node, "such a format")
+        if spec is None:
+            return f"py.text({value})"
+        digits = re.fullmatch(r"\.(.+)g", ast.unparse(spec)[2:-1])
+        if digits is None:
+            return self.refuse(node, "such a format")
+        return f"py.general({value},{digits[1].strip('{}')})"
+
+    def visit_Call(self, node: ast.Call) -> str:
+        function = node.func
+        if isinstance(function, ast.Name) and function.id == "isinstance":
+            return self.kind(node, *node.args)
+        given = [self.visit(x) for x in node.args]
+        if isinstance(function, ast.Attribute):
+            return self.method(node, function, given)
+        assert isinstance(function, ast.Name)
+        name, called = function.id, self.function.__globals__.get(function.id)
+        if hasattr(called, "_fields") and not node.keywords:
+            return f"py.named({json.dumps(called._fields)},[{','.join(given)}])"
+        if node.keywords and [ast.unparse(k) for k in node.keywords] != ["strict=True"]:
+            self.refuse(node, "an argument by name")
+        if isinstance(called, FunctionType) and called in self.known:
+            return f"{self.known[called]}({','.join(given)})"
+        if isinstance(called, FunctionType) and called.__module__.startswith("rodimpact."):
+            self.called.append(called)
+            return f"{called.__name__}({','.join(given)})"
+        if called is None and name in ("min", "max") and len(given) > 1:
+            text = given[0]
+            for other in given[1:]:
+                text = f"py.{name}({text},{other})"
+            return text
+        if name in CALLS and given and called in (None, getattr(bisect, name, None)):
+            return CALLS[name].format(",".join(given))
+        return self.refuse(node, f"calling {name}")
+
+    def kind(self, node: ast.Call, value: ast.expr, kind: ast.expr) -> str:
+        """Whether a value is of a kind."""
+        if not isinstance(kind, ast.Name) or kind.id not in KINDS:
+            self.refuse(node, "such a kind")
+        return f'(py.kind({self.visit(value)})==="{KINDS[kind.id]}")'
+
+    def method(self, node: ast.Call, function: ast.Attribute, given: list[str]) -> str:
+        """A call of a function of `math`, or of a list, a table or a text."""
+        if isinstance(function.value, ast.Name) and function.value.id == "math":
+            return f"{self.visit(function)}({','.join(given)})"
+        if node.keywords or (function.attr not in METHODS and function.attr != "join"):
+            self.refuse(node, f"the method {function.attr}")
+        value = self.visit(function.value)
+        if function.attr == "join":
+            return f"{given[0]}.join({value})"
+        return METHODS[function.attr].format(value, ",".join(given))
