@@ -11,7 +11,10 @@ from collections.abc import Mapping
 from importlib import resources
 from typing import Any
 
-SCRIPTS = ("numbers.js", "pens.js", "picture.js", "plots.js", "controls.js", "server.js", "main.js")
+SCRIPTS = (
+    "numbers.js", "pens.js", "contacts.js", "layout.js", "picture.js", "plots.js", "reading.js",
+    "controls.js", "server.js", "main.js",
+)
 KINDS = {"html": "text/html", "css": "text/css", "js": "text/javascript"}
 SERVED = ("page.html", "page.css", *SCRIPTS)
 

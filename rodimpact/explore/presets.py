@@ -7,8 +7,8 @@ from typing import NamedTuple
 from ..materials import steel
 from ..model import System
 from ..model.bodies import Material, Rod, Wall
-from ..storage.casefile import Case
-from .design import Design, GaugePlace
+from ..storage.casefile import Case, GaugePlace
+from .design import Design
 
 AREA = 1e-4  # m^2, of the rods of the box
 
@@ -48,7 +48,7 @@ def presets() -> list[Preset]:
     ]
     return [
         Preset(key, title, remark, Design(
-            Case(System(bodies)), tuple(GaugePlace(body, 0.5) for body in gauges)))
+            Case(System(bodies), gauges=tuple(GaugePlace(body, 0.5) for body in gauges))))
         for key, title, remark, bodies, gauges in rows
     ]
 

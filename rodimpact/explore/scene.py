@@ -86,6 +86,12 @@ def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
             _energy(solution, stop, tiling, exact),
             *_gauges(design, solution, stop, exact),
         ],
+        "contacts": [
+            {"index": c.index, "bonded": isinstance(c.law, Bonded),
+             "compliant": not isinstance(c.law, Rigid | Bonded)}
+            for c in solution.contacts
+        ],
+        "gauges": [gauge._asdict() for gauge in design.case.gauges],
         "restitution": _restitution(solution, theory),
         "curve": curve_dict(closed_curve(solution.system, theory)),
         "ratio": ratio_of(solution.system),
@@ -148,8 +154,15 @@ def _bodies(plan: Placing, stop: float) -> list[Scene]:
             "kind": kind, "title": f"{kind.capitalize()} {i}", "width": plan.width(i),
             "given": [*given, ("velocity", text)], "derived": [_derived(p) for p in pieces],
             "path": None if pieces else _path(plan.solution, i, stop),
+            "approach": _approach(body),
         })
     return entries
+
+
+def _approach(body: Any) -> float | None:
+    """Velocity with which all of a body comes, unstrained; None if its parts differ."""
+    whole = isinstance(body.velocity, float) and getattr(body, "strain", 0.0) == 0.0
+    return body.velocity if whole else None
 
 
 def _path(solution: Solution, body: int, stop: float) -> Scene:
@@ -250,7 +263,7 @@ def _energy(solution: Solution, stop: float, tiling: Regions, exact: bool) -> Sc
 
 def _gauges(design: Design, solution: Solution, stop: float, exact: bool) -> list[Scene]:
     series = []
-    for body, fraction in design.gauges:
+    for body, fraction in design.case.gauges:
         x = fraction * float(solution.fields.edges(body)[-1])
         record = solution.gauge(body, x)
         name = f"rod {body} at {format_si(x, 'm', 4)}"

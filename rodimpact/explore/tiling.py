@@ -16,7 +16,7 @@ from ..results.regions import Regions
 from ..results.solution import Solution
 
 CELLS, ROWS = 2000, 50  # in all, about, and one above the other
-PARTS = 6  # lines that a parabola is drawn with
+POINTS = 240  # of a curve of energy, about: lines that its parabolas are drawn with
 CROSSINGS = 1 << 20  # of edges and times that are tried for a curve of energy
 
 
@@ -80,7 +80,8 @@ def sliced_energy(solution: Solution, tiling: Regions) -> tuple[Floats, dict[str
     of = [pieces[key] for key in zip(tiling.body.tolist(), tiling.segment.tolist(), strict=True)]
     per_length = np.array([float(s.mass) / float(s.length) for s in of])
     area = per_length / np.array([float(s.material.density) for s in of])
-    corners, parts = np.unique(tiling.t), np.arange(PARTS) / PARTS
+    corners = np.unique(tiling.t)
+    parts = np.arange(count := max(6, POINTS // len(corners))) / count
     most = CROSSINGS // len(tiling.t)
     if len(corners) > most:
         corners, parts = np.linspace(0.0, corners[-1], most), np.zeros(1)

@@ -1,36 +1,27 @@
 "use strict";
 // The row in space and time, and the rods at one time: both drawn from the same polygons.
 
-const STOPS = [[22, 37, 110], [83, 101, 159], [160, 160, 160], [214, 192, 95], [255, 233, 74]];
+const STOPS = { // blue, nearly the paper's colour at 0, yellow
+  light: [[22, 37, 110], [112, 132, 196], [244, 244, 241], [238, 198, 84], [196, 134, 0]],
+  dark: [[157, 183, 255], [78, 98, 160], [38, 43, 51], [150, 122, 48], [255, 233, 74]],
+};
 const UNITS = { velocity: "m/s", stress: "Pa" };
 const CROWDED = 400; // polygons from which lines would hide the colours
+const THICKER = 0.22; // of a rod, where it is compressed most
 
-/** Colour of a number from -1 to 1: blue, grey at 0, yellow. */
-function colourOf(share) {
-  const at = Math.max(0, Math.min(1, (share + 1) / 2)) * (STOPS.length - 1);
-  const i = Math.min(STOPS.length - 2, Math.floor(at));
-  const mixed = STOPS[i].map((c, k) => Math.round(c + (STOPS[i + 1][k] - c) * (at - i)));
-  return { css: `rgb(${mixed.join(",")})`, dark: 0.3 * mixed[0] + 0.59 * mixed[1] + 0.11 * mixed[2] < 115 };
+/** Colour of a number from -1 to 1. */
+function colourOf(share, { stops }) {
+  const at = Math.max(0, Math.min(1, (share + 1) / 2)) * (stops.length - 1);
+  const i = Math.min(stops.length - 2, Math.floor(at));
+  return stops[i].map((c, k) => Math.round(c + (stops[i + 1][k] - c) * (at - i)));
 }
 
-/** Place in the picture of a point of a body, displaced, at a time. */
-function placeOf(row, body, x, t, displacement) {
-  return row.left[body] + x + row.magnification * (row.apart[body] + displacement - row.frame * t);
+function css(colour) {
+  return `rgb(${colour.join(",")})`;
 }
 
-/** Adds what drawing asks for again and again: places in the picture, largest values. */
-function prepare(scene) {
-  const { start, body, x, t, displacement } = scene.tiling;
-  const place = new Array(x.length);
-  for (let i = 0; i < body.length; i += 1) {
-    for (let k = start[i]; k < start[i + 1]; k += 1) {
-      place[k] = placeOf(scene.row, body[i], x[k], t[k], displacement[k]);
-    }
-  }
-  const largest = (values) => values.reduce((most, v) => Math.max(most, Math.abs(v)), 0);
-  scene.place = place;
-  scene.reach = { velocity: largest(scene.tiling.velocity), stress: largest(scene.tiling.stress) };
-  return scene;
+function isDark([red, green, blue]) {
+  return 0.3 * red + 0.59 * green + 0.11 * blue < 115;
 }
 
 function shareOf(scene, name, polygon) {
@@ -42,7 +33,7 @@ function shareOf(scene, name, polygon) {
 function wholeView(scene) {
   const [low, high] = scene.row.span;
   const edge = 0.04 * (high - low);
-  return { left: low - edge, right: high + edge, from: 0, to: scene.end };
+  return { left: low - edge, right: high + edge, from: scene.begin, to: scene.end };
 }
 
 /** A frame in a drawing, and the pixels of places and times in it. */
@@ -60,7 +51,7 @@ function frameOf(pen, view, size) {
 function cornersOf(scene, i, frame) {
   const corners = [];
   for (let k = scene.tiling.start[i]; k < scene.tiling.start[i + 1]; k += 1) {
-    corners.push([frame.across(scene.place[k]), frame.up(scene.tiling.t[k])]);
+    corners.push([frame.across(frame.places[k]), frame.up(scene.tiling.t[k])]);
   }
   return corners;
 }
@@ -91,12 +82,17 @@ function writeInto(pen, corners, text, size, colour) {
   }
 }
 
+/** Place of a point of a body in the diagram: where it is, or where it was at rest. */
+function placeInDiagram(scene, frame, body, x, t, displacement) {
+  return frame.displaced ? placeOf(scene.row, body, x, t, displacement) : scene.row.left[body] + x;
+}
+
 /** Paths of walls and masses through space and time. */
 function drawSolids(pen, scene, frame, theme) {
   scene.bodies.forEach((body, i) => {
     if (!body.path) return;
     const along = (shift) => body.path.t.map((t, k) => [
-      frame.across(placeOf(scene.row, i, shift, t, body.path.displacement[k])), frame.up(t)]);
+      frame.across(placeInDiagram(scene, frame, i, shift, t, body.path.displacement[k])), frame.up(t)]);
     const near = along(0);
     const far = body.kind === "mass" ? along(body.width)
       : near.map(([, y]) => [i ? pen.width : 0, y]);
@@ -104,30 +100,105 @@ function drawSolids(pen, scene, frame, theme) {
   });
 }
 
-/** The diagram: every polygon in the colour of its value, axes, and the chosen time. */
-function drawDiagram(pen, scene, view, name, now, mark, theme) {
-  const size = theme.size;
-  const frame = frameOf(pen, view, size);
+/** Cells as one smooth picture each; `row` picks one time, interpolated. */
+function imageOf(scene, grid, name, theme, row = null) {
+  const { across, first } = grid;
+  const high = row === null ? grid.rows : 1;
+  const image = document.createElement("canvas");
+  Object.assign(image, { width: across, height: high });
+  const pixels = new ImageData(across, high);
+  for (let j = 0; j < high; j += 1) {
+    const from = row === null ? high - 1 - j : Math.floor(row);
+    const next = row === null ? from : Math.min(grid.rows - 1, from + 1);
+    for (let i = 0; i < across; i += 1) {
+      const shares = [from, next].map((k) => shareOf(scene, name, first + k * across + i));
+      const share = row === null ? shares[0] : shares[0] + (shares[1] - shares[0]) * (row - from);
+      pixels.data.set([...colourOf(share, theme), 255], 4 * (j * across + i));
+    }
+  }
+  image.getContext("2d").putImageData(pixels, 0, 0);
+  return image;
+}
+
+function drawGrids(pen, scene, frame, name, theme) {
+  const key = name + theme.name;
+  for (const grid of scene.grids) {
+    grid.images ||= {};
+    grid.images[key] ||= imageOf(scene, grid, name, theme);
+    const [x0, x1] = [grid.left, grid.right].map((x) => frame.across(scene.row.left[grid.body] + x));
+    const [y0, y1] = [frame.up(scene.end), frame.up(0)];
+    pen.image(grid.images[key], x0, y0, x1 - x0, y1 - y0);
+    pen.line([[x0, y1], [x0, y0], [x1, y0], [x1, y1]], theme.ink, 0.7);
+  }
+}
+
+/** Polygons of one colour each; lines between them where they are few. */
+function drawPolygons(pen, scene, frame, name, theme, from) {
   const count = scene.tiling.body.length;
   const crowded = count > CROWDED;
   const power = powerFor(scene.reach[name], UNITS[name]);
+  for (let i = from; i < count; i += 1) {
+    const corners = cornersOf(scene, i, frame);
+    const colour = colourOf(shareOf(scene, name, i), theme);
+    pen.polygon(corners, css(colour), crowded ? css(colour) : theme.ink, crowded ? 1 : 0.7);
+    if (count <= 80) {
+      const text = plainNumber(Math.round(scene.tiling[name][i] / 10 ** power * 1e4) / 1e4, 3);
+      writeInto(pen, corners, text, 0.85 * theme.size, isDark(colour) ? "#ffffff" : "#101010");
+    }
+  }
+}
+
+/** A spring in the diagram: the darker, the harder it presses. */
+function drawSpring(pen, scene, frame, contact, { from, to }, theme) {
+  const right = scene.row.left[contact.index + 1];
+  const [x0, x1] = [frame.across(right - contact.room), frame.across(right)];
+  const most = largestOf(contact.force.y);
+  for (let k = 0; k < 40; k += 1) {
+    const [t0, t1] = [from + (to - from) * k / 40, from + (to - from) * (k + 1) / 40];
+    const share = Math.abs(valueAt(contact.force, (t0 + t1) / 2)) / most;
+    const shade = css(theme.inks.map((c, i) => Math.round(theme.papers[i] + (c - theme.papers[i]) * 0.75 * share)));
+    pen.polygon([[x0, frame.up(t0)], [x1, frame.up(t0)], [x1, frame.up(t1)], [x0, frame.up(t1)]], shade, shade);
+  }
+}
+
+/** Contacts over time: a thick line where they press, none where they are open; springs as bands. */
+function drawContacts(pen, scene, frame, theme) {
+  for (const contact of scene.contacts) {
+    if (contact.bonded || frame.displaced) continue;
+    const x = frame.across(scene.row.left[contact.index + 1]);
+    for (const { from, to, state } of contact.spells) {
+      if (contact.room) {
+        if (state === "pressing") drawSpring(pen, scene, frame, contact, { from, to }, theme);
+        continue;
+      }
+      const line = [[x, frame.up(from)], [x, frame.up(to)]];
+      if (state === "open") {
+        pen.line(line, theme.ink, 6);
+        pen.line(line, theme.paper, 4.5);
+      } else pen.line(line, theme.ink, state === "pressing" ? 3.5 : 1);
+    }
+  }
+}
+
+/** The diagram: every polygon in the colour of its value, axes, and the chosen time. */
+function drawDiagram(pen, scene, look, now, mark, theme) {
+  const { view, quantity: name, displaced } = look;
+  const frame = frameOf(pen, view, theme.size);
+  Object.assign(frame, { displaced, places: displaced ? scene.place : scene.rest });
+  const smooth = scene.grids && !displaced;
   pen.inside(frame.x, frame.y, frame.width, frame.height, () => {
     drawSolids(pen, scene, frame, theme);
-    for (let i = 0; i < count; i += 1) {
-      const corners = cornersOf(scene, i, frame);
-      const colour = colourOf(shareOf(scene, name, i));
-      pen.polygon(corners, colour.css, crowded ? colour.css : theme.ink, crowded ? 1 : 0.7);
-      if (count <= 80) {
-        const text = plainNumber(Math.round(scene.tiling[name][i] / 10 ** power * 1e4) / 1e4, 3);
-        writeInto(pen, corners, text, 0.85 * size, colour.dark ? "#ffffff" : "#101010");
-      }
-    }
+    if (smooth) drawGrids(pen, scene, frame, name, theme);
+    drawPolygons(pen, scene, frame, name, theme, smooth ? scene.cells : 0);
+    drawContacts(pen, scene, frame, theme);
     pen.line([[frame.x, frame.up(now)], [frame.right, frame.up(now)]], theme.wrong, 1.6);
     if (mark) drawMark(pen, frame, mark, theme);
   });
-  drawFrame(pen, frame, size, theme, {
+  const springs = scene.contacts.some((contact) => contact.room) ? "springs drawn wide" : "";
+  const note = displaced ? scene.row.note : "before it moves";
+  drawFrame(pen, frame, theme.size, theme, {
     x: [view.left, view.right, "m", "place"], y: [view.from, view.to, "s", "time"],
-    note: scene.row.note,
+    note: [note, springs].filter(Boolean).join(", "),
   });
   return frame;
 }
@@ -180,33 +251,104 @@ function slice(scene, t) {
     }
     if (high > low) pieces.push({ polygon: i, low, high });
   }
-  return pieces;
+  return pieces.sort((a, b) => a.low - b.low);
 }
 
-/** The rods, masses and walls at one time, below the diagram and on the same axis. */
-function drawRods(pen, scene, view, name, now, theme) {
+/** The rods, masses and walls at one time, below the diagram and on the same axis; where all is. */
+function drawRods(pen, scene, look, now, theme) {
+  const { view, quantity: name } = look;
   const frame = frameOf(pen, view, theme.size);
-  const [top, bottom] = [0.36 * pen.height, 0.92 * pen.height];
+  const [middle, half] = [0.53 * pen.height, 0.23 * pen.height];
+  const ends = new Map();
+  const outlines = new Map();
   pen.inside(frame.x, 0, frame.width, pen.height, () => {
-    const ends = new Map();
     for (const { polygon, low, high } of slice(scene, now)) {
-      const box = [[low, top], [high, top], [high, bottom], [low, bottom]].map(([p, y]) => [frame.across(p), y]);
-      const { css } = colourOf(shareOf(scene, name, polygon));
-      pen.polygon(box, css, css, 0.5);
       const body = scene.tiling.body[polygon];
+      const thick = half * (1 - THICKER * shareOf(scene, "stress", polygon));
+      const box = [low, high].map((place) => [frame.across(place), thick]);
+      outlines.set(body, [...(outlines.get(body) || []), ...box]);
       const known = ends.get(body) || [Infinity, -Infinity];
       ends.set(body, [Math.min(known[0], low), Math.max(known[1], high)]);
+      if (scene.grids && now > 0) continue;
+      const [[x0], [x1]] = box;
+      const fill = css(colourOf(shareOf(scene, name, polygon), theme));
+      pen.polygon([[x0, middle - thick], [x1, middle - thick], [x1, middle + thick], [x0, middle + thick]], fill, fill, 0.5);
     }
+    if (scene.grids && now > 0) drawSlices(pen, scene, frame, name, now, middle, half, ends, outlines, theme);
     scene.bodies.forEach((body, i) => {
       if (body.path) ends.set(i, endsOfSolid(scene, i, now, view));
-      const [low, high] = ends.get(i) || [0, 0];
-      const [x0, x1] = [frame.across(low), frame.across(high)];
+      const [x0, x1] = (ends.get(i) || [0, 0]).map(frame.across);
       const fill = body.path ? (body.kind === "mass" ? theme.faint : theme.line) : "transparent";
-      pen.polygon([[x0, top], [x1, top], [x1, bottom], [x0, bottom]], fill, theme.ink, 1.2);
-      const middle = (Math.max(x0, frame.x) + Math.min(x1, frame.right)) / 2;
-      pen.text(middle, top - 0.7 * theme.size, body.title, { size: 0.8 * theme.size, colour: theme.faint, align: "center" });
+      const upper = outlines.get(i) || [[x0, half], [x1, half]];
+      pen.polygon([...upper.map(([x, h]) => [x, middle - h]), ...upper.map(([x, h]) => [x, middle + h]).reverse()],
+        fill, theme.ink, 1.2);
     });
+    nameBodies(pen, scene, frame, ends, theme);
+    for (const contact of scene.contacts) drawContact(pen, scene, frame, contact, now, ends, middle, half, theme);
+    for (const { body, fraction } of scene.gauges) drawGauge(pen, frame, ends.get(body), fraction, middle - half, theme);
   });
+  return { frame, ends, top: middle - half };
+}
+
+/** Names above the rods; numbers where names would overlap. */
+function nameBodies(pen, scene, frame, ends, theme) {
+  const size = 0.8 * theme.size;
+  const seen = scene.bodies.map((_, i) => {
+    const [x0, x1] = ends.get(i).map(frame.across);
+    return [Math.max(x0, frame.x), Math.min(x1, frame.right)];
+  });
+  const fit = scene.bodies.every(({ path, title }, i) => path || 0.6 * size * title.length < seen[i][1] - seen[i][0]);
+  scene.bodies.forEach(({ title }, i) => {
+    const [from, to] = seen[i];
+    if (fit || to - from > size) {
+      pen.text((from + to) / 2, size, fit ? title : String(i), { size, colour: theme.faint, align: "center" });
+    }
+  });
+}
+
+/** Rods of cells, smooth from end to end. */
+function drawSlices(pen, scene, frame, name, now, middle, half, ends, outlines, theme) {
+  for (const grid of scene.grids) {
+    const [low, high] = ends.get(grid.body);
+    const long = scene.lengths[grid.body];
+    const [x0, x1] = [grid.left, grid.right].map((x) => frame.across(low + (high - low) * x / long));
+    const row = Math.max(0, Math.min(grid.rows - 1, now / scene.end * grid.rows - 0.5));
+    const thickest = half * (1 + THICKER);
+    pen.image(imageOf(scene, grid, name, theme, row), x0, middle - thickest, x1 - x0, 2 * thickest);
+  }
+  for (const [body, points] of outlines) { // hide what is outside of the outline
+    const smooth = points.filter((_, k) => k % 2 === 0).map(([x, h], k) => [(x + points[2 * k + 1][0]) / 2, h]);
+    const outline = [[points[0][0], smooth[0][1]], ...smooth, [points.at(-1)[0], smooth.at(-1)[1]]];
+    outlines.set(body, outline);
+    for (const side of [-1, 1]) {
+      const edge = middle + side * half * (1 + 2 * THICKER);
+      pen.polygon([...outline.map(([x, h]) => [x, middle + side * h]), [outline.at(-1)[0] + 1, edge], [outline[0][0] - 1, edge]],
+        theme.paper, theme.paper, 1);
+    }
+  }
+}
+
+/** A contact of the strip: arrow heads where it presses, a spring where it has one. */
+function drawContact(pen, scene, frame, contact, now, ends, middle, half, theme) {
+  if (contact.bonded) return;
+  const [left, right] = [ends.get(contact.index), ends.get(contact.index + 1)];
+  if (!left || !right) return;
+  const [x0, x1] = [frame.across(left[1]), frame.across(right[0])];
+  if (contact.room) {
+    const reach = Math.min(x1, frame.across(left[1] + contact.room));
+    const turns = [0.1, 0.3, 0.5, 0.7, 0.9].map((share, k) => [x0 + share * (reach - x0), middle + (k % 2 ? 0.5 : -0.5) * half]);
+    pen.line([[x0, middle], ...turns, [reach, middle]], theme.ink, 1.4);
+  }
+  if (stateAt(contact, now) !== "pressing") return;
+  const [x, y, w] = [(x0 + x1) / 2, middle + half * (1 + THICKER) + 0.45 * theme.size, 0.4 * theme.size];
+  for (const side of [-1, 1]) pen.polygon([[x + side, y], [x + side * 2.4 * w, y - w], [x + side * 2.4 * w, y + w]], theme.wrong, null);
+}
+
+function drawGauge(pen, frame, ends, fraction, top, theme) {
+  if (!ends) return;
+  const x = frame.across(ends[0] + fraction * (ends[1] - ends[0]));
+  const w = 0.4 * theme.size;
+  pen.polygon([[x, top + w], [x - w, top - 0.6 * w], [x + w, top - 0.6 * w]], theme.series[0], theme.paper, 1);
 }
 
 function endsOfSolid(scene, i, now, view) {

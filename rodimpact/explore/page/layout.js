@@ -1,0 +1,130 @@
+"use strict";
+// Where a scene is drawn: places in the picture, room for springs, and the time before contact.
+
+const ROOM = 0.04; // of a spring at rest, in lengths of the row
+const APPROACH = { way: 0.12, time: 0.2 }; // at most: in lengths of the row, in lengths of the film
+
+/** Place in the picture of a point of a body, displaced, at a time. */
+function placeOf(row, body, x, t, displacement) {
+  return row.left[body] + x + row.magnification * (row.apart[body] + displacement - row.frame * t);
+}
+
+/** Adds what drawing asks for again and again: places, largest values, states of contacts. */
+function prepare(scene) {
+  const { tiling, row } = scene;
+  scene.reach = { velocity: largestOf(tiling.velocity), stress: largestOf(tiling.stress) };
+  scene.lengths = lengthsOf(scene);
+  scene.length = row.left.at(-1) + scene.lengths.at(-1);
+  scene.begin = 0;
+  scene.cells = tiling.body.length;
+  if (!scene.exact) scene.grids = gridsOf(tiling);
+  const gaps = linkContacts(scene);
+  makeRoom(scene, gaps);
+  approach(scene, gaps);
+  const { start, body, x, t, displacement } = tiling;
+  scene.place = new Array(x.length);
+  scene.rest = new Array(x.length);
+  for (let i = 0; i < body.length; i += 1) {
+    for (let k = start[i]; k < start[i + 1]; k += 1) {
+      scene.place[k] = placeOf(row, body[i], x[k], t[k], displacement[k]);
+      scene.rest[k] = row.left[body[i]] + x[k];
+    }
+  }
+  row.span = [row.span[0], row.span[1]];
+  for (const places of [scene.place, scene.rest]) {
+    for (const at of places) row.span = [Math.min(row.span[0], at), Math.max(row.span[1], at)];
+  }
+  for (const contact of scene.contacts) contact.spells = spellsOf(contact);
+  return scene;
+}
+
+/** Length in the picture of each body. */
+function lengthsOf({ bodies, tiling }) {
+  const lengths = bodies.map((body) => body.width || 0);
+  tiling.body.forEach((body, i) => {
+    for (let k = tiling.start[i]; k < tiling.start[i + 1]; k += 1) lengths[body] = Math.max(lengths[body], tiling.x[k]);
+  });
+  return lengths;
+}
+
+/** Give each contact its curves; returns the curve of each gap. */
+function linkContacts(scene) {
+  const curves = (key) => [...(scene.plots.find((plot) => plot.key === key) || { series: [] }).series];
+  const [forces, gaps] = [curves("force"), curves("gap")];
+  for (const contact of scene.contacts) {
+    contact.force = forces.shift();
+    contact.gap = contact.bonded ? null : gaps.shift();
+  }
+  return scene.contacts.filter((contact) => contact.gap);
+}
+
+/** Draw a body to the right of each compliant contact so far away that the faces stay apart. */
+function makeRoom(scene, contacts) {
+  const { row } = scene;
+  let all = 0;
+  for (const contact of contacts) {
+    if (!contact.compliant) continue;
+    const deepest = Math.max(0, -Math.min(...contact.gap.y));
+    contact.room = row.magnification * deepest + ROOM * scene.length;
+    all += contact.room;
+    for (let i = contact.index + 1; i < row.left.length; i += 1) row.left[i] += contact.room;
+  }
+  row.span = [row.span[0], row.span[1] + all];
+}
+
+/** Let the film begin before bodies meet that come with one velocity each, unstrained. */
+function approach(scene, contacts) {
+  const { bodies, row, tiling } = scene;
+  if (bodies.some((body) => body.approach === null)) return;
+  const closing = contacts.map(({ index, gap }) =>
+    (gap.y[0] === 0 ? bodies[index].approach - bodies[index + 1].approach : 0));
+  const fastest = Math.max(0, ...closing);
+  if (fastest === 0 || Math.min(...closing) < 0) return;
+  const way = APPROACH.way * scene.length / (row.magnification * fastest);
+  const before = -Math.min(way, APPROACH.time * scene.end);
+  scene.begin = before;
+  bodies.forEach((body, i) => {
+    const moved = body.approach * before;
+    if (body.path) {
+      body.path.t.unshift(before);
+      body.path.displacement.unshift(body.path.displacement[0] + moved);
+      return;
+    }
+    const long = scene.lengths[i];
+    tiling.body.push(i);
+    tiling.velocity.push(body.approach);
+    tiling.stress.push(0);
+    tiling.x.push(0, long, long, 0);
+    tiling.t.push(before, before, 0, 0);
+    tiling.displacement.push(moved, moved, 0, 0);
+    tiling.start.push(tiling.x.length);
+  });
+  for (const { key, series } of scene.plots) {
+    for (const curve of series) {
+      const first = key === "energy" ? curve.y[0] : 0;
+      const gap = contacts.find((contact) => contact.gap === curve);
+      const apart = gap ? bodies[gap.index + 1].approach - bodies[gap.index].approach : 0;
+      curve.t.unshift(before);
+      curve.y.unshift(gap ? curve.y[0] + apart * before : first);
+    }
+  }
+}
+
+/** Cells that stand in rows and columns: the body, the first cell, and how many there are. */
+function gridsOf({ body, start, t, x }) {
+  const grids = [];
+  let first = 0;
+  while (first < body.length) {
+    const same = (i) => i < body.length && body[i] === body[first];
+    let across = 1;
+    while (same(first + across) && t[start[first + across]] === 0) across += 1;
+    let last = first + across;
+    while (same(last) && t[start[last]] > 0) last += 1;
+    grids.push({
+      body: body[first], first, across, rows: (last - first) / across,
+      left: x[start[first]], right: x[start[first + across - 1] + 1],
+    });
+    first = last;
+  }
+  return grids;
+}
