@@ -15,6 +15,7 @@ import inspect
 import json
 import math
 import re
+import string
 import textwrap
 from collections.abc import Iterable, Mapping
 from types import FunctionType
@@ -37,19 +38,19 @@ CALLS = {
 }
 MATH = {
     "inf": "Infinity", "nan": "NaN", "sqrt": "Math.sqrt", "floor": "Math.floor",
+    "log10": "Math.log10",
     "gcd": "py.gcd", "frexp": "py.frexp", "isfinite": "Number.isFinite",
+}
+NUMPY = {  # of single numbers
+    "where": "py.where", "minimum": "py.min", "maximum": "py.max", "floor": "Math.floor",
+    "abs": "Math.abs", "exp": "Math.exp", "expm1": "Math.expm1", "arctanh": "Math.atanh",
 }
 KINDS = {"float": "number", "str": "string", "dict": "object", "list": "array"}
 METHODS = {
     "append": "{}.push({})", "extend": "py.extend({},{})", "get": "py.get({},{})",
-    "keys": "Object.keys({})",
+    "items": "Object.entries({})", "upper": "{}.toUpperCase()",
 }
-TAKEN = frozenset(
-    "Array Infinity Math NaN Number Object await break case catch class const continue debugger "
-    "default delete do else enum eval export extends false finally for function if implements "
-    "import in instanceof interface let new null of package private protected public py return "
-    "static super switch this throw true try typeof undefined var void while with yield".split()
-)
+TAKEN = ("do", "if", "in", "of", "py", "at")  # short names that mean something else
 
 
 class Untranslatable(ValueError):
@@ -57,8 +58,8 @@ class Untranslatable(ValueError):
 
 
 def javascript(
-    roots: Iterable[FunctionType], constants: Mapping[str, float] | None = None,
-    known: Mapping[FunctionType, str] | None = None,
+    roots: Iterable[Any], constants: Mapping[str, float] | None = None,
+    known: Mapping[Any, str] | None = None,
 ) -> str:
     """Functions, and all of the package that they call, as JavaScript.
 
@@ -85,11 +86,11 @@ def javascript(
         if function in made:
             continue
         made[function] = None
-        visitor = Visitor(function, fields, constants or {}, known or {})
+        translator = _Translator(function, fields, constants or {}, known or {})
         if function.__name__ in texts:
-            visitor.refuse(visitor.tree, f"another function called {function.__name__}")
-        texts[function.__name__] = visitor.visit(visitor.tree)
-        waiting += visitor.called
+            translator.refuse(translator.tree, f"another function called {function.__name__}")
+        texts[function.__name__] = translator.visit(translator.tree)
+        waiting += translator.called
     return "\n".join(texts.values())
 
 
@@ -101,12 +102,12 @@ def tree_of(function: FunctionType) -> ast.FunctionDef:
     return ast.increment_lineno(tree, first - 1)
 
 
-class Visitor(ast.NodeVisitor):
+class _Translator(ast.NodeVisitor):
     """Translates one function; `called` are those that it calls."""
 
     def __init__(
         self, function: FunctionType, fields: set[str], constants: Mapping[str, float],
-        known: Mapping[FunctionType, str],
+        known: Mapping[Any, str],
     ) -> None:
         self.function, self.fields = function, fields
         self.constants, self.known = constants, known
@@ -115,6 +116,10 @@ class Visitor(ast.NodeVisitor):
         self.inside = [n.arg for n in self.tree.args.args]
         self.local = {n.id for n in ast.walk(self.tree)
                       if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        short = (f"{a}{b}" for b in ("", *"abcdefghi") for a in string.ascii_letters)
+        self.names = dict(zip(
+            [*self.inside, *sorted(self.local - set(self.inside))],
+            (name for name in short if name not in (*TAKEN, *function.__globals__)), strict=False))
         self.count = 0
 
     def refuse(self, node: Any, what: str) -> NoReturn:
@@ -140,9 +145,11 @@ class Visitor(ast.NodeVisitor):
         names = [self.name(n.arg) for n in a.args]
         names[first:] = [f"{n}={self.visit(d)}" for n, d in zip(names[first:], a.defaults,
                                                               strict=True)]
-        own = sorted(self.name(n) for n in self.local - set(self.inside))
+        body = self.block(node.body)
+        own = [self.name(n) for n in sorted(self.local - set(self.inside))]
+        own += [f"_{i + 1}" for i in range(self.count)]
         begin = f"let {','.join(own)};\n" if own else ""
-        return f"function {node.name}({','.join(names)}){{\n{begin}{self.block(node.body)}}}"
+        return f"function {node.name}({','.join(names)}){{\n{begin}{body}}}"
 
     def block(self, body: list[ast.stmt]) -> str:
         """Statements, each on a line."""
@@ -177,11 +184,26 @@ class Visitor(ast.NodeVisitor):
             call.func.id == "range" and isinstance(node.target, ast.Name)
         ):
             start, stop, step = self.span(call)
-            i, end = self.temporary(), self.temporary()
-            turn = ">" if step < 0 else "<"
-            head = f"let {i}={start},{end}={stop};{i}{turn}{end};{i}+={step}"
-            return f"for({head}){{\n{self.visit(node.target)}={i};\n{body}}}\n"
+            v, end, turn = self.visit(node.target), self.temporary(), ">" if step < 0 else "<"
+            if self.keeps(node):
+                return f"for({v}={start},{end}={stop};{v}{turn}{end};{v}+={step}){{\n{body}}}\n"
+            i = self.temporary()
+            head = f"{i}={start},{end}={stop};{i}{turn}{end};{i}+={step}"
+            return f"for({head}){{\n{v}={i};\n{body}}}\n"
         return f"for({self.target(node.target)} of {self.visit(call)}){{\n{body}}}\n"
+
+    def keeps(self, loop: ast.For) -> bool:
+        """Whether a loop alone changes its variable, and only such loops read it."""
+        name = ast.unparse(loop.target)
+        loops = [n for n in ast.walk(self.tree)
+                 if isinstance(n, ast.For) and ast.unparse(n.target) == name]
+        inside = [n for one in loops for statement in one.body for n in ast.walk(statement)]
+        uses = [n for n in ast.walk(self.tree) if isinstance(n, ast.Name) and n.id == name]
+        stored = [n for n in uses if isinstance(n.ctx, ast.Store)]
+        read = [n for n in uses if isinstance(n.ctx, ast.Load)]
+        return len(stored) == len(loops) and all(
+            any(n is m for m in inside) for n in read) and not any(
+            any(n is m for m in inside) for n in stored)
 
     def span(self, call: ast.Call) -> tuple[str, str, int]:
         """Start, stop and step of a range."""
@@ -192,16 +214,28 @@ class Visitor(ast.NodeVisitor):
     def visit_Assign(self, node: ast.Assign) -> str:
         (first, *others), value = node.targets, node.value
         if isinstance(first, ast.Tuple) and isinstance(value, ast.Tuple) and not others:
+            if self.apart(first, value):
+                return "".join(f"{self.target(x)}={self.visit(y)};"
+                               for x, y in zip(first.elts, value.elts, strict=True)) + "\n"
             given = [(self.temporary(), self.visit(x)) for x in value.elts]
-            text = "".join(f"const {name}={x};" for name, x in given)
+            text = "".join(f"{name}={x};" for name, x in given)
             return text + "".join(
                 f"{self.target(x)}={name};" for x, (name, _) in zip(first.elts, given, strict=True)
             ) + "\n"
         if others:
             name = self.temporary()
             text = "".join(f"{self.target(x)}={name};" for x in node.targets)
-            return f"const {name}={self.visit(value)};{text}\n"
+            return f"{name}={self.visit(value)};{text}\n"
         return f"{self.target(first)}={self.visit(value)};\n"
+
+    def apart(self, targets: ast.Tuple, values: ast.Tuple) -> bool:
+        """Whether values can be assigned one by one: what they read is no target before them."""
+        names = {n.id for n in ast.walk(targets) if isinstance(n, ast.Name)}
+        inner = [n for x in values.elts[1:] for n in ast.walk(x)]
+        other = ast.Call if all(isinstance(x, ast.Name) for x in targets.elts) else (
+            ast.Call, ast.Subscript, ast.Attribute)
+        return not any(isinstance(n, other) for n in inner) and not (
+            names & {n.id for n in inner if isinstance(n, ast.Name)})
 
     def visit_AnnAssign(self, node: ast.AnnAssign) -> str:
         assert node.value is not None
@@ -254,8 +288,8 @@ class Visitor(ast.NodeVisitor):
         return self.refuse(node, f"the name {node.id}")
 
     def name(self, name: str) -> str:
-        """A name, changed where JavaScript has it for something else."""
-        return f"{name}$" if name in TAKEN else name
+        """The short name of a local variable."""
+        return self.names[name]
 
     def temporary(self) -> str:
         """A name that nothing has."""
@@ -263,8 +297,9 @@ class Visitor(ast.NodeVisitor):
         return f"_{self.count}"
 
     def visit_Attribute(self, node: ast.Attribute) -> str:
-        if isinstance(node.value, ast.Name) and node.value.id == "math" and node.attr in MATH:
-            return MATH[node.attr]
+        for module, names in (("math", MATH), ("np", NUMPY)):
+            if ast.unparse(node.value) == module and node.attr in names:
+                return names[node.attr]
         if node.attr not in self.fields:
             self.refuse(node, f"the attribute {node.attr}")
         return f"{self.visit(node.value)}.{node.attr}"
@@ -301,9 +336,9 @@ class Visitor(ast.NodeVisitor):
             self.refuse(node, "adding lists")
         other = self.visit(right)
         if isinstance(op, ast.Pow):
-            if left not in ("2", "2.0"):
-                self.refuse(node, "a power of anything but 2")
-            return f"py.pow2({other})"
+            if left not in ("2", "2.0", "10.0"):
+                self.refuse(node, "a power of anything but 2 and 10.0")
+            return f"py.pow{left.removesuffix('.0')}({other})"
         if type(op) in EXACT:
             return f"py.{EXACT[type(op)]}({left},{other})"
         if type(op) not in OPERATORS:
@@ -362,7 +397,8 @@ class Visitor(ast.NodeVisitor):
     def visit_Tuple(self, node: ast.Tuple | ast.List) -> str:
         return f"[{','.join(map(self.visit, node.elts))}]"
 
-    visit_List = visit_Tuple
+    def visit_List(self, node: ast.List) -> str:
+        return self.visit_Tuple(node)
 
     def visit_Starred(self, node: ast.Starred) -> str:
         return f"...{self.visit(node.value)}"
@@ -391,22 +427,28 @@ class Visitor(ast.NodeVisitor):
             self.refuse(node, "such a format")
         if spec is None:
             return f"py.text({value})"
-        digits = re.fullmatch(r"\.(.+)g", ast.unparse(spec)[2:-1])
-        if digits is None:
-            return self.refuse(node, "such a format")
-        return f"py.general({value},{digits[1].strip('{}')})"
+        match spec:
+            case ast.JoinedStr([ast.Constant(str(text))]) if re.fullmatch(r"\.\d+g", text):
+                return f"py.general({value},{text[1:-1]})"
+            case ast.JoinedStr([ast.Constant("."), ast.FormattedValue(digits), ast.Constant("g")]):
+                return f"py.general({value},{self.visit(digits)})"
+        return self.refuse(node, "such a format")
 
     def visit_Call(self, node: ast.Call) -> str:
         function = node.func
         if isinstance(function, ast.Name) and function.id == "isinstance":
             return self.kind(node, *node.args)
-        given = [self.visit(x) for x in node.args]
         if isinstance(function, ast.Attribute):
-            return self.method(node, function, given)
+            return self.method(node, function, [self.visit(x) for x in node.args])
         assert isinstance(function, ast.Name)
         name, called = function.id, self.function.__globals__.get(function.id)
-        if hasattr(called, "_fields") and not node.keywords:
-            return f"py.named({json.dumps(called._fields)},[{','.join(given)}])"
+        if name in ("any", "all") and isinstance(node.args[0], ast.GeneratorExp):
+            (loop,), some = node.args[0].generators, "some" if name == "any" else "every"
+            head = f"Array.from({self.visit(loop.iter)}).{some}(({self.target(loop.target)})=>"
+            return f"{head}{self.truth(node.args[0].elt, 'bool')})"
+        given = [self.visit(x) for x in node.args]
+        if (fields := getattr(called, "_fields", ())) and not node.keywords:
+            return f"py.named({json.dumps(fields)},[{','.join(given)}])"
         if node.keywords and [ast.unparse(k) for k in node.keywords] != ["strict=True"]:
             self.refuse(node, "an argument by name")
         if isinstance(called, FunctionType) and called in self.known:
@@ -430,8 +472,8 @@ class Visitor(ast.NodeVisitor):
         return f'(py.kind({self.visit(value)})==="{KINDS[kind.id]}")'
 
     def method(self, node: ast.Call, function: ast.Attribute, given: list[str]) -> str:
-        """A call of a function of `math`, or of a list, a table or a text."""
-        if isinstance(function.value, ast.Name) and function.value.id == "math":
+        """A call of a function of a module, or of a list, a table or a text."""
+        if ast.unparse(function.value) in ("math", "np"):
             return f"{self.visit(function)}({','.join(given)})"
         if node.keywords or (function.attr not in METHODS and function.attr != "join"):
             self.refuse(node, f"the method {function.attr}")

@@ -9,13 +9,27 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..methods.abilities import COMPLIANCE, DAMPING, GRAVITY, LATERAL, MASSES, SMOOTH_DRIVES
-from ..methods.abilities import SMOOTH_STATES, TAPER
+from .. import materials
+from ..methods.abilities import (
+    COMPLIANCE,
+    DAMPING,
+    GRAVITY,
+    LATERAL,
+    MASSES,
+    SMOOTH_DRIVES,
+    SMOOTH_STATES,
+    TAPER,
+)
 from ..methods.fronts.front_kernel import BOND, FREE, PUSH, TOUCH
 from ..methods.fronts.layout_kernel import ENDLESS, MOVED, PUSHED, STEADY, Make
 from ..model import Material, Rod, Segment, System, Wall
 from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, wanted
 
+LIBRARY = {
+    name: {"youngs_modulus": m.youngs_modulus, "density": m.density}
+    for name, m in materials.TABLE.items()
+}
+"""Materials that a case may name."""
 RULES: dict[str, dict[str, tuple[str, str]]] = {
     table: {name: (fields[name].sign, wanted(fields[name].unit, fields[name].sign)[:-6])
             for name in names}
@@ -51,10 +65,9 @@ def lacking(case: Any) -> str:
         law = contact.get("law", "rigid")
         if law not in ("rigid", "bonded"):
             return f"contacts.{i}: {COMPLIANCE}"
-    materials = case.get("materials", {})
-    for name in materials.keys():
+    for name, material in case.get("materials", {}).items():
         for key in ("viscosity", "loss_factor"):
-            if materials[name].get(key, 0) != 0:
+            if material.get(key, 0) != 0:
                 return f"materials.{name}: {DAMPING}"
     ends = case.get("ends", {})
     for side in ("left", "right"):
@@ -79,8 +92,8 @@ def mistakes(case: Any, library: Any, rules: Any) -> list[Any]:
     """Path and sentence of each mistake in a case that fronts can carry."""
     found: list[Any] = []
     known = {**library, **case.get("materials", {})}
-    for name in case.get("materials", {}).keys():
-        check(found, f"materials.{name}", known[name], rules["material"])
+    for name, material in case.get("materials", {}).items():
+        check(found, f"materials.{name}", material, rules["material"])
     for i, body in enumerate(case["bodies"]):
         path = f"bodies.{i}"
         if body["kind"] == "wall" and 0 < i < len(case["bodies"]) - 1:
@@ -100,8 +113,8 @@ def mistakes(case: Any, library: Any, rules: Any) -> list[Any]:
 
 def check(found: list[Any], path: str, table: Any, rules: Any) -> None:
     """Note the numbers of a table that are not what they must be."""
-    for key in rules.keys():
-        value, (sign, sentence) = table.get(key, 0.0), rules[key]
+    for key, (sign, sentence) in rules.items():
+        value = table.get(key, 0.0)
         if sign == "positive" and key not in table:
             found.append((f"{path}.{key}", "is missing"))
         elif isinstance(value, dict):
@@ -133,7 +146,11 @@ def row_of(case: Any, library: Any) -> Any:
     segments: list[Any] = []
     bodies: list[Any] = []
     bonded = [contact.get("law", "rigid") == "bonded" for contact in contacts]
-    status, first, last, places, jumps = [], [], [], [], []
+    status: list[int] = []
+    first: list[int] = []
+    last: list[int] = []
+    places: list[int] = []
+    jumps: list[int] = []
     profiles: list[Any] = []
     for i, table in enumerate(tables):
         wall = table["kind"] == "wall"
@@ -157,6 +174,7 @@ def row_of(case: Any, library: Any) -> Any:
             mass += piece["mass"]
         bodies.append({
             "kind": table["kind"], "first": start, "last": stop, "mass": mass, "velocity": velocity,
+            "strain": table.get("strain", 0.0),
         })
     if tables[-1]["kind"] != "wall":
         status.append(status_at(both[1]["kind"]))
@@ -181,7 +199,6 @@ def row_of(case: Any, library: Any) -> Any:
         "segments": segments, "bodies": bodies, "gaps": gaps, "bonded": bonded,
         "ends": [end["kind"] for end in both], "make": make, "given": given, "status": status,
         "until": case.get("solve", {}).get("until", -1.0),
-        "max_events": case.get("solve", {}).get("max_events", 0),
     }
 
 

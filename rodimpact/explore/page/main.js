@@ -126,7 +126,7 @@ function play(on) {
 
 function stateAddress() {
   const view = { quantity: shown.quantity, time: Number(shown.share.toFixed(3)) };
-  return addressOf(embedded ? { view } : { ...design, view }).join("&");
+  return addressOf(design ? { ...design, view } : { view }).join("&");
 }
 
 function keepAddress() {
@@ -298,7 +298,7 @@ function beginOffline() {
 }
 
 async function beginLive() {
-  start = await (await fetch("start.json")).json();
+  start = embedded ? embedded.start : await (await fetch("start.json")).json();
   scenes = new Line("/scene", receive);
   curves = new Line("/curve", receiveCurve);
   controls = new Controls(byId("controls"), start.materials, changed);
@@ -308,5 +308,5 @@ async function beginLive() {
 }
 
 connect();
-if (embedded) beginOffline();
+if (embedded && embedded.scene) beginOffline();
 else beginLive();

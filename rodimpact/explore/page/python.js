@@ -25,7 +25,9 @@ const py = {
     return Math.floor(a / py.pow2(b)) + 0;
   },
   pow2: (exponent) => 2 ** exponent,
+  pow10: (exponent) => Number(`1e${exponent}`),
   min: (a, b) => (b < a ? b : a),
+  where: (test, a, b) => (test ? a : b),
   max: (a, b) => (b > a ? b : a),
   int(x) {
     const whole = Math.trunc(x);
