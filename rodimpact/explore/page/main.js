@@ -34,7 +34,7 @@ function readTheme() {
 
 function now() {
   const { begin, end } = shown.scene;
-  return begin + shown.share * (end - begin);
+  return Math.min(end, begin + shown.share * (end - begin));
 }
 
 function redraw() {
