@@ -311,17 +311,24 @@ def sentence_of(row: Any, run: Any) -> str:
         held = len(walls) == 2 or any(row["bonded"][min(i, last)] for i in walls)
         acting = "an end is driven" if driven_ends(row) else ""
         sentence = ending(stopped_by, final, end, f"{clock[EVENTS]} events", acting, held)
-    worst, error, fastest, slowest = 0, -1.0, 0.0, math.inf
-    for s, piece in enumerate(segments):
-        off = abs(layout.transit[s + 1] * tick / piece["transit_time"] - 1)
-        if off > error:
-            worst, error = s, off
+    error, worst = transit_error_of(row, run)
+    fastest, slowest = 0.0, math.inf
+    for piece in segments:
         slowest = min(slowest, piece["wave_speed"])
     for r in range(clock[ROWS]):
         fastest = max(fastest, abs(run["log"].value[r]))
-    return (
-        sentence + rounding(error, segments[worst]["path"]) + strain_warning(fastest / slowest)
-    )
+    return sentence + rounding(error, worst) + strain_warning(fastest / slowest)
+
+
+def transit_error_of(row: Any, run: Any) -> Any:
+    """Largest relative change of a transit time by its rounding to the clock, and where."""
+    layout, error, worst = run["layout"], -1.0, ""
+    for s, piece in enumerate(row["segments"]):
+        ticks = layout.transit[s + 1]
+        off = abs(ticks * layout.tick_seconds[0] / piece["transit_time"] - 1)
+        if off > error:
+            error, worst = off, piece["path"]
+    return error, worst
 
 
 def why_no_restitution(

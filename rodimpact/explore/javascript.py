@@ -76,22 +76,29 @@ def javascript(
     Untranslatable
         At the first thing that is not translated, or where two functions bear one name.
     """
-    waiting, made = list(roots), dict.fromkeys(known or ())
-    texts: dict[str, str] = {}
+    return "\n".join(translations(roots, constants or {}, known or {}).values())
+
+
+def translations(
+    roots: Iterable[Any], constants: Mapping[str, float], known: Mapping[Any, str]
+) -> dict[FunctionType, str]:
+    """Each function with its text; arguments as of `javascript`."""
+    waiting, names = list(roots), set()
+    texts: dict[FunctionType, str] = {}
     fields = {field for function in waiting for used in function.__globals__.values()
               for value in (used, *getattr(used, "__globals__", {}).values())
               for field in getattr(value, "_fields", ())}
     while waiting:
         function = waiting.pop(0)
-        if function in made:
+        if function in texts:
             continue
-        made[function] = None
-        translator = _Translator(function, fields, constants or {}, known or {})
-        if function.__name__ in texts:
+        translator = _Translator(function, fields, constants, known)
+        if function.__name__ in names:
             translator.refuse(translator.tree, f"another function called {function.__name__}")
-        texts[function.__name__] = translator.visit(translator.tree)
+        names.add(function.__name__)
+        texts[function] = translator.visit(translator.tree)
         waiting += translator.called
-    return "\n".join(texts.values())
+    return texts
 
 
 def tree_of(function: FunctionType) -> ast.FunctionDef:

@@ -99,14 +99,17 @@ const py = {
     if (typeof x !== "string" && !Number.isSafeInteger(x)) throw new TypeError(`${x} needs a format`);
     return String(x);
   },
-  /** Format "g": so many digits, without zeros at the end. */
+  /** Format "g": so many digits, halves to the even one, without zeros at the end. */
   general(x, digits) {
     if (!Number.isFinite(x)) return Number.isNaN(x) ? "nan" : x > 0 ? "inf" : "-inf";
-    const [lead, power] = x.toExponential(digits - 1).split("e").map(Number);
+    const [figures, exponent] = Math.abs(x).toExponential(100).replace(".", "").split("e");
+    const half = /^50*$/.test(figures.slice(digits)) && Number(figures[digits - 1]) % 2 === 0;
+    const rounded = half ? Math.sign(x) * Number(`${figures.slice(0, digits)}e${exponent - digits + 1}`) : x;
+    const [lead, power] = rounded.toExponential(digits - 1).split("e").map(Number);
     if (x !== 0 && (power < -4 || power >= digits)) {
       const size = String(Math.abs(power)).padStart(2, "0");
       return `${lead}e${power < 0 ? "-" : "+"}${size}`;
     }
-    return String(Number(x.toPrecision(digits)) + 0);
+    return String(Number(rounded.toPrecision(digits)) + 0);
   },
 };
