@@ -18,7 +18,7 @@ from .tables import lacking, mistakes, row_of
 
 CONSTANTS = {
     "CLOCK_BITS": 52, "NEVER": 1 << 52, "IDLE": (1 << 53) - 1, "LEAST_UNIT": 2.0**34,
-    "MOST_PARTS": 1 << 32, "FINE": 2.0**-6,
+    "MOST_PARTS": 1 << 32, "FINE": 2.0**-7,
 }
 """Constants of the kernels on the page's clock."""
 FUNCTIONS = (

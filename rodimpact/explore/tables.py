@@ -141,7 +141,7 @@ def row_of(case: Any, library: Any) -> Any:
     """
     tables, count = case["bodies"], len(case["bodies"])
     contacts = case.get("contacts", [{} for _ in range(count - 1)])
-    known, ends = {**library, **case.get("materials", {})}, case.get("ends", {})
+    own, ends = case.get("materials", {}), case.get("ends", {})
     both = [ends.get(side, {"kind": "free"}) for side in ("left", "right")]
     segments: list[Any] = []
     bodies: list[Any] = []
@@ -165,7 +165,8 @@ def row_of(case: Any, library: Any) -> Any:
             if j > 0:
                 status.append(BOND)
             where = f"bodies.{i}.segments.{j}" if len(pieces_of(table)) > 1 else f"bodies.{i}"
-            segments.append({"path": where, **segment_of(piece, known)})
+            name = piece["material"]
+            segments.append(segment_of(where, piece, own[name] if name in own else library[name]))
         start, stop = (1, 0) if wall else (begin, len(segments))
         velocity = table.get("velocity", 0.0)
         lay(first, last, places, jumps, profiles, start, stop, velocity, table.get("strain", 0.0))
@@ -235,14 +236,13 @@ def lay(
         profiles.extend(at)
 
 
-def segment_of(piece: Any, known: Any) -> Any:
+def segment_of(path: str, piece: Any, material: Any) -> Any:
     """A segment with all that follows from what is given."""
-    material, length, area = known[piece["material"]], piece["length"], piece["area"]
-    density = material["density"]
+    length, area, density = piece["length"], piece["area"], material["density"]
     speed = math.sqrt(material["youngs_modulus"] / density)
     impedance, time = density * area * speed, length / speed
     return {
-        "length": length, "area": area, "material": piece["material"], "density": density,
-        "youngs_modulus": material["youngs_modulus"], "wave_speed": speed,
+        "path": path, "length": length, "area": area, "material": piece["material"],
+        "density": density, "youngs_modulus": material["youngs_modulus"], "wave_speed": speed,
         "impedance": impedance, "transit_time": time, "mass": impedance * time,
     }

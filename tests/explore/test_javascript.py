@@ -16,9 +16,9 @@ from systems import random_system
 import rodimpact as ri
 from rodimpact.explore import fronts
 from rodimpact.explore.javascript import Untranslatable, javascript
-from rodimpact.explore.page_files import SCRIPTS, read
+from rodimpact.explore.page_files import read
 from rodimpact.explore.scene import scene
-from rodimpact.explore.solver import CONSTANTS, FUNCTIONS, KNOWN
+from rodimpact.explore.solver import CONSTANTS, KNOWN
 from rodimpact.explore.start import start
 from rodimpact.explore.presets import presets
 from rodimpact.explore.tables import LIBRARY, lacking, mistakes, row_of
@@ -220,7 +220,7 @@ def rows(seeds):
     return found
 
 
-SOLVES = (row_of, fronts.run_of, fronts.outcome_of, fronts.transit_error_of)
+SOLVES = (row_of, fronts.space_of, fronts.run_of, fronts.outcome_of, fronts.transit_error_of)
 
 
 def solved_by_the_page(cases):
@@ -228,9 +228,10 @@ def solved_by_the_page(cases):
     script = f"""{read("python.js")}\n{read("numbers.js")}\n{javascript(SOLVES, CONSTANTS, KNOWN)}
     const answer = ({{ cases, library }}) => cases.map((tables) => {{
       const row = row_of(tables, library);
-      const run = run_of(row, {MOST}, false);
+      const run = run_of(row, {MOST}, false, space_of(row));
       const [error] = transit_error_of(row, run);
-      return {{ ...outcome_of(row, run), events: run.clock[3], error }};
+      const grain = 1 / Math.max(...run.layout.transit);
+      return {{ ...outcome_of(row, run), events: run.clock[3], error: error + grain, scale: run.layout.scale[0] }};
     }});"""
     return run(script, {"cases": cases, "library": LIBRARY})
 
@@ -238,25 +239,24 @@ def solved_by_the_page(cases):
 @needs_node
 @pytest.mark.parametrize("block", few_of(range(10), {0}))
 def test_the_page_solves_rows_as_solve_does(block):
-    """Velocities to 1e-11 of the closing speed where events are few, elsewhere to the clock's error."""
-    cases, many, cut = rows(range(100 * block, 100 * block + 100)), 0, 0
+    """To 1e-11 of the closing speed where events are few, elsewhere to what the clock rounds."""
+    cases, few = rows(range(100 * block, 100 * block + 100)), 0
     for case, page in zip(cases, solved_by_the_page(cases), strict=True):
-        system = case_from(case).system
-        outcome = ri.solve(system, max_events=MOST).outcome
-        if page["events"] >= MOST:
-            cut += 1
-            assert not outcome.final or outcome.contacts
+        if page["events"] >= MOST:  # cut short, nobody knows where
             continue
+        outcome = ri.solve(case_from(case).system, max_events=MOST).outcome
         assert page["final"] == outcome.final
-        before, after = outcome.velocities_before, outcome.velocities_after
-        closing = max(max(before) - min(before), 1e-3)
-        worst = 1e-11 if page["events"] < FEW else page["error"] * page["events"]
-        many += page["events"] >= FEW
-        assert page["after"] == pytest.approx(after, abs=worst * closing)
-        if not (why := outcome.why_no_restitution()):
-            assert page["restitution"] == pytest.approx(outcome.restitution, abs=worst)
+        worst = 2 * page["error"] * page["events"] * page["scale"]
+        if page["events"] < FEW and page["error"] < 2.0**-42:
+            few += 1
+            closing = max(outcome.velocities_before) - min(outcome.velocities_before)
+            worst = 1e-11 * max(closing, 1e-3)
+        assert page["after"] == pytest.approx(outcome.velocities_after, abs=worst)
+        why = outcome.why_no_restitution()
         assert (page["why"] == "") == (why == "")
-    assert 100 - many - cut >= 50
+        if not why:
+            assert page["restitution"] == pytest.approx(outcome.restitution, abs=1e-9)
+    assert few >= 50
 
 
 @needs_node
@@ -267,6 +267,6 @@ def test_the_page_has_the_bits_of_the_same_clock_and_no_number_too_large():
     for case, page in zip(cases, solved_by_the_page(cases), strict=True):
         if page["events"] < FEW:
             row = checked["row_of"](case, LIBRARY)
-            here = checked["outcome_of"](row, checked["run_of"](row, MOST, False))
+            here = checked["outcome_of"](row, checked["run_of"](row, MOST, False, checked["space_of"](row)))
             assert page["after"] == here["after"]
             assert page["vibration_after"] == here["vibration_after"]

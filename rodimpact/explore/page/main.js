@@ -172,6 +172,7 @@ function receive({ data, problems = [] }) {
   if (!data) return;
   show(data);
   controls.showDerived(data.bodies);
+  showMap();
   clearTimeout(timers.curve);
   if (data.ratio !== null && !data.curve) timers.curve = setTimeout(() => curves.ask(design, true), 400);
 }
@@ -281,6 +282,7 @@ function connect() {
   byId("save-svg").addEventListener("click", saveSvg);
   byId("save-case").addEventListener("click", saveCase);
   connectDiagram();
+  connectMap();
   new ResizeObserver(() => {
     readTheme();
     redraw();
