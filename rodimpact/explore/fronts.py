@@ -50,7 +50,7 @@ RATIOS = 80  # of the lengths, on the curve of e
 POINTS = 240  # of a curve of energy, about
 
 
-def known_of(row: Any, gauges: Any, most_events: int) -> Any:
+def known_of(row: Any, gauges: Any) -> Any:
     """What `picture` shows of a row of fronts.
 
     Parameters
@@ -59,14 +59,13 @@ def known_of(row: Any, gauges: Any, most_events: int) -> Any:
         As `row_of` makes it.
     gauges : list of dict
         Each with its ``body`` and ``fraction`` of the length.
-    most_events : int
 
     Returns
     -------
     dict
         Or one with a ``problem``, path and sentence, where there is nothing to show.
     """
-    run = run_of(row, most_events, True, space_of(row))
+    run = run_of(row, True, space_of(row))
     if run["why"] < 0:
         message = "times too far apart for the clock of this page; rodimpact run may solve it"
         return {"problem": ("bodies", message)}
@@ -163,7 +162,7 @@ def gauge_series(row: Any, run: Any, waves: list[Any], gauge: Any, stop: int) ->
     return series_of(name, curve["t"], strain, True)
 
 
-def run_of(row: Any, most_events: int, further: bool, space: Any) -> Any:
+def run_of(row: Any, further: bool, space: Any) -> Any:
     """Run a row to its end; `further` goes on for a round trip after the proof of finality.
 
     Returns
@@ -174,16 +173,16 @@ def run_of(row: Any, most_events: int, further: bool, space: Any) -> Any:
         -1 where its times do not fit on a clock. All but ``status`` and ``why`` is the `space`.
     """
     if row["until"] >= 0:
-        return run_on(row, most_events, further, row["until"], space)
+        return run_on(row, further, row["until"], space)
     share = FINE
-    run = run_on(row, most_events, further, -share, space)
+    run = run_on(row, further, -share, space)
     while run["why"] == CLOCK and share < 1:
         share = min(4 * share, 1.0)
-        run = run_on(row, most_events, further, -share, space)
+        run = run_on(row, further, -share, space)
     return run
 
 
-def run_on(row: Any, most_events: int, further: bool, until: float, space: Any) -> Any:
+def run_on(row: Any, further: bool, until: float, space: Any) -> Any:
     """Run a row; `until` as of `lay_out`, all else as of `run_of`."""
     layout, make = space["layout"], row["make"]
     if lay_out(make, row["given"], 0, until, layout, space["work"]) != LAID:
@@ -199,7 +198,7 @@ def run_on(row: Any, most_events: int, further: bool, until: float, space: Any) 
             initial_state(state, log, opening)
             segment_totals(state, log, 0, opening)
             tol, window = layout.tolerance[0], layout.window[0]
-            flag = play(state, tally, log, clock, target, most_events, tol, window)
+            flag = play(state, tally, log, clock, target, row["max_events"], tol, window)
             if flag != FULL:
                 break
         space.update(work_of(len(row["segments"]), 4 * len(log.tick)))
@@ -212,8 +211,8 @@ def space_of(row: Any) -> Any:
     n = len(row["segments"])
     layout, work = sizes_of(row["make"])
     return {
-        "layout": Layout(*[[0.0] * size for size in layout]),
-        "work": Work(*[[0.0] * size for size in work]),
+        "layout": Layout(*[[0] * size for size in layout]),
+        "work": Work(*[[0] * size for size in work]),
         "opening": stock_of(n), "closing": stock_of(n), **work_of(n, ROOM),
     }
 
@@ -368,15 +367,13 @@ def restitution(contact: int, before: list[float], after: list[float]) -> float:
     return 0.0 if e <= ROUND_OFF or stays else e
 
 
-def restitutions(
-    case: Any, library: Any, path: list[Any], values: list[float], most_events: int
-) -> list[Any]:
+def restitutions(case: Any, library: Any, path: list[Any], values: list[float]) -> list[Any]:
     """e for each value of a number of a case; None where there is none."""
     found: list[Any] = []
     space = space_of(row_of(case, library))
     for value in values:
         row = row_of(changed(case, path, value), library)
-        run = run_of(row, most_events, False, space)
+        run = run_of(row, False, space)
         able = [k for k, bonded in enumerate(row["bonded"]) if not bonded]
         e = None
         if run["why"] >= 0:
@@ -417,14 +414,14 @@ def changed(tree: Any, path: list[Any], value: float) -> Any:
     return copy
 
 
-def curve_of(case: Any, library: Any, ratio: float, most_events: int) -> Any:
+def curve_of(case: Any, library: Any, ratio: float) -> Any:
     """e over l1/l2 of two uniform rods, l1 varied and all else as it is."""
     reach = 2.0
     while reach < 1.1 * ratio:
         reach *= 2
     ratios = [reach * (k + 1) / RATIOS for k in range(RATIOS)]
     lengths = [r * case["bodies"][1]["length"] for r in ratios]
-    values = restitutions(case, library, ["bodies", 0, "length"], lengths, most_events)
+    values = restitutions(case, library, ["bodies", 0, "length"], lengths)
     return {"ratios": ratios, "values": values, "source": f"solved at {RATIOS} ratios"}
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 import functools
 
 from ..units import format_factor, format_si
-from .design import MOST_EVENTS
 from .fronts import changed, curve_of, known_of, restitutions
 from .javascript import javascript
 from .picture import picture, ratio_of, written
@@ -35,6 +34,6 @@ def script() -> str:
     text = javascript(FUNCTIONS, CONSTANTS, KNOWN)
     return (
         '"use strict";\n// Translated from Python by rodimpact; see page/solver.js.\n'
-        f"const fronts = (() => {{\n{text}\nreturn {{ {names}, MOST_EVENTS: {MOST_EVENTS} }};\n"
+        f"const fronts = (() => {{\n{text}\nreturn {{ {names} }};\n"
         "})();\n"
     )

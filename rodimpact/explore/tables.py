@@ -24,6 +24,7 @@ from ..methods.fronts.front_kernel import BOND, FREE, PUSH, TOUCH
 from ..methods.fronts.layout_kernel import ENDLESS, MOVED, PUSHED, STEADY, Make
 from ..model import Material, Rod, Segment, System, Wall
 from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, wanted
+from .design import MOST_EVENTS
 
 LIBRARY = {
     name: {"youngs_modulus": m.youngs_modulus, "density": m.density}
@@ -137,11 +138,13 @@ def row_of(case: Any, library: Any) -> Any:
     dict
         ``segments`` from left to right; ``bodies``, each with its ``first`` and ``last`` segment,
         (1, 0) for a wall; ``gaps``; ``bonded`` by contact; ``ends``; ``make``, ``given`` and
-        ``status`` for the kernels; ``until``, s, negative where none is asked for.
+        ``status`` for the kernels; ``max_events``, and ``until``, s, negative where none is asked
+        for.
     """
     tables, count = case["bodies"], len(case["bodies"])
     contacts = case.get("contacts", [{} for _ in range(count - 1)])
     own, ends = case.get("materials", {}), case.get("ends", {})
+    asked = case.get("solve", {})
     both = [ends.get(side, {"kind": "free"}) for side in ("left", "right")]
     segments: list[Any] = []
     bodies: list[Any] = []
@@ -199,7 +202,7 @@ def row_of(case: Any, library: Any) -> Any:
     return {
         "segments": segments, "bodies": bodies, "gaps": gaps, "bonded": bonded,
         "ends": [end["kind"] for end in both], "make": make, "given": given, "status": status,
-        "until": case.get("solve", {}).get("until", -1.0),
+        "until": asked.get("until", -1.0), "max_events": asked.get("max_events", MOST_EVENTS),
     }
 
 

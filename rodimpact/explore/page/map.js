@@ -112,6 +112,8 @@ function placeOnMap({ offsetX, offsetY }) {
 }
 
 function connectMap() {
+  const stops = [0, 0.5, 1].map((e) => `rgb(${colourOfE(e).slice(0, 3).join(",")})`);
+  byId("map-colours").style.background = `linear-gradient(to right, ${stops.join(",")})`;
   byId("map").addEventListener("toggle", showMap);
   for (const id of ["map-x", "map-y"]) byId(id).addEventListener("change", showMap);
   const picture = byId("map-picture");

@@ -13,10 +13,10 @@ function problemsOf({ case: tables }) {
 const answers = {
   "/scene"(design) {
     const row = fronts.row_of(design.case, start.materials);
-    const known = fronts.known_of(row, listOf(design.gauges), fronts.MOST_EVENTS);
+    const known = fronts.known_of(row, listOf(design.gauges));
     if (known.problem) return { problems: [{ path: known.problem[0], message: known.problem[1] }] };
     const ratio = fronts.ratio_of(known);
-    if (ratio !== null) known.curve = fronts.curve_of(design.case, start.materials, ratio, fronts.MOST_EVENTS);
+    if (ratio !== null) known.curve = fronts.curve_of(design.case, start.materials, ratio);
     return { data: fronts.picture(known) };
   },
   "/case": (design) => ({ data: { toml: tomlOf(design, start.materials) } }),
@@ -39,7 +39,7 @@ function answerHere(address, design) {
 async function* mapOf(design, [xPath, xs], [yPath, ys]) {
   for (let j = 0; j < ys.length; j += 1) {
     const tables = fronts.changed(design.case, yPath, ys[j]);
-    yield fronts.restitutions(tables, start.materials, xPath, xs, fronts.MOST_EVENTS);
+    yield fronts.restitutions(tables, start.materials, xPath, xs);
     if (j % 10 === 9) await new Promise((resolve) => { setTimeout(resolve); });
   }
 }
