@@ -11,6 +11,7 @@ const shown = {
 };
 let design = null;
 let start = null;
+let arrived = null;
 let controls = null;
 let scenes = null;
 let curves = null;
@@ -56,6 +57,7 @@ function draw() {
   byId("time").setAttribute("aria-valuetext", quantity(t, "s"));
   byId("now").value = quantity(t, "s");
   showReading();
+  showLesson(scene, t);
   shown.frames += 1;
   document.documentElement.dataset.frames = shown.frames;
 }
@@ -71,6 +73,8 @@ function showNumbers(scene) {
   const { restitution: e } = scene;
   byId("restitution").value = e.text;
   document.querySelector(".restitution").hidden = e.value === null;
+  byId("guess-first").hidden = e.value === null;
+  if (e.value === null) hideResult(false);
   byId("heading").textContent = e.value === null ? "After the collision" : "Coefficient of restitution";
   const beside = e.closed_form === null ? "" : `Closed form (${e.source}): ${e.closed_text}`;
   const off = e.difference === undefined ? "" : `; difference ${e.difference}`;
@@ -97,29 +101,12 @@ function askScene(afresh = false) {
 function show(scene) {
   shown.scene = prepare(scene);
   if (!shown.zoomed) shown.view = wholeView(shown.scene);
+  shown.scene.events = eventsOf(shown.scene);
   showNumbers(scene);
   showLegend();
+  listEvents(scene);
+  namePaces(scene);
   redraw();
-}
-
-// Time -------------------------------------------------------------------------------------------
-
-function play(on) {
-  shown.playing = on;
-  byId("play").textContent = on ? "Pause" : "Play";
-  byId("play").setAttribute("aria-pressed", String(on));
-  if (!on) return;
-  if (shown.share >= 1) shown.share = 0;
-  let last = performance.now();
-  const advance = (moment) => {
-    if (!shown.playing || !shown.scene) return;
-    shown.share = Math.min(1, shown.share + Math.max(0, moment - last) / 1000 / Number(byId("pace").value));
-    last = moment;
-    draw();
-    if (shown.share >= 1) play(false);
-    else requestAnimationFrame(advance);
-  };
-  requestAnimationFrame(advance);
 }
 
 // State ------------------------------------------------------------------------------------------
@@ -171,6 +158,8 @@ function receive({ data, problems = [] }) {
   document.documentElement.toggleAttribute("data-stale", !data);
   if (!data) return;
   show(data);
+  if (arrived) arrived();
+  arrived = null;
   controls.showDerived(data.bodies);
   clearTimeout(timers.curve);
   if (data.ratio !== null && !data.curve) timers.curve = setTimeout(() => curves.ask(design, true), 400);
@@ -189,8 +178,9 @@ function changed(rebuild) {
   keepAddress();
 }
 
-/** Begin with another design. */
-function begin(next) {
+/** Begin with another design; `then` is called when its scene is there. */
+function begin(next, then = null) {
+  arrived = then;
   design = structuredClone(next);
   shown.mark = null;
   shown.zoomed = false;
@@ -266,21 +256,11 @@ function connect() {
       keepAddress();
     });
   }
-  byId("play").addEventListener("click", () => play(!shown.playing));
-  addEventListener("keydown", (event) => {
-    if (event.key !== " " || event.target.closest("button, input, select, summary, [contenteditable]")) return;
-    event.preventDefault();
-    play(!shown.playing);
-  });
-  byId("time").addEventListener("input", () => {
-    play(false);
-    shown.share = byId("time").valueAsNumber / 1000;
-    redraw();
-    keepAddress();
-  });
   byId("save-svg").addEventListener("click", saveSvg);
   byId("save-case").addEventListener("click", saveCase);
   connectDiagram();
+  connectFilm();
+  connectLesson();
   new ResizeObserver(() => {
     readTheme();
     redraw();
@@ -303,6 +283,7 @@ async function beginLive() {
   curves = new Line("/curve", receiveCurve);
   controls = new Controls(byId("controls"), start.materials, changed);
   offerPresets();
+  connectTour();
   begin(readAddress() || start.design);
   addEventListener("hashchange", () => begin(readAddress() || start.design));
 }

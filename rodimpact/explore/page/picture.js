@@ -200,6 +200,9 @@ function drawDiagram(pen, scene, look, now, mark, theme) {
     x: [view.left, view.right, "m", "place"], y: [view.from, view.to, "s", "time"],
     note: [note, springs].filter(Boolean).join(", "),
   });
+  for (const { t } of scene.events) {
+    if (t >= view.from && t <= view.to) pen.disc(frame.x, frame.up(t), 0.3 * theme.size, theme.series[0]);
+  }
   return frame;
 }
 
