@@ -466,6 +466,73 @@ def test_keys_and_fingers(visit):
     assert small == []
 
 
+def bodies_of(page):
+    return page.evaluate("design.case.bodies.map((body) => body.kind)")
+
+
+def test_bodies_come_go_and_change_places(visit):
+    page = visit()
+    wait_for_e(page, "0.4")
+    page.select_option("#add-kind", "wall")
+    page.click("text=Add >> nth=0")
+    page.select_option("#add-kind", "mass")
+    page.click("text=Add >> nth=0")
+    assert bodies_of(page) == ["rod", "rod", "mass", "wall"]
+    sync_api.expect(page.locator("#results")).to_contain_text("velocity of mass 2")
+    page.click("[aria-label='Remove rod 0']")
+    assert bodies_of(page) == ["rod", "mass", "wall"]
+    assert page.evaluate("[design.gauges[0].body, design.case.contacts.length]") == [0, 2]
+    page.click("[aria-label='Move mass 1 to the left']")
+    page.click("[aria-label='+ step of rod 1']")
+    assert page.evaluate("design.case.bodies[1].segments.map((s) => s.area)") == [1e-4, 2e-4]
+    page.click("text=− step")  # noqa: RUF001
+    sync_api.expect(page.locator("#results")).to_contain_text("velocity of mass 0")
+    for _ in range(3):
+        page.keyboard.press("Control+z")
+    assert bodies_of(page) == ["rod", "mass", "wall"]
+    for _ in range(3):
+        page.click("#undo")
+    wait_for_e(page, "0.4")
+    assert page.locator("#undo").is_disabled()
+
+
+def drag(page, start, way):
+    """Drag a point of the strip, given by an expression, by so many pixels."""
+    x, y = page.evaluate(start)
+    box = page.locator("#rods").bounding_box()
+    page.mouse.move(box["x"] + x, box["y"] + y)
+    page.mouse.down()
+    for share in (0.3, 0.7, 1):
+        page.mouse.move(box["x"] + x + share * way, box["y"] + y)
+    page.mouse.up()
+
+
+def test_ends_gauges_and_rods_are_dragged_in_the_picture(visit):
+    page = visit()
+    wait_for_e(page, "0.4")
+    across = "shown.strip.frame.across(shown.strip.ends.get({})[{}])"
+    scale = page.evaluate("shown.strip.frame.across(1) - shown.strip.frame.across(0)")
+    drag(page, f"[{across.format(1, 1)}, shown.strip.top + 20]", 0.2 * scale)
+    assert float(field(page, "bodies.1.length").input_value()) == pytest.approx(1200, abs=2)
+    wait_for_e(page, f"{400 / float(field(page, 'bodies.1.length').input_value()):.9g}")
+    middle = f"({across.format(1, 0)} + {across.format(1, 1)}) / 2"
+    drag(page, f"[{middle}, shown.strip.top]", 60)
+    assert float(field(page, "gauges.0.fraction").input_value()) > 60
+    drag(page, f"[{across.format(0, 1)} - 20, shown.strip.top + 20]", 0.9 * scale)
+    assert float(field(page, "bodies.1.length").input_value()) == 400
+    page.click("#undo")
+    assert float(field(page, LENGTH).input_value()) == 400
+
+
+def test_the_range_of_a_slider_follows_its_value(visit):
+    page = visit()
+    field(page, LENGTH).fill("5000")
+    assert float(slider(page, LENGTH).get_attribute("max")) > 5000
+    slider(page, LENGTH).press("End")
+    slider(page, LENGTH).press("ArrowRight")
+    assert float(field(page, LENGTH).input_value()) > 5000
+
+
 def test_names_never_become_markup(visit):
     page = visit()
     alloy = ri.Material("<b onclick=1>&amp;</b>", youngs_modulus=200e9, density=7850.0)

@@ -12,6 +12,7 @@ const shown = {
 let design = null;
 let start = null;
 let arrived = null;
+let past = null;
 let controls = null;
 let scenes = null;
 let curves = null;
@@ -100,7 +101,7 @@ function askScene(afresh = false) {
 /** Take a new scene. */
 function show(scene) {
   shown.scene = prepare(scene);
-  if (!shown.zoomed) shown.view = wholeView(shown.scene);
+  if (!shown.zoomed && !shown.held) shown.view = wholeView(shown.scene);
   shown.scene.events = eventsOf(shown.scene);
   showNumbers(scene);
   showLegend();
@@ -113,6 +114,8 @@ function show(scene) {
 
 function stateAddress() {
   const view = { quantity: shown.quantity, time: Number(shown.share.toFixed(3)) };
+  const question = byId("question").textContent.trim();
+  if (question) view.question = question;
   return addressOf(embedded ? { view } : { ...design, view }).join("&");
 }
 
@@ -139,6 +142,7 @@ function readAddress() {
   const view = tree.view || {};
   if (view.time >= 0 && view.time <= 1) shown.share = view.time;
   if (view.quantity) setQuantity(view.quantity);
+  byId("question").textContent = view.question === undefined ? "" : String(view.question);
   return tree.case && typeof tree.case === "object" ? { case: tree.case, gauges: listOf(tree.gauges) } : null;
 }
 
@@ -172,6 +176,7 @@ function receiveCurve({ data }) {
 }
 
 function changed(rebuild) {
+  past.keep(design, rebuild);
   if (rebuild) controls.build(design);
   showPreset();
   askScene();
@@ -182,6 +187,7 @@ function changed(rebuild) {
 function begin(next, then = null) {
   arrived = then;
   design = structuredClone(next);
+  past.keep(design, true);
   shown.mark = null;
   shown.zoomed = false;
   controls.build(design);
@@ -258,6 +264,7 @@ function connect() {
   }
   byId("save-svg").addEventListener("click", saveSvg);
   byId("save-case").addEventListener("click", saveCase);
+  byId("question").addEventListener("input", keepAddress);
   connectDiagram();
   connectFilm();
   connectLesson();
@@ -282,8 +289,10 @@ async function beginLive() {
   scenes = new Line("/scene", receive);
   curves = new Line("/curve", receiveCurve);
   controls = new Controls(byId("controls"), start.materials, changed);
+  past = new History(byId("undo"), begin);
   offerPresets();
   connectTour();
+  connectDragging(changed);
   begin(readAddress() || start.design);
   addEventListener("hashchange", () => begin(readAddress() || start.design));
 }
