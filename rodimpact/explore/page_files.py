@@ -13,8 +13,8 @@ from typing import Any
 
 SCRIPTS = (
     "numbers.js", "pens.js", "contacts.js", "layout.js", "picture.js", "plots.js", "reading.js",
-    "lesson.js", "tour.js", "film.js", "controls.js", "build.js", "server.js",
-    "main.js",
+    "lesson.js", "tour.js", "film.js", "compare.js", "controls.js", "build.js",
+    "server.js", "main.js",
 )
 KINDS = {"html": "text/html", "css": "text/css", "js": "text/javascript"}
 SERVED = ("page.html", "page.css", *SCRIPTS)

@@ -466,6 +466,24 @@ def test_keys_and_fingers(visit):
     assert small == []
 
 
+def test_two_collisions_are_shown_at_the_same_time_in_the_same_colours(visit):
+    page = visit()
+    wait_for_e(page, "0.4")
+    page.click("#compare")
+    page.select_option("#preset", "hopkinson")
+    page.wait_for_function("() => !scenes.busy && shown.scene.bodies.length === 3")
+    sync_api.expect(page.locator("#other-text")).to_contain_text("Kept: e = 0.4.")
+    reach = page.evaluate("[shown.scene, shown.other].map((scene) => scene.reach)")
+    assert reach[0] == reach[1]
+    assert reach[0]["velocity"] == 10
+    page.locator("#time").fill("0")
+    assert page.evaluate("now() === Math.min(shown.scene.begin, shown.other.begin)")
+    boxes = [page.locator(canvas).bounding_box() for canvas in ("#diagram", "#other-diagram")]
+    assert boxes[0]["x"] + boxes[0]["width"] <= boxes[1]["x"]
+    page.click("#compare")
+    assert not page.locator("#other").is_visible()
+
+
 def bodies_of(page):
     return page.evaluate("design.case.bodies.map((body) => body.kind)")
 

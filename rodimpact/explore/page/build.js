@@ -31,13 +31,13 @@ function rearrange(state, order) {
 }
 
 function orderOf(state) {
-  return state.case.bodies.map((_, i) => i);
+  return listOf(state.case.bodies).map((_, i) => i);
 }
 
 /** Add a body at the right end, but walls stay outermost. */
 function addBody(state, kind) {
   const order = orderOf(state);
-  const walled = state.case.bodies.at(-1).kind === "wall";
+  const walled = (state.case.bodies.at(-1) || {}).kind === "wall";
   const at = !walled ? order.length : kind === "wall" ? 0 : order.length - 1;
   order.splice(at, 0, structuredClone(NEW[kind]));
   rearrange(state, order);

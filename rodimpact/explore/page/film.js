@@ -4,17 +4,24 @@
 const REAL = 1e5; // how much slower than the collision "real / 100,000" is
 
 /** How long the whole film lasts, in s. */
-function filmTime({ begin, end }) {
+function filmTime() {
+  const { begin, end } = filmSpan();
   const pace = byId("pace").value;
   return pace === "real" ? (end - begin) * REAL : pace === "step" ? 8 : Number(pace);
 }
 
 /** Say how much slower than the collision each pace is. */
-function namePaces({ begin, end }) {
+function namePaces() {
+  const { begin, end } = filmSpan();
   for (const option of byId("pace").options) {
     const seconds = Number(option.value);
     if (seconds) option.text = `${seconds} s: real/${Number((seconds / (end - begin)).toPrecision(2)).toLocaleString("en")}`;
   }
+}
+
+function shareOfTime(t) {
+  const { begin, end } = filmSpan();
+  return (t - begin) / (end - begin);
 }
 
 function setShare(share) {
@@ -32,10 +39,10 @@ function play(on) {
   let last = performance.now();
   const { scene } = shown;
   const next = byId("pace").value === "step" ? scene.events[eventAt(scene, now()) + 1] : null;
-  const stop = next ? (next.t - scene.begin) / (scene.end - scene.begin) : 1;
+  const stop = next ? shareOfTime(next.t) : 1;
   const advance = (moment) => {
     if (!shown.playing || !shown.scene) return;
-    shown.share = Math.min(stop, shown.share + Math.max(0, moment - last) / 1000 / filmTime(shown.scene));
+    shown.share = Math.min(stop, shown.share + Math.max(0, moment - last) / 1000 / filmTime());
     last = moment;
     draw();
     if (shown.share >= stop) play(false);

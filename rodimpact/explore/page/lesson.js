@@ -115,9 +115,8 @@ function listEvents(scene) {
 }
 
 function goTo(t) {
-  const { begin, end } = shown.scene;
   play(false);
-  setShare((t - begin) / (end - begin));
+  setShare(shareOfTime(t));
 }
 
 /** Go on to the next event, or back. */

@@ -6,7 +6,7 @@ const embedded = byId("embedded") ? JSON.parse(byId("embedded").textContent) : n
 
 const PATIENCE = 250; // ms, before the page says that it is solving
 const shown = {
-  scene: null, view: null, share: 0.35, playing: false, mark: null, quantity: "velocity",
+  scene: null, other: null, view: null, share: 0.35, playing: false, mark: null, quantity: "velocity",
   displaced: false, frame: null, strip: null, theme: null, due: false, frames: 0,
 };
 let design = null;
@@ -35,7 +35,7 @@ function readTheme() {
 }
 
 function now() {
-  const { begin, end } = shown.scene;
+  const { begin, end } = filmSpan();
   return begin + shown.share * (end - begin);
 }
 
@@ -50,13 +50,14 @@ function redraw() {
 
 function draw() {
   const { scene, theme } = shown;
-  const t = now();
+  const t = Math.max(scene.begin, Math.min(scene.end, now()));
   shown.frame = drawDiagram(new CanvasPen(byId("diagram")), scene, shown, t, shown.mark, theme);
   shown.strip = drawRods(new CanvasPen(byId("rods")), scene, shown, t, theme);
+  drawBeside(now(), theme);
   drawPlots(byId("plots"), scene, t, theme);
   byId("time").value = 1000 * shown.share;
-  byId("time").setAttribute("aria-valuetext", quantity(t, "s"));
-  byId("now").value = quantity(t, "s");
+  byId("time").setAttribute("aria-valuetext", quantity(now(), "s"));
+  byId("now").value = quantity(now(), "s");
   showReading();
   showLesson(scene, t);
   shown.frames += 1;
@@ -101,12 +102,13 @@ function askScene(afresh = false) {
 /** Take a new scene. */
 function show(scene) {
   shown.scene = prepare(scene);
+  shareReach();
   if (!shown.zoomed && !shown.held) shown.view = wholeView(shown.scene);
   shown.scene.events = eventsOf(shown.scene);
   showNumbers(scene);
   showLegend();
   listEvents(scene);
-  namePaces(scene);
+  namePaces();
   redraw();
 }
 
@@ -293,6 +295,7 @@ async function beginLive() {
   offerPresets();
   connectTour();
   connectDragging(changed);
+  byId("compare").addEventListener("click", () => keepBeside(!shown.other));
   begin(readAddress() || start.design);
   addEventListener("hashchange", () => begin(readAddress() || start.design));
 }

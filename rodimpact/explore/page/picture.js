@@ -33,7 +33,7 @@ function shareOf(scene, name, polygon) {
 function wholeView(scene) {
   const [low, high] = scene.row.span;
   const edge = 0.04 * (high - low);
-  return { left: low - edge, right: high + edge, from: scene.begin, to: scene.end };
+  return { left: low - edge, right: high + edge, from: filmSpan().begin, to: filmSpan().end };
 }
 
 /** A frame in a drawing, and the pixels of places and times in it. */
