@@ -187,12 +187,15 @@ def test_a_view_can_be_shared(visit):
     page = visit()
     field(page, LENGTH).fill("300")
     page.check("input[value=stress]")
+    page.check("#displaced")
+    page.locator("#question").fill("How long & why?")
     page.locator("#time").fill("700")
     wait_for_e(page, "0.3")
     page.wait_for_url(re.compile(r"bodies\.0\.length=0\.3&.*view\.quantity=stress&view\.time=0\.7"))
     address, seen = page.url, (picture(page), picture(page, "#rods"))
     again = visit(address)
     wait_for_e(again, "0.3")
+    assert again.inner_text("#question") == "How long & why?"
     assert again.is_checked("input[value=stress]")
     assert (picture(again), picture(again, "#rods")) == seen
 
@@ -573,6 +576,23 @@ def test_an_accessibility_checker_finds_nothing(visit, width, scheme):
     asked = {"rules": {"target-size": {"enabled": True}}}
     found = page.evaluate("asked => axe.run(document, asked)", asked)["violations"]
     assert [(v["id"], [node["html"] for node in v["nodes"]]) for v in found] == []
+
+
+def test_the_page_says_that_it_is_solving(visit):
+    page = visit()
+    wait_for_e(page, "0.4")
+    page.evaluate("""() => {
+        const asked = fetch;
+        window.fetch = async (...question) => {
+            await new Promise((go) => { window.go = go; });
+            return asked(...question);
+        };
+    }""")
+    field(page, LENGTH).fill("300")
+    sync_api.expect(page.locator("#solving")).to_be_visible()
+    page.evaluate("go()")
+    wait_for_e(page, "0.3")
+    assert not page.locator("#solving").is_visible()
 
 
 def test_the_latest_request_wins(visit):

@@ -63,7 +63,8 @@ function contactEvents(scene, contact) {
 function released(scene, pair, before, state) {
   if (before === "touching") return `The gap opens: ${pair} part.`;
   const end = `force between ${pair} ends; ${state === "open" ? "they part" : "touching, not pressing"}.`;
-  return scene.exact ? `The wave is back at the contact: the ${end}` : `The ${end}`;
+  if (!scene.exact) return `The ${end}`;
+  return `${scene.contacts.length > 1 ? "A wave arrives" : "The wave is back"} at the contact: the ${end}`;
 }
 
 /** Waves that arrive at the two ends of the row, where nothing holds back. */

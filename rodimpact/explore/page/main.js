@@ -116,6 +116,7 @@ function show(scene) {
 
 function stateAddress() {
   const view = { quantity: shown.quantity, time: Number(shown.share.toFixed(3)) };
+  if (shown.displaced) view.displaced = true;
   const question = byId("question").textContent.trim();
   if (question) view.question = question;
   return addressOf(embedded ? { view } : { ...design, view }).join("&");
@@ -144,6 +145,7 @@ function readAddress() {
   const view = tree.view || {};
   if (view.time >= 0 && view.time <= 1) shown.share = view.time;
   if (view.quantity) setQuantity(view.quantity);
+  shown.displaced = byId("displaced").checked = view.displaced === true;
   byId("question").textContent = view.question === undefined ? "" : String(view.question);
   return tree.case && typeof tree.case === "object" ? { case: tree.case, gauges: listOf(tree.gauges) } : null;
 }
@@ -257,6 +259,7 @@ function connect() {
   byId("displaced").addEventListener("change", () => {
     shown.displaced = byId("displaced").checked;
     redraw();
+    keepAddress();
   });
   for (const choice of document.querySelectorAll("input[name=quantity]")) {
     choice.addEventListener("change", () => {

@@ -225,8 +225,9 @@ function drawFrame(pen, frame, size, theme, axes) {
   }
   const unit = xs.unit ? `, ${xs.unit}` : "";
   const note = axes.note ? ` (${axes.note})` : "";
-  pen.text((frame.x + frame.right) / 2, frame.bottom + 1.5 * size, xName + unit + note,
-    { ...ink, align: "center", baseline: "top" });
+  const name = xName + unit + note;
+  pen.text((frame.x + frame.right) / 2, frame.bottom + 1.5 * size, name,
+    { ...ink, size: Math.min(ink.size, pen.width / (0.55 * name.length)), align: "center", baseline: "top" });
   const [y0, y1, yUnit, yName] = axes.y;
   const ys = labelledTicks(y0, y1, Math.max(2, frame.height / (2.6 * size)), yUnit);
   for (const [value, label] of ys.ticks) {
