@@ -11,18 +11,28 @@ from collections.abc import Mapping
 from importlib import resources
 from typing import Any
 
+from .solver import script
+
 SCRIPTS = (
-    "numbers.js", "pens.js", "contacts.js", "layout.js", "picture.js", "plots.js", "reading.js",
-    "lesson.js", "tour.js", "film.js", "compare.js", "controls.js", "build.js",
-    "server.js", "main.js",
+    "numbers.js", "python.js", "kernels.js", "solver.js", "pens.js", "contacts.js", "layout.js",
+    "picture.js", "plots.js", "reading.js", "lesson.js", "tour.js", "film.js", "compare.js",
+    "controls.js", "build.js", "server.js", "main.js",
 )
+SOLVER = ("python.js", "kernels.js", "solver.js")  # not needed where nothing is solved
 KINDS = {"html": "text/html", "css": "text/css", "js": "text/javascript"}
 SERVED = ("page.html", "page.css", *SCRIPTS)
 
 
 def read(name: str) -> str:
-    """Text of a file of the page."""
+    """Text of a file of the page; the kernels are translated as they are now."""
+    if name == "kernels.js":
+        return script()
     return resources.files(__package__).joinpath("page", name).read_text(encoding="utf-8")
+
+
+def lean(text: str) -> str:
+    """A script or a style without indentation, and without comments on lines of their own."""
+    return re.sub(r"^(\s+|\s*//.*\n|\s*/\*\*(.|\n)*?\*/\n)", "", text, flags=re.MULTILINE)
 
 
 def kind_of(name: str) -> str:
@@ -30,15 +40,13 @@ def kind_of(name: str) -> str:
     return f"{KINDS[name.rpartition('.')[2]]}; charset=utf-8"
 
 
-def standalone(scene: Mapping[str, Any], design: Mapping[str, Any], title: str) -> str:
-    """The page with a scene inside, in one file that asks nobody for anything.
+def standalone(embedded: Mapping[str, Any], title: str) -> str:
+    """The page with all that it needs inside, in one file that asks nobody for anything.
 
     Parameters
     ----------
-    scene : dict
-        As `scene.scene` makes it.
-    design : dict
-        As `Design.to_dict` makes it.
+    embedded : dict
+        With ``scene`` and ``design``, to be looked at; or with ``start``, to be played with.
     title : str
         Of the window.
 
@@ -47,13 +55,14 @@ def standalone(scene: Mapping[str, Any], design: Mapping[str, Any], title: str) 
     str
         HTML.
     """
-    style = read("page.css")
-    script = "\n".join(read(name) for name in SCRIPTS)
+    style = lean(read("page.css"))
+    needed = [name for name in SCRIPTS if "start" in embedded or name not in SOLVER]
+    script = lean("\n".join(map(read, needed)))
     policy = "; ".join([
         "default-src 'none'", f"style-src {_digest(style)}", f"script-src {_digest(script)}",
         "img-src data: blob:", "base-uri 'none'", "form-action 'none'",
     ])
-    data = json.dumps({"scene": scene, "design": design}, allow_nan=False, ensure_ascii=False)
+    data = json.dumps(embedded, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
     data = data.replace("<", "\\u003c")  # so that no text in it ends the element
     head = (
         f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'

@@ -2,19 +2,16 @@
 
 import itertools
 import json
-import math
 
 import numpy as np
 import pytest
-from systems import random_rod
 
 import rodimpact as ri
-from rodimpact.explore.comparison import closed_curve, ratio_of, solved_curve
+from rodimpact.explore.comparison import solved_curve
 from rodimpact.explore.design import MOST_BODIES, MOST_EVENTS, Design
 from rodimpact.explore.presets import presets
 from rodimpact.explore.scene import scene
-from rodimpact.explore.tiling import cells, sliced_energy
-from rodimpact.results.closed_forms import closed_form
+from rodimpact.explore.tiling import cells
 from rodimpact.results.regions import regions_of
 from rodimpact.storage.casefile import GaugePlace
 
@@ -187,24 +184,6 @@ def test_cells_hold_the_mean_state():
         assert tiling.velocity[i] == pytest.approx(mean, abs=0.03)
 
 
-def test_slices_hold_the_energy_of_the_ledger():
-    rng = np.random.default_rng(5)
-    for _ in range(10):
-        rods = [random_rod(rng, 0.1, vibrating=True, stepped=True) for _ in range(3)]
-        system = ri.System(
-            rods, contacts=[ri.Bonded(), ri.Rigid()] if rng.random() < 0.5 else None
-        )
-        solution = ri.solve(system, until=1e-3)
-        tiling = regions_of(solution)
-        times, energy = sliced_energy(solution, tiling)
-        ledger = solution.energy(np.minimum(times[:: len(times) // 30 + 1], solution.t_end))
-        scale = ledger.total.max()
-        for name, kind in (("moving as a whole", "kinetic"), ("vibration", "vibrational_kinetic"),
-                           ("strain", "strain"), ("total", "total")):
-            found = energy[name][:: len(times) // 30 + 1]
-            assert found == pytest.approx(getattr(ledger, kind), abs=1e-9 * scale)
-
-
 # Scene
 
 
@@ -311,27 +290,27 @@ def test_a_row_that_never_meets_has_a_picture_too():
 # Comparison
 
 
-def test_both_curves_pass_through_the_collision_shown():
-    curve = closed_curve(PAIR, closed_form(PAIR))
-    assert np.interp(0.4, curve.ratios, curve.values) == pytest.approx(0.4, abs=1e-12)
-    assert "closed form" in curve.source
+def test_the_curve_of_e_is_that_of_saint_venant():
+    _, found = shown(PAIR)
+    curve = found["curve"]
+    assert curve["values"] == pytest.approx([min(r, 1 / r) for r in curve["ratios"]], abs=1e-11)
     solved = solved_curve(Design.of(ri.Case(PAIR)))
-    expected = [min(r, 1 / r) for r in solved.ratios]
-    assert solved.values == pytest.approx(expected, abs=1e-12)
-    assert solved.source == "solved at 20 ratios"
+    assert solved["values"] == pytest.approx([min(r, 1 / r) for r in solved["ratios"]], abs=1e-12)
+    assert solved["source"] == "solved at 20 ratios"
 
 
 def test_a_curve_needs_two_uniform_rods():
     wall = ri.System([LEFT, ri.Wall()])
-    assert ratio_of(wall) is None
     assert solved_curve(Design.of(ri.Case(wall))) is None
-    assert closed_curve(wall, closed_form(wall)) is None
-    assert ratio_of(PAIR) == pytest.approx(0.4)
+    _, found = shown(wall)
+    assert found["ratio"] is None
+    assert found["curve"] is None
+    assert shown(PAIR)[1]["ratio"] == pytest.approx(0.4)
 
 
 def test_a_curve_has_holes_where_there_is_no_collision():
     apart = Design.of(ri.Case(ri.System([RIGHT, LEFT])))
-    assert all(math.isnan(e) for e in solved_curve(apart).values)
+    assert set(solved_curve(apart)["values"]) == {None}
 
 
 def test_a_gauge_place_is_a_fraction_of_the_rod():

@@ -36,7 +36,7 @@ function readTheme() {
 
 function now() {
   const { begin, end } = filmSpan();
-  return begin + shown.share * (end - begin);
+  return Math.min(end, begin + shown.share * (end - begin));
 }
 
 function redraw() {
@@ -119,7 +119,7 @@ function stateAddress() {
   if (shown.displaced) view.displaced = true;
   const question = byId("question").textContent.trim();
   if (question) view.question = question;
-  return addressOf(embedded ? { view } : { ...design, view }).join("&");
+  return addressOf(design ? { ...design, view } : { view }).join("&");
 }
 
 function keepAddress() {
@@ -290,7 +290,7 @@ function beginOffline() {
 }
 
 async function beginLive() {
-  start = await (await fetch("start.json")).json();
+  start = embedded ? embedded.start : await (await fetch("start.json")).json();
   scenes = new Line("/scene", receive);
   curves = new Line("/curve", receiveCurve);
   controls = new Controls(byId("controls"), start.materials, changed);
@@ -304,5 +304,5 @@ async function beginLive() {
 }
 
 connect();
-if (embedded) beginOffline();
+if (embedded && embedded.scene) beginOffline();
 else beginLive();
