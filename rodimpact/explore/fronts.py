@@ -541,8 +541,6 @@ def contact_curves(row: Any, run: Any, stop: int) -> list[Any]:
                 curves[i]["t"].append(now * tick)
                 curves[i]["force"].append(state.force[node])
                 curves[i]["gap"].append(0.0 if row["bonded"][i] else max(gap, 0.0) * tick)
-        if state.tree[1] >= stop and now < stop:
-            now = stop
     return curves
 
 

@@ -33,7 +33,7 @@ def presets() -> list[Preset]:
          "The wave runs to the free end and back; the rod leaves as fast as it came.",
          [steel_rod(1.0, 1.0), Wall()], [0]),
         ("unequal", "Rods of different length",
-         "The short rod stops dead, the long one keeps vibrating: e = l1/l2.",
+         "The short rod stops dead, the long one keeps vibrating: e = l₁/l₂.",
          [steel_rod(0.4, 1.0), steel_rod(1.0)], [1]),
         ("equal-transits", "Equal transit times",
          "Waves take equally long in both, so e = 1, whatever lengths and impedances are.",

@@ -34,5 +34,6 @@ function touching(scene) {
 }
 
 function stateAt(contact, t) {
-  return (contact.spells.find((spell) => t < spell.to) || contact.spells.at(-1)).state;
+  const spell = contact.spells.find(({ to }) => t < to) || contact.spells.at(-1);
+  return spell ? spell.state : "touching";
 }

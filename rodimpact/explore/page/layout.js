@@ -12,7 +12,7 @@ function placeOf(row, body, x, t, displacement) {
 /** Adds what drawing asks for again and again: places, largest values, states of contacts. */
 function prepare(scene) {
   const { tiling, row } = scene;
-  scene.reach = { velocity: largestOf(tiling.velocity), stress: largestOf(tiling.stress) };
+  scene.own = { velocity: largestOf(tiling.velocity), stress: largestOf(tiling.stress) };
   scene.lengths = lengthsOf(scene);
   scene.length = row.left.at(-1) + scene.lengths.at(-1);
   scene.begin = 0;

@@ -6,11 +6,13 @@ const embedded = byId("embedded") ? JSON.parse(byId("embedded").textContent) : n
 
 const PATIENCE = 250; // ms, before the page says that it is solving
 const shown = {
-  scene: null, view: null, share: 0.35, playing: false, mark: null, quantity: "velocity",
+  scene: null, other: null, view: null, share: 0.35, playing: false, mark: null, quantity: "velocity",
   displaced: false, frame: null, strip: null, theme: null, due: false, frames: 0,
 };
 let design = null;
 let start = null;
+let arrived = null;
+let past = null;
 let controls = null;
 let scenes = null;
 let curves = null;
@@ -33,7 +35,7 @@ function readTheme() {
 }
 
 function now() {
-  const { begin, end } = shown.scene;
+  const { begin, end } = filmSpan();
   return Math.min(end, begin + shown.share * (end - begin));
 }
 
@@ -48,14 +50,16 @@ function redraw() {
 
 function draw() {
   const { scene, theme } = shown;
-  const t = now();
+  const t = Math.max(scene.begin, Math.min(scene.end, now()));
   shown.frame = drawDiagram(new CanvasPen(byId("diagram")), scene, shown, t, shown.mark, theme);
   shown.strip = drawRods(new CanvasPen(byId("rods")), scene, shown, t, theme);
+  drawBeside(now(), theme);
   drawPlots(byId("plots"), scene, t, theme);
   byId("time").value = 1000 * shown.share;
-  byId("time").setAttribute("aria-valuetext", quantity(t, "s"));
-  byId("now").value = quantity(t, "s");
+  byId("time").setAttribute("aria-valuetext", quantity(now(), "s"));
+  byId("now").value = quantity(now(), "s");
   showReading();
+  showLesson(scene, t);
   shown.frames += 1;
   document.documentElement.dataset.frames = shown.frames;
 }
@@ -71,6 +75,8 @@ function showNumbers(scene) {
   const { restitution: e } = scene;
   byId("restitution").value = e.text;
   document.querySelector(".restitution").hidden = e.value === null;
+  byId("guess-first").hidden = e.value === null;
+  if (e.value === null) hideResult(false);
   byId("heading").textContent = e.value === null ? "After the collision" : "Coefficient of restitution";
   const beside = e.closed_form === null ? "" : `Closed form (${e.source}): ${e.closed_text}`;
   const off = e.difference === undefined ? "" : `; difference ${e.difference}`;
@@ -96,36 +102,23 @@ function askScene(afresh = false) {
 /** Take a new scene. */
 function show(scene) {
   shown.scene = prepare(scene);
-  if (!shown.zoomed) shown.view = wholeView(shown.scene);
+  shareReach();
+  if (!shown.zoomed && !shown.held) shown.view = wholeView(shown.scene);
+  shown.scene.events = eventsOf(shown.scene);
   showNumbers(scene);
   showLegend();
+  listEvents(scene);
+  namePaces();
   redraw();
-}
-
-// Time -------------------------------------------------------------------------------------------
-
-function play(on) {
-  shown.playing = on;
-  byId("play").textContent = on ? "Pause" : "Play";
-  byId("play").setAttribute("aria-pressed", String(on));
-  if (!on) return;
-  if (shown.share >= 1) shown.share = 0;
-  let last = performance.now();
-  const advance = (moment) => {
-    if (!shown.playing || !shown.scene) return;
-    shown.share = Math.min(1, shown.share + Math.max(0, moment - last) / 1000 / Number(byId("pace").value));
-    last = moment;
-    draw();
-    if (shown.share >= 1) play(false);
-    else requestAnimationFrame(advance);
-  };
-  requestAnimationFrame(advance);
 }
 
 // State ------------------------------------------------------------------------------------------
 
 function stateAddress() {
   const view = { quantity: shown.quantity, time: Number(shown.share.toFixed(3)) };
+  if (shown.displaced) view.displaced = true;
+  const question = byId("question").textContent.trim();
+  if (question) view.question = question;
   return addressOf(design ? { ...design, view } : { view }).join("&");
 }
 
@@ -152,6 +145,8 @@ function readAddress() {
   const view = tree.view || {};
   if (view.time >= 0 && view.time <= 1) shown.share = view.time;
   if (view.quantity) setQuantity(view.quantity);
+  shown.displaced = byId("displaced").checked = view.displaced === true;
+  byId("question").textContent = view.question === undefined ? "" : String(view.question);
   return tree.case && typeof tree.case === "object" ? { case: tree.case, gauges: listOf(tree.gauges) } : null;
 }
 
@@ -171,6 +166,8 @@ function receive({ data, problems = [] }) {
   document.documentElement.toggleAttribute("data-stale", !data);
   if (!data) return;
   show(data);
+  if (arrived) arrived();
+  arrived = null;
   controls.showDerived(data.bodies);
   showMap();
   clearTimeout(timers.curve);
@@ -184,15 +181,18 @@ function receiveCurve({ data }) {
 }
 
 function changed(rebuild) {
+  past.keep(design, rebuild);
   if (rebuild) controls.build(design);
   showPreset();
   askScene();
   keepAddress();
 }
 
-/** Begin with another design. */
-function begin(next) {
+/** Begin with another design; `then` is called when its scene is there. */
+function begin(next, then = null) {
+  arrived = then;
   design = structuredClone(next);
+  past.keep(design, true);
   shown.mark = null;
   shown.zoomed = false;
   controls.build(design);
@@ -260,6 +260,7 @@ function connect() {
   byId("displaced").addEventListener("change", () => {
     shown.displaced = byId("displaced").checked;
     redraw();
+    keepAddress();
   });
   for (const choice of document.querySelectorAll("input[name=quantity]")) {
     choice.addEventListener("change", () => {
@@ -267,22 +268,13 @@ function connect() {
       keepAddress();
     });
   }
-  byId("play").addEventListener("click", () => play(!shown.playing));
-  addEventListener("keydown", (event) => {
-    if (event.key !== " " || event.target.closest("button, input, select, summary, [contenteditable]")) return;
-    event.preventDefault();
-    play(!shown.playing);
-  });
-  byId("time").addEventListener("input", () => {
-    play(false);
-    shown.share = byId("time").valueAsNumber / 1000;
-    redraw();
-    keepAddress();
-  });
   byId("save-svg").addEventListener("click", saveSvg);
   byId("save-case").addEventListener("click", saveCase);
+  byId("question").addEventListener("input", keepAddress);
   connectDiagram();
   connectMap();
+  connectFilm();
+  connectLesson();
   new ResizeObserver(() => {
     readTheme();
     redraw();
@@ -304,7 +296,11 @@ async function beginLive() {
   scenes = new Line("/scene", receive);
   curves = new Line("/curve", receiveCurve);
   controls = new Controls(byId("controls"), start.materials, changed);
+  past = new History(byId("undo"), begin);
   offerPresets();
+  connectTour();
+  connectDragging(changed);
+  byId("compare").addEventListener("click", () => keepBeside(!shown.other));
   begin(readAddress() || start.design);
   addEventListener("hashchange", () => begin(readAddress() || start.design));
 }

@@ -33,7 +33,7 @@ function shareOf(scene, name, polygon) {
 function wholeView(scene) {
   const [low, high] = scene.row.span;
   const edge = 0.04 * (high - low);
-  return { left: low - edge, right: high + edge, from: scene.begin, to: scene.end };
+  return { left: low - edge, right: high + edge, from: filmSpan().begin, to: filmSpan().end };
 }
 
 /** A frame in a drawing, and the pixels of places and times in it. */
@@ -200,6 +200,9 @@ function drawDiagram(pen, scene, look, now, mark, theme) {
     x: [view.left, view.right, "m", "place"], y: [view.from, view.to, "s", "time"],
     note: [note, springs].filter(Boolean).join(", "),
   });
+  for (const { t } of scene.events) {
+    if (t >= view.from && t <= view.to) pen.disc(frame.x, frame.up(t), 0.3 * theme.size, theme.series[0]);
+  }
   return frame;
 }
 
@@ -222,8 +225,9 @@ function drawFrame(pen, frame, size, theme, axes) {
   }
   const unit = xs.unit ? `, ${xs.unit}` : "";
   const note = axes.note ? ` (${axes.note})` : "";
-  pen.text((frame.x + frame.right) / 2, frame.bottom + 1.5 * size, xName + unit + note,
-    { ...ink, align: "center", baseline: "top" });
+  const name = xName + unit + note;
+  pen.text((frame.x + frame.right) / 2, frame.bottom + 1.5 * size, name,
+    { ...ink, size: Math.min(ink.size, pen.width / (0.55 * name.length)), align: "center", baseline: "top" });
   const [y0, y1, yUnit, yName] = axes.y;
   const ys = labelledTicks(y0, y1, Math.max(2, frame.height / (2.6 * size)), yUnit);
   for (const [value, label] of ys.ticks) {

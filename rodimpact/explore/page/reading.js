@@ -97,6 +97,12 @@ function markAt(event) {
   redraw();
 }
 
+/** Go to the event whose dot on the time axis is nearest. */
+function goToNearest(y) {
+  const far = ({ t }) => Math.abs(shown.frame.up(t) - y);
+  goTo(shown.scene.events.reduce((best, event) => (far(event) < far(best) ? event : best)).t);
+}
+
 function connectDiagram() {
   const diagram = byId("diagram");
   let held = null;
@@ -106,6 +112,10 @@ function connectDiagram() {
     zoom(1.0015 ** -event.deltaY, shown.frame.placeAt(event.offsetX), shown.frame.timeAt(event.offsetY));
   }, { passive: false });
   diagram.addEventListener("pointerdown", (event) => {
+    if (event.offsetX < shown.frame.x + 12) {
+      goToNearest(event.offsetY);
+      return;
+    }
     held = [event.offsetX, event.offsetY];
     diagram.setPointerCapture(event.pointerId);
     markAt(event);
