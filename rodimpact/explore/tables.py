@@ -92,6 +92,9 @@ def pieces_of(body: Any) -> Any:
 def mistakes(case: Any, library: Any, rules: Any) -> list[Any]:
     """Path and sentence of each mistake in a case that fronts can carry."""
     found: list[Any] = []
+    until = case.get("solve", {}).get("until", 1.0)
+    if not isinstance(until, float) or not math.isfinite(until) or until <= 0:
+        found.append(("solve.until", "must be above 0 for a picture"))
     known = {**library, **case.get("materials", {})}
     for name, material in case.get("materials", {}).items():
         check(found, f"materials.{name}", material, rules["material"])
