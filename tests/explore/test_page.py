@@ -583,15 +583,12 @@ def test_the_page_says_that_it_is_solving(visit):
     begin(page, HERTZ)
     before = page.inner_text("#restitution")
     page.evaluate("""() => {
-        const asked = fetch;
-        window.fetch = async (...question) => {
-            await new Promise((go) => { window.go = go; });
-            return asked(...question);
-        };
+        const [asked, opened] = [fetch, new Promise((open) => { window.open_gate = open; })];
+        window.fetch = (...question) => opened.then(() => asked(...question));
     }""")
     field(page, LENGTH).fill("300")
     sync_api.expect(page.locator("#solving")).to_be_visible()
-    page.evaluate("go()")
+    page.evaluate("open_gate()")
     sync_api.expect(page.locator("#restitution")).not_to_have_text(before)
     assert not page.locator("#solving").is_visible()
 
