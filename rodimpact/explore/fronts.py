@@ -50,7 +50,7 @@ RATIOS = 80  # of the lengths, on the curve of e
 POINTS = 240  # of a curve of energy, about
 
 
-def known_of(row: Any, gauges: Any, most_events: int) -> Any:
+def known_of(row: Any, gauges: Any) -> Any:
     """What `picture` shows of a row of fronts.
 
     Parameters
@@ -59,14 +59,13 @@ def known_of(row: Any, gauges: Any, most_events: int) -> Any:
         As `row_of` makes it.
     gauges : list of dict
         Each with its ``body`` and ``fraction`` of the length.
-    most_events : int
 
     Returns
     -------
     dict
         Or one with a ``problem``, path and sentence, where there is nothing to show.
     """
-    run = run_of(row, most_events, True)
+    run = run_of(row, True, space_of(row))
     if run["why"] < 0:
         message = "times too far apart for the clock of this page; rodimpact run may solve it"
         return {"problem": ("bodies", message)}
@@ -163,48 +162,65 @@ def gauge_series(row: Any, run: Any, waves: list[Any], gauge: Any, stop: int) ->
     return series_of(name, curve["t"], strain, True)
 
 
-def run_of(row: Any, most_events: int, further: bool) -> Any:
+def run_of(row: Any, further: bool, space: Any) -> Any:
     """Run a row to its end; `further` goes on for a round trip after the proof of finality.
 
     Returns
     -------
     dict
         ``layout`` and ``status`` of its nodes at t = 0; ``state``, ``tally``, ``log`` and ``clock``
-        of the kernel; ``opening`` and ``closing`` stocks; ``why`` it stopped: the kernel's flag;
-        -1 where its times do not fit on a clock.
+        of the kernel; ``opening`` and ``closing`` stocks; ``why`` it stopped: the kernel's flag,
+        -1 where its times do not fit on a clock. All but ``status`` and ``why`` is the `space`.
     """
-    run = run_on(row, most_events, row["until"] if row["until"] >= 0 else -FINE, further)
-    if run["why"] == CLOCK and FINE < 1:
-        run = run_on(row, most_events, -1.0, further)
+    if row["until"] >= 0:
+        return run_on(row, further, row["until"], space)
+    share = FINE
+    run = run_on(row, further, -share, space)
+    while run["why"] == CLOCK and share < 1:
+        share = min(4 * share, 1.0)
+        run = run_on(row, further, -share, space)
     return run
 
 
-def run_on(row: Any, most_events: int, until: float, further: bool) -> Any:
+def run_on(row: Any, further: bool, until: float, space: Any) -> Any:
     """Run a row; `until` as of `lay_out`, all else as of `run_of`."""
-    layout_sizes, work_sizes = sizes_of(row["make"])
-    layout = Layout(*[[0] * size for size in layout_sizes])
-    work = Work(*[[0] * size for size in work_sizes])
-    if lay_out(row["make"], row["given"], 0, until, layout, work) != LAID:
-        return {"why": -1}
+    layout, make = space["layout"], row["make"]
+    if lay_out(make, row["given"], 0, until, layout, space["work"]) != LAID:
+        return {**space, "why": -1}
     status = [OPEN if gap > 0 else at for gap, at in zip(layout.gap, row["status"], strict=True)]
-    n, room, flag = len(row["segments"]), max(ROOM, 2 * layout.count[0]), FULL
-    opening, closing, target = stock_of(n), stock_of(n), layout.target[0]
+    opening, target = space["opening"], layout.target[0]
     if further and target < 0:
-        target = -round_trip(row["make"], 0, layout)
-    while flag == FULL:
-        state, tally, log, clock = work_space(n, room)
-        load(state, tally, log, clock, layout, 0, status)
-        initial_state(state, log, opening)
-        segment_totals(state, log, 0, opening)
-        flag = play(
-            state, tally, log, clock, target, most_events, layout.tolerance[0], layout.window[0],
-        )
-        room *= 4
-    final_state(state, tally, log, clock[NOW], opening, closing)
+        target = -round_trip(make, 0, layout)
+    while True:
+        state, tally, log, clock = space["state"], space["tally"], space["log"], space["clock"]
+        if layout.count[0] + 2 <= len(log.tick):
+            load(state, tally, log, clock, layout, 0, status)
+            initial_state(state, log, opening)
+            segment_totals(state, log, 0, opening)
+            tol, window = layout.tolerance[0], layout.window[0]
+            flag = play(state, tally, log, clock, target, row["max_events"], tol, window)
+            if flag != FULL:
+                break
+        space.update(work_of(len(row["segments"]), 4 * len(log.tick)))
+    final_state(state, tally, log, clock[NOW], opening, space["closing"])
+    return {**space, "why": flag, "status": status}
+
+
+def space_of(row: Any) -> Any:
+    """Space for runs of rows of one make."""
+    n = len(row["segments"])
+    layout, work = sizes_of(row["make"])
     return {
-        "why": flag, "layout": layout, "status": status, "state": state, "tally": tally, "log": log,
-        "clock": clock, "opening": opening, "closing": closing,
+        "layout": Layout(*[[0] * size for size in layout]),
+        "work": Work(*[[0] * size for size in work]),
+        "opening": stock_of(n), "closing": stock_of(n), **work_of(n, ROOM),
     }
+
+
+def work_of(n: int, room: int) -> Any:
+    """Space for the kernel."""
+    state, tally, log, clock = work_space(n, room)
+    return {"state": state, "tally": tally, "log": log, "clock": clock}
 
 
 def stock_of(n: int) -> Any:
@@ -351,14 +367,13 @@ def restitution(contact: int, before: list[float], after: list[float]) -> float:
     return 0.0 if e <= ROUND_OFF or stays else e
 
 
-def restitutions(
-    case: Any, library: Any, path: list[Any], values: list[float], most_events: int
-) -> list[Any]:
+def restitutions(case: Any, library: Any, path: list[Any], values: list[float]) -> list[Any]:
     """e for each value of a number of a case; None where there is none."""
     found: list[Any] = []
+    space = space_of(row_of(case, library))
     for value in values:
         row = row_of(changed(case, path, value), library)
-        run = run_of(row, most_events, False)
+        run = run_of(row, False, space)
         able = [k for k, bonded in enumerate(row["bonded"]) if not bonded]
         e = None
         if run["why"] >= 0:
@@ -399,14 +414,14 @@ def changed(tree: Any, path: list[Any], value: float) -> Any:
     return copy
 
 
-def curve_of(case: Any, library: Any, ratio: float, most_events: int) -> Any:
+def curve_of(case: Any, library: Any, ratio: float) -> Any:
     """e over l1/l2 of two uniform rods, l1 varied and all else as it is."""
     reach = 2.0
     while reach < 1.1 * ratio:
         reach *= 2
     ratios = [reach * (k + 1) / RATIOS for k in range(RATIOS)]
     lengths = [r * case["bodies"][1]["length"] for r in ratios]
-    values = restitutions(case, library, ["bodies", 0, "length"], lengths, most_events)
+    values = restitutions(case, library, ["bodies", 0, "length"], lengths)
     return {"ratios": ratios, "values": values, "source": f"solved at {RATIOS} ratios"}
 
 

@@ -49,6 +49,7 @@ KINDS = {"float": "number", "str": "string", "dict": "object", "list": "array"}
 METHODS = {
     "append": "{}.push({})", "extend": "py.extend({},{})", "get": "py.get({},{})",
     "items": "Object.entries({})", "upper": "{}.toUpperCase()",
+    "update": "Object.assign({},{})",
 }
 TAKEN = ("do", "if", "in", "of", "py", "at")  # short names that mean something else
 
@@ -197,6 +198,12 @@ class _Translator(ast.NodeVisitor):
             i = self.temporary()
             head = f"{i}={start},{end}={stop};{i}{turn}{end};{i}+={step}"
             return f"for({head}){{\n{v}={i};\n{body}}}\n"
+        match node:
+            case ast.For(ast.Tuple([place, item]), ast.Call(ast.Name("enumerate"), [items], [])):
+                i, every = self.temporary(), self.temporary()
+                head = f"{i}=0,{every}={self.visit(items)};{i}<{every}.length;{i}+=1"
+                both = f"{self.target(place)}={i};{self.target(item)}={every}[{i}];"
+                return f"for({head}){{\n{both}\n{body}}}\n"
         return f"for({self.target(node.target)} of {self.visit(call)}){{\n{body}}}\n"
 
     def keeps(self, loop: ast.For) -> bool:
@@ -455,7 +462,9 @@ class _Translator(ast.NodeVisitor):
             return f"{head}{self.truth(node.args[0].elt, 'bool')})"
         given = [self.visit(x) for x in node.args]
         if (fields := getattr(called, "_fields", ())) and not node.keywords:
-            return f"py.named({json.dumps(fields)},[{','.join(given)}])"
+            if len(given) != len(fields):
+                return f"py.named({json.dumps(fields)},[{','.join(given)}])"
+            return f"({{{','.join(map(':'.join, zip(fields, given, strict=True)))}}})"
         if node.keywords and [ast.unparse(k) for k in node.keywords] != ["strict=True"]:
             self.refuse(node, "an argument by name")
         if isinstance(called, FunctionType) and called in self.known:

@@ -16,7 +16,7 @@ from .solver import script
 SCRIPTS = (
     "numbers.js", "python.js", "kernels.js", "solver.js", "pens.js", "contacts.js", "layout.js",
     "picture.js", "plots.js", "reading.js", "lesson.js", "tour.js", "film.js", "compare.js",
-    "controls.js", "build.js", "server.js", "main.js",
+    "controls.js", "map.js", "build.js", "server.js", "main.js",
 )
 SOLVER = ("python.js", "kernels.js", "solver.js")  # not needed where nothing is solved
 KINDS = {"html": "text/html", "css": "text/css", "js": "text/javascript"}

@@ -37,7 +37,8 @@ def picture(known: Any) -> Any:
         end = max(end, t)
     row, bodies = row_of_picture(known)
     return {
-        "end": end, "exact": known["exact"], "row": row, "bodies": bodies, "tiling": polygons,
+        "end": end, "exact": known["exact"], "method": known["method"], "row": row,
+        "bodies": bodies, "tiling": polygons,
         "plots": [plot for plot in known["plots"] if len(plot["series"]) > 0],
         "contacts": known["contacts"], "gauges": known["gauges"],
         "restitution": restitution_of(known), "curve": known["curve"], "ratio": ratio_of(known),

@@ -59,10 +59,10 @@ def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
     if solution.method == "fronts" and solution.events <= MOST_EVENTS:
         sent = design.to_dict()
         row = row_of(sent["case"], LIBRARY)
-        known = known_of(row, sent["gauges"], solution.events)
+        known = known_of(row, sent["gauges"])
         ratio = ratio_of(known) if "bodies" in known else None
         if ratio is not None:
-            known["curve"] = curve_of(sent["case"], LIBRARY, ratio, MOST_EVENTS)
+            known["curve"] = curve_of(sent["case"], LIBRARY, ratio)
     if known is None or "problem" in known:
         known = sampled(design, solution, as_asked)
     return shortened(picture(known))

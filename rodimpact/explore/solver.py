@@ -10,7 +10,6 @@ from __future__ import annotations
 import functools
 
 from ..units import format_factor, format_si
-from .design import MOST_EVENTS
 from .fronts import changed, curve_of, known_of, restitutions
 from .javascript import javascript
 from .picture import picture, ratio_of, written
@@ -18,7 +17,7 @@ from .tables import lacking, mistakes, row_of
 
 CONSTANTS = {
     "CLOCK_BITS": 52, "NEVER": 1 << 52, "IDLE": (1 << 53) - 1, "LEAST_UNIT": 2.0**34,
-    "MOST_PARTS": 1 << 32, "FINE": 2.0**-6,
+    "MOST_PARTS": 1 << 32, "FINE": 2.0**-7,
 }
 """Constants of the kernels on the page's clock."""
 FUNCTIONS = (
@@ -35,6 +34,6 @@ def script() -> str:
     text = javascript(FUNCTIONS, CONSTANTS, KNOWN)
     return (
         '"use strict";\n// Translated from Python by rodimpact; see page/solver.js.\n'
-        f"const fronts = (() => {{\n{text}\nreturn {{ {names}, MOST_EVENTS: {MOST_EVENTS} }};\n"
+        f"const fronts = (() => {{\n{text}\nreturn {{ {names} }};\n"
         "})();\n"
     )

@@ -24,6 +24,7 @@ from ..methods.fronts.front_kernel import BOND, FREE, PUSH, TOUCH
 from ..methods.fronts.layout_kernel import ENDLESS, MOVED, PUSHED, STEADY, Make
 from ..model import Material, Rod, Segment, System, Wall
 from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, wanted
+from .design import MOST_EVENTS
 
 LIBRARY = {
     name: {"youngs_modulus": m.youngs_modulus, "density": m.density}
@@ -137,11 +138,13 @@ def row_of(case: Any, library: Any) -> Any:
     dict
         ``segments`` from left to right; ``bodies``, each with its ``first`` and ``last`` segment,
         (1, 0) for a wall; ``gaps``; ``bonded`` by contact; ``ends``; ``make``, ``given`` and
-        ``status`` for the kernels; ``until``, s, negative where none is asked for.
+        ``status`` for the kernels; ``max_events``, and ``until``, s, negative where none is asked
+        for.
     """
     tables, count = case["bodies"], len(case["bodies"])
     contacts = case.get("contacts", [{} for _ in range(count - 1)])
-    known, ends = {**library, **case.get("materials", {})}, case.get("ends", {})
+    own, ends = case.get("materials", {}), case.get("ends", {})
+    asked = case.get("solve", {})
     both = [ends.get(side, {"kind": "free"}) for side in ("left", "right")]
     segments: list[Any] = []
     bodies: list[Any] = []
@@ -165,7 +168,8 @@ def row_of(case: Any, library: Any) -> Any:
             if j > 0:
                 status.append(BOND)
             where = f"bodies.{i}.segments.{j}" if len(pieces_of(table)) > 1 else f"bodies.{i}"
-            segments.append({"path": where, **segment_of(piece, known)})
+            name = piece["material"]
+            segments.append(segment_of(where, piece, own[name] if name in own else library[name]))
         start, stop = (1, 0) if wall else (begin, len(segments))
         velocity = table.get("velocity", 0.0)
         lay(first, last, places, jumps, profiles, start, stop, velocity, table.get("strain", 0.0))
@@ -198,7 +202,7 @@ def row_of(case: Any, library: Any) -> Any:
     return {
         "segments": segments, "bodies": bodies, "gaps": gaps, "bonded": bonded,
         "ends": [end["kind"] for end in both], "make": make, "given": given, "status": status,
-        "until": case.get("solve", {}).get("until", -1.0),
+        "until": asked.get("until", -1.0), "max_events": asked.get("max_events", MOST_EVENTS),
     }
 
 
@@ -235,14 +239,13 @@ def lay(
         profiles.extend(at)
 
 
-def segment_of(piece: Any, known: Any) -> Any:
+def segment_of(path: str, piece: Any, material: Any) -> Any:
     """A segment with all that follows from what is given."""
-    material, length, area = known[piece["material"]], piece["length"], piece["area"]
-    density = material["density"]
+    length, area, density = piece["length"], piece["area"], material["density"]
     speed = math.sqrt(material["youngs_modulus"] / density)
     impedance, time = density * area * speed, length / speed
     return {
-        "length": length, "area": area, "material": piece["material"], "density": density,
-        "youngs_modulus": material["youngs_modulus"], "wave_speed": speed,
+        "path": path, "length": length, "area": area, "material": piece["material"],
+        "density": density, "youngs_modulus": material["youngs_modulus"], "wave_speed": speed,
         "impedance": impedance, "transit_time": time, "mass": impedance * time,
     }

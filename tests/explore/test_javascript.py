@@ -15,13 +15,14 @@ from systems import random_system
 
 import rodimpact as ri
 from rodimpact.explore import fronts
+from rodimpact.explore.design import Design
 from rodimpact.explore.javascript import Untranslatable, javascript
-from rodimpact.explore.page_files import SCRIPTS, read
-from rodimpact.explore.scene import scene
-from rodimpact.explore.solver import CONSTANTS, FUNCTIONS, KNOWN
-from rodimpact.explore.start import start
+from rodimpact.explore.page_files import read
 from rodimpact.explore.presets import presets
-from rodimpact.explore.tables import LIBRARY, lacking, mistakes, row_of
+from rodimpact.explore.scene import scene
+from rodimpact.explore.solver import CONSTANTS, KNOWN
+from rodimpact.explore.start import start
+from rodimpact.explore.tables import LIBRARY, row_of
 from rodimpact.storage.casefile import case_from
 
 NODE = shutil.which("node")
@@ -86,7 +87,8 @@ def loops(items):
 
 
 def texts(x, n):
-    table = {"name": "rod", "more": [1, 2], **{"x": x}}
+    inner = {"x": x}
+    table = {"name": "rod", "more": [1, 2], **inner}
     return [
         f"{x:.9g}", f"{x:.{n}g}", f"body {n} of {table['name']}", ", ".join(["a", "b"]),
         table.get("none", 3), "x" in table, n in (1, 2), [key for key, _ in table.items()],
@@ -115,7 +117,8 @@ SIZES = (1.0, 0.1, -2.5, 1e-320, 12345.678, 1e22, -1e-7, 100.0, 1e5)
 ])
 def test_javascript_computes_what_python_computes(function, given):
     text = javascript([function])
-    script = f"{read('python.js')}\n{text}\nconst answer = (l) => l.map((a) => {function.__name__}(...a));"
+    answer = f"const answer = (all) => all.map((given) => {function.__name__}(...given));"
+    script = f"{read('python.js')}\n{text}\n{answer}"
     expected = [json.loads(json.dumps(function(*arguments))) for arguments in given]
     assert run(script, given) == expected
 
@@ -134,7 +137,7 @@ def test_what_javascript_cannot_hold_is_refused_as_it_runs(function, given):
 
 
 def lists_added(a):
-    return [1] + a
+    return [x for x in a] + a  # noqa: C416
 
 
 def unknown_name():
@@ -220,7 +223,7 @@ def rows(seeds):
     return found
 
 
-SOLVES = (row_of, fronts.run_of, fronts.outcome_of, fronts.transit_error_of)
+SOLVES = (row_of, fronts.space_of, fronts.run_of, fronts.outcome_of, fronts.transit_error_of)
 
 
 def solved_by_the_page(cases):
@@ -228,9 +231,11 @@ def solved_by_the_page(cases):
     script = f"""{read("python.js")}\n{read("numbers.js")}\n{javascript(SOLVES, CONSTANTS, KNOWN)}
     const answer = ({{ cases, library }}) => cases.map((tables) => {{
       const row = row_of(tables, library);
-      const run = run_of(row, {MOST}, false);
+      const run = run_of(row, false, space_of(row));
       const [error] = transit_error_of(row, run);
-      return {{ ...outcome_of(row, run), events: run.clock[3], error }};
+      const grain = 1 / Math.max(...run.layout.transit);
+      const scale = run.layout.scale[0];
+      return {{ ...outcome_of(row, run), events: run.clock[3], error: error + grain, scale }};
     }});"""
     return run(script, {"cases": cases, "library": LIBRARY})
 
@@ -238,25 +243,24 @@ def solved_by_the_page(cases):
 @needs_node
 @pytest.mark.parametrize("block", few_of(range(10), {0}))
 def test_the_page_solves_rows_as_solve_does(block):
-    """Velocities to 1e-11 of the closing speed where events are few, elsewhere to the clock's error."""
-    cases, many, cut = rows(range(100 * block, 100 * block + 100)), 0, 0
+    """To 1e-11 of the closing speed where events are few, elsewhere to what the clock rounds."""
+    cases, few = rows(range(100 * block, 100 * block + 100)), 0
     for case, page in zip(cases, solved_by_the_page(cases), strict=True):
-        system = case_from(case).system
-        outcome = ri.solve(system, max_events=MOST).outcome
-        if page["events"] >= MOST:
-            cut += 1
-            assert not outcome.final or outcome.contacts
+        if page["events"] >= MOST:  # cut short, nobody knows where
             continue
+        outcome = ri.solve(case_from(case).system, max_events=MOST).outcome
         assert page["final"] == outcome.final
-        before, after = outcome.velocities_before, outcome.velocities_after
-        closing = max(max(before) - min(before), 1e-3)
-        worst = 1e-11 if page["events"] < FEW else page["error"] * page["events"]
-        many += page["events"] >= FEW
-        assert page["after"] == pytest.approx(after, abs=worst * closing)
-        if not (why := outcome.why_no_restitution()):
-            assert page["restitution"] == pytest.approx(outcome.restitution, abs=worst)
+        worst = 2 * page["error"] * page["events"] * page["scale"]
+        if page["events"] < FEW and page["error"] < 2.0**-42:
+            few += 1
+            closing = max(outcome.velocities_before) - min(outcome.velocities_before)
+            worst = 1e-11 * max(closing, 1e-3)
+        assert page["after"] == pytest.approx(outcome.velocities_after, abs=worst)
+        why = outcome.why_no_restitution()
         assert (page["why"] == "") == (why == "")
-    assert 100 - many - cut >= 50
+        if not why:
+            assert page["restitution"] == pytest.approx(outcome.restitution, abs=1e-9)
+    assert few >= 50
 
 
 @needs_node
@@ -267,6 +271,78 @@ def test_the_page_has_the_bits_of_the_same_clock_and_no_number_too_large():
     for case, page in zip(cases, solved_by_the_page(cases), strict=True):
         if page["events"] < FEW:
             row = checked["row_of"](case, LIBRARY)
-            here = checked["outcome_of"](row, checked["run_of"](row, MOST, False))
+            space = checked["space_of"](row)
+            here = checked["outcome_of"](row, checked["run_of"](row, False, space))
             assert page["after"] == here["after"]
             assert page["vibration_after"] == here["vibration_after"]
+
+
+# The scene
+
+
+def plain(found):
+    """A scene without what differs in writing only: the minus, the space and the µ of units."""
+    if isinstance(found, str):
+        return found.replace("\u2212", "-").replace("\u00a0", " ").replace("µ", "u")
+    if isinstance(found, dict):
+        return {key: plain(value) for key, value in found.items()}
+    return [plain(value) for value in found] if isinstance(found, list | tuple) else found
+
+
+def assert_alike(page, server, path=""):
+    """Texts are equal and numbers as near as what is drawn."""
+    if isinstance(server, dict):
+        assert set(page) >= set(server), path
+        for key, value in server.items():
+            assert_alike(page[key], value, f"{path}.{key}")
+    elif isinstance(server, list) and server and isinstance(server[0], float):
+        scale = max(map(abs, server))
+        np.testing.assert_allclose(page, server, rtol=1e-7, atol=1e-8 * scale, err_msg=path)
+    elif isinstance(server, list):
+        assert len(page) == len(server), path
+        for i, (one, other) in enumerate(zip(page, server, strict=True)):
+            assert_alike(one, other, f"{path}.{i}")
+    elif isinstance(server, float) and not isinstance(server, bool):
+        assert page == pytest.approx(server, rel=1e-7, abs=1e-9), path
+    else:
+        assert page == server, path
+
+
+STEEL = ri.materials.steel
+LEFT = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
+STEPPED = ri.Rod(segments=[ri.Segment(0.1, 1e-4, STEEL), ri.Segment(0.2, 2e-4, STEEL)],
+                 velocity=ri.Steps([1.0, 0.5], [0.1]), strain=1e-5)
+DESIGNS = {
+    **PRESETS,
+    "stepped": Design.of(ri.Case(ri.System([STEPPED, LEFT.replace(velocity=0.0)]))),
+    "moving wall": Design.of(ri.Case(ri.System([LEFT, ri.Wall(velocity=-0.5)], [1e-5]))),
+    "bonded": Design.of(ri.Case(
+        ri.System([LEFT, LEFT.replace(velocity=0.0)], contacts=[ri.Bonded()]), {"until": 1e-3})),
+    "pushed": Design.of(ri.Case(
+        ri.System([LEFT, LEFT], ends=(ri.Pushed(ri.Steps([1e3, 0.0], [1e-4])), ri.Absorbing())),
+        {"until": 1e-3})),
+    "apart": Design.of(ri.Case(ri.System([LEFT.replace(velocity=-1.0), LEFT]))),
+    "capped": Design.of(ri.Case(ri.System([ri.Wall(), STEPPED, ri.Wall()]), {"max_events": 300})),
+}
+
+
+@needs_node
+def test_the_page_shows_what_the_server_shows():
+    """Scenes of `scene`, whose fronts run on the clock of Python."""
+    script = "\n".join(map(read, ("numbers.js", "python.js", "kernels.js", "solver.js")))
+    script += """
+    const listOf = (value) => (Array.isArray(value) ? value : []);
+    let start; let embedded = true;
+    const answer = (data) => {
+      start = data.start;
+      return data.designs.map((design) => answerHere("/scene", design));
+    };
+    """
+    sent = {"start": start(PRESETS["wall"]), "designs": [d.to_dict() for d in DESIGNS.values()]}
+    for (key, design), page in zip(DESIGNS.items(), run(script, sent), strict=True):
+        assert "problems" not in page, (key, page)
+        server = json.loads(json.dumps(scene(design, design.solve())))
+        difference = page["data"]["restitution"].pop("difference", 0)
+        server["restitution"].pop("difference", 0)
+        assert float(difference) < 1e-12
+        assert_alike(plain(page["data"]), plain(server), key)

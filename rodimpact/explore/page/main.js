@@ -169,6 +169,7 @@ function receive({ data, problems = [] }) {
   if (arrived) arrived();
   arrived = null;
   controls.showDerived(data.bodies);
+  showMap();
   clearTimeout(timers.curve);
   if (data.ratio !== null && !data.curve) timers.curve = setTimeout(() => curves.ask(design, true), 400);
 }
@@ -271,6 +272,7 @@ function connect() {
   byId("save-case").addEventListener("click", saveCase);
   byId("question").addEventListener("input", keepAddress);
   connectDiagram();
+  connectMap();
   connectFilm();
   connectLesson();
   new ResizeObserver(() => {

@@ -13,10 +13,10 @@ function problemsOf({ case: tables }) {
 const answers = {
   "/scene"(design) {
     const row = fronts.row_of(design.case, start.materials);
-    const known = fronts.known_of(row, listOf(design.gauges), fronts.MOST_EVENTS);
+    const known = fronts.known_of(row, listOf(design.gauges));
     if (known.problem) return { problems: [{ path: known.problem[0], message: known.problem[1] }] };
     const ratio = fronts.ratio_of(known);
-    if (ratio !== null) known.curve = fronts.curve_of(design.case, start.materials, ratio, fronts.MOST_EVENTS);
+    if (ratio !== null) known.curve = fronts.curve_of(design.case, start.materials, ratio);
     return { data: fronts.picture(known) };
   },
   "/case": (design) => ({ data: { toml: tomlOf(design, start.materials) } }),
@@ -35,12 +35,12 @@ function answerHere(address, design) {
   return embedded ? { problems } : null;
 }
 
-/** e over two numbers of a design, row by row: `show(j, values)` is called for each of `ys`. */
-async function mapOf(design, [xPath, xs], [yPath, ys], show) {
+/** e over two numbers of a design, row by row; the page stays awake. */
+async function* mapOf(design, [xPath, xs], [yPath, ys]) {
   for (let j = 0; j < ys.length; j += 1) {
     const tables = fronts.changed(design.case, yPath, ys[j]);
-    show(j, fronts.restitutions(tables, start.materials, xPath, xs, fronts.MOST_EVENTS));
-    if (j % 20 === 19) await new Promise((resolve) => { setTimeout(resolve); });
+    yield fronts.restitutions(tables, start.materials, xPath, xs);
+    if (j % 10 === 9) await new Promise((resolve) => { setTimeout(resolve); });
   }
 }
 
