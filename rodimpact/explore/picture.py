@@ -68,6 +68,7 @@ def row_of_picture(known: Any) -> Any:
             "kind": body["kind"], "title": f"{capital(body['kind'])} {i}", "width": width,
             "given": given_of(body), "derived": [derived_of(piece) for piece in body["pieces"]],
             "path": body["path"], "approach": body["approach"],
+            "pieces": [(piece["length"], piece["areas"][-1]) for piece in body["pieces"]],
         })
     marks = marks_of(known)
     reach, slowest = spread(marks, apart, 0.0), known["slowest"]

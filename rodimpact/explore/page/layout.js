@@ -2,6 +2,7 @@
 // Where a scene is drawn: places in the picture, room for springs, and the time before contact.
 
 const ROOM = 0.04; // of a spring at rest, in lengths of the row
+const THINNEST = 0.3; // of the thickest rod
 const APPROACH = { way: 0.12, time: 0.2 }; // at most: in lengths of the row, in lengths of the film
 
 /** Place in the picture of a point of a body, displaced, at a time. */
@@ -45,6 +46,15 @@ function lengthsOf({ bodies, tiling }) {
     for (let k = tiling.start[i]; k < tiling.start[i + 1]; k += 1) lengths[body] = Math.max(lengths[body], tiling.x[k]);
   });
   return lengths;
+}
+
+/** Half of the diameter of a rod at x, as a share of the largest of all; no less than can be seen. */
+function widthAt(scene, body, x) {
+  const { pieces } = scene.bodies[body];
+  scene.widest ||= Math.max(...scene.bodies.flatMap((rod) => rod.pieces.map(([, area]) => area)));
+  let end = 0;
+  const [, area] = pieces.find(([length]) => (end += length) > x) || pieces.at(-1);
+  return Math.max(THINNEST, Math.sqrt(area / scene.widest));
 }
 
 /** Give each contact its curves; returns the curve of each gap. */
