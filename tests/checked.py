@@ -1,6 +1,7 @@
 """A debug build of what the page computes: the same functions on the page's clock, checked.
 
-Every whole number that an operation makes must stay below 2^53, the largest that JavaScript has.
+Every whole number that an operation makes must stay below 2^53, the largest that JavaScript has,
+and no computed place in a list may count from its end.
 """
 
 from __future__ import annotations
@@ -16,11 +17,25 @@ class _Checks(ast.NodeTransformer):
 
     def visit_BinOp(self, node):
         self.generic_visit(node)
-        return ast.Call(ast.Name("checked", ast.Load()), [node], [])
+        return ast.Call(ast.Name("_checked", ast.Load()), [node], [])
 
     def visit_AugAssign(self, node):
         value = self.visit(ast.BinOp(_loaded(node.target), node.op, node.value))
         return ast.Assign([node.target], value)
+
+
+    def visit_Subscript(self, node):
+        self.generic_visit(node)
+        if isinstance(node.slice, ast.Call):  # computed, not written out
+            node.slice = ast.Call(ast.Name("_place", ast.Load()), [node.slice], [])
+        return node
+
+
+def place(index):
+    """The index; IndexError if it counts from the end of a list, which JavaScript does not."""
+    if isinstance(index, int) and index < 0:
+        raise IndexError(f"{index} is before the first")
+    return index
 
 
 def _loaded(target):
@@ -41,7 +56,7 @@ def build(roots, constants, known):
     for function in translations(roots, constants, known):
         name = function.__module__
         space = spaces.setdefault(name, {**vars(sys.modules[name]), **constants})
-        space["checked"] = checked
+        space |= {"_checked": checked, "_place": place}
         tree = ast.Module([_Checks().visit(tree_of(function))], [])
         exec(compile(ast.fix_missing_locations(tree), name, "exec"), space)
         found[function.__name__] = space[function.__name__]

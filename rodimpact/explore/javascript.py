@@ -1,10 +1,10 @@
 """Functions of this package as JavaScript, so that the page computes with the same kernels.
 
-What is translated is what has a method below, to the same values bit for bit: numbers, text, lists,
-tables and named tuples; loops and conditions; calls of functions that are translated too. All else
-is refused with its file and line. Integers must stay below 2^53. Where JavaScript means another
-thing, page/python.js says what Python means. A condition is true, false or a number: a list is
-none. Division by 0 gives what arrays give, and nobody adds lists.
+What is translated is what has a method below: numbers, text, lists, tables and named tuples; loops
+and conditions; calls of functions that are translated too. Values are the same, bit for bit, but
+for exp and logarithms. All else is refused with its file and line. Where JavaScript means another
+thing, page/python.js says what Python means, or throws. Whole numbers must stay below 2^53. A
+condition is true, false or a number, no list; division by 0 gives what arrays give.
 """
 
 from __future__ import annotations
@@ -38,8 +38,7 @@ CALLS = {
 }
 MATH = {
     "inf": "Infinity", "nan": "NaN", "sqrt": "Math.sqrt", "floor": "Math.floor",
-    "log10": "Math.log10",
-    "gcd": "py.gcd", "frexp": "py.frexp", "isfinite": "Number.isFinite",
+    "log10": "Math.log10", "gcd": "py.gcd", "frexp": "py.frexp", "isfinite": "Number.isFinite",
 }
 NUMPY = {  # of single numbers
     "where": "py.where", "minimum": "py.min", "maximum": "py.max", "floor": "Math.floor",
@@ -48,8 +47,7 @@ NUMPY = {  # of single numbers
 KINDS = {"float": "number", "str": "string", "dict": "object", "list": "array"}
 METHODS = {
     "append": "{}.push({})", "extend": "py.extend({},{})", "get": "py.get({},{})",
-    "items": "Object.entries({})", "upper": "{}.toUpperCase()",
-    "update": "Object.assign({},{})",
+    "items": "Object.entries({})", "upper": "{}.toUpperCase()", "update": "Object.assign({},{})",
 }
 TAKEN = ("do", "if", "in", "of", "py", "at")  # short names that mean something else
 
@@ -187,43 +185,39 @@ class _Translator(ast.NodeVisitor):
     def visit_For(self, node: ast.For) -> str:
         if node.orelse:
             self.refuse(node, "else of a loop")
-        body, call = self.block(node.body), node.iter
-        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and (
-            call.func.id == "range" and isinstance(node.target, ast.Name)
-        ):
-            start, stop, step = self.span(call)
-            v, end, turn = self.visit(node.target), self.temporary(), ">" if step < 0 else "<"
-            if self.keeps(node):
-                return f"for({v}={start},{end}={stop};{v}{turn}{end};{v}+={step}){{\n{body}}}\n"
-            i = self.temporary()
-            head = f"{i}={start},{end}={stop};{i}{turn}{end};{i}+={step}"
-            return f"for({head}){{\n{v}={i};\n{body}}}\n"
+        body = self.block(node.body)
         match node:
+            case ast.For(ast.Name(name), ast.Call(ast.Name("range"), given, [])):
+                start, stop, step = self.span(node, given)
+                end, turn = self.temporary(), ">" if step < 0 else "<"
+                v, own = self.name(name), self.keeps(node)
+                i = v if own else self.temporary()
+                body = body if own else f"{v}={i};\n{body}"
+                head = f"{i}={start},{end}={stop};{i}{turn}{end};{i}+={step}"
             case ast.For(ast.Tuple([place, item]), ast.Call(ast.Name("enumerate"), [items], [])):
                 i, every = self.temporary(), self.temporary()
                 head = f"{i}=0,{every}={self.visit(items)};{i}<{every}.length;{i}+=1"
-                both = f"{self.target(place)}={i};{self.target(item)}={every}[{i}];"
-                return f"for({head}){{\n{both}\n{body}}}\n"
-        return f"for({self.target(node.target)} of {self.visit(call)}){{\n{body}}}\n"
+                body = f"{self.target(place)}={i};{self.target(item)}={every}[{i}];\n{body}"
+            case _:
+                head = f"{self.target(node.target)} of {self.visit(node.iter)}"
+        return f"for({head}){{\n{body}}}\n"
+
+    def span(self, node: ast.For, given: list[ast.expr]) -> tuple[str, str, int]:
+        """Start, stop and step of a range."""
+        start, *rest = [self.visit(x) for x in given]
+        step = rest[1].strip("()") if len(rest) > 1 else "1"
+        if not re.fullmatch(r"-?[1-9]\d*", step):
+            self.refuse(node, "such a step")
+        return (start, rest[0], int(step)) if rest else ("0", start, 1)
 
     def keeps(self, loop: ast.For) -> bool:
-        """Whether a loop alone changes its variable, and only such loops read it."""
+        """Whether only such loops change and read their variable, so that its end is not seen."""
         name = ast.unparse(loop.target)
         loops = [n for n in ast.walk(self.tree)
                  if isinstance(n, ast.For) and ast.unparse(n.target) == name]
-        inside = [n for one in loops for statement in one.body for n in ast.walk(statement)]
+        inside = {n for one in loops for statement in one.body for n in ast.walk(statement)}
         uses = [n for n in ast.walk(self.tree) if isinstance(n, ast.Name) and n.id == name]
-        stored = [n for n in uses if isinstance(n.ctx, ast.Store)]
-        read = [n for n in uses if isinstance(n.ctx, ast.Load)]
-        return len(stored) == len(loops) and all(
-            any(n is m for m in inside) for n in read) and not any(
-            any(n is m for m in inside) for n in stored)
-
-    def span(self, call: ast.Call) -> tuple[str, str, int]:
-        """Start, stop and step of a range."""
-        given = [self.visit(x) for x in call.args]
-        step = ast.literal_eval(call.args[2]) if len(given) > 2 else 1
-        return (*(given[:2] if len(given) > 1 else ["0", *given]), step)  # type: ignore[return-value]
+        return all((n in inside) == isinstance(n.ctx, ast.Load) for n in uses)
 
     def visit_Assign(self, node: ast.Assign) -> str:
         (first, *others), value = node.targets, node.value
@@ -231,11 +225,10 @@ class _Translator(ast.NodeVisitor):
             if self.apart(first, value):
                 return "".join(f"{self.target(x)}={self.visit(y)};"
                                for x, y in zip(first.elts, value.elts, strict=True)) + "\n"
-            given = [(self.temporary(), self.visit(x)) for x in value.elts]
-            text = "".join(f"{name}={x};" for name, x in given)
-            return text + "".join(
-                f"{self.target(x)}={name};" for x, (name, _) in zip(first.elts, given, strict=True)
-            ) + "\n"
+            names = [self.temporary() for _ in value.elts]
+            sent = [f"{name}={self.visit(x)};" for name, x in zip(names, value.elts, strict=True)]
+            sent += [f"{self.target(x)}={name};" for x, name in zip(first.elts, names, strict=True)]
+            return "".join(sent) + "\n"
         if others:
             name = self.temporary()
             text = "".join(f"{self.target(x)}={name};" for x in node.targets)
@@ -400,7 +393,7 @@ class _Translator(ast.NodeVisitor):
             no = "!" if isinstance(op, ast.NotIn) else ""
             if isinstance(right, ast.Tuple):
                 return f"{no}{self.visit(right)}.includes({self.visit(left)})"
-            return f"{no}Object.hasOwn({self.visit(right)},{self.visit(left)})"
+            return f"{no}py.has({self.visit(right)},{self.visit(left)})"
         if type(op) not in OPERATORS:
             self.refuse(node, type(op).__name__)
         return f"{self.visit(left)}{OPERATORS[type(op)]}{self.visit(right)}"
@@ -419,11 +412,11 @@ class _Translator(ast.NodeVisitor):
 
     def visit_Dict(self, node: ast.Dict) -> str:
         entries = [f"...{self.visit(value)}" if key is None
-                   else f"{self.visit(key)}:{self.visit(value)}"
+                   else f"[{self.visit(key)}]:{self.visit(value)}"
                    for key, value in zip(node.keys, node.values, strict=True)]
         return f"({{{','.join(entries)}}})"
 
-    def visit_ListComp(self, node: ast.ListComp) -> str:
+    def visit_ListComp(self, node: ast.ListComp | ast.GeneratorExp) -> str:
         text = self.visit(node.elt)
         for i, loop in enumerate(reversed(node.generators)):
             item = self.target(loop.target)
@@ -456,10 +449,8 @@ class _Translator(ast.NodeVisitor):
             return self.method(node, function, [self.visit(x) for x in node.args])
         assert isinstance(function, ast.Name)
         name, called = function.id, self.function.__globals__.get(function.id)
-        if name in ("any", "all") and isinstance(node.args[0], ast.GeneratorExp):
-            (loop,), some = node.args[0].generators, "some" if name == "any" else "every"
-            head = f"Array.from({self.visit(loop.iter)}).{some}(({self.target(loop.target)})=>"
-            return f"{head}{self.truth(node.args[0].elt, 'bool')})"
+        if name == "any" and isinstance(node.args[0], ast.GeneratorExp):
+            return f"{self.visit_ListComp(node.args[0])}.some(py.bool)"
         given = [self.visit(x) for x in node.args]
         if (fields := getattr(called, "_fields", ())) and not node.keywords:
             if len(given) != len(fields):

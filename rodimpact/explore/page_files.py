@@ -7,6 +7,7 @@ import hashlib
 import html
 import json
 import re
+import zlib
 from collections.abc import Mapping
 from importlib import resources
 from typing import Any
@@ -18,7 +19,7 @@ SCRIPTS = (
     "picture.js", "plots.js", "reading.js", "lesson.js", "tour.js", "film.js", "compare.js",
     "controls.js", "map.js", "build.js", "server.js", "main.js",
 )
-SOLVER = ("python.js", "kernels.js", "solver.js")  # not needed where nothing is solved
+PACKED = ("python.js", "kernels.js")  # in one file they are compressed, or left out
 KINDS = {"html": "text/html", "css": "text/css", "js": "text/javascript"}
 SERVED = ("page.html", "page.css", *SCRIPTS)
 
@@ -56,10 +57,12 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
         HTML.
     """
     style = lean(read("page.css"))
-    needed = [name for name in SCRIPTS if "start" in embedded or name not in SOLVER]
-    script = lean("\n".join(map(read, needed)))
+    script = lean("\n".join(read(name) for name in SCRIPTS if name not in PACKED))
+    kernels = lean("\n".join(map(read, PACKED))) if "start" in embedded else ""
+    packed = base64.b64encode(zlib.compress(kernels.encode(), 9)).decode()
     policy = "; ".join([
-        "default-src 'none'", f"style-src {_digest(style)}", f"script-src {_digest(script)}",
+        "default-src 'none'", f"style-src {_digest(style)}",
+        f"script-src {_digest(script)} {_digest(kernels)}",
         "img-src data: blob:", "base-uri 'none'", "form-action 'none'",
     ])
     data = json.dumps(embedded, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
@@ -70,6 +73,7 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
     )
     tail = (
         f'<script type="application/json" id="embedded">{data}</script>\n'
+        f'<script type="text/plain" id="packed">{packed}</script>\n'
         f"<script>{script}</script>"
     )
     page = read("page.html")

@@ -32,7 +32,7 @@ LIBRARY = {
 }
 """Materials that a case may name."""
 RULES: dict[str, dict[str, tuple[str, str]]] = {
-    table: {name: (fields[name].sign, wanted(fields[name].unit, fields[name].sign)[:-6])
+    table: {name: (fields[name].sign, wanted(fields[name].unit, fields[name].sign)[:-11])
             for name in names}
     for table, fields, names in (
         ("segment", Segment.fields, ("length", "area")), ("rod", Rod.fields, tuple(Rod.fields)),
@@ -92,6 +92,9 @@ def pieces_of(body: Any) -> Any:
 def mistakes(case: Any, library: Any, rules: Any) -> list[Any]:
     """Path and sentence of each mistake in a case that fronts can carry."""
     found: list[Any] = []
+    until = case.get("solve", {}).get("until", 1.0)
+    if not isinstance(until, float) or not math.isfinite(until) or until <= 0:
+        found.append(("solve.until", "must be above 0 for a picture"))
     known = {**library, **case.get("materials", {})}
     for name, material in case.get("materials", {}).items():
         check(found, f"materials.{name}", material, rules["material"])
@@ -118,16 +121,17 @@ def check(found: list[Any], path: str, table: Any, rules: Any) -> None:
         value = table.get(key, 0.0)
         if sign == "positive" and key not in table:
             found.append((f"{path}.{key}", "is missing"))
-        elif isinstance(value, dict):
-            continue
-        elif not isinstance(value, float) or not math.isfinite(value) or (
-            sign == "positive" and value <= 0) or (sign == "non-negative" and value < 0
-        ):
-            given = f"{value:.6g}" if isinstance(value, float) else "no number"
-            found.append((f"{path}.{key}", f"{sentence}, got {given}"))
-        elif value != 0 and (abs(value) > LARGEST or (sign == "positive" and value < SMALLEST)):
-            found.append((f"{path}.{key}", SCALE))
-
+        elif not isinstance(value, dict):
+            number = isinstance(value, float) and math.isfinite(value)
+            given, wrong = "no number", sentence
+            if isinstance(value, float):
+                given = f"{value:.6g}"
+            if number and (value > 0 or sign == "any" or (value == 0 and sign != "positive")):
+                size, wrong = abs(value), ""
+                if size > LARGEST or (sign == "positive" and size < SMALLEST):
+                    wrong = SCALE
+            if wrong != "":
+                found.append((f"{path}.{key}", f"{wrong}, got {given}"))
 
 
 def row_of(case: Any, library: Any) -> Any:

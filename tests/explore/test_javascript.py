@@ -83,7 +83,14 @@ def loops(items):
     a, b = b, a
     found.extend([x * 2 for x in items if x > 1])
     found.extend([i * j for i in range(3) for j in range(2)])
-    return [total, found, a, b, items[-1], items[1:3], sorted(items), any(x > 6 for x in items)]
+    for k in range(3):
+        last = k
+    for k in range(5):
+        if k == items[0]:
+            break
+    named = {f"{k}": k, "last": last}
+    ends = [items[-1], items[1:3], sorted(items), any(x > 6 for x in items)]
+    return [named, total, found, a, b, *ends]
 
 
 def texts(x, n):
@@ -189,6 +196,11 @@ def formatted(a):
     return f"{a!r}"
 
 
+def by_a_name(a, b):
+    for i in range(0, a, b):
+        a[i] = i
+
+
 @pytest.mark.parametrize(("function", "line", "what"), [
     (lists_added, 1, "adding lists"), (unknown_name, 1, "the name json"),
     (unknown_call, 1, "calling sum"), (unknown_method, 1, "the method strip"),
@@ -196,6 +208,7 @@ def formatted(a):
     (complex_power, 1, "a power"), (with_statement, 1, "With"), (bitwise, 1, "BitAnd"),
     (by_keyword, 1, "an argument by name"), (from_the_end, 1, "such an index"),
     (twice_called, 1, "a call between"), (formatted, 1, "such a format"),
+    (by_a_name, 1, "such a step"),
 ])
 def test_what_is_not_translated_is_named_with_its_line(function, line, what):
     with pytest.raises(Untranslatable) as error:

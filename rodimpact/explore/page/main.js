@@ -292,6 +292,7 @@ function beginOffline() {
 }
 
 async function beginLive() {
+  await unpackKernels();
   start = embedded ? embedded.start : await (await fetch("start.json")).json();
   scenes = new Line("/scene", receive);
   curves = new Line("/curve", receiveCurve);

@@ -94,6 +94,10 @@ const py = {
   extend(list, more) {
     for (const item of more) list.push(item);
   },
+  has(table, key) {
+    if (py.kind(table) !== "object") throw new TypeError("in is for tables");
+    return Object.hasOwn(table, key);
+  },
   get: (table, key, other = null) => (Object.hasOwn(table, key) ? table[key] : other),
   text(x) {
     if (typeof x !== "string" && !Number.isSafeInteger(x)) throw new TypeError(`${x} needs a format`);

@@ -3,6 +3,16 @@
 
 const SERVED = "needs the page that rodimpact explore serves; this page follows fronts only";
 
+/** Unpack the kernels, which a page of one file holds compressed. */
+async function unpackKernels() {
+  if (!embedded) return;
+  const bytes = Uint8Array.from(atob(byId("packed").textContent), (letter) => letter.charCodeAt(0));
+  const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const script = document.createElement("script");
+  script.textContent = await new Response(plain).text();
+  document.head.append(script);
+}
+
 /** What is wrong with a design that this page would solve, or what of it fronts cannot carry. */
 function problemsOf({ case: tables }) {
   const lacking = fronts.lacking(tables);
