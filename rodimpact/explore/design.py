@@ -27,6 +27,7 @@ MOST_NUMBERS = 4096  # in the whole description
 MOST_EVENTS = 20_000  # fronts that arrive at an end
 MOST_STEPS = 30_000  # time steps times ends, for what fronts cannot do
 STEPS = 256  # of the longest transit, where the end of the run is given
+FINE_STEPS, PASSES = 1024, 4  # where it is not: if there are enough for so many passes of the row
 CELLS, MOST_CELLS = 64, 256  # of the longest transit, for the method "finite-difference"
 MOST_UPDATES = 1_000_000  # of cells, for that method
 RTOL = 1e-3
@@ -136,10 +137,16 @@ class Design:
             _check_end(until, step * most)
             ends = len(transits) + len(system.bodies) + 1
             return solve(system, until, method, max_events=most * ends, cells=cells)
+        longest = MOST_STEPS / (len(transits) + 1)  # in steps
         if until is None:
+            steps = min(FINE_STEPS, longest * max(transits) / (PASSES * sum(transits)))
+            step = min(max(transits) / steps, min(transits) / 4)
+            quick = solve(system, None, method, max_events=MOST_STEPS, dt=step)
+            if quick.outcome.final:
+                return quick
             return solve(system, None, method, max_events=MOST_STEPS, rtol=RTOL)
         step = min(max(transits) / STEPS, min(transits) / 4)
-        _check_end(until, step * MOST_STEPS / (len(transits) + 1))
+        _check_end(until, step * longest)
         return solve(system, until, method, dt=step)
 
 

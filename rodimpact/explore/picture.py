@@ -23,9 +23,9 @@ def picture(known: Any) -> Any:
     known : dict
         ``bodies``: kind, ``velocity`` (None for a profile), ``approach`` (None unless all of it
         comes unstrained with one velocity), ``pieces``, ``mass``, and ``path`` of what has no
-        inside; ``positions`` of their left ends, m; ``polygons`` with the largest ``strain``;
-        ``slowest``: velocity of a frame for a row that drifts; curves; and what `_outcome`,
-        `_results` and the page itself read.
+        inside; ``positions`` of their left ends, m; ``polygons``, or grids with ``across`` cells
+        in a row, and the largest ``strain``; ``slowest``: velocity of a frame for a row that
+        drifts; curves; and what `_outcome`, `_results` and the page itself read.
 
     Returns
     -------
@@ -68,6 +68,7 @@ def row_of_picture(known: Any) -> Any:
             "kind": body["kind"], "title": f"{capital(body['kind'])} {i}", "width": width,
             "given": given_of(body), "derived": [derived_of(piece) for piece in body["pieces"]],
             "path": body["path"], "approach": body["approach"],
+            "pieces": [(piece["length"], piece["areas"][-1]) for piece in body["pieces"]],
         })
     marks = marks_of(known)
     reach, slowest = spread(marks, apart, 0.0), known["slowest"]

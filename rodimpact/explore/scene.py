@@ -16,17 +16,17 @@ from ..model.frozen import InvalidModel
 from ..model.profiles import extremes
 from ..results.closed_forms import closed_form
 from ..results.contacts import ContactHistory
-from ..results.regions import Regions, nothing_to_draw
+from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
 from ..units import format_si
 from .design import LIBRARY, MOST_EVENTS, Design
 from .fronts import curve_of, known_of
 from .picture import picture, ratio_of
 from .tables import row_of
-from .tiling import cells
+from .tiling import grids
 
 SAMPLES = 400  # of a curve
-MOMENTS = 33  # of the energy
+MOMENTS = 101  # of the energy
 DIGITS = 9  # of the numbers that are drawn
 
 Scene = dict[str, Any]
@@ -70,7 +70,7 @@ def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
 
 def sampled(design: Design, solution: Solution, as_asked: bool) -> Scene:
     """What is known of a solution from samples."""
-    tiling, o = cells(solution), solution.outcome
+    tiling, o = grids(solution), solution.outcome
     notes = [solution.status, "The picture shows means over cells, not the fronts themselves."]
     if solution.method != "fronts" and not as_asked:
         notes.append("Solved quickly, on a coarse time step; rodimpact run is more accurate.")
@@ -83,8 +83,8 @@ def sampled(design: Design, solution: Solution, as_asked: bool) -> Scene:
     return {
         "method": solution.method, "exact": False, "notes": notes, "closed_form": closed,
         "bodies": [_body(solution, i) for i in range(len(system.bodies))],
-        "positions": solution.fields.positions, "polygons": _polygons(tiling),
-        "strain": float(np.abs(tiling.strain).max()),
+        "positions": solution.fields.positions, "polygons": tiling,
+        "strain": max(map(abs, tiling.pop("strain"))),
         "slowest": min(held or o.velocities_before, key=abs),
         "plots": [*_contacts(solution), _energy(solution), _gauges(design, solution)],
         "contacts": [
@@ -101,11 +101,6 @@ def sampled(design: Design, solution: Solution, as_asked: bool) -> Scene:
             "vibration_after": sum(o.vibration_after),
         },
     }
-
-
-def _polygons(tiling: Regions) -> Scene:
-    names = ("body", "start", "x", "t", "displacement", "velocity", "stress")
-    return {name: getattr(tiling, name).tolist() for name in names}
 
 
 def _body(solution: Solution, i: int) -> Scene:

@@ -11,7 +11,7 @@ from rodimpact.explore.comparison import solved_curve
 from rodimpact.explore.design import MOST_BODIES, MOST_EVENTS, Design
 from rodimpact.explore.presets import presets
 from rodimpact.explore.scene import scene
-from rodimpact.explore.tiling import cells
+from rodimpact.explore.tiling import grids
 from rodimpact.results.regions import regions_of
 from rodimpact.storage.casefile import GaugePlace
 
@@ -149,39 +149,46 @@ def test_too_many_regions_from_the_start_are_shown_in_cells():
     solution, picture = shown(ri.System([left, RIGHT]))
     assert solution.method == "fronts"
     assert not picture["exact"]
-    assert len(picture["tiling"]["body"]) == len(cells(solution))
+    assert picture["tiling"]["across"] == grids(solution)["across"]
 
 
 # Polygons
 
 
-@pytest.mark.parametrize("make", [regions_of, cells])
-def test_polygons_tile_the_plane(make):
-    solution = ri.solve(PAIR if make is regions_of else COMPLIANT)
-    tiling = make(solution)
+def test_polygons_tile_the_plane():
+    solution = ri.solve(PAIR)
+    tiling = regions_of(solution)
     for body, length in ((0, 0.4), (1, 1.0)):
         total = areas(tiling)[tiling.body == body].sum()
         assert total == pytest.approx(length * solution.t_end, rel=1e-12)
 
 
-@pytest.mark.parametrize("make", [regions_of, cells])
-def test_vertices_carry_the_displacement_of_the_solution(make):
-    solution = ri.solve(PAIR if make is regions_of else COMPLIANT)
-    tiling = make(solution)
+def test_vertices_carry_the_displacement_of_the_solution():
+    solution = ri.solve(PAIR)
+    tiling = regions_of(solution)
     for i, part in polygons(tiling):
         u = solution.displacement(tiling.body[i], tiling.x[part], tiling.t[part])
         assert tiling.displacement[part] == pytest.approx(u, abs=1e-12)
 
 
-def test_cells_hold_the_mean_state():
+def test_cells_of_grids_hold_the_mean_state():
     solution = ri.solve(COMPLIANT)
-    tiling = cells(solution)
-    for i, part in list(polygons(tiling))[::97]:
-        x, t = tiling.x[part], tiling.t[part]
-        xs = np.linspace(x.min(), x.max(), 41)[:, None]
-        ts = np.linspace(t.min(), t.max(), 41)
-        mean = solution.velocity(tiling.body[i], xs, ts).mean()
-        assert tiling.velocity[i] == pytest.approx(mean, abs=0.03)
+    found, before = grids(solution), 0
+    assert found["body"] == [0, 1]
+    for g, (body, across) in enumerate(zip(found["body"], found["across"], strict=True)):
+        part = slice(*found["start"][g : g + 2])
+        x, t, u = (np.array(found[name][part]).reshape(-1, across + 1)
+                   for name in ("x", "t", "displacement"))
+        assert u == pytest.approx(solution.displacement(body, x, t), abs=1e-12)
+        assert (x[0, 0], x[0, -1], t[0, 0]) == (0.0, (0.4, 1.0)[g], 0.0)
+        assert t[-1, 0] == pytest.approx(solution.t_end, rel=1e-12)
+        rows = len(t) - 1
+        velocity = np.array(found["velocity"][before:]).reshape(-1)[: rows * across]
+        before += rows * across
+        for i, j in ((3, 0), (20, across // 2), (rows - 1, across - 1)):
+            xs = np.linspace(x[0, j], x[0, j + 1], 41)[:, None]
+            mean = solution.velocity(body, xs, np.linspace(t[i, 0], t[i + 1, 0], 41)).mean()
+            assert velocity[i * across + j] == pytest.approx(mean, abs=0.03)
 
 
 # Scene
@@ -215,9 +222,9 @@ def lengths_at(found, t):
     return lengths
 
 
-@pytest.mark.parametrize("key", [*PRESETS, "cells"])
+@pytest.mark.parametrize("key", PRESETS)
 def test_whole_rods_are_shown_from_the_first_instant_to_the_last(key):
-    solution, found = shown(COMPLIANT) if key == "cells" else shown(PRESETS[key].case.system)
+    solution, found = shown(PRESETS[key].case.system)
     rods = {
         i: body.length for i, body in enumerate(solution.system.bodies) if isinstance(body, ri.Rod)
     }

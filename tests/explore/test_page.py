@@ -533,13 +533,12 @@ def test_ends_gauges_and_rods_are_dragged_in_the_picture(visit):
     wait_for_e(page, "0.4")
     across = "shown.strip.frame.across(shown.strip.ends.get({})[{}])"
     scale = page.evaluate("shown.strip.frame.across(1) - shown.strip.frame.across(0)")
-    drag(page, f"[{across.format(1, 1)}, shown.strip.top + 20]", 0.2 * scale)
+    drag(page, f"[{across.format(1, 1)}, shown.strip.middle]", 0.2 * scale)
     assert float(field(page, "bodies.1.length").input_value()) == pytest.approx(1200, abs=2)
     wait_for_e(page, f"{400 / float(field(page, 'bodies.1.length').input_value()):.9g}")
-    middle = f"({across.format(1, 0)} + {across.format(1, 1)}) / 2"
-    drag(page, f"[{middle}, shown.strip.top]", 60)
+    drag(page, "shown.strip.gauges[0]", 60)
     assert float(field(page, "gauges.0.fraction").input_value()) > 60
-    drag(page, f"[{across.format(0, 1)} - 20, shown.strip.top + 20]", 0.9 * scale)
+    drag(page, f"[{across.format(0, 1)} - 20, shown.strip.middle]", 0.9 * scale)
     assert float(field(page, "bodies.1.length").input_value()) == 400
     page.click("#undo")
     assert float(field(page, LENGTH).input_value()) == 400
@@ -583,15 +582,12 @@ def test_the_page_says_that_it_is_solving(visit):
     begin(page, HERTZ)
     before = page.inner_text("#restitution")
     page.evaluate("""() => {
-        const asked = fetch;
-        window.fetch = async (...question) => {
-            await new Promise((go) => { window.go = go; });
-            return asked(...question);
-        };
+        const [asked, opened] = [fetch, new Promise((open) => { window.open_gate = open; })];
+        window.fetch = (...question) => opened.then(() => asked(...question));
     }""")
     field(page, LENGTH).fill("300")
     sync_api.expect(page.locator("#solving")).to_be_visible()
-    page.evaluate("go()")
+    page.evaluate("open_gate()")
     sync_api.expect(page.locator("#restitution")).not_to_have_text(before)
     assert not page.locator("#solving").is_visible()
 

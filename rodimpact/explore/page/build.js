@@ -141,12 +141,9 @@ class History {
 
 /** What is under a point of the strip: a gauge, an end of a rod, or a rod. */
 function holdAt(x, y) {
-  const { frame, ends, top } = shown.strip;
+  const { frame, ends, gauges } = shown.strip;
   const near = (place) => Math.abs(frame.across(place) - x) < CLOSE;
-  const gauge = shown.scene.gauges.findIndex(({ body, fraction }) => {
-    const [low, high] = ends.get(body);
-    return near(low + fraction * (high - low)) && Math.abs(y - top) < 1.5 * CLOSE;
-  });
+  const gauge = gauges.findIndex(([gx, gy]) => Math.hypot(gx - x, gy - y) < 1.5 * CLOSE);
   if (gauge >= 0) return { gauge, body: shown.scene.gauges[gauge].body };
   const inside = (reach) => [...ends.keys()].sort((a, b) => a - b).find((i) =>
     x >= frame.across(ends.get(i)[0]) - reach && x <= frame.across(ends.get(i)[1]) + reach);

@@ -39,6 +39,13 @@ function setAt(tree, path, value) {
   getAt(tree, path.slice(0, -1))[path[path.length - 1]] = value;
 }
 
+/** Write a text where it is another; whether it was. */
+function write(element, text) {
+  const other = element.textContent !== text;
+  if (other) element.textContent = text;
+  return other;
+}
+
 function make(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
@@ -218,9 +225,8 @@ class Controls {
   showDerived(bodies) {
     for (const line of this.form.querySelectorAll(".derived[data-body]")) {
       const items = getAt(bodies, [line.dataset.body, "derived", line.dataset.segment]) || [];
-      const texts = items.map(([name, value]) => `${name} ${value}`);
-      if (line.textContent === texts.join("")) continue;
-      line.replaceChildren(...texts.map((text) => make("span", {}, text)));
+      while (line.children.length < items.length) line.append(make("span"));
+      items.forEach(([name, value], k) => write(line.children[k], `${name} ${value}`));
     }
   }
 
@@ -257,7 +263,7 @@ function fillTable(rows, entries) {
   while (rows.children.length > entries.length) rows.lastElementChild.remove();
   entries.forEach(([name, value], i) => {
     const row = rows.children[i] || rows.appendChild(make("tr", {}, make("th", { scope: "row" }), make("td")));
-    if (row.children[0].textContent !== name) row.children[0].textContent = name;
-    if (row.children[1].textContent !== value) row.children[1].textContent = value;
+    write(row.children[0], name);
+    write(row.children[1], value);
   });
 }

@@ -15,7 +15,7 @@ function namePaces() {
   const { begin, end } = filmSpan();
   for (const option of byId("pace").options) {
     const seconds = Number(option.value);
-    if (seconds) option.text = `${seconds} s: real/${Number((seconds / (end - begin)).toPrecision(2)).toLocaleString("en")}`;
+    if (seconds) write(option, `${seconds} s: real/${String(Number((seconds / (end - begin)).toPrecision(2))).replace(/\B(?=(\d{3})+$)/g, ",")}`);
   }
 }
 

@@ -2,6 +2,7 @@
 // Where a scene is drawn: places in the picture, room for springs, and the time before contact.
 
 const ROOM = 0.04; // of a spring at rest, in lengths of the row
+const THINNEST = 0.3; // of the thickest rod
 const APPROACH = { way: 0.12, time: 0.2 }; // at most: in lengths of the row, in lengths of the film
 
 /** Place in the picture of a point of a body, displaced, at a time. */
@@ -16,8 +17,8 @@ function prepare(scene) {
   scene.lengths = lengthsOf(scene);
   scene.length = row.left.at(-1) + scene.lengths.at(-1);
   scene.begin = 0;
-  scene.cells = tiling.body.length;
   if (!scene.exact) scene.grids = gridsOf(tiling);
+  scene.cells = tiling.body.length;
   const gaps = linkContacts(scene);
   makeRoom(scene, gaps);
   approach(scene, gaps);
@@ -45,6 +46,15 @@ function lengthsOf({ bodies, tiling }) {
     for (let k = tiling.start[i]; k < tiling.start[i + 1]; k += 1) lengths[body] = Math.max(lengths[body], tiling.x[k]);
   });
   return lengths;
+}
+
+/** Half of the diameter of a rod at x, as a share of the largest of all; no less than can be seen. */
+function widthAt(scene, body, x) {
+  const { pieces } = scene.bodies[body];
+  scene.widest ||= Math.max(...scene.bodies.flatMap((rod) => rod.pieces.map(([, area]) => area)));
+  let end = 0;
+  const [, area] = pieces.find(([length]) => (end += length) > x) || pieces.at(-1);
+  return Math.max(THINNEST, Math.sqrt(area / scene.widest));
 }
 
 /** Give each contact its curves; returns the curve of each gap. */
@@ -110,21 +120,26 @@ function approach(scene, contacts) {
   }
 }
 
-/** Cells that stand in rows and columns: the body, the first cell, and how many there are. */
-function gridsOf({ body, start, t, x }) {
-  const grids = [];
-  let first = 0;
-  while (first < body.length) {
-    const same = (i) => i < body.length && body[i] === body[first];
-    let across = 1;
-    while (same(first + across) && t[start[first + across]] === 0) across += 1;
-    let last = first + across;
-    while (same(last) && t[start[last]] > 0) last += 1;
-    grids.push({
-      body: body[first], first, across, rows: (last - first) / across,
-      left: x[start[first]], right: x[start[first + across - 1] + 1],
-    });
-    first = last;
-  }
+/** Make polygons of the cells of grids; returns the grids: body, first cell, and how many there are. */
+function gridsOf(tiling) {
+  const { body: bodies, across: widths, start, x, t, displacement } = tiling;
+  const points = { x: [], t: [], displacement: [] };
+  const body = [];
+  const grids = bodies.map((owner, g) => {
+    const [from, across] = [start[g], widths[g]];
+    const rows = (start[g + 1] - from) / (across + 1) - 1;
+    const grid = { body: owner, first: body.length, across, rows, left: x[from], right: x[from + across] };
+    for (let i = 0; i < rows * across; i += 1) {
+      const k = from + i + Math.floor(i / across);
+      body.push(owner);
+      for (const corner of [k, k + 1, k + across + 2, k + across + 1]) {
+        points.x.push(x[corner]);
+        points.t.push(t[corner]);
+        points.displacement.push(displacement[corner]);
+      }
+    }
+    return grid;
+  });
+  Object.assign(tiling, points, { body, start: Array.from({ length: body.length + 1 }, (_, i) => 4 * i) });
   return grids;
 }

@@ -97,14 +97,15 @@ function eventAt(scene, t) {
 /** Show the sentence of the moment; a screen reader hears it when it changes. */
 function showLesson(scene, t) {
   const { t: at, text } = scene.events[Math.max(0, eventAt(scene, t))];
-  const sentence = `${quantity(at, "s")}: ${text}`;
-  if (byId("sentence").textContent === sentence) return;
-  byId("sentence").textContent = sentence;
+  if (!write(byId("sentence"), `${quantity(at, "s")}: ${text}`)) return;
   byId("events").querySelectorAll("button").forEach((button, k) =>
     button.toggleAttribute("aria-current", k === eventAt(scene, t)));
 }
 
-function listEvents(scene) {
+/** List all events, where the list is open. */
+function listEvents() {
+  const { scene } = shown;
+  if (!byId("all-events").open || !scene) return;
   const texts = scene.events.map(({ t, text }) => `${quantity(t, "s")}: ${text}`);
   if (byId("events").dataset.shown === texts.join()) return;
   byId("events").dataset.shown = texts.join();
@@ -150,6 +151,7 @@ function reveal() {
 }
 
 function connectLesson() {
+  byId("all-events").addEventListener("toggle", listEvents);
   byId("event-before").addEventListener("click", () => step(-1));
   byId("event-after").addEventListener("click", () => step(1));
   byId("guess-first").addEventListener("click", () => hideResult(byId("guess").hidden));

@@ -107,7 +107,7 @@ function show(scene) {
   shown.scene.events = eventsOf(shown.scene);
   showNumbers(scene);
   showLegend();
-  listEvents(scene);
+  listEvents();
   namePaces();
   redraw();
 }

@@ -263,12 +263,14 @@ function drawRods(pen, scene, look, now, theme) {
   const { view, quantity: name } = look;
   const frame = frameOf(pen, view, theme.size);
   const [middle, half] = [0.53 * pen.height, 0.23 * pen.height];
+  const gauges = [];
   const ends = new Map();
   const outlines = new Map();
   pen.inside(frame.x, 0, frame.width, pen.height, () => {
     for (const { polygon, low, high } of slice(scene, now)) {
       const body = scene.tiling.body[polygon];
-      const thick = half * (1 - THICKER * shareOf(scene, "stress", polygon));
+      const x = (scene.tiling.x[scene.tiling.start[polygon]] + scene.tiling.x[scene.tiling.start[polygon] + 1]) / 2;
+      const thick = half * widthAt(scene, body, x) * (1 - THICKER * shareOf(scene, "stress", polygon));
       const box = [low, high].map((place) => [frame.across(place), thick]);
       outlines.set(body, [...(outlines.get(body) || []), ...box]);
       const known = ends.get(body) || [Infinity, -Infinity];
@@ -289,9 +291,13 @@ function drawRods(pen, scene, look, now, theme) {
     });
     nameBodies(pen, scene, frame, ends, theme);
     for (const contact of scene.contacts) drawContact(pen, scene, frame, contact, now, ends, middle, half, theme);
-    for (const { body, fraction } of scene.gauges) drawGauge(pen, frame, ends.get(body), fraction, middle - half, theme);
+    for (const { body, fraction } of scene.gauges) {
+      const [low, high] = ends.get(body);
+      gauges.push([frame.across(low + fraction * (high - low)), middle - half * widthAt(scene, body, fraction * scene.lengths[body])]);
+    }
+    for (const [x, y] of gauges) drawGauge(pen, x, y, theme);
   });
-  return { frame, ends, top: middle - half };
+  return { frame, ends, gauges, middle };
 }
 
 /** Names above the rods; numbers where names would overlap. */
@@ -348,9 +354,7 @@ function drawContact(pen, scene, frame, contact, now, ends, middle, half, theme)
   for (const side of [-1, 1]) pen.polygon([[x + side, y], [x + side * 2.4 * w, y - w], [x + side * 2.4 * w, y + w]], theme.wrong, null);
 }
 
-function drawGauge(pen, frame, ends, fraction, top, theme) {
-  if (!ends) return;
-  const x = frame.across(ends[0] + fraction * (ends[1] - ends[0]));
+function drawGauge(pen, x, top, theme) {
   const w = 0.4 * theme.size;
   pen.polygon([[x, top + w], [x - w, top - 0.6 * w], [x + w, top - 0.6 * w]], theme.series[0], theme.paper, 1);
 }
