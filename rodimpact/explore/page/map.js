@@ -13,10 +13,11 @@ function numbersOf({ case: tables }) {
     if (typeof value === "number") found.push({ name: `${FIELDS[key].name} ${where}`, key, path: [...path, key], value });
   };
   listOf(tables.bodies).forEach((body, i) => {
+    const profile = [body.velocity, body.strain].some((value) => typeof value === "object");
     listOf(body.segments || [body]).forEach((_, j) => {
       const path = body.segments ? ["bodies", i, "segments", j] : ["bodies", i];
       const where = body.segments ? `${body.kind} ${i}, segment ${j}` : `${body.kind} ${i}`;
-      add("length", path, where);
+      if (!profile) add("length", path, where); // which is bound to the length it was made for
       add("area", path, where);
     });
     add("velocity", ["bodies", i], `${body.kind} ${i}`);

@@ -29,6 +29,7 @@ const answers = {
     if (ratio !== null) known.curve = fronts.curve_of(design.case, start.materials, ratio);
     return { data: fronts.picture(known) };
   },
+  "/curve": () => ({ data: null }), // a scene of fronts has it, if there is one
   "/case": (design) => ({ data: { toml: tomlOf(design, start.materials) } }),
 };
 
