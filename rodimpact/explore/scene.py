@@ -147,7 +147,7 @@ def _mean_force(contact: ContactHistory, times: Floats) -> Floats:
     return np.append(mean, mean[-1])
 
 
-def _energy(solution: Solution) -> Scene:
+def _energy(solution: Solution) -> Any:
     """Energy by kind."""
     times = np.linspace(0.0, solution.t_end, MOMENTS)
     e = solution.energy(times)
@@ -161,7 +161,7 @@ def _energy(solution: Solution) -> Scene:
     return plot_of("energy", "Energy", "J", series)
 
 
-def _gauges(design: Design, solution: Solution) -> Scene:
+def _gauges(design: Design, solution: Solution) -> Any:
     times, series = np.linspace(0.0, solution.t_end, SAMPLES + 1), []
     for body, fraction in design.case.gauges:
         x = fraction * float(solution.fields.edges(body)[-1])
