@@ -4,6 +4,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from systems import random_system
 
 import rodimpact as ri
@@ -36,7 +37,7 @@ def rows():
     yield ri.System([ri.Wall(), *rods, ri.Wall()], contacts=[ri.Bonded()] * 3), {"until": 6e-4}
 
 
-@pytest.mark.parametrize("number", range(17))
+@pytest.mark.parametrize("number", few_of(range(17), {1, 4, 7, 8, 12, 13, 14, 15, 16}))
 def test_runs_and_curves_are_those_of_the_solution(number):
     system, solve = list(rows())[number]
     row = row_of(tables_of(system, **solve), LIBRARY)
