@@ -158,7 +158,7 @@ function showProblems(problems) {
 }
 
 function receive({ data, problems = [] }) {
-  if (!scenes.waiting) {
+  if (scenes.waiting === null && scenes.oldest === scenes.sent) { // it is the last answer
     showSolving(false);
     timers.solving = 0;
   }
