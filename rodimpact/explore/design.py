@@ -32,6 +32,12 @@ CELLS, MOST_CELLS = 64, 256  # of the longest transit, for the method "finite-di
 MOST_UPDATES = 1_000_000  # of cells, for that method
 RTOL = 1e-3
 
+LIBRARY = {
+    name: {key: v for key, v in m.to_dict().items() if key != "name" and v is not None}
+    for name, m in materials.TABLE.items()
+}
+"""Materials that a case may name."""
+
 
 @dataclass(frozen=True)
 class Design:
@@ -101,7 +107,7 @@ class Design:
         case = tomllib.loads(write_case(self.case))
         own = {
             name: entry for name, entry in case.pop("materials", {}).items()
-            if entry != _spelt_out(name)
+            if entry != LIBRARY.get(name)
         }
         if own:
             case["materials"] = own
@@ -149,14 +155,6 @@ def _check_end(until: float | None, longest: float) -> None:
     if until is not None and until > longest:
         message = f"must not exceed {format_si(longest, 's', 3)} on this page, got {until!r} s"
         raise InvalidModel([("solve.until", f"{message}; rodimpact run goes on")])
-
-
-def _spelt_out(name: str) -> dict[str, Any] | None:
-    """A material of the library as a case file describes it."""
-    if name not in materials.TABLE:
-        return None
-    described = materials.TABLE[name].to_dict()
-    return {key: v for key, v in described.items() if key != "name" and v is not None}
 
 
 def _check_size(problems: Problems, case: dict[str, Any]) -> None:

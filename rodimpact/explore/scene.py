@@ -19,10 +19,10 @@ from ..results.contacts import ContactHistory
 from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
 from ..units import format_si
-from .design import MOST_EVENTS, Design
+from .design import LIBRARY, MOST_EVENTS, Design
 from .fronts import curve_of, known_of
 from .picture import picture, ratio_of
-from .tables import LIBRARY, row_of
+from .tables import row_of
 from .tiling import grids
 
 SAMPLES = 400  # of a curve

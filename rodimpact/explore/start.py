@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from .. import __version__
-from .design import Design
+from .design import LIBRARY, Design
 from .presets import presets
-from .tables import LIBRARY, RULES
+from .tables import RULES
 
 
 def start(design: Design) -> dict[str, Any]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from .. import materials
 from ..methods.abilities import (
     COMPLIANCE,
     DAMPING,
@@ -26,11 +25,6 @@ from ..model import Material, Rod, Segment, System, Wall
 from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, wanted
 from .design import MOST_EVENTS
 
-LIBRARY = {
-    name: {"youngs_modulus": m.youngs_modulus, "density": m.density}
-    for name, m in materials.TABLE.items()
-}
-"""Materials that a case may name."""
 RULES: dict[str, dict[str, tuple[str, str]]] = {
     table: {name: (fields[name].sign, wanted(fields[name].unit, fields[name].sign)[:-11])
             for name in names}

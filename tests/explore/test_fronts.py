@@ -8,8 +8,8 @@ from systems import random_system
 
 import rodimpact as ri
 from rodimpact.explore import fronts
-from rodimpact.explore.design import Design
-from rodimpact.explore.tables import LIBRARY, RULES, lacking, mistakes, row_of
+from rodimpact.explore.design import LIBRARY, Design
+from rodimpact.explore.tables import RULES, lacking, mistakes, row_of
 from rodimpact.methods.fronts.assembly import Blueprint
 from rodimpact.methods.registry import Options
 from rodimpact.methods.row import Row

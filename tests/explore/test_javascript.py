@@ -15,14 +15,14 @@ from systems import random_system
 
 import rodimpact as ri
 from rodimpact.explore import fronts
-from rodimpact.explore.design import Design
+from rodimpact.explore.design import LIBRARY, Design
 from rodimpact.explore.javascript import Untranslatable, javascript
 from rodimpact.explore.page_files import read
 from rodimpact.explore.presets import presets
 from rodimpact.explore.scene import scene
 from rodimpact.explore.solver import CONSTANTS, KNOWN
 from rodimpact.explore.start import start
-from rodimpact.explore.tables import LIBRARY, row_of
+from rodimpact.explore.tables import row_of
 from rodimpact.storage.casefile import case_from
 
 NODE = shutil.which("node")
@@ -339,23 +339,36 @@ DESIGNS = {
 }
 
 
+def answers(address):
+    """What the page itself answers to each design."""
+    script = "\n".join(map(read, ("numbers.js", "python.js", "kernels.js", "solver.js")))
+    script += f"""
+    const listOf = (value) => (Array.isArray(value) ? value : []);
+    let start; let embedded = true;
+    const answer = (data) => {{
+      start = data.start;
+      return data.designs.map((design) => answerHere("{address}", design));
+    }};
+    """
+    sent = {"start": start(PRESETS["wall"]), "designs": [d.to_dict() for d in DESIGNS.values()]}
+    found = run(script, sent)
+    assert not [page for page in found if "problems" in page]
+    return zip(DESIGNS.items(), [page["data"] for page in found], strict=True)
+
+
 @needs_node
 def test_the_page_shows_what_the_server_shows():
     """Scenes of `scene`, whose fronts run on the clock of Python."""
-    script = "\n".join(map(read, ("numbers.js", "python.js", "kernels.js", "solver.js")))
-    script += """
-    const listOf = (value) => (Array.isArray(value) ? value : []);
-    let start; let embedded = true;
-    const answer = (data) => {
-      start = data.start;
-      return data.designs.map((design) => answerHere("/scene", design));
-    };
-    """
-    sent = {"start": start(PRESETS["wall"]), "designs": [d.to_dict() for d in DESIGNS.values()]}
-    for (key, design), page in zip(DESIGNS.items(), run(script, sent), strict=True):
-        assert "problems" not in page, (key, page)
+    for (key, design), page in answers("/scene"):
         server = json.loads(json.dumps(scene(design, design.solve())))
-        difference = page["data"]["restitution"].pop("difference", 0)
+        difference = page["restitution"].pop("difference", 0)
         server["restitution"].pop("difference", 0)
         assert float(difference) < 1e-12
-        assert_alike(plain(page["data"]), plain(server), key)
+        assert_alike(plain(page), plain(server), key)
+
+
+@needs_node
+def test_the_page_writes_the_case_file_of_its_design():
+    for (_, design), page in answers("/case"):
+        read_back = Design.of(ri.parse_case(page["toml"]))
+        assert Design.parse(read_back.to_dict()) == Design.parse(design.to_dict())
