@@ -119,11 +119,35 @@ function imageOf(scene, grid, name, theme, row = null) {
   return image;
 }
 
+/** The picture of a grid between the ends of its segment, as they move. */
+function displacedImage(scene, grid, image, frame) {
+  const canvas = make("canvas", { width: Math.ceil(frame.width), height: Math.ceil(frame.height) });
+  const smooth = make("canvas", { width: 4 * grid.across, height: 8 * grid.rows });
+  smooth.getContext("2d").drawImage(image, 0, 0, smooth.width, smooth.height);
+  for (let y = 0; y < canvas.height; y += 1) {
+    const share = frame.timeAt(frame.y + y + 0.5) / scene.end;
+    if (share < 0 || share >= 1) continue;
+    const row = Math.floor(share * grid.rows);
+    const first = 4 * (grid.first + row * grid.across);
+    const last = first + 4 * (grid.across - 1);
+    const between = (low, high) => frame.across(
+      scene.place[low] + (scene.place[high] - scene.place[low]) * (share * grid.rows - row)) - frame.x;
+    const [x0, x1] = [between(first, first + 3), between(last + 1, last + 2)];
+    const from = Math.min(smooth.height - 1, (1 - share) * smooth.height);
+    canvas.getContext("2d").drawImage(smooth, 0, from, smooth.width, 1, x0, y, x1 - x0, 1);
+  }
+  return canvas;
+}
+
 function drawGrids(pen, scene, frame, name, theme) {
   const key = name + theme.name;
   for (const grid of scene.grids) {
     grid.images ||= {};
     grid.images[key] ||= imageOf(scene, grid, name, theme);
+    if (frame.displaced) {
+      pen.image(displacedImage(scene, grid, grid.images[key], frame), frame.x, frame.y, frame.width, frame.height);
+      continue;
+    }
     const [x0, x1] = [grid.left, grid.right].map((x) => frame.across(scene.row.left[grid.body] + x));
     const [y0, y1] = [frame.up(scene.end), frame.up(0)];
     pen.image(grid.images[key], x0, y0, x1 - x0, y1 - y0);
@@ -184,11 +208,10 @@ function drawDiagram(pen, scene, look, now, mark, theme) {
   const { view, quantity: name, displaced } = look;
   const frame = frameOf(pen, view, theme.size);
   Object.assign(frame, { displaced, places: displaced ? scene.place : scene.rest });
-  const smooth = scene.grids && !displaced;
   pen.inside(frame.x, frame.y, frame.width, frame.height, () => {
     drawSolids(pen, scene, frame, theme);
-    if (smooth) drawGrids(pen, scene, frame, name, theme);
-    drawPolygons(pen, scene, frame, name, theme, smooth ? scene.cells : 0);
+    if (scene.grids) drawGrids(pen, scene, frame, name, theme);
+    drawPolygons(pen, scene, frame, name, theme, scene.grids ? scene.cells : 0);
     drawContacts(pen, scene, frame, theme);
     pen.line([[frame.x, frame.up(now)], [frame.right, frame.up(now)]], theme.wrong, 1.6);
     if (mark) drawMark(pen, frame, mark, theme);

@@ -97,7 +97,10 @@ function nameBodies(pen, scene, frame, ends, theme) {
   scene.bodies.forEach(({ title }, i) => {
     const [from, to] = seen[i];
     if (fit || to - from > size) {
-      pen.text((from + to) / 2, size, fit ? title : String(i), { size, colour: theme.faint, align: "center" });
+      const text = fit ? title : String(i);
+      const half = 0.3 * size * text.length;
+      const middle = Math.max(frame.x + half, Math.min(frame.right - half, (from + to) / 2));
+      pen.text(middle, size, text, { size, colour: theme.faint, align: "center" });
     }
   });
 }
