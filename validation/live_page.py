@@ -36,7 +36,8 @@ MAPPED = """(() => {
   for (let k = 0; k < 5; k += 1) {
     const began = performance.now();
     const [x, , , y] = numbersOf(design);
-    const [xs, ys] = [x, y].map(valuesAbout);
+    const [xs, ys] = [x, y].map((number) => valuesAbout(number).map((value) =>
+      fromShown(value, FIELDS[number.key].power)));
     for (const value of ys) {
       fronts.restitutions(fronts.changed(design.case, y.path, value), start.materials, x.path, xs);
     }

@@ -20,7 +20,7 @@ from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
 from ..units import format_si
 from .design import LIBRARY, MOST_EVENTS, Design
-from .fronts import curve_of, known_of
+from .fronts import curve_of, known_of, plot_of, series_of
 from .picture import picture, ratio_of
 from .tables import row_of
 from .tiling import grids
@@ -124,13 +124,8 @@ def _body(solution: Solution, i: int) -> Scene:
     }
 
 
-def _plot(key: str, title: str, unit: str, series: list[Scene]) -> Scene:
-    return {"key": key, "title": title, "unit": unit, "series": series}
-
-
-def _series(name: str, t: Floats, y: Floats, steps: bool = False) -> Scene:
-    """A curve over time; with `steps` each value holds until the next time."""
-    return {"name": name, "t": t.tolist(), "y": y.tolist(), "steps": steps}
+def _curve(name: str, t: Floats, y: Floats, steps: bool) -> Any:
+    return series_of(name, t.tolist(), y.tolist(), steps)
 
 
 def _contacts(solution: Solution) -> list[Scene]:
@@ -138,12 +133,12 @@ def _contacts(solution: Solution) -> list[Scene]:
     times, forces, gaps = np.linspace(0.0, solution.t_end, SAMPLES + 1), [], []
     for contact in solution.contacts:
         name = f"contact {contact.index}-{contact.index + 1}"
-        forces.append(_series(name, times, _mean_force(contact, times), steps=True))
+        forces.append(_curve(name, times, _mean_force(contact, times), True))
         if not isinstance(contact.law, Bonded):
-            gaps.append(_series(name, times, contact.gap(times)))
+            gaps.append(_curve(name, times, contact.gap(times), False))
     compliant = any(not isinstance(c.law, Rigid | Bonded) for c in solution.contacts)
     title = "Gap, below 0 indentation" if compliant else "Gap"
-    return [_plot("force", "Contact force", "N", forces), _plot("gap", title, "m", gaps)]
+    return [plot_of("force", "Contact force", "N", forces), plot_of("gap", title, "m", gaps)]
 
 
 def _mean_force(contact: ContactHistory, times: Floats) -> Floats:
@@ -152,7 +147,7 @@ def _mean_force(contact: ContactHistory, times: Floats) -> Floats:
     return np.append(mean, mean[-1])
 
 
-def _energy(solution: Solution) -> Scene:
+def _energy(solution: Solution) -> Any:
     """Energy by kind."""
     times = np.linspace(0.0, solution.t_end, MOMENTS)
     e = solution.energy(times)
@@ -161,18 +156,19 @@ def _energy(solution: Solution) -> Scene:
         "in contacts": e.contact, "lost in material": e.damped, "total": e.total,
     }
     rare = ("in contacts", "lost in material")
-    series = [_series(name, times, y) for name, y in kinds.items() if name not in rare or y.any()]
-    return _plot("energy", "Energy", "J", series)
+    series = [_curve(name, times, y, False) for name, y in kinds.items()
+              if name not in rare or y.any()]
+    return plot_of("energy", "Energy", "J", series)
 
 
-def _gauges(design: Design, solution: Solution) -> Scene:
+def _gauges(design: Design, solution: Solution) -> Any:
     times, series = np.linspace(0.0, solution.t_end, SAMPLES + 1), []
     for body, fraction in design.case.gauges:
         x = fraction * float(solution.fields.edges(body)[-1])
         name = f"rod {body} at {format_si(x, 'm', 4)}"
         strain = solution.gauge(body, x).strain_at(times)
-        series.append(_series(name, times, 1e6 * strain, steps=True))
-    return _plot("gauge", "Strain gauges", "µε", series)
+        series.append(_curve(name, times, 1e6 * strain, True))
+    return plot_of("gauge", "Strain gauges", "µε", series)
 
 
 def shortened(found: Scene) -> Scene:

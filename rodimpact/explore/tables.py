@@ -38,37 +38,37 @@ RULES: dict[str, dict[str, tuple[str, str]]] = {
 SCALE = OUT_OF_SCALE[:-11]
 
 
-def lacking(case: Any) -> str:
-    """What of a case fronts cannot carry: its path and name; "" if there is nothing."""
+def lacking(case: Any) -> tuple[str, str]:
+    """Path and name of the first thing of a case that fronts cannot carry; "" if there is none."""
     asked = case.get("solve", {}).get("method", "auto")
     if asked not in ("auto", "fronts"):
-        return f'solve.method: "{asked}"'
+        return "solve.method", f'the method "{asked}"'
     if case.get("gravity", 0) != 0:
-        return GRAVITY
+        return "gravity", GRAVITY
     for i, body in enumerate(case["bodies"]):
         if body["kind"] == "mass":
-            return f"bodies.{i}: {MASSES}"
+            return f"bodies.{i}", MASSES
         for key in ("velocity", "strain"):
             if sampled(body.get(key, 0)):
-                return f"bodies.{i}.{key}: {SMOOTH_STATES}"
+                return f"bodies.{i}.{key}", SMOOTH_STATES
         for piece in pieces_of(body):
             if piece.get("polar_moment") is not None:
-                return f"bodies.{i}: {LATERAL}"
+                return f"bodies.{i}", LATERAL
             if isinstance(piece.get("area"), dict):
-                return f"bodies.{i}: {TAPER}"
+                return f"bodies.{i}", TAPER
     for i, contact in enumerate(case.get("contacts", [])):
         law = contact.get("law", "rigid")
         if law not in ("rigid", "bonded"):
-            return f"contacts.{i}: {COMPLIANCE}"
+            return f"contacts.{i}", COMPLIANCE
     for name, material in case.get("materials", {}).items():
         for key in ("viscosity", "loss_factor"):
             if material.get(key, 0) != 0:
-                return f"materials.{name}: {DAMPING}"
+                return f"materials.{name}", DAMPING
     ends = case.get("ends", {})
     for side in ("left", "right"):
         if sampled(ends.get(side, {}).get("value", 0)):
-            return f"ends.{side}: {SMOOTH_DRIVES}"
-    return ""
+            return f"ends.{side}", SMOOTH_DRIVES
+    return "", ""
 
 
 def sampled(profile: Any) -> bool:

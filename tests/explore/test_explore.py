@@ -321,6 +321,9 @@ def test_a_curve_needs_two_uniform_rods():
     assert found["ratio"] is None
     assert found["curve"] is None
     assert shown(PAIR)[1]["ratio"] == pytest.approx(0.4)
+    profile = ri.System([LEFT.replace(velocity=ri.Steps([1.0, 0.5], [0.1])), RIGHT])
+    assert shown(profile)[1]["curve"] is None
+    assert solved_curve(Design.of(ri.Case(profile))) is None
 
 
 def test_a_curve_has_holes_where_there_is_no_collision():

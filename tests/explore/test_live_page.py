@@ -70,7 +70,7 @@ def test_the_page_solves_by_itself_and_asks_nobody(tmp_path):
      "must be a finite positive number of metres, got -1"),
     ("#case.schema=1&case.bodies.0.kind=mass&case.bodies.0.mass=1&case.bodies.1.kind=rod"
      "&case.bodies.1.length=1&case.bodies.1.area=1e-4&case.bodies.1.material=steel",
-     "bodies.0: rigid masses needs the page that rodimpact explore serves"),
+     "this page follows fronts only, without rigid masses; the one that rodimpact explore"),
 ])
 def test_what_the_page_cannot_solve_is_told(tmp_path, address, words):
     text, asked = opened(live(tmp_path, pair()), address)

@@ -10,18 +10,19 @@ function numbersOf({ case: tables }) {
   const found = [];
   const add = (key, path, where) => {
     const value = getAt(tables, [...path, key]);
-    if (typeof value === "number") found.push({ name: `${FIELDS[key].name} ${where}`, key, path: [...path, key], value });
+    if (typeof value === "number") found.push({ name: `${FIELDS[key].name} of ${where}`, key, path: [...path, key], value });
   };
   listOf(tables.bodies).forEach((body, i) => {
+    const profile = [body.velocity, body.strain].some((value) => typeof value === "object");
     listOf(body.segments || [body]).forEach((_, j) => {
       const path = body.segments ? ["bodies", i, "segments", j] : ["bodies", i];
       const where = body.segments ? `${body.kind} ${i}, segment ${j}` : `${body.kind} ${i}`;
-      add("length", path, where);
+      if (!profile) add("length", path, where); // which is bound to the length it was made for
       add("area", path, where);
     });
     add("velocity", ["bodies", i], `${body.kind} ${i}`);
   });
-  listOf(tables.contacts).forEach((_, i) => add("gap", ["contacts", i], `${i}-${i + 1}`));
+  listOf(tables.contacts).forEach((_, i) => add("gap", ["contacts", i], `contact ${i}-${i + 1}`));
   for (const name of Object.keys(tables.materials || {})) {
     add("youngs_modulus", ["materials", name], name);
     add("density", ["materials", name], name);
@@ -29,10 +30,10 @@ function numbersOf({ case: tables }) {
   return found;
 }
 
-/** Even values about the one in use, or over the range of its slider. */
+/** Even values about the one in use, or over the range of its slider, in the unit of that. */
 function valuesAbout({ key, value }) {
   const { low, high, power } = FIELDS[key];
-  const [from, to] = value > 0 ? [value / 10, 2 * value] : [low * 10 ** power, high * 10 ** power];
+  const [from, to] = value > 0 ? [toShown(value, power) / 10, 2 * toShown(value, power)] : [low, high];
   return Array.from({ length: CELLS }, (_, i) => from + (to - from) * i / (CELLS - 1));
 }
 
@@ -63,7 +64,8 @@ async function computeMap(numbers, turn) {
   const [xs, ys] = [valuesAbout(x), valuesAbout(y)];
   Object.assign(chart, { x, y, xs, ys, values: [] });
   const began = performance.now();
-  for await (const row of mapOf(design, [x.path, xs], [y.path, ys])) {
+  const inSI = (values, { key }) => values.map((value) => fromShown(value, FIELDS[key].power));
+  for await (const row of mapOf(design, [x.path, inSI(xs, x)], [y.path, inSI(ys, y)])) {
     if (turn !== chart.turn) return;
     chart.values.push(row);
     if (chart.values.length % 40 === 0) drawMap();
@@ -94,21 +96,22 @@ function drawMap() {
   cells.getContext("2d").putImageData(image, 0, 0);
   pen.context.imageSmoothingEnabled = false;
   pen.context.drawImage(cells, frame.x, frame.y, frame.width, frame.height);
-  pen.disc(frame.across(x.value), frame.up(y.value), 0.35 * theme.size, theme.wrong);
-  const unit = ({ key }) => ({ length: "m", gap: "m", velocity: "m/s", area: "m²", youngs_modulus: "Pa", density: "kg/m³" }[key]);
+  const [xField, yField] = [x, y].map(({ key }) => FIELDS[key]);
+  pen.disc(frame.across(toShown(x.value, xField.power)), frame.up(toShown(y.value, yField.power)), 0.35 * theme.size, theme.wrong);
   drawFrame(pen, frame, theme.size, theme, {
-    x: [xs[0], xs.at(-1), unit(x), x.name], y: [ys[0], ys.at(-1), unit(y), y.name],
+    x: [xs[0], xs.at(-1), xField.unit, x.name], y: [ys[0], ys.at(-1), yField.unit, y.name],
   });
   chart.frame = frame;
 }
 
-/** Numbers and e under a pointer; null beside the map. */
+/** Numbers, to three digits, and e under a pointer; null beside the map. */
 function placeOnMap({ offsetX, offsetY }) {
   const { frame, xs, ys, values } = chart;
   if (!frame) return null;
   const [i, j] = [(offsetX - frame.x) / frame.width, (frame.bottom - offsetY) / frame.height].map((share) =>
     Math.round(share * (CELLS - 1)));
-  return values[j] && values[j][i] !== undefined ? { x: xs[i], y: ys[j], e: values[j][i] } : null;
+  if (!values[j] || values[j][i] === undefined) return null;
+  return { x: Number(xs[i].toPrecision(3)), y: Number(ys[j].toPrecision(3)), e: values[j][i] };
 }
 
 function connectMap() {
@@ -117,16 +120,18 @@ function connectMap() {
   byId("map").addEventListener("toggle", showMap);
   for (const id of ["map-x", "map-y"]) byId(id).addEventListener("change", showMap);
   const picture = byId("map-picture");
+  const told = ({ name, key }, value) => `${name} ${plainNumber(value, 4)} ${FIELDS[key].unit}`;
   picture.addEventListener("pointermove", (event) => {
     const at = placeOnMap(event);
-    byId("map-reading").textContent = at ? `${chart.x.name} ${plainNumber(at.x, 4)}, ${chart.y.name} ${plainNumber(at.y, 4)}: `
-      + (at.e === null ? "no e" : `e = ${plainNumber(at.e, 6)}`) : "";
+    byId("map-reading").textContent = at
+      ? `${told(chart.x, at.x)}, ${told(chart.y, at.y)}: ${at.e === null ? "no e" : `e = ${plainNumber(at.e, 4)}`}` : "";
   });
   picture.addEventListener("click", (event) => {
     const at = placeOnMap(event);
     if (!at) return;
-    setAt(design.case, chart.x.path, at.x);
-    setAt(design.case, chart.y.path, at.y);
+    for (const [{ key, path }, value] of [[chart.x, at.x], [chart.y, at.y]]) {
+      setAt(design.case, path, fromShown(value, FIELDS[key].power));
+    }
     changed(true);
   });
 }

@@ -1,8 +1,6 @@
 "use strict";
 // Answers of the page itself, where the fronts of a collision can be followed: it needs no server.
 
-const SERVED = "needs the page that rodimpact explore serves; this page follows fronts only";
-
 /** Unpack the kernels, which a page of one file holds compressed. */
 async function unpackKernels() {
   if (!embedded) return;
@@ -15,9 +13,9 @@ async function unpackKernels() {
 
 /** What is wrong with a design that this page would solve, or what of it fronts cannot carry. */
 function problemsOf({ case: tables }) {
-  const lacking = fronts.lacking(tables);
-  if (lacking) return [{ path: "", message: `${lacking} ${SERVED}` }];
-  return fronts.mistakes(tables, start.materials, start.rules).map(([path, message]) => ({ path, message }));
+  const [path, what] = fronts.lacking(tables);
+  if (what) return [{ path, message: `this page follows fronts only, without ${what}; the one that rodimpact explore serves solves it` }];
+  return fronts.mistakes(tables, start.materials, start.rules).map(([where, message]) => ({ path: where, message }));
 }
 
 const answers = {
@@ -29,6 +27,7 @@ const answers = {
     if (ratio !== null) known.curve = fronts.curve_of(design.case, start.materials, ratio);
     return { data: fronts.picture(known) };
   },
+  "/curve": () => ({ data: null }), // a scene of fronts has it, if there is one
   "/case": (design) => ({ data: { toml: tomlOf(design, start.materials) } }),
 };
 
