@@ -511,6 +511,7 @@ def test_bodies_come_go_and_change_places(visit):
 
 def drag(page, start, way):
     """Drag a point of the strip, given by an expression, by so many pixels."""
+    page.wait_for_function("() => !scenes.busy && !shown.due")
     x, y = page.evaluate(start)
     box = page.locator("#rods").bounding_box()
     page.mouse.move(box["x"] + x, box["y"] + y)

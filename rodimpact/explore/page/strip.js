@@ -8,9 +8,8 @@ function drawRods(pen, scene, look, now, theme) {
   const { view, quantity: name } = look;
   const frame = frameOf(pen, view, theme.size);
   const [middle, half] = [0.53 * pen.height, 0.23 * pen.height];
-  const gauges = [];
-  const ends = new Map();
-  const outlines = new Map();
+  const [gauges, ends, outlines] = [[], new Map(), new Map()];
+  const strip = { frame, middle, half, gauges, ends, outlines };
   pen.inside(frame.x, 0, frame.width, pen.height, () => {
     for (const { polygon, low, high } of slice(scene, now)) {
       const body = scene.tiling.body[polygon];
@@ -25,24 +24,24 @@ function drawRods(pen, scene, look, now, theme) {
       const fill = css(colourOf(shareOf(scene, name, polygon), theme));
       pen.polygon([[x0, middle - thick], [x1, middle - thick], [x1, middle + thick], [x0, middle + thick]], fill, fill, 0.5);
     }
-    if (scene.grids && now > 0) drawSlices(pen, scene, frame, name, now, middle, half, ends, outlines, theme);
+    if (scene.grids && now > 0) drawSlices(pen, scene, strip, name, now, theme);
     scene.bodies.forEach((body, i) => {
       if (body.path) ends.set(i, endsOfSolid(scene, i, now, view));
-      const [x0, x1] = (ends.get(i) || [0, 0]).map(frame.across);
+      const [x0, x1] = ends.get(i).map(frame.across);
       const fill = body.path ? (body.kind === "mass" ? theme.faint : theme.line) : "transparent";
       const upper = outlines.get(i) || [[x0, half], [x1, half]];
       pen.polygon([...upper.map(([x, h]) => [x, middle - h]), ...upper.map(([x, h]) => [x, middle + h]).reverse()],
         fill, theme.ink, 1.2);
     });
     nameBodies(pen, scene, frame, ends, theme);
-    for (const contact of scene.contacts) drawContact(pen, scene, frame, contact, now, ends, middle, half, theme);
+    for (const contact of scene.contacts) drawContact(pen, strip, contact, now, theme);
     for (const { body, fraction } of scene.gauges) {
       const [low, high] = ends.get(body);
       gauges.push([frame.across(low + fraction * (high - low)), middle - half * widthAt(scene, body, fraction * scene.lengths[body])]);
     }
     for (const [x, y] of gauges) drawGauge(pen, x, y, theme);
   });
-  return { frame, ends, gauges, middle };
+  return strip;
 }
 
 /** Cut the polygons at time t: pieces of rods, from left to right, each with its polygon. */
@@ -65,7 +64,7 @@ function slice(scene, t) {
 }
 
 /** Rods of cells, smooth from end to end. */
-function drawSlices(pen, scene, frame, name, now, middle, half, ends, outlines, theme) {
+function drawSlices(pen, scene, { frame, middle, half, ends, outlines }, name, now, theme) {
   for (const grid of scene.grids) {
     const [low, high] = ends.get(grid.body);
     const long = scene.lengths[grid.body];
@@ -115,10 +114,9 @@ function endsOfSolid(scene, i, now, view) {
 }
 
 /** A contact of the strip: arrow heads where it presses, a spring where it has one. */
-function drawContact(pen, scene, frame, contact, now, ends, middle, half, theme) {
+function drawContact(pen, { frame, middle, half, ends }, contact, now, theme) {
   if (contact.bonded) return;
   const [left, right] = [ends.get(contact.index), ends.get(contact.index + 1)];
-  if (!left || !right) return;
   const [x0, x1] = [frame.across(left[1]), frame.across(right[0])];
   if (contact.room) {
     const reach = Math.min(x1, frame.across(left[1] + contact.room));
