@@ -16,8 +16,8 @@ from .solver import script
 
 SCRIPTS = (
     "numbers.js", "python.js", "kernels.js", "solver.js", "pens.js", "contacts.js", "layout.js",
-    "picture.js", "plots.js", "reading.js", "lesson.js", "tour.js", "film.js", "compare.js",
-    "controls.js", "map.js", "build.js", "server.js", "main.js",
+    "picture.js", "strip.js", "plots.js", "reading.js", "lesson.js", "tour.js", "film.js",
+    "compare.js", "controls.js", "map.js", "build.js", "server.js", "main.js",
 )
 PACKED = ("python.js", "kernels.js")  # in one file they are compressed, or left out
 KINDS = {"html": "text/html", "css": "text/css", "js": "text/javascript"}

@@ -143,6 +143,14 @@ def test_a_gap_that_the_clock_cannot_close_is_told():
         scene(design, design.solve())
 
 
+def test_springs_are_solved_on_steps_that_need_not_divide_the_transits():
+    left = LEFT.replace(length=0.413)
+    row = ri.System([left, RIGHT, RIGHT], contacts=[ri.Hertz(1e10), ri.Spring(1e10)])
+    found, known = Design.of(ri.Case(row)).solve(), ri.solve(row, rtol=1e-4)
+    assert found.outcome.final
+    assert found.outcome.velocities_after == pytest.approx(known.outcome.velocities_after, abs=1e-3)
+
+
 def test_too_many_regions_from_the_start_are_shown_in_cells():
     jumps = np.linspace(0.0, 0.4, 3201)[1:-1]
     left = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=ri.Steps(np.arange(3200.0) % 2, jumps))

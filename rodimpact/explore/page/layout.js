@@ -31,7 +31,6 @@ function prepare(scene) {
       scene.rest[k] = row.left[body[i]] + x[k];
     }
   }
-  row.span = [row.span[0], row.span[1]];
   for (const places of [scene.place, scene.rest]) {
     for (const at of places) row.span = [Math.min(row.span[0], at), Math.max(row.span[1], at)];
   }

@@ -71,7 +71,7 @@ function released(scene, pair, before, state) {
 function endEvents(scene) {
   const { tiling, bodies, lengths } = scene;
   const sides = [[0, 0], [bodies.length - 1, lengths.at(-1)]].filter(([body]) => bodies[body].kind === "rod");
-  return sides.flatMap(([end, place], right) => {
+  return sides.flatMap(([end, place]) => {
     const spans = [];
     tiling.body.forEach((body, i) => {
       if (body !== end) return;
@@ -82,7 +82,7 @@ function endEvents(scene) {
       if (at.length > 1) spans.push({ t: Math.min(...at), velocity: tiling.velocity[i] });
     });
     spans.sort((a, b) => a.t - b.t);
-    const side = place === 0 && !right ? "left" : "right";
+    const side = place === 0 ? "left" : "right";
     return spans.slice(1).flatMap(({ t, velocity }, k) => (t < SAME * scene.end || velocity === spans[k].velocity ? [] : [{
       t, text: `A wave reaches the ${side} end of ${named(scene, end)} and turns back; the end ${velocity ? `now moves with ${quantity(velocity, "m/s", 3)}` : "stands still"}.`,
     }]));
@@ -97,9 +97,12 @@ function eventAt(scene, t) {
 /** Show the sentence of the moment; a screen reader hears it when it changes. */
 function showLesson(scene, t) {
   const { t: at, text } = scene.events[Math.max(0, eventAt(scene, t))];
-  if (!write(byId("sentence"), `${quantity(at, "s")}: ${text}`)) return;
+  if (write(byId("sentence"), `${quantity(at, "s")}: ${text}`)) markEvent(scene, t);
+}
+
+function markEvent(scene, t) {
   byId("events").querySelectorAll("button").forEach((button, k) =>
-    button.toggleAttribute("aria-current", k === eventAt(scene, t)));
+    button.setAttribute("aria-current", String(k === eventAt(scene, t))));
 }
 
 /** List all events, where the list is open. */
@@ -114,6 +117,7 @@ function listEvents() {
     button.addEventListener("click", () => goTo(t));
     return make("li", {}, button);
   }));
+  markEvent(scene, now());
 }
 
 function goTo(t) {

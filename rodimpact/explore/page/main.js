@@ -7,7 +7,7 @@ const embedded = byId("embedded") ? JSON.parse(byId("embedded").textContent) : n
 const PATIENCE = 250; // ms, before the page says that it is solving
 const shown = {
   scene: null, other: null, view: null, share: 0.35, playing: false, mark: null, quantity: "velocity",
-  displaced: false, frame: null, strip: null, theme: null, due: false, frames: 0,
+  displaced: false, zoomed: false, held: false, frame: null, strip: null, theme: null, due: false, frames: 0,
 };
 let design = null;
 let start = null;
@@ -158,7 +158,7 @@ function showProblems(problems) {
 }
 
 function receive({ data, problems = [] }) {
-  if (!scenes.waiting) {
+  if (scenes.waiting === null && scenes.oldest === scenes.sent) { // it is the last answer
     showSolving(false);
     timers.solving = 0;
   }

@@ -1,5 +1,5 @@
 "use strict";
-// The row in space and time, and the rods at one time: both drawn from the same polygons.
+// The row in space and time: polygons in the colours of their values, contacts, axes.
 
 const STOPS = { // blue, nearly the paper's colour at 0, yellow
   light: [[22, 37, 110], [112, 132, 196], [244, 244, 241], [238, 198, 84], [196, 134, 0]],
@@ -7,7 +7,6 @@ const STOPS = { // blue, nearly the paper's colour at 0, yellow
 };
 const UNITS = { velocity: "m/s", stress: "Pa" };
 const CROWDED = 400; // polygons from which lines would hide the colours
-const THICKER = 0.22; // of a rod, where it is compressed most
 
 /** Colour of a number from -1 to 1. */
 function colourOf(share, { stops }) {
@@ -120,11 +119,35 @@ function imageOf(scene, grid, name, theme, row = null) {
   return image;
 }
 
+/** The picture of a grid between the ends of its segment, as they move. */
+function displacedImage(scene, grid, image, frame) {
+  const canvas = make("canvas", { width: Math.ceil(frame.width), height: Math.ceil(frame.height) });
+  const smooth = make("canvas", { width: 4 * grid.across, height: 8 * grid.rows });
+  smooth.getContext("2d").drawImage(image, 0, 0, smooth.width, smooth.height);
+  for (let y = 0; y < canvas.height; y += 1) {
+    const share = frame.timeAt(frame.y + y + 0.5) / scene.end;
+    if (share < 0 || share >= 1) continue;
+    const row = Math.floor(share * grid.rows);
+    const first = 4 * (grid.first + row * grid.across);
+    const last = first + 4 * (grid.across - 1);
+    const between = (low, high) => frame.across(
+      scene.place[low] + (scene.place[high] - scene.place[low]) * (share * grid.rows - row)) - frame.x;
+    const [x0, x1] = [between(first, first + 3), between(last + 1, last + 2)];
+    const from = Math.min(smooth.height - 1, (1 - share) * smooth.height);
+    canvas.getContext("2d").drawImage(smooth, 0, from, smooth.width, 1, x0, y, x1 - x0, 1);
+  }
+  return canvas;
+}
+
 function drawGrids(pen, scene, frame, name, theme) {
   const key = name + theme.name;
   for (const grid of scene.grids) {
     grid.images ||= {};
     grid.images[key] ||= imageOf(scene, grid, name, theme);
+    if (frame.displaced) {
+      pen.image(displacedImage(scene, grid, grid.images[key], frame), frame.x, frame.y, frame.width, frame.height);
+      continue;
+    }
     const [x0, x1] = [grid.left, grid.right].map((x) => frame.across(scene.row.left[grid.body] + x));
     const [y0, y1] = [frame.up(scene.end), frame.up(0)];
     pen.image(grid.images[key], x0, y0, x1 - x0, y1 - y0);
@@ -185,11 +208,10 @@ function drawDiagram(pen, scene, look, now, mark, theme) {
   const { view, quantity: name, displaced } = look;
   const frame = frameOf(pen, view, theme.size);
   Object.assign(frame, { displaced, places: displaced ? scene.place : scene.rest });
-  const smooth = scene.grids && !displaced;
   pen.inside(frame.x, frame.y, frame.width, frame.height, () => {
     drawSolids(pen, scene, frame, theme);
-    if (smooth) drawGrids(pen, scene, frame, name, theme);
-    drawPolygons(pen, scene, frame, name, theme, smooth ? scene.cells : 0);
+    if (scene.grids) drawGrids(pen, scene, frame, name, theme);
+    drawPolygons(pen, scene, frame, name, theme, scene.grids ? scene.cells : 0);
     drawContacts(pen, scene, frame, theme);
     pen.line([[frame.x, frame.up(now)], [frame.right, frame.up(now)]], theme.wrong, 1.6);
     if (mark) drawMark(pen, frame, mark, theme);
@@ -237,158 +259,4 @@ function drawFrame(pen, frame, size, theme, axes) {
   }
   pen.text(0.7 * size, (frame.y + frame.bottom) / 2, [yName, ys.unit].filter(Boolean).join(", "),
     { ...ink, align: "center", turned: true });
-}
-
-/** Cut the polygons at time t: pieces of rods, from left to right, each with its polygon. */
-function slice(scene, t) {
-  const { start, t: times } = scene.tiling;
-  const pieces = [];
-  for (let i = 0; i < scene.tiling.body.length; i += 1) {
-    let [low, high] = [Infinity, -Infinity];
-    for (let k = start[i]; k < start[i + 1]; k += 1) {
-      const next = k + 1 < start[i + 1] ? k + 1 : start[i];
-      const [a, b] = [times[k], times[next]];
-      if ((a - t) * (b - t) > 0) continue;
-      const share = a === b ? 0 : (t - a) / (b - a);
-      const place = scene.place[k] + (scene.place[next] - scene.place[k]) * share;
-      [low, high] = [Math.min(low, place), Math.max(high, place)];
-    }
-    if (high > low) pieces.push({ polygon: i, low, high });
-  }
-  return pieces.sort((a, b) => a.low - b.low);
-}
-
-/** The rods, masses and walls at one time, below the diagram and on the same axis; where all is. */
-function drawRods(pen, scene, look, now, theme) {
-  const { view, quantity: name } = look;
-  const frame = frameOf(pen, view, theme.size);
-  const [middle, half] = [0.53 * pen.height, 0.23 * pen.height];
-  const gauges = [];
-  const ends = new Map();
-  const outlines = new Map();
-  pen.inside(frame.x, 0, frame.width, pen.height, () => {
-    for (const { polygon, low, high } of slice(scene, now)) {
-      const body = scene.tiling.body[polygon];
-      const x = (scene.tiling.x[scene.tiling.start[polygon]] + scene.tiling.x[scene.tiling.start[polygon] + 1]) / 2;
-      const thick = half * widthAt(scene, body, x) * (1 - THICKER * shareOf(scene, "stress", polygon));
-      const box = [low, high].map((place) => [frame.across(place), thick]);
-      outlines.set(body, [...(outlines.get(body) || []), ...box]);
-      const known = ends.get(body) || [Infinity, -Infinity];
-      ends.set(body, [Math.min(known[0], low), Math.max(known[1], high)]);
-      if (scene.grids && now > 0) continue;
-      const [[x0], [x1]] = box;
-      const fill = css(colourOf(shareOf(scene, name, polygon), theme));
-      pen.polygon([[x0, middle - thick], [x1, middle - thick], [x1, middle + thick], [x0, middle + thick]], fill, fill, 0.5);
-    }
-    if (scene.grids && now > 0) drawSlices(pen, scene, frame, name, now, middle, half, ends, outlines, theme);
-    scene.bodies.forEach((body, i) => {
-      if (body.path) ends.set(i, endsOfSolid(scene, i, now, view));
-      const [x0, x1] = (ends.get(i) || [0, 0]).map(frame.across);
-      const fill = body.path ? (body.kind === "mass" ? theme.faint : theme.line) : "transparent";
-      const upper = outlines.get(i) || [[x0, half], [x1, half]];
-      pen.polygon([...upper.map(([x, h]) => [x, middle - h]), ...upper.map(([x, h]) => [x, middle + h]).reverse()],
-        fill, theme.ink, 1.2);
-    });
-    nameBodies(pen, scene, frame, ends, theme);
-    for (const contact of scene.contacts) drawContact(pen, scene, frame, contact, now, ends, middle, half, theme);
-    for (const { body, fraction } of scene.gauges) {
-      const [low, high] = ends.get(body);
-      gauges.push([frame.across(low + fraction * (high - low)), middle - half * widthAt(scene, body, fraction * scene.lengths[body])]);
-    }
-    for (const [x, y] of gauges) drawGauge(pen, x, y, theme);
-  });
-  return { frame, ends, gauges, middle };
-}
-
-/** Names above the rods; numbers where names would overlap. */
-function nameBodies(pen, scene, frame, ends, theme) {
-  const size = 0.8 * theme.size;
-  const seen = scene.bodies.map((_, i) => {
-    const [x0, x1] = ends.get(i).map(frame.across);
-    return [Math.max(x0, frame.x), Math.min(x1, frame.right)];
-  });
-  const fit = scene.bodies.every(({ path, title }, i) => path || 0.6 * size * title.length < seen[i][1] - seen[i][0]);
-  scene.bodies.forEach(({ title }, i) => {
-    const [from, to] = seen[i];
-    if (fit || to - from > size) {
-      pen.text((from + to) / 2, size, fit ? title : String(i), { size, colour: theme.faint, align: "center" });
-    }
-  });
-}
-
-/** Rods of cells, smooth from end to end. */
-function drawSlices(pen, scene, frame, name, now, middle, half, ends, outlines, theme) {
-  for (const grid of scene.grids) {
-    const [low, high] = ends.get(grid.body);
-    const long = scene.lengths[grid.body];
-    const [x0, x1] = [grid.left, grid.right].map((x) => frame.across(low + (high - low) * x / long));
-    const row = Math.max(0, Math.min(grid.rows - 1, now / scene.end * grid.rows - 0.5));
-    const thickest = half * (1 + THICKER);
-    pen.image(imageOf(scene, grid, name, theme, row), x0, middle - thickest, x1 - x0, 2 * thickest);
-  }
-  for (const [body, points] of outlines) { // hide what is outside of the outline
-    const smooth = points.filter((_, k) => k % 2 === 0).map(([x, h], k) => [(x + points[2 * k + 1][0]) / 2, h]);
-    const outline = [[points[0][0], smooth[0][1]], ...smooth, [points.at(-1)[0], smooth.at(-1)[1]]];
-    outlines.set(body, outline);
-    for (const side of [-1, 1]) {
-      const edge = middle + side * half * (1 + 2 * THICKER);
-      pen.polygon([...outline.map(([x, h]) => [x, middle + side * h]), [outline.at(-1)[0] + 1, edge], [outline[0][0] - 1, edge]],
-        theme.paper, theme.paper, 1);
-    }
-  }
-}
-
-/** A contact of the strip: arrow heads where it presses, a spring where it has one. */
-function drawContact(pen, scene, frame, contact, now, ends, middle, half, theme) {
-  if (contact.bonded) return;
-  const [left, right] = [ends.get(contact.index), ends.get(contact.index + 1)];
-  if (!left || !right) return;
-  const [x0, x1] = [frame.across(left[1]), frame.across(right[0])];
-  if (contact.room) {
-    const reach = Math.min(x1, frame.across(left[1] + contact.room));
-    const turns = [0.1, 0.3, 0.5, 0.7, 0.9].map((share, k) => [x0 + share * (reach - x0), middle + (k % 2 ? 0.5 : -0.5) * half]);
-    pen.line([[x0, middle], ...turns, [reach, middle]], theme.ink, 1.4);
-  }
-  if (stateAt(contact, now) !== "pressing") return;
-  const [x, y, w] = [(x0 + x1) / 2, middle + half * (1 + THICKER) + 0.45 * theme.size, 0.4 * theme.size];
-  for (const side of [-1, 1]) pen.polygon([[x + side, y], [x + side * 2.4 * w, y - w], [x + side * 2.4 * w, y + w]], theme.wrong, null);
-}
-
-function drawGauge(pen, x, top, theme) {
-  const w = 0.4 * theme.size;
-  pen.polygon([[x, top + w], [x - w, top - 0.6 * w], [x + w, top - 0.6 * w]], theme.series[0], theme.paper, 1);
-}
-
-function endsOfSolid(scene, i, now, view) {
-  const body = scene.bodies[i];
-  const moved = valueAt({ t: body.path.t, y: body.path.displacement, steps: false }, now);
-  const face = placeOf(scene.row, i, 0, now, moved);
-  if (body.kind === "mass") return [face, face + body.width];
-  const deep = 0.06 * (view.right - view.left);
-  return i ? [face, face + deep] : [face - deep, face];
-}
-
-/** The polygon under a place in the picture and a time, with the place in the body; or null. */
-function pick(scene, place, t, frame) {
-  const point = [frame.across(place), frame.up(t)];
-  for (let i = 0; i < scene.tiling.body.length; i += 1) {
-    const corners = cornersOf(scene, i, frame);
-    if (contains(corners, point)) return { polygon: i, body: scene.tiling.body[i], x: placeInBody(scene, i, corners, point) };
-  }
-  return null;
-}
-
-/** Place in the body at a point of a polygon: linear between its corners. */
-function placeInBody(scene, i, corners, point) {
-  const x = scene.tiling.x.slice(scene.tiling.start[i], scene.tiling.start[i + 1]);
-  let best = [0, 1, 2];
-  for (let k = 1; k + 1 < corners.length; k += 1) {
-    const fan = [0, k, k + 1];
-    if (contains(fan.map((j) => corners[j]), point)) best = fan;
-  }
-  const [a, b, c] = best.map((j) => corners[j]);
-  const all = turn(a, b, c);
-  if (all === 0) return x[best[0]];
-  const [p, q] = [turn(point, b, c) / all, turn(a, point, c) / all];
-  return p * x[best[0]] + q * x[best[1]] + (1 - p - q) * x[best[2]];
 }

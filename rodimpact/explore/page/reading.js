@@ -21,6 +21,31 @@ function showReading() {
   if (byId("readout").textContent !== text) byId("readout").textContent = text;
 }
 
+/** The polygon under a place in the picture and a time, with the place in the body; or null. */
+function pick(scene, place, t, frame) {
+  const point = [frame.across(place), frame.up(t)];
+  for (let i = 0; i < scene.tiling.body.length; i += 1) {
+    const corners = cornersOf(scene, i, frame);
+    if (contains(corners, point)) return { polygon: i, body: scene.tiling.body[i], x: placeInBody(scene, i, corners, point) };
+  }
+  return null;
+}
+
+/** Place in the body at a point of a polygon: linear between its corners. */
+function placeInBody(scene, i, corners, point) {
+  const x = scene.tiling.x.slice(scene.tiling.start[i], scene.tiling.start[i + 1]);
+  let best = [0, 1, 2];
+  for (let k = 1; k + 1 < corners.length; k += 1) {
+    const fan = [0, k, k + 1];
+    if (contains(fan.map((j) => corners[j]), point)) best = fan;
+  }
+  const [a, b, c] = best.map((j) => corners[j]);
+  const all = turn(a, b, c);
+  if (all === 0) return x[best[0]];
+  const [p, q] = [turn(point, b, c) / all, turn(a, point, c) / all];
+  return p * x[best[0]] + q * x[best[1]] + (1 - p - q) * x[best[2]];
+}
+
 /** Magnify about a place and a time. */
 function zoom(factor, place, t) {
   const { view } = shown;
