@@ -69,6 +69,10 @@ class CanvasPen {
     c.restore();
   }
 
+  image(canvas, x, y, width, height) {
+    this.context.drawImage(canvas, x, y, width, height);
+  }
+
   inside(x, y, width, height, draw) {
     this.context.save();
     this.context.beginPath();
@@ -109,6 +113,10 @@ class SvgPen {
     const turn = turned ? " rotate(-90)" : "";
     const safe = text.replace(/&/g, "&amp;").replace(/</g, "&lt;");
     this.parts.push(`<text transform="translate(${x.toFixed(2)} ${y.toFixed(2)})${turn}" y="${drop.toFixed(2)}" font-size="${size}" text-anchor="${anchor}" fill="${colour}">${safe}</text>`);
+  }
+
+  image(canvas, x, y, width, height) {
+    this.parts.push(`<image x="${x}" y="${y}" width="${width}" height="${height}" preserveAspectRatio="none" href="${canvas.toDataURL()}"/>`);
   }
 
   inside(x, y, width, height, draw) {
