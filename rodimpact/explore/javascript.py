@@ -84,9 +84,7 @@ def translations(
     """Each function with its text; arguments as of `javascript`."""
     waiting, names = list(roots), set()
     texts: dict[FunctionType, str] = {}
-    fields = {field for function in waiting for used in function.__globals__.values()
-              for value in (used, *getattr(used, "__globals__", {}).values())
-              for field in getattr(value, "_fields", ())}
+    fields = fields_of(waiting)
     while waiting:
         function = waiting.pop(0)
         if function in texts:
@@ -98,6 +96,24 @@ def translations(
         texts[function] = translator.visit(translator.tree)
         waiting += translator.called
     return texts
+
+
+def fields_of(functions: Iterable[Any]) -> set[str]:
+    """Fields of all named tuples that the files of functions know, or those of their functions."""
+    known: dict[str, Any] = {}
+    waiting = [function.__globals__ for function in functions]
+    while waiting:
+        names = waiting.pop()
+        if names["__name__"] not in known:
+            known[names["__name__"]] = names
+            waiting += [value.__globals__ for value in names.values()
+                        if isinstance(value, FunctionType) and _is_ours(value)]
+    return {field for names in known.values() for value in names.values()
+            for field in getattr(value, "_fields", ())}
+
+
+def _is_ours(function: FunctionType) -> bool:
+    return function.__module__.startswith("rodimpact.")
 
 
 def tree_of(function: FunctionType) -> ast.FunctionDef:
@@ -460,7 +476,7 @@ class _Translator(ast.NodeVisitor):
             self.refuse(node, "an argument by name")
         if isinstance(called, FunctionType) and called in self.known:
             return f"{self.known[called]}({','.join(given)})"
-        if isinstance(called, FunctionType) and called.__module__.startswith("rodimpact."):
+        if isinstance(called, FunctionType) and _is_ours(called):
             self.called.append(called)
             return f"{called.__name__}({','.join(given)})"
         if called is None and name in ("min", "max") and len(given) > 1:

@@ -20,7 +20,8 @@ from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
 from ..units import format_si
 from .design import LIBRARY, MOST_EVENTS, Design
-from .fronts import curve_of, known_of, plot_of, series_of
+from .fronts import known_of, plot_of, series_of
+from .outcome import curve_of
 from .picture import picture, ratio_of
 from .tables import row_of
 from .tiling import grids

@@ -10,8 +10,9 @@ from __future__ import annotations
 import functools
 
 from ..units import format_factor, format_si
-from .fronts import changed, curve_of, known_of, restitutions
+from .fronts import known_of
 from .javascript import javascript
+from .outcome import changed, curve_of, restitutions
 from .picture import picture, ratio_of, written
 from .tables import lacking, mistakes, row_of
 

@@ -4,11 +4,14 @@ import tomllib
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from systems import random_system
 
 import rodimpact as ri
-from rodimpact.explore import fronts
+from rodimpact.explore import motion, runs
 from rodimpact.explore.design import LIBRARY, Design
+from rodimpact.explore.outcome import changed as with_number
+from rodimpact.explore.outcome import outcome_of
 from rodimpact.explore.tables import RULES, lacking, mistakes, row_of
 from rodimpact.methods.fronts.assembly import Blueprint
 from rodimpact.methods.registry import Options
@@ -36,7 +39,7 @@ def rows():
     yield ri.System([ri.Wall(), *rods, ri.Wall()], contacts=[ri.Bonded()] * 3), {"until": 6e-4}
 
 
-@pytest.mark.parametrize("number", range(17))
+@pytest.mark.parametrize("number", few_of(range(17), {1, 4, 7, 8, 12, 13, 14, 15, 16}))
 def test_runs_and_curves_are_those_of_the_solution(number):
     system, solve = list(rows())[number]
     row = row_of(tables_of(system, **solve), LIBRARY)
@@ -45,21 +48,21 @@ def test_runs_and_curves_are_those_of_the_solution(number):
     if row["ends"] == ["free", "free"]:  # numbers of ends stand elsewhere in the list
         assert (row["make"], row["given"]) == (plan.make, plan.numbers)
     solution = ri.solve(system, **solve, max_events=20_000)
-    run = fronts.run_of(row, True, fronts.space_of(row))
-    found, outcome = fronts.outcome_of(row, run), solution.outcome
+    run = runs.run_of(row, True, runs.space_of(row))
+    found, outcome = outcome_of(row, run), solution.outcome
     assert found["status"] == solution.status
     assert found["after"] == list(outcome.velocities_after)
     assert found["why"] == outcome.why_no_restitution()
     assert found["vibration_after"] == pytest.approx(sum(outcome.vibration_after), rel=1e-12)
-    waves = fronts.waves_of(row, run)
-    stop = fronts.end_of_picture(row, run, waves)
+    waves = motion.waves_of(row, run)
+    stop = motion.end_of_picture(row, run, waves)
     if not stop:
         return
-    polygons = fronts.tiling_of(row, run, waves, stop)
+    polygons = motion.tiling_of(row, run, waves, stop)
     known = regions_of(solution, stop=stop * solution.fields.clock.tick)
     for name in ("body", "start", "x", "t", "displacement", "velocity", "strain", "stress"):
         np.testing.assert_array_equal(polygons[name], getattr(known, name))
-    curves = fronts.contact_curves(row, run, stop)
+    curves = motion.contact_curves(row, run, stop)
     for curve, contact in zip(curves, solution.contacts, strict=True):
         times = np.array(curve["t"])
         assert curve["force"] == pytest.approx(contact.force(times), rel=1e-9, abs=1e-9)
@@ -68,12 +71,12 @@ def test_runs_and_curves_are_those_of_the_solution(number):
         assert contact.force(middles) == pytest.approx(curve["force"][:-1], rel=1e-9, abs=1e-9)
     body = next(i for i, b in enumerate(system.bodies) if isinstance(b, ri.Rod))
     x = 0.3 * system.bodies[body].length
-    curve = fronts.gauge_curve(row, run, waves, body, x, stop)
+    curve = motion.gauge_curve(row, run, waves, body, x, stop)
     times = np.array(curve["t"])
     middles = (times[1:] + times[:-1]) / 2
     record = solution.gauge(body, x)
     assert record.strain_at(middles) == pytest.approx(curve["strain"][:-1], abs=1e-12)
-    curve = fronts.energy_curves(row, polygons)
+    curve = motion.energy_curves(row, polygons)
     ledger = solution.energy(np.minimum(curve["t"], solution.t_end))
     scale = 1e-9 * ledger.total.max()
     for name, kind in (("vibration", "vibrational_kinetic"), ("strain", "strain"),
@@ -89,7 +92,7 @@ def changed(path, value):
     case = {"schema": 1, "bodies": [{**ROD}, {**ROD, "velocity": 0.0}, {**WALL}],
             "contacts": [{"gap": 0.0, "law": "rigid"}, {"gap": 1e-5, "law": "rigid"}],
             "materials": {"own": {"youngs_modulus": 1e11, "density": 5e3}}}
-    return fronts.changed(case, path, value)
+    return with_number(case, path, value)
 
 
 @pytest.mark.parametrize(("path", "value"), [

@@ -14,11 +14,12 @@ from exhaustive import few_of
 from systems import random_system
 
 import rodimpact as ri
-from rodimpact.explore import fronts
 from rodimpact.explore.design import LIBRARY, Design
 from rodimpact.explore.javascript import Untranslatable, javascript
+from rodimpact.explore.outcome import outcome_of, transit_error_of
 from rodimpact.explore.page_files import read
 from rodimpact.explore.presets import presets
+from rodimpact.explore.runs import run_of, space_of
 from rodimpact.explore.scene import scene
 from rodimpact.explore.solver import CONSTANTS, KNOWN
 from rodimpact.explore.start import start
@@ -236,7 +237,7 @@ def rows(seeds):
     return found
 
 
-SOLVES = (row_of, fronts.space_of, fronts.run_of, fronts.outcome_of, fronts.transit_error_of)
+SOLVES = (row_of, space_of, run_of, outcome_of, transit_error_of)
 
 
 def solved_by_the_page(cases):
