@@ -91,6 +91,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .storage.casefile import read_case as read_case
     from .storage.casefile import write_case as write_case
     from .storage.checkpoint import DamagedChunks as DamagedChunks
+    from .storage.dimensions import by_dimension as by_dimension
     from .storage.reading import FileFormatError as FileFormatError
 
 _HOME = {
@@ -123,6 +124,7 @@ _HOME = {
     "results.ring_down": ("RingDown",),
     "running.loading": ("load",),
     "storage.checkpoint": ("DamagedChunks",),
+    "storage.dimensions": ("by_dimension",),
     "storage.reading": ("FileFormatError",),
     "running.sweep_result": ("Axis", "SweepResult"),
     "running.sweeping": ("SweepError", "sweep"),

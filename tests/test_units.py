@@ -95,6 +95,14 @@ def test_each_dimension_has_its_si_unit_first(dimension):
     assert units.parse("2.5", dimension) == 2.5
 
 
+def test_every_unit_is_what_it_is_to_pint():
+    quantity = pytest.importorskip("pint").application_registry.get().Quantity
+    known = {name: factor for names in units.UNITS.values() for name, factor in names.items()}
+    theirs = {name: quantity(1.0, name).to_base_units().magnitude for name in known}
+    ours = {name: float(Fraction(factor)) for name, factor in known.items()}
+    assert theirs == pytest.approx(ours, rel=1e-14)
+
+
 def test_no_unit_belongs_to_two_dimensions():
     names = [unit for known in units.UNITS.values() for unit in known]
     assert len(names) == len(set(names))

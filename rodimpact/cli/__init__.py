@@ -121,6 +121,11 @@ def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
         near = difflib.get_close_matches(called.command, COMMANDS, n=1)
         hint = f"perhaps {near[0]} is meant" if near else f"choose one of {', '.join(COMMANDS)}"
         parser.error(f"unknown command {called.command!r}; {hint}")
+    try:  # before NumPy looks for its parts from there
+        os.getcwd()
+    except FileNotFoundError:
+        message = "the current directory has been deleted; change to another"
+        raise FileNotFoundError(message) from None
     command = import_module(f".{called.command}", __name__)
     own = argparse.ArgumentParser(
         prog=f"rodimpact {called.command}", description=command.__doc__,
@@ -131,11 +136,6 @@ def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
     own._negative_number_matcher = re.compile(r"-\.?[0-9]")
     os.environ["MPLBACKEND"] = "agg"  # no command opens a window
     given = own.parse_args(called.rest)
-    try:
-        os.getcwd()
-    except FileNotFoundError:
-        message = "the current directory has been deleted; change to another"
-        raise FileNotFoundError(message) from None
     with _signals_interrupt():
         text, status = command.run(given)
     return text, status

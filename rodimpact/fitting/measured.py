@@ -66,13 +66,20 @@ class Measured:
         of_kind("signal", self.signal, Signal, "read_signals('record.csv')['incident']")
         if not isinstance(self.gauge, tuple | list) or len(self.gauge) != 2:
             raise ValueError(f"gauge: must be (body, x), such as (1, 0.5), got {shown(self.gauge)}")
-        finite("distance", single("distance", self.distance, "m"), "m")
+        body, x = self.gauge
+        self._set("gauge", (body, single("gauge", x, "m")))
+        far = single("distance", self.distance, "m")
+        self._set("distance", float(finite("distance", far, "m")))
         problems: Problems = []
         check_function(problems, "seen", self.seen)
         raise_noted(problems)
         if self.level is not None:
-            positive("level", single("level", self.level, self.signal.unit), self.signal.unit)
+            unit = self.signal.unit
+            self._set("level", float(positive("level", single("level", self.level, unit), unit)))
         _ = self.limits, self.size
+
+    def _set(self, name: str, value: Any) -> None:
+        object.__setattr__(self, name, value)
 
     @cached_property
     def limits(self) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:

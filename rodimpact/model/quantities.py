@@ -102,8 +102,8 @@ def _lost(value: Any) -> str:
     """What an array means besides its numbers, with the remedy; empty if nothing."""
     if hasattr(value, "dims"):
         return (
-            "its dimensions are not matched by name; give its .values with an axis for each "
-            "dimension of the family, as in .values[:, None]"
+            "its dimensions are not matched by name here; give what rodimpact.by_dimension makes "
+            "of it and the others"
         )
     if hasattr(value, "index") and not callable(value.index):
         return "its index is not matched; give .to_numpy()"

@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from ..model.arguments import of_kind
 from ..results.closed_forms import COLUMNS, closed_form
+from ..results.words import outcome
 from ..running.sweep_result import SweepResult
 from ..units import shown
 from .curves import Curve, draw_curve
 from .maps import Map, draw_map
-from .quantities import outcome
+from .scales import scale_of
 from .sides import Shown, side_of
 from .style import axes, styled
 
@@ -61,7 +62,7 @@ def sweep(
 
     values = arranged(column).astype(float)
     largest = float(np.nanmax(np.abs(values)))
-    scale = outcome(result.system, quantity).scale(largest)
+    scale = scale_of(outcome(result.system, quantity), largest)
     family = closed_form(result.system) if quantity in COLUMNS else None
     theory = None if family is None else family.each(arranged)
     shown = Shown(quantity, values * scale.factor, scale, column.dtype.kind in "iub")

@@ -9,6 +9,7 @@ from typing import Any
 from ..design import PulseDesign, RestitutionDesign
 from ..fitting.result import Fit
 from ..results.solution import Solution
+from ..results.words import parameter
 from ..running.sweep_report import sweep_table
 from ..running.sweep_result import SweepResult
 from ..storage.report import solution_table
@@ -17,7 +18,6 @@ from .designs import design
 from .families import sweep
 from .fits import fit
 from .page import headline, overview
-from .quantities import parameter
 
 MORE = "to_csv writes all, save keeps them"
 
@@ -55,8 +55,7 @@ def _sweep(result: SweepResult) -> str:
 
 def _unit(result: SweepResult, path: str) -> str:
     """Unit of what varies, as tables write it."""
-    unit = parameter(result.system, path).unit.removeprefix("1")
-    return unit.replace("²", "^2").replace("³", "^3")
+    return parameter(result.system, path).unit.removeprefix("1")
 
 
 def _family(result: SweepResult) -> str:

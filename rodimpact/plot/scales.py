@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
@@ -11,6 +12,7 @@ from ..model import Rod
 from ..model.profiles import extremes
 from ..results.placing import Placing
 from ..results.solution import Solution
+from ..results.words import Quantity
 from ..units import format_power
 from .springs import length as spring_length
 
@@ -62,6 +64,31 @@ def engineering(name: str, largest: float, unit: str) -> Scale:
         return Scale(10.0**-exponent, name, format_power(exponent) if exponent else "")
     exponent = min(max(exponent, min(_PREFIXES)), max(_PREFIXES))
     return Scale(10.0**-exponent, name, _PREFIXES[exponent] + unit)
+
+
+def scale_of(quantity: Quantity, largest: float) -> Scale:
+    """Scale of an axis for a quantity with values up to `largest`, as an engineer would choose it.
+
+    Powers of units other than lengths, and counts, are shown as they are.
+    """
+    name, unit = quantity.name, re.sub(r"\^([234])$", _power, quantity.unit)
+    if unit in ("1", "kg/m³", "m⁴", "m/s²", "s/m"):
+        return Scale(1.0, name, unit.removeprefix("1"))
+    if unit == "kg" and largest >= 1:
+        return Scale(1.0, name, "kg")
+    if unit == "kg":
+        grams = engineering(name, 1e3 * largest, "g")
+        return grams._replace(factor=1e3 * grams.factor)
+    if unit == "m":
+        return place_scale(largest)._replace(name=name)
+    if unit == "m²":  # in mm² between 0.01 and 10 000 mm²
+        side = engineering(name, 10 * math.sqrt(largest), "m")
+        return Scale(side.factor**2, name, f"{side.unit}²")
+    return engineering(name, largest, unit)
+
+
+def _power(found: re.Match[str]) -> str:
+    return "²³⁴"[int(found[1]) - 2]
 
 
 def digits(value: float, largest: float, count: int = 3) -> str:

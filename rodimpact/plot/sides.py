@@ -12,10 +12,10 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormat
 from numpy.typing import NDArray
 
 from ..methods.signals import Floats
+from ..results.words import parameter
 from ..running.sweep_result import STATUS, SweepResult
 from ..units import format_factor, format_power
-from .quantities import parameter
-from .scales import Scale
+from .scales import Scale, scale_of
 
 WIDE = 3.0  # last over first value from which an axis may be logarithmic
 
@@ -78,7 +78,7 @@ def side_of(result: SweepResult, dimension: int) -> Side:
     from_end = len(result.shape) - dimension
     beside = [parameter(result.system, path).name for path, numbers in result.parameters.items()
               if path != name and numbers.ndim >= from_end and numbers.shape[-from_end] > 1]
-    return Side(order, values[order], quantity.scale(float(np.abs(values).max())), beside)
+    return Side(order, values[order], scale_of(quantity, float(np.abs(values).max())), beside)
 
 
 def dress_side(ax: Axes, which: Literal["x", "y"], side: Side) -> None:

@@ -466,10 +466,9 @@ class Signal(Frozen):
     def to_xarray(self) -> Any:
         """Return an xarray DataArray over ``time``, with units (extra ``xarray``)."""
         xarray = optional("xarray", "xarray")
-        time = ("time", self.times, {"units": "s"})
-        return xarray.DataArray(
-            self.values, {"time": time}, "time", self.name or None, {"units": self.unit or "1"}
-        )
+        time = ("time", self.times, {"long_name": "time", "units": "s"})
+        said = {"long_name": self.name or "signal", "units": self.unit or "1"}
+        return xarray.DataArray(self.values, {"time": time}, "time", self.name or None, said)
 
     @classmethod
     def from_xarray(cls, data: Any) -> Signal:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike
 from ..methods.run import Run, Totals, Waves
 from ..methods.signals import Floats, Side
 from ..model import Body, RigidMass, Rod, Samples, Segment, Steps, System, Wall
-from ..model.arguments import of_kind, single
+from ..model.arguments import array, of_kind, refuse, single
 from ..model.frozen import Number
+from ..storage.extras import optional
 from ..storage.writing import write_npz
 from . import notebook
 from .contacts import ContactHistory
@@ -29,6 +30,7 @@ from .ring_down import RingDown, ring_down
 from .run_file import take_apart
 from .totals import totals_of
 from .wave_fields import WaveFields
+from .words import outcome
 
 
 class Solution:
@@ -190,6 +192,83 @@ class Solution:
             (left + right) / 2 + trace.moving, (rest - right) * per_wave, (left - rest) * per_wave,
             self.t_end, trace.stretch * per_wave, trace.stretching * per_wave,
         )
+
+    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
+        """All fields as an xarray Dataset (extra ``xarray``).
+
+        Parameters
+        ----------
+        x : array_like
+            Places, m from the left end of each body; [x]. Beyond the right end of a body, fields
+            are nan. Walls and masses are at 0, and have no strain.
+        t : array_like
+            Times, s; [time].
+
+        Returns
+        -------
+        Dataset
+            ``velocity``, ``displacement``, ``position``, ``strain``, ``stress`` and ``axial_force``
+            [body, x, time]; ``mean_velocity`` [body, time]; ``force`` and ``gap`` [contact, time];
+            ``energy`` [part, time], the parts those of `EnergyLedger`. Every variable has its
+            ``long_name`` and its ``units``.
+
+        Raises
+        ------
+        ValueError
+            For a place in no body, or a time outside the solution.
+
+        Examples
+        --------
+        >>> import numpy as np, rodimpact as ri
+        >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+        >>> solution = ri.solve(ri.System([rod, ri.Wall()]), until=1e-4)
+        >>> data = solution.to_xarray(x=np.linspace(0, 0.4, 5), t=np.linspace(0, 1e-4, 11))
+        >>> data["velocity"].sel(body=0, x=0.4).isel(time=5).item()
+        0.0
+        >>> data["force"].dims, data["stress"].attrs["units"]
+        (('contact', 'time'), 'Pa')
+        """
+        xarray = optional("xarray", "xarray")
+        x, t = array("x", x, "m").ravel(), array("t", t, "s").ravel()
+        bodies, names = self.system.bodies, ["body", "x", "time"]
+        lengths = [float(b.length) if isinstance(b, Rod) else 0.0 for b in bodies]
+        inside = [(x >= 0) & (x <= length * (1 + 1e-12)) for length in lengths]
+        refuse(~np.any(inside, axis=0), f"must lie in a body, 0 to {max(lengths):.9g} m", x=x)
+        data: dict[str, Any] = {}
+        for ask in (self.velocity, self.displacement, self.position):
+            data[ask.__name__] = names, self._everywhere(ask, range(len(bodies)), inside, x, t)
+        rods = [i for i, body in enumerate(bodies) if isinstance(body, Rod)]
+        for ask in (self.strain, self.stress, self.axial_force):
+            data[ask.__name__] = names, self._everywhere(ask, rods, inside, x, t)
+        means = [self.mean_velocity(i, t) for i in range(len(bodies))]
+        data["mean_velocity"] = ["body", "time"], np.array(means)
+        for ask_of in (ContactHistory.force, ContactHistory.gap):
+            values = [ask_of(contact, t) for contact in self.contacts]
+            data[ask_of.__name__] = ["contact", "time"], np.reshape(values, (-1, t.size))
+        parts = vars(self.energy(t))
+        data["energy"] = ["part", "time"], np.array([*parts.values()])
+        over = {
+            "body": (["body"], range(len(bodies))), "kind": (["body"], [b.kind for b in bodies]),
+            "x": (["x"], x), "time": (["time"], t), "part": (["part"], [*parts]),
+            "contact": (["contact"], range(len(self.contacts))),
+            "law": (["contact"], [law.law for law in self.system.contacts]),
+        }
+        said = {name: outcome(self.system, name).attributes for name in (*data, *over)}
+        return xarray.Dataset(
+            {name: (*values, said[name]) for name, values in data.items()},
+            {name: (*values, said[name]) for name, values in over.items()},
+            {"method": self.method, "status": self.status},
+        )
+
+    def _everywhere(
+        self, ask: Any, bodies: Iterable[int], inside: Sequence[Any], x: Floats, t: Floats
+    ) -> Floats:
+        """A field [body, x, time]; nan in other bodies than these, and outside of them."""
+        values = np.full((len(self.system.bodies), x.size, t.size), np.nan)
+        for i in bodies:
+            if inside[i].any():
+                values[i, inside[i]] = ask(i, x[inside[i], None], t)
+        return values
 
     # Energy and state ---------------------------------------------------------------------------
 

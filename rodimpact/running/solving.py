@@ -59,7 +59,7 @@ def solve(
         energies are those of the nearest one. By default all steps, as far as they fit into 64 MB.
     progress : function, optional
         For "finite-difference": called during long runs with the steps that are done, and about how
-        many there will be.
+        many there will be. A bar of tqdm takes ``lambda done, of: bar.update(done - bar.n)``.
 
     Returns
     -------

@@ -13,7 +13,7 @@ from ..methods.groups import unilateral
 from ..model import Rod
 from ..storage.tables import SCHEMA_VERSION, align, clean, joules
 from ..units import format_si
-from .sweep_result import STATUS, SweepResult
+from .sweep_result import SweepResult
 
 MOST_MEMBERS, SOME_MEMBERS = 20, 12  # listed one by one, picked from a larger family
 MOST_BODIES = 8  # whose velocities are listed for each member
@@ -76,7 +76,7 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
     }.items():
         yield f"{json.dumps(name)}: {json.dumps(value)},"
     yield '"columns": {'
-    columns = {**result.parameters, **result.columns, "status": np.array(STATUS)[result.status]}
+    columns = {**result.parameters, **result.columns, "status": result.status}
     for i, (name, column) in enumerate(columns.items(), 1):
         entries = [
             None if isinstance(entry, float) and not math.isfinite(entry) else entry
@@ -155,9 +155,10 @@ def _missing(result: SweepResult, varied: Varied) -> list[str]:
     missing = np.isnan(result.restitution)
     met = sum(contact.episodes for contact in result.contacts) > 0
     sentences = []
-    for code in np.unique(result.status[missing]):
+    status = result.columns["status"]
+    for code in np.unique(status[missing]):
         for which in (met, ~met):
-            kind = missing & (result.status == code) & which
+            kind = missing & (status == code) & which
             if kind.any():
                 index = _first(kind)
                 count = int(np.count_nonzero(kind))

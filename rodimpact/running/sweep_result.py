@@ -21,12 +21,13 @@ from ..model import System
 from ..model.frozen import InvalidModel
 from ..results import notebook
 from ..results.solution import Solution
+from ..results.words import outcome, parameter
 from ..storage.extras import optional
 from ..storage.writing import PathLike, write_npz, written
 from ..units import shown
 
 STATUS = STOPPED_BY
-"""Why each run stopped; `SweepResult.status` holds places in this tuple."""
+"""Why each run stopped; the column ``status`` holds places in this tuple."""
 ENDED = [STATUS.index("final"), STATUS.index("until")]
 
 Columns = dict[str, Any]
@@ -156,13 +157,13 @@ class SweepResult:
 
     @property
     def status(self) -> Any:
-        """Why each run stopped: places in `STATUS`."""
-        return self.columns["status"]
+        """Why each run stopped, in one of the words of `STATUS`."""
+        return np.array(STATUS)[self.columns["status"]]
 
     @property
     def incomplete(self) -> Any:
         """Where a run did not come to its end, but to the cap on events or the clock, or failed."""
-        return ~np.isin(self.status, ENDED)
+        return ~np.isin(self.columns["status"], ENDED)
 
     @property
     def contacts(self) -> tuple[ContactColumns, ...]:
@@ -260,7 +261,7 @@ class SweepResult:
             raise ValueError(f"start, stop: must be whole numbers, {given}")
         which = np.arange(math.prod(self.shape))[start:stop]
         index = np.unravel_index(which, self.shape)
-        both = {**self.parameters, **self.columns}
+        both = {**self.parameters, **self.columns, "status": self.status}
         return {name: np.broadcast_to(v, self.shape)[index] for name, v in both.items()}
 
     def csv_lines(self) -> Iterator[str]:
@@ -269,7 +270,6 @@ class SweepResult:
         size = math.prod(self.shape)
         for start in range(0, size, 4096):
             table = self.table(start, start + 4096)
-            table["status"] = np.array(STATUS)[table["status"]]
             for row in zip(*(values.tolist() for values in table.values()), strict=True):
                 yield ",".join("" if v != v else str(v) for v in row)
 
@@ -286,30 +286,58 @@ class SweepResult:
                 file.write(f"{line}\n".encode())
 
     def to_dataframe(self) -> Any:
-        """All members as a pandas DataFrame (extra ``dataframe``), one a row."""
+        """All members as a pandas DataFrame (extra ``dataframe``), one a row.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> steel = ri.materials.steel
+        >>> left = ri.Rod([[0.2], [0.4]], area=[1e-4, 2e-4], material=steel, velocity=1.0)
+        >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+        >>> frame = ri.sweep(ri.System([left, right])).to_dataframe()
+        >>> best = frame.loc[frame.groupby("bodies.0.area")["restitution"].idxmax()]
+        >>> best["bodies.0.length"].tolist()
+        [0.4, 0.4]
+        >>> frame.query("final and restitution < 0.3")["status"].tolist()
+        ['final']
+        """
         pandas = optional("pandas", "dataframe")
         frame = pandas.DataFrame(self.table())
-        frame["status"] = pandas.Categorical.from_codes(frame["status"], STATUS)
+        frame["status"] = pandas.Categorical(frame["status"], STATUS)
         return frame
 
     def to_xarray(self) -> Any:
         """Everything as an xarray Dataset (extra ``xarray``), a dimension an axis.
 
-        Strains have the dimensions ``gauge`` and ``time`` besides.
+        Strains have the dimensions ``gauge`` and ``time`` besides. Every variable has its
+        ``long_name`` and its ``units``.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> left = ri.Rod([0.2, 0.4], area=1e-4, material=ri.materials.steel, velocity=1.0)
+        >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+        >>> data = ri.sweep(ri.System([left, right])).to_xarray()
+        >>> data["impulse.0"].attrs["units"], data["status"].sel({"bodies.0.length": 0.4}).item()
+        ('N s', 'final')
         """
         xarray = optional("xarray", "xarray")
         names = [axis.name for axis in self.axes]
-        coordinates = {axis.name: axis.values for axis in self.axes}
-        for path, values in self.parameters.items():
-            if path not in coordinates:
-                coordinates[path] = (names, np.broadcast_to(values, self.shape))
+        whole = {path: np.broadcast_to(v, self.shape) for path, v in self.parameters.items()}
+        coordinates: Columns = {path: (names, values) for path, values in whole.items()}
+        coordinates |= {name: ([name], values) for name, values in self.axes}
         columns = {name: (names, values) for name, values in self.columns.items()}
+        columns["status"] = names, self.status
         if self.strain is not None:
-            coordinates |= {"time": self.times}
-            coordinates |= {"body": ("gauge", [body for body, _ in self.gauges])}
-            coordinates |= {"x": ("gauge", [x for _, x in self.gauges])}
-            columns["strain"] = ([*names, "gauge", "time"], self.strain)
-        return xarray.Dataset(columns, coordinates, {"status": ", ".join(STATUS)})
+            bodies, places = map(list, zip(*self.gauges, strict=True))
+            coordinates |= {"time": (["time"], self.times)}
+            coordinates |= {"body": (["gauge"], bodies), "x": (["gauge"], places)}
+            columns["strain"] = [*names, "gauge", "time"], self.strain
+        return xarray.Dataset(
+            {k: (*v, outcome(self.system, k).attributes) for k, v in columns.items()},
+            {k: (*v, (parameter if k in (*names, *whole) else outcome)(self.system, k).attributes)
+             for k, v in coordinates.items()},
+        )
 
     def __repr__(self) -> str:
         what = ", ".join(self.parameters) or "nothing"

@@ -150,6 +150,13 @@ def sweep(
         task = int(os.environ["SLURM_ARRAY_TASK_ID"])
         ri.sweep(family[task::100], checkpoint=f"part-{task}").save(f"part-{task}.npz")
 
+    A bar of tqdm shows how far it is, here and in `solve`::
+
+        with tqdm.tqdm(total=math.prod(family.shape)) as bar:
+            result = ri.sweep(family, progress=lambda done, of: bar.update(done - bar.n))
+
+    Arrays whose dimensions have names become numbers of a family by `by_dimension`.
+
     Examples
     --------
     Strain at a gauge in the middle of a bar, for three strikers:

@@ -263,8 +263,8 @@ def test_to_xarray_and_back():
     xarray = pytest.importorskip("xarray")
     signal = trapezoid(unit="V", name="incident")
     data = signal.to_xarray()
-    assert data.attrs["units"] == "V"
-    assert data["time"].attrs["units"] == "s"
+    assert data.attrs == {"long_name": "incident", "units": "V"}
+    assert data["time"].attrs == {"long_name": "time", "units": "s"}
     assert ri.Signal.from_xarray(data) == signal
     strain = xarray.DataArray([0.0, 500.0], {"t": ("t", [0.0, 2.0], {"units": "us"})}, "t", "bar",
                               {"units": "microstrain"})

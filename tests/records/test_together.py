@@ -25,7 +25,7 @@ def test_a_table_is_read_as_it_was_written(tmp_path):
 def test_a_dataset_is_read_as_it_was_made():
     pytest.importorskip("xarray")
     data = ri.signals_to_xarray(SIGNALS)
-    assert (data["b_V"].attrs, data["time"].attrs) == ({"units": "m/s^2"}, {"units": "s"})
+    assert (data["b_V"].attrs["units"], data["time"].attrs["units"]) == ("m/s^2", "s")
     assert ri.signals_from_xarray(data) == SIGNALS
     with pytest.raises(ValueError, match="data: must be an xarray Dataset, got 3"):
         ri.signals_from_xarray(3)

@@ -405,3 +405,34 @@ def test_a_solution_can_be_copied_and_sent(options, copied):
     t = np.linspace(0, solution.t_end, 9)
     assert np.array_equal(again.velocity(0, 0.1, t), solution.velocity(0, 0.1, t))
     assert np.array_equal(again.contacts[0].force(t), solution.contacts[0].force(t))
+
+
+def test_to_xarray_asks_every_field_and_labels_it(mixed):
+    pytest.importorskip("xarray")
+    x, t = np.array([0.0, 0.2, 0.4, 0.8]), np.array([0.0, 1e-4, 1e-3])
+    data = mixed.to_xarray(x, t)
+    assert dict(data.sizes) == {"body": 4, "x": 4, "time": 3, "contact": 3, "part": 12}
+    assert data["kind"].values.tolist() == ["wall", "rod", "rod", "rod"]
+    for name in ("velocity", "strain", "stress", "axial_force", "displacement", "position"):
+        fields = data[name].transpose("body", "time", "x")
+        inside = [1, 3, 4, 2] if name in ("velocity", "displacement", "position") else [0, 3, 4, 2]
+        assert np.isfinite(fields).sum("x").values.tolist() == [[n] * 3 for n in inside]
+        asked = getattr(mixed, name)(2, x, t[:, None])
+        assert np.array_equal(fields.sel(body=2).values, asked)
+    assert np.array_equal(data["gap"].sel(contact=1), mixed.contacts[1].gap(t))
+    assert np.array_equal(data["mean_velocity"].sel(body=3), mixed.mean_velocity(3, t))
+    assert np.array_equal(data["energy"].sel(part="strain"), mixed.energy(t).strain)
+    assert data["force"].attrs["units"] == "N"
+    assert all({"long_name", "units"} <= set(one.attrs) for one in data.variables.values())
+    with pytest.raises(ValueError, match=r"x = 0.9 at .* must lie in a body, 0 to 0.8 m"):
+        mixed.to_xarray([0.1, 0.9], t)
+
+
+def test_to_xarray_of_masses_and_of_a_single_body():
+    pytest.importorskip("xarray")
+    struck = ri.System([ri.RigidMass(0.5, velocity=2.0), rod(0.4)], contacts=[ri.Hertz(1e9)])
+    data = ri.solve(struck, until=1e-4, dt=1e-6).to_xarray(0.0, [0.0, 1e-4])
+    assert data["velocity"].sel(body=0, x=0.0, time=0.0) == 2.0
+    assert data["strain"].sel(body=0).isnull().all()
+    alone = ri.solve(ri.System([rod(0.4)]), until=1e-4).to_xarray([0.1], [0.0])
+    assert alone["force"].shape == (0, 1)

@@ -1,18 +1,14 @@
-"""Words and units for the numbers of a family: what varies in it, and what comes out.
+"""Words and units for the numbers of a family and of a solution: what varies, and what comes out.
 
-A name such as ``bodies.0.length`` or ``impulse.1`` becomes the label of an axis, its values become
-numbers in the unit an engineer would choose.
+A name such as ``bodies.0.length`` or ``impulse.1`` becomes what a figure or a Dataset says of it.
 """
 
 from __future__ import annotations
 
-import math
-import re
 from typing import NamedTuple
 
 from ..model import Material, RigidMass, Rod, Segment, System, Wall
 from ..model.frozen import Field
-from .scales import Scale, engineering, place_scale
 
 _OF_A_BODY = {**Material.fields, **Segment.fields, **Rod.fields, **RigidMass.fields}
 
@@ -23,24 +19,13 @@ class Quantity(NamedTuple):
     name: str
     unit: str
 
-    def scale(self, largest: float) -> Scale:
-        """Scale of an axis for values up to `largest`."""
-        if self.unit in ("1", "kg/m³", "m⁴", "m/s²", "s/m"):
-            return Scale(1.0, self.name, self.unit.removeprefix("1"))
-        if self.unit == "kg" and largest >= 1:
-            return Scale(1.0, self.name, "kg")
-        if self.unit == "kg":
-            grams = engineering(self.name, 1e3 * largest, "g")
-            return grams._replace(factor=1e3 * grams.factor)
-        if self.unit == "m":
-            return place_scale(largest)._replace(name=self.name)
-        if self.unit == "m²":  # in mm² between 0.01 and 10 000 mm²
-            side = engineering(self.name, 10 * math.sqrt(largest), "m")
-            return Scale(side.factor**2, self.name, f"{side.unit}²")
-        return engineering(self.name, largest, self.unit)
+    @property
+    def attributes(self) -> dict[str, str]:
+        """What a variable of xarray says of itself."""
+        return {"long_name": self.name, "units": self.unit or "1"}
 
 
-_OUTCOMES = {
+_WORDS = {
     "restitution": Quantity("coefficient of restitution e", "1"),
     "vibration": Quantity("energy left in vibration", "J"),
     "final": Quantity("end of the collision", "1"),
@@ -49,6 +34,23 @@ _OUTCOMES = {
     "peak_force": Quantity("largest contact force", "N"),
     "duration": Quantity("time under force", "s"),
     "episodes": Quantity("episodes of contact", "1"),
+    "time": Quantity("time", "s"),
+    "body": Quantity("body, counted from the left", "1"),
+    "x": Quantity("distance from the left end of the body", "m"),
+    "velocity": Quantity("velocity", "m/s"),
+    "strain": Quantity("strain, positive in tension", ""),
+    "stress": Quantity("stress, positive in tension", "Pa"),
+    "axial_force": Quantity("axial force, positive in tension", "N"),
+    "displacement": Quantity("displacement", "m"),
+    "position": Quantity("place in the laboratory", "m"),
+    "mean_velocity": Quantity("velocity of the centre of mass", "m/s"),
+    "contact": Quantity("contact between a body and the next", "1"),
+    "force": Quantity("contact force, positive in compression", "N"),
+    "gap": Quantity("distance between the two bodies", "m"),
+    "energy": Quantity("energy", "J"),
+    "part": Quantity("entry of the energy ledger", "1"),
+    "kind": Quantity("kind of body", "1"),
+    "law": Quantity("contact law", "1"),
 }
 
 
@@ -94,7 +96,7 @@ def parameter(system: System, path: str) -> Quantity:
 
 
 def outcome(system: System, column: str) -> Quantity:
-    """What a column of results is.
+    """What a column of results is, or a field.
 
     Examples
     --------
@@ -106,7 +108,7 @@ def outcome(system: System, column: str) -> Quantity:
     kind, _, index = column.partition(".")
     if kind == "velocity_after":
         return Quantity(f"velocity of {_body(system, index)} after", "m/s")
-    name, unit = _OUTCOMES.get(kind, Quantity(column, "1"))
+    name, unit = _WORDS.get(kind, Quantity(column, "1"))
     where = f" at contact {_pair(index)}" if index and len(system.contacts) > 1 else ""
     return Quantity(name + where, unit)
 
@@ -119,9 +121,8 @@ def _body(system: System, index: str) -> str:
 
 def _quantity(name: str, field: Field) -> Quantity:
     """What the number of that name is."""
-    unit = re.sub(r"\^([234])$", lambda power: "²³⁴"[int(power[1]) - 2], field.unit)
     pure = "" if name == "strain" else "1"
-    return Quantity(field.label or name.replace("_", " "), unit or pure)
+    return Quantity(field.label or name.replace("_", " "), field.unit or pure)
 
 
 def _of_end(system: System, side: str, rest: list[str]) -> Quantity:

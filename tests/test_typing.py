@@ -1,0 +1,41 @@
+"""A program whose types are those that users see: it runs, and ``mypy --strict`` reads it."""
+
+from collections.abc import Callable
+from typing import Any, assert_type
+
+import numpy as np
+from numpy.typing import NDArray
+
+import rodimpact as ri
+
+
+def longest_pulse(lengths: NDArray[np.float64], area: float, law: ri.Hertz | ri.Rigid) -> float:
+    steel = ri.materials.steel
+    striker = ri.Rod(lengths, area=area, material=steel, velocity=10.0)
+    bar = ri.Rod(2.0, area=area, material=steel)
+    family = ri.sweep(ri.System([striker, bar], contacts=[law]))
+    assert_type(family, ri.SweepResult)
+    return float(np.nanmax(family.contacts[0].duration))
+
+
+def told(seen: list[int]) -> Callable[[int, int], Any]:
+    return lambda done, whole: seen.append(whole - done)
+
+
+def test_a_typed_program_runs() -> None:
+    steel = assert_type(ri.materials.steel, ri.Material)
+    longest = longest_pulse(np.array([0.1, 0.2]), 1e-4, ri.Rigid())
+    assert abs(longest / (0.4 / float(steel.wave_speed)) - 1) < 1e-12
+    rod = ri.Rod(0.4, area=1e-4, material=steel, velocity=ri.Steps([1.0, 0.5], at=[0.2]))
+    left: list[int] = []
+    solution = ri.solve(ri.System([rod, ri.Wall()]), until=1e-4, cells=8, progress=told(left))
+    assert_type(solution, ri.Solution)
+    assert_type(solution.outcome, ri.Outcome)
+    velocity: NDArray[np.floating[Any]] = solution.velocity(0, [0.1, 0.3], 0.0)
+    assert_type([episode for c in solution.contacts for episode in c.episodes], list[ri.Episode])
+    assert velocity.tolist() == [1.0, 0.5]
+    assert solution.mean_velocity(0, 0.0) == 0.75
+    gauge = assert_type(solution.gauge(0, 0.2), ri.Gauge)
+    signal = assert_type(gauge.signal(1e-5, name="middle"), ri.Signal)
+    assert (signal * 2.0 - 1.0).name == "middle"
+    assert_type(ri.units.parse("400 mm", "length"), float)
