@@ -69,6 +69,13 @@ class CanvasPen {
     c.restore();
   }
 
+  /** Draw what tiles an empty part of the picture: edges that two share add up, and none is seen. */
+  seamless(draw) {
+    this.context.globalCompositeOperation = "lighter";
+    draw();
+    this.context.globalCompositeOperation = "source-over";
+  }
+
   image(canvas, x, y, width, height) {
     this.context.drawImage(canvas, x, y, width, height);
   }
@@ -113,6 +120,12 @@ class SvgPen {
     const turn = turned ? " rotate(-90)" : "";
     const safe = text.replace(/&/g, "&amp;").replace(/</g, "&lt;");
     this.parts.push(`<text transform="translate(${x.toFixed(2)} ${y.toFixed(2)})${turn}" y="${drop.toFixed(2)}" font-size="${size}" text-anchor="${anchor}" fill="${colour}">${safe}</text>`);
+  }
+
+  seamless(draw) {
+    this.parts.push('<g shape-rendering="crispEdges">');
+    draw();
+    this.parts.push("</g>");
   }
 
   image(canvas, x, y, width, height) {

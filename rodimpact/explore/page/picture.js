@@ -6,6 +6,7 @@ const STOPS = { // blue, nearly the paper's colour at 0, yellow
   dark: [[157, 183, 255], [78, 98, 160], [38, 43, 51], [150, 122, 48], [255, 233, 74]],
 };
 const UNITS = { velocity: "m/s", stress: "Pa" };
+const FEW = 80; // polygons, to write values into
 const CROWDED = 400; // polygons from which lines would hide the colours
 
 /** Colour of a number from -1 to 1. */
@@ -151,24 +152,34 @@ function drawGrids(pen, scene, frame, name, theme) {
     const [x0, x1] = [grid.left, grid.right].map((x) => frame.across(scene.row.left[grid.body] + x));
     const [y0, y1] = [frame.up(scene.end), frame.up(0)];
     pen.image(grid.images[key], x0, y0, x1 - x0, y1 - y0);
-    pen.line([[x0, y1], [x0, y0], [x1, y0], [x1, y1]], theme.ink, 0.7);
   }
 }
 
-/** Polygons of one colour each; lines between them where they are few. */
+/** Polygons of one colour each; lines between them, and values in them, where they are few. */
 function drawPolygons(pen, scene, frame, name, theme, from) {
   const count = scene.tiling.body.length;
-  const crowded = count > CROWDED;
   const power = powerFor(scene.reach[name], UNITS[name]);
-  for (let i = from; i < count; i += 1) {
-    const corners = cornersOf(scene, i, frame);
-    const colour = colourOf(shareOf(scene, name, i), theme);
-    pen.polygon(corners, css(colour), crowded ? css(colour) : theme.ink, crowded ? 1 : 0.7);
-    if (count <= 80) {
+  const draw = (line) => {
+    for (let i = from; i < count; i += 1) {
+      const corners = cornersOf(scene, i, frame);
+      const colour = colourOf(shareOf(scene, name, i), theme);
+      pen.polygon(corners, css(colour), line, 0.7);
+      if (count > FEW) continue;
       const text = plainNumber(Math.round(scene.tiling[name][i] / 10 ** power * 1e4) / 1e4, 3);
       writeInto(pen, corners, text, 0.85 * theme.size, isDark(colour) ? "#ffffff" : "#101010");
     }
-  }
+  };
+  if (count > CROWDED) pen.seamless(() => draw(null));
+  else draw(theme.ink);
+}
+
+/** Edges of rods that stay where they are. */
+function outlineRods(pen, scene, frame, theme) {
+  const [y0, y1] = [frame.up(scene.begin), frame.up(scene.end)];
+  scene.bodies.forEach(({ path }, i) => {
+    const [x0, x1] = [0, scene.lengths[i]].map((x) => frame.across(scene.row.left[i] + x));
+    if (!path) pen.line([[x0, y0], [x0, y1], [x1, y1], [x1, y0]], theme.ink, 0.7);
+  });
 }
 
 /** A spring in the diagram: the darker, the harder it presses. */
@@ -212,6 +223,7 @@ function drawDiagram(pen, scene, look, now, mark, theme) {
     drawSolids(pen, scene, frame, theme);
     if (scene.grids) drawGrids(pen, scene, frame, name, theme);
     drawPolygons(pen, scene, frame, name, theme, scene.grids ? scene.cells : 0);
+    if (!displaced) outlineRods(pen, scene, frame, theme);
     drawContacts(pen, scene, frame, theme);
     pen.line([[frame.x, frame.up(now)], [frame.right, frame.up(now)]], theme.wrong, 1.6);
     if (mark) drawMark(pen, frame, mark, theme);
