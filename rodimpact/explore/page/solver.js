@@ -34,14 +34,14 @@ const answers = {
 /** The answer of this page to a question; null where only a server has one. */
 function answerHere(address, design) {
   if (!(address in answers)) return null;
-  let problems;
+  let answer;
   try {
-    problems = problemsOf(design);
-    if (!problems.length) return answers[address](design);
+    const problems = problemsOf(design);
+    answer = problems.length ? { problems } : answers[address](design);
   } catch (error) {
-    problems = [{ path: "", message: `The design cannot be read: ${error.message}` }];
+    answer = { problems: [{ path: "", message: `The design cannot be read: ${error.message}` }] };
   }
-  return embedded ? { problems } : null;
+  return embedded || "data" in answer ? answer : null;
 }
 
 /** e over two numbers of a design, row by row; the page stays awake. */
