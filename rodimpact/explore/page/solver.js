@@ -12,10 +12,10 @@ async function unpackKernels() {
 }
 
 /** What is wrong with a design that this page would solve, or what of it fronts cannot carry. */
-function problemsOf({ case: tables }) {
+function problemsOf({ case: tables, gauges }) {
   const [path, what] = fronts.lacking(tables);
   if (what) return [{ path, message: `this page follows fronts only, without ${what}; the one that rodimpact explore serves solves it` }];
-  return fronts.mistakes(tables, start.materials, start.rules).map(([where, message]) => ({ path: where, message }));
+  return fronts.mistakes(tables, listOf(gauges), start.materials, start.rules).map(([where, message]) => ({ path: where, message }));
 }
 
 const answers = {
