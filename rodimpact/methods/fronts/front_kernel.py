@@ -580,6 +580,51 @@ def final_state(
     segment_totals(state, log, t, stock)
 
 
+def run_member(
+    state: State, tally: Tally, log: Log, clock: Any, stocks: tuple[GroupState, GroupState],
+    members: Any, status: Any, limit: int, results: Results, m: int,
+) -> None:
+    """Run member m of a family to its target, see `family`."""
+    nodes, segments = len(state.status), len(state.transit)
+    fronts = len(members.tick) // len(members.count)
+    results.flag[m], results.final[m] = FULL, False
+    if members.count[m] == 0 or members.count[m] + 2 > len(log.tick):
+        return
+    for s in range(segments):
+        state.transit[s] = members.transit[m * segments + s]
+        state.mobility[s] = members.mobility[m * segments + s]
+    for k in range(nodes):
+        state.status[k] = status[m * nodes + k]
+        state.gap[k] = members.gap[m * nodes + k]
+    state.arrived[0] = members.outside[2 * m]
+    state.arrived[2 * nodes + 1] = members.outside[2 * m + 1]
+    for r in range(members.count[m]):
+        f = m * fronts + r
+        log.tick[r], log.line[r] = members.tick[f], members.line[f]
+        log.value[r] = members.value[f]
+    begin(state, tally, log, clock, members.count[m])
+    initial_state(state, log, stocks[0])
+    flag = play(
+        state, tally, log, clock, members.target[m], limit, members.tolerance[m],
+        members.window[m],
+    )
+    results.flag[m], results.final[m] = flag, clock[FINALITY] >= 0
+    if flag == FULL:
+        return
+    final_state(state, tally, log, clock[NOW], stocks[0], stocks[1])
+    frame, tick, vibration = members.frame[m], members.tick_seconds[m], 0 * state.mobility[1]
+    for s in range(segments):
+        i = m * segments + s
+        results.before[i] = stocks[0].velocity[s] + frame
+        results.after[i] = stocks[1].velocity[s] + frame
+        vibration += stocks[1].vibration[s]
+    results.vibration[m] = vibration * tick
+    for k in range(nodes):
+        i = m * nodes + k
+        results.impulse[i], results.peak_force[i] = tally.impulse[k] * tick, tally.peak[k]
+        results.duration[i], results.episodes[i] = tally.pressed[k] * tick, tally.episodes[k]
+
+
 def family(
     state: State, tally: Tally, log: Log, clock: Any, stocks: tuple[GroupState, GroupState],
     members: Any, status: Any, limit: int, results: Results,
@@ -599,42 +644,5 @@ def family(
     results : Results
         Filled in; a member that is not run or that fills the log has its flag only.
     """
-    nodes, segments = len(state.status), len(state.transit)
-    fronts = len(members.tick) // len(members.count)
     for m in range(len(members.count)):
-        results.flag[m], results.final[m] = FULL, False
-        if members.count[m] == 0 or members.count[m] + 2 > len(log.tick):
-            continue
-        for s in range(segments):
-            state.transit[s] = members.transit[m * segments + s]
-            state.mobility[s] = members.mobility[m * segments + s]
-        for k in range(nodes):
-            state.status[k] = status[m * nodes + k]
-            state.gap[k] = members.gap[m * nodes + k]
-        state.arrived[0] = members.outside[2 * m]
-        state.arrived[2 * nodes + 1] = members.outside[2 * m + 1]
-        for r in range(members.count[m]):
-            f = m * fronts + r
-            log.tick[r], log.line[r] = members.tick[f], members.line[f]
-            log.value[r] = members.value[f]
-        begin(state, tally, log, clock, members.count[m])
-        initial_state(state, log, stocks[0])
-        flag = play(
-            state, tally, log, clock, members.target[m], limit, members.tolerance[m],
-            members.window[m],
-        )
-        results.flag[m], results.final[m] = flag, clock[FINALITY] >= 0
-        if flag == FULL:
-            continue
-        final_state(state, tally, log, clock[NOW], stocks[0], stocks[1])
-        frame, tick, vibration = members.frame[m], members.tick_seconds[m], 0 * state.mobility[1]
-        for s in range(segments):
-            i = m * segments + s
-            results.before[i] = stocks[0].velocity[s] + frame
-            results.after[i] = stocks[1].velocity[s] + frame
-            vibration += stocks[1].vibration[s]
-        results.vibration[m] = vibration * tick
-        for k in range(nodes):
-            i = m * nodes + k
-            results.impulse[i], results.peak_force[i] = tally.impulse[k] * tick, tally.peak[k]
-            results.duration[i], results.episodes[i] = tally.pressed[k] * tick, tally.episodes[k]
+        run_member(state, tally, log, clock, stocks, members, status, limit, results, m)
