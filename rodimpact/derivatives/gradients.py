@@ -39,11 +39,13 @@ EVENTS = (
     "the contact is closed without force", "a front vanishes", "the bodies stay together",
 )
 """What may come otherwise on one of the sides; in the order of the kernel's names."""
-APART = 2.0**-30  # relative distance of the neighbours on both sides of a number
+APART = 2.0**-20  # relative distance of the neighbours on both sides of a number
+CONTINUOUS = 1e-9  # relative difference of values that is none
 STEP = 2.0**-10  # relative change that tells exponents
 AGREE = 1e-6  # relative difference of the derivatives on both sides that is none
 MEMBERS = 1024  # that are run as one
 PLAIN = 2e-3  # s that a member takes in plain Python, about
+FIRST = 2 + len(Results._fields)  # column of derivatives
 ROW_NUMBERS = 11  # that a row of the log takes besides its derivatives
 
 
@@ -54,7 +56,7 @@ def gradient(
     """Exact derivatives of what a collision adds up to, for what the method "fronts" can solve.
 
     Nothing is differenced: the derivatives follow the events of the collision. Where two events
-    meet that a number moves apart, both sides are followed, at relative distances of 1e-9.
+    meet that a number moves apart, both sides are followed, at relative distances of 1e-6.
 
     Parameters
     ----------
@@ -236,7 +238,8 @@ def _powers(member: System, places: Sequence[str]) -> Array:
     if x == 0:
         return np.where(new != old, 1.0, 0.0)
     ratios = np.divide(new, old, out=np.ones(len(old)), where=old != 0)
-    return np.round(2 * np.log(ratios) / math.log1p(-STEP)) / 2
+    powers: Array = np.round(2 * np.log(ratios) / math.log1p(-STEP)) / 2
+    return powers
 
 
 def _slopes(given: Array, numbers: Array, powers: Array) -> Array:
@@ -255,22 +258,31 @@ def _both_sides(
     """
     make = quantity.plan.make
     here = _follow(quantity, given, slope, max_events, fast)
-    below, above, jump = here.slope.copy(), here.slope.copy(), np.zeros_like(here.slope)
-    member, p = np.nonzero(here.event != SMOOTH)
+    below, above = here.slope.copy(), here.slope.copy()
+    jump, event = np.zeros_like(below), here.event.copy()
+    member, p = np.nonzero(event != SMOOTH)
     if len(member):
         step = APART / np.max(np.abs(slope[member, p]) / _sizes(make, given[member]), axis=1)
-        moved, values = slope[member, p], []
+        moved, value, limits = slope[member, p], here.value[member], []
         for side, sign in ((below, -1), (above, 1)):
-            there = given[member] + sign * step[:, None] * moved
-            n = make.size[0]
-            outside = (there[:, 3 * n : make.profile[0]] < 0).any(axis=1)
+            h = sign * step
+            there = given[member] + h[:, None] * moved
+            outside = (there[:, 3 * make.size[0] : make.profile[0]] < 0).any(axis=1)
             beside = _follow(quantity, np.where(outside[:, None], given[member], there),
                              moved[:, None], max_events, fast)
             unclear = outside | (beside.event[:, 0] != SMOOTH)
-            side[member, p] = np.where(unclear, math.nan, beside.slope[:, 0])
-            values.append(beside.value - sign * step * beside.slope[:, 0])
-        jump[member, p] = values[1] - values[0]
-    return [here.value, below, above, jump, here.event, here.when, here.where]
+            slope_there = np.where(unclear, math.nan, beside.slope[:, 0])
+            limit = beside.value - h * slope_there
+            whole = np.abs(limit - value) <= CONTINUOUS * (np.abs(limit) + np.abs(value))
+            # of a parabola through the value here, and value and slope there
+            side[member, p] = np.where(
+                whole, 2 * (beside.value - value) / h - slope_there, slope_there)
+            limits.append(np.where(whole, value, limit))
+        jump[member, p] = limits[1] - limits[0]
+        b, a, size = below[member, p], above[member, p], np.abs(value) * APART / step
+        alike = np.abs(a - b) <= AGREE * (np.abs(a) + np.abs(b) + size)
+        event[member, p] = np.where(alike & (jump[member, p] == 0), SMOOTH, event[member, p])
+    return [here.value, below, above, jump, event, here.when, here.where]
 
 
 def _sizes(make: Any, given: Array) -> Array:
@@ -302,11 +314,10 @@ def _follow(
     while len(waiting):
         what = f"following {room} fronts of a member"
         ask((ROW_NUMBERS + 2 * P) * room, "max_events", what, "lower the cap")
-        parts = [type(of)(*(column[waiting] for column in of)) for of in (results, found)]
-        full = _trace(plan, given[waiting], slope[waiting], room, max_events, fast, *parts)
-        for of, part in zip((results, found), parts, strict=True):
-            for column, values in zip(of, part, strict=True):
-                column[waiting] = values
+        parts = [column[waiting] for column in (*results, *found)]
+        full = _trace(plan, given[waiting], slope[waiting], room, max_events, fast, parts)
+        for column, part in zip((*results, *found), parts, strict=True):
+            column[waiting] = part
         waiting, room = waiting[full], 8 * room
     value, derivative = quantity.read(given, slope, results, found)
     return Traced(value, derivative, found.event, found.when, found.where)
@@ -314,27 +325,28 @@ def _follow(
 
 def _trace(
     plan: Blueprint, given: Array, slope: Array, room: int, max_events: int, fast: bool,
-    results: Results, found: Derivatives,
+    columns: Sequence[Array],
 ) -> Array:
-    """Fill in what becomes of members and its derivatives; return which filled the log."""
+    """Fill in the columns of results and derivatives of members; return which filled the log."""
     block = Block(plan, room, None, fast)
     members = block.lay_out(given)
     n, P, rows = plan.make.size[0], slope.shape[1], len(block.state[2].tick)
     x = Tangents(*([0.0] * (size * P) for size in (n + 2,) * 2 + (n + 1,) * 6
                    + (2 * n + 4,) * 2 + (rows,) * 2 + (1,) * 2))
-    numbers: Any = [given.ravel(), slope.ravel()]
-    flat: Any = [type(of)(*(column.reshape(-1) for column in of)) for of in (results, found)]
     kernel, status = derive, block.status(members)
+    flat: list[Any] = [column.reshape(-1) for column in (given, slope, *columns)]
     if fast:
         kernel, x = kernels.compiled(derive), Tangents(*map(np.array, x))
     else:
-        numbers, flat = [column.tolist() for column in numbers], list(map(kernels.as_lists, flat))
-    kernel(block.make, *numbers, *block.state, block.stocks, members, status, max_events,
-           flat[0], x, flat[1])
+        flat = [column.tolist() for column in flat]
+    results, found = Results(*flat[2 : FIRST]), Derivatives(*flat[FIRST :])
+    kernel(block.make, *flat[:2], *block.state, block.stocks, members, status, max_events, results,
+           x, found)
     if not fast:
-        for of, part in zip((results, found), flat, strict=True):
-            kernels.copy_back(part, type(of)(*(column.reshape(-1) for column in of)))
-    return np.asarray((np.asarray(block.fates) == LAID) & (results.flag == FULL))
+        for column, values in zip(columns, flat[2:], strict=True):
+            column[...] = np.reshape(values, column.shape)
+    return np.asarray((np.asarray(block.fates) == LAID) & (columns[0] == FULL))
+
 
 
 def _gradient(
@@ -342,9 +354,7 @@ def _gradient(
     above: Array, jump: Array, event: Array, when: Array, where: Array,
 ) -> Gradient:
     """Lay out the result: one number where both sides agree."""
-    apart = np.abs(above - below) > AGREE * (np.abs(above) + np.abs(below))
-    apart |= (np.abs(jump) > AGREE * np.abs(value)[:, None])
-    kinked = (event != SMOOTH) & (apart | np.isnan(below) | np.isnan(above))
+    kinked = event != SMOOTH
 
     def shaped(column: Array) -> Any:
         return column.reshape(shape)[()]

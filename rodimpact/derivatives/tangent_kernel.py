@@ -34,7 +34,7 @@ from ..methods.fronts.front_kernel import (
 )
 
 SMOOTH, ARRIVALS, CLOSING, FORCE, FRONT, PARTING = range(6)  # what may change its order, or appear
-LEAST = 1e-9  # relative size of a derivative that is not round-off
+LEAST = 1e-8  # relative size of a derivative that is not round-off
 
 
 class Tangents(NamedTuple):
@@ -143,13 +143,15 @@ def take_arrivals(
     for l in (2 * k, 2 * k + 3):
         r, s = state.head[l], l // 2
         while r >= 0 and log.tick[r] + state.transit[s] <= t:
-            state.arrived[l] = log.value[r]
+            state.arrived[l], due = log.value[r], log.tick[r] + state.transit[s] == t
             for p in range(P):
-                when, now = x.tick[r * P + p] + x.transit[s * P + p], x.now[p]
-                if met and abs(when - now) > LEAST * (abs(when) + abs(now)):
-                    note(found, m * P + p, ARRIVALS, t, k)
-                x.arrived[l * P + p], x.now[p] = x.value[r * P + p], when
-            met, r = True, log.after[r]
+                x.arrived[l * P + p] = x.value[r * P + p]
+                if due:
+                    when, now = x.tick[r * P + p] + x.transit[s * P + p], x.now[p]
+                    if met and abs(when - now) > LEAST * (abs(when) + abs(now)):
+                        note(found, m * P + p, ARRIVALS, t, k)
+                    x.now[p] = when
+            met, r = met or due, log.after[r]
         state.head[l] = r
     return met
 
