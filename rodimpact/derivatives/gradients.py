@@ -1,8 +1,8 @@
 """gradient(): how what a collision adds up to changes with the numbers of its system.
 
-Every number of a row is a product of powers of each number of its system, so its derivatives are
-known from the exponents; those of the collision come from a run and one pass over its log. Where
-the order of events may change with a number, the collision is followed on both sides as well.
+A number of a row is a product of powers of numbers of its system, so its derivatives are known from
+the exponents; those of the collision come from a run and one pass over its log. Where the order of
+events may change with a number, the collision is followed on both sides as well.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from ..methods.memory import ask
 from ..methods.registry import Options
 from ..methods.row import Array, Row
 from ..methods.run import MAX_EVENTS
-from ..model import Absorbing, Rod, Steps, System
+from ..model import Absorbing, Free, Rod, Steps, System
 from ..model.frozen import InvalidModel, Problems, nearest
-from ..model.paths import number_at, places_of, with_numbers
+from ..model.paths import numbers_of, places_of
 from ..results.outcome import UndefinedRestitution, effective_restitution
 from ..running.jobs import pool_of
 from ..running.solving import solve
@@ -37,11 +37,17 @@ from .tangent_kernel import SMOOTH, Derivatives, Tangents, derive
 EVENTS = (
     "", "waves from both sides arrive together", "a gap closes just as a wave arrives",
     "the contact is closed without force", "a front vanishes", "the bodies stay together",
+    "there is no gap at first",
 )
 """What may come otherwise on one of the sides; in the order of the kernel's names."""
+POWERS = {
+    "length": (0, 0, 1), "area": (0, 1, 0), "youngs_modulus": (0.5, 0.5, 0),
+    "density": (-0.5, 0.5, 0), "wave_speed": (1, 1, 0),
+}
+"""To which power wave speed, impedance and length of a segment go with a number of it."""
+FIELDS = (*POWERS, "gap", "velocity", "strain")
 APART = 2.0**-20  # relative distance of the neighbours on both sides of a number
 CONTINUOUS = 1e-9  # relative difference of values that is none
-STEP = 2.0**-10  # relative change that tells exponents
 AGREE = 1e-6  # relative difference of the derivatives on both sides that is none
 MEMBERS = 1024  # that are run as one
 PLAIN = 2e-3  # s that a member takes in plain Python, about
@@ -99,8 +105,7 @@ def gradient(
     """
     Options(method="fronts").method_for(system)
     plan = Blueprint(Row(system))
-    member = system[(0,) * len(system.shape)]
-    known, problems = places_of(member), _lacks(system)
+    known, problems = places_of(system), _lacks(system)
     quantity = Quantity(system, plan, of, problems)
     if isinstance(wrt, str) or not len(wrt):
         message = f"must name numbers, such as ['bodies.0.length'], got {shown(wrt)}"
@@ -109,12 +114,17 @@ def gradient(
         if path not in known:
             remedy = nearest(path, known) if isinstance(path, str) else "give its path"
             problems.append(("wrt", f"{shown(path)} is no number of the system; {remedy}"))
+        elif path.rpartition(".")[2] not in FIELDS:
+            fields = ", ".join(FIELDS)
+            message = f"{path} is for other methods; derivatives are known for {fields}"
+            problems.append(("wrt", message))
     if problems:
         raise InvalidModel(problems)
     places = [known[path] for path in wrt]
     shape, given = system.shape, table(plan.numbers, system.shape)
-    numbers = table([number_at(system, place[0]) for place in places], shape)
-    powers = np.array([_powers(member, place) for place in places])
+    have = numbers_of(system)
+    numbers = table([have[place[0]] for place in places], shape)
+    powers = np.array([_powers(plan, place) for place in places])
 
     def run(start: int, stop: int, fast: bool) -> list[Array]:
         return _both_sides(
@@ -123,10 +133,13 @@ def gradient(
 
     count = len(given)
     fast = kernels.worth_compiling(PLAIN * count * (1 + len(wrt)), lay_out_all, derive)
-    with pool_of(None, 1 if count <= MEMBERS else workers) as pool:
-        starts = range(0, count, MEMBERS)
-        jobs = [pool.executor.submit(run, i, min(i + MEMBERS, count), fast) for i in starts]
-        parts = [job.result() for job in jobs]
+    if count <= MEMBERS:
+        parts = [run(0, count, fast)]
+    else:
+        with pool_of(None, workers) as pool:
+            starts = range(0, count, MEMBERS)
+            jobs = [pool.executor.submit(run, i, min(i + MEMBERS, count), fast) for i in starts]
+            parts = [job.result() for job in jobs]
     value, below, above, jump, event, when, where = (
         np.concatenate(part) for part in zip(*parts, strict=True))
     if not shape and math.isnan(value[0]):
@@ -230,15 +243,21 @@ def _lacks(system: System) -> Problems:
     return problems
 
 
-def _powers(member: System, places: Sequence[str]) -> Array:
+def _powers(plan: Blueprint, places: Sequence[str]) -> Array:
     """To which power each number of a row goes with the number at these places."""
-    x = float(number_at(member, places[0]))
-    other = with_numbers(member, dict.fromkeys(places, x * (1 - STEP) if x else STEP))
-    old, new = (np.array(Blueprint(Row(one)).numbers) for one in (member, other))
-    if x == 0:
-        return np.where(new != old, 1.0, 0.0)
-    ratios = np.divide(new, old, out=np.ones(len(old)), where=old != 0)
-    powers: Array = np.round(2 * np.log(ratios) / math.log1p(-STEP)) / 2
+    make, powers = plan.make, np.zeros(len(plan.numbers))
+    n, paths = make.size[0], plan.row.paths
+    for place in places:
+        owner, _, field = place.rpartition(".")
+        owner = owner.removesuffix(".material")
+        if field in POWERS:
+            s = paths.index(owner) - 1
+            powers[[s, n + s, 2 * n + s]] = POWERS[field]
+        elif field == "gap":
+            powers[3 * n + int(owner.split(".")[1])] = 1
+        else:
+            fixed = not isinstance(plan.row.system.ends[0], Free)
+            powers[make.profile[int(owner.split(".")[1]) + fixed] + (field == "strain")] = 1
     return powers
 
 
@@ -333,13 +352,14 @@ def _trace(
     n, P, rows = plan.make.size[0], slope.shape[1], len(block.state[2].tick)
     x = Tangents(*([0.0] * (size * P) for size in (n + 2,) * 2 + (n + 1,) * 6
                    + (2 * n + 4,) * 2 + (rows,) * 2 + (1,) * 2))
-    kernel, status = derive, block.status(members)
+    kernel: Any = derive
+    status = block.status(members)
     flat: list[Any] = [column.reshape(-1) for column in (given, slope, *columns)]
     if fast:
         kernel, x = kernels.compiled(derive), Tangents(*map(np.array, x))
     else:
         flat = [column.tolist() for column in flat]
-    results, found = Results(*flat[2 : FIRST]), Derivatives(*flat[FIRST :])
+    results, found = Results(*flat[2:FIRST]), Derivatives(*flat[FIRST:])
     kernel(block.make, *flat[:2], *block.state, block.stocks, members, status, max_events, results,
            x, found)
     if not fast:
@@ -366,7 +386,7 @@ def _gradient(
         one_sided[path] = sides
         if k.any():
             kinks[path] = Kink(
-                *sides, shaped(np.where(k, jump[:, p], 0.0)),
+                sides[0], sides[1], shaped(np.where(k, jump[:, p], 0.0)),
                 shaped(np.where(k, when[:, p], math.nan)), shaped(np.where(k, where[:, p], -1)),
                 shaped(np.where(k, np.array(EVENTS)[event[:, p]], "")),
             )

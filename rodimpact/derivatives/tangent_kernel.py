@@ -33,7 +33,7 @@ from ..methods.fronts.front_kernel import (
     run_member,
 )
 
-SMOOTH, ARRIVALS, CLOSING, FORCE, FRONT, PARTING = range(6)  # what may change its order, or appear
+SMOOTH, ARRIVALS, CLOSING, FORCE, FRONT, PARTING, BORDER = range(7)  # what may come otherwise
 LEAST = 1e-8  # relative size of a derivative that is not round-off
 
 
@@ -220,6 +220,9 @@ def pass_log(
             l = log.line[r]
             x.tick[r * P + p], x.value[r * P + p] = -x.transit[l // 2 * P + p], x.arrived[l * P + p]
     for k in range(nodes):
+        for p in range(P):
+            if state.gap[k] == 0 and x.gap[k * P + p] != 0:
+                note(found, m * P + p, BORDER, 0, k)
         pass_node(state, log, x, k, 0, tol, window, found, m)
     r, c = count, 0
     while r < rows or c < changes:

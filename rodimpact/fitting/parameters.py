@@ -10,7 +10,7 @@ import numpy as np
 
 from ..model import System
 from ..model.frozen import InvalidModel, Problems, nearest
-from ..model.paths import MODULUS, SPEED, number_at, places_of, unit_at, with_numbers
+from ..model.paths import MODULUS, SPEED, numbers_of, places_of, unit_at, with_numbers
 from ..model.quantities import floats
 from ..units import shown
 
@@ -62,7 +62,7 @@ def parameters_of(system: System, vary: Any) -> list[Parameter]:
         message = "must name numbers with their bounds, such as {'bodies.0.length': (0.1, 0.2)}"
         raise InvalidModel([("vary", f"{message}, got {shown(vary)}")])
     problems: Problems = []
-    known, taken = places_of(system), dict[str, str]()
+    known, numbers, taken = places_of(system), numbers_of(system), dict[str, str]()
     found = []
     for path, bounds in vary.items():
         if path not in known:
@@ -84,7 +84,7 @@ def parameters_of(system: System, vary: Any) -> list[Parameter]:
                 message = f"is varied as {other} already; leave one of them out"
                 problems.append((f"vary.{path}", message))
                 break
-        start = float(number_at(system, known[path][0]))
+        start = float(numbers[known[path][0]])
         low, high = ends.tolist()
         found.append(Parameter(path, known[path], start, low, high, unit))
     if problems:

@@ -23,29 +23,26 @@ FIELDS = {
 }
 
 
-def places_of(system: System) -> dict[str, list[str]]:
-    """Every number that can vary: by its path the places in ``system.to_dict()``."""
-    found: dict[str, list[str]] = {}
-    described = system.to_dict()
-    for path, _ in system._named_numbers():
-        found[path] = [path]
-        owner, _, field = path.rpartition(".")
-        if owner.endswith(".material"):
-            for name in (field, SPEED) if field == MODULUS else (field,):
-                place = f"{owner}.{name}"
-                found[place] = [place]
-                table, _ = _at(described, place)
-                found.setdefault(f"materials.{table['name']}.{name}", []).append(place)
-    return found
-
-
-def number_at(system: System, place: str) -> Number:
-    """The number at a place; of a family, as it was given."""
-    owner, _, field = place.rpartition(".")
+def numbers_of(system: System) -> dict[str, Number]:
+    """Every number that can vary, by its place in ``System.to_dict()``."""
     numbers = dict(system._named_numbers())
-    if field != SPEED:
-        return numbers[place]
-    return np.sqrt(numbers[f"{owner}.{MODULUS}"] / numbers[f"{owner}.density"])[()]
+    for place, E in list(numbers.items()):
+        if place.endswith(MODULUS):
+            owner = place.removesuffix(MODULUS)
+            numbers[owner + SPEED] = np.sqrt(E / numbers[owner + "density"])[()]
+    return numbers
+
+
+def places_of(system: System) -> dict[str, list[str]]:
+    """Every path of a number that can vary, with the places of it in ``System.to_dict()``."""
+    found, described = dict[str, list[str]](), system.to_dict()
+    for place in numbers_of(system):
+        found[place] = [place]
+        owner, _, field = place.rpartition(".")
+        if owner.endswith(".material"):
+            table, _ = _at(described, place)
+            found.setdefault(f"materials.{table['name']}.{field}", []).append(place)
+    return found
 
 
 def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
