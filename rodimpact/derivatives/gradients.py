@@ -333,10 +333,12 @@ def _follow(
     while len(waiting):
         what = f"following {room} fronts of a member"
         ask((ROW_NUMBERS + 2 * P) * room, "max_events", what, "lower the cap")
-        parts = [column[waiting] for column in (*results, *found)]
-        full = _trace(plan, given[waiting], slope[waiting], room, max_events, fast, parts)
-        for column, part in zip((*results, *found), parts, strict=True):
-            column[waiting] = part
+        which: Any = waiting if len(waiting) < count else slice(None)
+        parts = [column[which] for column in (*results, *found)]
+        full = _trace(plan, given[which], slope[which], room, max_events, fast, parts)
+        if len(waiting) < count:
+            for column, part in zip((*results, *found), parts, strict=True):
+                column[waiting] = part
         waiting, room = waiting[full], 8 * room
     value, derivative = quantity.read(given, slope, results, found)
     return Traced(value, derivative, found.event, found.when, found.where)
