@@ -50,7 +50,7 @@ APART = 2.0**-20  # relative distance of the neighbours on both sides of a numbe
 CONTINUOUS = 1e-9  # relative difference of values that is none
 AGREE = 1e-6  # relative difference of the derivatives on both sides that is none
 MEMBERS = 1024  # that are run as one
-PLAIN = 2e-3  # s that a member takes in plain Python, about
+PLAIN = 5e-4  # s that a short member takes in plain Python, about
 FIRST = 2 + len(Results._fields)  # column of derivatives
 ROW_NUMBERS = 11  # that a row of the log takes besides its derivatives
 
@@ -331,6 +331,8 @@ def _follow(
         np.zeros((count, *width), kind) for width, kind in zip(widths, kinds, strict=True)]
     found, waiting, room = Derivatives(*columns), np.arange(count), ROOM
     while len(waiting):
+        seconds = PLAIN * len(waiting) * room / ROOM
+        fast = fast or (room > ROOM and kernels.worth_compiling(seconds, lay_out_all, derive))
         what = f"following {room} fronts of a member"
         ask((ROW_NUMBERS + 2 * P) * room, "max_events", what, "lower the cap")
         which: Any = waiting if len(waiting) < count else slice(None)
