@@ -21,7 +21,7 @@ from ..methods.fronts.front_kernel import FINAL, FULL, Results
 from ..methods.fronts.layout_kernel import LAID, lay_out_all
 from ..methods.groups import grounds, groups, unilateral
 from ..methods.memory import ask
-from ..methods.registry import Options
+from ..methods.registry import Options, count
 from ..methods.row import Array, Row
 from ..methods.run import MAX_EVENTS
 from ..model import Absorbing, Free, Rod, Steps, System
@@ -62,7 +62,8 @@ def gradient(
     """Exact derivatives of what a collision adds up to, for what the method "fronts" can solve.
 
     Nothing is differenced: the derivatives follow the events of the collision. Where two events
-    meet that a number moves apart, both sides are followed, at relative distances of 1e-6.
+    meet that a number moves apart, both sides are followed a millionth away, and derivatives are
+    carried over from there, to eight digits or so.
 
     Parameters
     ----------
@@ -103,17 +104,19 @@ def gradient(
     >>> round(g["bodies.0.length"], 6), round(g["bodies.1.length"], 6)
     (1.0, -0.4)
     """
-    Options(method="fronts").method_for(system)
+    Options(method="fronts", max_events=max_events).method_for(system)
     plan = Blueprint(Row(system))
     known, problems = places_of(system), _lacks(system)
     quantity = Quantity(system, plan, of, problems)
-    if isinstance(wrt, str) or not len(wrt):
-        message = f"must name numbers, such as ['bodies.0.length'], got {shown(wrt)}"
-        problems.append(("wrt", message))
-    for path in () if isinstance(wrt, str) else wrt:
+    if workers is not None:
+        count(problems, "workers", workers)
+    if not isinstance(wrt, list | tuple) or not wrt or not all(isinstance(p, str) for p in wrt):
+        message = f"must be a list of paths, such as ['bodies.0.length'], got {shown(wrt)}"
+        raise InvalidModel([*problems, ("wrt", message)])
+    for path in wrt:
         if path not in known:
-            remedy = nearest(path, known) if isinstance(path, str) else "give its path"
-            problems.append(("wrt", f"{shown(path)} is no number of the system; {remedy}"))
+            message = f"{shown(path)} is no number of the system; {nearest(path, known)}"
+            problems.append(("wrt", message))
         elif path.rpartition(".")[2] not in FIELDS:
             fields = ", ".join(FIELDS)
             message = f"{path} is for other methods; derivatives are known for {fields}"
@@ -131,14 +134,14 @@ def gradient(
             quantity, given[start:stop], _slopes(given[start:stop], numbers[start:stop], powers),
             max_events, fast)
 
-    count = len(given)
-    fast = kernels.worth_compiling(PLAIN * count * (1 + len(wrt)), lay_out_all, derive)
-    if count <= MEMBERS:
-        parts = [run(0, count, fast)]
+    size = len(given)
+    fast = kernels.worth_compiling(PLAIN * size * (1 + len(wrt)), lay_out_all, derive)
+    if size <= MEMBERS:
+        parts = [run(0, size, fast)]
     else:
         with pool_of(None, workers) as pool:
-            starts = range(0, count, MEMBERS)
-            jobs = [pool.executor.submit(run, i, min(i + MEMBERS, count), fast) for i in starts]
+            starts = range(0, size, MEMBERS)
+            jobs = [pool.executor.submit(run, i, min(i + MEMBERS, size), fast) for i in starts]
             parts = [job.result() for job in jobs]
     value, below, above, jump, event, when, where = (
         np.concatenate(part) for part in zip(*parts, strict=True))
@@ -281,7 +284,8 @@ def _both_sides(
     jump, event = np.zeros_like(below), here.event.copy()
     member, p = np.nonzero(event != SMOOTH)
     if len(member):
-        step = APART / np.max(np.abs(slope[member, p]) / _sizes(make, given[member]), axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):  # of what does not move
+            step = APART / np.max(np.abs(slope[member, p]) / _sizes(make, given[member]), axis=1)
         moved, value, limits = slope[member, p], here.value[member], []
         for side, sign in ((below, -1), (above, 1)):
             h = sign * step
@@ -386,7 +390,7 @@ def _gradient(
     values, one_sided, kinks = {}, {}, {}
     for p, path in enumerate(wrt):
         k, sides = kinked[:, p], (shaped(below[:, p]), shaped(above[:, p]))
-        values[path] = shaped(np.where(k, math.nan, (below[:, p] + above[:, p]) / 2))
+        values[path] = shaped(np.where(k, math.nan, (below[:, p] + above[:, p]) / 2 + 0.0))
         one_sided[path] = sides
         if k.any():
             kinks[path] = Kink(
