@@ -24,6 +24,9 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from . import theory as theory
     from . import units as units
     from . import waves as waves
+    from .derivatives.gradients import gradient as gradient
+    from .derivatives.result import Gradient as Gradient
+    from .derivatives.result import Kink as Kink
     from .fitting.measured import Measured as Measured
     from .fitting.result import Descent as Descent
     from .fitting.result import Fit as Fit
@@ -129,6 +132,8 @@ _HOME = {
     "running.sweep_result": ("Axis", "SweepResult"),
     "running.sweeping": ("SweepError", "sweep"),
     "running.warming": ("warm",),
+    "derivatives.gradients": ("gradient",),
+    "derivatives.result": ("Gradient", "Kink"),
     "fitting.measured": ("Measured",),
     "fitting.result": ("Descent", "Fit", "Fitted"),
     "fitting.searching": ("fit",),

@@ -190,14 +190,18 @@ class Block:
         )
         return self.layout
 
+    def status(self, members: Layout) -> Any:
+        """Status of the nodes of each member at t = 0."""
+        status = np.tile(self.plan.status, len(members.count))
+        status[np.asarray(members.gap) > 0] = OPEN
+        return status if self.fast else status.tolist()
+
     def run(self, members: Layout, max_events: int, results: Results) -> Array:
         """Run members; return which of them filled the log."""
-        status: Any = np.tile(self.plan.status, len(members.count))
-        status[np.asarray(members.gap) > 0] = OPEN
         flat: Any = Results(*(column.reshape(-1) for column in results))
         if not self.fast:
-            status, flat = status.tolist(), kernels.as_lists(flat)
-        self.go[1](*self.state, self.stocks, members, status, max_events, flat)
+            flat = kernels.as_lists(flat)
+        self.go[1](*self.state, self.stocks, members, self.status(members), max_events, flat)
         if not self.fast:
             for column, values in zip(results, flat, strict=True):
                 column[...] = np.reshape(values, column.shape)

@@ -601,6 +601,38 @@ def load(
     begin(state, tally, log, clock, members.count[m])
 
 
+def run_member(
+    state: State, tally: Tally, log: Log, clock: Any, stocks: tuple[GroupState, GroupState],
+    members: Any, status: Any, limit: int, results: Results, m: int,
+) -> None:
+    """Run member m of a family to its target, see `family`."""
+    nodes, segments = len(state.status), len(state.transit)
+    results.flag[m], results.final[m] = FULL, False
+    if members.count[m] == 0 or members.count[m] + 2 > len(log.tick):
+        return
+    load(state, tally, log, clock, members, m, status)
+    initial_state(state, log, stocks[0])
+    flag = play(
+        state, tally, log, clock, members.target[m], limit, members.tolerance[m],
+        members.window[m],
+    )
+    results.flag[m], results.final[m] = flag, clock[FINALITY] >= 0
+    if flag == FULL:
+        return
+    final_state(state, tally, log, clock[NOW], stocks[0], stocks[1])
+    frame, tick, vibration = members.frame[m], members.tick_seconds[m], 0 * state.mobility[1]
+    for s in range(segments):
+        i = m * segments + s
+        results.before[i] = stocks[0].velocity[s] + frame
+        results.after[i] = stocks[1].velocity[s] + frame
+        vibration += stocks[1].vibration[s]
+    results.vibration[m] = vibration * tick
+    for k in range(nodes):
+        i = m * nodes + k
+        results.impulse[i], results.peak_force[i] = tally.impulse[k] * tick, tally.peak[k]
+        results.duration[i], results.episodes[i] = tally.pressed[k] * tick, tally.episodes[k]
+
+
 def family(
     state: State, tally: Tally, log: Log, clock: Any, stocks: tuple[GroupState, GroupState],
     members: Any, status: Any, limit: int, results: Results,
@@ -620,29 +652,5 @@ def family(
     results : Results
         Filled in; a member that is not run or that fills the log has its flag only.
     """
-    nodes, segments = len(state.status), len(state.transit)
     for m in range(len(members.count)):
-        results.flag[m], results.final[m] = FULL, False
-        if members.count[m] == 0 or members.count[m] + 2 > len(log.tick):
-            continue
-        load(state, tally, log, clock, members, m, status)
-        initial_state(state, log, stocks[0])
-        flag = play(
-            state, tally, log, clock, members.target[m], limit, members.tolerance[m],
-            members.window[m],
-        )
-        results.flag[m], results.final[m] = flag, clock[FINALITY] >= 0
-        if flag == FULL:
-            continue
-        final_state(state, tally, log, clock[NOW], stocks[0], stocks[1])
-        frame, tick, vibration = members.frame[m], members.tick_seconds[m], 0 * state.mobility[1]
-        for s in range(segments):
-            i = m * segments + s
-            results.before[i] = stocks[0].velocity[s] + frame
-            results.after[i] = stocks[1].velocity[s] + frame
-            vibration += stocks[1].vibration[s]
-        results.vibration[m] = vibration * tick
-        for k in range(nodes):
-            i = m * nodes + k
-            results.impulse[i], results.peak_force[i] = tally.impulse[k] * tick, tally.peak[k]
-            results.duration[i], results.episodes[i] = tally.pressed[k] * tick, tally.episodes[k]
+        run_member(state, tally, log, clock, stocks, members, status, limit, results, m)

@@ -1,0 +1,1 @@
+"""Exact derivatives of what a collision adds up to."""

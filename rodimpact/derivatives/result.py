@@ -1,0 +1,87 @@
+"""What gradient() returns: derivatives by path, and where they differ on both sides."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..methods.row import Array
+from ..units import format_si
+
+
+class Kink(NamedTuple):
+    """Where a derivative differs on both sides, or is known on one side only.
+
+    Each a number, or for a family an array of its shape.
+
+    Attributes
+    ----------
+    below, above : float
+        Derivatives on the side of smaller and of larger numbers; nan where there is nothing, as
+        below a gap of 0.
+    jump : float
+        By how much the quantity itself is larger above.
+    time : float
+        Of the first event that comes otherwise on one of the sides, s; nan where there is no kink.
+    node : int
+        Where that is: 0 is the left end of the row, and then come the joints of its segments.
+    event : str
+        What it is; empty where there is no kink.
+    """
+
+    below: Any
+    above: Any
+    jump: Any
+    time: Any
+    node: Any
+    event: Any
+
+
+@dataclass(frozen=True)
+class Gradient:
+    """Derivatives of what a collision adds up to; as an array, [..., path].
+
+    Attributes
+    ----------
+    of : str
+    wrt : tuple of str
+    value : float or array
+        Of the quantity.
+    values : dict of str to float or array
+        Derivative by path, where it is the same on both sides; else nan.
+    one_sided : dict of str to (float or array, float or array)
+        Derivatives below and above each number.
+    kinks : dict of str to Kink
+        By the paths that have any.
+    """
+
+    of: str
+    wrt: tuple[str, ...]
+    value: Any
+    values: Mapping[str, Any]
+    one_sided: Mapping[str, tuple[Any, Any]]
+    kinks: Mapping[str, Kink]
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Array:
+        return np.stack([self.values[path] for path in self.wrt], -1).astype(dtype or float)
+
+    def __getitem__(self, path: str) -> Any:
+        return self.values[path]
+
+    def __str__(self) -> str:
+        if np.ndim(self.value):
+            found = f"of {np.size(self.value)} members, by {', '.join(self.wrt)}"
+            return f"derivatives of {self.of} {found}"
+        lines = [f"{self.of} = {self.value:.10g}; its derivative by"]
+        for path in self.wrt:
+            below, above = self.one_sided[path]
+            text = f"{self.values[path]:.10g}"
+            if path in self.kinks:
+                kink = self.kinks[path]
+                text = f"{below:.10g} below, {above:.10g} above: {kink.event}"
+                text += f" (node {kink.node}, {format_si(kink.time, 's')})"
+            lines.append(f"  {path}: {text}".rstrip())
+        return "\n".join(lines)

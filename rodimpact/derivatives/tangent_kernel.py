@@ -1,0 +1,322 @@
+"""Derivatives along the log of a run: what each front, force and time does when a number changes.
+
+As long as the order of events stays, the tick of each front is a sum of transit times, that of a
+closing gap a quotient of gap and velocity, and the wave behind it a rational function of
+impedances. So a run of the front kernel is made first; then its log is gone through once, and each
+node is solved again for the derivatives, its decisions by the front kernel's own `resolve_contact`.
+
+Where two events meet that move apart when the number changes, or something just vanishes, the order
+of events may change, and the derivatives may differ on both sides: the first such event is told.
+
+Derivatives in P directions stand side by side: that of entry i in direction p is at i * P + p.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from ..methods.fronts.front_kernel import (
+    BOND,
+    CHANGES,
+    FINAL,
+    FINALITY,
+    OPEN,
+    PRESS,
+    ROWS,
+    GroupState,
+    Log,
+    Results,
+    State,
+    Tally,
+    bonded_from,
+    resolve_contact,
+    run_member,
+)
+
+SMOOTH, ARRIVALS, CLOSING, FORCE, FRONT, PARTING, BORDER = range(7)  # what may come otherwise
+LEAST = 1e-8  # relative size of a derivative that is not round-off
+
+
+class Tangents(NamedTuple):
+    """Work space: derivatives of the front kernel's state, tally and log, in their units."""
+
+    transit: Any  # [segment * P]
+    mobility: Any  # [segment * P]
+    since: Any  # [node * P]
+    gap: Any  # [node * P] when the node was last touched
+    rate: Any  # [node * P]
+    force: Any  # [node * P]
+    impulse: Any  # [node * P]
+    pressed: Any  # [node * P]
+    arrived: Any  # [line * P]
+    sent: Any  # [line * P] wave that left last
+    tick: Any  # [row * P]
+    value: Any  # [row * P]
+    now: Any  # [P] time at which the node at hand is solved
+    least: Any  # [P] size up to which the derivative of a wave is round-off
+
+
+class Derivatives(NamedTuple):
+    """What is found out about the members, per unit of what changes; in rows, one a member."""
+
+    before: Any  # [member * segments * P] velocity of the bonded group's motion
+    after: Any  # [member * segments * P]
+    impulse: Any  # [member * nodes * P], as is the other
+    duration: Any
+    event: Any  # [member * P] SMOOTH, or what the first event is that may come otherwise
+    when: Any  # [member * P] its time
+    where: Any  # [member * P] its node
+
+
+def note(found: Derivatives, i: int, event: int, t: int, k: int) -> None:
+    """Note the first event of direction i that may come otherwise."""
+    if found.event[i] == SMOOTH:
+        found.event[i], found.when[i], found.where[i] = event, t, k
+
+
+def begin_tangents(
+    make: Any, given: Any, slope: Any, members: Any, m: int, state: State, x: Tangents
+) -> None:
+    """Set the derivatives at t = 0 of member m: those of its clock, gaps and waves.
+
+    Parameters
+    ----------
+    make, given
+        As for the layout kernel.
+    slope : [member * P * numbers of a row]
+        Derivatives of the numbers of `given`.
+    members, m, state
+        As for the front kernel.
+    x : Tangents
+    """
+    n, width, P = make.size[0], make.size[1], len(x.least)
+    row = m * width
+    tick = members.tick_seconds[m]
+    for p in range(P):
+        d = (m * P + p) * width
+        for s in (0, n + 1):
+            x.transit[s * P + p] = x.mobility[s * P + p] = 0 * tick
+        for l in range(2 * n + 4):
+            x.arrived[l * P + p] = 0 * tick
+        for k in range(n + 1):
+            for column in (x.since, x.gap, x.rate, x.force, x.impulse, x.pressed):
+                column[k * P + p] = 0 * tick
+        for i in range(len(make.node)):
+            x.gap[make.node[i] * P + p] = slope[d + 3 * n + i] / tick
+        most = 0.0
+        for body in range(len(make.first)):
+            dv, de = slope[d + make.profile[body]], slope[d + make.profile[body] + 1]
+            strain = given[row + make.profile[body] + 1]
+            most = max(most, abs(dv))
+            for s in range(make.first[body], make.last[body] + 1):
+                c, dc = given[row + s - 1], slope[d + s - 1]
+                dZ = slope[d + n + s - 1] / given[row + n + s - 1]
+                dL = slope[d + 2 * n + s - 1] / given[row + 2 * n + s - 1]
+                x.transit[s * P + p] = state.transit[s] * (dL - dc / c)
+                x.mobility[s * P + p] = -state.mobility[s] * dZ
+                x.arrived[2 * s * P + p] = dv - dc * strain - c * de
+                x.arrived[(2 * s + 1) * P + p] = dv + dc * strain + c * de
+                most = max(most, abs(dZ) * members.scale[m], abs(dc * strain) + abs(c * de))
+            if make.last[body] == 0:
+                x.arrived[(0 if body == 0 else 2 * n + 3) * P + p] = dv
+        x.least[p] = LEAST * most
+
+
+def rewind(state: State, log: Log, count: int, members: Any, status: Any, m: int) -> None:
+    """Set the nodes and lines of a finished run back to t = 0."""
+    nodes = len(state.status)
+    for l in range(2 * nodes + 2):
+        state.head[l] = state.tail[l] = -1
+    for r in range(count):
+        l = log.line[r]
+        state.arrived[l], state.head[l], state.tail[l] = log.value[r], log.after[r], r
+    for k in range(nodes):
+        state.status[k], state.gap[k] = status[m * nodes + k], members.gap[m * nodes + k]
+        state.since[k], state.rate[k], state.force[k] = 0, 0 * state.gap[k], 0 * state.gap[k]
+
+
+def take_arrivals(
+    state: State, log: Log, x: Tangents, k: int, t: int, found: Derivatives, m: int
+) -> bool:
+    """Take what arrives at node k up to tick t; whether anything does at t, which then moves so."""
+    P, met = len(x.now), False
+    for l in (2 * k, 2 * k + 3):
+        r, s = state.head[l], l // 2
+        while r >= 0 and log.tick[r] + state.transit[s] <= t:
+            state.arrived[l], due = log.value[r], log.tick[r] + state.transit[s] == t
+            for p in range(P):
+                x.arrived[l * P + p] = x.value[r * P + p]
+                if due:
+                    when, now = x.tick[r * P + p] + x.transit[s * P + p], x.now[p]
+                    if met and abs(when - now) > LEAST * (abs(when) + abs(now)):
+                        note(found, m * P + p, ARRIVALS, t, k)
+                    x.now[p] = when
+            met, r = met or due, log.after[r]
+        state.head[l] = r
+    return met
+
+
+def pass_node(
+    state: State, log: Log, x: Tangents, k: int, t: int, tol: Any, window: int, found: Derivatives,
+    m: int,
+) -> None:
+    """Solve node k again, at tick t, at which something happened there."""
+    P, Y, old, rate = len(x.now), state.mobility, state.force[k], state.rate[k]
+    dt, before = t - state.since[k], state.status[k]
+    for p in range(P):
+        x.now[p] = 0 * x.now[p]
+    met = take_arrivals(state, log, x, k, t, found, m)
+    a, b, Yl, Yr = state.arrived[2 * k], state.arrived[2 * k + 3], Y[k], Y[k + 1]
+    status = before
+    if before >= OPEN:
+        status = resolve_contact(state, k, dt, tol, window)
+    closes = before == OPEN and dt > 0 and state.gap[k] == 0
+    pressing = status in (PRESS, BOND)
+    F = (a - b) / (Yl + Yr) if pressing else 0 * a
+    state.status[k], state.since[k], state.force[k] = status, t, F
+    for p in range(P):
+        i, j = k * P + p, m * P + p
+        # when it is, if a gap closes; else how wide the gap is
+        gap = x.gap[i] + x.rate[i] * dt - rate * x.since[i]
+        if closes and not met:
+            x.now[p] = -gap / rate
+        now = x.now[p]
+        if closes and met and abs(gap + rate * now) > LEAST * (abs(gap) + abs(rate * now)):
+            note(found, j, CLOSING, t, k)
+        x.gap[i] = gap + rate * now if status == OPEN and not closes else 0 * gap
+        # what the force did since the node was last solved
+        x.impulse[i] += x.force[i] * dt + old * (now - x.since[i])
+        if before == PRESS:
+            x.pressed[i] += now - x.since[i]
+        # the waves from now on
+        da, db = x.arrived[2 * k * P + p], x.arrived[(2 * k + 3) * P + p]
+        dYl, dYr = x.mobility[k * P + p], x.mobility[(k + 1) * P + p]
+        dF = (da - db - F * (dYl + dYr)) / (Yl + Yr) if pressing else 0 * da
+        if status > OPEN and not pressing and abs(da - db) > x.least[p]:
+            note(found, j, FORCE, t, k)
+        x.since[i], x.force[i], x.rate[i] = now, dF, db - da if status == OPEN else 0 * da
+        x.sent[(2 * k + 1) * P + p] = da - 2 * (dF * Yl + F * dYl)
+        x.sent[(2 * k + 2) * P + p] = db + 2 * (dF * Yr + F * dYr)
+        # a front that is not there, as it vanishes just here
+        for l in (2 * k + 1, 2 * k + 2):
+            out, q = b + 2 * F * Yr, state.tail[l]
+            if l % 2:
+                out = a - 2 * F * Yl
+            if q >= 0 and abs(out - log.value[q]) <= tol and (
+                abs(x.sent[l * P + p] - x.value[q * P + p]) > x.least[p]
+            ):
+                note(found, j, FRONT, t, k)
+
+
+def pass_log(
+    state: State, log: Log, x: Tangents, clock: Any, count: int, tol: Any, window: int,
+    found: Derivatives, m: int,
+) -> None:
+    """Go through the log of a finished run, to the proof that it is over."""
+    P, end, rows, changes = len(x.now), clock[FINALITY], clock[ROWS], clock[CHANGES]
+    nodes = len(state.status)
+    for r in range(count):
+        for p in range(P):
+            l = log.line[r]
+            x.tick[r * P + p], x.value[r * P + p] = -x.transit[l // 2 * P + p], x.arrived[l * P + p]
+    for k in range(nodes):
+        for p in range(P):
+            if state.gap[k] == 0 and x.gap[k * P + p] != 0:
+                note(found, m * P + p, BORDER, 0, k)
+        pass_node(state, log, x, k, 0, tol, window, found, m)
+    r, c = count, 0
+    while r < rows or c < changes:
+        if c < changes and (r >= rows or log.change_tick[c] <= log.tick[r]):
+            t, k, l = log.change_tick[c], log.change_node[c], -1
+            c += 1
+        else:
+            t, l = log.tick[r], log.line[r]
+            k = l // 2 - 1 + l % 2
+        if t > end:
+            break
+        if state.since[k] < t:
+            pass_node(state, log, x, k, t, tol, window, found, m)
+        if l >= 0:
+            for p in range(P):
+                x.tick[r * P + p], x.value[r * P + p] = x.since[k * P + p], x.sent[l * P + p]
+            state.tail[l] = r
+            r += 1
+    for k in range(nodes):
+        dt = end - state.since[k]
+        for p in range(P):
+            i = k * P + p
+            x.impulse[i] += x.force[i] * dt - state.force[k] * x.since[i]
+            if state.status[k] == PRESS:
+                x.pressed[i] -= x.since[i]
+
+
+def group_tangents(
+    make: Any, given: Any, slope: Any, members: Any, m: int, state: State, tally: Tally,
+    clock: Any, stocks: tuple[GroupState, GroupState], x: Tangents, found: Derivatives,
+) -> None:
+    """Derivatives of the velocities of free groups, before and after."""
+    opening, closing = stocks
+    n, width, P, first = make.size[0], make.size[1], len(x.now), 1
+    row, cell, frame = m * width, m * (n + 2), members.frame[m]
+    while first <= n:
+        last, mass = bonded_from(state, first)
+        pushed = (tally.impulse[first - 1] - tally.impulse[last]) / mass
+        for p in range(P):
+            mass_slope, velocity_slope = 0 * mass, 0 * mass
+            for body in range(len(make.first)):
+                at = make.profile[body]
+                for s in range(max(first, make.first[body]), min(last, make.last[body]) + 1):
+                    T, Y, i = state.transit[s], state.mobility[s], s * P + p
+                    own = (x.transit[i] - T * x.mobility[i] / Y) / Y
+                    mass_slope += own
+                    velocity_slope += own * (given[row + at] - frame - opening.velocity[s])
+                    velocity_slope += T / Y * slope[(m * P + p) * width + at]
+            velocity_slope /= mass
+            push = x.impulse[(first - 1) * P + p] - x.impulse[last * P + p] - pushed * mass_slope
+            for s in range(first, last + 1):
+                found.before[(cell + s) * P + p] = velocity_slope
+                found.after[(cell + s) * P + p] = velocity_slope + push / mass
+        first = last + 1
+    for k in range(1, n):
+        parting = closing.velocity[k + 1] - closing.velocity[k]
+        if state.status[k] >= OPEN and abs(parting) <= LEAST * members.scale[m]:
+            for p in range(P):
+                i = (cell + k) * P + p
+                if abs(found.after[i + P] - found.after[i]) > x.least[p]:
+                    note(found, m * P + p, PARTING, clock[FINALITY], k)
+
+
+def derive(
+    make: Any, given: Any, slope: Any, state: State, tally: Tally, log: Log, clock: Any,
+    stocks: tuple[GroupState, GroupState], members: Any, status: Any, limit: int,
+    results: Results, x: Tangents, found: Derivatives,
+) -> None:
+    """Run every member, as `family` of the front kernel does, and go through its log.
+
+    Parameters
+    ----------
+    make, given, slope, x
+        See `begin_tangents`.
+    state, tally, log, clock, stocks, members, status, limit, results
+        See `family`.
+    found : Derivatives
+        Filled in, of members that are proved final.
+    """
+    nodes, P = len(state.status), len(x.now)
+    for m in range(len(members.count)):
+        run_member(state, tally, log, clock, stocks, members, status, limit, results, m)
+        if results.flag[m] != FINAL:
+            continue
+        tick = members.tick_seconds[m]
+        for p in range(P):
+            found.event[m * P + p] = SMOOTH
+        rewind(state, log, members.count[m], members, status, m)
+        begin_tangents(make, given, slope, members, m, state, x)
+        pass_log(state, log, x, clock, members.count[m], members.tolerance[m], members.window[m],
+                 found, m)
+        group_tangents(make, given, slope, members, m, state, tally, clock, stocks, x, found)
+        for i in range(nodes * P):
+            found.impulse[m * nodes * P + i] = x.impulse[i] * tick
+            found.duration[m * nodes * P + i] = x.pressed[i] * tick
+        for p in range(P):
+            found.when[m * P + p] *= tick
