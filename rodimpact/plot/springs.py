@@ -58,7 +58,9 @@ def draw_springs(ax: Axes, plan: Placing, times: Floats, factor: float) -> list[
         if not (free := length(plan, history.index)):
             continue
         left = plan.end(history.index, True, times)
-        right = np.minimum(plan.end(history.index + 1, False, times), left + free)
+        right = plan.end(history.index + 1, False, times)
+        if history.law.opens:
+            right = np.minimum(right, left + free)
         for row, (start, stop) in enumerate(zip(left, right, strict=True)):
             drawn += ax.plot((start + (stop - start) * along) * factor, up - row,
                              color=colours().ink, linewidth=0.9, zorder=3)
