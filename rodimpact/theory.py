@@ -130,14 +130,8 @@ vibration_energy=0.25)
     0.841564
     """
     pair = _pair(impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed)
-    q, p, x = pair.q, pair.p, pair.short_time / pair.long_time
-    trips = pair.long_time / pair.short_time
-    K = np.floor(trips)
-    f = trips - K
-    q_K = np.exp(K * pair.log_q)
-    g = -np.expm1(K * pair.log_q) / p + q_K * f
-    e = np.where(q > 0, (1 + q) * x * g - q_K * (1 - p * f), np.abs(q) + p * x)
-    e = np.minimum(e, 1.0)
+    q = pair.q
+    e = pair_restitution(pair.short_time, pair.long_time, q, pair.p, pair.log_q)
     m, V = pair.mass, pair.closing_speed
     return PairCollision(
         restitution=plain(e),
@@ -453,20 +447,40 @@ def _pair(
     Z1, T1, Z2, T2, V = _checked(
         impedance_1=impedance_1, transit_time_1=transit_time_1, impedance_2=impedance_2,
         transit_time_2=transit_time_2, closing_speed=closing_speed)
+    short_time, long_time, q, p, log_q = pair_numbers(Z1, T1, Z2, T2)
     low, high = np.minimum(Z1, Z2), np.maximum(Z1, Z2)
-    equal = high - low <= EQUAL_IMPEDANCES * high
-    short_is_higher = ~equal & np.where(Z1 > Z2, T1 < T2, T2 < T1)
-    short_time, long_time = np.minimum(T1, T2), np.maximum(T1, T2)
-    q = np.where(equal, 0.0, (high - low) / (high + low))
     return _Pair(
         mass=np.asarray(contact_mass(Z1 * T1, Z2 * T2)), closing_speed=V,
-        short_time=short_time, long_time=long_time,
-        q=np.where(short_is_higher, q, -q),
-        p=np.where(equal, 1.0, 2 * low / (high + low)),
-        log_q=-2 * np.arctanh(np.where(short_is_higher, low / high, 0.0)),
+        short_time=short_time, long_time=long_time, q=q, p=p, log_q=log_q,
         peak_force=V * low * (high / (high + low)),
-        duration=2 * np.where(short_is_higher, long_time, short_time),
+        duration=2 * np.where(q > 0, long_time, short_time),
     )
+
+
+def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> tuple[Array, ...]:
+    """Short and long time, q, 1 - |q| and log q of `saint_venant`; the last is 0 where q <= 0."""
+    low, high = np.minimum(Z1, Z2), np.maximum(Z1, Z2)
+    equal = high - low <= EQUAL_IMPEDANCES * high
+    short_is_higher = np.where(equal, False, np.where(Z1 > Z2, T1 < T2, T2 < T1))
+    q = np.where(equal, 0.0, (high - low) / (high + low))
+    return (
+        np.minimum(T1, T2), np.maximum(T1, T2), np.where(short_is_higher, q, -q),
+        np.where(equal, 1.0, 2 * low / (high + low)),
+        -2 * np.arctanh(np.where(short_is_higher, low / high, 0.0)),
+    )
+
+
+def pair_restitution(
+    short_time: Array, long_time: Array, q: Array, p: Array, log_q: Array
+) -> Array:
+    """e of `saint_venant`."""
+    x, trips = short_time / long_time, long_time / short_time
+    K = np.floor(trips)
+    f = trips - K
+    q_K = np.exp(K * log_q)
+    g = -np.expm1(K * log_q) / p + q_K * f
+    e: Array = np.where(q > 0, (1 + q) * x * g - q_K * (1 - p * f), np.abs(q) + p * x)
+    return np.minimum(e, 1.0)
 
 
 def _checked(**given: ArrayLike) -> tuple[Array, ...]:

@@ -21,11 +21,11 @@ from ..model.frozen import InvalidModel, Problems
 from ..storage.casefile import write_case
 from .comparison import solved_curve
 from .design import Design
-from .scene import curve_dict, scene
+from .scene import scene
 
 ANSWERS: dict[str, Callable[[Design], Any]] = {
     "/scene": lambda design: scene(design, design.solve()),
-    "/curve": lambda design: curve_dict(solved_curve(design)),
+    "/curve": lambda design: solved_curve(design),
     "/case": lambda design: {"toml": write_case(design.case)},
 }
 

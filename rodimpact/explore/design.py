@@ -1,4 +1,4 @@
-"""What the controls of the page describe: a case, and where its gauges sit.
+"""What the controls of the page describe: a case with its gauges.
 
 It travels as JSON in the terms of a case file, so that every mistake has the path of its field.
 What it may ask for is bounded: an answer comes while a slider is being dragged.
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import tomllib
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 from .. import materials
 from ..methods.registry import Options
@@ -17,8 +17,8 @@ from ..model import Rod, System
 from ..model.frozen import InvalidModel, Problems
 from ..results.solution import Solution
 from ..running.solving import solve
-from ..storage.casefile import Case, case_from, read_case, write_case
-from ..units import format_si, parse
+from ..storage.casefile import Case, GaugePlace, case_from, read_case, write_case
+from ..units import format_si
 
 MOST_BODIES = 12
 MOST_SEGMENTS = 24  # of all rods together
@@ -27,16 +27,16 @@ MOST_NUMBERS = 4096  # in the whole description
 MOST_EVENTS = 20_000  # fronts that arrive at an end
 MOST_STEPS = 30_000  # time steps times ends, for what fronts cannot do
 STEPS = 256  # of the longest transit, where the end of the run is given
+FINE_STEPS, PASSES = 1024, 4  # where it is not: if there are enough for so many passes of the row
 CELLS, MOST_CELLS = 64, 256  # of the longest transit, for the method "finite-difference"
 MOST_UPDATES = 1_000_000  # of cells, for that method
 RTOL = 1e-3
 
-
-class GaugePlace(NamedTuple):
-    """A strain gauge on a rod: the body, and the fraction of its length from the left end."""
-
-    body: int
-    fraction: float
+LIBRARY = {
+    name: {key: v for key, v in m.to_dict().items() if key != "name" and v is not None}
+    for name, m in materials.TABLE.items()
+}
+"""Materials that a case may name."""
 
 
 @dataclass(frozen=True)
@@ -46,17 +46,15 @@ class Design:
     Attributes
     ----------
     case : Case
-    gauges : tuple of GaugePlace
     """
 
     case: Case
-    gauges: tuple[GaugePlace, ...]
 
     @classmethod
     def of(cls, case: Case) -> Design:
-        """A case with a gauge in the middle of its last rod."""
+        """A case; one without gauges gets one in the middle of its last rod."""
         rods = [i for i, body in enumerate(case.system.bodies) if isinstance(body, Rod)]
-        return cls(case, (GaugePlace(rods[-1], 0.5),))
+        return cls(replace(case, gauges=case.gauges or (GaugePlace(rods[-1], 0.5),)))
 
     @classmethod
     def read(cls, path: str) -> Design:
@@ -88,30 +86,32 @@ class Design:
             (str(key)[:80], "unknown key; use case and gauges")
             for key in data if key not in ("case", "gauges")
         ]
+        gauges = data.get("gauges", [])
+        if isinstance(gauges, list) and len(gauges) > MOST_GAUGES:
+            problems.append(("gauges", f"must be at most {MOST_GAUGES} on this page"))
         _check_size(problems, data["case"])
         if problems:
             raise InvalidModel(problems)
-        case = case_from(data["case"])
-        gauges = _gauges(problems, data.get("gauges", []), case.system)
+        case = case_from({**data["case"], "gauges": gauges})
         _check_length(problems, case)
         if problems:
             raise InvalidModel(problems)
-        return cls(replace(case, output={}, path=""), gauges)
+        return cls(replace(case, output={}, path=""))
 
     def of_system(self, system: System) -> Design:
         """The same run of another system."""
-        return Design(replace(self.case, system=system), ())
+        return Design(replace(self.case, system=system, gauges=()))
 
     def to_dict(self) -> dict[str, Any]:
         """What `parse` reads; materials of the library go by their names."""
         case = tomllib.loads(write_case(self.case))
         own = {
             name: entry for name, entry in case.pop("materials", {}).items()
-            if entry != _spelt_out(name)
+            if entry != LIBRARY.get(name)
         }
         if own:
             case["materials"] = own
-        return {"case": case, "gauges": [gauge._asdict() for gauge in self.gauges]}
+        return {"gauges": case.pop("gauges", []), "case": case}
 
     def solve(self) -> Solution:
         """Solve the case, with caps on events and time steps.
@@ -137,10 +137,16 @@ class Design:
             _check_end(until, step * most)
             ends = len(transits) + len(system.bodies) + 1
             return solve(system, until, method, max_events=most * ends, cells=cells)
+        longest = MOST_STEPS / (len(transits) + 1)  # in steps
         if until is None:
+            steps = min(FINE_STEPS, longest * max(transits) / (PASSES * sum(transits)))
+            step = min(max(transits) / steps, min(transits) / 4)
+            quick = solve(system, None, method, max_events=MOST_STEPS, dt=step)
+            if quick.outcome.final:
+                return quick
             return solve(system, None, method, max_events=MOST_STEPS, rtol=RTOL)
         step = min(max(transits) / STEPS, min(transits) / 4)
-        _check_end(until, step * MOST_STEPS / (len(transits) + 1))
+        _check_end(until, step * longest)
         return solve(system, until, method, dt=step)
 
 
@@ -149,14 +155,6 @@ def _check_end(until: float | None, longest: float) -> None:
     if until is not None and until > longest:
         message = f"must not exceed {format_si(longest, 's', 3)} on this page, got {until!r} s"
         raise InvalidModel([("solve.until", f"{message}; rodimpact run goes on")])
-
-
-def _spelt_out(name: str) -> dict[str, Any] | None:
-    """A material of the library as a case file describes it."""
-    if name not in materials.TABLE:
-        return None
-    described = materials.TABLE[name].to_dict()
-    return {key: v for key, v in described.items() if key != "name" and v is not None}
 
 
 def _check_size(problems: Problems, case: dict[str, Any]) -> None:
@@ -194,31 +192,3 @@ def _check_length(problems: Problems, case: Case) -> None:
         problems.append(("solve.max_events", f"{message}; rodimpact run takes more"))
     if case.solve.get("until") == 0:
         problems.append(("solve.until", "must be above 0 for a picture, got 0"))
-
-
-def _gauges(problems: Problems, entries: Any, system: System) -> tuple[GaugePlace, ...]:
-    if not isinstance(entries, list) or len(entries) > MOST_GAUGES:
-        problems.append(("gauges", f"must be a list of at most {MOST_GAUGES} gauges"))
-        return ()
-    rods = [i for i, body in enumerate(system.bodies) if isinstance(body, Rod)]
-    places = []
-    for i, entry in enumerate(entries):
-        given = entry if isinstance(entry, dict) else {}
-        body, fraction = given.get("body"), given.get("fraction")
-        if type(body) is not int or body not in rods:
-            names = ", ".join(map(str, rods))
-            problems.append((f"gauges.{i}.body", f"must be a rod, {names}; got {_short(body)}"))
-            continue
-        try:
-            at = parse(fraction, "dimensionless")  # type: ignore[arg-type]  # checks it itself
-        except ValueError:
-            at = math.nan
-        if not 0 <= at <= 1:
-            message = f"must lie in [0, 1], got {_short(fraction)}"
-            problems.append((f"gauges.{i}.fraction", message))
-        places.append(GaugePlace(body, at))
-    return tuple(places)
-
-
-def _short(value: Any) -> str:
-    return repr(value)[:80]

@@ -7,8 +7,8 @@ from typing import NamedTuple
 from ..materials import steel
 from ..model import System
 from ..model.bodies import Material, Rod, Wall
-from ..storage.casefile import Case
-from .design import Design, GaugePlace
+from ..storage.casefile import Case, GaugePlace
+from .design import Design
 
 AREA = 1e-4  # m^2, of the rods of the box
 
@@ -33,7 +33,7 @@ def presets() -> list[Preset]:
          "The wave runs to the free end and back; the rod leaves as fast as it came.",
          [steel_rod(1.0, 1.0), Wall()], [0]),
         ("unequal", "Rods of different length",
-         "The short rod stops dead, the long one keeps vibrating: e = l1/l2.",
+         "The short rod stops dead, the long one keeps vibrating: e = l₁/l₂.",
          [steel_rod(0.4, 1.0), steel_rod(1.0)], [1]),
         ("equal-transits", "Equal transit times",
          "Waves take equally long in both, so e = 1, whatever lengths and impedances are.",
@@ -48,7 +48,7 @@ def presets() -> list[Preset]:
     ]
     return [
         Preset(key, title, remark, Design(
-            Case(System(bodies)), tuple(GaugePlace(body, 0.5) for body in gauges)))
+            Case(System(bodies), gauges=tuple(GaugePlace(body, 0.5) for body in gauges))))
         for key, title, remark, bodies, gauges in rows
     ]
 

@@ -1,39 +1,37 @@
-"""Solution -> all that the page shows: polygons, curves and texts, ready for JSON.
+"""What is known of a solution, for `picture`: of fronts exactly, of other methods from samples.
 
-Polygons cut at time t are the rods at time t, so the page slices them and needs no physics.
+Fronts are solved as the page solves them, from the tables of the case, with the same kernels. What
+is sampled comes from the `Solution`.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ..methods.signals import Floats
-from ..model import Bonded, Joint, Rigid, RigidMass, Rod, Wall
+from ..model import Bonded, Fixed, Joint, Moved, Rigid, Rod, Wall
 from ..model.frozen import InvalidModel
 from ..model.profiles import extremes
-from ..results.closed_forms import ClosedForm, closed_form
+from ..results.closed_forms import closed_form
 from ..results.contacts import ContactHistory
-from ..results.placing import Placing, placing
-from ..results.regions import Regions, nothing_to_draw, readable_until, regions_of
+from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
-from ..storage.tables import clean
+from ..storage.report import ENERGIES
 from ..units import format_si
-from .comparison import Curve, closed_curve, ratio_of
-from .design import Design
-from .tiling import cells, sliced_energy
+from .design import LIBRARY, MOST_EVENTS, Design
+from .fronts import known_of, plot_of, series_of
+from .outcome import curve_of
+from .picture import picture, ratio_of
+from .tables import row_of
+from .tiling import grids
 
-REGIONS = 3000  # at most, where they are exact
-SAMPLES = 400  # of a curve whose jumps are too many
-MOMENTS = 33  # of the energy, where it is sampled
+SAMPLES = 400  # of a curve
+MOMENTS = 101  # of the energy
 DIGITS = 9  # of the numbers that are drawn
 
 Scene = dict[str, Any]
-Labelled = list[tuple[str, str]]
 
 
 def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
@@ -50,7 +48,7 @@ def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
     Returns
     -------
     dict
-        JSON-ready, SI units but for strain in 1e-6; numbers that do not exist are None.
+        As `picture` makes it.
 
     Raises
     ------
@@ -59,173 +57,92 @@ def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
     """
     if reason := nothing_to_draw(solution):
         raise InvalidModel([("solve", reason)])
-    stop, exact = solution.t_end, solution.method == "fronts"
-    try:
-        stop = readable_until(solution, REGIONS) if exact else stop
-    except ValueError:  # too many from the start
-        exact = False
-    tiling = regions_of(solution, stop=stop) if exact else cells(solution)
-    notes = [solution.status]
-    if stop < solution.t_end:
-        notes.append(f"The picture ends at {format_si(stop, 's', 4)}: too many regions later.")
-    if not exact:
-        notes.append("The picture shows means over cells, not the fronts themselves.")
+    known: Scene | None = None
+    if solution.method == "fronts" and solution.events <= MOST_EVENTS:
+        sent = design.to_dict()
+        row = row_of(sent["case"], LIBRARY)
+        known = known_of(row, sent["gauges"])
+        ratio = ratio_of(known) if "bodies" in known else None
+        if ratio is not None:
+            known["curve"] = curve_of(sent["case"], LIBRARY, ratio)
+    if known is None or "problem" in known:
+        known = sampled(design, solution, as_asked)
+    return shortened(picture(known))
+
+
+def sampled(design: Design, solution: Solution, as_asked: bool) -> Scene:
+    """What is known of a solution from samples."""
+    tiling, o = grids(solution), solution.outcome
+    notes = [solution.status, "The picture shows means over cells, not the fronts themselves."]
     if solution.method != "fronts" and not as_asked:
         notes.append("Solved quickly, on a coarse time step; rodimpact run is more accurate.")
-    plan = placing(solution, 0.0, stop)
-    drawn = _tiling(tiling)
-    theory = closed_form(solution.system)
+    system = solution.system
+    held = [float(b.velocity) for b in system.bodies if isinstance(b, Wall)]
+    held += [0.0 for end in system.ends if isinstance(end, Fixed | Moved)]
+    why, theory = o.why_no_restitution(), closed_form(system)
+    closed = theory and {
+        "restitution": float(theory.collision().restitution), "source": theory.source}
     return {
-        "end": max(drawn["t"]),  # as rounded there: a moment later no polygon is left to cut
-        "exact": exact,
-        "row": _row(plan, tiling, stop),
-        "bodies": _bodies(plan, stop),
-        "tiling": drawn,
-        "plots": [
-            *_contacts(solution, stop, exact),
-            _energy(solution, stop, tiling, exact),
-            *_gauges(design, solution, stop, exact),
+        "method": solution.method, "exact": False, "notes": notes, "closed_form": closed,
+        "bodies": [_body(solution, i) for i in range(len(system.bodies))],
+        "positions": solution.fields.positions, "polygons": tiling,
+        "strain": max(map(abs, tiling.pop("strain"))),
+        "slowest": min(held or o.velocities_before, key=abs),
+        "plots": [*_contacts(solution), _energy(solution), _gauges(design, solution)],
+        "contacts": [
+            {"index": c.index, "bonded": isinstance(c.law, Bonded),
+             "compliant": not isinstance(c.law, Rigid | Bonded)}
+            for c in solution.contacts
         ],
-        "restitution": _restitution(solution, theory),
-        "curve": curve_dict(closed_curve(solution.system, theory)),
-        "ratio": ratio_of(solution.system),
-        "results": _results(solution),
-        "notes": notes,
+        "gauges": [gauge._asdict() for gauge in design.case.gauges], "curve": None,
+        "outcome": {
+            "before": o.velocities_before, "after": o.velocities_after, "able": o.unilateral,
+            "contacts": [tally._asdict() for tally in o.contacts], "final": o.final, "why": why,
+            "restitution": None if why else o.restitution,
+            "energy_before": o.kinetic_before + sum(o.vibration_before),
+            "vibration_after": sum(o.vibration_after),
+        },
     }
 
 
-def _tiling(tiling: Regions) -> Scene:
-    """The polygons for JSON."""
+def _body(solution: Solution, i: int) -> Scene:
+    """What a body is, and how one without inside moves."""
+    body: Any = solution.system.bodies[i]
+    speed, path = body.velocity, None
+    speed = speed if isinstance(speed, float) else None
+    if not isinstance(body, Rod):
+        times = np.linspace(0.0, solution.t_end, 2 if isinstance(body, Wall) else SAMPLES)
+        moved = solution.displacement(i, 0.0, times)
+        path = {"t": times.tolist(), "displacement": moved.tolist()}
     return {
-        "body": tiling.body.tolist(),
-        "start": tiling.start.tolist(),
-        "x": _short(tiling.x), "t": _short(tiling.t),
-        "displacement": _short(tiling.displacement),
-        "velocity": _short(tiling.velocity), "stress": _short(tiling.stress),
+        "kind": body.kind, "velocity": speed, "path": path, "mass": getattr(body, "mass", 0.0),
+        "approach": speed if getattr(body, "strain", 0.0) == 0.0 else None,
+        "pieces": [{
+            "length": float(piece.length), "areas": extremes(piece.area),
+            "material": piece.material.name, "density": float(piece.material.density),
+            "wave_speed": float(piece.wave_speed), "transit_time": float(piece.transit_time),
+            "mass": float(piece.mass),
+        } for piece in getattr(body, "segments", ())],
     }
 
 
-def curve_dict(curve: Curve | None) -> Scene | None:
-    """A curve for JSON."""
-    if curve is None:
-        return None
-    values = [None if math.isnan(e) else e for e in curve.values]
-    return {"ratios": curve.ratios, "values": values, "source": curve.source}
+def _curve(name: str, t: Floats, y: Floats, steps: bool) -> Any:
+    return series_of(name, t.tolist(), y.tolist(), steps)
 
 
-# The row ------------------------------------------------------------------------------------------
-
-
-def _row(plan: Placing, tiling: Regions, stop: float) -> Scene:
-    """How the row is laid out: X = left + x + magnification * (apart + displacement - frame t)."""
-    times = np.linspace(0.0, stop, SAMPLES)
-    shown = [plan.place(tiling.body_of_vertices(), tiling.x, tiling.t, tiling.displacement)]
-    shown += [
-        plan.end(i, right, times) for i, body in enumerate(plan.solution.system.bodies)
-        if not isinstance(body, Rod) for right in (False, True)
-    ]
-    note = plan.scale
-    if plan.frame:
-        note += f", frame moving at {format_si(plan.frame, 'm/s', 4)}"
-    return {
-        "left": _short(plan.left), "apart": _short(plan.apart),
-        "magnification": plan.magnification, "frame": plan.frame, "note": note,
-        "span": [min(float(x.min()) for x in shown), max(float(x.max()) for x in shown)],
-    }
-
-
-def _bodies(plan: Placing, stop: float) -> list[Scene]:
-    """What each body is, and how those without inside move."""
-    bodies, entries = plan.solution.system.bodies, []
-    for i, (kind, body) in enumerate(zip(plan.solution.outcome.bodies, bodies, strict=True)):
-        pieces = body.segments if isinstance(body, Rod) else ()
-        given = [item for j, piece in enumerate(pieces) for item in _given(j, len(pieces), piece)]
-        if isinstance(body, RigidMass):
-            given.append(("mass", format_si(float(body.mass), "kg")))
-        speed = body.velocity
-        text = format_si(speed, "m/s") if isinstance(speed, float) else "a profile"
-        entries.append({
-            "kind": kind, "title": f"{kind.capitalize()} {i}", "width": plan.width(i),
-            "given": [*given, ("velocity", text)], "derived": [_derived(p) for p in pieces],
-            "path": None if pieces else _path(plan.solution, i, stop),
-        })
-    return entries
-
-
-def _path(solution: Solution, body: int, stop: float) -> Scene:
-    """Times and displacements of a wall or a mass."""
-    straight = isinstance(solution.system.bodies[body], Wall)
-    times = np.linspace(0.0, stop, 2 if straight else SAMPLES)
-    return {"t": _short(times), "displacement": _short(solution.displacement(body, 0.0, times))}
-
-
-def _given(j: int, count: int, piece: Any) -> Labelled:
-    """What is given of a segment."""
-    where = f" of segment {j}" if count > 1 else ""
-    return [
-        (f"length{where}", format_si(float(piece.length), "m")),
-        (f"area{where}", f"{_range(extremes(piece.area), 1e4, 6)} cm²"),
-        (f"material{where}", piece.material.name),
-    ]
-
-
-def _derived(piece: Any) -> Labelled:
-    """What follows for a segment."""
-    per_area = float(piece.material.density) * float(piece.wave_speed)
-    return [
-        ("bar speed c", f"{float(piece.wave_speed):.4g} m/s"),
-        ("impedance Z", f"{_range(extremes(piece.area), per_area, 4)} kg/s"),
-        ("transit time T", _text(float(piece.transit_time), "s")),
-        ("mass m", f"{float(piece.mass):.4g} kg"),
-    ]
-
-
-def _range(values: list[float], factor: float, digits: int) -> str:
-    """A number, or from the smallest to the largest."""
-    low, high = (f"{v * factor:.{digits}g}" for v in values)
-    return low if low == high else f"{low} to {high}"
-
-
-# Curves -------------------------------------------------------------------------------------------
-
-
-def _plot(key: str, title: str, unit: str, series: list[Scene]) -> Scene:
-    return {"key": key, "title": title, "unit": unit, "series": series}
-
-
-def _series(name: str, t: Any, y: Any, steps: bool = False) -> Scene:
-    """A curve over time; with `steps` each value holds until the next time."""
-    return {"name": name, "t": _short(t), "y": _short(y), "steps": steps}
-
-
-def _contacts(solution: Solution, stop: float, exact: bool) -> list[Scene]:
+def _contacts(solution: Solution) -> list[Scene]:
     """Force and gap of the contacts, stretch of joints, of bonded ones the force."""
-    forces, gaps = [], []
+    times, forces, gaps = np.linspace(0.0, solution.t_end, SAMPLES + 1), [], []
     for contact in solution.contacts:
         name = f"contact {contact.index}-{contact.index + 1}"
-        times, force = _record(
-            *contact.breakpoints()[:2], stop, exact, partial(_mean_force, contact))
-        forces.append(_series(name, times, force, steps=True))
+        forces.append(_curve(name, times, _mean_force(contact, times), True))
         if not isinstance(contact.law, Bonded):
-            gaps.append(_series(name, times, contact.gap(times)))
-    plots = [_plot("force", "Contact force", "N", forces)] if forces else []
+            gaps.append(_curve(name, times, contact.gap(times), False))
     laws = {type(c.law) for c in solution.contacts} - {Bonded}
     title = "Gap" if laws <= {Rigid, Joint} else "Gap, below 0 indentation"
     if Joint in laws:
         title = f"{title}, or stretch" if laws > {Joint} else "Stretch of joints"
-    return plots + ([_plot("gap", title, "m", gaps)] if gaps else [])
-
-
-def _record(
-    times: Floats, values: Floats, stop: float, exact: bool, sampled: Callable[[Floats], Floats]
-) -> tuple[Floats, Floats]:
-    """The steps of a record up to `stop`; samples if they are too many, or no steps."""
-    inside = times < stop
-    if exact and inside.sum() <= SAMPLES:
-        last = values[inside][-1:]
-        return np.append(times[inside], stop), np.append(values[inside], last)
-    even = np.linspace(0.0, stop, SAMPLES + 1)
-    return even, sampled(even)
+    return [plot_of("force", "Contact force", "N", forces), plot_of("gap", title, "m", gaps)]
 
 
 def _mean_force(contact: ContactHistory, times: Floats) -> Floats:
@@ -234,89 +151,38 @@ def _mean_force(contact: ContactHistory, times: Floats) -> Floats:
     return np.append(mean, mean[-1])
 
 
-def _energy(solution: Solution, stop: float, tiling: Regions, exact: bool) -> Scene:
+def _energy(solution: Solution) -> Any:
     """Energy by kind."""
-    if exact:
-        times, kinds = sliced_energy(solution, tiling)
-    else:
-        times = np.linspace(0.0, stop, MOMENTS)
-        e = solution.energy(times)
-        kinds = {
-            "moving as a whole": e.kinetic, "vibration": e.vibrational_kinetic, "strain": e.strain,
-            "in contacts": e.contact, "lost in material": e.damped, "total": e.total,
-        }
-    rare = ("in contacts", "lost in material")
-    series = [_series(name, times, y) for name, y in kinds.items() if name not in rare or y.any()]
-    return _plot("energy", "Energy", "J", series)
+    times = np.linspace(0.0, solution.t_end, MOMENTS)
+    e = solution.energy(times)
+    always, rare = ("kinetic", "vibrational_kinetic", "strain"), ("contact", "damped")
+    kinds = {ENERGIES[name]: getattr(e, name) for name in (*always, *rare)
+             if name in always or getattr(e, name).any()}
+    kinds["total"] = e.total
+    series = [_curve(name, times, y, False) for name, y in kinds.items()]
+    return plot_of("energy", "Energy", "J", series)
 
 
-def _gauges(design: Design, solution: Solution, stop: float, exact: bool) -> list[Scene]:
-    series = []
-    for body, fraction in design.gauges:
+def _gauges(design: Design, solution: Solution) -> Any:
+    times, series = np.linspace(0.0, solution.t_end, SAMPLES + 1), []
+    for body, fraction in design.case.gauges:
         x = fraction * float(solution.fields.edges(body)[-1])
-        record = solution.gauge(body, x)
         name = f"rod {body} at {format_si(x, 'm', 4)}"
-        times, strain = _record(record.times, record.strain, stop, exact, record.strain_at)
-        series.append(_series(name, times, 1e6 * strain, steps=True))
-    return [_plot("gauge", "Strain gauges", "µε", series)] if series else []
+        strain = solution.gauge(body, x).strain_at(times)
+        series.append(_curve(name, times, 1e6 * strain, True))
+    return plot_of("gauge", "Strain gauges", "µε", series)
 
 
-# Numbers ------------------------------------------------------------------------------------------
+def shortened(found: Scene) -> Scene:
+    """The scene with as many digits in what is drawn as a picture can use."""
+    for table in (found["tiling"], found["row"], *found["bodies"], *found["plots"]):
+        table.update({key: _short(value) for key, value in table.items()})
+    return {**found, "end": _short(found["end"])}
 
 
-def _restitution(solution: Solution, theory: ClosedForm | None) -> Scene:
-    """e beside its closed form."""
-    why = solution.outcome.why_no_restitution()
-    value = None if why else float(solution.outcome.restitution)
-    count = len(solution.outcome.unilateral)
-    if count > 1:
-        why = f"A coefficient e belongs to one contact; this row has {count}, see the velocities"
-    closed = None if theory is None else float(theory.collision().restitution)
-    digits = 9 if solution.method == "fronts" else 5
-    entry: Scene = {
-        "value": value, "text": "-" if value is None else f"{clean(value, 1.0):.{digits}g}",
-        "why": why[:1].upper() + why[1:], "closed_form": closed,
-        "source": "" if theory is None else theory.source,
-    }
-    if closed is not None:
-        entry["closed_text"] = f"{closed:.9g}"
-        if value is not None:
-            entry["difference"] = f"{abs(value - closed):.1g}"
-    return entry
-
-
-def _results(solution: Solution) -> Labelled:
-    """What the collision did, in words and numbers."""
-    o = solution.outcome
-    fastest = max(map(abs, [*o.velocities_before, *o.velocities_after]))
-    after = "after" if o.final else "at the end"
-    digits = 6 if solution.method == "fronts" else 4
-    rows: Labelled = [
-        (f"velocity of {kind} {i} {after}", f"{clean(v, fastest):.{digits}g} m/s")
-        for i, (kind, v) in enumerate(zip(o.bodies, o.velocities_after, strict=True))
-        if kind != "wall"
-    ]
-    for i in o.unilateral:
-        c, name = o.contacts[i], f" {i}-{i + 1}" if len(o.unilateral) > 1 else ""
-        rows += [
-            (f"impulse{name}", _text(c.impulse, "N s")),
-            (f"largest force{name}", _text(c.peak_force, "N")),
-            (f"time under force{name}", _text(c.duration, "s")),
-        ]
-    kinetic = o.kinetic_before + sum(o.vibration_before)
-    rows.append(("energy before", _text(kinetic, "J")))
-    vibration = clean(sum(o.vibration_after), kinetic)
-    rows.append((f"energy in vibration {after}", _text(vibration, "J")))
-    rows.append(("method", solution.method))
-    return rows
-
-
-def _text(value: float, unit: str) -> str:
-    """A quantity for people, to five digits, with a µ."""
-    number, _, prefixed = format_si(value, unit, 5).partition(" ")
-    return f"{number} {'µ' + prefixed[1:] if prefixed.startswith('u') else prefixed}".strip()
-
-
-def _short(values: Any) -> list[float]:
-    """Numbers to draw, with as many digits as a picture can use."""
-    return [float(f"{v:.{DIGITS}g}") for v in np.asarray(values).ravel().tolist()]
+def _short(value: Any) -> Any:
+    if isinstance(value, float):
+        return float(f"{value:.{DIGITS}g}")
+    if isinstance(value, dict):
+        return {key: _short(item) for key, item in value.items()}
+    return [*map(_short, value)] if isinstance(value, list | tuple) else value

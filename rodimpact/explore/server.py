@@ -14,11 +14,11 @@ from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
-from .. import __version__, materials
+from .. import __version__
 from . import page_files
 from .answers import ANSWERS, problems_json
 from .design import Design
-from .presets import presets
+from .start import start
 from .workers import Unanswered, Workers
 
 ADDRESS = "127.0.0.1"
@@ -186,18 +186,3 @@ class Handler(BaseHTTPRequestHandler):
     def log_message(self, format: str, *arguments: Any) -> None:  # noqa: A002  (the library's name)
         """Say nothing: a drag makes a request for every picture."""
 
-
-def start(design: Design) -> dict[str, Any]:
-    """What the page needs before its first question."""
-    return {
-        "version": __version__,
-        "design": design.to_dict(),
-        "materials": {
-            name: {"youngs_modulus": m.youngs_modulus, "density": m.density}
-            for name, m in materials.TABLE.items()
-        },
-        "presets": [
-            {"key": p.key, "title": p.title, "remark": p.remark, "design": p.design.to_dict()}
-            for p in presets()
-        ],
-    }

@@ -11,14 +11,28 @@ LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
 
 def end_sentence(system: System, stopped_by: str, final: str, end: str, cap: str) -> str:
     """Why a run ended, with what its proof says, if it has one."""
+    ends = ((0, 0), (len(system.bodies) - 1, -1))
+    walls = [system.contacts[k] for i, k in ends if isinstance(system.bodies[i], Wall)]
+    held = len(walls) == 2 or not all(law.opens for law in walls)
+    acting = driven(system) and ("gravity acts" if system.gravity else "an end is driven")
+    return ending(stopped_by, final, end, cap, acting or "", held)
+
+
+def ending(stopped_by: str, final: str, end: str, cap: str, acting: str, held: bool) -> str:
+    """Why a run ended: `acting` says what drives the row, `held` that walls hold it in."""
     if stopped_by == "final":
         return final
-    if stopped_by == "until" and final:
+    if stopped_by == "until" and final != "":
         return f"Stopped at the time asked for. {final}"
     if stopped_by == "until":
+        way = "leave out until= to run to the proof"
+        if acting != "":
+            way = f"while {acting}, no contact is known to be the last"
+        elif held:
+            way = "a row between walls, or joined to one, may never come to an end"
         asked = f"Stopped at the time asked for, {end}, before the collision was final"
-        return f"{asked}; {_way_to_the_proof(system)}."
-    if final:
+        return f"{asked}; {way}."
+    if final != "":
         return (
             f"{final} The cap of {cap} ended the run at {end}; raise max_events to see more of the "
             "vibration."
@@ -27,17 +41,6 @@ def end_sentence(system: System, stopped_by: str, final: str, end: str, cap: str
         f"Stopped by the cap of {cap} at {end}, before the collision was final. Raise max_events, "
         "or give until= to set another end."
     )
-
-
-def _way_to_the_proof(system: System) -> str:
-    ends = ((0, 0), (len(system.bodies) - 1, -1))
-    walls = [system.contacts[k] for i, k in ends if isinstance(system.bodies[i], Wall)]
-    if driven(system):
-        what = "gravity acts" if system.gravity else "an end is driven"
-        return f"while {what}, no contact is known to be the last"
-    if len(walls) == 2 or not all(law.opens for law in walls):
-        return "a row between walls, or joined to one, may never come to an end"
-    return "leave out until= to run to the proof"
 
 
 def proof_sentence(met: bool, at_the_end: bool, proof: float) -> str:

@@ -116,7 +116,7 @@ def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "an
             problems.append((path, f"must have at most {MOST_AXES} axes, got {array.ndim}"))
             return math.nan
     array = array + 0.0
-    if require(problems, _has_sign(array, sign), path, _wanted(unit, sign), array):
+    if require(problems, _has_sign(array, sign), path, wanted(unit, sign), array):
         require(problems, _in_scale(array, sign), path, OUT_OF_SCALE, array)
     if not isinstance(array, float):
         array.flags.writeable = False
@@ -150,7 +150,8 @@ def _has_sign(value: Any, sign: str) -> Any:
     return finite & above & (value <= high if sign[-1] == "]" else value < high)
 
 
-def _wanted(unit: str, sign: str) -> str:
+def wanted(unit: str, sign: str) -> str:
+    """What a number of that unit and sign must be; it may show a value as ``{0!r}``."""
     if sign == "positive or infinite":
         return f"must be a positive number{number_of(unit)} or infinite, got {{0!r}}"
     if sign[0] in "[(":

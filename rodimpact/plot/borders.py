@@ -181,7 +181,7 @@ def mass_style() -> dict[str, Any]:
 def joint_style() -> dict[str, Any]:
     """Patches between the faces of a joint."""
     return {"facecolor": colours().paper, "edgecolor": colours().ink, "hatch": "xxxxx",
-            "linewidth": 1.0}
+            "linewidth": 3.0, "linestyle": (0, (0.5, 0.5))}
 
 
 def drive_style() -> dict[str, Any]:

@@ -181,7 +181,7 @@ def _marks(history: ContactHistory, force_ax: Axes, gap_ax: Axes, time: Scale) -
     if len(history.episodes) > MARKED_UP_TO:
         return []
     marks, (_, ink, faint, *_) = [], colours()
-    for _, force_end, opening in history.episodes:
+    for k, (_, force_end, opening) in enumerate(history.episodes):
         for ax, t, what in ((force_ax, force_end, "force ends"), (gap_ax, opening, "gap opens")):
             if not t < np.inf:
                 continue
@@ -189,7 +189,8 @@ def _marks(history: ContactHistory, force_ax: Axes, gap_ax: Axes, time: Scale) -
                 each.axvline(t * time.factor, color=faint, linewidth=0.8, linestyle=":", zorder=0)
             right = t * time.factor > 0.7 * ax.get_xlim()[1]
             marks.append(ax.annotate(
-                f"{what} at {time.write(t)}", (t * time.factor, 1.0), (-4 if right else 4, -3),
+                f"{what} at {time.write(t)}", (t * time.factor, 1.0),
+                (-4 if right else 4, -3 - 11 * k),
                 ax.get_xaxis_transform(), "offset points", ha="right" if right else "left",
                 va="top", fontsize=SMALL + 1, color=ink))
     return marks

@@ -125,33 +125,13 @@ class Outcome:
 
     def why_no_restitution(self) -> str:
         """Return the sentence that says why `restitution` is undefined, empty if it is defined."""
-        if not self.unilateral:
-            return "restitution is undefined: no contact of this row can open"
-        if len(self.unilateral) != 1:
-            return (
-                f"restitution is defined for one contact, this row has {len(self.unilateral)}; "
-                "read velocities_after instead"
-            )
-        if self.driven:
-            return (
-                "restitution is undefined: gravity, or what drives an end, changes the velocities "
-                "too; read impulse and velocities instead"
-            )
-        k = self.unilateral[0]
-        if self.contacts[k].episodes == 0:
+        episodes, closing = 0, 0.0
+        if len(self.unilateral) == 1:
+            k = self.unilateral[0]
+            episodes = self.contacts[k].episodes
             closing = self.velocities_before[k] - self.velocities_before[k + 1]
-            how = "move apart" if closing < 0 else "do not approach each other"
-            return "restitution is undefined: nothing collided" + (
-                f"; the bodies {how}" if closing <= 0 else f"; {self.status}"
-            )
-        if not self.final:
-            return f"restitution is undefined: the collision is not over. {self.status}"
-        if self.velocities_before[k] <= self.velocities_before[k + 1]:
-            return (
-                "restitution is undefined: the centres of mass did not approach each other; only "
-                "vibration brought the bodies together"
-            )
-        return ""
+        return no_restitution(
+            len(self.unilateral), self.driven, episodes, self.final, closing, self.status)
 
     def _only_contact(self) -> ContactTally:
         if len(self.unilateral) != 1:
@@ -221,6 +201,52 @@ class Outcome:
         from ..storage.tables import as_html
 
         return as_html(str(self))
+
+
+def no_restitution(
+    contacts: int, driven: bool, episodes: int, final: bool, closing: float, status: str
+) -> str:
+    """Why there is no coefficient of restitution; empty if there is one.
+
+    Parameters
+    ----------
+    contacts : int
+        How many can open.
+    driven : bool
+        Whether velocities change besides at contacts.
+    episodes : int
+        How often the only contact pressed.
+    final : bool
+    closing : float
+        Velocity at which the two sides of the only contact approached each other, m/s.
+    status : str
+        Why the run ended.
+    """
+    if contacts == 0:
+        return "restitution is undefined: no contact of this row can open"
+    if contacts != 1:
+        return (
+            f"restitution is defined for one contact, this row has {contacts}; "
+            "read velocities_after instead"
+        )
+    if driven:
+        return (
+            "restitution is undefined: gravity, or what drives an end, changes the velocities "
+            "too; read impulse and velocities instead"
+        )
+    if episodes == 0 and closing <= 0:
+        how = "move apart" if closing < 0 else "do not approach each other"
+        return f"restitution is undefined: nothing collided; the bodies {how}"
+    if episodes == 0:
+        return f"restitution is undefined: nothing collided; {status}"
+    if not final:
+        return f"restitution is undefined: the collision is not over. {status}"
+    if closing <= 0:
+        return (
+            "restitution is undefined: the centres of mass did not approach each other; only "
+            "vibration brought the bodies together"
+        )
+    return ""
 
 
 def effective_restitution(

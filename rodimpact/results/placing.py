@@ -131,7 +131,7 @@ def placing(
     begin = np.cumsum([0.0, *lengths[:-1]])
     apart = np.array(solution.fields.positions) - begin
     masses = np.array([isinstance(body, RigidMass) for body in solution.system.bodies])
-    block = _round_down(BLOCK * sum(lengths)) if masses.any() else 0.0
+    block = round_down(BLOCK * sum(lengths)) if masses.any() else 0.0
     left = begin + block * (np.cumsum(masses) - masses)
     times = np.linspace(start, stop, 101)
     moved = np.array([
@@ -141,17 +141,14 @@ def placing(
     slowest = _slowest(solution)
     relative = float(np.ptp(moved - slowest * times))
     reach = float(np.ptp(moved))
-    drifts = ROUND_OFF * reach < relative < reach / DRIFT
     if magnification is None:
-        reach = relative if drifts else reach
-        wanted = REACH * sum(lengths) / reach if reach > 0 else 1.0
         strain = 0.0
         for body in bodies:
             if lengths[body]:
                 x, t = np.broadcast_arrays(np.linspace(0, lengths[body], 33)[:, None], times)
                 strain = max(strain, float(np.abs(solution.strain(body, x, t)).max()))
-        magnification = max(1.0, _round_down(min(wanted, SQUEEZE / strain if strain else wanted)))
-    frame = slowest if drifts else 0.0
+        magnification = magnified(sum(lengths), reach, relative, strain)
+    frame = slowest if drifts(reach, relative) else 0.0
     return Placing(solution, magnification, frame, left, apart, block)
 
 
@@ -168,7 +165,24 @@ def _slowest(solution: Solution) -> float:
     return min(held or solution.outcome.velocities_before, key=abs)
 
 
-def _round_down(number: float) -> float:
+def drifts(reach: float, relative: float) -> bool:
+    """Whether a row drifts much farther, `reach`, than its bodies move against each other."""
+    return ROUND_OFF * reach < relative < reach / DRIFT
+
+
+def magnified(length: float, reach: float, relative: float, strain: float) -> float:
+    """Magnification for rods of that length that move so far, m, and with that largest strain."""
+    moved = relative if drifts(reach, relative) else reach
+    wanted = REACH * length / moved if moved > 0 else 1.0
+    if strain > 0:
+        wanted = min(wanted, SQUEEZE / strain)
+    return max(1.0, round_down(wanted))
+
+
+def round_down(number: float) -> float:
     """Largest of 1, 2, 5 times a power of ten that is no larger."""
     base = 10.0 ** math.floor(math.log10(number) + 1e-9)
-    return next(lead * base for lead in (5, 2, 1) if lead * base <= number * (1 + 1e-9))
+    for lead in (5, 2):
+        if lead * base <= number * (1 + 1e-9):
+            return lead * base
+    return base

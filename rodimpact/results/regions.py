@@ -1,9 +1,7 @@
 """The exact picture of a solution: polygons of constant state in the (x, t) plane.
 
 The two families of fronts cut each segment's strip of the plane into regions in which velocity and
-strain are constant. With p and q the ticks at which the waves seen at (x, t) left the left and the
-right end, a region is a rectangle in (p, q), cut by the ends of the segment and of the interval;
-all its corners have whole p and q. Plots, page and animation draw these polygons.
+strain are constant. Plots, page and animation draw these polygons.
 """
 
 from __future__ import annotations
@@ -15,6 +13,7 @@ import numpy as np
 from ..methods.signals import Floats, Ints
 from ..model import Rod
 from ..model.arguments import single
+from .cutting import Corner, region, spans
 from .solution import Solution, check_solution
 from .wave_fields import WaveFields
 
@@ -155,63 +154,31 @@ def _count(fields: WaveFields, start: int, stop: int, limit: int) -> int:
     if len(segments) > limit:  # each has at least one
         return len(segments)
     for s in segments:
-        *_, low, high = _rectangles(fields, s, start, stop)
-        count += int((high - low).sum())
+        rows = spans(*_edges(fields, s, start, stop), fields.clock.ticks[s], start, stop)
+        count += sum(end - first for first, end in rows)
         if count > limit:
             break
     return count
 
 
-def _rectangles(fields: WaveFields, s: int, start: int, stop: int) -> tuple[Ints, Ints, Ints, Ints]:
-    """Edges p and q of rectangles; those from low[i] to high[i] in q are regions beside p[i]."""
-    A, B = fields.waves(s)
-    T = fields.clock.ticks[s]
-    p, q = (np.concatenate(([start - T], wave.jumps_in(start - T, stop), [stop]))
-            for wave in (A, B))
-    low = np.searchsorted(q[1:], np.maximum(p[:-1] - T, start - T + (start - p[1:])), "right")
-    high = np.searchsorted(q[:-1], np.minimum(p[1:] + T, stop - T + (stop - p[:-1])), "left")
-    return p, q, low, high
-
-
-Corner = tuple[int, int]
+def _edges(fields: WaveFields, s: int, start: int, stop: int) -> tuple[list[int], list[int]]:
+    """Ticks between which waves leave the left and the right end of a segment."""
+    first = start - fields.clock.ticks[s]
+    left, right = (
+        [first, *wave.jumps_in(first, stop).tolist(), stop] for wave in fields.waves(s)
+    )
+    return left, right
 
 
 def _polygons(
     fields: WaveFields, s: int, start: int, stop: int
 ) -> tuple[list[list[Corner]], list[tuple[float, float]]]:
     """Regions of one segment as corners (p, q), and the two waves in each."""
-    A, B = fields.waves(s)
-    T = fields.clock.ticks[s]
-    edges_p, edges_q, low, high = _rectangles(fields, s, start, stop)
-    right, left = A.at(edges_p[:-1]).tolist(), B.at(edges_q[:-1]).tolist()
-    ps, qs = edges_p.tolist(), edges_q.tolist()
+    (A, B), (ps, qs), T = fields.waves(s), _edges(fields, s, start, stop), fields.clock.ticks[s]
+    right, left = A.at(ps[:-1]).tolist(), B.at(qs[:-1]).tolist()
     polygons, waves = [], []
-    for i, (first, last) in enumerate(zip(low.tolist(), high.tolist(), strict=True)):
-        p0, p1 = ps[i : i + 2]
-        for j in range(first, last):
-            q0, q1 = qs[j : j + 2]
-            corners: list[Corner] = [(p0, q0), (p1, q0), (p1, q1), (p0, q1)]
-            for normal, bound in (
-                ((-1, 1), T), ((1, -1), T), ((1, 1), 2 * stop - T), ((-1, -1), T - 2 * start)
-            ):
-                corners = _clip(corners, normal, bound)
-            polygons.append(corners)
+    for i, (first, end) in enumerate(spans(ps, qs, T, start, stop)):
+        for j in range(first, end):
+            polygons.append(region(ps[i], ps[i + 1], qs[j], qs[j + 1], T, start, stop))
             waves.append((right[i], left[j]))
     return polygons, waves
-
-
-def _clip(corners: list[Corner], normal: Corner, bound: int) -> list[Corner]:
-    """Part of a polygon in which normal . corner <= bound; nothing if that has no area."""
-    inside: list[Corner] = []
-    n0, n1 = normal
-    depth = [bound - n0 * p - n1 * q for p, q in corners]
-    if max(depth, default=0) <= 0:
-        return []
-    for i, (p, q) in enumerate(corners):
-        if depth[i] >= 0:
-            inside.append((p, q))
-        j = (i + 1) % len(corners)
-        if depth[i] * depth[j] < 0:
-            (pj, qj), change = corners[j], depth[i] - depth[j]
-            inside.append((p + (pj - p) * depth[i] // change, q + (qj - q) * depth[i] // change))
-    return inside

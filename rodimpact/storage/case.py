@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..model import System
 from .grids import Varied
 
 SCHEMA = 1
+
+
+class GaugePlace(NamedTuple):
+    """A strain gauge on a rod: the body, and the fraction of its length from the left end."""
+
+    body: int
+    fraction: float
 
 
 @dataclass(frozen=True)
@@ -24,6 +31,8 @@ class Case:
         were given, for ``ri.solve``.
     output : dict of str
         Those of `plot` and `save` that were given: names of files.
+    gauges : tuple of GaugePlace
+        Strain gauges that ``rodimpact explore`` and ``rodimpact export`` show.
     path : str
         Where it was read from; empty if from nowhere.
     varied : tuple of Varied
@@ -33,5 +42,6 @@ class Case:
     system: System
     solve: dict[str, Any] = field(default_factory=dict)
     output: dict[str, str] = field(default_factory=dict)
+    gauges: tuple[GaugePlace, ...] = ()
     path: str = ""
     varied: tuple[Varied, ...] = field(default=(), compare=False)

@@ -16,7 +16,7 @@ from ..model.frozen import Field, InvalidModel, Number
 from ..model.lateral_inertia import THEORIES
 from ..model.laws import CONTACT_LAWS, FACE, ContactLaw, Hertz, Spring
 from ..units import shown
-from .case import SCHEMA, Case
+from .case import SCHEMA, Case, GaugePlace
 from .case_tables import Table
 from .grids import Grids
 
@@ -66,12 +66,14 @@ def case_from(
         gravity=gravity, ends=ends,
     )
     options, output = _read_solve(top.table("solve")), _read_output(top.table("output"))
+    gauges = tuple(_read_gauge(table, bodies) for table in top.tables("gauges"))
     top.close()
     _check_varied(top, system)
     if top.mistakes:
         raise InvalidModel(list(top.mistakes.items()))
     taken = top.grids.taken
-    return Case(system, options, output, source, tuple(taken[path] for path in top.grids.texts))
+    varied = tuple(taken[path] for path in top.grids.texts)
+    return Case(system, options, output, gauges, source, varied)
 
 
 def _check_schema(top: Table) -> None:
@@ -239,6 +241,20 @@ def _read_output(table: Table) -> dict[str, str]:
             table.note(key, f"must be the name of a file, got {shown(name)}")
     table.close()
     return names
+
+
+def _read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
+    rods = [i for i, body in enumerate(bodies) if isinstance(body, Rod)]
+    body: Any = table.data["body"] if table.has("body") else None
+    if type(body) is not int or body not in rods:
+        names = ", ".join(map(str, rods))
+        table.note("body", f"must be the number of a rod, {names}; got {shown(body)}")
+    given = table.data["fraction"] if table.has("fraction") else None
+    fraction = table.quantity("fraction", given, "dimensionless")
+    if not 0 <= fraction <= 1:
+        table.note("fraction", f"must lie in [0, 1], got {shown(given)}")
+    table.close()
+    return GaugePlace(body, fraction)
 
 
 def _check_varied(top: Table, system: System | None) -> None:

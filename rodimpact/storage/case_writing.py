@@ -63,6 +63,8 @@ def write_case(case: Case | System) -> str:
         lines += _table("[[contacts]]", contact)
     for side, end in described.get("ends", {}).items():
         lines += _table(f"[ends.{side}]", end)
+    for gauge in case.gauges:
+        lines += _table("[[gauges]]", gauge._asdict())
     for name, options in (("solve", case.solve), ("output", case.output)):
         lines += _table(f"[{name}]", options) if options else []
     return "\n".join(lines) + "\n"

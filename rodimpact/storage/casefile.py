@@ -34,6 +34,10 @@
                              # `rodimpact.solve`; all but the last for `rodimpact.sweep` too
     [output]                 # plot, save: names of files to write
 
+    [[gauges]]               # a strain gauge of `rodimpact explore` and `rodimpact export`
+    body = 0
+    fraction = 0.5           # of the rod's length, from its left end
+
 A law, "rigid", "bonded", "joint", "spring", "spring-dashpot", "hertz" and so on, takes the
 numbers of its class, under their names; Hertz contact a stiffness, or left_radius and right_radius.
 
@@ -64,6 +68,7 @@ from pathlib import Path
 from ..model.frozen import InvalidModel
 from ..units import shown
 from .case import Case as Case
+from .case import GaugePlace as GaugePlace
 from .case_reading import case_from as case_from
 from .case_writing import write_case as write_case
 from .writing import file_name

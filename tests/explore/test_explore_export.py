@@ -5,12 +5,13 @@ import hashlib
 import html.parser
 import json
 import re
+import zlib
 
 import pytest
 
 import rodimpact as ri
 from rodimpact.cli import main
-from rodimpact.explore.page_files import SCRIPTS, read
+from rodimpact.explore.page_files import PACKED, SCRIPTS, lean, read
 
 MOST = 500_000  # bytes of the page of the box
 
@@ -79,11 +80,20 @@ def test_the_page_asks_nobody_for_anything(case, tmp_path):
 
 
 def test_all_of_the_script_is_inside(case, tmp_path):
-    export(case)
-    page = Reader((tmp_path / "page.html").read_text(encoding="utf-8"))
-    assert page.texts["script"] == "\n".join(read(name) for name in SCRIPTS)
     listed = re.findall(r'<script src="([a-z]+\.js)"', read("page.html"))
     assert tuple(listed) == SCRIPTS
+    for options in ((), ("--live", "--force")):
+        export(case, *options)
+        page = Reader((tmp_path / "page.html").read_text(encoding="utf-8"))
+        kernels = zlib.decompress(base64.b64decode(page.texts["packed"])).decode()
+        for name in SCRIPTS:
+            inside = kernels if name in PACKED else page.texts["script"]
+            assert lean(read(name)) in inside or (name in PACKED and not options)
+
+
+def test_lean_scripts_keep_every_statement():
+    lines = ['"use strict";', "// a word", "/** More", " words */", "  let a; // kept", "}"]
+    assert lean("\n".join(lines)) == '"use strict";\nlet a; // kept\n}'
 
 
 def test_an_existing_page_is_kept_unless_forced(case, tmp_path, capsys):

@@ -1,10 +1,12 @@
 """The page in a browser: what a person sees and does."""
 
 import json
+import os
 import re
 import shutil
 import threading
 import tomllib
+from pathlib import Path
 
 import pytest
 
@@ -135,8 +137,27 @@ def test_a_number_box_and_the_keys_of_a_slider_do_the_same(visit):
     assert field(page, LENGTH).input_value() == "251"
 
 
+def rods_at(page, share):
+    """Left and right end of every rod in the picture, at a thousandth of the film."""
+    page.locator("#time").fill(str(share))
+    pieces = page.evaluate("""() => slice(shown.scene, now()).map(({ polygon, low, high }) =>
+        [shown.scene.tiling.body[polygon], low, high])""")
+    found = {}
+    for body, low, high in pieces:
+        left, right = found.get(body, (low, high))
+        found[body] = (min(left, low), max(right, high))
+    return found
+
+
+def assert_the_film_ends_with_its_rods(page):
+    before, last = rods_at(page, 999), rods_at(page, 1000)
+    assert last.keys() == before.keys()
+    for body, ends in last.items():
+        assert ends == pytest.approx(before[body], abs=0.01)
+
+
 @pytest.mark.parametrize("key", PRESETS)
-def test_a_preset_shows_its_collision(visit, key):
+def test_a_preset_shows_its_collision_to_the_end(visit, key):
     page = visit()
     page.select_option("#preset", key)
     outcome = PRESETS[key].solve().outcome
@@ -146,6 +167,7 @@ def test_a_preset_shows_its_collision(visit, key):
     if outcome.bodies[-1] == "rod":
         assert any(row.endswith(last) for row in rows)
     assert page.locator("#controls fieldset").count() == 2 * len(outcome.bodies)
+    assert_the_film_ends_with_its_rods(page)
 
 
 def test_material_and_law_can_be_chosen(visit):
@@ -185,12 +207,15 @@ def test_a_view_can_be_shared(visit):
     page = visit()
     field(page, LENGTH).fill("300")
     page.check("input[value=stress]")
+    page.check("#displaced")
+    page.locator("#question").fill("How long & why?")
     page.locator("#time").fill("700")
     wait_for_e(page, "0.3")
     page.wait_for_url(re.compile(r"bodies\.0\.length=0\.3&.*view\.quantity=stress&view\.time=0\.7"))
     address, seen = page.url, (picture(page), picture(page, "#rods"))
     again = visit(address)
     wait_for_e(again, "0.3")
+    assert again.inner_text("#question") == "How long & why?"
     assert again.is_checked("input[value=stress]")
     assert (picture(again), picture(again, "#rods")) == seen
 
@@ -217,34 +242,6 @@ def test_play_pause_and_scrub(visit):
     assert picture(page, "#rods") != start
     page.wait_for_timeout(200)
     assert float(page.input_value("#time")) == moved
-
-
-def rods_at(page, share):
-    """Left and right end of every rod in the picture, at a thousandth of the film."""
-    page.locator("#time").fill(str(share))
-    pieces = page.evaluate("""() => slice(shown.scene, now()).map(({ polygon, low, high }) =>
-        [shown.scene.tiling.body[polygon], low, high])""")
-    found = {}
-    for body, low, high in pieces:
-        left, right = found.get(body, (low, high))
-        found[body] = (min(left, low), max(right, high))
-    return found
-
-
-def assert_the_film_ends_with_its_rods(page):
-    before, last = rods_at(page, 999), rods_at(page, 1000)
-    assert last.keys() == before.keys()
-    for body, ends in last.items():
-        assert ends == pytest.approx(before[body], abs=0.01)
-
-
-@pytest.mark.parametrize("key", PRESETS)
-def test_no_rod_vanishes_at_the_end_of_the_film(visit, key):
-    page = visit()
-    page.select_option("#preset", key)
-    outcome = PRESETS[key].solve().outcome
-    wait_for_e(page, "-" if outcome.why_no_restitution() else shown_e(outcome))
-    assert_the_film_ends_with_its_rods(page)
 
 
 def test_pointing_reads_the_value_of_the_solution(visit):
@@ -308,7 +305,9 @@ def test_files_can_be_taken_away(visit, tmp_path):
     with page.expect_download() as download:
         page.click("#save-case")
     download.value.save_as(tmp_path / "case.toml")
-    assert ri.read_case(tmp_path / "case.toml").system.bodies[0].length == 0.35
+    case = ri.read_case(tmp_path / "case.toml")
+    assert case.system.bodies[0].length == 0.35
+    assert case.gauges == PRESETS["unequal"].case.gauges
     assert tomllib.loads((tmp_path / "case.toml").read_text())["schema"] == 1
     with page.expect_download() as download:
         page.click("#save-svg")
@@ -354,6 +353,236 @@ def test_every_control_has_a_name_and_takes_the_focus(visit):
         page.keyboard.press("Tab")
         seen.add(page.evaluate("document.activeElement.id || document.activeElement.name"))
     assert {"preset", "theme", "quantity", "diagram", "play", "time", LENGTH} <= seen
+
+
+HERTZ = ri.System(PRESETS["unequal"].case.system.bodies, contacts=[ri.Hertz(1e10)])
+
+
+def begin(page, system):
+    """Show another collision; without an answer yet there is no scene of it."""
+    page.evaluate("design => { shown.scene = null; begin(design); }",
+                  Design.of(ri.Case(system)).to_dict())
+    page.wait_for_function("() => shown.scene !== null")
+
+
+def test_a_spring_keeps_the_faces_apart_and_the_film_begins_before_contact(visit):
+    page = visit()
+    begin(page, HERTZ)
+    for share in range(0, 1001, 100):
+        ends = rods_at(page, share)
+        assert ends[0][1] < ends[1][0]
+    page.locator("#time").fill("0")
+    assert page.evaluate("now()") < 0
+    sync_api.expect(page.locator("#sentence")).to_contain_text("Rod 0 comes with 1")
+    assert page.evaluate("shown.scene.grids.map((g) => g.rows * g.across).reduce((a, b) => a + b)"
+                         " === shown.scene.cells")
+
+
+def test_a_sentence_follows_the_events(visit):
+    page = visit()
+    wait_for_e(page, "0.4")
+    sentence = page.locator("#sentence")
+    assert sentence.get_attribute("aria-live") == "polite"
+    page.locator("#time").fill("0")
+    for words in ("Rod 0 and rod 1 meet", "left end of rod 0 and turns back",
+                  "the force between rod 0 and rod 1 ends; touching, not pressing"):
+        page.click("#event-after")
+        sync_api.expect(sentence).to_contain_text(words)
+    T = 0.4 / ri.materials.steel.wave_speed
+    assert page.evaluate("now()") == pytest.approx(2 * T, rel=1e-6)
+    page.click("#event-before")
+    sync_api.expect(sentence).to_contain_text("turns back")
+    spot = page.evaluate("({ x: shown.frame.x, y: shown.frame.up(shown.scene.events[1].t) })")
+    page.locator("#diagram").click(position=spot)
+    sync_api.expect(sentence).to_contain_text("meet")
+    page.click("summary")
+    page.locator("#events button").last.click()
+    sync_api.expect(sentence).to_contain_text("rod 1 has 0.4 m/s on average")
+    sync_api.expect(page.locator("#notes")).to_contain_text("touch without force until the gap")
+
+
+def test_a_guess_comes_before_e(visit):
+    page = visit()
+    wait_for_e(page, "0.4")
+    page.click("#guess-first")
+    assert not page.locator("#restitution").is_visible()
+    assert not page.locator("#facts").is_visible()
+    page.keyboard.type("0.7")
+    page.keyboard.press("Enter")
+    sync_api.expect(page.locator("#verdict")).to_have_text("You said 0.7; it is 0.4: off by 0.3.")
+    assert page.locator("#restitution").is_visible()
+    page.select_option("#preset", "chain")
+    sync_api.expect(page.locator("#heading")).to_have_text("After the collision")
+    assert not page.locator("#restitution").is_visible()
+
+
+def test_a_tour_of_the_box_in_six_steps(visit):
+    page = visit()
+    page.click("#tour-open")
+    shown = []
+    for k in range(6):
+        sync_api.expect(page.locator("#tour-text")).to_contain_text(f"{k + 1} of 6")
+        page.wait_for_function("() => !scenes.busy && !arrived")
+        shown.append((page.input_value("#preset"), page.evaluate("now()")))
+        page.click("#tour-next")
+    T = 1 / ri.materials.steel.wave_speed
+    assert [key for key, _ in shown] == [*["identical"] * 4, "wall", "unequal"]
+    assert [t / T for _, t in shown[1:]] == pytest.approx([0.5, 1, 2, 2, 0.8])
+    assert shown[0][1] < 0
+    assert not page.locator("#tour").is_visible()
+
+
+def test_what_one_drags_stays_in_sight(visit):
+    page = visit(viewport={"width": 1280, "height": 800})
+    box = page.locator("#plot-force canvas").bounding_box()
+    assert box["y"] + box["height"] <= 800
+    page.set_viewport_size({"width": 900, "height": 800})
+    field(page, "bodies.1.velocity").scroll_into_view_if_needed()
+    box = page.locator("#diagram").bounding_box()
+    assert box["y"] >= 0
+    assert box["y"] + box["height"] <= 800
+
+
+def test_keys_and_fingers(visit):
+    page = visit(viewport={"width": 360, "height": 700}, has_touch=True)
+    wait_for_e(page, "0.4")
+    page.locator("body").press("Space")
+    sync_api.expect(page.locator("#play")).to_have_text("Pause")
+    page.locator("body").press("Space")
+    assert page.evaluate("scrollY") == 0
+    box = page.locator("#diagram").bounding_box()
+    page.touchscreen.tap(box["x"] + 0.4 * box["width"], box["y"] + 0.5 * box["height"])
+    sync_api.expect(page.locator("#readout")).to_contain_text("velocity")
+    small = page.evaluate(f"""() => [...document.querySelectorAll("{CONTROLS}, summary")]
+        .filter((e) => e.getClientRects().length).filter((e) => {{
+            const {{ width, height }} = e.getBoundingClientRect();
+            return width < 24 || height < 24;
+        }}).map((e) => e.outerHTML)""")
+    assert small == []
+
+
+def test_two_collisions_are_shown_at_the_same_time_in_the_same_colours(visit):
+    page = visit()
+    wait_for_e(page, "0.4")
+    page.click("#compare")
+    page.select_option("#preset", "hopkinson")
+    page.wait_for_function("() => !scenes.busy && shown.scene.bodies.length === 3")
+    sync_api.expect(page.locator("#other-text")).to_contain_text("Kept: e = 0.4.")
+    reach = page.evaluate("[shown.scene, shown.other].map((scene) => scene.reach)")
+    assert reach[0] == reach[1]
+    assert reach[0]["velocity"] == 10
+    page.locator("#time").fill("0")
+    assert page.evaluate("now() === Math.min(shown.scene.begin, shown.other.begin)")
+    boxes = [page.locator(canvas).bounding_box() for canvas in ("#diagram", "#other-diagram")]
+    assert boxes[0]["x"] + boxes[0]["width"] <= boxes[1]["x"]
+    page.click("#compare")
+    assert not page.locator("#other").is_visible()
+
+
+def bodies_of(page):
+    return page.evaluate("design.case.bodies.map((body) => body.kind)")
+
+
+def test_bodies_come_go_and_change_places(visit):
+    page = visit()
+    wait_for_e(page, "0.4")
+    page.select_option("#add-kind", "wall")
+    page.click("text=Add >> nth=0")
+    page.select_option("#add-kind", "mass")
+    page.click("text=Add >> nth=0")
+    assert bodies_of(page) == ["rod", "rod", "mass", "wall"]
+    sync_api.expect(page.locator("#results")).to_contain_text("velocity of mass 2")
+    page.click("[aria-label='Remove rod 0']")
+    assert bodies_of(page) == ["rod", "mass", "wall"]
+    assert page.evaluate("[design.gauges[0].body, design.case.contacts.length]") == [0, 2]
+    page.click("[aria-label='Move mass 1 to the left']")
+    page.click("[aria-label='+ step of rod 1']")
+    assert page.evaluate("design.case.bodies[1].segments.map((s) => s.area)") == [1e-4, 2e-4]
+    page.click("text=− step")  # noqa: RUF001
+    sync_api.expect(page.locator("#results")).to_contain_text("velocity of mass 0")
+    for _ in range(3):
+        page.keyboard.press("Control+z")
+    assert bodies_of(page) == ["rod", "mass", "wall"]
+    for _ in range(3):
+        page.click("#undo")
+    wait_for_e(page, "0.4")
+    assert page.locator("#undo").is_disabled()
+
+
+def drag(page, start, way):
+    """Drag a point of the strip, given by an expression, by so many pixels."""
+    page.wait_for_function("() => !scenes.busy && !shown.due")
+    x, y = page.evaluate(start)
+    box = page.locator("#rods").bounding_box()
+    page.mouse.move(box["x"] + x, box["y"] + y)
+    page.mouse.down()
+    for share in (0.3, 0.7, 1):
+        page.mouse.move(box["x"] + x + share * way, box["y"] + y)
+    page.mouse.up()
+
+
+def test_ends_gauges_and_rods_are_dragged_in_the_picture(visit):
+    page = visit()
+    wait_for_e(page, "0.4")
+    across = "shown.strip.frame.across(shown.strip.ends.get({})[{}])"
+    scale = page.evaluate("shown.strip.frame.across(1) - shown.strip.frame.across(0)")
+    drag(page, f"[{across.format(1, 1)}, shown.strip.middle]", 0.2 * scale)
+    assert float(field(page, "bodies.1.length").input_value()) == pytest.approx(1200, abs=2)
+    wait_for_e(page, f"{400 / float(field(page, 'bodies.1.length').input_value()):.9g}")
+    drag(page, "shown.strip.gauges[0]", 60)
+    assert float(field(page, "gauges.0.fraction").input_value()) > 60
+    drag(page, f"[{across.format(0, 1)} - 20, shown.strip.middle]", 0.9 * scale)
+    assert float(field(page, "bodies.1.length").input_value()) == 400
+    page.click("#undo")
+    assert float(field(page, LENGTH).input_value()) == 400
+
+
+def test_the_range_of_a_slider_follows_its_value(visit):
+    page = visit()
+    field(page, LENGTH).fill("5000")
+    assert float(slider(page, LENGTH).get_attribute("max")) > 5000
+    slider(page, LENGTH).press("End")
+    slider(page, LENGTH).press("ArrowRight")
+    assert float(field(page, LENGTH).input_value()) > 5000
+
+
+def test_names_never_become_markup(visit):
+    page = visit()
+    alloy = ri.Material("<b onclick=1>&amp;</b>", youngs_modulus=200e9, density=7850.0)
+    rod = ri.Rod(1.0, area=1e-4, material=alloy, velocity=1.0)
+    begin(page, ri.System([rod, ri.Wall()]))
+    assert alloy.name in page.locator('[id="bodies.0.material"]').inner_text()
+    assert page.locator("b").count() == 0
+
+
+@pytest.mark.parametrize(("width", "scheme"), [(360, "dark"), (1280, "light")])
+def test_an_accessibility_checker_finds_nothing(visit, width, scheme):
+    checker = Path(os.environ.get("AXE_CORE", ""))
+    if not checker.is_file():
+        pytest.skip("AXE_CORE names no axe.min.js (npm install axe-core has one)")
+    page = visit(viewport={"width": width, "height": 800}, color_scheme=scheme, bypass_csp=True)
+    begin(page, HERTZ)
+    for button in ("#tour-open", "#guess-first", "summary"):
+        page.click(button)
+    page.evaluate(checker.read_text(encoding="utf-8") + "; 0")
+    asked = {"rules": {"target-size": {"enabled": True}}}
+    found = page.evaluate("asked => axe.run(document, asked)", asked)["violations"]
+    assert [(v["id"], [node["html"] for node in v["nodes"]]) for v in found] == []
+
+
+def test_the_page_says_that_it_is_solving(visit):
+    page = visit()
+    begin(page, HERTZ)
+    before = page.inner_text("#restitution")
+    page.evaluate("""() => {
+        const [asked, opened] = [fetch, new Promise((open) => { window.open_gate = open; })];
+        window.fetch = (...question) => opened.then(() => asked(...question));
+    }""")
+    field(page, LENGTH).fill("300")
+    sync_api.expect(page.locator("#solving")).to_be_visible()
+    page.evaluate("open_gate()")
+    sync_api.expect(page.locator("#restitution")).not_to_have_text(before)
+    assert not page.locator("#solving").is_visible()
 
 
 def test_the_latest_request_wins(visit):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
-from rodimpact.explore.comparison import closed_curve
 from rodimpact.results.closed_forms import COLUMNS, closed_form
 
 STEEL = ri.materials.steel
@@ -56,7 +55,6 @@ def test_a_closed_form_is_that_of_the_collision(system, source):
 ])
 def test_there_is_none_where_none_holds(system):
     assert closed_form(system) is None
-    assert closed_curve(system, None) is None
 
 
 @pytest.mark.parametrize("other", [RIGHT, ri.Wall(), MASS])

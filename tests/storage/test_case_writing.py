@@ -11,12 +11,12 @@ from networks import move_together
 from systems import random_system
 
 import rodimpact as ri
-from rodimpact.storage.casefile import Case, parse_case, write_case
+from rodimpact.storage.casefile import Case, GaugePlace, parse_case, write_case
 
 
 def test_written_cases_read_back_equal():
     case = Case(ri.System([ROD]), {"until": 1e-3, "method": "fronts", "max_events": 5},
-                {"plot": 'a "b" \\ \x7f\n€.png'})
+                {"plot": 'a "b" \\ \x7f\n€.png'}, (GaugePlace(0, 0.25), GaugePlace(0, 1.0)))
     assert parse_case(write_case(case), "") == case
 
 

@@ -13,8 +13,8 @@ const FIELDS = {
   spring: { name: "stiffness", unit: "N/µm", power: 6, low: 1, high: 100000, log: true },
   hertz: { name: "stiffness", unit: "GN/m^1.5", power: 9, low: 1e-3, high: 1e4, log: true },
   damping: { name: "damping", unit: "SI", power: 0, low: 0, high: 1000, step: 1 },
-  restitution: { name: "restitution", unit: "", power: 0, low: 0, high: 1, step: 0.01 },
-  fraction: { name: "at", unit: "%", power: -2, low: 0, high: 100, step: 1 },
+  restitution: { name: "restitution", unit: "", power: 0, low: 0, high: 1, step: 0.01, bounded: true },
+  fraction: { name: "at", unit: "%", power: -2, low: 0, high: 100, step: 1, bounded: true },
 };
 const LAWS = { rigid: {}, hertz: { stiffness: 1e10 }, spring: { stiffness: 1e8 } };
 
@@ -37,6 +37,13 @@ function getAt(tree, path) {
 
 function setAt(tree, path, value) {
   getAt(tree, path.slice(0, -1))[path[path.length - 1]] = value;
+}
+
+/** Write a text where it is another; whether it was. */
+function write(element, text) {
+  const other = element.textContent !== text;
+  if (other) element.textContent = text;
+  return other;
 }
 
 function make(tag, attributes = {}, ...children) {
@@ -64,6 +71,7 @@ class Controls {
       if (i + 1 < bodies.length) blocks.push(this.contact(i));
     });
     if (listOf(state.gauges).length) blocks.push(this.gauges());
+    blocks.push(rowTools(state, this.changed));
     this.form.replaceChildren(...blocks);
     const again = focused && document.getElementById(focused);
     if (again) again.focus();
@@ -71,7 +79,7 @@ class Controls {
 
   body(body, i) {
     const path = ["case", "bodies", i];
-    const block = make("fieldset", {}, make("legend", {}, `${{ rod: "Rod", mass: "Mass", wall: "Wall" }[body.kind] || "Body"} ${i}`));
+    const block = make("fieldset", {}, make("legend", {}, `${{ rod: "Rod", mass: "Mass", wall: "Wall" }[body.kind] || "Body"} ${i}`), bodyTools(this.state, i, this.changed));
     if (body.kind === "mass") block.append(this.number([...path, "mass"], FIELDS.mass));
     const pieces = Array.isArray(body.segments)
       ? body.segments.map((_, j) => [...path, "segments", j]) : body.kind === "rod" ? [path] : [];
@@ -110,7 +118,11 @@ class Controls {
       block.append(this.choice([...path, "body"], `gauge ${k + 1} on rod`, rods, gauge.body, (body) => {
         gauge.body = Number(body);
         this.changed(false);
-      }), this.number([...path, "fraction"], { ...FIELDS.fraction, name: `gauge ${k + 1} at` }));
+      }), this.number([...path, "fraction"], { ...FIELDS.fraction, name: `gauge ${k + 1} at` }),
+      toolButton("✕", `Remove gauge ${k + 1}`, () => {
+        this.state.gauges.splice(k, 1);
+        this.changed(true);
+      }));
     });
     return block;
   }
@@ -172,7 +184,9 @@ class Controls {
       this.changed(false);
     };
     box.addEventListener("input", () => {
-      slider.value = field.log ? Math.log10(box.valueAsNumber) : box.valueAsNumber;
+      const number = field.log ? Math.log10(box.valueAsNumber) : box.valueAsNumber;
+      this.follow(slider, field, number);
+      slider.value = number;
       apply(box.valueAsNumber);
     });
     slider.addEventListener("input", () => {
@@ -180,8 +194,18 @@ class Controls {
       box.value = number;
       apply(number);
     });
+    slider.addEventListener("change", () => this.follow(slider, field, slider.valueAsNumber));
     return make("div", { class: "field" }, label,
       make("span", { class: "box" }, box, make("span", { class: "unit" }, field.unit)), slider, this.problem(key));
+  }
+
+  /** Let the range of a slider grow where its value reaches an end. */
+  follow(slider, field, number) {
+    if (field.bounded || !Number.isFinite(number)) return;
+    const [low, high] = [Number(slider.min), Number(slider.max)];
+    const room = field.log ? 1 : (high - low) / 2;
+    if (number >= high) slider.max = number + room;
+    if (number <= low) slider.min = field.log || field.low < 0 ? number - room : Math.max(0, Math.min(low, number));
   }
 
   /** A slider whose range holds the value it begins with. */
@@ -201,9 +225,8 @@ class Controls {
   showDerived(bodies) {
     for (const line of this.form.querySelectorAll(".derived[data-body]")) {
       const items = getAt(bodies, [line.dataset.body, "derived", line.dataset.segment]) || [];
-      const texts = items.map(([name, value]) => `${name} ${value}`);
-      if (line.textContent === texts.join("")) continue;
-      line.replaceChildren(...texts.map((text) => make("span", {}, text)));
+      while (line.children.length < items.length) line.append(make("span"));
+      items.forEach(([name, value], k) => write(line.children[k], `${name} ${value}`));
     }
   }
 
@@ -240,7 +263,7 @@ function fillTable(rows, entries) {
   while (rows.children.length > entries.length) rows.lastElementChild.remove();
   entries.forEach(([name, value], i) => {
     const row = rows.children[i] || rows.appendChild(make("tr", {}, make("th", { scope: "row" }), make("td")));
-    if (row.children[0].textContent !== name) row.children[0].textContent = name;
-    if (row.children[1].textContent !== value) row.children[1].textContent = value;
+    write(row.children[0], name);
+    write(row.children[1], value);
   });
 }

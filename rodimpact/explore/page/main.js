@@ -4,17 +4,19 @@
 const byId = (id) => document.getElementById(id);
 const embedded = byId("embedded") ? JSON.parse(byId("embedded").textContent) : null;
 
-const MOST_ZOOM = 10000;
+const PATIENCE = 250; // ms, before the page says that it is solving
 const shown = {
-  scene: null, view: null, share: 0.35, playing: false, mark: null, quantity: "velocity", frame: null,
-  theme: null, due: false, frames: 0,
+  scene: null, other: null, view: null, share: 0.35, playing: false, mark: null, quantity: "velocity",
+  displaced: false, zoomed: false, held: false, frame: null, strip: null, theme: null, due: false, frames: 0,
 };
 let design = null;
 let start = null;
+let arrived = null;
+let past = null;
 let controls = null;
 let scenes = null;
 let curves = null;
-let timers = { address: 0, curve: 0 };
+const timers = { address: 0, curve: 0, solving: 0 };
 
 // Drawing ----------------------------------------------------------------------------------------
 
@@ -24,12 +26,17 @@ function readTheme() {
   shown.theme = {
     size: Math.round(Math.min(17, parseFloat(style.fontSize) * 0.87)),
     series: [0, 1, 2, 3, 4].map((k) => colour(`series-${k}`)),
+    name: document.documentElement.dataset.theme,
+    stops: STOPS[document.documentElement.dataset.theme],
   };
   for (const name of ["paper", "ink", "faint", "line", "wrong"]) shown.theme[name] = colour(name);
+  for (const name of ["ink", "paper"]) shown.theme[`${name}s`] = shown.theme[name].match(/\w\w/g).map((pair) => parseInt(pair, 16));
+  byId("colours").style.background = `linear-gradient(to right, ${shown.theme.stops.map(css).join(",")})`;
 }
 
 function now() {
-  return shown.share * shown.scene.end;
+  const { begin, end } = filmSpan();
+  return Math.min(end, begin + shown.share * (end - begin));
 }
 
 function redraw() {
@@ -42,35 +49,19 @@ function redraw() {
 }
 
 function draw() {
-  const { scene, view, quantity: name, theme } = shown;
-  const t = now();
-  shown.frame = drawDiagram(new CanvasPen(byId("diagram")), scene, view, name, t, shown.mark, theme);
-  drawRods(new CanvasPen(byId("rods")), scene, view, name, t, theme);
+  const { scene, theme } = shown;
+  const t = Math.max(scene.begin, Math.min(scene.end, now()));
+  shown.frame = drawDiagram(new CanvasPen(byId("diagram")), scene, shown, t, shown.mark, theme);
+  shown.strip = drawRods(new CanvasPen(byId("rods")), scene, shown, t, theme);
+  drawBeside(now(), theme);
   drawPlots(byId("plots"), scene, t, theme);
   byId("time").value = 1000 * shown.share;
-  byId("time").setAttribute("aria-valuetext", quantity(t, "s"));
-  byId("now").value = quantity(t, "s");
+  byId("time").setAttribute("aria-valuetext", quantity(now(), "s"));
+  byId("now").value = quantity(now(), "s");
   showReading();
+  showLesson(scene, t);
   shown.frames += 1;
   document.documentElement.dataset.frames = shown.frames;
-}
-
-/** What is under the reading mark, in words. */
-function showReading() {
-  const { scene, mark, frame } = shown;
-  let text = "Point at the diagram to read velocity, stress, place and time.";
-  if (mark) {
-    const found = pick(scene, mark.place, mark.t, frame);
-    text = `t = ${quantity(mark.t, "s")}: `;
-    if (found) {
-      const { velocity, stress } = scene.tiling;
-      text += `${scene.bodies[found.body].title}, x = ${quantity(found.x, "m")} from its left end: `
-        + `velocity ${quantity(velocity[found.polygon], "m/s")}, stress ${quantity(stress[found.polygon], "Pa")}`;
-    } else {
-      text += "no rod here";
-    }
-  }
-  if (byId("readout").textContent !== text) byId("readout").textContent = text;
 }
 
 function showLegend() {
@@ -83,156 +74,52 @@ function showLegend() {
 function showNumbers(scene) {
   const { restitution: e } = scene;
   byId("restitution").value = e.text;
+  document.querySelector(".restitution").hidden = e.value === null;
+  byId("guess-first").hidden = e.value === null;
+  if (e.value === null) hideResult(false);
+  byId("heading").textContent = e.value === null ? "After the collision" : "Coefficient of restitution";
   const beside = e.closed_form === null ? "" : `Closed form (${e.source}): ${e.closed_text}`;
   const off = e.difference === undefined ? "" : `; difference ${e.difference}`;
   byId("theory").textContent = (e.why ? `${e.why}. ` : "") + beside + off;
   fillTable(byId("results"), scene.results);
-  const notes = scene.notes.join("\n");
-  if (byId("notes").dataset.shown !== notes) {
-    byId("notes").dataset.shown = notes;
-    byId("notes").replaceChildren(...scene.notes.map((text) => make("p", {}, text)));
+  const notes = [...touching(scene), ...scene.notes].map((text) => text.replace(/ us\b/g, " µs"));
+  if (byId("notes").dataset.shown !== notes.join()) {
+    byId("notes").dataset.shown = notes.join();
+    byId("notes").replaceChildren(...notes.map((text) => make("p", {}, text)));
   }
+}
+
+function showSolving(on) {
+  clearTimeout(timers.solving);
+  document.documentElement.toggleAttribute("data-solving", on);
+}
+
+function askScene(afresh = false) {
+  if (!timers.solving) timers.solving = setTimeout(showSolving, PATIENCE, true);
+  scenes.ask(design, afresh);
 }
 
 /** Take a new scene. */
 function show(scene) {
   shown.scene = prepare(scene);
-  if (!shown.zoomed) shown.view = wholeView(scene);
+  shareReach();
+  if (!shown.zoomed && !shown.held) shown.view = wholeView(shown.scene);
+  shown.scene.events = eventsOf(shown.scene);
   showNumbers(scene);
   showLegend();
+  listEvents();
+  namePaces();
   redraw();
-}
-
-// Time -------------------------------------------------------------------------------------------
-
-function play(on) {
-  shown.playing = on;
-  byId("play").textContent = on ? "Pause" : "Play";
-  byId("play").setAttribute("aria-pressed", String(on));
-  if (!on) return;
-  if (shown.share >= 1) shown.share = 0;
-  let last = performance.now();
-  const advance = (moment) => {
-    if (!shown.playing || !shown.scene) return;
-    shown.share = Math.min(1, shown.share + Math.max(0, moment - last) / 1000 / Number(byId("pace").value));
-    last = moment;
-    draw();
-    if (shown.share >= 1) play(false);
-    else requestAnimationFrame(advance);
-  };
-  requestAnimationFrame(advance);
-}
-
-// Zoom and reading -------------------------------------------------------------------------------
-
-/** Magnify about a place and a time. */
-function zoom(factor, place, t) {
-  const { view } = shown;
-  const whole = wholeView(shown.scene);
-  const scale = Math.min(factor, (view.right - view.left) / (whole.right - whole.left) * MOST_ZOOM);
-  shown.view = {
-    left: place + (view.left - place) / scale, right: place + (view.right - place) / scale,
-    from: t + (view.from - t) / scale, to: t + (view.to - t) / scale,
-  };
-  keepInside(whole);
-  redraw();
-}
-
-/** No view is wider than the whole, or beside it. */
-function keepInside(whole) {
-  const { view } = shown;
-  for (const [low, high] of [["left", "right"], ["from", "to"]]) {
-    const width = Math.min(view[high] - view[low], whole[high] - whole[low]);
-    view[low] = Math.max(whole[low], Math.min(view[low], whole[high] - width));
-    view[high] = view[low] + width;
-  }
-  shown.zoomed = view.right - view.left < 0.999 * (whole.right - whole.left);
-}
-
-function zoomAtMiddle(factor) {
-  const { view, mark } = shown;
-  zoom(factor, mark ? mark.place : (view.left + view.right) / 2, mark ? mark.t : (view.from + view.to) / 2);
-}
-
-function zoomAll() {
-  shown.zoomed = false;
-  shown.view = wholeView(shown.scene);
-  redraw();
-}
-
-function pan(across, up) {
-  const { view } = shown;
-  const [dx, dt] = [across * (view.right - view.left), up * (view.to - view.from)];
-  shown.view = { left: view.left + dx, right: view.right + dx, from: view.from + dt, to: view.to + dt };
-  keepInside(wholeView(shown.scene));
-  redraw();
-}
-
-function moveMark(across, up) {
-  const { view } = shown;
-  const mark = shown.mark || { place: (view.left + view.right) / 2, t: now() };
-  const within = (value, low, high) => Math.max(low, Math.min(high, value));
-  shown.mark = {
-    place: within(mark.place + across * (view.right - view.left), view.left, view.right),
-    t: within(mark.t + up * (view.to - view.from), view.from, view.to),
-  };
-  redraw();
-}
-
-function diagramKey(event) {
-  const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-  if (event.ctrlKey || event.altKey || event.metaKey || !shown.scene) return;
-  const [across, up] = arrows[event.key] || [0, 0];
-  if (across || up) (event.shiftKey ? pan : moveMark)(across / (event.shiftKey ? 10 : 50), up / (event.shiftKey ? 10 : 50));
-  else if (event.key === "+" || event.key === "=") zoomAtMiddle(1.5);
-  else if (event.key === "-") zoomAtMiddle(1 / 1.5);
-  else if (event.key === "0") zoomAll();
-  else if (event.key === "Escape") markAt(null);
-  else return;
-  event.preventDefault();
-}
-
-function markAt(event) {
-  if (!shown.frame) return;
-  const { frame } = shown;
-  const [x, y] = event ? [event.offsetX, event.offsetY] : [-1, -1];
-  const inside = x >= frame.x && x <= frame.right && y >= frame.y && y <= frame.bottom;
-  shown.mark = inside ? { place: frame.placeAt(x), t: frame.timeAt(y) } : null;
-  redraw();
-}
-
-function connectDiagram() {
-  const diagram = byId("diagram");
-  let held = null;
-  diagram.addEventListener("wheel", (event) => {
-    if (!shown.frame) return;
-    event.preventDefault();
-    zoom(1.0015 ** -event.deltaY, shown.frame.placeAt(event.offsetX), shown.frame.timeAt(event.offsetY));
-  }, { passive: false });
-  diagram.addEventListener("pointerdown", (event) => {
-    held = [event.offsetX, event.offsetY];
-    diagram.setPointerCapture(event.pointerId);
-  });
-  diagram.addEventListener("pointermove", (event) => {
-    if (held && shown.zoomed) {
-      pan((held[0] - event.offsetX) / shown.frame.width, (event.offsetY - held[1]) / shown.frame.height);
-      held = [event.offsetX, event.offsetY];
-    }
-    markAt(event);
-  });
-  diagram.addEventListener("pointerup", () => { held = null; });
-  diagram.addEventListener("pointerleave", () => markAt(null));
-  diagram.addEventListener("keydown", diagramKey);
-  byId("zoom-in").addEventListener("click", () => zoomAtMiddle(1.5));
-  byId("zoom-out").addEventListener("click", () => zoomAtMiddle(1 / 1.5));
-  byId("zoom-all").addEventListener("click", zoomAll);
 }
 
 // State ------------------------------------------------------------------------------------------
 
 function stateAddress() {
   const view = { quantity: shown.quantity, time: Number(shown.share.toFixed(3)) };
-  return addressOf(embedded ? { view } : { ...design, view }).join("&");
+  if (shown.displaced) view.displaced = true;
+  const question = byId("question").textContent.trim();
+  if (question) view.question = question;
+  return addressOf(design ? { ...design, view } : { view }).join("&");
 }
 
 function keepAddress() {
@@ -258,6 +145,8 @@ function readAddress() {
   const view = tree.view || {};
   if (view.time >= 0 && view.time <= 1) shown.share = view.time;
   if (view.quantity) setQuantity(view.quantity);
+  shown.displaced = byId("displaced").checked = view.displaced === true;
+  byId("question").textContent = view.question === undefined ? "" : String(view.question);
   return tree.case && typeof tree.case === "object" ? { case: tree.case, gauges: listOf(tree.gauges) } : null;
 }
 
@@ -269,11 +158,18 @@ function showProblems(problems) {
 }
 
 function receive({ data, problems = [] }) {
+  if (scenes.waiting === null && scenes.oldest === scenes.sent) { // it is the last answer
+    showSolving(false);
+    timers.solving = 0;
+  }
   showProblems(problems);
   document.documentElement.toggleAttribute("data-stale", !data);
   if (!data) return;
   show(data);
+  if (arrived) arrived();
+  arrived = null;
   controls.showDerived(data.bodies);
+  showMap();
   clearTimeout(timers.curve);
   if (data.ratio !== null && !data.curve) timers.curve = setTimeout(() => curves.ask(design, true), 400);
 }
@@ -285,20 +181,23 @@ function receiveCurve({ data }) {
 }
 
 function changed(rebuild) {
+  past.keep(design, rebuild);
   if (rebuild) controls.build(design);
   showPreset();
-  scenes.ask(design);
+  askScene();
   keepAddress();
 }
 
-/** Begin with another design. */
-function begin(next) {
+/** Begin with another design; `then` is called when its scene is there. */
+function begin(next, then = null) {
+  arrived = then;
   design = structuredClone(next);
+  past.keep(design, true);
   shown.mark = null;
   shown.zoomed = false;
   controls.build(design);
   showPreset();
-  scenes.ask(design, true);
+  askScene(true);
   keepAddress();
 }
 
@@ -330,7 +229,7 @@ function download(name, kind, text) {
 function saveSvg() {
   const pen = new SvgPen(900, 640);
   const { scene, theme } = shown;
-  const frame = drawDiagram(pen, scene, shown.view, shown.quantity, now(), null, theme);
+  const frame = drawDiagram(pen, scene, shown, now(), null, theme);
   const reach = quantity(scene.reach[shown.quantity], UNITS[shown.quantity], 3);
   pen.text(frame.x, frame.bottom + 1.5 * theme.size, `colours: ${shown.quantity}, blue −${reach}, yellow +${reach}`,
     { size: 0.85 * theme.size, colour: theme.faint, baseline: "top" });
@@ -358,23 +257,24 @@ function connect() {
   dark.addEventListener("change", () => setTheme(dark.matches ? "dark" : "light"));
   byId("theme").addEventListener("click", () =>
     setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
-  byId("colours").style.background = `linear-gradient(to right, ${STOPS.map((c) => `rgb(${c.join(",")})`).join(",")})`;
+  byId("displaced").addEventListener("change", () => {
+    shown.displaced = byId("displaced").checked;
+    redraw();
+    keepAddress();
+  });
   for (const choice of document.querySelectorAll("input[name=quantity]")) {
     choice.addEventListener("change", () => {
       setQuantity(choice.value);
       keepAddress();
     });
   }
-  byId("play").addEventListener("click", () => play(!shown.playing));
-  byId("time").addEventListener("input", () => {
-    play(false);
-    shown.share = byId("time").valueAsNumber / 1000;
-    redraw();
-    keepAddress();
-  });
   byId("save-svg").addEventListener("click", saveSvg);
   byId("save-case").addEventListener("click", saveCase);
+  byId("question").addEventListener("input", keepAddress);
   connectDiagram();
+  connectMap();
+  connectFilm();
+  connectLesson();
   new ResizeObserver(() => {
     readTheme();
     redraw();
@@ -383,22 +283,29 @@ function connect() {
 
 function beginOffline() {
   for (const element of document.querySelectorAll(".live")) element.hidden = true;
-  document.querySelector("h1").textContent = document.title;
+  const title = document.title.replace(/[-_]+/g, " ");
+  document.querySelector("h1").textContent = title[0].toUpperCase() + title.slice(1);
   readAddress();
+  showSolving(false);
   showGiven(byId("controls"), embedded.scene.bodies);
   show(embedded.scene);
 }
 
 async function beginLive() {
-  start = await (await fetch("start.json")).json();
+  await unpackKernels();
+  start = embedded ? embedded.start : await (await fetch("start.json")).json();
   scenes = new Line("/scene", receive);
   curves = new Line("/curve", receiveCurve);
   controls = new Controls(byId("controls"), start.materials, changed);
+  past = new History(byId("undo"), begin);
   offerPresets();
+  connectTour();
+  connectDragging(changed);
+  byId("compare").addEventListener("click", () => keepBeside(!shown.other));
   begin(readAddress() || start.design);
   addEventListener("hashchange", () => begin(readAddress() || start.design));
 }
 
 connect();
-if (embedded) beginOffline();
+if (embedded && embedded.scene) beginOffline();
 else beginLive();

@@ -32,6 +32,11 @@ function quantity(value, unit, digits = 4) {
   return NO_SPACE.has(unit) ? number + unit : `${number}\u00a0${PREFIXES[power]}${unit}`;
 }
 
+/** A quantity with more digits, as texts of a solution have it. */
+function inSi(value, unit, digits = 6) {
+  return quantity(value, unit, digits);
+}
+
 /** About `count` round numbers from low to high. */
 function ticksBetween(low, high, count) {
   const raw = (high - low) / Math.max(1, count);

@@ -69,6 +69,17 @@ class CanvasPen {
     c.restore();
   }
 
+  /** Draw what tiles an empty part of the picture: edges that two share add up, and none is seen. */
+  seamless(draw) {
+    this.context.globalCompositeOperation = "lighter";
+    draw();
+    this.context.globalCompositeOperation = "source-over";
+  }
+
+  image(canvas, x, y, width, height) {
+    this.context.drawImage(canvas, x, y, width, height);
+  }
+
   inside(x, y, width, height, draw) {
     this.context.save();
     this.context.beginPath();
@@ -109,6 +120,16 @@ class SvgPen {
     const turn = turned ? " rotate(-90)" : "";
     const safe = text.replace(/&/g, "&amp;").replace(/</g, "&lt;");
     this.parts.push(`<text transform="translate(${x.toFixed(2)} ${y.toFixed(2)})${turn}" y="${drop.toFixed(2)}" font-size="${size}" text-anchor="${anchor}" fill="${colour}">${safe}</text>`);
+  }
+
+  seamless(draw) {
+    this.parts.push('<g shape-rendering="crispEdges">');
+    draw();
+    this.parts.push("</g>");
+  }
+
+  image(canvas, x, y, width, height) {
+    this.parts.push(`<image x="${x}" y="${y}" width="${width}" height="${height}" preserveAspectRatio="none" href="${canvas.toDataURL()}"/>`);
   }
 
   inside(x, y, width, height, draw) {

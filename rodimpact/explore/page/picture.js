@@ -1,36 +1,27 @@
 "use strict";
-// The row in space and time, and the rods at one time: both drawn from the same polygons.
+// The row in space and time: polygons in the colours of their values, contacts, axes.
 
-const STOPS = [[22, 37, 110], [83, 101, 159], [160, 160, 160], [214, 192, 95], [255, 233, 74]];
+const STOPS = { // blue, nearly the paper's colour at 0, yellow
+  light: [[22, 37, 110], [112, 132, 196], [244, 244, 241], [238, 198, 84], [196, 134, 0]],
+  dark: [[157, 183, 255], [78, 98, 160], [38, 43, 51], [150, 122, 48], [255, 233, 74]],
+};
 const UNITS = { velocity: "m/s", stress: "Pa" };
+const FEW = 80; // polygons, to write values into
 const CROWDED = 400; // polygons from which lines would hide the colours
 
-/** Colour of a number from -1 to 1: blue, grey at 0, yellow. */
-function colourOf(share) {
-  const at = Math.max(0, Math.min(1, (share + 1) / 2)) * (STOPS.length - 1);
-  const i = Math.min(STOPS.length - 2, Math.floor(at));
-  const mixed = STOPS[i].map((c, k) => Math.round(c + (STOPS[i + 1][k] - c) * (at - i)));
-  return { css: `rgb(${mixed.join(",")})`, dark: 0.3 * mixed[0] + 0.59 * mixed[1] + 0.11 * mixed[2] < 115 };
+/** Colour of a number from -1 to 1. */
+function colourOf(share, { stops }) {
+  const at = Math.max(0, Math.min(1, (share + 1) / 2)) * (stops.length - 1);
+  const i = Math.min(stops.length - 2, Math.floor(at));
+  return stops[i].map((c, k) => Math.round(c + (stops[i + 1][k] - c) * (at - i)));
 }
 
-/** Place in the picture of a point of a body, displaced, at a time. */
-function placeOf(row, body, x, t, displacement) {
-  return row.left[body] + x + row.magnification * (row.apart[body] + displacement - row.frame * t);
+function css(colour) {
+  return `rgb(${colour.join(",")})`;
 }
 
-/** Adds what drawing asks for again and again: places in the picture, largest values. */
-function prepare(scene) {
-  const { start, body, x, t, displacement } = scene.tiling;
-  const place = new Array(x.length);
-  for (let i = 0; i < body.length; i += 1) {
-    for (let k = start[i]; k < start[i + 1]; k += 1) {
-      place[k] = placeOf(scene.row, body[i], x[k], t[k], displacement[k]);
-    }
-  }
-  const largest = (values) => values.reduce((most, v) => Math.max(most, Math.abs(v)), 0);
-  scene.place = place;
-  scene.reach = { velocity: largest(scene.tiling.velocity), stress: largest(scene.tiling.stress) };
-  return scene;
+function isDark([red, green, blue]) {
+  return 0.3 * red + 0.59 * green + 0.11 * blue < 115;
 }
 
 function shareOf(scene, name, polygon) {
@@ -42,7 +33,7 @@ function shareOf(scene, name, polygon) {
 function wholeView(scene) {
   const [low, high] = scene.row.span;
   const edge = 0.04 * (high - low);
-  return { left: low - edge, right: high + edge, from: 0, to: scene.end };
+  return { left: low - edge, right: high + edge, from: filmSpan().begin, to: filmSpan().end };
 }
 
 /** A frame in a drawing, and the pixels of places and times in it. */
@@ -60,7 +51,7 @@ function frameOf(pen, view, size) {
 function cornersOf(scene, i, frame) {
   const corners = [];
   for (let k = scene.tiling.start[i]; k < scene.tiling.start[i + 1]; k += 1) {
-    corners.push([frame.across(scene.place[k]), frame.up(scene.tiling.t[k])]);
+    corners.push([frame.across(frame.places[k]), frame.up(scene.tiling.t[k])]);
   }
   return corners;
 }
@@ -91,12 +82,17 @@ function writeInto(pen, corners, text, size, colour) {
   }
 }
 
+/** Place of a point of a body in the diagram: where it is, or where it was at rest. */
+function placeInDiagram(scene, frame, body, x, t, displacement) {
+  return frame.displaced ? placeOf(scene.row, body, x, t, displacement) : scene.row.left[body] + x;
+}
+
 /** Paths of walls and masses through space and time. */
 function drawSolids(pen, scene, frame, theme) {
   scene.bodies.forEach((body, i) => {
     if (!body.path) return;
     const along = (shift) => body.path.t.map((t, k) => [
-      frame.across(placeOf(scene.row, i, shift, t, body.path.displacement[k])), frame.up(t)]);
+      frame.across(placeInDiagram(scene, frame, i, shift, t, body.path.displacement[k])), frame.up(t)]);
     const near = along(0);
     const far = body.kind === "mass" ? along(body.width)
       : near.map(([, y]) => [i ? pen.width : 0, y]);
@@ -104,31 +100,143 @@ function drawSolids(pen, scene, frame, theme) {
   });
 }
 
-/** The diagram: every polygon in the colour of its value, axes, and the chosen time. */
-function drawDiagram(pen, scene, view, name, now, mark, theme) {
-  const size = theme.size;
-  const frame = frameOf(pen, view, size);
+/** Cells as one smooth picture each; `row` picks one time, interpolated. */
+function imageOf(scene, grid, name, theme, row = null) {
+  const { across, first } = grid;
+  const high = row === null ? grid.rows : 1;
+  const image = document.createElement("canvas");
+  Object.assign(image, { width: across, height: high });
+  const pixels = new ImageData(across, high);
+  for (let j = 0; j < high; j += 1) {
+    const from = row === null ? high - 1 - j : Math.floor(row);
+    const next = row === null ? from : Math.min(grid.rows - 1, from + 1);
+    for (let i = 0; i < across; i += 1) {
+      const shares = [from, next].map((k) => shareOf(scene, name, first + k * across + i));
+      const share = row === null ? shares[0] : shares[0] + (shares[1] - shares[0]) * (row - from);
+      pixels.data.set([...colourOf(share, theme), 255], 4 * (j * across + i));
+    }
+  }
+  image.getContext("2d").putImageData(pixels, 0, 0);
+  return image;
+}
+
+/** The picture of a grid between the ends of its segment, as they move. */
+function displacedImage(scene, grid, image, frame) {
+  const canvas = make("canvas", { width: Math.ceil(frame.width), height: Math.ceil(frame.height) });
+  const smooth = make("canvas", { width: 4 * grid.across, height: 8 * grid.rows });
+  smooth.getContext("2d").drawImage(image, 0, 0, smooth.width, smooth.height);
+  for (let y = 0; y < canvas.height; y += 1) {
+    const share = frame.timeAt(frame.y + y + 0.5) / scene.end;
+    if (share < 0 || share >= 1) continue;
+    const row = Math.floor(share * grid.rows);
+    const first = 4 * (grid.first + row * grid.across);
+    const last = first + 4 * (grid.across - 1);
+    const between = (low, high) => frame.across(
+      scene.place[low] + (scene.place[high] - scene.place[low]) * (share * grid.rows - row)) - frame.x;
+    const [x0, x1] = [between(first, first + 3), between(last + 1, last + 2)];
+    const from = Math.min(smooth.height - 1, (1 - share) * smooth.height);
+    canvas.getContext("2d").drawImage(smooth, 0, from, smooth.width, 1, x0, y, x1 - x0, 1);
+  }
+  return canvas;
+}
+
+function drawGrids(pen, scene, frame, name, theme) {
+  const key = name + theme.name;
+  for (const grid of scene.grids) {
+    grid.images ||= {};
+    grid.images[key] ||= imageOf(scene, grid, name, theme);
+    if (frame.displaced) {
+      pen.image(displacedImage(scene, grid, grid.images[key], frame), frame.x, frame.y, frame.width, frame.height);
+      continue;
+    }
+    const [x0, x1] = [grid.left, grid.right].map((x) => frame.across(scene.row.left[grid.body] + x));
+    const [y0, y1] = [frame.up(scene.end), frame.up(0)];
+    pen.image(grid.images[key], x0, y0, x1 - x0, y1 - y0);
+  }
+}
+
+/** Polygons of one colour each; lines between them, and values in them, where they are few. */
+function drawPolygons(pen, scene, frame, name, theme, from) {
   const count = scene.tiling.body.length;
-  const crowded = count > CROWDED;
   const power = powerFor(scene.reach[name], UNITS[name]);
+  const draw = (line) => {
+    for (let i = from; i < count; i += 1) {
+      const corners = cornersOf(scene, i, frame);
+      const colour = colourOf(shareOf(scene, name, i), theme);
+      pen.polygon(corners, css(colour), line, 0.7);
+      if (count > FEW) continue;
+      const text = plainNumber(Math.round(scene.tiling[name][i] / 10 ** power * 1e4) / 1e4, 3);
+      writeInto(pen, corners, text, 0.85 * theme.size, isDark(colour) ? "#ffffff" : "#101010");
+    }
+  };
+  if (count > CROWDED) pen.seamless(() => draw(null));
+  else draw(theme.ink);
+}
+
+/** Edges of rods that stay where they are. */
+function outlineRods(pen, scene, frame, theme) {
+  const [y0, y1] = [frame.up(scene.begin), frame.up(scene.end)];
+  scene.bodies.forEach(({ path }, i) => {
+    const [x0, x1] = [0, scene.lengths[i]].map((x) => frame.across(scene.row.left[i] + x));
+    if (!path) pen.line([[x0, y0], [x0, y1], [x1, y1], [x1, y0]], theme.ink, 0.7);
+  });
+}
+
+/** A spring in the diagram: the darker, the harder it presses. */
+function drawSpring(pen, scene, frame, contact, { from, to }, theme) {
+  const right = scene.row.left[contact.index + 1];
+  const [x0, x1] = [frame.across(right - contact.room), frame.across(right)];
+  const most = largestOf(contact.force.y);
+  for (let k = 0; k < 40; k += 1) {
+    const [t0, t1] = [from + (to - from) * k / 40, from + (to - from) * (k + 1) / 40];
+    const share = Math.abs(valueAt(contact.force, (t0 + t1) / 2)) / most;
+    const shade = css(theme.inks.map((c, i) => Math.round(theme.papers[i] + (c - theme.papers[i]) * 0.75 * share)));
+    pen.polygon([[x0, frame.up(t0)], [x1, frame.up(t0)], [x1, frame.up(t1)], [x0, frame.up(t1)]], shade, shade);
+  }
+}
+
+/** Contacts over time: a thick line where they press, none where they are open; springs as bands. */
+function drawContacts(pen, scene, frame, theme) {
+  for (const contact of scene.contacts) {
+    if (contact.bonded || frame.displaced) continue;
+    const x = frame.across(scene.row.left[contact.index + 1]);
+    for (const { from, to, state } of contact.spells) {
+      if (contact.room) {
+        if (state === "pressing") drawSpring(pen, scene, frame, contact, { from, to }, theme);
+        continue;
+      }
+      const line = [[x, frame.up(from)], [x, frame.up(to)]];
+      if (state === "open") {
+        pen.line(line, theme.ink, 6);
+        pen.line(line, theme.paper, 4.5);
+      } else pen.line(line, theme.ink, state === "pressing" ? 3.5 : 1);
+    }
+  }
+}
+
+/** The diagram: every polygon in the colour of its value, axes, and the chosen time. */
+function drawDiagram(pen, scene, look, now, mark, theme) {
+  const { view, quantity: name, displaced } = look;
+  const frame = frameOf(pen, view, theme.size);
+  Object.assign(frame, { displaced, places: displaced ? scene.place : scene.rest });
   pen.inside(frame.x, frame.y, frame.width, frame.height, () => {
     drawSolids(pen, scene, frame, theme);
-    for (let i = 0; i < count; i += 1) {
-      const corners = cornersOf(scene, i, frame);
-      const colour = colourOf(shareOf(scene, name, i));
-      pen.polygon(corners, colour.css, crowded ? colour.css : theme.ink, crowded ? 1 : 0.7);
-      if (count <= 80) {
-        const text = plainNumber(Math.round(scene.tiling[name][i] / 10 ** power * 1e4) / 1e4, 3);
-        writeInto(pen, corners, text, 0.85 * size, colour.dark ? "#ffffff" : "#101010");
-      }
-    }
+    if (scene.grids) drawGrids(pen, scene, frame, name, theme);
+    drawPolygons(pen, scene, frame, name, theme, scene.grids ? scene.cells : 0);
+    if (!displaced) outlineRods(pen, scene, frame, theme);
+    drawContacts(pen, scene, frame, theme);
     pen.line([[frame.x, frame.up(now)], [frame.right, frame.up(now)]], theme.wrong, 1.6);
     if (mark) drawMark(pen, frame, mark, theme);
   });
-  drawFrame(pen, frame, size, theme, {
+  const springs = scene.contacts.some((contact) => contact.room) ? "springs drawn wide" : "";
+  const note = displaced ? scene.row.note : "before it moves";
+  drawFrame(pen, frame, theme.size, theme, {
     x: [view.left, view.right, "m", "place"], y: [view.from, view.to, "s", "time"],
-    note: scene.row.note,
+    note: [note, springs].filter(Boolean).join(", "),
   });
+  for (const { t } of scene.events) {
+    if (t >= view.from && t <= view.to) pen.disc(frame.x, frame.up(t), 0.3 * theme.size, theme.series[0]);
+  }
   return frame;
 }
 
@@ -151,8 +259,9 @@ function drawFrame(pen, frame, size, theme, axes) {
   }
   const unit = xs.unit ? `, ${xs.unit}` : "";
   const note = axes.note ? ` (${axes.note})` : "";
-  pen.text((frame.x + frame.right) / 2, frame.bottom + 1.5 * size, xName + unit + note,
-    { ...ink, align: "center", baseline: "top" });
+  const name = xName + unit + note;
+  pen.text((frame.x + frame.right) / 2, frame.bottom + 1.5 * size, name,
+    { ...ink, size: Math.min(ink.size, pen.width / (0.55 * name.length)), align: "center", baseline: "top" });
   const [y0, y1, yUnit, yName] = axes.y;
   const ys = labelledTicks(y0, y1, Math.max(2, frame.height / (2.6 * size)), yUnit);
   for (const [value, label] of ys.ticks) {
@@ -162,83 +271,4 @@ function drawFrame(pen, frame, size, theme, axes) {
   }
   pen.text(0.7 * size, (frame.y + frame.bottom) / 2, [yName, ys.unit].filter(Boolean).join(", "),
     { ...ink, align: "center", turned: true });
-}
-
-/** Cut the polygons at time t: pieces of rods, from left to right, each with its polygon. */
-function slice(scene, t) {
-  const { start, t: times } = scene.tiling;
-  const pieces = [];
-  for (let i = 0; i < scene.tiling.body.length; i += 1) {
-    let [low, high] = [Infinity, -Infinity];
-    for (let k = start[i]; k < start[i + 1]; k += 1) {
-      const next = k + 1 < start[i + 1] ? k + 1 : start[i];
-      const [a, b] = [times[k], times[next]];
-      if ((a - t) * (b - t) > 0) continue;
-      const share = a === b ? 0 : (t - a) / (b - a);
-      const place = scene.place[k] + (scene.place[next] - scene.place[k]) * share;
-      [low, high] = [Math.min(low, place), Math.max(high, place)];
-    }
-    if (high > low) pieces.push({ polygon: i, low, high });
-  }
-  return pieces;
-}
-
-/** The rods, masses and walls at one time, below the diagram and on the same axis. */
-function drawRods(pen, scene, view, name, now, theme) {
-  const frame = frameOf(pen, view, theme.size);
-  const [top, bottom] = [0.36 * pen.height, 0.92 * pen.height];
-  pen.inside(frame.x, 0, frame.width, pen.height, () => {
-    const ends = new Map();
-    for (const { polygon, low, high } of slice(scene, now)) {
-      const box = [[low, top], [high, top], [high, bottom], [low, bottom]].map(([p, y]) => [frame.across(p), y]);
-      const { css } = colourOf(shareOf(scene, name, polygon));
-      pen.polygon(box, css, css, 0.5);
-      const body = scene.tiling.body[polygon];
-      const known = ends.get(body) || [Infinity, -Infinity];
-      ends.set(body, [Math.min(known[0], low), Math.max(known[1], high)]);
-    }
-    scene.bodies.forEach((body, i) => {
-      if (body.path) ends.set(i, endsOfSolid(scene, i, now, view));
-      const [low, high] = ends.get(i) || [0, 0];
-      const [x0, x1] = [frame.across(low), frame.across(high)];
-      const fill = body.path ? (body.kind === "mass" ? theme.faint : theme.line) : "transparent";
-      pen.polygon([[x0, top], [x1, top], [x1, bottom], [x0, bottom]], fill, theme.ink, 1.2);
-      const middle = (Math.max(x0, frame.x) + Math.min(x1, frame.right)) / 2;
-      pen.text(middle, top - 0.7 * theme.size, body.title, { size: 0.8 * theme.size, colour: theme.faint, align: "center" });
-    });
-  });
-}
-
-function endsOfSolid(scene, i, now, view) {
-  const body = scene.bodies[i];
-  const moved = valueAt({ t: body.path.t, y: body.path.displacement, steps: false }, now);
-  const face = placeOf(scene.row, i, 0, now, moved);
-  if (body.kind === "mass") return [face, face + body.width];
-  const deep = 0.06 * (view.right - view.left);
-  return i ? [face, face + deep] : [face - deep, face];
-}
-
-/** The polygon under a place in the picture and a time, with the place in the body; or null. */
-function pick(scene, place, t, frame) {
-  const point = [frame.across(place), frame.up(t)];
-  for (let i = 0; i < scene.tiling.body.length; i += 1) {
-    const corners = cornersOf(scene, i, frame);
-    if (contains(corners, point)) return { polygon: i, body: scene.tiling.body[i], x: placeInBody(scene, i, corners, point) };
-  }
-  return null;
-}
-
-/** Place in the body at a point of a polygon: linear between its corners. */
-function placeInBody(scene, i, corners, point) {
-  const x = scene.tiling.x.slice(scene.tiling.start[i], scene.tiling.start[i + 1]);
-  let best = [0, 1, 2];
-  for (let k = 1; k + 1 < corners.length; k += 1) {
-    const fan = [0, k, k + 1];
-    if (contains(fan.map((j) => corners[j]), point)) best = fan;
-  }
-  const [a, b, c] = best.map((j) => corners[j]);
-  const all = turn(a, b, c);
-  if (all === 0) return x[best[0]];
-  const [p, q] = [turn(point, b, c) / all, turn(a, point, c) / all];
-  return p * x[best[0]] + q * x[best[1]] + (1 - p - q) * x[best[2]];
 }

@@ -31,9 +31,9 @@ function plotFrame(pen, size, ends) {
 }
 
 /** One figure of curves over time. */
-function drawPlot(pen, plot, end, now, theme) {
+function drawPlot(pen, plot, { begin, end }, now, theme) {
   const [low, high] = rangeOf(plot);
-  const frame = plotFrame(pen, theme.size, { x0: 0, x1: end, y0: low, y1: high });
+  const frame = plotFrame(pen, theme.size, { x0: begin, x1: end, y0: low, y1: high });
   pen.inside(frame.x, frame.y - 2, frame.width, frame.height + 4, () => {
     pen.line([[frame.x, frame.up(0)], [frame.right, frame.up(0)]], theme.line, 1);
     plot.series.forEach((series, k) => {
@@ -46,7 +46,7 @@ function drawPlot(pen, plot, end, now, theme) {
     });
     pen.line([[frame.across(now), frame.y], [frame.across(now), frame.bottom]], theme.wrong, 1.6);
   });
-  drawFrame(pen, frame, theme.size, theme, { x: [0, end, "s", "time"], y: [low, high, plot.unit, ""] });
+  drawFrame(pen, frame, theme.size, theme, { x: [begin, end, "s", "time"], y: [low, high, plot.unit, ""] });
 }
 
 /** e over l1/l2, and the collision shown. */
@@ -115,12 +115,12 @@ function drawPlots(holder, scene, now, theme) {
     const [text, canvas] = figures[i];
     caption(text, plot.title, plot.series.map((series, k) => [
       `${series.name}: ${quantity(valueAt(series, now), plot.unit, 3)}`, theme.series[k % theme.series.length]]));
-    drawPlot(new CanvasPen(canvas), plot, scene.end, now, theme);
+    drawPlot(new CanvasPen(canvas), plot, scene, now, theme);
   });
   if (scene.ratio === null) return;
   const [text, canvas] = figures.at(-1);
   caption(text, "e against l₁/l₂", [
     [(scene.curve || NO_CURVE).source, theme.series[0]],
-    [`this collision: ${plainNumber(scene.ratio, 4)}`, theme.wrong]]);
+    [`this collision: l₁/l₂ = ${plainNumber(scene.ratio, 4)}`, theme.wrong]]);
   drawCurve(new CanvasPen(canvas), scene, theme);
 }

@@ -2,6 +2,8 @@
 // Questions to the server, and the state in the address of the page.
 
 async function ask(address, question) {
+  const own = answerHere(address, question);
+  if (own) return own;
   const answer = await fetch(address, {
     method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(question),
   });
@@ -9,18 +11,20 @@ async function ask(address, question) {
   return answer.ok ? { data } : { problems: data.problems };
 }
 
-/** One question at a time; of those that come meanwhile the latest is asked next. */
+const AT_ONCE = 2; // questions: while one is answered, the last answer is drawn
+
+/** Few questions at a time; of those that come meanwhile the latest is asked next. */
 class Line {
   constructor(address, receive) {
-    Object.assign(this, { address, receive, waiting: null, busy: false, oldest: 0, sent: 0 });
+    Object.assign(this, { address, receive, waiting: null, busy: 0, oldest: 0, sent: 0 });
   }
 
   /** Ask; with `afresh` no answer to an earlier question is taken any more. */
   async ask(question, afresh = false) {
     this.waiting = question;
     if (afresh) this.oldest = this.sent + 1;
-    if (this.busy) return;
-    this.busy = true;
+    if (this.busy >= AT_ONCE) return;
+    this.busy += 1;
     while (this.waiting !== null) {
       const next = this.waiting;
       this.waiting = null;
@@ -32,9 +36,11 @@ class Line {
       } catch {
         answer = { problems: [{ path: "", message: "No answer: is rodimpact explore still running?" }] };
       }
-      if (number >= this.oldest) this.receive(answer);
+      if (number < this.oldest) continue;
+      this.oldest = number;
+      this.receive(answer);
     }
-    this.busy = false;
+    this.busy -= 1;
   }
 }
 

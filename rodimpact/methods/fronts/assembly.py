@@ -127,14 +127,20 @@ class Blueprint:
         self, members: int, full: Callable[[int, Any], Any] = lambda size, zero: [zero] * size
     ) -> tuple[Layout, Work]:
         """Room for the layout of that many members, on lists or what `full` makes."""
-        n, _, fronts = self.make.size
-        marks = n + sum(self.make.jumps)
-        rows = [n + 2, n + 2, n + 1, 2, 1, fronts, fronts, fronts, *[1] * 8]
+        rows, sizes = sizes_of(self.make)
         kinds = [0, 0.0, 0.0, 0.0, 0, 0, 0, 0.0, 0.0, 0, 0, 0.0, 0.0, 0.0, 0.0, 0]
         layout = Layout(*map(full, [members * row for row in rows], kinds))
-        sizes = [marks, marks, marks, marks, marks, n + 2, marks, marks, marks, 2]
         kinds = [0.0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0]
         return layout, Work(*map(full, sizes, kinds))
+
+
+def sizes_of(make: Make) -> tuple[list[int], list[int]]:
+    """Sizes of the columns of a `Layout` of one member, and of a `Work`."""
+    n, fronts, marks = make.size[0], make.size[2], make.size[0]
+    for jumps in make.jumps:
+        marks += jumps
+    layout = [n + 2, n + 2, n + 1, 2, 1, fronts, fronts, fronts, 1, 1, 1, 1, 1, 1, 1, 1]
+    return layout, [marks, marks, marks, marks, marks, n + 2, marks, marks, marks, 2]
 
 
 def assemble(row: Row, until: float | None = None) -> Assembly:
@@ -235,27 +241,36 @@ def start(
     room : int
         Log rows to provide beyond the initial ones.
     """
-    n = len(ticks) - 2
-    zero = 0 * mobility[1]
-    ticks_sent, lines_sent, sent = [], [], []
-    for l, fronts in enumerate(waves):
-        for t, wave in fronts:
-            ticks_sent.append(t)
-            lines_sent.append(l)
-            sent.append(wave)
-    count, more = len(sent), [0] * room
-    log = Log(
-        ticks_sent + more, [-1] * (count + room), lines_sent + more, sent + [zero] * room,
-        more, more[:], more[:],
+    sent = [(t, l, wave) for l, fronts in enumerate(waves) for t, wave in fronts]
+    state, tally, log, clock = work_space(len(ticks) - 2, len(sent) + room, 0 * mobility[1])
+    log.tick[: len(sent)], log.line[: len(sent)], log.value[: len(sent)] = (
+        [front[i] for front in sent] for i in range(3)
     )
-    nodes, lines = [zero] * (n + 1), [-1] * (2 * n + 4)
-    arrived = [outside[0], *[zero] * (2 * n + 2), outside[1]]
-    state = State(
-        list(ticks), list(mobility), list(status), [0] * (n + 1), list(gaps), nodes, nodes[:],
-        nodes[:], arrived, lines, lines[:], [0] * (2 << n.bit_length()),
-    )
-    counts = [0] * (n + 1)
-    tally = Tally(nodes[:], nodes[:], nodes[:], counts, counts[:], counts[:], counts[:])
-    clock = [0] * 7
-    begin(state, tally, log, clock, count)
+    state.transit[:], state.mobility[:] = ticks, mobility
+    state.status[:], state.gap[:] = status, gaps
+    state.arrived[0], state.arrived[-1] = outside
+    begin(state, tally, log, clock, len(sent))
     return state, tally, log, clock
+
+
+def work_space(
+    n: int, room: int, zero: Any = 0.0
+) -> tuple[State, Tally, Log, list[int]]:
+    """Space on lists for a run of n segments, with so many rows of the log."""
+    leaves = 1
+    while leaves <= n:
+        leaves *= 2
+    segments, nodes, lines = n + 2, n + 1, 2 * n + 4
+    state = State(
+        [0] * segments, [zero] * segments, [0] * nodes, [0] * nodes, [zero] * nodes,
+        [zero] * nodes, [zero] * nodes, [zero] * nodes, [zero] * lines, [-1] * lines,
+        [-1] * lines, [0] * (2 * leaves),
+    )
+    tally = Tally(
+        [zero] * nodes, [zero] * nodes, [zero] * nodes, [0] * nodes, [0] * nodes, [0] * nodes,
+        [0] * nodes,
+    )
+    log = Log(
+        [0] * room, [-1] * room, [0] * room, [zero] * room, [0] * room, [0] * room, [0] * room
+    )
+    return state, tally, log, [0] * 7

@@ -19,8 +19,8 @@ from ..family import STOPPED_BY, FamilyRun, Stopped, now, table
 from ..groups import body_velocities, unilateral
 from ..memory import ask
 from ..row import Array, Row
-from .assembly import Blueprint, start
-from .front_kernel import CAP, CLOCK, FREE, FULL, OPEN, GroupState, Results, family
+from .assembly import Blueprint, work_space
+from .front_kernel import CAP, CLOCK, FULL, OPEN, GroupState, Results, family
 from .layout_kernel import LAID, Layout, Make, lay_out_all
 from .tracking import as_arrays, on_arrays
 
@@ -167,9 +167,7 @@ class Block:
         self.until = -1.0 if until is None else until
         self.make: Any = plan.make
         n = self.make.size[0]
-        self.state: Any = start(
-            [1] * (n + 2), [1.0] * (n + 2), [FREE] * (n + 1), [0.0] * (n + 1), (0.0, 0.0), [], room
-        )
+        self.state: Any = work_space(n, room)
         self.stocks = tuple(GroupState(*([0.0] * (n + 2) for _ in range(3))) for _ in range(2))
         self.go: tuple[Any, Any] = lay_out_all, family
         if fast:

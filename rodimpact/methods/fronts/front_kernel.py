@@ -580,6 +580,27 @@ def final_state(
     segment_totals(state, log, t, stock)
 
 
+def load(
+    state: State, tally: Tally, log: Log, clock: Any, members: Any, m: int, status: Any
+) -> None:
+    """Set everything to t = 0 for member m; arguments as of `family`."""
+    nodes, segments = len(state.status), len(state.transit)
+    fronts = len(members.tick) // len(members.count)
+    for s in range(segments):
+        state.transit[s] = members.transit[m * segments + s]
+        state.mobility[s] = members.mobility[m * segments + s]
+    for k in range(nodes):
+        state.status[k] = status[m * nodes + k]
+        state.gap[k] = members.gap[m * nodes + k]
+    state.arrived[0] = members.outside[2 * m]
+    state.arrived[2 * nodes + 1] = members.outside[2 * m + 1]
+    for r in range(members.count[m]):
+        f = m * fronts + r
+        log.tick[r], log.line[r] = members.tick[f], members.line[f]
+        log.value[r] = members.value[f]
+    begin(state, tally, log, clock, members.count[m])
+
+
 def family(
     state: State, tally: Tally, log: Log, clock: Any, stocks: tuple[GroupState, GroupState],
     members: Any, status: Any, limit: int, results: Results,
@@ -600,24 +621,11 @@ def family(
         Filled in; a member that is not run or that fills the log has its flag only.
     """
     nodes, segments = len(state.status), len(state.transit)
-    fronts = len(members.tick) // len(members.count)
     for m in range(len(members.count)):
         results.flag[m], results.final[m] = FULL, False
         if members.count[m] == 0 or members.count[m] + 2 > len(log.tick):
             continue
-        for s in range(segments):
-            state.transit[s] = members.transit[m * segments + s]
-            state.mobility[s] = members.mobility[m * segments + s]
-        for k in range(nodes):
-            state.status[k] = status[m * nodes + k]
-            state.gap[k] = members.gap[m * nodes + k]
-        state.arrived[0] = members.outside[2 * m]
-        state.arrived[2 * nodes + 1] = members.outside[2 * m + 1]
-        for r in range(members.count[m]):
-            f = m * fronts + r
-            log.tick[r], log.line[r] = members.tick[f], members.line[f]
-            log.value[r] = members.value[f]
-        begin(state, tally, log, clock, members.count[m])
+        load(state, tally, log, clock, members, m, status)
         initial_state(state, log, stocks[0])
         flag = play(
             state, tally, log, clock, members.target[m], limit, members.tolerance[m],

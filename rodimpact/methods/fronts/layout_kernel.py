@@ -289,13 +289,14 @@ def survey(make: Make, given: Any, row: int, work: Work) -> tuple[float, float]:
     return frame, high - low + strained + pushed / weakest
 
 
-def room(given: Any, row: int, n: int, gaps: int, longest: float, scale: float, work: Work
-         ) -> float:
-    """Time for which a clock without a given end has room."""
+def room(
+    given: Any, row: int, n: int, gaps: int, longest: float, scale: float, share: float, work: Work
+) -> float:
+    """Time for which a clock without a given end has room: for this share of `HORIZON` at least."""
     flight = 0.0
     if scale > 0:
         flight = 4 * inward_sum(given, row + 3 * n, gaps) / scale
-    horizon = max(HORIZON * longest, 16 * inward_sum(work.duration, 0, n), flight)
+    horizon = max(share * HORIZON * longest, 16 * inward_sum(work.duration, 0, n), flight)
     return min(horizon, longest * 2.0 ** (CLOCK_BITS - 1 - COARSEST))
 
 
@@ -418,7 +419,8 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
         See the head of the file; row m of `layout` is the result.
     m : int
     until : float
-        Time to be reached, s; negative if there is none.
+        Time to be reached, s; if there is none, minus the share of `HORIZON` for which the clock
+        has room, so -1.
 
     Returns
     -------
@@ -441,7 +443,7 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
     gaps = len(make.node)
     horizon = until
     if until < 0:
-        horizon = room(given, row, n, gaps, longest, scale, work)
+        horizon = room(given, row, n, gaps, longest, scale, -until, work)
     layout.horizon[m] = horizon
     bits = clock_bits(horizon / longest)
     if bits < COARSEST:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from ..row import Row
 from ..run import Run
 from ..status import end_sentence, proof_sentence, strain_warning
 from .assembly import assemble
-from .front_kernel import PRESS
+from .front_kernel import PRESS, State, Tally
 from .signals import signals_of
 from .totals import tallies_of, totals_of
 from .tracking import FrontRun, track
@@ -45,41 +46,49 @@ def hand_over(run: FrontRun, until: float | None) -> Run:
 def _status(run: FrontRun) -> str:
     """Why the run ended, and what to do if that is not enough."""
     a, values = run.assembly, run.log.value
-    final = "" if run.finality_time < 0 else _pressing(run) or proof_sentence(
+    final = "" if run.finality_time < 0 else pressing(
+        run.state, run.tally, a.nodes) or proof_sentence(
         any(run.tally.episodes), run.stopped_by == "until" and run.finality_time >= run.end,
         run.finality_time * a.tick,
     )
-    sentence = final if run.stopped_by == "final" else _stopped(run, final)
-    if a.transit_error > ROUNDED:
-        sentence += (
-            f" The transit time of {a.worst} was rounded by {a.transit_error:.2g} of itself to "
-            "fit the clock."
-        )
+    end = format_si(run.end * a.tick, "s")
+    sentence = cut_short(run.stopped_by, final, run.events, end) or end_sentence(
+        a.system, run.stopped_by, final, end, f"{run.events} events")
     fastest = max(map(abs, values)) if isinstance(values, list) else float(np.abs(values).max())
-    return sentence + strain_warning(fastest / min(a.wave_speed[1:-1]))
+    return (
+        sentence + rounding(a.transit_error, a.worst)
+        + strain_warning(fastest / min(a.wave_speed[1:-1]))
+    )
 
 
-def _stopped(run: FrontRun, final: str) -> str:
-    """What ended a run that did not end by its proof, and what that says, if it has one."""
-    end = format_si(run.end * run.assembly.tick, "s")
-    if run.stopped_by == "max_events" and not final:
+def rounding(error: float, path: str) -> str:
+    """What is told of transit times that the clock has changed by so much of themselves."""
+    if error <= ROUNDED:
+        return ""
+    return f" The transit time of {path} was rounded by {error:.2g} of itself to fit the clock."
+
+
+def cut_short(stopped_by: str, final: str, events: int, end: str) -> str:
+    """What ended a run that the cap or the clock cut short; "" for others."""
+    if stopped_by == "max_events" and final == "":
         return (
-            f"Stopped by the cap of {run.events} events at {end}; fronts multiply where transit "
+            f"Stopped by the cap of {events} events at {end}; fronts multiply where transit "
             "times have no common measure. Raise max_events, or make lengths commensurate."
         )
-    if run.stopped_by == "clock":
+    if stopped_by == "clock":
         return (
             f"Stopped by the clock after {end}: a contact may close later than it can count, if "
             "ever. Give until= to set another end."
         )
-    return end_sentence(run.assembly.system, run.stopped_by, final, end, f"{run.events} events")
+    return ""
 
 
-def _pressing(run: FrontRun) -> str:
+def pressing(state: State, tally: Tally, nodes: Sequence[int]) -> str:
     """What is said where contacts go on pressing for ever."""
-    state = run.state
-    pressing = ", ".join(
-        str(i) for i, node in enumerate(run.assembly.nodes)
-        if state.status[node] == PRESS and state.force[node] > ROUND_OFF * run.tally.peak[node]
-    )
-    return f"Nothing changes any more; contact {pressing} goes on pressing." if pressing else ""
+    found = ", ".join([
+        f"{i}" for i, node in enumerate(nodes)
+        if state.status[node] == PRESS and state.force[node] > ROUND_OFF * tally.peak[node]
+    ])
+    if found == "":
+        return ""
+    return f"Nothing changes any more; contact {found} goes on pressing."

@@ -1,0 +1,219 @@
+"""What a run of fronts comes to: velocities, contacts, energies, e, and why it ended.
+
+Plain Python, which the page has as JavaScript. Tests hold all of it against `Outcome`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ..methods.fronts.front_kernel import CAP, CLOCK, EVENTS, FINAL, FINALITY, NOW, ROWS
+from ..methods.fronts.method import cut_short, pressing, rounding
+from ..methods.status import ending, proof_sentence, strain_warning
+from ..results.outcome import ROUND_OFF, no_restitution
+from ..theory import pair_numbers, pair_restitution
+from ..units import format_si
+from .runs import run_of, space_of
+from .tables import row_of
+
+RATIOS = 80  # of the lengths, on the curve of e
+
+
+def groups_of(row: Any) -> list[list[int]]:
+    """Bodies that are bonded together, from left to right."""
+    groups = [[0]]
+    for i, bonded in enumerate(row["bonded"]):
+        if bonded:
+            groups[-1].append(i + 1)
+        else:
+            groups.append([i + 1])
+    return groups
+
+
+def velocities_of(row: Any, stock: Any, frame: float) -> list[float]:
+    """Velocity of each body: of its group, or of the wall or fixed end that holds that."""
+    found: list[float] = []
+    bodies = row["bodies"]
+    for group in groups_of(row):
+        inside = [i for i in group if bodies[i]["kind"] == "rod"]
+        own = stock.velocity[bodies[inside[0]]["first"]] + frame if len(inside) > 0 else 0.0
+        held = []
+        for end, i in ((0, group[0]), (1, group[-1])):
+            if bodies[i]["kind"] == "wall" and end == (0 if i == 0 else 1):
+                held.append(bodies[i]["velocity"])
+            elif i == end * (len(bodies) - 1) and row["ends"][end] == "fixed":
+                held.append(0.0)
+        shared = held[0] if len(held) == 1 or (len(held) == 2 and held[0] == held[1]) else own
+        found.extend([
+            shared if bodies[i]["kind"] == "rod" else bodies[i]["velocity"] for i in group])
+    return found
+
+
+def outcome_of(row: Any, run: Any) -> Any:
+    """What the collision did: velocities, contacts, energies, and e, or why there is none."""
+    layout, tally, count = run["layout"], run["tally"], len(row["gaps"])
+    tick, frame, nodes = layout.tick_seconds[0], layout.frame[0], row["make"].node
+    before, after = (
+        velocities_of(row, run["opening"], frame), velocities_of(row, run["closing"], frame)
+    )
+    contacts = [{
+        "impulse": tally.impulse[k] * tick, "peak_force": tally.peak[k],
+        "duration": tally.pressed[k] * tick, "episodes": tally.episodes[k],
+    } for k in nodes]
+    kinetic = vibration_before = vibration_after = 0.0
+    for body in row["bodies"]:
+        for s in range(body["first"], body["last"] + 1):
+            v = run["opening"].velocity[s] + frame
+            kinetic += row["segments"][s - 1]["mass"] * v * v / 2
+            vibration_before += run["opening"].vibration[s] * tick
+            vibration_after += run["closing"].vibration[s] * tick
+    able = [k for k in range(count) if not row["bonded"][k]]
+    status = sentence_of(row, run)
+    why = why_no_restitution(row, run, able, before, status)
+    e = math.nan if why != "" else restitution(able[0], before, after)
+    return {
+        "before": before, "after": after, "contacts": contacts, "able": able,
+        "final": proof_of(row, run) >= 0, "status": status, "why": why, "restitution": e,
+        "energy_before": kinetic + vibration_before, "vibration_after": vibration_after,
+    }
+
+
+def driven_ends(row: Any) -> bool:
+    """Whether something acts on an end from outside."""
+    return any(end in ("force", "velocity", "incoming") for end in row["ends"])
+
+
+def proof_of(row: Any, run: Any) -> int:
+    """Tick at which the collision was proved to be over; -1 if it was not."""
+    if row["until"] >= 0 and driven_ends(row):
+        return -1
+    at: int = run["clock"][FINALITY]
+    return at
+
+
+def sentence_of(row: Any, run: Any) -> str:
+    """Why the run ended, as `Solution.status` has it."""
+    layout, clock, segments = run["layout"], run["clock"], row["segments"]
+    tick, proof, stopped_by = layout.tick_seconds[0], proof_of(row, run), "until"
+    if run["why"] == FINAL:
+        stopped_by = "final"
+    elif run["why"] == CAP:
+        stopped_by = "max_events"
+    elif run["why"] == CLOCK:
+        stopped_by = "clock"
+    met = any(count > 0 for count in run["tally"].episodes)
+    final, end = "", format_si(clock[NOW] * tick, "s")
+    if proof >= 0:
+        final = pressing(run["state"], run["tally"], row["make"].node)
+        if final == "":
+            late = stopped_by == "until" and proof >= clock[NOW]
+            final = proof_sentence(met, late, proof * tick)
+    sentence = cut_short(stopped_by, final, clock[EVENTS], end)
+    if sentence == "":
+        walls = [i for i, body in enumerate(row["bodies"]) if body["kind"] == "wall"]
+        last = len(row["bonded"]) - 1
+        held = len(walls) == 2 or any(row["bonded"][min(i, last)] for i in walls)
+        acting = "an end is driven" if driven_ends(row) else ""
+        sentence = ending(stopped_by, final, end, f"{clock[EVENTS]} events", acting, held)
+    error, worst = transit_error_of(row, run)
+    fastest, slowest = 0.0, math.inf
+    for piece in segments:
+        slowest = min(slowest, piece["wave_speed"])
+    for r in range(clock[ROWS]):
+        fastest = max(fastest, abs(run["log"].value[r]))
+    return sentence + rounding(error, worst) + strain_warning(fastest / slowest)
+
+
+def transit_error_of(row: Any, run: Any) -> Any:
+    """Largest relative change of a transit time by its rounding to the clock, and where."""
+    layout, error, worst = run["layout"], -1.0, ""
+    for s, piece in enumerate(row["segments"]):
+        ticks = layout.transit[s + 1]
+        off = abs(ticks * layout.tick_seconds[0] / piece["transit_time"] - 1)
+        if off > error:
+            error, worst = off, piece["path"]
+    return error, worst
+
+
+def why_no_restitution(
+    row: Any, run: Any, able: list[int], before: list[float], status: str
+) -> str:
+    """Why there is no e, as `Outcome` has it; "" if there is one."""
+    episodes, closing = 0, 0.0
+    if len(able) == 1:
+        episodes = run["tally"].episodes[row["make"].node[able[0]]]
+        closing = before[able[0]] - before[able[0] + 1]
+    final = proof_of(row, run) >= 0
+    return no_restitution(len(able), driven_ends(row), episodes, final, closing, status)
+
+
+def restitution(contact: int, before: list[float], after: list[float]) -> float:
+    """e of a contact from the velocities of the bodies."""
+    parting = after[contact + 1] - after[contact]
+    e = parting / (before[contact] - before[contact + 1])
+    stays = parting <= ROUND_OFF * max(abs(after[contact]), abs(after[contact + 1]))
+    return 0.0 if e <= ROUND_OFF or stays else e
+
+
+def restitutions(case: Any, library: Any, path: list[Any], values: list[float]) -> list[Any]:
+    """e for each value of a number of a case; None where there is none."""
+    found: list[Any] = []
+    space = space_of(row_of(case, library))
+    for value in values:
+        row = row_of(changed(case, path, value), library)
+        run = run_of(row, False, space)
+        able = [k for k, bonded in enumerate(row["bonded"]) if not bonded]
+        e = None
+        if run["why"] >= 0:
+            frame = run["layout"].frame[0]
+            before = velocities_of(row, run["opening"], frame)
+            if why_no_restitution(row, run, able, before, "") == "":
+                after = velocities_of(row, run["closing"], frame)
+                e = restitution(able[0], before, after)
+        found.append(e)
+    return found
+
+
+def closed_form_of(row: Any, before: list[float]) -> Any:
+    """e of a pair for which theory knows it, and the source; None for any other row."""
+    bodies, walls = row["bodies"], 0
+    if len(bodies) != 2 or row["bonded"][0] or before[0] <= before[1]:
+        return None
+    for body, end in zip(bodies, row["ends"], strict=True):
+        walls += 1 if body["kind"] == "wall" else 0
+        whole = not isinstance(body["velocity"], dict) and body["strain"] == 0.0
+        if not whole or end != "free" or body["last"] > body["first"]:
+            return None
+    if walls > 0:
+        return {"restitution": 1.0, "source": "textbook, box 10.4"}
+    left, right = row["segments"]
+    short_time, long_time, q, p, log_q = pair_numbers(
+        left["impedance"], left["transit_time"], right["impedance"], right["transit_time"])
+    e = pair_restitution(short_time, long_time, q, p, log_q) * 1.0
+    return {"restitution": e, "source": "Saint-Venant 1867"}
+
+
+def changed(tree: Any, path: list[Any], value: float) -> Any:
+    """The tables with another number at a path."""
+    if len(path) == 0:
+        return value
+    copy = [*tree] if isinstance(tree, list) else {**tree}
+    copy[path[0]] = changed(tree[path[0]], path[1:], value)
+    return copy
+
+
+def curve_of(case: Any, library: Any, ratio: float) -> Any:
+    """e over l1/l2 of two uniform rods, l1 varied and all else as it is.
+
+    None where the left one has a profile, which is bound to the length it was made for.
+    """
+    left, reach = case["bodies"][0], 2.0
+    if isinstance(left.get("velocity", 0.0), dict) or isinstance(left.get("strain", 0.0), dict):
+        return None
+    while reach < 1.1 * ratio:
+        reach *= 2
+    ratios = [reach * (k + 1) / RATIOS for k in range(RATIOS)]
+    lengths = [r * case["bodies"][1]["length"] for r in ratios]
+    values = restitutions(case, library, ["bodies", 0, "length"], lengths)
+    return {"ratios": ratios, "values": values, "source": f"solved at {RATIOS} ratios"}

@@ -1,0 +1,134 @@
+"use strict";
+// The rods, masses and walls at one time: the polygons of the diagram, cut there.
+
+const THICKER = 0.22; // of a rod, where it is compressed most
+
+/** The rods, masses and walls at one time, below the diagram and on the same axis; where all is. */
+function drawRods(pen, scene, look, now, theme) {
+  const { view, quantity: name } = look;
+  const frame = frameOf(pen, view, theme.size);
+  const [middle, half] = [0.53 * pen.height, 0.23 * pen.height];
+  const [gauges, ends, outlines] = [[], new Map(), new Map()];
+  const strip = { frame, middle, half, gauges, ends, outlines };
+  pen.inside(frame.x, 0, frame.width, pen.height, () => {
+    for (const { polygon, low, high } of slice(scene, now)) {
+      const body = scene.tiling.body[polygon];
+      const x = (scene.tiling.x[scene.tiling.start[polygon]] + scene.tiling.x[scene.tiling.start[polygon] + 1]) / 2;
+      const thick = half * widthAt(scene, body, x) * (1 - THICKER * shareOf(scene, "stress", polygon));
+      const box = [low, high].map((place) => [frame.across(place), thick]);
+      outlines.set(body, [...(outlines.get(body) || []), ...box]);
+      const known = ends.get(body) || [Infinity, -Infinity];
+      ends.set(body, [Math.min(known[0], low), Math.max(known[1], high)]);
+      if (scene.grids && now > 0) continue;
+      const [[x0], [x1]] = box;
+      const fill = css(colourOf(shareOf(scene, name, polygon), theme));
+      pen.polygon([[x0, middle - thick], [x1, middle - thick], [x1, middle + thick], [x0, middle + thick]], fill, fill, 0.5);
+    }
+    if (scene.grids && now > 0) drawSlices(pen, scene, strip, name, now, theme);
+    scene.bodies.forEach((body, i) => {
+      if (body.path) ends.set(i, endsOfSolid(scene, i, now, view));
+      const [x0, x1] = ends.get(i).map(frame.across);
+      const fill = body.path ? (body.kind === "mass" ? theme.faint : theme.line) : "transparent";
+      const upper = outlines.get(i) || [[x0, half], [x1, half]];
+      pen.polygon([...upper.map(([x, h]) => [x, middle - h]), ...upper.map(([x, h]) => [x, middle + h]).reverse()],
+        fill, theme.ink, 1.2);
+    });
+    nameBodies(pen, scene, frame, ends, theme);
+    for (const contact of scene.contacts) drawContact(pen, strip, contact, now, theme);
+    for (const { body, fraction } of scene.gauges) {
+      const [low, high] = ends.get(body);
+      gauges.push([frame.across(low + fraction * (high - low)), middle - half * widthAt(scene, body, fraction * scene.lengths[body])]);
+    }
+    for (const [x, y] of gauges) drawGauge(pen, x, y, theme);
+  });
+  return strip;
+}
+
+/** Cut the polygons at time t: pieces of rods, from left to right, each with its polygon. */
+function slice(scene, t) {
+  const { start, t: times } = scene.tiling;
+  const pieces = [];
+  for (let i = 0; i < scene.tiling.body.length; i += 1) {
+    let [low, high] = [Infinity, -Infinity];
+    for (let k = start[i]; k < start[i + 1]; k += 1) {
+      const next = k + 1 < start[i + 1] ? k + 1 : start[i];
+      const [a, b] = [times[k], times[next]];
+      if ((a - t) * (b - t) > 0) continue;
+      const share = a === b ? 0 : (t - a) / (b - a);
+      const place = scene.place[k] + (scene.place[next] - scene.place[k]) * share;
+      [low, high] = [Math.min(low, place), Math.max(high, place)];
+    }
+    if (high > low) pieces.push({ polygon: i, low, high });
+  }
+  return pieces.sort((a, b) => a.low - b.low);
+}
+
+/** Rods of cells, smooth from end to end. */
+function drawSlices(pen, scene, { frame, middle, half, ends, outlines }, name, now, theme) {
+  for (const grid of scene.grids) {
+    const [low, high] = ends.get(grid.body);
+    const long = scene.lengths[grid.body];
+    const [x0, x1] = [grid.left, grid.right].map((x) => frame.across(low + (high - low) * x / long));
+    const row = Math.max(0, Math.min(grid.rows - 1, now / scene.end * grid.rows - 0.5));
+    const thickest = half * (1 + THICKER);
+    pen.image(imageOf(scene, grid, name, theme, row), x0, middle - thickest, x1 - x0, 2 * thickest);
+  }
+  for (const [body, points] of outlines) { // hide what is outside of the outline
+    const smooth = points.filter((_, k) => k % 2 === 0).map(([x, h], k) => [(x + points[2 * k + 1][0]) / 2, h]);
+    const outline = [[points[0][0], smooth[0][1]], ...smooth, [points.at(-1)[0], smooth.at(-1)[1]]];
+    outlines.set(body, outline);
+    for (const side of [-1, 1]) {
+      const edge = middle + side * half * (1 + 2 * THICKER);
+      pen.polygon([...outline.map(([x, h]) => [x, middle + side * h]), [outline.at(-1)[0] + 1, edge], [outline[0][0] - 1, edge]],
+        theme.paper, theme.paper, 1);
+    }
+  }
+}
+
+/** Names above the rods; numbers where names would overlap. */
+function nameBodies(pen, scene, frame, ends, theme) {
+  const size = 0.8 * theme.size;
+  const seen = scene.bodies.map((_, i) => {
+    const [x0, x1] = ends.get(i).map(frame.across);
+    return [Math.max(x0, frame.x), Math.min(x1, frame.right)];
+  });
+  const fit = scene.bodies.every(({ path, title }, i) => path || 0.6 * size * title.length < seen[i][1] - seen[i][0]);
+  scene.bodies.forEach(({ title }, i) => {
+    const [from, to] = seen[i];
+    if (fit || to - from > size) {
+      const text = fit ? title : String(i);
+      const half = 0.3 * size * text.length;
+      const middle = Math.max(frame.x + half, Math.min(frame.right - half, (from + to) / 2));
+      pen.text(middle, size, text, { size, colour: theme.faint, align: "center" });
+    }
+  });
+}
+
+function endsOfSolid(scene, i, now, view) {
+  const body = scene.bodies[i];
+  const moved = valueAt({ t: body.path.t, y: body.path.displacement, steps: false }, now);
+  const face = placeOf(scene.row, i, 0, now, moved);
+  if (body.kind === "mass") return [face, face + body.width];
+  const deep = 0.06 * (view.right - view.left);
+  return i ? [face, face + deep] : [face - deep, face];
+}
+
+/** A contact of the strip: arrow heads where it presses, a spring where it has one. */
+function drawContact(pen, { frame, middle, half, ends }, contact, now, theme) {
+  if (contact.bonded) return;
+  const [left, right] = [ends.get(contact.index), ends.get(contact.index + 1)];
+  const [x0, x1] = [frame.across(left[1]), frame.across(right[0])];
+  if (contact.room) {
+    const reach = Math.min(x1, frame.across(left[1] + contact.room));
+    const turns = [0.1, 0.3, 0.5, 0.7, 0.9].map((share, k) => [x0 + share * (reach - x0), middle + (k % 2 ? 0.5 : -0.5) * half]);
+    pen.line([[x0, middle], ...turns, [reach, middle]], theme.ink, 1.4);
+  }
+  if (stateAt(contact, now) !== "pressing") return;
+  const [x, y, w] = [(x0 + x1) / 2, middle + half * (1 + THICKER) + 0.45 * theme.size, 0.4 * theme.size];
+  for (const side of [-1, 1]) pen.polygon([[x + side, y], [x + side * 2.4 * w, y - w], [x + side * 2.4 * w, y + w]], theme.wrong, null);
+}
+
+function drawGauge(pen, x, top, theme) {
+  const w = 0.4 * theme.size;
+  pen.polygon([[x, top + w], [x - w, top - 0.6 * w], [x + w, top - 0.6 * w]], theme.series[0], theme.paper, 1);
+}

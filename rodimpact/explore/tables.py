@@ -1,0 +1,249 @@
+"""From the tables of a case to a row of fronts, in Python that the page has as JavaScript.
+
+The numbers are those of `Blueprint`. Mistakes are told in the words of the model: `RULES` are its
+fields. What fronts cannot carry is named; it needs the served page.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ..methods.abilities import (
+    COMPLIANCE,
+    DAMPING,
+    GRAVITY,
+    LATERAL,
+    MASSES,
+    SMOOTH_DRIVES,
+    SMOOTH_STATES,
+    TAPER,
+)
+from ..methods.fronts.front_kernel import BOND, FREE, PUSH, TOUCH
+from ..methods.fronts.layout_kernel import ENDLESS, MOVED, PUSHED, STEADY, Make
+from ..model import Material, Rod, Segment, System, Wall
+from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, wanted
+from .design import MOST_EVENTS
+
+RULES: dict[str, dict[str, tuple[str, str]]] = {
+    table: {name: (fields[name].sign, wanted(fields[name].unit, fields[name].sign)[:-11])
+            for name in names}
+    for table, fields, names in (
+        ("segment", Segment.fields, ("length", "area")), ("rod", Rod.fields, tuple(Rod.fields)),
+        ("wall", Wall.fields, ("velocity",)), ("contact", {"gap": System.fields["gaps"]}, ("gap",)),
+        ("material", Material.fields, ("youngs_modulus", "density")),
+    )
+}
+"""By table and field its sign, and what it must be."""
+SCALE = OUT_OF_SCALE[:-11]
+
+
+def lacking(case: Any) -> tuple[str, str]:
+    """Path and name of the first thing of a case that fronts cannot carry; "" if there is none."""
+    asked = case.get("solve", {}).get("method", "auto")
+    if asked not in ("auto", "fronts"):
+        return "solve.method", f'the method "{asked}"'
+    if case.get("gravity", 0) != 0:
+        return "gravity", GRAVITY
+    for i, body in enumerate(case["bodies"]):
+        if body["kind"] == "mass":
+            return f"bodies.{i}", MASSES
+        for key in ("velocity", "strain"):
+            if sampled(body.get(key, 0)):
+                return f"bodies.{i}.{key}", SMOOTH_STATES
+        for piece in pieces_of(body):
+            if piece.get("polar_moment") is not None:
+                return f"bodies.{i}", LATERAL
+            if isinstance(piece.get("area"), dict):
+                return f"bodies.{i}", TAPER
+    for i, contact in enumerate(case.get("contacts", [])):
+        law = contact.get("law", "rigid")
+        if law not in ("rigid", "bonded"):
+            return f"contacts.{i}", COMPLIANCE
+    for name, material in case.get("materials", {}).items():
+        for key in ("viscosity", "loss_factor"):
+            if material.get(key, 0) != 0:
+                return f"materials.{name}", DAMPING
+    ends = case.get("ends", {})
+    for side in ("left", "right"):
+        if sampled(ends.get(side, {}).get("value", 0)):
+            return f"ends.{side}", SMOOTH_DRIVES
+    return "", ""
+
+
+def sampled(profile: Any) -> bool:
+    """Whether a profile varies between its values."""
+    return isinstance(profile, dict) and "samples" in profile
+
+
+def pieces_of(body: Any) -> Any:
+    """Tables with the segments of a body; none of a wall."""
+    if "segments" in body:
+        return body["segments"]
+    return [body] if body["kind"] == "rod" else []
+
+
+def mistakes(case: Any, library: Any, rules: Any) -> list[Any]:
+    """Path and sentence of each mistake in a case that fronts can carry."""
+    found: list[Any] = []
+    until = case.get("solve", {}).get("until", 1.0)
+    if not isinstance(until, float) or not math.isfinite(until) or until <= 0:
+        found.append(("solve.until", "must be above 0 for a picture"))
+    known = {**library, **case.get("materials", {})}
+    for name, material in case.get("materials", {}).items():
+        check(found, f"materials.{name}", material, rules["material"])
+    for i, body in enumerate(case["bodies"]):
+        path = f"bodies.{i}"
+        if body["kind"] == "wall" and 0 < i < len(case["bodies"]) - 1:
+            found.append((path, "a wall may stand only at an end of the row"))
+        check(found, path, body, rules[body["kind"]])
+        for j, piece in enumerate(pieces_of(body)):
+            where = f"{path}.segments.{j}" if "segments" in body else path
+            check(found, where, piece, rules["segment"])
+            if piece.get("material", "") not in known:
+                found.append((f"{where}.material", "unknown material"))
+    for i, contact in enumerate(case.get("contacts", [])):
+        check(found, f"contacts.{i}", contact, rules["contact"])
+        if contact.get("law", "rigid") == "bonded" and contact.get("gap", 0) != 0:
+            found.append((f"contacts.{i}.gap", "must be 0 where bodies are bonded"))
+    return found
+
+
+def check(found: list[Any], path: str, table: Any, rules: Any) -> None:
+    """Note the numbers of a table that are not what they must be."""
+    for key, (sign, sentence) in rules.items():
+        value = table.get(key, 0.0)
+        if sign == "positive" and key not in table:
+            found.append((f"{path}.{key}", "is missing"))
+        elif not isinstance(value, dict):
+            number = isinstance(value, float) and math.isfinite(value)
+            given, wrong = "no number", sentence
+            if isinstance(value, float):
+                given = f"{value:.6g}"
+            if number and (value > 0 or sign == "any" or (value == 0 and sign != "positive")):
+                size, wrong = abs(value), ""
+                if size > LARGEST or (sign == "positive" and size < SMALLEST):
+                    wrong = SCALE
+            if wrong != "":
+                found.append((f"{path}.{key}", f"{wrong}, got {given}"))
+
+
+def row_of(case: Any, library: Any) -> Any:
+    """A case without mistakes, that fronts can carry, as tables and the kernels' numbers.
+
+    Returns
+    -------
+    dict
+        ``segments`` from left to right; ``bodies``, each with its ``first`` and ``last`` segment,
+        (1, 0) for a wall; ``gaps``; ``bonded`` by contact; ``ends``; ``make``, ``given`` and
+        ``status`` for the kernels; ``max_events``, and ``until``, s, negative where none is asked
+        for.
+    """
+    tables, count = case["bodies"], len(case["bodies"])
+    contacts = case.get("contacts", [{} for _ in range(count - 1)])
+    own, ends = case.get("materials", {}), case.get("ends", {})
+    asked = case.get("solve", {})
+    both = [ends.get(side, {"kind": "free"}) for side in ("left", "right")]
+    segments: list[Any] = []
+    bodies: list[Any] = []
+    bonded = [contact.get("law", "rigid") == "bonded" for contact in contacts]
+    status: list[int] = []
+    first: list[int] = []
+    last: list[int] = []
+    places: list[int] = []
+    jumps: list[int] = []
+    profiles: list[Any] = []
+    for i, table in enumerate(tables):
+        wall = table["kind"] == "wall"
+        if i == 0 and not wall:
+            status.append(status_at(both[0]["kind"]))
+            if both[0]["kind"] != "free":
+                lay(first, last, places, jumps, profiles, 1, 0, both[0].get("value", 0.0), 0.0)
+        elif i > 0:
+            status.append(BOND if bonded[i - 1] else TOUCH)
+        begin = len(segments) + 1
+        for j, piece in enumerate(pieces_of(table)):
+            if j > 0:
+                status.append(BOND)
+            where = f"bodies.{i}.segments.{j}" if len(pieces_of(table)) > 1 else f"bodies.{i}"
+            name = piece["material"]
+            segments.append(segment_of(where, piece, own[name] if name in own else library[name]))
+        start, stop = (1, 0) if wall else (begin, len(segments))
+        velocity = table.get("velocity", 0.0)
+        lay(first, last, places, jumps, profiles, start, stop, velocity, table.get("strain", 0.0))
+        mass = 0.0
+        for piece in segments[begin - 1 :]:
+            mass += piece["mass"]
+        bodies.append({
+            "kind": table["kind"], "first": start, "last": stop, "mass": mass, "velocity": velocity,
+            "strain": table.get("strain", 0.0),
+        })
+    if tables[-1]["kind"] != "wall":
+        status.append(status_at(both[1]["kind"]))
+        if both[1]["kind"] != "free":
+            lay(first, last, places, jumps, profiles, 1, 0, both[1].get("value", 0.0), 0.0)
+    gaps = [contact.get("gap", 0.0) for contact in contacts]
+    given = [
+        *[piece["wave_speed"] for piece in segments], *[piece["impedance"] for piece in segments],
+        *[piece["length"] for piece in segments], *gaps, *profiles,
+    ]
+    n, before, changes, joined = len(segments), len(given) - len(profiles), 0, 1
+    for jump in jumps:
+        changes += jump
+    for bond in bonded:
+        joined = joined if bond else 0
+    make = Make(
+        first, last, [body["last"] for body in bodies[: count - 1]],
+        [before + place for place in places], jumps, [outside_at(end["kind"]) for end in both],
+        [n, len(given), 2 * (n + changes) + 2], [joined],
+    )
+    return {
+        "segments": segments, "bodies": bodies, "gaps": gaps, "bonded": bonded,
+        "ends": [end["kind"] for end in both], "make": make, "given": given, "status": status,
+        "until": asked.get("until", -1.0), "max_events": asked.get("max_events", MOST_EVENTS),
+    }
+
+
+def status_at(end: str) -> int:
+    """Status of the node at an end of the row."""
+    if end == "free":
+        return FREE
+    return PUSH if end == "force" else BOND
+
+
+def outside_at(end: str) -> int:
+    """What stands outside of an end of the row."""
+    if end in ("absorbing", "incoming"):
+        return ENDLESS
+    if end == "force":
+        return PUSHED
+    return MOVED if end == "velocity" else STEADY
+
+
+def lay(
+    first: list[int], last: list[int], places: list[int], jumps: list[int], profiles: list[Any],
+    start: int, stop: int, velocity: Any, strain: Any,
+) -> None:
+    """Add a body, or what is outside, to the lists of a `Make`, and its profiles to the numbers."""
+    first.append(start)
+    last.append(stop)
+    places.append(len(profiles))
+    for profile in (velocity, strain):
+        values, at = [profile], []
+        if isinstance(profile, dict):
+            values, at = profile["values"], profile["at"]
+        jumps.append(len(at))
+        profiles.extend(values)
+        profiles.extend(at)
+
+
+def segment_of(path: str, piece: Any, material: Any) -> Any:
+    """A segment with all that follows from what is given."""
+    length, area, density = piece["length"], piece["area"], material["density"]
+    speed = math.sqrt(material["youngs_modulus"] / density)
+    impedance, time = density * area * speed, length / speed
+    return {
+        "path": path, "length": length, "area": area, "material": piece["material"],
+        "density": density, "youngs_modulus": material["youngs_modulus"], "wave_speed": speed,
+        "impedance": impedance, "transit_time": time, "mass": impedance * time,
+    }

@@ -1,0 +1,145 @@
+"""What the page computes around the kernels: it is what the solution says."""
+
+import tomllib
+
+import numpy as np
+import pytest
+from exhaustive import few_of
+from systems import random_system
+
+import rodimpact as ri
+from rodimpact.explore import motion, runs
+from rodimpact.explore.design import LIBRARY, Design
+from rodimpact.explore.outcome import changed as with_number
+from rodimpact.explore.outcome import outcome_of
+from rodimpact.explore.tables import RULES, lacking, mistakes, row_of
+from rodimpact.methods.fronts.assembly import Blueprint
+from rodimpact.methods.registry import Options
+from rodimpact.methods.row import Row
+from rodimpact.results.regions import regions_of
+
+STEEL = ri.materials.steel
+ROD = {"kind": "rod", "length": 0.4, "area": 1e-4, "material": "steel", "velocity": 1.0}
+WALL = {"kind": "wall", "velocity": 0.0}
+STEPS = ri.Steps([1e3, 0.0, 5e2], [1e-4, 2e-4])
+
+
+def tables_of(system, **solve):
+    return {**tomllib.loads(ri.write_case(system)), "solve": solve}
+
+
+def rows():
+    yield from ((random_system(seed), {"until": 3e-4} if seed % 2 else {}) for seed in range(12))
+    rods = [ri.Rod(0.4, area=1e-4, material=STEEL, velocity=v) for v in (1.0, 0.0)]
+    for ends in (
+        (ri.Fixed(), ri.Absorbing()), (ri.Pushed(STEPS), ri.Free()),
+        (ri.Incoming(ri.Steps([1e-4, 0.0], [5e-5])), ri.Fixed()), (ri.Moved(0.5), ri.Free()),
+    ):
+        yield ri.System(rods, ends=ends), {"until": 6e-4}
+    yield ri.System([ri.Wall(), *rods, ri.Wall()], contacts=[ri.Bonded()] * 3), {"until": 6e-4}
+
+
+@pytest.mark.parametrize("number", few_of(range(17), {1, 4, 7, 8, 12, 13, 14, 15, 16}))
+def test_runs_and_curves_are_those_of_the_solution(number):
+    system, solve = list(rows())[number]
+    row = row_of(tables_of(system, **solve), LIBRARY)
+    plan = Blueprint(Row(system))
+    assert row["status"] == plan.status
+    if row["ends"] == ["free", "free"]:  # numbers of ends stand elsewhere in the list
+        assert (row["make"], row["given"]) == (plan.make, plan.numbers)
+    solution = ri.solve(system, **solve, max_events=20_000)
+    run = runs.run_of(row, True, runs.space_of(row))
+    found, outcome = outcome_of(row, run), solution.outcome
+    assert found["status"] == solution.status
+    assert found["after"] == list(outcome.velocities_after)
+    assert found["why"] == outcome.why_no_restitution()
+    assert found["vibration_after"] == pytest.approx(sum(outcome.vibration_after), rel=1e-12)
+    waves = motion.waves_of(row, run)
+    stop = motion.end_of_picture(row, run, waves)
+    if not stop:
+        return
+    polygons = motion.tiling_of(row, run, waves, stop)
+    known = regions_of(solution, stop=stop * solution.fields.clock.tick)
+    for name in ("body", "start", "x", "t", "displacement", "velocity", "strain", "stress"):
+        np.testing.assert_array_equal(polygons[name], getattr(known, name))
+    curves = motion.contact_curves(row, run, stop)
+    for curve, contact in zip(curves, solution.contacts, strict=True):
+        times = np.array(curve["t"])
+        assert curve["force"] == pytest.approx(contact.force(times), rel=1e-9, abs=1e-9)
+        assert curve["gap"] == pytest.approx(contact.gap(times), abs=1e-15)
+        middles = (times[1:] + times[:-1]) / 2
+        assert contact.force(middles) == pytest.approx(curve["force"][:-1], rel=1e-9, abs=1e-9)
+    body = next(i for i, b in enumerate(system.bodies) if isinstance(b, ri.Rod))
+    x = 0.3 * system.bodies[body].length
+    curve = motion.gauge_curve(row, run, waves, body, x, stop)
+    times = np.array(curve["t"])
+    middles = (times[1:] + times[:-1]) / 2
+    record = solution.gauge(body, x)
+    assert record.strain_at(middles) == pytest.approx(curve["strain"][:-1], abs=1e-12)
+    curve = motion.energy_curves(row, polygons)
+    ledger = solution.energy(np.minimum(curve["t"], solution.t_end))
+    scale = 1e-9 * ledger.total.max()
+    for name, kind in (("vibration", "vibrational_kinetic"), ("strain", "strain"),
+                       ("whole", "kinetic"), ("total", "total")):
+        assert curve[name] == pytest.approx(getattr(ledger, kind), abs=scale)
+
+
+# Tables
+
+
+def changed(path, value):
+    """A case of two rods and a wall with another number."""
+    case = {"schema": 1, "bodies": [{**ROD}, {**ROD, "velocity": 0.0}, {**WALL}],
+            "contacts": [{"gap": 0.0, "law": "rigid"}, {"gap": 1e-5, "law": "rigid"}],
+            "materials": {"own": {"youngs_modulus": 1e11, "density": 5e3}}}
+    return with_number(case, path, value)
+
+
+@pytest.mark.parametrize(("path", "value"), [
+    (["bodies", 0, "length"], -1.0), (["bodies", 1, "area"], 0.0),
+    (["bodies", 0, "length"], float("nan")), (["bodies", 0, "velocity"], float("inf")),
+    (["bodies", 2, "velocity"], float("nan")), (["contacts", 1, "gap"], -1e-6),
+    (["materials", "own", "density"], -5.0), (["bodies", 0, "length"], 1e200),
+])
+def test_a_mistake_is_told_in_the_words_of_the_model(path, value):
+    case = changed(path, value)
+    (where, sentence), = mistakes(case, LIBRARY, RULES)
+    with pytest.raises(ri.InvalidModel) as error:
+        Design.parse({"case": case})
+    theirs = dict(error.value.problems)
+    assert where == ".".join(map(str, path))
+    assert sentence.count("got") == 1
+    if where in theirs and "cannot read" not in theirs[where]:
+        assert theirs[where].partition(", got")[0] == sentence.partition(", got")[0]
+
+
+@pytest.mark.parametrize("value", [None, "0.4", True])
+def test_what_is_no_number_is_told(value):
+    (where, sentence), = mistakes(changed(["bodies", 0, "length"], value), LIBRARY, RULES)
+    assert where == "bodies.0.length"
+    assert "no number" in sentence
+
+
+BODY = {"kind": "rod", "length": 0.4, "area": 1e-4, "material": "steel"}
+
+
+@pytest.mark.parametrize("change", [
+    {}, {"gravity": 9.81, "solve": {"until": 1e-3}},
+    {"bodies": [{"kind": "mass", "mass": 1.0}, ROD]},
+    {"bodies": [{**BODY, "area": {"samples": [1e-4, 2e-4]}}, ROD]},
+    {"bodies": [{**BODY, "velocity": {"samples": [1.0, 2.0]}}, ROD]},
+    {"bodies": [{**BODY, "velocity": {"values": [1.0, 2.0], "at": [0.1]}}, ROD]},
+    {"bodies": [{**BODY, "polar_moment": 1e-9}, ROD]},
+    {"contacts": [{"law": "hertz", "stiffness": 1e10}]}, {"contacts": [{"law": "bonded"}]},
+    {"ends": {"left": {"kind": "fixed"}}},
+    {"ends": {"left": {"kind": "force", "value": {"samples": [1.0, 2.0], "step": 1e-4}}},
+     "solve": {"until": 1e-3}},
+    {"solve": {"method": "characteristics", "until": 1e-3}}, {"solve": {"method": "fronts"}},
+    {"materials": {"own": {"youngs_modulus": 1e11, "density": 5e3, "viscosity": 1e4}},
+     "bodies": [{**BODY, "material": "own"}, ROD]},
+])
+def test_the_page_solves_what_fronts_can_carry(change):
+    case = {"schema": 1, "bodies": [ROD, {**ROD, "velocity": 0.0}], **change}
+    known = Design.parse({"case": case}).case
+    options = Options(known.solve.get("until"), known.solve.get("method", "auto"), 100)
+    assert (lacking(case) == ("", "")) == (options.method_for(known.system) == "fronts")

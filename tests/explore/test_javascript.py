@@ -1,0 +1,375 @@
+"""Kernels as JavaScript: what is translated and what is refused, and that nothing is lost."""
+
+import inspect
+import json
+import math
+import shutil
+import subprocess
+import tomllib
+
+import numpy as np
+import pytest
+from checked import build
+from exhaustive import few_of
+from systems import random_system
+
+import rodimpact as ri
+from rodimpact.explore.design import LIBRARY, Design
+from rodimpact.explore.javascript import Untranslatable, javascript
+from rodimpact.explore.outcome import outcome_of, transit_error_of
+from rodimpact.explore.page_files import read
+from rodimpact.explore.presets import presets
+from rodimpact.explore.runs import run_of, space_of
+from rodimpact.explore.scene import scene
+from rodimpact.explore.solver import CONSTANTS, KNOWN
+from rodimpact.explore.start import start
+from rodimpact.explore.tables import row_of
+from rodimpact.storage.casefile import case_from
+
+NODE = shutil.which("node")
+needs_node = pytest.mark.skipif(NODE is None, reason="node is not installed")
+ROWS, FEW, MOST = 25, 5000, 20_000
+PRESETS = {preset.key: preset.design for preset in presets()}
+
+
+def run(script, data=None):
+    """What a script in Node makes of JSON data: `answer(data)`."""
+    text = f"{script}\nconst data = JSON.parse(require('fs').readFileSync(0, 'utf8'));\n"
+    text += "process.stdout.write(JSON.stringify(answer(data)));"
+    done = subprocess.run(
+        [NODE, "-e", text], input=json.dumps(data), capture_output=True, text=True, timeout=600,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+# What is translated
+
+
+def arithmetic(a, b):
+    return [a // b, a % b, a * b, a - b, min(a, b), max(a, b), abs(a), -a, a <= b]
+
+
+def rounding(x):
+    return [int(x), round(x), math.floor(x)]
+
+
+def flipped(a, b):
+    return a ^ b
+
+
+def shifts(a, k):
+    return [a >> k, a * 2.0 ** -k, (a % 8) << k]
+
+
+def of_numbers(x):
+    return [math.frexp(x)[0], math.frexp(x)[1], math.sqrt(abs(x)), math.isfinite(x)]
+
+
+def loops(items):
+    total, found, last = 0, [], 0
+    for i, item in enumerate(items):
+        if item < 0:
+            continue
+        total += item
+        last = i
+    for k in range(len(items) - 1, 0, -2):
+        found.append(items[k])
+        if items[k] == 4:
+            break
+    while total > 10:
+        total //= 2
+    a, b = total, last
+    a, b = b, a
+    found.extend([x * 2 for x in items if x > 1])
+    found.extend([i * j for i in range(3) for j in range(2)])
+    for k in range(3):
+        last = k
+    for k in range(5):
+        if k == items[0]:
+            break
+    named = {f"{k}": k, "last": last}
+    ends = [items[-1], items[1:3], sorted(items), any(x > 6 for x in items)]
+    return [named, total, found, a, b, *ends]
+
+
+def texts(x, n):
+    inner = {"x": x}
+    table = {"name": "rod", "more": [1, 2], **inner}
+    return [
+        f"{x:.9g}", f"{x:.{n}g}", f"body {n} of {table['name']}", ", ".join(["a", "b"]),
+        table.get("none", 3), "x" in table, n in (1, 2), [key for key, _ in table.items()],
+        "rod"[:1].upper(), isinstance(table, dict), isinstance([], list), isinstance(x, float),
+    ]
+
+
+def shifted(a, k):
+    return a << k
+
+
+LARGE = (2**52 - 1, 2**52 - 7, -(2**51) - 3, 2**50 + 1)
+WHOLE = [(a, b) for a in (-7, -6, -1, 0, 1, 6, 7, *LARGE) for b in (-4, -3, 1, 3, 7, 1 << 20)]
+SIZES = (1.0, 0.1, -2.5, 1e-320, 12345.678, 1e22, -1e-7, 100.0, 1e5)
+
+
+@needs_node
+@pytest.mark.parametrize(("function", "given"), [
+    (arithmetic, [(a, b) for a, b in WHOLE if abs(a * b) < 2**53]),
+    (rounding, [(x,) for x in (-2.5, -1.5, -0.4, 0.5, 1.5, 2.5, 2.0**52 + 1, -7.9)]),
+    (flipped, [(5, 1), (-5, 3), (2**31 - 1, 1)]),
+    (shifts, [(a, k) for a in (*LARGE, -9, 0, 5) for k in (0, 1, 3, 40)]),
+    (of_numbers, [(x,) for x in SIZES]),
+    (loops, [([3, 1, 4, -1, 5, 9, 2, 6],), ([0, 8],)]),
+    (texts, [(x, n) for x in SIZES for n in (1, 2, 6)]),
+])
+def test_javascript_computes_what_python_computes(function, given):
+    text = javascript([function])
+    answer = f"const answer = (all) => all.map((given) => {function.__name__}(...given));"
+    script = f"{read('python.js')}\n{text}\n{answer}"
+    expected = [json.loads(json.dumps(function(*arguments))) for arguments in given]
+    assert run(script, given) == expected
+
+
+@needs_node
+@pytest.mark.parametrize(("function", "given"), [
+    (flipped, (2**31, 1)), (flipped, (1, 2**40)), (shifted, (2**40, 20)), (shifted, (1, -1)),
+    (rounding, (2.0**53,)), (rounding, (math.inf,)),
+])
+def test_what_javascript_cannot_hold_is_refused_as_it_runs(function, given):
+    """Not an infinity: JSON has none."""
+    script = f"{read('python.js')}\n{javascript([function])}\nconst answer = (given) => {{\n"
+    script += f"try {{ return {function.__name__}(...given.map(Number)); }}"
+    script += " catch (error) { return error.name; } };"
+    assert run(script, [repr(x) if math.isfinite(x) else "Infinity" for x in given]) == "RangeError"
+
+
+def lists_added(a):
+    return [x for x in a] + a  # noqa: C416
+
+
+def unknown_name():
+    return json
+
+
+def unknown_call(a):
+    return sum(a)
+
+
+def unknown_method(a):
+    return a.strip()
+
+
+def unknown_attribute(a):
+    return a.real
+
+
+def large_constant():
+    return 9007199254740993
+
+
+def complex_power(a):
+    return a**3
+
+
+def with_statement(a):
+    with a:
+        pass
+
+
+def bitwise(a):
+    return a & 3
+
+
+def by_keyword(a):
+    return sorted(a, key=abs)
+
+
+def from_the_end(a):
+    a[-1] = 2
+
+
+def twice_called(a):
+    return 0 < abs(a) < 3
+
+
+def formatted(a):
+    return f"{a!r}"
+
+
+def by_a_name(a, b):
+    for i in range(0, a, b):
+        a[i] = i
+
+
+@pytest.mark.parametrize(("function", "line", "what"), [
+    (lists_added, 1, "adding lists"), (unknown_name, 1, "the name json"),
+    (unknown_call, 1, "calling sum"), (unknown_method, 1, "the method strip"),
+    (unknown_attribute, 1, "the attribute real"), (large_constant, 1, "9007199254740993"),
+    (complex_power, 1, "a power"), (with_statement, 1, "With"), (bitwise, 1, "BitAnd"),
+    (by_keyword, 1, "an argument by name"), (from_the_end, 1, "such an index"),
+    (twice_called, 1, "a call between"), (formatted, 1, "such a format"),
+    (by_a_name, 1, "such a step"),
+])
+def test_what_is_not_translated_is_named_with_its_line(function, line, what):
+    with pytest.raises(Untranslatable) as error:
+        javascript([function])
+    first = inspect.getsourcelines(function)[1]
+    assert f"test_javascript.py:{first + line}: " in str(error.value)
+    assert what in str(error.value)
+
+
+# The solver
+
+
+def rows(seeds):
+    """Random rows as tables, half of them with lengths that have no common measure."""
+    found = []
+    for seed in seeds:
+        rng = np.random.default_rng(seed)
+        system = random_system(seed, bodies=6 if seed % 2 else 3)
+        case = tomllib.loads(ri.write_case(system))
+        for body in case["bodies"]:
+            for piece in body.get("segments", [body]):
+                if seed % 2 == 0 and "length" in piece and not isinstance(body["velocity"], dict):
+                    piece["length"] *= float(rng.uniform(1.0, 1.1))
+        found.append({**case, "solve": {}})
+    return found
+
+
+SOLVES = (row_of, space_of, run_of, outcome_of, transit_error_of)
+
+
+def solved_by_the_page(cases):
+    """Outcomes, events, and errors of transit times."""
+    script = f"""{read("python.js")}\n{read("numbers.js")}\n{javascript(SOLVES, CONSTANTS, KNOWN)}
+    const answer = ({{ cases, library }}) => cases.map((tables) => {{
+      const row = row_of(tables, library);
+      const run = run_of(row, false, space_of(row));
+      const [error] = transit_error_of(row, run);
+      const grain = 1 / Math.max(...run.layout.transit);
+      const scale = run.layout.scale[0];
+      return {{ ...outcome_of(row, run), events: run.clock[3], error: error + grain, scale }};
+    }});"""
+    return run(script, {"cases": cases, "library": LIBRARY})
+
+
+@needs_node
+@pytest.mark.parametrize("block", few_of(range(10), {0}))
+def test_the_page_solves_rows_as_solve_does(block):
+    """To 1e-11 of the closing speed where events are few, elsewhere to what the clock rounds."""
+    cases, few = rows(range(100 * block, 100 * block + 100)), 0
+    for case, page in zip(cases, solved_by_the_page(cases), strict=True):
+        if page["events"] >= MOST:  # cut short, nobody knows where
+            continue
+        outcome = ri.solve(case_from(case).system, max_events=MOST).outcome
+        assert page["final"] == outcome.final
+        worst = 2 * page["error"] * page["events"] * page["scale"]
+        if page["events"] < FEW and page["error"] < 2.0**-42:
+            few += 1
+            closing = max(outcome.velocities_before) - min(outcome.velocities_before)
+            worst = 1e-11 * max(closing, 1e-3)
+        assert page["after"] == pytest.approx(outcome.velocities_after, abs=worst)
+        why = outcome.why_no_restitution()
+        assert (page["why"] == "") == (why == "")
+        if not why:
+            assert page["restitution"] == pytest.approx(outcome.restitution, abs=1e-9)
+    assert few >= 50
+
+
+@needs_node
+def test_the_page_has_the_bits_of_the_same_clock_and_no_number_too_large():
+    """Python on the page's clock, every whole number of it looked at, does the same."""
+    cases = rows(range(ROWS))
+    checked = build(SOLVES, CONSTANTS, KNOWN)
+    for case, page in zip(cases, solved_by_the_page(cases), strict=True):
+        if page["events"] < FEW:
+            row = checked["row_of"](case, LIBRARY)
+            space = checked["space_of"](row)
+            here = checked["outcome_of"](row, checked["run_of"](row, False, space))
+            assert page["after"] == here["after"]
+            assert page["vibration_after"] == here["vibration_after"]
+
+
+# The scene
+
+
+def plain(found):
+    """A scene without what differs in writing only: the minus, the space and the µ of units."""
+    if isinstance(found, str):
+        return found.replace("\u2212", "-").replace("\u00a0", " ").replace("µ", "u")
+    if isinstance(found, dict):
+        return {key: plain(value) for key, value in found.items()}
+    return [plain(value) for value in found] if isinstance(found, list | tuple) else found
+
+
+def assert_alike(page, server, path=""):
+    """Texts are equal and numbers as near as what is drawn."""
+    if isinstance(server, dict):
+        assert set(page) >= set(server), path
+        for key, value in server.items():
+            assert_alike(page[key], value, f"{path}.{key}")
+    elif isinstance(server, list) and server and isinstance(server[0], float):
+        scale = max(map(abs, server))
+        np.testing.assert_allclose(page, server, rtol=1e-7, atol=1e-8 * scale, err_msg=path)
+    elif isinstance(server, list):
+        assert len(page) == len(server), path
+        for i, (one, other) in enumerate(zip(page, server, strict=True)):
+            assert_alike(one, other, f"{path}.{i}")
+    elif isinstance(server, float) and not isinstance(server, bool):
+        assert page == pytest.approx(server, rel=1e-7, abs=1e-9), path
+    else:
+        assert page == server, path
+
+
+STEEL = ri.materials.steel
+LEFT = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
+STEPPED = ri.Rod(segments=[ri.Segment(0.1, 1e-4, STEEL), ri.Segment(0.2, 2e-4, STEEL)],
+                 velocity=ri.Steps([1.0, 0.5], [0.1]), strain=1e-5)
+DESIGNS = {
+    **PRESETS,
+    "stepped": Design.of(ri.Case(ri.System([STEPPED, LEFT.replace(velocity=0.0)]))),
+    "moving wall": Design.of(ri.Case(ri.System([LEFT, ri.Wall(velocity=-0.5)], [1e-5]))),
+    "bonded": Design.of(ri.Case(
+        ri.System([LEFT, LEFT.replace(velocity=0.0)], contacts=[ri.Bonded()]), {"until": 1e-3})),
+    "pushed": Design.of(ri.Case(
+        ri.System([LEFT, LEFT], ends=(ri.Pushed(ri.Steps([1e3, 0.0], [1e-4])), ri.Absorbing())),
+        {"until": 1e-3})),
+    "apart": Design.of(ri.Case(ri.System([LEFT.replace(velocity=-1.0), LEFT]))),
+    "capped": Design.of(ri.Case(ri.System([ri.Wall(), STEPPED, ri.Wall()]), {"max_events": 300})),
+}
+
+
+def answers(address):
+    """What the page itself answers to each design."""
+    script = "\n".join(map(read, ("numbers.js", "python.js", "kernels.js", "solver.js")))
+    script += f"""
+    const listOf = (value) => (Array.isArray(value) ? value : []);
+    let start; let embedded = true;
+    const answer = (data) => {{
+      start = data.start;
+      return data.designs.map((design) => answerHere("{address}", design));
+    }};
+    """
+    sent = {"start": start(PRESETS["wall"]), "designs": [d.to_dict() for d in DESIGNS.values()]}
+    found = run(script, sent)
+    assert not [page for page in found if "problems" in page]
+    return zip(DESIGNS.items(), [page["data"] for page in found], strict=True)
+
+
+@needs_node
+def test_the_page_shows_what_the_server_shows():
+    """Scenes of `scene`, whose fronts run on the clock of Python."""
+    for (key, design), page in answers("/scene"):
+        server = json.loads(json.dumps(scene(design, design.solve())))
+        difference = page["restitution"].pop("difference", 0)
+        server["restitution"].pop("difference", 0)
+        assert float(difference) < 1e-12
+        assert_alike(plain(page), plain(server), key)
+
+
+@needs_node
+def test_the_page_writes_the_case_file_of_its_design():
+    for (_, design), page in answers("/case"):
+        read_back = Design.of(ri.parse_case(page["toml"]))
+        assert Design.parse(read_back.to_dict()) == Design.parse(design.to_dict())
