@@ -18,6 +18,7 @@ from ..results.closed_forms import closed_form
 from ..results.contacts import ContactHistory
 from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
+from ..storage.report import ENERGIES
 from ..units import format_si
 from .design import LIBRARY, MOST_EVENTS, Design
 from .fronts import known_of, plot_of, series_of
@@ -154,13 +155,11 @@ def _energy(solution: Solution) -> Any:
     """Energy by kind."""
     times = np.linspace(0.0, solution.t_end, MOMENTS)
     e = solution.energy(times)
-    kinds = {
-        "moving as a whole": e.kinetic, "vibration": e.vibrational_kinetic, "strain": e.strain,
-        "in contacts": e.contact, "lost in material": e.damped, "total": e.total,
-    }
-    rare = ("in contacts", "lost in material")
-    series = [_curve(name, times, y, False) for name, y in kinds.items()
-              if name not in rare or y.any()]
+    always, rare = ("kinetic", "vibrational_kinetic", "strain"), ("contact", "damped")
+    kinds = {ENERGIES[name]: getattr(e, name) for name in (*always, *rare)
+             if name in always or getattr(e, name).any()}
+    kinds["total"] = e.total
+    series = [_curve(name, times, y, False) for name, y in kinds.items()]
     return plot_of("energy", "Energy", "J", series)
 
 

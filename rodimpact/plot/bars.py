@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from ..methods.signals import Floats
-from ..model import Absorbing, Bonded, RigidMass, Rod
+from ..model import Absorbing, RigidMass, Rod
 from ..model.profiles import extremes
 from ..results.fields import Profile
 from ..results.gauges import Gauge
@@ -23,8 +23,6 @@ from .borders import (
     DRIVEN,
     WALL,
     drive_style,
-    gauge_path,
-    gauge_style,
     mass_style,
     open_style,
     wall_style,
@@ -32,7 +30,7 @@ from .borders import (
 from .sampling import is_stepped, mean_areas, sampled
 from .scales import Scale
 from .springs import draw_springs, is_compliant
-from .style import colours
+from .style import SMALL, colours
 
 THICKNESS = 0.5  # of the thickest bar, in distances between rows
 SWELLING = 0.25  # relative thickening at the largest strain
@@ -183,7 +181,7 @@ class Bars:
         """A thick line where bodies press."""
         drawn: list[Line2D] = []
         for history in self.plan.solution.contacts:
-            if is_compliant(history) or isinstance(history.law, Bonded):
+            if is_compliant(history) or not history.law.opens:
                 continue
             x = self._end(history.index, True)
             pressing = history.force(np.maximum(self.times, 0.0)) > 0
@@ -193,13 +191,17 @@ class Bars:
         return drawn
 
     def gauges(self, ax: Axes, records: Mapping[str, Gauge]) -> list[Line2D]:
-        """Squares where strain gauges are."""
+        """Squares where strain gauges are, with their names at the first time."""
         drawn: list[Line2D] = []
-        rows = -np.arange(self.times.size)
-        for record in records.values():
-            path = gauge_path(self.plan, record, self.times) * self.place.factor
-            drawn += ax.plot(path, rows - THICKNESS / 2, zorder=5, **{
-                **gauge_style(), "linestyle": "", "marker": "s", "markersize": 4.5})
+        rows = -np.arange(self.times.size) - THICKNESS / 2
+        for name, record in records.items():
+            moved = self.plan.moved(record.body, record.x, self.times)
+            places = self.plan.place(record.body, record.x, self.times, moved) * self.place.factor
+            drawn += ax.plot(places, rows, linestyle="", marker="s", markersize=4.5, zorder=5,
+                             color=self.colours.series[4], label=name)
+            ax.annotate(name, (places[0], rows[0]), (0, -4), textcoords="offset points",
+                        ha="center", va="top", fontsize=SMALL + 1, color=self.colours.ink,
+                        parse_math=False)
         return drawn
 
     def _end(self, body: int, right: bool) -> Floats:

@@ -29,7 +29,8 @@ WALL = 0.04  # depth of a wall, in lengths of the row
 OPEN_END = (0, (3, 2))  # dashes of an end through which waves leave
 DRIVEN = {Pushed: "driven by a force", Moved: "driven at a velocity"}
 ARROWS = 8  # marks of a driven end
-STEPS = 1001  # along springs, faces of joints and gauges
+POINTS = 1000  # of the path of a gauge, at most
+INSTANTS = 1000  # of the faces of a joint, or of a spring
 
 
 class Borders:
@@ -84,10 +85,10 @@ class Borders:
     def springs(self, ax: Axes) -> list[Polygon]:
         """Where the springs of compliant contacts are pressed."""
         bands = []
-        times = np.linspace(*self.plane.span, STEPS)
+        times = np.linspace(*self.plane.span, INSTANTS)
         for history in self.plan.solution.contacts:
             free = length(self.plan, history.index)
-            if not free or isinstance(history.law, Joint):
+            if not (free and history.law.opens):
                 continue
             left = self.plan.end(history.index, True, times)
             right = np.minimum(self.plan.end(history.index + 1, False, times), left + free)
@@ -131,8 +132,10 @@ class Borders:
         for name, record in records.items():
             start, stop = self.plane.span
             inside = record.times[(record.times > start) & (record.times < stop)]
-            times = np.concatenate(([start], inside[evenly(inside.size, STEPS)], [stop]))
-            track = self.plane.points(gauge_path(self.plan, record, times), times)
+            times = np.concatenate(([start], inside[evenly(inside.size, POINTS)], [stop]))
+            moved = self.plan.moved(record.body, record.x, times)
+            track = self.plane.points(
+                self.plan.place(record.body, record.x, times, moved), times)
             paths += ax.plot(*track.T, color=self.colours.ink, linewidth=1.0, linestyle="-.",
                              zorder=5, path_effects=casing, label=name)
             ax.annotate(name, track[0], textcoords="offset points", va="bottom", zorder=6,
@@ -142,7 +145,7 @@ class Borders:
 
     def joints(self, ax: Axes) -> list[Polygon]:
         """Hatched strips between the faces that joints hold together."""
-        strips, times = [], np.linspace(*self.plane.span, STEPS)
+        strips, times = [], np.linspace(*self.plane.span, INSTANTS)
         for i, law in enumerate(self.system.contacts):
             if isinstance(law, Joint):
                 left, right = self._track(i, True, times), self._track(i + 1, False, times)
@@ -184,17 +187,6 @@ def joint_style() -> dict[str, Any]:
 def drive_style() -> dict[str, Any]:
     """Marks of driven ends."""
     return {"linestyle": "", "color": colours().ink, "markerfacecolor": colours().paper}
-
-
-def gauge_path(plan: Placing, gauge: Gauge, times: Floats) -> Floats:
-    """Places in the picture, m, of a strain gauge."""
-    return plan.place(gauge.body, gauge.x, times, plan.moved(gauge.body, gauge.x, times))
-
-
-def gauge_style() -> dict[str, Any]:
-    """Lines and marks of strain gauges."""
-    return {"color": colours().series[4], "linewidth": 1.2, "linestyle": (0, (2, 2)),
-            "label": "strain gauge"}
 
 
 def apart_style() -> list[Any]:

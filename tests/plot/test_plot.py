@@ -549,8 +549,9 @@ def test_gauges_are_marked_where_they_are(solved):
     assert [set(line.get_xdata().round(9)) for line in lines] == [{0.1}, {0.65}]
     picture = plot.snapshots(solution, times=[0.0, solution.t_end], magnification=1.0,
                              gauges=gauges)
-    lines = [line for line in picture.ax.lines if line.get_label() == "strain gauge"]
-    assert lines[1].get_xdata() == pytest.approx(
+    assert {"struck", "far"} <= {text.get_text() for text in picture.ax.texts}
+    (line,) = (line for line in picture.ax.lines if line.get_label() == "far")
+    assert line.get_xdata() == pytest.approx(
         [0.65, float(solution.position(1, 0.25, solution.t_end))])
     with pytest.raises(ri.InvalidModel, match="must be records by name"):
         plot.snapshots(solution, gauges=[(1, 0.0)])

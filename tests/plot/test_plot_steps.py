@@ -294,6 +294,12 @@ def test_a_joint_is_stretched_and_drawn_between_its_faces():
     assert wide.min() > 0
     pressing = np.concatenate(picture.pressing.get_segments())
     assert pressing[:, 0].max() < (x[:n] + wide / 2).min()
+    line = next(p for p in plot.spacetime(s).ax.patches if p.get_label() == "joint")
+    assert np.ptp(line.get_xy()[:, 0]) == pytest.approx(0.0, abs=1e-12)  # seen by its edge alone
+    assert line.get_linewidth() > 0.5
+    zigzags = [each for each in plot.snapshots(s).ax.lines if len(each.get_xdata()) > 9]
+    widths = [np.ptp(each.get_xdata()) for each in zigzags]
+    assert min(widths) < widths[0] < max(widths)  # pressed together, and drawn out
 
 
 def test_the_force_of_an_impact_is_named_a_mean(solved):
