@@ -24,6 +24,8 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from . import theory as theory
     from . import units as units
     from . import waves as waves
+    from .algebra.rational import Exact as Exact
+    from .algebra.rational import exact as exact
     from .methods.duration import LongRun as LongRun
     from .methods.kernels import NoCompiler as NoCompiler
     from .methods.machine_code import DamagedCache as DamagedCache
@@ -85,6 +87,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .storage.reading import FileFormatError as FileFormatError
 
 _HOME = {
+    "algebra.rational": ("Exact", "exact"),
     "model.frozen": ("InvalidModel",),
     "model.profiles": ("Samples", "Steps"),
     "model.bodies": ("Material", "RigidMass", "Rod", "Segment", "Wall"),

@@ -10,7 +10,7 @@ import rodimpact
 ROOT = Path(rodimpact.__file__).parent
 LAYERS = [
     "units", "model", "rigid", "theory", "waves", "materials", "methods", "storage", "records",
-    "results", "running", "design", "plot", "explore", "cli", "__main__",
+    "results", "running", "algebra", "design", "plot", "explore", "cli", "__main__",
 ]
 """Packages and modules at the root, from the ground up."""
 METHODS = ("fronts", "steps", "grid")
