@@ -13,7 +13,7 @@ from ..model import System
 from ..model.frozen import InvalidModel, Problems, nearest
 from ..units import shown
 from .numbers import Number
-from .rows import MOST_EVENTS, Results, check, read, run, written
+from .rows import MOST_EVENTS, check, each, read, run, written
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ def exact(
     if not done.final:
         message = f"the collision is not over after {max_events} events; raise it"
         raise InvalidModel([("max_events", message)])
-    return Exact(*fractions(done.results), unit)
+    return Exact(*each(done.results, lambda x: x.value), unit)
 
 
 def fractions_of(values: Mapping[str, Any] | None) -> dict[str, Fraction]:
@@ -117,17 +117,6 @@ def fractions_of(values: Mapping[str, Any] | None) -> dict[str, Fraction]:
     if problems:
         raise InvalidModel(problems)
     return given
-
-
-def fractions(results: Results) -> tuple[Any, Any, Any, Any]:
-    """Results without their history."""
-    def plain(x: Any) -> Any:
-        if isinstance(x, tuple):
-            return tuple(map(plain, x))
-        return x.value if isinstance(x, Number) else x
-
-    e, velocities, impulses, times = map(plain, results)
-    return e, velocities, impulses, times
 
 
 def root(x: Fraction) -> Fraction | None:

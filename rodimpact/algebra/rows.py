@@ -16,7 +16,6 @@ from ..methods.abilities import needs
 from ..methods.fronts.assembly import Blueprint, start
 from ..methods.fronts.front_kernel import (
     CHANGES,
-    EVENTS,
     FINAL,
     NOW,
     OPEN,
@@ -57,6 +56,15 @@ class Results(NamedTuple):
     contact_times: tuple[tuple[tuple[Number, Number], ...], ...]  # [contact][episode]
 
 
+def each(results: Results, what: Callable[[Number], Any]) -> tuple[Any, Any, Any, Any]:
+    """Results with what `what` makes of each number."""
+    def mapped(x: Any) -> Any:
+        return tuple(map(mapped, x)) if isinstance(x, tuple) else None if x is None else what(x)
+
+    e, velocities, impulses, times = map(mapped, tuple(results))
+    return e, velocities, impulses, times
+
+
 class ExactRun(NamedTuple):
     """A finished run of the kernel; its times are those of the model times `rate`."""
 
@@ -67,8 +75,7 @@ class ExactRun(NamedTuple):
     state: State
     tally: Tally
     log: Log
-    end: Any
-    events: int
+    clock: Any
     final: bool
     results: Results
 
@@ -174,7 +181,8 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
         if before[k] > before[k + 1]:
             e = (after[k + 1] - after[k]) / (before[k] - before[k + 1])
     return ExactRun(
-        row, nodes, numbers, rate, state, tally, log, clock[NOW], clock[EVENTS], flag == FINAL,
+        row, nodes, numbers, rate, state, tally, log, clock,
+        flag == FINAL,
         Results(
             e, tuple(after), tuple(tally.impulse[k] / rate for k in nodes),
             tuple(_episodes(log, clock[CHANGES], k, rate) for k in nodes),
@@ -187,5 +195,5 @@ def _episodes(log: Log, changes: int, k: int, rate: Fraction) -> tuple[tuple[Num
     times: list[Number] = []
     for i in range(changes):
         if log.change_node[i] == k and (log.change_status[i] == PRESS) != len(times) % 2:
-            times.append(log.change_tick[i] / rate)
+            times.append((log.change_tick[i] + ZERO) / rate)
     return tuple(zip(times[::2], times[1::2], strict=False))
