@@ -17,6 +17,7 @@ from ..methods.fronts.front_kernel import (
     PRESS,
     ROWS,
     deviation_bound,
+    finality_time,
     group_motion,
     play,
     quiet,
@@ -30,7 +31,7 @@ from .rows import ExactRun
 def conditions(run: ExactRun) -> list[Number]:
     """Numbers that are positive throughout the cell of this run; those that depend on names."""
     contacts = unilateral(run.row.system)
-    end = run.clock[FINALITY] + ZERO
+    end = _end(run)
     found = [x for k in contacts for x in _for_ever_after(run, run.nodes[k], end)]
     longest = max(sum(run.state.transit[s : e + 1]) for s, e in run.row.spans if e)
     # what is under way must not come before the end: let it come
@@ -39,6 +40,17 @@ def conditions(run: ExactRun) -> list[Number]:
         found += _while_it_lasts(run, k, end)
     distinct = {x.value: x for x in found if x.made and x.value}
     return list(distinct.values())
+
+
+def _end(run: ExactRun) -> Number:
+    """When it is over: the instant of the proof, or the next event if the kernel waited for it."""
+    state, log, clock, end = run.state, run.log, run.clock, run.clock[FINALITY] + ZERO
+    if any(end == t for times in (log.tick, log.change_tick) for t in times[: clock[ROWS]]):
+        return end
+    later: Number = state.tree[1]
+    play(state, run.tally, log, clock, end - later, len(log.value), ZERO, 0)
+    proved: Any = finality_time(state, log, later, ZERO)  # type: ignore[arg-type]
+    return later if proved == later else end
 
 
 def _while_it_lasts(run: ExactRun, contact: int, end: Number) -> list[Number]:
