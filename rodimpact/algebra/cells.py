@@ -44,11 +44,13 @@ def conditions(run: ExactRun) -> list[Number]:
 
 def _end(run: ExactRun) -> Number:
     """When it is over: the instant of the proof, or the next event if the kernel waited for it."""
-    state, log, clock, end = run.state, run.log, run.clock, run.clock[FINALITY] + ZERO
+    state, log, clock = run.state, run.log, run.clock
+    end: Number = clock[FINALITY] + ZERO
     if any(end == t for times in (log.tick, log.change_tick) for t in times[: clock[ROWS]]):
         return end
     later: Number = state.tree[1]
-    play(state, run.tally, log, clock, end - later, len(log.value), ZERO, 0)
+    until: Any = end - later
+    play(state, run.tally, log, clock, until, len(log.value), ZERO, 0)
     proved: Any = finality_time(state, log, later, ZERO)  # type: ignore[arg-type]
     return later if proved == later else end
 

@@ -55,30 +55,27 @@ class Naming:
         self.paths: dict[str, str] = {}
         self.base: dict[str, Fraction] = {}
         self.speeds: dict[str, tuple[Any, Any]] = {}
+        self._named: set[str] = set()
         self._materials: list[Any] = []
         self._roots: dict[Fraction, Fraction] = {}
         self._shift: Mapping[str, Fraction] = {}
         self.place: dict[str, Fraction] = {}
-        asked: dict[str, bool] = {}
+        asked: list[str] = []
 
         def take(path: str, value: float) -> Number | None:
-            found = self._take(path, value)
-            asked[path] = bool(found and found.made)
-            return found
+            asked.append(path)
+            return self._take(path, value)
 
         read(self.row, take, self._speed)
-        asked |= dict.fromkeys(self.paths.values(), True)
-        words = {word for path in asked for word in (path, path.rpartition(".")[2])}
-        named = {word for path, has in asked.items() if has
-                 for word in (path, path.rpartition(".")[2])}
-        problems = []
-        for symbol in self.symbols:
-            if symbol not in words:
-                message = f"names no number that formulas have; {nearest(symbol, sorted(words))}"
-                problems.append(("symbols", f"{symbol!r} {message}"))
-            elif symbol not in named:
-                message = "has no place beside the others, or is a gap of 0; leave it out"
-                problems.append(("symbols", f"{symbol!r} {message}"))
+        words, named = (
+            {word for path in paths for word in (path, path.rpartition(".")[2])}
+            for paths in (asked, self._named)
+        )
+        problems = [
+            ("symbols", f"{symbol!r} names no number that formulas have beside the other symbols; "
+             f"{nearest(symbol, sorted(words))}")
+            for symbol in self.symbols if symbol not in named
+        ]
         if problems or not symbols:
             raise InvalidModel(problems or [("symbols", "must name a number")])
 
@@ -102,6 +99,11 @@ class Naming:
         self._shift, self.place = shift, {}
         return run(self.row, read(self.row, self._take, self._speed), max_events)
 
+    def _name(self, name: str, path: str, value: Fraction) -> None:
+        self._named.add(path)
+        self.paths.setdefault(name, path)
+        self.base[name] = value
+
     def _leaf(self, name: str, value: Fraction) -> Number:
         self.place[name] = value + (value or 1) * self._shift.get(name, 0)
         return Number(self.place[name], (name,))
@@ -121,11 +123,10 @@ class Naming:
         else:
             place = self.row.paths.index(path.rpartition(".")[0])
         name = f"{LETTERS[quantity]}{place}"
-        if name not in self.base:
-            self.paths[name] = path
-            self.base[name] = written(value)
-            if quantity in ("transit_time", "impedance"):
-                self.base[name] = self._derived(quantity, place)
+        if quantity in ("transit_time", "impedance"):
+            self._name(name, path, self._derived(quantity, place))
+        else:
+            self._name(name, path, written(value))
         return self._leaf(name, self.base[name])
 
     def _derived(self, quantity: str, place: int) -> Fraction:
@@ -146,8 +147,7 @@ class Naming:
         for quantity, value in zip(("youngs_modulus", "density"), pair, strict=True):
             name = f"{LETTERS[quantity]}{place}"
             if name in self.base or self._wants(f"{path}.{quantity}"):
-                self.paths.setdefault(name, f"{path}.{quantity}")
-                self.base[name] = written(value)
+                self._name(name, f"{path}.{quantity}", written(value))
                 found.append(name)
             else:
                 found.append(written(value))
