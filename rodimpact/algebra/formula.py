@@ -247,6 +247,11 @@ class ClosedForm:
         """Paths of the numbers for which the symbols stand; of several the first."""
         return dict(self._field.naming.paths)
 
+    @property
+    def values(self) -> dict[str, Fraction]:
+        """What the symbols are in the system, to 400 bits where a wave speed is irrational."""
+        return dict(self._field.naming.base)
+
     @cached_property
     def restitution(self) -> Any:
         """e; None where not exactly one contact can open, or nothing collides."""

@@ -115,10 +115,10 @@ def test_a_stepped_striker():
 
 def agree(form, system, paths, rng, count):
     """Compare the formulas with runs at places near the system; return how many there were."""
-    base = {name: form._field.naming.base[name] for name in paths}
     places = 0
     for _ in range(count):
-        near = {name: x * (1 + Fraction(rng.randint(-50, 50), 1000)) for name, x in base.items()}
+        near = {name: x * (1 + Fraction(rng.randint(-50, 50), 1000))
+                for name, x in form.values.items()}
         for side in (form, *form.sides):
             if side.holds(**near):
                 there = ri.exact(system, {paths[name]: x for name, x in near.items()})
