@@ -97,11 +97,11 @@ def rows() -> list[Row]:
 
 def stepped() -> list[Row]:
     """A striker of two pieces."""
-    pieces = [ri.Segment(3, 1, UNIT), ri.Segment(2, 3, UNIT)]
-    system = ri.System([ri.Rod(segments=pieces, velocity=1.0), rod(11, 2)])
+    pieces = [ri.Segment(3.1, 1, UNIT), ri.Segment(2, 3, UNIT)]
+    system = ri.System([ri.Rod(segments=pieces, velocity=1.0), rod(11.3, 2)])
     paths = {"l1": "bodies.0.segments.0.length", "l2": "bodies.0.segments.1.length",
              "l3": "bodies.1.length"}
-    return [against_runs("striker of steps 3 and 2, areas 1 and 3, on 11, area 2", system, paths,
+    return [against_runs("striker of steps 3.1 and 2, areas 1 and 3, on 11.3, area 2", system, paths,
                          ("length",))]
 
 
