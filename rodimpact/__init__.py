@@ -24,6 +24,10 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from . import theory as theory
     from . import units as units
     from . import waves as waves
+    from .algebra.formula import ClosedForm as ClosedForm
+    from .algebra.formula import closed_form as closed_form
+    from .algebra.rational import Exact as Exact
+    from .algebra.rational import exact as exact
     from .derivatives.gradients import gradient as gradient
     from .derivatives.result import Gradient as Gradient
     from .derivatives.result import Kink as Kink
@@ -98,6 +102,8 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .storage.reading import FileFormatError as FileFormatError
 
 _HOME = {
+    "algebra.formula": ("ClosedForm", "closed_form"),
+    "algebra.rational": ("Exact", "exact"),
     "model.frozen": ("InvalidModel",),
     "model.profiles": ("Samples", "Steps"),
     "model.bodies": ("Material", "RigidMass", "Rod", "Segment", "Wall"),

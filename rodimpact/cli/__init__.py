@@ -31,6 +31,7 @@ COMMANDS = {
     "explore": "play with a collision in the browser",
     "export": "write a collision as a page to hand out",
     "animate": "make a moving picture of a case: GIF, HTML or MP4",
+    "formula": "solve a case in symbols: e as a formula, and where it holds",
     "rigid": "collide two rigid bodies",
     "verify": "check the solver against closed forms",
     "materials": "list materials, with the source of each number",

@@ -218,7 +218,7 @@ def _refusal(fate: int, plan: Blueprint, layout: Layout, durations: Any) -> tupl
 
 
 def start(
-    ticks: Sequence[int],
+    ticks: Sequence[Any],
     mobility: Sequence[Any],
     status: Sequence[int],
     gaps: Sequence[Any],
@@ -231,7 +231,8 @@ def start(
     Parameters
     ----------
     ticks, mobility : [n + 2]
-        Transit times and 1/Z by segment; outside 0, but for the 1/Z of an endless bar.
+        Transit times, of that kind too if they are no ticks, and 1/Z by segment; outside 0, but
+        for the 1/Z of an endless bar.
     status, gaps : [n + 1]
         By node.
     outside : pair

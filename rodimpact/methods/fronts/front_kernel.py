@@ -269,7 +269,7 @@ def advance(
                 due = min(due, tick[head[l]] + T[l // 2])
         if status[k] == OPEN and state.gap[k] < -state.rate[k] * (NEVER - t):
             rate = state.rate[k]
-            close = t + int((2 * state.gap[k] - rate) / (-2 * rate))
+            close = t + math.trunc((2 * state.gap[k] - rate) / (-2 * rate))
             if close + window < due:
                 due = close
         schedule(tree, leaves + k, due)

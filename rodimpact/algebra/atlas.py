@@ -1,0 +1,301 @@
+"""atlas(): the plane of two numbers of a case, in cells with a formula each.
+
+Wherever a place lies in no cell yet, the collision is solved there on fractions; its cell is what
+the inequalities say, however far it reaches. Between two places of different cells the border is
+where an inequality of either ends; if there is room between the two ends, another cell is there,
+and is solved. Cells with the same formula and the same contacts make a region.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..model import System
+from ..model.frozen import InvalidModel
+from ..units import shown
+from .cells import conditions
+from .naming import Naming
+from .numbers import Number, evaluate
+from .rows import each
+
+Floats = NDArray[np.float64]
+LATTICE = 40  # places a side where cells are looked for
+FINE = 1 << 24  # steps a side to which these are rounded, so that fractions are short
+CLOSE = 1e-11  # of the way between two places: as good as touching
+HALVINGS = 45
+MOST_BETWEEN = 12  # times that an edge is cut where there is room for another cell
+MOST_CELLS = 500
+
+
+class Cell:
+    """One cell of the plane: inequalities, results, and in which region it is."""
+
+    def __init__(self, naming: Naming, place: tuple[Fraction, Fraction], max_events: int) -> None:
+        self.names = [next(n for n, p in naming.paths.items() if p == s) for s in naming.symbols]
+        run = naming.run({
+            name: (at - naming.base[name]) / (naming.base[name] or 1)
+            for name, at in zip(self.names, place, strict=True)
+        }, max_events)
+        self.final, self.results, self.known = run.final, run.results, naming.place
+        self.base = naming.base
+        if self.final:
+            self.conditions = conditions(run)
+
+    def inside(self, x: Floats, y: Floats) -> Any:
+        """Whether places lie in the cell."""
+        return self.margin(x, y) > 0
+
+    def margin(self, x: Floats, y: Floats) -> Any:
+        """A number that is positive inside the cell, 0 on its border and negative outside."""
+        return np.min([np.broadcast_to(f, x.shape) for f in self._at(self.conditions, x, y)]
+                      or [np.ones(x.shape)], axis=0)
+
+    def restitution(self, x: Floats, y: Floats) -> Floats:
+        """The formula of e, nan where there is none; [place]."""
+        e = self.results.restitution
+        return np.broadcast_to(np.nan if e is None else self._at([e], x, y)[0], x.shape)
+
+    def formula(self) -> tuple[Any, ...]:
+        """What is the same for cells of one region: contacts, and values at a place of no sort."""
+        there = tuple(Fraction(19 + i, 17 - i) * self.base[n] + i for i, n in enumerate(self.names))
+        values: list[Number] = []
+        each(self.results._replace(contact_times=()), values.append)
+        known = dict(zip(self.names, there, strict=True))
+        return (*map(len, self.results.contact_times),
+                *evaluate(values, {**self.known, **known}, Fraction))
+
+    def _at(self, wanted: list[Number], x: Floats, y: Floats) -> list[Any]:
+        known: dict[str, Any] = {name: float(value) for name, value in self.known.items()}
+        with np.errstate(all="ignore"):
+            return evaluate(wanted, {**known, **dict(zip(self.names, (x, y), strict=True))}, float)
+
+
+@dataclass(frozen=True, eq=False)
+class Atlas:
+    """The plane of two numbers of a case, in regions with a formula each.
+
+    Attributes
+    ----------
+    system : System
+    x, y : (str, float, float)
+        Path, lowest and highest value.
+    cells : list of Cell
+        They do not overlap, but where they have the same formula.
+    region : [cell] list of int
+    borders : [point, 2] array
+        Places where the formula changes, on the lines of a lattice; exact to round-off.
+    between : [point, 2] array of int
+        The regions there, -1 for what is unresolved.
+    lines : [line, 2, 2] array
+        Pieces of the borders, straight from place to place.
+    """
+
+    system: System
+    x: tuple[str, float, float]
+    y: tuple[str, float, float]
+    cells: list[Cell]
+    region: list[int]
+    borders: Floats
+    between: NDArray[np.int64]
+    lines: Floats
+
+    def locate(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.int64]:
+        """Index of the cell in which places lie, -1 for what is unresolved."""
+        xs, ys = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        return _locate(self.cells, xs.ravel(), ys.ravel()).reshape(xs.shape)
+
+    def restitution(self, x: ArrayLike, y: ArrayLike) -> Floats:
+        """e by the formula of the cell in which places lie; nan where there is none."""
+        xs, ys = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        found, e = self.locate(xs, ys), np.full(xs.shape, np.nan)
+        for i, cell in enumerate(self.cells):
+            here = found == i
+            e[here] = cell.restitution(xs[here], ys[here])
+        return e
+
+    @cached_property
+    def contacts(self) -> list[tuple[int, ...]]:
+        """How often each contact presses, by region."""
+        first = {region: i for i, region in reversed(list(enumerate(self.region)))}
+        return [tuple(map(len, self.cells[first[r]].results.contact_times)) for r in sorted(first)]
+
+
+def atlas(
+    system: System, x: Sequence[Any], y: Sequence[Any], *, most_cells: int = MOST_CELLS,
+    max_events: int = 1000,
+) -> Atlas:
+    """Divide the plane of two numbers of a case into regions with a formula each.
+
+    Parameters
+    ----------
+    system : System
+        As for `closed_form`.
+    x, y : (str, float, float)
+        Path of a number, as for `closed_form` but no modulus or density, and the ends of its axis.
+    most_cells : int
+        Cap; what is not reached by then is left unresolved.
+    max_events : int
+        Cap on the events of a run; places where it is reached are left unresolved.
+
+    Raises
+    ------
+    InvalidModel
+        If a path names nothing, or something acts of which this method knows nothing.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> left = ri.Rod(1.0, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> right = ri.Rod(2.0, area=1e-4, material=ri.materials.steel)
+    >>> plane = atlas(ri.System([left, right]),
+    ...               ("bodies.1.length", 0.55, 1.9), ("bodies.1.area", 1.1e-4, 3e-4))
+    >>> len(plane.contacts), round(float(plane.restitution(1.25, 2e-4)), 12)
+    (3, 0.866666666667)
+    """
+    axes = []
+    for name, axis in (("x", x), ("y", y)):
+        if not (isinstance(axis, list | tuple) and len(axis) == 3 and axis[1] < axis[2]):
+            message = 'must be a path, its lowest and its highest value, such as ("bodies.0.length"'
+            raise InvalidModel([(name, f"{message}, 0.1, 1.0), got {shown(axis)}")])
+        axes.append((str(axis[0]), float(axis[1]), float(axis[2])))
+    return _Search(system, axes, most_cells, max_events).atlas()
+
+
+def _locate(cells: list[Cell], x: Floats, y: Floats) -> NDArray[np.int64]:
+    found = np.full(x.shape, -1)
+    for i, cell in enumerate(cells):
+        open_ = np.flatnonzero(found < 0)
+        if not open_.size:
+            break
+        found[open_[cell.inside(x[open_], y[open_])]] = i
+    return found
+
+
+class _Search:
+    """Finds the cells of a plane; places are shares of the axes."""
+
+    def __init__(self, system: System, axes: list[Any], most: int, max_events: int) -> None:
+        self.system, self.axes, self.most, self.max_events = system, axes, most, max_events
+        self.naming = Naming(system, [path for path, *_ in axes])
+        self.cells: list[Cell] = []
+        self.region: list[int] = []
+        self._formulas: dict[tuple[Any, ...], int] = {}
+
+    def atlas(self) -> Atlas:
+        rng = np.random.default_rng(1867)
+        self._fill(rng.random((2 * LATTICE * LATTICE, 2)))
+        grid = (np.arange(LATTICE + 1) + 0.0) / LATTICE
+        nodes = np.stack(np.meshgrid(grid, grid, indexing="ij"), axis=-1).reshape(-1, 2)
+        owner = self._fill(nodes).reshape(LATTICE + 1, LATTICE + 1)
+        at = np.arange(owner.size).reshape(owner.shape)
+        edges = np.array([*zip(at[:-1].ravel(), at[1:].ravel(), strict=True),
+                          *zip(at[:, :-1].ravel(), at[:, 1:].ravel(), strict=True)])
+        places, between, of = self._cross(nodes, owner.ravel(), edges)
+        lines = self._join(places, of)
+        x, y = self.axes
+        return Atlas(self.system, x, y, self.cells, self.region, self._plane(places), between,
+                     self._plane(lines))
+
+    def _plane(self, places: Floats) -> Any:
+        low, high = (np.array([axis[i] for axis in self.axes]) for i in (1, 2))
+        return low + (high - low) * places
+
+    def _fill(self, places: Floats) -> NDArray[np.int64]:
+        """Cells of places, solved where they are in none yet."""
+        plane = self._plane(places)
+        found = _locate(self.cells, *plane.T)
+        tried = np.zeros(len(places), dtype=bool)
+        while len(self.cells) < self.most:
+            open_ = np.flatnonzero((found < 0) & ~tried)
+            if not open_.size:
+                break
+            tried[open_[0]] = True
+            if self._solve(places[open_[0]]):
+                here = self.cells[-1].inside(*plane[open_].T)
+                here[0] = True
+                found[open_[here]] = len(self.cells) - 1
+        return found
+
+    def _solve(self, place: Floats) -> bool:
+        """Add the cell of a place, if its collision comes to an end."""
+        exact = tuple(
+            Fraction(low) + Fraction(int(FINE * at) * 2 + 1, 2 * FINE) * (Fraction(high)
+                                                                          - Fraction(low))
+            for at, (_, low, high) in zip(place, self.axes, strict=True)
+        )
+        cell = Cell(self.naming, exact, self.max_events)  # type: ignore[arg-type]
+        if cell.final:
+            self.cells.append(cell)
+            formula = cell.formula()
+            self.region.append(self._formulas.setdefault(formula, len(self._formulas)))
+        return cell.final
+
+    def _cross(self, nodes: Floats, owner: Any, edges: Any) -> tuple[Floats, Any, Any]:
+        """Where the formula changes along edges: places, regions on both sides, and the edge."""
+        places, between, of = [], [], []
+        parts = [(e, nodes[i], nodes[j], owner[i], owner[j]) for e, (i, j) in enumerate(edges)]
+        for _ in range(MOST_BETWEEN):
+            parts = [p for p in parts if self._differ(*p[3:])]
+            if not parts:
+                break
+            P, Q = (np.array([part[i] for part in parts]) for i in (1, 2))
+            left = self._end(P, Q, np.array([part[3] for part in parts]))
+            right = 1 - self._end(Q, P, np.array([part[4] for part in parts]))
+            middle = P + (Q - P) * ((left + right) / 2)[:, None]
+            close = right - left < CLOSE
+            for i in np.flatnonzero(close):
+                e, *_, a, b = parts[i]
+                places.append(middle[i])
+                between.append([self.region[c] if c >= 0 else -1 for c in (a, b)])
+                of.append(e)
+            there = self._fill(middle[~close])
+            more = []
+            for i, c in zip(np.flatnonzero(~close), there, strict=True):
+                e, p, q, a, b = parts[i]
+                if c not in (a, b):
+                    more += [(e, p, middle[i], a, c), (e, middle[i], q, c, b)]
+            parts = more
+        return np.array(places).reshape(-1, 2), np.array(between).reshape(-1, 2), np.array(of)
+
+    def _differ(self, a: int, b: int) -> bool:
+        return a != b and (min(a, b) < 0 or self.region[a] != self.region[b])
+
+    def _end(self, P: Floats, Q: Floats, cells: Any) -> Floats:
+        """Share of the way from P to Q at which cells end, by halving between in and out."""
+        ends = np.zeros(len(P))
+        for c in set(cells.tolist()) - {-1}:
+            here = np.flatnonzero(cells == c)
+            low, high = np.zeros(here.size), np.ones(here.size)
+            for _ in range(HALVINGS):
+                middle = (low + high) / 2
+                way = P[here] + (Q[here] - P[here]) * middle[:, None]
+                inside = self.cells[c].inside(*self._plane(way).T)
+                low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+            ends[here] = low
+        return ends
+
+    def _join(self, places: Floats, of: Any) -> Floats:
+        """Straight lines between the places on the edges of each mesh of the lattice."""
+        n = LATTICE
+        on: dict[int, list[Floats]] = {}
+        for place, e in zip(places, of, strict=True):
+            on.setdefault(int(e), []).append(place)
+        lines: list[Any] = []
+        for i in range(n):
+            for j in range(n):
+                up = n * (n + 1)
+                sides = (i * (n + 1) + j, i * (n + 1) + j + 1, up + i * n + j, up + (i + 1) * n + j)
+                points = [p for e in sides for p in on.get(e, [])]
+                if len(points) == 2:
+                    lines.append(points)
+                elif len(points) > 2:
+                    centre = np.mean(points, axis=0)
+                    lines += [[p, centre] for p in points]
+        return np.array(lines).reshape(-1, 2, 2)

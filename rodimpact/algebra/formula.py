@@ -1,0 +1,333 @@
+"""closed_form(): a collision in symbols, and the cell in which the formula holds.
+
+The run is made on fractions that remember how they were made, a hair's breadth away from the
+numbers of the system, in a direction in which no two times or velocities that are unlike agree by
+chance. Its history, evaluated in symbols, is the formula. Where the system lies on the border of a
+cell, as commensurate transit times often do, the cells on all sides are found, and united where
+their formulas agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..model import System
+from ..model.frozen import InvalidModel, nearest
+from ..storage.extras import optional
+from .cells import conditions
+from .inequalities import factors, reduced
+from .naming import Naming
+from .numbers import Number, evaluate
+from .rational import Exact, fractions_of
+from .rows import each
+
+HAIR = Fraction(1, 1 << 200)  # how far from the numbers of the system runs are made, of themselves
+DIRECTIONS = 512  # in which sides are looked for
+MOST_SIDES = 64
+FACTORED = 400  # terms: longer polynomials are shown as they are
+
+
+class Field:
+    """Rational functions of the names of a system, and how they are shown."""
+
+    def __init__(self, naming: Naming) -> None:
+        self.sympy: Any = optional("sympy", "sympy")
+        self.naming = naming
+        names = [*naming.base, *naming.speeds]
+        self.field, *generators = self.sympy.polys.fields.field(names, self.sympy.QQ)
+        self.names = dict(zip(names, generators, strict=True))
+        self.symbols = {name: self.sympy.Symbol(name, **{"real" if name[0] == "v" else "positive":
+                                                         True}) for name in naming.base}
+        self._shown = [self.symbols.get(name) or self._speed(name) for name in names]
+
+    def _speed(self, name: str) -> Any:
+        E, rho = (self.symbols.get(x) or self.rational(x) for x in self.naming.speeds[name])
+        return self.sympy.sqrt(E / rho)
+
+    def rational(self, x: Fraction) -> Any:
+        """SymPy's number."""
+        return self.sympy.Rational(x.numerator, x.denominator)
+
+    def of(self, wanted: list[Number]) -> list[Any]:
+        """Numbers of a run as rational functions."""
+        QQ = self.sympy.QQ
+        return evaluate(wanted, self.names,
+                        lambda x: self.field(QQ(x.numerator, x.denominator)))
+
+    def shown(self, x: Any) -> Any:
+        """A rational function, or a polynomial, as SymPy's expression."""
+        if not hasattr(x, "numer"):
+            return x.as_expr(*self._shown)
+        both = [x.numer.as_expr(*self._shown), x.denom.as_expr(*self._shown)]
+        if len(x.numer) <= FACTORED:
+            both = list(map(self.sympy.factor, both))
+        return both[0] / both[1]
+
+    def inequality(self, p: Any) -> Any:
+        """A polynomial that is positive, as an inequality between sums."""
+        less, more = (
+            p.ring.from_dict({powers: abs(c) for powers, c in p.terms() if (c > 0) == sign})
+            for sign in (False, True)
+        )
+        return self.shown(less) < self.shown(more)
+
+    def at(self, p: Any, values: Mapping[str, Fraction]) -> Fraction:
+        """Value of a polynomial."""
+        QQ = self.sympy.QQ
+        value = p(*(QQ(values[name].numerator, values[name].denominator) for name in self.names))
+        return Fraction(int(value.numerator), int(value.denominator))
+
+    def quotient(self, f: Any, values: Mapping[str, Fraction]) -> Fraction:
+        """Value of a rational function."""
+        return self.at(f.numer, values) / self.at(f.denom, values)
+
+
+class Side:
+    """One cell: a run near the numbers of the system, what it came to, and on what it depends."""
+
+    def __init__(self, field: Field, direction: Mapping[str, Fraction], max_events: int) -> None:
+        self.field, naming = field, field.naming
+        run = naming.run({name: HAIR * share for name, share in direction.items()}, max_events)
+        if not run.final:
+            message = f"the collision is not over after {max_events} events; raise it"
+            raise InvalidModel([("max_events", message)])
+        self.results, self.conditions = run.results, conditions(run)
+        self._flat: list[Number] = []
+        each(self.results, self._flat.append)
+        self.place = {**naming.base, **naming.place}
+
+    @cached_property
+    def outputs(self) -> tuple[Any, ...]:
+        """Restitution, velocities and impulses as rational functions: what makes the formula."""
+        return self.results_as(lambda f: f)[:3]
+
+    def results_as(self, what: Callable[[Any], Any]) -> tuple[Any, Any, Any, Any]:
+        """What `what` makes of each result as a rational function."""
+        functions = dict(zip(map(id, self._flat), self.field.of(self._flat), strict=True))
+        return each(self.results, lambda x: what(functions[id(x)]))
+
+    def contains(self, values: Mapping[str, Fraction], united: bool) -> bool:
+        """Whether the cell has this place inside, or on a border towards a united cell."""
+        def positive(p: Any) -> bool:
+            x = self.field.at(p, values)
+            return x > 0 or (x == 0 and united and p in self.ties)
+
+        return all(map(positive, self.borders))
+
+    @cached_property
+    def borders(self) -> list[Any]:
+        """Polynomials that are positive inside; they border the cell."""
+        functions = self.field.of(self.conditions)
+        return reduced(factors(functions, lambda p: self.field.at(p, self.place)))
+
+    @cached_property
+    def ties(self) -> list[Any]:
+        """Borders on which the numbers of the system lie."""
+        base = self.field.naming.values({})
+        return [p for p in self.borders if self.field.at(p, base) == 0]
+
+    @cached_property
+    def slopes(self) -> Any:
+        """Of the ties, along each name that is free, of the size of its value."""
+        naming = self.field.naming
+        base = naming.values({})
+        rows = np.array([
+            [float(self.field.at(p.diff(self.field.names[name].numer), base) * (base[name] or 1))
+             for name in naming.free] for p in self.ties
+        ])
+        return [row / np.linalg.norm(row) for row in rows if row.any()]
+
+
+def sides_of(field: Field, max_events: int) -> list[Side]:
+    """All the cells that meet at the numbers of the system, that in the first direction first.
+
+    Sides on which the collision is not over after `max_events` are left out, but not the first.
+    """
+    names = field.naming.free
+    directions = np.random.default_rng(1867).uniform(-1, 1, (DIRECTIONS, len(names)))
+    directions[0] = np.linspace(1, 2, len(names))
+    unseen = np.ones(DIRECTIONS, dtype=bool)
+    sides: list[Side] = []
+    while unseen.any() and len(sides) < MOST_SIDES:
+        i = int(np.flatnonzero(unseen)[0])
+        unseen[i] = False
+        try:
+            side = Side(field, dict(zip(names, map(Fraction, directions[i]), strict=True)),
+                        max_events)
+        except InvalidModel:
+            if not sides:
+                raise
+            continue
+        sides.append(side)
+        if not len(side.slopes):
+            break
+        unseen &= ~(directions @ np.transpose(side.slopes) > 0).all(axis=1)
+    return sides
+
+
+def closed_form(
+    system: System, symbols: Sequence[str] = ("transit_time", "impedance"), *,
+    max_events: int = 1000,
+) -> ClosedForm:
+    """Solve a collision in symbols.
+
+    Where the system lies on borders between cells, the formula is that of the cell into which its
+    chosen numbers lead as they grow, the later ones by the larger shares: twice those of the first
+    for the last. The other formulas that meet there are the `sides`.
+
+    Parameters
+    ----------
+    system : System
+        Uniform or stepped rods, free or against walls, in rigid or bonded contact; no family.
+    symbols : sequence of str
+        Which numbers have names; the others keep their values. Paths of the case, such as
+        ``bodies.0.length``, or the last words of such paths, which name all of these:
+        ``transit_time`` T, ``impedance`` Z, ``length`` l, ``area`` A, ``youngs_modulus`` E,
+        ``density`` rho, ``velocity`` v, ``gap`` g. They are counted from left to right: segments,
+        materials, bodies (v) and contacts (g).
+    max_events : int
+        Cap on the events of a run.
+
+    Raises
+    ------
+    InvalidModel
+        If a symbol names nothing, or something acts of which this method knows nothing; if the
+        collision is not over after `max_events`.
+    ImportError
+        Without SymPy, which the extra ``sympy`` brings.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+    >>> print(closed_form(ri.System([left, right]), ["length"]))
+    e = l1/l2
+    where l1 < l2
+    """
+    if isinstance(symbols, str):
+        symbols = [symbols]
+    field = Field(Naming(system, symbols))
+    sides = sides_of(field, max_events)
+    groups: dict[Any, list[Side]] = {}
+    for side in sides:
+        groups.setdefault(side.outputs, []).append(side)
+
+    def form(group: list[Side], more: tuple[ClosedForm, ...] = ()) -> ClosedForm:
+        others = tuple(side for side in sides if side not in group)
+        return ClosedForm(field, tuple(group), others, more)
+
+    first, *rest = groups.values()
+    return form(first, tuple(map(form, rest)))
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedForm:
+    """A collision in symbols, and where that holds.
+
+    Attributes
+    ----------
+    sides : tuple of ClosedForm
+        Formulas of the other cells, if the numbers of the system lie on a border between them.
+    """
+
+    _field: Field
+    _cells: tuple[Side, ...]  # those of this formula that meet at the numbers of the system
+    _others: tuple[Side, ...]
+    sides: tuple[ClosedForm, ...]
+
+    @property
+    def symbols(self) -> dict[str, str]:
+        """Paths of the numbers for which the symbols stand; of several the first."""
+        return dict(self._field.naming.paths)
+
+    @property
+    def values(self) -> dict[str, Fraction]:
+        """What the symbols are in the system, to 400 bits where a wave speed is irrational."""
+        return dict(self._field.naming.base)
+
+    @cached_property
+    def restitution(self) -> Any:
+        """e; None where not exactly one contact can open, or nothing collides."""
+        return self._results[0]
+
+    @property
+    def velocities_after(self) -> tuple[Any, ...]:
+        """Of the centres of mass, m/s."""
+        return tuple(self._results[1])
+
+    @property
+    def impulses(self) -> tuple[Any, ...]:
+        """At each contact, N s."""
+        return tuple(self._results[2])
+
+    @property
+    def contact_times(self) -> tuple[tuple[tuple[Any, Any], ...], ...]:
+        """At each contact, when its force began and ended, s."""
+        return tuple(self._results[3])
+
+    @cached_property
+    def _results(self) -> tuple[Any, Any, Any, Any]:
+        return self._cells[0].results_as(self._field.shown)
+
+    @cached_property
+    def cell(self) -> tuple[Any, ...]:
+        """Inequalities between the symbols; the formula holds where all are true."""
+        return tuple(self._field.inequality(p) for p in reduced(self._united()))
+
+    def _united(self) -> list[Any]:
+        """Borders of the cells together, without those between them; or those of the first."""
+        ties = {p for cell in self._cells for p in cell.ties}
+        kept = {p for p in ties if -p not in ties}
+        crossed = all(len(cell.slopes) == len(cell.ties) for cell in self._cells)
+        if not (crossed and all(any(-p in kept for p in other.ties) for other in self._others)):
+            return self._cells[0].borders
+        outer = {p for cell in self._cells for p in cell.borders if p not in ties}
+        return [*outer, *kept]
+
+    def at(self, **values: Any) -> Exact:
+        """Evaluate the formula in fractions.
+
+        Parameters
+        ----------
+        **values : Fraction, int, float or str
+            Of symbols; the others keep their values of the system. Floats are what they are
+            written as.
+        """
+        known = self._values(values)
+        return Exact(*self._cells[0].results_as(lambda f: self._field.quotient(f, known)), 1.0)
+
+    def holds(self, **values: Any) -> bool:
+        """Whether the formula holds for values as `at` takes them; on its outer borders not."""
+        known = self._values(values)
+        if any(x <= 0 for name, x in known.items() if name[0] != "v"):
+            return False
+        return any(cell.contains(known, len(self._cells) > 1) for cell in self._cells)
+
+    def _values(self, values: Mapping[str, Any]) -> dict[str, Fraction]:
+        names = self.symbols
+        unknown = [name for name in values if name not in names]
+        if unknown:
+            raise InvalidModel([(unknown[0], f"is no symbol here; {nearest(unknown[0], names)}")])
+        return self._field.naming.values(fractions_of(values))
+
+    def __str__(self) -> str:
+        lines = [f"{name} = {value}" for name, value in self._named()]
+        return "\n".join([*lines, f"where {', '.join(map(str, self.cell)) or 'always'}"])
+
+    def _repr_latex_(self) -> str:
+        latex = self._field.sympy.latex
+        lines = [f"{name} &= {latex(value)}" for name, value in self._named()]
+        cell = ",\\ ".join(map(latex, self.cell))
+        return "$$\\begin{aligned}" + "\\\\".join(lines) + "\\end{aligned}\\qquad " + cell + "$$"
+
+    def _named(self) -> list[tuple[str, Any]]:
+        if self.restitution is not None:
+            return [("e", self.restitution)]
+        return [(f"V{i}", v) for i, v in enumerate(self.velocities_after, 1)]

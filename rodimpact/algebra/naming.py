@@ -1,0 +1,190 @@
+"""Which numbers of a system have a name, and the run of a row with these names.
+
+Transit times are called T, impedances Z, lengths l, areas A, Young's moduli E, densities rho,
+velocities v and gaps g, each with its number from left to right: of the segment, the material, the
+body or the contact. A wave speed that is no fraction has a name of its own, c, for it stands for
+sqrt(E/rho).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from ..methods.row import Row
+from ..model import System
+from ..model.frozen import InvalidModel, nearest
+from .numbers import Number
+from .rational import root
+from .rows import ExactRun, check, read, run, written
+
+LETTERS = {
+    "transit_time": "T", "impedance": "Z", "length": "l", "area": "A", "youngs_modulus": "E",
+    "density": "rho", "velocity": "v", "gap": "g",
+}
+DIGITS = 400  # bits of a wave speed that is no fraction
+
+
+class Naming:
+    """The named numbers of a system.
+
+    Parameters
+    ----------
+    system : System
+    symbols : sequence of str
+        Paths of numbers, such as ``bodies.0.length``, or the last words of such paths.
+
+    Attributes
+    ----------
+    row : Row
+    paths : dict of str to str
+        What each name stands for; of several numbers the first.
+    base : dict of str to Fraction
+        Values in the system.
+    speeds : dict of str to (Fraction or str, Fraction or str)
+        E and rho of the wave speeds that have names, themselves or their names.
+    place : dict of str to Fraction
+        Values of the numbers that have names in the last run.
+    """
+
+    def __init__(self, system: System, symbols: Sequence[str]) -> None:
+        check(system)
+        self.row, self.symbols = Row(system), list(symbols)
+        self.paths: dict[str, str] = {}
+        self.base: dict[str, Fraction] = {}
+        self.speeds: dict[str, tuple[Any, Any]] = {}
+        self._named: set[str] = set()
+        self._materials: list[Any] = []
+        self._roots: dict[Fraction, Fraction] = {}
+        self._shift: Mapping[str, Fraction] = {}
+        self.place: dict[str, Fraction] = {}
+        asked: list[str] = []
+
+        def take(path: str, value: float) -> Number | None:
+            asked.append(path)
+            return self._take(path, value)
+
+        read(self.row, take, self._speed)
+        words, named = (
+            {word for path in paths for word in (path, path.rpartition(".")[2])}
+            for paths in (asked, self._named)
+        )
+        problems = [
+            ("symbols", f"{symbol!r} names no number that formulas have beside the other symbols; "
+             f"{nearest(symbol, sorted(words))}")
+            for symbol in self.symbols if symbol not in named
+        ]
+        if problems or not symbols:
+            raise InvalidModel(problems or [("symbols", "must name a number")])
+
+    @property
+    def free(self) -> list[str]:
+        """Names of the numbers in the run that can be shifted, each on its own."""
+        own = [name for name in self.base if name[0] not in "Er"]
+        both = [rho for E, rho in self.speeds.values() if isinstance(E, str) and rho in self.base]
+        stand_ins = [c for c, of in self.speeds.items() if any(isinstance(x, str) for x in of)]
+        return [*own, *map(str, both), *stand_ins]
+
+    def values(self, given: Mapping[str, Fraction]) -> dict[str, Fraction]:
+        """Numbers in the run, of other values of named numbers."""
+        known = {**self.base, **given}
+        for c, (E, rho) in self.speeds.items():
+            known[c] = self._root(Fraction(known.get(E, E)) / Fraction(known.get(rho, rho)))
+        return known
+
+    def run(self, shift: Mapping[str, Fraction], max_events: int) -> ExactRun:
+        """Run the row, with its numbers shifted by these shares of themselves."""
+        self._shift, self.place = shift, {}
+        return run(self.row, read(self.row, self._take, self._speed), max_events)
+
+    def _name(self, name: str, path: str, value: Fraction) -> None:
+        self._named.add(path)
+        self.paths.setdefault(name, path)
+        self.base[name] = value
+
+    def _leaf(self, name: str, value: Fraction) -> Number:
+        self.place[name] = value + (value or 1) * self._shift.get(name, 0)
+        return Number(self.place[name], (name,))
+
+    def _wants(self, path: str) -> bool:
+        return path in self.symbols or path.rpartition(".")[2] in self.symbols
+
+    def _take(self, path: str, value: float) -> Number | None:
+        quantity = path.rpartition(".")[2]
+        if quantity == "density":
+            return self._density(path.removesuffix(".density"))
+        if not self._wants(path) or (quantity == "gap" and value == 0):
+            follows = quantity in ("transit_time", "impedance")
+            return None if follows else Number(written(value))
+        if quantity in ("velocity", "gap"):
+            place = int(path.split(".")[1]) + 1
+        else:
+            place = self.row.paths.index(path.rpartition(".")[0])
+        name = f"{LETTERS[quantity]}{place}"
+        if quantity in ("transit_time", "impedance"):
+            self._name(name, path, self._derived(quantity, place))
+        else:
+            self._name(name, path, written(value))
+        return self._leaf(name, self.base[name])
+
+    def _derived(self, quantity: str, place: int) -> Fraction:
+        """Transit time L/c or impedance rho A c of a segment, of numbers as they are written."""
+        s = self.row.segments[place - 1]
+        E, rho = written(s.material.youngs_modulus), written(s.material.density)
+        c = self._root(E / rho)
+        return written(s.length) / c if quantity == "transit_time" else rho * written(s.area) * c
+
+    def _material(self, path: str) -> tuple[str, Any, Any]:
+        """Name of its speed, E and rho of a material: fractions, or names of those chosen."""
+        s = self.row.segments[self.row.paths.index(path.removesuffix(".material")) - 1]
+        pair = s.material.youngs_modulus, s.material.density
+        if pair not in self._materials:
+            self._materials.append(pair)
+        place = self._materials.index(pair) + 1
+        found: list[Any] = []
+        for quantity, value in zip(("youngs_modulus", "density"), pair, strict=True):
+            name = f"{LETTERS[quantity]}{place}"
+            if name in self.base or self._wants(f"{path}.{quantity}"):
+                self._name(name, f"{path}.{quantity}", written(value))
+                found.append(name)
+            else:
+                found.append(written(value))
+        return f"c{place}", found[0], found[1]
+
+    def _speed(self, _: Any, path: str) -> Number:
+        name, E, rho = self._material(f"{path}.material")
+        square = self.base.get(E, E) / self.base.get(rho, rho)
+        rational = root(square)
+        if rational and not isinstance(E, str) and not isinstance(rho, str):
+            return Number(rational)
+        self.speeds[name] = E, rho
+        return self._leaf(name, self._root(square))
+
+    def _density(self, path: str) -> Number:
+        name, E, rho = self._material(path)
+        if not isinstance(rho, str):
+            return Number(rho)
+        if isinstance(E, str):
+            return self._leaf(rho, self.base[rho])
+        c = self._leaf(name, self._root(E / self.base[rho]))
+        return Number(E) / (c * c)
+
+    def _root(self, square: Fraction) -> Fraction:
+        """Root of a number; of those in a rational ratio to an earlier one, in that ratio."""
+        for known, c in self._roots.items():
+            ratio = root(square / known)
+            if ratio:
+                return ratio * c
+        self._roots[square] = nearly_root(square)
+        return self._roots[square]
+
+
+def nearly_root(square: Fraction) -> Fraction:
+    """Square root of a fraction, to `DIGITS` bits if it is none."""
+    exact = root(square)
+    if exact is not None:
+        return exact
+    more = max(0, DIGITS + square.denominator.bit_length() - square.numerator.bit_length())
+    return Fraction(math.isqrt((square.numerator << 2 * more) // square.denominator), 1 << more)

@@ -1,0 +1,158 @@
+"""Numbers without rounding that know how they were made.
+
+A `Number` is a fraction, and the operation and operands it came from, back to the named numbers of
+the model. The kernels run on it: every branch is taken on the fractions, and what was computed can
+afterwards be evaluated for other numbers, or in symbols. What depends on no name is a mere
+fraction.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterable, Mapping
+from fractions import Fraction
+from typing import Any
+
+OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
+    "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
+}
+HALF = Fraction(1, 2)
+
+
+class Number:
+    """A fraction with its history.
+
+    Attributes
+    ----------
+    value : Fraction
+    made : tuple
+        ``(operation, left, right)``, ``(name,)`` of a number that has a name, or ``()``.
+    """
+
+    __slots__ = ("made", "value")
+
+    def __init__(self, value: Any, made: tuple[Any, ...] = ()) -> None:
+        self.value = Fraction(value)
+        self.made = made
+
+    def __add__(self, other: Any) -> Number:
+        right = number(other)
+        if not right.made and not right.value:
+            return self
+        if not self.made and not self.value:
+            return right
+        return _made("+", self, right)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Number:
+        other = number(other)
+        return self if not other.made and not other.value else _made("-", self, other)
+
+    def __rsub__(self, other: Any) -> Number:
+        return number(other) - self
+
+    def __mul__(self, other: Any) -> Number:
+        other = number(other)
+        for a, b in ((self, other), (other, self)):
+            if not a.made and a.value in (0, 1):
+                return b if a.value else ZERO
+        return _made("*", self, other)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Number:
+        if not self.made and not self.value:
+            return ZERO
+        return _made("/", self, number(other))
+
+    def __rtruediv__(self, other: Any) -> Number:
+        return number(other) / self
+
+    def __neg__(self) -> Number:
+        return ZERO - self
+
+    def __abs__(self) -> Number:
+        return -self if self.value < 0 else self
+
+    def __trunc__(self) -> Number:
+        """Time in whole ticks is truncated half a tick later; exact time needs no ticks."""
+        return self - HALF
+
+    def __int__(self) -> int:
+        return int(self.value)
+
+    def __float__(self) -> float:
+        return float(self.value)
+
+    def __eq__(self, other: object) -> bool:
+        return bool(self.value == value_of(other))
+
+    def __lt__(self, other: Any) -> bool:
+        return bool(self.value < value_of(other))
+
+    def __le__(self, other: Any) -> bool:
+        return bool(self.value <= value_of(other))
+
+    def __gt__(self, other: Any) -> bool:
+        return bool(self.value > value_of(other))
+
+    def __ge__(self, other: Any) -> bool:
+        return bool(self.value >= value_of(other))
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+ZERO = Number(0)
+
+
+def number(x: Any) -> Number:
+    """Take `x` as a number without a history, unless it has one."""
+    return x if isinstance(x, Number) else Number(x)
+
+
+def value_of(x: Any) -> Any:
+    """The fraction of a number; others as they are."""
+    return x.value if isinstance(x, Number) else x
+
+
+def _made(operation: str, a: Number, b: Number) -> Number:
+    value = OPERATIONS[operation](a.value, b.value)
+    return Number(value, (operation, a, b) if a.made or b.made else ())
+
+
+def steps_to(wanted: Iterable[Number]) -> list[Number]:
+    """All numbers from which the wanted ones were made, and these, each after its operands."""
+    done: dict[int, Number] = {}
+    stack = list(wanted)[::-1]
+    while stack:
+        x = stack[-1]
+        missing = [y for y in x.made[1:] if id(y) not in done]
+        if missing and id(x) not in done:
+            stack += missing
+        else:
+            done.setdefault(id(x), stack.pop())
+    return list(done.values())
+
+
+def evaluate(
+    wanted: list[Number], names: Mapping[str, Any], constant: Callable[[Fraction], Any]
+) -> list[Any]:
+    """Compute numbers anew.
+
+    Parameters
+    ----------
+    wanted : list of Number
+    names : mapping
+        What stands for each name: fractions, symbols or arrays.
+    constant : callable
+        Makes of a fraction what goes with them.
+    """
+    known: dict[int, Any] = {}
+    for x in steps_to(wanted):
+        if len(x.made) == 3:
+            operation, a, b = x.made
+            known[id(x)] = OPERATIONS[operation](known[id(a)], known[id(b)])
+        else:
+            known[id(x)] = names[x.made[0]] if x.made else constant(x.value)
+    return [known[id(x)] for x in wanted]

@@ -1,0 +1,153 @@
+"""exact(): a collision in fractions, from the numbers as they are written."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from ..methods.row import Row
+from ..model import System
+from ..model.frozen import InvalidModel, Problems, nearest
+from ..units import shown
+from .numbers import Number
+from .rows import MOST_EVENTS, check, each, read, run, written
+
+
+@dataclass(frozen=True)
+class Exact:
+    """A collision in fractions: nothing in it is rounded.
+
+    Attributes
+    ----------
+    restitution : Fraction or None
+        e; None where not exactly one contact can open, or nothing collides.
+    velocities_after : tuple of Fraction
+        Of the centres of mass, m/s.
+    impulses : tuple of Fraction
+        At each contact, N s.
+    contact_times : tuple of tuple of (Fraction, Fraction)
+        At each contact, when its force began and ended, in units of `time_unit`.
+    time_unit : float
+        s. It is 1 where wave speeds are rational or transit times are given; else the time in
+        which a wave runs 1 m in the first rod, which may be irrational and is all that is rounded.
+    """
+
+    restitution: Fraction | None
+    velocities_after: tuple[Fraction, ...]
+    impulses: tuple[Fraction, ...]
+    contact_times: tuple[tuple[tuple[Fraction, Fraction], ...], ...]
+    time_unit: float
+
+
+def exact(
+    system: System, values: Mapping[str, Any] | None = None, *, max_events: int = MOST_EVENTS
+) -> Exact:
+    """Solve a collision in fractions.
+
+    Numbers are taken as they are written: 0.1 is one tenth. What enters the mechanics are transit
+    times, impedances, velocities and gaps. Wave speeds sqrt(E/rho) need not be rational, only
+    their ratios: time is then measured by the first of them. With gaps they must be rational.
+
+    Parameters
+    ----------
+    system : System
+        Uniform or stepped rods, free or against walls, in rigid or bonded contact; no family.
+    values : mapping, optional
+        Fractions, whole numbers or texts such as ``"1/3"`` in place of numbers of the system, by
+        their paths, such as ``bodies.0.length``; also ``bodies.0.transit_time``, s, and
+        ``bodies.0.impedance``, kg/s, in place of lengths, areas and materials.
+    max_events : int
+        Cap.
+
+    Raises
+    ------
+    InvalidModel
+        If a number is not rational, or something acts of which this method knows nothing; if the
+        collision is not over after `max_events`.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+    >>> exact(ri.System([left, right])).restitution
+    Fraction(2, 5)
+    """
+    check(system)
+    row, given = Row(system), fractions_of(values)
+    known: set[str] = set()
+
+    def take(path: str, value: float) -> Number | None:
+        known.add(path)
+        if path in given:
+            return Number(given[path])
+        follows = path.endswith((".transit_time", ".impedance"))
+        return None if follows else Number(written(value))
+
+    speeds, unit = _wave_speeds(row, given)
+    numbers = read(row, take, lambda _, path: Number(speeds[path]))
+    unknown: Problems = [
+        (path, f"names no number of this system; {nearest(path, sorted(known))}")
+        for path in given if path not in known
+    ]
+    for name in ("transit", "impedance"):
+        for path, x in zip(row.paths[1:], getattr(numbers, name), strict=True):
+            if x <= 0:
+                unknown.append((path, f"needs numbers above 0, got {name} {x.value}"))
+    if unknown:
+        raise InvalidModel(unknown)
+    done = run(row, numbers, max_events)
+    if not done.final:
+        message = f"the collision is not over after {max_events} events; raise it"
+        raise InvalidModel([("max_events", message)])
+    return Exact(*each(done.results, lambda x: x.value), unit)
+
+
+def fractions_of(values: Mapping[str, Any] | None) -> dict[str, Fraction]:
+    """Numbers that the user gave, by path."""
+    given, problems = {}, Problems()
+    for path, value in (values or {}).items():
+        try:
+            given[path] = written(value) if isinstance(value, float) else Fraction(value)
+        except (ValueError, TypeError, ZeroDivisionError):
+            problems.append((path, f'must be a number or a text such as "1/3", got {shown(value)}'))
+    if problems:
+        raise InvalidModel(problems)
+    return given
+
+
+def root(x: Fraction) -> Fraction | None:
+    """Square root of a fraction, if it is one."""
+    p, q = math.isqrt(x.numerator), math.isqrt(x.denominator)
+    return Fraction(p, q) if Fraction(p * p, q * q) == x else None
+
+
+def _wave_speeds(row: Row, given: Mapping[str, Fraction]) -> tuple[dict[str, Fraction], float]:
+    """Wave speeds by path, and the unit of time in which they are rational, s."""
+    squares: dict[str, Fraction] = {}
+    for s, path in zip(row.segments, row.paths[1:], strict=True):
+        if not {f"{path}.transit_time", f"{path}.impedance"} <= set(given):
+            E, rho = (
+                given.get(f"{path}.material.{name}", written(getattr(s.material, name)))
+                for name in ("youngs_modulus", "density")
+            )
+            squares[path] = E / rho
+    if not squares:
+        return {}, 1.0
+    first = next(iter(squares.values()))
+    absolute = root(first) is not None
+    reference = Fraction(1) if absolute else first
+    speeds = {path: root(square / reference) for path, square in squares.items()}
+    odd = [path for path, c in speeds.items() if c is None]
+    timed = any(row.system.gaps) or len(squares) < len(row.segments)
+    if odd or (timed and not absolute):
+        path = odd[0] if odd else next(iter(squares))
+        message = "has an irrational wave speed"
+        if odd:
+            message = "has an irrational wave speed, beside that of the first rod too"
+        remedy = f"give {path}.transit_time and {path}.impedance, or take closed_form()"
+        raise InvalidModel([(path, f"{message}; {remedy}")])
+    return {p: c for p, c in speeds.items() if c}, 1.0 if absolute else float(first) ** -0.5

@@ -1,0 +1,199 @@
+"""A row of rods on exact numbers, run by the kernel of the method "fronts".
+
+What the mechanics is made of are transit times T and impedances Z. They follow from lengths, areas
+and materials, or are given themselves, as if they stood in the case: `bodies.0.transit_time`,
+`bodies.0.impedance`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from ..methods.abilities import needs
+from ..methods.fronts.assembly import Blueprint, start
+from ..methods.fronts.front_kernel import (
+    CHANGES,
+    FINAL,
+    NOW,
+    OPEN,
+    PRESS,
+    GroupState,
+    Log,
+    State,
+    Tally,
+    final_state,
+    initial_state,
+    play,
+)
+from ..methods.groups import unilateral
+from ..methods.row import Row
+from ..model import Bonded, Free, Rod, Steps, System, Wall
+from ..model.frozen import InvalidModel, Problems
+from .numbers import ZERO, Number
+
+MOST_EVENTS = 5_000
+TICKS = 1 << 20  # in the shortest transit: the kernel waits a tick where it waits to prove
+
+
+class Numbers(NamedTuple):
+    """What the mechanics needs to know."""
+
+    transit: list[Number]  # [segment]
+    impedance: list[Number]  # [segment]
+    velocity: list[Number]  # [body]
+    gap: list[Number]  # [contact]
+
+
+class Results(NamedTuple):
+    """What the collision comes to; restitution only where one contact opens."""
+
+    restitution: Number | None
+    velocities_after: tuple[Number, ...]  # [body]
+    impulses: tuple[Number, ...]  # [contact]
+    contact_times: tuple[tuple[tuple[Number, Number], ...], ...]  # [contact][episode]
+
+
+def each(results: Results, what: Callable[[Number], Any]) -> tuple[Any, Any, Any, Any]:
+    """Results with what `what` makes of each number."""
+    def mapped(x: Any) -> Any:
+        return tuple(map(mapped, x)) if isinstance(x, tuple) else None if x is None else what(x)
+
+    e, velocities, impulses, times = map(mapped, tuple(results))
+    return e, velocities, impulses, times
+
+
+class ExactRun(NamedTuple):
+    """A finished run of the kernel; its times are those of the model times `rate`."""
+
+    row: Row
+    nodes: list[int]
+    numbers: Numbers
+    rate: Fraction
+    state: State
+    tally: Tally
+    log: Log
+    clock: Any
+    final: bool
+    results: Results
+
+
+def written(x: float) -> Fraction:
+    """Return a number as it is written: 0.1 is one tenth."""
+    return Fraction(repr(x))
+
+
+def check(system: System) -> None:
+    """Raise InvalidModel where something has no exact numbers: that is told."""
+    problems: Problems = []
+    if system.shape:
+        problems.append(("system", f"has members of shape {system.shape}; take one: system[0]"))
+    for path, what in needs(system):
+        problems.append((path, f"formulas and fractions know no {what}; leave it out, or solve()"))
+    for i, body in enumerate(system.bodies):
+        if isinstance(body, Rod) and (isinstance(body.velocity, Steps) or body.strain != 0):
+            message = "formulas and fractions need a uniform velocity and no strain"
+            problems.append((f"bodies.{i}", f"{message}; put pieces of rod there, or solve()"))
+    for side, end in zip(("left", "right"), system.ends, strict=True):
+        if not isinstance(end, Free):
+            message = f"formulas and fractions need Free(), got {type(end).__name__}()"
+            problems.append((f"ends.{side}", f"{message}; leave it out, or solve()"))
+    for k, law in enumerate(system.contacts):
+        if isinstance(law, Bonded) and Wall in map(type, system.bodies[k : k + 2]):
+            message = "formulas and fractions know no rod bonded to a wall"
+            problems.append((f"contacts.{k}", f"{message}; let it touch, or solve()"))
+    if problems:
+        raise InvalidModel(problems)
+
+
+def read(row: Row, take: Callable[[str, float], Number | None], speed: Callable[[Any, str], Number]
+         ) -> Numbers:
+    """Gather the numbers of a row.
+
+    Parameters
+    ----------
+    row : Row
+    take : callable
+        Of a path and the number written there; None for a transit time or an impedance that
+        follows from others.
+    speed : callable
+        Wave speed of the material of a segment, at that path.
+    """
+    transit, impedance = [], []
+    for s, path in zip(row.segments, row.paths[1:], strict=True):
+        T = take(f"{path}.transit_time", s.transit_time)
+        Z = take(f"{path}.impedance", s.impedance)
+        c = speed(s, path) if T is None or Z is None else ZERO
+        transit.append(_given(take, f"{path}.length", s.length) / c if T is None else T)
+        if Z is None:
+            density = _given(take, f"{path}.material.density", s.material.density)
+            Z = density * _given(take, f"{path}.area", s.area) * c
+        impedance.append(Z)
+    system = row.system
+    velocity = [
+        _given(take, f"bodies.{i}.velocity", float(body.velocity))  # type: ignore[arg-type]
+        for i, body in enumerate(system.bodies)
+    ]
+    gap = [_given(take, f"contacts.{k}.gap", float(g)) for k, g in enumerate(system.gaps)]
+    return Numbers(transit, impedance, velocity, gap)
+
+
+def _given(take: Callable[[str, float], Number | None], path: str, value: float) -> Number:
+    found = take(path, value)
+    assert found is not None
+    return found
+
+
+def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
+    """Follow every front until the collision is proved to be over, or to the cap on events."""
+    plan = Blueprint(row)
+    n, nodes = len(numbers.transit), plan.make.node
+    shortest = min(float(T) for T in numbers.transit)
+    rate = Fraction(2) ** (TICKS.bit_length() - math.frexp(shortest)[1])
+    transit, gaps = [T * rate for T in numbers.transit], [ZERO] * (n + 1)
+    for k, gap in zip(nodes, numbers.gap, strict=True):
+        gaps[k] = gap * rate
+    walls = [v if isinstance(body, Wall) else ZERO
+             for body, v in zip(row.system.bodies, numbers.velocity, strict=True)]
+    waves: list[list[tuple[Any, Any]]] = [[] for _ in range(2 * n + 2)]
+    for (first, last), v in zip(row.spans, numbers.velocity, strict=True):
+        for l in range(2 * first, 2 * last + 2):
+            waves[l].append((-transit[l // 2 - 1], v))
+    state, tally, log, clock = start(
+        [0, *transit, 0], [ZERO, *(1 / Z for Z in numbers.impedance), ZERO],
+        [OPEN if gap > 0 else at for gap, at in zip(gaps, plan.status, strict=True)],
+        gaps, (walls[0], walls[-1]), waves, 3 * max_events,
+    )
+    opening, closing = (GroupState(*([ZERO] * (n + 2) for _ in range(3))) for _ in range(2))
+    initial_state(state, log, opening)
+    flag = play(state, tally, log, clock, -1, max_events, ZERO, 0)
+    final_state(state, tally, log, clock[NOW], opening, closing)
+    before, after = (
+        [stock.velocity[s] if e else v
+         for (s, e), v in zip(row.spans, numbers.velocity, strict=True)]
+        for stock in (opening, closing)
+    )
+    e, free = None, unilateral(row.system)
+    if flag == FINAL and len(free) == 1 and tally.episodes[nodes[free[0]]]:
+        k = free[0]
+        if before[k] > before[k + 1]:
+            e = (after[k + 1] - after[k]) / (before[k] - before[k + 1])
+    return ExactRun(
+        row, nodes, numbers, rate, state, tally, log, clock,
+        flag == FINAL,
+        Results(
+            e, tuple(after), tuple(tally.impulse[k] / rate for k in nodes),
+            tuple(_episodes(log, clock[CHANGES], k, rate) for k in nodes),
+        ),
+    )
+
+
+def _episodes(log: Log, changes: int, k: int, rate: Fraction) -> tuple[tuple[Number, Number], ...]:
+    """When contact k began to press and ceased to."""
+    times: list[Number] = []
+    for i in range(changes):
+        if log.change_node[i] == k and (log.change_status[i] == PRESS) != len(times) % 2:
+            times.append((log.change_tick[i] + ZERO) / rate)
+    return tuple(zip(times[::2], times[1::2], strict=False))

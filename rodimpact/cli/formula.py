@@ -1,0 +1,49 @@
+"""Solve a case in symbols: formulas of what the collision comes to, and where they hold.
+
+rodimpact formula CASE.toml --symbols length,area
+
+Symbols are paths of the case, such as bodies.0.length, or their last words, which name all of
+these; transit_time and impedance, too, of which rods are made where wave speeds do not matter.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+from ..algebra.formula import ClosedForm, closed_form
+from ..storage.casefile import read_case
+from . import DONE, MISTAKE, complain
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """A case, and which of its numbers get names."""
+    parser.add_argument("case", metavar="CASE.toml", help="the case file")
+    parser.add_argument("--symbols", metavar="A,B,...", default="transit_time,impedance",
+                        help="numbers that get names; default transit_time,impedance")
+    parser.add_argument("--latex", action="store_true", help="print LaTeX")
+
+
+def run(arguments: argparse.Namespace) -> tuple[str, int]:
+    """Formulas in the cell of the case and, if it lies on a border, in those beside it."""
+    case = read_case(arguments.case)
+    try:
+        found = closed_form(case.system, arguments.symbols.replace(" ", "").split(","))
+    except ImportError as error:
+        return "", complain(str(error), MISTAKE)
+    forms = [found, *found.sides]
+    if arguments.latex:
+        return "\n".join(form._repr_latex_() for form in forms), DONE
+    names = "\n".join(f"{name}: {path}" for name, path in found.symbols.items())
+    return "\n\n".join([names, *map(_told, forms)]), DONE
+
+
+def _told(form: ClosedForm) -> str:
+    """All that a formula says."""
+    results = [("e", form.restitution)] if form.restitution is not None else []
+    results += [(f"velocity after of body {i}", v) for i, v in enumerate(form.velocities_after)]
+    for k, (J, episodes) in enumerate(zip(form.impulses, form.contact_times, strict=True)):
+        results.append((f"impulse at contact {k}", J))
+        for start, end in episodes:
+            results += [(f"start of force at contact {k}", start), ("end of it", end)]
+    lines = [f"{name} = {value}" for name, value in results]
+    return "\n".join([*lines, "where " + (", ".join(map(str, form.cell)) or "always")])

@@ -1,0 +1,93 @@
+"""exact(): fractions in and out, against closed forms in fractions and the compiled solver."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from systems import random_system
+
+import rodimpact as ri
+
+STEEL = ri.materials.steel
+UNIT = ri.Material("unit", youngs_modulus=4.0, density=1.0)
+
+
+def rod(length, area=1e-4, velocity=0.0, material=STEEL):
+    return ri.Rod(length, area=area, material=material, velocity=velocity)
+
+
+def saint_venant(Z1, T1, Z2, T2):
+    (T_short, Z_short), (T_long, Z_long) = sorted([(T1, Z1), (T2, Z2)])
+    q = max(Fraction(Z_short - Z_long, Z_short + Z_long), Fraction(0))
+    K, rest = divmod(T_long, T_short)
+    steps = sum(q**k for k in range(K)) * T_short + q**K * rest * (q > 0)
+    impulse = 2 * Fraction(Z1 * Z2, Z1 + Z2) * steps
+    return impulse, impulse * (Fraction(1, Z1 * T1) + Fraction(1, Z2 * T2)) - 1
+
+
+def test_the_box_is_two_fifths():
+    done = ri.exact(ri.System([rod(0.4, velocity=1.0), rod(1.0)]))
+    assert done.restitution == Fraction(2, 5)
+    assert done.velocities_after == (0, Fraction(2, 5))
+    assert done.impulses == (Fraction("7850") * Fraction("1e-4") * Fraction("0.4"),)
+    assert done.contact_times == (((0, Fraction(4, 5)),),)  # metres of the wave's way
+    assert done.time_unit == pytest.approx(1 / STEEL.wave_speed, rel=1e-15)
+
+
+def test_pairs_given_by_times_and_impedances_are_saint_venants():
+    pair = ri.System([rod(0.4, velocity=1.0), rod(1.0)])
+    for numbers in [(1, 2, 1, 5), (3, 2, 1, 7), (1, 2, 3, 7), (5, 5, 2, 5), (1, 9, 4, 2)]:
+        names = [f"bodies.{i}.{n}" for i in (0, 1) for n in ("impedance", "transit_time")]
+        done = ri.exact(pair, dict(zip(names, numbers, strict=True)))
+        impulse, e = saint_venant(*numbers)
+        assert (done.impulses[0], done.restitution, done.time_unit) == (impulse, e, 1)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 4, 5, 7])
+def test_rows_are_what_floats_come_near(seed):
+    system = random_system(seed, bodies=3, vibrating=False, bonded=False)
+    outcome = ri.solve(system).outcome
+    done = ri.exact(system)
+    assert done.time_unit == 1  # the materials have whole wave speeds
+    assert np.allclose([float(v) for v in done.velocities_after], outcome.velocities_after,
+                       rtol=0, atol=1e-11)
+    for contact, episodes in zip(outcome.contacts, done.contact_times, strict=True):
+        assert len(episodes) == contact.episodes
+        if episodes:
+            assert float(episodes[0][0]) == pytest.approx(contact.first, rel=1e-9, abs=1e-15)
+            assert float(episodes[-1][1]) == pytest.approx(contact.last, rel=1e-9)
+
+
+def test_a_gap_closes_between_ticks():
+    pair = [rod(1.0, velocity=1.0, material=UNIT), rod(2.0, velocity=0.7, material=UNIT)]
+    done = ri.exact(ri.System(pair, gaps=[0.1]))
+    assert done.contact_times == (((Fraction(1, 3), Fraction(4, 3)),),)
+
+
+@pytest.mark.parametrize(("bodies", "more", "said"), [
+    ([rod(0.4, velocity=1.0), rod(1.0, material=UNIT)], {}, "bodies.1: has an irrational wave"),
+    ([rod(0.4, velocity=1.0), rod(1.0)], {"gaps": [0.1]}, "bodies.0: has an irrational wave"),
+    ([rod(0.4, velocity=1.0), ri.RigidMass(1.0)], {}, "bodies.1: formulas and fractions know no"),
+    ([rod(0.4, velocity=[1.0, 2.0]), rod(1.0)], {}, "system: has members"),
+    ([rod(0.4, velocity=1.0), rod(1.0)], {"ends": (ri.Fixed(), ri.Free())}, "ends.left: "),
+    ([rod(0.4, velocity=ri.Steps([1.0, 0.0], [0.2])), rod(1.0)], {}, "bodies.0: .* uniform"),
+    ([rod(0.4), ri.Wall()], {"contacts": [ri.Bonded()]}, "contacts.0: .* bonded to a wall"),
+])
+def test_what_has_no_fractions_is_told(bodies, more, said):
+    with pytest.raises(ri.InvalidModel, match=said):
+        ri.exact(ri.System(bodies, **more))
+
+
+@pytest.mark.parametrize(("values", "said"), [
+    ({"bodies.0.lenght": 1}, "bodies.0.lenght: names no number .* 'bodies.0.length'"),
+    ({"bodies.0.length": "x"}, "bodies.0.length: must be a number or a text"),
+    ({"bodies.0.length": -1}, "bodies.0: needs numbers above 0, got transit -1"),
+])
+def test_mistaken_values_are_told(values, said):
+    with pytest.raises(ri.InvalidModel, match=said):
+        ri.exact(ri.System([rod(0.4, velocity=1.0), rod(1.0)]), values)
+
+
+def test_a_cap_is_told():
+    with pytest.raises(ri.InvalidModel, match="max_events: the collision is not over after 1"):
+        ri.exact(ri.System([rod(0.4, velocity=1.0), rod(1.0)]), max_events=1)

@@ -1,0 +1,187 @@
+"""closed_form(): formulas against Saint-Venant's, and against runs on fractions elsewhere."""
+
+import random
+import sys
+from fractions import Fraction
+
+import pytest
+
+import rodimpact as ri
+
+sympy = pytest.importorskip("sympy")
+
+UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
+STEEL = ri.materials.steel
+
+
+def row(lengths, areas, material=UNIT, **more):
+    return ri.System([
+        ri.Rod(float(l), area=float(A), material=material, velocity=float(i == 0))
+        for i, (l, A) in enumerate(zip(lengths, areas, strict=True))
+    ], **more)
+
+
+def names(*bases):
+    return sympy.symbols([f"{base}{i}" for base in bases for i in (1, 2)], positive=True)
+
+
+def same(formula, expected):
+    return sympy.simplify(formula - expected) == 0
+
+
+def test_the_box_is_the_ratio_of_lengths_on_both_sides_of_its_tie():
+    form = ri.closed_form(row([0.4, 1.0], [1e-4, 1e-4], STEEL), ["length"])
+    l1, l2 = names("l")
+    assert same(form.restitution, l1 / l2)
+    assert form.cell == (l1 < l2,)
+    assert form.at().restitution == Fraction(2, 5)
+    assert form.at(l1="1/3", l2=0.7).restitution == Fraction(10, 21)
+    assert form.holds()
+    assert form.holds(l1=0.99)
+    assert not form.holds(l1=1)
+    assert form.sides == ()
+    E = STEEL.youngs_modulus
+    ((start, end),) = form.contact_times[0]
+    assert start == 0
+    assert float(end.subs(l1, 0.4)) == pytest.approx(0.8 * (STEEL.density / E) ** 0.5, rel=1e-14)
+
+
+def test_a_longer_rod_of_higher_impedance():
+    form = ri.closed_form(row([2, 5], [1, 1.5]))
+    T1, T2, Z1, Z2 = names("T", "Z")
+    assert same(form.restitution, (2 * T1 * Z1 + (Z2 - Z1) * T2) / (T2 * (Z1 + Z2)))
+    assert set(form.cell) == {Z1 < Z2, T1 < T2}
+    assert same(form.impulses[0], 2 * T1 * Z1 * Z2 / (Z1 + Z2))
+    assert form.contact_times == (((0, 2 * T1),),)
+
+
+@pytest.mark.parametrize("K", [1, 2, 4])
+def test_a_longer_rod_of_lower_impedance(K):
+    form = ri.closed_form(row([2, 2 * K + 1], [2, 1]))
+    T1, T2, Z1, Z2 = names("T", "Z")
+    q = (Z1 - Z2) / (Z1 + Z2)
+    impulse = 2 * Z1 * Z2 / (Z1 + Z2) * (sum(q**k for k in range(K)) * T1 + q**K * (T2 - K * T1))
+    assert same(form.restitution, impulse * (1 / (Z1 * T1) + 1 / (Z2 * T2)) - 1)
+    first = T1 < T2 if K == 1 else K * T1 < T2
+    assert set(form.cell) == {Z2 < Z1, first, T2 < (K + 1) * T1}
+
+
+def test_on_a_border_both_formulas_are_told():
+    form = ri.closed_form(row([1, 2], [1, 0.5]))
+    (other,) = form.sides
+    T1, T2, *_ = names("T")
+    borders = {T2 < 2 * T1, 2 * T1 < T2}
+    assert len(borders & set(form.cell)) == len(borders & set(other.cell)) == 1
+    assert form.restitution != other.restitution
+    assert form.at().restitution == other.at().restitution == Fraction(7, 9)
+    assert not form.holds()
+    assert form.holds(T2=Fraction(21, 10)) != other.holds(T2=Fraction(21, 10))
+
+
+def test_three_equal_transits_keep_every_symbol():
+    form = ri.closed_form(row([1, 1, 1], [1, 1, 1]), ["transit_time"])
+    (other,) = form.sides
+    T1, T2, T3 = sympy.symbols("T1:4", positive=True)
+    assert form.velocities_after == (0, 0, T1 / T3)
+    assert form.cell == (T1 < T3,)
+    assert other.velocities_after == (0, (T1 - T3) / T2, 1)
+    assert form.restitution is None
+
+
+def test_materials_gaps_and_velocities_in_symbols():
+    form = ri.closed_form(row([1, 2], [1, 3], gaps=[0.25]), ["gap", "velocity", "length"])
+    l1, l2 = names("l")
+    v1, v2 = sympy.symbols("v1 v2", real=True)
+    g1 = sympy.Symbol("g1", positive=True)
+    assert same(form.restitution, (l1 + l2) / (2 * l2))
+    assert set(form.cell) == {l1 < l2, v2 < v1}
+    assert same(form.contact_times[0][0][0], g1 / (v1 - v2))
+    E1, rho1 = sympy.symbols("E1 rho1", positive=True)
+    form = ri.closed_form(row([2, 5], [1, 1], STEEL), ["youngs_modulus", "density"])
+    assert form.restitution == Fraction(2, 5)
+    assert same(form.contact_times[0][0][1], 4 * sympy.sqrt(rho1 / E1))
+
+
+def test_a_stepped_striker():
+    striker = ri.Rod(segments=[ri.Segment(0.3, 1.0, UNIT), ri.Segment(0.2, 3.0, UNIT)],
+                     velocity=1.0)
+    system = ri.System([striker, ri.Rod(1.0, area=2.0, material=UNIT)])
+    form = ri.closed_form(system, ["length"])
+    for side in (form, *form.sides):
+        assert side.at().restitution == ri.exact(system).restitution
+    agree(form, system, {"l1": "bodies.0.segments.0.length", "l2": "bodies.0.segments.1.length",
+                         "l3": "bodies.1.length"}, random.Random(1), 4)
+
+
+def agree(form, system, paths, rng, count):
+    """Compare the formulas with runs at places near the system; return how many there were."""
+    places = 0
+    for _ in range(count):
+        near = {name: x * (1 + Fraction(rng.randint(-50, 50), 1000))
+                for name, x in form.values.items()}
+        for side in (form, *form.sides):
+            if side.holds(**near):
+                there = ri.exact(system, {paths[name]: x for name, x in near.items()})
+                assert side.at(**near) == there
+                places += 1
+    return places
+
+
+def random_row(rng, count):
+    common = rng.random() < 0.4
+    T = [Fraction(rng.randint(1, 9)) if common else Fraction(rng.randint(100, 900), 100)
+         for _ in range(count)]
+    Z = [Fraction(rng.randint(1, 6), 2) if common else Fraction(rng.randint(30, 300), 100)
+         for _ in range(count)]
+    return row(T, Z)
+
+
+@pytest.mark.parametrize(("bodies", "rows"), [
+    (2, 8), (3, 2), *(pytest.param(*case, marks=pytest.mark.exhaustive)
+                      for case in [(2, 200), (3, 50)]),
+])
+def test_random_rows_agree_with_runs_on_fractions(bodies, rows):
+    rng, places = random.Random(rows), 0
+    for _ in range(rows):
+        system = random_row(rng, bodies)
+        form = ri.closed_form(system)
+        there = ri.exact(system)
+        if form.holds():
+            assert form.at() == there
+        else:  # on a border the formulas meet, or the run does as one of them
+            results = [(at.velocities_after, at.impulses)
+                       for at in (side.at() for side in (form, *form.sides))]
+            assert (there.velocities_after, there.impulses) in results
+        places += agree(form, system, {**form.symbols}, rng, 3)
+    assert places >= rows
+
+
+@pytest.mark.parametrize(("symbols", "said"), [
+    (["lenght"], "'lenght' names no number .*; perhaps 'length' is meant"),
+    (["transit_time", "length"], "'length' names no number that formulas have beside"),
+    (["gap"], "'gap' names no number that"),
+    ([], "must name a number"),
+])
+def test_mistaken_symbols_are_told(symbols, said):
+    with pytest.raises(ri.InvalidModel, match=f"symbols: {said}"):
+        ri.closed_form(row([2, 5], [1, 1]), symbols)
+
+
+def test_a_mistaken_value_and_a_cap_are_told():
+    form = ri.closed_form(row([2, 5], [1, 1]), ["length"])
+    with pytest.raises(ri.InvalidModel, match="l3: is no symbol here"):
+        form.at(l3=1)
+    with pytest.raises(ri.InvalidModel, match="max_events: the collision is not over after 1"):
+        ri.closed_form(row([2, 5], [1, 1]), max_events=1)
+
+
+def test_without_sympy_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "sympy", None)
+    with pytest.raises(ImportError, match=r"sympy is not installed; pip install 'rodimpact\[sympy"):
+        ri.closed_form(row([2, 5], [1, 1]))
+
+
+def test_notebooks_show_latex():
+    form = ri.closed_form(row([2, 5], [1, 1]), ["length"])
+    assert r"\frac{l_{1}}{l_{2}}" in form._repr_latex_()
+    assert "l_{1} < l_{2}" in form._repr_latex_()
