@@ -20,7 +20,7 @@ class _End(Frozen):
 
 
 class Free(_End):
-    """No force acts."""
+    """A free end: no force acts on it."""
 
     kind: ClassVar[str] = "free"
 
@@ -52,8 +52,8 @@ class Absorbing(_End):
     A pulse runs out of the right end, and the rod is at rest:
 
     >>> import rodimpact as ri
-    >>> steel = ri.materials.steel
-    >>> rods = [ri.Rod(x, area=1e-4, material=steel, velocity=v) for x, v in ((0.1, 1.0), (0.5, 0.0))]
+    >>> short = ri.Rod(0.1, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> rods = [short, short.replace(length=0.5, velocity=0.0)]
     >>> run = ri.solve(ri.System(rods, ends=[ri.Free(), ri.Absorbing()]), until=3e-4)
     >>> run.velocity(1, [0.1, 0.4], 3e-4).tolist()
     [0.0, 0.0]

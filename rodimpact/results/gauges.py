@@ -55,7 +55,7 @@ class Gauge:
     >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
     >>> right = ri.Rod(1.0, area=1e-4, material=steel)
     >>> gauge = ri.solve(ri.System([left, right])).gauge(body=1, x=0.5)
-    >>> (gauge.strain[:3] * 1e6).round(3).tolist()          # microstrain: nothing, the pulse, nothing
+    >>> (gauge.strain[:3] * 1e6).round(3).tolist()     # microstrain: a pulse
     [0.0, -99.058, 0.0]
     """
 
