@@ -25,7 +25,7 @@ extensions = [
     "myst_nb", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.intersphinx",
 ]
 exclude_patterns = ["_build", "**/.ipynb_checkpoints"]
-source_suffix = {".md": "myst-nb", ".rst": "restructuredtext"}  # the latter made by autosummary
+source_suffix = {".rst": "restructuredtext", ".md": "myst-nb"}  # .rst is made by autosummary
 
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
@@ -52,8 +52,9 @@ html_show_sourcelink = False
 html_copy_source = False
 html_theme_options = {
     "show_prev_next": True, "navigation_with_keys": False, "secondary_sidebar_items": ["page-toc"],
-    "navbar_end": ["theme-switcher"], "show_toc_level": 2, "header_links_before_dropdown": 5,
+    "navbar_end": ["theme-switcher"], "show_toc_level": 2, "header_links_before_dropdown": 8,
 }
+html_sidebars = {"[!a]*": []}  # names have one of all names, other pages none
 
 
 def link_ledger(_app: Sphinx, _path: Path, page: str, content: list[str]) -> None:
