@@ -57,6 +57,12 @@ html_theme_options = {
 html_sidebars = {"[!a]*": []}  # names have one of all names, other pages none
 
 
+def of_tuple(_app: Sphinx, _what: str, _name: str, member: object, _skip: bool, _options: object,
+             ) -> bool | None:
+    """Skip what Python says of a named tuple's fields; its docstring says more."""
+    return str(getattr(member, "__doc__", "")).startswith("Alias for field number") or None
+
+
 def link_ledger(_app: Sphinx, _path: Path, page: str, content: list[str]) -> None:
     """Files beside the ledger of validation are named, and its figures shown."""
     if page == "validation":
@@ -82,5 +88,6 @@ def write_box(app: Sphinx, failure: Exception | None) -> None:
 
 def setup(app: Sphinx) -> None:
     """What happens while the manual is built."""
+    app.connect("autodoc-skip-member", of_tuple)
     app.connect("include-read", link_ledger)
     app.connect("build-finished", write_box)
