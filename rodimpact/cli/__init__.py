@@ -35,8 +35,11 @@ COMMANDS = {
     "rigid": "collide two rigid bodies",
     "verify": "check the solver against closed forms",
     "materials": "list materials, with the source of each number",
+    "help": "tell what a case file may hold, and which units are known",
     "doctor": "show versions, and whether compiled code works here",
 }
+CASE = ("schema", "gravity", "materials", "bodies", "contacts", "ends", "solve", "output")
+"""Tables of a case file, in whose mistakes `rodimpact help case` helps."""
 DONE, FAULT, MISTAKE, INCOMPLETE, UNVERIFIED, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 
@@ -76,7 +79,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except ValueError as error:
         if not hasattr(error, "problems"):
             return _fault()
-        return complain(str(error), MISTAKE)
+        in_case = any(path.partition(".")[0] in CASE for path, _ in error.problems)
+        hint = "\nrodimpact help case: what a case file may hold" if in_case else ""
+        return complain(f"{error}{hint}", MISTAKE)
     except Exception:
         return _fault()
 

@@ -460,6 +460,18 @@ class Rod(_Body):
     ------
     InvalidModel
         Naming every field that is not what it should be.
+
+    Examples
+    --------
+    >>> from rodimpact.materials import brass, steel
+    >>> round(Rod(0.4, area=1e-4, material=steel).mass, 6)
+    0.314
+    >>> stepped = Rod(0.4, area=Steps([1e-4, 2e-4], at=[0.1]), material=steel)
+    >>> [segment.area for segment in stepped.segments]
+    [0.0001, 0.0002]
+    >>> two = Rod(segments=[Segment(0.1, 1e-4, steel), Segment(0.2, 1e-4, brass)])
+    >>> round(two.length, 12)
+    0.3
     """
 
     kind: ClassVar[str] = "rod"
@@ -627,6 +639,11 @@ class RigidMass(_Body):
     ------
     InvalidModel
         Naming every field that is not what it should be.
+
+    Examples
+    --------
+    >>> RigidMass(2.0, velocity=-1.0)
+    RigidMass(mass=2.0, velocity=-1.0)
     """
 
     kind: ClassVar[str] = "mass"
@@ -647,6 +664,15 @@ class Wall(_Body):
     ----------
     velocity : float or array
         m/s.
+
+    Examples
+    --------
+    A rod at rest is hit by a wall that comes at 1 m/s, and leaves at twice that:
+
+    >>> import rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel)
+    >>> ri.solve(ri.System([ri.Wall(velocity=1.0), rod])).outcome.velocities_after
+    (1.0, 2.0)
     """
 
     kind: ClassVar[str] = "wall"

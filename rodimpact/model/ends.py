@@ -20,13 +20,24 @@ class _End(Frozen):
 
 
 class Free(_End):
-    """No force acts."""
+    """A free end: no force acts on it."""
 
     kind: ClassVar[str] = "free"
 
 
 class Fixed(_End):
-    """The end of a rod is held at rest, in tension too."""
+    """The end of a rod is held at rest, in tension too.
+
+    Examples
+    --------
+    A rod whose right end is held swings for ever:
+
+    >>> import rodimpact as ri
+    >>> rod = ri.Rod(1.0, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> swing = ri.solve(ri.System([rod], ends=[ri.Free(), ri.Fixed()]), until=1e-4)
+    >>> float(swing.velocity(0, 1.0, 1e-4))
+    0.0
+    """
 
     kind: ClassVar[str] = "fixed"
 
@@ -35,6 +46,17 @@ class Absorbing(_End):
     """The rod goes on for ever: waves leave and none comes back.
 
     What comes from outside stays what the initial state of the rod has there.
+
+    Examples
+    --------
+    A pulse runs out of the right end, and the rod is at rest:
+
+    >>> import rodimpact as ri
+    >>> short = ri.Rod(0.1, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> rods = [short, short.replace(length=0.5, velocity=0.0)]
+    >>> run = ri.solve(ri.System(rods, ends=[ri.Free(), ri.Absorbing()]), until=3e-4)
+    >>> run.velocity(1, [0.1, 0.4], 3e-4).tolist()
+    [0.0, 0.0]
     """
 
     kind: ClassVar[str] = "absorbing"
@@ -96,6 +118,12 @@ class Moved(_Driven):
     ------
     InvalidModel
         Naming every field that is not what it should be.
+
+    Examples
+    --------
+    >>> from rodimpact.model.profiles import Samples
+    >>> Moved(Samples([0.0, 1.0, 0.0], step=1e-4))
+    Moved(value=Samples(values=array(3,), step=0.0001))
     """
 
     kind: ClassVar[str] = "velocity"

@@ -45,6 +45,16 @@ class InvalidModel(ValueError):
     problems : list of (str, str)
         Path of each faulty field (``bodies.0.length``) and what is wrong with it. The text of the
         error tells the first `MOST_TOLD` of them and counts the rest.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> try:
+    ...     ri.Rod(-1.0, area=0.0, material=ri.materials.steel)
+    ... except InvalidModel as error:
+    ...     print(error)
+    length: must be a finite positive number of metres, got -1.0
+    area: must be a finite positive number of square metres, got 0.0
     """
 
     def __init__(self, problems: Problems) -> None:

@@ -61,6 +61,15 @@ class Rigid(_Law):
     ------
     InvalidModel
         If it is not a number from 0 to 1.
+
+    Examples
+    --------
+    A mass bounces off another with half the speed; between rods no number is needed.
+
+    >>> Rigid(restitution=0.5)
+    Rigid(restitution=0.5)
+    >>> Rigid()
+    Rigid()
     """
 
     law: ClassVar[str] = "rigid"
@@ -74,7 +83,18 @@ class Rigid(_Law):
 
 
 class Bonded(_Law):
-    """Two neighbours joined for good: they share velocity and force, in tension too."""
+    """Two neighbours joined for good: they share velocity and force, in tension too.
+
+    Examples
+    --------
+    Two pieces joined for good are one rod:
+
+    >>> import rodimpact as ri
+    >>> half = ri.Rod(0.5, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> row = ri.System([half, half, ri.Wall()], contacts=[ri.Bonded(), ri.Rigid()])
+    >>> [round(v, 12) for v in ri.solve(row).outcome.velocities_after]
+    [-1.0, -1.0, 0.0]
+    """
 
     law: ClassVar[str] = "bonded"
     opens: ClassVar[bool] = False
@@ -99,6 +119,12 @@ class Joint(_Compliant):
     ------
     InvalidModel
         If the stiffness or the damping is negative, or both are 0.
+
+    Examples
+    --------
+    >>> glue = Joint(stiffness=2e8, damping=100.0)
+    >>> round(float(glue.stored(1e-5)), 12)     # J, stretched by 10 um
+    0.01
     """
 
     law: ClassVar[str] = "joint"
@@ -139,6 +165,11 @@ class Spring(_Compliant):
     ------
     InvalidModel
         If it is not a positive number.
+
+    Examples
+    --------
+    >>> round(float(Spring(stiffness=1e8).stored(1e-5)), 12)     # J, pressed in by 10 um
+    0.005
     """
 
     law: ClassVar[str] = "spring"
@@ -163,6 +194,11 @@ class SpringDashpot(_Compliant):
     ------
     InvalidModel
         If the stiffness is not positive or the damping negative.
+
+    Examples
+    --------
+    >>> SpringDashpot(stiffness=1e8, damping=2e3)
+    SpringDashpot(stiffness=100000000.0, damping=2000.0)
     """
 
     law: ClassVar[str] = "spring-dashpot"
@@ -188,6 +224,11 @@ class Hertz(_Compliant):
     ------
     InvalidModel
         If it is not a positive number.
+
+    Examples
+    --------
+    >>> round(float(Hertz(stiffness=1e10).stored(1e-4)), 12)     # J: k d^(5/2)/(5/2)
+    0.4
     """
 
     law: ClassVar[str] = "hertz"
@@ -282,6 +323,11 @@ class HuntCrossley(_Compliant):
     ------
     InvalidModel
         If the stiffness is not positive or the damping negative.
+
+    Examples
+    --------
+    >>> HuntCrossley(stiffness=1e10, damping=0.3).exponent
+    1.5
     """
 
     law: ClassVar[str] = "hunt-crossley"
@@ -311,6 +357,12 @@ class PowerLaw(_Compliant):
     ------
     InvalidModel
         If the stiffness is not positive or the exponent below 1.
+
+    Examples
+    --------
+    >>> pointed = PowerLaw(stiffness=3e12, exponent=2.0)
+    >>> round(float(pointed.stored(1e-4)), 12)        # J: k d^3/3
+    1.0
     """
 
     law: ClassVar[str] = "power"
@@ -342,6 +394,17 @@ class Yielding(_Compliant):
     ------
     InvalidModel
         If a number is not positive, or the hardening negative or not less than the stiffness.
+
+    Examples
+    --------
+    A rod that hits a wall through a soft layer gives energy away:
+
+    >>> import rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> layer = ri.Yielding(stiffness=1e9, yield_force=1e3)
+    >>> outcome = ri.solve(ri.System([rod, ri.Wall()], contacts=[layer])).outcome
+    >>> outcome.peak_force, outcome.dissipated > 0
+    (1000.0, True)
     """
 
     law: ClassVar[str] = "yielding"

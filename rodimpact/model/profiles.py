@@ -49,6 +49,13 @@ class Steps(Frozen):
     ------
     InvalidModel
         When the counts do not fit, the positions do not increase, or a number is none.
+
+    Examples
+    --------
+    The left half of a rod of 1 m moves, the right half rests:
+
+    >>> Steps([1.0, 0.0], at=[0.5])
+    Steps(values=(1.0, 0.0), at=(0.5,))
     """
 
     values: tuple[Number, ...]

@@ -28,6 +28,18 @@ class ContactHistory:
     episodes : tuple of Episode
     push : StepSignal
         Force in ticks of the clock.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> contact = ri.solve(ri.System([left, right])).contacts[0]
+    >>> contact.force([1e-4, 2e-4]).round(2).tolist()       # the rods press, then only touch
+    [1981.16, 0.0]
+    >>> f"{contact.duration:.6g}", len(contact.episodes)
+    ('0.000158493', 1)
     """
 
     def __init__(

@@ -44,6 +44,16 @@ class EnergyLedger:
         Work done since t = 0 by moving walls, driven ends and gravity.
     residual : array
         What is missing: total minus the initial total minus the works, plus the losses.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> ledger = ri.solve(ri.System([left, right])).energy([0.0, 2e-4])
+    >>> (ledger.kinetic * 1e3).round(9).tolist()            # mJ
+    [157.0, 62.8]
     """
 
     kinetic: Floats

@@ -47,6 +47,16 @@ class Gauge:
         s.
     strain_after, strain_rate : array
         Strain just after each time, and how fast it changes until the next, 1/s.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> gauge = ri.solve(ri.System([left, right])).gauge(body=1, x=0.5)
+    >>> (gauge.strain[:3] * 1e6).round(3).tolist()     # microstrain: a pulse
+    [0.0, -99.058, 0.0]
     """
 
     body: int

@@ -76,6 +76,18 @@ class Outcome:
         Work of driven ends and of gravity, J.
     driven : bool
         Whether gravity or driven ends change the velocities besides the contacts.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> outcome = ri.collide(left, right)
+    >>> round(outcome.restitution, 12), [round(v, 12) for v in outcome.velocities_after]
+    (0.4, [0.0, 0.4])
+    >>> round(outcome.vibration_after[1] / outcome.kinetic_before, 12)
+    0.6
     """
 
     bodies: tuple[str, ...]

@@ -21,7 +21,7 @@ from .case_tables import Table
 from .grids import Grids
 
 OPTIONS = {"until": "time", "dt": "time", "rtol": "dimensionless"}  # with units
-DAMPING = {"loss_factor": Field(), "loss_frequency": Field("Hz")}
+DAMPING = {"loss_factor": Field("", "non-negative"), "loss_frequency": Field("Hz", "positive")}
 SEGMENT = (*Segment.fields, "material", "lateral_inertia")
 ANY_ROD = Rod(1.0, area=1.0, material=materials.steel)
 STAND_INS: dict[str, Body] = {"rod": ANY_ROD, "mass": RigidMass(1.0), "wall": Wall()}

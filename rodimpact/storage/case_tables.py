@@ -67,7 +67,7 @@ class Table:
 
     def entries(self, kind: Any) -> dict[str, Any]:
         """What fills the fields of this class."""
-        defaults = _defaults(kind)
+        defaults = defaults_of(kind)
         return {key: self.entry(key, field, defaults[key]) for key, field in kind.fields.items()}
 
     def entry(self, key: str, field: Field, default: Any = REQUIRED) -> Any:
@@ -187,7 +187,8 @@ class Table:
 
 
 @cache
-def _defaults(kind: Any) -> dict[str, Any]:
+def defaults_of(kind: Any) -> dict[str, Any]:
+    """Defaults of the constructor of a class; `REQUIRED` for what has none."""
     return {name: taken.default for name, taken in inspect.signature(kind).parameters.items()}
 
 

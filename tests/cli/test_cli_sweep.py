@@ -332,7 +332,9 @@ def test_all_mistakes_are_reported_at_once(case, no_sweep, capsys):
     assert sweep(*argv) == 2
     out, err = capsys.readouterr()
     assert out == ""
-    said = [line.split(": ")[1] for line in err.splitlines()]
+    *lines, hint = err.splitlines()
+    assert "rodimpact help case" in hint
+    said = [line.split(": ")[1] for line in lines]
     assert sorted(said) == sorted([
         "--vary", "--vary", "contacts.0.gap", "--workers", "--max-events", "bodies.0.area",
         "bodies.1.length", "bodies.0.lenth", "--plot", "--save",

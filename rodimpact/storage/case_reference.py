@@ -1,0 +1,165 @@
+"""What a case file may hold: every table with its keys, as the `fields` of the model tell it.
+
+A new field of a class, and a new law, body or end, need no line here. Each table comes with the
+shortest example of it, which `parse_case` reads.
+"""
+
+from __future__ import annotations
+
+import inspect
+import json
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+from ..methods.registry import METHOD_NAMES, Options
+from ..model import SIDES, System
+from ..model.bodies import BODIES, Material, Rod, Segment
+from ..model.ends import ENDS
+from ..model.frozen import Field
+from ..model.lateral_inertia import THEORIES
+from ..model.laws import CONTACT_LAWS, FACE, Hertz
+from ..units import si_unit
+from .case import SCHEMA
+from .case_reading import DAMPING, OPTIONS
+from .case_tables import REQUIRED, defaults_of
+
+TYPICAL = {
+    "m": "400 mm", "m^2": "1 cm^2", "kg": "2 kg", "m/s": "1 m/s", "Pa": "200 GPa",
+    "kg/m^3": "7.85 g/cm^3", "N": "5 kN", "N/m": "20 kN/mm", "N s/m": "200 N s/m",
+    "s/m": "0.3 s/m", "N/m^1.5": "10 GN/m^1.5", "N/m^p": 10**9, "": 2,
+}
+"""An example for each unit."""
+SIGNS = {"any": "any number", "positive": "> 0", "non-negative": ">= 0",
+         "positive or infinite": '> 0, or "inf"'}
+WORD = "name of a material"
+
+
+class Entry(NamedTuple):
+    """One key of a table: its unit, what it takes, and what holds where it is left out."""
+
+    key: str
+    unit: str
+    takes: str
+    default: str
+
+
+class Section(NamedTuple):
+    """One table of a case file, and the shortest example of it."""
+
+    title: str
+    meaning: str
+    entries: list[Entry]
+    example: str
+
+
+def sections() -> list[Section]:
+    """Every table, in the order of a file.
+
+    Examples
+    --------
+    >>> mass = next(table for table in sections() if "mass" in table.title)
+    >>> print(mass.example)
+    [[bodies]]
+    kind = "mass"
+    mass = "2 kg"
+    >>> mass.entries[1]
+    Entry(key='velocity', unit='m/s', takes='any number', default='0')
+    """
+    top = [Entry("schema", "", str(SCHEMA), "required"),
+           _number("gravity", System.fields["gravity"], 0.0)]
+    damping = [_number(key, field, None) for key, field in DAMPING.items()]
+    shape = [Entry("material", "", WORD, "required"),
+             Entry("lateral_inertia", "", _either(THEORIES), "none")]
+    made_of = {**_needed(Segment), "material": "steel"}
+    rod = [*_numbers(Segment), *shape,
+           Entry("segments", "", "[[bodies.segments]]", "in place of all above")]
+    contact = [_number("gap", System.fields["gaps"], 0.0),
+               Entry("law", "", _either(CONTACT_LAWS), "rigid")]
+    files = [Entry(key, "", "name of a file", "none") for key in ("plot", "save")]
+    return [
+        Section("at the top", "What holds for the whole row.", top, f"schema = {SCHEMA}"),
+        _section("[materials.NAME]", {}, Material, after=damping),
+        *(_section("[[bodies]]", {"kind": kind, **(made_of if body is Rod else {})}, body,
+                   before=rod if body is Rod else []) for kind, body in BODIES.items()),
+        _section("[[bodies.segments]]", made_of, Segment, after=shape),
+        Section("[[contacts]]", "Entry i lies between bodies i and i + 1; none: all touch.",
+                contact, _toml("[[contacts]]", {"gap": "50 um"})),
+        *(_section("[[contacts]]", {"law": name}, law, after=_faces() if law is Hertz else [])
+          for name, law in CONTACT_LAWS.items()),
+        *(_section("[ends.right]", {"kind": kind}, end) for kind, end in ENDS.items()),
+        Section("[solve]", "How to solve it; `rodimpact run --help` says what these mean.",
+                _options(), _toml("[solve]", {"until": "2 ms"})),
+        Section("[output]", "What `rodimpact run` writes.", files,
+                _toml("[output]", {"plot": "case.png"})),
+    ]
+
+
+def _section(
+    header: str, described: dict[str, Any], kind: Any, before: Sequence[Entry] = (),
+    after: Sequence[Entry] = (),
+) -> Section:
+    """The table that describes an object of this class; `described` is what is no number."""
+    tag = next(iter(described.items()), None) if kind._tag else None
+    title = header.replace("right", "SIDE") + (f' {tag[0]} = "{tag[1]}"' if tag else "")
+    meaning = (inspect.getdoc(kind) or "").partition("\n")[0]
+    return Section(title, meaning, [*before, *_numbers(kind), *after],
+                   _toml(header, described | _needed(kind)))
+
+
+def _numbers(kind: Any) -> list[Entry]:
+    return [_number(key, field, defaults_of(kind)[key], _place(kind, key))
+            for key, field in kind.fields.items()]
+
+
+def _number(key: str, field: Field, default: Any, place: str = "") -> Entry:
+    takes = SIGNS.get(field.sign, field.sign)
+    if field.word:
+        takes += f', or "{field.word}"'
+    if field.along:
+        takes += f", or a profile {'in time' if field.along == 'time' else 'along the rod'}"
+    if not place:
+        place = "required" if default is REQUIRED else "none" if default is None else f"{default:g}"
+    return Entry(key, field.unit or "1", takes, place)
+
+
+def _place(kind: Any, key: str) -> str:
+    """Of a number that stands for another: which; and of that other."""
+    for other, replaced in kind._instead.items():
+        if key in replaced:
+            return f"required, or {other}"
+        if key == other and key in kind.fields:
+            return f"in place of {replaced[0]}"
+    return ""
+
+
+def _needed(kind: Any) -> dict[str, Any]:
+    """Typical values of the numbers that must be given."""
+    return {
+        key: TYPICAL[field.unit] for key, field in kind.fields.items()
+        if defaults_of(kind)[key] is REQUIRED or _place(kind, key).startswith("required")
+    }
+
+
+def _faces() -> list[Entry]:
+    """Of rounded ends, in place of the stiffness of Hertz contact."""
+    return [entry for side in SIDES for entry in (
+        _number(f"{side}_radius", FACE, None, "flat; in place of stiffness"),
+        Entry(f"{side}_material", "", WORD, "that of the rod; else it does not yield"),
+    )]
+
+
+def _options() -> list[Entry]:
+    entries = []
+    for key, default in defaults_of(Options).items():
+        unit = si_unit(OPTIONS[key]) or "1" if key in OPTIONS else ""
+        takes = _either(METHOD_NAMES) if key == "method" else "> 0" if unit else "whole number"
+        entries.append(Entry(key, unit, takes, "none" if default is None else str(default)))
+    return entries
+
+
+def _either(words: Iterable[str]) -> str:
+    return " or ".join(f'"{word}"' for word in words)
+
+
+def _toml(header: str, entries: dict[str, Any]) -> str:
+    return "\n".join([header, *(f"{key} = {json.dumps(v)}" for key, v in entries.items())])
