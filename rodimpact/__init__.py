@@ -92,7 +92,6 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .running.sweep_result import SweepResult as SweepResult
     from .running.sweeping import SweepError as SweepError
     from .running.sweeping import sweep as sweep
-    from .running.warming import warm as warm
     from .storage.casefile import Case as Case
     from .storage.casefile import parse_case as parse_case
     from .storage.casefile import read_case as read_case
@@ -100,6 +99,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .storage.checkpoint import DamagedChunks as DamagedChunks
     from .storage.dimensions import by_dimension as by_dimension
     from .storage.reading import FileFormatError as FileFormatError
+    from .warming import warm as warm
 
 _HOME = {
     "algebra.formula": ("ClosedForm", "closed_form"),
@@ -137,7 +137,7 @@ _HOME = {
     "storage.reading": ("FileFormatError",),
     "running.sweep_result": ("Axis", "SweepResult"),
     "running.sweeping": ("SweepError", "sweep"),
-    "running.warming": ("warm",),
+    "warming": ("warm",),
     "derivatives.gradients": ("gradient",),
     "derivatives.result": ("Gradient", "Kink"),
     "fitting.measured": ("Measured",),

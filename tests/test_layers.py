@@ -10,8 +10,8 @@ import rodimpact
 ROOT = Path(rodimpact.__file__).parent
 LAYERS = [
     "units", "model", "rigid", "theory", "waves", "materials", "methods", "storage", "records",
-    "results", "running", "algebra", "derivatives", "design", "fitting", "plot", "explore", "cli",
-    "__main__",
+    "results", "running", "algebra", "derivatives", "warming", "design", "fitting", "plot",
+    "explore", "cli", "__main__",
 ]
 """Packages and modules at the root, from the ground up."""
 METHODS = ("fronts", "steps", "grid")

@@ -20,8 +20,8 @@ from ..methods.fronts.front_kernel import play
 from ..methods.fronts.tracking import track
 from ..methods.row import Row
 from ..model import Rod, System, Wall
-from ..running.warming import warm
 from ..storage.tables import SCHEMA_VERSION, align
+from ..warming import warm
 from . import DONE, UNVERIFIED
 from .asking import note
 

@@ -78,10 +78,10 @@ class Gradient:
         lines = [f"{self.of} = {self.value:.10g}; its derivative by"]
         for path in self.wrt:
             below, above = self.one_sided[path]
-            text = f"{self.values[path]:.10g}"
+            text = f"{self.values[path]:.8g}"
             if path in self.kinks:
                 kink = self.kinks[path]
-                text = f"{below:.10g} below, {above:.10g} above: {kink.event}"
+                text = f"{below:.8g} below, {above:.8g} above: {kink.event}"
                 text += f" (node {kink.node}, {format_si(kink.time, 's')})"
             lines.append(f"  {path}: {text}".rstrip())
         return "\n".join(lines)

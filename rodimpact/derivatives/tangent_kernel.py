@@ -116,7 +116,8 @@ def begin_tangents(
                 x.mobility[s * P + p] = -state.mobility[s] * dZ
                 x.arrived[2 * s * P + p] = dv - dc * strain - c * de
                 x.arrived[(2 * s + 1) * P + p] = dv + dc * strain + c * de
-                most = max(most, abs(dZ) * members.scale[m], abs(dc * strain) + abs(c * de))
+                share = max(abs(dZ), abs(dc / c), abs(dL))
+                most = max(most, share * members.scale[m], abs(dc * strain) + abs(c * de))
             if make.last[body] == 0:
                 x.arrived[(0 if body == 0 else 2 * n + 3) * P + p] = dv
         x.least[p] = LEAST * most

@@ -161,7 +161,7 @@ def test_differences(seed):
         assert path in g.kinks or min(errors) < 1e-7 * max(abs(g.value), abs(x * g[path])), path
 
 
-@pytest.mark.parametrize("seed", few_of(range(60), range(4)))
+@pytest.mark.parametrize("seed", few_of(range(60), (0, 1, 13, 52)))
 def test_both_sides_of_commensurate_rows(seed):
     rng = np.random.default_rng(seed)
     system = ri.System([

@@ -7,13 +7,14 @@ import warnings
 
 import numpy as np
 
-from ..materials import steel
-from ..methods import kernels
-from ..methods.registry import METHODS
-from ..model import RigidMass, Rod, System
-from ..model.laws import Spring
-from .solving import solve
-from .sweeping import sweep
+from .derivatives.gradients import gradient
+from .materials import steel
+from .methods import kernels
+from .methods.registry import METHODS
+from .model import RigidMass, Rod, System
+from .model.laws import Spring
+from .running.solving import solve
+from .running.sweeping import sweep
 
 
 def warm() -> float:
@@ -44,6 +45,7 @@ def warm() -> float:
         System([RigidMass(0.1, velocity=speeds), bar], contacts=[Spring(1e6)]),
     ]
     with kernels.forced(True):
+        gradient(families[0], wrt=["bodies.0.length"])
         for family in families:
             for name, method in METHODS.items():
                 if not method.lacking(family):
