@@ -31,17 +31,17 @@ class Case:
         were given, for ``ri.solve``.
     output : dict of str
         Those of `plot` and `save` that were given: names of files.
-    gauges : tuple of GaugePlace
-        Strain gauges that ``rodimpact explore`` and ``rodimpact export`` show.
     path : str
         Where it was read from; empty if from nowhere.
     varied : tuple of Varied
         What varies along each axis; the system holds the same numbers in its own terms.
+    gauges : tuple of GaugePlace
+        Strain gauges that ``rodimpact explore`` and ``rodimpact export`` show.
     """
 
     system: System
     solve: dict[str, Any] = field(default_factory=dict)
     output: dict[str, str] = field(default_factory=dict)
-    gauges: tuple[GaugePlace, ...] = ()
     path: str = ""
     varied: tuple[Varied, ...] = field(default=(), compare=False)
+    gauges: tuple[GaugePlace, ...] = ()

@@ -72,7 +72,7 @@ def case_from(
         raise InvalidModel(list(top.mistakes.items()))
     taken = top.grids.taken
     varied = tuple(taken[path] for path in top.grids.texts)
-    return Case(system, options, output, gauges, source, varied)
+    return Case(system, options, output, source, varied, gauges)
 
 
 def _check_schema(top: Table) -> None:
