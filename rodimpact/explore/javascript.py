@@ -465,8 +465,9 @@ class _Translator(ast.NodeVisitor):
             return self.method(node, function, [self.visit(x) for x in node.args])
         assert isinstance(function, ast.Name)
         name, called = function.id, self.function.__globals__.get(function.id)
-        if name == "any" and isinstance(node.args[0], ast.GeneratorExp):
-            return f"{self.visit_ListComp(node.args[0])}.some(py.bool)"
+        if name in ("any", "all") and isinstance(node.args[0], ast.GeneratorExp):
+            every = "some" if name == "any" else "every"
+            return f"{self.visit_ListComp(node.args[0])}.{every}(py.bool)"
         given = [self.visit(x) for x in node.args]
         if (fields := getattr(called, "_fields", ())) and not node.keywords:
             if len(given) != len(fields):

@@ -22,7 +22,7 @@ from ..methods.abilities import (
 from ..methods.fronts.front_kernel import BOND, FREE, PUSH, TOUCH
 from ..methods.fronts.layout_kernel import ENDLESS, MOVED, PUSHED, STEADY, Make
 from ..model import Material, Rod, Segment, System, Wall
-from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, wanted
+from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, Field, wanted
 from .design import MOST_EVENTS
 
 RULES: dict[str, dict[str, tuple[str, str]]] = {
@@ -32,6 +32,7 @@ RULES: dict[str, dict[str, tuple[str, str]]] = {
         ("segment", Segment.fields, ("length", "area")), ("rod", Rod.fields, tuple(Rod.fields)),
         ("wall", Wall.fields, ("velocity",)), ("contact", {"gap": System.fields["gaps"]}, ("gap",)),
         ("material", Material.fields, ("youngs_modulus", "density")),
+        ("gauge", {"fraction": Field("", "[0, 1]")}, ("fraction",)),
     )
 }
 """By table and field its sign, and what it must be."""
@@ -83,9 +84,19 @@ def pieces_of(body: Any) -> Any:
     return [body] if body["kind"] == "rod" else []
 
 
-def mistakes(case: Any, library: Any, rules: Any) -> list[Any]:
-    """Path and sentence of each mistake in a case that fronts can carry."""
+def mistakes(case: Any, gauges: Any, library: Any, rules: Any) -> list[Any]:
+    """Path and sentence of each mistake in a case that fronts can carry, and in its gauges."""
     found: list[Any] = []
+    rods = [i for i, body in enumerate(case["bodies"]) if body["kind"] == "rod"]
+    pairs = len(case["bodies"]) - 1
+    if len(rods) == 0:
+        found.append(("bodies", "needs at least one rod"))
+    if len(case.get("contacts", [{} for _ in range(pairs)])) != pairs:
+        found.append(("contacts", f"needs one entry for each neighbouring pair, {pairs} in all"))
+    for i, gauge in enumerate(gauges):
+        check(found, f"gauges.{i}", gauge, rules["gauge"])
+        if all(gauge["body"] != rod for rod in rods):
+            found.append((f"gauges.{i}.body", "must be the number of a rod"))
     until = case.get("solve", {}).get("until", 1.0)
     if not isinstance(until, float) or not math.isfinite(until) or until <= 0:
         found.append(("solve.until", "must be above 0 for a picture"))
@@ -120,7 +131,9 @@ def check(found: list[Any], path: str, table: Any, rules: Any) -> None:
             given, wrong = "no number", sentence
             if isinstance(value, float):
                 given = f"{value:.6g}"
-            if number and (value > 0 or sign == "any" or (value == 0 and sign != "positive")):
+            if number and (sign == "any" or value > 0 or (value == 0 and sign != "positive")) and (
+                sign != "[0, 1]" or value <= 1
+            ):
                 size, wrong = abs(value), ""
                 if size > LARGEST or (sign == "positive" and size < SMALLEST):
                     wrong = SCALE

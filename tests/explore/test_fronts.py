@@ -103,7 +103,7 @@ def changed(path, value):
 ])
 def test_a_mistake_is_told_in_the_words_of_the_model(path, value):
     case = changed(path, value)
-    (where, sentence), = mistakes(case, LIBRARY, RULES)
+    (where, sentence), = mistakes(case, [], LIBRARY, RULES)
     with pytest.raises(ri.InvalidModel) as error:
         Design.parse({"case": case})
     theirs = dict(error.value.problems)
@@ -115,9 +115,27 @@ def test_a_mistake_is_told_in_the_words_of_the_model(path, value):
 
 @pytest.mark.parametrize("value", [None, "0.4", True])
 def test_what_is_no_number_is_told(value):
-    (where, sentence), = mistakes(changed(["bodies", 0, "length"], value), LIBRARY, RULES)
+    (where, sentence), = mistakes(changed(["bodies", 0, "length"], value), [], LIBRARY, RULES)
     assert where == "bodies.0.length"
     assert "no number" in sentence
+
+
+@pytest.mark.parametrize(("bodies", "contacts", "gauge", "path"), [
+    ([WALL, WALL], [{}], None, "bodies"), ([ROD, ROD], [], None, "contacts"),
+    ([ROD, WALL], [{}], {"body": 1, "fraction": 0.5}, "gauges.0.body"),
+    ([ROD, WALL], [{}], {"body": 0, "fraction": 1.5}, "gauges.0.fraction"),
+    ([ROD, WALL, ROD], [{}, {}], None, "bodies.1"),
+    ([{**ROD, "material": "none such"}, ROD], [{}], None, "bodies.0.material"),
+    ([ROD, ROD], [{"law": "bonded", "gap": 1e-3}], None, "contacts.0.gap"),
+])
+def test_rows_that_are_none_are_told(bodies, contacts, gauge, path):
+    design = {"case": {"schema": 1, "bodies": bodies, "contacts": contacts}}
+    gauges = [gauge] if gauge else []
+    found = [where for where, _ in mistakes(design["case"], gauges, LIBRARY, RULES)]
+    assert found == [path]
+    with pytest.raises(ri.InvalidModel) as error:
+        Design.parse({**design, "gauges": gauges})
+    assert path in [where for where, _ in error.value.problems]
 
 
 BODY = {"kind": "rod", "length": 0.4, "area": 1e-4, "material": "steel"}

@@ -340,27 +340,37 @@ DESIGNS = {
 }
 
 
-def answers(address):
-    """What the page itself answers to each design."""
+def answers(address, designs, embedded="true"):
+    """What the page itself answers to designs; `embedded` as in a page of one file."""
     script = "\n".join(map(read, ("numbers.js", "python.js", "kernels.js", "solver.js")))
     script += f"""
     const listOf = (value) => (Array.isArray(value) ? value : []);
-    let start; let embedded = true;
+    let start; let embedded = {embedded};
     const answer = (data) => {{
       start = data.start;
       return data.designs.map((design) => answerHere("{address}", design));
     }};
     """
-    sent = {"start": start(PRESETS["wall"]), "designs": [d.to_dict() for d in DESIGNS.values()]}
-    found = run(script, sent)
-    assert not [page for page in found if "problems" in page]
-    return zip(DESIGNS.items(), [page["data"] for page in found], strict=True)
+    return run(script, {"start": start(PRESETS["wall"]), "designs": designs})
+
+
+@needs_node
+def test_what_the_page_cannot_answer_is_left_to_the_server():
+    jumps = np.linspace(0.0, 0.4, 3201)[1:-1]
+    crowded = LEFT.replace(velocity=ri.Steps(np.arange(3200.0) % 2, jumps))
+    designs = [Design.of(ri.Case(system)).to_dict() for system in (
+        ri.System([LEFT, LEFT], contacts=[ri.Hertz(1e10)]), ri.System([crowded, LEFT]))]
+    designs.append({"case": {"bodies": [{"kind": "rod", "length": "x"}]}})
+    assert answers("/scene", designs, "null") == [None, None, None]
+    assert all("problems" in page for page in answers("/scene", designs))
 
 
 @needs_node
 def test_the_page_shows_what_the_server_shows():
     """Scenes of `scene`, whose fronts run on the clock of Python."""
-    for (key, design), page in answers("/scene"):
+    pages = answers("/scene", [design.to_dict() for design in DESIGNS.values()])
+    for (key, design), answer in zip(DESIGNS.items(), pages, strict=True):
+        page = answer["data"]
         server = json.loads(json.dumps(scene(design, design.solve())))
         difference = page["restitution"].pop("difference", 0)
         server["restitution"].pop("difference", 0)
@@ -370,6 +380,7 @@ def test_the_page_shows_what_the_server_shows():
 
 @needs_node
 def test_the_page_writes_the_case_file_of_its_design():
-    for (_, design), page in answers("/case"):
-        read_back = Design.of(ri.parse_case(page["toml"]))
+    pages = answers("/case", [design.to_dict() for design in DESIGNS.values()])
+    for design, page in zip(DESIGNS.values(), pages, strict=True):
+        read_back = Design.of(ri.parse_case(page["data"]["toml"]))
         assert Design.parse(read_back.to_dict()) == Design.parse(design.to_dict())

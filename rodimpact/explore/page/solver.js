@@ -12,10 +12,10 @@ async function unpackKernels() {
 }
 
 /** What is wrong with a design that this page would solve, or what of it fronts cannot carry. */
-function problemsOf({ case: tables }) {
+function problemsOf({ case: tables, gauges }) {
   const [path, what] = fronts.lacking(tables);
   if (what) return [{ path, message: `this page follows fronts only, without ${what}; the one that rodimpact explore serves solves it` }];
-  return fronts.mistakes(tables, start.materials, start.rules).map(([where, message]) => ({ path: where, message }));
+  return fronts.mistakes(tables, listOf(gauges), start.materials, start.rules).map(([where, message]) => ({ path: where, message }));
 }
 
 const answers = {
@@ -34,14 +34,14 @@ const answers = {
 /** The answer of this page to a question; null where only a server has one. */
 function answerHere(address, design) {
   if (!(address in answers)) return null;
-  let problems;
+  let answer;
   try {
-    problems = problemsOf(design);
-    if (!problems.length) return answers[address](design);
+    const problems = problemsOf(design);
+    answer = problems.length ? { problems } : answers[address](design);
   } catch (error) {
-    problems = [{ path: "", message: `The design cannot be read: ${error.message}` }];
+    answer = { problems: [{ path: "", message: `The design cannot be read: ${error.message}` }] };
   }
-  return embedded ? { problems } : null;
+  return embedded || "data" in answer ? answer : null;
 }
 
 /** e over two numbers of a design, row by row; the page stays awake. */
