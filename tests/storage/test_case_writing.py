@@ -16,7 +16,7 @@ from rodimpact.storage.casefile import Case, GaugePlace, parse_case, write_case
 
 def test_written_cases_read_back_equal():
     case = Case(ri.System([ROD]), {"until": 1e-3, "method": "fronts", "max_events": 5},
-                {"plot": 'a "b" \\ \x7f\n€.png'}, (GaugePlace(0, 0.25), GaugePlace(0, 1.0)))
+                {"plot": 'a "b" \\ \x7f\n€.png'}, gauges=(GaugePlace(0, 0.25), GaugePlace(0, 1.0)))
     assert parse_case(write_case(case), "") == case
 
 
