@@ -11,6 +11,7 @@ made, which `save` writes to a file; in a notebook, run ``%matplotlib inline`` a
 'time t (µs)'
 """
 
+from .atlases import atlas
 from .designs import design
 from .diagram import spacetime
 from .families import sweep
@@ -25,6 +26,6 @@ from .strains import gauge
 from .style import look
 
 __all__ = [
-    "animation", "contact", "design", "energy", "gauge", "look", "overview", "restitution",
-    "save", "snapshots", "spacetime", "sweep",
+    "animation", "atlas", "contact", "design", "energy", "gauge", "look", "overview",
+    "restitution", "save", "snapshots", "spacetime", "sweep",
 ]
