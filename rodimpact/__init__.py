@@ -24,6 +24,8 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from . import theory as theory
     from . import units as units
     from . import waves as waves
+    from .algebra.atlas import Atlas as Atlas
+    from .algebra.atlas import atlas as atlas
     from .algebra.formula import ClosedForm as ClosedForm
     from .algebra.formula import closed_form as closed_form
     from .algebra.rational import Exact as Exact
@@ -102,6 +104,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .warming import warm as warm
 
 _HOME = {
+    "algebra.atlas": ("Atlas", "atlas"),
     "algebra.formula": ("ClosedForm", "closed_form"),
     "algebra.rational": ("Exact", "exact"),
     "model.frozen": ("InvalidModel",),

@@ -27,11 +27,11 @@ from .rows import each
 
 Floats = NDArray[np.float64]
 LATTICE = 40  # places a side where cells are looked for
-FINE = 1 << 24  # steps a side to which these are rounded, so that fractions are short
+FINE = 1 << 12  # steps a side to which these are rounded, so that fractions are short
 CLOSE = 1e-11  # of the way between two places: as good as touching
 HALVINGS = 45
 MOST_BETWEEN = 12  # times that an edge is cut where there is room for another cell
-MOST_CELLS = 500
+MOST_CELLS = 300
 
 
 class Cell:
@@ -50,12 +50,23 @@ class Cell:
 
     def inside(self, x: Floats, y: Floats) -> Any:
         """Whether places lie in the cell."""
-        return self.margin(x, y) > 0
+        return self._hold(self.conditions, x, y).all(axis=0)
 
-    def margin(self, x: Floats, y: Floats) -> Any:
-        """A number that is positive inside the cell, 0 on its border and negative outside."""
-        return np.min([np.broadcast_to(f, x.shape) for f in self._at(self.conditions, x, y)]
-                      or [np.ones(x.shape)], axis=0)
+    def end(self, x: Floats, y: Floats, across: Floats, up: Floats) -> Floats:
+        """Share of ways from places inside at which the cell ends, by halving."""
+        holds = self._hold(self.conditions, x + across, y + up)
+        broken = [f for f, good in zip(self.conditions, holds, strict=True) if not good.all()]
+        low, high = np.zeros(x.shape), np.ones(x.shape)
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            inside = self._hold(broken, x + across * middle, y + up * middle).all(axis=0)
+            low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+        return low
+
+    def _hold(self, wanted: list[Number], x: Floats, y: Floats) -> Any:
+        return np.array([np.broadcast_to(f > 0, x.shape) for f in self._at(wanted, x, y)]
+                        or [np.full(x.shape, True)])
+
 
     def restitution(self, x: Floats, y: Floats) -> Floats:
         """The formula of e, nan where there is none; [place]."""
@@ -95,6 +106,8 @@ class Atlas:
         The regions there, -1 for what is unresolved.
     lines : [line, 2, 2] array
         Pieces of the borders, straight from place to place.
+    of_line : [line] array of int
+        Index of a point of `borders` on each line.
     """
 
     system: System
@@ -105,6 +118,7 @@ class Atlas:
     borders: Floats
     between: NDArray[np.int64]
     lines: Floats
+    of_line: NDArray[np.int64]
 
     def locate(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.int64]:
         """Index of the cell in which places lie, -1 for what is unresolved."""
@@ -198,10 +212,10 @@ class _Search:
         edges = np.array([*zip(at[:-1].ravel(), at[1:].ravel(), strict=True),
                           *zip(at[:, :-1].ravel(), at[:, 1:].ravel(), strict=True)])
         places, between, of = self._cross(nodes, owner.ravel(), edges)
-        lines = self._join(places, of)
+        lines, of_line = self._join(places, of)
         x, y = self.axes
         return Atlas(self.system, x, y, self.cells, self.region, self._plane(places), between,
-                     self._plane(lines))
+                     self._plane(lines), of_line)
 
     def _plane(self, places: Floats) -> Any:
         low, high = (np.array([axis[i] for axis in self.axes]) for i in (1, 2))
@@ -272,30 +286,28 @@ class _Search:
         ends = np.zeros(len(P))
         for c in set(cells.tolist()) - {-1}:
             here = np.flatnonzero(cells == c)
-            low, high = np.zeros(here.size), np.ones(here.size)
-            for _ in range(HALVINGS):
-                middle = (low + high) / 2
-                way = P[here] + (Q[here] - P[here]) * middle[:, None]
-                inside = self.cells[c].inside(*self._plane(way).T)
-                low, high = np.where(inside, middle, low), np.where(inside, high, middle)
-            ends[here] = low
+            first, last = self._plane(P[here]), self._plane(Q[here])
+            ends[here] = self.cells[c].end(*first.T, *(last - first).T)
         return ends
 
-    def _join(self, places: Floats, of: Any) -> Floats:
-        """Straight lines between the places on the edges of each mesh of the lattice."""
+    def _join(self, places: Floats, of: Any) -> tuple[Floats, NDArray[np.int64]]:
+        """Straight lines between the places on the edges of each mesh, and a place of each."""
         n = LATTICE
-        on: dict[int, list[Floats]] = {}
-        for place, e in zip(places, of, strict=True):
-            on.setdefault(int(e), []).append(place)
+        on: dict[int, list[int]] = {}
+        for p, e in enumerate(of):
+            on.setdefault(int(e), []).append(p)
         lines: list[Any] = []
+        first: list[int] = []
         for i in range(n):
             for j in range(n):
                 up = n * (n + 1)
                 sides = (i * (n + 1) + j, i * (n + 1) + j + 1, up + i * n + j, up + (i + 1) * n + j)
                 points = [p for e in sides for p in on.get(e, [])]
                 if len(points) == 2:
-                    lines.append(points)
+                    lines.append(places[points])
+                    first.append(points[0])
                 elif len(points) > 2:
-                    centre = np.mean(points, axis=0)
-                    lines += [[p, centre] for p in points]
-        return np.array(lines).reshape(-1, 2, 2)
+                    centre = places[points].mean(axis=0)
+                    lines += [[places[p], centre] for p in points]
+                    first += points
+        return np.array(lines).reshape(-1, 2, 2), np.array(first, dtype=int)

@@ -11,6 +11,7 @@ cell. ``with look("dark", width=85):`` makes figures dark, or as wide as a colum
 'time t (µs)'
 """
 
+from .atlases import atlas
 from .designs import design
 from .diagram import spacetime
 from .families import sweep
@@ -27,6 +28,6 @@ from .strains import gauge
 from .style import look
 
 __all__ = [
-    "animation", "comparison", "contact", "design", "energy", "fit", "gauge", "look", "overview",
-    "restitution", "save", "snapshots", "spacetime", "sweep",
+    "animation", "atlas", "comparison", "contact", "design", "energy", "fit", "gauge", "look",
+    "overview", "restitution", "save", "snapshots", "spacetime", "sweep",
 ]

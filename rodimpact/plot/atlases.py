@@ -1,0 +1,103 @@
+"""The plane of two numbers of a case: e by formula, and the exact borders between the formulas."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, QuadMesh
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import Normalize
+from matplotlib.patches import Patch
+
+from ..algebra.atlas import Atlas
+from ..model import System
+from ..model.arguments import of_kind
+from .quantities import parameter
+from .scales import Scale, engineering
+from .style import DIVERGING, axes, colour_bar, colours, dress, legend_above, styled
+
+MESH = 240  # places a side at which the formulas are evaluated for colours
+WHOLE = 1e-9  # of e: as good as 1
+DERIVED = {"transit_time": ("transit time", "s"), "impedance": ("impedance", "kg/s")}
+
+
+class AtlasPicture(NamedTuple):
+    """Artists of an atlas: colours of e, and borders by what changes there."""
+
+    ax: Axes
+    cells: QuadMesh
+    borders: list[LineCollection]
+    colour_bar: Colorbar
+
+
+@styled
+def atlas(found: Atlas, ax: Axes | None = None) -> AtlasPicture:
+    """Draw the regions of a plane: e inside by formula, and what changes at their borders.
+
+    Parameters
+    ----------
+    found : Atlas
+        From `rodimpact.atlas`; of a system where one contact can open.
+    ax : Axes, optional
+        By default the Axes of a new figure.
+
+    Returns
+    -------
+    AtlasPicture
+    """
+    of_kind("found", found, Atlas, "rodimpact.atlas(...)")
+    ax = axes(ax, 5.6, 4.2)
+    scales = [_scale(found.system, *axis) for axis in (found.x, found.y)]
+    edges = [np.linspace(low, high, MESH + 1) for _, low, high in (found.x, found.y)]
+    middles = np.meshgrid(*((edge[1:] + edge[:-1]) / 2 for edge in edges))
+    e = found.restitution(*middles)
+    paper, ink, faint, *_ = colours()
+    x, y = (edge * scale.factor for edge, scale in zip(edges, scales, strict=True))
+    low = float(np.nanmin(e)) if np.isfinite(e).any() else 0.0
+    cells = ax.pcolormesh(x, y, np.ma.masked_invalid(e), cmap=DIVERGING, rasterized=True,
+                          norm=Normalize(low, max(1.0, low + 1e-3)), zorder=1)
+    lines = found.lines * [scale.factor for scale in scales]
+    drawn = []
+    for what, kind, how in (
+        ("another formula", 0, {"linewidths": 0.8, "linestyles": "-"}),
+        ("other contacts", 1, {"linewidths": 2.0, "linestyles": "-"}),
+        ("e = 1", 2, {"linewidths": 2.0, "linestyles": (0, (4, 2))}),
+    ):
+        here = lines[_kinds(found)[found.of_line] == kind]
+        if len(here):
+            drawn.append(LineCollection(here, colors=ink, label=what, zorder=3, **how))
+            ax.add_collection(drawn[-1])
+    handles: list[Any] = list(drawn)
+    if np.isnan(e).any():
+        handles.append(Patch(facecolor=paper, edgecolor=faint, label="no value, or unresolved"))
+    ax.set(xlim=x[[0, -1]], ylim=y[[0, -1]], xlabel=scales[0].label, ylabel=scales[1].label)
+    bar = colour_bar(ax, cells, "coefficient of restitution e")
+    legend_above(ax, handles)
+    dress(ax)
+    return AtlasPicture(ax, cells, drawn, bar)
+
+
+def _scale(system: System, path: str, low: float, high: float) -> Scale:
+    """Name and unit of an axis."""
+    head, _, word = path.rpartition(".")
+    largest = max(abs(low), abs(high))
+    if word in DERIVED:
+        name, unit = DERIVED[word]
+        return engineering(f"{name} of {head}", largest, unit)
+    return parameter(system, path).scale(largest)
+
+
+def _kinds(found: Atlas) -> Any:
+    """What changes at the places of the borders: 0 the formula alone, 1 contacts, 2 at e = 1."""
+    contacts = [found.contacts[r] if r >= 0 else None for r in range(-1, len(found.contacts))]
+    kinds = np.array([
+        int(None not in (pair := (contacts[a + 1], contacts[b + 1])) and pair[0] != pair[1])
+        for a, b in found.between
+    ], dtype=int)
+    for region, i in {region: i for i, region in enumerate(found.region)}.items():
+        here = np.flatnonzero((found.between == region).any(axis=1))
+        e = found.cells[i].restitution(*found.borders[here].T)
+        kinds[here[np.abs(e - 1) < WHOLE]] = 2
+    return kinds
