@@ -14,15 +14,17 @@ from matplotlib.patches import Patch
 from ..algebra.atlas import Atlas
 from ..model import System
 from ..model.arguments import of_kind
-from .quantities import parameter
-from .scales import Scale, engineering
-from .style import DIVERGING, axes, colour_bar, colours, dress, legend_above, styled
+from ..results.words import parameter
+from .scales import Scale, engineering, scale_of
+from .showing import picture
+from .style import RISING, axes, colour_bar, colours, dress, legend_above, styled
 
 MESH = 240  # places a side at which the formulas are evaluated for colours
 WHOLE = 1e-9  # of e: as good as 1
 DERIVED = {"transit_time": ("transit time", "s"), "impedance": ("impedance", "kg/s")}
 
 
+@picture
 class AtlasPicture(NamedTuple):
     """Artists of an atlas: colours of e, and borders by what changes there."""
 
@@ -56,7 +58,7 @@ def atlas(found: Atlas, ax: Axes | None = None) -> AtlasPicture:
     paper, ink, faint, *_ = colours()
     x, y = (edge * scale.factor for edge, scale in zip(edges, scales, strict=True))
     low = float(np.nanmin(e)) if np.isfinite(e).any() else 0.0
-    cells = ax.pcolormesh(x, y, np.ma.masked_invalid(e), cmap=DIVERGING, rasterized=True,
+    cells = ax.pcolormesh(x, y, np.ma.masked_invalid(e), cmap=RISING, rasterized=True,
                           norm=Normalize(low, max(1.0, low + 1e-3)), zorder=1)
     lines = found.lines * [scale.factor for scale in scales]
     drawn = []
@@ -86,7 +88,7 @@ def _scale(system: System, path: str, low: float, high: float) -> Scale:
     if word in DERIVED:
         name, unit = DERIVED[word]
         return engineering(f"{name} of {head}", largest, unit)
-    return parameter(system, path).scale(largest)
+    return scale_of(parameter(system, path), largest)
 
 
 def _kinds(found: Atlas) -> Any:
