@@ -57,19 +57,38 @@ def lacking(case: Any) -> tuple[str, str]:
                 return f"bodies.{i}", LATERAL
             if isinstance(piece.get("area"), dict):
                 return f"bodies.{i}", TAPER
+        key = other_key(
+            body, ("kind", "segments", "velocity", "strain", "length", "area", "material"))
+        for piece in body.get("segments", []):
+            key = other_key(piece, ("length", "area", "material")) if key == "" else key
+        if key != "":
+            return f"bodies.{i}.{key}", f"the entry {key}"
     for i, contact in enumerate(case.get("contacts", [])):
-        law = contact.get("law", "rigid")
+        law, key = contact.get("law", "rigid"), other_key(contact, ("gap", "law"))
         if law not in ("rigid", "bonded"):
             return f"contacts.{i}", COMPLIANCE
+        if key != "":
+            return f"contacts.{i}.{key}", f"the entry {key}"
     for name, material in case.get("materials", {}).items():
         for key in ("viscosity", "loss_factor"):
             if material.get(key, 0) != 0:
                 return f"materials.{name}", DAMPING
+        key = other_key(material, ("youngs_modulus", "density", "poisson_ratio", "viscosity"))
+        if key != "":
+            return f"materials.{name}.{key}", f"the entry {key}"
     ends = case.get("ends", {})
     for side in ("left", "right"):
         if sampled(ends.get(side, {}).get("value", 0)):
             return f"ends.{side}", SMOOTH_DRIVES
     return "", ""
+
+
+def other_key(table: Any, known: tuple[str, ...]) -> str:
+    """An entry that the page would not know what to do with; "" if there is none."""
+    for key, value in table.items():
+        if value is not None and all(key != name for name in known):
+            return f"{key}"
+    return ""
 
 
 def sampled(profile: Any) -> bool:

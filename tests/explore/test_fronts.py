@@ -161,3 +161,19 @@ def test_the_page_solves_what_fronts_can_carry(change):
     known = Design.parse({"case": case}).case
     options = Options(known.solve.get("until"), known.solve.get("method", "auto"), 100)
     assert (lacking(case) == ("", "")) == (options.method_for(known.system) == "fronts")
+
+
+@pytest.mark.parametrize(("change", "path"), [
+    ({"bodies": [{**BODY, "diameter": 0.01}, ROD]}, "bodies.0.diameter"),
+    ({"bodies": [{"kind": "rod", "segments": [{**ROD, "kind": None, "velocity": None,
+                                               "lateral_inertia": "rayleigh-love"}]}, ROD]},
+     "bodies.0.lateral_inertia"),
+    ({"contacts": [{"law": "rigid", "restitution": 0.5}]}, "contacts.0.restitution"),
+    ({"materials": {"own": {"density": 1.0, "colour": 3.0}}}, "materials.own.colour"),
+])
+def test_no_entry_is_passed_over(change, path):
+    """What the page does not know it does not solve."""
+    case = {"schema": 1, "bodies": [ROD, {**ROD, "velocity": 0.0}], **change}
+    where, what = lacking(case)
+    assert where == path
+    assert what == f"the entry {path.rpartition('.')[2]}"
