@@ -101,8 +101,8 @@ def stepped() -> list[Row]:
     system = ri.System([ri.Rod(segments=pieces, velocity=1.0), rod(11.3, 2)])
     paths = {"l1": "bodies.0.segments.0.length", "l2": "bodies.0.segments.1.length",
              "l3": "bodies.1.length"}
-    name = "striker of steps 3.1 and 2, areas 1 and 3, on 11.3, area 2"
-    return [against_runs(name, system, paths, ("length",))]
+    case = "striker of steps 3.1 and 2, areas 1 and 3, on 11.3, area 2"
+    return [against_runs(case, system, paths, ("length",))]
 
 
 def against_runs(

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,12 +26,39 @@ from .numbers import Number, evaluate
 from .rows import each
 
 Floats = NDArray[np.float64]
-LATTICE = 40  # places a side where cells are looked for
+LATTICE = 32  # places a side where cells are looked for
 FINE = 1 << 12  # steps a side to which these are rounded, so that fractions are short
 CLOSE = 1e-11  # of the way between two places: as good as touching
 HALVINGS = 45
 MOST_BETWEEN = 12  # times that an edge is cut where there is room for another cell
 MOST_CELLS = 300
+
+
+class Residue:
+    """A fraction modulo a prime: unlike formulas hardly ever agree where names are large powers."""
+
+    __slots__ = ("value",)
+    prime: ClassVar[int] = (1 << 61) - 1
+
+    def __init__(self, value: int) -> None:
+        self.value = value % self.prime
+
+    @classmethod
+    def of(cls, x: Fraction) -> Residue:
+        """Numerator over denominator."""
+        return cls(x.numerator) / cls(x.denominator)
+
+    def __add__(self, other: Residue) -> Residue:
+        return Residue(self.value + other.value)
+
+    def __sub__(self, other: Residue) -> Residue:
+        return Residue(self.value - other.value)
+
+    def __mul__(self, other: Residue) -> Residue:
+        return Residue(self.value * other.value)
+
+    def __truediv__(self, other: Residue) -> Residue:
+        return Residue(self.value * pow(other.value, -1, self.prime))
 
 
 class Cell:
@@ -44,7 +71,6 @@ class Cell:
             for name, at in zip(self.names, place, strict=True)
         }, max_events)
         self.final, self.results, self.known = run.final, run.results, naming.place
-        self.base = naming.base
         if self.final:
             self.conditions = conditions(run)
 
@@ -75,12 +101,12 @@ class Cell:
 
     def formula(self) -> tuple[Any, ...]:
         """What is the same for cells of one region: contacts, and values at a place of no sort."""
-        there = tuple(Fraction(19 + i, 17 - i) * self.base[n] + i for i, n in enumerate(self.names))
         values: list[Number] = []
         each(self.results._replace(contact_times=()), values.append)
-        known = dict(zip(self.names, there, strict=True))
-        return (*map(len, self.results.contact_times),
-                *evaluate(values, {**self.known, **known}, Fraction))
+        there = {name: Residue(3 ** (40 + i)) for i, name in enumerate(self.names)}
+        known = {name: Residue.of(value) for name, value in self.known.items()}
+        found = evaluate(values, {**known, **there}, Residue.of)
+        return (*map(len, self.results.contact_times), *(x.value for x in found))
 
     def _at(self, wanted: list[Number], x: Floats, y: Floats) -> list[Any]:
         known: dict[str, Any] = {name: float(value) for name, value in self.known.items()}
@@ -205,7 +231,7 @@ class _Search:
     def atlas(self) -> Atlas:
         rng = np.random.default_rng(1867)
         self._fill(rng.random((2 * LATTICE * LATTICE, 2)))
-        grid = (np.arange(LATTICE + 1) + 0.0) / LATTICE
+        grid = np.arange(LATTICE + 1) / LATTICE
         nodes = np.stack(np.meshgrid(grid, grid, indexing="ij"), axis=-1).reshape(-1, 2)
         owner = self._fill(nodes).reshape(LATTICE + 1, LATTICE + 1)
         at = np.arange(owner.size).reshape(owner.shape)
@@ -308,6 +334,10 @@ class _Search:
                     first.append(points[0])
                 elif len(points) > 2:
                     centre = places[points].mean(axis=0)
+                    for axis in (0, 1):  # borders along the axes meet where edges across say
+                        across = [p for p in points if (of[p] >= up) == bool(axis)]
+                        if across:
+                            centre[axis] = places[across, axis].mean()
                     lines += [[places[p], centre] for p in points]
                     first += points
         return np.array(lines).reshape(-1, 2, 2), np.array(first, dtype=int)

@@ -38,6 +38,7 @@ USED = (
 """Public names that users call; the others are results."""
 BRIDGE = ri.Bridge("quarter", gauge_factor=2.0, excitation=5.0)
 READ_BACK = {"from_dict", "restored"}  # they take what files hold, which is checked there
+PARTS = {"pair_numbers", "pair_restitution"}  # of `saint_venant`, which checks what they take
 
 
 def of_modules():
@@ -45,7 +46,7 @@ def of_modules():
     for module in (ri.rigid, ri.theory, ri.waves, ri.design, ri.plot):
         for name, function in inspect.getmembers(module, inspect.isfunction):
             own = function.__module__ == module.__name__ or module in (ri.design, ri.plot)
-            if name[0] != "_" and own:
+            if name[0] != "_" and own and name not in PARTS:
                 yield f"{module.__name__}.{name}", function
     yield from {"units.parse": ri.units.parse, "units.format_si": ri.units.format_si}.items()
 

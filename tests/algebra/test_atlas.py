@@ -1,0 +1,79 @@
+"""atlas(): borders against Saint-Venant's, formulas against the solver of floats."""
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+
+UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
+
+
+def rod(length, area=1.0, velocity=0.0):
+    return ri.Rod(length, area=area, material=UNIT, velocity=velocity)
+
+
+@pytest.fixture(scope="module")
+def pair():
+    system = ri.System([rod(1.0, 1.0, 1.0), rod(2.0, 0.7)])
+    return ri.atlas(system, ("bodies.1.length", 0.55, 3.6), ("bodies.1.area", 0.4, 1.7))
+
+
+@pytest.fixture(scope="module")
+def stepped():
+    striker = ri.Rod(segments=[ri.Segment(0.3, 1.5, UNIT), ri.Segment(0.2, 1.0, UNIT)],
+                     velocity=1.0)
+    return ri.atlas(ri.System([striker, rod(1.0, 3.0)]),
+                    ("bodies.1.length", 0.6, 2.0), ("bodies.1.area", 2.0, 6.0))
+
+
+def test_borders_are_saint_venants(pair):
+    x, y = pair.borders.T
+    whole = np.where(y < 1, np.abs(x - np.round(x)), np.abs(x - 1))
+    assert np.minimum(whole, np.abs(y - 1)).max() <= 1e-9
+    assert {1, 2, 3} <= set(np.round(x[(y < 0.9)], 9))
+    assert len(pair.contacts) == 6  # y > 1: x < 1, x > 1; y < 1: x < 1 and three with K = 1, 2, 3
+    assert set(pair.contacts) == {(1,)}
+
+
+@pytest.mark.parametrize("name", ["pair", "stepped"])
+def test_places_lie_in_the_cell_whose_formula_is_right(name, request):
+    plane = request.getfixturevalue(name)
+    rng = np.random.default_rng(3)
+    x, y = (rng.uniform(low, high, 2000) for _, low, high in (plane.x, plane.y))
+    assert (plane.locate(x, y) >= 0).all()
+    e = plane.restitution(x, y)
+    few = slice(None, 12)  # the solver on all of them takes long where nothing is compiled
+    left = plane.system.bodies[0]
+    family = ri.System([left, ri.Rod(x[few], area=y[few], material=UNIT)])
+    assert np.abs(ri.sweep(family).restitution - e[few]).max() <= 1e-12
+
+
+def test_a_stepped_rod_has_more_formulas(stepped):
+    assert len(stepped.contacts) > 2
+    assert len(stepped.borders) > 20
+
+
+def test_what_the_cap_leaves_is_unresolved(pair):
+    plane = ri.atlas(pair.system, pair.x, pair.y, most_cells=2)
+    assert len(plane.cells) == 2
+    x, y = np.meshgrid(np.linspace(0.6, 3.5, 20), np.linspace(0.5, 1.6, 20))
+    found = plane.locate(x, y)
+    assert set(np.unique(found)) == {-1, 0, 1}
+    assert np.array_equal(np.isnan(plane.restitution(x, y)), found < 0)
+
+
+def test_a_figure_shows_what_changes(pair):
+    picture = ri.plot.atlas(pair)
+    assert {lines.get_label() for lines in picture.borders} == {"another formula", "e = 1"}
+    assert picture.ax.get_xlabel() == "length of rod 1 (m)"
+    (ones,) = (lines for lines in picture.borders if lines.get_label() == "e = 1")
+    assert np.allclose(np.concatenate(ones.get_segments())[:, 0], 1.0, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(("x", "said"), [
+    (("bodies.1.length", 2.0, 1.0), "x: must be a path, its lowest and its highest value"),
+    (("bodies.1.lenght", 1.0, 2.0), "symbols: 'bodies.1.lenght' names no number"),
+])
+def test_mistaken_axes_are_told(pair, x, said):
+    with pytest.raises(ri.InvalidModel, match=said):
+        ri.atlas(pair.system, x, pair.y)
