@@ -38,7 +38,8 @@ CALLS = {
 }
 MATH = {
     "inf": "Infinity", "nan": "NaN", "sqrt": "Math.sqrt", "floor": "Math.floor",
-    "log10": "Math.log10", "gcd": "py.gcd", "frexp": "py.frexp", "isfinite": "Number.isFinite",
+    "trunc": "Math.trunc", "log10": "Math.log10", "gcd": "py.gcd", "frexp": "py.frexp",
+    "isfinite": "Number.isFinite",
 }
 NUMPY = {  # of single numbers
     "where": "py.where", "minimum": "py.min", "maximum": "py.max", "floor": "Math.floor",
