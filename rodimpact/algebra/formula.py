@@ -9,7 +9,7 @@ their formulas agree.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -104,21 +104,21 @@ class Side:
 
     @cached_property
     def outputs(self) -> tuple[Any, ...]:
-        """Restitution, velocities and impulses as rational functions: what makes the formula."""
-        return self.results_as(lambda f: f)[:3]
+        """Results as rational functions: what makes the formula."""
+        return self.results_as(lambda f: f)
 
     def results_as(self, what: Callable[[Any], Any]) -> tuple[Any, Any, Any, Any]:
         """What `what` makes of each result as a rational function."""
         functions = dict(zip(map(id, self._flat), self.field.of(self._flat), strict=True))
         return each(self.results, lambda x: what(functions[id(x)]))
 
-    def contains(self, values: Mapping[str, Fraction], united: bool) -> bool:
-        """Whether the cell has this place inside, or on a border towards a united cell."""
-        def positive(p: Any) -> bool:
+    def contains(self, values: Mapping[str, Fraction], open_to: Collection[Any] = ()) -> bool:
+        """Whether the cell has this place inside, or on one of the borders `open_to`."""
+        def good(p: Any) -> bool:
             x = self.field.at(p, values)
-            return x > 0 or (x == 0 and united and p in self.ties)
+            return x > 0 or (x == 0 and p in open_to)
 
-        return all(map(positive, self.borders))
+        return all(map(good, self.borders))
 
     @cached_property
     def borders(self) -> list[Any]:
@@ -308,7 +308,12 @@ class ClosedForm:
         known = self._values(values)
         if any(x <= 0 for name, x in known.items() if name[0] != "v"):
             return False
-        return any(cell.contains(known, len(self._cells) > 1) for cell in self._cells)
+        if any(cell.contains(known) for cell in self._cells):
+            return True
+        ties = {p for cell in self._cells for p in cell.ties}
+        between = {p for p in ties if -p in ties}
+        return any(cell.contains(known, between) for cell in self._cells) and not any(
+            other.contains(known, other.borders) for other in self._others)
 
     def _values(self, values: Mapping[str, Any]) -> dict[str, Fraction]:
         names = self.symbols

@@ -10,7 +10,6 @@ from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
 from matplotlib.patches import Patch
-from matplotlib.patheffects import withStroke
 
 from ..algebra.atlas import Atlas
 from ..model import System
@@ -66,14 +65,12 @@ def atlas(found: Atlas, ax: Axes | None = None) -> AtlasPicture:
     for what, kind, how in (
         ("another formula", 0, {"linewidths": 0.8, "linestyles": "-"}),
         ("other contacts", 1, {"linewidths": 2.0, "linestyles": "-"}),
-        ("e = 1", 2, {"linewidths": 1.6, "linestyles": "-"}),
+        ("e = 1", 2, {"linewidths": 2.0, "linestyles": "-"}),
     ):
         here = lines[_kinds(found)[found.of_line] == kind]
         if len(here):
-            drawn.append(LineCollection(here, colors=ink if kind < 2 else paper, label=what, **how,
-                                        zorder=3 + kind, capstyle="round"))
-            if kind == 2:
-                drawn[-1].set_path_effects([withStroke(linewidth=3.2, foreground=ink)])
+            colour = ink if kind < 2 else colours().series[4]
+            drawn.append(LineCollection(here, colors=colour, label=what, zorder=3 + kind, **how))
             ax.add_collection(drawn[-1])
     handles: list[Any] = list(drawn)
     if np.isnan(e).any():

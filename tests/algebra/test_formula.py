@@ -88,6 +88,12 @@ def test_three_equal_transits_keep_every_symbol():
     assert form.restitution is None
 
 
+def test_a_contact_of_no_duration_is_a_border():
+    form = ri.closed_form(row([1, 2, 2], [2.5, 2.5, 2]))
+    assert not form.holds()
+    assert {len(side.contact_times[1]) for side in (form, *form.sides)} == {1, 2}
+
+
 def test_materials_gaps_and_velocities_in_symbols():
     form = ri.closed_form(row([1, 2], [1, 3], gaps=[0.25]), ["gap", "velocity", "length"])
     l1, l2 = names("l")
