@@ -18,12 +18,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..model import System
-from ..model.frozen import InvalidModel
+from ..model.frozen import InvalidModel, Problems, number
 from ..units import shown
 from .cells import conditions
 from .naming import Naming
 from .numbers import Number, evaluate
-from .rows import each
+from .rows import check_cap, each
 
 Floats = NDArray[np.float64]
 LATTICE = 32  # places a side where cells are looked for
@@ -201,8 +201,14 @@ def atlas(
     (2, 0.866666666667)
     """
     axes = []
+    check_cap("most_cells", most_cells)
+    check_cap("max_events", max_events)
     for name, axis in (("x", x), ("y", y)):
-        if not (isinstance(axis, list | tuple) and len(axis) == 3 and axis[1] < axis[2]):
+        numbers: Problems = []
+        ends = [number(numbers, name, end, "", "any") for end in axis[1:]] if isinstance(
+            axis, list | tuple) and len(axis) == 3 else []
+        if numbers or not all(isinstance(end, float) for end in ends) or not (
+                ends and ends[0] < ends[1]):
             message = 'must be a path, its lowest and its highest value, such as ("bodies.0.length"'
             raise InvalidModel([(name, f"{message}, 0.1, 1.0), got {shown(axis)}")])
         axes.append((str(axis[0]), float(axis[1]), float(axis[2])))

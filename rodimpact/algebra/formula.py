@@ -25,7 +25,7 @@ from .inequalities import factors, reduced
 from .naming import Naming
 from .numbers import Number, evaluate
 from .rational import Exact, fractions_of
-from .rows import each
+from .rows import check_cap, each
 
 HAIR = Fraction(1, 1 << 200)  # how far from the numbers of the system runs are made, of themselves
 DIRECTIONS = 512  # in which sides are looked for
@@ -213,6 +213,7 @@ def closed_form(
     """
     if isinstance(symbols, str):
         symbols = [symbols]
+    check_cap("max_events", max_events)
     field = Field(Naming(system, symbols))
     sides = sides_of(field, max_events)
     groups: dict[Any, list[Side]] = {}

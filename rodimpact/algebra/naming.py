@@ -16,6 +16,7 @@ from typing import Any
 from ..methods.row import Row
 from ..model import System
 from ..model.frozen import InvalidModel, nearest
+from ..units import shown
 from .numbers import Number
 from .rational import root
 from .rows import ExactRun, check, read, run, written
@@ -51,6 +52,9 @@ class Naming:
 
     def __init__(self, system: System, symbols: Sequence[str]) -> None:
         check(system)
+        if not isinstance(symbols, list | tuple) or not all(isinstance(x, str) for x in symbols):
+            message = f"must be a list of paths or words, such as ['length'], got {shown(symbols)}"
+            raise InvalidModel([("symbols", message)])
         self.row, self.symbols = Row(system), list(symbols)
         self.paths: dict[str, str] = {}
         self.base: dict[str, Fraction] = {}

@@ -13,7 +13,7 @@ from ..model import System
 from ..model.frozen import InvalidModel, Problems, nearest
 from ..units import shown
 from .numbers import Number
-from .rows import MOST_EVENTS, check, each, read, run, written
+from .rows import MOST_EVENTS, check, check_cap, each, read, run, written
 
 
 @dataclass(frozen=True)
@@ -77,6 +77,7 @@ def exact(
     Fraction(2, 5)
     """
     check(system)
+    check_cap("max_events", max_events)
     row, given = Row(system), fractions_of(values)
     known: set[str] = set()
 
@@ -106,13 +107,16 @@ def exact(
     return Exact(*each(done.results, lambda x: x.value), unit)
 
 
-def fractions_of(values: Mapping[str, Any] | None) -> dict[str, Fraction]:
+def fractions_of(values: Any) -> dict[str, Fraction]:
     """Numbers that the user gave, by path."""
     given, problems = {}, Problems()
+    if values is not None and not isinstance(values, Mapping):
+        message = "must be numbers by path, such as {'bodies.0.length': '1/3'}"
+        raise InvalidModel([("values", f"{message}, got {shown(values)}")])
     for path, value in (values or {}).items():
         try:
             given[path] = written(value) if isinstance(value, float) else Fraction(value)
-        except (ValueError, TypeError, ZeroDivisionError):
+        except (ValueError, TypeError, ZeroDivisionError, OverflowError):
             problems.append((path, f'must be a number or a text such as "1/3", got {shown(value)}'))
     if problems:
         raise InvalidModel(problems)

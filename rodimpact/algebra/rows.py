@@ -29,9 +29,11 @@ from ..methods.fronts.front_kernel import (
     play,
 )
 from ..methods.groups import unilateral
+from ..methods.registry import count
 from ..methods.row import Row
 from ..model import Bonded, Free, Rod, Steps, System, Wall
 from ..model.frozen import InvalidModel, Problems
+from ..units import shown
 from .numbers import ZERO, Number
 
 MOST_EVENTS = 5_000
@@ -85,8 +87,19 @@ def written(x: float) -> Fraction:
     return Fraction(repr(x))
 
 
-def check(system: System) -> None:
+def check_cap(name: str, value: Any) -> None:
+    """Raise InvalidModel unless the argument is a whole number above 0."""
+    problems: Problems = []
+    count(problems, name, value)
+    if problems:
+        raise InvalidModel(problems)
+
+
+def check(system: Any) -> None:
     """Raise InvalidModel where something has no exact numbers: that is told."""
+    if not isinstance(system, System):
+        message = f"must be a System, such as System([rod, Wall()]), got {shown(system)}"
+        raise InvalidModel([("system", message)])
     problems: Problems = []
     if system.shape:
         problems.append(("system", f"has members of shape {system.shape}; take one: system[0]"))

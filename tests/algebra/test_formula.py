@@ -88,6 +88,7 @@ def test_three_equal_transits_keep_every_symbol():
     assert form.restitution is None
 
 
+@pytest.mark.exhaustive
 def test_a_contact_of_no_duration_is_a_border():
     form = ri.closed_form(row([1, 2, 2], [2.5, 2.5, 2]))
     assert not form.holds()

@@ -196,12 +196,11 @@ def test_a_varied_diameter_is_called_so(case, capsys):
         {"path": "bodies.0.diameter", "unit": "m", "values": [0.01, 0.02]}]
 
 
-def test_the_example_of_the_readme_runs(monkeypatch, tmp_path, capsys):
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    example = text.partition("rodimpact sweep validation")[2].partition("```")[0]
-    argv = ("validation" + example.replace("\\\n", " ")).replace(":200", ":3").split()
+def test_the_example_of_the_manual_runs(monkeypatch, tmp_path, capsys, case):
+    text = (ROOT / "docs" / "input.md").read_text(encoding="utf-8")
+    example = text.partition("rodimpact sweep case.toml")[2].partition("```")[0]
+    argv = (str(case) + example.replace("\\\n", " ")).replace(":200", ":3").split()
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "validation").symlink_to(ROOT / "validation")
     assert main(["sweep", *argv]) == 0
     assert ri.load("map.npz").shape == (3, 3)
     assert Path("map.png").read_bytes().startswith(b"\x89PNG")

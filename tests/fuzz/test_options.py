@@ -20,11 +20,11 @@ OPTIONS = {
     "export": ["-o", "--force"],
     "animate": ["-o", "--field", "--frames", "--fps", "--magnify", "--dark", "--force"],
     "box": ["--ratio", "-o", "--force"],
-    "explore": ["--port"],
+    "explore": ["--port"], "formula": ["--symbols", "--latex"], "help": [],
 }
 SLOW = ("animate", "box", "export")
 LONG = ("doctor", "verify")  # they take no case, and seconds
-FLAGS = ("--json", "--force", "--csv", "--dark", "--energy-release")
+FLAGS = ("--latex", "--json", "--force", "--csv", "--dark", "--energy-release")
 VALUES = [
     *NUMBERS, *(word.strip("\"'") for word in WORDS if "\x00" not in word), "1 ms",
     "0.1 ms", "10 us", "x.npz", "x.png", "x.html", "x.csv", "x.gif", ".", "/dev/null",
@@ -42,6 +42,7 @@ LIKELY = {
     "--plot": "x.png", "-o": "x.html", "--gauges": "g.csv", "--gauge": "a=0:0.1", "--m1": "1",
     "--vary": "bodies.0.velocity=1,2,3", "--workers": "1", "--checkpoint": "checkpoint",
     "--m2": "2", "--v1": "1", "--v2": "0", "-e": "0.5", "--port": "nonsense", "--method": "fronts",
+    "--symbols": "length,area",
 }
 
 
@@ -49,6 +50,8 @@ def command_line(rng):
     """One command with some of its options, likely values and others."""
     command = one_of(rng, SLOW if rng.random() < 0.1 else sorted(OPTIONS.keys() - {*SLOW}))
     words = [] if command in ("rigid", "materials", "box") else ["case.toml"]
+    if command == "help":
+        words = [one_of(rng, ["case", "units", "x"])]
     words += ["record.csv"] * (command == "compare")
     good = rng.random()
     for option in OPTIONS[command]:
