@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 
 import rodimpact as ri
 
@@ -35,7 +36,7 @@ def test_borders_are_saint_venants(pair):
     assert set(pair.contacts) == {(1,)}
 
 
-@pytest.mark.parametrize("name", ["pair", "stepped"])
+@pytest.mark.parametrize("name", few_of(["pair", "stepped"], ["pair"]))
 def test_places_lie_in_the_cell_whose_formula_is_right(name, request):
     plane = request.getfixturevalue(name)
     rng = np.random.default_rng(3)
@@ -48,6 +49,7 @@ def test_places_lie_in_the_cell_whose_formula_is_right(name, request):
     assert np.abs(ri.sweep(family).restitution - e[few]).max() <= 1e-12
 
 
+@pytest.mark.exhaustive
 def test_a_stepped_rod_has_more_formulas(stepped):
     assert len(stepped.contacts) > 2
     assert len(stepped.borders) > 20

@@ -507,8 +507,8 @@ PROFILE = {"values": [i % 7 for i in range(11_000)],
 
 @pytest.mark.parametrize(("options", "velocity", "message"), [
     (["--until", "0"], 1.0, "--plot: lasts no time to show"),
-    ([], f"{{values = {PROFILE['values']}, at = {PROFILE['at']}}}",
-     "--plot: solution: has more than 20000 regions"),
+    pytest.param([], f"{{values = {PROFILE['values']}, at = {PROFILE['at']}}}",
+                 "--plot: solution: has more than 20000 regions", marks=pytest.mark.exhaustive),
 ])
 def test_a_run_that_no_picture_can_show_keeps_its_table(case, capsys, options, velocity, message):
     case.write_text(CASE.replace("velocity = 1.0", f"velocity = {velocity}"))
@@ -732,6 +732,7 @@ def test_box_says_where_the_textbook_lets_the_rods_part(box):
     assert "lets the rods part" not in " ".join(story(box[0], "Identical rods"))
 
 
+@pytest.mark.exhaustive
 def test_box_draws_another_format_material_and_look_and_a_dowel(tmp_path, capsys):
     given = ["--format", "svg", "--dark", "--material", "brass", "--dowel"]
     assert main(["box", *given, "-o", str(tmp_path)]) == 0

@@ -143,6 +143,7 @@ def test_a_gap_that_the_clock_cannot_close_is_told():
         scene(design, design.solve())
 
 
+@pytest.mark.exhaustive
 def test_springs_are_solved_on_steps_that_need_not_divide_the_transits():
     left = LEFT.replace(length=0.413)
     row = ri.System([left, RIGHT, RIGHT], contacts=[ri.Hertz(1e10), ri.Spring(1e10)])

@@ -268,6 +268,7 @@ def test_without_numba_a_long_job_is_plain_and_the_user_is_told_once(fresh):
         assert ri.warm() == 0.0
 
 
+@pytest.mark.exhaustive
 def test_everything_that_may_run_compiled_is_warmed(monkeypatch):
     """Kernels that `worth_compiling` is asked about anywhere are among those that `warm` meets."""
     package = Path(ri.__file__).parent
