@@ -200,6 +200,8 @@ def past_yield(
     rest = y * path * (strength - F - soft * path)
     root = math.sqrt(max(b * b + a * rest, 0.0))
     w = (b + root) / a if b >= 0 else rest / (root - b)
+    if w <= path:  # round-off: it comes to that point, not past it
+        return 0.0, x0, 0.0
     elastic, plastic = path / w, (w - path) / w
     F = elastic * F + plastic * (strength + soft * (w - path))
     slope = elastic * (elastic * slope + plastic * 2 * soft) + plastic * plastic * soft

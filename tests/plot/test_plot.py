@@ -507,6 +507,7 @@ def test_overview_of_any_row_renders(solved, name):
     assert any(label.startswith("velocity") for label in labels)
     assert any(label.startswith("stress") for label in labels)
     assert any(label.startswith("energy") for label in labels)
+    labels |= {ax.get_title("left") for ax in figure.axes}  # of many contacts
     assert any(label.startswith("contact force") for label in labels) == (name != "single")
     render(plot.snapshots(solved[name]).ax.figure)
 
