@@ -200,19 +200,21 @@ def atlas(
     >>> len(plane.contacts), round(float(plane.restitution(1.25, 2e-4)), 12)
     (2, 0.866666666667)
     """
-    axes = []
     check_cap("most_cells", most_cells)
     check_cap("max_events", max_events)
-    for name, axis in (("x", x), ("y", y)):
-        numbers: Problems = []
-        ends = [number(numbers, name, end, "", "any") for end in axis[1:]] if isinstance(
-            axis, list | tuple) and len(axis) == 3 else []
-        if numbers or not all(isinstance(end, float) for end in ends) or not (
-                ends and ends[0] < ends[1]):
-            message = 'must be a path, its lowest and its highest value, such as ("bodies.0.length"'
-            raise InvalidModel([(name, f"{message}, 0.1, 1.0), got {shown(axis)}")])
-        axes.append((str(axis[0]), float(axis[1]), float(axis[2])))
+    axes = [_axis("x", x), _axis("y", y)]
     return _Search(system, axes, most_cells, max_events).atlas()
+
+
+def _axis(name: str, given: Any) -> tuple[str, float, float]:
+    """Path of a number and the ends of its axis; InvalidModel for anything else."""
+    if isinstance(given, list | tuple) and len(given) == 3:
+        problems: Problems = []
+        low, high = (number(problems, name, end, "", "any") for end in given[1:])
+        if not problems and isinstance(low, float) and isinstance(high, float) and low < high:
+            return str(given[0]), low, high
+    message = 'must be a path, its lowest and its highest value, such as ("bodies.0.length"'
+    raise InvalidModel([(name, f"{message}, 0.1, 1.0), got {shown(given)}")])
 
 
 def _locate(cells: list[Cell], x: Floats, y: Floats) -> NDArray[np.int64]:

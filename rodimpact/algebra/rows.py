@@ -29,11 +29,10 @@ from ..methods.fronts.front_kernel import (
     play,
 )
 from ..methods.groups import unilateral
-from ..methods.registry import count
+from ..methods.registry import check_system, count
 from ..methods.row import Row
 from ..model import Bonded, Free, Rod, Steps, System, Wall
 from ..model.frozen import InvalidModel, Problems
-from ..units import shown
 from .numbers import ZERO, Number
 
 MOST_EVENTS = 5_000
@@ -95,11 +94,9 @@ def check_cap(name: str, value: Any) -> None:
         raise InvalidModel(problems)
 
 
-def check(system: Any) -> None:
+def check(system: System) -> None:
     """Raise InvalidModel where something has no exact numbers: that is told."""
-    if not isinstance(system, System):
-        message = f"must be a System, such as System([rod, Wall()]), got {shown(system)}"
-        raise InvalidModel([("system", message)])
+    check_system(system)
     problems: Problems = []
     if system.shape:
         problems.append(("system", f"has members of shape {system.shape}; take one: system[0]"))

@@ -13,6 +13,7 @@ from ..methods.abilities import (
     COMPLIANCE,
     DAMPING,
     GRAVITY,
+    JOINTS,
     LATERAL,
     MASSES,
     SMOOTH_DRIVES,
@@ -66,7 +67,7 @@ def lacking(case: Any) -> tuple[str, str]:
     for i, contact in enumerate(case.get("contacts", [])):
         law, key = contact.get("law", "rigid"), other_key(contact, ("gap", "law"))
         if law not in ("rigid", "bonded"):
-            return f"contacts.{i}", COMPLIANCE
+            return f"contacts.{i}", JOINTS if law == "joint" else COMPLIANCE
         if key != "":
             return f"contacts.{i}.{key}", f"the entry {key}"
     for name, material in case.get("materials", {}).items():

@@ -129,9 +129,7 @@ class Options:
             If that is no System, the method lacks something that it has, an option is for another
             method, or `until` is missing.
         """
-        if not isinstance(system, System):
-            message = f"must be a System, such as System([rod, Wall()]), got {system!r}"
-            raise InvalidModel([("system", message)])
+        check_system(system)
         given = {name for name in OWN if getattr(self, name) is not None}
         needs = {what for _, what in abilities.needs(system)}
         able = [name for name, method in METHODS.items() if needs.isdisjoint(method.lacks)]
@@ -171,6 +169,13 @@ class Options:
         called = {name: calls[name] for name in METHODS[method].calls if name in calls}
         own = {name: getattr(self, name) for name in METHODS[method].takes}
         return METHODS[method].run(Row(system), self.until, self.max_events, **own, **called)
+
+
+def check_system(system: Any) -> None:
+    """Raise InvalidModel for what is no System."""
+    if not isinstance(system, System):
+        message = f"must be a System, such as System([rod, Wall()]), got {shown(system)}"
+        raise InvalidModel([("system", message)])
 
 
 def count(problems: Problems, name: str, value: Any) -> int:
