@@ -24,9 +24,19 @@ def pair(length=0.4, other=1.0, area=1e-4, velocity=1.0):
 
 
 def random_row(seed):
-    """Rods that approach each other, some stepped or strained, some apart, some before a wall."""
-    rng = np.random.default_rng([18, seed])
+    """Rods that approach each other, some stepped or strained, some apart, some before a wall.
 
+    Runs of more than 20,000 events are left out: they round their results by more than differences
+    can bear, on one processor more than on another.
+    """
+    rng = np.random.default_rng([18, seed])
+    while True:
+        system = _any_row(rng, seed)
+        if ri.solve(system, method="fronts").events <= 20_000:
+            return system
+
+
+def _any_row(rng, seed):
     def rod(velocity):
         segments = [
             ri.Segment(float(rng.uniform(0.1, 1)), float(rng.uniform(0.5, 2) * 1e-4),
