@@ -50,20 +50,21 @@ def reduced(polynomials: Iterable[Any]) -> list[Any]:
     What is left may imply one another still, where that is harder to see.
     """
     ordered = sorted(polynomials, key=lambda p: (len(p), str(p)))
-    linear = [p for p in ordered if _linear(p)]
+    linear = [p for p in ordered if is_linear(p)]
     for p in linear[::-1]:
         others = [q for q in linear if q is not p]
-        if _follows(p, others):
+        if follows(p, others):
             linear = others
-    return [*linear, *(p for p in ordered if not _linear(p) and not any(
+    return [*linear, *(p for p in ordered if not is_linear(p) and not any(
         map(definite, _in_new_variables(p, linear))))]
 
 
-def _linear(p: Any) -> bool:
+def is_linear(p: Any) -> bool:
+    """Whether a polynomial is a linear form."""
     return all(sum(powers) <= 1 for powers in p.monoms())
 
 
-def _follows(p: Any, others: list[Any]) -> bool:
+def follows(p: Any, others: list[Any]) -> bool:
     """Whether a linear form is a sum of positive shares of others and of positive numbers."""
     if not others:
         return False

@@ -91,6 +91,11 @@ class Naming:
         stand_ins = [c for c, of in self.speeds.items() if any(isinstance(x, str) for x in of)]
         return [*own, *map(str, both), *stand_ins]
 
+    @property
+    def leaves(self) -> list[str]:
+        """Names of all numbers of which the run is made: those, and wave speeds as they are."""
+        return [*self.free, *(c for c in self.speeds if c not in self.free)]
+
     def values(self, given: Mapping[str, Fraction]) -> dict[str, Fraction]:
         """Numbers in the run, of other values of named numbers."""
         known = {**self.base, **given}
@@ -144,9 +149,11 @@ class Naming:
         """Name of its speed, E and rho of a material: fractions, or names of those chosen."""
         s = self.row.segments[self.row.paths.index(path.removesuffix(".material")) - 1]
         pair = s.material.youngs_modulus, s.material.density
-        if pair not in self._materials:
-            self._materials.append(pair)
-        place = self._materials.index(pair) + 1
+        # rods of equal materials have them in common, but for one that is asked for by its path
+        own = path if {f"{path}.youngs_modulus", f"{path}.density"} & set(self.symbols) else ""
+        if (own, pair) not in self._materials:
+            self._materials.append((own, pair))
+        place = self._materials.index((own, pair)) + 1
         found: list[Any] = []
         for quantity, value in zip(("youngs_modulus", "density"), pair, strict=True):
             name = f"{LETTERS[quantity]}{place}"

@@ -31,8 +31,8 @@ USED = (
     "Absorbing", "Bonded", "Bridge", "Case", "Fixed", "Free", "Hertz", "HuntCrossley", "Incoming",
     "Joint", "Material", "Measured", "Moved", "Options", "PowerLaw", "Pushed", "Rigid", "RigidMass",
     "Rod", "Samples", "Segment", "Signal", "Spring", "SpringDashpot", "Steps", "System", "Wall",
-    "Yielding", "atlas", "by_dimension", "closed_form", "collide", "exact", "fit", "gauges_to_csv",
-    "gradient", "load", "parse_case", "read_case", "read_signals", "regions_of",
+    "Yielding", "atlas", "by_dimension", "closed_form", "collide", "enclosure", "exact", "fit",
+    "gauges_to_csv", "gradient", "load", "parse_case", "read_case", "read_signals", "regions_of",
     "signals_from_xarray", "signals_to_xarray", "solve", "sweep", "write_case", "write_signals",
 )
 """Public names that users call; the others are results."""
