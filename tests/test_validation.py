@@ -9,7 +9,8 @@ from validation_cases import FOLDER, validation_module
 
 table = validation_module("table")
 CASES = table.cases()
-LONG = ("agreement", "design", "formulas", "measured_pulses", "mindlin_herrmann")
+LONG = ("agreement", "damping", "design", "formulas", "grid_against_fronts", "measured_pulses",
+        "mindlin_herrmann", "specimen")
 
 
 @pytest.fixture(scope="module")

@@ -111,12 +111,14 @@ class Covering:
         ranges = [box.polynomial(p) for p in held]
         if any(-p in held for p in held) or any(x.bounds[1] <= 0 for x in ranges):
             return None
-        size = [np.abs(x.slopes).sum() for x in ranges]
+        size = [np.abs(x.slopes).sum() or 1.0 for x in ranges]
         slopes = [x.slopes / s for x, s in zip(ranges, size, strict=True)]
         levels = [x.middle / s for x, s in zip(ranges, size, strict=True)]
         # where the borders are farthest away, as far as they are straight
         best = linprog([*(0 * hair), -1], np.c_[-np.array(slopes), np.ones(len(held))], levels,
                        bounds=[(-1, 1)] * len(hair) + [(None, None)])
+        if not best.success:
+            raise _Bent
         if best.x[-1] > 0:
             place = box.place(best.x[:-1], hair)
             values = {**self.field.naming.values({}), **place}

@@ -123,6 +123,7 @@ def test_fronts_that_multiply_for_ever_are_refused(monkeypatch, run):
         run(ri.System(walls))
 
 
+@pytest.mark.exhaustive
 def test_many_steps_on_the_grid_keep_every_velocity_of_a_mass():
     row = ri.System([ri.RigidMass(1.0, velocity=1.0), rod()], [1e3])
     s = ri.solve(row, 2.0**17 * 1e-5 + 1.0, cells=8)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from laid_out import LaidOut, on_whole_steps
@@ -416,9 +417,10 @@ def test_forces_below_the_tolerance_are_none_in_every_link_of_a_chain():
 # Proof of finality --------------------------------------------------------------------------------
 
 
-def test_after_the_proof_nothing_presses():
+@pytest.mark.parametrize("rows", few_of([50, 150], [50]))
+def test_after_the_proof_nothing_presses(rows):
     proved = met = 0
-    for seed in range(150):
+    for seed in range(rows):
         system = random_network(seed, bodies=3)
         machine = machine_of(system, 2000)
         while machine.taken < 400 and machine.finality_time():
@@ -431,8 +433,8 @@ def test_after_the_proof_nothing_presses():
             link = machine.state.law >= lk.RIGID
             added = np.abs(machine.tally.impulse - before)[link]
             assert np.all(added <= 1e-12 * (1e-3 + np.abs(before).max())), seed
-    assert proved >= 60
-    assert met >= 30
+    assert proved >= 0.4 * rows
+    assert met >= 0.2 * rows
 
 
 @pytest.mark.parametrize("right", [False, True])

@@ -60,9 +60,10 @@ def rounded_horizon(system, transits):
     return round(horizon(system, transits) / UNIT_TIME) * UNIT_TIME
 
 
-def test_on_steps_the_fronts_are_met_to_round_off():
+@pytest.mark.parametrize("rows", few_of([40, 120], [40]))
+def test_on_steps_the_fronts_are_met_to_round_off(rows):
     found = touched = 0
-    for seed in range(120):
+    for seed in range(rows):
         system = random_system(seed, bodies=4)
         until = rounded_horizon(system, 8)
         error, on_steps, exact, stepped = compare(system, until, UNIT_TIME / 16)
@@ -84,8 +85,8 @@ def test_on_steps_the_fronts_are_met_to_round_off():
                 assert (b.episodes, b.duration, b.first, b.last) == pytest.approx(
                     (a.episodes, a.duration, a.first, a.last), rel=1e-9, abs=1e-12
                 )
-    assert found >= 30
-    assert touched >= 12
+    assert found >= rows / 4
+    assert touched >= rows / 10
 
 
 def test_off_steps_contacts_close_where_steps_are_cut():
@@ -383,7 +384,8 @@ def test_mass_through_a_law_on_an_endless_bar(name, mirrored):
 
 
 @pytest.mark.parametrize("hardening", [0.0, 2.0])
-@pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
+@pytest.mark.parametrize(
+    "method", few_of(["characteristics", "finite-difference"], ["characteristics"]))
 def test_restitution_of_masses_that_yield(method, hardening):
     """What remains is what the spring holds at the largest force; the rest is in the ledger."""
     M, k, strength = (0.5, 0.8), 10.0, 0.5
