@@ -34,7 +34,7 @@ MATTERS = 0.01  # share of the largest velocity, impulse or duration
 MOST_BOXES = 32
 CUT = Fraction(53, 109)
 LONG = 10_000  # terms: of products with more, derivatives are not made
-TIGHT, LOOSE = 1.2, 3.0  # times as wide as if results changed evenly all over the box
+TIGHT, LOOSE = 1.001, 3.0  # times as wide as if results changed evenly all over the box
 
 Span = tuple[Fraction, Fraction]
 Place = Mapping[str, Fraction]
