@@ -138,6 +138,6 @@ def test_command_line(tmp_path, capsys):
     low, high = json.loads(capsys.readouterr().out)["enclosure"]["restitution"]
     assert low < 0.4 < high
     assert main(["run", str(case), "--tolerance", "length=0.1 mm"]) == 0
-    assert "within the tolerances:\ne: 0.39985" in capsys.readouterr().out
+    assert "within the tolerances:\ne: 0.39986" in capsys.readouterr().out
     assert main(["run", str(case), "--tolerance", "length"]) == 2
     assert "--tolerance: must be PATH=SIZE" in capsys.readouterr().err
