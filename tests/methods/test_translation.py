@@ -70,6 +70,7 @@ def test_numba_has_the_insides_that_parts_and_files_need(cache):
                for file in files(cache))
 
 
+@pytest.mark.exhaustive
 def test_a_newer_numba_finishes_every_function(cache, monkeypatch):
     expected = ticks()
     monkeypatch.setattr(translation, "NEWEST", (0, 0))
