@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,7 +22,7 @@ from ..model.frozen import InvalidModel, Problems, number
 from ..units import shown
 from .cells import conditions
 from .naming import Naming
-from .numbers import Number, evaluate
+from .numbers import Number, Residue, evaluate
 from .rows import check_cap, each
 
 Floats = NDArray[np.float64]
@@ -32,33 +32,6 @@ CLOSE = 1e-11  # of the way between two places: as good as touching
 HALVINGS = 45
 MOST_BETWEEN = 12  # times that an edge is cut where there is room for another cell
 MOST_CELLS = 300
-
-
-class Residue:
-    """A fraction modulo a prime: unlike formulas hardly ever agree where names are large powers."""
-
-    __slots__ = ("value",)
-    prime: ClassVar[int] = (1 << 61) - 1
-
-    def __init__(self, value: int) -> None:
-        self.value = value % self.prime
-
-    @classmethod
-    def of(cls, x: Fraction) -> Residue:
-        """Numerator over denominator."""
-        return cls(x.numerator) / cls(x.denominator)
-
-    def __add__(self, other: Residue) -> Residue:
-        return Residue(self.value + other.value)
-
-    def __sub__(self, other: Residue) -> Residue:
-        return Residue(self.value - other.value)
-
-    def __mul__(self, other: Residue) -> Residue:
-        return Residue(self.value * other.value)
-
-    def __truediv__(self, other: Residue) -> Residue:
-        return Residue(self.value * pow(other.value, -1, self.prime))
 
 
 class Cell:

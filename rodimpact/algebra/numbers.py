@@ -11,7 +11,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
-from typing import Any
+from typing import Any, ClassVar
 
 OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
@@ -119,6 +119,33 @@ def value_of(x: Any) -> Any:
 def _made(operation: str, a: Number, b: Number) -> Number:
     value = OPERATIONS[operation](a.value, b.value)
     return Number(value, (operation, a, b) if a.made or b.made else ())
+
+
+class Residue:
+    """A fraction modulo a prime: unlike formulas hardly ever agree where names are large powers."""
+
+    __slots__ = ("value",)
+    prime: ClassVar[int] = (1 << 61) - 1
+
+    def __init__(self, value: int) -> None:
+        self.value = value % self.prime
+
+    @classmethod
+    def of(cls, x: Fraction) -> Residue:
+        """Numerator over denominator."""
+        return cls(x.numerator) / cls(x.denominator)
+
+    def __add__(self, other: Residue) -> Residue:
+        return Residue(self.value + other.value)
+
+    def __sub__(self, other: Residue) -> Residue:
+        return Residue(self.value - other.value)
+
+    def __mul__(self, other: Residue) -> Residue:
+        return Residue(self.value * other.value)
+
+    def __truediv__(self, other: Residue) -> Residue:
+        return Residue(self.value * pow(other.value, -1, self.prime))
 
 
 def steps_to(wanted: Iterable[Number]) -> list[Number]:
