@@ -22,7 +22,7 @@ from ..model.frozen import InvalidModel, Problems, number
 from ..units import shown
 from .cells import conditions
 from .naming import Naming
-from .numbers import Number, Residue, evaluate
+from .numbers import Number, evaluate, mark
 from .rows import check_cap, each
 
 Floats = NDArray[np.float64]
@@ -73,13 +73,10 @@ class Cell:
         return np.broadcast_to(np.nan if e is None else self._at([e], x, y)[0], x.shape)
 
     def formula(self) -> tuple[Any, ...]:
-        """What is the same for cells of one region: contacts, and values at a place of no sort."""
+        """What is the same for cells of one region: how often contacts press, and the formula."""
         values: list[Number] = []
         each(self.results._replace(contact_times=()), values.append)
-        there = {name: Residue(3 ** (40 + i)) for i, name in enumerate(self.names)}
-        known = {name: Residue.of(value) for name, value in self.known.items()}
-        found = evaluate(values, {**known, **there}, Residue.of)
-        return (*map(len, self.results.contact_times), *(x.value for x in found))
+        return (*map(len, self.results.contact_times), *mark(values, self.known))
 
     def _at(self, wanted: list[Number], x: Floats, y: Floats) -> list[Any]:
         known: dict[str, Any] = {name: float(value) for name, value in self.known.items()}

@@ -24,7 +24,7 @@ from ..storage.extras import optional
 from .cells import conditions
 from .inequalities import factors, reduced
 from .naming import Naming
-from .numbers import Number, Residue, evaluate
+from .numbers import Number, evaluate, mark
 from .quotients import Quotient
 from .rational import Exact, fractions_of
 from .rows import check_cap, each
@@ -101,11 +101,9 @@ class Side:
         self.place = {**naming.base, **naming.place}
 
     @cached_property
-    def mark(self) -> tuple[Any, ...]:
-        """What cells of the same formula have in common: how it comes out modulo a prime."""
-        there = {name: Residue.of(Fraction(3) ** (40 + i)) for i, name in enumerate(self.place)}
-        values = evaluate(self._flat, there, Residue.of)
-        return (*map(len, self.results.contact_times), *(x.value for x in values))
+    def mark(self) -> tuple[int, ...]:
+        """What is the same for cells of one formula."""
+        return (*map(len, self.results.contact_times), *mark(self._flat, self.place))
 
     def results_as(self, what: Callable[[Any], Any]) -> tuple[Any, Any, Any, Any]:
         """What `what` makes of each result as a rational function."""

@@ -11,7 +11,8 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
-from typing import Any, ClassVar
+from random import Random
+from typing import Any
 
 OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
@@ -121,14 +122,22 @@ def _made(operation: str, a: Number, b: Number) -> Number:
     return Number(value, (operation, a, b) if a.made or b.made else ())
 
 
+PRIME = (1 << 61) - 1
+
+
+def anywhere(count: int) -> list[int]:
+    """Numbers of no sort modulo the prime: unlike formulas hardly ever agree there."""
+    random = Random(1867)
+    return [random.randrange(1, PRIME) for _ in range(count)]
+
+
 class Residue:
-    """A fraction modulo a prime: unlike formulas hardly ever agree where names are large powers."""
+    """A fraction modulo the prime."""
 
     __slots__ = ("value",)
-    prime: ClassVar[int] = (1 << 61) - 1
 
     def __init__(self, value: int) -> None:
-        self.value = value % self.prime
+        self.value = value % PRIME
 
     @classmethod
     def of(cls, x: Fraction) -> Residue:
@@ -145,7 +154,7 @@ class Residue:
         return Residue(self.value * other.value)
 
     def __truediv__(self, other: Residue) -> Residue:
-        return Residue(self.value * pow(other.value, -1, self.prime))
+        return Residue(self.value * pow(other.value, -1, PRIME))
 
 
 def steps_to(wanted: Iterable[Number]) -> list[Number]:
@@ -183,3 +192,10 @@ def evaluate(
         else:
             known[id(x)] = names[x.made[0]] if x.made else constant(x.value)
     return [known[id(x)] for x in wanted]
+
+
+def mark(wanted: list[Number], names: Iterable[str]) -> tuple[int, ...]:
+    """What tells formulas apart: their values, modulo the prime, where names are of no sort."""
+    names = list(names)
+    there = dict(zip(names, map(Residue, anywhere(len(names))), strict=True))
+    return tuple(x.value for x in evaluate(wanted, there, Residue.of))

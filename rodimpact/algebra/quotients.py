@@ -13,7 +13,7 @@ from functools import cache
 from math import gcd, prod
 from typing import Any
 
-PRIME = (1 << 61) - 1
+from .numbers import PRIME, anywhere
 
 
 class Quotient:
@@ -93,7 +93,7 @@ def _may_divide(f: Any, p: Any) -> bool:
 @cache
 def _root(f: Any) -> tuple[int, ...] | None:
     """A place of no sort where a polynomial is 0 modulo a prime; None if it is linear in none."""
-    place = [pow(3, 40 + i, PRIME) for i in range(f.ring.ngens)]
+    place = anywhere(f.ring.ngens)
     for i, x in enumerate(f.ring.gens):
         if f.degree(x) == 1:
             low, high = (_at(f, (*place[:i], end, *place[i + 1 :])) for end in (0, 1))
