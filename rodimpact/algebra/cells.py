@@ -14,7 +14,8 @@ the levels between two such jumps in a rod differ, see `_apart`.
 
 from __future__ import annotations
 
-from typing import Any
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 from ..methods.fronts.front_kernel import (
     CHANGES,
@@ -40,12 +41,67 @@ Loop = list[tuple[Number, Number]]
 ENDLESS = 1 << 62
 
 
+class Spell(NamedTuple):
+    """A time in which a contact keeps its status."""
+
+    status: int
+    start: Number
+    gap: Number  # at the start
+    closing: Number  # how fast the contact would close from the start on
+    waves: list[tuple[Number, Number]]  # when they come, and how fast it would close from then on
+    end: list[Number]  # when the next spell begins, if one does
+
+    @property
+    def at_the_start(self) -> list[Number]:
+        """What is positive as it begins."""
+        apart = self.gap if self.gap.value > 0 else -self.closing
+        return {PRESS: [self.closing], OPEN: [apart]}.get(self.status, [])
+
+    @property
+    def bounds(self) -> list[Number]:
+        """What is positive as it ends after it starts, and waves come in between."""
+        return [later - earlier
+                for earlier in (self.start, *(t for t, _ in self.waves)) for later in self.end
+                ] + [t - self.start for t, _ in self.waves]
+
+    @property
+    def numbers(self) -> list[Number]:
+        """Its start, gap and closing there, times of waves, and what each adds to the closing."""
+        closing = [self.closing, *(then for _, then in self.waves)]
+        jumps = [after - before for before, after in pairwise(closing)]
+        return [self.start, self.gap, self.closing, *(t for t, _ in self.waves), *jumps]
+
+
 def conditions(run: ExactRun) -> list[Number]:
     """Numbers that are positive throughout the cell of this run; those that depend on names."""
+    spells, found, loops = _history(run)
+    for spell in spells:
+        found += _in_order(spell)
+    ordered = {x.value for x in found}
+    return _distinct(found + [x for pair in loops for x in _apart(*pair, ordered)])
+
+
+def spells_and_conditions(run: ExactRun) -> tuple[list[Spell], list[Number]]:
+    """Split what `conditions` tells into what is positive, and spells in which waves come as may be.
+
+    The cell is the larger one in which every contact presses, or is open, throughout its spells.
+    """
+    spells, found, loops = _history(run)
+    found += [x for pair in loops for x in _apart(*pair, set())]
+    found += [x for spell in spells for x in (*spell.at_the_start, *spell.bounds)]
+    return [spell for spell in spells if spell.status in (PRESS, OPEN)], _distinct(found)
+
+
+def _distinct(found: list[Number]) -> list[Number]:
+    return list({x.value: x for x in found if x.made and x.value}.values())
+
+
+def _history(run: ExactRun) -> tuple[list[Spell], list[Number], list[tuple[Loop, Loop]]]:
+    """Spells of all contacts, and why there are no others: conditions, and rods that go apart."""
     contacts = unilateral(run.row.system)
     end, wait = _end(run)
     found: list[Number] = []
-    loops = []
+    loops: list[tuple[Loop, Loop]] = []
     for k in contacts:
         after = _for_ever_after(run, k, end)
         if isinstance(after, tuple):
@@ -55,13 +111,12 @@ def conditions(run: ExactRun) -> list[Number]:
     longest = max(sum(run.state.transit[s : e + 1]) for s, e in run.row.spans if e)
     # what is under way must not come before the end: let it come
     _go_on(run, end + wait + 2 * longest)
+    spells: list[Spell] = []
     for k in contacts:
-        found += _while_it_lasts(run, k, end, end + wait)
-    ordered = {x.value for x in found}
-    for left, right in loops:
-        found += _apart(left, right, ordered)
-    distinct = {x.value: x for x in found if x.made and x.value}
-    return list(distinct.values())
+        of_contact, later = _spells(run, k, end + wait)
+        spells += of_contact
+        found += [t - end for t in later]
+    return spells, found, loops
 
 
 def _go_on(run: ExactRun, until: Any) -> None:
@@ -89,8 +144,8 @@ def _end(run: ExactRun) -> tuple[Number, Number]:
     return end + wait, wait
 
 
-def _while_it_lasts(run: ExactRun, contact: int, end: Number, until: Number) -> list[Number]:
-    """Order of what happens at a contact, force while it presses, gap while it is open."""
+def _spells(run: ExactRun, contact: int, until: Number) -> tuple[list[Spell], list[Number]]:
+    """Spells of a contact, and when waves come to it later."""
     log, T, k = run.log, run.state.transit, run.nodes[contact]
     arrived = [run.state.arrived[0] if k == 0 else ZERO,
                run.state.arrived[-1] if k == len(T) - 2 else ZERO]
@@ -104,42 +159,49 @@ def _while_it_lasts(run: ExactRun, contact: int, end: Number, until: Number) -> 
         if log.change_node[i] == k:
             t = log.change_tick[i] + ZERO
             events.setdefault(t.value, [t, None, None, None])[3] = log.change_status[i]
-    history, found = [], []  # time, how fast the contact would close from then on, the new status
+    gap = run.numbers.gap[contact] * run.rate
+    spells, later = [Spell(OPEN if gap > 0 else -1, ZERO, gap, ZERO, [], [])], []
     for at in sorted(events):
         t, *waves, new = events[at]
         arrived = [old if wave is None else wave for old, wave in zip(arrived, waves, strict=True)]
+        closing = arrived[0] - arrived[1]
         if at > until.value:
-            found.append(t - end)
+            later.append(t)
+        elif new is not None:
+            spells[-1].end.append(t)
+            spells.append(Spell(new, t, ZERO, closing, [], []))
+        elif at > 0:
+            spells[-1].waves.append((t, closing))
         else:
-            history.append((t, arrived[0] - arrived[1], new))
-    gap, closing, before = run.numbers.gap[contact] * run.rate, ZERO, [ZERO]
-    status, i = OPEN if gap > 0 else -1, 0
-    while i < len(history):
-        (t, then, new), now = history[i], [history[i][0]]
-        if new is None:
-            steps, after = _steps(status, gap, closing, before[-1], history[i : i + 1])
-        else:
-            status, after = new, ZERO
-            steps = {PRESS: [then], OPEN: [-then]}.get(new, [])
-        if new is None and t > 0 and status in (PRESS, OPEN) and history[i + 1 : i + 2]:
-            t2, then2, new2 = history[i + 1]
-            swapped = [(t2, closing + then2 - then, None), (t, then2, None)]
-            both = [_steps(status, gap, closing, before[-1], pair)
-                    for pair in (history[i : i + 2], swapped)]
-            if new2 is None and all(x > 0 for way, _ in both for x in way):
-                steps, after = [x for way, _ in both for x in way], both[0][1]
-                now, then = [t, t2], then2
-        found += [later - t for later in now for t in before if later > 0] + steps
-        gap, closing, before, i = after, then, now, i + len(now)
-    return found
+            spells[-1] = spells[-1]._replace(closing=closing)
+    return spells, later
+
+
+def _in_order(spell: Spell) -> list[Number]:
+    """Force while it presses, or gap while it is open, and the order of waves where it matters."""
+    found, before = spell.at_the_start, [spell.start]
+    gap, closing, left = spell.gap, spell.closing, spell.waves
+    while left:
+        steps, after = _steps(spell.status, gap, closing, before[-1], left[:1])
+        now = left[:1]
+        if spell.status in (PRESS, OPEN) and len(left) > 1:
+            (t, then), (t2, both) = left[:2]
+            swapped = [(t2, closing + both - then), (t, both)]
+            ways = [_steps(spell.status, gap, closing, before[-1], pair)
+                    for pair in (left[:2], swapped)]
+            if all(x > 0 for way, _ in ways for x in way):
+                steps, after, now = [x for way, _ in ways for x in way], ways[0][1], left[:2]
+        found += [t - earlier for t, _ in now for earlier in before] + steps
+        gap, closing, before, left = after, now[-1][1], [t for t, _ in now], left[len(now) :]
+    return found + [end - t for end in spell.end for t in before if end > 0]
 
 
 def _steps(
-    status: int, gap: Number, closing: Number, before: Number, events: list[Any]
+    status: int, gap: Number, closing: Number, before: Number, waves: list[tuple[Number, Number]]
 ) -> tuple[list[Number], Number]:
     """What is positive as waves come to a contact whose status stays, and the gap thereafter."""
     found = []
-    for t, then, _ in events:
+    for t, then in waves:
         if status == OPEN:
             gap -= closing * (t - before)
             found.append(gap)
