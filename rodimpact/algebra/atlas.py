@@ -12,53 +12,33 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..methods.fronts.front_kernel import PRESS
 from ..model import System
 from ..model.frozen import InvalidModel, Problems, number
 from ..units import shown
-from .cells import conditions
+from .cells import spells_and_conditions
 from .naming import Naming
-from .numbers import Number, evaluate
+from .numbers import Number, Program, mark
 from .rows import check_cap, each
 
 Floats = NDArray[np.float64]
 LATTICE = 32  # places a side where cells are looked for
-FINE = 1 << 12  # steps a side to which these are rounded, so that fractions are short
+FINE = 1 << 12, 1 << 24, 1 << 45  # steps a side to which these are rounded: short fractions first
 CLOSE = 1e-11  # of the way between two places: as good as touching
-HALVINGS = 45
+CUTS = 64  # in which a way is cut where a border is looked for, and each of these again
+ROUNDS = 8
 MOST_BETWEEN = 12  # times that an edge is cut where there is room for another cell
 MOST_CELLS = 300
 
 
-class Residue:
-    """A fraction modulo a prime: unlike formulas hardly ever agree where names are large powers."""
-
-    __slots__ = ("value",)
-    prime: ClassVar[int] = (1 << 61) - 1
-
-    def __init__(self, value: int) -> None:
-        self.value = value % self.prime
-
-    @classmethod
-    def of(cls, x: Fraction) -> Residue:
-        """Numerator over denominator."""
-        return cls(x.numerator) / cls(x.denominator)
-
-    def __add__(self, other: Residue) -> Residue:
-        return Residue(self.value + other.value)
-
-    def __sub__(self, other: Residue) -> Residue:
-        return Residue(self.value - other.value)
-
-    def __mul__(self, other: Residue) -> Residue:
-        return Residue(self.value * other.value)
-
-    def __truediv__(self, other: Residue) -> Residue:
-        return Residue(self.value * pow(other.value, -1, self.prime))
+ABOVE = -1  # what a number has to be
+Check = tuple[int, list[Number]]
+"""`ABOVE` and a number, or the status of a contact and the numbers of a spell of it."""
 
 
 class Cell:
@@ -72,46 +52,72 @@ class Cell:
         }, max_events)
         self.final, self.results, self.known = run.final, run.results, naming.place
         if self.final:
-            self.conditions = conditions(run)
+            spells, conditions = spells_and_conditions(run)
+            self._checks: list[Check] = [(ABOVE, [f]) for f in conditions]
+            self._checks += [(spell.status, spell.numbers) for spell in spells if spell.waves]
+            self._all = _program(self._checks)
 
     def inside(self, x: Floats, y: Floats) -> Any:
         """Whether places lie in the cell."""
-        return self._hold(self.conditions, x, y).all(axis=0)
+        return self._hold(self._checks, x, y).all(axis=0)
 
     def end(self, x: Floats, y: Floats, across: Floats, up: Floats) -> Floats:
-        """Share of ways from places inside at which the cell ends, by halving."""
-        holds = self._hold(self.conditions, x + across, y + up)
-        broken = [f for f, good in zip(self.conditions, holds, strict=True) if not good.all()]
-        low, high = np.zeros(x.shape), np.ones(x.shape)
-        for _ in range(HALVINGS):
-            middle = (low + high) / 2
-            inside = self._hold(broken, x + across * middle, y + up * middle).all(axis=0)
-            low, high = np.where(inside, middle, low), np.where(inside, high, middle)
-        return low
+        """Share of ways from places inside at which the cell ends, by cutting them again."""
+        holds = self._hold(self._checks, x + across, y + up)
+        broken = [check for check, good in zip(self._checks, holds, strict=True) if not good.all()]
+        x, y, across, up = (of[:, None] for of in (x, y, across, up))
+        low = np.zeros(x.shape)
+        for n in range(1, ROUNDS + 1):
+            shares = low + np.arange(1, CUTS + 1) / CUTS**n
+            inside = self._hold(broken, x + across * shares, y + up * shares).all(axis=0)
+            inside[:, -1] = False
+            low += inside.argmin(axis=1, keepdims=True) / CUTS**n
+        return low[:, 0]
 
-    def _hold(self, wanted: list[Number], x: Floats, y: Floats) -> Any:
-        return np.array([np.broadcast_to(f > 0, x.shape) for f in self._at(wanted, x, y)]
-                        or [np.full(x.shape, True)])
-
+    def _hold(self, checks: list[Check], x: Floats, y: Floats) -> Any:
+        """Which checks hold; [check][place]."""
+        program = self._all if checks is self._checks else _program(checks)
+        values = iter(self._at(program, x, y))
+        return np.array([
+            np.broadcast_to(_good(status, [next(values) for _ in of]), x.shape)
+            for status, of in checks
+        ] or [np.full(x.shape, True)])
 
     def restitution(self, x: Floats, y: Floats) -> Floats:
         """The formula of e, nan where there is none; [place]."""
         e = self.results.restitution
-        return np.broadcast_to(np.nan if e is None else self._at([e], x, y)[0], x.shape)
+        return np.broadcast_to(np.nan if e is None else self._at(Program([e]), x, y)[0], x.shape)
 
     def formula(self) -> tuple[Any, ...]:
-        """What is the same for cells of one region: contacts, and values at a place of no sort."""
+        """What is the same for cells of one region: how often contacts press, and the formula."""
         values: list[Number] = []
         each(self.results._replace(contact_times=()), values.append)
-        there = {name: Residue(3 ** (40 + i)) for i, name in enumerate(self.names)}
-        known = {name: Residue.of(value) for name, value in self.known.items()}
-        found = evaluate(values, {**known, **there}, Residue.of)
-        return (*map(len, self.results.contact_times), *(x.value for x in found))
+        return (*map(len, self.results.contact_times), *mark(values, self.known))
 
-    def _at(self, wanted: list[Number], x: Floats, y: Floats) -> list[Any]:
+    def _at(self, wanted: Program, x: Floats, y: Floats) -> list[Any]:
         known: dict[str, Any] = {name: float(value) for name, value in self.known.items()}
         with np.errstate(all="ignore"):
-            return evaluate(wanted, {**known, **dict(zip(self.names, (x, y), strict=True))}, float)
+            return wanted({**known, **dict(zip(self.names, (x, y), strict=True))}, float)
+
+
+def _program(checks: list[Check]) -> Program:
+    return Program([number for _, of in checks for number in of])
+
+
+def _good(status: int, values: list[Any]) -> Any:
+    """Whether a number is above 0, or a contact presses or is open throughout a spell."""
+    if status == ABOVE:
+        return values[0] > 0
+    start, gap, closing, *rest = np.broadcast_arrays(*values)
+    times, jumps = np.split(np.array(rest), 2)
+    good = np.full(start.shape, True)
+    for t in times:
+        if status == PRESS:
+            good &= closing + (jumps * (times <= t)).sum(axis=0) > 0
+        else:
+            closed = closing * (t - start) + (jumps * np.maximum(t - times, 0)).sum(axis=0)
+            good &= gap > closed
+    return good
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,26 +271,37 @@ class _Search:
             open_ = np.flatnonzero((found < 0) & ~tried)
             if not open_.size:
                 break
-            tried[open_[0]] = True
-            if self._solve(places[open_[0]]):
-                here = self.cells[-1].inside(*plane[open_].T)
-                here[0] = True
-                found[open_[here]] = len(self.cells) - 1
+            tried[open_[0]], known = True, len(self.cells)
+            found[open_[0]] = self._solve(places[open_[0]])
+            here = _locate(self.cells[known:], *plane[open_].T)
+            found[open_[here >= 0]] = known + here[here >= 0]
         return found
 
-    def _solve(self, place: Floats) -> bool:
-        """Add the cell of a place, if its collision comes to an end."""
-        exact = tuple(
-            Fraction(low) + Fraction(int(FINE * at) * 2 + 1, 2 * FINE) * (Fraction(high)
-                                                                          - Fraction(low))
-            for at, (_, low, high) in zip(place, self.axes, strict=True)
-        )
-        cell = Cell(self.naming, exact, self.max_events)  # type: ignore[arg-type]
-        if cell.final:
-            self.cells.append(cell)
-            formula = cell.formula()
-            self.region.append(self._formulas.setdefault(formula, len(self._formulas)))
-        return cell.final
+    def _solve(self, place: Floats) -> int:
+        """Add the cell of a place, and of places near it; return its index, -1 if there is none.
+
+        Of a place on a border it is the cell on one side.
+        """
+        owner = -1
+        for fine in FINE:
+            exact = tuple(
+                Fraction(low) + Fraction(int(fine * at) * 2 + 1, 2 * fine) * (Fraction(high)
+                                                                              - Fraction(low))
+                for at, (_, low, high) in zip(place, self.axes, strict=True)
+            )
+            (owner,) = _locate(self.cells, *(np.array([float(x)]) for x in exact))
+            if owner < 0:
+                if len(self.cells) == self.most:
+                    break
+                cell = Cell(self.naming, exact, self.max_events)  # type: ignore[arg-type]
+                if not cell.final:
+                    break
+                owner = len(self.cells)
+                self.cells.append(cell)
+                self.region.append(self._formulas.setdefault(cell.formula(), len(self._formulas)))
+            if self.cells[owner].inside(*self._plane(place[None]).T)[0]:
+                break
+        return int(owner)
 
     def _cross(self, nodes: Floats, owner: Any, edges: Any) -> tuple[Floats, Any, Any]:
         """Where the formula changes along edges: places, regions on both sides, and the edge."""
@@ -317,7 +334,7 @@ class _Search:
         return a != b and (min(a, b) < 0 or self.region[a] != self.region[b])
 
     def _end(self, P: Floats, Q: Floats, cells: Any) -> Floats:
-        """Share of the way from P to Q at which cells end, by halving between in and out."""
+        """Share of the way from P to Q at which cells end."""
         ends = np.zeros(len(P))
         for c in set(cells.tolist()) - {-1}:
             here = np.flatnonzero(cells == c)

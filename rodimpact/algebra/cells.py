@@ -1,18 +1,26 @@
 """Where a formula holds: the inequalities on which a run depends.
 
 Between contacts the mechanics is linear, so that the order of events at free ends and at joints
-changes no result. What decides are the contacts: in which order waves arrive there, whether those
-that touch press, whether those that are apart stay so, and why they never meet again. A cell is the
-list of the numbers that must be positive for this.
+changes no result. What decides are the contacts: when they begin and cease to press, that those
+which press go on to, that those which are apart stay so, and why they never meet again. A cell is
+the list of the numbers that must be positive for this.
+
+Two waves that come to a contact one after the other, while it presses or is open throughout, may
+also come in the other order, if it presses or is open in between then as well: what each wave
+sends out and adds to the impulse does not depend on the other. Conditions are for both orders then,
+and not for the order itself. What follows is the same in both: sums over the jumps of waves. Only
+the levels between two such jumps in a rod differ, see `_apart`.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 from ..methods.fronts.front_kernel import (
     CHANGES,
     FINALITY,
+    FULL,
     OPEN,
     PRESS,
     ROWS,
@@ -24,39 +32,120 @@ from ..methods.fronts.front_kernel import (
     side,
 )
 from ..methods.groups import unilateral
-from .numbers import ZERO, Number
+from ..model import Wall
+from .numbers import HALF, ZERO, Number
 from .rows import ExactRun
+
+Loop = list[tuple[Number, Number]]
+"""Levels of the waves that go round in a rod, and when each began to leave its left end."""
+ENDLESS = 1 << 62
+
+
+class Spell(NamedTuple):
+    """A time in which a contact keeps its status."""
+
+    status: int
+    start: Number
+    gap: Number  # at the start
+    closing: Number  # how fast the contact would close from the start on
+    waves: list[tuple[Number, Number]]  # when they come, and how fast it would close from then on
+    end: list[Number]  # when the next spell begins, if one does
+
+    @property
+    def at_the_start(self) -> list[Number]:
+        """What is positive as it begins."""
+        apart = self.gap if self.gap.value > 0 else -self.closing
+        return {PRESS: [self.closing], OPEN: [apart]}.get(self.status, [])
+
+    @property
+    def bounds(self) -> list[Number]:
+        """What is positive as it ends after it starts, and waves come in between."""
+        return [later - earlier
+                for earlier in (self.start, *(t for t, _ in self.waves)) for later in self.end
+                ] + [t - self.start for t, _ in self.waves]
+
+    @property
+    def numbers(self) -> list[Number]:
+        """Its start, gap and closing there, times of waves, and what each adds to the closing."""
+        closing = [self.closing, *(then for _, then in self.waves)]
+        jumps = [after - before for before, after in pairwise(closing)]
+        return [self.start, self.gap, self.closing, *(t for t, _ in self.waves), *jumps]
 
 
 def conditions(run: ExactRun) -> list[Number]:
     """Numbers that are positive throughout the cell of this run; those that depend on names."""
+    spells, found, loops = _history(run)
+    for spell in spells:
+        found += _in_order(spell)
+    ordered = {x.value for x in found}
+    return _distinct(found + [x for pair in loops for x in _apart(*pair, ordered)])
+
+
+def spells_and_conditions(run: ExactRun) -> tuple[list[Spell], list[Number]]:
+    """Split what `conditions` tells into what is positive, and spells in which waves come as may be.
+
+    The cell is the larger one in which every contact presses, or is open, throughout its spells.
+    """
+    spells, found, loops = _history(run)
+    found += [x for pair in loops for x in _apart(*pair, set())]
+    found += [x for spell in spells for x in (*spell.at_the_start, *spell.bounds)]
+    return [spell for spell in spells if spell.status in (PRESS, OPEN)], _distinct(found)
+
+
+def _distinct(found: list[Number]) -> list[Number]:
+    return list({x.value: x for x in found if x.made and x.value}.values())
+
+
+def _history(run: ExactRun) -> tuple[list[Spell], list[Number], list[tuple[Loop, Loop]]]:
+    """Spells of all contacts, and why there are no others: conditions, and rods that go apart."""
     contacts = unilateral(run.row.system)
-    end = _end(run)
-    found = [x for k in contacts for x in _for_ever_after(run, run.nodes[k], end)]
+    end, wait = _end(run)
+    found: list[Number] = []
+    loops: list[tuple[Loop, Loop]] = []
+    for k in contacts:
+        after = _for_ever_after(run, k, end)
+        if isinstance(after, tuple):
+            loops.append(after)
+        else:
+            found += after
     longest = max(sum(run.state.transit[s : e + 1]) for s, e in run.row.spans if e)
     # what is under way must not come before the end: let it come
-    play(run.state, run.tally, run.log, run.clock, -2 * longest, len(run.log.value), ZERO, 0)
+    _go_on(run, end + wait + 2 * longest)
+    spells: list[Spell] = []
     for k in contacts:
-        found += _while_it_lasts(run, k, end)
-    distinct = {x.value: x for x in found if x.made and x.value}
-    return list(distinct.values())
+        of_contact, later = _spells(run, k, end + wait)
+        spells += of_contact
+        found += [t - end for t in later]
+    return spells, found, loops
 
 
-def _end(run: ExactRun) -> Number:
-    """When it is over: the instant of the proof, or the next event if the kernel waited for it."""
+def _go_on(run: ExactRun, until: Any) -> None:
+    while play(run.state, run.tally, run.log, run.clock, until, ENDLESS, ZERO, 0) == FULL:
+        for column in run.log:
+            column += [0] * len(column)
+
+
+def _end(run: ExactRun) -> tuple[Number, Number]:
+    """When it is over, and how much longer the run is to be followed.
+
+    That is the instant of the proof, or the next event if the kernel waited for it. Where contacts
+    had been open for a while by then it is half of this later, so that the proof has room.
+    """
     state, log, clock = run.state, run.log, run.clock
     end: Number = clock[FINALITY] + ZERO
-    if any(end == t for times in (log.tick, log.change_tick) for t in times[: clock[ROWS]]):
-        return end
-    later: Number = state.tree[1]
-    until: Any = end - later
-    play(state, run.tally, log, clock, until, len(log.value), ZERO, 0)
-    proved: Any = finality_time(state, log, later, ZERO)  # type: ignore[arg-type]
-    return later if proved == later else end
+    if not any(end == t for times in (log.tick, log.change_tick) for t in times[: clock[ROWS]]):
+        later: Number = state.tree[1]
+        _go_on(run, later)
+        proved: Any = finality_time(state, log, later, ZERO)  # type: ignore[arg-type]
+        end = later if proved == later else end
+    last = max((t + ZERO for t in log.change_tick[: clock[CHANGES]]), default=ZERO)
+    wait = (end - last) * HALF
+    _go_on(run, end + wait)
+    return end + wait, wait
 
 
-def _while_it_lasts(run: ExactRun, contact: int, end: Number) -> list[Number]:
-    """Order of what happens at a contact, force while it presses, gap while it is open."""
+def _spells(run: ExactRun, contact: int, until: Number) -> tuple[list[Spell], list[Number]]:
+    """Spells of a contact, and when waves come to it later."""
     log, T, k = run.log, run.state.transit, run.nodes[contact]
     arrived = [run.state.arrived[0] if k == 0 else ZERO,
                run.state.arrived[-1] if k == len(T) - 2 else ZERO]
@@ -70,56 +159,137 @@ def _while_it_lasts(run: ExactRun, contact: int, end: Number) -> list[Number]:
         if log.change_node[i] == k:
             t = log.change_tick[i] + ZERO
             events.setdefault(t.value, [t, None, None, None])[3] = log.change_status[i]
-    found: list[Number] = []
     gap = run.numbers.gap[contact] * run.rate
-    status, rate, before = OPEN if gap > 0 else -1, ZERO, ZERO
+    spells, later = [Spell(OPEN if gap > 0 else -1, ZERO, gap, ZERO, [], [])], []
     for at in sorted(events):
         t, *waves, new = events[at]
-        if at > end.value:
-            found.append(t - end)
-            continue
-        if at > 0:
-            found.append(t - before)
         arrived = [old if wave is None else wave for old, wave in zip(arrived, waves, strict=True)]
-        status = status if new is None else new
-        gap += rate * (t - before)
         closing = arrived[0] - arrived[1]
-        if status == PRESS:
-            found.append(closing)
-        elif status == OPEN:
-            found.append(gap if gap.value > 0 else -closing)
-        gap, rate = (gap, -closing) if status == OPEN else (ZERO, ZERO)
-        before = t
-    return found
+        if at > until.value:
+            later.append(t)
+        elif new is not None:
+            spells[-1].end.append(t)
+            spells.append(Spell(new, t, ZERO, closing, [], []))
+        elif at > 0:
+            spells[-1].waves.append((t, closing))
+        else:
+            spells[-1] = spells[-1]._replace(closing=closing)
+    return spells, later
 
 
-def _for_ever_after(run: ExactRun, k: int, t: Any) -> list[Number]:
-    """Why contact k does not press again after t; see `separation_time` of the kernel."""
-    state, log = run.state, run.log
-    if state.rate[k] >= 0 and quiet(state, k, False) and quiet(state, k, True):
-        return [state.rate[k]]
-    vl, _, high, bounded_l = group_motion(state, log, k, False, t)
-    vr, low, _, bounded_r = group_motion(state, log, k, True, t)
-    if bounded_l and bounded_r and low >= high:
-        left, right = ({w.value: w for w in _waves(run, k, there)} for there in (False, True))
-        return [r - l for r in right.values() for l in left.values()]
-    dl, bl = deviation_bound(state, log, k, False, t, vl)
-    dr, br = deviation_bound(state, log, k, True, t, vr)
-    gap = state.gap[k] + state.rate[k] * (t - state.since[k]) - dr + dl
-    return [vr - vl, gap, gap * gap - 2 * (bl + br)]
+def _in_order(spell: Spell) -> list[Number]:
+    """Force while it presses, or gap while it is open, and the order of waves where it matters."""
+    found, before = spell.at_the_start, [spell.start]
+    gap, closing, left = spell.gap, spell.closing, spell.waves
+    while left:
+        steps, after = _steps(spell.status, gap, closing, before[-1], left[:1])
+        now = left[:1]
+        if spell.status in (PRESS, OPEN) and len(left) > 1:
+            (t, then), (t2, both) = left[:2]
+            swapped = [(t2, closing + both - then), (t, both)]
+            ways = [_steps(spell.status, gap, closing, before[-1], pair)
+                    for pair in (left[:2], swapped)]
+            if all(x > 0 for way, _ in ways for x in way):
+                steps, after, now = [x for way, _ in ways for x in way], ways[0][1], left[:2]
+        found += [t - earlier for t, _ in now for earlier in before] + steps
+        gap, closing, before, left = after, now[-1][1], [t for t, _ in now], left[len(now) :]
+    return found + [end - t for end in spell.end for t in before if end > 0]
 
 
-def _waves(run: ExactRun, k: int, right: bool) -> list[Number]:
-    """What is under way in the bodies bonded together beside contact k."""
-    state, log = run.state, run.log
-    first, last = side(state, k, right)
-    if last == 0:
-        return [state.arrived[2 * k + 3 if right else 2 * k]]
+def _steps(
+    status: int, gap: Number, closing: Number, before: Number, waves: list[tuple[Number, Number]]
+) -> tuple[list[Number], Number]:
+    """What is positive as waves come to a contact whose status stays, and the gap thereafter."""
     found = []
-    for l in range(2 * first, 2 * last + 2):
+    for t, then in waves:
+        if status == OPEN:
+            gap -= closing * (t - before)
+            found.append(gap)
+        elif status == PRESS:
+            found.append(then)
+        closing, before = then, t
+    return found, gap
+
+
+def _for_ever_after(run: ExactRun, k: int, t: Any) -> list[Number] | tuple[Loop, Loop]:
+    """Why contact k does not press again after t, if the levels beside it do not tell.
+
+    Bodies whose centres go apart do not meet once the gap between these motions is wider than
+    vibration can bridge. The bound is that of `separation_time` of the kernel, but for the energy:
+    here it is that of all vibration, which follows from the velocities and impulses.
+    """
+    state, log, node = run.state, run.log, run.nodes[k]
+    if state.rate[node] >= 0 and quiet(state, node, False) and quiet(state, node, True):
+        return [state.rate[node]]
+    vl, _, high, bounded_l = group_motion(state, log, node, False, t)
+    vr, low, _, bounded_r = group_motion(state, log, node, True, t)
+    if bounded_l and bounded_r and low >= high:
+        return _loop(run, node, False), _loop(run, node, True)
+    dl, _ = deviation_bound(state, log, node, False, t, vl)
+    dr, _ = deviation_bound(state, log, node, True, t, vr)
+    gap = state.gap[node] + state.rate[node] * (t - state.since[node]) - dr + dl
+    slack = _slack(run, node, False) + _slack(run, node, True)
+    return [vr - vl, gap, gap * gap - 2 * _vibration(run) * slack]
+
+
+def _vibration(run: ExactRun) -> Number:
+    """Energy of vibration in the end: what the centres have lost, and what moving walls did."""
+    numbers, results, transit = run.numbers, run.results, run.state.transit
+    energy, impulses = ZERO, [ZERO, *results.impulses, ZERO]
+    for i, ((first, last), v) in enumerate(zip(run.row.spans, numbers.velocity, strict=True)):
+        if isinstance(run.row.system.bodies[i], Wall):
+            energy += (impulses[i + 1] - impulses[i]) * run.rate * v
+        V = results.velocities_after[i]
+        for s in range(first, last + 1):
+            energy += transit[s] * numbers.impedance[s - 1] * (v * v - V * V) * HALF
+    return energy
+
+
+def _slack(run: ExactRun, k: int, right: bool) -> Number:
+    """How far the end at contact k can get from its mean motion: its square over twice the energy.
+
+    It is integral(g^2 dx/(E A)), see `deviation_bound` of the kernel.
+    """
+    state, total, beyond = run.state, ZERO, ZERO
+    first, last = side(state, k, right)
+    pieces = range(first, last + 1)
+    if last == 0 or quiet(state, k, right):
+        return ZERO
+    masses = {s: state.transit[s] / state.mobility[s] for s in pieces}
+    whole = sum(masses.values(), ZERO)
+    for s in reversed(pieces) if right else pieces:
+        near, beyond = beyond, beyond + masses[s] / whole
+        size = near * near + near * beyond + beyond * beyond
+        total += state.mobility[s] * state.transit[s] * size / 3
+    return total
+
+
+def _loop(run: ExactRun, k: int, right: bool) -> Loop:
+    """What goes round in the rod beside contact k, in the order in which it left there."""
+    state, log = run.state, run.log
+    s, last = side(state, k, right)
+    if last == 0 or quiet(state, k, right):
+        return [(state.arrived[2 * k + 3 if right else 2 * k], ZERO)]
+    found = []
+    for l, delay in ((2 * s + right, ZERO), (2 * s + 1 - right, state.transit[s])):
         r = state.head[l]
-        found.append(state.arrived[l])
         while r >= 0:
-            found.append(log.value[r])
+            found.append((log.value[r], log.tick[r] + delay))
             r = log.after[r]
     return found
+
+
+def _apart(left: Loop, right: Loop, ordered: set[Any]) -> list[Number]:
+    """Levels on the right are above those on the left, also where two jumps change places."""
+    found = []
+    levels = [[level for level, _ in loop] for loop in (left, right)]
+    for loop, mine, others, sign in ((left, *levels, 1), (right, *levels[::-1], -1)):
+        for i, ((level, t), (then, later)) in enumerate(zip(loop, loop[1:], strict=False)):
+            between = loop[i - 1][0] + then - level
+            if (later - t).value in ordered:
+                continue
+            if all((other - between).value * sign > 0 for other in others):
+                mine.append(between)
+            else:
+                found.append(later - t)
+    return found + [high - low for high in levels[1] for low in levels[0]]

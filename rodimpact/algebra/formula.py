@@ -9,10 +9,11 @@ their formulas agree.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,8 @@ from ..storage.extras import optional
 from .cells import conditions
 from .inequalities import factors, reduced
 from .naming import Naming
-from .numbers import Number, evaluate
+from .numbers import Number, evaluate, mark
+from .quotients import Quotient
 from .rational import Exact, fractions_of
 from .rows import check_cap, each
 
@@ -40,8 +42,8 @@ class Field:
         self.sympy: Any = optional("sympy", "sympy")
         self.naming = naming
         names = [*naming.base, *naming.speeds]
-        self.field, *generators = self.sympy.polys.fields.field(names, self.sympy.QQ)
-        self.names = dict(zip(names, generators, strict=True))
+        self.ring, *generators = self.sympy.polys.rings.ring(names, self.sympy.ZZ)
+        self.names = {name: Quotient(x, 1, {}) for name, x in zip(names, generators, strict=True)}
         self.symbols = {name: self.sympy.Symbol(name, **{"real" if name[0] == "v" else "positive":
                                                          True}) for name in naming.base}
         self._shown = [self.symbols.get(name) or self._speed(name) for name in names]
@@ -54,20 +56,19 @@ class Field:
         """SymPy's number."""
         return self.sympy.Rational(x.numerator, x.denominator)
 
-    def of(self, wanted: list[Number]) -> list[Any]:
+    def of(self, wanted: Iterable[Number]) -> list[Any]:
         """Numbers of a run as rational functions."""
-        QQ = self.sympy.QQ
-        return evaluate(wanted, self.names,
-                        lambda x: self.field(QQ(x.numerator, x.denominator)))
+        return evaluate(list(wanted), self.names, lambda x: Quotient.of(x, self.ring))
 
-    def shown(self, x: Any) -> Any:
-        """A rational function, or a polynomial, as SymPy's expression."""
-        if not hasattr(x, "numer"):
-            return x.as_expr(*self._shown)
-        both = [x.numer.as_expr(*self._shown), x.denom.as_expr(*self._shown)]
-        if len(x.numer) <= FACTORED:
-            both = list(map(self.sympy.factor, both))
-        return both[0] / both[1]
+    def polynomial(self, p: Any) -> Any:
+        """A polynomial as SymPy's expression, in factors unless it is long."""
+        shown = p.as_expr(*self._shown)
+        return shown if len(p) > FACTORED else self.sympy.factor(shown)
+
+    def quotient(self, f: Quotient) -> Any:
+        """A rational function as SymPy's expression."""
+        return self.polynomial(f.numer) / (f.number * self.sympy.prod(
+            p.as_expr(*self._shown) ** n for p, n in f.factors.items()))
 
     def inequality(self, p: Any) -> Any:
         """A polynomial that is positive, as an inequality between sums."""
@@ -75,17 +76,14 @@ class Field:
             p.ring.from_dict({powers: abs(c) for powers, c in p.terms() if (c > 0) == sign})
             for sign in (False, True)
         )
-        return self.shown(less) < self.shown(more)
+        return self.polynomial(less) < self.polynomial(more)
 
     def at(self, p: Any, values: Mapping[str, Fraction]) -> Fraction:
         """Value of a polynomial."""
-        QQ = self.sympy.QQ
-        value = p(*(QQ(values[name].numerator, values[name].denominator) for name in self.names))
-        return Fraction(int(value.numerator), int(value.denominator))
-
-    def quotient(self, f: Any, values: Mapping[str, Fraction]) -> Fraction:
-        """Value of a rational function."""
-        return self.at(f.numer, values) / self.at(f.denom, values)
+        place = [values[name] for name in self.names]
+        return sum((Fraction(int(c.numerator), int(c.denominator))
+                    * prod(x**n for x, n in zip(place, powers, strict=True) if n)
+                    for powers, c in p.terms()), Fraction(0))
 
 
 class Side:
@@ -103,42 +101,64 @@ class Side:
         self.place = {**naming.base, **naming.place}
 
     @cached_property
-    def outputs(self) -> tuple[Any, ...]:
-        """Results as rational functions: what makes the formula."""
-        return self.results_as(lambda f: f)
+    def mark(self) -> tuple[int, ...]:
+        """What is the same for cells of one formula."""
+        return (*map(len, self.results.contact_times), *mark(self._flat, self.place))
 
     def results_as(self, what: Callable[[Any], Any]) -> tuple[Any, Any, Any, Any]:
         """What `what` makes of each result as a rational function."""
-        functions = dict(zip(map(id, self._flat), self.field.of(self._flat), strict=True))
+        functions = dict(zip(map(id, self._flat), self._functions, strict=True))
         return each(self.results, lambda x: what(functions[id(x)]))
+
+    @cached_property
+    def _functions(self) -> list[Any]:
+        return self.field.of(self._flat)
 
     def contains(self, values: Mapping[str, Fraction], open_to: Collection[Any] = ()) -> bool:
         """Whether the cell has this place inside, or on one of the borders `open_to`."""
-        def good(p: Any) -> bool:
-            x = self.field.at(p, values)
-            return x > 0 or (x == 0 and p in open_to)
+        found = self._at(values)
+        return all(x >= 0 for x in found) and all(
+            self.field.at(p, values) > 0 or p in open_to
+            for p in self._factors(x for x, value in zip(self.conditions, found, strict=True)
+                                   if value == 0)
+        )
 
-        return all(map(good, self.borders))
+    def _at(self, values: Mapping[str, Fraction]) -> list[Fraction]:
+        """Values of the conditions; 0 where they have none but in the limit."""
+        try:
+            return evaluate(self.conditions, values, Fraction)
+        except ZeroDivisionError:
+            found = []
+            for x in self.conditions:
+                try:
+                    found += evaluate([x], values, Fraction)
+                except ZeroDivisionError:
+                    found.append(Fraction(0))
+            return found
+
+    def _factors(self, numbers: Iterable[Number]) -> list[Any]:
+        return factors(self.field.of(numbers), lambda p: self.field.at(p, self.place))
 
     @cached_property
     def borders(self) -> list[Any]:
         """Polynomials that are positive inside; they border the cell."""
-        functions = self.field.of(self.conditions)
-        return reduced(factors(functions, lambda p: self.field.at(p, self.place)))
+        return reduced(self._factors(self.conditions))
 
     @cached_property
     def ties(self) -> list[Any]:
         """Borders on which the numbers of the system lie."""
         base = self.field.naming.values({})
-        return [p for p in self.borders if self.field.at(p, base) == 0]
+        zero = (x for x, value in zip(self.conditions, self._at(base), strict=True) if value == 0)
+        return reduced(p for p in self._factors(zero) if self.field.at(p, base) == 0)
 
     @cached_property
     def slopes(self) -> Any:
         """Of the ties, along each name that is free, of the size of its value."""
         naming = self.field.naming
         base = naming.values({})
+        places = list(self.field.names)
         rows = np.array([
-            [float(self.field.at(p.diff(self.field.names[name].numer), base) * (base[name] or 1))
+            [float(self.field.at(p.diff(places.index(name)), base) * (base[name] or 1))
              for name in naming.free] for p in self.ties
         ])
         return [row / np.linalg.norm(row) for row in rows if row.any()]
@@ -218,7 +238,7 @@ def closed_form(
     sides = sides_of(field, max_events)
     groups: dict[Any, list[Side]] = {}
     for side in sides:
-        groups.setdefault(side.outputs, []).append(side)
+        groups.setdefault(side.mark, []).append(side)
 
     def form(group: list[Side], more: tuple[ClosedForm, ...] = ()) -> ClosedForm:
         others = tuple(side for side in sides if side not in group)
@@ -275,7 +295,7 @@ class ClosedForm:
 
     @cached_property
     def _results(self) -> tuple[Any, Any, Any, Any]:
-        return self._cells[0].results_as(self._field.shown)
+        return self._cells[0].results_as(self._field.quotient)
 
     @cached_property
     def cell(self) -> tuple[Any, ...]:
@@ -293,7 +313,7 @@ class ClosedForm:
         return [*outer, *kept]
 
     def at(self, **values: Any) -> Exact:
-        """Evaluate the formula in fractions.
+        """Evaluate the formula in fractions; None for what is 0/0 there, but in a limit.
 
         Parameters
         ----------
@@ -301,8 +321,13 @@ class ClosedForm:
             Of symbols; the others keep their values of the system. Floats are what they are
             written as.
         """
-        known = self._values(values)
-        return Exact(*self._cells[0].results_as(lambda f: self._field.quotient(f, known)), 1.0)
+        known, at = self._values(values), self._field.at
+
+        def value(f: Quotient) -> Fraction | None:
+            under = at(f.denom, known)
+            return at(f.numer, known) / under if under else None
+
+        return Exact(*self._cells[0].results_as(value), 1.0)
 
     def holds(self, **values: Any) -> bool:
         """Whether the formula holds for values as `at` takes them; on its outer borders not."""

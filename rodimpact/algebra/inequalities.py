@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from scipy.optimize import nnls
 
+from .quotients import Quotient
+
 FACTORED = 400  # terms: longer polynomials are not factored
 COMPARED = 40  # terms: of longer ones it is not tried whether others imply them
 LARGEST_SHARE = 10**6  # denominator of the shares that are tried
@@ -24,23 +26,22 @@ def definite(p: Any) -> bool:
     return all(c > 0 and not any(powers[i] for i in signed) for powers, c in p.terms())
 
 
-def factors(functions: Iterable[Any], value: Callable[[Any], Fraction]) -> list[Any]:
+def factors(functions: Iterable[Quotient], value: Callable[[Any], Fraction]) -> list[Any]:
     """Factors whose signs decide those of rational functions, each signed as `value` has it.
 
     Parameters
     ----------
-    functions : iterable of rational functions
+    functions : iterable of Quotient
     value : callable
         Value of a polynomial at a place inside.
     """
     found: dict[Any, None] = {}
     for f in functions:
-        for part in (f.numer, f.denom):
-            pieces = [(part, 1)] if len(part) > FACTORED else part.factor_list()[1]
-            for p, power in pieces:
-                if power % 2 and not definite(p) and not definite(-p):
-                    p = p.primitive()[1]
-                    found[p if value(p) > 0 else -p] = None
+        upper = [(f.numer, 1)] if len(f.numer) > FACTORED else f.numer.factor_list()[1]
+        for p, power in [*upper, *f.factors.items()]:
+            if power % 2 and not definite(p) and not definite(-p):
+                p = p.set_ring(p.ring.clone(domain=p.ring.domain.get_field())).primitive()[1]
+                found[p if value(p) > 0 else -p] = None
     return list(found)
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
+from random import Random
 from typing import Any
 
 OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
@@ -32,7 +33,7 @@ class Number:
     __slots__ = ("made", "value")
 
     def __init__(self, value: Any, made: tuple[Any, ...] = ()) -> None:
-        self.value = Fraction(value)
+        self.value = value if type(value) is Fraction else Fraction(value)
         self.made = made
 
     def __add__(self, other: Any) -> Number:
@@ -121,6 +122,41 @@ def _made(operation: str, a: Number, b: Number) -> Number:
     return Number(value, (operation, a, b) if a.made or b.made else ())
 
 
+PRIME = (1 << 61) - 1
+
+
+def anywhere(count: int) -> list[int]:
+    """Numbers of no sort modulo the prime: unlike formulas hardly ever agree there."""
+    random = Random(1867)
+    return [random.randrange(1, PRIME) for _ in range(count)]
+
+
+class Residue:
+    """A fraction modulo the prime."""
+
+    __slots__ = ("value",)
+
+    def __init__(self, value: int) -> None:
+        self.value = value % PRIME
+
+    @classmethod
+    def of(cls, x: Fraction) -> Residue:
+        """Numerator over denominator."""
+        return cls(x.numerator) / cls(x.denominator)
+
+    def __add__(self, other: Residue) -> Residue:
+        return Residue(self.value + other.value)
+
+    def __sub__(self, other: Residue) -> Residue:
+        return Residue(self.value - other.value)
+
+    def __mul__(self, other: Residue) -> Residue:
+        return Residue(self.value * other.value)
+
+    def __truediv__(self, other: Residue) -> Residue:
+        return Residue(self.value * pow(other.value, -1, PRIME))
+
+
 def steps_to(wanted: Iterable[Number]) -> list[Number]:
     """All numbers from which the wanted ones were made, and these, each after its operands."""
     done: dict[int, Number] = {}
@@ -135,24 +171,60 @@ def steps_to(wanted: Iterable[Number]) -> list[Number]:
     return list(done.values())
 
 
-def evaluate(
-    wanted: list[Number], names: Mapping[str, Any], constant: Callable[[Fraction], Any]
-) -> list[Any]:
-    """Compute numbers anew.
+class Program:
+    """Numbers to be computed anew for other values of the names, again and again.
 
     Parameters
     ----------
     wanted : list of Number
-    names : mapping
-        What stands for each name: fractions, symbols or arrays.
-    constant : callable
-        Makes of a fraction what goes with them.
     """
-    known: dict[int, Any] = {}
-    for x in steps_to(wanted):
-        if len(x.made) == 3:
-            operation, a, b = x.made
-            known[id(x)] = OPERATIONS[operation](known[id(a)], known[id(b)])
-        else:
-            known[id(x)] = names[x.made[0]] if x.made else constant(x.value)
-    return [known[id(x)] for x in wanted]
+
+    def __init__(self, wanted: list[Number]) -> None:
+        self._steps: list[tuple[Any, ...]] = []
+        places: dict[Any, int] = {}
+        at: dict[int, int] = {}
+        for x in steps_to(wanted):
+            step: tuple[Any, ...] = (None, x.value)
+            if len(x.made) == 3:
+                operation, a, b = x.made
+                step = OPERATIONS[operation], at[id(a)], at[id(b)]
+            elif x.made:
+                step = x.made
+            at[id(x)] = places.setdefault(step, len(places))
+            if len(places) > len(self._steps):
+                self._steps.append(step)
+        self._wanted = [at[id(x)] for x in wanted]
+
+    def __call__(
+        self, names: Mapping[str, Any], constant: Callable[[Fraction], Any]
+    ) -> list[Any]:
+        """Compute them.
+
+        Parameters
+        ----------
+        names : mapping
+            What stands for each name: fractions, symbols or arrays.
+        constant : callable
+            Makes of a fraction what goes with them.
+        """
+        found: list[Any] = []
+        for step in self._steps:
+            if len(step) == 3:
+                found.append(step[0](found[step[1]], found[step[2]]))
+            else:
+                found.append(names[step[0]] if len(step) == 1 else constant(step[1]))
+        return [found[i] for i in self._wanted]
+
+
+def evaluate(
+    wanted: list[Number], names: Mapping[str, Any], constant: Callable[[Fraction], Any]
+) -> list[Any]:
+    """Compute numbers anew, once; see `Program`."""
+    return Program(wanted)(names, constant)
+
+
+def mark(wanted: list[Number], names: Iterable[str]) -> tuple[int, ...]:
+    """What tells formulas apart: their values, modulo the prime, where names are of no sort."""
+    names = list(names)
+    there = dict(zip(names, map(Residue, anywhere(len(names))), strict=True))
+    return tuple(x.value for x in evaluate(wanted, there, Residue.of))
