@@ -282,32 +282,31 @@ def _both_sides(
     """
     make = quantity.plan.make
     here = _follow(quantity, given, slope, max_events, fast)
-    below, above = here.slope.copy(), here.slope.copy()
-    jump, event = np.zeros_like(below), here.event.copy()
+    sides, event = np.stack([here.slope, here.slope]), here.event.copy()
+    jump = np.zeros_like(here.slope)
     member, p = np.nonzero(event != SMOOTH)
     if len(member):
+        around, moved, value = given[member], slope[member, p], here.value[member]
         with np.errstate(divide="ignore", invalid="ignore"):  # of what does not move
-            step = APART / np.max(np.abs(slope[member, p]) / _sizes(make, given[member]), axis=1)
-        moved, value, limits = slope[member, p], here.value[member], []
-        for side, sign in ((below, -1), (above, 1)):
-            h = sign * step
-            there = given[member] + h[:, None] * moved
-            outside = (there[:, 3 * make.size[0] : make.profile[0]] < 0).any(axis=1)
-            beside = _follow(quantity, np.where(outside[:, None], given[member], there),
-                             moved[:, None], max_events, fast)
-            unclear = outside | (beside.event[:, 0] != SMOOTH)
-            slope_there = np.where(unclear, math.nan, beside.slope[:, 0])
-            limit = beside.value - h * slope_there
-            whole = np.abs(limit - value) <= CONTINUOUS * (np.abs(limit) + np.abs(value))
-            # of a parabola through the value here, and value and slope there
-            side[member, p] = np.where(
-                whole, 2 * (beside.value - value) / h - slope_there, slope_there)
-            limits.append(np.where(whole, value, limit))
+            step = APART / np.max(np.abs(moved) / _sizes(make, around), axis=1)
+        h = np.stack([-step, step])
+        there = around + h[..., None] * moved
+        outside = (there[..., 3 * make.size[0] : make.profile[0]] < 0).any(axis=-1)
+        there = np.where(outside[..., None], around, there).reshape(-1, around.shape[1])
+        beside = _follow(quantity, there, np.tile(moved, (2, 1))[:, None], max_events, fast)
+        unclear = outside | (beside.event.reshape(h.shape) != SMOOTH)
+        slopes = np.where(unclear, math.nan, beside.slope.reshape(h.shape))
+        values = beside.value.reshape(h.shape)
+        limits = values - h * slopes
+        whole = np.abs(limits - value) <= CONTINUOUS * (np.abs(limits) + np.abs(value))
+        limits = np.where(whole, value, limits)
+        # of a parabola through the value here, and value and slope there
+        sides[:, member, p] = np.where(whole, 2 * (values - value) / h - slopes, slopes)
         jump[member, p] = limits[1] - limits[0]
-        b, a, size = below[member, p], above[member, p], np.abs(value) * APART / step
+        (b, a), size = sides[:, member, p], np.abs(value) * APART / step
         alike = np.abs(a - b) <= AGREE * (np.abs(a) + np.abs(b) + size)
         event[member, p] = np.where(alike & (jump[member, p] == 0), SMOOTH, event[member, p])
-    return [here.value, below, above, jump, event, here.when, here.where]
+    return [here.value, *sides, jump, event, here.when, here.where]
 
 
 def _sizes(make: Any, given: Array) -> Array:
