@@ -234,6 +234,12 @@ def test_what_holds_a_rod():
         path = f"bodies.{moving}.velocity"
         g = ri.gradient(held, "impulse.0", [path])
         assert g[path] == pytest.approx(g.value * (1 - 2 * moving), rel=1e-12)
+    left, right = (
+        ri.gradient(held, "impulse.0", [path]).one_sided[path]
+        for held, path in ((fixed, "bodies.0.area"), (fixed.mirrored(), "bodies.1.area"))
+    )
+    assert np.isfinite(left).all()
+    assert left == pytest.approx(right, rel=1e-9)
 
 
 @pytest.mark.parametrize(("system", "given", "message"), [
