@@ -70,10 +70,11 @@ def gradient(
     Parameters
     ----------
     system : System
-        Of any shape. Rods whose velocity and strain do not jump, without driven or absorbing ends.
+        Of any shape. Rods whose velocity and strain do not jump; no driven ends.
     of : str
         ``"restitution"``, ``"velocity_after.1"`` (m/s, of a body), ``"impulse.0"`` (N s) or
-        ``"duration.0"`` (s, of a contact).
+        ``"duration.0"`` (s, of a contact). What an absorbing end slows down for ever has no
+        velocity after.
     wrt : sequence of str
         Paths of a case file: ``"bodies.0.length"``, ``"contacts.0.gap"``,
         ``"materials.steel.wave_speed"``.
@@ -172,9 +173,10 @@ class Quantity:
         self.system, self.plan, self.of, able = system, plan, of, unilateral(system)
         self.kind, _, number = str(of).partition(".")
         bodies = range(len(system.bodies))
-        choices = [f"velocity_after.{i}" for i in bodies]
+        ending = [i for group in groups(system) if not _radiates(system, group) for i in group]
+        choices = [f"velocity_after.{i}" for i in ending]
         choices += [f"{name}.{k}" for name in ("impulse", "duration") for k in able]
-        if len(able) == 1:
+        if len(able) == 1 and {able[0], able[0] + 1} <= {*ending}:
             choices.append("restitution")
         if of not in choices:
             known = ", ".join(choices)
@@ -245,12 +247,13 @@ def _lacks(system: System) -> Problems:
                 (f"bodies.{i}.{name}", "jumps; its derivatives are not known, give one number")
                 for name in ("velocity", "strain") if isinstance(getattr(body, name), Steps)
             ]
-    problems += [
-        (f"ends.{side}", "has no derivatives; give Free() or Fixed()")
-        for side, end in zip(("left", "right"), system.ends, strict=True)
-        if isinstance(end, Absorbing)
-    ]
     return problems
+
+
+def _radiates(system: System, group: Sequence[int]) -> bool:
+    """Whether a group of bodies is bonded to an absorbing end."""
+    first, last = (isinstance(end, Absorbing) for end in system.ends)
+    return (first and group[0] == 0) or (last and group[-1] == len(system.bodies) - 1)
 
 
 def _powers(plan: Blueprint, places: Sequence[str]) -> Array:
@@ -303,8 +306,10 @@ def _both_sides(
         unclear = outside | (beside.event.reshape(h.shape) != SMOOTH)
         slopes = np.where(unclear, math.nan, beside.slope.reshape(h.shape))
         values = beside.value.reshape(h.shape)
-        limits = values - h * slopes
-        whole = np.abs(limits - value) <= CONTINUOUS * (np.abs(limits) + np.abs(value))
+        moves = h * slopes
+        limits = values - moves
+        whole = np.abs(limits - value) <= CONTINUOUS * (
+            np.abs(limits) + np.abs(value) + np.abs(moves) / APART)
         limits = np.where(whole, value, limits)
         # of a parabola through the value here, and value and slope there
         sides[:, member, p] = np.where(whole, 2 * (values - value) / h - slopes, slopes)

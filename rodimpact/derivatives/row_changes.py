@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..methods.fronts.front_kernel import BOND, FINAL, OPEN, Results
-from ..methods.fronts.layout_kernel import Make
+from ..methods.fronts.front_kernel import BOND, FINAL, Results
+from ..methods.fronts.layout_kernel import ENDLESS, Make
 from ..methods.row import Array
 from .tangent_kernel import LEAST, PARTING, SMOOTH, Begin, Derivatives
 
@@ -49,22 +49,24 @@ class RowChanges:
     def begin(self) -> Begin:
         """What changes at t = 0."""
         make, moved, (count, n, P) = self.make, self.moved, self.transit.shape
-        gap, walls = np.zeros((count, n + 1, P)), np.zeros((count, 2, P))
+        gap, outside = np.zeros((count, n + 1, P)), np.zeros((count, 2, P))
         gap[:, make.node] = moved[:, 3 * n : 3 * n + len(make.node)]
         strains = [place + 1 for place in self.places]
         stretching = moved[:, :n] * self.given[:, strains, None]
         stretching += self.segments[:, 0] * moved[:, strains]
-        for end in (0, -1):
-            if make.last[end] == 0:
-                walls[:, end] = moved[:, make.profile[end]]
         velocity = moved[:, self.places]
+        for end, sign in ((0, -1), (-1, 1)):
+            if make.outside[end] == ENDLESS:  # what comes in is what left last
+                outside[:, end] = velocity[:, end] + sign * stretching[:, end]
+            elif make.last[end] == 0:
+                outside[:, end] = moved[:, make.profile[end]]
         return Begin(
-            self.transit, self.impedance, velocity, stretching, gap, walls, self.least)
+            self.transit, self.impedance, velocity, stretching, gap, outside, self.least)
 
     def motion(self, results: Results, found: Derivatives) -> tuple[Array, Array]:
         """Of the velocities of what is bonded together, before and after; noted where they meet."""
-        n, status = self.transit.shape[1], self.status
-        starts = [s for s in range(n) if s == 0 or status[s] != BOND]
+        n, make = self.transit.shape[1], self.make
+        starts = [s for s in range(n) if s == 0 or self.status[s] != BOND]
         ends = [*starts[1:], n]
         c, Z, L = self.segments.swapaxes(0, 1)
         mass = Z * L / c
@@ -78,10 +80,12 @@ class RowChanges:
         after = before + (found.impulse[:, starts] - found.impulse[:, ends] - push * growth) / mass
         lengths = np.subtract(ends, starts)
         before, after = (np.repeat(x, lengths, axis=1) for x in (before, after))
-        for k in range(1, n):
+        endless = {node for node, kind in zip((ends[0], starts[-1]), make.outside, strict=True)
+                   if kind == ENDLESS}  # beside which no group has its last velocity yet
+        for k in {*starts[1:]} - endless:
             apart = results.after[:, k + 1] - results.after[:, k]
             met = (results.flag == FINAL) & (np.abs(apart) <= LEAST * self.scale)
-            if status[k] >= OPEN and met.any():
+            if met.any():
                 parting = np.abs(after[:, k] - after[:, k - 1]) > self.least
                 noted = met[:, None] & parting & (found.event == SMOOTH)
                 found.event[noted], found.where[noted] = PARTING, k

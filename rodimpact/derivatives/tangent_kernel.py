@@ -44,7 +44,7 @@ class Begin(NamedTuple):
     velocity: Any  # [member * segments inside * P]
     stretching: Any  # [member * segments inside * P] of wave speed times strain
     gap: Any  # [member * nodes * P]
-    walls: Any  # [member * 2 * P] velocity
+    outside: Any  # [member * 2 * P] waves of walls and endless bars
     least: Any  # [member * P] see `Tangents`
 
 
@@ -87,10 +87,11 @@ def begin_tangents(start: Begin, state: State, tick: Any, m: int, x: Tangents) -
     """Set the derivatives at t = 0 of member m, one tick of whose clock is this long."""
     nodes, P = len(state.status), len(x.now)
     for p in range(P):
-        for s in (0, nodes):
-            x.transit[s * P + p] = x.mobility[s * P + p] = 0.0
-        for l in (0, 1, 2 * nodes, 2 * nodes + 1):
-            x.arrived[l * P + p] = start.walls[(2 * m + l // nodes // 2) * P + p]
+        for end in range(2):  # an endless bar is of the impedance of what it goes on from
+            s, inside = end * nodes, m * (nodes - 1) + end * (nodes - 2)
+            x.transit[s * P + p] = 0.0
+            x.mobility[s * P + p] = -state.mobility[s] * start.impedance[inside * P + p]
+            x.arrived[(2 * s + end) * P + p] = start.outside[(2 * m + end) * P + p]
         x.least[p] = start.least[m * P + p]
     for i in range(P, nodes * P):
         s, j = i // P, (m * (nodes - 1) - 1) * P + i
