@@ -32,7 +32,8 @@ from ..running.jobs import pool_of
 from ..running.solving import solve
 from ..units import shown
 from .result import Gradient, Kink
-from .tangent_kernel import SMOOTH, Derivatives, Tangents, derive
+from .row_changes import RowChanges
+from .tangent_kernel import SMOOTH, Begin, Derivatives, Tangents, derive
 
 EVENTS = (
     "", "waves from both sides arrive together", "a gap closes just as a wave arrives",
@@ -51,7 +52,8 @@ CONTINUOUS = 1e-9  # relative difference of values that is none
 AGREE = 1e-6  # relative difference of the derivatives on both sides that is none
 MEMBERS = 1024  # that are run as one
 PLAIN = 5e-4  # s that a short member takes in plain Python, about
-FIRST = 2 + len(Results._fields)  # column of derivatives
+BEGIN = len(Begin._fields)  # columns that stay
+FIRST = BEGIN + len(Results._fields)  # column of derivatives
 ROW_NUMBERS = 11  # that a row of the log takes besides its derivatives
 
 
@@ -68,10 +70,11 @@ def gradient(
     Parameters
     ----------
     system : System
-        Of any shape. Rods whose velocity and strain do not jump, without driven or absorbing ends.
+        Of any shape. Rods whose velocity and strain do not jump; no driven ends.
     of : str
         ``"restitution"``, ``"velocity_after.1"`` (m/s, of a body), ``"impulse.0"`` (N s) or
-        ``"duration.0"`` (s, of a contact).
+        ``"duration.0"`` (s, of a contact). What an absorbing end slows down for ever has no
+        velocity after.
     wrt : sequence of str
         Paths of a case file: ``"bodies.0.length"``, ``"contacts.0.gap"``,
         ``"materials.steel.wave_speed"``.
@@ -157,6 +160,7 @@ class Traced(NamedTuple):
 
     value: Array
     slope: Array
+    size: Array
     event: Array
     when: Array
     where: Array
@@ -169,9 +173,10 @@ class Quantity:
         self.system, self.plan, self.of, able = system, plan, of, unilateral(system)
         self.kind, _, number = str(of).partition(".")
         bodies = range(len(system.bodies))
-        choices = [f"velocity_after.{i}" for i in bodies]
+        ending = [i for group in groups(system) if not _radiates(system, group) for i in group]
+        choices = [f"velocity_after.{i}" for i in ending]
         choices += [f"{name}.{k}" for name in ("impulse", "duration") for k in able]
-        if len(able) == 1:
+        if len(able) == 1 and {able[0], able[0] + 1} <= {*ending}:
             choices.append("restitution")
         if of not in choices:
             known = ", ".join(choices)
@@ -181,7 +186,8 @@ class Quantity:
         self._sources = [self._source(body) for body in bodies]
 
     def read(
-        self, given: Array, slope: Array, results: Results, found: Derivatives
+        self, given: Array, slope: Array, results: Results, found: Derivatives,
+        motion: tuple[Array, Array],
     ) -> tuple[Array, Array]:
         """Value [member] and derivatives [member, direction]; nan where the run is not final."""
         if self.kind in ("impulse", "duration"):
@@ -191,7 +197,7 @@ class Quantity:
         else:
             bodies = range(self.i, self.i + 2) if self.kind == "restitution" else (self.i,)
             before, after, d_before, d_after = zip(
-                *(self._velocities(i, given, slope, results, found) for i in bodies), strict=True)
+                *(self._velocities(i, given, slope, results, motion) for i in bodies), strict=True)
             value, derivative = after[0], d_after[0]
             if self.kind == "restitution":
                 episodes = results.episodes[:, self.plan.make.node[self.i]]
@@ -222,13 +228,14 @@ class Quantity:
         return False, self.plan.row.spans[body][0]
 
     def _velocities(
-        self, body: int, given: Array, slope: Array, results: Results, found: Derivatives
+        self, body: int, given: Array, slope: Array, results: Results, motion: tuple[Array, Array]
     ) -> tuple[Array, Array, Array, Array]:
         held, place = self._sources[body]
         if held:
             return (given[:, place],) * 2 + (slope[:, :, place],) * 2
-        return (results.before[:, place], results.after[:, place],
-                found.before[:, place], found.after[:, place])
+        before, after = motion
+        s = place - 1
+        return results.before[:, place], results.after[:, place], before[:, s], after[:, s]
 
 
 def _lacks(system: System) -> Problems:
@@ -240,12 +247,13 @@ def _lacks(system: System) -> Problems:
                 (f"bodies.{i}.{name}", "jumps; its derivatives are not known, give one number")
                 for name in ("velocity", "strain") if isinstance(getattr(body, name), Steps)
             ]
-    problems += [
-        (f"ends.{side}", "has no derivatives; give Free() or Fixed()")
-        for side, end in zip(("left", "right"), system.ends, strict=True)
-        if isinstance(end, Absorbing)
-    ]
     return problems
+
+
+def _radiates(system: System, group: Sequence[int]) -> bool:
+    """Whether a group of bodies is bonded to an absorbing end."""
+    first, last = (isinstance(end, Absorbing) for end in system.ends)
+    return (first and group[0] == 0) or (last and group[-1] == len(system.bodies) - 1)
 
 
 def _powers(plan: Blueprint, places: Sequence[str]) -> Array:
@@ -282,46 +290,34 @@ def _both_sides(
     """
     make = quantity.plan.make
     here = _follow(quantity, given, slope, max_events, fast)
-    below, above = here.slope.copy(), here.slope.copy()
-    jump, event = np.zeros_like(below), here.event.copy()
+    sides, event = np.stack([here.slope, here.slope]), here.event.copy()
+    jump = np.zeros_like(here.slope)
     member, p = np.nonzero(event != SMOOTH)
     if len(member):
-        with np.errstate(divide="ignore", invalid="ignore"):  # of what does not move
-            step = APART / np.max(np.abs(slope[member, p]) / _sizes(make, given[member]), axis=1)
-        moved, value, limits = slope[member, p], here.value[member], []
-        for side, sign in ((below, -1), (above, 1)):
-            h = sign * step
-            there = given[member] + h[:, None] * moved
-            outside = (there[:, 3 * make.size[0] : make.profile[0]] < 0).any(axis=1)
-            beside = _follow(quantity, np.where(outside[:, None], given[member], there),
-                             moved[:, None], max_events, fast)
-            unclear = outside | (beside.event[:, 0] != SMOOTH)
-            slope_there = np.where(unclear, math.nan, beside.slope[:, 0])
-            limit = beside.value - h * slope_there
-            whole = np.abs(limit - value) <= CONTINUOUS * (np.abs(limit) + np.abs(value))
-            # of a parabola through the value here, and value and slope there
-            side[member, p] = np.where(
-                whole, 2 * (beside.value - value) / h - slope_there, slope_there)
-            limits.append(np.where(whole, value, limit))
+        around, moved, value = given[member], slope[member, p], here.value[member]
+        with np.errstate(divide="ignore"):  # of what does not move
+            step = APART / here.size[member, p]
+        h = np.stack([-step, step])
+        there = around + h[..., None] * moved
+        gaps = slice(3 * make.size[0], 3 * make.size[0] + len(make.node))
+        outside = np.any(there[..., gaps] < 0, axis=-1)
+        there = np.where(outside[..., None], around, there).reshape(-1, around.shape[1])
+        beside = _follow(quantity, there, np.tile(moved, (2, 1))[:, None], max_events, fast)
+        unclear = outside | (beside.event.reshape(h.shape) != SMOOTH)
+        slopes = np.where(unclear, math.nan, beside.slope.reshape(h.shape))
+        values = beside.value.reshape(h.shape)
+        moves = h * slopes
+        limits = values - moves
+        whole = np.abs(limits - value) <= CONTINUOUS * (
+            np.abs(limits) + np.abs(value) + np.abs(moves) / APART)
+        limits = np.where(whole, value, limits)
+        # of a parabola through the value here, and value and slope there
+        sides[:, member, p] = np.where(whole, 2 * (values - value) / h - slopes, slopes)
         jump[member, p] = limits[1] - limits[0]
-        b, a, size = below[member, p], above[member, p], np.abs(value) * APART / step
+        (b, a), size = sides[:, member, p], np.abs(value) * APART / step
         alike = np.abs(a - b) <= AGREE * (np.abs(a) + np.abs(b) + size)
         event[member, p] = np.where(alike & (jump[member, p] == 0), SMOOTH, event[member, p])
-    return [here.value, below, above, jump, event, here.when, here.where]
-
-
-def _sizes(make: Any, given: Array) -> Array:
-    """What of each number of a row is as much as all of a length: [member, number]."""
-    n = make.size[0]
-    speeds, lengths = given[:, :n], given[:, 2 * n : 3 * n]
-    states = given[:, make.profile[0] :].reshape(len(given), -1, 2)
-    scale = np.ptp(states[:, :, 0], axis=1) + np.max(speeds, 1) * np.abs(states[:, :, 1]).max(1)
-    longest = np.max(lengths / speeds, axis=1)
-    sizes = given.copy()
-    sizes[:, 3 * n : make.profile[0]] = (scale * longest)[:, None]
-    sizes[:, make.profile[0] :: 2] = scale[:, None]
-    sizes[:, make.profile[0] + 1 :: 2] = (scale / np.max(speeds, axis=1))[:, None]
-    return sizes
+    return [here.value, *sides, jump, event, here.when, here.where]
 
 
 def _follow(
@@ -330,9 +326,9 @@ def _follow(
     """Run members and go through their logs."""
     plan, (count, P, _) = quantity.plan, slope.shape
     n = plan.make.size[0]
-    results = space(count, n)
-    widths = [(n + 2, P), (n + 2, P), (n + 1, P), (n + 1, P), (P,), (P,), (P,)]
-    kinds = [np.float64] * 4 + [np.int64, np.float64, np.int64]
+    results, changes = space(count, n), RowChanges(plan.make, plan.status, given, slope)
+    widths = [(n + 1, P), (n + 1, P), (P,), (P,), (P,)]
+    kinds = [np.float64] * 2 + [np.int64, np.float64, np.int64]
     columns: list[Any] = [
         np.zeros((count, *width), kind) for width, kind in zip(widths, kinds, strict=True)]
     found, waiting, room = Derivatives(*columns), np.arange(count), ROOM
@@ -341,42 +337,46 @@ def _follow(
         fast = fast or (room > ROOM and kernels.worth_compiling(seconds, lay_out_all, derive))
         what = f"following {room} fronts of a member"
         ask((ROW_NUMBERS + 2 * P) * room, "max_events", what, "lower the cap")
-        which: Any = waiting if len(waiting) < count else slice(None)
+        which: Any = slice(None)
+        some = changes
+        if len(waiting) < count:
+            which = waiting
+            some = RowChanges(plan.make, plan.status, given[waiting], slope[waiting])
         parts = [column[which] for column in (*results, *found)]
-        full = _trace(plan, given[which], slope[which], room, max_events, fast, parts)
+        full = _trace(plan, given[which], some, room, max_events, fast, parts)
         if len(waiting) < count:
             for column, part in zip((*results, *found), parts, strict=True):
                 column[waiting] = part
         waiting, room = waiting[full], 8 * room
-    value, derivative = quantity.read(given, slope, results, found)
-    return Traced(value, derivative, found.event, found.when, found.where)
+    motion = changes.motion(results, found)
+    value, derivative = quantity.read(given, slope, results, found, motion)
+    return Traced(value, derivative, changes.size, found.event, found.when, found.where)
 
 
 def _trace(
-    plan: Blueprint, given: Array, slope: Array, room: int, max_events: int, fast: bool,
+    plan: Blueprint, given: Array, changes: RowChanges, room: int, max_events: int, fast: bool,
     columns: Sequence[Array],
 ) -> Array:
     """Fill in the columns of results and derivatives of members; return which filled the log."""
     block = Block(plan, room, None, fast)
     members = block.lay_out(given)
-    n, P, rows = plan.make.size[0], slope.shape[1], len(block.state[2].tick)
+    n, P, rows = plan.make.size[0], columns[-1].shape[1], len(block.state[2].tick)
     x = Tangents(*([0.0] * (size * P) for size in (n + 2,) * 2 + (n + 1,) * 6
                    + (2 * n + 4,) * 2 + (rows,) * 2 + (1,) * 2))
     kernel: Any = derive
     status = block.status(members)
-    flat: list[Any] = [column.reshape(-1) for column in (given, slope, *columns)]
+    flat: list[Any] = [column.reshape(-1) for column in (*changes.begin(), *columns)]
     if fast:
         kernel, x = kernels.compiled(derive), Tangents(*map(np.array, x))
     else:
         flat = [column.tolist() for column in flat]
-    results, found = Results(*flat[2:FIRST]), Derivatives(*flat[FIRST:])
-    kernel(block.make, *flat[:2], *block.state, block.stocks, members, status, max_events, results,
+    results, found = Results(*flat[BEGIN:FIRST]), Derivatives(*flat[FIRST:])
+    kernel(Begin(*flat[:BEGIN]), *block.state, block.stocks, members, status, max_events, results,
            x, found)
     if not fast:
-        for column, values in zip(columns, flat[2:], strict=True):
+        for column, values in zip(columns, flat[BEGIN:], strict=True):
             column[...] = np.reshape(values, column.shape)
     return np.asarray((np.asarray(block.fates) == LAID) & (columns[0] == FULL))
-
 
 
 def _gradient(

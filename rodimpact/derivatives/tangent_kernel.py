@@ -28,13 +28,24 @@ from ..methods.fronts.front_kernel import (
     Results,
     State,
     Tally,
-    bonded_from,
     resolve_contact,
     run_member,
 )
 
 SMOOTH, ARRIVALS, CLOSING, FORCE, FRONT, PARTING, BORDER = range(7)  # what may come otherwise
 LEAST = 1e-8  # relative size of a derivative that is not round-off
+
+
+class Begin(NamedTuple):
+    """Derivatives at t = 0, in SI units and in rows, one a member."""
+
+    transit: Any  # [member * segments inside * P] relative
+    impedance: Any  # [member * segments inside * P] relative
+    velocity: Any  # [member * segments inside * P]
+    stretching: Any  # [member * segments inside * P] of wave speed times strain
+    gap: Any  # [member * nodes * P]
+    outside: Any  # [member * 2 * P] waves of walls and endless bars
+    least: Any  # [member * P] see `Tangents`
 
 
 class Tangents(NamedTuple):
@@ -59,12 +70,10 @@ class Tangents(NamedTuple):
 class Derivatives(NamedTuple):
     """What is found out about the members, per unit of what changes; in rows, one a member."""
 
-    before: Any  # [member * segments * P] velocity of the bonded group's motion
-    after: Any  # [member * segments * P]
     impulse: Any  # [member * nodes * P], as is the other
     duration: Any
     event: Any  # [member * P] SMOOTH, or what the first event is that may come otherwise
-    when: Any  # [member * P] its time
+    when: Any  # [member * P] its time, or if there is none when the collision is over
     where: Any  # [member * P] its node
 
 
@@ -74,53 +83,25 @@ def note(found: Derivatives, i: int, event: int, t: int, k: int) -> None:
         found.event[i], found.when[i], found.where[i] = event, t, k
 
 
-def begin_tangents(
-    make: Any, given: Any, slope: Any, members: Any, m: int, state: State, x: Tangents
-) -> None:
-    """Set the derivatives at t = 0 of member m: those of its clock, gaps and waves.
-
-    Parameters
-    ----------
-    make, given
-        As for the layout kernel.
-    slope : [member * P * numbers of a row]
-        Derivatives of the numbers of `given`.
-    members, m, state
-        As for the front kernel.
-    x : Tangents
-    """
-    n, width, P = make.size[0], make.size[1], len(x.least)
-    row = m * width
-    tick = members.tick_seconds[m]
+def begin_tangents(start: Begin, state: State, tick: Any, m: int, x: Tangents) -> None:
+    """Set the derivatives at t = 0 of member m, one tick of whose clock is this long."""
+    nodes, P = len(state.status), len(x.now)
     for p in range(P):
-        d = (m * P + p) * width
-        for s in (0, n + 1):
-            x.transit[s * P + p] = x.mobility[s * P + p] = 0 * tick
-        for l in range(2 * n + 4):
-            x.arrived[l * P + p] = 0 * tick
-        for k in range(n + 1):
-            for column in (x.since, x.gap, x.rate, x.force, x.impulse, x.pressed):
-                column[k * P + p] = 0 * tick
-        for i in range(len(make.node)):
-            x.gap[make.node[i] * P + p] = slope[d + 3 * n + i] / tick
-        most = 0.0
-        for body in range(len(make.first)):
-            dv, de = slope[d + make.profile[body]], slope[d + make.profile[body] + 1]
-            strain = given[row + make.profile[body] + 1]
-            most = max(most, abs(dv))
-            for s in range(make.first[body], make.last[body] + 1):
-                c, dc = given[row + s - 1], slope[d + s - 1]
-                dZ = slope[d + n + s - 1] / given[row + n + s - 1]
-                dL = slope[d + 2 * n + s - 1] / given[row + 2 * n + s - 1]
-                x.transit[s * P + p] = state.transit[s] * (dL - dc / c)
-                x.mobility[s * P + p] = -state.mobility[s] * dZ
-                x.arrived[2 * s * P + p] = dv - dc * strain - c * de
-                x.arrived[(2 * s + 1) * P + p] = dv + dc * strain + c * de
-                share = max(abs(dZ), abs(dc / c), abs(dL))
-                most = max(most, share * members.scale[m], abs(dc * strain) + abs(c * de))
-            if make.last[body] == 0:
-                x.arrived[(0 if body == 0 else 2 * n + 3) * P + p] = dv
-        x.least[p] = LEAST * most
+        for end in range(2):  # an endless bar is of the impedance of what it goes on from
+            s, inside = end * nodes, m * (nodes - 1) + end * (nodes - 2)
+            x.transit[s * P + p] = 0.0
+            x.mobility[s * P + p] = -state.mobility[s] * start.impedance[inside * P + p]
+            x.arrived[(2 * s + end) * P + p] = start.outside[(2 * m + end) * P + p]
+        x.least[p] = start.least[m * P + p]
+    for i in range(P, nodes * P):
+        s, j = i // P, (m * (nodes - 1) - 1) * P + i
+        x.transit[i] = state.transit[s] * start.transit[j]
+        x.mobility[i] = -state.mobility[s] * start.impedance[j]
+        x.arrived[i + s * P] = start.velocity[j] - start.stretching[j]
+        x.arrived[i + s * P + P] = start.velocity[j] + start.stretching[j]
+    for i in range(nodes * P):
+        x.gap[i] = start.gap[m * nodes * P + i] / tick
+        x.since[i] = x.rate[i] = x.force[i] = x.impulse[i] = x.pressed[i] = 0.0
 
 
 def rewind(state: State, log: Log, count: int, members: Any, status: Any, m: int) -> None:
@@ -251,44 +232,8 @@ def pass_log(
                 x.pressed[i] -= x.since[i]
 
 
-def group_tangents(
-    make: Any, given: Any, slope: Any, members: Any, m: int, state: State, tally: Tally,
-    clock: Any, stocks: tuple[GroupState, GroupState], x: Tangents, found: Derivatives,
-) -> None:
-    """Derivatives of the velocities of free groups, before and after."""
-    opening, closing = stocks
-    n, width, P, first = make.size[0], make.size[1], len(x.now), 1
-    row, cell, frame = m * width, m * (n + 2), members.frame[m]
-    while first <= n:
-        last, mass = bonded_from(state, first)
-        pushed = (tally.impulse[first - 1] - tally.impulse[last]) / mass
-        for p in range(P):
-            mass_slope, velocity_slope = 0 * mass, 0 * mass
-            for body in range(len(make.first)):
-                at = make.profile[body]
-                for s in range(max(first, make.first[body]), min(last, make.last[body]) + 1):
-                    T, Y, i = state.transit[s], state.mobility[s], s * P + p
-                    own = (x.transit[i] - T * x.mobility[i] / Y) / Y
-                    mass_slope += own
-                    velocity_slope += own * (given[row + at] - frame - opening.velocity[s])
-                    velocity_slope += T / Y * slope[(m * P + p) * width + at]
-            velocity_slope /= mass
-            push = x.impulse[(first - 1) * P + p] - x.impulse[last * P + p] - pushed * mass_slope
-            for s in range(first, last + 1):
-                found.before[(cell + s) * P + p] = velocity_slope
-                found.after[(cell + s) * P + p] = velocity_slope + push / mass
-        first = last + 1
-    for k in range(1, n):
-        parting = closing.velocity[k + 1] - closing.velocity[k]
-        if state.status[k] >= OPEN and abs(parting) <= LEAST * members.scale[m]:
-            for p in range(P):
-                i = (cell + k) * P + p
-                if abs(found.after[i + P] - found.after[i]) > x.least[p]:
-                    note(found, m * P + p, PARTING, clock[FINALITY], k)
-
-
 def derive(
-    make: Any, given: Any, slope: Any, state: State, tally: Tally, log: Log, clock: Any,
+    start: Begin, state: State, tally: Tally, log: Log, clock: Any,
     stocks: tuple[GroupState, GroupState], members: Any, status: Any, limit: int,
     results: Results, x: Tangents, found: Derivatives,
 ) -> None:
@@ -296,28 +241,27 @@ def derive(
 
     Parameters
     ----------
-    make, given, slope, x
+    start, x
         See `begin_tangents`.
     state, tally, log, clock, stocks, members, status, limit, results
         See `family`.
     found : Derivatives
         Filled in, of members that are proved final.
     """
-    nodes, P = len(state.status), len(x.now)
+    entries, P = len(x.impulse), len(x.now)
     for m in range(len(members.count)):
         run_member(state, tally, log, clock, stocks, members, status, limit, results, m)
         if results.flag[m] != FINAL:
             continue
         tick = members.tick_seconds[m]
-        for p in range(P):
-            found.event[m * P + p] = SMOOTH
+        for i in range(m * P, m * P + P):
+            found.event[i], found.when[i] = SMOOTH, clock[FINALITY]
         rewind(state, log, members.count[m], members, status, m)
-        begin_tangents(make, given, slope, members, m, state, x)
+        begin_tangents(start, state, tick, m, x)
         pass_log(state, log, x, clock, members.count[m], members.tolerance[m], members.window[m],
                  found, m)
-        group_tangents(make, given, slope, members, m, state, tally, clock, stocks, x, found)
-        for i in range(nodes * P):
-            found.impulse[m * nodes * P + i] = x.impulse[i] * tick
-            found.duration[m * nodes * P + i] = x.pressed[i] * tick
-        for p in range(P):
-            found.when[m * P + p] *= tick
+        for i in range(entries):
+            found.impulse[m * entries + i] = x.impulse[i] * tick
+            found.duration[m * entries + i] = x.pressed[i] * tick
+        for i in range(m * P, m * P + P):
+            found.when[i] *= tick

@@ -234,6 +234,30 @@ def test_what_holds_a_rod():
         path = f"bodies.{moving}.velocity"
         g = ri.gradient(held, "impulse.0", [path])
         assert g[path] == pytest.approx(g.value * (1 - 2 * moving), rel=1e-12)
+    left, right = (
+        ri.gradient(held, "impulse.0", [path]).one_sided[path]
+        for held, path in ((fixed, "bodies.0.area"), (fixed.mirrored(), "bodies.1.area"))
+    )
+    assert np.isfinite(left).all()
+    assert left == pytest.approx(right, rel=1e-9)
+
+
+@pytest.mark.parametrize("area", [1e-4, 1.7e-4])
+def test_a_striker_on_an_endless_bar(area):
+    """It takes (r - 1)/(r + 1) of its speed back; r is the ratio of impedances."""
+    row = ri.System(pair(0.4, 0.5, area).bodies, ends=[ri.Free(), ri.Absorbing()])
+    mass, r = 0.4 * 1e-4 * STEEL.density, area / 1e-4
+    for system, striker, bar in ((row, 0, 1), (row.mirrored(), 1, 0)):
+        back, v = (r - 1) / (r + 1), 1 - 2 * striker
+        paths = [f"bodies.{striker}.velocity", f"bodies.{striker}.length", f"bodies.{bar}.length"]
+        g = ri.gradient(system, f"velocity_after.{striker}", paths)
+        np.testing.assert_allclose(g, [-back, 0, 0], atol=1e-12)
+        g = ri.gradient(system, "impulse.0", paths)
+        np.testing.assert_allclose(
+            g, [v * mass * (1 + back), mass * (1 + back) / 0.4, 0], atol=1e-12)
+        path = f"bodies.{bar}.area"
+        slope = ri.gradient(system, f"velocity_after.{striker}", [path]).one_sided[path][1]
+        assert slope == pytest.approx(-v * 2e4 / (1 + r) ** 2, rel=1e-7)
 
 
 @pytest.mark.parametrize(("system", "given", "message"), [
@@ -245,7 +269,8 @@ def test_what_holds_a_rod():
     (pair(), {"wrt": [1]}, "wrt: must be a list of paths"),
     (pair(), {"workers": 0, "max_events": 0}, "max_events: must be a positive"),
     (pair(), {"workers": 0}, "workers: must be a positive"),
-    (ri.System(pair().bodies, ends=[ri.Free(), ri.Absorbing()]), {}, "ends.right"),
+    (ri.System(pair().bodies, ends=[ri.Free(), ri.Absorbing()]), {"of": "velocity_after.1"},
+     "of: must be one of velocity_after.0, impulse.0, duration.0, got"),
     (ri.System([ri.Rod(1.0, area=1e-4, material=STEEL, velocity=ri.Steps([1.0, 0.0], [0.5])),
                 ri.Wall()]), {}, "bodies.0.velocity: jumps"),
     (ri.System(pair().bodies, contacts=[ri.Hertz(1e10)]), {}, 'method "fronts" has no compliant'),

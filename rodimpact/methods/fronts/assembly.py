@@ -33,7 +33,7 @@ from .layout_kernel import (
     Layout,
     Make,
     Work,
-    lay_out,
+    lay_out_all,
 )
 
 OUTSIDE: dict[type[End], int] = {
@@ -161,17 +161,17 @@ def assemble(row: Row, until: float | None = None) -> Assembly:
     make, given = plan.make, cast("list[float]", plan.numbers)
     n = make.size[0]
     end = -1.0 if until is None else until
-    if kernels.worth_compiling(make.size[2] ** 2 * PAIR_TIME, lay_out):
+    fates: Any = [LAID]
+    if kernels.worth_compiling(make.size[2] ** 2 * PAIR_TIME, lay_out_all):
         layout, work = plan.space(1, np.full)
-        arrays = Make(*(np.array(x, dtype=np.int64) for x in make))
-        fate = kernels.compiled(lay_out)(arrays, np.array(given), 0, end, layout, work)
-        layout = Layout(*(x.tolist() for x in layout))
-        work = Work(*(x.tolist() for x in work))
+        arrays, fates = Make(*(np.array(x, dtype=np.int64) for x in make)), np.array(fates)
+        kernels.compiled(lay_out_all)(arrays, np.array(given), end, layout, work, fates)
+        layout, work = kernels.as_lists(layout), kernels.as_lists(work)
     else:
         layout, work = plan.space(1)
-        fate = lay_out(make, given, 0, end, layout, work)
-    if fate != LAID:
-        raise InvalidModel([_refusal(fate, plan, layout, work.duration)])
+        lay_out_all(make, given, end, layout, work, fates)
+    if fates[0] != LAID:
+        raise InvalidModel([_refusal(fates[0], plan, layout, work.duration)])
     waves: list[list[tuple[int, float]]] = [[] for _ in range(2 * n + 4)]
     for r in range(layout.count[0]):
         waves[layout.line[r]].append((layout.tick[r], layout.value[r]))
