@@ -98,7 +98,7 @@ def read_case(path: str | os.PathLike[str], vary: Mapping[str, str] | None = Non
     name = file_name(path)
     try:
         raw = _contents(name)
-    except (OSError, ValueError) as error:  # a name with a null byte is a ValueError
+    except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise InvalidModel([(name, f"cannot be read: {reason}")]) from None
     try:
@@ -112,6 +112,8 @@ def read_case(path: str | os.PathLike[str], vary: Mapping[str, str] | None = Non
 
 def _contents(path: str) -> bytes:
     """What is in a file; ValueError for a pipe or a device, which may never end."""
+    if "\0" in path:
+        raise ValueError("its name has a null byte")
     size = os.stat(path).st_size
     if os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path):
         raise ValueError("it is not a regular file; save the case in one")
