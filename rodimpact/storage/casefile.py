@@ -94,6 +94,18 @@ def read_case(path: str | os.PathLike[str], vary: Mapping[str, str] | None = Non
     ------
     InvalidModel
         If the file cannot be read, is no TOML, or describes no collision; with all its mistakes.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "case.toml")
+    ...     _ = path.write_text(ri.write_case(ri.System([rod, ri.Wall()])))
+    ...     case = ri.read_case(path)
+    >>> float(ri.solve(case.system, **case.solve).outcome.restitution)
+    1.0
     """
     name = file_name(path)
     try:
