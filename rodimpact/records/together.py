@@ -86,6 +86,16 @@ def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
 def signals_from_xarray(data: Any) -> dict[str, Signal]:
     """Make a signal of each variable of a Dataset; all and their times have ``units``.
 
+    Parameters
+    ----------
+    data : Dataset
+        Of variables over one dimension, the time.
+
+    Returns
+    -------
+    dict of str to Signal
+        In SI units, by the names of the variables.
+
     Raises
     ------
     ValueError

@@ -151,7 +151,7 @@ def _faces() -> list[Entry]:
     """Of rounded ends, in place of the stiffness of Hertz contact."""
     return [entry for side in SIDES for entry in (
         _number(f"{side}_radius", FACE, None, "flat; in place of stiffness"),
-        Entry(f"{side}_material", "", WORD, "that of the rod; else it does not yield"),
+        Entry(f"{side}_material", "", WORD, "that of the rod; else rigid"),
     )]
 
 

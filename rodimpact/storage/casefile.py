@@ -51,7 +51,7 @@ A profile is {values = [1.0, 0.0], at = [0.1]}, constant between jumps, or {samp
 equal distances from end to end. In time `at` are times, and samples have a `step` between them.
 
 A radius left out, or "inf", is that of a flat face. The faces of a Hertz contact are of the
-material of their rods; those of a mass or a wall do not yield, unless left_material or
+material of their rods; those of a mass or a wall are rigid, unless left_material or
 right_material names what they are made of.
 
 Any number but samples may be varied: the grid given for its path stands in for the entry, which
