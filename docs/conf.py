@@ -9,6 +9,7 @@ import contextlib
 import io
 import os
 import re
+import sys
 from pathlib import Path
 
 from sphinx.application import Sphinx
@@ -17,6 +18,7 @@ import rodimpact
 
 HERE = Path(__file__).parent
 os.environ["RODIMPACT_ROOT"] = str(HERE.parent)  # where cells find records and cases
+os.environ["PATH"] = str(Path(sys.executable).parent) + os.pathsep + os.environ["PATH"]  # commands
 
 project = "rodimpact"
 release = version = rodimpact.__version__
@@ -31,6 +33,8 @@ nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120
 nb_execution_in_temp = True
+nb_merge_streams = True
+nb_output_stderr = "remove"  # such as how long compiling takes; what fails stops the build
 nb_render_markdown_format = "myst"
 myst_heading_anchors = 3
 
@@ -52,7 +56,8 @@ html_show_sourcelink = False
 html_copy_source = False
 html_theme_options = {
     "show_prev_next": True, "navigation_with_keys": False, "secondary_sidebar_items": ["page-toc"],
-    "navbar_end": ["theme-switcher"], "show_toc_level": 2, "header_links_before_dropdown": 8,
+    "navbar_end": ["theme-switcher"], "navbar_persistent": ["search-button"], "show_toc_level": 2,
+    "header_links_before_dropdown": 8,
 }
 html_sidebars = {"[!a]*": []}  # names have one of all names, other pages none
 
@@ -63,11 +68,18 @@ def of_tuple(_app: Sphinx, _what: str, _name: str, member: object, _skip: bool, 
     return str(getattr(member, "__doc__", "")).startswith("Alias for field number") or None
 
 
+def public_signature(_app: Sphinx, _what: str, _name: str, _member: object, _options: object,
+                     signature: str | None, returns: str | None) -> tuple[str, str | None] | None:
+    """A result that is made by functions alone is shown without what it is made of."""
+    return ("", returns) if re.search(r"[(,] *_", signature or "") else None
+
+
 def link_ledger(_app: Sphinx, _path: Path, page: str, content: list[str]) -> None:
     """Files beside the ledger of validation are named, and its figures shown."""
     if page == "validation":
-        text = re.sub(r"^## \[(\w+\.py)\]\(\S+\)", r"## \1", content[0], flags=re.M)
+        text = re.sub(r"^## (?:\[(\w+\.py)\]\(\S+\)|(\w+)$)", r"### \1\2", content[0], flags=re.M)
         text = re.sub(r"^- \[\S+\]\((figures/\S+)\)", r"![](../validation/\1)", text, flags=re.M)
+        text = re.sub(r"e-(\d\d)\b", "e\N{NON-BREAKING HYPHEN}\\1", text)
         content[0] = text.partition("\n")[2]
 
 
@@ -86,5 +98,6 @@ def write_box(app: Sphinx, failure: Exception | None) -> None:
 def setup(app: Sphinx) -> None:
     """What happens while the manual is built."""
     app.connect("autodoc-skip-member", of_tuple)
+    app.connect("autodoc-process-signature", public_signature)
     app.connect("include-read", link_ledger)
     app.connect("build-finished", write_box)

@@ -3,6 +3,9 @@
 Every unit known here is an exact multiple of its SI unit, and the product is rounded to binary
 once: "10 mm" is the same float as 0.01, and "7.85 g/cm^3" the same as 7850.0. What was given and
 cannot be read is shown in a few words, by `shown`.
+
+>>> parse("10 mm", "length"), format_si(0.000385, "s")
+(0.01, '385 us')
 """
 
 from __future__ import annotations

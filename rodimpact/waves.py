@@ -111,8 +111,8 @@ class Bar(Frozen):
             message = f"is missing in {shown(material.name)}; dispersion needs it"
             raise InvalidModel([("bar.material.poisson_ratio", message)])
         if radius is None and piece.polar_moment != CIRCULAR:
-            message = "is not said to be round; give the rod polar_moment='circular' if it is, "
-            message += "or radius=, the equivalent radius in m that you choose"
+            message = "is not said to be round; give the rod polar_moment='circular' if it is (a "
+            message += "diameter sets its area alone), or radius=, the equivalent radius in m"
             raise InvalidModel([("bar.section", message)])
         a = np.sqrt(piece.area / math.pi) if radius is None else radius
         return cls(material.wave_speed, material.poisson_ratio, a)

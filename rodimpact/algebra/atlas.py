@@ -153,6 +153,9 @@ class Atlas:
     lines: Floats
     of_line: NDArray[np.int64]
 
+    def __repr__(self) -> str:
+        return f"<Atlas over {self.x[0]}, {self.y[0]}: {len(set(self.region))} regions>"
+
     def locate(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.int64]:
         """Index of the cell in which places lie, -1 for what is unresolved."""
         xs, ys = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))

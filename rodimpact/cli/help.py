@@ -12,13 +12,19 @@ from . import DONE
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What to tell."""
-    parser.add_argument("topic", choices=TOPICS, help="; ".join(
+    parser.add_argument("topic", nargs="?", choices=TOPICS, default="topics", help="; ".join(
         f"{topic}: {(tell.__doc__ or '').rstrip('.')}" for topic, tell in TOPICS.items()))
 
 
 def run(arguments: argparse.Namespace) -> tuple[str, int]:
     """The text on this topic."""
     return TOPICS[arguments.topic](), DONE
+
+
+def topics() -> str:
+    """These topics."""
+    rows = [(f"rodimpact help {topic}", tell.__doc__ or "") for topic, tell in TOPICS.items()]
+    return align([*rows, ("rodimpact --help", "All commands.")], left=(0, 1))
 
 
 def case() -> str:
@@ -45,4 +51,4 @@ def units() -> str:
     return align(rows, left=(0, 1, 2)) + "\n\nA bare number is in SI units."
 
 
-TOPICS = {"case": case, "units": units}
+TOPICS = {"topics": topics, "case": case, "units": units}

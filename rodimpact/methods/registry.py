@@ -63,13 +63,17 @@ class Options:
     Parameters
     ----------
     until : float, optional
-        Time to run to, s.
+        Time to run to, s; by default until it is proved that the collision is over.
     method : str
+        Its name, or ``"auto"``.
     max_events : int
+        Cap on arrivals of waves at ends.
     dt : float, optional
         Time step, s.
     rtol : float, optional
+        By how much the outcome may be wrong, relative.
     cells : int, optional
+        Of a grid, in the segment with the longest transit.
     snapshots : int or array_like, optional
         How many states to keep, or at which times, s.
 
@@ -80,7 +84,7 @@ class Options:
 
     See Also
     --------
-    rodimpact.solve : Says what they mean.
+    rodimpact.solve : Tells more of each.
     """
 
     until: float | None = None

@@ -24,10 +24,16 @@ Progress = Callable[[int, int], None]
 
 
 class Episode(NamedTuple):
-    """One uninterrupted touching that carried force; times in s.
+    """One uninterrupted touching that carried force.
 
-    start : first force; force_end : end of the last force (nan if it lasts to the end);
-    opening : when the gap opens (nan if it has not).
+    Attributes
+    ----------
+    start : float
+        When the force begins, s.
+    force_end : float
+        When the last force ends, s; nan if it lasts to the end of the run.
+    opening : float
+        When the gap opens, s; nan if it has not.
     """
 
     start: float
@@ -36,10 +42,23 @@ class Episode(NamedTuple):
 
 
 class ContactTally(NamedTuple):
-    """Totals of one contact, kept while the run went: SI units, times nan where there was none.
+    """Totals of one contact.
 
     A bonded contact or a joint has an impulse and a largest push; the rest is for those that can
     open.
+
+    Attributes
+    ----------
+    impulse : float
+        Integral of the force, N s.
+    peak_force : float
+        N.
+    duration : float
+        Time under force, s.
+    first, last : float
+        When the force first begins and last ends, s; nan if there was none.
+    episodes : int
+        How often the contact pressed.
     """
 
     impulse: float

@@ -179,7 +179,8 @@ class Segment(Frozen):
         from its left end, m, which is sampled at 1025 places from end to end.
     material : Material
     diameter : float or array
-        Of a solid round section, m, in place of the area.
+        Of a solid round section, m, in place of the area, and no more: what has to know that the
+        section is round is told by `polar_moment`.
     polar_moment : float, array or "circular", optional
         Polar second moment I_p of the cross-section about the axis, m^4, if the inertia of the
         motion sideways is to count; the material then needs a `poisson_ratio`. ``"circular"`` is
@@ -443,7 +444,8 @@ class Rod(_Body):
         a function of the distance from the left end, m, a tapered one.
     material : Material
     diameter : float or array
-        Of a solid round section, m, in place of the area.
+        Of a solid round section, m, in place of the area, and no more: what has to know that the
+        section is round is told by `polar_moment`.
     polar_moment : float, array or "circular", optional
         m^4, for lateral inertia, as in `Segment`.
     lateral_inertia : "rayleigh-love" or "mindlin-herrmann", optional

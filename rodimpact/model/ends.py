@@ -45,7 +45,7 @@ class Fixed(_End):
 class Absorbing(_End):
     """The rod goes on for ever: waves leave and none comes back.
 
-    What comes from outside stays what the initial state of the rod has there.
+    The wave that comes in from outside keeps the value that it has there at t = 0.
 
     Examples
     --------

@@ -48,8 +48,8 @@ class _Compliant(_Law):
 class Rigid(_Law):
     """Unilateral contact without compliance: gap >= 0, force >= 0, force times gap = 0.
 
-    Where a rod takes part its waves decide what follows. Between rigid bodies nothing does, and a
-    coefficient of restitution must be given.
+    Where a rod takes part its waves decide what follows. Two rigid bodies have no waves: between
+    them a coefficient of restitution must be given.
 
     Parameters
     ----------
@@ -256,7 +256,7 @@ class Hertz(_Compliant):
         left_radius, right_radius : float or array
             R1 and R2, m; ``math.inf`` for a flat face, but not for both.
         left_material, right_material : Material or None
-            With a `poisson_ratio`; None for a face that does not yield, but not for both.
+            With a `poisson_ratio`; None for a rigid face, but not for both.
 
         Raises
         ------
@@ -344,7 +344,7 @@ class HuntCrossley(_Compliant):
 class PowerLaw(_Compliant):
     """Elastic contact whose force is a power of the indentation: F = k d^p.
 
-    So do faces meet that fit together (p near 1), round (3/2) or pointed ones (2).
+    The exponent p is near 1 for faces that fit together, 3/2 for round ones and 2 for pointed ones.
 
     Parameters
     ----------

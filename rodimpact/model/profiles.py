@@ -48,7 +48,7 @@ class Steps(Frozen):
     Raises
     ------
     InvalidModel
-        When the counts do not fit, the positions do not increase, or a number is none.
+        When the counts do not fit, the positions do not increase, or a value is not a number.
 
     Examples
     --------
@@ -105,7 +105,7 @@ class Samples(Frozen):
     Raises
     ------
     InvalidModel
-        When there are fewer than two values, or a number is none.
+        When there are fewer than two values, or one is not a number.
 
     Examples
     --------

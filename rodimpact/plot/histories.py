@@ -66,6 +66,14 @@ def contact(
     ------
     ValueError
         If there is no such contact, the `ax` is no pair, or the solution lasts no time.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> picture = ri.plot.contact(ri.solve(ri.System([rod, ri.Wall()])))
+    >>> picture.force_ax.get_ylabel()
+    'contact force (kN)'
     """
     check_solution(solution)
     chosen = array("contact", contact, "").ravel().tolist()

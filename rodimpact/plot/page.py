@@ -42,7 +42,7 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     Raises
     ------
     ValueError
-        If the solution lasts no time, or gauges are none.
+        If the solution lasts no time, or `gauges` are no gauges by name.
     """
     check_solution(solution)
     time_scale(solution.t_end)  # refuses what lasts no time

@@ -36,9 +36,20 @@ def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> Non
     Raises
     ------
     ValueError
-        For any other suffix, or if `picture` is none.
+        For any other suffix, or if `picture` is none of these.
     FileExistsError
         If the file is there and `force` is false.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> import os, tempfile
+    >>> picture = ri.plot.energy(ri.solve(ri.System([rod, ri.Wall()])))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     ri.plot.save(picture, os.path.join(folder, "energy.svg"))
+    ...     os.listdir(folder)
+    ['energy.svg']
     """
     if isinstance(picture, Animation):
         picture.save(path, force=force)

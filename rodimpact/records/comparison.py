@@ -29,6 +29,13 @@ class Pulse(NamedTuple):
         From 10 % to 90 % of the plateau, s.
     plateau : float
         Median of its samples above 0.7 of the largest, in the unit of the signal, with its sign.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> pulse = ri.Signal([0.0, 0.0, -2.0, -2.0, -2.0, 0.0, 0.0], dt=1e-6, unit="N").pulse()
+    >>> round(pulse.width * 1e6, 6), round(pulse.rise * 1e6, 6), pulse.plateau
+    (3.0, 0.8, -2.0)
     """
 
     start: float
@@ -48,6 +55,14 @@ class Misfit(NamedTuple):
         By which the prediction came later, s.
     scale : float
         By which it was multiplied.
+
+    Examples
+    --------
+    >>> import numpy as np, rodimpact as ri
+    >>> record = ri.Signal(np.hanning(201), dt=1e-6)
+    >>> found = record.misfit((0.5 * record).shifted(-3e-6))
+    >>> round(found.shift * 1e6, 6), round(found.scale, 6)
+    (3.0, 2.0)
     """
 
     rms: float

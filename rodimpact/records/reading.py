@@ -129,7 +129,7 @@ def read_signals(
     ------
     FileFormatError
         If the file is no such table: with the line and the column of what cannot be read, of a
-        number that is none, of a time that does not increase, or of a gap.
+        value that is not a number, of a time that does not increase, or of a gap.
     ValueError
         If an argument is not what it should be.
     OSError

@@ -190,8 +190,8 @@ class Signal(Frozen):
     def extended(self, before: float = 0.0, after: float = 0.0) -> Signal:
         """Return the signal with its first value for some time before it, and its last after it, s.
 
-        What `low_pass` and `propagated` spread out, a record that begins just before its pulse
-        would lose.
+        A record that begins just before its pulse would lose what `low_pass` and `propagated`
+        spread out.
 
         Raises
         ------
@@ -394,7 +394,7 @@ class Signal(Frozen):
         ------
         ValueError
             If a scale is given and the units differ, this signal is 0 everywhere, or bounds are
-            none.
+            not two numbers, the smaller first.
 
         Examples
         --------

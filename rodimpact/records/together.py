@@ -46,6 +46,16 @@ def write_signals(path: PathLike, signals: Mapping[str, Signal], *, force: bool 
         If there is no signal, times differ, or a name would break the table.
     FileExistsError
         If the file is there and `force` is false.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, rodimpact as ri
+    >>> force = ri.Signal([0.0, 2.0, 0.0], dt=0.5, unit="N", name="force")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "record.csv")
+    ...     ri.write_signals(path, {"force": force})
+    ...     path.read_text().splitlines()
+    ['time [s],force [N]', '0.0,0.0', '0.5,2.0', '1.0,0.0']
     """
     times = _times_of(signals)
     problems: Problems = [("signals", said) for name in signals if (said := misnamed(name))]
@@ -75,6 +85,16 @@ def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
 
 def signals_from_xarray(data: Any) -> dict[str, Signal]:
     """Make a signal of each variable of a Dataset; all and their times have ``units``.
+
+    Parameters
+    ----------
+    data : Dataset
+        Of variables over one dimension, the time.
+
+    Returns
+    -------
+    dict of str to Signal
+        In SI units, by the names of the variables.
 
     Raises
     ------

@@ -65,6 +65,10 @@ def regions_of(
     limit : int
         Largest number of regions wanted.
 
+    Returns
+    -------
+    Regions
+
     Raises
     ------
     ValueError

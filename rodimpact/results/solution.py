@@ -63,9 +63,19 @@ class Solution:
     accuracy : dict of str to float
         Estimated error of each measure of the outcome, relative to its largest value, of velocities
         to their scale, where a time step was chosen; empty where the method is exact or the step
-        was given. All come to rtol but that of the duration, which hangs on faint forces.
+        was given. All reach rtol, except that of the duration, which depends on faint forces.
     fields : Fields
     method : str
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> solution = ri.solve(ri.System([rod, ri.Wall()]))
+    >>> solution.velocity(body=0, x=[0.1, 0.3], t=100e-6).tolist()
+    [-1.0, 0.0]
+    >>> solution.final, solution.method
+    (True, 'fronts')
     """
 
     def __init__(self, run: Run) -> None:

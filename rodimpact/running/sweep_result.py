@@ -260,9 +260,10 @@ class SweepResult:
             given = f"got {shown(start)} and {shown(stop)}"
             raise ValueError(f"start, stop: must be whole numbers, {given}")
         which = np.arange(math.prod(self.shape))[start:stop]
-        index = np.unravel_index(which, self.shape)
+        shape = self.shape or (1,)  # a single collision is a table of one line
+        index = np.unravel_index(which, shape)
         both = {**self.parameters, **self.columns, "status": self.status}
-        return {name: np.broadcast_to(v, self.shape)[index] for name, v in both.items()}
+        return {name: np.broadcast_to(v, shape)[index] for name, v in both.items()}
 
     def csv_lines(self) -> Iterator[str]:
         """Lines of a table of all members, names first: every digit, an empty cell for nan."""

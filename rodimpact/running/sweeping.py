@@ -54,7 +54,7 @@ class SweepError(ValueError):
     ----------
     index : tuple of int
     parameters : dict of str to float
-        What is special about this member, by path.
+        The numbers of this member that vary, by path.
     problems : list of (str, str)
         The member, and what is wrong with it.
     """

@@ -250,6 +250,8 @@ def _read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
         names = ", ".join(map(str, rods))
         table.note("body", f"must be the number of a rod, {names}; got {shown(body)}")
     given = table.data["fraction"] if table.has("fraction") else None
+    if given is None:
+        table.note("fraction", "is missing; give the place over the length of the rod, from 0 to 1")
     fraction = table.quantity("fraction", given, "dimensionless")
     if not 0 <= fraction <= 1:
         table.note("fraction", f"must lie in [0, 1], got {shown(given)}")

@@ -26,9 +26,10 @@ from .case_tables import REQUIRED, defaults_of
 TYPICAL = {
     "m": "400 mm", "m^2": "1 cm^2", "kg": "2 kg", "m/s": "1 m/s", "Pa": "200 GPa",
     "kg/m^3": "7.85 g/cm^3", "N": "5 kN", "N/m": "20 kN/mm", "N s/m": "200 N s/m",
-    "s/m": "0.3 s/m", "N/m^1.5": "10 GN/m^1.5", "N/m^p": 10**9, "": 2,
+    "s/m": "0.3 s/m", "N/m^1.5": "10 GN/m^1.5", "N/m^p": 10**9, "": "-500 microstrain",
+    "exponent": 2,
 }
-"""An example for each unit."""
+"""An example for each unit, and for what is no strain."""
 SIGNS = {"any": "any number", "positive": "> 0", "non-negative": ">= 0",
          "positive or infinite": '> 0, or "inf"'}
 WORD = "name of a material"
@@ -44,12 +45,13 @@ class Entry(NamedTuple):
 
 
 class Section(NamedTuple):
-    """One table of a case file, and the shortest example of it."""
+    """One table of a case file, the shortest example of it, and what it describes in Python."""
 
     title: str
     meaning: str
     entries: list[Entry]
     example: str
+    name: str = ""
 
 
 def sections() -> list[Section]:
@@ -76,6 +78,8 @@ def sections() -> list[Section]:
     contact = [_number("gap", System.fields["gaps"], 0.0),
                Entry("law", "", _either(CONTACT_LAWS), "rigid")]
     files = [Entry(key, "", "name of a file", "none") for key in ("plot", "save")]
+    gauge = [Entry("body", "", "number of a rod, from 0", "required"),
+             Entry("fraction", "1", "[0, 1]", "required")]
     return [
         Section("at the top", "What holds for the whole row.", top, f"schema = {SCHEMA}"),
         _section("[materials.NAME]", {}, Material, after=damping),
@@ -88,9 +92,12 @@ def sections() -> list[Section]:
           for name, law in CONTACT_LAWS.items()),
         *(_section("[ends.right]", {"kind": kind}, end) for kind, end in ENDS.items()),
         Section("[solve]", "How to solve it; `rodimpact run --help` says what these mean.",
-                _options(), _toml("[solve]", {"until": "2 ms"})),
+                _options(), _toml("[solve]", {"until": "2 ms"}), Options.__name__),
         Section("[output]", "What `rodimpact run` writes.", files,
                 _toml("[output]", {"plot": "case.png"})),
+        Section("[[gauges]]", "A strain gauge that `rodimpact explore` and `export` show: on which "
+                "rod, and where, over its length from the left end.",
+                gauge, _toml("[[gauges]]", {"body": 0, "fraction": 0.5})),
     ]
 
 
@@ -103,7 +110,7 @@ def _section(
     title = header.replace("right", "SIDE") + (f' {tag[0]} = "{tag[1]}"' if tag else "")
     meaning = (inspect.getdoc(kind) or "").partition("\n")[0]
     return Section(title, meaning, [*before, *_numbers(kind), *after],
-                   _toml(header, described | _needed(kind)))
+                   _toml(header, described | _needed(kind)), kind.__name__)
 
 
 def _numbers(kind: Any) -> list[Entry]:
@@ -135,7 +142,7 @@ def _place(kind: Any, key: str) -> str:
 def _needed(kind: Any) -> dict[str, Any]:
     """Typical values of the numbers that must be given."""
     return {
-        key: TYPICAL[field.unit] for key, field in kind.fields.items()
+        key: TYPICAL.get(key, TYPICAL[field.unit]) for key, field in kind.fields.items()
         if defaults_of(kind)[key] is REQUIRED or _place(kind, key).startswith("required")
     }
 
@@ -144,7 +151,7 @@ def _faces() -> list[Entry]:
     """Of rounded ends, in place of the stiffness of Hertz contact."""
     return [entry for side in SIDES for entry in (
         _number(f"{side}_radius", FACE, None, "flat; in place of stiffness"),
-        Entry(f"{side}_material", "", WORD, "that of the rod; else it does not yield"),
+        Entry(f"{side}_material", "", WORD, "that of the rod; else rigid"),
     )]
 
 

@@ -51,7 +51,7 @@ A profile is {values = [1.0, 0.0], at = [0.1]}, constant between jumps, or {samp
 equal distances from end to end. In time `at` are times, and samples have a `step` between them.
 
 A radius left out, or "inf", is that of a flat face. The faces of a Hertz contact are of the
-material of their rods; those of a mass or a wall do not yield, unless left_material or
+material of their rods; those of a mass or a wall are rigid, unless left_material or
 right_material names what they are made of.
 
 Any number but samples may be varied: the grid given for its path stands in for the entry, which
@@ -94,11 +94,23 @@ def read_case(path: str | os.PathLike[str], vary: Mapping[str, str] | None = Non
     ------
     InvalidModel
         If the file cannot be read, is no TOML, or describes no collision; with all its mistakes.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "case.toml")
+    ...     _ = path.write_text(ri.write_case(ri.System([rod, ri.Wall()])))
+    ...     case = ri.read_case(path)
+    >>> float(ri.solve(case.system, **case.solve).outcome.restitution)
+    1.0
     """
     name = file_name(path)
     try:
         raw = _contents(name)
-    except (OSError, ValueError) as error:  # a name with a null byte is a ValueError
+    except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise InvalidModel([(name, f"cannot be read: {reason}")]) from None
     try:
@@ -112,6 +124,8 @@ def read_case(path: str | os.PathLike[str], vary: Mapping[str, str] | None = Non
 
 def _contents(path: str) -> bytes:
     """What is in a file; ValueError for a pipe or a device, which may never end."""
+    if "\0" in path:
+        raise ValueError("its name has a null byte")
     size = os.stat(path).st_size
     if os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path):
         raise ValueError("it is not a regular file; save the case in one")

@@ -58,6 +58,7 @@ def test_a_stepped_rod_has_more_formulas(stepped):
 def test_what_the_cap_leaves_is_unresolved(pair):
     plane = ri.atlas(pair.system, pair.x, pair.y, most_cells=2)
     assert len(plane.cells) == 2
+    assert repr(plane) == f"<Atlas over {pair.x[0]}, {pair.y[0]}: 2 regions>"
     x, y = np.meshgrid(np.linspace(0.6, 3.5, 20), np.linspace(0.5, 1.6, 20))
     found = plane.locate(x, y)
     assert set(np.unique(found)) == {-1, 0, 1}

@@ -461,7 +461,7 @@ def test_a_checkpoint_keeps_the_sweep(case, capsys):
     assert err.count("\n") == 1
 
 
-@pytest.mark.filterwarnings("default")
+@pytest.mark.filterwarnings("default::rodimpact.DamagedChunks")
 def test_a_damaged_checkpoint_is_told_in_a_line(case, capsys):
     assert sweep("--vary", LENGTHS, "--checkpoint", "kept") == 0
     before = capsys.readouterr().out

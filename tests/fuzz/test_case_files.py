@@ -46,7 +46,8 @@ def check(status, out, errors, files):
         assert all(line.startswith("rodimpact: ") for line in errors.splitlines())
 
 
-@pytest.mark.filterwarnings("default")
+# what other tests left behind may be collected here, and tell that it was not closed
+@pytest.mark.filterwarnings("default", "ignore::ResourceWarning", "ignore::DeprecationWarning")
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_spoilt_case_is_refused_or_balances(capsys, monkeypatch, tmp_path, seed):
     rng = np.random.default_rng(seed)

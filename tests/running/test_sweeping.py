@@ -683,6 +683,12 @@ def test_a_number_that_does_not_exist_is_an_empty_cell():
     assert [line.split(",")[1] == "" for line in result.csv_lines()] == [False, True, False]
 
 
+def test_a_single_collision_is_a_table_of_one_line():
+    names, line = ri.sweep(pair(0.4, 1e-4)).csv_lines()
+    assert names.startswith("restitution,velocity_after.0,")
+    assert float(line.split(",")[0]) == pytest.approx(0.4)
+
+
 def test_to_dataframe():
     pytest.importorskip("pandas")
     result = ri.sweep(small_map((3, 2)))

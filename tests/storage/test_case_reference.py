@@ -68,6 +68,13 @@ def test_help_tells_every_table_and_every_unit(capsys):
         assert all(parse(f"1 {unit.strip()}", dimension) > 0 for unit in others if unit.strip())
 
 
+def test_help_without_a_topic_tells_the_topics(capsys):
+    assert main(["help"]) == 0
+    text = capsys.readouterr().out
+    assert "rodimpact help case " in text
+    assert "rodimpact help units " in text
+
+
 def test_an_unknown_topic_is_refused(capsys):
     assert main(["help", "cases"]) == 2
     assert "invalid choice: 'cases'" in capsys.readouterr().err

@@ -92,3 +92,9 @@ def test_a_bad_length_is_told_as_a_length(length):
 def test_a_name_of_a_file_holds_no_null_byte():
     found = problems(HEAD + A_ROD + '[output]\nplot = "a\\u0000b"')
     assert found == {"output.plot": r"must be the name of a file, got 'a\x00b'"}
+
+
+def test_a_gauge_without_a_place_is_told_so():
+    found = problems(HEAD + A_ROD + "[[gauges]]\nbody = 0\nx = 0.1")
+    assert found["gauges.0.fraction"].startswith("is missing; give the place")
+    assert found["gauges.0.x"] == "unknown key; use one of body, fraction"
