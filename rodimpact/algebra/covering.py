@@ -24,16 +24,17 @@ from ..model.frozen import InvalidModel
 from .cells import conditions
 from .formula import Field
 from .inequalities import factors, follows, is_linear
-from .intervals import ALL, SLOPES, Bounds, Floats, Range, constant, together, variable
+from .intervals import ALL, SLOPES, Bounds, Floats, Range, constant, constants, together, variable
 from .naming import Naming
 from .numbers import ZERO, Number, evaluate
+from .quotients import Quotient
 
 STEPS = 1 << 16  # of places in a box, so that fractions are short
 HAIR = Fraction(1, STEPS)  # how far beside these, so that nothing agrees by chance
 MATTERS = 0.01  # share of the largest velocity, impulse or duration
 MOST_BOXES = 32
 CUT = Fraction(53, 109)
-LONG = 10_000  # terms: of products with more, derivatives are not made
+LONG = 2_000  # terms: of products with more, derivatives are not made
 TIGHT, LOOSE = 1.001, 3.0  # times as wide as if results changed evenly all over the box
 
 Span = tuple[Fraction, Fraction]
@@ -160,7 +161,7 @@ class Cell:
             [] if e is None else [e], list(velocities), list(impulses), durations]
         self.conditions = conditions(run)
         self._borders: dict[int, list[Any]] = {}
-        self._formulas: dict[int, Any] = {}
+        self._formulas: dict[int, Quotient] = {}
 
     def holds(self, place: Place) -> bool:
         """Whether a place is inside."""
@@ -227,8 +228,8 @@ class Box:
         if not p:
             return self.number(0)
         if p not in self._polynomials:
-            total = together([self.number(Fraction(int(x.numerator), int(x.denominator)))
-                              for x in p.coeffs()])
+            total = constants((Fraction(int(x.numerator), int(x.denominator)) for x in p.coeffs()),
+                              len(self.spans))
             for x, powers in zip(p.ring.symbols, np.transpose(p.monoms()), strict=True):
                 if powers.any():
                     of_x = [self.number(1)]
@@ -238,18 +239,19 @@ class Box:
             self._polynomials[p] = total.total()
         return self._polynomials[p]
 
-    def quotient(self, f: Any) -> Range:
+    def quotient(self, f: Quotient) -> Range:
         """What a rational function can be: at the ends of what it grows with, or falls with."""
-        denominator = self.polynomial(f.denom)
-        found = self.polynomial(f.numer) / denominator
-        if len(f.numer) * len(f.denom) > LONG:
+        over, under = f.numer, f.denom
+        denominator = self.polynomial(under)
+        found = self.polynomial(over) / denominator
+        if len(over) * len(under) > LONG:
             return found
         low, high = found.low.copy(), found.high.copy()
-        variables = {x.name: t for x, t in zip(f.field.symbols, f.field.ring.gens, strict=True)}
+        variables = {x.name: t for x, t in zip(over.ring.symbols, over.ring.gens, strict=True)}
         ends: list[dict[str, Span]] = [dict(self.spans), dict(self.spans)]
         for i, (x, (least, most)) in enumerate(self.spans.items(), SLOPES):
             t = variables[x]
-            change = self.polynomial(f.numer.diff(t) * f.denom - f.numer * f.denom.diff(t))
+            change = self.polynomial(over.diff(t) * under - over * under.diff(t))
             slope = self.number(self.half[x]) * change / (denominator * denominator)
             low[i], high[i] = slope.bounds
             if low[i] >= 0 or high[i] <= 0:

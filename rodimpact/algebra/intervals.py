@@ -10,7 +10,7 @@ R. E. Moore, Interval Analysis, 1966), so that it is too wide by the square of t
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -108,11 +108,17 @@ def together(several: Sequence[Range]) -> Range:
     return Range(*(np.array([getattr(x, side) for x in several]) for side in ("low", "high")))
 
 
+def constants(several: Iterable[Fraction], variables: int) -> Range:
+    """Numbers over any box of so many variables."""
+    ends = np.array([around(x) for x in several])
+    low, high = (np.zeros((len(ends), SLOPES + variables)) for _ in range(2))
+    low[:, :SLOPES], high[:, :SLOPES] = ends[:, :1], ends[:, 1:]
+    return Range(low, high)
+
+
 def constant(x: Fraction, variables: int) -> Range:
     """A number over any box of so many variables."""
-    low, high = np.zeros(SLOPES + variables), np.zeros(SLOPES + variables)
-    low[:SLOPES], high[:SLOPES] = around(x)
-    return Range(low, high)
+    return constants([x], variables)[0]
 
 
 def variable(i: int, variables: int, middle: Fraction, half: Fraction) -> Range:
