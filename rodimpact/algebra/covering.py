@@ -23,17 +23,18 @@ from scipy.optimize import linprog
 from ..model.frozen import InvalidModel
 from .cells import conditions
 from .formula import Field
-from .inequalities import factors, follows, is_linear
+from .inequalities import factors, is_linear
 from .intervals import ALL, SLOPES, Bounds, Floats, Range, constant, constants, together, variable
 from .naming import Naming
 from .numbers import ZERO, Number, evaluate
 from .quotients import Quotient
 
-STEPS = 1 << 16  # of places in a box, so that fractions are short
+STEPS = 1 << 32  # of places in a box, so that fractions are short
 HAIR = Fraction(1, STEPS)  # how far beside these, so that nothing agrees by chance
 MATTERS = 0.01  # share of the largest velocity, impulse or duration
 MOST_BOXES = 32
 CUT = Fraction(53, 109)
+EXACTLY = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
 LONG = 2_000  # terms: of products with more, derivatives are not made
 TIGHT, LOOSE = 1.001, 3.0  # times as wide as if results changed evenly all over the box
 
@@ -117,7 +118,7 @@ class Covering:
         levels = [x.middle / s for x, s in zip(ranges, size, strict=True)]
         # where the borders are farthest away, as far as they are straight
         best = linprog([*(0 * hair), -1], np.c_[-np.array(slopes), np.ones(len(held))], levels,
-                       bounds=[(-1, 1)] * len(hair) + [(None, None)])
+                       bounds=[(-1, 1)] * len(hair) + [(None, None)], options=EXACTLY)
         if not best.success:
             raise _Bent
         if best.x[-1] > 0:
@@ -125,14 +126,21 @@ class Covering:
             values = {**self.field.naming.values({}), **place}
             if all(self.field.at(p, values) > 0 for p in held):
                 return place
+        shares = np.maximum(-best.ineqlin.marginals, 0)
         total = box.number(0)
-        for share, s, x in zip(-best.ineqlin.marginals, size, ranges, strict=True):
-            total += box.number(max(share, 0) / s) * x
-        others = [[q for q in held if q is not p] for p in held]
-        if total.bounds[1] < 0 or any(
-                is_linear(p) and follows(-p, rest) for p, rest in zip(held, others, strict=True)):
+        for share, s, x in zip(shares, size, ranges, strict=True):
+            total += box.number(share / s) * x
+        if total.bounds[1] < 0 or self._cancel([p for p, x in zip(held, shares, strict=True) if x]):
             return None
         raise _Bent
+
+    def _cancel(self, polynomials: list[Any]) -> bool:
+        """Whether linear forms add up to 0, with positive shares: then not all are positive."""
+        if not all(map(is_linear, polynomials)):
+            return False
+        columns = [[p.coeff(x) for x in (1, *p.ring.gens)] for p in polynomials]
+        shares = self.field.sympy.Matrix(columns).T.nullspace()
+        return any(all(x > 0 for x in v) or all(x < 0 for x in v) for v in shares)
 
 
 class _Bent(Exception):
@@ -272,7 +280,7 @@ class Box:
         slopes = [-x.slopes / s for x, s in zip(ranges, size, strict=True)]
         levels = [x.middle / s for x, s in zip(ranges, size, strict=True)]
         for sign in (1, -1):
-            best = linprog(-sign * f.slopes, slopes, levels, bounds=(-1, 1))
+            best = linprog(-sign * f.slopes, slopes, levels, bounds=(-1, 1), options=EXACTLY)
             total = self.number(sign) * f
             for share, s, x in zip(-best.ineqlin.marginals if best.success else (), size, ranges,
                                    strict=False):

@@ -54,7 +54,7 @@ def reduced(polynomials: Iterable[Any]) -> list[Any]:
     linear = [p for p in ordered if is_linear(p)]
     for p in linear[::-1]:
         others = [q for q in linear if q is not p]
-        if follows(p, others):
+        if _follows(p, others):
             linear = others
     return [*linear, *(p for p in ordered if not is_linear(p) and not any(
         map(definite, _in_new_variables(p, linear))))]
@@ -65,7 +65,7 @@ def is_linear(p: Any) -> bool:
     return all(sum(powers) <= 1 for powers in p.monoms())
 
 
-def follows(p: Any, others: list[Any]) -> bool:
+def _follows(p: Any, others: list[Any]) -> bool:
     """Whether a linear form is a sum of positive shares of others and of positive numbers."""
     if not others:
         return False

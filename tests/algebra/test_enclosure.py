@@ -100,6 +100,25 @@ def test_tolerances_of_some_percent_are_nearly_exact():
     assert (low, high) == pytest.approx((e.min(), e.max()), rel=1e-9)
 
 
+@pytest.mark.exhaustive
+def test_where_many_formulas_meet():
+    striker = ri.Rod(segments=[ri.Segment(0.2, 1e-4, STEEL), ri.Segment(0.2, 2e-4, STEEL)],
+                     velocity=1.0)
+    system = ri.System([striker, ri.Rod(1.0, area=1e-4, material=STEEL)])
+    found = ri.enclosure(system, {"length": "0.1 %"})
+    assert found.formulas > 10
+    rng = np.random.default_rng(0)
+    e = []
+    for _ in range(60):
+        run = ri.exact(system, {
+            path: Fraction(repr(low)) + (Fraction(repr(high)) - Fraction(repr(low)))
+            * Fraction(int(rng.integers(0, 5)), 4) for path, (low, high) in found.tolerances.items()
+        })
+        assert found.restitution[0] <= run.restitution <= found.restitution[1]
+        e.append(run.restitution)
+    assert found.restitution[1] - found.restitution[0] < 2 * (max(e) - min(e))
+
+
 def test_where_e_is_not_everywhere():
     found = ri.enclosure(pair(), {"bodies.0.velocity": 0.5, "bodies.1.velocity": 0.6})
     assert found.restitution is None
