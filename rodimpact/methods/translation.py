@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import gc
 import hashlib
 import pickle
 import sys
@@ -139,6 +140,16 @@ class Around(Compiler):
         super().__init__(*given)
         self.state.library = Whole(self.state.targetctx.codegen(), "whole")
         self.state.library.enable_object_caching()
+
+    def compile_extra(self, function: Any) -> Any:
+        """Make it, and look for garbage only then: almost all is in use until it is done."""
+        collecting = gc.isenabled()
+        gc.disable()
+        try:
+            return super().compile_extra(function)
+        finally:
+            if collecting:
+                gc.enable()
 
 
 @functools.cache
