@@ -82,12 +82,14 @@ def conditions(run: ExactRun) -> list[Number]:
 
 
 def spells_and_conditions(run: ExactRun) -> tuple[list[Spell], list[Number]]:
-    """Split what `conditions` tells into what is positive, and spells in which waves come as may be.
+    """Spells in which waves come in any order, and numbers that are positive.
 
-    The cell is the larger one in which every contact presses, or is open, throughout its spells.
+    They make the larger cell in which every contact presses, or is open, throughout its spells.
     """
     spells, found, loops = _history(run)
-    found += [x for pair in loops for x in _apart(*pair, set())]
+    for left, right in loops:
+        order = [later - t for loop in (left, right) for (_, t), (_, later) in pairwise(loop)]
+        found += order + _apart(left, right, {x.value for x in order})
     found += [x for spell in spells for x in (*spell.at_the_start, *spell.bounds)]
     return [spell for spell in spells if spell.status in (PRESS, OPEN)], _distinct(found)
 
@@ -284,7 +286,7 @@ def _apart(left: Loop, right: Loop, ordered: set[Any]) -> list[Number]:
     found = []
     levels = [[level for level, _ in loop] for loop in (left, right)]
     for loop, mine, others, sign in ((left, *levels, 1), (right, *levels[::-1], -1)):
-        for i, ((level, t), (then, later)) in enumerate(zip(loop, loop[1:], strict=False)):
+        for i, ((level, t), (then, later)) in enumerate(pairwise(loop)):
             between = loop[i - 1][0] + then - level
             if (later - t).value in ordered:
                 continue

@@ -134,6 +134,22 @@ def agree(form, system, paths, rng, count):
     return places
 
 
+def agree_at_the_border(form, system, paths, rng):
+    """Go from the system to where the formula ends, and compare there, just inside."""
+    inside = {name: x * (1 + Fraction(rng.randint(-9, 9), 10**4)) for name, x in form.values.items()}
+    outside = {name: x * Fraction(rng.randint(5, 20), 10) for name, x in form.values.items()}
+    if not form.holds(**inside) or form.holds(**outside):
+        return 0
+    for _ in range(20):
+        middle = {name: (x + outside[name]) / 2 for name, x in inside.items()}
+        if form.holds(**middle):
+            inside = middle
+        else:
+            outside = middle
+    assert form.at(**inside) == ri.exact(system, {paths[name]: x for name, x in inside.items()})
+    return 1
+
+
 def random_row(rng, count):
     common = rng.random() < 0.4
     T = [Fraction(rng.randint(1, 9)) if common else Fraction(rng.randint(100, 900), 100)
@@ -148,7 +164,7 @@ def random_row(rng, count):
                       for case in [(2, 200), (3, 50)]),
 ])
 def test_random_rows_agree_with_runs_on_fractions(bodies, rows):
-    rng, places = random.Random(rows), 0
+    rng, places, borders = random.Random(rows), 0, 0
     for _ in range(rows):
         system = random_row(rng, bodies)
         form = ri.closed_form(system)
@@ -159,8 +175,10 @@ def test_random_rows_agree_with_runs_on_fractions(bodies, rows):
             results = [(at.velocities_after, at.impulses)
                        for at in (side.at() for side in (form, *form.sides))]
             assert (there.velocities_after, there.impulses) in results
-        places += agree(form, system, {**form.symbols}, rng, 3)
+        places += agree(form, system, form.symbols, rng, 3)
+        borders += agree_at_the_border(form, system, form.symbols, rng)
     assert places >= rows
+    assert borders >= rows / 3
 
 
 @pytest.mark.parametrize(("symbols", "said"), [
