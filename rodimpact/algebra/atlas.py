@@ -242,7 +242,8 @@ def _locate(cells: list[Cell], x: Floats, y: Floats) -> NDArray[np.int64]:
 def _rounded(places: Floats, room: Any = 1.0) -> Floats:
     """Shares of the axes, within a little of the room that is there, as short fractions."""
     fine = FINE * 2.0 ** np.ceil(np.log2(1 / room))
-    return np.minimum((2 * np.floor(fine * places) + 1) / (2 * fine), 1 - 1 / (2 * fine))
+    shares: Floats = np.minimum((2 * np.floor(fine * places) + 1) / (2 * fine), 1 - 1 / (2 * fine))
+    return shares
 
 
 class _Search:

@@ -283,15 +283,15 @@ def _loop(run: ExactRun, k: int, right: bool) -> Loop:
 
 def _apart(left: Loop, right: Loop, ordered: set[Any]) -> list[Number]:
     """Levels on the right are above those on the left, also where two jumps change places."""
-    found = []
-    levels = [[level for level, _ in loop] for loop in (left, right)]
-    for loop, mine, others, sign in ((left, *levels, 1), (right, *levels[::-1], -1)):
+    found: list[Number] = []
+    lower, upper = ([level for level, _ in loop] for loop in (left, right))
+    for loop, mine, others, sign in ((left, lower, upper, 1), (right, upper, lower, -1)):
         for i, ((level, t), (then, later)) in enumerate(pairwise(loop)):
             between = loop[i - 1][0] + then - level
             if (later - t).value in ordered:
                 continue
-            if all((other - between).value * sign > 0 for other in others):
+            if all((other - between) * sign > 0 for other in others):
                 mine.append(between)
             else:
                 found.append(later - t)
-    return found + [high - low for high in levels[1] for low in levels[0]]
+    return found + [high - low for high in upper for low in lower]

@@ -285,7 +285,7 @@ class ClosedForm:
 
     @property
     def impulses(self) -> tuple[Any, ...]:
-        """At each contact, N s."""
+        """At each contact, N s; at a bond its average, as vibration goes on."""
         return tuple(self._results[2])
 
     @property

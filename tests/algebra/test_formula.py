@@ -95,6 +95,16 @@ def test_a_contact_of_no_duration_is_a_border():
     assert {len(side.contact_times[1]) for side in (form, *form.sides)} == {1, 2}
 
 
+def test_a_bond_has_an_average_impulse_which_has_a_formula():
+    rods = [ri.Rod(T, area=Z, material=UNIT, velocity=v)
+            for T, Z, v in [(3.0, 2.5, 1.0), (1.0, 2.0, 0.5), (3.0, 0.5, 0.0)]]
+    system = ri.System(rods, contacts=[ri.Bonded(), ri.Rigid()])
+    form = ri.closed_form(system)
+    assert agree(form, system, form.symbols, random.Random(2), 3)
+    done = ri.exact(system)
+    assert done.impulses[0] == Fraction(15, 2) * (1 - done.velocities_after[0])
+
+
 def test_materials_gaps_and_velocities_in_symbols():
     form = ri.closed_form(row([1, 2], [1, 3], gaps=[0.25]), ["gap", "velocity", "length"])
     l1, l2 = names("l")
@@ -136,8 +146,8 @@ def agree(form, system, paths, rng, count):
 
 def agree_at_the_border(form, system, paths, rng):
     """Go from the system to where the formula ends, and compare there, just inside."""
-    inside = {name: x * (1 + Fraction(rng.randint(-9, 9), 10**4)) for name, x in form.values.items()}
-    outside = {name: x * Fraction(rng.randint(5, 20), 10) for name, x in form.values.items()}
+    inside, outside = ({name: x * (1 + Fraction(rng.randint(-50, 100) * far, 100))
+                        for name, x in form.values.items()} for far in (Fraction(1, 500), 1))
     if not form.holds(**inside) or form.holds(**outside):
         return 0
     for _ in range(20):
