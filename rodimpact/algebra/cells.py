@@ -104,8 +104,10 @@ def _history(run: ExactRun) -> tuple[list[Spell], list[Number], list[tuple[Loop,
     end, wait = _end(run)
     found: list[Number] = []
     loops: list[tuple[Loop, Loop]] = []
+    vibrating = False
     for k in contacts:
         after = _for_ever_after(run, k, end)
+        vibrating |= len(after) == 3
         if isinstance(after, tuple):
             loops.append(after)
         else:
@@ -117,7 +119,10 @@ def _history(run: ExactRun) -> tuple[list[Spell], list[Number], list[tuple[Loop,
     for k in contacts:
         of_contact, later = _spells(run, k, end + wait)
         spells += of_contact
-        found += [t - end for t in later]
+        last = of_contact[-1].start
+        found += [x for t in later for x in (t - end, t - last)]
+        if vibrating:  # the energy is that of the end once all have ceased to press
+            found.append(abs(end - last))
     return spells, found, loops
 
 
@@ -140,7 +145,7 @@ def _end(run: ExactRun) -> tuple[Number, Number]:
         _go_on(run, later)
         proved: Any = finality_time(state, log, later, ZERO)  # type: ignore[arg-type]
         end = later if proved == later else end
-    last = max((t + ZERO for t in log.change_tick[: clock[CHANGES]]), default=ZERO)
+    last = max((t + ZERO for t in log.change_tick[: clock[CHANGES]] if t <= end), default=ZERO)
     wait = (end - last) * HALF
     _go_on(run, end + wait)
     return end + wait, wait

@@ -197,7 +197,8 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
             first, last = row.spans[i]
             mass = sum((numbers.transit[s - 1] * numbers.impedance[s - 1]
                         for s in range(first, last + 1)), ZERO)
-            impulses[i] = mass * (before[i] - after[i]) + (impulses[i - 1] if i else ZERO)
+            lost = mass * (numbers.velocity[i] - after[i])
+            impulses[i] = lost + (impulses[i - 1] if i else ZERO)
     return ExactRun(
         row, nodes, numbers, rate, state, tally, log, clock,
         flag == FINAL,
