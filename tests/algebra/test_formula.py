@@ -78,6 +78,23 @@ def test_on_a_border_both_formulas_are_told():
     assert form.holds(T2=Fraction(21, 10)) != other.holds(T2=Fraction(21, 10))
 
 
+def test_what_meets_the_formula_is_told():
+    told = str(ri.closed_form(row([1, 1, 1], [1, 1, 1]), ["transit_time"])).splitlines()
+    assert told[3:] == ["where T1 < T3", "It meets another formula where T1 = T3, as here:",
+                        "V1 = 0, V2 = (T1 - T3)/T2, V3 = 1 where T3 < T1"]
+    told = str(ri.closed_form(row([0.4, 1.0], [1e-4, 1e-4], STEEL))).splitlines()
+    assert told[1] == "where T1 < T2, Z1 < Z2"
+    assert told[2] == "It meets another formula where Z1 = Z2, as here (e = 2/5):"
+    assert told[3].endswith(" where Z2 < Z1")
+
+
+def test_that_a_cap_leaves_out_sides_is_told():
+    form = ri.closed_form(row([1, 2, 1], [1, 1, 1]), max_events=12)
+    assert form.unsolved
+    assert str(form).endswith("There are more, which max_events or the cap on cells has left out.")
+    assert not ri.closed_form(row([1, 2], [1, 0.5])).unsolved
+
+
 def test_three_equal_transits_keep_every_symbol():
     form = ri.closed_form(row([1, 1, 1], [1, 1, 1]), ["transit_time"])
     (other,) = form.sides
