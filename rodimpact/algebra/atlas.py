@@ -23,22 +23,40 @@ from ..model.frozen import InvalidModel, Problems, number
 from ..units import shown
 from .cells import spells_and_conditions
 from .naming import Naming
-from .numbers import Number, Program, mark
+from .numbers import Number, Program, evaluate, mark
 from .rows import check_cap, each
 
 Floats = NDArray[np.float64]
 LATTICE = 32  # places a side where cells are looked for
-FINE = 1 << 12, 1 << 24, 1 << 45  # steps a side to which these are rounded: short fractions first
+FINE = 1 << 12  # steps a side to which these are rounded, so that fractions are short
 CLOSE = 1e-11  # of the way between two places: as good as touching
 CUTS = 64  # in which a way is cut where a border is looked for, and each of these again
 ROUNDS = 8
 MOST_BETWEEN = 12  # times that an edge is cut where there is room for another cell
 MOST_CELLS = 300
-
-
+NOWHERE = -2  # the cell of a place in which floats do not see the place
 ABOVE = -1  # what a number has to be
 Check = tuple[int, list[Number]]
 """`ABOVE` and a number, or the status of a contact and the numbers of a spell of it."""
+
+
+class Checks:
+    """What holds in a cell, to be tried at many places."""
+
+    def __init__(self, checks: list[Check], names: list[str], known: dict[str, Fraction]) -> None:
+        self.checks, self.names = checks, names
+        self._known: dict[str, Any] = {name: float(value) for name, value in known.items()}
+        self._program = Program([number for _, of in checks for number in of], float)
+
+    def hold(self, x: Floats, y: Floats) -> Any:
+        """Which checks hold; [check][place]."""
+        at = {**self._known, **dict(zip(self.names, (x, y), strict=True))}
+        with np.errstate(all="ignore"):
+            values = iter(self._program(at))
+            return np.array([
+                np.broadcast_to(_good(status, [next(values) for _ in of]), x.shape)
+                for status, of in self.checks
+            ] or [np.full(x.shape, True)])
 
 
 class Cell:
@@ -53,55 +71,43 @@ class Cell:
         self.final, self.results, self.known = run.final, run.results, naming.place
         if self.final:
             spells, conditions = spells_and_conditions(run)
-            self._checks: list[Check] = [(ABOVE, [f]) for f in conditions]
-            self._checks += [(spell.status, spell.numbers) for spell in spells if spell.waves]
-            self._all = _program(self._checks)
+            checks: list[Check] = [(ABOVE, [f]) for f in conditions]
+            checks += [(spell.status, spell.numbers) for spell in spells if spell.waves]
+            self._checks = self._among(checks)
 
     def inside(self, x: Floats, y: Floats) -> Any:
         """Whether places lie in the cell."""
-        return self._hold(self._checks, x, y).all(axis=0)
+        return self._checks.hold(x, y).all(axis=0)
 
     def end(self, x: Floats, y: Floats, across: Floats, up: Floats) -> Floats:
         """Share of ways from places inside at which the cell ends, by cutting them again."""
-        holds = self._hold(self._checks, x + across, y + up)
-        broken = [check for check, good in zip(self._checks, holds, strict=True) if not good.all()]
+        holds = self._checks.hold(x + across, y + up)
+        broken = self._among([check for check, good in zip(self._checks.checks, holds, strict=True)
+                              if not good.all()])
         x, y, across, up = (of[:, None] for of in (x, y, across, up))
         low = np.zeros(x.shape)
         for n in range(1, ROUNDS + 1):
             shares = low + np.arange(1, CUTS + 1) / CUTS**n
-            inside = self._hold(broken, x + across * shares, y + up * shares).all(axis=0)
+            inside = broken.hold(x + across * shares, y + up * shares).all(axis=0)
             inside[:, -1] = False
             low += inside.argmin(axis=1, keepdims=True) / CUTS**n
         return low[:, 0]
 
-    def _hold(self, checks: list[Check], x: Floats, y: Floats) -> Any:
-        """Which checks hold; [check][place]."""
-        program = self._all if checks is self._checks else _program(checks)
-        values = iter(self._at(program, x, y))
-        return np.array([
-            np.broadcast_to(_good(status, [next(values) for _ in of]), x.shape)
-            for status, of in checks
-        ] or [np.full(x.shape, True)])
+    def _among(self, checks: list[Check]) -> Checks:
+        return Checks(checks, self.names, self.known)
 
     def restitution(self, x: Floats, y: Floats) -> Floats:
         """The formula of e, nan where there is none; [place]."""
         e = self.results.restitution
-        return np.broadcast_to(np.nan if e is None else self._at(Program([e]), x, y)[0], x.shape)
+        known: dict[str, Any] = {name: float(value) for name, value in self.known.items()}
+        at = {**known, **dict(zip(self.names, (x, y), strict=True))}
+        return np.broadcast_to(np.nan if e is None else evaluate([e], at, float)[0], x.shape)
 
     def formula(self) -> tuple[Any, ...]:
         """What is the same for cells of one region: how often contacts press, and the formula."""
         values: list[Number] = []
         each(self.results._replace(contact_times=()), values.append)
         return (*map(len, self.results.contact_times), *mark(values, self.known))
-
-    def _at(self, wanted: Program, x: Floats, y: Floats) -> list[Any]:
-        known: dict[str, Any] = {name: float(value) for name, value in self.known.items()}
-        with np.errstate(all="ignore"):
-            return wanted({**known, **dict(zip(self.names, (x, y), strict=True))}, float)
-
-
-def _program(checks: list[Check]) -> Program:
-    return Program([number for _, of in checks for number in of])
 
 
 def _good(status: int, values: list[Any]) -> Any:
@@ -236,6 +242,13 @@ def _locate(cells: list[Cell], x: Floats, y: Floats) -> NDArray[np.int64]:
     return found
 
 
+def _rounded(places: Floats, room: Any = 1.0) -> Floats:
+    """Shares of the axes, within a little of the room that is there, as short fractions."""
+    fine = FINE * 2.0 ** np.ceil(np.log2(1 / room))
+    shares: Floats = np.minimum((2 * np.floor(fine * places) + 1) / (2 * fine), 1 - 1 / (2 * fine))
+    return shares
+
+
 class _Search:
     """Finds the cells of a plane; places are shares of the axes."""
 
@@ -248,10 +261,10 @@ class _Search:
 
     def atlas(self) -> Atlas:
         rng = np.random.default_rng(1867)
-        self._fill(rng.random((2 * LATTICE * LATTICE, 2)))
+        self._fill(_rounded(rng.random((2 * LATTICE * LATTICE, 2))))
         grid = np.arange(LATTICE + 1) / LATTICE
-        nodes = np.stack(np.meshgrid(grid, grid, indexing="ij"), axis=-1).reshape(-1, 2)
-        owner = self._fill(nodes).reshape(LATTICE + 1, LATTICE + 1)
+        nodes = _rounded(np.stack(np.meshgrid(grid, grid, indexing="ij"), axis=-1).reshape(-1, 2))
+        owner = np.maximum(self._fill(nodes), -1).reshape(LATTICE + 1, LATTICE + 1)
         at = np.arange(owner.size).reshape(owner.shape)
         edges = np.array([*zip(at[:-1].ravel(), at[1:].ravel(), strict=True),
                           *zip(at[:, :-1].ravel(), at[:, 1:].ravel(), strict=True)])
@@ -266,45 +279,31 @@ class _Search:
         return low + (high - low) * places
 
     def _fill(self, places: Floats) -> NDArray[np.int64]:
-        """Cells of places, solved where they are in none yet."""
+        """Cells of places, solved where they are in none yet; -1 or `NOWHERE` where this fails."""
         plane = self._plane(places)
         found = _locate(self.cells, *plane.T)
-        tried = np.zeros(len(places), dtype=bool)
-        while len(self.cells) < self.most:
-            open_ = np.flatnonzero((found < 0) & ~tried)
-            if not open_.size:
-                break
-            tried[open_[0]], known = True, len(self.cells)
-            found[open_[0]] = self._solve(places[open_[0]])
-            here = _locate(self.cells[known:], *plane[open_].T)
-            found[open_[here >= 0]] = known + here[here >= 0]
+        for i in range(len(places)):
+            if found[i] == -1 and len(self.cells) < self.most:
+                found[i] = self._solve(places[i])
+                open_ = np.flatnonzero(found == -1)
+                if found[i] >= 0:
+                    found[open_[self.cells[-1].inside(*plane[open_].T)]] = found[i]
         return found
 
     def _solve(self, place: Floats) -> int:
-        """Add the cell of a place, and of places near it; return its index, -1 if there is none.
-
-        Of a place on a border it is the cell on one side.
-        """
-        owner = -1
-        for fine in FINE:
-            exact = tuple(
-                Fraction(low) + Fraction(int(fine * at) * 2 + 1, 2 * fine) * (Fraction(high)
-                                                                              - Fraction(low))
-                for at, (_, low, high) in zip(place, self.axes, strict=True)
-            )
-            (owner,) = _locate(self.cells, *(np.array([float(x)]) for x in exact))
-            if owner < 0:
-                if len(self.cells) == self.most:
-                    break
-                cell = Cell(self.naming, exact, self.max_events)  # type: ignore[arg-type]
-                if not cell.final:
-                    break
-                owner = len(self.cells)
-                self.cells.append(cell)
-                self.region.append(self._formulas.setdefault(cell.formula(), len(self._formulas)))
-            if self.cells[owner].inside(*self._plane(place[None]).T)[0]:
-                break
-        return int(owner)
+        """Add the cell of a place, if its collision comes to an end and floats tell the cell."""
+        exact = tuple(
+            Fraction(low) + Fraction(float(at)) * (Fraction(high) - Fraction(low))
+            for at, (_, low, high) in zip(place, self.axes, strict=True)
+        )
+        cell = Cell(self.naming, exact, self.max_events)  # type: ignore[arg-type]
+        if not cell.final:
+            return -1
+        if not cell.inside(*self._plane(place[None]).T)[0]:
+            return NOWHERE
+        self.cells.append(cell)
+        self.region.append(self._formulas.setdefault(cell.formula(), len(self._formulas)))
+        return len(self.cells) - 1
 
     def _cross(self, nodes: Floats, owner: Any, edges: Any) -> tuple[Floats, Any, Any]:
         """Where the formula changes along edges: places, regions on both sides, and the edge."""
@@ -324,12 +323,13 @@ class _Search:
                 places.append(middle[i])
                 between.append([self.region[c] if c >= 0 else -1 for c in (a, b)])
                 of.append(e)
-            there = self._fill(middle[~close])
+            middle = _rounded(middle[~close], ((right - left) / LATTICE)[~close, None])
+            there = self._fill(middle)
             more = []
-            for i, c in zip(np.flatnonzero(~close), there, strict=True):
+            for i, at, c in zip(np.flatnonzero(~close), middle, there, strict=True):
                 e, p, q, a, b = parts[i]
-                if c not in (a, b):
-                    more += [(e, p, middle[i], a, c), (e, middle[i], q, c, b)]
+                if c not in (a, b, NOWHERE):
+                    more += [(e, p, at, a, c), (e, at, q, c, b)]
             parts = more
         return np.array(places).reshape(-1, 2), np.array(between).reshape(-1, 2), np.array(of)
 

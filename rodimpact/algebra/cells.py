@@ -82,12 +82,14 @@ def conditions(run: ExactRun) -> list[Number]:
 
 
 def spells_and_conditions(run: ExactRun) -> tuple[list[Spell], list[Number]]:
-    """Split what `conditions` tells into what is positive, and spells in which waves come as may be.
+    """Spells in which waves come in any order, and numbers that are positive.
 
-    The cell is the larger one in which every contact presses, or is open, throughout its spells.
+    They make the larger cell in which every contact presses, or is open, throughout its spells.
     """
     spells, found, loops = _history(run)
-    found += [x for pair in loops for x in _apart(*pair, set())]
+    for left, right in loops:
+        order = [later - t for loop in (left, right) for (_, t), (_, later) in pairwise(loop)]
+        found += order + _apart(left, right, {x.value for x in order})
     found += [x for spell in spells for x in (*spell.at_the_start, *spell.bounds)]
     return [spell for spell in spells if spell.status in (PRESS, OPEN)], _distinct(found)
 
@@ -102,8 +104,10 @@ def _history(run: ExactRun) -> tuple[list[Spell], list[Number], list[tuple[Loop,
     end, wait = _end(run)
     found: list[Number] = []
     loops: list[tuple[Loop, Loop]] = []
+    vibrating = False
     for k in contacts:
         after = _for_ever_after(run, k, end)
+        vibrating |= len(after) == 3
         if isinstance(after, tuple):
             loops.append(after)
         else:
@@ -115,7 +119,10 @@ def _history(run: ExactRun) -> tuple[list[Spell], list[Number], list[tuple[Loop,
     for k in contacts:
         of_contact, later = _spells(run, k, end + wait)
         spells += of_contact
-        found += [t - end for t in later]
+        last = of_contact[-1].start
+        found += [x for t in later for x in (t - end, t - last)]
+        if vibrating:  # the energy is that of the end once all have ceased to press
+            found.append(abs(end - last))
     return spells, found, loops
 
 
@@ -138,7 +145,7 @@ def _end(run: ExactRun) -> tuple[Number, Number]:
         _go_on(run, later)
         proved: Any = finality_time(state, log, later, ZERO)  # type: ignore[arg-type]
         end = later if proved == later else end
-    last = max((t + ZERO for t in log.change_tick[: clock[CHANGES]]), default=ZERO)
+    last = max((t + ZERO for t in log.change_tick[: clock[CHANGES]] if t <= end), default=ZERO)
     wait = (end - last) * HALF
     _go_on(run, end + wait)
     return end + wait, wait
@@ -281,15 +288,15 @@ def _loop(run: ExactRun, k: int, right: bool) -> Loop:
 
 def _apart(left: Loop, right: Loop, ordered: set[Any]) -> list[Number]:
     """Levels on the right are above those on the left, also where two jumps change places."""
-    found = []
-    levels = [[level for level, _ in loop] for loop in (left, right)]
-    for loop, mine, others, sign in ((left, *levels, 1), (right, *levels[::-1], -1)):
-        for i, ((level, t), (then, later)) in enumerate(zip(loop, loop[1:], strict=False)):
+    found: list[Number] = []
+    lower, upper = ([level for level, _ in loop] for loop in (left, right))
+    for loop, mine, others, sign in ((left, lower, upper, 1), (right, upper, lower, -1)):
+        for i, ((level, t), (then, later)) in enumerate(pairwise(loop)):
             between = loop[i - 1][0] + then - level
             if (later - t).value in ordered:
                 continue
-            if all((other - between).value * sign > 0 for other in others):
+            if all((other - between) * sign > 0 for other in others):
                 mine.append(between)
             else:
                 found.append(later - t)
-    return found + [high - low for high in levels[1] for low in levels[0]]
+    return found + [high - low for high in upper for low in lower]

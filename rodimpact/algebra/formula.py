@@ -29,10 +29,14 @@ from .quotients import Quotient
 from .rational import Exact, fractions_of
 from .rows import check_cap, each
 
-HAIR = Fraction(1, 1 << 200)  # how far from the numbers of the system runs are made, of themselves
+SHORT = 1 << 24  # denominator of directions, so that fractions are short
+HAIR = Fraction(1, 1 << 120)  # how far from the numbers of the system runs are made, of themselves
 DIRECTIONS = 512  # in which sides are looked for
 MOST_SIDES = 64
 FACTORED = 400  # terms: longer polynomials are shown as they are
+FEW = 4  # other formulas, and borders, that are told in short
+LINE = 160  # characters of such a formula
+MANY = 10**6  # the largest denominator that is shown
 
 
 class Field:
@@ -164,16 +168,19 @@ class Side:
         return [row / np.linalg.norm(row) for row in rows if row.any()]
 
 
-def sides_of(field: Field, max_events: int) -> list[Side]:
-    """All the cells that meet at the numbers of the system, that in the first direction first.
+def sides_of(field: Field, max_events: int) -> tuple[list[Side], bool]:
+    """Cells that meet at the numbers of the system, that in the first direction first.
 
-    Sides on which the collision is not over after `max_events` are left out, but not the first.
+    Those in which the collision is not over after `max_events`, and those beyond `MOST_SIDES`,
+    are not among them; whether there are such is told. The first cannot be left out.
     """
     names = field.naming.free
     directions = np.random.default_rng(1867).uniform(-1, 1, (DIRECTIONS, len(names)))
-    directions[0] = np.linspace(1, 2, len(names))
+    directions[0] = np.linspace(1, 2, len(names)) + directions[0] / 1000  # no two steps alike
+    directions = np.round(directions * SHORT) / SHORT
     unseen = np.ones(DIRECTIONS, dtype=bool)
     sides: list[Side] = []
+    unsolved = False
     while unseen.any() and len(sides) < MOST_SIDES:
         i = int(np.flatnonzero(unseen)[0])
         unseen[i] = False
@@ -183,12 +190,14 @@ def sides_of(field: Field, max_events: int) -> list[Side]:
         except InvalidModel:
             if not sides:
                 raise
+            unsolved = True
             continue
         sides.append(side)
         if not len(side.slopes):
-            break
-        unseen &= ~(directions @ np.transpose(side.slopes) > 0).all(axis=1)
-    return sides
+            unseen[:] = False
+        else:
+            unseen &= ~(directions @ np.transpose(side.slopes) > 0).all(axis=1)
+    return sides, unsolved or bool(unseen.any())
 
 
 def closed_form(
@@ -235,14 +244,14 @@ def closed_form(
         symbols = [symbols]
     check_cap("max_events", max_events)
     field = Field(Naming(system, symbols))
-    sides = sides_of(field, max_events)
+    sides, unsolved = sides_of(field, max_events)
     groups: dict[Any, list[Side]] = {}
     for side in sides:
         groups.setdefault(side.mark, []).append(side)
 
     def form(group: list[Side], more: tuple[ClosedForm, ...] = ()) -> ClosedForm:
         others = tuple(side for side in sides if side not in group)
-        return ClosedForm(field, tuple(group), others, more)
+        return ClosedForm(field, tuple(group), others, more, unsolved)
 
     first, *rest = groups.values()
     return form(first, tuple(map(form, rest)))
@@ -256,12 +265,16 @@ class ClosedForm:
     ----------
     sides : tuple of ClosedForm
         Formulas of the other cells, if the numbers of the system lie on a border between them.
+    unsolved : bool
+        Whether there are more sides, where the collision is not over after `max_events`, or
+        beyond the cap on cells.
     """
 
     _field: Field
     _cells: tuple[Side, ...]  # those of this formula that meet at the numbers of the system
     _others: tuple[Side, ...]
     sides: tuple[ClosedForm, ...]
+    unsolved: bool
 
     @property
     def symbols(self) -> dict[str, str]:
@@ -285,7 +298,7 @@ class ClosedForm:
 
     @property
     def impulses(self) -> tuple[Any, ...]:
-        """At each contact, N s."""
+        """At each contact, N s; at a bond its average, as vibration goes on."""
         return tuple(self._results[2])
 
     @property
@@ -350,7 +363,26 @@ class ClosedForm:
 
     def __str__(self) -> str:
         lines = [f"{name} = {value}" for name, value in self._named()]
-        return "\n".join([*lines, f"where {', '.join(map(str, self.cell)) or 'always'}"])
+        lines.append(f"where {', '.join(map(str, self.cell)) or 'always'}")
+        if self.sides:
+            border = ", ".join(f"{tie.lhs} = {tie.rhs}" for tie in self._ties[:FEW])
+            count = len(self.sides)
+            others = f"{count} other formulas" if count > 1 else "another formula"
+            e = self.at().restitution
+            here = "" if e is None else f" (e = {e if e.denominator < MANY else float(e)})"
+            lines.append(f"It meets {others} where {border}, as here{here}:")
+            lines += map(_line, self.sides[:FEW])
+            if len(self.sides) > FEW:
+                lines.append("... see the others in .sides")
+        if self.unsolved:
+            lines.append("There are more, which max_events or the cap on cells has left out.")
+        return "\n".join(lines)
+
+    @property
+    def _ties(self) -> list[Any]:
+        """What tells the cell, or the first of them, from those beside it, the simplest first."""
+        beside = {p for other in self._others for p in other.ties}
+        return [self._field.inequality(p) for p in self._cells[0].ties if -p in beside]
 
     def _repr_latex_(self) -> str:
         latex = self._field.sympy.latex
@@ -362,3 +394,11 @@ class ClosedForm:
         if self.restitution is not None:
             return [("e", self.restitution)]
         return [(f"V{i}", v) for i, v in enumerate(self.velocities_after, 1)]
+
+
+def _line(form: ClosedForm) -> str:
+    """A formula beside another, in short."""
+    formula = ", ".join(f"{name} = {value}" for name, value in form._named())
+    if len(formula) > LINE:
+        formula = formula[:LINE].rsplit(" ", 1)[0] + " ..."
+    return f"{formula} where {', '.join(map(str, form._ties[:FEW]))}"

@@ -37,7 +37,8 @@ def factors(functions: Iterable[Quotient], value: Callable[[Any], Fraction]) -> 
     """
     found: dict[Any, None] = {}
     for f in functions:
-        upper = [(f.numer, 1)] if len(f.numer) > FACTORED else f.numer.factor_list()[1]
+        whole = len(f.numer) > FACTORED or max(map(sum, f.numer.monoms())) <= 1
+        upper = [(f.numer, 1)] if whole else f.numer.factor_list()[1]
         for p, power in [*upper, *f.factors.items()]:
             if power % 2 and not definite(p) and not definite(-p):
                 p = p.set_ring(p.ring.clone(domain=p.ring.domain.get_field())).primitive()[1]

@@ -177,9 +177,11 @@ class Program:
     Parameters
     ----------
     wanted : list of Number
+    constant : callable
+        Makes of a fraction what goes with what stands for the names.
     """
 
-    def __init__(self, wanted: list[Number]) -> None:
+    def __init__(self, wanted: list[Number], constant: Callable[[Fraction], Any]) -> None:
         self._steps: list[tuple[Any, ...]] = []
         places: dict[Any, int] = {}
         at: dict[int, int] = {}
@@ -192,27 +194,17 @@ class Program:
                 step = x.made
             at[id(x)] = places.setdefault(step, len(places))
             if len(places) > len(self._steps):
-                self._steps.append(step)
+                self._steps.append((None, constant(x.value)) if step[0] is None else step)
         self._wanted = [at[id(x)] for x in wanted]
 
-    def __call__(
-        self, names: Mapping[str, Any], constant: Callable[[Fraction], Any]
-    ) -> list[Any]:
-        """Compute them.
-
-        Parameters
-        ----------
-        names : mapping
-            What stands for each name: fractions, symbols or arrays.
-        constant : callable
-            Makes of a fraction what goes with them.
-        """
+    def __call__(self, names: Mapping[str, Any]) -> list[Any]:
+        """Compute them of what stands for each name: fractions, symbols or arrays."""
         found: list[Any] = []
         for step in self._steps:
             if len(step) == 3:
                 found.append(step[0](found[step[1]], found[step[2]]))
             else:
-                found.append(names[step[0]] if len(step) == 1 else constant(step[1]))
+                found.append(names[step[0]] if len(step) == 1 else step[1])
         return [found[i] for i in self._wanted]
 
 
@@ -220,7 +212,7 @@ def evaluate(
     wanted: list[Number], names: Mapping[str, Any], constant: Callable[[Fraction], Any]
 ) -> list[Any]:
     """Compute numbers anew, once; see `Program`."""
-    return Program(wanted)(names, constant)
+    return Program(wanted, constant)(names)
 
 
 def mark(wanted: list[Number], names: Iterable[str]) -> tuple[int, ...]:

@@ -27,7 +27,7 @@ class Exact:
     velocities_after : tuple of Fraction
         Of the centres of mass, m/s.
     impulses : tuple of Fraction
-        At each contact, N s.
+        At each contact, N s; at a bond its average, as vibration goes on.
     contact_times : tuple of tuple of (Fraction, Fraction)
         At each contact, when its force began and ended, in units of `time_unit`.
     time_unit : float

@@ -53,7 +53,7 @@ class Results(NamedTuple):
 
     restitution: Number | None
     velocities_after: tuple[Number, ...]  # [body]
-    impulses: tuple[Number, ...]  # [contact]
+    impulses: tuple[Number, ...]  # [contact]; of a bond on average
     contact_times: tuple[tuple[tuple[Number, Number], ...], ...]  # [contact][episode]
 
 
@@ -190,11 +190,20 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
         k = free[0]
         if before[k] > before[k + 1]:
             e = (after[k + 1] - after[k]) / (before[k] - before[k + 1])
+    impulses: list[Number] = []
+    for i, (k, law) in enumerate(zip(nodes, row.system.contacts, strict=True)):
+        impulses.append(tally.impulse[k] / rate)
+        if isinstance(law, Bonded):  # its force goes on for ever: what it comes to on average
+            first, last = row.spans[i]
+            mass = sum((numbers.transit[s - 1] * numbers.impedance[s - 1]
+                        for s in range(first, last + 1)), ZERO)
+            lost = mass * (numbers.velocity[i] - after[i])
+            impulses[i] = lost + (impulses[i - 1] if i else ZERO)
     return ExactRun(
         row, nodes, numbers, rate, state, tally, log, clock,
         flag == FINAL,
         Results(
-            e, tuple(after), tuple(tally.impulse[k] / rate for k in nodes),
+            e, tuple(after), tuple(impulses),
             tuple(_episodes(log, clock[CHANGES], k, rate) for k in nodes),
         ),
     )

@@ -78,6 +78,23 @@ def test_on_a_border_both_formulas_are_told():
     assert form.holds(T2=Fraction(21, 10)) != other.holds(T2=Fraction(21, 10))
 
 
+def test_what_meets_the_formula_is_told():
+    told = str(ri.closed_form(row([1, 1, 1], [1, 1, 1]), ["transit_time"])).splitlines()
+    assert told[3:] == ["where T1 < T3", "It meets another formula where T1 = T3, as here:",
+                        "V1 = 0, V2 = (T1 - T3)/T2, V3 = 1 where T3 < T1"]
+    told = str(ri.closed_form(row([0.4, 1.0], [1e-4, 1e-4], STEEL))).splitlines()
+    assert told[1] == "where T1 < T2, Z1 < Z2"
+    assert told[2] == "It meets another formula where Z1 = Z2, as here (e = 2/5):"
+    assert told[3].endswith(" where Z2 < Z1")
+
+
+def test_that_a_cap_leaves_out_sides_is_told():
+    form = ri.closed_form(row([1, 2, 1], [1, 1, 1]), max_events=12)
+    assert form.unsolved
+    assert str(form).endswith("There are more, which max_events or the cap on cells has left out.")
+    assert not ri.closed_form(row([1, 2], [1, 0.5])).unsolved
+
+
 def test_three_equal_transits_keep_every_symbol():
     form = ri.closed_form(row([1, 1, 1], [1, 1, 1]), ["transit_time"])
     (other,) = form.sides
@@ -93,6 +110,16 @@ def test_a_contact_of_no_duration_is_a_border():
     form = ri.closed_form(row([1, 2, 2], [2.5, 2.5, 2]))
     assert not form.holds()
     assert {len(side.contact_times[1]) for side in (form, *form.sides)} == {1, 2}
+
+
+def test_a_bond_has_an_average_impulse_which_has_a_formula():
+    rods = [ri.Rod(T, area=Z, material=UNIT, velocity=v)
+            for T, Z, v in [(3.0, 2.5, 1.0), (1.0, 2.0, 0.5), (3.0, 0.5, 0.0)]]
+    system = ri.System(rods, contacts=[ri.Bonded(), ri.Rigid()])
+    form = ri.closed_form(system)
+    assert agree(form, system, form.symbols, random.Random(2), 3)
+    done = ri.exact(system)
+    assert done.impulses[0] == Fraction(15, 2) * (1 - done.velocities_after[0])
 
 
 def test_materials_gaps_and_velocities_in_symbols():
@@ -134,6 +161,22 @@ def agree(form, system, paths, rng, count):
     return places
 
 
+def agree_at_the_border(form, system, paths, rng):
+    """Go from the system to where the formula ends, and compare there, just inside."""
+    inside, outside = ({name: x * (1 + Fraction(rng.randint(-50, 100) * far, 100))
+                        for name, x in form.values.items()} for far in (Fraction(1, 500), 1))
+    if not form.holds(**inside) or form.holds(**outside):
+        return 0
+    for _ in range(20):
+        middle = {name: (x + outside[name]) / 2 for name, x in inside.items()}
+        if form.holds(**middle):
+            inside = middle
+        else:
+            outside = middle
+    assert form.at(**inside) == ri.exact(system, {paths[name]: x for name, x in inside.items()})
+    return 1
+
+
 def random_row(rng, count):
     common = rng.random() < 0.4
     T = [Fraction(rng.randint(1, 9)) if common else Fraction(rng.randint(100, 900), 100)
@@ -148,7 +191,7 @@ def random_row(rng, count):
                       for case in [(2, 200), (3, 50)]),
 ])
 def test_random_rows_agree_with_runs_on_fractions(bodies, rows):
-    rng, places = random.Random(rows), 0
+    rng, places, borders = random.Random(rows), 0, 0
     for _ in range(rows):
         system = random_row(rng, bodies)
         form = ri.closed_form(system)
@@ -159,8 +202,10 @@ def test_random_rows_agree_with_runs_on_fractions(bodies, rows):
             results = [(at.velocities_after, at.impulses)
                        for at in (side.at() for side in (form, *form.sides))]
             assert (there.velocities_after, there.impulses) in results
-        places += agree(form, system, {**form.symbols}, rng, 3)
+        places += agree(form, system, form.symbols, rng, 3)
+        borders += agree_at_the_border(form, system, form.symbols, rng)
     assert places >= rows
+    assert borders >= rows / 8
 
 
 @pytest.mark.parametrize(("symbols", "said"), [
