@@ -269,7 +269,7 @@ class _Search:
         edges = np.array([*zip(at[:-1].ravel(), at[1:].ravel(), strict=True),
                           *zip(at[:, :-1].ravel(), at[:, 1:].ravel(), strict=True)])
         places, between, of = self._cross(nodes, owner.ravel(), edges)
-        lines, of_line = self._join(places, of)
+        lines, of_line = self._join(places, between, of)
         x, y = self.axes
         return Atlas(self.system, x, y, self.cells, self.region, self._plane(places), between,
                      self._plane(lines), of_line)
@@ -345,7 +345,7 @@ class _Search:
             ends[here] = self.cells[c].end(*first.T, *(last - first).T)
         return ends
 
-    def _join(self, places: Floats, of: Any) -> tuple[Floats, NDArray[np.int64]]:
+    def _join(self, places: Floats, between: Any, of: Any) -> tuple[Floats, NDArray[np.int64]]:
         """Straight lines between the places on the edges of each mesh, and a place of each."""
         n = LATTICE
         on: dict[int, list[int]] = {}
@@ -358,10 +358,15 @@ class _Search:
                 up = n * (n + 1)
                 sides = (i * (n + 1) + j, i * (n + 1) + j + 1, up + i * n + j, up + (i + 1) * n + j)
                 points = [p for e in sides for p in on.get(e, [])]
-                if len(points) == 2:
-                    lines.append(places[points])
-                    first.append(points[0])
-                elif len(points) > 2:
+                alike: dict[Any, list[int]] = {}
+                for p in points:
+                    alike.setdefault(frozenset(between[p].tolist()), []).append(p)
+                pairs = [pair for pair in alike.values() if len(pair) == 2]
+                points = [p for p in points if not any(p in pair for pair in pairs)]
+                for pair in [*pairs, points] if len(points) == 2 else pairs:
+                    lines.append(places[pair])
+                    first.append(pair[0])
+                if len(points) > 2:
                     centre = places[points].mean(axis=0)
                     for axis in (0, 1):  # borders along the axes meet where edges across say
                         across = [p for p in points if (of[p] >= up) == bool(axis)]
