@@ -140,7 +140,8 @@ class Atlas:
     region : [cell] list of int
     borders : [point, 2] array
         Places where the formula changes, on the lines of a lattice; exact to round-off. Where
-        inequalities vanish to a high order, so that floats do not tell them, there are none.
+        inequalities vanish to a high order, so that floats do not tell them, it is solved on
+        fractions in between.
     between : [point, 2] array of int
         The regions there, -1 for what is unresolved.
     lines : [line, 2, 2] array
@@ -290,13 +291,16 @@ class _Search:
                     found[open_[self.cells[-1].inside(*plane[open_].T)]] = found[i]
         return found
 
-    def _solve(self, place: Floats) -> int:
-        """Add the cell of a place, if its collision comes to an end and floats tell the cell."""
+    def _solved(self, place: Floats) -> Cell:
         exact = tuple(
             Fraction(low) + Fraction(float(at)) * (Fraction(high) - Fraction(low))
             for at, (_, low, high) in zip(place, self.axes, strict=True)
         )
-        cell = Cell(self.naming, exact, self.max_events)  # type: ignore[arg-type]
+        return Cell(self.naming, exact, self.max_events)  # type: ignore[arg-type]
+
+    def _solve(self, place: Floats) -> int:
+        """Add the cell of a place, if its collision comes to an end and floats tell the cell."""
+        cell = self._solved(place)
         if not cell.final:
             return -1
         if not cell.inside(*self._plane(place[None]).T)[0]:
@@ -305,9 +309,26 @@ class _Search:
         self.region.append(self._formulas.setdefault(cell.formula(), len(self._formulas)))
         return len(self.cells) - 1
 
+    def _narrowed(self, P: Floats, Q: Floats, ends: Floats, regions: list[int]) -> Floats | None:
+        """Where one region turns into another and floats do not tell, by solving in between."""
+        low, high = ends
+        while high - low > CLOSE:
+            middle = (low + high) / 2
+            cell = self._solved(P + (Q - P) * middle)
+            region = self._formulas.get(cell.formula()) if cell.final else None
+            if region not in regions:
+                return None
+            low, high = (middle, high) if region == regions[0] else (low, middle)
+        found: Floats = P + (Q - P) * (low + high) / 2
+        return found
+
     def _cross(self, nodes: Floats, owner: Any, edges: Any) -> tuple[Floats, Any, Any]:
         """Where the formula changes along edges: places, regions on both sides, and the edge."""
         places, between, of = [], [], []
+
+        def sides(part: Any) -> list[int]:
+            return [self.region[c] if c >= 0 else -1 for c in part[3:]]
+
         parts = [(e, nodes[i], nodes[j], owner[i], owner[j]) for e, (i, j) in enumerate(edges)]
         for _ in range(MOST_BETWEEN):
             parts = [p for p in parts if self._differ(*p[3:])]
@@ -318,18 +339,21 @@ class _Search:
             right = 1 - self._end(Q, P, np.array([part[4] for part in parts]))
             middle = P + (Q - P) * ((left + right) / 2)[:, None]
             close = right - left < CLOSE
-            for i in np.flatnonzero(close):
-                e, *_, a, b = parts[i]
-                places.append(middle[i])
-                between.append([self.region[c] if c >= 0 else -1 for c in (a, b)])
-                of.append(e)
+            border = dict(zip(np.flatnonzero(close), middle[close], strict=True))
             middle = _rounded(middle[~close], ((right - left) / LATTICE)[~close, None])
             there = self._fill(middle)
             more = []
             for i, at, c in zip(np.flatnonzero(~close), middle, there, strict=True):
                 e, p, q, a, b = parts[i]
-                if c not in (a, b, NOWHERE):
+                if c == NOWHERE and min(a, b) >= 0:
+                    border[i] = self._narrowed(p, q, np.array([left[i], right[i]]), sides(parts[i]))
+                elif c not in (a, b, NOWHERE):
                     more += [(e, p, at, a, c), (e, at, q, c, b)]
+            for i, place in border.items():
+                if place is not None:
+                    places.append(place)
+                    between.append(sides(parts[i]))
+                    of.append(parts[i][0])
             parts = more
         return np.array(places).reshape(-1, 2), np.array(between).reshape(-1, 2), np.array(of)
 

@@ -81,3 +81,12 @@ def test_a_figure_shows_what_changes(pair):
 def test_mistaken_axes_are_told(pair, x, said):
     with pytest.raises(ri.InvalidModel, match=said):
         ri.atlas(pair.system, x, pair.y)
+
+
+def test_borders_that_floats_do_not_tell_are_there():
+    system = ri.System([rod(0.4, 1.0, 1.0), rod(1.0, 2.0)])
+    found = ri.atlas(system, ("bodies.0.length", 0.3, 1.5), ("bodies.1.area", 0.5, 4.0))
+    x, y = found.borders.T
+    level = np.sort(x[np.abs(y - 1) <= 1e-9])
+    assert level[0] < 0.301  # where e = l1/l2 and the second rod holds many waves
+    assert np.diff(level).max() < 0.08
