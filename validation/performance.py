@@ -343,6 +343,12 @@ def hertz_pair() -> float:
     return median(lambda: ri.solve(system).outcome)
 
 
+def space_time_diagram() -> float:
+    """A collision drawn as a space-time diagram, s."""
+    solution = ri.solve(striking(ri.Rod(1.0, area=1e-4, material=STEEL), ri.Rigid()))
+    return median(lambda: ri.plot.spacetime(solution))
+
+
 def of_families(*systems: ri.System) -> float:
     """Time of sweeps, s; a member of each was solved before."""
     for system in systems:
@@ -441,6 +447,7 @@ def measure() -> list[Figure]:
         Figure("a cell and step on a grid, damped", cell_on_grid(STEEL.damped(1e-3, 1e4)), 5e-9),
         *(Figure(f"a cell and step on a grid, {theory}", cell_on_grid(STEEL, theory), bound)
           for theory, bound in (("rayleigh-love", 5e-9), ("mindlin-herrmann", 2e-9))),
+        Figure("a space-time diagram of two rods", space_time_diagram(), 0.5),
         Figure("velocity on 1000 x 1000 points, compiled", fresh("import numba\n" + FIELD), 2e-3),
         Figure("velocity on 1000 x 1000 points, not compiled, fresh", fresh(FIELD), 30e-3),
     ]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import time
 from inspect import signature
 
 import matplotlib as mpl
@@ -290,13 +289,6 @@ def test_wrong_arguments_are_named(solved, wrong, named):
 def test_dimensionless_needs_a_closing_speed(solved, name):
     with pytest.raises(ValueError, match="dimensionless=False"):
         plot.spacetime(solved[name], axes(), dimensionless=True)
-
-
-def test_the_box_is_drawn_quickly(solved):
-    plot.spacetime(solved["unequal"], axes())
-    begin = time.perf_counter()
-    plot.spacetime(solved["unequal"], axes())
-    assert time.perf_counter() - begin < 0.5
 
 
 # Snapshots --------------------------------------------------------------------------------------
