@@ -336,17 +336,17 @@ def striker(length: Any = 0.4, velocity: Any = 1.0, material: Any = STEEL) -> ri
     return ri.Rod(length, area=1e-4, material=material, velocity=velocity)
 
 
+def space_time_diagram() -> float:
+    """A collision drawn as a space-time diagram, s."""
+    solution = ri.solve(striking(striker(), ri.Rigid()))
+    return median(lambda: ri.plot.spacetime(solution))
+
+
 def hertz_pair() -> float:
     """Time of a pair of rods with rounded ends by `solve`, once its machine code is there, s."""
     system = striking(striker(), ri.Hertz(1e10))
     ri.solve(system)
     return median(lambda: ri.solve(system).outcome)
-
-
-def space_time_diagram() -> float:
-    """A collision drawn as a space-time diagram, s."""
-    solution = ri.solve(striking(ri.Rod(1.0, area=1e-4, material=STEEL), ri.Rigid()))
-    return median(lambda: ri.plot.spacetime(solution))
 
 
 def of_families(*systems: ri.System) -> float:
