@@ -50,7 +50,7 @@ CASE = Path(__file__).parent / "cases" / "unequal-rods.toml"
 STEEL = ri.materials.steel
 UNIT_MATERIAL = ri.Material("one", youngs_modulus=1.0, density=1.0)
 TOLERANCE, WINDOW = 2.0**-48, 1 << 9
-SIDE, DAMPED = 10, (20, 10)  # of maps of real rods: a hundredth of 100 x 100, and the whole
+SIDE, DAMPED = 100, (20, 10)  # of maps of real rods
 UNIT = 2**40  # ticks
 RUN = 500_000  # events
 
