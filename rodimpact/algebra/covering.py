@@ -249,6 +249,8 @@ class Box:
 
     def quotient(self, f: Quotient) -> Range:
         """What a rational function can be: at the ends of what it grows with, or falls with."""
+        if not f.numer:
+            return self.number(0)
         over, under = f.numer, f.denom
         denominator = self.polynomial(under)
         found = self.polynomial(over) / denominator

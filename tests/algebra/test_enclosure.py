@@ -63,7 +63,9 @@ def test_runs_lie_within(seed):
 
 
 def test_the_box():
-    low, high = ri.enclosure(pair(), {"length": 1e-4}).restitution
+    found = ri.enclosure(pair(), {"length": 1e-4})
+    assert found.velocities_after[0] == (0.0, 0.0)
+    low, high = found.restitution
     assert low <= 0.3999 / 1.0001 < 0.4001 / 0.9999 <= high
     assert high - low == pytest.approx(0.4001 / 0.9999 - 0.3999 / 1.0001, rel=1e-9)
 
