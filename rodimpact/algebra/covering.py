@@ -11,7 +11,6 @@ rounded outwards. Where borders are too bent for this, the box is cut in two.
 
 from __future__ import annotations
 
-import itertools
 from collections import deque
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
@@ -32,8 +31,8 @@ from .quotients import Quotient
 STEPS = 1 << 32  # of places in a box, so that fractions are short
 HAIR = Fraction(1, STEPS)  # how far beside these, so that nothing agrees by chance
 MATTERS = 0.01  # share of the largest velocity, impulse or duration
-MOST_BOXES = 32
-CUT = Fraction(53, 109)
+MOST_CUTS = 32
+CUT = Fraction(53, 109)  # not in the middle, where formulas like to meet
 EXACTLY = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
 LONG = 2_000  # terms: of products with more, derivatives are not made
 TIGHT, LOOSE = 1.001, 3.0  # times as wide as if results changed evenly all over the box
@@ -63,22 +62,22 @@ class Covering:
         widths = {x: high - low for x, (low, high) in spans.items()}
         found: Parts = []
         boxes: deque[tuple[Box, Parts]] = deque([(Box(spans, widths), [])])
-        for cuts in itertools.count():
-            if not boxes:
-                return found
+        cuts = 0
+        while boxes:
             box, parts = boxes.popleft()
             try:
                 parts = list(self._parts(box, []))
                 done = not box.is_loose
             except (_Bent, ZeroDivisionError):  # the bounds of the box it is part of hold, if any
                 done = False
-            if done or cuts > MOST_BOXES or not any(box.half.values()):
+            if done or cuts == MOST_CUTS or not any(box.half.values()):
                 if not parts:
-                    raise _undecided(f"in {cuts} parts of the box of the tolerances")
+                    raise _undecided(f"in {cuts + 1} parts of the box of the tolerances")
                 found += parts
             else:
                 boxes += [(part, parts) for part in box.parts()]
-        raise AssertionError
+                cuts += 1
+        return found
 
     def _parts(self, box: Box, held: list[Any]) -> Iterator[list[list[Bounds]]]:
         """Bounds in each cell of the part of a box where polynomials are positive."""
@@ -156,8 +155,8 @@ class Cell:
     """A run at a place, what it came to, and the numbers that are positive in its cell."""
 
     def __init__(self, naming: Naming, place: Place, max_events: int) -> None:
-        self.place = {**naming.values({}), **place}
         start = naming.values({})
+        self.place = {**start, **place}
         run = naming.run({name: (x - start[name]) / (start[name] or 1)
                           for name, x in place.items()}, max_events)
         if not run.final:
@@ -305,6 +304,6 @@ class Box:
         """Two boxes, cut where this is widest, compared with the first."""
         name = max(self.spans, key=lambda x: self.half[x] / (self.widths[x] or 1))
         low, high = self.spans[name]
-        between = low + CUT * (high - low)  # not in the middle, where formulas like to meet
+        between = low + CUT * (high - low)
         return [Box({**self.spans, name: span}, self.widths)
                 for span in ((low, between), (between, high))]
