@@ -26,6 +26,7 @@ from .level_kernel import (
     PERIOD,
     ROOM,
     TOO_LONG,
+    TRIES,
     VANISHED,
     Level,
     Make,
@@ -171,6 +172,10 @@ class Machine:
         old = self.work
         room, before = int(old.level.at[ROOM]) + 1, averages_before(old.level)
         check_memory(self.row, old.level.step[0], room, before, not self.compiled)
+        of_part, of_average = memory_of(self.row, not self.compiled)
+        more = room + room // 2
+        if old.level.at[TRIES] > 1 and more * of_part + before * of_average <= most_numbers():
+            room = more  # for the next cuts, too, where one was laid out after another
         new = self._space(room, before)
         for was, now in zip(old[1:5], new[1:5], strict=True):  # the rest is laid out
             for column, wider in zip(was, now, strict=True):
