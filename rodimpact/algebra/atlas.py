@@ -64,10 +64,7 @@ class Cell:
 
     def __init__(self, naming: Naming, place: tuple[Fraction, Fraction], max_events: int) -> None:
         self.names = [next(n for n, p in naming.paths.items() if p == s) for s in naming.symbols]
-        run = naming.run({
-            name: (at - naming.base[name]) / (naming.base[name] or 1)
-            for name, at in zip(self.names, place, strict=True)
-        }, max_events)
+        run = naming.run_at(dict(zip(self.names, place, strict=True)), max_events)
         self.final, self.results, self.known = run.final, run.results, naming.place
         if self.final:
             spells, conditions = spells_and_conditions(run)

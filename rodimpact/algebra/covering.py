@@ -27,6 +27,7 @@ from .intervals import ALL, SLOPES, Bounds, Floats, Range, constant, constants, 
 from .naming import Naming
 from .numbers import ZERO, Number, evaluate
 from .quotients import Quotient
+from .rows import check_final
 
 STEPS = 1 << 32  # of places in a box, so that fractions are short
 HAIR = Fraction(1, STEPS)  # how far beside these, so that nothing agrees by chance
@@ -109,14 +110,12 @@ class Covering:
         hair = self._random.uniform(-1, 1, len(box.spans))
         if not held:
             return box.place(0 * hair, hair)
-        ranges = [box.polynomial(p) for p in held]
+        ranges = [box.to_scale(p) for p in held]
         if any(-p in held for p in held) or any(x.bounds[1] <= 0 for x in ranges):
             return None
-        size = [np.abs(x.slopes).sum() or 1.0 for x in ranges]
-        slopes = [x.slopes / s for x, s in zip(ranges, size, strict=True)]
-        levels = [x.middle / s for x, s in zip(ranges, size, strict=True)]
         # where the borders are farthest away, as far as they are straight
-        best = linprog([*(0 * hair), -1], np.c_[-np.array(slopes), np.ones(len(held))], levels,
+        slopes, levels = np.array([x.slopes for x in ranges]), [x.middle for x in ranges]
+        best = linprog([*(0 * hair), -1], np.c_[-slopes, np.ones(len(held))], levels,
                        bounds=[(-1, 1)] * len(hair) + [(None, None)], options=EXACTLY)
         if not best.success:
             raise _Bent
@@ -126,10 +125,8 @@ class Covering:
             if all(self.field.at(p, values) > 0 for p in held):
                 return place
         shares = np.maximum(-best.ineqlin.marginals, 0)
-        total = box.number(0)
-        for share, s, x in zip(shares, size, ranges, strict=True):
-            total += box.number(share / s) * x
-        if total.bounds[1] < 0 or self._cancel([p for p, x in zip(held, shares, strict=True) if x]):
+        if box.total(shares, ranges).bounds[1] < 0 or self._cancel(
+                [p for p, share in zip(held, shares, strict=True) if share]):
             return None
         raise _Bent
 
@@ -155,13 +152,9 @@ class Cell:
     """A run at a place, what it came to, and the numbers that are positive in its cell."""
 
     def __init__(self, naming: Naming, place: Place, max_events: int) -> None:
-        start = naming.values({})
-        self.place = {**start, **place}
-        run = naming.run({name: (x - start[name]) / (start[name] or 1)
-                          for name, x in place.items()}, max_events)
-        if not run.final:
-            message = f"the collision is not over after {max_events} events; raise it"
-            raise InvalidModel([("max_events", message)])
+        self.place = {**naming.values({}), **place}
+        run = naming.run_at(place, max_events)
+        check_final(run, max_events)
         e, velocities, impulses, times = run.results
         durations = [sum((end - begin for begin, end in of), ZERO) for of in times]
         self.results: list[list[Number]] = [
@@ -274,23 +267,31 @@ class Box:
     def within(self, f: Range, positive: list[Any]) -> Bounds:
         """Bounds of a result where polynomials are positive."""
         low, high = f.bounds
-        ranges = [x for x in map(self.polynomial, positive) if x.slopes.any()]
+        ranges = [x for x in map(self.to_scale, positive) if x.slopes.any()]
         if not ranges or low == high:
             return low, high
-        size = [np.abs(x.slopes).sum() for x in ranges]
-        slopes = [-x.slopes / s for x, s in zip(ranges, size, strict=True)]
-        levels = [x.middle / s for x, s in zip(ranges, size, strict=True)]
+        slopes, levels = [-x.slopes for x in ranges], [x.middle for x in ranges]
+        highest = []
         for sign in (1, -1):
             best = linprog(-sign * f.slopes, slopes, levels, bounds=(-1, 1), options=EXACTLY)
-            total = self.number(sign) * f
-            for share, s, x in zip(-best.ineqlin.marginals if best.success else (), size, ranges,
-                                   strict=False):
-                total += self.number(max(share, 0) / s) * x
-            if sign > 0:
-                high = min(high, total.bounds[1])
-            else:
-                low = max(low, -total.bounds[1])
-        return low, high
+            shares = np.zeros(len(ranges))
+            if best.success:
+                shares = np.maximum(-best.ineqlin.marginals, 0)
+            highest.append((self.number(sign) * f + self.total(shares, ranges)).bounds[1])
+        return max(low, -highest[1]), min(high, highest[0])
+
+    def to_scale(self, p: Any) -> Range:
+        """What a polynomial can be, times a positive number with which its slopes add up to 1."""
+        found = self.polynomial(p)
+        return self.number(1 / (float(np.abs(found.slopes).sum()) or 1.0)) * found
+
+    def total(self, shares: Floats, ranges: list[Range]) -> Range:
+        """Sum of quantities, each times its share."""
+        total = self.number(0)
+        for share, x in zip(shares, ranges, strict=True):
+            if share:
+                total += self.number(float(share)) * x
+        return total
 
     def place(self, shares: Floats, hair: Floats) -> Place:
         """Go these shares of the way from the middle to the ends, and a hair aside."""

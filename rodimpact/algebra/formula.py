@@ -27,7 +27,7 @@ from .naming import Naming
 from .numbers import Number, evaluate, mark
 from .quotients import Quotient
 from .rational import Exact, fractions_of
-from .rows import check_cap, each
+from .rows import check_cap, check_final, each
 
 SHORT = 1 << 24  # denominator of directions, so that fractions are short
 HAIR = Fraction(1, 1 << 120)  # how far from the numbers of the system runs are made, of themselves
@@ -96,9 +96,7 @@ class Side:
     def __init__(self, field: Field, direction: Mapping[str, Fraction], max_events: int) -> None:
         self.field, naming = field, field.naming
         run = naming.run({name: HAIR * share for name, share in direction.items()}, max_events)
-        if not run.final:
-            message = f"the collision is not over after {max_events} events; raise it"
-            raise InvalidModel([("max_events", message)])
+        check_final(run, max_events)
         self.results, self.conditions = run.results, conditions(run)
         self._flat: list[Number] = []
         each(self.results, self._flat.append)

@@ -108,6 +108,12 @@ class Naming:
         self._shift, self.place = shift, {}
         return run(self.row, read(self.row, self._take, self._speed), max_events)
 
+    def run_at(self, place: Mapping[str, Fraction], max_events: int) -> ExactRun:
+        """Run the row, with these values of named numbers."""
+        start = self.values({})
+        return self.run({name: (x - start[name]) / (start[name] or 1)
+                         for name, x in place.items()}, max_events)
+
     def _name(self, name: str, path: str, value: Fraction) -> None:
         self._named.add(path)
         self.paths.setdefault(name, path)

@@ -13,7 +13,7 @@ from ..model import System
 from ..model.frozen import InvalidModel, Problems, nearest
 from ..units import shown
 from .numbers import Number
-from .rows import MOST_EVENTS, check, check_cap, each, read, run, written
+from .rows import MOST_EVENTS, check, check_cap, check_final, each, read, run, written
 
 
 @dataclass(frozen=True)
@@ -101,9 +101,7 @@ def exact(
     if unknown:
         raise InvalidModel(unknown)
     done = run(row, numbers, max_events)
-    if not done.final:
-        message = f"the collision is not over after {max_events} events; raise it"
-        raise InvalidModel([("max_events", message)])
+    check_final(done, max_events)
     return Exact(*each(done.results, lambda x: x.value), unit)
 
 

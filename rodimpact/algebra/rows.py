@@ -94,6 +94,13 @@ def check_cap(name: str, value: Any) -> None:
         raise InvalidModel(problems)
 
 
+def check_final(done: ExactRun, max_events: int) -> None:
+    """Raise InvalidModel for a run that came to its cap."""
+    if not done.final:
+        message = f"the collision is not over after {max_events} events; raise it"
+        raise InvalidModel([("max_events", message)])
+
+
 def check(system: System) -> None:
     """Raise InvalidModel where something has no exact numbers: that is told."""
     check_system(system)
