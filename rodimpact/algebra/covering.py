@@ -69,7 +69,7 @@ class Covering:
             try:
                 parts = list(self._parts(box, []))
                 done = not box.is_loose
-            except (_Bent, ZeroDivisionError):  # the bounds of the box it is part of hold, if any
+            except (Bent, ZeroDivisionError):  # the bounds of the box it is part of hold, if any
                 done = False
             if done or cuts == MOST_CUTS or not any(box.half.values()):
                 if not parts:
@@ -82,7 +82,7 @@ class Covering:
 
     def _parts(self, box: Box, held: list[Any]) -> Iterator[list[list[Bounds]]]:
         """Bounds in each cell of the part of a box where polynomials are positive."""
-        place = self._place(box, held)
+        place = self.find(box, held)
         if place is None:
             return
         cell = self._cell(place)
@@ -105,7 +105,7 @@ class Covering:
         self.cells.append(Cell(self.field.naming, place, self.max_events))
         return self.cells[-1]
 
-    def _place(self, box: Box, held: list[Any]) -> Place | None:
+    def find(self, box: Box, held: list[Any]) -> Place | None:
         """A place in a box where polynomials are positive; None if there is none."""
         hair = self._random.uniform(-1, 1, len(box.spans))
         if not held:
@@ -118,7 +118,7 @@ class Covering:
         best = linprog([*(0 * hair), -1], np.c_[-slopes, np.ones(len(held))], levels,
                        bounds=[(-1, 1)] * len(hair) + [(None, None)], options=EXACTLY)
         if not best.success:
-            raise _Bent
+            raise Bent
         if best.x[-1] > 0:
             place = box.place(best.x[:-1], hair)
             values = {**self.field.naming.values({}), **place}
@@ -128,7 +128,7 @@ class Covering:
         if box.total(shares, ranges).bounds[1] < 0 or self._cancel(
                 [p for p, share in zip(held, shares, strict=True) if share]):
             return None
-        raise _Bent
+        raise Bent
 
     def _cancel(self, polynomials: list[Any]) -> bool:
         """Whether linear forms add up to 0, with positive shares: then not all are positive."""
@@ -139,7 +139,7 @@ class Covering:
         return any(all(x > 0 for x in v) or all(x < 0 for x in v) for v in shares)
 
 
-class _Bent(Exception):
+class Bent(Exception):
     """Borders are not straight enough to see whether something lies between them."""
 
 

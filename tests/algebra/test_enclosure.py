@@ -8,6 +8,9 @@ import pytest
 from exhaustive import few_of
 
 import rodimpact as ri
+from rodimpact.algebra.covering import Bent, Box, Covering
+from rodimpact.algebra.formula import Field
+from rodimpact.algebra.naming import Naming
 from rodimpact.cli import main
 
 STEEL = ri.materials.steel
@@ -163,3 +166,19 @@ def test_command_line(tmp_path, capsys):
     assert "within the tolerances:\ne: 0.39986" in capsys.readouterr().out
     assert main(["run", str(case), "--tolerance", "length"]) == 2
     assert "--tolerance: must be PATH=SIZE" in capsys.readouterr().err
+
+
+def test_nothing_is_taken_as_empty_without_a_proof():
+    covering = Covering(Field(Naming(pair(), ["length"])), 1, 1)
+    first, second, *_ = covering.field.ring.gens
+    box = Box({"l1": (Fraction(3, 10), Fraction(1, 2)), "l2": (Fraction(9, 10), Fraction(11, 10))},
+              {"l1": Fraction(1, 5), "l2": Fraction(1, 5)})
+    at_both_ends = (5 * first - 2) ** 2 * 8 - 1  # not where it is straight
+    with pytest.raises(Bent):
+        covering.find(box, [at_both_ends])
+    three_that_add_up_to_0 = [5 * first - 2, 5 * second - 5 * first - 3, 5 - 5 * second]
+    assert covering.find(box, three_that_add_up_to_0) is None
+    assert covering.find(box, [100 * first - 41, 5 * second - 5 * first - 4]) is None  # far away
+    place = covering.find(box, [100 * first - 49, 5 * second - 5])
+    assert place["l1"] > Fraction(49, 100)
+    assert place["l2"] > 1

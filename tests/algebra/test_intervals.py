@@ -67,3 +67,11 @@ def test_what_does_not_change_is_not_wide():
     assert (x - x).width < 1e-15 + 2e-3
     assert (x - x).is_wider_than(2)
     assert np.abs((x - x).slopes).max() < 1e-18
+
+
+@given(*[st.floats(0.1, 10).map(Fraction)] * 2)
+def test_rounding_is_outwards(a, b):
+    x, y = constant(a, 0), constant(b, 0)
+    for found, exact in ((x + y, a + b), (x - y, a - b), (x * y, a * b), (x / y, a / b)):
+        assert found.low[MIDDLE] <= exact <= found.high[MIDDLE]
+        assert found.low[ALL] <= exact <= found.high[ALL]
