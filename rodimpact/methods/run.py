@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from ..model import System
 from .clock import Clock
-from .signals import Floats, Ints, StepSignal
+from .signals import Floats, Ints, Pieces
 
 MAX_EVENTS = 5_000_000
 """Arrivals at ends after which a run gives up where nothing else is asked for."""
@@ -70,29 +70,46 @@ class ContactTally(NamedTuple):
 
 
 class ContactSignal(NamedTuple):
-    """What passed at one contact: pieces that begin at `force.ticks`, from 0 on.
+    """What passed at one contact, from t = 0 on.
 
-    force, N; gap, m, as each piece begins; rate, m per tick, of the gap; power, J per tick, of the
-    work that the two bodies do on the contact.
+    Attributes
+    ----------
+    force : Pieces
+        N; a push of the two bodies apart is positive.
+    gap : Pieces
+        m; minus the overlap.
+    closing : Pieces
+        Velocity of the left body's face minus that of the right one, m/s: the power of the force.
+    episodes : tuple of Episode
     """
 
-    force: StepSignal
-    gap: Floats
-    rate: Floats
-    power: StepSignal
+    force: Pieces
+    gap: Pieces
+    closing: Pieces
     episodes: tuple[Episode, ...]
 
 
 class Outside(NamedTuple):
-    """What acts on one end of the row: its kind, the force on the row, N, and its power, W.
+    """What acts on one end of the row.
 
-    kind : ``"wall"``, ``"drive"`` or ``"absorbing"``.
-    push : pushes to the right at the left end, to the left at the right end
+    Attributes
+    ----------
+    kind : str
+        ``"wall"``, ``"drive"`` or ``"absorbing"``.
+    push : Pieces
+        Force on the row, N: to the right at the left end, to the left at the right end.
+    speed : Pieces
+        Velocity of the point on which it acts, m/s, to the right. The power is push times speed,
+        with the sign of `INWARD`.
     """
 
     kind: str
-    push: StepSignal
-    power: StepSignal
+    push: Pieces
+    speed: Pieces
+
+
+INWARD = (1, -1)
+"""Direction in which a positive push acts on the left and on the right end of the row."""
 
 
 class Waves(NamedTuple):
@@ -101,7 +118,7 @@ class Waves(NamedTuple):
     In the frame of the clock; None where there is none.
     """
 
-    lines: Sequence[StepSignal | None]
+    lines: Sequence[Pieces | None]
 
 
 class Signals(NamedTuple):
@@ -115,15 +132,15 @@ class Signals(NamedTuple):
         Left and right.
     edges : [n] array of int or None
         Ticks from 0 on between which a method on a time step resolves nothing.
-    masses : dict of int to array
-        Velocities of rigid masses at `edges`, by body, m/s, in the frame of the clock.
+    masses : dict of int to Pieces
+        Velocities of rigid masses, by body, m/s, in the frame of the clock.
     """
 
     motion: Any
     contacts: tuple[ContactSignal, ...]
     outside: tuple[Outside | None, Outside | None]
     edges: Ints | None = None
-    masses: Mapping[int, Floats] = {}
+    masses: Mapping[int, Pieces] = {}
 
 
 class Totals(NamedTuple):

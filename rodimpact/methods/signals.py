@@ -1,13 +1,13 @@
-"""A signal that is constant between jumps at whole ticks, with everything in closed form.
+"""A signal made of pieces that are polynomials of time, with everything in closed form.
 
-End signals, forces and gauge records are such signals: value, one-sided limits, integral, and the
-integral of a product of two need no quadrature. Times here are ticks; whoever holds the signal
-knows how long a tick is.
+Waves that leave an end, forces, gaps and velocities of masses are such signals: value, one-sided
+limits, integral, and the integral of a product of two need no time step. Pieces of degree 0 make
+what jumps at fronts. Times here are ticks; whoever holds the signal knows how long a tick is.
 """
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -18,38 +18,108 @@ Ints: TypeAlias = NDArray[np.int64]
 Side: TypeAlias = Literal["right", "left"]
 
 
-class StepSignal:
-    """Piecewise constant function of time.
+class Pieces:
+    """Piecewise polynomial function of time.
+
+    Piece i lasts from ticks[i] to ticks[i + 1], the last one to `end`. It is a sum of Chebyshev
+    polynomials of the piece's own variable y, which runs from -1 at its start to 1 at its stop.
+    Before the first piece its start value holds, after the last piece its end value.
 
     Parameters
     ----------
     ticks : [n] int
-        Jump times, increasing. values[i] holds from ticks[i] on; values[0] before that too.
-    values : [n] float
+        Starts of the pieces, increasing.
+    coefficients : [n] or [n, m] float
+        Of the Chebyshev polynomials of degree 0 to m - 1; [n] for constant pieces.
+    end : int, optional
+        Stop of the last piece; by default its start. Constant pieces do not need it.
 
     Examples
     --------
-    >>> s = StepSignal([0, 10, 30], [1.0, 2.0, 0.0])
+    >>> s = Pieces([0, 10, 30], [1.0, 2.0, 0.0])
     >>> float(s.at(10)), float(s.at(10, side="left")), float(s.integral(5, 40))
     (2.0, 1.0, 45.0)
+    >>> ramp = Pieces([0], [[5.0, 5.0]], 10)                # from 0 to 10 in ten ticks
+    >>> ramp.at([0, 4, 12]).tolist(), float(ramp.integral(0, 20))
+    ([0.0, 4.0, 10.0], 150.0)
     """
 
-    def __init__(self, ticks: ArrayLike, values: ArrayLike) -> None:
+    def __init__(self, ticks: ArrayLike, coefficients: ArrayLike, end: int | None = None) -> None:
         self.ticks: Ints = np.asarray(ticks, dtype=np.int64)
-        self.values: Floats = np.asarray(values, dtype=np.float64)
+        columns: Floats = np.asarray(coefficients, dtype=np.float64)
+        self.coefficients = columns if columns.ndim == 2 else columns[:, None]
+        self.end = int(self.ticks[-1]) if end is None else int(end)
+
+    @classmethod
+    def lines(cls, ticks: ArrayLike, starts: Floats, stops: Floats, end: int) -> Pieces:
+        """Straight lines from `starts` to `stops`, both [n]; other arguments as above."""
+        return cls(ticks, np.stack(((starts + stops) / 2, (stops - starts) / 2), axis=1), end)
+
+    @property
+    def size(self) -> int:
+        """Number of coefficients of a piece."""
+        return self.coefficients.shape[1]
 
     @cached_property
-    def _integral_to_jump(self) -> Floats:
-        steps = self.values[:-1] * np.diff(self.ticks)
-        return np.concatenate(([0.0], np.cumsum(steps)))
+    def values(self) -> Floats:
+        """Value at the start of each piece, [n]."""
+        if self.size == 1:
+            return self.coefficients[:, 0]
+        signs = np.where(np.arange(self.size) % 2, -1.0, 1.0)
+        return np.asarray(self.coefficients @ signs)
 
-    def _piece(self, ticks: Any, side: Side) -> Any:
+    @cached_property
+    def breaks(self) -> Ints:
+        """Ticks at which the polynomial changes, the end included; constants have no end."""
+        return self.ticks if self.size == 1 else each_once(self.ticks, [self.end])
+
+    @cached_property
+    def widths(self) -> Ints:
+        """Ticks that each piece lasts, 1 at least, [n]."""
+        return np.maximum(np.diff(self.ticks, append=self.end), 1)
+
+    @cached_property
+    def _integral_to_piece(self) -> Floats:
+        if self.size == 1:
+            whole = self.values[:-1] * np.diff(self.ticks)
+        else:
+            whole = self._primitive[:-1].sum(axis=1)
+        return np.concatenate(([0.0], np.cumsum(whole)))
+
+    @cached_property
+    def _primitive(self) -> Floats:
+        """Coefficients of the integral of each piece from its start, value times ticks."""
+        from numpy.polynomial.chebyshev import chebint
+
+        scale = np.diff(self.ticks, append=self.end)[:, None] / 2
+        return np.asarray(chebint(self.coefficients, lbnd=-1, axis=1) * scale)
+
+    def piece(self, ticks: Any, side: Side = "right") -> Any:
+        """Index of the piece in which ticks lie."""
         return np.maximum(np.searchsorted(self.ticks, ticks, side) - 1, 0)
+
+    def _own_time(self, i: Any, ticks: Any) -> Any:
+        """Variable y of pieces i at ticks; -1 or 1 outside."""
+        return np.clip((ticks - self.ticks[i]) / self.widths[i] * 2 - 1, -1.0, 1.0)
 
     def at(self, ticks: ArrayLike, side: Side = "right") -> Floats:
         """Value at `ticks`: the limit from the right (after a jump) or from the left (before)."""
-        value: Floats = self.values[self._piece(np.asarray(ticks), side)]
-        return value
+        ticks = np.asarray(ticks)
+        i = self.piece(ticks, side)
+        if self.size == 1:
+            value: Floats = self.values[i]
+            return value
+        return _polynomials(self.coefficients, i, self._own_time(i, ticks))
+
+    def inside(self, starts: ArrayLike, stops: ArrayLike, shares: Floats) -> Floats:
+        """Values [n, share] at shares of [n] intervals, each of which lies in one piece."""
+        starts, stops = np.asarray(starts), np.asarray(stops)
+        i = self.piece(starts)
+        if self.size == 1:
+            return np.asarray(np.repeat(self.values[i][:, None], len(shares), axis=1))
+        after = (starts - self.ticks[i])[:, None] + (stops - starts)[:, None] * shares
+        y = np.clip(after / self.widths[i][:, None] * 2 - 1, -1.0, 1.0)
+        return _polynomials(self.coefficients, i[:, None], y)
 
     def integral(self, start: ArrayLike, stop: ArrayLike) -> Floats:
         """Integral from `start` to `stop`, value times ticks; arguments broadcast."""
@@ -58,13 +128,70 @@ class StepSignal:
 
     def _from_first(self, ticks: ArrayLike) -> Any:
         ticks = np.asarray(ticks)
-        i = self._piece(ticks, "right")
-        return self._integral_to_jump[i] + self.values[i] * (ticks - self.ticks[i])
+        i = self.piece(ticks)
+        if self.size == 1:
+            return self._integral_to_piece[i] + self.values[i] * (ticks - self.ticks[i])
+        passed = _polynomials(self._primitive, i, self._own_time(i, ticks))
+        outside = ticks - np.clip(ticks, self.ticks[0], self.end)
+        if np.any(outside):
+            passed = passed + outside * self.at(ticks)
+        return self._integral_to_piece[i] + passed
 
-    def jumps_in(self, start: int, stop: int) -> Ints:
-        """Jump times strictly between `start` and `stop`."""
-        low, high = np.searchsorted(self.ticks, [start, stop], "right")
-        return self.ticks[low : high - (high > low and self.ticks[high - 1] == stop)]
+    def breaks_in(self, start: int, stop: int) -> Ints:
+        """Breaks strictly between `start` and `stop`."""
+        low, high = np.searchsorted(self.breaks, [start, stop], "right")
+        return self.breaks[low : high - (high > low and self.breaks[high - 1] == stop)]
+
+    def within(self, start: int, stop: int) -> Pieces:
+        """The pieces that make up the signal from `start` to `stop`."""
+        low, high = self.piece(start), int(np.searchsorted(self.ticks, stop, "right"))
+        high = max(high, low + 1)
+        end = self.end if high == len(self.ticks) else int(self.ticks[high])
+        return Pieces(self.ticks[low:high], self.coefficients[low:high], end)
+
+    def plus(self, constant: float) -> Pieces:
+        """The signal and a constant."""
+        coefficients = self.coefficients.copy()
+        coefficients[:, 0] += constant
+        return Pieces(self.ticks, coefficients, self.end)
+
+    def later(self, ticks: int) -> Pieces:
+        """The signal so many ticks later."""
+        return Pieces(self.ticks + ticks, self.coefficients, self.end + ticks)
+
+    def cut(self, ticks: Ints, end: int) -> Pieces:
+        """The signal from ticks[0] to `end` in pieces that begin at `ticks`, its breaks among them.
+
+        Parameters
+        ----------
+        ticks : [n] int
+        end : int
+        """
+        if self.size == 1:
+            return Pieces(ticks, self.at(ticks), end)
+        shares, to_coefficients = interpolation(self.size)
+        values = self.inside(ticks, np.append(ticks[1:], end), shares)
+        return Pieces(ticks, values @ to_coefficients, end)
+
+
+def _polynomials(coefficients: Floats, i: Any, y: Any) -> Floats:
+    """Values of the polynomials i at y, which broadcast."""
+    from numpy.polynomial.chebyshev import chebval
+
+    value: Floats = chebval(y, [column[i] for column in coefficients.T], tensor=False)
+    return value
+
+
+@cache
+def interpolation(size: int) -> tuple[Floats, Floats]:
+    """Shares of a piece, and the matrix that makes of values there the `size` coefficients.
+
+    The shares are Chebyshev points, at which rounding errors of values are not enlarged.
+    """
+    angles = np.pi * (np.arange(size)[::-1] + 0.5) / size
+    to_coefficients = np.cos(angles[:, None] * np.arange(size)) * (2 / size)
+    to_coefficients[:, 0] /= 2
+    return (1 + np.cos(angles)) / 2, to_coefficients
 
 
 def each_once(*ticks: ArrayLike) -> Ints:
@@ -78,14 +205,30 @@ def each_once(*ticks: ArrayLike) -> Ints:
     return merged[first]
 
 
+def product(f: Pieces, g: Pieces) -> Pieces:
+    """The signal f(t) g(t).
+
+    Examples
+    --------
+    >>> force, speed = Pieces([0, 4], [1.0, 3.0]), Pieces([0, 6], [2.0, -1.0])
+    >>> product(force, speed).integral(0, [4, 10]).tolist()
+    [8.0, 8.0]
+    """
+    starts = each_once(f.breaks, g.breaks)
+    stops = np.append(starts[1:], starts[-1])
+    shares, to_coefficients = interpolation(f.size + g.size - 1)
+    values = f.inside(starts, stops, shares) * g.inside(starts, stops, shares)
+    return Pieces(starts, values @ to_coefficients)
+
+
 def integral_of_product(
-    f: StepSignal, g: StepSignal, start: int, stop: int, about: int | None = None
+    f: Pieces, g: Pieces, start: int, stop: int, about: int | None = None
 ) -> float:
     """Integral of f(t) g(t), or with `about` of f(t) g(about - t), from `start` to `stop`.
 
     Parameters
     ----------
-    f, g : StepSignal
+    f, g : Pieces
     start, stop : int
         Ticks.
     about : int, optional
@@ -94,20 +237,32 @@ def integral_of_product(
     Returns
     -------
     float
-        Product of values times ticks.
+        Product of values times ticks; exact but for rounding.
 
     Examples
     --------
-    >>> f, g = StepSignal([0, 4], [1.0, 3.0]), StepSignal([0, 6], [2.0, -1.0])
+    >>> f, g = Pieces([0, 4], [1.0, 3.0]), Pieces([0, 6], [2.0, -1.0])
     >>> integral_of_product(f, g, 0, 10), integral_of_product(f, g, 0, 10, about=10)
     (8.0, 32.0)
     """
     if about is None:
-        other = g.jumps_in(start, stop)
+        other = g.breaks_in(start, stop)
     else:
-        other = about - g.jumps_in(about - stop, about - start)
-    knots = each_once(f.jumps_in(start, stop), other)
-    edges = np.concatenate(([start], knots, [stop]))
+        other = about - g.breaks_in(about - stop, about - start)
+    edges = np.concatenate(([start], each_once(f.breaks_in(start, stop), other), [stop]))
     left, right = edges[:-1], edges[1:]
-    partner = g.at(left) if about is None else g.at(about - right)
-    return float(np.sum(f.at(left) * partner * (right - left)))
+    shares, weights = _quadrature((f.size + g.size) // 2)
+    if about is None:
+        partner = g.inside(left, right, shares)
+    else:  # the shares lie symmetrically
+        partner = g.inside(about - right, about - left, shares)[:, ::-1]
+    return float(np.sum((f.inside(left, right, shares) * partner) @ weights * (right - left)))
+
+
+@cache
+def _quadrature(points: int) -> tuple[Floats, Floats]:
+    """Shares and weights of Gauss and Legendre: exact up to degree 2 points - 1."""
+    from numpy.polynomial.legendre import leggauss
+
+    places, weights = leggauss(points)
+    return (1 + places) / 2, weights / 2
