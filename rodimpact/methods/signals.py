@@ -17,6 +17,9 @@ Floats: TypeAlias = NDArray[np.floating[Any]]
 Ints: TypeAlias = NDArray[np.int64]
 Side: TypeAlias = Literal["right", "left"]
 
+STRAIGHT = 5e-5  # of the range of a signal, where straight lines stand for it
+ROUND_OFF = 1e-12  # of the largest value, where a signal hardly varies
+
 
 class Pieces:
     """Piecewise polynomial function of time.
@@ -94,6 +97,28 @@ class Pieces:
         scale = np.diff(self.ticks, append=self.end)[:, None] / 2
         return np.asarray(chebint(self.coefficients, lbnd=-1, axis=1) * scale)
 
+    @cached_property
+    def bends(self) -> Floats:
+        """Bound of the second derivative of each piece by its own variable, [n]."""
+        k = np.arange(self.size)
+        bends: Floats = np.abs(self.coefficients) @ (k**2 * (k**2 - 1) / 3)
+        return bends
+
+    @cached_property
+    def marks(self) -> Ints:
+        """Ticks between which straight lines follow the signal to `STRAIGHT` of its range."""
+        if self.size == 1:
+            return self.ticks
+        middle, swing = self.coefficients[:, 0], np.abs(self.coefficients[:, 1:]).sum(axis=1)
+        low, high = float((middle - swing).min()), float((middle + swing).max())
+        error = max(STRAIGHT * (high - low), ROUND_OFF * max(high, -low))
+        # a line over the n-th part of a piece is off by less than (2/n)^2/8 of its bend
+        parts = np.ceil(np.sqrt(self.bends / (2 * error))) if error else np.ones(len(middle))
+        counts = np.clip(parts, 1, self.widths).astype(np.int64)
+        place = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        inside = np.repeat(self.ticks, counts) + np.repeat(self.widths // counts, counts) * place
+        return each_once(inside, [self.end])
+
     def piece(self, ticks: Any, side: Side = "right") -> Any:
         """Index of the piece in which ticks lie."""
         return np.maximum(np.searchsorted(self.ticks, ticks, side) - 1, 0)
@@ -114,7 +139,7 @@ class Pieces:
     def inside(self, starts: ArrayLike, stops: ArrayLike, shares: Floats) -> Floats:
         """Values [n, share] at shares of [n] intervals, each of which lies in one piece."""
         starts, stops = np.asarray(starts), np.asarray(stops)
-        i = self.piece(starts)
+        i = self.piece(starts + (stops - starts) // 2)
         if self.size == 1:
             return np.asarray(np.repeat(self.values[i][:, None], len(shares), axis=1))
         after = (starts - self.ticks[i])[:, None] + (stops - starts)[:, None] * shares
@@ -155,6 +180,10 @@ class Pieces:
         coefficients[:, 0] += constant
         return Pieces(self.ticks, coefficients, self.end)
 
+    def times(self, factor: float) -> Pieces:
+        """The signal times a factor."""
+        return Pieces(self.ticks, self.coefficients * factor, self.end)
+
     def later(self, ticks: int) -> Pieces:
         """The signal so many ticks later."""
         return Pieces(self.ticks + ticks, self.coefficients, self.end + ticks)
@@ -169,21 +198,21 @@ class Pieces:
         """
         if self.size == 1:
             return Pieces(ticks, self.at(ticks), end)
-        shares, to_coefficients = interpolation(self.size)
+        shares, to_coefficients = _interpolation(self.size)
         values = self.inside(ticks, np.append(ticks[1:], end), shares)
         return Pieces(ticks, values @ to_coefficients, end)
 
 
 def _polynomials(coefficients: Floats, i: Any, y: Any) -> Floats:
     """Values of the polynomials i at y, which broadcast."""
-    from numpy.polynomial.chebyshev import chebval
-
-    value: Floats = chebval(y, [column[i] for column in coefficients.T], tensor=False)
-    return value
+    before = last = np.zeros(())
+    for column in coefficients.T[:0:-1]:  # Clenshaw's recurrence
+        last, before = column[i] + 2 * y * last - before, last
+    return np.asarray(coefficients[i, 0] + y * last - before)
 
 
 @cache
-def interpolation(size: int) -> tuple[Floats, Floats]:
+def _interpolation(size: int) -> tuple[Floats, Floats]:
     """Shares of a piece, and the matrix that makes of values there the `size` coefficients.
 
     The shares are Chebyshev points, at which rounding errors of values are not enlarged.
@@ -205,6 +234,17 @@ def each_once(*ticks: ArrayLike) -> Ints:
     return merged[first]
 
 
+def difference(f: Pieces, g: Pieces) -> Pieces:
+    """The signal f(t) - g(t).
+
+    Examples
+    --------
+    >>> difference(Pieces([0, 4], [1.0, 3.0]), Pieces([0, 6], [2.0, -1.0])).values.tolist()
+    [-1.0, 1.0, 4.0]
+    """
+    return _combined(np.subtract, f, g, max(f.size, g.size))
+
+
 def product(f: Pieces, g: Pieces) -> Pieces:
     """The signal f(t) g(t).
 
@@ -214,10 +254,15 @@ def product(f: Pieces, g: Pieces) -> Pieces:
     >>> product(force, speed).integral(0, [4, 10]).tolist()
     [8.0, 8.0]
     """
+    return _combined(np.multiply, f, g, f.size + g.size - 1)
+
+
+def _combined(operation: Any, f: Pieces, g: Pieces, size: int) -> Pieces:
+    """What an operation makes of two signals, in pieces of `size` coefficients."""
     starts = each_once(f.breaks, g.breaks)
     stops = np.append(starts[1:], starts[-1])
-    shares, to_coefficients = interpolation(f.size + g.size - 1)
-    values = f.inside(starts, stops, shares) * g.inside(starts, stops, shares)
+    shares, to_coefficients = _interpolation(size)
+    values = operation(f.inside(starts, stops, shares), g.inside(starts, stops, shares))
     return Pieces(starts, values @ to_coefficients)
 
 
@@ -251,7 +296,7 @@ def integral_of_product(
         other = about - g.breaks_in(about - stop, about - start)
     edges = np.concatenate(([start], each_once(f.breaks_in(start, stop), other), [stop]))
     left, right = edges[:-1], edges[1:]
-    shares, weights = _quadrature((f.size + g.size) // 2)
+    shares, weights = quadrature((f.size + g.size) // 2)
     if about is None:
         partner = g.inside(left, right, shares)
     else:  # the shares lie symmetrically
@@ -260,7 +305,7 @@ def integral_of_product(
 
 
 @cache
-def _quadrature(points: int) -> tuple[Floats, Floats]:
+def quadrature(points: int) -> tuple[Floats, Floats]:
     """Shares and weights of Gauss and Legendre: exact up to degree 2 points - 1."""
     from numpy.polynomial.legendre import leggauss
 

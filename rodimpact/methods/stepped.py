@@ -15,7 +15,7 @@ from ..units import format_si
 from .measure_kernel import largest_force
 from .pressing import episodes_of_steps, pressed_spans
 from .run import ContactSignal, ContactTally, Outside, Run, Signals
-from .signals import Floats, StepSignal
+from .signals import Floats, Pieces
 from .status import end_sentence, proof_sentence, strain_warning
 from .stepped_run import SteppedRun
 
@@ -173,22 +173,24 @@ def _tallies(run: SteppedRun, record: StepRecord) -> tuple[ContactTally, ...]:
 
 def _signals(run: SteppedRun, record: StepRecord, motion: Callable[[StepRecord], Any]) -> Signals:
     row, edges, contacts = run.row, run.edges, []
-    times, lasts = edges * run.clock.tick, np.diff(edges)
+    times = edges * run.clock.tick
     for force, gap, path, spans in zip(*record[:4], strict=True):
         episodes = episodes_of_steps(times, force, gap, run.resolved, spans) if spans else ()
         if len(force):
             contacts.append(ContactSignal(
-                StepSignal(edges[:-1], force), gap[:-1], np.diff(gap) / lasts,
-                StepSignal(edges[:-1], force * path / lasts), episodes,
+                Pieces(edges[:-1], force), Pieces.lines(edges[:-1], gap[:-1], gap[1:], edges[-1]),
+                Pieces(edges[:-1], path / run.durations), episodes,
             ))
         else:
-            still = StepSignal([0], [0.0])
-            contacts.append(ContactSignal(still, gap, np.zeros(1), still, episodes))
+            still = Pieces([0], [0.0])
+            contacts.append(ContactSignal(still, Pieces([0], gap), still, episodes))
     left, right = (
-        Outside(
-            end[0], StepSignal(edges[:-1], end[1]), StepSignal(edges[:-1], sign * end[1] * end[2])
-        ) if end is not None and len(end[1]) else None
-        for end, sign in zip(record.ends, (1, -1), strict=True)
+        Outside(end[0], Pieces(edges[:-1], end[1]), Pieces(edges[:-1], end[2]))
+        if end is not None and len(end[1]) else None for end in record.ends
     )
-    masses = {body: run.speed(m) for body, m in enumerate(row.mass_of) if m >= 0}
+    speeds = {body: run.speed(m) for body, m in enumerate(row.mass_of) if m >= 0}
+    masses = {
+        body: Pieces.lines(edges[:-1], v[:-1], v[1:], edges[-1]) if run.steps else Pieces([0], v)
+        for body, v in speeds.items()
+    }
     return Signals(motion(record), tuple(contacts), (left, right), edges, masses)

@@ -19,8 +19,8 @@ COLUMNS = 300  # pieces of the whole row
 
 
 def is_stepped(solution: Solution) -> bool:
-    """Whether the signals of a solution are averages over time steps."""
-    return solution.fields.clock.grain > 1
+    """Whether a solution changes between fronts, so that pictures sample it."""
+    return not solution.fields.constant_between_fronts
 
 
 def pieces(solution: Solution, body: int) -> tuple[Floats, Ints]:

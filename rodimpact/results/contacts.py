@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.run import ContactSignal, ContactTally
-from ..methods.signals import Floats, Side
+from ..methods.signals import Floats, Pieces, Side, each_once, product
 from ..model import ContactLaw, Joint, Rigid, Yielding
 from .fields import Fields, check_side
 
@@ -26,7 +28,7 @@ class ContactHistory:
     peak_force : float
         N.
     episodes : tuple of Episode
-    push : StepSignal
+    push : Pieces
         Force in ticks of the clock.
 
     Examples
@@ -49,8 +51,7 @@ class ContactHistory:
         self.impulse, self.duration = tally.impulse, tally.duration
         self.peak_force, self.episodes = tally.peak_force, tuple(signal.episodes)
         self._fields, self._tick = fields, fields.clock.tick
-        self.push, self._work = signal.force, signal.power
-        self._gap, self._rate = signal.gap, signal.rate
+        self.push, self._gap, self._closing = signal.force, signal.gap, signal.closing
 
     def force(self, t: ArrayLike, side: Side = "right") -> Floats:
         """Contact force, N, positive in compression; `side` decides at jumps.
@@ -66,9 +67,7 @@ class ContactHistory:
         Exactly 0 while they touch rigidly; minus the indentation in a compliant contact, the
         stretch of a joint. Where one has yielded it counts from the faces as they are then.
         """
-        ticks = self._fields.to_ticks(t, "right")
-        i = np.searchsorted(self.push.ticks, ticks, "right") - 1
-        gap: Floats = self._gap[i] + self._rate[i] * (ticks - self.push.ticks[i])
+        gap = self._gap.at(self._fields.to_ticks(t, "right"))
         return np.maximum(gap, 0.0) if isinstance(self.law, Rigid) else gap
 
     def law_at(self, t: float) -> ContactLaw:
@@ -78,13 +77,20 @@ class ContactHistory:
             return law.replace(stretch=float(self.gap(t)))
         if not isinstance(law, Yielding):
             return law
-        earlier = self._gap[self.push.ticks <= self._fields.to_ticks(t)]
+        earlier = self._gap.values[self._gap.ticks <= self._fields.to_ticks(t)]
         deepest = -min(float(np.min(earlier, initial=0.0)), float(self.gap(t)))
         return law.replace(yield_force=max(law.yield_force, law.stiffness * deepest))
 
     def breakpoints(self) -> tuple[Floats, Floats, Floats]:
-        """Times (s) at which force or gap rate may change, force just after (N), and gap (m)."""
-        return self.push.ticks * self._tick, self.push.values.copy(), self._gap.copy()
+        """Times, s, force just after them, N, and gap, m.
+
+        Force and velocities jump at these times alone. Where the force changes smoothly there are
+        more of them: straight lines between them follow force and gap to 5e-5 of their ranges.
+        """
+        ticks = self.push.ticks
+        if self.push.size > 1:
+            ticks = each_once(self.push.marks, self._gap.marks)
+        return ticks * self._tick, self.push.at(ticks), self._gap.at(ticks)
 
     def impulse_until(self, t: ArrayLike) -> Floats:
         """Integral of the force from 0 to t, N s, from the signals."""
@@ -95,7 +101,12 @@ class ContactHistory:
 
         A compliant contact stores some of it; the rest is lost there.
         """
-        return self._work.integral(0, self._fields.to_ticks(t))
+        return self._work.integral(0, self._fields.to_ticks(t)) * self._tick
+
+    @cached_property
+    def _work(self) -> Pieces:
+        """Power, W."""
+        return product(self.push, self._closing)
 
     def __repr__(self) -> str:
         name = type(self.law).__name__

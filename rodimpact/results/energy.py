@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..methods.run import Outside
-from ..methods.signals import Floats, StepSignal
+from ..methods.run import INWARD, Outside
+from ..methods.signals import Floats, Pieces, product
 from .contacts import ContactHistory
 from .fields import Fields
 from .group_states import GroupStates
@@ -96,18 +96,18 @@ def ledger(
     a, ticks = fields.clock, states.ticks
     t = ticks * a.tick
     works = {kind: np.zeros(t.shape) for kind in ("wall", "drive", "absorbing")}
-    for side in outside:
+    for side, sign in zip(outside, INWARD, strict=True):
         if side is not None:
-            works[side.kind] += side.power.integral(0, ticks) * a.tick
+            power = product(side.push, side.speed)
+            works[side.kind] += sign * power.integral(0, ticks) * a.tick
     fallen = np.zeros(t.shape)
     if a.gravity:
         path = (states.mass.sum() * a.gravity * t / 2 + states.momentum[0]) * t
-        for side, sign in zip(outside, (1, -1), strict=True):
+        passing = Pieces.lines([0], np.zeros(1), np.array([fields.end]), fields.end)
+        for side, sign in zip(outside, INWARD, strict=True):
             if side is not None:  # the integral of (t - s) F(s) over s
-                edges = np.append(side.push.ticks, fields.end)
-                middles = (edges[1:] + edges[:-1]) / 2
-                middle = StepSignal(side.push.ticks, side.push.values * middles)
-                lever = side.push.integral(0, ticks) * ticks - middle.integral(0, ticks)
+                moment = product(side.push, passing)
+                lever = side.push.integral(0, ticks) * ticks - moment.integral(0, ticks)
                 path = path + sign * lever * a.tick * a.tick
         fallen = a.gravity * path
     contact, dissipated, numerical = (np.zeros(t.shape) for _ in range(3))

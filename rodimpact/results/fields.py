@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.clock import Clock
-from ..methods.signals import Floats, Ints, Side
+from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model.arguments import array
 from ..units import shown
 
@@ -33,20 +33,24 @@ class Profile(NamedTuple):
 
 
 class Trace(NamedTuple):
-    """What passes a place: states that hold from each time on, of a rod.
+    """What passes a place in a rod, from t = 0 to the end.
 
-    times [n] in s; rightward, leftward [n], the waves v - c eps and v + c eps in m/s, in the frame
-    at t = 0; moving [n], the velocity of that frame; wave_speed in m/s; stretch [n], the difference
-    2 c eps of the waves just after each time, and stretching [n], its rate until the next, m/s^2.
+    rightward, leftward: the waves v - c eps and v + c eps in m/s, in the frame of the clock;
+    stretch: their difference 2 c eps, in m/s; wave_speed in m/s.
     """
 
-    times: Floats
-    rightward: Floats
-    leftward: Floats
-    moving: Floats
+    rightward: Pieces
+    leftward: Pieces
+    stretch: Pieces
     wave_speed: float
-    stretch: Floats
-    stretching: Floats
+
+
+def to_side(ticks: Ints, side: Side) -> Ints:
+    """Ticks that were rounded from times, moved to a side by as much as is uncertain.
+
+    A float cannot name a single tick beyond 2^51 of them.
+    """
+    return ticks + (ticks >> 51) if side == "right" else ticks - (ticks >> 51)
 
 
 def nearest(marks: Ints, ticks: Ints) -> Ints:
@@ -63,20 +67,25 @@ class Fields(ABC):
     clock : Clock
     end : int
         Last tick.
-    masses : mapping of int to array
-        Velocities of rigid masses, by body, at `edges`, in the frame `clock.frame`, which falls
-        with `clock.gravity`.
+    masses : mapping of int to Pieces
+        Velocities of rigid masses, by body, m/s, in the frame `clock.frame`, which falls with
+        `clock.gravity`.
     edges : [n] array of int, optional
         Ticks from 0 to `end` between which a method on a time step resolves nothing; those at which
         energies are known.
     """
 
     def __init__(
-        self, clock: Clock, end: int, masses: Mapping[int, Floats] | None = None,
+        self, clock: Clock, end: int, masses: Mapping[int, Pieces] | None = None,
         edges: Ints | None = None,
     ) -> None:
         self.clock, self.end = clock, end
         self.masses, self.steps = masses or {}, edges
+
+    @property
+    @abstractmethod
+    def constant_between_fronts(self) -> bool:
+        """Whether velocity and strain are constant in the regions between fronts."""
 
     @abstractmethod
     def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
@@ -131,8 +140,7 @@ class Fields(ABC):
     def to_ticks(self, t: ArrayLike, side: Side | None = None) -> Ints:
         """Nearest ticks of times in s; raise ValueError outside the solution.
 
-        A float cannot name a single tick beyond 2^51 of them. With `side`, the tick is moved to
-        that side by as much as is uncertain, so that a jump at the time given is before or after.
+        With `side`, a jump at the time given is before or after the tick, as in `to_side`.
         """
         t = array("t", t, "s")
         end = self.end * self.clock.tick
@@ -143,7 +151,7 @@ class Fields(ABC):
         ticks: Ints = np.minimum(np.rint(t / self.clock.tick).astype(np.int64), self.end)
         if side is None:
             return ticks
-        return ticks + (ticks >> 51) if side == "right" else ticks - (ticks >> 51)
+        return to_side(ticks, side)
 
     def edges(self, body: int) -> Floats:
         """Ends of the body's segments, m from its left end."""
@@ -184,28 +192,17 @@ class Fields(ABC):
         """Velocity that the frame has gained at times t."""
         return np.asarray(self.clock.gravity * self.to_ticks(t) * self.clock.tick)
 
-    def mass_velocity(self, body: int, t: ArrayLike) -> Floats:
+    def mass_velocity(self, body: int, t: ArrayLike, side: Side = "right") -> Floats:
         """Velocity of a rigid mass, m/s."""
-        V, ticks = self.masses[body], self.to_ticks(t)
-        assert self.steps is not None
-        velocity: Floats = np.interp(ticks, self.steps, V) + self.clock.frame + self._fallen(t)
-        return velocity
+        velocity = self.masses[body].at(self.to_ticks(t, side), side) + self.clock.frame
+        return np.asarray(velocity + self._fallen(t))
 
     def mass_displacement(self, body: int, t: ArrayLike) -> Floats:
-        """Displacement of a rigid mass, m, whose velocity changes evenly in each step."""
-        a, V, ticks = self.clock, self.masses[body], self.to_ticks(t)
-        if len(V) == 1:
-            path = V[0] * ticks
-        else:
-            assert self.steps is not None
-            width = np.diff(self.steps)
-            moved = np.concatenate(([0.0], np.cumsum((V[1:] + V[:-1]) / 2 * width)))
-            i = np.clip(np.searchsorted(self.steps, ticks, "right") - 1, 0, len(V) - 2)
-            s = ticks - self.steps[i]
-            path = moved[i] + V[i] * s + (V[i + 1] - V[i]) / width[i] * s * s / 2
+        """Displacement of a rigid mass, m."""
+        a, ticks = self.clock, self.to_ticks(t)
         time = ticks * a.tick
-        displacement: Floats = path * a.tick + a.frame * time + a.gravity * time * time / 2
-        return displacement
+        moved = self.masses[body].integral(0, ticks) * a.tick + a.frame * time
+        return np.asarray(moved + a.gravity * time * time / 2)
 
     @cached_property
     def positions(self) -> list[float]:

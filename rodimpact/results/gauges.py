@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..methods.signals import Floats
+from ..methods.signals import Floats, Ints, Pieces, Side, quadrature
 from ..model.arguments import array, refuse
 from ..model.frozen import InvalidModel, Problems, number
 from ..records.signal import Signal
 from ..storage.tables import heading, misnamed, write_table
 from ..units import shown
+from .fields import to_side
 
 SAMPLES = 10_000  # of a record where no interval is given
 MOST_ROWS = 100_000_000  # of a table, some gigabytes
@@ -24,12 +25,14 @@ TOGETHER = 4096  # rows that are made at a time
 
 @dataclass(frozen=True)
 class Gauge:
-    """Record of a strain gauge: an entry for each jump, each step, or each state of a grid.
+    """Record of a strain gauge, with an entry for each jump, step, or state of a grid at least.
 
-    Strain and velocity are constant between jumps of fronts; on a time step they are means until
-    the next entry, on a grid they are those of its time. What the strain is in between, `strain_at`
-    and `signal` tell: in a time step a straight line about the mean, which rises as the steps
-    around it do but not beyond their means; on a grid a straight line to the next entry.
+    Strain and velocity are constant between jumps of fronts. Where waves change smoothly, straight
+    lines from entry to entry follow each wave to 5e-5 of its range, and jumps are among the
+    entries. On a time step entries are means until the next one, on a grid those of its time.
+    `strain_at` and `signal` know the strain at all times: in a time step a straight line about the
+    mean, which rises as the steps around it do but not beyond their means; on a grid a straight
+    line to the next entry.
 
     Attributes
     ----------
@@ -45,8 +48,10 @@ class Gauge:
         velocity at t = 0; their sum is `strain`.
     end : float
         s.
-    strain_after, strain_rate : array
-        Strain just after each time, and how fast it changes until the next, 1/s.
+    record : Pieces
+        Strain at all times, in ticks of the clock.
+    tick : float
+        s.
 
     Examples
     --------
@@ -67,8 +72,24 @@ class Gauge:
     rightward: Floats
     leftward: Floats
     end: float
-    strain_after: Floats
-    strain_rate: Floats
+    record: Pieces
+    tick: float
+
+    @property
+    def strain_after(self) -> Floats:
+        """Strain just after each time."""
+        return self.strain_at(self.times)
+
+    @property
+    def strain_rate(self) -> Floats:
+        """How fast the strain changes until the next time, 1/s; on average."""
+        until = np.append(self.times[1:], self.end)
+        lasts = until - self.times
+        gained = self.record.at(self._ticks(until, "left"), "left") - self.strain_after
+        return np.asarray(np.divide(gained, lasts, out=np.zeros(len(lasts)), where=lasts > 0))
+
+    def _ticks(self, t: Floats, side: Side = "right") -> Ints:
+        return to_side(np.rint(t / self.tick).astype(np.int64), side)
 
     def signal(self, interval: float | None = None, name: str = "") -> Signal:
         """Return the strain as a signal at equal intervals.
@@ -101,24 +122,29 @@ class Gauge:
         if self.end < step:
             message = f"must not be longer than the record, {self.end!r} s, got {step!r}"
             raise InvalidModel([("interval", message)])
-        times = step * np.arange(_rows(self.end, step))
-        means = np.concatenate(([0.0], self.strain_at(times), [0.0, 0.0]))
-        begins, lasts = self.times[1:], np.diff(self.times)
-        jump = self.strain_after[1:] - self.strain_after[:-1] - self.strain_rate[:-1] * lasts
-        bend = np.diff(self.strain_rate) * step
-        place = begins / step + 0.5  # of jumps and bends, between the samples that they change
-        sample = place.astype(int)
-        u = place - sample
-        x, passed = 0.5 - u, step * sample >= begins
-        shares = (  # of a jump, of a bend: what the spline makes of it, less what it is
-            ((1 - u) ** 3 / 6, (1 - u) ** 4 / 24),
-            (1 / 2 + 3 * x / 4 - x**3 / 3 - passed,
-             13 / 64 - abs(x) / 2 + 3 * x**2 / 8 - x**4 / 12),
-            (-(u**3) / 6, u**4 / 24),
+        rows = _rows(self.end, step)
+        means = [self._means(step / self.tick, start, min(start + TOGETHER, rows))
+                 for start in range(0, rows, TOGETHER)]
+        return Signal(np.concatenate(means), step * np.arange(rows), name=name)
+
+    def _means(self, step: float, first: int, last: int) -> Floats:
+        """Samples from `first` to `last` - 1 that are so many ticks apart."""
+        # each cell of a step is cut where the record has breaks; Gauss's rule is exact in between
+        bounds = step * (np.arange(first, last + 3) - 1.5)
+        low, high = np.searchsorted(self.record.breaks, bounds[[0, -1]])
+        cuts = np.unique(np.concatenate((bounds, self.record.breaks[low:high])))
+        cell = np.searchsorted(bounds, cuts[:-1], "right") - 1
+        begins, lasts = (cuts[:-1] - bounds[cell]) / step, np.diff(cuts) / step
+        shares, weights = quadrature((self.record.size + 3) // 2)
+        u = begins[:, None] + lasts[:, None] * shares  # place in its cell, 0 to 1
+        values = self.record.inside(cuts[:-1], cuts[1:], shares) * weights * lasts[:, None]
+        value, lever, square = (
+            np.bincount(cell, (values * power).sum(axis=1), len(bounds) - 1)
+            for power in (1.0, u, u * u)
         )
-        for k, (of_jump, of_bend) in enumerate(shares):
-            np.add.at(means, sample + k, jump * of_jump + bend * of_bend)
-        return Signal(means[1 : len(times) + 1], times, name=name)
+        # parabolic spline: u^2/2 in the first cell, 1/2 + u - u^2, then (1 - u)^2/2
+        samples: Floats = square[:-2] / 2 + (value / 2 + lever - square)[1:-1]
+        return samples + (value / 2 - lever + square / 2)[2:]
 
     def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write time, strain, rightward and leftward strain and velocity, one row an entry.
@@ -137,9 +163,7 @@ class Gauge:
         """Strain at times t in s, from 0 to `end`; ValueError at others."""
         t = array("t", t, "s")
         refuse(~((t >= 0) & (t <= self.end * (1 + 1e-9))), f"must be 0 to {self.end!r} s", t=t)
-        i = np.maximum(np.searchsorted(self.times, t, "right") - 1, 0)
-        strain: Floats = self.strain_after[i] + self.strain_rate[i] * (t - self.times[i])
-        return strain
+        return self.record.at(self._ticks(t))
 
 
 def gauges_to_csv(

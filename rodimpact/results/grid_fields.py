@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from ..methods.clock import STEP_TICKS, Clock
 from ..methods.grid.mesh import GridMotion, RadialMotion
 from ..methods.run import Signals
-from ..methods.signals import Floats, Ints, Side
+from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model import Rod
 from ..model.profiles import Samples
 from .fields import Fields, Profile, Trace, nearest
@@ -41,6 +41,10 @@ class GridFields(Fields):
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
         super().__init__(clock, end, signals.masses, signals.edges)
         self.motion: GridMotion = signals.motion
+
+    @property
+    def constant_between_fronts(self) -> bool:
+        return False
 
     @property
     def _step(self) -> float:
@@ -246,13 +250,14 @@ class GridFields(Fields):
     def trace(self, body: int, x: float) -> Trace:
         a = self.clock
         ticks = self.motion.when * STEP_TICKS
-        times = ticks * a.tick
         c = a.wave_speed[int(self.segment_at(body, x))]
         v = self._at_nodes(self.motion.velocity, body, x, ticks)
         stretch = c * self._at_cells(self._stretch, body, x, ticks)
-        rate = np.append(2 * np.diff(stretch) / np.diff(times), 0.0)
-        moving = a.frame + a.gravity * times
-        return Trace(times, v - stretch, v + stretch, moving, c, 2 * stretch, rate)
+        right, left, change = (
+            Pieces.lines(ticks, values, np.append(values[1:], values[-1:]), self.end)
+            for values in (v - stretch, v + stretch, 2 * stretch)
+        )
+        return Trace(right, left, change, c)
 
     # Integrals over bodies ------------------------------------------------------------------------
 

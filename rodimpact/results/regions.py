@@ -143,7 +143,7 @@ def readable_until(solution: Solution, limit: int) -> float:
 def _interval(solution: Solution, start: float, stop: float | None) -> tuple[WaveFields, int, int]:
     """Fields between whose fronts there are regions, and first and last tick of an interval."""
     fields, stop = solution.fields, solution.t_end if stop is None else stop
-    if not isinstance(fields, WaveFields):
+    if not isinstance(fields, WaveFields) or not fields.jump_only:
         raise ValueError(f'solution: method "{solution.method}" has no fronts to draw between')
     first_tick, last_tick = (int(fields.to_ticks(single(name, t, "s")))
                              for name, t in (("start", start), ("stop", stop)))
@@ -169,7 +169,7 @@ def _edges(fields: WaveFields, s: int, start: int, stop: int) -> tuple[list[int]
     """Ticks between which waves leave the left and the right end of a segment."""
     first = start - fields.clock.ticks[s]
     left, right = (
-        [first, *wave.jumps_in(first, stop).tolist(), stop] for wave in fields.waves(s)
+        [first, *wave.breaks_in(first, stop).tolist(), stop] for wave in fields.waves(s)
     )
     return left, right
 

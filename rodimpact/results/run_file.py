@@ -24,13 +24,13 @@ from ..methods.run import (
     Totals,
     Waves,
 )
-from ..methods.signals import StepSignal
+from ..methods.signals import Pieces
 from ..model import System
 from ..storage.writing import Arrays
 
 KINDS = {kind.__name__: kind for kind in (
     Clock, ContactSignal, ContactTally, Episode, GridMotion, Outside, RadialMotion, Run, Signals,
-    StepSignal, Totals, Waves,
+    Pieces, Totals, Waves,
 )}
 
 
@@ -105,4 +105,4 @@ def _names(kind: Any) -> list[str]:
         return ["signals", *(f.name for f in fields(Run) if f.name != "make_signals")]
     if is_dataclass(kind):
         return [f.name for f in fields(kind)]
-    return ["ticks", "values"] if kind is StepSignal else list(kind._fields)
+    return ["ticks", "coefficients", "end"] if kind is Pieces else list(kind._fields)

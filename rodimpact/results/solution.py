@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.run import Run, Totals, Waves
-from ..methods.signals import Floats, Side
+from ..methods.signals import Floats, Side, each_once
 from ..model import Body, RigidMass, Rod, Samples, Segment, Steps, System, Wall
 from ..model.arguments import array, of_kind, refuse, single
 from ..model.frozen import Number
@@ -145,7 +145,7 @@ class Solution:
         if (wall := self._wall(body)) is not None:
             return float(wall.velocity) + 0.0 * self.fields.to_ticks(t)
         if body in self.fields.masses:
-            return self.fields.mass_velocity(body, t)
+            return self.fields.mass_velocity(body, t, side)
         return self.fields.velocity(body, x, t, side)
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
@@ -195,12 +195,14 @@ class Solution:
         """Record of a strain gauge at x, m from the left end of a body."""
         x = single("x", x, "m")
         trace = self.fields.trace(self._index(body), x)
-        right, left, per_wave = trace.rightward, trace.leftward, 0.5 / trace.wave_speed
-        rest = (right[0] + left[0]) / 2
+        a, per_wave = self.fields.clock, 0.5 / trace.wave_speed
+        ticks = each_once(trace.rightward.marks, trace.leftward.marks)
+        right, left = trace.rightward.at(ticks), trace.leftward.at(ticks)
+        times, rest = ticks * a.tick, (right[0] + left[0]) / 2
         return Gauge(
-            body, float(self.fields.check(body, x)), trace.times, (left - right) * per_wave,
-            (left + right) / 2 + trace.moving, (rest - right) * per_wave, (left - rest) * per_wave,
-            self.t_end, trace.stretch * per_wave, trace.stretching * per_wave,
+            body, float(self.fields.check(body, x)), times, (left - right) * per_wave,
+            (left + right) / 2 + (a.frame + a.gravity * times), (rest - right) * per_wave,
+            (left - rest) * per_wave, self.t_end, trace.stretch.times(per_wave), a.tick,
         )
 
     def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:

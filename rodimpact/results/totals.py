@@ -1,4 +1,4 @@
-"""What a run on a time step adds up to: the energy ledger at its beginning and its end."""
+"""What a run adds up to: the energy ledger at its beginning and its end."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..methods.groups import groups, velocities_in_group
-from ..methods.run import Run, Totals
+from ..methods.run import INWARD, Run, Totals
 from .contacts import ContactHistory
 from .energy import ledger
 from .fields import Fields
@@ -15,11 +15,10 @@ from .group_states import group_states
 
 
 def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> Totals:
-    """Read the totals off the fields of a finished run on a time step."""
+    """Read the totals off the fields of a finished run."""
     system, clock, signals = run.system, run.clock, run.signals
-    count, edges = len(system.bodies), signals.edges
-    assert edges is not None
-    states = group_states(system, fields, np.unique(edges[[0, -1]]))
+    count, ticks = len(system.bodies), np.unique(fields.nearest_known(np.array([0, run.end])))
+    states = group_states(system, fields, ticks)
     book = ledger(fields, contacts, signals.outside, states)
     masses = [clock.mass(i) for i in range(count)]
     velocity, vibration = np.zeros((2, count)), (states.moving + states.strained).T
@@ -34,12 +33,12 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
     if run.groups:
         vibration[-1] = run.groups.vibration
     impulse = sum(
-        sign * float(side.push.integral(0, edges[-1])) * clock.tick
-        for side, sign in zip(signals.outside, (1, -1), strict=True) if side is not None
+        sign * float(side.push.integral(0, ticks[-1])) * clock.tick
+        for side, sign in zip(signals.outside, INWARD, strict=True) if side is not None
     )
     total = float(states.mass.sum())
     gained = float(states.momentum[-1] - states.momentum[0])
-    missing = gained - impulse - total * clock.gravity * float(edges[-1]) * clock.tick
+    missing = gained - impulse - total * clock.gravity * float(ticks[-1]) * clock.tick
     pushed = sum(abs(tally.impulse) for tally in run.contacts if tally.impulse == tally.impulse)
     absolute = total * clock.scale + pushed
     energy = book.total

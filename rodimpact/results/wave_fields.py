@@ -17,7 +17,15 @@ from numpy.typing import ArrayLike
 from ..methods import kernels
 from ..methods.clock import Clock
 from ..methods.run import Signals
-from ..methods.signals import Floats, Ints, Side, StepSignal, each_once, integral_of_product
+from ..methods.signals import (
+    Floats,
+    Ints,
+    Pieces,
+    Side,
+    difference,
+    each_once,
+    integral_of_product,
+)
 from ..methods.steps.delays import lost_to_means
 from .field_kernel import sum_on_grid
 from .fields import Fields, Profile, Trace
@@ -39,14 +47,23 @@ class WaveFields(Fields):
 
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
         super().__init__(clock, end, signals.masses, signals.edges)
-        self.signals: Sequence[StepSignal | None] = signals.motion.lines
+        self.signals: Sequence[Pieces | None] = signals.motion.lines
 
-    def waves(self, segment: int) -> tuple[StepSignal, StepSignal]:
+    def waves(self, segment: int) -> tuple[Pieces, Pieces]:
         """Signals leaving the left and the right end of a segment."""
         a, b = self.signals[2 * segment], self.signals[2 * segment + 1]
         assert a is not None
         assert b is not None
         return a, b
+
+    @property
+    def constant_between_fronts(self) -> bool:
+        return self.jump_only and self.clock.grain == 1
+
+    @cached_property
+    def jump_only(self) -> bool:
+        """Whether all waves are constant between jumps."""
+        return all(wave is None or wave.size == 1 for wave in self.signals)
 
     # Where ------------------------------------------------------------------------------------
 
@@ -79,7 +96,7 @@ class WaveFields(Fields):
         ticks = self.to_ticks(t, side)
         shape = self._together(offset, ticks)
         grid = self._open_grid(offset, ticks, shape)
-        if grid is not None and side == "right":
+        if grid is not None and side == "right" and self.jump_only:
             flat, when, x_first = grid
             out: Floats = np.empty((flat.size, when.size))
             where = segment.ravel()
@@ -188,17 +205,22 @@ class WaveFields(Fields):
         segment, offset = (int(v) for v in self.locate(body, x))
         A, B = self.waves(segment)
         T = a.ticks[segment]
-        ticks = each_once([0], A.ticks + offset, B.ticks + (T - offset))
+        delays = offset, T - offset
+        ticks = each_once([0], A.breaks + offset, B.breaks + (T - offset))
         ticks = ticks[(ticks >= 0) & (ticks <= self.end)]
-        times = ticks * a.tick
-        moving = a.frame + a.gravity * times
-        right, left = A.at(ticks - offset), B.at(ticks - (T - offset))
-        stretch, rate = left - right, np.zeros(len(ticks))
+        right, left = (
+            wave.later(delay).cut(ticks, self.end)
+            for wave, delay in zip((A, B), delays, strict=True)
+        )
+        stretch = difference(left, right)
         if self.steps is not None:
-            for wave, delay, sign in ((A, offset, -1.0), (B, T - offset, 1.0)):
+            after, rate = stretch.values, np.zeros(len(ticks))
+            for wave, delay, sign in zip((A, B), delays, (-1.0, 1.0), strict=True):
                 gained, slope = _within_steps(wave, ticks - delay)
-                stretch, rate = stretch + sign * gained, rate + sign * slope / a.tick
-        return Trace(times, right, left, moving, a.wave_speed[segment], stretch, rate)
+                after, rate = after + sign * gained, rate + sign * slope
+            until = after + rate * np.diff(ticks, append=self.end)
+            stretch = Pieces.lines(ticks, after, until, self.end)
+        return Trace(right, left, stretch, a.wave_speed[segment])
 
     # Integrals over bodies ----------------------------------------------------------------------
 
@@ -227,7 +249,7 @@ class WaveFields(Fields):
                 both = float(right @ right + left @ left) * a.grain / 4
                 difference = float(right @ left[::-1]) * a.grain / 2
             else:
-                A, B = StepSignal(A.ticks, A.values - V), StepSignal(B.ticks, B.values - V)
+                A, B = (wave.within(tick - T, tick).plus(-V) for wave in (A, B))
                 both = sum(integral_of_product(w, w, tick - T, tick) for w in (A, B)) / 4
                 difference = integral_of_product(A, B, tick - T, tick, about=2 * tick - T) / 2
             scale = a.impedance[s] * a.tick
@@ -259,7 +281,7 @@ class WaveFields(Fields):
                 lost += a.impedance[s] * lost_to_means(wave.values, a.ticks[s], lasts)
         return np.concatenate(([0.0], np.cumsum(lost))) * a.tick
 
-    def _stored(self, wave: StepSignal, start: int, duration: int) -> Floats:
+    def _stored(self, wave: Pieces, start: int, duration: int) -> Floats:
         """Step averages of a signal from the step that begins at `start` on."""
         first = int(np.searchsorted(wave.ticks, start, "right")) - 1
         return np.asarray(wave.values[first : first + duration // self.clock.grain])
@@ -273,7 +295,7 @@ class WaveFields(Fields):
             A, B = self.waves(s)
             T = a.ticks[s]
             cuts = each_once(
-                tick - A.jumps_in(tick - T, tick), B.jumps_in(tick - T, tick) - tick + T
+                tick - A.breaks_in(tick - T, tick), B.breaks_in(tick - T, tick) - tick + T
             )
             unsure = tick >> 51  # it comes from a time: what left within that has just left
             bounds = np.concatenate(([0], cuts[(cuts > unsure) & (cuts < T - unsure)], [T]))
@@ -289,7 +311,7 @@ class WaveFields(Fields):
         return Profile(np.array(edges), np.array(velocity), np.array(strain), np.array(segments))
 
 
-def _within_steps(wave: StepSignal, ticks: Ints) -> tuple[Floats, Floats]:
+def _within_steps(wave: Pieces, ticks: Ints) -> tuple[Floats, Floats]:
     """At ticks, how far a wave is above the mean of the step, and its slope there, a tick.
 
     A straight line in each step keeps its mean; where the steps before and after are on either side

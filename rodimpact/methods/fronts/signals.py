@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ...model import Absorbing, Bonded, Fixed, Free, Wall
-from ..run import ContactSignal, Episode, Outside, Signals, Waves
-from ..signals import StepSignal, each_once
+from ..run import INWARD, ContactSignal, Episode, Outside, Signals, Waves
+from ..signals import Pieces, each_once
 from .assembly import Assembly
 from .front_kernel import OPEN, PRESS, Log
 from .tracking import FrontRun
@@ -28,7 +28,7 @@ def signals_of(run: FrontRun) -> Signals:
     return Signals(Waves(lines), contacts, (left, right))
 
 
-def _waves(segments: int, log: Log) -> list[StepSignal | None]:
+def _waves(segments: int, log: Log) -> list[Pieces | None]:
     """One signal a line of a segment."""
     line = np.asarray(log.line, dtype=np.int32)
     order = np.argsort(line, kind="stable")
@@ -39,12 +39,12 @@ def _waves(segments: int, log: Log) -> list[StepSignal | None]:
     values = np.asarray(log.value, dtype=np.float64)[order]
     stops = np.cumsum(counts)
     return [
-        StepSignal(ticks[stop - n : stop], values[stop - n : stop]) if n else None
+        Pieces(ticks[stop - n : stop], values[stop - n : stop]) if n else None
         for n, stop in zip(counts.tolist(), stops.tolist(), strict=True)
     ]
 
 
-def _changes(a: Assembly, log: Log) -> dict[int, StepSignal]:
+def _changes(a: Assembly, log: Log) -> dict[int, Pieces]:
     """Status of each contact, by node; that before any change holds from tick -1 on."""
     columns: Any = [np.asarray(column).tolist() for column in
                     (log.change_tick, log.change_node, log.change_status)]
@@ -54,11 +54,11 @@ def _changes(a: Assembly, log: Log) -> dict[int, StepSignal]:
     for tick, node, status in zip(*columns, strict=True):
         by_node[node][0].append(tick)
         by_node[node][1].append(status)
-    return {node: StepSignal(*columns) for node, columns in by_node.items()}
+    return {node: Pieces(*columns) for node, columns in by_node.items()}
 
 
 def _contact(
-    a: Assembly, lines: Sequence[StepSignal | None], changes: StepSignal, node: int, end: int,
+    a: Assembly, lines: Sequence[Pieces | None], changes: Pieces, node: int, end: int,
     bonded: bool,
 ) -> ContactSignal:
     """Force and gap, from the waves that arrive at a contact and its changes of status."""
@@ -78,22 +78,22 @@ def _contact(
     last = np.searchsorted(changes.ticks[1:], ticks, "right") - 1
     zero = np.append(travelled[change], -a.gaps[node])[last]
     gap = np.where(status == OPEN, travelled - zero, 0.0)
-    rate = opening * a.tick
+    lasts = np.diff(ticks, append=end)
     return ContactSignal(
-        StepSignal(ticks, force), gap * a.tick, rate, StepSignal(ticks, -force * rate),
-        () if bonded else _episodes(changes, a.tick),
+        Pieces(ticks, force), Pieces.lines(ticks, gap * a.tick, (gap + opening * lasts) * a.tick, end),
+        Pieces(ticks, -opening), () if bonded else _episodes(changes, a.tick),
     )
 
 
-def _arrivals(a: Assembly, lines: Sequence[StepSignal | None], node: int, right: int) -> StepSignal:
+def _arrivals(a: Assembly, lines: Sequence[Pieces | None], node: int, right: int) -> Pieces:
     segment = node + right
     wave = lines[2 * segment + right] if a.impedance[segment] else None
     if wave is None:
-        return StepSignal([0], [a.outside[right]])
-    return StepSignal(wave.ticks + a.ticks[segment], wave.values)
+        return Pieces([0], [a.outside[right]])
+    return wave.later(a.ticks[segment])
 
 
-def _episodes(changes: StepSignal, tick: float) -> tuple[Episode, ...]:
+def _episodes(changes: Pieces, tick: float) -> tuple[Episode, ...]:
     episodes: list[Episode] = []
     start = force_end = np.nan
     touching = False
@@ -113,16 +113,13 @@ def _episodes(changes: StepSignal, tick: float) -> tuple[Episode, ...]:
 
 
 def _outside(
-    a: Assembly, lines: Sequence[StepSignal | None], contacts: Sequence[ContactSignal],
+    a: Assembly, lines: Sequence[Pieces | None], contacts: Sequence[ContactSignal],
     place: int, end: int,
 ) -> Outside | None:
     """What acts on the first (0) or the last (-1) end of the row."""
-    wall, kind, sign = a.system.bodies[place], a.system.ends[place], 1 if place == 0 else -1
+    wall, kind, sign = a.system.bodies[place], a.system.ends[place], INWARD[place]
     if isinstance(wall, Wall):
-        push = contacts[place].force
-        return Outside(
-            "wall", push, StepSignal(push.ticks, sign * float(wall.velocity) * push.values)
-        )
+        return Outside("wall", contacts[place].force, Pieces([0], [float(wall.velocity)]))
     if isinstance(kind, Free | Fixed):
         return None
     s = range(len(a.ticks))[1:-1][place]
@@ -136,6 +133,6 @@ def _outside(
     force = sign * a.impedance[s] * (new - old) / 2
     speed = (new + old) / 2 + a.frame
     return Outside(
-        "absorbing" if isinstance(kind, Absorbing) else "drive", StepSignal(ticks, force),
-        StepSignal(ticks, sign * force * speed),
+        "absorbing" if isinstance(kind, Absorbing) else "drive", Pieces(ticks, force),
+        Pieces(ticks, speed),
     )

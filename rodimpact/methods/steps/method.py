@@ -21,7 +21,7 @@ from ..contact_law_kernel import BOND, RIGID, YIELD
 from ..refinement import MEASURES
 from ..row import Array, Row
 from ..run import GroupTotals, Run, Waves
-from ..signals import StepSignal
+from ..signals import Pieces
 from ..stepped import StepRecord, as_run
 from ..stepped_run import SteppedRun, clock_of_steps
 from .delays import arriving, edges_of_parts
@@ -155,7 +155,7 @@ def hand_over(run: StepRun, until: float | None) -> Run:
     def waves(_: StepRecord) -> Waves:
         ticks = np.concatenate((run.edges_before, run.edges[:-1]))
         lines = [run.wave(line) for line in range(2, 2 * len(run.state.steps) - 2)]
-        left = [StepSignal(ticks[len(ticks) - len(values) :], values) for values in lines]
+        left = [Pieces(ticks[len(ticks) - len(values) :], values) for values in lines]
         return Waves([None, None, *left])
 
     return as_run(run, "characteristics", until, waves, finer="a smaller dt")
