@@ -58,6 +58,14 @@ class Pieces:
         """Straight lines from `starts` to `stops`, both [n]; other arguments as above."""
         return cls(ticks, np.stack(((starts + stops) / 2, (stops - starts) / 2), axis=1), end)
 
+    @classmethod
+    def through(cls, ticks: ArrayLike, values: Floats) -> Pieces:
+        """Straight lines through values, [n + 1], at so many ticks; a constant through one."""
+        ticks = np.asarray(ticks)
+        if len(values) == 1:
+            return cls(ticks, values)
+        return cls.lines(ticks[:-1], values[:-1], values[1:], ticks[-1])
+
     @property
     def size(self) -> int:
         """Number of coefficients of a piece."""

@@ -178,7 +178,7 @@ def _signals(run: SteppedRun, record: StepRecord, motion: Callable[[StepRecord],
         episodes = episodes_of_steps(times, force, gap, run.resolved, spans) if spans else ()
         if len(force):
             contacts.append(ContactSignal(
-                Pieces(edges[:-1], force), Pieces.lines(edges[:-1], gap[:-1], gap[1:], edges[-1]),
+                Pieces(edges[:-1], force), Pieces.through(edges, gap),
                 Pieces(edges[:-1], path / run.durations), episodes,
             ))
         else:
@@ -188,9 +188,7 @@ def _signals(run: SteppedRun, record: StepRecord, motion: Callable[[StepRecord],
         Outside(end[0], Pieces(edges[:-1], end[1]), Pieces(edges[:-1], end[2]))
         if end is not None and len(end[1]) else None for end in record.ends
     )
-    speeds = {body: run.speed(m) for body, m in enumerate(row.mass_of) if m >= 0}
     masses = {
-        body: Pieces.lines(edges[:-1], v[:-1], v[1:], edges[-1]) if run.steps else Pieces([0], v)
-        for body, v in speeds.items()
+        body: Pieces.through(edges, run.speed(m)) for body, m in enumerate(row.mass_of) if m >= 0
     }
     return Signals(motion(record), tuple(contacts), (left, right), edges, masses)

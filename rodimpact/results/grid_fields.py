@@ -254,8 +254,7 @@ class GridFields(Fields):
         v = self._at_nodes(self.motion.velocity, body, x, ticks)
         stretch = c * self._at_cells(self._stretch, body, x, ticks)
         right, left, change = (
-            Pieces.lines(ticks, values, np.append(values[1:], values[-1:]), self.end)
-            for values in (v - stretch, v + stretch, 2 * stretch)
+            Pieces.through(ticks, values) for values in (v - stretch, v + stretch, 2 * stretch)
         )
         return Trace(right, left, change, c)
 

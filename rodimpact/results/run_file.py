@@ -27,6 +27,7 @@ from ..methods.run import (
 from ..methods.signals import Pieces
 from ..model import System
 from ..storage.writing import Arrays
+from . import steps_file
 
 KINDS = {kind.__name__: kind for kind in (
     Clock, ContactSignal, ContactTally, Episode, GridMotion, Outside, RadialMotion, Run, Signals,
@@ -69,6 +70,8 @@ def take_apart(run: Run) -> tuple[dict[str, Any], Arrays]:
 def put_together(document: Mapping[str, Any], arrays: Arrays) -> Run:
     """Make again what `take_apart` took apart."""
     parts: dict[tuple[Any, ...], Any] = {}
+    older = document.get("schema") == steps_file.SCHEMA
+    kinds = {**KINDS, **steps_file.KINDS} if older else KINDS
 
     def array_of(name: str, start: int, shape: list[int]) -> Any:
         key = (name, start, *shape)
@@ -91,8 +94,10 @@ def put_together(document: Mapping[str, Any], arrays: Arrays) -> Run:
         values = {key: made(item) for key, item in value.items() if key != "class"}
         if value["class"] == "Run":
             signals = values.pop("signals")
+            if older:
+                signals = steps_file.signals_of(signals, values["clock"], values["end"])
             return Run(**values, make_signals=lambda: signals)
-        return KINDS[value["class"]](**values)
+        return kinds[value["class"]](**values)
 
     run = made(document["run"])
     assert isinstance(run, Run)

@@ -3,14 +3,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rodimpact.methods.signals import StepSignal, integral_of_product
+from rodimpact.methods.signals import Pieces, integral_of_product
 
 steps = st.lists(st.tuples(st.integers(0, 60), st.integers(-5, 5)), min_size=1, max_size=8,
                  unique_by=lambda pair: pair[0]).map(sorted)
 
 
 def signal(pairs):
-    return StepSignal([t for t, _ in pairs], [float(v) for _, v in pairs])
+    return Pieces([t for t, _ in pairs], [float(v) for _, v in pairs])
 
 
 def brute(pairs, t):
@@ -39,13 +39,13 @@ def test_integral_of_a_product(f, g, start, length, about):
 
 
 @given(steps, st.integers(-20, 80), st.integers(-20, 80))
-def test_jumps_strictly_inside(pairs, a, b):
+def test_breaks_strictly_inside(pairs, a, b):
     start, stop = min(a, b), max(a, b)
-    assert signal(pairs).jumps_in(start, stop).tolist() == [t for t, _ in pairs if start < t < stop]
+    assert signal(pairs).breaks_in(start, stop).tolist() == [t for t, _ in pairs if start < t < stop]
 
 
 def test_arrays_broadcast():
-    s = StepSignal([0, 10], [1.0, 2.0])
+    s = Pieces([0, 10], [1.0, 2.0])
     assert s.at(np.array([[-1, 0], [9, 10]])).tolist() == [[1, 1], [1, 2]]
     assert s.integral(np.array([[0], [5]]), np.array([10, 20])) == pytest.approx(
         np.array([[10, 30], [5, 25]])

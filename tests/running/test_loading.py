@@ -198,6 +198,10 @@ RUNS = {
 }
 
 
+def bits(pieces):
+    return pieces.ticks.tobytes(), pieces.coefficients.tobytes(), pieces.end
+
+
 def facts(s):
     """All that a solution knows, in a form in which equal means the same bits."""
     t = np.linspace(0, s.t_end, 23)
@@ -206,18 +210,17 @@ def facts(s):
         "outcome", "system",
     )}
     found["outside"] = [
-        end and (end.kind, end.push.values.tobytes(), end.power.values.tobytes())
-        for end in s.run.signals.outside
+        end and (end.kind, bits(end.push), bits(end.speed)) for end in s.run.signals.outside
     ]
-    found["work"] = [c.power.values.tobytes() for c in s.run.signals.contacts]
-    found["masses"] = {body: V.tobytes() for body, V in s.fields.masses.items()}
+    found["closing"] = [bits(c.closing) for c in s.run.signals.contacts]
+    found["masses"] = {body: bits(V) for body, V in s.fields.masses.items()}
     found["t_final"] = repr(s.t_final)
     found["types"] = [type(getattr(s, name)) for name in ("until", "t_end", "t_final", "events")]
     if s.method == "finite-difference":
         *motion, _, radial = s.fields.motion
         found["states"] = [np.asarray(x).tobytes() for x in (*motion, *(radial or ()))]
     else:
-        found["signals"] = [w and (w.ticks.tobytes(), w.values.tobytes()) for w in s.fields.signals]
+        found["signals"] = [w and bits(w) for w in s.fields.signals]
     found["end"] = s.fields.end
     found["energy"] = s.energy(t).residual.tobytes()
     found["contacts"] = [
@@ -278,7 +281,7 @@ def test_the_file_opens_with_numpy_and_json_alone(tmp_path):
     solution.save(tmp_path / "run.npz")
     with np.load(tmp_path / "run.npz", allow_pickle=False) as archive:
         document = json.loads(str(archive["document"]), parse_constant=fail(ValueError("no JSON")))
-        force = document["run"]["signals"]["contacts"][0]["force"]["values"]
+        force = document["run"]["signals"]["contacts"][0]["force"]["coefficients"]
         column = archive[force["array"]][force["start"] :][: force["shape"][0]]
     assert np.array_equal(column, solution.contacts[0].push.values)
     assert document["run"]["totals"]["masses"] == [solution.outcome.masses[0], "inf"]
