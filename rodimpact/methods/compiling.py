@@ -1,0 +1,112 @@
+"""The door to numba for kernels on records: one source, as plain Python or as machine code.
+
+A kernel module holds plain functions, whole constants and tables of numbers (nested lists), and
+imports other kernel modules by name. `compiled` makes a twin of such a module in which every
+function is jitted and every table is an array; plain Python runs the module as it stands. State is
+arrays of records: structured arrays compiled, lists of small objects in plain Python.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+from pathlib import Path
+from types import FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+
+OPTIONS = {"error_model": "numpy", "nogil": True}
+"""Of every kernel: a division by zero is inf, as the kernels expect; threads run side by side."""
+
+
+@functools.cache
+def compiled(module: ModuleType, entry: str) -> Any:
+    """Return a function of a kernel module as machine code, which numba keeps on disk.
+
+    Parameters
+    ----------
+    module : module
+    entry : str
+        Name of the function.
+    """
+    import numba
+
+    def call(*arguments: Any) -> Any:
+        digest  # noqa: B018 - what closes over another digest is compiled anew
+        return kernel(*arguments)  # type: ignore[name-defined]  # noqa: F821 - given below
+
+    digest = f"{module.__name__}.{entry} {_digest(module)}"
+    scope = {"kernel": getattr(_twin(module), entry), "__name__": module.__name__}
+    closed = call.__closure__ if call.__code__.co_freevars else None
+    function = FunctionType(call.__code__, scope, entry, None, closed)
+    return numba.njit(cache=True, **OPTIONS)(function)
+
+
+@functools.cache
+def _twin(module: ModuleType) -> ModuleType:
+    """The same module with its functions jitted, its tables as arrays."""
+    import numba
+
+    twin = ModuleType(module.__name__)
+    for name, value in vars(module).items():
+        made = value
+        if _is_own(value, module):
+            made = numba.njit(**OPTIONS)(
+                FunctionType(value.__code__, vars(twin), name, value.__defaults__))
+        elif _is_kernel(value):
+            made = _twin(value)
+        elif isinstance(value, list):
+            made = np.array(value)
+        if not name.startswith("__"):
+            setattr(twin, name, made)
+    return twin
+
+
+def _is_own(value: Any, module: ModuleType) -> bool:
+    return isinstance(value, FunctionType) and value.__module__ == module.__name__
+
+
+def _is_kernel(value: Any) -> bool:
+    """Whether a module is one of ours."""
+    return isinstance(value, ModuleType) and value.__name__.startswith(f"{__package__}.")
+
+
+def _digest(module: ModuleType) -> str:
+    """Of the sources of a kernel module and of all that it imports."""
+    files, waiting = set(), [module]
+    while waiting:
+        here = waiting.pop()
+        if here.__file__ not in files:
+            files.add(here.__file__)
+            waiting += [value for value in vars(here).values() if _is_kernel(value)]
+    digest = hashlib.blake2b(digest_size=16)
+    for file in sorted(map(str, files)):
+        digest.update(hashlib.blake2b(Path(file).read_bytes()).digest())
+    return digest.hexdigest()
+
+
+@functools.cache
+def _slots(record: Any) -> type:
+    """A class with the fields of a record."""
+    return type("Record", (), {"__slots__": tuple(record.names)})
+
+
+def as_objects(records: Any) -> list[Any]:
+    """Return an array of records as a list of small objects with lists, for plain Python."""
+    kind, names = _slots(records.dtype), records.dtype.names
+    objects = []
+    for row in zip(*(records[name].tolist() for name in names), strict=True):
+        one = kind()
+        for name, value in zip(names, row, strict=True):
+            setattr(one, name, value)
+        objects.append(one)
+    return objects
+
+
+def as_records(objects: list[Any], record: Any) -> Any:
+    """Return objects of `as_objects` as an array of records."""
+    records = np.zeros(len(objects), record)
+    for name in record.names if objects else ():
+        records[name] = [getattr(one, name) for one in objects]
+    return records

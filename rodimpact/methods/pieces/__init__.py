@@ -1,0 +1,1 @@
+"""The method "characteristics": waves as polynomial pieces, contacts as small equations."""

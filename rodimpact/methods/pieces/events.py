@@ -1,0 +1,181 @@
+"""What happens between pieces: contacts close, open, yield, and rigid bodies strike each other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from . import lines, series
+from .records import NONE, SMOOTH, Law, Status, Touch
+from .series import N
+
+SWEEPS = 1000  # of impacts that happen together
+SETTLED = 1e-15  # of the velocities, below which a sweep changes nothing
+SLOWEST = 1e-8  # of the velocity scale: rigid bodies that part more slowly come to rest
+
+
+def happen(run: Any, link: Any, mass: Any, at: Any, i: int, status: int) -> None:
+    """Change the status of link i, and set the order of the break that this makes."""
+    it = link[i]
+    old = it.status
+    it.status, it.order = status, 1
+    if status == Status.OPEN or old == Status.OPEN:
+        it.overlap = 0.0
+    if old == Status.PLASTIC:
+        it.strength = it.stiffness * it.overlap
+    if old == Status.OPEN:
+        if it.law == Law.RIGID or (it.law == Law.SPRING and it.damping > 0):
+            it.order = 0
+        elif it.law == Law.IMPACT:
+            strike(run, link, mass, at, i)
+    elif old == Status.REST:
+        it.order = 0
+
+
+def speed_before(mass: Any, at: Any, q: int) -> float:
+    """Velocity on the left of link q at the start of the next piece."""
+    if q == 0:
+        return float(at.left[0])
+    return float(mass[at.mass + q - 1].speed[0])
+
+
+def closing_of(mass: Any, at: Any, q: int) -> float:
+    """Closing velocity of rigid bodies at the start of the next piece."""
+    behind = at.right[0] if q == at.links - 1 else mass[at.mass + q].speed[0]
+    return speed_before(mass, at, q) - float(behind)
+
+
+def lightness(mass: Any, at: Any, q: int) -> float:
+    """1/m of the body behind link q; 0 for a wall."""
+    if q < 0 or q == at.links - 1:
+        return 0.0
+    return 1 / float(mass[at.mass + q].mass)
+
+
+def push(mass: Any, at: Any, q: int, impulse: float) -> None:
+    """Let an impulse act in link q."""
+    if q > 0:
+        mass[at.mass + q - 1].speed[0] -= impulse * lightness(mass, at, q - 1)
+    if q < at.links - 1:
+        mass[at.mass + q].speed[0] += impulse * lightness(mass, at, q)
+
+
+def strike(run: Any, link: Any, mass: Any, at: Any, i: int) -> None:
+    """Let rigid bodies strike, all together that touch.
+
+    Each contact takes the least impulse that leaves it a closing of at most -e times the one before
+    (Moreau, in CISM 302, 1988). Bodies that would part too slowly to matter come to rest.
+    """
+    for q in range(at.links):
+        it = link[at.first + q]
+        touching = it.law == Law.IMPACT and (at.first + q == i or it.overlap >= 0)
+        it.unknown = q if touching else NONE
+        if touching:
+            closing = closing_of(mass, at, q)
+            it.rate_after = -it.restitution * closing if closing > 0 else 0.0
+            if -it.rate_after <= SLOWEST * run.scale:
+                it.rate_after = 0.0
+            it.force[0], it.closing[0] = 0.0, closing
+    for _ in range(SWEEPS):
+        change = 0.0
+        for q in range(at.links):
+            it = link[at.first + q]
+            if it.unknown != NONE:
+                ease = lightness(mass, at, q - 1) + lightness(mass, at, q)
+                step = (closing_of(mass, at, q) - it.rate_after) / ease
+                step = max(step, -it.force[0])
+                it.force[0] += step
+                push(mass, at, q, step)
+                change = max(change, abs(step) * ease)
+        if change <= SETTLED * run.scale:
+            break
+    for q in range(at.links):
+        it = link[at.first + q]
+        if it.unknown != NONE:
+            settle(run, it, closing_of(mass, at, q))
+
+
+def settle(run: Any, it: Any, closing: float) -> None:
+    """Enter the impulse of an impact; what does not part rests, as long as it is pressed."""
+    struck = it.force[0] > 0
+    it.overlap, it.order = 0.0, 0
+    it.status = Status.OPEN.value
+    if closing >= -SLOWEST * run.scale:
+        it.status = Status.REST.value
+        run.rested += struck
+    if struck:
+        it.impulse += it.force[0]
+        it.work += 0.5 * it.force[0] * (it.closing[0] + closing)
+        it.episodes += it.opened
+        it.opened = 1 if it.status == Status.OPEN else 0
+
+
+def record(
+    run: Any, link: Any, mass: Any, line: Any, log: Any, turn: Any, at: Any, ticks: int
+) -> None:
+    """Enter what a piece did to the links and masses of a node."""
+    h = ticks * run.tick
+    for q in range(at.links):
+        it = link[at.first + q]
+        if run.keep:
+            keep(run, line, log, at, it, ticks)
+        it.order, it.overlap = SMOOTH, it.overlaps[N]
+        touch = Touch.APART.value if it.status == Status.OPEN else Touch.GRAZING.value
+        if acts_or_pushes(it):
+            count(run, it, at.rate, h)
+            if it.status >= Status.PRESS:
+                top = series.maximum(it.force, at.series)
+                if top * it.ease > run.graze:
+                    touch = Touch.PRESSING.value
+                    it.peak = max(it.peak, top)
+                    it.pressed += ticks
+        if it.law >= Law.RIGID and touch != it.touch:
+            change(run, turn, it, at.first + q, at.now, touch)
+    for i in range(at.links - 1):
+        body = mass[at.mass + i]
+        if run.keep:
+            lines.append(run, line, log, body.line, at.now, ticks, body.speed)
+        body.speed[0] = body.speed[N]
+
+
+def acts_or_pushes(it: Any) -> bool:
+    """Whether there may be a force in a link."""
+    return bool(it.status != Status.OPEN and it.status != Status.SLACK)
+
+
+def count(run: Any, it: Any, power: Any, h: float) -> None:
+    """Add the impulse of a piece, and the work that the bodies did on the link."""
+    half = 0.5 * h
+    it.impulse += half * series.integral(it.force)
+    for j in range(series.POINTS):
+        power[j] = it.force[j] * (it.closing[j] - it.mobility * it.force[j])
+    it.work += half * series.integral(power)
+
+
+def change(run: Any, turn: Any, it: Any, i: int, tick: int, touch: int) -> None:
+    """Log that a contact is touched, presses or is left."""
+    if touch == Touch.PRESSING:
+        if it.first == NONE:
+            it.first = tick
+        it.episodes += it.opened
+        it.opened = 0
+    elif it.touch == Touch.PRESSING:
+        it.last = tick
+    if touch == Touch.APART:
+        it.opened = 1
+        it.apart = tick
+    it.touch = touch
+    new = turn[run.turns]
+    new.tick, new.link, new.touch = tick, i, touch
+    run.turns += 1
+
+
+def keep(run: Any, line: Any, log: Any, at: Any, it: Any, ticks: int) -> None:
+    """Keep force, overlap and closing of a link over a piece."""
+    if it.force_line != NONE:
+        lines.append(run, line, log, it.force_line, at.now, ticks, it.force)
+    if it.overlap_line != NONE:
+        lines.append(run, line, log, it.overlap_line, at.now, ticks, it.overlaps)
+    if it.closing_line != NONE:
+        for j in range(series.POINTS):
+            at.rate[j] = it.closing[j] - it.mobility * it.force[j]
+        lines.append(run, line, log, it.closing_line, at.now, ticks, at.rate)

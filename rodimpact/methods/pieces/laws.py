@@ -1,0 +1,83 @@
+"""What acts in a link: its force, and what must not fall below 0 for its status to last."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from .records import Law, Status
+
+
+def force(it: Any, d: float, closing: float) -> tuple[float, float, float]:
+    """Force of a link that is not open, and its derivatives by overlap d and `closing`.
+
+    A dashpot feels the rate d' = closing - Y F, which holds the force itself; the laws are solved
+    for it: F = k d + c d' and F = g (1 + c d') with g = k d^p (Hunt and Crossley 1975).
+    Beyond d = 0 a power goes on as an odd function: Newton's method and the search for d = 0 pass.
+    """
+    if it.law == Law.BOND or it.law == Law.RIGID:
+        return closing / it.mobility, 0.0, 1 / it.mobility
+    if it.law != Law.POWER:
+        share = 1 / (1 + it.damping * it.mobility)
+        F = (it.stiffness * d + it.damping * closing) * share
+        return F, it.stiffness * share, it.damping * share
+    x = abs(d)
+    if it.exponent == 1.5:
+        root = math.sqrt(x)
+    else:
+        root = x ** (it.exponent - 1)
+    g, slope = it.stiffness * d * root, it.exponent * it.stiffness * root
+    if it.damping == 0 or d < 0:
+        return g, slope, 0.0
+    share = 1 / (1 + g * it.damping * it.mobility)
+    pressed = (1 + it.damping * closing) * share
+    return g * pressed, slope * pressed * share, g * it.damping * share
+
+
+def guards(it: Any) -> int:
+    """How many numbers keep the status of a link."""
+    if it.status == Status.FIXED:
+        return 0
+    damped = it.law == Law.POWER and it.damping > 0
+    if it.status == Status.SLACK or (it.status == Status.PRESS and (it.law == Law.YIELD or damped)):
+        return 2
+    return 1
+
+
+def guard(
+    it: Any, which: int, d: float, closing: float, F: float, scale: float, length: float
+) -> tuple[float, int]:
+    """What must not fall below 0 for the status to last, without dimension, and the next status.
+
+    A dashpot lets go while there is still overlap: SLACK, until that is gone or it presses again.
+    What yields goes on as elastic, with a new strength, once it no longer closes.
+    """
+    if it.status == Status.OPEN:
+        return -d / length, Status.PRESS.value
+    if it.status == Status.REST:
+        return F / it.strength, Status.OPEN.value
+    if it.status == Status.PLASTIC:
+        return (closing - it.mobility * F) / scale, Status.PRESS.value
+    if it.status == Status.PRESS and it.law == Law.RIGID:
+        return F * it.mobility / scale, Status.OPEN.value
+    dashpot = it.law == Law.SPRING and it.damping > 0
+    if dashpot:
+        drive = (it.stiffness * d / it.damping + closing) / scale
+    else:
+        drive = 1 + it.damping * closing
+    if it.status == Status.SLACK and which == 1:
+        return -drive, Status.PRESS.value
+    if it.law == Law.YIELD and which == 1:
+        return 1 - F / it.strength, Status.PLASTIC.value
+    if it.status == Status.PRESS and (which == 1 or dashpot):
+        return drive, Status.SLACK.value
+    return d / length, Status.OPEN.value
+
+
+def smooths(it: Any, order: int) -> int:
+    """Order of the break in a force that a break in the velocity beside the link makes."""
+    if it.status == Status.OPEN or it.status == Status.SLACK:
+        return int(it.order)
+    if it.law <= Law.PUSH_RIGHT or it.law == Law.RIGID or it.damping > 0:
+        return min(it.order, order)
+    return min(it.order, order + 1)

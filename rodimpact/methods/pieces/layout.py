@@ -1,0 +1,518 @@
+"""From a row, or a family of them, to the records that the kernels of this method work on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+from typing import Any
+
+import numpy as np
+
+from ...model import Free, Joint, RigidMass, Rod, Samples, Steps, Wall
+from ...model.frozen import InvalidModel
+from .. import contact_law_kernel as old
+from ..abilities import driven
+from ..fronts import layout_kernel as rule
+from ..groups import groups
+from ..row import Row
+from . import finality, waves
+from .records import LINE, LINK, MASS, NODE, NONE, PART, PIECE, RUN, SMOOTH, Law, Part, Status
+from .series import POINTS
+
+LAWS = {
+    old.FREE: Law.PUSH_LEFT, old.FORCE: Law.PUSH_LEFT, old.BOND: Law.BOND, old.JOINT: Law.JOINT,
+    old.RIGID: Law.RIGID, old.IMPACT: Law.IMPACT, old.SPRING: Law.SPRING, old.HERTZ: Law.POWER,
+    old.HUNT: Law.POWER, old.POWER: Law.POWER, old.YIELD: Law.YIELD,
+}
+LOOSEST = 1e-6  # tolerance of pieces, of the velocity scale: an estimate needs smooth errors
+FLOORS = 128  # in the shortest transit
+WINDOW = 2.0**-40  # of the longest transit: what is nearer happens together
+GRAZE = 2.0**-40  # of the velocity scale: forces that move no faster are none
+ENDLESS = 1 << 61  # tick
+COLUMNS = "now length first links mass mirror in_left in_right out_left out_right"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layout:
+    """Records of every member of a family, [member, ...]; a single collision is a family of one.
+
+    Attributes
+    ----------
+    row : Row
+    tick : [member] array
+        s.
+    ticks : [member, segment] array
+        Transit times.
+    run, node, link, mass, line, part
+        Records; `run` is [member].
+    first : [member, piece] PIECE
+        Pieces that are known at t = 0.
+    fit : float
+        By how much they miss what was given, relative to the velocity scale.
+    """
+
+    row: Row
+    tick: Any
+    ticks: Any
+    run: Any
+    node: Any
+    link: Any
+    mass: Any
+    line: Any
+    part: Any
+    first: Any
+    fit: float
+
+
+def is_even(row: Row) -> bool:
+    """Whether all that moves at t = 0, and all that acts from outside, is a number."""
+    profiles = [value for _, value in row.outside]
+    for body in row.system.bodies:
+        profiles += [body.velocity, body.strain] if isinstance(body, Rod) else []
+    return not any(isinstance(profile, Steps | Samples) for profile in profiles)
+
+
+class _Members:
+    """Numbers of every member, in C order."""
+
+    def __init__(self, row: Row) -> None:
+        self.shape = row.system.shape
+        self.count = math.prod(self.shape)
+
+    def __call__(self, value: Any) -> Any:
+        if np.ndim(value) == 0:
+            return np.full(self.count, float(value))
+        return np.broadcast_to(value, self.shape).ravel().astype(float)
+
+
+def lay_out(row: Row, until: float | None, rtol: float, max_events: int, keep: bool) -> Layout:
+    """Put a row, or a family of even ones, on records.
+
+    Parameters
+    ----------
+    row : Row
+    until : float or None
+        s.
+    rtol : float
+    max_events : int
+        Cap on steps of nodes.
+    keep : bool
+        Whether to keep forces, overlaps and velocities of masses.
+
+    Raises
+    ------
+    InvalidModel
+        If transit times are too far apart for one clock, or the run is too long for it.
+    """
+    of = _Members(row)
+    reference = reference_time(row, of, until)
+    scale = velocity_scale(row, of, reference)
+    tick, ticks, jumps, horizon = _clock(row, of, until, scale, reference)
+    pieces = _Pieces(row, of, tick, ticks, jumps, rtol, scale, until)
+    node, link, mass, line, part = _records(row, of, tick, ticks, pieces, keep)
+    shortest = ticks.min(axis=1) if ticks.size else np.rint(reference / tick).astype(np.int64)
+    for m in range(link.shape[1]):
+        _set_ease(link[:, m], row, of, m, shortest * tick, scale)
+    run = np.zeros(of.count, RUN)
+    run["tick"], run["scale"], run["keep"] = tick, scale, keep
+    run["tolerance"] = min(rtol, LOOSEST) * scale
+    run["floor"], run["shortest"] = np.maximum(shortest // FLOORS, 64), shortest
+    run["check"], run["graze"] = shortest, GRAZE * scale
+    run["limit"], run["proved"], run["first_rough"] = max_events, NONE, NONE
+    run["prove"] = not driven(row.system)
+    run["end"] = np.rint((horizon if until is None else until) / tick).astype(np.int64)
+    spans = [ticks[:, first - 1 : last].sum(axis=1) for first, last in row.spans if last]
+    longest = reduce(np.maximum, spans) if spans else shortest
+    run["extra"] = 2 * longest if until is None else ENDLESS
+    node["length"] = np.maximum(shortest // 8, 16)[:, None]
+    return Layout(
+        row=row, tick=tick, ticks=ticks, run=run, node=node, link=link, mass=mass, line=line,
+        part=part, first=pieces.records, fit=pieces.fit,
+    )
+
+
+def reference_time(row: Row, of: _Members, until: float | None) -> Any:
+    """Longest transit, s; without rods `until`, or else the longest time of a contact or a flight."""
+    if row.segments:
+        return reduce(np.maximum, [of(s.transit_time) for s in row.segments])
+    if until:
+        return of(until)
+    speeds = [of(v) for v in (*row.mass_velocity, *(v for k, v in row.outside if k == "velocity"))]
+    v = np.maximum(reduce(np.maximum, speeds) - reduce(np.minimum, speeds), 1e-300)
+    m = reduce(np.maximum, [of(m) for m in row.masses])
+    times = [of(gap) / v for gap in row.gap]
+    for i in range(len(row.laws)):
+        if np.any(of(row.stiffness[i]) > 0):
+            power = of(row.exponent[i]) + 1
+            deepest = (power / 2 * m * v * v / of(row.stiffness[i])) ** (1 / power)
+            times.append(3 * deepest / v)
+    longest = reduce(np.maximum, times)
+    return np.where(longest > 0, longest, 1.0)
+
+
+def velocity_scale(row: Row, of: _Members, time: Any) -> Any:
+    """Scale of velocities, m/s; 1 where nothing moves."""
+    if row.segments:
+        scale = of(row.scale)
+    else:
+        moving = [of(v) for v in row.mass_velocity]
+        scale = np.abs(of(row.gravity)) * time
+        for kind, value in row.outside:
+            sizes = [np.abs(of(x)) for x in waves_extremes(value)]
+            if kind == "velocity":
+                moving += [of(x) for x in waves_extremes(value)]
+            elif kind == "force":
+                least = reduce(np.minimum, [of(m) for m in row.masses])
+                scale = scale + reduce(np.maximum, sizes) * time / least
+        scale = scale + reduce(np.maximum, moving) - reduce(np.minimum, moving)
+        for i, law in enumerate(row.laws):
+            if law == old.JOINT:
+                least = reduce(np.minimum, [of(m) for m in row.masses])
+                scale = scale + np.abs(of(row.gap[i])) * np.sqrt(of(row.stiffness[i]) / least)
+    return np.where(scale > 0, scale, 1.0)
+
+
+def waves_extremes(value: Any) -> list[Any]:
+    """Smallest and largest value of a profile."""
+    from ...model.profiles import extremes
+
+    return extremes(value)
+
+
+def _clock(
+    row: Row, of: _Members, until: float | None, scale: Any, reference: Any
+) -> tuple[Any, Any, list[list[int]], Any]:
+    """Duration of a tick, transit times in ticks, those of jumps in the rods, and the horizon, s."""
+    transits = [of(s.transit_time) for s in row.segments]
+    total = sum(transits, np.zeros(of.count))
+    flight = 4 * sum((np.maximum(of(gap), 0.0) for gap in row.gap), np.zeros(of.count)) / scale
+    horizon = np.maximum(np.maximum(rule.HORIZON * reference, 16 * total), flight)
+    horizon = np.minimum(horizon, reference * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST))
+    end = horizon if until is None else of(until)
+    tick, ticks = np.zeros(of.count), np.zeros((of.count, len(transits)), np.int64)
+    inner = _jumps(row)
+    durations = np.array([*transits, *np.zeros((len(inner), of.count))]).T
+    for j, (s, share) in enumerate(inner):
+        durations[:, len(transits) + j] = share * durations[:, s]
+    jumps = []
+    for m in range(of.count):
+        bits = rule.clock_bits(float(end[m] / reference[m]))
+        if bits < rule.COARSEST:
+            raise InvalidModel([_too_long(float(end[m]), float(reference[m]))])
+        n = durations.shape[1]
+        made = [0] * n
+        whole = 1 << bits
+        if n:
+            whole = rule.assign_ticks(
+                durations[m].tolist(), bits, [0] * n, [0] * n, [0] * n, made)
+        tick[m] = reference[m] / whole
+        ticks[m], more = made[: len(transits)], made[len(transits) :]
+        jumps.append(more)
+        if len(transits) and ticks[m].min() <= 4096:
+            raise InvalidModel([_too_short(row, durations[m], int(ticks[m].argmin()))])
+    return tick, ticks, jumps, horizon
+
+
+def _too_long(end: float, longest: float) -> tuple[str, str]:
+    most = longest * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST)
+    return "until", (
+        f"a run of {end:g} s is {end / longest:.3g} times the longest transit time {longest:g} s, "
+        f"more than the clock can count; stop before {most:.3g} s"
+    )
+
+
+def _too_short(row: Row, durations: Any, place: int) -> tuple[str, str]:
+    return row.paths[place + 1], (
+        f"its transit time {durations[place]:.3g} s is too short beside the longest, "
+        f"{max(durations):.3g} s: one clock holds ratios up to about 2e11; leave it out"
+    )
+
+
+def _jumps(row: Row) -> list[tuple[int, float]]:
+    """Where the initial state jumps inside of a segment: its place, share of it from the left."""
+    found = []
+    for body, (first, last) in zip(row.system.bodies, row.spans, strict=True):
+        profiles = (body.velocity, body.strain) if isinstance(body, Rod) else ()
+        at = [float(x) for p in profiles if isinstance(p, Steps) for x in p.at]
+        begin = 0.0
+        for s in range(first - 1, last if at else first - 1):
+            L = float(row.segments[s].length)
+            found += [(s, (x - begin) / L) for x in at if begin < x < begin + L]
+            begin += L
+    return found
+
+
+class _Pieces:
+    """What is known of all lines at t = 0: waves under way, then what comes from outside."""
+
+    def __init__(
+        self, row: Row, of: _Members, tick: Any, ticks: Any, jumps: list[list[int]], rtol: float,
+        scale: Any, until: float | None,
+    ) -> None:
+        self._row, self._of, self._tick, self._ticks, self._jumps = row, of, tick, ticks, jumps
+        self._tolerance, self._until = min(rtol, LOOSEST) / 4 * float(scale[0]), until
+        self._scale = float(scale[0])
+        self._window = float(ticks[0].min()) if ticks.size else 1.0
+        self.fit = 0.0
+        self.lines: list[list[Any]] = []  # of PIECE [member]
+        for s in range(len(row.segments)):
+            self._under_way(s)
+        self.outside = [self._outside(side) for side in (0, 1)]
+        pieces = [piece for line in self.lines for piece in line]
+        self.records = np.stack(pieces, axis=1) if pieces else np.zeros((of.count, 0), PIECE)
+
+    def _piece(self, start: Any, stop: Any, coefficients: Sequence[Any], order: int) -> Any:
+        piece = np.zeros(self._of.count, PIECE)
+        piece["start"], piece["stop"], piece["order"] = start, stop, order
+        for m, c in enumerate(coefficients):
+            piece["coefficient"][:, m] = c
+        piece["degree"] = POINTS - 1 if np.any(piece["coefficient"][:, 1:]) else 0
+        return piece
+
+    def _fitted(self, lines: waves.Lines) -> list[Any]:
+        made = waves.fitted(lines, self._tolerance, self._window)
+        self.fit = max(self.fit, made.error / self._scale)
+        return [
+            self._piece(*made.ticks[i : i + 2], c, made.order[i])
+            for i, c in enumerate(made.coefficients)
+        ]
+
+    def _under_way(self, s: int) -> None:
+        """Waves that run through segment s at t = 0: a = v - c strain, and b = v + c strain."""
+        row, of = self._row, self._of
+        body = next(i for i, (first, last) in enumerate(row.spans) if first <= s + 1 <= last)
+        rod: Any = row.system.bodies[body]
+        c = row.segments[s].wave_speed
+        if not isinstance(rod.velocity, Steps | Samples) and (
+            not isinstance(rod.strain, Steps | Samples)
+        ):
+            v, stretch = of(rod.velocity) - of(row.frame), of(rod.strain) * of(c)
+            for wave in (v - stretch, v + stretch):
+                self.lines.append([self._piece(-self._ticks[:, s], 0, [wave], SMOOTH)])
+            return
+        L, T = float(row.segments[s].length), int(self._ticks[0, s])
+        begin = sum(float(row.segments[i].length) for i in range(row.spans[body][0] - 1, s))
+        length = float(rod.length)
+        state = [waves.part_of(waves.straight(p, length), begin, begin + L)
+                 for p in (rod.velocity, rod.strain)]
+        marks = {share: tick for (place, share), tick in
+                 zip(_jumps(row), self._jumps[0], strict=True) if place == s}
+        for sign in (-1, 1):
+            wave = waves.together(*state, sign * float(c))
+            shares = (wave.edges - begin) / L
+            edges = np.rint(shares * T).astype(np.int64)
+            for share, tick in marks.items():
+                edges[np.abs(shares - share) < 1e-12] = tick
+            edges[0], edges[-1] = 0, T
+            shift = np.full(len(edges), -float(row.frame))
+            if sign < 0:  # what is at x left the left end x/c ago
+                wave = waves.Lines(-edges[::-1], wave.end[::-1], wave.begin[::-1])
+            else:
+                wave = waves.Lines(edges - T, wave.begin, wave.end)
+            self.lines.append(self._fitted(wave.mapped(wave.edges, 1.0, shift)))
+
+    def _outside(self, side: int) -> int:
+        """What comes from outside an end; returns its line, NONE for the free end of a rod."""
+        row, of = self._row, self._of
+        kind, value = row.outside[side]
+        if kind == "none" and row.first[-1 - side] == row.first[-2 - side] and side == 1:
+            return NONE
+        if kind == "none" and side == 0 and row.first[1] == 0:
+            return NONE
+        factor, start, slope = 1.0, np.zeros(of.count), np.zeros(of.count)
+        if kind == "velocity":
+            start, slope = -of(row.frame), -of(row.gravity)
+        elif kind == "absorbing":
+            wave = self.lines[2 * (len(row.segments) - 1) + 1 if side else 0]
+            left = wave[0 if False else -1]
+            start = np.array([_end(c) for c in left["coefficient"]])
+        if kind == "absorbing" and not isinstance(value, Steps | Samples):
+            start = start + of(value) * of(row.wave_of_strain(side))
+            value = 0.0
+        elif kind == "absorbing":
+            factor = float(row.wave_of_strain(side))
+        self.lines.append(self._driven(value, factor, start, slope))
+        return len(self.lines) - 1
+
+    def _driven(self, value: Any, factor: float, start: Any, slope: Any) -> list[Any]:
+        of, tick = self._of, self._tick
+        if not isinstance(value, Steps | Samples):
+            start = start + of(value) * factor
+            if not np.any(slope):
+                return [self._piece(0, ENDLESS, [start], SMOOTH)]
+            stop = np.rint(self._until / tick).astype(np.int64) + 1
+            half = slope * stop * tick / 2
+            return [self._piece(0, stop, [start + half, half], SMOOTH)]
+        assert self._until is not None
+        end = max(self._until, float(tick[0]))
+        drive = waves.straight(value, end)
+        edges = np.rint(drive.edges / tick[0]).astype(np.int64)
+        edges[-1] += 1
+        shift = float(start[0]) + float(slope[0]) * edges * tick[0]
+        return self._fitted(drive.mapped(edges, factor, shift))
+
+
+def _end(c: Any) -> float:
+    """Value of a series at the end of its piece."""
+    return float(np.sum(c))
+
+
+def _records(
+    row: Row, of: _Members, tick: Any, ticks: Any, pieces: _Pieces, keep: bool
+) -> tuple[Any, ...]:
+    """Nodes, links, masses, lines and parts of all members."""
+    n, count = len(row.segments), of.count
+    node, link = np.zeros((count, n + 1), NODE), np.zeros((count, len(row.laws)), LINK)
+    mass = np.zeros((count, len(row.masses)), MASS)
+    mass["mass"], mass["line"] = [of(m) for m in row.masses] and np.stack(
+        [of(m) for m in row.masses], axis=1), NONE
+    for m, v in enumerate(row.mass_velocity):
+        mass["speed"][:, m, :] = (of(v) - of(row.frame))[:, None]
+    for name in ("in_left", "in_right", "out_left", "out_right", "speed_line"):
+        node[name] = NONE
+    mobility = np.array([1 / of(s.impedance) for s in row.segments]).reshape(n, count)
+    for k in range(n + 1):
+        at = node[:, k]
+        at["first"], at["mass"] = k + row.first[k], row.first[k]
+        at["links"] = row.first[k + 1] - row.first[k] + 1
+        if k > 0:
+            at["in_left"], at["out_left"] = 2 * k - 2, 2 * k - 1
+            at["mobility_left"] = mobility[k - 1]
+        if k < n:
+            at["in_right"], at["out_right"] = 2 * k + 1, 2 * k
+            at["mobility_right"] = mobility[k]
+    for side, k in ((0, 0), (1, n)):
+        name, at = ("left", "right")[side], node[:, k]
+        if pieces.outside[side] == NONE:
+            at["mirror"] = 1
+            continue
+        at[f"in_{name}"] = pieces.outside[side]
+        if row.outside[side][0] == "absorbing":
+            at[f"mobility_{name}"] = mobility[k - side]
+    _set_links(row, of, node, link)
+    extra = []
+    if keep:
+        extra = _kept(row, node, link, mass, len(pieces.lines))
+    line = np.zeros((count, len(pieces.lines) + len(extra)), LINE)
+    line["first"] = line["head"] = line["tail"] = NONE
+    at_piece = 0
+    for l, known in enumerate(pieces.lines):
+        line["delay"][:, l] = ticks[:, l // 2] if l < 2 * n else 0
+        line["first"][:, l] = line["head"][:, l] = at_piece
+        line["hard"][:, l] = sum(int(p["order"][0]) <= 2 for p in known[1:])
+        for i in range(len(known)):
+            pieces.records["after"][:, at_piece] = at_piece + 1 if i < len(known) - 1 else NONE
+            at_piece += 1
+        line["tail"][:, l] = at_piece - 1
+    part = _parts(row, of, link, pieces)
+    return node, link, mass, line, part
+
+
+def _set_links(row: Row, of: _Members, node: Any, link: Any) -> None:
+    """Laws and numbers of all links."""
+    for name in ("force_line", "overlap_line", "closing_line", "first", "last", "apart",
+                 "left_group", "right_group"):
+        link[name] = NONE
+    link["order"], link["opened"] = SMOOTH, 1
+    for k in range(node.shape[1]):
+        first, stop = k + row.first[k], k + 1 + row.first[k + 1]
+        for i in range(first, stop):
+            it, law = link[:, i], LAWS[row.laws[i]]
+            if law == Law.PUSH_LEFT and i > 0 and i == len(row.laws) - 1:
+                law = Law.PUSH_RIGHT
+            it["law"], it["stiffness"], it["exponent"] = law, of(row.stiffness[i]), of(
+                row.exponent[i])
+            it["strength"], it["overlap"] = of(row.strength[i]), -of(row.gap[i])
+            name = {Law.IMPACT: "restitution", Law.YIELD: "hardening"}.get(law, "damping")
+            it[name] = of(row.damping[i])
+            opens = law >= Law.RIGID
+            it["status"] = np.where(of(row.gap[i]) > 0, Status.OPEN, Status.PRESS) if opens else (
+                Status.FIXED)
+            if law == Law.IMPACT:  # what touches is struck by the first look at it
+                it["status"] = Status.OPEN
+            if i == first:
+                it["mobility"] += node["mobility_left"][:, k]
+            if i == stop - 1:
+                it["mobility"] += node["mobility_right"][:, k]
+
+
+def _set_ease(it: Any, row: Row, of: _Members, i: int, time: Any, scale: Any) -> None:
+    """Set the velocity that a force in a link makes in a time; the force of impacts that is one."""
+    ease = it["mobility"].copy()
+    for kind, m in row.beside[i]:
+        if kind == "mass":
+            ease += time / of(row.masses[m])
+    it["ease"] = ease
+    if row.laws[i] == old.IMPACT:
+        it["strength"] = scale / ease
+
+
+def _kept(row: Row, node: Any, link: Any, mass: Any, count: int) -> list[int]:
+    """Number the lines that keep what happens in links and masses, from `count` on."""
+    extra = []
+
+    def next_line() -> int:
+        extra.append(count + len(extra))
+        return extra[-1]
+
+    for i in range(link.shape[1]):
+        link["force_line"][:, i] = next_line()
+        if row.laws[i] == old.JOINT or row.laws[i] >= old.RIGID:
+            link["overlap_line"][:, i] = next_line()
+        if row.laws[i] == old.YIELD:
+            link["closing_line"][:, i] = next_line()
+    for m in range(mass.shape[1]):
+        mass["line"][:, m] = next_line()
+    return extra
+
+
+def _parts(row: Row, of: _Members, link: Any, pieces: _Pieces) -> Any:
+    """What groups of bodies between contacts that open are made of, from left to right."""
+    parts: list[Any] = []
+    heads: list[int] = []
+    begun = False
+
+    def add(kind: Part, index: int, mass: Any = 0.0, compliance: Any = 0.0) -> None:
+        nonlocal begun
+        if not begun:
+            heads.append(len(parts))
+            begun = True
+        it = np.zeros(of.count, PART)
+        it["kind"], it["index"], it["mass"], it["compliance"], it["held"] = (
+            kind, index, mass, compliance, NONE)
+        parts.append(it)
+
+    for i, ((kind, at), _) in enumerate(row.beside):
+        _add_side(row, of, pieces, add, kind, at)
+        if row.laws[i] >= old.RIGID:
+            link["left_group"][:, i], link["right_group"][:, i] = heads[-1], len(parts)
+            begun = False
+        elif row.laws[i] == old.JOINT:
+            k = of(row.stiffness[i])
+            with np.errstate(divide="ignore"):
+                add(Part.JOINT, i, 0.0, 1 / k)
+    _add_side(row, of, pieces, add, *row.beside[-1][1])
+    table = np.stack(parts, axis=1)
+    for head, stop in zip(heads, [*heads[1:], len(parts)], strict=True):
+        table["parts"][:, head] = stop - head
+        for p in range(head, stop):
+            if table["kind"][0, p] == Part.GROUND:
+                side = int(p != 0)
+                table["held"][:, head] = pieces.outside[side]
+                table["index"][:, p] = (
+                    finality.ENDLESS if row.outside[side][0] == "absorbing" else finality.WALL)
+                if row.outside[side][0] == "absorbing":
+                    table["compliance"][:, p] = 1e300
+    return table
+
+
+def _add_side(row: Row, of: _Members, pieces: _Pieces, add: Any, kind: str, at: int) -> None:
+    if kind == "segment":
+        s = row.segments[at - 1]
+        add(Part.SEGMENT, at - 1, of(s.mass), of(s.transit_time) / of(s.impedance))
+    elif kind == "mass":
+        add(Part.MASS, at, of(row.masses[at]))
+    elif row.outside[at][0] in ("velocity", "absorbing"):
+        add(Part.GROUND, at)

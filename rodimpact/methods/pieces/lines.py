@@ -1,0 +1,173 @@
+"""Lines: what left one end arrives at the other a transit later, as a list of pieces in a log."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from . import series
+from .records import HARD, NONE, SMOOTH
+from .series import N, POINTS, X
+
+
+def at(piece: Any, y: float) -> float:
+    """Value of a piece at y, from -1 to 1; beyond round-off it holds on."""
+    if piece.degree == 0:
+        return piece.coefficient[0]
+    return series.value(piece.coefficient, min(1.0, max(-1.0, y)))
+
+
+def move_on(line: Any, log: Any, l: int, tick: int) -> None:
+    """Let the head of a line be the piece that arrives at a tick, or the last one."""
+    here = line[l]
+    while log[here.head].after != NONE and log[here.head].stop + here.delay <= tick:
+        here.head = log[here.head].after
+        if log[here.head].order <= HARD:
+            here.hard -= 1
+
+
+def known_until(line: Any, log: Any, l: int) -> int:
+    """Tick until which it is known what arrives."""
+    return int(log[line[l].tail].stop + line[l].delay)
+
+
+def next_break(line: Any, log: Any, l: int, tick: int, end: int) -> int:
+    """Tick of the next hard break that arrives after a tick, or the end."""
+    delay = line[l].delay
+    i = log[line[l].head].after
+    while i != NONE and log[i].start + delay < end:
+        if log[i].order <= HARD and log[i].start + delay > tick:
+            return int(log[i].start + delay)
+        i = log[i].after
+    return end
+
+
+def order_at(line: Any, log: Any, l: int, tick: int) -> int:
+    """Order of the break that arrives at a tick."""
+    piece = log[line[l].head]
+    if piece.start + line[l].delay == tick:
+        return int(piece.order)
+    return SMOOTH
+
+
+def sample(line: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> None:
+    """Set f to what arrives at the points of a piece; at its end to what arrives before it."""
+    begin = tick - line[l].delay
+    piece = log[line[l].head]
+    if piece.degree == 0 and begin + ticks <= piece.stop:
+        for j in range(POINTS):
+            f[j] = piece.coefficient[0]
+        return
+    for j in range(POINTS):
+        y = 0.5 * (X[j] + 1) * ticks  # since the begin
+        while piece.after != NONE and begin + y > piece.stop and piece.stop < begin + ticks:
+            piece = log[piece.after]
+        f[j] = at(piece, 2 * ((begin - piece.start) + y) / (piece.stop - piece.start) - 1)
+
+
+def project(
+    line: Any, log: Any, l: int, tick: int, ticks: int, f: Any, moments: Any
+) -> None:
+    """Set f to the nearest polynomial of low degree: exact in momentum, never of more energy."""
+    begin = tick - line[l].delay
+    for i in range(series.LOW + 1):
+        moments[i] = 0.0
+    i = line[l].head
+    while i != NONE and log[i].start < begin + ticks:
+        piece = log[i]
+        low, high = max(begin, piece.start), min(begin + ticks, piece.stop)
+        if high > low:
+            for j in range(POINTS):
+                y = 0.5 * (X[j] + 1) * (high - low)
+                f[j] = at(piece, 2 * ((low - piece.start) + y) / (piece.stop - piece.start) - 1)
+            series.add_moments(
+                f, 2 * (low - begin) / ticks - 1, 2 * (high - begin) / ticks - 1, moments)
+        i = piece.after
+    series.from_moments(moments, f)
+
+
+def append(run: Any, line: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> int:
+    """Append what has the values f at the points of a piece to a line; return its place in the log.
+
+    What is constant stays one piece as long as it is: a front is a piece of degree 0.
+    """
+    tail = line[l].tail
+    constant = series.is_constant(f)
+    if tail != NONE and constant and log[tail].degree == 0 and log[tail].coefficient[0] == f[0]:
+        log[tail].stop = tick + ticks
+        return NONE
+    i = run.pieces
+    piece = log[i]
+    piece.start, piece.stop, piece.order, piece.after = tick, tick + ticks, SMOOTH, NONE
+    if constant:
+        piece.degree = 0
+        piece.coefficient[0] = f[0]
+        for m in range(1, POINTS):
+            piece.coefficient[m] = 0.0
+    else:
+        piece.degree = N
+        series.coefficients(f, piece.coefficient)
+    if tail == NONE:
+        line[l].first = line[l].head = i
+    else:
+        log[tail].after = i
+    line[l].tail = i
+    run.pieces = i + 1
+    return int(i)
+
+
+def send(
+    run: Any, line: Any, log: Any, l: int, tick: int, ticks: int, f: Any, order: int
+) -> None:
+    """Append what leaves an end. Its break is hard only if what jumps there is above tolerance.
+
+    Theory says of what `order` it can be; jumps of value, slope and curvature are measured over the
+    shortest transit, a typical length of a piece.
+    """
+    old = line[l].tail
+    i = append(run, line, log, l, tick, ticks, f)
+    if i == NONE or order > HARD:
+        return
+    before, new = log[old], log[i]
+    s0 = 0.5 * run.shortest / (before.stop - before.start)
+    s1 = 0.5 * run.shortest / ticks
+    jump = slope = bend = 0.0
+    sign = 1.0
+    for m in range(POINTS):
+        q, b, c = m * m, before.coefficient[m], sign * new.coefficient[m]
+        jump += c - b
+        slope -= q * (c * s1 + b * s0)
+        bend += q * (q - 1) / 6 * (c * s1 * s1 - b * s0 * s0)
+        sign = -sign
+    new.order = order
+    if abs(jump) <= run.tolerance:
+        new.order = max(order, 1)
+        if abs(slope) + abs(bend) <= 4 * run.tolerance:
+            new.order = SMOOTH
+    if new.order <= HARD:
+        line[l].hard += 1
+
+
+def reflect(run: Any, line: Any, log: Any, at: Any) -> int:
+    """Send back from a free end the piece that arrives next, as it is; return the tick behind it."""
+    source, target = at.in_right, at.out_right
+    if at.mobility_right == 0:
+        source, target = at.in_left, at.out_left
+    move_on(line, log, source, at.now)
+    piece, delay = log[line[source].head], line[source].delay
+    stop = min(piece.stop + delay, run.end)
+    i = run.pieces
+    new = log[i]
+    new.order = order_at(line, log, source, at.now)
+    new.start, new.stop, new.after, new.degree = at.now, stop, NONE, piece.degree
+    if new.start == piece.start + delay and stop == piece.stop + delay:
+        for m in range(POINTS):
+            new.coefficient[m] = piece.coefficient[m]
+    else:
+        sample(line, log, source, at.now, stop - at.now, at.left)
+        series.coefficients(at.left, new.coefficient)
+    if new.order <= HARD:
+        line[target].hard += 1
+    log[line[target].tail].after = i
+    line[target].tail = i
+    run.pieces = i + 1
+    return int(stop)

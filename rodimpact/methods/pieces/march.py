@@ -1,0 +1,219 @@
+"""The loop over nodes: the one furthest behind goes next, up to what is known of its inputs.
+
+A node can always go on by the shortest transit beside it, so there is no common time step
+(conservative simulation of Chandy and Misra, IEEE Trans. Software Eng. SE-5, 1979). One step is:
+limit of what is known, inputs at the points of a piece, collocation, first event, what leaves.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from . import events, finality, lines, nodes, series
+from .records import HARD, NONE, SMOOTH, Law, Status, Stop
+from .series import N
+
+FLIPS = 1000  # changes of status at one instant: beyond, none of them lasts, and none matters
+SHORTEST = 16  # ticks of a piece that is taken however rough it is
+ROOM = 4  # pieces that a link may add in a step
+
+
+def follow(
+    runs: Any, node: Any, link: Any, mass: Any, line: Any, log: Any, turn: Any, part: Any, G: Any
+) -> int:
+    """Run to `run.end`, or to the proof that nothing meets any more and `run.extra` ticks beyond.
+
+    All state is in the records: a run that has no room left goes on once it has more.
+
+    Returns
+    -------
+    int
+        A `Stop`.
+    """
+    run = runs[0]
+    if run.steps == 0:
+        finality.survey(run, link, mass, line, log, part, 0)
+        for i in range(len(part)):
+            part[i].before = part[i].speed
+    stop = Stop.CHECK.value
+    while stop == Stop.CHECK:
+        stop = march(run, node, link, mass, line, log, turn, G)
+        if stop == Stop.CHECK:
+            finality.look(run, link, mass, line, log, part)
+    if run.proved < 0:
+        finality.survey(run, link, mass, line, log, part, run.end)
+    return stop
+
+
+def march(
+    run: Any, node: Any, link: Any, mass: Any, line: Any, log: Any, turn: Any, G: Any
+) -> int:
+    """Advance all nodes to `run.end`, or to where it is to be seen whether all is over.
+
+    Returns
+    -------
+    int
+        A `Stop`.
+    """
+    room = 2 + ROOM * len(link) + len(mass)
+    while True:
+        k = 0
+        for i in range(1, len(node)):
+            if node[i].now < node[k].now:
+                k = i
+        at = node[k]
+        if at.now >= run.end:
+            return Stop.DONE.value
+        if run.prove and at.now >= run.check:
+            return Stop.CHECK.value
+        if run.steps >= run.limit:
+            return Stop.CAP.value
+        if run.pieces + room > len(log) or run.turns + len(link) + FLIPS > len(turn):
+            return Stop.FULL.value
+        run.steps += 1
+        if at.mirror:
+            at.now = lines.reflect(run, line, log, at)
+        elif not advance(run, node, link, mass, line, log, turn, G, at):
+            return Stop.STUCK.value
+
+
+def advance(
+    run: Any, node: Any, link: Any, mass: Any, line: Any, log: Any, turn: Any, G: Any, at: Any
+) -> bool:
+    """Take one step of a node; return whether there was a solution."""
+    tick = at.now
+    lines.move_on(line, log, at.in_left, tick)
+    lines.move_on(line, log, at.in_right, tick)
+    left = lines.order_at(line, log, at.in_left, tick)
+    right = lines.order_at(line, log, at.in_right, tick)
+    end, rough = horizon(run, line, log, at, left <= HARD or right <= HARD)
+    ticks, worst, where, which, status = solve(
+        run, link, mass, line, log, at, end - tick, rough, G)
+    if ticks == 0:
+        return False
+    full = ticks
+    if which != NONE:
+        ticks = max(1, round_off(0.5 * (where + 1) * full))
+        if ticks < full:
+            nodes.cut(link, mass, at, 2 * ticks / full - 1)
+    leave(run, link, line, log, at, ticks, rough, left, right)
+    events.record(run, link, mass, line, log, turn, at, ticks)
+    if rough:
+        run.rough += 1
+        if run.first_rough == NONE:
+            run.first_rough = tick
+    if which != NONE:
+        at.left[0], at.right[0] = at.left[N], at.right[N]
+        events.happen(run, link, mass, at, which, status)
+        if status == Status.OPEN and run.prove:
+            run.check = latest(node, tick + ticks)
+    at.now = tick + ticks
+    grow = 4.0 if worst <= 0 else min(4.0, 0.9 * (run.tolerance / worst) ** (1 / N))
+    wish = int(full * max(0.25, grow)) + 1
+    limited = rough or (full == end - tick and full < at.length)  # and not by smoothness
+    at.length = max(at.length, wish) if limited else wish
+    return True
+
+
+def round_off(x: float) -> int:
+    """The nearest whole number."""
+    return int(x + 0.5)
+
+
+def latest(node: Any, tick: int) -> int:
+    """The tick to which some node has come already, at least this one."""
+    for i in range(len(node)):
+        tick = max(tick, node[i].now)
+    return tick
+
+
+def horizon(run: Any, line: Any, log: Any, at: Any, broken: bool) -> tuple[int, bool]:
+    """End of the next piece, and whether hard breaks are too dense there.
+
+    Where more of them are under way than there are floors in a transit, they are not followed one
+    by one: cost would grow without end.
+    """
+    tick, l, r = at.now, at.in_left, at.in_right
+    known = min(run.end, lines.known_until(line, log, l), lines.known_until(line, log, r))
+    if run.prove and run.check > tick:
+        known = min(known, run.check)
+    end = min(known, tick + at.length)
+    end = lines.next_break(line, log, l, tick, end)
+    end = lines.next_break(line, log, r, tick, end)
+    if end < min(known, tick + run.floor) and is_dense(run, line, l) + is_dense(run, line, r) > 0:
+        return min(known, tick + run.floor), True
+    if broken:  # after a break about as long as what comes in is smooth
+        for source in (l, r):
+            if lines.order_at(line, log, source, tick) <= HARD:
+                piece = log[line[source].head]
+                end = min(end, tick + 2 * (piece.stop - piece.start))
+    return end, False
+
+
+def is_dense(run: Any, line: Any, l: int) -> bool:
+    """Whether more hard breaks are under way in a line than the floor allows."""
+    return bool(line[l].hard * run.floor > 2 * max(line[l].delay, run.shortest))
+
+
+def solve(
+    run: Any, link: Any, mass: Any, line: Any, log: Any, at: Any, ticks: int, rough: bool, G: Any
+) -> tuple[int, float, float, int, int]:
+    """Solve a node on a piece as long as it turns out smooth; events at its start come first.
+
+    Returns
+    -------
+    int, float, float, int, int
+        Its ticks, 0 without a solution; its tail; where its first event is, in which link, to what.
+    """
+    flips = 0
+    while True:
+        h = ticks * run.tick
+        if rough:
+            lines.project(line, log, at.in_left, at.now, ticks, at.left, at.series)
+            lines.project(line, log, at.in_right, at.now, ticks, at.right, at.series)
+        else:
+            lines.sample(line, log, at.in_left, at.now, ticks, at.left)
+            lines.sample(line, log, at.in_right, at.now, ticks, at.right)
+        worst = -1.0
+        if nodes.collocate(run, link, mass, at, h, G):
+            worst = nodes.roughness(link, mass, at)
+        if worst >= 0 and (worst <= run.tolerance or rough or ticks <= SHORTEST):
+            where, which, status = nodes.next_event(run, link, at, h)
+            if which == NONE or 0.5 * (where + 1) * ticks >= 0.5:
+                return ticks, worst, where, which, status
+            flips += 1
+            if flips > FLIPS:
+                return ticks, worst, 1.0, NONE, 0
+            if flips % (8 + at.links * at.links) == 0 and ticks > SHORTEST:
+                ticks = max(SHORTEST, ticks // 10)  # no status lasts as long: a graze
+            events.happen(run, link, mass, at, which, status)
+        elif ticks <= 1:
+            return 0, worst, 1.0, NONE, 0
+        elif worst > 0:
+            ticks = max(1, int(ticks * max(0.1, min(0.6, 0.9 * (run.tolerance / worst) ** (1 / N)))))
+        else:
+            ticks = max(1, ticks // 4)
+
+
+def leave(
+    run: Any, link: Any, line: Any, log: Any, at: Any, ticks: int, rough: bool, left: int,
+    right: int,
+) -> None:
+    """Send what leaves a node. Breaks pass the chain one order smoother with each spring and mass."""
+    over, back = left, right
+    for q in range(at.links):
+        over = nodes.laws.smooths(link[at.first + q], over) + 1
+        back = nodes.laws.smooths(link[at.first + at.links - 1 - q], back) + 1
+    for side in range(2):
+        target = at.out_right if side else at.out_left
+        if target == NONE:
+            continue
+        nodes.set_leaving(link, at, side == 1)
+        order = min(right, over - 1) if side else min(left, back - 1)
+        if rough:
+            for i in range(series.LOW + 1):
+                at.series[i] = 0.0
+            series.add_moments(at.leaving, -1.0, 1.0, at.series)
+            series.from_moments(at.series, at.leaving)
+            order = 0
+        lines.send(run, line, log, target, at.now, ticks, at.leaving, order)

@@ -1,0 +1,128 @@
+"""The records that the kernels of this method work on, and the laws and statuses that they name.
+
+Conventions. Compression is positive: F > 0 presses two neighbours apart, `overlap` > 0 is their
+overlap (below 0: the gap), `closing` the rate at which a link would close without its own force,
+`mobility` the sum of 1/Z of the rod ends that it joins. Times are ticks, velocities m/s in the
+frame of the run, forces N.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+
+from .series import POINTS
+
+
+class Law(IntEnum):
+    """What acts in a link."""
+
+    BOND = 0
+    PUSH_LEFT = 1  # the force of what stands outside the left end
+    PUSH_RIGHT = 2
+    JOINT = 3
+    RIGID = 4  # from here on links can open
+    IMPACT = 5  # between rigid bodies: momentum jumps
+    SPRING = 6
+    POWER = 7
+    YIELD = 8
+
+
+class Status(IntEnum):
+    """What a link does; from PRESS on its own state decides its force."""
+
+    FIXED = 0  # cannot open
+    OPEN = 1
+    SLACK = 2  # a dashpot has let go while there is overlap left
+    PRESS = 3
+    PLASTIC = 4
+    REST = 5  # rigid bodies that lie on each other
+
+
+class Touch(IntEnum):
+    """What a contact is said to do."""
+
+    APART = 0
+    GRAZING = 1  # touching without force
+    PRESSING = 2
+
+
+class Stop(IntEnum):
+    """Why a run returns."""
+
+    DONE = 0  # the target is reached
+    FULL = 1  # no room in the log
+    CAP = 2  # the cap on steps
+    STUCK = 3  # no solution: a mass between closing walls
+    CHECK = 4  # time to look whether it is over
+
+
+class Part(IntEnum):
+    """What a group of bonded bodies is made of."""
+
+    SEGMENT = 0
+    MASS = 1
+    JOINT = 2
+    GROUND = 3  # a wall, or what lies beyond an end
+
+
+SMOOTH = 99  # order of a break that is none
+HARD = 2  # breaks up to this derivative end a piece
+NONE = -1
+
+PIECE = np.dtype([
+    ("start", "i8"), ("stop", "i8"), ("order", "i8"),  # of the break at its start
+    ("degree", "i8"), ("after", "i8"),  # next piece of the same line
+    ("coefficient", "f8", (POINTS,)),
+], align=True)
+LINE = np.dtype([
+    ("delay", "i8"), ("first", "i8"), ("head", "i8"),  # piece that is being read
+    ("tail", "i8"), ("hard", "i8"),  # hard breaks that were sent and not yet read
+], align=True)
+NODE = np.dtype([
+    ("now", "i8"), ("length", "i8"),  # ticks that the next piece shall last
+    ("first", "i8"), ("links", "i8"), ("mass", "i8"), ("mirror", "i8"),  # 1: a free end
+    ("in_left", "i8"), ("in_right", "i8"), ("out_left", "i8"), ("out_right", "i8"),
+    ("mobility_left", "f8"), ("mobility_right", "f8"), ("speed_line", "i8"),
+    ("left", "f8", (POINTS,)), ("right", "f8", (POINTS,)),  # what comes in, over a piece
+    ("leaving", "f8", (POINTS,)), ("rate", "f8", (POINTS,)), ("series", "f8", (POINTS,)),  # scratch
+], align=True)
+LINK = np.dtype([
+    ("law", "i8"), ("status", "i8"), ("order", "i8"),  # of the break that its own event makes
+    ("stiffness", "f8"), ("exponent", "f8"), ("damping", "f8"), ("strength", "f8"),
+    ("restitution", "f8"), ("hardening", "f8"), ("mobility", "f8"), ("overlap", "f8"),
+    ("ease", "f8"),  # velocity that a force makes in about the shortest transit
+    ("rate_after", "f8"),  # of an impact: closing that it leaves
+    ("force_line", "i8"), ("overlap_line", "i8"), ("closing_line", "i8"),
+    ("left_group", "i8"), ("right_group", "i8"),  # their first parts
+    ("touch", "i8"), ("unknown", "i8"), ("impulse", "f8"), ("work", "f8"), ("peak", "f8"),
+    ("first", "i8"), ("last", "i8"), ("apart", "i8"), ("opened", "i8"), ("pressed", "i8"),
+    ("episodes", "i8"),
+    ("overlaps", "f8", (POINTS,)), ("closing", "f8", (POINTS,)), ("force", "f8", (POINTS,)),
+    ("by_overlap", "f8", (POINTS,)), ("by_closing", "f8", (POINTS,)),  # derivatives of the force
+], align=True)
+MASS = np.dtype([
+    ("mass", "f8"), ("speed", "f8", (POINTS,)), ("line", "i8"), ("unknown", "i8"),
+], align=True)
+TURN = np.dtype([("tick", "i8"), ("link", "i8"), ("touch", "i8")], align=True)
+PART = np.dtype([
+    ("kind", "i8"), ("index", "i8"), ("parts", "i8"),  # of the group, at its first part
+    ("held", "i8"), ("mass", "f8"), ("compliance", "f8"),  # m/N
+    ("speed", "f8"),  # of what holds the group; in the end of the group itself
+    ("low", "f8"), ("high", "f8"),  # bounds of the waves under way in the group
+    ("plain", "i8"),  # whether its ends can move with no others
+    ("energy", "f8"),  # of the motion about `speed`, and of strain, of each part, J
+    ("left_deviation", "f8"), ("right_deviation", "f8"),  # of the ends from the mean motion, m
+    ("left_slack", "f8"), ("right_slack", "f8"), ("bound", "f8"),
+    ("before", "f8"),  # speed at t = 0
+], align=True)
+RUN = np.dtype([
+    ("tick", "f8"), ("scale", "f8"),  # s; of velocities, m/s
+    ("tolerance", "f8"),  # of a piece, m/s
+    ("floor", "i8"), ("shortest", "i8"),  # ticks
+    ("end", "i8"), ("limit", "i8"), ("keep", "i8"), ("prove", "i8"), ("proved", "i8"),
+    ("check", "i8"), ("extra", "i8"),  # ticks to go on after the proof
+    ("pieces", "i8"), ("turns", "i8"), ("steps", "i8"), ("rough", "i8"), ("first_rough", "i8"),
+    ("rested", "i8"), ("graze", "f8"),  # m/s; forces that move no faster are none
+], align=True)

@@ -1,0 +1,166 @@
+"""Polynomials on a piece of time: Chebyshev series in y, from -1 at its start to 1 at its end.
+
+A piece is known by its values at its start and at the N points of Radau IIA, the last of which is
+the end: collocation there damps what is stiffer than the piece is long (Hairer and Wanner, Solving
+Ordinary Differential Equations II, section IV.5).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev, legendre
+
+N = 8  # degree of a piece, and number of stages
+POINTS = N + 1
+LOW = 2  # degree of what stands for breaks too dense to follow
+_LAST = legendre.Legendre.basis(N - 1) - legendre.Legendre.basis(N)
+_RADAU = np.append(np.sort(_LAST.roots().real)[:-1], 1.0)
+_AT = np.concatenate(([-1.0], _RADAU))
+_INNER = np.linalg.inv(chebyshev.chebvander(_RADAU, N - 1))
+X: Any = _AT.tolist()  # the points
+SERIES: Any = np.linalg.inv(chebyshev.chebvander(_AT, N)).tolist()  # values to coefficients
+STAGES: Any = [  # values at the N points to their integral from -1 to each of these points
+    [float(chebyshev.Chebyshev(_INNER[:, m]).integ(lbnd=-1)(x)) for m in range(N)] for x in _RADAU
+]
+WEIGHTS: Any = STAGES[N - 1][:]  # of the whole piece; exact up to degree 2N - 2
+
+
+def value(c: Any, y: float) -> float:
+    """Sum of the series c at y, by Clenshaw's recurrence."""
+    b1 = b2 = 0.0
+    y2 = 2 * y
+    for m in range(N, 0, -1):
+        b1, b2 = y2 * b1 - b2 + c[m], b1
+    return y * b1 - b2 + c[0]
+
+
+def coefficients(f: Any, c: Any) -> None:
+    """Set c to the series with the values f at the points."""
+    for m in range(POINTS):
+        row = SERIES[m]  # taken out of the inner loop: a view costs more than a product
+        s = 0.0
+        for j in range(POINTS):
+            s += row[j] * f[j]
+        c[m] = s
+
+
+def integral(f: Any) -> float:
+    """Mean of what has the values f at the points, times 2."""
+    s = 0.0
+    for j in range(N):
+        s += WEIGHTS[j] * f[j + 1]
+    return s
+
+
+def tail(f: Any) -> float:
+    """What the last two coefficients of a series say: how far it is from smooth."""
+    u = w = 0.0
+    last, top = SERIES[N - 1], SERIES[N]
+    for j in range(POINTS):
+        u += last[j] * f[j]
+        w += top[j] * f[j]
+    return abs(u) + abs(w)
+
+
+def is_constant(f: Any) -> bool:
+    """Whether the values at all points are the same."""
+    for j in range(1, POINTS):
+        if f[j] != f[0]:
+            return False
+    return True
+
+
+def restrict(f: Any, y: float, c: Any) -> None:
+    """Replace f by the values of the same polynomial at the points of the part up to y."""
+    if is_constant(f):
+        return
+    coefficients(f, c)
+    for j in range(POINTS):
+        f[j] = value(c, 0.5 * (y + 1) * (X[j] + 1) - 1)
+
+
+def first_zero(c: Any, low: float, high: float) -> float:
+    """Where the series c falls below 0 between `low`, where it is not, and `high`, where it is."""
+    for _ in range(54):
+        middle = 0.5 * (low + high)
+        if value(c, middle) >= 0:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def maximum(f: Any, c: Any) -> float:
+    """Largest value of what has the values f at the points, beside the largest of which it lies.
+
+    A vertex beside the outermost points counts too: a parabola through three points would miss it.
+    """
+    best = 0
+    for j in range(POINTS):
+        if f[j] > f[best]:
+            best = j
+    low, high = X[max(best - 1, 0)], X[min(best + 1, N)]
+    coefficients(f, c)
+    for _ in range(24):  # golden enough: a third of the width goes at each step
+        u, w = (2 * low + high) / 3, (low + 2 * high) / 3
+        if value(c, u) < value(c, w):
+            low = u
+        else:
+            high = w
+    return max(f[best], value(c, low))
+
+
+def add_moments(f: Any, low: float, high: float, s: Any) -> None:
+    """Add to s the integrals over low..high of f, given at the points of that part, times P0..P2."""
+    half = 0.5 * (high - low)
+    for j in range(N):
+        y = low + half * (X[j + 1] + 1)
+        weight = half * WEIGHTS[j] * f[j + 1]
+        p, q = 1.0, 0.0
+        for i in range(LOW + 1):
+            s[i] += weight * p
+            p, q = ((2 * i + 1) * y * p - i * q) / (i + 1), p
+
+
+def from_moments(s: Any, f: Any) -> None:
+    """Set f to the polynomial of degree 2 with these moments: the nearest in the mean of squares."""
+    for j in range(POINTS):
+        p, q, total = 1.0, 0.0, 0.0
+        for i in range(LOW + 1):
+            total += 0.5 * (2 * i + 1) * s[i] * p
+            p, q = ((2 * i + 1) * X[j] * p - i * q) / (i + 1), p
+        f[j] = total
+
+
+def eliminate(G: Any, n: int, band: int) -> None:
+    """Solve n equations by Gauss elimination in place; the right-hand side is column n of G.
+
+    Nothing is farther than `band` from the diagonal; pivoting fills as much again on the right.
+    """
+    for i in range(n):
+        below, right = min(n, i + band), min(n, i + 2 * band)
+        p, row = i, G[i]
+        for j in range(i + 1, below):
+            if abs(G[j][i]) > abs(G[p][i]):
+                p = j
+        if p != i:
+            other = G[p]
+            for q in range(i, right):
+                row[q], other[q] = other[q], row[q]
+            row[n], other[n] = other[n], row[n]
+        pivot = 1 / row[i]
+        for j in range(i + 1, below):
+            other = G[j]
+            f = other[i] * pivot
+            if f != 0:
+                for q in range(i + 1, right):
+                    other[q] -= f * row[q]
+                other[n] -= f * row[n]
+    for i in range(n - 1, -1, -1):
+        row = G[i]
+        s = row[n]
+        for q in range(i + 1, min(n, i + 2 * band)):
+            s -= row[q] * G[q][n]
+        row[n] = s / row[i]
