@@ -69,7 +69,7 @@ class Pieces:
     @property
     def size(self) -> int:
         """Number of coefficients of a piece."""
-        return self.coefficients.shape[1]
+        return int(self.coefficients.shape[1])
 
     @cached_property
     def values(self) -> Floats:
@@ -114,7 +114,10 @@ class Pieces:
 
     @cached_property
     def marks(self) -> Ints:
-        """Ticks between which straight lines follow the signal to `STRAIGHT` of its range."""
+        """Ticks between which straight lines follow the signal to `STRAIGHT` of its range.
+
+        Just before each jump stands one of them. Constant pieces have their starts alone.
+        """
         if self.size == 1:
             return self.ticks
         middle, swing = self.coefficients[:, 0], np.abs(self.coefficients[:, 1:]).sum(axis=1)
@@ -125,7 +128,9 @@ class Pieces:
         counts = np.clip(parts, 1, self.widths).astype(np.int64)
         place = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
         inside = np.repeat(self.ticks, counts) + np.repeat(self.widths // counts, counts) * place
-        return each_once(inside, [self.end])
+        jumps = np.abs(self.values[1:] - self.at(self.ticks[1:], "left")) > error
+        starts = self.ticks[1:][jumps]
+        return each_once(inside, starts - 1 - (starts >> 51), [self.end])  # floats tell them apart
 
     def piece(self, ticks: Any, side: Side = "right") -> Any:
         """Index of the piece in which ticks lie."""
@@ -153,6 +158,11 @@ class Pieces:
         after = (starts - self.ticks[i])[:, None] + (stops - starts)[:, None] * shares
         y = np.clip(after / self.widths[i][:, None] * 2 - 1, -1.0, 1.0)
         return _polynomials(self.coefficients, i[:, None], y)
+
+    def means(self, starts: ArrayLike, stops: ArrayLike) -> Floats:
+        """Means [n] over intervals, each of which lies in one piece."""
+        shares, weights = quadrature((self.size + 1) // 2)
+        return np.asarray(self.inside(starts, stops, shares) @ weights)
 
     def integral(self, start: ArrayLike, stop: ArrayLike) -> Floats:
         """Integral from `start` to `stop`, value times ticks; arguments broadcast."""

@@ -19,6 +19,7 @@ from ..model import Bonded, Joint, Rigid
 from ..model.arguments import array
 from ..results.contacts import ContactHistory
 from ..results.solution import Solution, check_solution
+from .sampling import fine
 from .scales import Scale, engineering, time_scale, written
 from .showing import picture
 from .style import DASHES, SMALL, colours, dress, legend_above, new_figure, styled, two_axes
@@ -122,7 +123,8 @@ def force_scale(solution: Solution, histories: Sequence[ContactHistory]) -> Scal
     """Scale of an axis of contact forces; it says so if some are means over a time step."""
     impacts = any(getattr(history.law, "restitution", None) is not None for history in histories)
     a = solution.fields.clock
-    mean = f",\nmean over {written(a.grain * a.tick, 's')}" if impacts else ""
+    means = impacts and a.grain > 1
+    mean = f",\nmean over {written(a.grain * a.tick, 's')}" if means else ""
     largest = max(np.abs(_record(history, solution.t_end)[1]).max() for history in histories)
     return engineering(f"contact force{mean}", largest, "N")
 
@@ -173,6 +175,9 @@ def _line(i: int) -> dict[str, Any]:
 def _record(history: ContactHistory, end: float) -> tuple[Floats, Floats, Floats]:
     """Break times with the end [n + 1], force between them [n], and gap at them [n + 1]."""
     times, force, gap = history.breakpoints()
+    if history.push.size > 1:
+        edges, force = fine(times, force)
+        return edges, force, history.gap(edges)
     inside = times < end
     return (np.append(times[inside], end), force[inside],
             np.append(gap[inside], float(history.gap(end))))

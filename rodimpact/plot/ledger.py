@@ -113,13 +113,15 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
 
 def _times(solution: Solution) -> Floats:
     """Instants at which waves meet or are reflected, unless too many, and others between."""
+    clock = solution.fields.clock
+    count = min(SAMPLES, max(FEWEST, STATES_SUMMED // len(clock.ticks)))
     if is_stepped(solution):
-        steps = solution.fields.end // solution.fields.clock.grain
-        count = min(SAMPLES, max(FEWEST, STEPS_SUMMED // max(1, steps)))
+        if clock.grain > 1:
+            steps = max(1, solution.fields.end // clock.grain)
+            count = min(SAMPLES, max(FEWEST, STEPS_SUMMED // steps))
         known = np.union1d(contact_turns(solution)[:TURNS], [0.0, solution.t_end])
         return np.union1d(np.union1d(known, (known[1:] + known[:-1]) / 2),
                           np.linspace(0.0, solution.t_end, count))
-    count = min(SAMPLES, max(FEWEST, STATES_SUMMED // len(solution.fields.clock.ticks)))
     even = np.linspace(0.0, solution.t_end, count)
     try:
         corners = np.unique(regions_of(solution, limit=CORNERS_UP_TO).t)

@@ -16,6 +16,7 @@ from ..results.fields import Profile
 from ..results.solution import Solution
 
 COLUMNS = 300  # pieces of the whole row
+FINE = 2001  # edges of steps that stand for a smooth curve
 
 
 def is_stepped(solution: Solution) -> bool:
@@ -52,6 +53,12 @@ def averaged(solution: Solution, body: int, times: Floats) -> tuple[Floats, Floa
     """
     edges, _ = pieces(solution, body)
     return solution.fields.averaged(body, (edges[:-1] + edges[1:]) / 2, times)
+
+
+def fine(times: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Edges [n + 1] and values [n] of steps too small to be seen, along lines through a record."""
+    edges = np.union1d(times, np.linspace(times[0], times[-1], FINE))
+    return edges, np.interp((edges[1:] + edges[:-1]) / 2, times, values)
 
 
 def modulus(system: System, body: ArrayLike, segment: ArrayLike) -> Floats:

@@ -14,6 +14,7 @@ from matplotlib.patches import Rectangle, StepPatch
 from ..methods.signals import Floats
 from ..model.arguments import of_kind
 from ..results.gauges import Gauge
+from .sampling import fine
 from .scales import Scale, engineering, listed, place_scale, time_scale
 from .showing import picture
 from .style import axes, colours, dress, legend_above, styled
@@ -94,9 +95,13 @@ def gauge(
     scale = Scale(1e6, "strain", "microstrain") if usual else engineering("strain", largest, "")
 
     def steps(of: Gauge, values: Floats, name: str, **how: Any) -> StepPatch:
-        inside = of.times < of.end
+        times = of.times
+        if of.record.size > 2:  # smooth waves; those of a grid are drawn state by state
+            edges, values = fine(times, values)
+            times = edges[:-1]
+        inside = times < of.end
         kept = telling(values[inside])
-        edges = np.append(of.times[inside][kept], of.end) * time.factor
+        edges = np.append(times[inside][kept], of.end) * time.factor
         return ax.stairs(values[inside][kept] * scale.factor, edges, baseline=None, label=name,
                          **{"linewidth": 1.4, **how})
 

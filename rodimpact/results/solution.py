@@ -15,10 +15,10 @@ from ..methods.run import Run, Totals, Waves
 from ..methods.signals import Floats, Side, each_once
 from ..model import Body, RigidMass, Rod, Samples, Segment, Steps, System, Wall
 from ..model.arguments import array, of_kind, refuse, single
-from ..model.frozen import Number
 from ..storage.extras import optional
 from ..storage.writing import write_npz
 from . import notebook
+from .beginnings import beginning
 from .contacts import ContactHistory
 from .energy import EnergyLedger, ledger, stored
 from .fields import Fields, check_side
@@ -334,7 +334,11 @@ class Solution:
         """State at time t in s as a new system: continue it, change it, or reverse it.
 
         Gaps, velocities and strains are those just after t, and the stretch of joints; the clock
-        starts anew.
+        starts anew. Along a rod the state is exact where it is constant between jumps. Where it
+        changes smoothly it becomes `Samples`: 1025 to 65 537 values, with straight lines between
+        them that follow the waves to 1e-10 of the largest one if so many are enough. There a jump
+        becomes a straight line over two samples, which keeps momentum and stretch. On a grid the
+        state is constant in each cell.
 
         Raises
         ------
@@ -358,11 +362,8 @@ class Solution:
             elif isinstance(body, RigidMass):
                 bodies.append(RigidMass(body.mass, velocity=float(self.velocity(i, 0.0, t))))
             else:
-                profile = self.fields.profile(i, tick)
-                bodies.append(Rod(
-                    segments=body.segments, velocity=_steps(profile.edges, profile.velocity),
-                    strain=_steps(profile.edges, profile.strain),
-                ))
+                velocity, strain = beginning(self.fields, i, tick)
+                bodies.append(Rod(segments=body.segments, velocity=velocity, strain=strain))
         gaps = [max(0.0, float(c.gap(t))) if c.law.opens else 0.0 for c in self.contacts]
         return System(
             bodies, gaps, [contact.law_at(t) for contact in self.contacts],
@@ -429,13 +430,6 @@ def _area(segment: Segment, x: Floats) -> Floats | float:
         places = np.linspace(0.0, float(segment.length), len(segment.area.values))
         return np.asarray(np.interp(x, places, segment.area.values))
     return float(segment.area)
-
-
-def _steps(edges: Floats, values: Floats) -> Number | Steps:
-    keep = np.concatenate(([True], values[1:] != values[:-1]))
-    if keep.sum() == 1:
-        return float(values[0])
-    return Steps(values[keep].tolist(), edges[:-1][keep][1:].tolist())
 
 
 def check_solution(value: Any) -> None:

@@ -294,14 +294,12 @@ class WaveFields(Fields):
         for s in range(first, last + 1):
             A, B = self.waves(s)
             T = a.ticks[s]
-            cuts = each_once(
-                tick - A.breaks_in(tick - T, tick), B.breaks_in(tick - T, tick) - tick + T
-            )
+            cuts = each_once(tick - A.within(tick - T, tick).marks,
+                             B.within(tick - T, tick).marks - tick + T)
             unsure = tick >> 51  # it comes from a time: what left within that has just left
             bounds = np.concatenate(([0], cuts[(cuts > unsure) & (cuts < T - unsure)], [T]))
-            middle = (bounds[:-1] + bounds[1:]) // 2
-            right = A.at(tick - middle)
-            left = B.at(tick - T + middle)
+            right = A.means(tick - bounds[1:], tick - bounds[:-1])
+            left = B.means(tick - T + bounds[:-1], tick - T + bounds[1:])
             x0, L = starts[s - first], a.length[s]
             edges += [*(x0 + L * (bounds[1:-1] / T)).tolist(), float(starts[s - first + 1])]
             drift = a.frame + a.gravity * tick * a.tick

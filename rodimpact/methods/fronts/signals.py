@@ -78,9 +78,9 @@ def _contact(
     last = np.searchsorted(changes.ticks[1:], ticks, "right") - 1
     zero = np.append(travelled[change], -a.gaps[node])[last]
     gap = np.where(status == OPEN, travelled - zero, 0.0)
-    lasts = np.diff(ticks, append=end)
+    until = gap + opening * np.diff(ticks, append=end)
     return ContactSignal(
-        Pieces(ticks, force), Pieces.lines(ticks, gap * a.tick, (gap + opening * lasts) * a.tick, end),
+        Pieces(ticks, force), Pieces.lines(ticks, gap * a.tick, until * a.tick, end),
         Pieces(ticks, -opening), () if bonded else _episodes(changes, a.tick),
     )
 
