@@ -13,7 +13,9 @@ SETTLED = 1e-15  # of the velocities, below which a sweep changes nothing
 SLOWEST = 1e-8  # of the velocity scale: rigid bodies that part more slowly come to rest
 
 
-def happen(run: Any, link: Any, mass: Any, at: Any, i: int, status: int) -> None:
+def happen(
+    run: Any, link: Any, mass: Any, turn: Any, at: Any, tick: int, i: int, status: int
+) -> None:
     """Change the status of link i, and set the order of the break that this makes."""
     it = link[i]
     old = it.status
@@ -26,7 +28,7 @@ def happen(run: Any, link: Any, mass: Any, at: Any, i: int, status: int) -> None
         if it.law == Law.RIGID or (it.law == Law.SPRING and it.damping > 0):
             it.order = 0
         elif it.law == Law.IMPACT:
-            strike(run, link, mass, at, i)
+            strike(run, link, mass, turn, at, tick, i)
     elif old == Status.REST:
         it.order = 0
 
@@ -59,7 +61,7 @@ def push(mass: Any, at: Any, q: int, impulse: float) -> None:
         mass[at.mass + q].speed[0] += impulse * lightness(mass, at, q)
 
 
-def strike(run: Any, link: Any, mass: Any, at: Any, i: int) -> None:
+def strike(run: Any, link: Any, mass: Any, turn: Any, at: Any, tick: int, i: int) -> None:
     """Let rigid bodies strike, all together that touch.
 
     Each contact takes the least impulse that leaves it a closing of at most -e times the one before
@@ -91,10 +93,10 @@ def strike(run: Any, link: Any, mass: Any, at: Any, i: int) -> None:
     for q in range(at.links):
         it = link[at.first + q]
         if it.unknown != NONE:
-            settle(run, it, closing_of(mass, at, q))
+            settle(run, turn, it, at.first + q, tick, closing_of(mass, at, q))
 
 
-def settle(run: Any, it: Any, closing: float) -> None:
+def settle(run: Any, turn: Any, it: Any, i: int, tick: int, closing: float) -> None:
     """Enter the impulse of an impact; what does not part rests, as long as it is pressed."""
     struck = it.force[0] > 0
     it.overlap, it.order = 0.0, 0
@@ -107,6 +109,14 @@ def settle(run: Any, it: Any, closing: float) -> None:
         it.work += 0.5 * it.force[0] * (it.closing[0] + closing)
         it.episodes += it.opened
         it.opened = 1 if it.status == Status.OPEN else 0
+        it.last = it.apart = tick
+        if it.first == NONE:
+            it.first = tick
+        new = turn[run.turns]
+        new.tick, new.link, new.touch = tick, i, Touch.PRESSING.value
+        new.impulse, new.closing = it.force[0], 0.5 * (it.closing[0] + closing)
+        run.turns += 1
+        it.touch = Touch.PRESSING.value
 
 
 def record(
@@ -165,7 +175,7 @@ def change(run: Any, turn: Any, it: Any, i: int, tick: int, touch: int) -> None:
         it.apart = tick
     it.touch = touch
     new = turn[run.turns]
-    new.tick, new.link, new.touch = tick, i, touch
+    new.tick, new.link, new.touch, new.impulse, new.closing = tick, i, touch, 0.0, 0.0
     run.turns += 1
 
 

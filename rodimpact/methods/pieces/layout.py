@@ -403,6 +403,7 @@ def _records(
         line["first"][:, l] = line["head"][:, l] = at_piece
         line["hard"][:, l] = sum(int(p["order"][0]) <= 2 for p in known[1:])
         for i in range(len(known)):
+            pieces.records["line"][:, at_piece] = l
             pieces.records["after"][:, at_piece] = at_piece + 1 if i < len(known) - 1 else NONE
             at_piece += 1
         line["tail"][:, l] = at_piece - 1

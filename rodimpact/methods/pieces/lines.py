@@ -98,6 +98,7 @@ def append(run: Any, line: Any, log: Any, l: int, tick: int, ticks: int, f: Any)
     i = run.pieces
     piece = log[i]
     piece.start, piece.stop, piece.order, piece.after = tick, tick + ticks, SMOOTH, NONE
+    piece.line = l
     if constant:
         piece.degree = 0
         piece.coefficient[0] = f[0]
@@ -159,6 +160,7 @@ def reflect(run: Any, line: Any, log: Any, at: Any) -> int:
     new = log[i]
     new.order = order_at(line, log, source, at.now)
     new.start, new.stop, new.after, new.degree = at.now, stop, NONE, piece.degree
+    new.line = target
     if new.start == piece.start + delay and stop == piece.stop + delay:
         for m in range(POINTS):
             new.coefficient[m] = piece.coefficient[m]

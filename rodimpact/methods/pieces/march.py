@@ -88,7 +88,7 @@ def advance(
     right = lines.order_at(line, log, at.in_right, tick)
     end, rough = horizon(run, line, log, at, left <= HARD or right <= HARD)
     ticks, worst, where, which, status = solve(
-        run, link, mass, line, log, at, end - tick, rough, G)
+        run, link, mass, line, log, turn, at, end - tick, rough, G)
     if ticks == 0:
         return False
     full = ticks
@@ -104,7 +104,7 @@ def advance(
             run.first_rough = tick
     if which != NONE:
         at.left[0], at.right[0] = at.left[N], at.right[N]
-        events.happen(run, link, mass, at, which, status)
+        events.happen(run, link, mass, turn, at, tick + ticks, which, status)
         if status == Status.OPEN and run.prove:
             run.check = latest(node, tick + ticks)
     at.now = tick + ticks
@@ -156,7 +156,8 @@ def is_dense(run: Any, line: Any, l: int) -> bool:
 
 
 def solve(
-    run: Any, link: Any, mass: Any, line: Any, log: Any, at: Any, ticks: int, rough: bool, G: Any
+    run: Any, link: Any, mass: Any, line: Any, log: Any, turn: Any, at: Any, ticks: int,
+    rough: bool, G: Any,
 ) -> tuple[int, float, float, int, int]:
     """Solve a node on a piece as long as it turns out smooth; events at its start come first.
 
@@ -186,7 +187,7 @@ def solve(
                 return ticks, worst, 1.0, NONE, 0
             if flips % (8 + at.links * at.links) == 0 and ticks > SHORTEST:
                 ticks = max(SHORTEST, ticks // 10)  # no status lasts as long: a graze
-            events.happen(run, link, mass, at, which, status)
+            events.happen(run, link, mass, turn, at, at.now, which, status)
         elif ticks <= 1:
             return 0, worst, 1.0, NONE, 0
         elif worst > 0:

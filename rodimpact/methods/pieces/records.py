@@ -73,7 +73,7 @@ NONE = -1
 
 PIECE = np.dtype([
     ("start", "i8"), ("stop", "i8"), ("order", "i8"),  # of the break at its start
-    ("degree", "i8"), ("after", "i8"),  # next piece of the same line
+    ("degree", "i8"), ("line", "i8"), ("after", "i8"),  # next piece of the same line
     ("coefficient", "f8", (POINTS,)),
 ], align=True)
 LINE = np.dtype([
@@ -105,7 +105,10 @@ LINK = np.dtype([
 MASS = np.dtype([
     ("mass", "f8"), ("speed", "f8", (POINTS,)), ("line", "i8"), ("unknown", "i8"),
 ], align=True)
-TURN = np.dtype([("tick", "i8"), ("link", "i8"), ("touch", "i8")], align=True)
+TURN = np.dtype([
+    ("tick", "i8"), ("link", "i8"), ("touch", "i8"), ("impulse", "f8"),  # of an impact
+    ("closing", "f8"),  # mean of that before and after it
+], align=True)
 PART = np.dtype([
     ("kind", "i8"), ("index", "i8"), ("parts", "i8"),  # of the group, at its first part
     ("held", "i8"), ("mass", "f8"), ("compliance", "f8"),  # m/N

@@ -1,0 +1,163 @@
+"""The method "characteristics": rods are pure delays, contacts small equations between them.
+
+Waves are lists of polynomial pieces; a node, the chain of links and masses between two rods, is
+integrated by itself as far as its inputs are known. There is no time step: every piece is as long
+as what happens in it is smooth. A second run at a coarser tolerance tells how wrong the first is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ...units import format_si
+from .. import abilities as physics
+from ..clock import Clock
+from ..fronts.method import rounding
+from ..groups import groups
+from ..row import Row, squeezed
+from ..run import ContactTally, GroupTotals, Run
+from ..status import end_sentence, proof_sentence, strain_warning
+from .driver import Machine
+from .layout import Layout, lay_out
+from .records import Law, Part, Stop
+from .signals import signals_of
+
+LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
+RTOL = 1e-8
+COARSER = 10.0  # tolerance of the run that the first is compared with, over its own
+MEASURES = ("velocity", "impulse", "peak force", "duration", "time")
+
+
+def solve(
+    row: Row, until: float | None, max_events: int, rtol: float | None = None,
+    announce: Callable[[str], None] | None = None,
+) -> Run:
+    """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
+    row.check_scales()
+    goal = RTOL if rtol is None else rtol
+    layout = lay_out(row, until, goal, max_events, keep=True)
+    fine, coarse = Machine(layout), Machine(lay_out(row, until, COARSER * goal, max_events, False))
+    stop = fine.go()
+    coarse.go()
+    if stop == Stop.STUCK:
+        raise squeezed(float(fine.run["tick"] * min(fine.records["node"]["now"])))
+    return _hand_over(layout, fine, measured(fine), measured(coarse), until, stop)
+
+
+def measured(machine: Machine) -> dict[str, Any]:
+    """What a run comes to, by the names of `MEASURES`."""
+    r = machine.records
+    tick, link = float(r["run"][0]["tick"]), r["link"][r["link"]["law"] >= Law.JOINT]
+    heads = r["part"][r["part"]["parts"] > 0]
+    times = np.array([link["first"], link["last"], link["apart"]]) * tick
+    return {
+        "velocity": heads["speed"], "impulse": link["impulse"], "peak force": link["peak"],
+        "duration": link["pressed"] * tick, "time": times,
+    }
+
+
+def _accuracy(fine: dict[str, Any], coarse: dict[str, Any], scale: float) -> dict[str, float]:
+    """Stated error of each measure, relative to its largest value, of velocities to their scale."""
+    stated = {}
+    for name in MEASURES:
+        size = scale if name == "velocity" else float(np.max(np.abs(fine[name]), initial=0.0))
+        off = float(np.max(np.abs(fine[name] - coarse[name]), initial=0.0))
+        stated[name] = off / size if size > 0 else 0.0
+    return stated
+
+
+def _hand_over(
+    layout: Layout, machine: Machine, fine: dict[str, Any], coarse: dict[str, Any],
+    until: float | None, stop: Stop,
+) -> Run:
+    row, r = layout.row, machine.records
+    run, clock = r["run"][0], _clock(layout)
+    end, tick = int(r["node"]["now"].min()), clock.tick
+    stopped_by = "max_events" if stop == Stop.CAP else "until" if until is not None else (
+        "final" if run["proved"] >= 0 else "clock")
+    t_end = until if until is not None and stopped_by == "until" else end * tick
+    met = bool(np.any(r["link"]["episodes"]))
+    opened = float(np.max(r["link"]["apart"], initial=0)) * tick
+    t_final = opened if run["proved"] >= 0 else math.nan
+    proof = proof_sentence(met, False, t_final) if run["proved"] >= 0 else ""
+    status = end_sentence(
+        row.system, stopped_by, proof, format_si(t_end, "s"), f"{run['steps']} steps of nodes")
+    fastest = max((_fastest(r["log"][: run["pieces"]], s) / float(row.segments[s].wave_speed)
+                   for s in range(len(row.segments))), default=0.0)
+    status += rounding(clock.transit_error, clock.worst) + strain_warning(fastest)
+    return Run(
+        method="characteristics", until=until, clock=clock, end=end, t_end=t_end, t_final=t_final,
+        stopped_by=stopped_by, status=status, events=int(run["steps"]),
+        contacts=_tallies(row, r), groups=_groups(row, r),
+        accuracy=_accuracy(fine, coarse, float(run["scale"])),
+        make_signals=lambda: signals_of(row, clock, end, r),
+    )
+
+
+def _fastest(log: Any, s: int) -> float:
+    own = log[(log["line"] == 2 * s) | (log["line"] == 2 * s + 1)]
+    return float(np.abs(own["coefficient"]).sum(axis=1).max(initial=0.0))
+
+
+def _clock(layout: Layout) -> Clock:
+    row, tick, ticks = layout.row, float(layout.tick[0]), layout.ticks[0].tolist()
+    segments = row.segments
+    errors = [abs(T * tick / float(s.transit_time) - 1)
+              for T, s in zip(ticks, segments, strict=True)]
+    worst = max(range(len(errors)), key=errors.__getitem__, default=-1)
+    return Clock(
+        system=row.system, spans=row.spans, ticks=[0, *ticks, 0], tick=tick,
+        wave_speed=[0.0, *(float(s.wave_speed) for s in segments), 0.0],
+        impedance=[0.0, *(float(s.impedance) for s in segments), 0.0],
+        length=[0.0, *(float(s.length) for s in segments), 0.0],
+        frame=float(row.frame), scale=float(layout.run["scale"][0]), gravity=float(row.gravity),
+        transit_error=errors[worst] if errors else 0.0, worst=row.paths[worst + 1],
+    )
+
+
+def _tallies(row: Row, r: dict[str, Any]) -> tuple[ContactTally, ...]:
+    """Totals of every contact in SI units."""
+    tick, tallies = float(r["run"][0]["tick"]), []
+    now = int(r["node"]["now"].min())
+    for law, i in zip(row.system.contacts, row.contact_link, strict=True):
+        if i < 0:
+            tallies.append(ContactTally(math.nan, math.nan, 0.0, math.nan, math.nan, 0))
+            continue
+        it = r["link"][i]
+        if not law.opens:
+            tallies.append(ContactTally(
+                float(it["impulse"]), float(it["peak"]), 0.0, math.nan, math.nan, 0))
+            continue
+        last = now if it["touch"] == 2 and it["law"] != Law.IMPACT else int(it["last"])
+        sudden = it["law"] == Law.IMPACT
+        tallies.append(ContactTally(
+            impulse=float(it["impulse"]), peak_force=math.nan if sudden else float(it["peak"]),
+            duration=float(it["pressed"]) * tick,
+            first=float(it["first"]) * tick if it["first"] >= 0 else math.nan,
+            last=last * tick if it["first"] >= 0 else math.nan, episodes=int(it["episodes"]),
+        ))
+    return tuple(tallies)
+
+
+def _groups(row: Row, r: dict[str, Any]) -> GroupTotals:
+    """Velocities of groups and vibration of bodies, as the kernel surveyed them."""
+    part, frame = r["part"], float(row.frame)
+    heads = np.flatnonzero(part["parts"] > 0)
+    assert len(heads) == len(groups(row.system))
+    by_segment = {int(p["index"]): float(p["energy"]) for p in part if p["kind"] == Part.SEGMENT}
+    by_mass = {int(p["index"]): float(p["energy"]) for p in part if p["kind"] == Part.MASS}
+    vibration = []
+    for body, (first, last), m in zip(row.system.bodies, row.spans, row.mass_of, strict=True):
+        energy = sum(by_segment[s - 1] for s in range(first, last + 1))
+        if 0 <= m < len(row.masses):
+            energy = by_mass[m] * float(body.mass) / float(row.masses[m])  # type: ignore[union-attr]
+        vibration.append(energy)
+    tick = float(r["run"][0]["tick"])
+    return GroupTotals(
+        part["before"][heads] + frame, part["speed"][heads] + frame, np.array(vibration),
+        r["link"]["peak"], r["link"]["pressed"] * tick,
+    )
