@@ -226,7 +226,8 @@ def _polynomials(coefficients: Floats, i: Any, y: Any) -> Floats:
     before = last = np.zeros(())
     for column in coefficients.T[:0:-1]:  # Clenshaw's recurrence
         last, before = column[i] + 2 * y * last - before, last
-    return np.asarray(coefficients[i, 0] + y * last - before)
+    value: Floats = coefficients[i, 0] + y * last - before
+    return value
 
 
 @cache

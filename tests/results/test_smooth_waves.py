@@ -3,7 +3,8 @@
 A mass that strikes a rod, until the wave has come back, and a rod that vibrates for ever.
 """
 
-from functools import cache
+from functools import cache, partial
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -28,7 +29,7 @@ def pieces_of(function, marks):
     ticks = [round(m / TICK) for m in marks]
     coefficients = [
         chebinterpolate(lambda y, a=a, b=b: function((a + b + (b - a) * y) / 2 * TICK), 16)
-        for a, b in zip(ticks[:-1], ticks[1:], strict=True)
+        for a, b in pairwise(ticks)
     ]
     return Pieces(ticks[:-1], coefficients, ticks[-1])
 
@@ -55,13 +56,14 @@ def solved(system, lines, contacts=(), masses=None, end=3.5):
 def struck():
     """A mass that strikes a rod: the velocity of its face falls as exp(-Z t/M)."""
     marks = [0.0, 0.9, 1.3, 2.6, 3.5]
-    a = pieces_of(lambda t: 2 * V(t) * (t > 0), [-T, *marks])
-    b = pieces_of(lambda t: 2 * V(t - T) * (t > T), [-T, 0.0, T, 2.7, 3.5])
-    force = pieces_of(lambda t: Z * V(t), marks)
+    a = pieces_of(lambda t: 2 * speed(t) * (t > 0), [-T, *marks])
+    b = pieces_of(lambda t: 2 * speed(t - T) * (t > T), [-T, 0.0, T, 2.7, 3.5])
+    force = pieces_of(lambda t: Z * speed(t), marks)
     still = Pieces([0], [0.0])
     return solved(
         ri.System([ri.RigidMass(MASS, velocity=SPEED), ROD]), (a, b),
-        (ContactSignal(force, still, still, (Episode(0.0, np.nan, np.nan),)),), {0: pieces_of(V, marks)})
+        (ContactSignal(force, still, still, (Episode(0.0, np.nan, np.nan),)),),
+        {0: pieces_of(speed, marks)})
 
 
 @cache
@@ -95,7 +97,7 @@ def strain(x, t):
 def integral(function, start, stop, breaks):
     """By SciPy, between the breaks."""
     edges = [start, *sorted(b for b in breaks if start < b < stop), stop]
-    return sum(quad(function, a, b, epsabs=1e-13)[0] for a, b in zip(edges, edges[1:]))
+    return sum(quad(function, a, b, epsabs=1e-13)[0] for a, b in pairwise(edges))
 
 
 def jumps_in_time(x):
@@ -122,10 +124,9 @@ def test_velocity_and_strain_are_sums_of_waves():
     far = away(x, t)
     for field, known in ((s.velocity, velocity), (s.strain, strain)):
         assert field(0, x, t)[far] == pytest.approx(known(x, t)[far], abs=1e-11)
-        grid = field(0, np.sort(x)[:40, None], np.sort(t)[:30])
-        assert grid == pytest.approx(
-            np.array([[field(0, one, when) for when in np.sort(t)[:30]] for one in np.sort(x)[:40]]),
-            abs=1e-14)
+        places, times = np.sort(x)[:40], np.sort(t)[:30]
+        one_by_one = np.array([[field(0, place, when) for when in times] for place in places])
+        assert field(0, places[:, None], times) == pytest.approx(one_by_one, abs=1e-14)
     assert s.velocity(0, 0.0, 1.3, "left") == pytest.approx(np.sin(6.5) + DRIFT + FALL * 1.3)
     assert s.velocity(0, 0.0, 1.3) == pytest.approx(0.5 * -1.2**3 + DRIFT + FALL * 1.3)
 
@@ -155,8 +156,8 @@ def test_means_over_intervals():
     s, x, t = vibrating(), np.array([0.3, 1.7]), np.array([0.2, 0.9, 3.3])
     found = s.fields.averaged(0, x, t)
     for values, known in zip(found, (velocity, strain), strict=True):
-        wanted = [[integral(lambda t: known(place, t), a, b, jumps_in_time(place)) / (b - a)
-                   for a, b in zip(t, t[1:])] for place in x]
+        wanted = [[integral(partial(known, place), a, b, jumps_in_time(place)) / (b - a)
+                   for a, b in pairwise(t)] for place in x]
         assert values == pytest.approx(np.array(wanted), abs=1e-11)
 
 
@@ -218,40 +219,42 @@ def test_a_smooth_state_is_kept_to_1e_10():
 
 
 def test_a_state_of_constant_pieces_is_exact():
-    wave = Pieces([-TICKS, -TICKS // 2], [[1.0, 0.0], [2.0, 0.0]], TICKS)
+    wave = Pieces([-TICKS, -(TICKS // 4)], [[1.0, 0.0], [2.0, 0.0]], TICKS)
     rod = solved(ri.System([ROD]), (wave, wave), end=0.9).system_at(0.0).bodies[0]
-    assert rod.velocity.values == (1.5 + DRIFT,) or rod.velocity.values[0] == 1.5 + DRIFT
-    assert isinstance(rod.strain, ri.Steps)
+    assert rod.velocity.values == (1.5 + DRIFT, 1.0 + DRIFT, 1.5 + DRIFT)
+    assert rod.strain.values == (-0.5, 0.0, 0.5)
+    assert rod.strain.at == pytest.approx((0.5, 1.5), rel=1e-14)
 
 
 # The mass that strikes a rod
 
 
-def V(t):
+def speed(t):
+    """Of the mass and of the end of the rod."""
     return SPEED * np.exp(-Z * t / MASS)
 
 
 def test_force_and_work_of_a_contact():
     contact, t = struck().contacts[0], np.linspace(0.0, 3.5, 50)
-    assert contact.force(t) == pytest.approx(Z * V(t), abs=1e-12)
-    assert contact.impulse_until(t) == pytest.approx(MASS * (SPEED - V(t)), abs=1e-12)
+    assert contact.force(t) == pytest.approx(Z * speed(t), abs=1e-12)
+    assert contact.impulse_until(t) == pytest.approx(MASS * (SPEED - speed(t)), abs=1e-12)
     assert contact.work_until(t) == pytest.approx(0.0, abs=1e-12)
     times, force, gap = contact.breakpoints()
     dense = np.linspace(0.0, 3.5, 1000)
-    assert np.interp(dense, times, force) == pytest.approx(Z * V(dense), abs=1e-4 * SPEED)
+    assert np.interp(dense, times, force) == pytest.approx(Z * speed(dense), abs=1e-4 * SPEED)
     assert (gap == 0).all()
 
 
 def test_motion_of_a_mass():
     s, t = struck(), np.linspace(0.0, 3.5, 50)
-    assert s.velocity(0, 0.0, t) == pytest.approx(V(t), abs=1e-12)
-    assert s.displacement(0, 0.0, t) == pytest.approx(MASS * (SPEED - V(t)) / Z, abs=1e-12)
-    assert s.displacement(1, 0.0, t) == pytest.approx(MASS * (SPEED - V(t)) / Z, abs=1e-12)
+    assert s.velocity(0, 0.0, t) == pytest.approx(speed(t), abs=1e-12)
+    assert s.displacement(0, 0.0, t) == pytest.approx(MASS * (SPEED - speed(t)) / Z, abs=1e-12)
+    assert s.displacement(1, 0.0, t) == pytest.approx(MASS * (SPEED - speed(t)) / Z, abs=1e-12)
     book, start = s.energy(t), MASS * SPEED**2 / 2
     assert book.total == pytest.approx(start, abs=1e-11)
     assert book.residual == pytest.approx(0.0, abs=1e-11)
     assert s.outcome.momentum_residual == pytest.approx(0.0, abs=1e-12)
-    assert s.system_at(1.0).bodies[0].velocity == pytest.approx(V(1.0), abs=1e-12)
+    assert s.system_at(1.0).bodies[0].velocity == pytest.approx(speed(1.0), abs=1e-12)
 
 
 @pytest.mark.parametrize("draw", [
@@ -266,7 +269,7 @@ def test_a_curve_of_force_is_drawn_in_steps_too_small_to_see():
     (force,) = ri.plot.contact(struck()).forces
     data = force.get_data()
     middles = (data.edges[1:] + data.edges[:-1]) / 2
-    assert data.values == pytest.approx(Z * V(middles), abs=1e-3 * SPEED)
+    assert data.values == pytest.approx(Z * speed(middles), abs=1e-3 * SPEED)
     assert np.abs(np.diff(data.values)).max() < 5e-3 * SPEED
 
 
