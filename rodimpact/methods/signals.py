@@ -134,7 +134,7 @@ class Pieces:
 
     def piece(self, ticks: Any, side: Side = "right") -> Any:
         """Index of the piece in which ticks lie."""
-        return np.maximum(np.searchsorted(self.ticks, ticks, side) - 1, 0)
+        return np.maximum(self.ticks.searchsorted(ticks, side) - 1, 0)
 
     def _own_time(self, i: Any, ticks: Any) -> Any:
         """Variable y of pieces i at ticks; -1 or 1 outside."""
@@ -150,11 +150,14 @@ class Pieces:
         return _polynomials(self.coefficients, i, self._own_time(i, ticks))
 
     def inside(self, starts: ArrayLike, stops: ArrayLike, shares: Floats) -> Floats:
-        """Values [n, share] at shares of [n] intervals, each of which lies in one piece."""
+        """Values at shares of [n] intervals, each of which lies in one piece.
+
+        [n, share]; of constants [n, 1].
+        """
         starts, stops = np.asarray(starts), np.asarray(stops)
         i = self.piece(starts + (stops - starts) // 2)
         if self.size == 1:
-            return np.asarray(np.repeat(self.values[i][:, None], len(shares), axis=1))
+            return self.coefficients[i]
         after = (starts - self.ticks[i])[:, None] + (stops - starts)[:, None] * shares
         y = np.clip(after / self.widths[i][:, None] * 2 - 1, -1.0, 1.0)
         return _polynomials(self.coefficients, i[:, None], y)
@@ -182,12 +185,12 @@ class Pieces:
 
     def breaks_in(self, start: int, stop: int) -> Ints:
         """Breaks strictly between `start` and `stop`."""
-        low, high = np.searchsorted(self.breaks, [start, stop], "right")
+        low, high = self.breaks.searchsorted([start, stop], "right")
         return self.breaks[low : high - (high > low and self.breaks[high - 1] == stop)]
 
     def within(self, start: int, stop: int) -> Pieces:
         """The pieces that make up the signal from `start` to `stop`."""
-        low, high = self.piece(start), int(np.searchsorted(self.ticks, stop, "right"))
+        low, high = self.piece(start), int(self.ticks.searchsorted(stop, "right"))
         high = max(high, low + 1)
         end = self.end if high == len(self.ticks) else int(self.ticks[high])
         return Pieces(self.ticks[low:high], self.coefficients[low:high], end)
@@ -226,7 +229,8 @@ def _polynomials(coefficients: Floats, i: Any, y: Any) -> Floats:
     before = last = np.zeros(())
     for column in coefficients.T[:0:-1]:  # Clenshaw's recurrence
         last, before = column[i] + 2 * y * last - before, last
-    return np.asarray(coefficients[i, 0] + y * last - before)
+    value: Floats = coefficients[i, 0] + y * last - before
+    return value
 
 
 @cache

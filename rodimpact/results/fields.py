@@ -194,15 +194,17 @@ class Fields(ABC):
 
     def mass_velocity(self, body: int, t: ArrayLike, side: Side = "right") -> Floats:
         """Velocity of a rigid mass, m/s."""
-        velocity = self.masses[body].at(self.to_ticks(t, side), side) + self.clock.frame
-        return np.asarray(velocity + self._fallen(t))
+        in_frame = self.masses[body].at(self.to_ticks(t, side), side)
+        velocity: Floats = in_frame + self.clock.frame + self._fallen(t)
+        return velocity
 
     def mass_displacement(self, body: int, t: ArrayLike) -> Floats:
         """Displacement of a rigid mass, m."""
         a, ticks = self.clock, self.to_ticks(t)
         time = ticks * a.tick
-        moved = self.masses[body].integral(0, ticks) * a.tick + a.frame * time
-        return np.asarray(moved + a.gravity * time * time / 2)
+        moved = self.masses[body].integral(0, ticks) * a.tick
+        displacement: Floats = moved + a.frame * time + a.gravity * time * time / 2
+        return displacement
 
     @cached_property
     def positions(self) -> list[float]:

@@ -132,8 +132,10 @@ class Gauge:
         # each cell of a step is cut where the record has breaks; Gauss's rule is exact in between
         bounds = step * (np.arange(first, last + 3) - 1.5)
         low, high = np.searchsorted(self.record.breaks, bounds[[0, -1]])
-        cuts = np.unique(np.concatenate((bounds, self.record.breaks[low:high])))
-        cell = np.searchsorted(bounds, cuts[:-1], "right") - 1
+        breaks = self.record.breaks[low:high]
+        place = np.searchsorted(bounds[:-1], breaks, "right")
+        cuts = np.insert(bounds, place, breaks)
+        cell = np.insert(np.arange(len(bounds) - 1), place, place - 1)
         begins, lasts = (cuts[:-1] - bounds[cell]) / step, np.diff(cuts) / step
         shares, weights = quadrature((self.record.size + 3) // 2)
         u = begins[:, None] + lasts[:, None] * shares  # place in its cell, 0 to 1

@@ -1,0 +1,287 @@
+"""Solutions whose waves are polynomials between breaks, beside closed forms.
+
+A mass that strikes a rod, until the wave has come back, and a rod that vibrates for ever.
+"""
+
+from functools import cache, partial
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from numpy.polynomial.chebyshev import chebinterpolate
+from scipy.integrate import quad
+
+import rodimpact as ri
+from rodimpact.methods.clock import Clock
+from rodimpact.methods.run import ContactSignal, ContactTally, Episode, Run, Signals, Waves
+from rodimpact.methods.signals import Pieces
+from rodimpact.results.solution import Solution
+
+ROD = ri.Rod(2.0, area=0.5, material=ri.Material("unit", youngs_modulus=2.0, density=2.0))
+T, TICKS = 2.0, (1 << 50) + 7  # transit in s and in ticks
+TICK, Z, C = T / TICKS, 1.0, 1.0
+MASS, SPEED = 1.5, 3.0
+VIBRATION, FALL, DRIFT = 5.0, 0.7, 1.25
+
+
+def pieces_of(function, marks):
+    """A function of time, s, in pieces of degree 16 between marks, s."""
+    ticks = [round(m / TICK) for m in marks]
+    coefficients = [
+        chebinterpolate(lambda y, a=a, b=b: function((a + b + (b - a) * y) / 2 * TICK), 16)
+        for a, b in pairwise(ticks)
+    ]
+    return Pieces(ticks[:-1], coefficients, ticks[-1])
+
+
+def solved(system, lines, contacts=(), masses=None, end=3.5):
+    a, b = lines
+    first = len(system.bodies) - 1
+    clock = Clock(
+        system=system, spans=((1, 0),) * first + ((1, 1),), wave_speed=[0.0, C, 0.0], scale=SPEED,
+        impedance=[0.0, Z, 0.0], length=[0.0, 2.0, 0.0], ticks=[0, TICKS, 0], tick=TICK,
+        frame=0.0 if first else DRIFT, gravity=float(system.gravity),
+    )
+    signals = Signals(Waves([None, None, a, b, None, None]), contacts, (None, None), None,
+                      masses or {})
+    tallies = [ContactTally(0.0, 0.0, 0.0, 0.0, np.nan, 1) for _ in contacts]
+    return Solution(Run(
+        method="characteristics", until=end, clock=clock, end=round(end / TICK), t_end=end,
+        t_final=np.nan, stopped_by="until", status="Ran to the end.", events=1,
+        contacts=tuple(tallies), make_signals=lambda: signals,
+    ))
+
+
+@cache
+def struck():
+    """A mass that strikes a rod: the velocity of its face falls as exp(-Z t/M)."""
+    marks = [0.0, 0.9, 1.3, 2.6, 3.5]
+    a = pieces_of(lambda t: 2 * speed(t) * (t > 0), [-T, *marks])
+    b = pieces_of(lambda t: 2 * speed(t - T) * (t > T), [-T, 0.0, T, 2.7, 3.5])
+    force = pieces_of(lambda t: Z * speed(t), marks)
+    still = Pieces([0], [0.0])
+    return solved(
+        ri.System([ri.RigidMass(MASS, velocity=SPEED), ROD]), (a, b),
+        (ContactSignal(force, still, still, (Episode(0.0, np.nan, np.nan),)),),
+        {0: pieces_of(speed, marks)})
+
+
+@cache
+def vibrating():
+    """A rod with free ends in free fall: each wave turns back as the other one, with its jump."""
+    a = pieces_of(shape, [-2.0, -1.1, 0.0, 0.6, 1.3, 2.1, 3.0, 4.0, 4.7, 5.3, 5.9])
+    b = pieces_of(lambda t: shape(t + T), [-2.0, -1.4, -0.7, 0.5, 2.0, 2.9, 3.3, 4.1, 5.0, 5.9])
+    return solved(ri.System([ROD], gravity=FALL), (a, b), end=5.5)
+
+
+def shape(t):
+    """The wave that leaves the left end of the rod that vibrates; it jumps at 0 and 1.3."""
+    t = np.mod(t, 2 * T)
+    return np.where(t < 1.3, np.sin(VIBRATION * t), 0.5 * (t - 2.5) ** 3)
+
+
+def waves(x, t):
+    """The waves that run right and left there and then."""
+    return shape(t - x / C), shape(t + x / C)
+
+
+def velocity(x, t):
+    return sum(waves(x, t)) / 2 + DRIFT + FALL * t
+
+
+def strain(x, t):
+    right, left = waves(x, t)
+    return (left - right) / (2 * C)
+
+
+def integral(function, start, stop, breaks):
+    """By SciPy, between the breaks."""
+    edges = [start, *sorted(b for b in breaks if start < b < stop), stop]
+    return sum(quad(function, a, b, epsabs=1e-13)[0] for a, b in pairwise(edges))
+
+
+def jumps_in_time(x):
+    return [n * 2 * T + j + s * x / C for n in (-1, 0, 1, 2) for j in (0.0, 1.3) for s in (-1, 1)]
+
+
+def jumps_along(t):
+    return [s * C * (n * 2 * T + j - t) for n in (-1, 0, 1, 2) for j in (0.0, 1.3) for s in (-1, 1)]
+
+
+def away(x, t):
+    """Whether no jump is near."""
+    phase = np.mod(np.stack(np.broadcast_arrays(t - x / C, t + x / C)), 2 * T)
+    near = [np.abs(phase - j) for j in (0.0, 1.3, 2 * T)]
+    return np.min(near, axis=(0, 1)) > 1e-9
+
+
+# The rod that vibrates
+
+
+def test_velocity_and_strain_are_sums_of_waves():
+    s, rng = vibrating(), np.random.default_rng(1)
+    x, t = rng.uniform(0, 2, 500), rng.uniform(0, 5.5, 500)
+    far = away(x, t)
+    for field, known in ((s.velocity, velocity), (s.strain, strain)):
+        assert field(0, x, t)[far] == pytest.approx(known(x, t)[far], abs=1e-11)
+        places, times = np.sort(x)[:40], np.sort(t)[:30]
+        one_by_one = np.array([[field(0, place, when) for when in times] for place in places])
+        assert field(0, places[:, None], times) == pytest.approx(one_by_one, abs=1e-14)
+    assert s.velocity(0, 0.0, 1.3, "left") == pytest.approx(np.sin(6.5) + DRIFT + FALL * 1.3)
+    assert s.velocity(0, 0.0, 1.3) == pytest.approx(0.5 * -1.2**3 + DRIFT + FALL * 1.3)
+
+
+@pytest.mark.parametrize(("x", "t"), [(0.0, 5.5), (0.4, 0.0), (1.1, 2.35), (2.0, 4.9)])
+def test_displacement_is_the_integral_of_velocity_and_of_strain(x, t):
+    path = integral(lambda t: velocity(x, t), 0.0, t, jumps_in_time(x))
+    stretch = integral(lambda x: strain(x, 0.0), 0.0, x, jumps_along(0.0))
+    assert vibrating().displacement(0, x, t) == pytest.approx(path + stretch, abs=1e-11)
+
+
+def test_momentum_and_energy_are_integrals_along_the_rod():
+    s, t = vibrating(), 3.21
+    mean = integral(lambda x: velocity(x, t), 0.0, 2.0, jumps_along(t)) / 2
+    assert s.mean_velocity(0, t) == pytest.approx(mean, abs=1e-11)
+    assert s.mean_velocity(0, [0.0, t, 5.5]) - FALL * np.array([0, t, 5.5]) == pytest.approx(
+        s.mean_velocity(0, 0.0), abs=1e-11)
+    book = s.energy(t)
+    kinetic = integral(lambda x: (velocity(x, t) - mean) ** 2 / 2, 0.0, 2.0, jumps_along(t))
+    strained = integral(lambda x: strain(x, t) ** 2 / 2, 0.0, 2.0, jumps_along(t))
+    assert (book.vibrational_kinetic, book.strain) == pytest.approx((kinetic, strained), abs=1e-11)
+    assert s.energy(np.linspace(0, 5.5, 20)).residual == pytest.approx(0.0, abs=1e-11)
+    assert s.outcome.energy_residual == pytest.approx(0.0, abs=1e-11)
+
+
+def test_means_over_intervals():
+    s, x, t = vibrating(), np.array([0.3, 1.7]), np.array([0.2, 0.9, 3.3])
+    found = s.fields.averaged(0, x, t)
+    for values, known in zip(found, (velocity, strain), strict=True):
+        wanted = [[integral(partial(known, place), a, b, jumps_in_time(place)) / (b - a)
+                   for a, b in pairwise(t)] for place in x]
+        assert values == pytest.approx(np.array(wanted), abs=1e-11)
+
+
+def test_a_gauge_follows_the_strain():
+    s, x = vibrating(), 0.45
+    gauge = s.gauge(0, x)
+    t = np.random.default_rng(2).uniform(0, 5.5, 2000)
+    t = t[away(x, t)]
+    assert gauge.strain_at(t) == pytest.approx(strain(x, t), abs=1e-11)
+    assert gauge.strain == pytest.approx(gauge.rightward + gauge.leftward, abs=1e-14)
+    assert gauge.velocity == pytest.approx(s.velocity(0, x, gauge.times), abs=1e-11)
+    for values, known in ((gauge.strain, strain), (gauge.velocity, velocity)):
+        lines = np.interp(t, gauge.times, values)
+        assert np.abs(lines - known(x, t)).max() < 2e-4 * np.ptp(values)
+    assert (gauge.times[0], gauge.times[-1]) == pytest.approx((0.0, 5.5))
+    assert len(gauge.times) < 3000
+    slopes = gauge.strain_rate[:-1] * np.diff(gauge.times)
+    assert gauge.strain_after[:-1] + slopes == pytest.approx(
+        s.strain(0, x, gauge.times[1:], side="left"), abs=1e-6)
+
+
+def test_samples_of_a_gauge_are_means_by_a_spline():
+    x, step = 0.45, 0.13
+    signal = vibrating().gauge(0, x).signal(step)
+
+    def spline(u):
+        u = abs(u)
+        return 0.75 - u * u if u < 0.5 else (1.5 - u) ** 2 / 2
+
+    for k in (5, 11, 24, 38):
+        t = k * step
+        edges = [*jumps_in_time(x), t - step / 2, t + step / 2]
+        wanted = integral(lambda r, t=t: strain(x, r) * spline((r - t) / step) / step,
+                          t - 1.5 * step, t + 1.5 * step, edges)
+        assert signal.values[k] == pytest.approx(wanted, abs=1e-11)
+
+
+def test_a_system_at_a_time_holds_the_state():
+    s, t = vibrating(), 2.2
+    rod = s.system_at(t).bodies[0]
+    places = np.linspace(0.0, 2.0, len(rod.velocity.values))
+    smooth = np.min(np.abs(places[:, None] - jumps_along(t)), axis=1) > 2 * places[1]
+    for profile, known in ((rod.velocity, velocity), (rod.strain, strain)):
+        values = profile.values
+        assert values[smooth] == pytest.approx(known(places, t)[smooth], abs=1e-8)
+        whole = integral(lambda x, known=known: known(x, t), 0.0, 2.0, jumps_along(t))
+        assert (values.sum() - (values[0] + values[-1]) / 2) * places[1] == pytest.approx(
+            whole, abs=1e-9)
+
+
+def test_a_smooth_state_is_kept_to_1e_10():
+    wave = pieces_of(lambda t: np.sin(0.5 * t), np.linspace(-2.0, 1.0, 4))
+    rod = solved(ri.System([ROD]), (wave, wave), end=0.9).system_at(0.5).bodies[0]
+    x = np.random.default_rng(4).uniform(0, 2, 1000)
+    even = np.linspace(0.0, 2.0, len(rod.velocity.values))
+    known = (np.sin(0.5 * (0.5 - x)) + np.sin(0.5 * (x - 1.5))) / 2 + DRIFT
+    assert np.interp(x, even, rod.velocity.values) == pytest.approx(known, abs=2e-10)
+    assert len(even) < 65_000
+
+
+def test_a_state_of_constant_pieces_is_exact():
+    wave = Pieces([-TICKS, -(TICKS // 4)], [[1.0, 0.0], [2.0, 0.0]], TICKS)
+    rod = solved(ri.System([ROD]), (wave, wave), end=0.9).system_at(0.0).bodies[0]
+    assert rod.velocity.values == (1.5 + DRIFT, 1.0 + DRIFT, 1.5 + DRIFT)
+    assert rod.strain.values == (-0.5, 0.0, 0.5)
+    assert rod.strain.at == pytest.approx((0.5, 1.5), rel=1e-14)
+
+
+# The mass that strikes a rod
+
+
+def speed(t):
+    """Of the mass and of the end of the rod."""
+    return SPEED * np.exp(-Z * t / MASS)
+
+
+def test_force_and_work_of_a_contact():
+    contact, t = struck().contacts[0], np.linspace(0.0, 3.5, 50)
+    assert contact.force(t) == pytest.approx(Z * speed(t), abs=1e-12)
+    assert contact.impulse_until(t) == pytest.approx(MASS * (SPEED - speed(t)), abs=1e-12)
+    assert contact.work_until(t) == pytest.approx(0.0, abs=1e-12)
+    times, force, gap = contact.breakpoints()
+    dense = np.linspace(0.0, 3.5, 1000)
+    assert np.interp(dense, times, force) == pytest.approx(Z * speed(dense), abs=1e-4 * SPEED)
+    assert (gap == 0).all()
+
+
+def test_motion_of_a_mass():
+    s, t = struck(), np.linspace(0.0, 3.5, 50)
+    assert s.velocity(0, 0.0, t) == pytest.approx(speed(t), abs=1e-12)
+    assert s.displacement(0, 0.0, t) == pytest.approx(MASS * (SPEED - speed(t)) / Z, abs=1e-12)
+    assert s.displacement(1, 0.0, t) == pytest.approx(MASS * (SPEED - speed(t)) / Z, abs=1e-12)
+    book, start = s.energy(t), MASS * SPEED**2 / 2
+    assert book.total == pytest.approx(start, abs=1e-11)
+    assert book.residual == pytest.approx(0.0, abs=1e-11)
+    assert s.outcome.momentum_residual == pytest.approx(0.0, abs=1e-12)
+    assert s.system_at(1.0).bodies[0].velocity == pytest.approx(speed(1.0), abs=1e-12)
+
+
+@pytest.mark.parametrize("draw", [
+    ri.plot.spacetime, ri.plot.contact, ri.plot.energy, ri.plot.snapshots,
+    lambda s: ri.plot.gauge(s.gauge(1, 0.5)),
+])
+def test_pictures(draw):
+    draw(struck())
+
+
+def test_a_curve_of_force_is_drawn_in_steps_too_small_to_see():
+    (force,) = ri.plot.contact(struck()).forces
+    data = force.get_data()
+    middles = (data.edges[1:] + data.edges[:-1]) / 2
+    assert data.values == pytest.approx(Z * speed(middles), abs=1e-3 * SPEED)
+    assert np.abs(np.diff(data.values)).max() < 5e-3 * SPEED
+
+
+def test_there_are_no_regions_of_constant_state():
+    with pytest.raises(ValueError, match="no fronts to draw between"):
+        ri.regions_of(struck())
+
+
+def test_files_keep_pieces(tmp_path):
+    s, t = struck(), np.linspace(0.0, 3.5, 9)
+    s.save(tmp_path / "run.npz")
+    loaded = ri.load(tmp_path / "run.npz")
+    assert (loaded.contacts[0].force(t) == s.contacts[0].force(t)).all()
+    assert (loaded.velocity(1, 0.3, t) == s.velocity(1, 0.3, t)).all()
+    assert (loaded.displacement(0, 0.0, t) == s.displacement(0, 0.0, t)).all()
