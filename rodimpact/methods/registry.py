@@ -21,6 +21,7 @@ from .grid import method as grid
 from .row import Row
 from .run import MAX_EVENTS, Run
 from .steps import families as step_families
+from .pieces import families as piece_families
 from .pieces import method as pieces
 from .steps import method as steps
 
@@ -43,7 +44,8 @@ class Method(NamedTuple):
 METHODS = {
     "fronts": Method(fronts.LACKS, (), fronts.solve, (), front_families.solve_family,
                      front_families.together),
-    "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, ("announce",)),
+    "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, ("announce",),
+                              piece_families.solve_family, piece_families.together),
     "steps": Method(steps.LACKS, ("dt", "rtol"), steps.solve, ("announce",),
                               step_families.solve_family, step_families.together),
     "finite-difference": Method(

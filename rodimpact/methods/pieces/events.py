@@ -6,7 +6,7 @@ from typing import Any
 
 from . import lines, series
 from .records import NONE, SMOOTH, Law, Status, Touch
-from .series import N
+from .series import N, X
 
 SWEEPS = 1000  # of impacts that happen together
 SETTLED = 1e-15  # of the velocities, below which a sweep changes nothing
@@ -19,7 +19,7 @@ def happen(
     """Change the status of link i, and set the order of the break that this makes."""
     it = link[i]
     old = it.status
-    it.status, it.order = status, 1
+    it.status, it.order, it.bend = status, 1, 0.0
     if status == Status.OPEN or old == Status.OPEN:
         it.overlap = 0.0
     if old == Status.PLASTIC:
@@ -129,6 +129,9 @@ def record(
         if run.keep:
             keep(run, line, log, at, it, ticks)
         it.order, it.overlap = SMOOTH, it.overlaps[N]
+        it.rate = it.closing[N] - it.mobility * it.force[N]
+        before = it.closing[N - 1] - it.mobility * it.force[N - 1]
+        it.bend = 2 * (it.rate - before) / (h * (X[N] - X[N - 1]))
         touch = Touch.APART.value if it.status == Status.OPEN else Touch.GRAZING.value
         if acts_or_pushes(it):
             count(run, it, at.rate, h)
@@ -136,7 +139,8 @@ def record(
                 top = series.maximum(it.force, at.series)
                 if top * it.ease > run.graze:
                     touch = Touch.PRESSING.value
-                    it.peak = max(it.peak, top)
+                    if ticks > run.window:  # shorter is where breaks nearly meet
+                        it.peak = max(it.peak, top)
                     it.pressed += ticks
         if it.law >= Law.RIGID and touch != it.touch:
             change(run, turn, it, at.first + q, at.now, touch)

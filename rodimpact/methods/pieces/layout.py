@@ -28,7 +28,7 @@ LAWS = {
 }
 LOOSEST = 1e-6  # tolerance of pieces, of the velocity scale: an estimate needs smooth errors
 FLOORS = 128  # in the shortest transit
-WINDOW = 2.0**-40  # of the longest transit: what is nearer happens together
+WINDOW = 64  # ticks of a piece that has no say in the peak force
 GRAZE = 2.0**-40  # of the velocity scale: forces that move no faster are none
 ENDLESS = 1 << 61  # tick
 COLUMNS = "now length first links mass mirror in_left in_right out_left out_right"
@@ -120,6 +120,7 @@ def lay_out(row: Row, until: float | None, rtol: float, max_events: int, keep: b
     run["tolerance"] = min(rtol, LOOSEST) * scale
     run["floor"], run["shortest"] = np.maximum(shortest // FLOORS, 64), shortest
     run["check"], run["graze"] = shortest, GRAZE * scale
+    run["window"] = np.minimum(shortest // FLOORS, WINDOW)
     run["limit"], run["proved"], run["first_rough"] = max_events, NONE, NONE
     run["prove"] = not driven(row.system)
     run["end"] = np.rint((horizon if until is None else until) / tick).astype(np.int64)
@@ -317,17 +318,15 @@ class _Pieces:
         """What comes from outside an end; returns its line, NONE for the free end of a rod."""
         row, of = self._row, self._of
         kind, value = row.outside[side]
-        if kind == "none" and row.first[-1 - side] == row.first[-2 - side] and side == 1:
-            return NONE
-        if kind == "none" and side == 0 and row.first[1] == 0:
+        first, stop = row.first[-2:] if side else row.first[:2]
+        if kind == "none" and first == stop:
             return NONE
         factor, start, slope = 1.0, np.zeros(of.count), np.zeros(of.count)
         if kind == "velocity":
             start, slope = -of(row.frame), -of(row.gravity)
         elif kind == "absorbing":
             wave = self.lines[2 * (len(row.segments) - 1) + 1 if side else 0]
-            left = wave[0 if False else -1]
-            start = np.array([_end(c) for c in left["coefficient"]])
+            start = wave[-1]["coefficient"].sum(axis=1)  # at the end of the piece
         if kind == "absorbing" and not isinstance(value, Steps | Samples):
             start = start + of(value) * of(row.wave_of_strain(side))
             value = 0.0
@@ -352,11 +351,6 @@ class _Pieces:
         edges[-1] += 1
         shift = float(start[0]) + float(slope[0]) * edges * tick[0]
         return self._fitted(drive.mapped(edges, factor, shift))
-
-
-def _end(c: Any) -> float:
-    """Value of a series at the end of its piece."""
-    return float(np.sum(c))
 
 
 def _records(

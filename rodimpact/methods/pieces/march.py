@@ -7,15 +7,56 @@ limit of what is known, inputs at the points of a piece, collocation, first even
 
 from __future__ import annotations
 
+import math
 from typing import Any
+
+import numpy as np
 
 from . import events, finality, lines, nodes, series
 from .records import HARD, NONE, SMOOTH, Law, Status, Stop
-from .series import N
+from .series import N, POINTS
 
 FLIPS = 1000  # changes of status at one instant: beyond, none of them lasts, and none matters
 SHORTEST = 16  # ticks of a piece that is taken however rough it is
 ROOM = 4  # pieces that a link may add in a step
+
+
+def family(
+    runs: Any, node: Any, link: Any, mass: Any, line: Any, part: Any, first: Any, log: Any,
+    turn: Any,
+) -> int:
+    """Run members of a family one after the other on the same log, until it is full.
+
+    Records are [member, ...]. A member that has no room goes on where it was once there is more.
+
+    Returns
+    -------
+    int
+        Number of members that have ended.
+    """
+    unknowns = 1
+    for k in range(node.shape[1]):
+        unknowns = max(unknowns, N * (2 * node[0, k].links - 1))
+    G = np.zeros((unknowns, unknowns + 1))
+    for m in range(len(runs)):
+        run = runs[m]
+        if run.pieces == 0:
+            for i in range(first.shape[1]):
+                copy(first[m, i], log[i])
+            run.pieces = first.shape[1]
+        run.stop = follow(
+            runs[m:], node[m], link[m], mass[m], line[m], log, turn, part[m], G)
+        if run.stop == Stop.FULL:
+            return m
+    return len(runs)
+
+
+def copy(old: Any, new: Any) -> None:
+    """Copy a piece: records are never assigned whole, which would alias them in plain Python."""
+    new.start, new.stop, new.order = old.start, old.stop, old.order
+    new.degree, new.line, new.after = old.degree, old.line, old.after
+    for m in range(POINTS):
+        new.coefficient[m] = old.coefficient[m]
 
 
 def follow(
@@ -166,7 +207,7 @@ def solve(
     int, float, float, int, int
         Its ticks, 0 without a solution; its tail; where its first event is, in which link, to what.
     """
-    flips = 0
+    flips, tried, rough_before = 0, 0, 0.0
     while True:
         h = ticks * run.tick
         if rough:
@@ -190,10 +231,23 @@ def solve(
             events.happen(run, link, mass, turn, at, at.now, which, status)
         elif ticks <= 1:
             return 0, worst, 1.0, NONE, 0
-        elif worst > 0:
-            ticks = max(1, int(ticks * max(0.1, min(0.6, 0.9 * (run.tolerance / worst) ** (1 / N)))))
         else:
-            ticks = max(1, ticks // 4)
+            part = shorter(run.tolerance, worst, tried, ticks, rough_before)
+            tried, rough_before = ticks, worst
+            ticks = max(1, int(ticks * part))
+
+
+def shorter(tolerance: float, worst: float, tried: int, ticks: int, before: float) -> float:
+    """Part of a piece that may be smooth enough, from its tail and that of a longer one before.
+
+    After a touch the force starts like a power of time, often 3/2, and the tail falls as slowly.
+    """
+    if worst <= 0:
+        return 0.25
+    power = 1.0 * N
+    if before > worst:
+        power = max(1.0, min(power, math.log(before / worst) / math.log(tried / ticks)))
+    return max(0.1 if power > 4 else 1e-4, min(0.6, 0.8 * (tolerance / worst) ** (1 / power)))
 
 
 def leave(

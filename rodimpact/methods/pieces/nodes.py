@@ -224,7 +224,10 @@ def collocate(run: Any, link: Any, mass: Any, at: Any, h: float, G: Any) -> bool
     for q in range(at.links):
         it = link[at.first + q]
         for j in range(POINTS):
+            u = 0.5 * h * (X[j] + 1)
             it.overlaps[j] = it.overlap
+            if it.unknown != NONE:  # a guess: as it went on before
+                it.overlaps[j] += u * (it.rate + 0.5 * u * it.bend)
             if q > 0:
                 mass[at.mass + q - 1].speed[j] = mass[at.mass + q - 1].speed[0]
     linear, worst = is_linear(link, at), 1.0

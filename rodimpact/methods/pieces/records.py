@@ -91,7 +91,8 @@ NODE = np.dtype([
 LINK = np.dtype([
     ("law", "i8"), ("status", "i8"), ("order", "i8"),  # of the break that its own event makes
     ("stiffness", "f8"), ("exponent", "f8"), ("damping", "f8"), ("strength", "f8"),
-    ("restitution", "f8"), ("hardening", "f8"), ("mobility", "f8"), ("overlap", "f8"),
+    ("restitution", "f8"), ("hardening", "f8"), ("mobility", "f8"),
+    ("overlap", "f8"), ("rate", "f8"), ("bend", "f8"),  # its derivatives, where the last piece ended
     ("ease", "f8"),  # velocity that a force makes in about the shortest transit
     ("rate_after", "f8"),  # of an impact: closing that it leaves
     ("force_line", "i8"), ("overlap_line", "i8"), ("closing_line", "i8"),
@@ -123,9 +124,9 @@ PART = np.dtype([
 RUN = np.dtype([
     ("tick", "f8"), ("scale", "f8"),  # s; of velocities, m/s
     ("tolerance", "f8"),  # of a piece, m/s
-    ("floor", "i8"), ("shortest", "i8"),  # ticks
+    ("floor", "i8"), ("window", "i8"), ("shortest", "i8"),  # ticks
     ("end", "i8"), ("limit", "i8"), ("keep", "i8"), ("prove", "i8"), ("proved", "i8"),
     ("check", "i8"), ("extra", "i8"),  # ticks to go on after the proof
     ("pieces", "i8"), ("turns", "i8"), ("steps", "i8"), ("rough", "i8"), ("first_rough", "i8"),
-    ("rested", "i8"), ("graze", "f8"),  # m/s; forces that move no faster are none
+    ("rested", "i8"), ("stop", "i8"), ("graze", "f8"),  # m/s; forces that move no faster are none
 ], align=True)

@@ -1,0 +1,122 @@
+"""The method "characteristics" for many collisions of one make, in one compiled call a chunk."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from .. import compiling, kernels
+from ..family import STOPPED_BY, FamilyRun, Stopped
+from ..groups import groups, movable, velocities_in_group
+from ..row import Row
+from . import march
+from .layout import Layout, is_even, lay_out
+from .method import RTOL
+from .records import PIECE, TURN, Part, Stop
+
+TOGETHER = 4096  # members of one chunk
+CALL = 64  # members between two looks whether to stop
+ROOM = 4096  # pieces of the log that they share, at first
+
+
+def together(row: Row) -> int:
+    """How many members to run in one call; 0 where each is to be run alone."""
+    return TOGETHER if is_even(row) and not kernels.why_not() else 0
+
+
+def solve_family(
+    row: Row, until: float | None, max_events: int, rtol: float | None,
+    stop: Callable[[], bool] = lambda: False, more: int = 0,
+) -> FamilyRun:
+    """Totals of every member.
+
+    Parameters
+    ----------
+    row : Row
+        Of a family whose rows are even.
+    until, max_events, rtol
+        As for a single run.
+    stop : callable
+        Asked now and then whether to give up.
+    more : int
+        Members that other calls will run in this process.
+
+    Raises
+    ------
+    Stopped
+        If `stop` said so.
+    """
+    layout = lay_out(row, until, RTOL if rtol is None else rtol, max_events, keep=False)
+    refused = beyond(row)
+    run_members(layout, np.flatnonzero(~refused), stop)
+    return totals(layout, refused | (layout.run["stop"] == Stop.STUCK), until)
+
+
+def beyond(row: Row) -> Any:
+    """Members whose numbers overflow, [member]."""
+    shape = row.system.shape
+    refused = np.zeros(math.prod(shape), bool)
+    for bad, _, _ in row.beyond_scales():
+        refused |= np.broadcast_to(bad, shape).ravel()
+    return refused
+
+
+def run_members(layout: Layout, wanted: Any, stop: Callable[[], bool]) -> None:
+    """Run members on the records of the layout."""
+    kernel = compiling.compiled(march, "family")
+    log, turn = np.zeros(ROOM, PIECE), np.zeros(ROOM, TURN)
+    columns = [layout.run, layout.node, layout.link, layout.mass, layout.line, layout.part,
+               layout.first]
+    if len(wanted) < len(layout.run):
+        columns = [column[wanted] for column in columns]
+    done, count = 0, len(wanted)
+    while done < count:
+        if stop():
+            raise Stopped
+        last = min(done + CALL, count)
+        ended = kernel(*(column[done:last] for column in columns), log, turn)
+        done += ended
+        if done < last:
+            log, turn = (np.concatenate((a, np.zeros_like(a))) for a in (log, turn))
+    if count < len(layout.run):
+        for whole, part in zip((layout.run, layout.link, layout.part),
+                               (columns[0], columns[2], columns[5]), strict=True):
+            whole[wanted] = part
+
+
+def totals(layout: Layout, refused: Any, until: float | None) -> FamilyRun:
+    """What the members came to."""
+    row, run, link, part = layout.row, layout.run, layout.link, layout.part
+    system = row.system
+    unknown = np.where(refused, math.nan, 0.0)
+    heads = np.flatnonzero(part["parts"][0] > 0)
+    before: list[Any] = []
+    after: list[Any] = []
+    free, frame = movable(system), row.frame
+    for group, head in zip(groups(system), heads.tolist(), strict=True):
+        inside = [i for i in group if i in free]
+        for found, name in ((before, "before"), (after, "speed")):
+            shared = part[name][:, head].reshape(system.shape) + frame
+            found += [unknown + np.broadcast_to(v, system.shape).ravel()
+                      for v in velocities_in_group(system, group, inside, shared)]
+    opens = [law.opens for law in system.contacts]
+    contacts: dict[str, list[Any]] = {name: [] for name in (
+        "impulse", "peak_force", "duration", "episodes")}
+    for k, i in enumerate(row.contact_link):
+        it = link[:, max(i, 0)]
+        known = unknown if i >= 0 else np.full(len(run), math.nan)
+        contacts["impulse"].append(known + it["impulse"])
+        contacts["peak_force"].append(known + it["peak"])
+        contacts["duration"].append(known + (it["pressed"] * run["tick"] if opens[k] else 0.0))
+        contacts["episodes"].append(it["episodes"] if opens[k] else np.zeros(len(run), int))
+    final = (run["proved"] >= 0) & ~refused
+    reason = np.full(len(run), STOPPED_BY.index("clock" if until is None else "until"))
+    reason[final & (until is None)] = STOPPED_BY.index("final")
+    reason[run["stop"] == Stop.CAP] = STOPPED_BY.index("max_events")
+    reason[refused] = STOPPED_BY.index("refused")
+    moving = (part["kind"] == Part.SEGMENT) | (part["kind"] == Part.MASS)
+    vibration = unknown + np.where(moving, part["energy"], 0.0).sum(axis=1)
+    return FamilyRun(before, after, vibration, contacts, final, reason)
