@@ -157,7 +157,8 @@ class Pieces:
         starts, stops = np.asarray(starts), np.asarray(stops)
         i = self.piece(starts + (stops - starts) // 2)
         if self.size == 1:
-            return self.coefficients[i]
+            constants: Floats = self.coefficients[i]
+            return constants
         after = (starts - self.ticks[i])[:, None] + (stops - starts)[:, None] * shares
         y = np.clip(after / self.widths[i][:, None] * 2 - 1, -1.0, 1.0)
         return _polynomials(self.coefficients, i[:, None], y)

@@ -247,14 +247,14 @@ class WaveFields(Fields):
             if self._even and tick % a.grain == 0 and T % a.grain == 0:
                 right, left = (self._stored(wave, tick - T, T) - V for wave in (A, B))
                 both = float(right @ right + left @ left) * a.grain / 4
-                difference = float(right @ left[::-1]) * a.grain / 2
+                crossed = float(right @ left[::-1]) * a.grain / 2
             else:
                 A, B = (wave.within(tick - T, tick).plus(-V) for wave in (A, B))
                 both = sum(integral_of_product(w, w, tick - T, tick) for w in (A, B)) / 4
-                difference = integral_of_product(A, B, tick - T, tick, about=2 * tick - T) / 2
+                crossed = integral_of_product(A, B, tick - T, tick, about=2 * tick - T) / 2
             scale = a.impedance[s] * a.tick
-            kinetic += scale * (both + difference) / 2
-            strain += scale * (both - difference) / 2
+            kinetic += scale * (both + crossed) / 2
+            strain += scale * (both - crossed) / 2
         return kinetic, strain
 
     @cached_property
