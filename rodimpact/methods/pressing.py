@@ -63,9 +63,29 @@ def episodes_of_steps(
         k = int(np.searchsorted(far, j))
         last = steps[n + 1][0] if n + 1 < len(steps) else len(force)
         opens = k < len(far) and far[k] <= last
-        opening = max(_opening(times, gap, shut, int(far[k])), end) if opens else math.nan
+        opening = math.nan
+        if opens:
+            opening = max(_opening(times, gap, shut, int(far[k])), end)
+            opening = max(opening, _parting(times, gap, int(far[k]), least))
         episodes.append(Episode(begin, end, opening))
     return tuple(episodes)
+
+
+def _parting(times: Floats, gap: Floats, k: int, least: float) -> float:
+    """When a gap began to grow that passes `least` before step end k: t - (t - s)/(1 - sqrt(1/2)).
+
+    t and s are when it passed `least` and half of it, as on a parabola. Dispersed waves hold bodies
+    that touch a little apart, so that a gap may be above 0 long before they part.
+    """
+    passed = [float(times[k - 1])] * 2
+    for i, level in enumerate((least, least / 2)):
+        j = k
+        while j > 0 and gap[j - 1] > level:
+            j -= 1
+        if j > 0:
+            share = float((level - gap[j - 1]) / (gap[j] - gap[j - 1]))
+            passed[i] = float(times[j - 1]) + share * float(times[j] - times[j - 1])
+    return passed[0] - (passed[0] - passed[1]) / (1 - math.sqrt(0.5))
 
 
 def _opening(times: Floats, gap: Floats, shut: Ints, k: int) -> float:

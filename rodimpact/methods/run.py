@@ -6,6 +6,7 @@ outcome alone does not wait for them. A file of a solution holds a run as it is.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -170,8 +171,9 @@ class Run:
     clock : Clock
     end : int
         Last tick.
-    t_end, t_final : float
-        s; until when it ran, and when it was proved that no contact can happen again, or nan.
+    t_end, t_final, t_proved : float
+        s; until when it ran; when the last contact ended, see `status.last_contact`; and when the
+        run proved that no contact can happen again, nan without proof.
     stopped_by : str
         ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
     status : str
@@ -203,6 +205,7 @@ class Run:
     groups: GroupTotals | None = None
     accuracy: Mapping[str, float] = field(default_factory=dict)
     make_signals: Callable[[], Signals]
+    t_proved: float = math.nan
 
     @property
     def system(self) -> System:
@@ -212,7 +215,8 @@ class Run:
     @property
     def final(self) -> bool:
         """Whether it is proved that no contact can happen again."""
-        return self.t_final == self.t_final
+        proof = self.t_proved, self.t_final  # a file of an older version has the second alone
+        return any(t == t for t in proof)
 
     @cached_property
     def signals(self) -> Signals:

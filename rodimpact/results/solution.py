@@ -47,7 +47,12 @@ class Solution:
     final : bool
         Whether it is proved that no contact can happen again.
     t_final : float
-        When that was proved, s; nan without proof.
+        When the last contact ended, s: its gap opened, or its force ended where bodies rest against
+        each other from then on. 0 if nothing collides, inf if a contact presses for ever, nan
+        without proof that no contact follows, and where `until` comes before the gap opens.
+    t_proved : float
+        When the run proved that no contact can follow, s; nan without proof. With `until` that is
+        asked at the end only.
     stopped_by : str
         ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
     status : str
@@ -82,6 +87,7 @@ class Solution:
         self.run, self.system, self.method, self.until = run, run.system, run.method, run.until
         self.stopped_by, self.events = run.stopped_by, run.events
         self.t_end, self.t_final, self.final = run.t_end, run.t_final, run.final
+        self.t_proved = run.t_proved
         self.accuracy, self.transit_error = dict(run.accuracy), run.clock.transit_error
 
     @cached_property
@@ -325,7 +331,7 @@ class Solution:
             raise ValueError("ring_down: gravity or a driven end acts on and on")
         return ring_down(
             self.system, self.fields, self.outcome.masses,
-            min(self.t_final, self.t_end), self.t_end,
+            self.t_final if self.t_final < self.t_end else self.t_proved, self.t_end,
         )
 
     def system_at(self, t: float) -> System:

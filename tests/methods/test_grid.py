@@ -615,7 +615,7 @@ def test_stops_and_their_sentences():
     assert s.status.startswith("Stopped at the time asked for. The collision is final")
     s = solved(pair, None, 20)
     assert s.stopped_by == "final"
-    assert s.t_end - s.t_final == pytest.approx(2.0, abs=0.2)
+    assert s.t_end - s.t_proved == pytest.approx(2.0, abs=0.2)
     s = solved(pair[::-1], None, 20, gaps=[1.0])
     assert s.status.startswith("No collision happens, now or later.")
 

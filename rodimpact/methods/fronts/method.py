@@ -11,9 +11,9 @@ from ...units import format_si
 from .. import abilities as physics
 from ..row import Row
 from ..run import Run
-from ..status import end_sentence, proof_sentence, strain_warning
+from ..status import end_sentence, last_contact, proof_sentence, strain_warning
 from .assembly import assemble
-from .front_kernel import PRESS, State, Tally
+from .front_kernel import GRAZE, OPEN, PRESS, State, Tally
 from .signals import signals_of
 from .totals import tallies_of, totals_of
 from .tracking import FrontRun, track
@@ -34,23 +34,24 @@ def solve(row: Row, until: float | None, max_events: int) -> Run:
 def hand_over(run: FrontRun, until: float | None) -> Run:
     """What every method hands back, of a run to `until`."""
     a, tallies = run.assembly, tallies_of(run)
+    proved, t_final = run.finality_time >= 0, math.nan
+    if proved:
+        ends = ends_of_contacts(run.state, run.tally, a.nodes, a.tick)
+        t_final = last_contact(ends, run.end * a.tick, 2 * a.longest * a.tick)
     return Run(
         method="fronts", until=until, clock=a, end=run.end,
         t_end=until if until is not None and run.stopped_by == "until" else run.end * a.tick,
-        t_final=run.finality_time * a.tick if run.finality_time >= 0 else math.nan,
-        stopped_by=run.stopped_by, status=_status(run), events=run.events,
+        t_final=t_final, t_proved=run.finality_time * a.tick if proved else math.nan,
+        stopped_by=run.stopped_by, status=_status(run, t_final), events=run.events,
         contacts=tallies, totals=totals_of(run, tallies), make_signals=lambda: signals_of(run),
     )
 
 
-def _status(run: FrontRun) -> str:
+def _status(run: FrontRun, t_final: float) -> str:
     """Why the run ended, and what to do if that is not enough."""
     a, values = run.assembly, run.log.value
     final = "" if run.finality_time < 0 else pressing(
-        run.state, run.tally, a.nodes) or proof_sentence(
-        any(run.tally.episodes), run.stopped_by == "until" and run.finality_time >= run.end,
-        run.finality_time * a.tick,
-    )
+        run.state, run.tally, a.nodes) or proof_sentence(any(run.tally.episodes), t_final)
     end = format_si(run.end * a.tick, "s")
     sentence = cut_short(run.stopped_by, final, run.events, end) or end_sentence(
         a.system, run.stopped_by, final, end, f"{run.events} events")
@@ -81,6 +82,19 @@ def cut_short(stopped_by: str, final: str, events: int, end: str) -> str:
             "ever. Give until= to set another end."
         )
     return ""
+
+
+def ends_of_contacts(
+    state: State, tally: Tally, nodes: Sequence[int], tick: float
+) -> list[list[float]]:
+    """When the force and the touch of each contact that pressed ended, as `last_contact` asks."""
+    return [
+        [
+            math.nan if state.status[node] == PRESS else tally.last[node] * tick,
+            math.nan if state.status[node] >= GRAZE else tally.opened[node] * tick,
+        ]
+        for node in nodes if state.status[node] >= OPEN and tally.episodes[node] > 0
+    ]
 
 
 def pressing(state: State, tally: Tally, nodes: Sequence[int]) -> str:
