@@ -66,16 +66,17 @@ def episodes_of_steps(
         opening = math.nan
         if opens:
             opening = max(_opening(times, gap, shut, int(far[k])), end)
-            opening = max(opening, _parting(times, gap, int(far[k]), least))
+            opening = _parting(times, gap, int(far[k]), least, opening)
         episodes.append(Episode(begin, end, opening))
     return tuple(episodes)
 
 
-def _parting(times: Floats, gap: Floats, k: int, least: float) -> float:
-    """When a gap began to grow that passes `least` before step end k: t - (t - s)/(1 - sqrt(1/2)).
+def _parting(times: Floats, gap: Floats, k: int, least: float, left: float) -> float:
+    """When bodies part whose gap left 0 at the time `left` and passes `least` before step end k.
 
-    t and s are when it passed `least` and half of it, as on a parabola. Dispersed waves hold bodies
-    that touch a little apart, so that a gap may be above 0 long before they part.
+    Dispersed waves hold bodies that touch a little apart: a gap that has not grown faster and
+    faster since it left 0 was of their making. Bodies then part at t - (t - s)/(1 - sqrt(1/2)), t
+    and s when the gap passed `least` and half of it, as on a parabola.
     """
     passed = [float(times[k - 1])] * 2
     for i, level in enumerate((least, least / 2)):
@@ -85,7 +86,9 @@ def _parting(times: Floats, gap: Floats, k: int, least: float) -> float:
         if j > 0:
             share = float((level - gap[j - 1]) / (gap[j] - gap[j - 1]))
             passed[i] = float(times[j - 1]) + share * float(times[j] - times[j - 1])
-    return passed[0] - (passed[0] - passed[1]) / (1 - math.sqrt(0.5))
+    parting = passed[0] - (passed[0] - passed[1]) / (1 - math.sqrt(0.5))
+    halfway, then = np.interp([(left + parting) / 2, parting], times, gap)
+    return parting if parting > left and 3 * halfway > then else left
 
 
 def _opening(times: Floats, gap: Floats, shut: Ints, k: int) -> float:

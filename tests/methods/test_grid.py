@@ -772,7 +772,7 @@ def test_what_is_proved_final_never_meets_again():
         for a, b in zip(s.outcome.contacts, longer.outcome.contacts, strict=True):
             assert b.episodes == a.episodes, seed
             if not math.isnan(a.last):
-                assert b.last <= s.t_final + 1e-9, seed
+                assert b.last <= s.t_proved + 1e-9, seed
     assert proved >= 6
 
 
@@ -798,7 +798,7 @@ def test_a_rod_held_or_into_an_endless_bar_settles():
         s = solved(row, None, 32, contacts=laws, ends=ends, snapshots=2)
         assert s.final
         longer = solved(row, 20 * s.t_end, 32, contacts=laws, ends=ends, snapshots=2)
-        assert longer.outcome.contacts[0].last <= s.t_final
+        assert longer.outcome.contacts[0].last <= s.t_proved
         assert longer.outcome.contacts[0].episodes == s.outcome.contacts[0].episodes
 
 
