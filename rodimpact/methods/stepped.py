@@ -88,13 +88,16 @@ def _accuracy(run: SteppedRun, finer: str) -> str:
 
     Durations may stay rough: they hang on where faint forces begin and end.
     """
-    errors = {name: value for name, value in run.estimates.items() if name != "duration"}
+    errors = {name: value for name, value in run.estimates.items() if name not in run.rough}
     if not errors or not run.row.by_law:
         return ""
     late = {name: value for name, value in errors.items() if value > run.rtol}
     if not late:
         worst = max(errors.values())
-        return f" Comparing steps, the outcome is wrong by {worst:.1g} of itself at most."
+        rough = "".join(
+            f", {name} by {run.estimates[name]:.1g}" for name in run.rough
+            if worst < run.estimates.get(name, 0.0) < math.inf)
+        return f" Comparing steps, the outcome is wrong by {worst:.1g} of itself at most{rough}."
     which = ", ".join(f"{name} to {value:.1g}" for name, value in late.items() if value < math.inf)
     return (
         f" Not converged to {run.rtol:g}: {which or 'too long a run to divide the step'}; "

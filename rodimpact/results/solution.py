@@ -68,7 +68,9 @@ class Solution:
     accuracy : dict of str to float
         Estimated error of each measure of the outcome, relative to its largest value, of velocities
         to their scale, where a time step was chosen; empty where the method is exact or the step
-        was given. All reach rtol, except that of the duration, which depends on faint forces.
+        was given. All reach rtol, except that of the duration, which depends on faint forces, and
+        on a grid that of the largest force, which overshoots beside jumps (inf where it grows with
+        every finer grid).
     fields : Fields
     method : str
 
