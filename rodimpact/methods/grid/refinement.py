@@ -104,7 +104,7 @@ def error_of(levels: Sequence[tuple[float, dict[str, Array]]], name: str, order:
         float(np.abs(measured[name] - values[name]).max(initial=0.0)) / ((g / h) ** order - 1)
         for g, measured in coarser
     ]
-    error = DOUBT * max(changes)
+    error: float = DOUBT * max(changes)
     if not error < math.inf:  # nan where a measure overflows
         return math.inf
     if name == "duration":
