@@ -187,7 +187,7 @@ class Run:
         What of that the method's kernel has added up already.
     accuracy : dict of str to float
         Estimated error of each measure of the outcome, relative to its largest value, where a time
-        step was chosen.
+        step was chosen, or transit times were rounded.
     make_signals : function
     """
 

@@ -62,15 +62,17 @@ class Solution:
     until : float or None
         The end that was asked for, s.
     transit_error : float
-        Largest relative change of a transit time by its rounding to the clock.
+        Largest relative change of a transit time by its rounding to the clock; `accuracy` has what
+        becomes of it in the outcome.
     events : int
         Arrivals at ends that were solved.
     accuracy : dict of str to float
         Estimated error of each measure of the outcome, relative to its largest value, of velocities
-        to their scale, where a time step was chosen; empty where the method is exact or the step
-        was given. All reach rtol, except that of the duration, which depends on faint forces, and
-        on a grid that of the largest force, which overshoots beside jumps (inf where it grows with
-        every finer grid).
+        to their scale: where a time step was chosen, and where fronts run on transit times that had
+        to be rounded. Empty where the method is exact or the step was given. On a chosen step all
+        reach rtol, except that of the duration, which depends on faint forces, and on a grid that
+        of the largest force, which overshoots beside jumps (inf where it grows with every finer
+        grid).
     fields : Fields
     method : str
 
