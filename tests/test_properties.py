@@ -97,7 +97,7 @@ def test_nothing_touches_after_the_proof_of_finality(seed):
     assume(solution.final)
     far = 4 * solution.t_end + horizon(system, 30)
     longer = ri.solve(system, until=far, max_events=10 * CAP)
-    just_after = solution.t_final * (1 + 1e-9)
+    just_after = solution.t_proved * (1 + 1e-9)
     for contact in longer.contacts:
         if isinstance(contact.law, ri.Rigid):
             assert all(episode.start <= just_after for episode in contact.episodes)

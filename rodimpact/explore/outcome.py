@@ -9,8 +9,9 @@ import math
 from typing import Any
 
 from ..methods.fronts.front_kernel import CAP, CLOCK, EVENTS, FINAL, FINALITY, NOW, ROWS
-from ..methods.fronts.method import cut_short, pressing, rounding
-from ..methods.status import ending, proof_sentence, strain_warning
+from ..methods.fronts.layout_kernel import round_trip
+from ..methods.fronts.method import cut_short, ends_of_contacts, pressing, rounding
+from ..methods.status import ending, last_contact, proof_sentence, strain_warning
 from ..results.outcome import ROUND_OFF, no_restitution
 from ..theory import pair_numbers, pair_restitution
 from ..units import format_si
@@ -107,8 +108,9 @@ def sentence_of(row: Any, run: Any) -> str:
     if proof >= 0:
         final = pressing(run["state"], run["tally"], row["make"].node)
         if final == "":
-            late = stopped_by == "until" and proof >= clock[NOW]
-            final = proof_sentence(met, late, proof * tick)
+            ends = ends_of_contacts(run["state"], run["tally"], row["make"].node, tick)
+            trip = round_trip(row["make"], 0, layout) * tick
+            final = proof_sentence(met, last_contact(ends, clock[NOW] * tick, trip))
     sentence = cut_short(stopped_by, final, clock[EVENTS], end)
     if sentence == "":
         walls = [i for i, body in enumerate(row["bodies"]) if body["kind"] == "wall"]

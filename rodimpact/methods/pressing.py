@@ -63,9 +63,32 @@ def episodes_of_steps(
         k = int(np.searchsorted(far, j))
         last = steps[n + 1][0] if n + 1 < len(steps) else len(force)
         opens = k < len(far) and far[k] <= last
-        opening = max(_opening(times, gap, shut, int(far[k])), end) if opens else math.nan
+        opening = math.nan
+        if opens:
+            opening = max(_opening(times, gap, shut, int(far[k])), end)
+            opening = _parting(times, gap, int(far[k]), least, opening)
         episodes.append(Episode(begin, end, opening))
     return tuple(episodes)
+
+
+def _parting(times: Floats, gap: Floats, k: int, least: float, left: float) -> float:
+    """When bodies part whose gap left 0 at the time `left` and passes `least` before step end k.
+
+    Dispersed waves hold bodies that touch a little apart: a gap that has not grown faster and
+    faster since it left 0 was of their making. Bodies then part at t - (t - s)/(1 - sqrt(1/2)), t
+    and s when the gap passed `least` and half of it, as on a parabola.
+    """
+    passed = [float(times[k - 1])] * 2
+    for i, level in enumerate((least, least / 2)):
+        j = k
+        while j > 0 and gap[j - 1] > level:
+            j -= 1
+        if j > 0:
+            share = float((level - gap[j - 1]) / (gap[j] - gap[j - 1]))
+            passed[i] = float(times[j - 1]) + share * float(times[j] - times[j - 1])
+    parting = passed[0] - (passed[0] - passed[1]) / (1 - math.sqrt(0.5))
+    halfway, then = np.interp([(left + parting) / 2, parting], times, gap)
+    return parting if parting > left and 3 * halfway > then else left
 
 
 def _opening(times: Floats, gap: Floats, shut: Ints, k: int) -> float:

@@ -6,6 +6,7 @@ outcome alone does not wait for them. A file of a solution holds a run as it is.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -187,8 +188,9 @@ class Run:
     clock : Clock
     end : int
         Last tick.
-    t_end, t_final : float
-        s; until when it ran, and when it was proved that no contact can happen again, or nan.
+    t_end, t_final, t_proved : float
+        s; until when it ran; when the last contact ended, see `status.last_contact`; and when the
+        run proved that no contact can happen again, nan without proof.
     stopped_by : str
         ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
     status : str
@@ -202,7 +204,7 @@ class Run:
         What of that the method's kernel has added up already.
     accuracy : dict of str to float
         Estimated error of each measure of the outcome, relative to its largest value, where a time
-        step was chosen.
+        step was chosen, or transit times were rounded.
     make_signals : function
     """
 
@@ -220,6 +222,7 @@ class Run:
     groups: GroupTotals | None = None
     accuracy: Mapping[str, float] = field(default_factory=dict)
     make_signals: Callable[[], Signals]
+    t_proved: float = math.nan
 
     @property
     def system(self) -> System:
@@ -229,7 +232,8 @@ class Run:
     @property
     def final(self) -> bool:
         """Whether it is proved that no contact can happen again."""
-        return self.t_final == self.t_final
+        proof = self.t_proved, self.t_final  # a file of an older version has the second alone
+        return any(t == t for t in proof)
 
     @cached_property
     def signals(self) -> Signals:

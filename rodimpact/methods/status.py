@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 from ..model import System, Wall
 from ..units import format_si
 from .abilities import driven
@@ -43,12 +46,51 @@ def ending(stopped_by: str, final: str, end: str, cap: str, acting: str, held: b
     )
 
 
-def proof_sentence(met: bool, at_the_end: bool, proof: float) -> str:
-    """What the proof of finality says, that was found at a time, s, at the end or before."""
+def last_contact(ends: Sequence[Sequence[float]], t_end: float, round_trip: float) -> float:
+    """When the last contact ended, s, in a run that is proved final.
+
+    Bodies that touch without force part as soon as a wave that pulls arrives. If none has come in a
+    round trip of the longest body, none will: they rest against each other, and the end of the
+    force counts.
+
+    Parameters
+    ----------
+    ends : list of (float, float)
+        Of each contact that pressed, when its last force ended and when its gap opened then, s; nan
+        for what has not come before the end of the run.
+    t_end, round_trip : float
+        End of the run, and how long waves take to the far end of the longest body and back, s.
+
+    Returns
+    -------
+    float
+        0 if no contact pressed; inf if one goes on pressing for ever; nan if bodies still touch at
+        the end of the run and may part later.
+    """
+    latest = 0.0
+    for force_end, opening in ends:
+        if force_end != force_end:
+            latest = math.inf
+        elif opening == opening:
+            latest = max(latest, opening)
+        elif t_end - force_end >= round_trip * (1 - 1e-9):
+            latest = max(latest, force_end)
+        else:
+            return math.nan
+    return latest
+
+
+def proof_sentence(met: bool, t_final: float) -> str:
+    """What the proof of finality says; `t_final`, s, as of `last_contact`."""
     if not met:
         return "No collision happens, now or later."
-    after = "" if at_the_end else f" after {format_si(proof, 's')}"
-    return f"The collision is final: no new impact can happen{after}."
+    if t_final != t_final:
+        rest = "no new impact can happen. Bodies still touch at the end of the run"
+    elif t_final == math.inf:
+        rest = "bodies stay in contact"
+    else:
+        rest = f"the last contact ended at {format_si(t_final, 's')}"
+    return f"The collision is final: {rest}."
 
 
 def strain_warning(strain: float) -> str:

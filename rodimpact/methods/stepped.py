@@ -14,9 +14,9 @@ from ..model import Wall
 from ..units import format_si
 from .measure_kernel import largest_force
 from .pressing import episodes_of_steps, pressed_spans
-from .run import ContactSignal, ContactTally, Outside, Run, Signals
+from .run import ContactSignal, ContactTally, Episode, Outside, Run, Signals
 from .signals import Floats, Pieces
-from .status import end_sentence, proof_sentence, strain_warning
+from .status import end_sentence, last_contact, proof_sentence, strain_warning
 from .stepped_run import SteppedRun
 
 KINDS = {"velocity": "drive", "force": "drive", "absorbing": "absorbing"}
@@ -60,9 +60,12 @@ def as_run(
     record, tick = _record(run), run.clock.tick
     final = run.finality_time >= 0
     t_end = until if until is not None else float(run.edges[-1]) * tick
-    t_final = float(run.edges[run.finality_time]) * tick if final else math.nan
-    at_the_end = run.stopped_by == "until" and run.finality_time >= run.steps
-    proof = proof_sentence(any(run.tally.episodes), at_the_end, t_final) if final else ""
+    t_proved = float(run.edges[run.finality_time]) * tick if final else math.nan
+    t_final = math.nan
+    if final:
+        times = [episodes[-1][1:] for episodes in _episodes(run, record) if episodes]
+        t_final = last_contact(times, t_end, 2 * run.clock.longest * tick)
+    proof = proof_sentence(any(run.tally.episodes), t_final) if final else ""
     status = end_sentence(
         run.row.system, run.stopped_by, proof, format_si(t_end, "s"),
         f"{run.events} steps times ends",
@@ -73,6 +76,7 @@ def as_run(
     status += _accuracy(run, finer) + warning + strain_warning(run.largest_strain)
     return Run(
         method=method, until=until, clock=run.clock, end=run.end, t_end=t_end, t_final=t_final,
+        t_proved=t_proved,
         stopped_by=run.stopped_by, status=status, events=run.events,
         contacts=_tallies(run, record), groups=run.totals, accuracy=run.estimates,
         make_signals=lambda: _signals(run, record, motion),
@@ -84,13 +88,16 @@ def _accuracy(run: SteppedRun, finer: str) -> str:
 
     Durations may stay rough: they hang on where faint forces begin and end.
     """
-    errors = {name: value for name, value in run.estimates.items() if name != "duration"}
+    errors = {name: value for name, value in run.estimates.items() if name not in run.rough}
     if not errors or not run.row.by_law:
         return ""
     late = {name: value for name, value in errors.items() if value > run.rtol}
     if not late:
         worst = max(errors.values())
-        return f" Comparing steps, the outcome is wrong by {worst:.1g} of itself at most."
+        rough = "".join(
+            f", {name} by {run.estimates[name]:.1g}" for name in run.rough
+            if worst < run.estimates.get(name, 0.0) < math.inf)
+        return f" Comparing steps, the outcome is wrong by {worst:.1g} of itself at most{rough}."
     which = ", ".join(f"{name} to {value:.1g}" for name, value in late.items() if value < math.inf)
     return (
         f" Not converged to {run.rtol:g}: {which or 'too long a run to divide the step'}; "
@@ -171,11 +178,16 @@ def _tallies(run: SteppedRun, record: StepRecord) -> tuple[ContactTally, ...]:
     return tuple(tallies)
 
 
+def _episodes(run: SteppedRun, record: StepRecord) -> list[tuple[Episode, ...]]:
+    """Touchings of each contact."""
+    times, columns = run.edges * run.clock.tick, (record.forces, record.gaps, record.spans)
+    return [episodes_of_steps(times, force, gap, run.resolved, spans) if spans else ()
+            for force, gap, spans in zip(*columns, strict=True)]
+
+
 def _signals(run: SteppedRun, record: StepRecord, motion: Callable[[StepRecord], Any]) -> Signals:
     row, edges, contacts = run.row, run.edges, []
-    times = edges * run.clock.tick
-    for force, gap, path, spans in zip(*record[:4], strict=True):
-        episodes = episodes_of_steps(times, force, gap, run.resolved, spans) if spans else ()
+    for force, gap, path, episodes in zip(*record[:3], _episodes(run, record), strict=True):
         if len(force):
             contacts.append(ContactSignal(
                 Pieces(edges[:-1], force), Pieces.through(edges, gap),

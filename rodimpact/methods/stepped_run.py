@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -63,6 +63,7 @@ class SteppedRun(ABC):
     rtol: float = 0.0
     resolved: float = 0.0
     totals: GroupTotals | None = None
+    rough: ClassVar[Sequence[str]] = ("duration",)  # what need not come to `rtol`
 
     @property
     def steps(self) -> int:

@@ -47,7 +47,12 @@ class Solution:
     final : bool
         Whether it is proved that no contact can happen again.
     t_final : float
-        When that was proved, s; nan without proof.
+        When the last contact ended, s: its gap opened, or its force ended where bodies rest against
+        each other from then on. 0 if nothing collides, inf if a contact presses for ever, nan
+        without proof that no contact follows, and where `until` comes before the gap opens.
+    t_proved : float
+        When the run proved that no contact can follow, s; nan without proof. With `until` that is
+        asked at the end only.
     stopped_by : str
         ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
     status : str
@@ -57,13 +62,17 @@ class Solution:
     until : float or None
         The end that was asked for, s.
     transit_error : float
-        Largest relative change of a transit time by its rounding to the clock.
+        Largest relative change of a transit time by its rounding to the clock; `accuracy` has what
+        becomes of it in the outcome.
     events : int
         Arrivals at ends that were solved.
     accuracy : dict of str to float
         Estimated error of each measure of the outcome, relative to its largest value, of velocities
-        to their scale, where a time step was chosen; empty where the method is exact or the step
-        was given. All reach rtol, except that of the duration, which depends on faint forces.
+        to their scale: where a time step was chosen, and where fronts run on transit times that had
+        to be rounded. Empty where the method is exact or the step was given. On a chosen step all
+        reach rtol, except that of the duration, which depends on faint forces, and on a grid that
+        of the largest force, which overshoots beside jumps (inf where it grows with every finer
+        grid).
     fields : Fields
     method : str
 
@@ -82,6 +91,7 @@ class Solution:
         self.run, self.system, self.method, self.until = run, run.system, run.method, run.until
         self.stopped_by, self.events = run.stopped_by, run.events
         self.t_end, self.t_final, self.final = run.t_end, run.t_final, run.final
+        self.t_proved = run.t_proved
         self.accuracy, self.transit_error = dict(run.accuracy), run.clock.transit_error
 
     @cached_property
@@ -327,7 +337,7 @@ class Solution:
             raise ValueError("ring_down: gravity or a driven end acts on and on")
         return ring_down(
             self.system, self.fields, self.outcome.masses,
-            min(self.t_final, self.t_end), self.t_end,
+            self.t_final if self.t_final < self.t_end else self.t_proved, self.t_end,
         )
 
     def system_at(self, t: float) -> System:

@@ -45,8 +45,8 @@ def solve(
         By default it is chosen, so that transit times are whole numbers of steps where they can be,
         and divided until the outcome stands still.
     rtol : float, optional
-        By how much the outcome may be wrong, as far as comparing steps can tell: velocities,
-        impulses, contact times and, for "characteristics", largest forces, each relative to the
+        By how much the outcome may be wrong, as far as comparing steps can tell: velocities and
+        impulses and, for "characteristics", contact times and largest forces, each relative to the
         largest; 1e-5 for "characteristics" and 1e-3 for "finite-difference". `Solution.accuracy`
         has what was reached.
     cells : int, optional

@@ -57,7 +57,9 @@ def solution_table(solution: Any) -> str:
         The tables of `outcome_table`, and when each contact pressed and opened.
     """
     outcome = solution.outcome
+    last = [["last contact ended at", format_si(solution.t_final, "s")]]
     run = [
+        *(last if 0 < solution.t_final < math.inf else []),
         ["run to", format_si(solution.t_end, "s")],
         ["method", solution.method],
         ["events", str(solution.events)],
@@ -135,6 +137,7 @@ def solution_dict(solution: Any) -> dict[str, Any]:
         "status": solution.status,
         "t_end": solution.t_end,
         "t_final": finite(solution.t_final),
+        "t_proved": finite(solution.t_proved),
         "events": solution.events,
         "transit_error": solution.transit_error,
     }

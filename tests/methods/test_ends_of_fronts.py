@@ -289,9 +289,9 @@ def test_nothing_touches_after_the_proof(seed):
     assume(any(isinstance(law, ri.Rigid) for law in system.contacts))
     solution = ri.solve(system, method="fronts", max_events=CAP)
     assume(solution.final)
-    far = 20 * solution.t_final + horizon(system, 20)
+    far = 20 * solution.t_proved + horizon(system, 20)
     longer = ri.solve(system, far, "fronts", max_events=10 * CAP)
-    just_after = solution.t_final * (1 + 1e-9)
+    just_after = solution.t_proved * (1 + 1e-9)
     for contact in longer.contacts:
         if isinstance(contact.law, ri.Rigid):
             assert all(episode.start <= just_after for episode in contact.episodes)

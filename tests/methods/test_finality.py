@@ -1,5 +1,6 @@
 """The proof that a collision is over: its bounds, against independent sums, and its timing."""
 
+import math
 
 import numpy as np
 import pytest
@@ -152,7 +153,7 @@ def test_the_proof_comes_with_the_last_contact_of_uniform_pairs():
     for ratio, area in ((0.4, 1.0), (0.7, 2.0), (0.3, 0.5)):
         left = ri.Rod(ratio, area=area, material=M, velocity=1.0)
         solution = ri.solve(ri.System([left, ri.Rod(1.0, area=1.0, material=M)]))
-        assert solution.t_final == pytest.approx(solution.outcome.contacts[0].last, rel=1e-12)
+        assert solution.t_proved == pytest.approx(solution.outcome.contacts[0].last, rel=1e-12)
 
 
 def test_a_slow_parting_of_a_stepped_rod_is_proved_by_the_bound():
@@ -160,8 +161,8 @@ def test_a_slow_parting_of_a_stepped_rod_is_proved_by_the_bound():
     solution = ri.solve(ri.System([stepped, ri.Rod(1.25, area=2.0, material=M)]))
     assert solution.final
     last = solution.outcome.contacts[0].last
-    assert last < solution.t_final < 60 * last
-    longer = ri.solve(solution.system, until=10 * solution.t_final)
+    assert last < solution.t_proved < 60 * last
+    longer = ri.solve(solution.system, until=10 * solution.t_proved)
     assert longer.outcome.contacts[0].last == pytest.approx(last)
 
 
@@ -328,3 +329,38 @@ def test_a_final_collision_is_known_at_the_cap_too():
     assert solution.final
     assert solution.outcome.restitution == pytest.approx(0.4)
     assert "The collision is final" in solution.status
+
+
+# When the last contact ended ----------------------------------------------------------------------
+
+PAIR = [ri.Rod(0.4, area=1.0, material=M, velocity=1.0), ri.Rod(1.0, area=1.0, material=M)]
+SPRING = ri.Spring(0.5)
+
+
+@pytest.mark.parametrize(
+    ("law", "method", "options", "error"),
+    [(ri.Rigid(), "fronts", {}, 1e-14), (ri.Rigid(), "finite-difference", {"cells": 200}, 0.01),
+     (SPRING, "finite-difference", {"cells": 200}, 1e-3)],
+)
+def test_the_last_contact_ended_whatever_the_end_and_the_method(law, method, options, error):
+    """The force of rigid rods ends at 0.8, and they touch to 2: a wave opens the gap."""
+    row = ri.System(PAIR, contacts=[law])
+    opening = 2.0 if law == ri.Rigid() else ri.solve(row, 9.0).contacts[0].episodes[-1].opening
+    for until in (None, 3.0, 12.0, 40.0):
+        solution = ri.solve(row, until, method, **options)
+        assert solution.t_final == pytest.approx(opening, rel=error)
+        assert solution.t_final == solution.contacts[0].episodes[-1].opening
+        assert "The collision is final: the last contact ended at " in solution.status
+        assert "last contact ended at" in str(solution).split("run to")[0]
+
+
+def test_without_an_opening_the_end_of_the_contact_says_why():
+    touching = ri.solve(ri.System(PAIR), until=1.0)
+    assert touching.final
+    assert math.isnan(touching.t_final)
+    assert "Bodies still touch at the end of the run." in touching.status
+    striker, bar = ri.Rod(0.5, area=1.0, material=M, velocity=1.0), PAIR[1]
+    at_rest = ri.System([striker, bar], ends=(ri.Free(), ri.Absorbing()))
+    assert [ri.solve(at_rest, until).t_final for until in (None, 9.0, 99.0)] == [1.0] * 3
+    squeezed = ri.Rod(1.0, area=1.0, material=M, strain=-1e-4)
+    assert ri.solve(ri.System([ri.Wall(), squeezed, ri.Wall()])).t_final == math.inf

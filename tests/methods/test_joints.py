@@ -68,7 +68,7 @@ def test_what_hangs_together_meets_as_one(method):
     assert s.contacts[1].episodes == ()
     later = solved(row, 5 * s.t_final, method)
     assert later.outcome.contacts[0].last <= s.t_final
-    apart = later.contacts[0].gap(np.linspace(s.t_final, later.t_end, 200))
+    apart = later.contacts[0].gap(np.linspace(s.t_proved, later.t_end, 200))
     assert apart.min() > 0
 
 

@@ -124,7 +124,7 @@ def test_pairs_of_rods_run_to_the_proof(areas, lengths, e):
     assert s.stopped_by == "final"
     assert s.outcome.restitution == pytest.approx(e, abs=1e-12)
     assert s.t_final <= s.t_end
-    assert s.t_end - s.t_final == pytest.approx(2 * max(lengths))
+    assert s.t_end - s.t_proved == pytest.approx(2 * max(lengths))
     assert s.status.startswith("The collision is final")
 
 

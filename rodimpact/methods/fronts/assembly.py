@@ -269,7 +269,7 @@ def work_space(
     )
     tally = Tally(
         [zero] * nodes, [zero] * nodes, [zero] * nodes, [0] * nodes, [0] * nodes, [0] * nodes,
-        [0] * nodes,
+        [0] * nodes, [0] * nodes,
     )
     log = Log(
         [0] * room, [-1] * room, [0] * room, [zero] * room, [0] * room, [0] * room, [0] * room

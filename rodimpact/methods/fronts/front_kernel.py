@@ -54,6 +54,7 @@ class Tally(NamedTuple):
     peak: Any  # [node] largest force that lasted longer than the window
     first: Any  # [node] tick of the first force, -1 before
     last: Any  # [node] tick at which the last force ended, -1 before
+    opened: Any  # [node] tick at which the gap last opened after a force, -1 before
     pressed: Any  # [node] ticks under force
     episodes: Any  # [node] number of times a closed contact began to press
 
@@ -127,7 +128,8 @@ def begin(state: State, tally: Tally, log: Log, clock: Any, count: int) -> None:
     for k in range(n):
         state.since[k], state.rate[k], state.force[k], state.speed[k] = 0, zero, zero, zero
         tally.impulse[k], tally.work[k], tally.peak[k] = zero, zero, zero
-        tally.first[k], tally.last[k], tally.pressed[k], tally.episodes[k] = -1, -1, 0, 0
+        tally.first[k], tally.last[k], tally.opened[k] = -1, -1, -1
+        tally.pressed[k], tally.episodes[k] = 0, 0
     leaves = len(state.tree) // 2
     for k in range(leaves):
         state.tree[leaves + k] = 0 if k < n else IDLE
@@ -181,6 +183,8 @@ def record(state: State, tally: Tally, log: Log, clock: Any, k: int, t: int, sta
         clock[PROBE] = min(clock[PROBE], t)
         if before == PRESS:
             tally.last[k] = t
+        if status == OPEN and before >= GRAZE:
+            tally.opened[k] = t
     n = clock[CHANGES]
     log.change_tick[n], log.change_node[n], log.change_status[n] = t, k, status
     clock[CHANGES] = n + 1

@@ -26,9 +26,6 @@ from ..contact_law_kernel import RIGID
 from ..duration import Forecast
 from ..measure_kernel import largest_force
 from ..memory import ask
-from ..refinement import MEASURES, contact_measures, refined, velocity_measure
-from ..refinement_kernel import FEWEST as FEWEST_LEVELS
-from ..refinement_kernel import factor_of
 from ..row import Array, Row
 from ..run import Progress, Run
 from ..stepped import StepRecord, as_run
@@ -36,6 +33,14 @@ from ..stepped_run import SteppedRun, clock_of_steps
 from .grid_kernel import States
 from .machine import GAP_RESOLUTION, Keeper, Machine, cost
 from .mesh import MESH, GridMotion, Mesh, RadialMotion, crossing_time, most_cells, stable_step
+from .refinement import FEWEST as FEWEST_LEVELS
+from .refinement import (
+    ROUGH,
+    contact_measures,
+    factor_of,
+    order_of,
+    refined,
+)
 
 RTOL = 1e-3
 COURANT = 0.999
@@ -65,6 +70,7 @@ class GridRun(SteppedRun):
         Relative change of the largest force from a mesh at most half as fine; nan without one.
     """
 
+    rough = ROUGH
     machine: Machine
     states: States
     peak_change: float = math.nan
@@ -101,6 +107,14 @@ class GridRun(SteppedRun):
                 peaks.append(largest_force(times, force, 0, self.steps))
                 less.append(peaks[-1] - float(means.max(initial=0.0)))
         return max(less) / (max(peaks) or 1.0)
+
+    @property
+    def peak_error(self) -> float:
+        """Error of the largest force that no finer mesh makes less; relative."""
+        steep = self.mesh.viscous.any() or self.mesh.lateral.any() or self.mesh.swells
+        if steep and RIGID in self.row.laws:
+            return math.inf  # of flat ends that meet, any finer mesh finds a larger force
+        return 2 * float(self.overshoot)
 
     def path(self, contact: int) -> Array:
         """How far a contact that is not bonded closes in each step, m."""
@@ -190,9 +204,10 @@ def follow(
 ) -> GridRun:
     """Run a single collision.
 
-    The step is divided until velocities, impulses, and when 99.9 % of them has passed, stand still.
-    The largest force is left out: beside a jump waves overshoot, on any mesh, and flat ends of
-    viscous rods, or of rods with lateral inertia, meet with a force that has no largest value.
+    The step is divided until velocities and impulses stand still. The errors of the largest force
+    and of the duration are told and not waited for: beside a jump waves overshoot, on any mesh,
+    flat ends of viscous rods, or of rods with lateral inertia, meet with a force that has no
+    largest value, and faint forces begin and end late.
 
     Parameters
     ----------
@@ -244,13 +259,15 @@ def follow(
 
     def measures(run: GridRun) -> dict[str, Array]:
         by_contact = contact_measures(run)
-        peaks[run.step] = by_contact.pop(MEASURES[1])
-        return {"velocity": velocity_measure(_free_velocities(run), row.scale), **by_contact}
+        peaks[run.step] = by_contact[ROUGH[0]]
+        # beside their scale, so that round-off of bodies at rest is none
+        return {"velocity": np.array([*_free_velocities(run), row.scale]), **by_contact}
 
     if not searching:
         return _after_the_proof(level(1))
     goal = RTOL if rtol is None else rtol
-    run, estimates = refined(level, measures, goal, FINEST // max(counts))
+    run, estimates = refined(level, measures, order_of(row), goal, FINEST // max(counts))
+    estimates[ROUGH[0]] += run.peak_error
     change = math.nan
     rougher = [h for h in peaks if h >= 2 * run.step * (1 - 1e-12)]
     last = peaks[run.step]

@@ -1,0 +1,168 @@
+"""Divide cells and step until the outcome of a run stands still, and tell how wrong it may be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import count
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ...model import Fixed, Steps, laws
+from .. import kernels
+from ..contact_law_kernel import IMPACT
+from ..measure_kernel import largest_force
+from ..memory import TooLong
+from ..pressing import pressed_spans
+from ..row import Array, Row
+from ..stepped_run import SteppedRun
+
+STEP_TIME = 2e-7  # s, about what a measure takes for a step in plain Python
+FEWEST = 4  # levels
+LOOK_BACK = 4  # coarser levels with which the finest is compared
+DOUBT = 2.5  # times what changes tell: where they cancel, errors are larger
+PART = 0.1  # of a step, to which times are known at best
+ROUGH = ("largest force", "duration")  # told, and not waited for: they hang on few steps
+GENTLE = laws.Spring | laws.Hertz | laws.HuntCrossley | laws.PowerLaw | laws.Yielding
+R = TypeVar("R", bound=SteppedRun)
+
+
+def refined(
+    level: Callable[[int], R], measures: Callable[[R], dict[str, Array]], order: float,
+    goal: float, last: int,
+) -> tuple[R, dict[str, float]]:
+    """Divide the step until no measure is wrong by more than `goal`, or as far as it goes.
+
+    Parameters
+    ----------
+    level : function
+        Run with the step divided by about a factor; raises `TooLong` where there is no room for it.
+        One that met a cap on events goes no further.
+    measures : function
+        What is to be known, of a run; what is `ROUGH` need not come to the goal.
+    order : float
+        Power of the step with which errors fall at least.
+    goal : float
+    last : int
+        Largest factor, 4 at least.
+
+    Returns
+    -------
+    run
+        The finest.
+    estimates : dict of str to float
+        Error of each measure, relative to its largest value; inf where there are too few levels.
+    """
+    finest: R | None = None
+    levels: list[tuple[float, dict[str, Array]]] = []
+    estimates: dict[str, float] = {}
+    for factor in map(factor_of, count()):
+        if factor > max(4, last):
+            break
+        try:
+            finer = level(factor)
+        except TooLong:
+            if finest is None:
+                raise
+            break
+        if finest is not None and finer.stopped_by == "max_events":
+            break
+        finest, values = finer, measures(finer)
+        levels.append((finest.step, values))
+        estimates = {name: error_of(levels, name, order) for name in values}
+        late = any(error > goal for name, error in estimates.items() if name not in ROUGH)
+        if finest.stopped_by == "max_events" or not late:
+            break
+    assert finest is not None
+    return finest, estimates
+
+
+def factor_of(level: int) -> int:
+    """By how much the step is divided on level 0, 1, ...: 1, 2, 3, 4, 6, 8, 12, 16, 24, ...
+
+    Not by powers of two only: an error that depends on where in a step something happens may be the
+    same on all of those.
+    """
+    if level == 0:
+        return 1
+    return 2 << level // 2 if level % 2 == 1 else 3 << (level // 2 - 1)
+
+
+def error_of(levels: Sequence[tuple[float, dict[str, Array]]], name: str, order: float) -> float:
+    """Estimated error of a measure on the last level, relative to its largest value.
+
+    With q(g) the result of a coarser step g, an error that falls with the power p of the step h is
+    |q(g) - q(h)|/((g/h)^p - 1); one of higher order is less. The largest over the last coarser
+    levels is the estimate: errors that differ from level to level are not all equal by accident.
+    """
+    if len(levels) < FEWEST:
+        return math.inf
+    (h, values), coarser = levels[-1], levels[-1 - LOOK_BACK : -1]
+    latest = float(np.abs(values[name]).max(initial=0.0))
+    changes = [
+        float(np.abs(measured[name] - values[name]).max(initial=0.0)) / ((g / h) ** order - 1)
+        for g, measured in coarser
+    ]
+    error: float = DOUBT * max(changes)
+    if not error < math.inf:  # nan where a measure overflows
+        return math.inf
+    if name == "duration":
+        # that of a faint force that ends a contact may come late by the same on all levels
+        error = max(2 * error, PART * h if latest > 0 else 0.0)
+    return error / latest if latest > 0 else error
+
+
+def order_of(row: Row) -> float:
+    """Power of the step with which errors fall at least: 1/2 where waves jump and stay steep.
+
+    Waves are smooth where all rods are damped, and where forces begin from 0 and nothing that is
+    given jumps.
+    """
+    system = row.system
+    if all(float(segment.material.viscosity) > 0 for segment in row.segments):
+        return 1.0
+    given = [getattr(x, name, 0.0) for x in (*system.bodies, *system.ends)
+             for name in ("velocity", "strain", "value")]
+    gentle = all(isinstance(law, GENTLE) for law in system.contacts)
+    held = any(isinstance(end, Fixed) for end in system.ends)
+    return 1.0 if gentle and not held and not any(isinstance(x, Steps) for x in given) else 0.5
+
+
+def contact_measures(run: SteppedRun) -> dict[str, Array]:
+    """Impulse, largest force and duration, by contact that can open.
+
+    Restitution follows from the impulses. Impacts of rigid bodies have neither of the other two:
+    their impulse grows in jumps. A joint is never done: of it counts the impulse up to a given end,
+    beside the largest so far.
+    """
+    kinds = [run.row.laws[link] for link in run.row.opening.values()]
+    forces = [run.contact(k)[0] for k in run.row.opening]
+    lasting = [(law != IMPACT) * F for law, F in zip(kinds, forces, strict=True)]
+    joined: list[float] = []
+    for k in run.row.by_law if run.stopped_by == "until" else ():
+        if k not in run.row.opening:
+            passed = np.cumsum(run.contact(k)[0] * run.durations)
+            joined += [*passed[-1:], np.abs(passed).max(initial=0.0)]
+    return {
+        "impulse": np.array([*joined, *(float(F @ run.durations) for F in forces)]),
+        "largest force": np.array([_largest(run, F) for F in lasting]),
+        "duration": np.array([
+            _pressed(run, k, F) for k, F in zip(run.row.opening, lasting, strict=True)]),
+    }
+
+
+def _pressed(run: SteppedRun, contact: int, force: Array) -> float:
+    """How long a contact presses, s."""
+    times, gap = run.edges * run.clock.tick, run.contact(contact)[1]
+    gaps = np.concatenate(([float(run.row.gap[run.row.contact_link[contact]])], gap))
+    spans = pressed_spans(times, force, gaps)
+    return float(sum((times[-1] if math.isnan(end) else end) - begin for begin, end in spans))
+
+
+def _largest(run: SteppedRun, force: Array) -> float:
+    """Largest force behind its means over the steps of a run."""
+    times: Any = run.edges * run.clock.tick
+    if kernels.worth_compiling(run.steps * STEP_TIME, largest_force):
+        return float(kernels.compiled(largest_force)(times, force, 0, run.steps))
+    return largest_force(times.tolist(), force.tolist(), 0, run.steps)
