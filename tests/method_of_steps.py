@@ -190,7 +190,7 @@ class Node:
     def __init__(self, row, left=None):
         self.row, self.sides = row, [left, None]
         self.links, self.masses, self.speeds = [], [], []
-        self.now, self.step, self.chunk, self.restarts = 0, math.inf, 1, 0
+        self.now, self.step, self.chunk, self.restarts = 0, row.longest * row.tick, 1, 0
 
     def finish(self):
         self.sides = [side or Side(None) for side in self.sides]
@@ -360,13 +360,14 @@ class Node:
             return
         longest = self.row.longest * self.row.tick / 8
         solver = DOP853(self.rates, 0.0, y0, h, rtol=self.row.rtol, atol=self.atol,
-                        first_step=min(h, 2 * self.step, longest), max_step=longest)
+                        first_step=min(h, self.step, longest), max_step=longest)
         times, parts, event = [0.0], [], None
         while solver.status == "running" and not event:
             solver.step()
             if solver.status == "failed":
                 raise ArithmeticError(f"DOP853 fails at tick {i0}")
-            self.step, state = solver.t - solver.t_old, solver.dense_output()
+            state, step = solver.dense_output(), solver.t - solver.t_old
+            self.step = max(step, self.step * (solver.status != "running"))  # the last is cut short
             event = self.event(solver.t_old, solver.t, state, 7, stuck)
             end = event[0] if event else solver.t
             if end > times[-1]:
@@ -380,16 +381,20 @@ class Node:
 
     def event(self, s0, s1, state, points, stuck):
         """Look for the first event of a step: its time, link and next status, or None."""
-        before = s0
-        for s in np.linspace(s0, s1, points)[1:]:
-            bad = [(i, n) for i, n, g, scale, _ in self.guarded(s, state(s))
-                   if g < -self.row.least[scale]]
-            if bad:
-                end, i, n = min((self.root(*which, before, s, state), *which) for which in bad)
-                end = s if stuck else end
-                return end, i, self.guarded(end, state(end), i)[n][4]
-            before = s
-        return None
+        times = np.linspace(s0, s1, points)[1:]
+        bad = {}
+        for i, n, g, scale, _ in self.guarded(times, state(times)):
+            broken = np.flatnonzero(g + 0 * times < -self.row.least[scale])
+            if broken.size:
+                bad.setdefault(int(broken[0]), []).append((i, n))
+        if not bad:
+            return None
+        first = min(bad)
+        s = float(times[first])
+        before = float(times[first - 1]) if first else s0
+        end, i, n = min((self.root(*which, before, s, state), *which) for which in bad[first])
+        end = s if stuck else end
+        return end, i, self.guarded(end, state(end), i)[n][4]
 
     def leave(self, y, event):
         """End a march: keep the state, and change what the event changes."""
@@ -406,7 +411,7 @@ class Node:
         return self.store(i0, start, stop, state, 0)
 
     def guarded(self, s, y, only=None):
-        F, free, _, _ = self.forces(s, y.tolist())
+        F, free, _, _ = self.forces(s, list(y))
         return [(i, n, *guard) for i, link in enumerate(self.links) if only in (None, i)
                 for n, guard in enumerate(link.guards(y[i], free[i], F[i], self.Y[i]))]
 
