@@ -34,7 +34,7 @@ FIT = np.linalg.inv(chebyshev.chebvander(POINTS, ORDER))
 OPEN, PRESS, SLACK, PLASTIC = "open", "press", "slack", "plastic"
 LENGTH, VELOCITY, FORCE = range(3)
 TOLERANCE = (1e-14, 1e-12, 1e-12)  # below which overlap, velocity and force have no sign
-REST = 1e-9  # of the scale: masses that part more slowly after an impact stay together
+REST = 1e-6  # of the scale: masses that strike more slowly stay together
 
 
 def value_at(c, x):
@@ -117,7 +117,7 @@ class Link:
         self.strength, self.hardening = more.get("strength", math.inf), more.get("hardening", 0.0)
         self.restitution, self.push = more.get("restitution", 0.0), more.get("push")
         self.status = PRESS if kind in ("push", "bond", "joint") else OPEN
-        self.force_signal, self.overlap, self.spans = Wave(), Wave(), []
+        self.force_signal, self.overlap, self.spans, self.blows = Wave(), Wave(), [], []
 
     @property
     def moves(self):
@@ -268,14 +268,15 @@ class Node:
              else u for link, u in zip(self.links, closing, strict=True)]
         return [*d, *((F[j] - F[j + 1]) / m for j, m in enumerate(self.masses))]
 
-    def impact(self):
+    def impact(self, s):
         """Masses that touch strike: no closing is more than -e times the one before (Moreau)."""
         touching = [i for i, link in enumerate(self.links)
                     if link.kind == "impact" and link.d >= -NEAR * self.row.least[LENGTH]]
-        _, _, before, _ = self.forces(0.0, self.state())
+        _, _, before, _ = self.forces(s, self.state())
         A, inverse, n = self.mobility(touching)
         u = np.array([before[i] for i in touching])
-        e = np.array([self.links[i].restitution for i in touching])
+        rest = u < REST * self.row.scale[0]
+        e = np.where(rest, 0.0, [self.links[i].restitution for i in touching])
         wanted = u + e * np.maximum(u, 0)
         for subset in range(1 << len(touching)):
             on = [q for q in range(len(touching)) if subset >> q & 1]
@@ -285,11 +286,13 @@ class Node:
                 break
         after = u - A @ P
         for q, i in enumerate(touching):
-            self.links[i].force_signal.add(self.now, self.now, (P[q],))
+            if P[q] > 0:
+                self.links[i].blows.append(P[q])
+                self.links[i].spans.append((self.now, self.now, True, False))
             self.speeds = [v + P[q] * (inverse[j + 1] * (j + 1 == i + 1) - inverse[j + 1]
                                        * (j + 1 == i)) for j, v in enumerate(self.speeds)]
-            rests = after[q] >= -REST * self.row.scale[0]
-            self.links[i].d, self.links[i].status = 0.0, PRESS if rests else OPEN
+            stays = after[q] >= -self.row.least[VELOCITY]
+            self.links[i].d, self.links[i].status = 0.0, PRESS if stays else OPEN
 
     # Marching ----------------------------------------------------------------------------------
 
@@ -336,16 +339,16 @@ class Node:
                         and closing[i] < -least[VELOCITY]):
                     status = OPEN
                 if status:
-                    self.change(link, status)
+                    self.change(link, status, 0.0)
                     changed = True
                     break
             if not changed:
                 return
 
-    def change(self, link, status):
+    def change(self, link, status, s):
         if link.kind == "impact" and status == PRESS:
             link.d = 0.0
-            self.impact()
+            self.impact(s)
         else:
             link.switch(status)
 
@@ -400,7 +403,7 @@ class Node:
         """End a march: keep the state, and change what the event changes."""
         self.keep(y)
         if event:
-            self.change(self.links[event[1]], event[2])
+            self.change(self.links[event[1]], event[2], event[0])
 
     def put(self, i0, s0, s1, state):
         """Store what happened from s0 to s1; return whether it took one piece."""
@@ -496,7 +499,10 @@ class Node:
 
 @dataclass
 class Contact:
-    """What a contact did; times in s, see `rodimpact.methods.run.Episode`."""
+    """What a contact did; times in s, see `rodimpact.methods.run.Episode`.
+
+    Where masses strike each other the peak force is nan.
+    """
 
     impulse: float
     peak_force: float
@@ -719,15 +725,10 @@ class RowOfNodes:
 
     def contact(self, link):
         force, tick = link.force_signal, self.tick
-        blows = [(i, P[0]) for i, j, P in
-                 zip(force.starts, force.stops, force.pieces, strict=True) if i == j]
-        smooth = Wave()
-        for i, j, c in zip(force.starts, force.stops, force.pieces, strict=True):
-            if j > i:
-                smooth.add(i, j, c)
-        impulse = smooth.integral(0, self.end) * tick + math.fsum(P for _, P in blows)
+        impulse = force.integral(0, self.end) * tick + math.fsum(link.blows)
+        peak = math.nan if link.blows else max(force.largest(), 0.0)
         pressed = math.fsum((b - a) * tick for a, b, presses, _ in link.spans if presses)
-        return Contact(impulse, max(smooth.largest(), 0.0), pressed, episodes(link.spans, tick),
+        return Contact(impulse, peak, pressed, episodes(link.spans, tick),
                        lambda t: -link.overlap.at(round(t / tick)))
 
 
