@@ -137,6 +137,119 @@ def random_network(seed, *, bodies=5, driven=False):
     return ri.System(row, gaps, contacts, gravity=gravity, ends=ends)
 
 
+KINDS = ("stepped", "masses", "walls", "gaps", "springs", "hertz", "dashpots", "yielding", "joints",
+         "impacts", "gravity", "profiles", "drives")
+
+
+def mixed_network(rng, kinds=KINDS, bodies=4):
+    """A row of 2 to `bodies` bodies of some kinds, beside uniform rods and rigid contacts.
+
+    Impedances, velocities and transit times are about 1. Stiffnesses are 0.1 to 1e4.
+
+    Returns
+    -------
+    System
+    float
+        How long to run: about 2 to 5 longest transits, and at most 12 shortest.
+    dict
+        By side, 0 or 1, the numbers of a sine over time that drives it; see `sine`.
+    """
+    row = [
+        ri.RigidMass(logarithmic(rng, 0.05, 5)) if "masses" in kinds and rng.random() < 0.35
+        else mixed_rod(rng, kinds)
+        for _ in range(rng.integers(2, bodies + 1))
+    ]
+    if not any(isinstance(b, ri.Rod) for b in row):
+        row[rng.integers(len(row))] = mixed_rod(rng, kinds)
+    if "walls" in kinds and rng.random() < 0.4:
+        row[rng.choice([0, -1])] = ri.Wall(float(rng.choice([0.0, rng.uniform(-0.2, 0.2)])))
+        if not any(isinstance(b, ri.Rod) for b in row):
+            row[1 if isinstance(row[0], ri.Wall) else -2] = mixed_rod(rng, kinds)
+    speeds = rng.uniform(-1, 1, len(row))
+    speeds = (np.sort(speeds)[::-1] if rng.random() < 0.6 else speeds).tolist()
+    row = [b if isinstance(b, ri.Wall) or isinstance(b.velocity, ri.Steps | ri.Samples)
+           else b.replace(velocity=v) for b, v in zip(row, speeds, strict=True)]
+    contacts = [mixed_law(rng, kinds, *pair) for pair in pairwise(row)]
+    gaps = [float(rng.uniform(0, 0.3)) if law.opens and "gaps" in kinds and rng.random() < 0.5
+            else 0.0 for law in contacts]
+    ends, sines = [ri.Free(), ri.Free()], {}
+    for side in (0, 1):
+        if "drives" in kinds and rng.random() < 0.5 and not isinstance(row[-side], ri.Wall):
+            ends[side], numbers = mixed_end(rng, isinstance(row[-side], ri.Rod))
+            if numbers:
+                sines[side] = numbers
+    gravity = float(rng.uniform(-1, 1)) if "gravity" in kinds and rng.random() < 0.4 else 0.0
+    system = ri.System(row, gaps, contacts, gravity=gravity, ends=ends)
+    times = [s.transit_time for b in row if isinstance(b, ri.Rod) for s in b.segments]
+    return system, float(min(rng.uniform(2, 5) * max(times), 12 * min(times))), sines
+
+
+def mixed_rod(rng, kinds):
+    def length(low):
+        return float(rng.integers(4, 33) / 32 if rng.random() < 0.4 else rng.uniform(low, 1))
+
+    segments = [
+        ri.Segment(length(0.25), logarithmic(rng, 0.2, 5), UNIT if rng.random() < 0.7 else QUICK)
+        for _ in range(rng.choice([1, 1, 2, 3]) if "stepped" in kinds else 1)
+    ]
+    total, profile = sum(s.length for s in segments), "profiles" in kinds
+    return ri.Rod(
+        segments=segments,
+        velocity=random_state(rng, total, 1.0) if profile and rng.random() < 0.4 else 0.0,
+        strain=random_state(rng, total, 0.3) if profile and rng.random() < 0.3 else 0.0,
+    )
+
+
+def mixed_law(rng, kinds, *pair):
+    k, rods = logarithmic(rng, 0.1, 1e4), sum(isinstance(b, ri.Rod) for b in pair)
+    choices = [ri.Rigid()] if rods else [ri.Spring(k)]
+    if "impacts" in kinds and not rods:
+        choices.append(ri.Rigid(restitution=float(rng.choice([0, 1, 0.6]))))
+    if "springs" in kinds:
+        choices.append(ri.Spring(k))
+    if "hertz" in kinds:
+        choices += [ri.Hertz(k), ri.PowerLaw(k, float(rng.uniform(1, 3)))]
+    if "dashpots" in kinds:
+        choices += [ri.SpringDashpot(k, logarithmic(rng, 0.01, 10)),
+                    ri.HuntCrossley(k, logarithmic(rng, 0.01, 3))]
+    if "yielding" in kinds:
+        hardening = float(k * rng.choice([0.0, 0.1, 0.8]))
+        choices.append(ri.Yielding(k, logarithmic(rng, 0.03, 0.6), hardening))
+    if "joints" in kinds:
+        c, stretch = logarithmic(rng, 0.01, 10), float(rng.uniform(-0.3, 0.3)) / (1 + k)
+        choices.append(ri.Joint(*[(k, 0.0), (k, c), (0.0, c)][rng.integers(3)], stretch))
+        choices += [ri.Bonded()] if rods else []
+    return choices[rng.integers(len(choices))]
+
+
+def mixed_end(rng, rod):
+    """An end, and the numbers of the sine that drives it, or None."""
+    kind = rng.integers(6) if rod else 2
+    if kind < 2:
+        return [ri.Fixed(), ri.Absorbing()][kind], None
+    scale = [0.8, 0.5, 0.5, 0.2][kind - 2]
+    end = [ri.Pushed, ri.Moved, ri.Moved, ri.Incoming][kind - 2]
+    form = rng.integers(3)
+    if form == 2:
+        numbers = [float(scale * rng.uniform(-1, 1)), scale, logarithmic(rng, 0.5, 20),
+                   float(rng.uniform(0, 6))]
+        return end(0.0), numbers
+    values = (scale * rng.uniform(-1, 1, 5)).tolist()
+    return end(ri.Steps(values, [0.4, 0.71, 1.9, 2.0]) if form else ri.Samples(values, 0.45)), None
+
+
+def sine(offset, amplitude, frequency, phase):
+    """A smooth function of time."""
+    return lambda t: offset + amplitude * np.sin(frequency * t + phase)
+
+
+def with_sines(system, sines, until):
+    """The row whose ends follow sines, each with a part of its own of the numbers of `sine`."""
+    ends = [type(end)(sine(*sines[k]), duration=until) if k in sines else end
+            for k, end in enumerate(system.ends)]
+    return system.replace(ends=ends)
+
+
 def run_network(system, until=SECONDS, step=STEP) -> StepRun:
     """A run of whole steps: they are not cut where rigid contacts close."""
     machine = Machine(Row(system), until)
