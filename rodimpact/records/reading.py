@@ -45,6 +45,7 @@ _DATE = re.compile(r"\d+[-/.:]\d+[-/.:]\d.*")
 _THOUSANDS = {".": re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+"),
               ",": re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")}
 _PARTED = re.compile(r"[+-]?\d{1,3}([,.'\N{RIGHT SINGLE QUOTATION MARK}\s]\d{3})+([.,]\d+)?")
+_QUOTED = re.compile(r'"([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)"')
 _NUMBERS = {".": re.compile(_NUMBER.format(r"\.\d*", r"\.\d+")),
             ",": re.compile(_NUMBER.format(r",\d+", r",\d+"))}
 
@@ -80,8 +81,10 @@ class _Form(NamedTuple):
 
 
 COMMAS = _Form(",", ".")
+QUOTED = _Form(",", ",")
+"""Commas between cells and in numbers, which have quotes around them then."""
 FORMS = [_Form(delimiter, decimal) for delimiter in ("\t", ";", "") for decimal in ".,"]
-FORMS.insert(4, COMMAS)
+FORMS[4:4] = QUOTED, COMMAS
 
 
 def read_signals(
@@ -91,10 +94,11 @@ def read_signals(
 ) -> dict[str, Signal]:
     r"""Read the channels of a table of text.
 
-    Columns may be parted by tabs, semicolons, commas or blanks, decimals by points or commas; the
-    text may be UTF-8, UTF-16 with its mark, or Latin-1; any lines may come before the numbers. A
-    unit stands in the head, ``incident [mV]``, ``incident (mV)``, ``incident_mV`` or ``incident /
-    mV``, or in a line of its own below; volts, seconds and so on are made of it. What scopes write
+    Columns may be parted by tabs, semicolons, commas or blanks, decimals by points or commas. Where
+    commas part columns, too, numbers with a decimal comma stand in quotes: ``0,"1,5"``. The text
+    may be UTF-8, UTF-16 with its mark, or Latin-1; any lines may come before the numbers. A unit
+    stands in the head, ``incident [mV]``, ``incident (mV)``, ``incident_mV`` or ``incident / mV``,
+    or in a line of its own below; volts, seconds and so on are made of it. What scopes write
     before, such as an interval or a unit far from its column, is not heeded: it is to be given.
 
     Parameters
@@ -356,9 +360,9 @@ def _decoded(data: bytes) -> str:
 
 def _form_of(lines: list[str], decimal: str | None) -> tuple[_Form, int]:
     """How lines are cut into numbers, and the first line of numbers."""
-    forms = [form for form in FORMS if decimal in (None, form.decimal) or form == COMMAS]
-    if decimal == ",":
-        forms.remove(COMMAS)
+    forms = [form for form in FORMS if decimal in (None, form.decimal)]
+    if QUOTED in forms and not any(map(_QUOTED.search, lines)):
+        forms.remove(QUOTED)
     found: list[_Form] = []
     for start in range(min(len(lines), MOST_HEAD)):
         if found := [form for form in forms if _begins(lines, start, form)]:
@@ -374,7 +378,8 @@ def _form_of(lines: list[str], decimal: str | None) -> tuple[_Form, int]:
         # where the first rows are whole numbers, later ones tell the decimal sign
         wanted = "," if any("," in row for row in body) and several[0] != COMMAS else "."
         form = next((f for f in several if f.decimal == wanted), several[0])
-    elif len(several) == len(found) or _named(lines[:start], several[0].numbers(line)):
+    elif (several[0] == QUOTED or len(several) == len(found)
+          or _named(lines[:start], several[0].numbers(line))):
         form = several[0]
     else:
         raise FileFormatError(
@@ -392,6 +397,15 @@ def _why_none(lines: list[str], forms: list[_Form]) -> str:
     if i is None:
         return "; export it as text, with a row a sample"
     form = max(forms, key=lambda form: sum(map(form.is_number, form.cells(lines[i]))))
+    if count := form.numbers(lines[i]):  # then a line below it keeps it from being the first row
+        below = (j for j in range(i + 1, min(len(lines), i + 2 * SURE)) if lines[j].strip())
+        other = next((j for j in below if form.numbers(lines[j]) != count), i)
+        if other == i:
+            return f": its first {MOST_HEAD} lines are no rows of numbers; remove them"
+        if found := form.numbers(lines[other]):
+            return (f": line {i + 1} has {count} numbers and line {other + 1} has {found}; give "
+                    "each line a number a column")
+        i = other
     cells = form.cells(lines[i])
     if not any(form.is_number(c) or _DATE.fullmatch(c) or _PARTED.fullmatch(c) for c in cells):
         return (" in columns parted by tabs, semicolons, commas or blanks; export it as text, with "

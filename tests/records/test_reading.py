@@ -38,8 +38,10 @@ def read(tmp_path):
     "x-axis,bar,,\nsecond,Volt,,\n0,.001,,\n1e-6,-.0025,,\n2e-6,.25,,\n3e-6,1,,\n,,,\n",
     "Separator\tTab\n***End_of_Header***\t\t\ntime (sec)\tbar (Volts)\tComment\n0\t0.001\t\n"
     "1e-6\t-0.0025\t\n2e-6\t0.25\t\n3e-6\t1\t\n",
+    'time [us],bar [mV]\n"0","1,0"\n"1","-2,5"\n"2","250"\n"3","1e3"\n',
+    '"time [us]","bar [V]"\n0,"0,001"\n1,"-,25e-2"\n2,"0,25"\n3,1\n',
     "  time [us]   bar [mV]\n    0.0    1.0\n    1.0   -2.5\n    2.0  250.0\n    3.0 1000.0\n",
-], ids=range(14))
+], ids=range(16))
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "utf-16"])
 def test_one_record_in_many_clothes(read, text, encoding):
     (bar,) = read(text, encoding).values()
@@ -67,6 +69,9 @@ def test_units_and_rates_that_the_file_does_not_say(read):
     assert read(many.replace("1;1,002", "1;0,002"))["a"].values.tolist() == [1.001, 0.002]
     assert read("1,5\n2,5\n", rate=1.0, decimal=",")["1"].values.tolist() == [1.5, 2.5]
     assert list(read("1,5\n2,5\n", rate=1.0, decimal=".")) == ["1", "2"]
+    quoted = read('time_s,a\n0,1\n1,2\n2,"2,5"\n')
+    assert quoted["a"].values.tolist() == [1.0, 2.0, 2.5]
+    assert read('0,1\n1,"2,5"\n', time_unit="s", decimal=",")["2"].values.tolist() == [1.0, 2.5]
     assert list(read("a,b\n1,5\n2,5\n", rate=1.0)) == ["a", "b"]
 
 
@@ -110,7 +115,12 @@ def test_units_and_rates_that_the_file_does_not_say(read):
     ("time_s,a\n0,#N/A\n1,2\n2,3\n", {}, "begins with a line that has '#N/A' beside numbers"),
     ("time_s\n0\n1\n", {"rate": 1.0}, "has a column of times, 'time'; it has no other"),
     ("time_s,a [mv]\n0,1\n1,2\n", {}, "column 'a': unknown unit 'mv'; perhaps 'mV' is meant"),
-], ids=range(38))
+    ('time_s,a\n0,1\n1,2\n2,"2,5"\n', {"decimal": "."}, "line 4 has '2,5'; below their heads"),
+    ('time_s,a\n0,"1,001"\n1,"1,002"\n', {}, "such as '1,001', which may be with decimals or in"),
+    ("time_s,a\n0,1\n1,2,3\n2,3\n3,4,5\nend\n", {}, "line 4 has 2 numbers and line 5 has 3; give"),
+    ("time_s,a\n0,1\nx\n0,1\nx\n", {}, "has no table of numbers in columns parted by"),
+    ("note\n" * 10_000 + "0,1\n" * 10_010, {}, "its first 10000 lines are no rows of numbers;"),
+], ids=range(43))
 def test_what_is_no_record_is_refused_with_the_place(read, text, options, said):
     with pytest.raises(FileFormatError, match=f"shot.txt: .*{re.escape(said)}"):
         read(text, **options)
