@@ -169,7 +169,7 @@ def _record(
             )
     except OSError as error:
         problems.append((arguments.record, f"cannot be read: {error.strerror or error}"))
-    except ValueError as error:
+    except (ValueError, MemoryError) as error:
         path, _, message = str(error).partition(": ")
         problems.append((_OPTIONS.get(path, path), message))
     return {}
