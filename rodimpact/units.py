@@ -19,6 +19,8 @@ from fractions import Fraction
 from numbers import Real
 from typing import Any, NamedTuple
 
+__all__ = ["conversion", "format_si", "in_si", "parse"]
+
 TIMES = "\N{MULTIPLICATION SIGN}"
 MOST_CHARACTERS = 1000  # of a number with its unit; a float written out in full has no more
 MOST_SHOWN = 60  # characters of what was given

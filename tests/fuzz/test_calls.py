@@ -28,8 +28,22 @@ from fuzz.generators import (
 import rodimpact as ri
 
 EXAMPLES = 150 * TIMES  # of each seed
-LONG = {"warm"}  # it compiles for minutes, and takes nothing that could be wrong
-CHECKED = {"restored"}  # what files hold, which is spoilt elsewhere
+LEFT_OUT = {
+    "warm",  # it compiles for minutes, and takes nothing that could be wrong
+    "restored", "run",  # they take what files hold, which is spoilt elsewhere, or what was checked
+}
+
+
+def public():
+    """Public functions and classes, by name."""
+    for name in ri.__all__:
+        thing = getattr(ri, name)
+        yield name, thing
+        if inspect.ismodule(thing):
+            own = [k for k, v in vars(thing).items()
+                   if k[0] != "_" and getattr(v, "__module__", "") == thing.__name__]
+            for part in getattr(thing, "__all__", own):
+                yield f"{name}.{part}", getattr(thing, part)
 
 
 def is_called(thing):
@@ -39,27 +53,12 @@ def is_called(thing):
     return inspect.isfunction(thing) and re.search(r"(Parameters|Examples)\n", thing.__doc__ or "")
 
 
-def functions():
-    """Functions and classes that users call, by name."""
-    for name in ri.__all__:
-        thing = getattr(ri, name)
-        if inspect.ismodule(thing):
-            own = [k for k, v in vars(thing).items()
-                   if getattr(v, "__module__", "") == thing.__name__]
-            for part in getattr(thing, "__all__", own):
-                if part[0] != "_" and is_called(getattr(thing, part)):
-                    yield f"{name}.{part}", getattr(thing, part)
-        elif is_called(thing) and name not in LONG:
-            yield name, thing
-
-
 def methods(thing):
     """Public methods of a thing, by name."""
     for name in dir(thing):
-        if (name[0] != "_" or name == "__getitem__") and name not in CHECKED:
+        if (name[0] != "_" or name == "__getitem__") and name not in LEFT_OUT:
             method = inspect.getattr_static(thing, name)
-            own = getattr(method, "__module__", "").startswith("rodimpact.")
-            if own and isinstance(method, FunctionType | classmethod):
+            if isinstance(method, FunctionType | classmethod):
                 yield f"{type(thing).__name__}.{name}", getattr(thing, name)
 
 
@@ -67,25 +66,26 @@ class Names:
     """All that can be called: functions, and methods of a thing of each kind that was returned."""
 
     def __init__(self):
-        self.functions = dict(functions())
+        names = {name: thing for name, thing in public() if name not in LEFT_OUT}
+        self.functions = [item for item in names.items() if is_called(item[1])]
+        self.classes = {thing for thing in names.values() if inspect.isclass(thing)}
         self.kinds = {}
         steps = ri.solve(ri.System(RODS, contacts=[ri.Spring(1e8)]), until=1e-4, dt=1e-6)
-        grid = ri.solve(PAIR, until=1e-4, cells=8)
-        for thing in (*objects(np.random.default_rng(0)), SOLVED(), steps, grid):
+        for solution in (SOLVED(), steps, ri.solve(PAIR, until=1e-4, cells=8)):
+            self.add(solution)
+            self.add(solution.contacts[0])
+        for thing in objects(np.random.default_rng(0)):
             self.add(thing)
-            for part in thing.contacts if isinstance(thing, ri.Solution) else ():
-                self.add(part)
 
     def add(self, thing):
         """Its methods are called from now on."""
-        if type(thing).__module__.startswith("rodimpact.") and (found := dict(methods(thing))):
-            key = type(thing), getattr(thing, "method", None)
-            self.kinds[key if isinstance(key[1], str) else key[0]] = found
+        if type(thing) in self.classes and (found := [*methods(thing)]):
+            self.kinds[type(thing), str(getattr(thing, "method", ""))[:9]] = found
 
     def one(self, rng):
         """A name and what it is."""
-        table = self.functions if rng.random() < 0.6 else one_of(rng, [*self.kinds.values()])
-        return one_of(rng, [*table.items()])
+        return one_of(rng, self.functions if rng.random() < 0.6 else
+                      one_of(rng, [*self.kinds.values()]))
 
 
 def arguments_for(rng, function):
@@ -173,7 +173,7 @@ REFUSED = [
     (lambda: RODS[0].in_steps(10**30), "n: must be at most 100000, got 1000"),
     (lambda: ri.design.momentum_trap(PAIR, until=1e-4, material={}), "material: must be a Mater"),
     (lambda: ri.regions_of(SOLVED(), limit=np.nan), "limit: must be 1 or more, got nan"),
-    (lambda: ri.gradient(PAIR, ["bodies.0.length"], of=np.array([1, 2])), "of: must be one of vel"),
+    (lambda: ri.gradient(PAIR, wrt=["gravity"], of=np.ones(2)), "of: must be one of velocity"),
     (lambda: SOLVED().strain(0, np.ones((1,) * 40), 0.0), "it has 40 dimensions, and may have 32"),
     (lambda: ri.materials.aluminum, "no material is called 'aluminum'; perhaps 'aluminium' is"),
 ]
