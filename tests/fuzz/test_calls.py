@@ -90,14 +90,12 @@ class Names:
 
 def arguments_for(rng, function):
     """Random arguments, positional and by name; some of them good, now and then one too many."""
-    things, good = objects(rng), rng.random()
-    positional, named = [], {}
+    things, good, positional, named = objects(rng), rng.random(), [], {}
     for parameter in inspect.signature(function).parameters.values():
         if parameter.default is not parameter.empty and rng.random() < 0.6:
             continue
         known = parameter.name in FLAGS or rng.random() < good
-        value = likely(rng, parameter.name) if known else None
-        value = one_of(rng, things) if value is None else value
+        value = likely(rng, parameter.name) if known else one_of(rng, things)
         if parameter.kind is parameter.POSITIONAL_ONLY:
             positional.append(value)
         elif parameter.kind is parameter.VAR_KEYWORD:
@@ -126,35 +124,22 @@ def test_calls_answer_or_refuse_in_a_sentence(monkeypatch, tmp_path, seed):
 
 REFUSED = [
     (lambda: ri.load(0), "path: must be the name of a file, got 0"),
-    (lambda: ri.read_case(None), "path: must be the name of a file, got None"),
     (lambda: SOLVED().save(b"x.npz"), "path: must be the name of a file"),
-    (lambda: ri.plot.save(SOLVED(), 3), "path: must be the name of a file, got 3"),
-    (lambda: ri.sweep(FAMILY, checkpoint=[1]), "path: must be the name of a file, got [1]"),
     (lambda: ri.parse_case("", source=1), "source: must be the name of a case, got 1"),
     (lambda: ri.plot.energy(3), "solution: must be a Solution"),
-    (lambda: ri.plot.overview(PAIR), "solution: must be a Solution"),
-    (lambda: ri.regions_of({}), "solution: must be a Solution"),
     (lambda: ri.plot.sweep(SOLVED()), "result: must be a SweepResult"),
     (lambda: ri.plot.gauge(0.1), "record: must be a Gauge"),
     (lambda: ri.plot.energy(SOLVED(), ax=STEEL), "ax: must be an Axes"),
     (lambda: ri.plot.contact(SOLVED(), ax=[1, 2]), "ax: needs a pair of Axes"),
     (lambda: ri.plot.contact(SOLVED(), contact=0.5), "contact: must be from 0 to 0, got 0.5"),
     (lambda: ri.plot.animation(SOLVED(), frames=[2]), "frames: must be a single number"),
-    (lambda: ri.plot.snapshots(SOLVED(), times={}), "times: must be a number of seconds"),
-    (lambda: ri.plot.spacetime(SOLVED(), magnification=[1, 2]), "magnification: must be a single"),
-    (lambda: ri.regions_of(SOLVED(), limit=[1]), "limit: must be a single number"),
     (lambda: SOLVED().gauge(0, [0.1, 0.2]), "x: must be a single number"),
-    (lambda: SOLVED().system_at([0.0, 1e-5]), "t: must be a single number"),
     (lambda: SOLVED().strain(0, 0.1, 0.0, None), 'side: must be "right" or "left", got None'),
-    (lambda: SOLVED().contacts[0].force(0.0, 1), 'side: must be "right" or "left", got 1'),
     (lambda: SOLVED().displacement(0, [0, 0.1], [0, 0, 0]), "x: shape (2,) does not broadcast"),
     (lambda: ri.gauges_to_csv("x.csv", [(0, 0.1)]), "gauges: must be records by name"),
     (lambda: PAIR[0], "0 picks nothing of a family of shape ()"),
-    (lambda: FAMILY["a"], "'a' picks nothing of a family of shape (2,)"),
-    (lambda: FAMILY[2**63], "9223372036854775808 picks nothing"),
     (lambda: FAMILY[[1, [2, 3]]], "[1, [2, 3]] picks nothing of a family of shape (2,)"),
     (lambda: ri.solve(PAIR, progress=3), "progress: must be a function, got 3"),
-    (lambda: ri.sweep(FAMILY, progress=STEEL), "progress: must be a function, got"),
     (lambda: ri.sweep(FAMILY).explain([0, 1]), "index: must pick one member"),
     (lambda: ri.sweep(FAMILY).table(0.5), "start, stop: must be whole numbers"),
     (lambda: ri.sweep(FAMILY, gauges=3), "gauges: must be [(body, x), ...], got 3"),
@@ -162,8 +147,8 @@ REFUSED = [
     (lambda: ri.rigid.contact_mass([1, 2], [1, 2, 3]), "m1 has shape (2,), m2 has shape (3,)"),
     (lambda: ri.Segment(1.0, 1e-4, STEEL).area_between(0.1), "edges: must be two places or more"),
     (lambda: ri.Segment(1.0, 1e-4, STEEL).polar_moments("1"), "areas: must be a number"),
-    (lambda: ri.Spring(1e7).stored(-1.0), "indentation = -1.0: must be 0 or more"),
     (lambda: ri.Spring(1e7).stored(1e200), "indentation = 1e+200: must be 0 or more, and not too"),
+    (lambda: ri.Spring([1e7, 1e8]).stored([]), "indentation has shape (0,), stiffness has shape"),
     (lambda: ri.units.parse("1 m", 3), "unknown dimension 3"),
     (lambda: ri.units.format_si("1", "m"), "cannot write '1' in 'm'"),
     (lambda: ri.units.conversion(1.0), "unit: must be a text such as 'mm', got 1.0"),
