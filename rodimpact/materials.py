@@ -9,7 +9,10 @@ speed of yours where it matters.
 
 from __future__ import annotations
 
+from typing import Any
+
 from .model import Material
+from .model.frozen import nearest
 
 SOURCES = {
     "steel": "plain carbon steel, customary round values; tables give 195 to 212 GPa",
@@ -40,3 +43,8 @@ TABLE: dict[str, Material] = {
     m.name: m
     for m in (steel, aluminium, brass, copper, titanium, tungsten, glass, oak, acrylic)
 }
+
+
+def __getattr__(name: str) -> Any:
+    """Name the nearest material where there is none of that name."""
+    raise AttributeError(f"no material is called {name!r}; {nearest(name, TABLE)}", name=name)

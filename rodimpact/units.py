@@ -19,6 +19,8 @@ from fractions import Fraction
 from numbers import Real
 from typing import Any, NamedTuple
 
+__all__ = ["conversion", "format_si", "in_si", "parse"]
+
 TIMES = "\N{MULTIPLICATION SIGN}"
 MOST_CHARACTERS = 1000  # of a number with its unit; a float written out in full has no more
 MOST_SHOWN = 60  # characters of what was given
@@ -151,6 +153,8 @@ def conversion(unit: str) -> Conversion | None:
     >>> conversion("mV"), conversion("microstrain").unit, conversion("furlong")
     (Conversion(unit='V', factor=Fraction(1, 1000)), '', None)
     """
+    if not isinstance(unit, str):
+        raise ValueError(f"unit: must be a text such as 'mm', got {shown(unit)}")
     spelt = _spelt(unit)
     if not spelt:
         return Conversion("", Fraction(1))
@@ -161,7 +165,7 @@ def conversion(unit: str) -> Conversion | None:
 
 
 def in_si(values: Any, unit: Any) -> tuple[Any, str]:
-    """Numbers in a unit as numbers in the SI, and its unit; ValueError if the unit is unknown.
+    """Numbers in a unit as numbers in the SI, and its unit; ValueError if there is no such unit.
 
     Examples
     --------
@@ -178,7 +182,10 @@ def in_si(values: Any, unit: Any) -> tuple[Any, str]:
         raise ValueError(f"unknown unit {shown(unit)}{hint}")
     # one operation, which rounds once
     factor = known.factor
-    scaled = values * float(factor) if factor >= 1 else values / float(1 / factor)
+    try:
+        scaled = values * float(factor) if factor >= 1 else values / float(1 / factor)
+    except (TypeError, OverflowError):
+        raise ValueError(f"values: must be numbers of {unit}, got {shown(values)}") from None
     return scaled, known.unit
 
 

@@ -33,6 +33,7 @@ CUT_OFF = 0.2619
 """f a/c0 beyond which the first mode alone does not describe a bar, at a wavelength of some
 a/0.3: A. Tyas and D. J. Pope, Measurement Science and Technology 16 (2005) 642."""
 SCAN = 2.0**-7  # of c0: between the speeds at which the lowest root is looked for
+SHORTEST = 1e15  # a/l from which on waves run at the speed of surface waves, to the last digit
 KNOTS = 257  # of the curve of wave numbers up to the cut-off
 
 
@@ -228,7 +229,7 @@ def first_mode(radius_over_wavelength: ArrayLike, poisson_ratio: ArrayLike) -> N
     )
     refuse(~((s >= 0) & (s < np.inf)), "must be 0 or more, and finite", radius_over_wavelength=s)
     refuse(~((nu >= 0) & (nu <= 0.5)), "must be from 0 to 0.5", poisson_ratio=nu)
-    return plain(_each(lambda g, _: g, 2 * math.pi * s, nu))
+    return plain(_each(lambda g, _: g, 2 * math.pi * np.minimum(s, SHORTEST), nu))
 
 
 def mindlin_herrmann(

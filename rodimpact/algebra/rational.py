@@ -112,6 +112,10 @@ def fractions_of(values: Any) -> dict[str, Fraction]:
         message = "must be numbers by path, such as {'bodies.0.length': '1/3'}"
         raise InvalidModel([("values", f"{message}, got {shown(values)}")])
     for path, value in (values or {}).items():
+        if not isinstance(path, str):
+            message = f"must be by paths such as 'bodies.0.length', got {shown(path)}"
+            problems.append(("values", message))
+            continue
         try:
             given[path] = written(value) if isinstance(value, float) else Fraction(value)
         except (ValueError, TypeError, ZeroDivisionError, OverflowError):

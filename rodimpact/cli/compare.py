@@ -161,14 +161,15 @@ def _record(
         return {}
     units: Any = for_all[0] if for_all else by_channel or None
     try:
-        with progress_bar("lines"):
+        with progress_bar("characters") as bar:
             return read_signals(
                 arguments.record, time=arguments.time, time_unit=arguments.time_unit,
                 rate=numbers.get("rate"), units=units, decimal=arguments.decimal,
+                progress=bar,
             )
     except OSError as error:
         problems.append((arguments.record, f"cannot be read: {error.strerror or error}"))
-    except ValueError as error:
+    except (ValueError, MemoryError) as error:
         path, _, message = str(error).partition(": ")
         problems.append((_OPTIONS.get(path, path), message))
     return {}

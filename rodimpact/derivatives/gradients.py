@@ -178,7 +178,7 @@ class Quantity:
         choices += [f"{name}.{k}" for name in ("impulse", "duration") for k in able]
         if len(able) == 1 and {able[0], able[0] + 1} <= {*ending}:
             choices.append("restitution")
-        if of not in choices:
+        if not isinstance(of, str) or of not in choices:
             known = ", ".join(choices)
             problems.append(("of", f"must be one of {known}, got {shown(of)}"))
             return

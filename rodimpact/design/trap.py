@@ -77,7 +77,8 @@ def momentum_trap(
     passed = single("after", after, "s")
     if not 0 <= passed < end:
         raise ValueError(f"after: must be from 0 to before until = {end!r} s, got {passed!r}")
-    of_kind("material", material or bar.segments[-1].material, Material, "materials.steel")
+    steel = bar.segments[-1].material if material is None else material
+    of_kind("material", steel, Material, "materials.steel")
 
     alone, last = solve(system, until=end), len(system.bodies) - 1
     times, arriving, returned = _waves(alone, last)
@@ -88,7 +89,6 @@ def momentum_trap(
         message = f"the right end is at {gap:.6g} m at {passed!r} s, and was at {furthest:.6g} m"
         raise ValueError(f"after: {message} before; take the time at which it is furthest")
 
-    steel = bar.segments[-1].material if material is None else material
     area = float(bar.segments[-1].impedance) / float(steel.density * steel.wave_speed)
 
     def behind(length: float) -> System:

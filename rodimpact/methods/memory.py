@@ -63,6 +63,15 @@ def ask(numbers: float, field: str, what: str, remedy: str) -> None:
         _thread.has_turn = True
 
 
+def check_file(name: object, size: float, remedy: str) -> None:
+    """Raise MemoryError where a file takes more bytes than half of this machine's memory."""
+    if size > installed() / 2:
+        raise MemoryError(
+            f"{name}: takes up to {size / 1e9:.3g} GB of memory, more than half of the "
+            f"{installed() / 1e9:.3g} GB here; {remedy}"
+        )
+
+
 def share(threads: int) -> None:
     """Let this thread be one of so many: it waits its turn, in `ask`, to take more than its share.
 

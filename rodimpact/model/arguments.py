@@ -56,7 +56,7 @@ def together(**arguments: Array) -> tuple[Array, ...]:
     """The arguments, broadcast; ValueError with their shapes if they do not."""
     try:
         return np.broadcast_arrays(*arguments.values())
-    except (ValueError, RuntimeError):  # of more than 32 dimensions
+    except ValueError:
         shapes = ", ".join(f"{name} has shape {x.shape}" for name, x in arguments.items())
         raise ValueError(f"{shapes}: these do not broadcast") from None
 

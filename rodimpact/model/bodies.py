@@ -45,6 +45,7 @@ from .profiles import (
     flipped,
 )
 
+MOST_STEPS = 100_000  # of a taper
 CIRCULAR = "circular"  # the cross-section is a solid disc
 
 
@@ -571,7 +572,7 @@ class Rod(_Body):
         Raises
         ------
         InvalidModel
-            If `n` is not a positive whole number.
+            If `n` is not a positive whole number, or above 100,000.
 
         Examples
         --------
@@ -584,6 +585,8 @@ class Rod(_Body):
         count: Any = n
         if isinstance(count, bool) or not isinstance(count, Integral) or count < 1:
             raise InvalidModel([("n", f"must be a positive whole number, got {shown(count)}")])
+        if n > MOST_STEPS:
+            raise InvalidModel([("n", f"must be at most {MOST_STEPS}, got {shown(count)}")])
         pieces = [piece for segment in self.segments for piece in segment.in_steps(n)]
         return self.replace(segments=pieces)
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
-from .arguments import array, refuse
+from .arguments import array, refuse, together
 from .bodies import Material
 from .frozen import Field, Frozen, Number, Problems, family_shape, number, raise_noted, require
 
@@ -37,12 +37,15 @@ class _Compliant(_Law):
 
     def stored(self, indentation: ArrayLike) -> Any:
         """Energy stored at an indentation d >= 0, m: k d^(p+1)/(p+1), J; ValueError at others."""
-        q, d = self.exponent + 1, array("indentation", indentation, "m")
+        d, k, p = together(
+            indentation=array("indentation", indentation, "m"),
+            stiffness=np.asarray(self.stiffness), exponent=np.asarray(self.exponent),
+        )
         with np.errstate(over="ignore", invalid="ignore"):
-            energy: Any = self.stiffness * d**q / q
+            energy: Any = k * d ** (p + 1) / (p + 1)
         wanted = "must be 0 or more, and not too large for a finite energy"
         refuse(~((d >= 0) & (energy < np.inf)), wanted, indentation=d)
-        return energy
+        return energy[()]
 
 
 class Rigid(_Law):

@@ -19,6 +19,7 @@ from ..units import shown
 Floats: TypeAlias = NDArray[np.float64]
 Number: TypeAlias = float | Floats
 
+MOST_DIMENSIONS = 32  # that NumPy broadcasts
 _PLAIN = frozenset({float, int, np.float64})
 _WORDS = {
     "m": "metres", "m^2": "square metres", "s": "seconds", "Hz": "hertz", "kg": "kilograms",
@@ -53,7 +54,10 @@ def floats(value: Any, unit: str) -> Floats:
         bare = _bare(value, unit)
         try:
             with np.errstate(over="ignore"):  # what is infinite then is refused as such
-                return np.array(bare, dtype=np.float64)
+                numbers = np.array(bare, dtype=np.float64)
+            if numbers.ndim <= MOST_DIMENSIONS:
+                return numbers
+            why = f"; it has {numbers.ndim} dimensions, and may have {MOST_DIMENSIONS}"
         except ValueError:  # lists of unequal lengths
             why = "; lists must be of equal lengths"
     except OverflowError:

@@ -193,16 +193,22 @@ class System(Frozen):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> System:
-        """Make the system that `to_dict` described."""
-        contacts = [dict(contact) for contact in data["contacts"]]
-        ends = data.get("ends")
-        return cls(
-            [restored(BODIES, "kind", body) for body in data["bodies"]],
-            gaps=[contact.pop("gap") for contact in contacts],
-            contacts=[restored(CONTACT_LAWS, "law", contact) for contact in contacts],
-            gravity=data.get("gravity", 0.0),
-            ends=ends and [restored(ENDS, "kind", ends[side]) for side in SIDES],
-        )
+        """Make the system that `to_dict` described; InvalidModel if that is none."""
+        try:
+            contacts = [dict(contact) for contact in data["contacts"]]
+            ends = data.get("ends")
+            return cls(
+                [restored(BODIES, "kind", body) for body in data["bodies"]],
+                gaps=[contact.pop("gap") for contact in contacts],
+                contacts=[restored(CONTACT_LAWS, "law", contact) for contact in contacts],
+                gravity=data.get("gravity", 0.0),
+                ends=ends and [restored(ENDS, "kind", ends[side]) for side in SIDES],
+            )
+        except InvalidModel:
+            raise
+        except (LookupError, TypeError, ValueError, AttributeError):
+            message = f"must be what system.to_dict() gives, got {shown(data)}"
+            raise InvalidModel([("data", message)]) from None
 
     def reversed(self) -> System:
         """Return the same state with every velocity turned round: the film run backwards.

@@ -10,13 +10,17 @@ import codecs
 import csv
 import os
 import re
+import time as clock
 import warnings
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator, Mapping
+from itertools import islice
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
 from .. import units as known_units
+from ..methods import memory
+from ..methods.duration import Forecast, LongRun
 from ..model.arguments import positive, single
 from ..model.frozen import nearest
 from ..model.quantities import Floats
@@ -34,6 +38,8 @@ LONGER = 4  # times as many as at any other: a recorder at its limit
 MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"),
          (codecs.BOM_UTF16_BE, "utf-16"))
 MOST_HEAD = 10_000  # lines before the numbers
+BLOCK = 1 << 19  # characters that are read at once, and the most of a line
+TIMES_FILE = 4  # bytes of memory for each byte of a table
 WORDS = {"second": "s", "seconds": "s", "sec": "s", "msec": "ms", "usec": "us", "nsec": "ns",
          "volt": "V", "volts": "V", "strain": "1", "-": "1", "m/m": "1", "mm/mm": "1"}
 """Units as instruments spell them."""
@@ -45,6 +51,8 @@ _DATE = re.compile(r"\d+[-/.:]\d+[-/.:]\d.*")
 _THOUSANDS = {".": re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+"),
               ",": re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")}
 _PARTED = re.compile(r"[+-]?\d{1,3}([,.'\N{RIGHT SINGLE QUOTATION MARK}\s]\d{3})+([.,]\d+)?")
+_QUOTED = re.compile(r'"[+-]?\d*,\d+(?:[eE][+-]?\d+)?"')
+_NO_DECIMAL = re.compile(r",(?!\d)")
 _NUMBERS = {".": re.compile(_NUMBER.format(r"\.\d*", r"\.\d+")),
             ",": re.compile(_NUMBER.format(r",\d+", r",\d+"))}
 
@@ -80,21 +88,24 @@ class _Form(NamedTuple):
 
 
 COMMAS = _Form(",", ".")
+QUOTED = _Form(",", ",")
+"""Commas between cells and in numbers, which have quotes around them then."""
 FORMS = [_Form(delimiter, decimal) for delimiter in ("\t", ";", "") for decimal in ".,"]
-FORMS.insert(4, COMMAS)
+FORMS[4:4] = QUOTED, COMMAS
 
 
 def read_signals(
     path: PathLike, *, time: str | None = None, time_unit: str | None = None,
     rate: float | None = None, units: str | Mapping[str, str] | None = None,
-    decimal: str | None = None,
+    decimal: str | None = None, progress: Callable[[int, int], object] | None = None,
 ) -> dict[str, Signal]:
     r"""Read the channels of a table of text.
 
-    Columns may be parted by tabs, semicolons, commas or blanks, decimals by points or commas; the
-    text may be UTF-8, UTF-16 with its mark, or Latin-1; any lines may come before the numbers. A
-    unit stands in the head, ``incident [mV]``, ``incident (mV)``, ``incident_mV`` or ``incident /
-    mV``, or in a line of its own below; volts, seconds and so on are made of it. What scopes write
+    Columns may be parted by tabs, semicolons, commas or blanks, decimals by points or commas. Where
+    commas part columns, too, numbers with a decimal comma stand in quotes: ``0,"1,5"``. The text
+    may be UTF-8, UTF-16 with its mark, or Latin-1; any lines may come before the numbers. A unit
+    stands in the head, ``incident [mV]``, ``incident (mV)``, ``incident_mV`` or ``incident / mV``,
+    or in a line of its own below; volts, seconds and so on are made of it. What scopes write
     before, such as an interval or a unit far from its column, is not heeded: it is to be given.
 
     Parameters
@@ -113,6 +124,8 @@ def read_signals(
     decimal : str, optional
         ``"."`` or ``","``, where the file leaves it open: 0,1 may be two numbers, and 1,234, if all
         are like that, thousands.
+    progress : callable, optional
+        Called with the number of characters that are read, and of all.
 
     Returns
     -------
@@ -124,6 +137,8 @@ def read_signals(
     -----
     ClippedSignal
         If a channel stays at its largest value, and at no other, for long.
+    LongRun
+        If it takes long.
 
     Raises
     ------
@@ -134,6 +149,8 @@ def read_signals(
         If an argument is not what it should be.
     OSError
         If the file cannot be read at all.
+    MemoryError
+        If four times its size are more than half of what this machine has of memory.
 
     Examples
     --------
@@ -154,61 +171,140 @@ def read_signals(
         rate = positive("rate", single("rate", rate, "Hz"), "Hz").item()
         if time is not None or time_unit is not None:
             raise ValueError("rate: give either rate or a column of times, not both")
+    if progress is not None and not callable(progress):
+        raise ValueError(f"progress: must be a function, got {shown(progress)}")
     with open_regular(path) as file:
-        data = file.read()
-    try:
-        return _Table(data, decimal).signals(time, time_unit, rate, units)
-    except FileFormatError as error:
-        raise FileFormatError(f"{os.fspath(path)}: {error}") from None
+        memory.check_file(file.name, TIMES_FILE * os.fstat(file.fileno()).st_size,
+                          "cut it into shorter records")
+        try:
+            return _Table(_text(file), decimal, progress).signals(time, time_unit, rate, units)
+        except FileFormatError as error:
+            raise FileFormatError(f"{os.fspath(path)}: {error}") from None
 
 
 class _Table:
-    """Names, units and numbers of the columns of a text."""
+    """Names, units and numbers of the columns of a text, which is cut into numbers by blocks."""
 
-    def __init__(self, data: bytes, decimal: str | None) -> None:
-        lines = _decoded(data).splitlines()
-        while lines and not lines[-1].strip("\t ;,"):
-            lines.pop()
-        form, start = _form_of(lines, decimal)
-        head = lines[:start]
-        body = [(i, form.cells(line)) for i, line in enumerate(lines[start:], start + 1)
-                if line.strip()]
-        while not any(row[-1] for _, row in body):
-            for _, row in body:
-                row.pop()
-        self.lines = [i for i, _ in body]
-        self.count = len(body[0][1])
-        for i, row in body:
-            if len(row) != self.count:
-                raise FileFormatError(
-                    f"line {i}: has {len(row)} columns, the lines before it {self.count}; complete "
-                    "or remove it"
-                )
-        self.names, self.units = _heads(head, form, self.count)
-        columns = [[row[j] for _, row in body] for j in range(self.count)]
-        self.columns = [self._numbers(j, column, form.decimal)
-                        for j, column in enumerate(columns)]
-        if decimal is None and form != COMMAS:
-            _check_decimal(columns, form.decimal)
+    def __init__(self, text: str, decimal: str | None, progress: Any) -> None:
+        last = text.find("\n", len(text.rstrip("\t ;,\n")))
+        self.text = text if last < 0 else text[:last]  # lines of delimiters may follow the table
+        lines = self.text[:BLOCK].split("\n", MOST_HEAD + 2 * SURE)
+        if len(self.text) > BLOCK or len(lines) > MOST_HEAD + 2 * SURE:
+            lines.pop()  # it goes on
+        self.form, start = _form_of(lines, self.text, decimal)
+        cells = _without_end(self.form.cells(lines[start]))
+        self.count, self.first = len(cells), start + 1
+        self.start = sum(len(line) + 1 for line in lines[:start])
+        self.names, self.units = _heads(lines[:start], self.form, self.count)
+        del lines, cells
+        self._read(progress)
+        if decimal is None and self.form != COMMAS:
+            self._check_decimal()
 
-    def _numbers(self, column: int, cells: list[str], decimal: str) -> Floats:
-        """Finite numbers of a column."""
-        good = _NUMBERS[decimal].fullmatch
-        for line, cell in zip(self.lines, cells, strict=True):
-            if not good(cell):
-                what = f"must be a number, got {shown(cell)}" if cell else "is empty"
+    def _read(self, progress: Any) -> None:
+        """Numbers of all columns; each is the first entries of an array that has room for all."""
+        size = len(self.text) - self.start
+        most = min(self.text.count("\n", self.start) + 1, size // (2 * self.count) + 1)
+        self.columns = [np.empty(most) for _ in range(self.count)]
+        forecast = Forecast(_announce, "a record of fewer samples or channels")
+        began, rows, line = clock.monotonic(), 0, self.first
+        for end, block in self._blocks():
+            numbers = self._fast(block)
+            if numbers is None:
+                numbers = self._strict(block, line)
+            for column, values in zip(self.columns, numbers.T, strict=True):
+                column[rows : rows + len(values)] = values
+            rows += len(numbers)
+            line += block.count("\n") + 1
+            rate = (end - self.start) / max(clock.monotonic() - began, 1e-9)
+            forecast.expect((len(self.text) - end) / rate, f"a table of {size / 1e6:.3g} MB")
+            if progress is not None:
+                progress(end, len(self.text))
+        self.rows = rows
+        self.columns = [column[:rows] for column in self.columns]
+
+    def _blocks(self) -> Iterator[tuple[int, str]]:
+        """Whole lines, and where they end."""
+        start = self.start
+        while start < len(self.text):
+            end = self.text.find("\n", min(start + BLOCK, len(self.text)))
+            end = len(self.text) if end < 0 else end
+            if end - start > 2 * BLOCK:
+                line = self.text.count("\n", 0, start + BLOCK) + 1
+                raise FileFormatError(f"line {line}: has more than {BLOCK} characters; remove it")
+            yield end, self.text[start:end]
+            start = end + 1
+
+    def _fast(self, block: str) -> Any:
+        """Rows of numbers; None if anything in the block is not as it mostly is."""
+        if self.form.decimal == ",":
+            parts = block.split('"') if self.form == QUOTED else ["", block]
+            if "." in block or any(map(_NO_DECIMAL.search, parts[1::2])):
+                return None
+            parts[1::2] = [part.replace(",", ".") for part in parts[1::2]]
+            block = "".join(parts)
+        lines = block.split("\n")
+        if lines[0].endswith(self.form.delimiter or " "):  # as in all lines of some recorders
+            lines = [line.rstrip(self.form.delimiter + " ") for line in lines]
+        if not any(lines):
+            return np.empty((0, self.count))
+        try:
+            numbers = np.loadtxt(lines, delimiter=self.form.delimiter or None, comments=None,
+                                 quotechar='"', ndmin=2)
+        except ValueError:
+            return None
+        whole = numbers.shape[1] == self.count and np.isfinite(numbers).all()
+        return numbers if whole else None
+
+    def _strict(self, block: str, line: int) -> Any:
+        """Rows of numbers, read cell by cell; FileFormatError with the place of what is none."""
+        good, rows = _NUMBERS[self.form.decimal].fullmatch, []
+        for i, text in enumerate(block.split("\n"), line):
+            if not text.strip():
+                continue
+            cells = self.form.cells(text)
+            if len(cells) > self.count and not any(cells[self.count :]):
+                cells = cells[: self.count]
+            if len(cells) != self.count:
                 raise FileFormatError(
-                    f"line {line}, column {shown(self.names[column])}: {what}; complete or remove "
-                    "the line"
+                    f"line {i}: has {len(cells)} columns, the lines before it {self.count}; "
+                    "complete or remove it"
                 )
-        values = np.array([float(cell.replace(",", ".")) for cell in cells])
-        if not (finite := np.isfinite(values)).all():
-            i = int((~finite).argmax())
+            row = []
+            for name, cell in zip(self.names, cells, strict=True):
+                place = f"line {i}, column {shown(name)}"
+                if not good(cell):
+                    what = f"must be a number, got {shown(cell)}" if cell else "is empty"
+                    raise FileFormatError(f"{place}: {what}; complete or remove the line")
+                row.append(float(cell.replace(",", ".")))
+                if not np.isfinite(row[-1]):
+                    raise FileFormatError(
+                        f"{place}: must be a finite number, got {shown(cell)}; cut the record "
+                        "there, or fill in the sample"
+                    )
+            rows.append(row)
+        return np.array(rows).reshape(-1, self.count)
+
+    def _check_decimal(self) -> None:
+        """Refuse numbers that may be thousands or parts of one: all are like 1,234."""
+        sign, odd = self.form.decimal, ""
+        for _, block in self._blocks():
+            for line in block.split("\n") if sign in block else []:
+                for cell in self.form.cells(line):
+                    if sign in cell and not _THOUSANDS[sign].fullmatch(cell):
+                        return
+                    odd = odd or (cell if sign in cell else "")
+        if odd:
             raise FileFormatError(
-                f"line {self.lines[i]}, column {shown(self.names[column])}: must be a finite "
-                f"number, got {shown(cells[i])}; cut the record there, or fill in the sample"
+                f"has numbers such as {shown(odd)}, which may be with decimals or in thousands; "
+                f'give decimal="{sign}" if with decimals, or write them without signs between '
+                "thousands"
             )
-        return values
+
+    def _line(self, row: int) -> int:
+        """Number of the line in which a row stands."""
+        lines = (i for _, block in self._blocks() for i in map(str.strip, block.split("\n")))
+        return next(islice((i for i, text in enumerate(lines, self.first) if text), row, None))
 
     def signals(
         self, time: str | None, time_unit: str | None, rate: float | None, units: Any
@@ -221,13 +317,13 @@ class _Table:
                 raise FileFormatError(
                     f"has a column of times, {shown(self.names[named[0]])}; {remedy}"
                 )
-            times = np.arange(len(self.lines)) / rate
+            times = np.arange(self.rows) / rate
             channels = list(range(self.count))
         else:
             clock = self._clock(time, named)
             times = self._times(clock, time_unit)
             channels = [j for j in range(self.count) if j != clock]
-        if len(self.lines) < 2:
+        if self.rows < 2:
             raise FileFormatError("has one line of numbers; a signal has two samples or more")
         wanted = self._wanted_units(units, [self.names[j] for j in channels])
         signals = {}
@@ -238,8 +334,9 @@ class _Table:
                 values, si = known_units.in_si(self.columns[j], unit)
             except ValueError as error:
                 raise FileFormatError(f"column {shown(name)}: {error}; give units=") from None
-            signals[name] = Signal(values, times, unit=si, name=name)
             self._warn_if_clipped(j)
+            signals[name] = Signal(values, times, unit=si, name=name)
+            self.columns[j] = np.empty(0)  # the signal has its own
         return signals
 
     def _clock(self, time: str | None, named: list[int]) -> int:
@@ -290,7 +387,7 @@ class _Table:
         if (steps <= 0).any():
             i = int((steps <= 0).argmax())
             raise FileFormatError(
-                f"line {self.lines[i + 1]}, column {name}: times must increase, got "
+                f"line {self._line(i + 1)}, column {name}: times must increase, got "
                 f"{times[i + 1]:.9g} s after {times[i]:.9g} s; if they are written with too few "
                 "digits, remove the column and give rate"
             )
@@ -299,7 +396,7 @@ class _Table:
         if odd.any() and odd.mean() < 0.1 and (wide := steps > GAP * usual).any():
             i = int(wide.argmax())
             raise FileFormatError(
-                f"line {self.lines[i + 1]}, column {name}: samples are missing, {steps[i]:.6g} s "
+                f"line {self._line(i + 1)}, column {name}: samples are missing, {steps[i]:.6g} s "
                 f"lie between it and the line before, {usual:.6g} s between others; cut the "
                 "record there, or fill in the samples"
             )
@@ -322,59 +419,77 @@ class _Table:
 
     def _warn_if_clipped(self, column: int) -> None:
         values = self.columns[column]
-        edges = np.flatnonzero(np.diff(values) != 0) + 1
-        starts = np.concatenate(([0], edges))
-        lengths = np.diff(np.append(starts, len(values)))
-        level = values[starts]
-        limit = ((level == values.max()) | (level == values.min())) & (level != values[0])
-        held, others = lengths * limit, lengths * ~limit
-        if held.max() >= max(HELD, LONGER * others.max()):
-            i = int(held.argmax())
+        limit = ((values == values.max()) | (values == values.min())) & (values != values[0])
+        if np.count_nonzero(limit) < HELD:
+            return
+        starts, lengths = _runs(values, np.flatnonzero(limit))
+        i = int(lengths.argmax())
+        if lengths[i] < HELD:  # and the others need no memory
+            return
+        _, others = _runs(values, np.flatnonzero(~limit))
+        if lengths[i] >= LONGER * others.max():
             name = shown(self.names[column])
             warnings.warn(
-                f"column {name} stays at {level[i]:.6g} for {held[i]} samples from line "
-                f"{self.lines[int(starts[i])]} on: the recorder may have cut it off there",
+                f"column {name} stays at {values[starts[i]]:.6g} for {lengths[i]} samples from "
+                f"line {self._line(int(starts[i]))} on: the recorder may have cut it off there",
                 ClippedSignal, stacklevel=4,
             )
 
 
-def _decoded(data: bytes) -> str:
-    """The text of a file."""
-    encoding = next((name for mark, name in MARKS if data.startswith(mark)), "utf-8")
-    try:
-        if encoding != "utf-16" and b"\0" in data:
+def _runs(values: Floats, places: Any) -> tuple[Any, Any]:
+    """Where equal values begin, one behind the other, among those at some places; and how many."""
+    apart = (np.diff(places) > 1) | (np.diff(values[places]) != 0)
+    first = np.concatenate(([0], np.flatnonzero(apart) + 1))
+    return places[first], np.diff(first, append=places.size)
+
+
+def _announce(sentence: str) -> None:
+    warnings.warn(sentence, LongRun, stacklevel=6)
+
+
+def _text(file: BinaryIO) -> str:
+    """The text of a file, with one character at the end of each line."""
+    data, encoding = bytearray(), "utf-8"
+    while block := file.read(BLOCK):
+        if not data:
+            encoding = next((name for mark, name in MARKS if block.startswith(mark)), encoding)
+        if encoding != "utf-16" and b"\0" in block:  # before all of a file of zeros is read
             raise FileFormatError(NO_TEXT)
+        data += block
+    try:
         text = data.decode(encoding).replace("\N{MINUS SIGN}", "-")
     except UnicodeDecodeError:
         if encoding != "utf-8":
             raise FileFormatError(f"is not the text in {encoding} that its mark says") from None
-        return data.decode("latin-1")
+        text = data.decode("latin-1")
     if "\0" in text:
         raise FileFormatError(NO_TEXT)
-    return text
+    del data
+    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def _form_of(lines: list[str], decimal: str | None) -> tuple[_Form, int]:
-    """How lines are cut into numbers, and the first line of numbers."""
-    forms = [form for form in FORMS if decimal in (None, form.decimal) or form == COMMAS]
-    if decimal == ",":
-        forms.remove(COMMAS)
+def _form_of(lines: list[str], text: str, decimal: str | None) -> tuple[_Form, int]:
+    """How the lines of a text are cut into numbers, and the first line of numbers."""
+    forms = [form for form in FORMS if decimal in (None, form.decimal)]
+    if QUOTED in forms and not _QUOTED.search(text):
+        forms.remove(QUOTED)
     found: list[_Form] = []
     for start in range(min(len(lines), MOST_HEAD)):
         if found := [form for form in forms if _begins(lines, start, form)]:
             break
     else:
         raise FileFormatError(f"has no table of numbers{_why_none(lines, forms)}")
-    line, body = lines[start], lines[start:]
+    line = lines[start]
+    # where the first rows are whole numbers, later ones tell the decimal sign
+    sign = "," if text.find(",", sum(map(len, lines[:start])) + start) >= 0 else "."
     several = [form for form in found if form.numbers(line) > 1]
     if not several:
-        sign = "," if any("," in row for row in body) else "."
         form = next((form for form in found if form.decimal == sign), found[0])
     elif len({form.delimiter for form in found}) == 1 or "," not in line:
-        # where the first rows are whole numbers, later ones tell the decimal sign
-        wanted = "," if any("," in row for row in body) and several[0] != COMMAS else "."
+        wanted = "." if several[0] == COMMAS else sign
         form = next((f for f in several if f.decimal == wanted), several[0])
-    elif len(several) == len(found) or _named(lines[:start], several[0].numbers(line)):
+    elif (several[0] == QUOTED or len(several) == len(found)
+          or _named(lines[:start], several[0].numbers(line))):
         form = several[0]
     else:
         raise FileFormatError(
@@ -388,10 +503,18 @@ def _form_of(lines: list[str], decimal: str | None) -> tuple[_Form, int]:
 
 def _why_none(lines: list[str], forms: list[_Form]) -> str:
     """What keeps a line in the middle of the file from being numbers, and the remedy."""
-    i = next((i for i in range(len(lines) // 2, len(lines)) if lines[i].strip()), None)
-    if i is None:
+    last = min(len(lines), MOST_HEAD)
+    i = next((i for i in range(last // 2, last) if lines[i].strip()), -1)
+    if i < 0:
         return "; export it as text, with a row a sample"
     form = max(forms, key=lambda form: sum(map(form.is_number, form.cells(lines[i]))))
+    if count := form.numbers(lines[i]):  # then a line below it keeps it from being the first row
+        below = (j for j in range(i + 1, min(len(lines), i + 2 * SURE)) if lines[j].strip())
+        other = next(j for j in below if form.numbers(lines[j]) != count)
+        if found := form.numbers(lines[other]):
+            return (f": line {i + 1} has {count} numbers and line {other + 1} has {found}; give "
+                    "each line a number a column")
+        i = other
     cells = form.cells(lines[i])
     if not any(form.is_number(c) or _DATE.fullmatch(c) or _PARTED.fullmatch(c) for c in cells):
         return (" in columns parted by tabs, semicolons, commas or blanks; export it as text, with "
@@ -403,16 +526,6 @@ def _why_none(lines: list[str], forms: list[_Form]) -> str:
     elif _PARTED.fullmatch(odd):
         remedy = "write numbers without signs between thousands"
     return f": line {i + 1} has {shown(odd) if odd else 'an empty cell'}; {remedy}"
-
-
-def _check_decimal(columns: list[list[str]], sign: str) -> None:
-    """Refuse numbers that may be thousands or parts of one: all are like 1,234."""
-    cells = [cell for column in columns for cell in column if sign in cell]
-    if cells and all(map(_THOUSANDS[sign].fullmatch, cells)):
-        raise FileFormatError(
-            f"has numbers such as {shown(cells[0])}, which may be with decimals or in thousands; "
-            f'give decimal="{sign}" if with decimals, or write them without signs between thousands'
-        )
 
 
 def _begins(lines: list[str], start: int, form: _Form) -> bool:

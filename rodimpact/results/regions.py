@@ -53,7 +53,7 @@ class Regions:
 
 
 def regions_of(
-    solution: Solution, start: float = 0.0, stop: float | None = None, limit: int = 100_000
+    solution: Solution, start: float = 0.0, stop: float | None = None, limit: float = 100_000
 ) -> Regions:
     """Cut the (x, t) plane of every rod into regions of constant state.
 
@@ -62,8 +62,8 @@ def regions_of(
     solution : Solution
     start, stop : float
         Interval of time, s; by default the whole solution.
-    limit : int
-        Largest number of regions wanted.
+    limit : float
+        Largest number of regions wanted; ``math.inf`` for all.
 
     Returns
     -------
@@ -77,9 +77,11 @@ def regions_of(
     """
     check_solution(solution)
     fields, first_tick, last_tick = _interval(solution, start, stop)
-    limit = int(single("limit", limit, ""))
+    limit = single("limit", limit, "")
+    if not limit >= 1:
+        raise ValueError(f"limit: must be 1 or more, got {limit:g}")
     if _count(fields, first_tick, last_tick, limit) > limit:
-        raise ValueError(f"limit: more than {limit} regions; choose a shorter interval")
+        raise ValueError(f"limit: more than {limit:.15g} regions; choose a shorter interval")
     bodies: list[int] = []
     segments: list[int] = []
     counts: list[int] = []
@@ -152,7 +154,7 @@ def _interval(solution: Solution, start: float, stop: float | None) -> tuple[Wav
     return fields, first_tick, last_tick
 
 
-def _count(fields: WaveFields, start: int, stop: int, limit: int) -> int:
+def _count(fields: WaveFields, start: int, stop: int, limit: float) -> int:
     """Number of regions; of more than `limit` not all are counted."""
     segments, count = range(1, len(fields.clock.ticks) - 1), 0
     if len(segments) > limit:  # each has at least one

@@ -266,7 +266,7 @@ class Solution:
         data["mean_velocity"] = ["body", "time"], np.array(means)
         for ask_of in (ContactHistory.force, ContactHistory.gap):
             values = [ask_of(contact, t) for contact in self.contacts]
-            data[ask_of.__name__] = ["contact", "time"], np.reshape(values, (-1, t.size))
+            data[ask_of.__name__] = ["contact", "time"], np.reshape(values, (len(values), t.size))
         parts = vars(self.energy(t))
         data["energy"] = ["part", "time"], np.array([*parts.values()])
         over = {

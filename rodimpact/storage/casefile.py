@@ -62,9 +62,11 @@ from __future__ import annotations
 
 import os
 import tomllib
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
+from ..methods.duration import Forecast, LongRun
 from ..model.frozen import InvalidModel
 from ..units import shown
 from .case import Case as Case
@@ -73,7 +75,8 @@ from .case_reading import case_from as case_from
 from .case_writing import write_case as write_case
 from .writing import file_name
 
-MOST_BYTES = 10**8  # of a file
+MOST_BYTES = 10**7  # of a file; Python takes a hundred for each
+CHARACTERS_A_SECOND = 5e5
 
 
 def read_case(path: str | os.PathLike[str], vary: Mapping[str, str] | None = None) -> Case:
@@ -179,6 +182,8 @@ def parse_case(
         raise InvalidModel([("source", f"must be the name of a case, got {shown(source)}")])
     if not isinstance(text, str):
         raise InvalidModel([(source, f"must be the text of a case file, got {shown(text)}")])
+    forecast = Forecast(lambda said: warnings.warn(said, LongRun, stacklevel=4), "a shorter file")
+    forecast.expect(len(text) / CHARACTERS_A_SECOND, f"{len(text) / 1e6:.3g} MB of TOML")
     try:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # a number of 5000 digits is a plain ValueError

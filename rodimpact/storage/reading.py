@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import warnings
 import zipfile
 from collections.abc import Callable, Mapping
 from typing import Any, BinaryIO
@@ -17,9 +18,22 @@ import numpy as np
 
 from .. import __version__
 from ..methods import memory
-from .writing import FORMAT, MOST_DOCUMENT, OLDEST, SCHEMA, Arrays, PathLike, described, file_name
+from ..methods.duration import Forecast, LongRun
+from .writing import (
+    FORMAT,
+    MOST_DOCUMENT,
+    OLDEST,
+    SCHEMA,
+    Arrays,
+    PathLike,
+    described,
+    file_name,
+    made_of,
+)
 
 MOST_HEADER = 1 << 12  # bytes before the numbers of an array; usually 128
+LESS = "a file of fewer bodies, members or samples"
+PARTS_A_SECOND, NUMBERS_A_SECOND = 4e7, 2e8  # bytes, as `made_of` counts, and of arrays
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # others swell without bounds
 _SPECIAL = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # JSON has no such numbers
 
@@ -105,6 +119,9 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
     if "document.npy" not in archive.namelist():
         raise foreign
     text = str(_array(archive, "document", MOST_DOCUMENT))
+    if (size := made_of(text)) > 2 * MOST_DOCUMENT:  # brackets alone, a thousandfold packed
+        raise FileFormatError("has a document of more parts than rodimpact writes in one file")
+    _expect(size / PARTS_A_SECOND, "a document", size)
     try:
         document = json.loads(text)
         if document["format"] != FORMAT:
@@ -126,11 +143,8 @@ def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
     """The arrays that the document names, each as it was written."""
     sizes = {name: np.dtype(entry["type"]).itemsize * math.prod(entry["shape"])
              for name, entry in entries.items()}
-    if sum(sizes.values()) > memory.installed() / 2:
-        raise MemoryError(
-            f"{archive.filename}: holds {sum(sizes.values()) / 1e9:.3g} GB, more than half of the "
-            f"{memory.installed() / 1e9:.3g} GB of memory here; load it on a larger machine"
-        )
+    memory.check_file(archive.filename, sum(sizes.values()), "load it on a larger machine")
+    _expect(sum(sizes.values()) / NUMBERS_A_SECOND, "arrays", sum(sizes.values()))
     mismatch = "its contents do not fit together: {} is not what the document says"
     for name in {*archive.namelist()} ^ {f"{name}.npy" for name in (*entries, "document")}:
         raise FileFormatError(mismatch.format(name))
@@ -140,6 +154,12 @@ def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
         if described(arrays[name]) != entry:
             raise FileFormatError(mismatch.format(name))
     return arrays
+
+
+def _expect(seconds: float, what: str, size: int) -> None:
+    """Tell who loads a large file that it takes long."""
+    forecast = Forecast(lambda text: warnings.warn(text, LongRun, stacklevel=7), LESS)
+    forecast.expect(seconds, f"loading {what} of {size / 1e9:.2g} GB")
 
 
 def _array(archive: zipfile.ZipFile, name: str, most: int) -> Any:

@@ -33,6 +33,8 @@ SCHEMA, OLDEST = 4, 3
 """Version of what a saved file holds, and the oldest that is read; readers refuse newer ones."""
 MOST_DOCUMENT = 1 << 28
 """Bytes of the document of a saved file, four to a character."""
+PARTS = {"[": 72, "{": 72, '"': 30, ",": 32}
+"""Bytes that Python takes for a part of a document, by the character that begins or ends it."""
 PASSING = ".rodimpact-"
 """How names of files begin that are being written."""
 EXISTS = "it exists already; give --force (in Python force=True) to replace it"
@@ -197,11 +199,16 @@ def write_npz(
     head = {"format": FORMAT, "schema": SCHEMA, "rodimpact": __version__, "kind": kind}
     what = {name: described(np.asanyarray(array)) for name, array in arrays.items()}
     text = json.dumps(_finite({**head, **document, "arrays": what}), allow_nan=False)
-    if 4 * len(text) > MOST_DOCUMENT:
+    if max(4 * len(text), made_of(text) / 2) > MOST_DOCUMENT:
         message = f"cannot write {os.fspath(path)!r}: the row has too many numbers for one file"
         raise OSError(message)
     with written(path, force=force) as file:
         np.savez_compressed(file, document=np.array(text), **arrays)
+
+
+def made_of(document: str) -> int:
+    """Bytes that Python takes for what the text of a document says, at most."""
+    return sum(size * document.count(sign) for sign, size in PARTS.items())
 
 
 def described(array: Any) -> dict[str, Any]:

@@ -281,32 +281,28 @@ def objects(rng):
 
 
 def likely(rng, name):
-    """What goes well with a parameter of this name; None where nothing is known."""
-    rods, system, solution = RODS, PAIR, SOLVED()
+    """What goes well with a parameter of this name; a number where nothing is known."""
+    time, signal = [1e-5, np.array([0.0, 1e-5])], [VOLTS, -VOLTS]
     choices = {
-        "length": [0.4, np.array([0.1, 0.2])], "area": [1e-4, ri.Samples([1e-4, 2e-4])],
-        "material": [STEEL], "left": rods, "right": rods, "bodies": [rods, [*rods, ri.Wall()]],
-        "system": [system, ri.System([rods[0], ri.RigidMass(1.0)], [0.0], [ri.Spring(1e7)])],
-        "contact": [ri.Rigid(), ri.Spring(1e8)], "until": [1e-4, None], "method": ["auto"],
-        "max_events": [1000], "dt": [1e-6, None], "rtol": [1e-2, None], "cells": [8, None],
-        "snapshots": [3, None], "body": [0, 1], "x": [0.1, np.array([0.1, 0.2])],
-        "t": [1e-5, np.array([0.0, 1e-5])], "times": [[1e-5, 2e-5]], "gauges": [[(0, 0.1)]],
-        "values": [[1.0, 0.0]], "at": [[0.1]], "step": [1e-5, None], "velocity": [1.0],
-        "strain": [0.0], "n": [3], "side": ["left", "right"], "text": ["1 mm", "2 s"],
-        "dimension": ["length", "time"], "solution": [solution], "index": [0],
-        "contacts": [[ri.Rigid()]], "gaps": [[0.0]], "limit": [100], "mass": [1.0],
-        "progress": [None], "executor": [None], "checkpoint": [None], "workers": [1, None],
-        "youngs_modulus": [1e11], "density": [1e3], "name": ["x"], "case": [system],
-        "result": [ri.sweep(FAMILY)],
-        "frequency": [5e4, np.array([0.0, 1e5])], "poisson_ratio": [0.3], "other": [VOLTS, -VOLTS],
-        "distance": [0.1], "bar": [BAR], "kind": ["gaussian", "quarter"], "volts": [VOLTS],
-        "start": [1e-5], "end": [4e-5], "delay": [1e-5], "before": [1e-5], "shift": [0.0, None],
-        "scale": [1.0, None], "units": ["V", None], "rate": [1e6, None], "unit": ["V", ""],
-        "record": [solution.gauge(0, 0.1)], "path": ["file.npz", "file.csv"],
-        "signals": [{"a": VOLTS, "b": VOLTS}], "measured": [VOLTS], "predicted": [VOLTS],
+        "area": [1e-4, ri.Samples([1e-4, 2e-4])], "material": [STEEL], "left": RODS, "right": RODS,
+        "bodies": [RODS, [*RODS, ri.Wall()]], "contacts": [[ri.Rigid()]], "gaps": [[0.0]],
+        "system": [PAIR, ri.System([RODS[0], ri.RigidMass(1.0)], [0.0], [ri.Spring(1e7)])],
+        "contact": [ri.Rigid(), ri.Spring(1e8)], "case": [PAIR], "family": [FAMILY],
+        "until": [1e-4], "method": ["auto"], "max_events": [1000], "dt": [1e-6], "rtol": [1e-2],
+        "cells": [8], "snapshots": [3], "body": [0, 1], "index": [0], "n": [3], "limit": [100],
+        "segments": [3], "frames": [2], "starts": [2], "most_cells": [5], "t": time, "step": time,
+        "start": time, "end": [4e-5], "delay": time, "before": time, "times": [[1e-5, 2e-5]],
+        "gauges": [[(0, 0.1)]], "values": [[1.0, 0.0]], "at": [[0.1]], "side": ["left", "right"],
+        "text": ["1 mm", "2 s"], "dimension": ["length", "time"], "unit": ["V", ""],
+        "units": ["V"], "path": ["file.npz", "file.csv"], "name": ["x"], "kind": ["quarter"],
+        "wrt": [["bodies.0.length"]], "of": ["restitution"], "y": [("bodies.0.length", 0.1, 0.3)],
+        "vary": [["bodies.0.length"], {"bodies.0.length": (0.1, 0.3)}], "bar": [BAR],
+        "solution": [SOLVED()], "result": [ri.sweep(FAMILY)], "record": [SOLVED().gauge(0, 0.1)],
+        "other": signal, "volts": signal, "measured": signal, "predicted": signal,
+        "signal": signal, "signals": [{"a": VOLTS, "b": VOLTS}],
     }
     choices |= {flag: [False, True] for flag in FLAGS}
-    return one_of(rng, choices[name]) if name in choices else None
+    return one_of(rng, choices.get(name, [0.1, 0.3, 2.0, np.array([0.1, 0.2])]))
 
 
 def is_sentence(error):

@@ -1,12 +1,15 @@
 """Tables as laboratories write them: what is read, and what is refused with a sentence."""
 
+import os
 import re
+import tracemalloc
 import warnings
 
 import numpy as np
 import pytest
 
 import rodimpact as ri
+from rodimpact.methods import memory
 from rodimpact.storage.reading import FileFormatError
 
 T = [0.0, 1e-6, 2e-6, 3e-6]
@@ -38,8 +41,10 @@ def read(tmp_path):
     "x-axis,bar,,\nsecond,Volt,,\n0,.001,,\n1e-6,-.0025,,\n2e-6,.25,,\n3e-6,1,,\n,,,\n",
     "Separator\tTab\n***End_of_Header***\t\t\ntime (sec)\tbar (Volts)\tComment\n0\t0.001\t\n"
     "1e-6\t-0.0025\t\n2e-6\t0.25\t\n3e-6\t1\t\n",
+    'time [us],bar [mV]\n"0","1,0"\n"1","-2,5"\n"2","250"\n"3","1e3"\n',
+    '"time [us]","bar [V]"\n0,"0,001"\n1,"-,25e-2"\n2,"0,25"\n3,1\n',
     "  time [us]   bar [mV]\n    0.0    1.0\n    1.0   -2.5\n    2.0  250.0\n    3.0 1000.0\n",
-], ids=range(14))
+], ids=range(16))
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "utf-16"])
 def test_one_record_in_many_clothes(read, text, encoding):
     (bar,) = read(text, encoding).values()
@@ -67,6 +72,9 @@ def test_units_and_rates_that_the_file_does_not_say(read):
     assert read(many.replace("1;1,002", "1;0,002"))["a"].values.tolist() == [1.001, 0.002]
     assert read("1,5\n2,5\n", rate=1.0, decimal=",")["1"].values.tolist() == [1.5, 2.5]
     assert list(read("1,5\n2,5\n", rate=1.0, decimal=".")) == ["1", "2"]
+    quoted = read('time_s,a\n0,1\n1,2\n2,"2,5"\n')
+    assert quoted["a"].values.tolist() == [1.0, 2.0, 2.5]
+    assert read('0,1\n1,"2,5"\n', time_unit="s", decimal=",")["2"].values.tolist() == [1.0, 2.5]
     assert list(read("a,b\n1,5\n2,5\n", rate=1.0)) == ["a", "b"]
 
 
@@ -110,7 +118,12 @@ def test_units_and_rates_that_the_file_does_not_say(read):
     ("time_s,a\n0,#N/A\n1,2\n2,3\n", {}, "begins with a line that has '#N/A' beside numbers"),
     ("time_s\n0\n1\n", {"rate": 1.0}, "has a column of times, 'time'; it has no other"),
     ("time_s,a [mv]\n0,1\n1,2\n", {}, "column 'a': unknown unit 'mv'; perhaps 'mV' is meant"),
-], ids=range(38))
+    ('time_s,a\n0,1\n1,2\n2,"2,5"\n', {"decimal": "."}, "line 4 has '2,5'; below their heads"),
+    ('time_s,a\n0,"1,001"\n1,"1,002"\n', {}, "such as '1,001', which may be with decimals or in"),
+    ("time_s,a\n0,1\n1,2,3\n2,3\n3,4,5\nend\n", {}, "line 4 has 2 numbers and line 5 has 3; give"),
+    ("time_s,a\n0,1\nx\n0,1\nx\n", {}, "has no table of numbers in columns parted by"),
+    ("note\n" * 10_000 + "0,1\n" * 10_010, {}, "has no table of numbers"),
+], ids=range(43))
 def test_what_is_no_record_is_refused_with_the_place(read, text, options, said):
     with pytest.raises(FileFormatError, match=f"shot.txt: .*{re.escape(said)}"):
         read(text, **options)
@@ -122,6 +135,7 @@ def test_what_is_no_record_is_refused_with_the_place(read, text, options, said):
     ({"units": {"c": "V"}}, "units: there is no channel 'c'; use one of a"),
     ({"units": 3}, "units: must be a unit, or units by channel, got 3"),
     ({"units": {"a": 3}}, "unknown unit 3"),
+    ({"progress": 3}, "progress: must be a function, got 3"),
 ])
 def test_wrong_options(read, options, said):
     with pytest.raises(ValueError, match=said):
@@ -149,3 +163,72 @@ def test_long_tables_are_told_apart_from_gaps(read):
     times = np.cumsum(np.arange(1, 20) ** 2)
     signal = read("time_s,a\n" + "".join(f"{x},1\n" for x in times))["a"]
     assert signal.times.tolist() == times.tolist()
+
+
+def peak_of(call):
+    """Result, and the most bytes that were taken at a time."""
+    tracemalloc.start()
+    try:
+        return call(), tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_large_table_takes_four_times_its_size(tmp_path):
+    x = np.random.default_rng(0).normal(size=(2, 250_000)).round(7).tolist()
+    rows = (f"{i}e-7,{a},{b}\n" for i, (a, b) in enumerate(zip(*x, strict=True)))
+    text = "time_s,a_V,b_V\n" + "".join(rows)
+    (tmp_path / "shot.csv").write_text(text)
+    told = []
+    signals, peak = peak_of(lambda: ri.read_signals(
+        tmp_path / "shot.csv", progress=lambda *news: told.append(news)))
+    assert peak < 4 * len(text)
+    assert signals["a"].values.tolist() == x[0]
+    assert signals["b"].values.tolist() == x[1]
+    assert told == sorted(told)
+    assert told[-1][0] == told[-1][1]
+    assert len(told) > 5
+
+
+@pytest.mark.parametrize("head", [b"", b"time_s,a\n0,1\n1,2\n2,3\n"])
+def test_a_file_of_zeros_is_not_read_to_its_end(tmp_path, monkeypatch, head):
+    monkeypatch.setattr(memory, "installed", lambda: np.inf)
+    (tmp_path / "zeros").write_bytes(head)
+    os.truncate(tmp_path / "zeros", 1 << 34)
+
+    def refused():
+        with pytest.raises(FileFormatError, match="is no text"):
+            ri.read_signals(tmp_path / "zeros")
+
+    assert peak_of(refused)[1] < 1e7
+
+
+def test_a_table_that_takes_half_the_memory_is_refused_before_it_is_read(read, monkeypatch):
+    monkeypatch.setattr(memory, "installed", lambda: 8.0 * len("time_s,a\n0,1\n1,2\n") - 1)
+    with pytest.raises(MemoryError, match=r"shot\.txt: takes up to .* GB of memory, more"):
+        read("time_s,a\n0,1\n1,2\n")
+
+
+def test_blocks_leave_no_trace(read, monkeypatch):
+    """Not in numbers, and not in the lines that are named."""
+    rows = [f"{i},{i * i % 7},," + "\n" * (i % 5 == 0) for i in range(300)]
+    rows[150] += "\n \n"
+    text = "time_s,a\n" + "\n".join(rows) + "\n,,,\n\n"
+    whole = read(text)
+    assert whole["a"].values.tolist() == [i * i % 7 for i in range(300)]
+    monkeypatch.setattr("rodimpact.records.reading.BLOCK", 50)
+    assert read(text) == whole
+    line = text.split("\n").index("299,4,,") + 1
+    for instead, said in [
+        ("298,4", f"line {line}, column 'time': times must increase"),
+        ("299,x", f"line {line}, column 'a': must be a number, got 'x'"),
+        ("299," + "0" * 200, f"line {line}: has more than 50 characters"),
+    ]:
+        with pytest.raises(FileFormatError, match=said):
+            read(text.replace("\n299,4", f"\n{instead}"))
+
+
+def test_a_table_that_takes_long_is_announced(read, monkeypatch):
+    monkeypatch.setattr("rodimpact.methods.duration.LONG", 0.0)
+    with pytest.warns(ri.LongRun, match="a table of .* MB.*fewer samples or channels takes less"):
+        read("time_s,a\n" + "".join(f"{i},{i}\n" for i in range(300_000)))

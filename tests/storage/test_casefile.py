@@ -52,7 +52,7 @@ def test_a_file_too_large_for_a_case_is_not_read(tmp_path):
     path = tmp_path / "sparse.toml"
     with path.open("wb") as file:
         file.truncate(10**12)
-    message = "cannot be read: it has 1000000000000 bytes, more than 100000000; is it a case file?"
+    message = "cannot be read: it has 1000000000000 bytes, more than 10000000; is it a case file?"
     assert file_problem(path) == message
 
 
@@ -244,3 +244,10 @@ def test_horn():
     free = solution.velocity(1, 0.5, arrival + 4e-6)
     assert struck == pytest.approx(0.5, rel=2e-2)
     assert free == pytest.approx(4 * struck, rel=6e-2)
+
+
+def test_a_long_case_is_announced(monkeypatch):
+    monkeypatch.setattr("rodimpact.methods.duration.LONG", 0.0)
+    with (pytest.warns(ri.LongRun, match=r"MB of TOML\); a shorter file takes less"),
+          pytest.raises(ri.InvalidModel)):
+        ri.parse_case("a = 1")
