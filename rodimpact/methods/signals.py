@@ -61,6 +61,24 @@ class StepSignal:
         i = self._piece(ticks, "right")
         return self._integral_to_jump[i] + self.values[i] * (ticks - self.ticks[i])
 
+    def integrated_twice(self, stop: ArrayLike) -> Floats:
+        """Integral of (stop - t) f(t) over t from 0 to `stop`, value times ticks squared."""
+        stop = np.asarray(stop)
+        twice: Floats = self._twice(stop) - self._twice(0) - self._from_first(0) * stop
+        return twice
+
+    def _twice(self, ticks: Any) -> Any:
+        i = self._piece(ticks, "right")
+        width = (ticks - self.ticks[i]) * 1.0  # whole ticks overflow when they are squared
+        passed = self._integral_to_jump[i] * width + self.values[i] * width * width / 2
+        return self._twice_to_jump[i] + passed
+
+    @cached_property
+    def _twice_to_jump(self) -> Floats:
+        width = np.diff(self.ticks) * 1.0
+        passed = self._integral_to_jump[:-1] * width + self.values[:-1] * width * width / 2
+        return np.concatenate(([0.0], np.cumsum(passed)))
+
     def jumps_in(self, start: int, stop: int) -> Ints:
         """Jump times strictly between `start` and `stop`."""
         low, high = np.searchsorted(self.ticks, [start, stop], "right")

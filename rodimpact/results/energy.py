@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..methods.run import Outside
-from ..methods.signals import Floats, StepSignal
+from ..methods.signals import Floats
 from .contacts import ContactHistory
 from .fields import Fields
 from .group_states import GroupStates
@@ -103,12 +103,8 @@ def ledger(
     if a.gravity:
         path = (states.mass.sum() * a.gravity * t / 2 + states.momentum[0]) * t
         for side, sign in zip(outside, (1, -1), strict=True):
-            if side is not None:  # the integral of (t - s) F(s) over s
-                edges = np.append(side.push.ticks, fields.end)
-                middles = (edges[1:] + edges[:-1]) / 2
-                middle = StepSignal(side.push.ticks, side.push.values * middles)
-                lever = side.push.integral(0, ticks) * ticks - middle.integral(0, ticks)
-                path = path + sign * lever * a.tick * a.tick
+            if side is not None:
+                path = path + sign * side.push.integrated_twice(ticks) * a.tick * a.tick
         fallen = a.gravity * path
     contact, dissipated, numerical = (np.zeros(t.shape) for _ in range(3))
     for history in contacts:
