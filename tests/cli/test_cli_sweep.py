@@ -447,7 +447,7 @@ def test_the_options_reach_the_sweep(case, monkeypatch):
     assert sweep("--vary", LENGTHS, "--workers", "2", "--max-events", "8", "--on-error", "raise",
                  "--checkpoint", "d") == 0
     assert given == {"shape": (5,), "method": "fronts", "max_events": 8, "on_error": "raise",
-                     "checkpoint": "d", "progress": None, "workers": 2}
+                     "checkpoint": "d", "progress": None, "also": [], "workers": 2}
 
 
 def test_a_checkpoint_keeps_the_sweep(case, capsys):
