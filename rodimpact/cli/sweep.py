@@ -18,6 +18,7 @@ from functools import partial
 from typing import Any
 
 from ..methods.abilities import driven
+from ..methods.family import ALSO
 from ..model.frozen import InvalidModel, Problems
 from ..running.sweep_report import sweep_json, sweep_table
 from ..running.sweep_result import SweepResult
@@ -43,6 +44,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--on-error", choices=("record", "raise"), default="record",
                         help="where a collision does not come to its end: record that and go on "
                         "(default), or stop the sweep")
+    parser.add_argument("--also", metavar="NAME", action="append", default=[], choices=ALSO,
+                        help="what else is wanted, which takes longer: dissipated, the energy lost "
+                        "in contacts; set, how far yielding contacts have yielded for good, such "
+                        "as the set of a pile; largest_stress in each rod; displacement of each "
+                        "body at the end (--until); once for each")
     add_run_options(parser, ("until", "max_events", "dt", "rtol", "cells"))
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--csv", action="store_true", help="print a row for each collision")
@@ -56,13 +62,17 @@ def run(arguments: argparse.Namespace) -> tuple[str | Iterable[str], int]:
     """Check everything, solve, write the files, and hand back the table, CSV or JSON."""
     problems: Problems = []
     vary = _vary(problems, arguments.vary)
-    how: dict[str, Any] = {"on_error": arguments.on_error, "checkpoint": arguments.checkpoint}
+    how: dict[str, Any] = {"on_error": arguments.on_error, "checkpoint": arguments.checkpoint,
+                           "also": arguments.also}
     if arguments.workers is not None:
         how["workers"] = whole_number(problems, "--workers", arguments.workers)
     case = attempt(problems, read_case, arguments.case, vary)
     if case:
         _check_case(problems, case, draws=arguments.plot is not None)
     options = run_options(problems, arguments, case)
+    if "displacement" in arguments.also and options.get("until") is None:
+        message = "displacement is that at the end of the run; give the end, --until"
+        problems.append(("--also", message))
     if arguments.plot is not None:
         check_format(problems, "--plot", arguments.plot)
     files = {"--save": arguments.save, "--plot": arguments.plot}

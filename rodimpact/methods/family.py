@@ -15,6 +15,11 @@ from .signals import Floats, Ints
 STOPPED_BY = ("final", "max_events", "clock", "refused", "until")
 """Why a member stopped; where it cannot be solved it is refused."""
 
+ALSO = ("dissipated", "set", "largest_stress", "displacement")
+"""What is found of a member only if it is asked for, as that takes longer: the energy lost in
+contacts, J; how far each yielding contact has yielded for good, m; the largest absolute stress in
+each rod, Pa; and how far the centre of mass of each body has moved at the end of the run, m."""
+
 now = getattr(time, "thread_time", time.perf_counter)  # a browser has no clock of threads
 
 
@@ -26,8 +31,10 @@ class FamilyRun(NamedTuple):
     """Totals of every member, in C order and SI units; nan where a member was refused.
 
     before, after : by body, velocity; vibration : energy left in all bodies together;
-    contacts : by the names of `ContactTally`, by contact, nan where it cannot open;
-    final : whether it is proved that nothing meets again; stopped_by : place in `STOPPED_BY`.
+    contacts : by the names of `ContactTally`, by contact;
+    final : whether it is proved that nothing meets again; stopped_by : place in `STOPPED_BY`;
+    further : columns of what was asked for of `ALSO`, by name: ``"dissipated"``; ``"set.k"`` of
+    contact k if it yields; ``"largest_stress.i"`` of body i if it is a rod; ``"displacement.i"``.
     """
 
     before: Sequence[Floats]
@@ -36,6 +43,7 @@ class FamilyRun(NamedTuple):
     contacts: Mapping[str, Sequence[Floats]]
     final: Floats
     stopped_by: Ints
+    further: Mapping[str, Floats] = {}
 
 
 def table(columns: Sequence[Number], shape: tuple[int, ...]) -> Array:

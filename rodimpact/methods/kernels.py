@@ -161,7 +161,29 @@ def compiled(kernel: Kernel) -> Kernel:
         return _compiled(kernel)
 
 
-_ONE_AT_A_TIME = threading.Lock()
+_ONE_AT_A_TIME = threading.RLock()
+_held: list[Any] = []  # locks of the thread that forks
+
+
+def _hold() -> None:
+    """Wait for what starts numba or compiles: a child that is forked then would wait for ever."""
+    _ONE_AT_A_TIME.acquire()
+    _held.append(_ONE_AT_A_TIME)
+    if loaded := sys.modules.get("numba.core.compiler_lock"):
+        loaded.global_compiler_lock.acquire()
+        _held.append(loaded.global_compiler_lock)
+
+
+def _let_go() -> None:
+    """In the parent and in the child: each has its own copy of the locks."""
+    held = _held[::-1]
+    _held.clear()
+    for lock in held:
+        lock.release()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=_hold, after_in_parent=_let_go, after_in_child=_let_go)
 
 
 def as_lists(columns: Any) -> Any:
@@ -195,6 +217,7 @@ def _on_disk(kernel: Kernel) -> bool:
 
 
 def _translation() -> Any:
-    from . import translation  # starts numba
+    with _ONE_AT_A_TIME:
+        from . import translation  # starts numba
 
     return translation

@@ -21,6 +21,16 @@ _turn = threading.Lock()  # of the one thread that takes more than its share
 _thread = threading.local()  # its `share`, bytes, and whether it `has_turn`
 
 
+def _new_turns() -> None:
+    """In a forked child: the thread whose turn it was is not there."""
+    global _turn
+    _turn, _thread.has_turn = threading.Lock(), False
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_new_turns)
+
+
 class TooLong(InvalidModel):
     """A run takes more steps than there is memory for."""
 

@@ -14,7 +14,7 @@ from ..model.arguments import array
 from ..model.frozen import InvalidModel, Problems, number
 from ..units import shown
 from . import abilities
-from .family import FamilyRun
+from .family import ALSO, FamilyRun
 from .fronts import families as front_families
 from .fronts import method as fronts
 from .grid import method as grid
@@ -35,6 +35,7 @@ class Method(NamedTuple):
     calls: tuple[str, ...] = ()
     family: Callable[..., FamilyRun] | None = None  # runs many members in one call
     together: Callable[[Row], int] = lambda _: 0  # how many; 0 where each runs alone
+    also: tuple[str, ...] = ()  # what its family finds if asked; the rest is read member by member
 
     def lacking(self, system: System) -> list[tuple[str, str]]:
         """Path and name of everything in the system that the method cannot do."""
@@ -43,7 +44,7 @@ class Method(NamedTuple):
 
 METHODS = {
     "fronts": Method(fronts.LACKS, (), fronts.solve, (), front_families.solve_family,
-                     front_families.together),
+                     front_families.together, ALSO),
     "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, ("announce",),
                               piece_families.solve_family, piece_families.together),
     "steps": Method(steps.LACKS, ("dt", "rtol"), steps.solve, ("announce",),

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..methods.run import INWARD, Outside
-from ..methods.signals import Floats, Pieces, product
+from ..methods.signals import Floats, product
 from .contacts import ContactHistory
 from .fields import Fields
 from .group_states import GroupStates
@@ -103,12 +103,9 @@ def ledger(
     fallen = np.zeros(t.shape)
     if a.gravity:
         path = (states.mass.sum() * a.gravity * t / 2 + states.momentum[0]) * t
-        passing = Pieces.lines([0], np.zeros(1), np.array([fields.end]), fields.end)
         for side, sign in zip(outside, INWARD, strict=True):
-            if side is not None:  # the integral of (t - s) F(s) over s
-                moment = product(side.push, passing)
-                lever = side.push.integral(0, ticks) * ticks - moment.integral(0, ticks)
-                path = path + sign * lever * a.tick * a.tick
+            if side is not None:
+                path = path + sign * side.push.integrated_twice(ticks) * a.tick * a.tick
         fallen = a.gravity * path
     contact, dissipated, numerical = (np.zeros(t.shape) for _ in range(3))
     for history in contacts:

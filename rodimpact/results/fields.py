@@ -120,6 +120,10 @@ class Fields(ABC):
         """Kinetic energy of the motion relative to `velocity`, and strain energy; J, of a rod."""
 
     @abstractmethod
+    def largest_stress(self, body: int) -> float:
+        """Largest absolute stress anywhere in a rod at any time, Pa."""
+
+    @abstractmethod
     def profile(self, body: int, tick: int) -> Profile:
         """State just after `tick`, in pieces of constant velocity and strain."""
 

@@ -306,6 +306,20 @@ class GridFields(Fields):
         kinetic = radial.swelling[cells] @ p[cells] ** 2 - h * h / 4 * less
         return float(kinetic) / 2, float(strained) / 2
 
+    def largest_stress(self, body: int) -> float:
+        """Of the states that were kept."""
+        stresses, (first, last) = [], self.clock.spans[body]
+        rod = self.clock.system.bodies[body]
+        assert isinstance(rod, Rod)
+        for s, piece in zip(range(first, last + 1), rod.segments, strict=True):
+            columns = slice(self._edge[s], self._edge[s] + self._counts[s] + 2)
+            E, eta = float(piece.material.youngs_modulus), float(piece.material.viscosity)
+            stress = E * self._stretch[:, columns]
+            if eta:
+                stress = stress + eta * self._stretching[:, columns]
+            stresses.append(np.abs(stress).max())
+        return float(max(stresses))
+
     def nearest_known(self, ticks: Ints) -> Ints:
         return nearest(self.motion.when * STEP_TICKS, ticks)
 

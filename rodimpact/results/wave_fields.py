@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..methods import kernels
 from ..methods.clock import Clock
+from ..methods.fronts.reading_kernel import largest_difference
 from ..methods.run import Signals
 from ..methods.signals import (
     Floats,
@@ -27,9 +28,11 @@ from ..methods.signals import (
     integral_of_product,
 )
 from ..methods.steps.delays import lost_to_means
+from ..model import Rod
 from .field_kernel import sum_on_grid
 from .fields import Fields, Profile, Trace
 
+PAIR_TIME = 5e-7  # s of plain Python for two waves that meet
 POINT_TIME = 4e-9  # s that NumPy takes longer for a point of a grid than a compiled loop
 
 
@@ -286,6 +289,28 @@ class WaveFields(Fields):
         first = int(np.searchsorted(wave.ticks, start, "right")) - 1
         return np.asarray(wave.values[first : first + duration // self.clock.grain])
 
+    def largest_stress(self, body: int) -> float:
+        stresses, (first, last) = [], self.clock.spans[body]
+        rod = self.clock.system.bodies[body]
+        assert isinstance(rod, Rod)
+        for s, piece in zip(range(first, last + 1), rod.segments, strict=True):
+            waves = [_in_steps(wave) for wave in self.waves(s)]
+            counts = [len(wave.ticks) for wave in waves]
+            after = np.arange(1, sum(counts) + 1)
+            after[[counts[0] - 1, -1]] = -1
+            overlapping = counts[0] * counts[1] * min(1.0, 2 * self.clock.ticks[s] / self.end)
+            kernel: Any = largest_difference
+            if kernels.worth_compiling(overlapping * PAIR_TIME, largest_difference):
+                kernel = kernels.compiled(largest_difference)
+            columns: list[Any] = [np.concatenate([w.ticks for w in waves]), after,
+                       np.concatenate([w.values for w in waves])]
+            if kernel is largest_difference:
+                columns = [column.tolist() for column in columns]
+            parted = kernel(*columns, (0, counts[0]), self.clock.ticks[s], self.end, 0)
+            E = float(piece.material.youngs_modulus)
+            stresses.append(E * parted / (2 * self.clock.wave_speed[s]))
+        return float(max(stresses))
+
     def profile(self, body: int, tick: int) -> Profile:
         a = self.clock
         first, last = a.spans[body]
@@ -336,3 +361,8 @@ def _steps_on_grid(ticks: Ints, values: Floats, delay: Ints, when: Ints) -> Floa
     counts = np.diff(bounds, axis=0).T
     repeated = np.repeat(np.tile(values, delay.size), counts.ravel())
     return repeated.reshape(delay.size, when.size)
+
+
+def _in_steps(wave: Pieces) -> Pieces:
+    """A wave as constants that follow it closely."""
+    return wave if wave.size == 1 else Pieces(wave.marks, wave.at(wave.marks))

@@ -28,11 +28,13 @@ class Quantity(NamedTuple):
 _WORDS = {
     "restitution": Quantity("coefficient of restitution e", "1"),
     "vibration": Quantity("energy left in vibration", "J"),
+    "dissipated": Quantity("energy lost in contacts", "J"),
     "final": Quantity("end of the collision", "1"),
     "status": Quantity("why the run ended", "1"),
     "impulse": Quantity("impulse", "N s"),
     "peak_force": Quantity("largest contact force", "N"),
     "duration": Quantity("time under force", "s"),
+    "set": Quantity("permanent set", "m"),
     "episodes": Quantity("episodes of contact", "1"),
     "time": Quantity("time", "s"),
     "body": Quantity("body, counted from the left", "1"),
@@ -108,6 +110,10 @@ def outcome(system: System, column: str) -> Quantity:
     kind, _, index = column.partition(".")
     if kind == "velocity_after":
         return Quantity(f"velocity of {_body(system, index)} after", "m/s")
+    if kind == "displacement" and index:
+        return Quantity(f"displacement of {_body(system, index)} at the end", "m")
+    if kind == "largest_stress":
+        return Quantity(f"largest stress in {_body(system, index)}", "Pa")
     name, unit = _WORDS.get(kind, Quantity(column, "1"))
     where = f" at contact {_pair(index)}" if index and len(system.contacts) > 1 else ""
     return Quantity(name + where, unit)

@@ -11,9 +11,10 @@ import numpy as np
 
 from ..methods.groups import unilateral
 from ..model import Rod
+from ..results.words import outcome
 from ..storage.tables import SCHEMA_VERSION, align, clean, joules
 from ..units import format_si
-from .sweep_result import SweepResult
+from .sweep_result import SweepResult, further_columns
 
 MOST_MEMBERS, SOME_MEMBERS = 20, 12  # listed one by one, picked from a larger family
 MOST_BODIES = 8  # whose velocities are listed for each member
@@ -112,7 +113,10 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
         ["e", "impulse", "peak force", "time under force", "episodes"] if len(pairs) == 1
         else [f"velocity {i} after" for i in bodies]
     )
-    rows = [[*(path for path, _, _ in varied), *names, "vibration energy"]]
+    also = {name: outcome(result.system, name)
+            for name in further_columns(result.system, result.readings.also)}
+    rows = [[*(path for path, _, _ in varied), *names, "vibration energy",
+             *(quantity.name for quantity in also.values())]]
     for flat in shown:
         index = np.unravel_index(flat, result.shape)
         where = [
@@ -130,7 +134,10 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
             velocities = [result.velocities_after[i][index] for i in bodies]
             scale = max(map(abs, velocities))
             cells = [_digits(v, scale, " m/s") for v in velocities]
-        rows.append([*where, *cells, joules(result.vibration[index], _scale(result, index))])
+        cells.append(joules(result.vibration[index], _scale(result, index)))
+        cells += [format_si(result.columns[name][index], quantity.unit)
+                  for name, quantity in also.items()]
+        rows.append([*where, *cells])
     table = align(rows, left=())
     if len(shown) < count:
         table += f"\n... {len(shown)} of {count}; {more}"

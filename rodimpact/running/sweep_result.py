@@ -7,7 +7,7 @@ read at gauges.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from numbers import Integral
 from typing import Any, NamedTuple
@@ -17,7 +17,7 @@ import numpy as np
 from ..methods.family import STOPPED_BY
 from ..methods.groups import unilateral
 from ..methods.registry import Options
-from ..model import System
+from ..model import Rod, System, Yielding
 from ..model.frozen import InvalidModel
 from ..results import notebook
 from ..results.solution import Solution
@@ -44,14 +44,20 @@ class Axis(NamedTuple):
 
 
 class Readings(NamedTuple):
-    """Strain gauges, (body, m from its left end), and the times at which they are read, s."""
+    """What is read of each member beside its outcome.
+
+    Strain gauges, (body, m from its left end), the times at which they are read, s, and what was
+    asked for of `ALSO`.
+    """
 
     gauges: tuple[tuple[int, float], ...] = ()
     times: Any = np.zeros(0)
+    also: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready."""
-        return {"gauges": [list(place) for place in self.gauges], "times": self.times.tolist()}
+        gauges = [list(place) for place in self.gauges]
+        return {"gauges": gauges, "times": self.times.tolist(), "also": list(self.also)}
 
 
 class ContactColumns(NamedTuple):
@@ -78,10 +84,14 @@ class SweepResult:
         ``peak_force.K`` (N), ``duration.K`` (time under force, s) and ``episodes.K`` of contact K;
         ``vibration``, energy left in vibration and strain, J; ``final``; ``status``. Totals count
         up to the end of the run: `until`, the proof that the collision is over, or what stopped it
-        before. A number that does not exist is nan, as the impulse of a bonded contact, which never
-        ends.
+        before. A number that does not exist is nan. If `sweep` was asked for them (`also`), there
+        are ``dissipated``, energy lost in contacts, J; ``set.K``, how far contact K has yielded for
+        good, m; ``displacement.I`` of the centre of mass of body I at the end of the run, m; and
+        ``largest_stress.I``, the largest absolute stress anywhere in rod I, Pa. The method
+        "finite-difference" takes it from the states that it keeps; beside a jump its waves
+        overshoot.
     readings : Readings
-        The `gauges`, and the `times` at which they are read.
+        The `gauges`, the `times` at which they are read, and what was asked for in `also`.
     strain : array or None
         At the gauges, of the family's shape + (gauge, time); nan after the end of a member's run.
 
@@ -200,6 +210,33 @@ class SweepResult:
         """How often the only contact pressed; ValueError where there are several."""
         return self._only_contact().episodes
 
+    @property
+    def dissipated(self) -> Any:
+        """Energy lost in contacts, J; ValueError where it was not asked for."""
+        return self._asked("dissipated")[0]
+
+    @property
+    def sets(self) -> dict[int, Any]:
+        """How far contacts have yielded for good, m, by contact; ValueError as above."""
+        return self._asked("set")
+
+    @property
+    def displacements(self) -> dict[int, Any]:
+        """Displacements of the centres of mass at the end, m, by body; ValueError as above."""
+        return self._asked("displacement")
+
+    @property
+    def largest_stresses(self) -> dict[int, Any]:
+        """Largest absolute stress in each rod, Pa, by body; ValueError as above."""
+        return self._asked("largest_stress")
+
+    def _asked(self, name: str) -> dict[int, Any]:
+        """Columns of that name by body or contact, 0 where it is of the whole row."""
+        if name not in self.readings.also:
+            raise ValueError(f'{name}: was not asked for; give sweep(..., also=["{name}"])')
+        columns = further_columns(self.system, [name])
+        return {int(column.partition(".")[2] or 0): self.columns[column] for column in columns}
+
     def explain(self, index: Any) -> str:
         """Say of one member why it ended as it did, and why it has no restitution if it has none.
 
@@ -246,7 +283,8 @@ class SweepResult:
 
         system = System.from_dict(take(document["system"]))
         gauges = tuple((body, x) for body, x in document["gauges"])
-        readings = Readings(gauges, np.array(document["times"], dtype=np.float64))
+        times = np.array(document["times"], dtype=np.float64)
+        readings = Readings(gauges, times, tuple(document.get("also", ())))
         of = arrays_of(system, readings)
         columns = {name: arrays[name] for name in of}
         if any(columns[name].shape != (*system.shape, *beyond) for name, (_, beyond) in of.items()):
@@ -357,10 +395,22 @@ def arrays_of(system: System, readings: Readings) -> dict[str, tuple[Any, tuple[
         kind = np.int32 if name == "episodes" else np.float64
         kinds |= {f"{name}.{k}": kind for k in contacts}
     kinds |= {"vibration": np.float64, "final": np.bool_, "status": np.int8}
+    kinds |= dict.fromkeys(further_columns(system, readings.also), np.float64)
     arrays: dict[str, tuple[Any, tuple[int, ...]]] = {name: (k, ()) for name, k in kinds.items()}
     if readings.gauges:
         arrays["strain"] = np.float64, (len(readings.gauges), len(readings.times))
     return arrays
+
+
+def further_columns(system: System, also: Sequence[str]) -> list[str]:
+    """Columns of what was asked for of `ALSO`."""
+    owners = {
+        "set": [k for k, law in enumerate(system.contacts) if isinstance(law, Yielding)],
+        "largest_stress": [i for i, body in enumerate(system.bodies) if isinstance(body, Rod)],
+        "displacement": range(len(system.bodies)),
+    }
+    return [column for name in also for column in (
+        [f"{name}.{i}" for i in owners[name]] if name in owners else [name])]
 
 
 def explanation(member: System, options: Options) -> str:

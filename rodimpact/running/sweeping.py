@@ -19,13 +19,14 @@ from numpy.typing import ArrayLike
 
 from .. import __version__
 from ..methods import memory
-from ..methods.family import Stopped
+from ..methods.family import ALSO, Stopped
 from ..methods.groups import unilateral
 from ..methods.registry import METHODS, Options, check_function, count
 from ..methods.row import Row
 from ..methods.run import MAX_EVENTS
 from ..model import Rod, System
 from ..model.frozen import InvalidModel, Problems, number
+from ..results.further import further
 from ..results.outcome import effective_restitution
 from ..results.solution import Solution
 from ..storage.checkpoint import Checkpoint
@@ -75,7 +76,8 @@ def sweep(
     until: float | None = None, max_events: int = MAX_EVENTS, dt: float | None = None,
     rtol: float | None = None, cells: int | None = None,
     gauges: Sequence[tuple[int, float]] = (), times: ArrayLike | None = None,
-    workers: int | None = None, progress: Callable[[int, int], Any] | None = None,
+    also: Sequence[str] = (), workers: int | None = None,
+    progress: Callable[[int, int], Any] | None = None,
     on_error: str = "record", checkpoint: PathLike | None = None,
 ) -> SweepResult:
     """Solve every collision of a family.
@@ -84,6 +86,7 @@ def sweep(
     ----------
     system : System
         Of any shape: numbers of the model that are arrays make a family, as NumPy broadcasts them.
+        ``read_case("case.toml", vary={"bodies.0.length": "0.05:1:20"}).system`` is that of a case.
     method : str
         As for `solve`; one for all members.
     executor : concurrent.futures.Executor, optional
@@ -100,6 +103,11 @@ def sweep(
         Strain gauges: body, and place in m from its left end.
     times : array_like, optional
         Times at which the strain at the gauges is wanted, s, for all members; [time].
+    also : sequence of str, optional
+        What else is wanted, which takes longer: ``"dissipated"``, the energy lost in contacts;
+        ``"largest_stress"`` in each rod; ``"set"``, how far each yielding contact has yielded for
+        good, such as the set of a pile; ``"displacement"``, how far each body has moved at
+        `until`. See `SweepResult`.
     workers : int, optional
         Number of threads where there is no executor; default: the processors at hand.
     progress : callable, optional
@@ -184,6 +192,7 @@ def sweep(
         options = Options(until, method, max_events, dt, rtol, cells)
         options = replace(options, method=options.method_for(system))
         readings = readings_of(problems, system, gauges, times)
+        readings = readings._replace(also=_also(problems, also, options.until))
         if not math.prod(system.shape):
             message = f"has no members, its shape is {system.shape}; select one or more"
             problems.append(("system", message))
@@ -192,7 +201,8 @@ def sweep(
     if problems:
         raise InvalidModel(problems)
     of, size = arrays_of(system, readings), math.prod(system.shape)
-    together = 0 if readings.gauges else METHODS[options.method].together(Row(system))
+    alone = _alone(options, readings)
+    together = 0 if alone else METHODS[options.method].together(Row(system))
     most = together or size
     units = _Units(system.shape, min(TOGETHER, most) if together else 1)
     keep: Checkpoint | None = None
@@ -284,14 +294,19 @@ def run_chunk(
     """
     together, columns = METHODS[options.method].together(Row(system)), {}
     try:
-        if not together or readings.gauges:
+        if not together or _alone(options, readings):
             columns = _one_by_one(system, options, readings, stop)
         if together:
-            columns |= _together(system, options, stop, more)
+            columns |= _together(system, options, readings.also, stop, more)
     finally:
         memory.give_back()
     kinds = {name: kind for name, (kind, _) in arrays_of(system, readings).items()}
     return {name: columns[name].astype(kind) for name, kind in kinds.items()}
+
+
+def _alone(options: Options, readings: Readings) -> bool:
+    """Whether what is to be read needs the solution of each member."""
+    return bool(readings.gauges) or not set(readings.also) <= {*METHODS[options.method].also}
 
 
 def _one_by_one(
@@ -304,7 +319,8 @@ def _one_by_one(
         for name, (kind, beyond) in arrays_of(system, readings).items()
     }
     columns["status"][:] = STATUS.index("refused")
-    if "snapshots" in METHODS[options.method].takes and not readings.gauges:
+    seen = readings.gauges or "largest_stress" in readings.also
+    if "snapshots" in METHODS[options.method].takes and not seen:
         options = replace(options, snapshots=2)  # an outcome needs the first and the last state
     for place, index in enumerate(np.ndindex(system.shape)):
         if stop():
@@ -314,18 +330,18 @@ def _one_by_one(
         except InvalidModel:
             continue
         o = solution.outcome
-        as_asked = options.until is None or solution.stopped_by == "until"
-        columns["status"][place] = STATUS.index(
-            "final" if o.final and as_asked else solution.stopped_by
-        )
+        proved = o.final and options.until is None
+        columns["status"][place] = STATUS.index("final" if proved else solution.stopped_by)
         columns["final"][place], columns["vibration"][place] = o.final, sum(o.vibration_after)
         if not o.why_no_restitution():
             columns["restitution"][place] = o.restitution
         for i, v in enumerate(o.velocities_after):
             columns[f"velocity_after.{i}"][place] = v
-        for k in o.unilateral:
+        for k, tally in enumerate(o.contacts):
             for name in ContactColumns._fields:
-                columns[f"{name}.{k}"][place] = getattr(o.contacts[k], name)
+                columns[f"{name}.{k}"][place] = getattr(tally, name)
+        for name, value in further(solution, readings.also).items():
+            columns[name][place] = value
         for g, (body, x) in enumerate(readings.gauges):
             inside = readings.times <= solution.t_end * (1 + 1e-12)
             record = solution.gauge(body, x)
@@ -334,12 +350,14 @@ def _one_by_one(
 
 
 def _together(
-    system: System, options: Options, stop: Callable[[], bool], more: int
+    system: System, options: Options, also: Sequence[str], stop: Callable[[], bool], more: int
 ) -> Columns:
     """Columns of members that the method runs in one call."""
     method = METHODS[options.method]
     assert method.family is not None
     own = {name: getattr(options, name) for name in method.takes}
+    if method.also:
+        own["also"] = also
     run = method.family(
         Row(system), options.until, options.max_events, **own, stop=stop, more=more)
     able, e = unilateral(system), np.full(len(run.final), math.nan)
@@ -348,7 +366,7 @@ def _together(
         e = effective_restitution(
             run.final, run.contacts["episodes"][k], run.before[k : k + 2], run.after[k : k + 2])
     columns = {"restitution": e, "vibration": run.vibration, "final": run.final,
-               "status": run.stopped_by}
+               "status": run.stopped_by, **run.further}
     columns |= {f"velocity_after.{i}": v for i, v in enumerate(run.after)}
     return columns | {
         f"{name}.{k}": values
@@ -423,6 +441,20 @@ def readings_of(problems: Problems, system: System, gauges: Any, times: Any) -> 
     if np.ndim(read_at) != 1:
         problems.append(("times", f"must be a list of times, got {times!r}"))
     return Readings(tuple(places), read_at)
+
+
+def _also(problems: Problems, given: Any, until: float | None) -> tuple[str, ...]:
+    """Check what else is wanted; note mistakes."""
+    known = ", ".join(f'"{name}"' for name in ALSO)
+    if isinstance(given, str) or not isinstance(given, Sequence):
+        problems.append(("also", f"must be a list of {known}, got {shown(given)}"))
+        return ()
+    problems += [("also", f"must be of {known}, got {shown(name)}")
+                 for name in given if not isinstance(name, str) or name not in ALSO]
+    if "displacement" in given and until is None:
+        message = "a body that flies on has no last displacement; give the time (until)"
+        problems.append(("also", message))
+    return tuple(name for name in ALSO if name in given)
 
 
 def _first_bad(status: Any) -> float:

@@ -443,11 +443,11 @@ def test_the_options_reach_the_sweep(case, monkeypatch):
     case.write_text(CASE + "[solve]\nmethod = 'fronts'\nmax_events = 7\n")
     assert sweep("--vary", LENGTHS) == 0
     assert given == {"shape": (5,), "method": "fronts", "max_events": 7, "on_error": "record",
-                     "checkpoint": None, "progress": None}
+                     "checkpoint": None, "progress": None, "also": []}
     assert sweep("--vary", LENGTHS, "--workers", "2", "--max-events", "8", "--on-error", "raise",
                  "--checkpoint", "d") == 0
     assert given == {"shape": (5,), "method": "fronts", "max_events": 8, "on_error": "raise",
-                     "checkpoint": "d", "progress": None, "workers": 2}
+                     "checkpoint": "d", "progress": None, "also": [], "workers": 2}
 
 
 def test_a_checkpoint_keeps_the_sweep(case, capsys):
@@ -617,3 +617,14 @@ def test_nothing_but_the_result_is_told_to_a_program(case, capsys):
 )
 def test_rates(rate, said):
     assert a_second(rate, "frames") == f"{said} frames/s"
+
+
+def test_what_else_is_wanted_has_columns(case, capsys):
+    given = "--vary", LENGTHS, "--also", "dissipated", "--also", "largest_stress"
+    assert sweep(*given, "--csv") == 0
+    names = capsys.readouterr().out.partition("\n")[0].split(",")
+    assert names[-3:] == ["dissipated", "largest_stress.0", "largest_stress.1"]
+    assert sweep(*given) == 0
+    assert "largest stress in rod 0" in capsys.readouterr().out
+    assert sweep("--vary", LENGTHS, "--also", "displacement") == 2
+    assert "--until" in capsys.readouterr().err

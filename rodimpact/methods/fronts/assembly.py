@@ -119,7 +119,8 @@ class Blueprint:
         places = [3 * n + contacts + place for place in places]
         size = [n, len(self.numbers), 2 * (n + sum(jumps)) + 2]
         outside = [OUTSIDE[type(end)] for end in system.ends]
-        joined = [int(all(isinstance(law, Bonded) for law in system.contacts))]
+        bonded = [isinstance(law, Bonded) for law in system.contacts]
+        joined = [int(all(bonded)), int(any(bonded))]
         self.make = Make(first, last, nodes, places, jumps, outside, size, joined)
         self.status = [STATUS[law] for law in row.laws]
 

@@ -8,7 +8,8 @@ result. Blocks run in plain Python until their time says that compiling pays.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -16,12 +17,13 @@ import numpy as np
 from .. import kernels
 from ..abilities import driven
 from ..family import STOPPED_BY, FamilyRun, Stopped, now, table
-from ..groups import body_velocities, unilateral
+from ..groups import body_velocities
 from ..memory import ask
 from ..row import Array, Row
 from .assembly import Blueprint, work_space
 from .front_kernel import CAP, CLOCK, FULL, OPEN, GroupState, Results, family
 from .layout_kernel import LAID, Layout, Make, lay_out_all
+from .reading_kernel import Reading, family_with_reading
 from .tracking import as_arrays, on_arrays
 
 ROOM = 256  # rows of the log at first
@@ -40,11 +42,12 @@ def together(row: Row) -> int:
 
 def solve_family(
     row: Row, until: float | None, max_events: int, stop: Callable[[], bool] = lambda: False,
-    more: int = 0,
+    more: int = 0, also: Sequence[str] = (),
 ) -> FamilyRun:
-    """Totals of every member; arguments as of `run_family`."""
+    """Totals of every member, and what is wanted of `ALSO`; arguments as of `run_family`."""
     plan, system, shape = Blueprint(row), row.system, row.system.shape
-    run = run_family(plan, shape, until, max_events, stop, more)
+    reads = not {"displacement", "largest_stress"}.isdisjoint(also)
+    run, *reading = run_family(plan, shape, until, max_events, stop, more, reads)
     first, nodes = [span[0] for span in row.spans], plan.make.node
     final = run.final & (not driven(system))
     unknown = np.where(run.flag == FULL, math.nan, 0.0)
@@ -53,27 +56,48 @@ def solve_family(
         [unknown + np.broadcast_to(v, shape).ravel() for v in velocities]
         for velocities in body_velocities(system, first, 0.0, *stocks)
     )
-    able, contacts = unilateral(system), {}
-    for name in ("impulse", "peak_force", "duration", "episodes"):
-        by_node = getattr(run, name)
-        values = [by_node[:, nodes[k]] for k in range(len(nodes))]
-        if name != "episodes":
-            values = [unknown + x if k in able else np.full(len(x), math.nan)
-                      for k, x in enumerate(values)]
-        contacts[name] = values
+    contacts = {"episodes": [run.episodes[:, node] for node in nodes]}
+    for name in ("impulse", "peak_force", "duration"):
+        contacts[name] = [unknown + getattr(run, name)[:, node] for node in nodes]
     capped = (run.flag == CAP) & (~final | (until is not None))
-    reasons = [capped, run.flag == CLOCK, run.flag == FULL, final]
+    reasons = [capped, run.flag == CLOCK, run.flag == FULL, final & (until is None)]
     places = [STOPPED_BY.index(name) for name in ("max_events", "clock", "refused", "final")]
     return FamilyRun(
         before, after, unknown + run.vibration, contacts, final,
         np.select(reasons, places, STOPPED_BY.index("until")),
+        _further(row, reading[0], unknown) if reading else {"dissipated": unknown},
     )
+
+
+def _further(row: Row, reading: Reading, unknown: Array) -> dict[str, Array]:
+    """Columns of what was read of the waves, and the energy lost in rigid contacts, which is none.
+
+    Where bodies are walls, nothing is read: they move on.
+    """
+    columns, shape = {"dissipated": unknown}, row.system.shape
+    time = reading.time
+    for i, (body, (first, last)) in enumerate(zip(row.system.bodies, row.spans, strict=True)):
+        if not last:
+            speed: Any = np.broadcast_to(np.asarray(body.velocity), shape).ravel()
+            columns[f"displacement.{i}"] = unknown + speed * time
+            continue
+        inside = range(first, last + 1)
+        pieces = [row.segments[s - 1] for s in inside]
+        masses = [np.broadcast_to(piece.mass, shape).ravel() for piece in pieces]
+        paths = [m * reading.moved[:, s] for m, s in zip(masses, inside, strict=True)]
+        columns[f"displacement.{i}"] = unknown + sum(paths) / sum(masses)
+        stresses = [
+            np.broadcast_to(piece.material.youngs_modulus / (2 * piece.wave_speed), shape).ravel()
+            * reading.parted[:, s] for piece, s in zip(pieces, inside, strict=True)
+        ]
+        columns[f"largest_stress.{i}"] = unknown + reduce(np.maximum, stresses)
+    return columns
 
 
 def run_family(
     plan: Blueprint, shape: tuple[int, ...], until: float | None, max_events: int,
-    stop: Callable[[], bool] = lambda: False, more: int = 0,
-) -> Results:
+    stop: Callable[[], bool] = lambda: False, more: int = 0, reads: bool = False,
+) -> list[Any]:
     """Run every member of a family to `until`, or to its proof of finality.
 
     Parameters
@@ -89,10 +113,12 @@ def run_family(
         Asked now and then whether to give up.
     more : int
         Members that other calls will run in this process.
+    reads : bool
+        Whether to read the waves of each member, too.
 
     Returns
     -------
-    Results
+    [Results] or [Results, Reading]
         Arrays with one row a member, in C order and SI units; `flag` is FULL for a member for which
         there is no clock.
 
@@ -104,7 +130,10 @@ def run_family(
         If a member takes too much memory.
     """
     given = table(plan.numbers, shape)
-    results = space(len(given), plan.make.size[0])
+    n = plan.make.size[0]
+    results: list[Any] = [space(len(given), n)]
+    if reads:
+        results.append(Reading(np.zeros(len(given)), *np.zeros((2, len(given), n + 2))))
     waiting, room = np.arange(len(given)), ROOM
     while len(waiting):
         what = f"following {room} fronts of a member"
@@ -125,28 +154,30 @@ def space(count: int, n: int) -> Results:
 
 
 def _run_blocks(
-    plan: Blueprint, given: Array, which: Array, results: Results, room: int,
+    plan: Blueprint, given: Array, which: Array, results: list[Any], room: int,
     until: float | None, max_events: int, stop: Callable[[], bool], more: int,
 ) -> Array:
     """Run some members; return those that filled the log."""
     blocks: dict[bool, Block] = {}
     again, first, size = [], 0, FIRST_BLOCK
     plain, measured = room * ROW_TIME, False  # s of a member in plain Python
+    kernel: Any = family_with_reading if len(results) > 1 else family
     while first < len(which):
         if stop():
             raise Stopped
         members = which[first : first + size]
         ahead = len(which) - first - len(members) + more if measured else 0
         fast = kernels.worth_compiling(
-            plain * len(members), family, lay_out_all, ahead=plain * ahead)
-        block = blocks.get(fast) or blocks.setdefault(fast, Block(plan, room, until, fast))
+            plain * len(members), kernel, lay_out_all, ahead=plain * ahead)
+        block = blocks.get(fast) or blocks.setdefault(fast, Block(plan, room, until, fast, kernel))
         everyone, begun = len(which) == len(given), now()
         place = slice(first, first + len(members)) if everyone else members
-        part = Results(*(column[place] for column in results))
+        part = [type(table)(*(column[place] for column in table)) for table in results]
         full = block.run(block.lay_out(given[place]), max_events, part)
         if not everyone:
-            for column, values in zip(results, part, strict=True):
-                column[members] = values
+            for table, rows in zip(results, part, strict=True):
+                for column, values in zip(table, rows, strict=True):
+                    column[members] = values
         again.append(members[full])
         first += len(members)
         seconds = now() - begun
@@ -161,7 +192,8 @@ class Block:
     """Work space for some members at a time: arrays for compiled kernels, else lists."""
 
     def __init__(
-        self, plan: Blueprint, room: int, until: float | None = None, fast: bool = True
+        self, plan: Blueprint, room: int, until: float | None = None, fast: bool = True,
+        kernel: Any = family,
     ) -> None:
         self.plan, self.fast = plan, fast
         self.until = -1.0 if until is None else until
@@ -169,11 +201,11 @@ class Block:
         n = self.make.size[0]
         self.state: Any = work_space(n, room)
         self.stocks = tuple(GroupState(*([0.0] * (n + 2) for _ in range(3))) for _ in range(2))
-        self.go: tuple[Any, Any] = lay_out_all, family
+        self.go: tuple[Any, Any] = lay_out_all, kernel
         if fast:
             self.make = Make(*(np.array(x, dtype=np.int64) for x in self.make))
             self.state, self.stocks = on_arrays(*self.state), tuple(map(as_arrays, self.stocks))
-            self.go = kernels.compiled(lay_out_all), kernels.compiled(family)
+            self.go = kernels.compiled(lay_out_all), kernels.compiled(kernel)
         self.fates: Any = []
 
     def lay_out(self, given: Array) -> Layout:
@@ -196,13 +228,17 @@ class Block:
         status[np.asarray(members.gap) > 0] = OPEN
         return status if self.fast else status.tolist()
 
-    def run(self, members: Layout, max_events: int, results: Results) -> Array:
+    def run(self, members: Layout, max_events: int, results: list[Any]) -> Array:
         """Run members; return which of them filled the log."""
-        flat: Any = Results(*(column.reshape(-1) for column in results))
+        flat: list[Any] = [type(x)(*(column.reshape(-1) for column in x)) for x in results]
         if not self.fast:
-            flat = kernels.as_lists(flat)
-        self.go[1](*self.state, self.stocks, members, self.status(members), max_events, flat)
+            flat = [kernels.as_lists(x) for x in flat]
+        self.go[1](
+            *self.state, self.stocks, members, self.status(members), max_events,
+            tuple(flat) if len(flat) > 1 else flat[0],
+        )
         if not self.fast:
-            for column, values in zip(results, flat, strict=True):
-                column[...] = np.reshape(values, column.shape)
-        return np.asarray((np.asarray(self.fates) == LAID) & (results.flag == FULL))
+            for table, found in zip(results, flat, strict=True):
+                for column, values in zip(table, found, strict=True):
+                    column[...] = np.reshape(values, column.shape)
+        return np.asarray((np.asarray(self.fates) == LAID) & (results[0].flag == FULL))

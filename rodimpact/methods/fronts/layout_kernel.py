@@ -47,7 +47,7 @@ class Make(NamedTuple):
     jumps: Any  # [2 * body] jumps of its velocity, of its strain
     outside: Any  # [2] STEADY: nothing or a wall; MOVED, PUSHED: velocity or force; ENDLESS: a bar
     size: Any  # [3] segments, numbers in a row of `given`, most fronts at t = 0
-    joined: Any  # [1] whether every contact is bonded
+    joined: Any  # [2] whether every contact is bonded, and whether any is
 
 
 class Layout(NamedTuple):
@@ -481,7 +481,7 @@ def lay_out(make: Make, given: Any, m: int, until: float, layout: Layout, work: 
     layout.target[m] = -1
     if until >= 0:
         layout.target[m] = round(until / tick_seconds)
-    elif momentum_varies(make, m, layout):
+    elif make.joined[1] == 1 or momentum_varies(make, m, layout):  # bonds never cease to push
         layout.target[m] = -round_trip(make, m, layout)
     r = m * fronts
     for s in range(1, n + 1):
