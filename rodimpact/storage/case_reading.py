@@ -13,7 +13,7 @@ from ..model import SIDES, System
 from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
 from ..model.frozen import Field, InvalidModel, Number
-from ..model.lateral_inertia import THEORIES
+from ..model.lateral_inertia import RAYLEIGH_LOVE, THEORIES
 from ..model.laws import CONTACT_LAWS, FACE, ContactLaw, Hertz, Spring
 from ..units import shown
 from .case import SCHEMA, Case, GaugePlace
@@ -132,9 +132,11 @@ def _read_segments(table: Table, known: Materials) -> dict[str, Any]:
 
 
 def _shape(table: Table, known: Materials) -> dict[str, Any]:
+    entries = {**table.entries(Segment), "material": _material(table, known)}
     theory = table.word("lateral_inertia", THEORIES) if table.has("lateral_inertia") else None
-    return {**table.entries(Segment), "material": _material(table, known),
-            "lateral_inertia": theory}
+    if theory is None and entries["polar_moment"] is not None:
+        theory = RAYLEIGH_LOVE  # which a polar moment alone meant in older files
+    return {**entries, "lateral_inertia": theory}
 
 
 def _material(table: Table, known: Materials, key: str = "material") -> Material:

@@ -77,7 +77,7 @@ def test_everything_at_once():
         "my rubber", youngs_modulus=5e6, density=1100, poisson_ratio=0.49, viscosity=2e3
     )
     left = ri.Rod(
-        0.4, area=math.pi * 0.02 * 0.02 / 4, material=steel, velocity=ri.Steps([1, 0], [0.1]),
+        0.4, diameter=0.02, material=steel, velocity=ri.Steps([1, 0], [0.1]),
         strain=1e-4,
     )
     right = ri.Rod(
@@ -215,7 +215,8 @@ def test_tapers_lateral_inertia_damping_and_a_grid_in_space():
     rubber = ri.Material("rubber", youngs_modulus=5e6, density=1100, poisson_ratio=0.49)
     rubber = rubber.damped(0.1, 1e3)
     assert case.system == ri.System([
-        ri.Rod(0.4, area=ri.Samples([1e-4, 2e-4, 4e-4]), material=STEEL, polar_moment="circular"),
+        ri.Rod(0.4, area=ri.Samples([1e-4, 2e-4, 4e-4]), material=STEEL, polar_moment="circular",
+               lateral_inertia="rayleigh-love"),
         ri.Rod(0.5, area=ri.Steps([1e-4, 3e-4], [0.2]), material=rubber),
         ri.Rod(segments=[ri.Segment(0.1, ri.Samples([1e-4, 2e-4]), rubber),
                          ri.Segment(0.2, 2e-4, STEEL, polar_moment=0.5e-8,
@@ -384,7 +385,7 @@ def test_a_case_is_frozen():
          "bodies.0.lateral_inertia",
          "unknown lateral_inertia 'mindlin'; perhaps 'mindlin-herrmann' is meant"),
         (HEAD + A_ROD + "lateral_inertia = 'mindlin-herrmann'", "bodies.0.lateral_inertia",
-         "needs a polar_moment"),
+         "needs the diameter of a round rod, or a polar_moment"),
         (HEAD + A_ROD + "polar_moment = '1 cm^3'", "bodies.0.polar_moment", "perhaps cm^4 is"),
         (HEAD + A_ROD + "polar_moment = -1", "bodies.0.polar_moment",
          "must be a finite positive number of m^4, got -1.0"),

@@ -343,7 +343,7 @@ def test_what_is_no_grid(grid, said):
         ("materials.a.b.density", "0:1:3", "materials.a.b.density[0]", "positive number of kg/m^3"),
         ("bodies.1.velocity.at.0", "0.1,0.4", "bodies.1.velocity.at.0[1]", "inside the rod"),
         ("bodies.1.diameter", "1,1e200", "bodies.1.diameter[1]", "1e-150 to 1e+150 in consistent"),
-        ("bodies.1.diameter", "1,1e90", "bodies.1.area[1]", "outside 1e-150 to 1e+150"),
+        ("bodies.1.diameter", "1,1e90", "bodies.1.diameter[1]", "outside 1e-150 to 1e+150"),
     ],
 )
 def test_numbers_that_the_model_refuses_are_named_by_their_place(path, grid, where, said):
@@ -463,7 +463,8 @@ def test_numbers_of_tapers_and_damping_may_vary():
     assert case.system.shape == (2, 2, 2, 2)
     member = case.system[1, 0, 1, 0].bodies[0]
     gum = ri.Material("x", youngs_modulus=1, density=1, poisson_ratio=0).damped(1, 2)
-    assert member == ri.Rod(0.4, area=ri.Steps([1, 4], [0.2]), material=gum, polar_moment=5)
+    assert member == ri.Rod(0.4, area=ri.Steps([1, 4], [0.2]), material=gum, polar_moment=5,
+                            lateral_inertia="rayleigh-love")
     found = problems(HEAD + with_area("{samples = [1, 2]}"), vary={"bodies.0.area": "1,2"})
     assert "is no number that can vary" in found["bodies.0.area"]
     case = parse_case(HEAD + A_ROD + "polar_moment = 'circular'",
