@@ -159,6 +159,10 @@ class Table:
         """A table within this one."""
         return Table(self.where(key), data, self.grids, self.mistakes)
 
+    def at(self, path: str) -> Table:
+        """An empty table of the file at another path."""
+        return Table(path, {}, self.grids, self.mistakes)
+
     def tables(self, key: str) -> list[Table]:
         """All tables of that name."""
         data = self.data[key] if self.has(key) else []
