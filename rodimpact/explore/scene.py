@@ -165,7 +165,7 @@ def _energy(solution: Solution) -> Any:
 
 def _gauges(design: Design, solution: Solution) -> Any:
     times, series = np.linspace(0.0, solution.t_end, SAMPLES + 1), []
-    for body, fraction in design.case.gauges:
+    for body, fraction, _ in design.case.gauges:
         x = fraction * float(solution.fields.edges(body)[-1])
         name = f"rod {body} at {format_si(x, 'm', 4)}"
         strain = solution.gauge(body, x).strain_at(times)

@@ -274,8 +274,11 @@ def _read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
     fraction = table.quantity("fraction", given, "dimensionless")
     if not 0 <= fraction <= 1:
         table.note("fraction", f"must lie in [0, 1], got {shown(given)}")
+    name = table.data["name"] if table.has("name") else ""
+    if not isinstance(name, str) or (not name and table.has("name")):
+        table.note("name", f"must be a word, got {shown(name)}")
     table.close()
-    return GaugePlace(body, fraction)
+    return GaugePlace(body, fraction, name)
 
 
 def _check_varied(top: Table, system: System | None) -> None:

@@ -93,7 +93,7 @@ class Table:
         if self.grids.ask(path):
             return self._told(key, self.grids.take, path, dimension)
         if isinstance(value, list):
-            remedy = f"rodimpact sweep --vary {path}=start:stop:count varies it"
+            remedy = f'vary={{"{path}": "start:stop:count"}} varies it'
             self.note(key, f"must be a single number, got {shown(value)}{hint}; {remedy}")
             return math.nan
         return self.quantity(key, value, dimension)

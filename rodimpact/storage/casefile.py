@@ -34,9 +34,10 @@
                              # `rodimpact.solve`; all but the last for `rodimpact.sweep` too
     [output]                 # plot, save: names of files to write
 
-    [[gauges]]               # a strain gauge of `rodimpact explore` and `rodimpact export`
+    [[gauges]]               # a strain gauge of `rodimpact explore`, `run --gauges`, `compare`
     body = 0
     fraction = 0.5           # of the rod's length, from its left end
+    name = "incident"        # its column, or the channel of the record; may be left out
 
 A law, "rigid", "bonded", "joint", "spring", "spring-dashpot", "hertz" and so on, takes the
 numbers of its class, under their names; Hertz contact a stiffness, or left_radius and right_radius.

@@ -35,7 +35,7 @@ MOST_DOCUMENT = 1 << 28
 """Bytes of the document of a saved file, four to a character."""
 PASSING = ".rodimpact-"
 """How names of files begin that are being written."""
-EXISTS = "it exists already; give --force (in Python force=True) to replace it"
+EXISTS = "it exists already; give force=True to replace it"
 
 
 def file_name(path: Any) -> str:

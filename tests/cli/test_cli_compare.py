@@ -125,6 +125,18 @@ def test_mistakes(capsys, tmp_path, options, said):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "shot.txt"]
 
 
+def test_gauges_of_the_case_serve(capsys, tmp_path):
+    gauges = '[[gauges]]\nbody = 1\nfraction = 0.5\nname = "far"\n'
+    (tmp_path / "case.toml").write_text(CASE + gauges)
+    by_case = call(capsys, "--stop", "320 us")
+    assert by_case == call(capsys, "--gauge", "far=1:1.0", "--stop", "320 us")
+    assert by_case[0] == 0
+    (tmp_path / "case.toml").write_text(CASE + gauges.replace("far", "fra"))
+    status, _, err = call(capsys)
+    assert status == 2
+    assert "the record has no channel 'fra'; perhaps 'far' is meant" in err
+
+
 def test_waves_are_carried_along_a_rod_that_has_a_diameter(capsys, tmp_path):
     assert call(capsys, "--gauge", "far=1:0.5", "--carried", "0.5")[0] == 0
     (tmp_path / "case.toml").write_text(CASE.replace("diameter = 0.02", "area = 1e-4"))

@@ -307,7 +307,7 @@ def test_a_case_is_frozen():
         (HEAD + "friction = 1\n" + A_ROD, "friction",
          "unknown key; use one of schema, materials, gravity, bodies, contacts, ends, solve"),
         (HEAD + "gravity = '9.81 m/s'\n" + A_ROD, "gravity", "'m/s' is a unit of velocity"),
-        (HEAD + "gravity = [1, 2]\n" + A_ROD, "gravity", "--vary gravity=start:stop:count"),
+        (HEAD + "gravity = [1, 2]\n" + A_ROD, "gravity", 'vary={"gravity": "start:stop:count"}'),
         (HEAD + A_ROD + "[solv]", "solv", "unknown key; perhaps 'solve' is meant"),
         (HEAD + "solve = 3\n" + A_ROD, "solve", "must be a table, got 3"),
         # bodies
@@ -324,7 +324,7 @@ def test_a_case_is_frozen():
         (HEAD + A_ROD + "velocity = 1979-05-27", "bodies.0.velocity", "it is not a number"),
         (HEAD + A_ROD + "velocity = [1, 2]", "bodies.0.velocity", "must be a single number"),
         (HEAD + A_ROD + "strain = [1, 2]", "bodies.0.strain",
-         "; a profile is written {values = [...], at = [...]} or {samples = [...]}; rodimpact"),
+         "; a profile is written {values = [...], at = [...]} or {samples = [...]}; vary="),
         (HEAD + "[[bodies]]\nkind='mass'\n" + A_ROD + LAW + "'hertz'\nstiffness=1",
          "bodies.0.mass", "is missing; give a mass, in SI units or as text with one of kg, g"),
         (HEAD + A_MASS.replace("2", "-2") + A_ROD, "bodies.0.mass",
@@ -491,7 +491,7 @@ def test_a_case_is_frozen():
         (HEAD + A_ROD + LEFT + "'force'\nvalue = '1 m/s'", "ends.left.value",
          "'m/s' is a unit of velocity"),
         (HEAD + A_ROD + LEFT + "'velocity'\nvalue = [1, 2]", "ends.left.value",
-         "is written {values = [...], at = [...]} or {samples = [...], step = ...}; rodimpact"),
+         "is written {values = [...], at = [...]} or {samples = [...], step = ...}; vary="),
         (HEAD + A_ROD + LEFT + "'force'\nvalue = {values=[1, 2], at=['1 m']}",
          "ends.left.value.at.0", "'m' is a unit of length"),
         (HEAD + A_ROD + LEFT + "'force'\nvalue = {samples=[1, 2]}", "ends.left.value.step",
@@ -539,8 +539,8 @@ def test_each_mistake_alone(text, path, said):
 def test_a_list_in_a_file_is_no_family_but_the_remedy_is_named():
     found = problems(HEAD + A_ROD.replace("0.4", "[0.4, 0.5]"))
     assert found == {
-        "bodies.0.length": "must be a single number, got [0.4, 0.5]; rodimpact sweep --vary "
-        "bodies.0.length=start:stop:count varies it"
+        "bodies.0.length": "must be a single number, got [0.4, 0.5]; "
+        'vary={"bodies.0.length": "start:stop:count"} varies it'
     }
 
 
