@@ -94,7 +94,8 @@ def sampled(design: Design, solution: Solution, as_asked: bool) -> Scene:
              "compliant": not isinstance(c.law, Rigid | Bonded)}
             for c in solution.contacts
         ],
-        "gauges": [gauge._asdict() for gauge in design.case.gauges], "curve": None,
+        "gauges": [{"body": body, "fraction": at} for body, at, _ in design.case.gauges],
+        "curve": None,
         "outcome": {
             "before": o.velocities_before, "after": o.velocities_after, "able": o.unilateral,
             "contacts": [tally._asdict() for tally in o.contacts], "final": o.final, "why": why,

@@ -275,8 +275,8 @@ def _read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
     if not 0 <= fraction <= 1:
         table.note("fraction", f"must lie in [0, 1], got {shown(given)}")
     name = table.data["name"] if table.has("name") else ""
-    if not isinstance(name, str) or (not name and table.has("name")):
-        table.note("name", f"must be a word, got {shown(name)}")
+    if not isinstance(name, str):
+        table.note("name", f"must be text, got {shown(name)}")
     table.close()
     return GaugePlace(body, fraction, name)
 
