@@ -24,7 +24,7 @@ from scipy.optimize import brentq
 from scipy.special import i0e, i1e, j0, j1
 
 from .model.arguments import Array, Number, array, plain, refuse, together
-from .model.bodies import CIRCULAR, Rod, Segment
+from .model.bodies import Rod, Segment
 from .model.frozen import Field, Frozen, InvalidModel
 from .model.lateral_inertia import INERTIA, radial_moduli
 from .units import shown
@@ -84,8 +84,8 @@ class Bar(Frozen):
         Parameters
         ----------
         rod : Rod or Segment
-            Uniform, of a material with a `poisson_ratio`, and said to be round by
-            ``polar_moment="circular"``, unless a radius is given.
+            Uniform, of a material with a `poisson_ratio`, and given by its diameter, unless a
+            radius is given.
         radius : float, optional
             Equivalent radius of a section that is not round, m.
 
@@ -98,7 +98,7 @@ class Bar(Frozen):
         Examples
         --------
         >>> import rodimpact as ri
-        >>> rod = ri.Rod(1.0, diameter=0.02, material=ri.materials.steel, polar_moment="circular")
+        >>> rod = ri.Rod(1.0, diameter=0.02, material=ri.materials.steel)
         >>> round(Bar.of(rod).radius, 12)
         0.01
         """
@@ -111,9 +111,9 @@ class Bar(Frozen):
         if material.poisson_ratio is None:
             message = f"is missing in {shown(material.name)}; dispersion needs it"
             raise InvalidModel([("bar.material.poisson_ratio", message)])
-        if radius is None and piece.polar_moment != CIRCULAR:
-            message = "is not said to be round; give the rod polar_moment='circular' if it is (a "
-            message += "diameter sets its area alone), or radius=, the equivalent radius in m"
+        if radius is None and not piece.solid_round:
+            message = "is not said to be round; give the rod its diameter in place of the area, or "
+            message += "radius=, the equivalent radius in m"
             raise InvalidModel([("bar.section", message)])
         a = np.sqrt(piece.area / math.pi) if radius is None else radius
         return cls(material.wave_speed, material.poisson_ratio, a)

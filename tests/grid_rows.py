@@ -23,8 +23,8 @@ def thicken(rng, segment):
         polar = polar and "circular"
     material = ri.Material("thick", youngs_modulus=m.youngs_modulus, density=m.density,
                            poisson_ratio=0.3, viscosity=eta)
-    theory = "mindlin-herrmann" if polar and rng.random() < 0.5 else None
-    if theory and polar != "circular":
+    theory = polar and ("mindlin-herrmann" if rng.random() < 0.5 else "rayleigh-love")
+    if theory == "mindlin-herrmann" and polar != "circular":
         polar = max(polar, 0.02 * area)  # or the step would have to be shorter
     return ri.Segment(segment.length, area, material, polar_moment=polar, lateral_inertia=theory)
 

@@ -41,6 +41,13 @@ def test_the_program_of_the_readme_prints_what_it_says(tmp_path, monkeypatch):
         assert (tmp_path / f"{picture}.png").stat().st_size > 10_000
 
 
+@pytest.mark.parametrize("page", sorted((ROOT / "docs").glob("*.md")), ids=lambda page: page.stem)
+def test_whoever_follows_a_page_twice_may_write_its_files_again(page):
+    calls = re.findall(r"(?:plot\.save|\.save|to_csv)\(.*\"[^\"]+\.\w+\"[^)]*\)",
+                       page.read_text(encoding="utf-8"))
+    assert [call for call in calls if "force=True" not in call] == []
+
+
 def test_links_and_pictures_of_the_readme_exist():
     for target in re.findall(r"\]\(([^)]+)\)", README):
         if not target.startswith("http"):

@@ -81,7 +81,7 @@ def test_frequencies_and_wave_numbers_of_a_bar():
 
 
 def test_a_bar_of_a_rod():
-    rod = ri.Rod(1.0, diameter=0.02, material=STEEL, polar_moment="circular")
+    rod = ri.Rod(1.0, diameter=0.02, material=STEEL)
     round_bar = waves.Bar.of(rod)
     assert round_bar.radius == pytest.approx(0.01, rel=1e-14)
     assert (round_bar.wave_speed, round_bar.poisson_ratio) == (STEEL.wave_speed, 0.29)

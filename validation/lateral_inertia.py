@@ -57,7 +57,7 @@ def phase_velocities() -> list[Row]:
     dt, rows = 0.999 / N, []
     for half_waves in (2, 4, 6, 8, 10):
         k = half_waves * math.pi / L
-        bar = ri.Rod(L, area=math.pi * radius**2, material=material, polar_moment="circular",
+        bar = ri.Rod(L, diameter=2 * radius, material=material, lateral_inertia="rayleigh-love",
                      velocity=ri.Samples(np.cos(k * np.linspace(0.0, L, 8001))))
         times = 5 * dt * np.arange(200)
         solution = ri.solve(ri.System([bar]), method=METHOD, dt=dt, until=float(times[-1]),
@@ -81,7 +81,7 @@ def by_modes(x: float, t: float) -> float:
 def rises() -> list[Row]:
     """From 10 to 90 % in microseconds."""
     c, case = float(STEEL.wave_speed), "step of velocity in a steel bar of 19 mm"
-    bar = ri.Rod(8.2, area=math.pi * RADIUS**2, material=STEEL, polar_moment="circular")
+    bar = ri.Rod(8.2, diameter=2 * RADIUS, material=STEEL, lateral_inertia="rayleigh-love")
     row = ri.System([bar], ends=(ri.Moved(1.0), ri.Absorbing()))
     width = {x: 3e-6 * x ** (1 / 3) for x in QUOTED}  # about the time scale of the front
     windows = {x: x / c + width[x] * np.linspace(-4.0, 2.6, 200) for x in QUOTED}

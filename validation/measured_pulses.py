@@ -75,11 +75,11 @@ def record(shot: Shot) -> list[ri.Signal]:
     return list(ri.read_signals(FOLDER / "records" / shot.file).values())
 
 
-def row_of(shot: Shot, speed: float, law: ri.Rigid | ri.Hertz, moment: str | None) -> ri.System:
+def row_of(shot: Shot, speed: float, law: ri.Rigid | ri.Hertz, theory: str | None) -> ri.System:
     """Striker and bar, longer than waves run in the time that matters."""
     material = ri.Material("bar", youngs_modulus=shot.density * speed**2, density=shot.density,
                            poisson_ratio=shot.bar.poisson_ratio)
-    shape = {"diameter": 2 * shot.bar.radius, "material": material, "polar_moment": moment}
+    shape = {"diameter": 2 * shot.bar.radius, "material": material, "lateral_inertia": theory}
     return ri.System(
         [ri.Rod(sum(shot.length) / 2, velocity=10.0, **shape), ri.Rod(1.2, **shape)],
         contacts=[law],
@@ -93,7 +93,7 @@ def fitted(
     """Fit of the incident pulse; of ends that are not varied, rigid ones."""
     law = ri.Hertz(1e10) if STIFFNESS in vary else ri.Rigid()
     system = row_of(shot, speed or shot.bar.wave_speed, law,
-                    "circular" if rayleigh_love else None)
+                    "rayleigh-love" if rayleigh_love else None)
     x = shot.to_gauge if rayleigh_love else NEAR
     measured = ri.Measured(
         record(shot)[0].window(*shot.windows[0]), (1, x), distance=shot.to_gauge - x,

@@ -8,7 +8,7 @@ and is solved. Cells with the same formula and the same contacts make a region.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -43,16 +43,14 @@ Check = tuple[int, list[Number]]
 class Checks:
     """What holds in a cell, to be tried at many places."""
 
-    def __init__(self, checks: list[Check], names: list[str], known: dict[str, Fraction]) -> None:
-        self.checks, self.names = checks, names
-        self._known: dict[str, Any] = {name: float(value) for name, value in known.items()}
+    def __init__(self, checks: list[Check], at: Callable[[Floats, Floats], Any]) -> None:
+        self.checks, self._at = checks, at
         self._program = Program([number for _, of in checks for number in of], float)
 
     def hold(self, x: Floats, y: Floats) -> Any:
         """Which checks hold; [check][place]."""
-        at = {**self._known, **dict(zip(self.names, (x, y), strict=True))}
         with np.errstate(all="ignore"):
-            values = iter(self._program(at))
+            values = iter(self._program(self._at(x, y)))
             return np.array([
                 np.broadcast_to(_good(status, [next(values) for _ in of]), x.shape)
                 for status, of in self.checks
@@ -63,7 +61,9 @@ class Cell:
     """One cell of the plane: inequalities, results, and in which region it is."""
 
     def __init__(self, naming: Naming, place: tuple[Fraction, Fraction], max_events: int) -> None:
-        self.names = [next(n for n, p in naming.paths.items() if p == s) for s in naming.symbols]
+        self.names = [next(name for name, path in naming.paths.items()
+                           if naming.symbol_of(path) == symbol) for symbol in naming.symbols]
+        self._speeds = naming.speeds
         run = naming.run_at(dict(zip(self.names, place, strict=True)), max_events)
         self.final, self.results, self.known = run.final, run.results, naming.place
         if self.final:
@@ -91,14 +91,23 @@ class Cell:
         return low[:, 0]
 
     def _among(self, checks: list[Check]) -> Checks:
-        return Checks(checks, self.names, self.known)
+        return Checks(checks, self._at)
+
+    def _at(self, x: Floats, y: Floats) -> dict[str, Any]:
+        """All numbers of the run at places of the plane, wave speeds of its materials too."""
+        at: dict[str, Any] = {name: float(value) for name, value in self.known.items()}
+        at.update(zip(self.names, (x, y), strict=True))
+        for c, (E, rho) in self._speeds.items():
+            if E in self.names or rho in self.names:
+                modulus, density = (at[of] if of in at else float(of) for of in (E, rho))
+                at[c] = np.sqrt(modulus / density)
+        return at
 
     def restitution(self, x: Floats, y: Floats) -> Floats:
         """The formula of e, nan where there is none; [place]."""
         e = self.results.restitution
-        known: dict[str, Any] = {name: float(value) for name, value in self.known.items()}
-        at = {**known, **dict(zip(self.names, (x, y), strict=True))}
-        return np.broadcast_to(np.nan if e is None else evaluate([e], at, float)[0], x.shape)
+        found = np.nan if e is None else evaluate([e], self._at(x, y), float)[0]
+        return np.broadcast_to(found, x.shape)
 
     def formula(self) -> tuple[Any, ...]:
         """What is the same for cells of one region: how often contacts press, and the formula."""
@@ -192,7 +201,7 @@ def atlas(
     system : System
         As for `closed_form`.
     x, y : (str, float, float)
-        Path of a number, as for `closed_form` but no modulus or density, and the ends of its axis.
+        Path of a number, as for `closed_form`, and the ends of its axis.
     most_cells : int
         Cap; what is not reached by then is left unresolved.
     max_events : int

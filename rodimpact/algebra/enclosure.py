@@ -146,7 +146,8 @@ def _spans(
     for name, value in naming.base.items():
         path = naming.paths[name]
         word = path.rpartition(".")[2]
-        key = path if path in sizes else word
+        key = naming.symbol_of(path)
+        assert key is not None
         size, share = sizes[key]
         half = size * abs(value) if share else size
         if word != "velocity" and half >= value:

@@ -15,7 +15,8 @@ from typing import Any
 
 from ..methods.row import Row
 from ..model import System
-from ..model.frozen import InvalidModel, nearest
+from ..model.frozen import InvalidModel
+from ..model.paths import places_of, suggestion
 from ..units import shown
 from .numbers import Number
 from .rational import root
@@ -35,7 +36,8 @@ class Naming:
     ----------
     system : System
     symbols : sequence of str
-        Paths of numbers, such as ``bodies.0.length``, or the last words of such paths.
+        Paths of numbers, such as ``bodies.0.length`` or ``materials.steel.density``, or the last
+        words of such paths.
 
     Attributes
     ----------
@@ -60,6 +62,8 @@ class Naming:
         self.base: dict[str, Fraction] = {}
         self.speeds: dict[str, tuple[Any, Any]] = {}
         self._named: set[str] = set()
+        self._of_material = {place: path for path, places in places_of(system).items()
+                             if path.startswith("materials.") for place in places}
         self._materials: list[Any] = []
         self._roots: dict[Fraction, Fraction] = {}
         self._shift: Mapping[str, Fraction] = {}
@@ -71,13 +75,13 @@ class Naming:
             return self._take(path, value)
 
         read(self.row, take, self._speed)
-        words, named = (
-            {word for path in paths for word in (path, path.rpartition(".")[2])}
+        known, named = (
+            dict.fromkeys(word for path in paths for word in self._words(path))
             for paths in (asked, self._named)
         )
         problems = [
-            ("symbols", f"{symbol!r} names no number that formulas have beside the other symbols; "
-             f"{nearest(symbol, sorted(words))}")
+            ("symbols", f"{shown(symbol)} names no number that formulas have beside the other "
+             f"symbols; {suggestion(symbol, known)}")
             for symbol in self.symbols if symbol not in named
         ]
         if problems or not symbols:
@@ -110,9 +114,9 @@ class Naming:
 
     def run_at(self, place: Mapping[str, Fraction], max_events: int) -> ExactRun:
         """Run the row, with these values of named numbers."""
-        start = self.values({})
-        return self.run({name: (x - start[name]) / (start[name] or 1)
-                         for name, x in place.items()}, max_events)
+        start, there = self.values({}), self.values(place)
+        return self.run({name: (there[name] - start[name]) / (start[name] or 1)
+                         for name in (*place, *self.speeds)}, max_events)
 
     def _name(self, name: str, path: str, value: Fraction) -> None:
         self._named.add(path)
@@ -123,14 +127,19 @@ class Naming:
         self.place[name] = value + (value or 1) * self._shift.get(name, 0)
         return Number(self.place[name], (name,))
 
-    def _wants(self, path: str) -> bool:
-        return path in self.symbols or path.rpartition(".")[2] in self.symbols
+    def _words(self, path: str) -> list[str]:
+        """What may name the number at a path: the path, that of its material, and its last word."""
+        return list(filter(None, (path, self._of_material.get(path), path.rpartition(".")[2])))
+
+    def symbol_of(self, path: str) -> str | None:
+        """The symbol that names the number at a path."""
+        return next((word for word in self._words(path) if word in self.symbols), None)
 
     def _take(self, path: str, value: float) -> Number | None:
         quantity = path.rpartition(".")[2]
         if quantity == "density":
             return self._density(path.removesuffix(".density"))
-        if not self._wants(path) or (quantity == "gap" and value == 0):
+        if not self.symbol_of(path) or (quantity == "gap" and value == 0):
             follows = quantity in ("transit_time", "impedance")
             return None if follows else Number(written(value))
         if quantity in ("velocity", "gap"):
@@ -163,7 +172,7 @@ class Naming:
         found: list[Any] = []
         for quantity, value in zip(("youngs_modulus", "density"), pair, strict=True):
             name = f"{LETTERS[quantity]}{place}"
-            if name in self.base or self._wants(f"{path}.{quantity}"):
+            if name in self.base or self.symbol_of(f"{path}.{quantity}"):
                 self._name(name, f"{path}.{quantity}", written(value))
                 found.append(name)
             else:

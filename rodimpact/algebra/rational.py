@@ -10,7 +10,8 @@ from typing import Any
 
 from ..methods.row import Row
 from ..model import System
-from ..model.frozen import InvalidModel, Problems, nearest
+from ..model.frozen import InvalidModel, Problems
+from ..model.paths import places_of, suggestion
 from ..units import shown
 from .numbers import Number
 from .rows import MOST_EVENTS, check, check_cap, check_final, each, read, run, written
@@ -78,20 +79,23 @@ def exact(
     """
     check(system)
     check_cap("max_events", max_events)
-    row, given = Row(system), fractions_of(values)
-    known: set[str] = set()
+    row, places = Row(system), places_of(system)
+    given = {place: value for path, value in fractions_of(values).items()
+             for place in places.get(path, [path])}
 
     def take(path: str, value: float) -> Number | None:
-        known.add(path)
+        known[path] = None
         if path in given:
             return Number(given[path])
         follows = path.endswith((".transit_time", ".impedance"))
         return None if follows else Number(written(value))
 
     speeds, unit = _wave_speeds(row, given)
+    known = dict.fromkeys(f"{path}.material.youngs_modulus" for path in speeds)
     numbers = read(row, take, lambda _, path: Number(speeds[path]))
+    known |= dict.fromkeys(path for path, at in places.items() if at[0] in known)
     unknown: Problems = [
-        (path, f"names no number of this system; {nearest(path, sorted(known))}")
+        (path, f"names no number of this system; {suggestion(path, known)}")
         for path in given if path not in known
     ]
     for name in ("transit", "impedance"):

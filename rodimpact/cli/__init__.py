@@ -22,6 +22,7 @@ from importlib import import_module
 from typing import Any
 
 from .. import __version__
+from .options import as_options
 
 COMMANDS = {
     "box": "replay the textbook's collisions of elastic rods, in words and figures",
@@ -169,7 +170,7 @@ def _print(text: str | Iterable[str]) -> bool:
 def complain(message: str, status: int) -> int:
     """Print a mistake or fault; returns the exit status that goes with it."""
     with suppress(OSError):  # nobody reads it
-        for line in message.splitlines():
+        for line in as_options(message).splitlines():
             print(f"rodimpact: {line}", file=sys.stderr)
     return status
 

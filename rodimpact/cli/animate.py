@@ -18,6 +18,7 @@ from ..storage.casefile import read_case
 from ..units import format_si
 from . import DONE
 from .asking import attempt, check_outputs, note, quantity, whole_number
+from .options import as_keys
 from .progress import progress_bar, solved, status_of
 from .run_options import add_run_options, run_options
 
@@ -73,7 +74,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     solution = solved(case.system, **options)
     too_short = arguments.until is not None and solution.stopped_by == "until"  # that is told below
     if not too_short and (reason := nothing_to_draw(solution)):
-        raise InvalidModel([(case.path, reason)])
+        raise InvalidModel([(case.path, as_keys(reason))])
     note("drawing")
     try:
         with plot.look("dark" if arguments.dark else "light"):

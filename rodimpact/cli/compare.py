@@ -28,8 +28,9 @@ from ..storage.tables import SCHEMA_VERSION, align
 from ..units import format_si
 from .asking import attempt, check_format, check_outputs, quantity, write
 from .gauge_places import FORM, add_gauge_option, gauge_places
+from .options import flag
 from .progress import progress_bar, solved, status_of
-from .run_options import NUMBERS, add_run_options, flag, run_options
+from .run_options import NUMBERS, add_run_options, run_options
 
 _BRIDGE = {"gauge_factor": "dimensionless", "excitation": "voltage", "gain": "dimensionless",
            "poisson_ratio": "dimensionless"}
@@ -89,8 +90,9 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     case = attempt(problems, read_case, arguments.case)
     options = run_options(problems, arguments, case)
     places = gauge_places(problems, arguments.gauge, case)
-    if not arguments.gauge:
-        problems.append(("--gauge", f"is missing; {FORM} names a channel and where its gauge is"))
+    if not places:
+        message = f"is missing; {FORM} names a channel and where its gauge is, as [[gauges]] of the"
+        problems.append(("--gauge", f"{message} case do, with a name"))
     numbers = {
         name: quantity(problems, flag(name), text, dimension)
         for name, dimension in _DIMENSIONS.items()
@@ -121,8 +123,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         try:
             laid[name] = _laid(measured[name], _predicted(solution, place, numbers), numbers)
         except ValueError as error:
-            message = str(error).replace("radius=,", "--radius,")
-            raise InvalidModel([(f"--gauge {name}", message)]) from None
+            raise InvalidModel([(f"--gauge {name}", str(error))]) from None
     status = status_of(solution)
     if arguments.save is not None:
         draw = partial(_draw, laid, force=arguments.force)

@@ -1,4 +1,4 @@
-"""Where strain gauges sit, from the command line: --gauge incident=1:0.5 is 0.5 m into body 1."""
+"""Where strain gauges sit: --gauge incident=1:0.5 is 0.5 m into body 1; else as the case says."""
 
 from __future__ import annotations
 
@@ -21,8 +21,15 @@ def add_gauge_option(parser: argparse.ArgumentParser, what: str) -> None:
 
 
 def gauge_places(problems: Problems, given: list[str], case: Case | None) -> Places:
-    """Bodies and places of gauges by name."""
+    """Bodies and places of gauges by name: those given, or else those of the case."""
     places: Places = {}
+    for i, gauge in enumerate(case.gauges if case and not given else ()):
+        rod = case.system.bodies[gauge.body]  # type: ignore[union-attr]
+        far = gauge.fraction * float(rod.length)  # type: ignore[union-attr]
+        name = gauge.name or f"body {gauge.body} at {far:g} m"
+        if name in places:
+            problems.append((f"gauges.{i}", f"two gauges are called {name}; rename one"))
+        places[name] = gauge.body, far
     bodies = case.system.bodies if case else ()
     for text in given:
         name, _, place = text.rpartition("=")

@@ -24,6 +24,7 @@ from ..units import shown
 from . import MISTAKE, complain
 from .asking import attempt, check_format, check_outputs, write
 from .gauge_places import FORM, Places, add_gauge_option, gauge_places
+from .options import as_options
 from .progress import solved, status_of
 from .run_options import NUMBERS, add_run_options, run_options
 
@@ -50,9 +51,12 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     case = attempt(problems, read_case, arguments.case)
     options = run_options(problems, arguments, case)
     places = gauge_places(problems, arguments.gauge, case)
-    problems += [("--gauge", sentence) for name in places if (sentence := misnamed(name))]
+    problems += [("--gauge" if arguments.gauge else "gauges", sentence)
+                 for name in places
+                 if (arguments.gauge or arguments.gauges) and (sentence := misnamed(name))]
     if arguments.gauges is not None and not places:
-        problems.append(("--gauges", f"goes with --gauge {FORM}, one for each column"))
+        message = f"goes with --gauge {FORM}, one for each column, or [[gauges]] of the case"
+        problems.append(("--gauges", message))
     names = ("save", "plot", "gauges")
     files = {name: (f"--{name}", getattr(arguments, name)) for name in names}  # where given: path
     for name, path in (case.output if case else {}).items():
@@ -60,7 +64,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
             files[name] = f"output.{name}", path
     if files["plot"][1] is not None:
         check_format(problems, *files["plot"])
-    elif places and arguments.gauges is None:
+    elif arguments.gauge and arguments.gauges is None:
         problems.append(("--gauge", "goes with --gauges or --plot, which show its record"))
     tolerances = _tolerances(problems, arguments.tolerance)
     check_outputs(problems, dict(files.values()), arguments.force)
@@ -85,8 +89,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
             status = write(where, path, partial(writers[name], force=arguments.force)) or status
     if arguments.json:
         told = solution_dict(solution) | ({"enclosure": asdict(bounds)} if bounds else {})
-        return json.dumps(told, indent=2, allow_nan=False), status
-    text = solution_table(solution)
+        return as_options(json.dumps(told, indent=2, allow_nan=False)), status
+    text = as_options(solution_table(solution))
     return f"{text}\n\nwithin the tolerances:\n{bounds}" if bounds else text, status
 
 

@@ -10,6 +10,7 @@ from ..methods.registry import METHOD_NAMES, Options
 from ..model.frozen import InvalidModel, Problems
 from ..storage.casefile import Case
 from .asking import quantity, whole_number
+from .options import flag
 
 
 class _Option(NamedTuple):
@@ -68,8 +69,3 @@ def run_options(
             if path not in known:
                 problems.append((path, message))
     return options
-
-
-def flag(name: str) -> str:
-    """The option of that name."""
-    return f"--{name.replace('_', '-')}"

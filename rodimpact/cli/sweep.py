@@ -20,17 +20,22 @@ from typing import Any
 from ..methods.abilities import driven
 from ..methods.family import ALSO
 from ..model.frozen import InvalidModel, Problems
+from ..model.paths import suggestion
 from ..running.sweep_report import sweep_json, sweep_table
-from ..running.sweep_result import SweepResult
+from ..running.sweep_result import Readings, SweepResult, arrays_of
 from ..running.sweeping import SweepError, sweep
 from ..storage.casefile import Case, read_case
 from ..storage.reading import FileFormatError
 from . import DONE, INCOMPLETE
 from .asking import attempt, check_format, check_outputs, note, whole_number, write
+from .options import as_options
 from .progress import a_second, progress_bar
 from .run_options import add_run_options, run_options
 
 EXAMPLE = "bodies.0.length=0.05:1:200"
+
+
+MORE = "--csv prints all, --save keeps them"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -55,6 +60,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     form.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--save", metavar="FILE.npz", help="save the result")
     parser.add_argument("--plot", metavar="FILE", help="draw it: .png, .svg or .pdf")
+    parser.add_argument("--quantity", metavar="NAME", default="restitution",
+                        help="what --plot shows: restitution (default), duration.0 of contact 0, "
+                        "velocity_after.1 of body 1, or another column of --csv")
     parser.add_argument("--force", action="store_true", help="replace existing files")
 
 
@@ -68,7 +76,7 @@ def run(arguments: argparse.Namespace) -> tuple[str | Iterable[str], int]:
         how["workers"] = whole_number(problems, "--workers", arguments.workers)
     case = attempt(problems, read_case, arguments.case, vary)
     if case:
-        _check_case(problems, case, draws=arguments.plot is not None)
+        _check_case(problems, case, arguments.plot and arguments.quantity)
     options = run_options(problems, arguments, case)
     if "displacement" in arguments.also and options.get("until") is None:
         message = "displacement is that at the end of the run; give the end, --until"
@@ -81,7 +89,8 @@ def run(arguments: argparse.Namespace) -> tuple[str | Iterable[str], int]:
 
     result = _sweep(case, {**options, **how})
     status = INCOMPLETE if result.incomplete.any() else DONE
-    for option, make in (("--save", result.save), ("--plot", partial(_draw, result))):
+    draw = partial(_draw, result, arguments.quantity)
+    for option, make in (("--save", result.save), ("--plot", draw)):
         if (path := files[option]) is not None:
             status = write(option, path, partial(make, force=arguments.force)) or status
     text: str | Iterable[str]
@@ -90,15 +99,15 @@ def run(arguments: argparse.Namespace) -> tuple[str | Iterable[str], int]:
     elif arguments.json:
         text = sweep_json(result, case.varied)
     else:
-        text = sweep_table(result, case.varied)
+        text = as_options(sweep_table(result, case.varied, MORE))
     return text, status
 
 
-def _draw(result: SweepResult, path: str, force: bool) -> None:
-    """Draw a sweep; ValueError if no collision has e, and the table tells why."""
+def _draw(result: SweepResult, quantity: str, path: str, force: bool) -> None:
+    """Draw a sweep; ValueError if no collision has this quantity, and the table tells why."""
     from .. import plot
 
-    plot.save(plot.sweep(result), path, force=force)
+    plot.save(plot.sweep(result, quantity=quantity), path, force=force)
 
 
 def _vary(problems: Problems, given: list[str]) -> dict[str, str]:
@@ -117,22 +126,26 @@ def _vary(problems: Problems, given: list[str]) -> dict[str, str]:
     return vary
 
 
-def _check_case(problems: Problems, case: Case, draws: bool) -> None:
+def _check_case(problems: Problems, case: Case, drawn: str | None) -> None:
     """Refuse what only a single run takes, and a figure that cannot be drawn."""
     if "snapshots" in case.solve:
         message = "a sweep keeps no states; take snapshots out of the case"
         problems.append(("solve.snapshots", message))
     wide = sum(len(axis.values) > 1 for axis in case.varied)
     contacts = sum(law.opens for law in case.system.contacts)
-    if draws and case.varied and not 1 <= wide <= 2:
+    known = arrays_of(case.system, Readings())
+    if drawn is not None and drawn not in known:
+        message = f"there is no {drawn!r}; {suggestion(drawn, known)}"
+        problems.append(("--quantity", message))
+    if drawn is not None and case.varied and not 1 <= wide <= 2:
         message = f"a figure has one or two axes, and {wide} numbers vary; leave it out"
         problems.append(("--plot", message))
-    elif draws and contacts != 1:
-        message = f"a figure shows e, which a row with {contacts} contacts has not"
-        problems.append(("--plot", f"{message}; --save, and draw something else in Python"))
-    elif draws and driven(case.system):
-        message = "a figure shows e, which a row held under gravity, or driven, has not"
-        problems.append(("--plot", f"{message}; --save, and draw something else in Python"))
+    elif drawn == "restitution" and contacts != 1:
+        message = f"a figure shows e, which a row with {contacts} contacts has not; name another"
+        problems.append(("--plot", f"{message} --quantity, such as velocity_after.0"))
+    elif drawn == "restitution" and driven(case.system):
+        message = "a figure shows e, which a row held under gravity or driven has not; name another"
+        problems.append(("--plot", f"{message} --quantity, such as velocity_after.0"))
 
 
 def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:

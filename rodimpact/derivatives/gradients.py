@@ -25,8 +25,8 @@ from ..methods.registry import Options, count
 from ..methods.row import Array, Row
 from ..methods.run import MAX_EVENTS
 from ..model import Absorbing, Free, Rod, Steps, System
-from ..model.frozen import InvalidModel, Problems, nearest
-from ..model.paths import numbers_of, places_of
+from ..model.frozen import InvalidModel, Problems
+from ..model.paths import numbers_of, places_of, suggestion
 from ..results.outcome import UndefinedRestitution, effective_restitution
 from ..running.jobs import pool_of
 from ..running.solving import solve
@@ -42,7 +42,7 @@ EVENTS = (
 )
 """What may come otherwise on one of the sides; in the order of the kernel's names."""
 POWERS = {
-    "length": (0, 0, 1), "area": (0, 1, 0), "youngs_modulus": (0.5, 0.5, 0),
+    "length": (0, 0, 1), "area": (0, 1, 0), "diameter": (0, 2, 0), "youngs_modulus": (0.5, 0.5, 0),
     "density": (-0.5, 0.5, 0), "wave_speed": (1, 1, 0),
 }
 """To which power wave speed, impedance and length of a segment go with a number of it."""
@@ -120,7 +120,7 @@ def gradient(
         raise InvalidModel([*problems, ("wrt", message)])
     for path in wrt:
         if path not in known:
-            message = f"{shown(path)} is no number of the system; {nearest(path, known)}"
+            message = f"{shown(path)} is no number of the system; {suggestion(path, known)}"
             problems.append(("wrt", message))
         elif path.rpartition(".")[2] not in FIELDS:
             fields = ", ".join(FIELDS)

@@ -14,6 +14,7 @@ from typing import Any
 from .. import materials
 from ..methods.registry import Options
 from ..model import Rod, System
+from ..model.bodies import CIRCULAR
 from ..model.frozen import InvalidModel, Problems
 from ..results.solution import Solution
 from ..running.solving import solve
@@ -111,6 +112,12 @@ class Design:
         }
         if own:
             case["materials"] = own
+        for rod in case["bodies"]:  # the page knows round rods by their areas
+            for piece in rod.get("segments", [rod]):
+                if "diameter" in piece:
+                    piece["area"] = math.pi * piece["diameter"] * piece.pop("diameter") / 4
+                    if "lateral_inertia" in piece:
+                        piece["polar_moment"] = CIRCULAR
         return {"gauges": case.pop("gauges", []), "case": case}
 
     def solve(self) -> Solution:

@@ -94,7 +94,8 @@ def sampled(design: Design, solution: Solution, as_asked: bool) -> Scene:
              "compliant": not isinstance(c.law, Rigid | Bonded)}
             for c in solution.contacts
         ],
-        "gauges": [gauge._asdict() for gauge in design.case.gauges], "curve": None,
+        "gauges": [{"body": body, "fraction": at} for body, at, _ in design.case.gauges],
+        "curve": None,
         "outcome": {
             "before": o.velocities_before, "after": o.velocities_after, "able": o.unilateral,
             "contacts": [tally._asdict() for tally in o.contacts], "final": o.final, "why": why,
@@ -165,7 +166,7 @@ def _energy(solution: Solution) -> Any:
 
 def _gauges(design: Design, solution: Solution) -> Any:
     times, series = np.linspace(0.0, solution.t_end, SAMPLES + 1), []
-    for body, fraction in design.case.gauges:
+    for body, fraction, _ in design.case.gauges:
         x = fraction * float(solution.fields.edges(body)[-1])
         name = f"rod {body} at {format_si(x, 'm', 4)}"
         strain = solution.gauge(body, x).strain_at(times)

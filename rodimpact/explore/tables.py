@@ -54,7 +54,7 @@ def lacking(case: Any) -> tuple[str, str]:
             if sampled(body.get(key, 0)):
                 return f"bodies.{i}.{key}", SMOOTH_STATES
         for piece in pieces_of(body):
-            if piece.get("polar_moment") is not None:
+            if piece.get("lateral_inertia", piece.get("polar_moment")) is not None:
                 return f"bodies.{i}", LATERAL
             if isinstance(piece.get("area"), dict):
                 return f"bodies.{i}", TAPER

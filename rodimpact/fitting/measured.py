@@ -30,7 +30,7 @@ class Measured:
         From there to the gauge of the record, m, negative where the pulse runs to the left: exact
         waves carry it so far, as `Signal.propagated` does.
     radius : float, optional
-        Of the round rod in which they do, m, unless its `polar_moment` says that it is round.
+        Of the round rod in which they do, m, unless it is given by its diameter.
     shift : float or (float, float), optional
         By which the computed signal comes later, s: fixed, or between bounds; by default free.
     scale : float or (float, float), optional

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..model import System
-from ..model.frozen import InvalidModel, Problems, nearest
-from ..model.paths import MODULUS, SPEED, numbers_of, places_of, unit_at, with_numbers
+from ..model.frozen import InvalidModel, Problems
+from ..model.paths import held_at, numbers_of, places_of, suggestion, unit_at, with_numbers
 from ..model.quantities import floats
 from ..units import shown
 
@@ -66,7 +66,8 @@ def parameters_of(system: System, vary: Any) -> list[Parameter]:
     found = []
     for path, bounds in vary.items():
         if path not in known:
-            problems.append((f"vary.{path}", f"is no number of the system; {nearest(path, known)}"))
+            message = f"is no number of the system; {suggestion(str(path), known)}"
+            problems.append((f"vary.{path}", message))
             continue
         unit = unit_at(system, known[path][0])
         try:
@@ -79,7 +80,7 @@ def parameters_of(system: System, vary: Any) -> list[Parameter]:
             problems.append((f"vary.{path}", message))
             continue
         for place in known[path]:
-            other = taken.setdefault(place.replace(SPEED, MODULUS), path)
+            other = taken.setdefault(held_at(place), path)
             if other != path:
                 message = f"is varied as {other} already; leave one of them out"
                 problems.append((f"vary.{path}", message))

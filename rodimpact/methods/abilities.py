@@ -25,6 +25,7 @@ MASSES, COMPLIANCE, GRAVITY = "rigid masses", "compliant contacts", "gravity"
 JOINTS = "joints"
 SMOOTH_STATES, SMOOTH_DRIVES = "profiles other than steps", "drives other than steps"
 DAMPING, LATERAL, TAPER = "damping", "lateral inertia", "tapered rods"
+SINGLE = (GRAVITY, DAMPING, LATERAL)  # which one entry of a rod or of the system switches on
 _DRIVEN = (Pushed, Moved, Incoming)
 
 
@@ -53,9 +54,8 @@ def _of_rod(rod: Rod) -> list[tuple[str, str]]:
         place = f"segments.{j}." if len(rod.segments) > 1 else ""
         if not vanishes(segment.material.viscosity):
             found.append((f"{place}material.viscosity", DAMPING))
-        if segment.polar_moment is not None:
-            given = "polar_moment" if segment.lateral_inertia is None else "lateral_inertia"
-            found.append((f"{place}{given}", LATERAL))
+        if segment.lateral_inertia is not None:
+            found.append((f"{place}lateral_inertia", LATERAL))
         if segment.tapered:
             found.append((f"{place}area", TAPER))
     return found

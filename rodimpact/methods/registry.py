@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -139,13 +139,10 @@ class Options:
             method, or `until` is missing.
         """
         check_system(system)
-        given = {name for name in OWN if getattr(self, name) is not None}
+        given = self._given()
         needs = {what for _, what in abilities.needs(system)}
         able = [name for name, method in METHODS.items() if needs.isdisjoint(method.lacks)]
-        if self.method == "auto":
-            method = next(name for name in able if given <= {*METHODS[name].takes})
-        else:
-            method = self.method
+        method = self._first(needs) if self.method == "auto" else self.method
         problems: Problems = []
         if method not in able:
             missing = METHODS[method].lacking(system)
@@ -177,7 +174,29 @@ class Options:
         """
         called = {name: calls[name] for name in METHODS[method].calls if name in calls}
         own = {name: getattr(self, name) for name in METHODS[method].takes}
-        return METHODS[method].run(Row(system), self.until, self.max_events, **own, **called)
+        run = METHODS[method].run(Row(system), self.until, self.max_events, **own, **called)
+        why = self._why(method, system) if self.method == "auto" else ""
+        return replace(run, status=f"{run.status} {why}") if why else run
+
+    def _given(self) -> set[str]:
+        return {name for name in OWN if getattr(self, name) is not None}
+
+    def _first(self, needs: Collection[str]) -> str:
+        """The first method that has this physics and takes the options given."""
+        return next(name for name, method in METHODS.items()
+                    if not {*needs} & {*method.lacks} and self._given() <= {*method.takes})
+
+    def _why(self, method: str, system: System) -> str:
+        """Sentence on what keeps a system from a faster method, if single entries do."""
+        needs = abilities.needs(system)
+        faster = self._first([what for _, what in needs if what not in abilities.SINGLE])
+        causes = [need for need in needs if need[1] in METHODS[faster].lacks]
+        if faster == method:
+            return ""
+        path, what = causes[0]
+        more = f" and {len(causes) - 1} more" if causes[1:] else ""
+        return (f'Solved by the slower method "{method}" because of {path}{more}: the method '
+                f'"{faster}" has no {what}.')
 
 
 def check_system(system: Any) -> None:

@@ -32,7 +32,7 @@ from .frozen import (
     raise_noted,
     require,
 )
-from .lateral_inertia import MINDLIN_HERRMANN, THEORIES
+from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
 from .profiles import (
     Floats,
     Profile,
@@ -61,8 +61,8 @@ class Material(Frozen):
     density : float or array
         rho, kg/m^3.
     poisson_ratio : float or array, optional
-        nu, between -1 and 0.5, for the lateral inertia of a rod with a `polar_moment`, by the
-        method "finite-difference", and for `Hertz.from_radii`; other waves do not depend on it.
+        nu, between -1 and 0.5, for rods with `lateral_inertia`, for exact waves in round bars
+        (`rodimpact.waves`), and for `Hertz.from_radii`; other waves do not depend on it.
     viscosity : float or array
         Kelvin-Voigt viscosity eta of sigma = E eps + eta d(eps)/dt, Pa s; `damped` finds it from a
         loss factor. Only the method "finite-difference" takes other than 0.
@@ -180,15 +180,15 @@ class Segment(Frozen):
         from its left end, m, which is sampled at 1025 places from end to end.
     material : Material
     diameter : float or array
-        Of a solid round section, m, in place of the area, and no more: what has to know that the
-        section is round is told by `polar_moment`.
+        Of a solid round section, m, in place of the area.
     polar_moment : float, array or "circular", optional
-        Polar second moment I_p of the cross-section about the axis, m^4, if the inertia of the
-        motion sideways is to count; the material then needs a `poisson_ratio`. ``"circular"`` is
-        that of a solid round section, I_p = A^2/(2 pi), along a taper too.
+        Polar second moment I_p of the cross-section about the axis, m^4, for lateral inertia.
+        ``"circular"`` is that of a solid round section, I_p = A^2/(2 pi), along a taper too. A
+        diameter says the same, and takes no other.
     lateral_inertia : "rayleigh-love" or "mindlin-herrmann", optional
-        Theory of the motion sideways; None, with a polar moment, is that of Rayleigh and Love. See
-        `rodimpact.model.lateral_inertia`. With a diameter it needs no polar moment.
+        Theory of the motion sideways; None: this motion has no inertia. See
+        `rodimpact.model.lateral_inertia`. It needs a diameter or a polar moment, and a material
+        with a `poisson_ratio`.
 
     Raises
     ------
@@ -211,9 +211,11 @@ class Segment(Frozen):
         "area": Field("m^2", "positive", along="length"),
         "polar_moment": Field("m^4", "positive", optional=True, word=CIRCULAR),
     }
-    _instead: ClassVar[dict[str, tuple[str, ...]]] = {"diameter": ("area",)}
+    _instead: ClassVar[dict[str, tuple[str, ...]]] = {
+        "diameter": ("area",), "area": ("diameter",),
+    }
     length: Number
-    area: Number | Samples
+    diameter: Number | None
     material: Material
     polar_moment: Number | str | None
     lateral_inertia: str | None
@@ -232,8 +234,9 @@ class Segment(Frozen):
         (L,) = self._checked(problems, length=length)
         known = None if problems else L
         A: Any = 1.0
+        d: Any = None
         if diameter is not None:
-            A = self._round(problems, area, diameter)
+            A, d = None, _solid(problems, diameter, area, polar_moment)
         elif isinstance(area, Steps):
             message = "jumps inside a segment; give Rod(area=Steps(...)), or a segment for each"
             problems.append(("area", f"{message} of its values"))
@@ -245,14 +248,21 @@ class Segment(Frozen):
             message = f"must be a Material, such as materials.steel, got {shown(material)}"
             problems.append(("material", message))
         if lateral_inertia is not None:
-            if polar_moment is None and diameter is not None:
-                polar_moment = CIRCULAR
-            lateral_inertia = _theory(problems, lateral_inertia, polar_moment, material)
-        if polar_moment is not None:
-            polar_moment = _polar_moment(problems, polar_moment, A, material)
+            if polar_moment is None and diameter is None:
+                message = "needs the diameter of a round rod, or a polar_moment; give one of them"
+                problems.append(("lateral_inertia", message))
+            _check_theory(problems, lateral_inertia, material)
+        elif polar_moment is not None:  # which did the same alone, before
+            message = f'has no effect by itself; give lateral_inertia="{RAYLEIGH_LOVE}" too, or '
+            problems.append(("polar_moment", f"{message}leave polar_moment out"))
+        if diameter is not None:
+            polar_moment = None
+        elif polar_moment is not None:
+            polar_moment = _polar_moment(problems, polar_moment, A)
         raise_noted(problems)
-        self._set(length=L, area=A, material=material, polar_moment=polar_moment,
+        self._set(length=L, area=A, diameter=d, material=material, polar_moment=polar_moment,
                   lateral_inertia=lateral_inertia)
+        A = self.area
         if isinstance(A, Samples):
             for bound in extremes(A):
                 Segment(L, bound, material)
@@ -264,7 +274,7 @@ class Segment(Frozen):
             Z, T = self.material.density * A * c, L / c
             good = in_range(Z, T, Z * T)
         if good is not True:
-            sizes = {"length": L, "area": A, "material": Z / A}
+            sizes = {"length": L, "area" if d is None else "diameter": A, "material": Z / A}
             path = max(sizes, key=lambda name: np.max(np.abs(np.log10(sizes[name]))))
             message = (
                 "length {0!r} and area {1!r} of this material make an impedance, a transit time or "
@@ -273,15 +283,17 @@ class Segment(Frozen):
             require(problems, good, path, message, L, A)
             raise_noted(problems)
 
-    def _round(self, problems: Problems, area: Any, diameter: Any) -> Any:
-        """Area of a solid round section, m^2; mistakes are noted in `problems`."""
-        if area is not None:
-            problems.append(("diameter", "give either area or diameter, not both"))
-            return area
-        mistakes: Problems = []
-        (d,) = self._checked(mistakes, diameter=diameter)
-        problems += mistakes
-        return 1.0 if mistakes else math.pi * d * d / 4
+    @property
+    def area(self) -> Number | Samples:
+        """Cross-sectional area, m^2, as it was given or as the diameter makes it."""
+        if self.diameter is None:
+            return self.__dict__["area"]  # type: ignore[no-any-return]
+        return math.pi * self.diameter * self.diameter / 4
+
+    @property
+    def solid_round(self) -> bool:
+        """Whether the section is said to be a solid disc."""
+        return self.diameter is not None or isinstance(self.polar_moment, str)
 
     @property
     def tapered(self) -> bool:
@@ -292,7 +304,7 @@ class Segment(Frozen):
     def ideal(self) -> bool:
         """Whether waves keep their shape: no taper, no viscosity, no lateral inertia."""
         damped = np.any(self.material.viscosity)
-        return not (self.tapered or self.polar_moment is not None or damped)
+        return not (self.tapered or self.lateral_inertia is not None or damped)
 
     @property
     def wave_speed(self) -> Number:
@@ -363,9 +375,9 @@ class Segment(Frozen):
             m^4, of the same shape; 0 without lateral inertia.
         """
         A = array("areas", areas, "m^2")
-        if isinstance(self.polar_moment, str):
-            return A**2 / (2 * math.pi)
-        return np.full(A.shape, 0.0 if self.polar_moment is None else self.polar_moment)
+        if self.lateral_inertia is None:
+            return np.zeros(A.shape)
+        return A**2 / (2 * math.pi) if self.solid_round else np.full(A.shape, self.polar_moment)
 
     def mirrored(self) -> Segment:
         """Return the segment seen in a mirror."""
@@ -388,12 +400,20 @@ class Segment(Frozen):
         return areas
 
 
-def _polar_moment(problems: Problems, value: Any, area: Any, material: Any) -> Number | str:
+def _solid(problems: Problems, diameter: Any, area: Any, polar_moment: Any) -> Number:
+    """Return the diameter of a solid round section; note mistakes in `problems`."""
+    if area is not None:
+        problems.append(("diameter", "give either area or diameter, not both"))
+    given = polar_moment is not None
+    if given and not (isinstance(polar_moment, str) and polar_moment == CIRCULAR):
+        message = f"must be that of the solid round section, got {shown(polar_moment)}; "
+        remedy = "leave it out, or give the area in place of the diameter"
+        problems.append(("polar_moment", message + remedy))
+    return number(problems, "diameter", diameter, *Segment.fields["diameter"][:2])
+
+
+def _polar_moment(problems: Problems, value: Any, area: Any) -> Number | str:
     """Return `value` as a polar moment of that cross-section; note a mistake in `problems`."""
-    if isinstance(material, Material) and material.poisson_ratio is None:
-        message = f"is missing in {shown(material.name)}; lateral inertia needs it: "
-        message += "give the material one, or leave polar_moment out"
-        problems.append(("material.poisson_ratio", message))
     if isinstance(value, str):
         if value != CIRCULAR:
             message = f'must be a number of m^4 or "{CIRCULAR}", got {shown(value)}'
@@ -406,22 +426,19 @@ def _polar_moment(problems: Problems, value: Any, area: Any, material: Any) -> N
     return number(problems, "polar_moment", value, *Segment.fields["polar_moment"][:2])
 
 
-def _theory(problems: Problems, word: Any, polar_moment: Any, material: Any) -> str | None:
-    """The theory of lateral inertia, None for that of Rayleigh and Love; note mistakes."""
-    if not isinstance(word, str) or word not in THEORIES:
-        message = f"unknown theory {shown(word)}; {nearest(word, THEORIES)}"
+def _check_theory(problems: Problems, theory: Any, material: Any) -> None:
+    """Note an unknown theory of lateral inertia, and what the material lacks for it."""
+    if not isinstance(theory, str) or theory not in THEORIES:
+        message = f"unknown theory {shown(theory)}; {nearest(theory, THEORIES)}"
         problems.append(("lateral_inertia", message))
-        return None
-    if polar_moment is None:
-        message = "needs a polar_moment; give it, or the diameter of a round rod"
-        problems.append(("lateral_inertia", message))
-    if word != MINDLIN_HERRMANN:
-        return None
-    if isinstance(material, Material) and material.poisson_ratio is not None:
-        message = f'must be below 0.5 for "{MINDLIN_HERRMANN}", got {{0!r}}'
-        nu = material.poisson_ratio
-        require(problems, nu < 0.5, "material.poisson_ratio", message, nu)
-    return MINDLIN_HERRMANN
+    if not isinstance(material, Material):
+        return
+    nu, path = material.poisson_ratio, "material.poisson_ratio"
+    if nu is None:
+        message = f"is missing in {shown(material.name)}; lateral inertia needs it: "
+        problems.append((path, f"{message}give the material one, or leave lateral_inertia out"))
+    elif theory == MINDLIN_HERRMANN:
+        require(problems, nu < 0.5, path, f'must be below 0.5 for "{theory}", got {{0!r}}', nu)
 
 
 class _Body(Frozen):
@@ -445,8 +462,7 @@ class Rod(_Body):
         a function of the distance from the left end, m, a tapered one.
     material : Material
     diameter : float or array
-        Of a solid round section, m, in place of the area, and no more: what has to know that the
-        section is round is told by `polar_moment`.
+        Of a solid round section, m, in place of the area.
     polar_moment : float, array or "circular", optional
         m^4, for lateral inertia, as in `Segment`.
     lateral_inertia : "rayleigh-love" or "mindlin-herrmann", optional
@@ -482,8 +498,8 @@ class Rod(_Body):
         "velocity": Field("m/s", along="length"), "strain": Field(along="length"),
     }
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {
-        "diameter": ("area",),
-        "segments": ("length", "area", "material", "polar_moment", "lateral_inertia"),
+        **Segment._instead,
+        "segments": ("length", "area", "diameter", "material", "polar_moment", "lateral_inertia"),
     }
     segments: tuple[Segment, ...]
     velocity: Profile

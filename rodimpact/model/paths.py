@@ -1,22 +1,28 @@
-"""Numbers of a system by the paths of a case file: where they stand, and the system with others.
+"""Numbers of a system by the paths of a case file: which there are, and the system with others.
 
 ``materials.NAME.field`` is that of every body of this material. A material also has a
-``wave_speed``, which stands for Young's modulus at its density.
+``wave_speed``, which stands for Young's modulus at its density, and a round rod an ``area``, which
+stands for its diameter.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+import re
+from collections.abc import Collection, Iterator, Mapping
 from functools import reduce
 from typing import Any
 
 import numpy as np
 
+from ..units import MOST_SHOWN
 from .bodies import Material, RigidMass, Rod, Segment
-from .frozen import Field, Number
+from .frozen import MOST_CHOICES, Field, Number, nearest
 from .system import System
 
 SPEED, MODULUS = "wave_speed", "youngs_modulus"
+STAND_INS = {SPEED: MODULUS, "area": "diameter"}
+"""Fields that stand for others."""
 FIELDS = {
     **Material.fields, **Segment.fields, **Rod.fields, **RigidMass.fields, SPEED: Field("m/s"),
     "gravity": System.fields["gravity"], "gap": System.fields["gaps"], "step": Field("s"),
@@ -26,10 +32,12 @@ FIELDS = {
 def numbers_of(system: System) -> dict[str, Number]:
     """Every number that can vary, by its place in ``System.to_dict()``."""
     numbers = dict(system._named_numbers())
-    for place, E in list(numbers.items()):
-        if place.endswith(MODULUS):
-            owner = place.removesuffix(MODULUS)
-            numbers[owner + SPEED] = np.sqrt(E / numbers[owner + "density"])[()]
+    for place, value in list(numbers.items()):
+        owner, _, field = place.rpartition(".")
+        if field == MODULUS:
+            numbers[f"{owner}.{SPEED}"] = np.sqrt(value / numbers[f"{owner}.density"])[()]
+        elif field == "diameter":
+            numbers[f"{owner}.area"] = math.pi * value * value / 4
     return numbers
 
 
@@ -45,6 +53,12 @@ def places_of(system: System) -> dict[str, list[str]]:
     return found
 
 
+def held_at(place: str) -> str:
+    """The place of the number for which the one at a place may stand."""
+    owner, dot, field = place.rpartition(".")
+    return owner + dot + STAND_INS.get(field, field)
+
+
 def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
     """The system with these numbers at these places; InvalidModel if there is none."""
     described = system.to_dict()
@@ -52,6 +66,8 @@ def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
     for table, field, value in sorted(each, key=lambda one: one[1] == SPEED):
         if field == SPEED:
             table[MODULUS] = table["density"] * value * abs(value)
+        elif field == "area" and "diameter" in table:
+            table["diameter"] = math.copysign(math.sqrt(4 * abs(value) / math.pi), value)
         else:
             table[field] = value
     return System.from_dict(described)
@@ -64,6 +80,30 @@ def unit_at(system: System, place: str) -> str:
         law = system.contacts[int(owner.removeprefix("contacts."))]
         return law.fields[field].unit
     return FIELDS.get(field, Field()).unit
+
+
+def suggestion(path: str, known: Collection[str]) -> str:
+    """Which of the known paths may be meant: the nearest of the same object, or what there is."""
+    head = ""
+    for dot in re.finditer(r"\.", path[: 2 * MOST_SHOWN]):
+        if any(choice.startswith(path[: dot.end()]) for choice in known):
+            head = path[: dot.end()]
+    inside = [choice.removeprefix(head) for choice in known if choice.startswith(head)]
+    said = nearest(path.removeprefix(head), inside, head)
+    if len(inside) <= MOST_CHOICES or not said.startswith("use one of"):
+        return said
+    return f"use one that begins with {', '.join(_objects(head, inside))}"
+
+
+def _objects(head: str, paths: Collection[str]) -> Iterator[str]:
+    """What the paths after a head begin with, where runs of numbers are told by their ends."""
+    first = [path.rpartition(".")[0] if path.startswith("materials.") else
+             re.match(r"[^.]*(\.\d+(?=\.))?", path)[0] for path in paths]  # type: ignore[index]
+    numbered: dict[str, list[str]] = {}
+    for name in dict.fromkeys(first):
+        numbered.setdefault(re.sub(r"\d+$", "", name), []).append(name)
+    for names in numbered.values():
+        yield head + names[0] + (f" to {head}{names[-1]}" if names[1:] else "")
 
 
 def _at(described: Any, place: str) -> tuple[Any, Any]:

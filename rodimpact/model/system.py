@@ -30,6 +30,7 @@ from .frozen import (
     raise_noted,
     require,
 )
+from .lateral_inertia import RAYLEIGH_LOVE
 from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Rigid, Yielding
 from .profiles import flipped, negative, profile_from
 
@@ -275,6 +276,8 @@ def _entries(data: dict[str, Any]) -> dict[str, Any]:
     entries = {key: profile_from(value) for key, value in data.items()}
     if "material" in data:
         entries["material"] = Material(**data["material"])
+    if "polar_moment" in data:  # which meant the theory of Rayleigh and Love, in older files
+        entries.setdefault("lateral_inertia", RAYLEIGH_LOVE)
     if "segments" in data:
         entries["segments"] = [Segment(**_entries(piece)) for piece in data["segments"]]
     return entries

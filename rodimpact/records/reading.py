@@ -357,7 +357,7 @@ class _Table:
             return named[0] if named else 0
         raise FileFormatError(
             f"has no column called time (its columns are {', '.join(map(shown, self.names[:8]))}); "
-            "name it by time=, or give rate, the samples a second in Hz"
+            "name it by time=, or give rate=, the samples a second in Hz"
         )
 
     @property
@@ -371,17 +371,17 @@ class _Table:
         unit = unit or self.units[column]
         if not unit:
             raise FileFormatError(
-                f"column {name}: names no unit of time; give time_unit, one of 's', 'ms', 'us', "
+                f"column {name}: names no unit of time; give time_unit=, one of 's', 'ms', 'us', "
                 "'ns'"
             )
         try:
             times, si = known_units.in_si(self.columns[column], unit)
         except ValueError as error:
-            raise FileFormatError(f"column {name}: {error}; give time_unit") from None
+            raise FileFormatError(f"column {name}: {error}; give time_unit=") from None
         if si != "s":
             raise FileFormatError(
                 f"column {name}: must be times, but {shown(unit)} is no unit of time; name the "
-                "column of times by time=, or give time_unit"
+                "column of times by time=, or give time_unit="
             )
         steps = np.diff(times)
         if (steps <= 0).any():

@@ -23,9 +23,7 @@ Varied = Sequence[tuple[str, Any, str]]
 """For each axis of a family: the path of what varies along it, its values, and their unit."""
 
 
-def sweep_table(
-    result: SweepResult, varied: Varied, more: str = "--csv prints all, --save keeps them"
-) -> str:
+def sweep_table(result: SweepResult, varied: Varied, more: str) -> str:
     """What the collisions of a family did, for people.
 
     Parameters

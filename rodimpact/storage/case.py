@@ -12,10 +12,14 @@ SCHEMA = 1
 
 
 class GaugePlace(NamedTuple):
-    """A strain gauge on a rod: the body, and the fraction of its length from the left end."""
+    """A strain gauge on a rod.
+
+    body; fraction of its length, from the left end; name : of its column or channel, or "".
+    """
 
     body: int
     fraction: float
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -36,7 +40,8 @@ class Case:
     varied : tuple of Varied
         What varies along each axis; the system holds the same numbers in its own terms.
     gauges : tuple of GaugePlace
-        Strain gauges that ``rodimpact explore`` and ``rodimpact export`` show.
+        Strain gauges that the page of ``rodimpact explore`` shows, ``run --gauges`` writes and
+        ``compare`` lays beside a record.
     """
 
     system: System

@@ -7,14 +7,17 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from .. import materials
 from ..methods.registry import METHOD_NAMES, Options
 from ..model import SIDES, System
 from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
 from ..model.frozen import Field, InvalidModel, Number
-from ..model.lateral_inertia import THEORIES
+from ..model.lateral_inertia import RAYLEIGH_LOVE, THEORIES
 from ..model.laws import CONTACT_LAWS, FACE, ContactLaw, Hertz, Spring
+from ..model.paths import FIELDS, SPEED, suggestion
 from ..units import shown
 from .case import SCHEMA, Case, GaugePlace
 from .case_tables import Table
@@ -132,9 +135,11 @@ def _read_segments(table: Table, known: Materials) -> dict[str, Any]:
 
 
 def _shape(table: Table, known: Materials) -> dict[str, Any]:
+    entries = {**table.entries(Segment), "material": _material(table, known)}
     theory = table.word("lateral_inertia", THEORIES) if table.has("lateral_inertia") else None
-    return {**table.entries(Segment), "material": _material(table, known),
-            "lateral_inertia": theory}
+    if theory is None and entries["polar_moment"] is not None:
+        theory = RAYLEIGH_LOVE  # which a polar moment alone meant in older files
+    return {**entries, "lateral_inertia": theory}
 
 
 def _material(table: Table, known: Materials, key: str = "material") -> Material:
@@ -144,9 +149,23 @@ def _material(table: Table, known: Materials, key: str = "material") -> Material
         return materials.steel
     name = table.data[key]
     if isinstance(name, str) and name in known:
-        return known[name]
+        material = _varied(table.at(f"materials.{name}"), known[name])
+        return _varied(table.inner(key, {}), material) if key == "material" else material
     table.note(key, f"unknown material {shown(name)}", name, known)
     return materials.steel
+
+
+def _varied(table: Table, material: Material) -> Material:
+    """The material with the numbers of it that vary by their paths in this table."""
+    changes = {key: table.entry(key, field) for key, field in Material.fields.items()
+               if table.gives(key)}
+    if changes:
+        material = table.make(material.replace, **changes) or material
+    if table.gives(SPEED):
+        speed = np.asarray(table.entry(SPEED, FIELDS[SPEED]))
+        modulus = material.density * speed * abs(speed)
+        material = table.make(material.replace, youngs_modulus=modulus) or material
+    return material
 
 
 def _read_contacts(
@@ -255,8 +274,11 @@ def _read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
     fraction = table.quantity("fraction", given, "dimensionless")
     if not 0 <= fraction <= 1:
         table.note("fraction", f"must lie in [0, 1], got {shown(given)}")
+    name = table.data["name"] if table.has("name") else ""
+    if not isinstance(name, str):
+        table.note("name", f"must be text, got {shown(name)}")
     table.close()
-    return GaugePlace(body, fraction)
+    return GaugePlace(body, fraction, name)
 
 
 def _check_varied(top: Table, system: System | None) -> None:
@@ -265,14 +287,8 @@ def _check_varied(top: Table, system: System | None) -> None:
     # in a table that could not be read, nobody knows the numbers
     unread = tuple(re.sub(r"\.(kind|law)$", "", path) + "." for path in top.mistakes)
     for path in grids.texts:
-        name = path.removeprefix("materials.").rpartition(".")[0]
-        if path in grids.known or path.startswith(unread):
-            continue
-        if name in materials.TABLE and f"materials.{name}.density" not in grids.known:
-            message = f"is a number of the library; to vary it, describe [materials.{name}] in "
-            top.note(path, message + "the file")
-        else:
-            top.note(path, f"is no number that can vary; {grids.nearest(path)}")
+        if path not in grids.known and not path.startswith(unread):
+            top.note(path, f"is no number that can vary; {suggestion(path, grids.known)}")
     if system is None or top.mistakes:  # where mistakes are, something else stands in
         return
     rods = [body for body in system.bodies if isinstance(body, Rod)]

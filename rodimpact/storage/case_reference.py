@@ -79,7 +79,8 @@ def sections() -> list[Section]:
                Entry("law", "", _either(CONTACT_LAWS), "rigid")]
     files = [Entry(key, "", "name of a file", "none") for key in ("plot", "save")]
     gauge = [Entry("body", "", "number of a rod, from 0", "required"),
-             Entry("fraction", "1", "[0, 1]", "required")]
+             Entry("fraction", "1", "[0, 1]", "required"),
+             Entry("name", "", "name of its column or channel", "none")]
     return [
         Section("at the top", "What holds for the whole row.", top, f"schema = {SCHEMA}"),
         _section("[materials.NAME]", {}, Material, after=damping),
@@ -95,8 +96,8 @@ def sections() -> list[Section]:
                 _options(), _toml("[solve]", {"until": "2 ms"}), Options.__name__),
         Section("[output]", "What `rodimpact run` writes.", files,
                 _toml("[output]", {"plot": "case.png"})),
-        Section("[[gauges]]", "A strain gauge that `rodimpact explore` and `export` show: on which "
-                "rod, and where, over its length from the left end.",
+        Section("[[gauges]]", "A strain gauge for `rodimpact explore`, `export`, `compare` and "
+                "`run --gauges`: on which rod, and where, over its length from the left end.",
                 gauge, _toml("[[gauges]]", {"body": 0, "fraction": 0.5})),
     ]
 

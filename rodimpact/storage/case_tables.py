@@ -93,7 +93,7 @@ class Table:
         if self.grids.ask(path):
             return self._told(key, self.grids.take, path, dimension)
         if isinstance(value, list):
-            remedy = f"rodimpact sweep --vary {path}=start:stop:count varies it"
+            remedy = f'vary={{"{path}": "start:stop:count"}} varies it'
             self.note(key, f"must be a single number, got {shown(value)}{hint}; {remedy}")
             return math.nan
         return self.quantity(key, value, dimension)
@@ -158,6 +158,10 @@ class Table:
     def inner(self, key: str, data: dict[str, Any]) -> Table:
         """A table within this one."""
         return Table(self.where(key), data, self.grids, self.mistakes)
+
+    def at(self, path: str) -> Table:
+        """An empty table of the file at another path."""
+        return Table(path, {}, self.grids, self.mistakes)
 
     def tables(self, key: str) -> list[Table]:
         """All tables of that name."""

@@ -64,7 +64,7 @@ def write_case(case: Case | System) -> str:
     for side, end in described.get("ends", {}).items():
         lines += _table(f"[ends.{side}]", end)
     for gauge in case.gauges:
-        lines += _table("[[gauges]]", gauge._asdict())
+        lines += _table("[[gauges]]", gauge._asdict(), without="" if gauge.name else "name")
     for name, options in (("solve", case.solve), ("output", case.output)):
         lines += _table(f"[{name}]", options) if options else []
     return "\n".join(lines) + "\n"

@@ -34,17 +34,18 @@
                              # `rodimpact.solve`; all but the last for `rodimpact.sweep` too
     [output]                 # plot, save: names of files to write
 
-    [[gauges]]               # a strain gauge of `rodimpact explore` and `rodimpact export`
+    [[gauges]]               # a strain gauge of `rodimpact explore`, `run --gauges`, `compare`
     body = 0
     fraction = 0.5           # of the rod's length, from its left end
+    name = "incident"        # its column, or the channel of the record; may be left out
 
 A law, "rigid", "bonded", "joint", "spring", "spring-dashpot", "hertz" and so on, takes the
 numbers of its class, under their names; Hertz contact a stiffness, or left_radius and right_radius.
 
 A [materials.NAME] takes youngs_modulus, density, poisson_ratio and viscosity, or for the latter a
 loss_factor and the loss_frequency at which it is that; a stepped rod takes [[bodies.segments]] with
-length, area and material each. For lateral inertia rods and segments take a polar_moment, a number
-or "circular", or with a diameter just lateral_inertia, "rayleigh-love" or "mindlin-herrmann".
+length, area and material each. Rods and segments take a lateral_inertia, "rayleigh-love" or
+"mindlin-herrmann", and, where they have no diameter, a polar_moment for it, a number or "circular".
 Mistakes bear the path of the entry, such as `bodies.0.length`.
 
 A profile is {values = [1.0, 0.0], at = [0.1]}, constant between jumps, or {samples = [...]}, at

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import units
-from ..model.frozen import MOST_AXES, MOST_MEMBERS, InvalidModel, Number, nearest
+from ..model.frozen import MOST_AXES, MOST_MEMBERS, InvalidModel, Number
 from ..model.quantities import Floats
 from ..units import shown
 
@@ -113,12 +113,3 @@ class Grids:
         values = Grid.of(self.texts[path]).values(dimension)
         self.taken[path] = Varied(path, values, units.si_unit(dimension))
         return values.reshape([-1 if other == path else 1 for other in self.texts])
-
-    def nearest(self, path: str) -> str:
-        """Which number may be meant, of those in the innermost table of the path that has any."""
-        head = ""
-        for dot in re.finditer(r"\.", path[: 2 * units.MOST_SHOWN]):
-            if any(choice.startswith(path[: dot.end()]) for choice in self.known):
-                head = path[: dot.end()]
-        inside = [choice.removeprefix(head) for choice in self.known if choice.startswith(head)]
-        return nearest(path.removeprefix(head), inside, head)

@@ -37,7 +37,7 @@ PARTS = {"[": 72, "{": 72, '"': 30, ",": 32}
 """Bytes that Python takes for a part of a document, by the character that begins or ends it."""
 PASSING = ".rodimpact-"
 """How names of files begin that are being written."""
-EXISTS = "it exists already; give --force (in Python force=True) to replace it"
+EXISTS = "it exists already; give force=True to replace it"
 
 
 def file_name(path: Any) -> str:

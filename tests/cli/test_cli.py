@@ -266,9 +266,9 @@ def test_ctrl_c_before_the_program_listens_shows_no_traceback(tmp_path):
 @pytest.mark.parametrize(
     ("change", "argv", "remedy"),
     [
-        ("", ["--until", "0"], "leave out until="),
-        ("", ["--max-events", "1"], "Raise max_events"),
-        ("[[contacts]]\ngap = 1e9\n", [], "Give until="),
+        ("", ["--until", "0"], "leave out --until to run"),
+        ("", ["--max-events", "1"], "Raise --max-events"),
+        ("[[contacts]]\ngap = 1e9\n", [], "Give --until"),
     ],
 )
 def test_a_run_of_no_time_prints_its_table_and_tells_why_it_draws_nothing(
@@ -293,8 +293,8 @@ def test_a_run_of_no_time_prints_its_table_and_tells_why_it_draws_nothing(
     ("change", "remedy"),
     [
         ("[solve]\nmax_events = 1\n", "cap of 1 events"),
-        ("[solve]\nuntil = 1e-30\n", "leave out until="),
-        ("[[contacts]]\ngap = 1e9\n", "Give until="),
+        ("[solve]\nuntil = 1e-30\n", "leave out solve.until to run"),
+        ("[[contacts]]\ngap = 1e9\n", "Give solve.until"),
     ],
 )
 def test_a_run_of_no_time_is_no_page_and_no_film(case, capsys, command, change, remedy):
@@ -311,6 +311,34 @@ def test_two_outputs_on_one_path_are_refused_before_solving(case, capsys, monkey
     monkeypatch.setattr("rodimpact.cli.run.solved", lambda *_, **__: pytest.fail("solved"))
     assert main(["run", "case.toml", "--save", "a.png", "--plot", "./a.png"]) == 2
     assert "--plot: './a.png' is the file of --save too" in capsys.readouterr().err
+
+
+def test_gauges_of_the_case_are_written(case, capsys):
+    text = case.read_text()
+    case.write_text(text + '[[gauges]]\nbody = 1\nfraction = 0.5\nname = "far"\n'
+                    '[[gauges]]\nbody = 0\nfraction = 1\n')
+    rods = ri.read_case(case).system.bodies
+    assert main(["run", str(case), "--gauges", "a.csv"]) == 0
+    places = [f"far=1:{rods[1].length / 2}", f"body 0 at {rods[0].length:g} m=0:{rods[0].length}"]
+    argv = [word for place in places for word in ("--gauge", place)]
+    assert main(["run", str(case), "--gauges", "b.csv", *argv]) == 0
+    assert Path("a.csv").read_text() == Path("b.csv").read_text()
+    assert "far" in Path("a.csv").read_text()
+
+
+@pytest.mark.parametrize("argv", [
+    ["--until", "0", "--plot", "a.png"], ["--max-events", "1", "--plot", "a.png"],
+    ["--until", "1e-5"], ["--until", "1e-5", "--json"], ["--save", "there.npz"],
+    ["--method", "characteristics", "--dt", "1e-3"], ["--max-events", "1"],
+])
+def test_the_command_line_names_options_and_python_arguments(case, capsys, argv):
+    Path("there.npz").write_text("mine")
+    main(["run", str(case), *argv])
+    said = "".join(capsys.readouterr())
+    assert re.findall(r"\w+=(?:True)?(?![\w.])|\bmax_events\b(?!\")|in Python", said) == []
+    with pytest.raises(FileExistsError, match="give force=True to replace it") as caught:
+        ri.solve(ri.read_case(case).system).save("there.npz")
+    assert "--" not in str(caught.value)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="names are text there")
@@ -418,7 +446,7 @@ def test_a_run_that_stops_early_ends_with_3_and_still_reports_and_saves(case, ca
     assert main(["run", str(case), "--max-events", "500", "--save", "a.npz"]) == 3
     out = capsys.readouterr().out
     assert "velocity at the end" in out
-    assert "Raise max_events" in out
+    assert "Raise --max-events" in out
     assert ri.load("a.npz").stopped_by == "max_events"
 
 

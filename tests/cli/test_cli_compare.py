@@ -113,7 +113,6 @@ def test_what_passes_near_the_end_is_carried_on(capsys):
     (["--gauge", "far=1:1", "--rate", "1 MHz"], "shot.txt: has a column of times, 't'; leave rate"),
     (["--gauge", "far=1:1", "--rate", "0"], "--rate: must be positive, got 0.0"),
     (["--gauge", "far=1:1", "--radius", "1"], "--radius: goes with --carried"),
-    (["--gauge", "far=1:1", "--carried", "1"], "is not said to be round; give the rod polar_mo"),
     (["--gauge", "far=1:1", "--start", "1 s"], "--start, --stop of far: from 1.0 to 0.000323 s"),
     (["--gauge", "far=1:1", "--scale", "1"], "is in V and signal in pure numbers: they cannot be"),
     (["--gauge", "far=1:1", "--save", "a.npz"], "--save: must end in"),
@@ -124,6 +123,26 @@ def test_mistakes(capsys, tmp_path, options, said):
     assert (status, out) == (2, "")
     assert said in err
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "shot.txt"]
+
+
+def test_gauges_of_the_case_serve(capsys, tmp_path):
+    gauges = '[[gauges]]\nbody = 1\nfraction = 0.5\nname = "far"\n'
+    (tmp_path / "case.toml").write_text(CASE + gauges)
+    by_case = call(capsys, "--stop", "320 us")
+    assert by_case == call(capsys, "--gauge", "far=1:1.0", "--stop", "320 us")
+    assert by_case[0] == 0
+    (tmp_path / "case.toml").write_text(CASE + gauges.replace("far", "fra"))
+    status, _, err = call(capsys)
+    assert status == 2
+    assert "the record has no channel 'fra'; perhaps 'far' is meant" in err
+
+
+def test_waves_are_carried_along_a_rod_that_has_a_diameter(capsys, tmp_path):
+    assert call(capsys, "--gauge", "far=1:0.5", "--carried", "0.5")[0] == 0
+    (tmp_path / "case.toml").write_text(CASE.replace("diameter = 0.02", "area = 1e-4"))
+    status, out, err = call(capsys, "--gauge", "far=1:0.5", "--carried", "0.5")
+    assert (status, out) == (2, "")
+    assert "give the rod its diameter in place of the area, or --radius" in err
 
 
 @pytest.mark.filterwarnings("always::rodimpact.ClippedSignal")

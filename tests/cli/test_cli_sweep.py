@@ -245,7 +245,21 @@ def test_what_no_figure_can_show_is_refused_before_the_sweep(case, no_sweep, cap
     rod = CASE.rpartition("[[bodies]]")[2]
     case.write_text(CASE + "\n[[bodies]]" + rod)
     assert sweep("--vary", LENGTHS, "--plot", "a.png") == 2
-    assert "a row with 2 contacts has not; --save" in capsys.readouterr().err
+    assert "a row with 2 contacts has not; name another --quantity" in capsys.readouterr().err
+
+
+def test_rows_of_several_contacts_are_drawn_by_another_quantity(case, capsys):
+    cradle = Path(__file__).parents[2] / "validation" / "cases" / "newtons-cradle.toml"
+    case.write_text(cradle.read_text())
+    argv = ["--vary", "bodies.0.velocity=1:2:3", "--plot"]
+    for quantity in ("velocity_after.4", "duration.3"):
+        assert sweep(*argv, f"{quantity}.png", "--quantity", quantity) == 0
+        assert Path(f"{quantity}.png").read_bytes().startswith(b"\x89PNG")
+    capsys.readouterr()
+    assert sweep(*argv, "b.png", "--quantity", "velocity_after.5") == 2
+    assert "--quantity: there is no 'velocity_after.5'; use one of velocity_after.0, " in (
+        capsys.readouterr().err)
+    assert not Path("b.png").exists()
 
 
 def test_where_no_collision_has_e_the_table_is_there_and_the_figure_is_not(case, capsys):
@@ -284,7 +298,7 @@ def test_collisions_that_stop_early_are_recorded_and_end_with_3(case, capsys):
     assert sweep(*argv) == 3
     out = capsys.readouterr().out
     assert "2 collisions have no e." in out
-    assert "max_events" in out
+    assert "Raise --max-events" in out
     assert sweep(*argv, "--json") == 3
     assert json.loads(capsys.readouterr().out)["columns"]["status"] == ["max_events"] * 2
 

@@ -68,6 +68,16 @@ def test_a_material_of_ones_own_is_kept_and_those_of_the_library_go_by_name():
     assert Design.parse({"case": sent}).case.system == system
 
 
+@pytest.mark.parametrize("love", [{}, {"lateral_inertia": "rayleigh-love"}])
+def test_round_rods_reach_the_page_by_their_areas(love):
+    system = ri.System([ri.Rod(1.0, diameter=0.02, material=STEEL, **love)])
+    (sent,) = Design.of(ri.Case(system)).to_dict()["case"]["bodies"]
+    assert "diameter" not in sent
+    (rod,) = Design.parse({"case": {"schema": 1, "bodies": [sent]}}).case.system.bodies
+    assert rod.segments[0].area == system.bodies[0].segments[0].area
+    assert rod.segments[0].ideal == (not love)
+
+
 def test_a_stepped_rod_and_a_profile_reach_the_page():
     rod = ri.Rod(
         segments=[ri.Segment(0.1, 1e-4, STEEL), ri.Segment(0.2, 2e-4, STEEL)],

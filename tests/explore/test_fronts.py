@@ -148,6 +148,7 @@ BODY = {"kind": "rod", "length": 0.4, "area": 1e-4, "material": "steel"}
     {"bodies": [{**BODY, "velocity": {"samples": [1.0, 2.0]}}, ROD]},
     {"bodies": [{**BODY, "velocity": {"values": [1.0, 2.0], "at": [0.1]}}, ROD]},
     {"bodies": [{**BODY, "polar_moment": 1e-9}, ROD]},
+    {"bodies": [{**BODY, "polar_moment": 1e-9, "lateral_inertia": "mindlin-herrmann"}, ROD]},
     {"contacts": [{"law": "hertz", "stiffness": 1e10}]}, {"contacts": [{"law": "bonded"}]},
     {"ends": {"left": {"kind": "fixed"}}},
     {"ends": {"left": {"kind": "force", "value": {"samples": [1.0, 2.0], "step": 1e-4}}},
@@ -166,8 +167,7 @@ def test_the_page_solves_what_fronts_can_carry(change):
 @pytest.mark.parametrize(("change", "path"), [
     ({"bodies": [{**BODY, "diameter": 0.01}, ROD]}, "bodies.0.diameter"),
     ({"bodies": [{"kind": "rod", "segments": [{**ROD, "kind": None, "velocity": None,
-                                               "lateral_inertia": "rayleigh-love"}]}, ROD]},
-     "bodies.0.lateral_inertia"),
+                                               "colour": "red"}]}, ROD]}, "bodies.0.colour"),
     ({"contacts": [{"law": "rigid", "restitution": 0.5}]}, "contacts.0.restitution"),
     ({"materials": {"own": {"density": 1.0, "colour": 3.0}}}, "materials.own.colour"),
 ])

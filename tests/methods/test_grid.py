@@ -355,6 +355,7 @@ def test_a_mode_with_lateral_inertia_swings_slower(wave):
     errors = []
     for n in (40, 80):
         rod = ri.Rod(1.0, area=area, material=material(poisson_ratio=nu), polar_moment=polar,
+                     lateral_inertia="rayleigh-love",
                      velocity=lambda x: math.cos(k * x))
         s = solved([rod], 4.0, n)
         t = s.fields.motion.when[:-1] * s.fields.clock.tick * STEP_TICKS
@@ -428,7 +429,7 @@ def test_units_do_not_matter():
         stuff = ri.Material("m", youngs_modulus=M / L / T**2, density=M / L**3, poisson_ratio=0.3,
                             viscosity=0.02 * M / L / T)
         rod = ri.Rod(1.0 * L, area=1.3 * L**2, material=stuff, velocity=1.0 * L / T,
-                     polar_moment=0.2 * L**4)
+                     polar_moment=0.2 * L**4, lateral_inertia="rayleigh-love")
         other = ri.Rod(0.8 * L, area=0.7 * L**2, material=stuff)
         return ri.System(
             [rod, ri.RigidMass(0.4 * M), other, ri.Wall()], [0.0, 0.1 * L, 0.1 * L],
@@ -867,8 +868,8 @@ def test_one_cell():
 def test_what_round_off_would_drown_is_refused(options):
     polar = options.pop("polar_moment", None)
     rod = ri.Rod(1.0, area=1.0, material=material(poisson_ratio=0.3, **options),
-                 polar_moment=polar, velocity=1.0)
-    name = "polar_moment" if polar else "material.viscosity"
+                 polar_moment=polar, lateral_inertia=polar and "rayleigh-love", velocity=1.0)
+    name = "lateral_inertia" if polar else "material.viscosity"
     assert refused("round-off would drown", solved, [unit_rod(), rod], 1.0, 40) == [
         f"bodies.1.{name}"]
 
@@ -878,7 +879,7 @@ def test_what_round_off_would_drown_is_refused(options):
 def test_much_and_little_of_it_keep_their_balances(options):
     polar = options.pop("polar_moment", None)
     rod = ri.Rod(1.0, area=1.0, material=material(poisson_ratio=0.3, **options),
-                 polar_moment=polar, velocity=1.0)
+                 polar_moment=polar, lateral_inertia=polar and "rayleigh-love", velocity=1.0)
     outcome = solved([rod, unit_rod(2.0)], 81 * 0.04995, 40).outcome
     assert abs(outcome.momentum_residual) <= 1e-8
     assert abs(outcome.energy_residual) <= 1e-8

@@ -66,7 +66,8 @@ def test_what_stands_at_bonds():
 
 def test_cells_of_damped_and_lateral_segments():
     stuff = ri.Material("m", youngs_modulus=8.0, density=2.0, poisson_ratio=0.25, viscosity=0.5)
-    mesh = mesh_of([ri.Rod(1.0, area=3.0, material=stuff, polar_moment=4.0), unit_rod()], [4, 4])
+    mesh = mesh_of([ri.Rod(1.0, area=3.0, material=stuff, polar_moment=4.0,
+                           lateral_inertia="rayleigh-love"), unit_rod()], [4, 4])
     assert mesh.viscous[1:5] == pytest.approx(np.full(4, 0.5 * 3 * 4))
     assert mesh.lateral[1:5] == pytest.approx(np.full(4, 2 * 0.0625 * 4 * 4))
     assert mesh.implicit == [True, False]
@@ -118,11 +119,12 @@ def test_every_row(seed, driven):
 
 @pytest.mark.parametrize(
     ("options", "polar", "field"),
-    [({"viscosity": 1e9}, None, "material.viscosity"), ({}, 1e9, "polar_moment")],
+    [({"viscosity": 1e9}, None, "material.viscosity"), ({}, 1e9, "lateral_inertia")],
 )
 def test_cells_that_hardly_move_are_refused(options, polar, field):
     stuff = ri.Material("m", youngs_modulus=1.0, density=1.0, poisson_ratio=0.3, **options)
-    pieces = [ri.Segment(1.0, 1.0, UNIT), ri.Segment(1.0, 1.0, stuff, polar_moment=polar)]
+    pieces = [ri.Segment(1.0, 1.0, UNIT), ri.Segment(1.0, 1.0, stuff, polar_moment=polar,
+                                                       lateral_inertia=polar and "rayleigh-love")]
     with pytest.raises(ri.InvalidModel, match="round-off would drown the motion") as caught:
         mesh_of([unit_rod(), ri.Rod(segments=pieces)], [3, 3, 30])
     assert [path for path, _ in caught.value.problems] == [f"bodies.1.segments.1.{field}"]

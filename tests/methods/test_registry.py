@@ -69,6 +69,31 @@ def test_an_option_of_a_method_chooses_it():
     assert Options(snapshots=[0.0, 1e-5]).method_for(ROW) == "finite-difference"
 
 
+STEEL = ri.materials.steel
+THICK = ri.Rod(0.4, diameter=0.01, material=STEEL, lateral_inertia="rayleigh-love")
+LOSSY = ri.Rod(0.4, area=1e-4, material=STEEL.damped(0.01, 1e4))
+PUSHED = {"contacts": [ri.Spring(1e8)]}
+
+
+@pytest.mark.parametrize(("system", "options", "said"), [
+    (ri.System([ROD, THICK]), {},
+     'the slower method "finite-difference" because of bodies.1.lateral_inertia: the method '
+     '"fronts" has no lateral inertia.'),
+    (ri.System([LOSSY, LOSSY], **PUSHED), {},
+     'the slower method "finite-difference" because of bodies.0.material.viscosity and 1 more: '
+     'the method "characteristics" has no damping.'),
+    (ri.System([ROD, ROD], gravity=9.81), {},
+     'the slower method "characteristics" because of gravity: the method "fronts" has no gravity.'),
+    (ri.System([ROD, ROD]), {}, ""), (ri.System([ROD, ROD], **PUSHED), {}, ""),
+    (ri.System([ROD, ROD], gravity=9.81), {"rtol": 1e-3}, ""),
+    (ri.System([ROD, THICK]), {"method": "finite-difference"}, ""),
+])
+def test_the_status_names_the_entry_that_calls_for_a_slower_method(system, options, said):
+    status = ri.solve(system, until=1e-5, **options).status
+    assert said in status
+    assert ("slower" in status) == bool(said)
+
+
 def test_times_of_snapshots_lie_in_the_run():
     assert Options(until=1.0, snapshots=[0.0, 1.0]).snapshots == (0.0, 1.0)
     assert Options(snapshots=np.int64(7)).snapshots == 7

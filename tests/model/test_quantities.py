@@ -29,7 +29,8 @@ UNITS = {  # factor to the unit of the SI, and that one as all libraries read it
 OTHER = {field: unit for unit, (_, field) in reversed(UNITS.items())}
 """A unit other than that of the SI, for each of the fields."""
 EXAMPLES = [
-    STEEL, ri.Segment(0.4, 1e-4, STEEL, polar_moment=1e-9), ri.RigidMass(1.0), ri.Wall(),
+    STEEL, ri.Segment(0.4, 1e-4, STEEL, polar_moment=1e-9, lateral_inertia="rayleigh-love"),
+    ri.RigidMass(1.0), ri.Wall(),
     ri.Rod(0.4, area=1e-4, material=STEEL), ri.System([ri.Rod(0.4, area=1e-4, material=STEEL)]),
     ri.Rigid(0.5), ri.Joint(1.0), ri.Spring(1.0), ri.SpringDashpot(1.0, 0.0), ri.Hertz(1.0),
     ri.HuntCrossley(1.0, 0.0), ri.PowerLaw(1.0, 1.5), ri.Yielding(1e9, 1.0), ri.Pushed(1.0),

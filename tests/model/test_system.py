@@ -11,6 +11,8 @@ import rodimpact as ri
 from rodimpact.materials import glass, steel
 from rodimpact.methods.registry import METHODS, Options
 
+LOVE = {"lateral_inertia": "rayleigh-love"}
+
 
 def rod(**changes):
     fields = {"length": 1.0, "area": 1e-4, "material": steel, **changes}
@@ -550,7 +552,7 @@ def test_areas_between_places_of_a_uniform_segment():
 @given(AREAS, st.integers(1, 50))
 def test_steps_keep_the_mass_of_a_taper(areas, n):
     profile = ri.Steps([1.0, 2.0], [0.25])
-    tapered = ri.Segment(1.0, ri.Samples(areas), steel, polar_moment="circular")
+    tapered = ri.Segment(1.0, ri.Samples(areas), steel, polar_moment="circular", **LOVE)
     whole = ri.Rod(segments=[tapered, ri.Segment(0.5, 1e-4, glass)], velocity=profile,
                    strain=lambda x: x)
     steps = whole.in_steps(n)
@@ -609,7 +611,7 @@ def test_steps_of_the_area_make_a_stepped_rod():
     assert sizes == [(0.25, 1e-4), (0.25, 2e-4), (0.5, 3e-4)]
     assert stepped.velocity.values[-1] == 1.0
     assert rod(area=ri.Steps([1e-4], [])) == rod()
-    round_ones = rod(area=ri.Steps([1e-4, 2e-4], [0.25]), polar_moment="circular").segments
+    round_ones = rod(area=ri.Steps([1e-4, 2e-4], [0.25]), polar_moment="circular", **LOVE).segments
     assert [s.polar_moment for s in round_ones] == ["circular"] * 2
     family = ri.System([rod(area=ri.Steps([1e-4, np.array([1.0, 2.0])], [0.25]))])
     assert list(family.parameters) == ["bodies.0.segments.1.area"]
@@ -620,7 +622,7 @@ def test_steps_of_the_area_make_a_stepped_rod():
 def test_mistakes_in_steps_of_the_area():
     """Each once, by the paths of what was given."""
     found = problems(lambda: rod(area=ri.Steps([1.0, -2.0, [1.0, 0.0]], [0.25, 0.5]), material=7,
-                                 polar_moment="square", velocity="x"))
+                                 polar_moment="square", velocity="x", **LOVE))
     assert [path for path, _ in found] == [
         "material", "polar_moment", "area.values.1", "area.values.2[1]", "velocity",
     ]
@@ -638,34 +640,35 @@ def test_mistakes_in_steps_of_the_area():
 
 
 def test_polar_moments():
-    disc = ri.Segment(1.0, np.pi * 0.01**2, steel, polar_moment="circular")
+    disc = ri.Segment(1.0, np.pi * 0.01**2, steel, polar_moment="circular", **LOVE)
     assert disc.polar_moments(disc.area) == pytest.approx(np.pi * 0.01**4 / 2, rel=1e-15)
-    tube = ri.Segment(1.0, 1e-4, steel, polar_moment=3e-8)
+    tube = ri.Segment(1.0, 1e-4, steel, polar_moment=3e-8, **LOVE)
     assert tube.polar_moments([1e-4, 2e-4]).tolist() == [3e-8, 3e-8]
     assert ri.Segment(1.0, 1e-4, steel).polar_moments([1e-4, 2e-4]).tolist() == [0.0, 0.0]
-    areas = ri.Segment(1.0, ri.Samples([1.0, 2.0]), steel, polar_moment="circular").polar_moments(
-        [1.0, 2.0])
-    assert areas == pytest.approx(np.array([1.0, 4.0]) / (2 * np.pi), rel=1e-15)
+    cone = ri.Segment(1.0, ri.Samples([1.0, 2.0]), steel, polar_moment="circular", **LOVE)
+    moments = cone.polar_moments([1.0, 2.0])
+    assert moments == pytest.approx(np.array([1.0, 4.0]) / (2 * np.pi), rel=1e-15)
 
 
 @pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), True, "round", "1 mm^4", [], {}])
 def test_polar_moments_are_checked(value):
-    assert [path for path, _ in problems(lambda: rod(polar_moment=value))] == ["polar_moment"]
+    [(path, _)] = problems(lambda: rod(polar_moment=value, **LOVE))
+    assert path == "polar_moment"
 
 
 def test_along_a_taper_no_single_polar_moment_holds():
-    [(path, message)] = problems(lambda: cone(polar_moment=1e-8))
+    [(path, message)] = problems(lambda: cone(polar_moment=1e-8, **LOVE))
     assert path == "polar_moment"
     assert message == 'must be "circular" along a taper, or left out, got 1e-08'
-    assert cone(polar_moment="circular").segments[0].polar_moment == "circular"
+    assert cone(polar_moment="circular", **LOVE).segments[0].polar_moment == "circular"
 
 
 def test_lateral_inertia_needs_a_poisson_ratio():
     [(path, message)] = problems(
-        lambda: rod(material=ri.materials.oak, polar_moment="circular"))
+        lambda: rod(material=ri.materials.oak, polar_moment="circular", **LOVE))
     assert path == "material.poisson_ratio"
     assert message == ("is missing in 'oak'; lateral inertia needs it: give the material one, or "
-                       "leave polar_moment out")
+                       "leave lateral_inertia out")
 
 
 def test_segments_bring_their_own_polar_moment():
@@ -678,10 +681,13 @@ def test_segments_bring_their_own_polar_moment():
 @pytest.mark.parametrize("word", ["rayleigh-love", "mindlin-herrmann"])
 def test_a_word_and_a_diameter_are_enough_for_lateral_inertia(word):
     one = ri.Rod(1.0, diameter=0.02, material=steel, lateral_inertia=word)
-    assert one.segments[0].polar_moment == "circular"
-    moment = ri.Rod(1.0, diameter=0.02, material=steel, polar_moment="circular")
-    assert (one == moment) == (word == "rayleigh-love")
-    assert moment.replace(lateral_inertia=word) == one
+    assert one == one.replace(polar_moment="circular")
+    disc = rod(area=math.pi * 1e-4, polar_moment="circular", lateral_inertia=word).segments[0]
+    assert one.segments[0].polar_moments([1.0]) == disc.polar_moments([1.0])
+    bar = one.replace(lateral_inertia=None)
+    assert bar == ri.Rod(1.0, diameter=0.02, material=steel)
+    assert (bar.segments[0].ideal, one.segments[0].ideal) == (True, False)
+    assert ri.System.from_dict(ri.System([one]).to_dict()).bodies == (one,)
     tube = rod(polar_moment=2e-8, lateral_inertia=word)
     assert tube.segments[0].polar_moment == 2e-8
     steps = rod(area=ri.Steps([1e-4, 2e-4], [0.25]), polar_moment="circular", lateral_inertia=word)
@@ -692,7 +698,12 @@ def test_a_word_and_a_diameter_are_enough_for_lateral_inertia(word):
     ({"lateral_inertia": "mindlin"}, "lateral_inertia", "perhaps 'mindlin-herrmann' is meant"),
     ({"lateral_inertia": 1}, "lateral_inertia", "unknown theory 1; use one of rayleigh-love, mind"),
     ({"lateral_inertia": "mindlin-herrmann", "polar_moment": None}, "lateral_inertia",
-     "needs a polar_moment; give it, or the diameter of a round rod"),
+     "needs the diameter of a round rod, or a polar_moment; give one of them"),
+    ({"lateral_inertia": None}, "polar_moment", 'give lateral_inertia="rayleigh-love" too, or'),
+    ({"lateral_inertia": None, "area": None, "diameter": 0.02}, "polar_moment",
+     'give lateral_inertia="rayleigh-love" too, or'),
+    ({"lateral_inertia": "rayleigh-love", "area": None, "diameter": 0.02, "polar_moment": 1e-9},
+     "polar_moment", "must be that of the solid round section, got 1e-09"),
     ({"lateral_inertia": "mindlin-herrmann", "material": steel.replace(poisson_ratio=0.5)},
      "material.poisson_ratio", 'must be below 0.5 for "mindlin-herrmann", got 0.5'),
     ({"lateral_inertia": "mindlin-herrmann", "material": ri.materials.oak},
@@ -709,30 +720,43 @@ def test_theories_of_lateral_inertia_are_checked(given, path, said):
 
 def test_tapers_and_lateral_inertia_in_a_row():
     two = np.array([1e-8, 2e-8])
-    pieces = [ri.Segment(0.5, ri.Samples([1e-4, 2e-4, 5e-4]), steel, polar_moment="circular"),
-              ri.Segment(0.25, 1e-4, glass, polar_moment=3e-8), ri.Segment(0.5, 1e-4, glass)]
-    row = ri.System([cone(velocity=1.0), ri.Rod(segments=pieces), rod(polar_moment=two)])
+    disc = {"polar_moment": "circular", **LOVE}
+    pieces = [ri.Segment(0.5, ri.Samples([1e-4, 2e-4, 5e-4]), steel, **disc),
+              ri.Segment(0.25, 1e-4, glass, polar_moment=3e-8, **LOVE),
+              ri.Segment(0.5, 1e-4, glass)]
+    row = ri.System([cone(velocity=1.0), ri.Rod(segments=pieces), rod(polar_moment=two, **LOVE)])
     assert ri.System.from_dict(row.to_dict()) == row
     assert {path: v.tolist() for path, v in row.parameters.items()} == {
         "bodies.2.polar_moment": two.tolist()}
-    assert row[1].bodies[2] == rod(polar_moment=2e-8)
+    assert row[1].bodies[2] == rod(polar_moment=2e-8, **LOVE)
     assert row[1].bodies[:2] == row.bodies[:2]
     assert row.reversed().reversed() == row
     image = row.mirrored()
     assert image.mirrored() == row
     assert image.bodies[1].segments == (
         pieces[2], pieces[1],
-        ri.Segment(0.5, ri.Samples([5e-4, 2e-4, 1e-4]), steel, polar_moment="circular"),
+        ri.Segment(0.5, ri.Samples([5e-4, 2e-4, 1e-4]), steel, polar_moment="circular", **LOVE),
     )
     assert "polar_moment='circular'" in repr(row.bodies[1].segments[0])
 
 
+def test_a_polar_moment_alone_is_rayleigh_love_in_a_system_of_an_older_file():
+    row = ri.System([rod(polar_moment=1e-8, **LOVE), ri.Rod(segments=[
+        ri.Segment(0.5, 1e-4, steel, polar_moment="circular", **LOVE), ri.Segment(0.5, 1e-4, glass),
+    ])])
+    old = row.to_dict()
+    for table in (old["bodies"][0], old["bodies"][1]["segments"][0]):
+        del table["lateral_inertia"]
+    assert ri.System.from_dict(old) == row
+
+
 def test_every_new_field_counts_for_equality_and_digest():
     rods = [rod(), rod(area=ri.Samples([1e-4, 1e-4])), rod(area=ri.Samples([1e-4, 2e-4])),
-            rod(polar_moment=1e-8), rod(polar_moment=2e-8), rod(polar_moment="circular"),
+            rod(polar_moment=1e-8, **LOVE), rod(polar_moment=2e-8, **LOVE),
+            rod(polar_moment="circular", **LOVE), rod(area=None, diameter=0.01),
             rod(polar_moment="circular", lateral_inertia="mindlin-herrmann")]
     assert len(set(rods)) == len({one.digest for one in rods}) == len(rods)
-    assert rod(polar_moment="circular") == rod(polar_moment="circular")
+    assert rod(polar_moment="circular", **LOVE) == rod(polar_moment="circular", **LOVE)
     assert set(rod().segments[0].to_dict()) == {"length", "area", "material"}
 
 
@@ -746,13 +770,15 @@ def refused(method, *bodies):
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_what_only_finite_differences_have(method):
     damped = steel.damped(0.01, 1e3)
-    pieces = [ri.Segment(0.5, 1e-4, steel), ri.Segment(0.5, 1e-4, damped, polar_moment=1e-8)]
+    pieces = [ri.Segment(0.5, 1e-4, steel),
+              ri.Segment(0.5, 1e-4, damped, polar_moment=1e-8, **LOVE)]
     head = f'method "{method}" has no '
-    assert refused(method, rod(polar_moment="circular"), ri.Rod(segments=pieces), cone()) == {
-        "bodies.0.polar_moment": head + 'lateral inertia; method "finite-difference" has',
+    thick = rod(polar_moment="circular", **LOVE)
+    assert refused(method, thick, ri.Rod(segments=pieces), cone()) == {
+        "bodies.0.lateral_inertia": head + 'lateral inertia; method "finite-difference" has',
         "bodies.1.segments.1.material.viscosity":
             head + 'damping; method "finite-difference" has',
-        "bodies.1.segments.1.polar_moment":
+        "bodies.1.segments.1.lateral_inertia":
             head + 'lateral inertia; method "finite-difference" has',
         "bodies.2.area": head + 'tapered rods; method "finite-difference" has',
     }
@@ -775,7 +801,7 @@ def test_a_taper_in_steps_is_for_every_method():
 # The same with other values
 
 EVERYTHING = [
-    steel, ri.Segment(0.4, 1e-4, steel, polar_moment="circular"),
+    steel, ri.Segment(0.4, 1e-4, steel, polar_moment="circular", **LOVE),
     ri.Segment(0.4, ri.Samples([1e-4, 2e-4]), steel),
     ri.Rod(0.4, area=1e-4, material=steel, velocity=ri.Steps([1.0, 0.0], [0.1])),
     ri.Rod(segments=[ri.Segment(0.4, 1e-4, steel), ri.Segment(0.1, 2e-4, steel)], strain=1e-4),
@@ -811,7 +837,9 @@ def test_replace_names_the_nearest_parameter_and_checks_values():
 def test_replace_makes_families_and_puts_one_description_for_another():
     rod = EVERYTHING[3]
     assert rod.replace(length=[0.4, 0.5]).length.tolist() == [0.4, 0.5]
-    assert rod.replace(diameter=0.02) == rod.replace(area=math.pi * 0.02 * 0.02 / 4)
+    thick = rod.replace(diameter=0.02)
+    assert thick.segments[0].area == math.pi * 0.02 * 0.02 / 4
+    assert thick.replace(area=1e-4) == rod
     stepped = EVERYTHING[4]
     assert rod.replace(segments=stepped.segments, velocity=0.0, strain=1e-4) == stepped
     with pytest.raises(ri.InvalidModel, match="not both"):
@@ -822,8 +850,10 @@ def test_replace_makes_families_and_puts_one_description_for_another():
 @pytest.mark.parametrize("kind", [ri.Rod, ri.Segment])
 def test_a_diameter_is_that_of_a_round_section(kind):
     d = np.array([0.01, 0.02])
-    assert kind(0.4, material=steel, diameter=d) == kind(0.4, area=math.pi * d * d / 4,
-                                                         material=steel)
+    thick = kind(0.4, material=steel, diameter=d)
+    assert thick.mass.tolist() == kind(0.4, area=math.pi * d * d / 4, material=steel).mass.tolist()
+    assert thick.to_dict()["diameter"] == d.tolist()
+    assert "area" not in thick.to_dict()
     for wrong, path in (({"diameter": -1.0}, "diameter"), ({}, "area"),
                         ({"diameter": 0.1, "area": 1.0}, "diameter")):
         with pytest.raises(ri.InvalidModel) as caught:

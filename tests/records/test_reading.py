@@ -79,7 +79,7 @@ def test_units_and_rates_that_the_file_does_not_say(read):
 
 
 @pytest.mark.parametrize(("text", "options", "said"), [
-    ("time,a\n0,1\n1,2\n", {}, "column 'time': names no unit of time; give time_unit, one of 's'"),
+    ("time,a\n0,1\n1,2\n", {}, "column 'time': names no unit of time; give time_unit=, one of 's'"),
     ("time [min],a\n0,1\n1,2\n", {}, "column 'time': unknown unit 'min'"),
     ("time [V],a\n0,1\n1,2\n", {}, "must be times, but 'V' is no unit of time"),
     ("time_s,a [furlong]\n0,1\n1,2\n", {}, "column 'a': unknown unit 'furlong'"),

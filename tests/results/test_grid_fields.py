@@ -11,7 +11,8 @@ from rodimpact.methods.clock import STEP_TICKS
 
 METHOD = "finite-difference"
 THICK = ri.Material("thick", youngs_modulus=2.0, density=0.5, viscosity=0.02, poisson_ratio=0.3)
-CONE = ri.Segment(0.5, ri.Samples([1.0, 0.5]), THICK, polar_moment="circular")
+CONE = ri.Segment(0.5, ri.Samples([1.0, 0.5]), THICK, polar_moment="circular",
+                  lateral_inertia="rayleigh-love")
 ROW = ri.System(
     [
         unit_rod(1.0, 2.0, velocity=0.5), ri.RigidMass(0.5, velocity=-0.25),

@@ -34,7 +34,7 @@ def test_text_is_written_as_it_is(tmp_path):
 def test_existing_file_is_kept_without_force_and_replaced_with_it(tmp_path):
     path = str(tmp_path / "a.bin")
     write_bytes(path, b"old")
-    with pytest.raises(FileExistsError, match=r"a\.bin.*--force.*force=True"):
+    with pytest.raises(FileExistsError, match=r"a\.bin.*; give force=True to"):
         write_bytes(path, b"new")
     assert Path(path).read_bytes() == b"old"
     write_bytes(path, b"new", force=True)
@@ -127,7 +127,7 @@ def test_gauge_record_goes_to_csv_once(tmp_path):
     head, *rows = (tmp_path / "g.csv").read_text().splitlines()
     assert head == "time [s],strain [1],rightward [1],leftward [1],velocity [m/s]"
     assert [float(row.split(",")[1]) for row in rows] == gauge.strain.tolist()
-    with pytest.raises(FileExistsError, match="--force"):
+    with pytest.raises(FileExistsError, match="give force=True to"):
         gauge.to_csv(tmp_path / "g.csv")
 
 
@@ -269,7 +269,7 @@ def test_save_asks_before_replacing(tmp_path):
     solution = ri.solve(ri.System([SHORT, LONG]))
     path = tmp_path / "run.npz"
     path.write_text("mine")
-    with pytest.raises(FileExistsError, match="--force"):
+    with pytest.raises(FileExistsError, match="give force=True to"):
         solution.save(path)
     assert path.read_text() == "mine"
     solution.save(path, force=True)

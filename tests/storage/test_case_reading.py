@@ -77,7 +77,7 @@ def test_everything_at_once():
         "my rubber", youngs_modulus=5e6, density=1100, poisson_ratio=0.49, viscosity=2e3
     )
     left = ri.Rod(
-        0.4, area=math.pi * 0.02 * 0.02 / 4, material=steel, velocity=ri.Steps([1, 0], [0.1]),
+        0.4, diameter=0.02, material=steel, velocity=ri.Steps([1, 0], [0.1]),
         strain=1e-4,
     )
     right = ri.Rod(
@@ -215,7 +215,8 @@ def test_tapers_lateral_inertia_damping_and_a_grid_in_space():
     rubber = ri.Material("rubber", youngs_modulus=5e6, density=1100, poisson_ratio=0.49)
     rubber = rubber.damped(0.1, 1e3)
     assert case.system == ri.System([
-        ri.Rod(0.4, area=ri.Samples([1e-4, 2e-4, 4e-4]), material=STEEL, polar_moment="circular"),
+        ri.Rod(0.4, area=ri.Samples([1e-4, 2e-4, 4e-4]), material=STEEL, polar_moment="circular",
+               lateral_inertia="rayleigh-love"),
         ri.Rod(0.5, area=ri.Steps([1e-4, 3e-4], [0.2]), material=rubber),
         ri.Rod(segments=[ri.Segment(0.1, ri.Samples([1e-4, 2e-4]), rubber),
                          ri.Segment(0.2, 2e-4, STEEL, polar_moment=0.5e-8,
@@ -306,7 +307,7 @@ def test_a_case_is_frozen():
         (HEAD + "friction = 1\n" + A_ROD, "friction",
          "unknown key; use one of schema, materials, gravity, bodies, contacts, ends, solve"),
         (HEAD + "gravity = '9.81 m/s'\n" + A_ROD, "gravity", "'m/s' is a unit of velocity"),
-        (HEAD + "gravity = [1, 2]\n" + A_ROD, "gravity", "--vary gravity=start:stop:count"),
+        (HEAD + "gravity = [1, 2]\n" + A_ROD, "gravity", 'vary={"gravity": "start:stop:count"}'),
         (HEAD + A_ROD + "[solv]", "solv", "unknown key; perhaps 'solve' is meant"),
         (HEAD + "solve = 3\n" + A_ROD, "solve", "must be a table, got 3"),
         # bodies
@@ -323,7 +324,7 @@ def test_a_case_is_frozen():
         (HEAD + A_ROD + "velocity = 1979-05-27", "bodies.0.velocity", "it is not a number"),
         (HEAD + A_ROD + "velocity = [1, 2]", "bodies.0.velocity", "must be a single number"),
         (HEAD + A_ROD + "strain = [1, 2]", "bodies.0.strain",
-         "; a profile is written {values = [...], at = [...]} or {samples = [...]}; rodimpact"),
+         "; a profile is written {values = [...], at = [...]} or {samples = [...]}; vary="),
         (HEAD + "[[bodies]]\nkind='mass'\n" + A_ROD + LAW + "'hertz'\nstiffness=1",
          "bodies.0.mass", "is missing; give a mass, in SI units or as text with one of kg, g"),
         (HEAD + A_MASS.replace("2", "-2") + A_ROD, "bodies.0.mass",
@@ -384,7 +385,7 @@ def test_a_case_is_frozen():
          "bodies.0.lateral_inertia",
          "unknown lateral_inertia 'mindlin'; perhaps 'mindlin-herrmann' is meant"),
         (HEAD + A_ROD + "lateral_inertia = 'mindlin-herrmann'", "bodies.0.lateral_inertia",
-         "needs a polar_moment"),
+         "needs the diameter of a round rod, or a polar_moment"),
         (HEAD + A_ROD + "polar_moment = '1 cm^3'", "bodies.0.polar_moment", "perhaps cm^4 is"),
         (HEAD + A_ROD + "polar_moment = -1", "bodies.0.polar_moment",
          "must be a finite positive number of m^4, got -1.0"),
@@ -490,7 +491,7 @@ def test_a_case_is_frozen():
         (HEAD + A_ROD + LEFT + "'force'\nvalue = '1 m/s'", "ends.left.value",
          "'m/s' is a unit of velocity"),
         (HEAD + A_ROD + LEFT + "'velocity'\nvalue = [1, 2]", "ends.left.value",
-         "is written {values = [...], at = [...]} or {samples = [...], step = ...}; rodimpact"),
+         "is written {values = [...], at = [...]} or {samples = [...], step = ...}; vary="),
         (HEAD + A_ROD + LEFT + "'force'\nvalue = {values=[1, 2], at=['1 m']}",
          "ends.left.value.at.0", "'m' is a unit of length"),
         (HEAD + A_ROD + LEFT + "'force'\nvalue = {samples=[1, 2]}", "ends.left.value.step",
@@ -538,8 +539,8 @@ def test_each_mistake_alone(text, path, said):
 def test_a_list_in_a_file_is_no_family_but_the_remedy_is_named():
     found = problems(HEAD + A_ROD.replace("0.4", "[0.4, 0.5]"))
     assert found == {
-        "bodies.0.length": "must be a single number, got [0.4, 0.5]; rodimpact sweep --vary "
-        "bodies.0.length=start:stop:count varies it"
+        "bodies.0.length": "must be a single number, got [0.4, 0.5]; "
+        'vary={"bodies.0.length": "start:stop:count"} varies it'
     }
 
 

@@ -48,7 +48,7 @@ def random_row(seed):
         areas, polar = [1e-4, ri.Samples(rng.uniform(1, 2, size=5))], [None, "circular", 1e-8]
         tapered = rng.integers(2)
         moment = polar[rng.integers(3 - tapered)]
-        theory = "mindlin-herrmann" if moment and rng.random() < 0.5 else None
+        theory = moment and ("mindlin-herrmann" if rng.random() < 0.5 else "rayleigh-love")
         return ri.Segment(rng.uniform(0.1, 1), areas[tapered], STEEL, polar_moment=moment,
                           lateral_inertia=theory)
 

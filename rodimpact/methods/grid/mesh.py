@@ -300,7 +300,7 @@ def _cells(segment: Any, count: int) -> Cells:
         stiffness = moduli.axial * area / dx
         swelling, coupling = INERTIA * rho * polar * dx, moduli.coupling * area
         radial, shear = moduli.radial * area * dx, moduli.shear * polar / dx
-    elif segment.polar_moment is not None:
+    elif segment.lateral_inertia is not None:
         lateral = rho * float(material.poisson_ratio) ** 2 * polar / dx
     viscous = float(material.viscosity) * area / dx
     return Cells(rho * area * dx, stiffness, viscous, lateral, swelling, coupling, radial, shear)
@@ -316,7 +316,7 @@ def _in_series(springs: Array) -> Array:
 
 def crossing_time(segment: Any) -> float:
     """Time in which the fastest waves cross a segment, s."""
-    if segment.lateral_inertia is None:
+    if segment.lateral_inertia != MINDLIN_HERRMANN:
         return float(segment.transit_time)
     whole = _cells(segment, 1)
     return math.sqrt(float(whole.cell_mass[0] / whole.stiffness[0]))
@@ -333,7 +333,7 @@ def stable_step(segment: Any, count: int) -> float:
 
     with the mass m, stiffness k, coupling b, radial G, shear s and swelling J of a cell.
     """
-    if segment.lateral_inertia is None:
+    if segment.lateral_inertia != MINDLIN_HERRMANN:
         return float(segment.transit_time) / count
     m, k, _, _, J, b, G, s = _cells(segment, count)
     axial, radial = 4 * k / m, (G + 4 * s) / J
@@ -343,7 +343,7 @@ def stable_step(segment: Any, count: int) -> float:
 
 def most_cells(segment: Any, count: int, step: float) -> int:
     """How many cells, `count` at most, a segment may have for a step in s to be stable."""
-    if segment.lateral_inertia is None:
+    if segment.lateral_inertia != MINDLIN_HERRMANN:
         return count
     unstable = bisect_left(range(1, count + 1), True, key=lambda N: stable_step(segment, N) < step)
     return max(1, unstable)
@@ -354,7 +354,7 @@ def _refuse_stiff(path: str, cells: Cells) -> None:
     impedance = np.sqrt(cells.stiffness) * np.sqrt(cells.cell_mass)
     for name, size in (
         ("material.viscosity", cells.viscous / impedance),
-        ("polar_moment", cells.lateral / cells.cell_mass),
+        ("lateral_inertia", cells.lateral / cells.cell_mass),
     ):
         if size.max() > STIFFEST:
             message = (

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from ...model.frozen import InvalidModel
+from ...model.lateral_inertia import MINDLIN_HERRMANN
 from .. import kernels
 from ..clock import STEP_TICKS, Clock
 from ..contact_law_kernel import RIGID
@@ -335,7 +336,7 @@ def _mesh_size(
         worst = int(np.argmax(courant))
         many, path = f"{courant.max():.6g}", row.paths[worst + 1]
         cause = f"waves would cross {many} cells of {path} in a step"
-        if row.segments[worst].lateral_inertia is not None:
+        if row.segments[worst].lateral_inertia == MINDLIN_HERRMANN:
             cause = f"radial motion of {path} is {many} times too fast for it"
         message = f"would be unstable: {cause}; at most {stable[worst]:.6g} s, got {dt!r}"
         raise InvalidModel([("dt", message)])

@@ -20,10 +20,10 @@ from ..fronts.method import rounding
 from ..groups import groups
 from ..row import Row, squeezed
 from ..run import ContactTally, GroupTotals, Run
-from ..status import end_sentence, proof_sentence, strain_warning
+from ..status import end_sentence, last_contact, proof_sentence, strain_warning
 from .driver import Machine
 from .layout import Layout, lay_out
-from .records import Law, Part, Stop
+from .records import Law, Part, Stop, Touch
 from .signals import signals_of
 
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
@@ -80,10 +80,10 @@ def _hand_over(
     stopped_by = "max_events" if stop == Stop.CAP else "until" if until is not None else (
         "final" if run["proved"] >= 0 else "clock")
     t_end = until if until is not None and stopped_by == "until" else end * tick
-    met = bool(np.any(r["link"]["episodes"]))
-    opened = float(np.max(r["link"]["apart"], initial=0)) * tick
-    t_final = opened if run["proved"] >= 0 else math.nan
-    proof = proof_sentence(met, False, t_final) if run["proved"] >= 0 else ""
+    proved, proof, t_final = run["proved"] >= 0, "", math.nan
+    if proved:
+        t_final = last_contact(_ends(r), end * tick, 2 * clock.longest * tick)
+        proof = proof_sentence(bool(np.any(r["link"]["episodes"])), t_final)
     status = end_sentence(
         row.system, stopped_by, proof, format_si(t_end, "s"), f"{run['steps']} steps of nodes")
     fastest = max((_fastest(r["log"][: run["pieces"]], s) / float(row.segments[s].wave_speed)
@@ -91,11 +91,23 @@ def _hand_over(
     status += rounding(clock.transit_error, clock.worst) + strain_warning(fastest)
     return Run(
         method="characteristics", until=until, clock=clock, end=end, t_end=t_end, t_final=t_final,
-        stopped_by=stopped_by, status=status, events=int(run["steps"]),
+        t_proved=float(run["proved"]) * tick if proved else math.nan, stopped_by=stopped_by, status=status, events=int(run["steps"]),
         contacts=_tallies(row, r), groups=_groups(row, r),
         accuracy=_accuracy(fine, coarse, float(run["scale"])),
         make_signals=lambda: signals_of(row, clock, end, r),
     )
+
+
+def _ends(r: dict[str, Any]) -> list[tuple[float, float]]:
+    """When the force and the touch of each contact that pressed ended, as `last_contact` asks."""
+    tick, ends = float(r["run"][0]["tick"]), []
+    for it in r["link"]:
+        if it["law"] >= Law.RIGID and it["episodes"] > 0:
+            pressing = it["touch"] == Touch.PRESSING and it["law"] != Law.IMPACT
+            apart = it["apart"] if it["touch"] == Touch.APART or it["law"] == Law.IMPACT else -1
+            ends.append((math.nan if pressing else float(it["last"]) * tick,
+                         float(apart) * tick if apart >= 0 else math.nan))
+    return ends
 
 
 def _fastest(log: Any, s: int) -> float:
