@@ -21,6 +21,7 @@ import numpy as np
 
 from ...model.frozen import InvalidModel
 from ...model.lateral_inertia import MINDLIN_HERRMANN
+from .. import abilities as physics
 from .. import kernels
 from ..clock import STEP_TICKS, Clock
 from ..contact_law_kernel import RIGID
@@ -158,7 +159,7 @@ class GridRun(SteppedRun):
         return np.concatenate(([initial], self.by_step(self.signals.mass_speed, start)))
 
 
-LACKS = ()
+LACKS = (physics.RODLESS,)
 
 
 def solve(row: Row, until: float | None, max_events: int, **options: Any) -> Run:
