@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..methods.row import Array
-from ..units import format_si
+from ..model.frozen import nearest
+from ..units import format_si, shown
 
 
 class Kink(NamedTuple):
@@ -69,6 +70,8 @@ class Gradient:
         return np.stack([self.values[path] for path in self.wrt], -1).astype(dtype or float)
 
     def __getitem__(self, path: str) -> Any:
+        if not isinstance(path, str) or path not in self.values:
+            raise KeyError(f"no derivative by {shown(path)}; {nearest(path, self.wrt)}")
         return self.values[path]
 
     def __str__(self) -> str:
