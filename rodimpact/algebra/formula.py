@@ -35,7 +35,8 @@ DIRECTIONS = 512  # in which sides are looked for
 MOST_SIDES = 64
 FACTORED = 400  # terms: longer polynomials are shown as they are
 FEW = 4  # other formulas, and borders, that are told in short
-LINE = 160  # characters of such a formula
+NEAREST = 3  # conditions that are told beside a formula
+LINE = 160  # characters of a condition, and of another formula
 MANY = 10**6  # the largest denominator that is shown
 
 
@@ -88,6 +89,17 @@ class Field:
         return sum((Fraction(int(c.numerator), int(c.denominator))
                     * prod(x**n for x, n in zip(place, powers, strict=True) if n)
                     for powers, c in p.terms()), Fraction(0))
+
+    def slope(self, p: Any) -> Any:
+        """Change of a polynomial at the numbers of the system, by the share of each free one."""
+        base, places = self.naming.values({}), list(self.names)
+        return np.array([float(self.at(p.diff(places.index(name)), base) * (base[name] or 1))
+                         for name in self.naming.free])
+
+    def distance(self, p: Any) -> float:
+        """By which share the numbers of the system must change, at least about, for p to be 0."""
+        slope = float(np.linalg.norm(self.slope(p)))
+        return float(self.at(p, self.naming.values({}))) / slope if slope else float("inf")
 
 
 class Side:
@@ -156,13 +168,7 @@ class Side:
     @cached_property
     def slopes(self) -> Any:
         """Of the ties, along each name that is free, of the size of its value."""
-        naming = self.field.naming
-        base = naming.values({})
-        places = list(self.field.names)
-        rows = np.array([
-            [float(self.field.at(p.diff(places.index(name)), base) * (base[name] or 1))
-             for name in naming.free] for p in self.ties
-        ])
+        rows = [self.field.slope(p) for p in self.ties]
         return [row / np.linalg.norm(row) for row in rows if row.any()]
 
 
@@ -311,7 +317,27 @@ class ClosedForm:
     @cached_property
     def cell(self) -> tuple[Any, ...]:
         """Inequalities between the symbols; the formula holds where all are true."""
-        return tuple(self._field.inequality(p) for p in reduced(self._united()))
+        return tuple(map(self._field.inequality, self._borders))
+
+    @cached_property
+    def nearest(self) -> tuple[Any, ...]:
+        """Those of `cell` that end the formula first as the numbers of the system change.
+
+        The three whose borders are nearest, by the shares of the numbers that must change.
+        """
+        distances = list(map(self._field.distance, self._borders))
+        first = sorted(range(len(distances)), key=distances.__getitem__)[:NEAREST]
+        return tuple(self.cell[i] for i in sorted(first))
+
+    def where(self, remedy: str) -> str:
+        """The nearest conditions in a line; where there are more, how many, and what shows all."""
+        told = ", ".join(map(_short, self.nearest)) or "always"
+        more = len(self.cell) - len(self.nearest)
+        return f"where {told}" + (f", and {more} more; {remedy}" if more else "")
+
+    @cached_property
+    def _borders(self) -> list[Any]:
+        return reduced(self._united())
 
     def _united(self) -> list[Any]:
         """Borders of the cells together, without those between them; or those of the first."""
@@ -361,9 +387,9 @@ class ClosedForm:
 
     def __str__(self) -> str:
         lines = [f"{name} = {value}" for name, value in self._named()]
-        lines.append(f"where {', '.join(map(str, self.cell)) or 'always'}")
+        lines.append(self.where(".cell has all"))
         if self.sides:
-            border = ", ".join(f"{tie.lhs} = {tie.rhs}" for tie in self._ties[:FEW])
+            border = ", ".join(_short(f"{tie.lhs} = {tie.rhs}") for tie in self._ties[:FEW])
             count = len(self.sides)
             others = f"{count} other formulas" if count > 1 else "another formula"
             e = self.at().restitution
@@ -385,7 +411,9 @@ class ClosedForm:
     def _repr_latex_(self) -> str:
         latex = self._field.sympy.latex
         lines = [f"{name} &= {latex(value)}" for name, value in self._named()]
-        cell = ",\\ ".join(map(latex, self.cell))
+        cell = ",\\ ".join(map(latex, self.nearest))
+        if len(self.cell) > NEAREST:
+            cell += f"\\ \\text{{and {len(self.cell) - NEAREST} more}}"
         return "$$\\begin{aligned}" + "\\\\".join(lines) + "\\end{aligned}\\qquad " + cell + "$$"
 
     def _named(self) -> list[tuple[str, Any]]:
@@ -396,7 +424,11 @@ class ClosedForm:
 
 def _line(form: ClosedForm) -> str:
     """A formula beside another, in short."""
-    formula = ", ".join(f"{name} = {value}" for name, value in form._named())
-    if len(formula) > LINE:
-        formula = formula[:LINE].rsplit(" ", 1)[0] + " ..."
-    return f"{formula} where {', '.join(map(str, form._ties[:FEW]))}"
+    formula = _short(", ".join(f"{name} = {value}" for name, value in form._named()))
+    return f"{formula} where {', '.join(map(_short, form._ties[:FEW]))}"
+
+
+def _short(told: Any) -> str:
+    """The beginning of what is too long for a line."""
+    text = str(told)
+    return text if len(text) <= LINE else text[:LINE].rsplit(" ", 1)[0] + " ..."
