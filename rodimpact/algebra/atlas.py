@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..methods.fronts.front_kernel import PRESS
 from ..model import System
-from ..model.frozen import InvalidModel, Problems, number
+from ..model.frozen import InvalidModel, listed, number
 from ..units import shown
 from .cells import spells_and_conditions
 from .naming import Naming
@@ -36,6 +36,7 @@ MOST_BETWEEN = 12  # times that an edge is cut where there is room for another c
 MOST_CELLS = 300
 NOWHERE = -2  # the cell of a place in which floats do not see the place
 ABOVE = -1  # what a number has to be
+SIGNS = {"velocity": "any", "gap": "non-negative"}  # of the ends of axes, where they may be 0
 Check = tuple[int, list[Number]]
 """`ABOVE` and a number, or the status of a contact and the numbers of a spell of it."""
 
@@ -62,9 +63,11 @@ class Checks:
 class Cell:
     """One cell of the plane: inequalities, results, and in which region it is."""
 
-    def __init__(self, naming: Naming, place: tuple[Fraction, Fraction], max_events: int) -> None:
-        self.names = [next(n for n, p in naming.paths.items() if p == s) for s in naming.symbols]
-        run = naming.run_at(dict(zip(self.names, place, strict=True)), max_events)
+    def __init__(
+        self, naming: Naming, names: list[str], place: tuple[Fraction, Fraction], max_events: int,
+    ) -> None:
+        self.names = names
+        run = naming.run_at(dict(zip(names, place, strict=True)), max_events)
         self.final, self.results, self.known = run.final, run.results, naming.place
         if self.final:
             spells, conditions = spells_and_conditions(run)
@@ -194,14 +197,16 @@ def atlas(
     x, y : (str, float, float)
         Path of a number, as for `closed_form` but no modulus or density, and the ends of its axis.
     most_cells : int
-        Cap; what is not reached by then is left unresolved.
+        Cap on the cells, those included in which a run does not come to its end; what is not
+        reached by then is left unresolved.
     max_events : int
         Cap on the events of a run; places where it is reached are left unresolved.
 
     Raises
     ------
     InvalidModel
-        If a path names nothing, or something acts of which this method knows nothing.
+        If a path names nothing, or several numbers; if an end of an axis is no value of its number;
+        if something acts of which this method knows nothing.
 
     Examples
     --------
@@ -216,18 +221,54 @@ def atlas(
     check_cap("most_cells", most_cells)
     check_cap("max_events", max_events)
     axes = [_axis("x", x), _axis("y", y)]
-    return _Search(system, axes, most_cells, max_events).atlas()
+    naming = Naming(system, [path for path, *_ in axes])
+    names = [_name(naming, axis, path) for axis, (path, *_) in zip("xy", axes, strict=True)]
+    if names[0] == names[1]:
+        raise InvalidModel([("y", f"must be another number than x, got {shown(y[0])} for both")])
+    _check_waves(naming, names, axes, max_events)
+    return _Search(naming, names, axes, most_cells, max_events).atlas()
 
 
 def _axis(name: str, given: Any) -> tuple[str, float, float]:
     """Path of a number and the ends of its axis; InvalidModel for anything else."""
-    if isinstance(given, list | tuple) and len(given) == 3:
-        problems: Problems = []
-        low, high = (number(problems, name, end, "", "any") for end in given[1:])
-        if not problems and isinstance(low, float) and isinstance(high, float) and low < high:
-            return str(given[0]), low, high
+    if isinstance(given, list | tuple) and len(given) == 3 and isinstance(given[0], str):
+        path, problems = given[0], list[tuple[str, str]]()
+        sign = SIGNS.get(path.rpartition(".")[2], "positive")  # near 0 there are cells without end
+        low, high = (number(problems, f"{name}, {path}", end, "", sign) for end in given[1:])
+        if problems:
+            raise InvalidModel(problems)
+        if isinstance(low, float) and isinstance(high, float) and low < high:
+            return path, low, high
     message = 'must be a path, its lowest and its highest value, such as ("bodies.0.length"'
     raise InvalidModel([(name, f"{message}, 0.1, 1.0), got {shown(given)}")])
+
+
+def _check_waves(naming: Naming, names: list[str], axes: list[Any], max_events: int) -> None:
+    """Raise InvalidModel where not even runs in the middle of the plane can come to an end.
+
+    While a wave crosses the longest segment, another goes through the shortest so many times.
+    """
+    middle = {name: (Fraction(low) + Fraction(high)) / 2
+              for name, (_, low, high) in zip(names, axes, strict=True)}
+    transit = [T.value for T in naming.numbers_at(middle).transit]
+    waves = 2 * max(transit) / min(transit)
+    if waves > max_events:
+        paths = " and ".join(path for path, *_ in axes)
+        message = f"in the middle of the plane of {paths} the longest rod takes {float(waves):.3g}"
+        remedy = "events; end the axes nearer to each other, or raise it"
+        raise InvalidModel([("max_events", f"{message} {remedy}, got {max_events}")])
+
+
+def _name(naming: Naming, axis: str, path: str) -> str:
+    """Name of the one number that a path stands for."""
+    paths = {p: name for name, p in naming.paths.items() if path in (p, p.rpartition(".")[2])}
+    if len(paths) > 1:
+        message = f"{path!r} names {len(paths)} numbers; give the path of one: {listed(list(paths))}"
+        raise InvalidModel([(axis, message)])
+    if not paths or path.endswith(("youngs_modulus", "density")):
+        message = "an atlas has no modulus or density; give a length, an area or a transit_time"
+        raise InvalidModel([(axis, f"{message}, not {path!r}")])
+    return paths.popitem()[1]
 
 
 def _locate(cells: list[Cell], x: Floats, y: Floats) -> NDArray[np.int64]:
@@ -241,18 +282,25 @@ def _locate(cells: list[Cell], x: Floats, y: Floats) -> NDArray[np.int64]:
 
 
 def _rounded(places: Floats, room: Any = 1.0) -> Floats:
-    """Shares of the axes, within a little of the room that is there, as short fractions."""
+    """Shares of the axes, within a little of the room that is there, as short fractions.
+
+    Those of y lie an eighth of a step off those of x: else places of two axes that are alike, such
+    as velocities of both bodies, would lie on the border itself.
+    """
     fine = FINE * 2.0 ** np.ceil(np.log2(1 / room))
     shares: Floats = np.minimum((2 * np.floor(fine * places) + 1) / (2 * fine), 1 - 1 / (2 * fine))
-    return shares
+    return shares + np.array([0.0, 1 / 8]) / fine
 
 
 class _Search:
     """Finds the cells of a plane; places are shares of the axes."""
 
-    def __init__(self, system: System, axes: list[Any], most: int, max_events: int) -> None:
-        self.system, self.axes, self.most, self.max_events = system, axes, most, max_events
-        self.naming = Naming(system, [path for path, *_ in axes])
+    def __init__(
+        self, naming: Naming, names: list[str], axes: list[Any], most: int, max_events: int,
+    ) -> None:
+        self.naming, self.names, self.axes = naming, names, axes
+        self.most, self.max_events = most, max_events
+        self.runs = 0  # that began a cell, also one that is not told
         self.cells: list[Cell] = []
         self.region: list[int] = []
         self._formulas: dict[tuple[Any, ...], int] = {}
@@ -269,7 +317,7 @@ class _Search:
         places, between, of = self._cross(nodes, owner.ravel(), edges)
         lines, of_line = self._join(places, between, of)
         x, y = self.axes
-        return Atlas(self.system, x, y, self.cells, self.region, self._plane(places), between,
+        return Atlas(self.naming.row.system, x, y, self.cells, self.region, self._plane(places), between,
                      self._plane(lines), of_line)
 
     def _plane(self, places: Floats) -> Any:
@@ -281,7 +329,8 @@ class _Search:
         plane = self._plane(places)
         found = _locate(self.cells, *plane.T)
         for i in range(len(places)):
-            if found[i] == -1 and len(self.cells) < self.most:
+            if found[i] == -1 and self.runs < self.most:
+                self.runs += 1
                 found[i] = self._solve(places[i])
                 open_ = np.flatnonzero(found == -1)
                 if found[i] >= 0:
@@ -293,7 +342,7 @@ class _Search:
             Fraction(low) + Fraction(float(at)) * (Fraction(high) - Fraction(low))
             for at, (_, low, high) in zip(place, self.axes, strict=True)
         )
-        return Cell(self.naming, exact, self.max_events)  # type: ignore[arg-type]
+        return Cell(self.naming, self.names, exact, self.max_events)  # type: ignore[arg-type]
 
     def _solve(self, place: Floats) -> int:
         """Add the cell of a place, if its collision comes to an end and floats tell the cell."""
