@@ -263,8 +263,8 @@ def _name(naming: Naming, axis: str, path: str) -> str:
     """Name of the one number that a path stands for."""
     paths = {p: name for name, p in naming.paths.items() if path in (p, p.rpartition(".")[2])}
     if len(paths) > 1:
-        message = f"{path!r} names {len(paths)} numbers; give the path of one: {listed(list(paths))}"
-        raise InvalidModel([(axis, message)])
+        remedy = f"give the path of one: {listed(list(paths))}"
+        raise InvalidModel([(axis, f"{path!r} names {len(paths)} numbers; {remedy}")])
     if not paths or path.endswith(("youngs_modulus", "density")):
         message = "an atlas has no modulus or density; give a length, an area or a transit_time"
         raise InvalidModel([(axis, f"{message}, not {path!r}")])
@@ -289,7 +289,8 @@ def _rounded(places: Floats, room: Any = 1.0) -> Floats:
     """
     fine = FINE * 2.0 ** np.ceil(np.log2(1 / room))
     shares: Floats = np.minimum((2 * np.floor(fine * places) + 1) / (2 * fine), 1 - 1 / (2 * fine))
-    return shares + np.array([0.0, 1 / 8]) / fine
+    shares += np.array([0.0, 1 / 8]) / fine
+    return shares
 
 
 class _Search:
@@ -317,8 +318,8 @@ class _Search:
         places, between, of = self._cross(nodes, owner.ravel(), edges)
         lines, of_line = self._join(places, between, of)
         x, y = self.axes
-        return Atlas(self.naming.row.system, x, y, self.cells, self.region, self._plane(places), between,
-                     self._plane(lines), of_line)
+        return Atlas(self.naming.row.system, x, y, self.cells, self.region, self._plane(places),
+                     between, self._plane(lines), of_line)
 
     def _plane(self, places: Floats) -> Any:
         low, high = (np.array([axis[i] for axis in self.axes]) for i in (1, 2))
