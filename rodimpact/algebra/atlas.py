@@ -17,9 +17,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..methods.duration import Forecast, Progress, warn
 from ..methods.fronts.front_kernel import PRESS
+from ..methods.registry import check_function
 from ..model import System
-from ..model.frozen import InvalidModel, listed, number
+from ..model.frozen import InvalidModel, Problems, listed, number, raise_noted
 from ..units import shown
 from .cells import spells_and_conditions
 from .naming import Naming
@@ -29,6 +31,7 @@ from .rows import check_cap, each
 Floats = NDArray[np.float64]
 LATTICE = 32  # places a side where cells are looked for
 FINE = 1 << 12  # steps a side to which these are rounded, so that fractions are short
+PLACES = 3 * LATTICE**2 + 2 * LATTICE * (LATTICE + 1)  # at random, of the lattice; its edges
 CLOSE = 1e-11  # of the way between two places: as good as touching
 CUTS = 64  # in which a way is cut where a border is looked for, and each of these again
 ROUNDS = 8
@@ -186,7 +189,7 @@ class Atlas:
 
 def atlas(
     system: System, x: Sequence[Any], y: Sequence[Any], *, most_cells: int = MOST_CELLS,
-    max_events: int = 1000,
+    max_events: int = 1000, progress: Progress | None = None,
 ) -> Atlas:
     """Divide the plane of two numbers of a case into regions with a formula each.
 
@@ -201,12 +204,19 @@ def atlas(
         reached by then is left unresolved.
     max_events : int
         Cap on the events of a run; places where it is reached are left unresolved.
+    progress : function, optional
+        Called while it takes long with the places that are done, and how many there are.
 
     Raises
     ------
     InvalidModel
         If a path names nothing, or several numbers; if an end of an axis is no value of its number;
         if something acts of which this method knows nothing.
+
+    Warns
+    -----
+    LongRun
+        As soon as it is known that it takes more than five seconds, with what takes less.
 
     Examples
     --------
@@ -220,13 +230,17 @@ def atlas(
     """
     check_cap("most_cells", most_cells)
     check_cap("max_events", max_events)
+    problems: Problems = []
+    check_function(problems, "progress", progress)
+    raise_noted(problems)
     axes = [_axis("x", x), _axis("y", y)]
     naming = Naming(system, [path for path, *_ in axes])
     names = [_name(naming, axis, path) for axis, (path, *_) in zip("xy", axes, strict=True)]
     if names[0] == names[1]:
         raise InvalidModel([("y", f"must be another number than x, got {shown(y[0])} for both")])
     _check_waves(naming, names, axes, max_events)
-    return _Search(naming, names, axes, most_cells, max_events).atlas()
+    forecast = Forecast(warn, "a smaller most_cells or max_events", progress, "this atlas")
+    return _Search(naming, names, axes, most_cells, max_events, forecast).atlas()
 
 
 def _axis(name: str, given: Any) -> tuple[str, float, float]:
@@ -298,8 +312,10 @@ class _Search:
 
     def __init__(
         self, naming: Naming, names: list[str], axes: list[Any], most: int, max_events: int,
+        forecast: Forecast,
     ) -> None:
-        self.naming, self.names, self.axes = naming, names, axes
+        self.naming, self.names, self.axes, self.forecast = naming, names, axes, forecast
+        self.done = 0  # places and edges
         self.most, self.max_events = most, max_events
         self.runs = 0  # that began a cell, also one that is not told
         self.cells: list[Cell] = []
@@ -331,11 +347,15 @@ class _Search:
         found = _locate(self.cells, *plane.T)
         for i in range(len(places)):
             if found[i] == -1 and self.runs < self.most:
+                left = min(self.most - self.runs, int((found[i:] == -1).sum()))
+                self.forecast.extrapolate(self.runs, self.runs + left, f"up to {left} more cells")
+                self.forecast.reached(self.done + i, PLACES)
                 self.runs += 1
                 found[i] = self._solve(places[i])
                 open_ = np.flatnonzero(found == -1)
                 if found[i] >= 0:
                     found[open_[self.cells[-1].inside(*plane[open_].T)]] = found[i]
+        self.done = min(self.done + len(places), PLACES)
         return found
 
     def _solved(self, place: Floats) -> Cell:

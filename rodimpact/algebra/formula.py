@@ -9,7 +9,7 @@ their formulas agree.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -18,8 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from ..methods.duration import Forecast, Progress, warn
+from ..methods.registry import check_function
 from ..model import System
-from ..model.frozen import InvalidModel, nearest
+from ..model.frozen import InvalidModel, Problems, nearest, raise_noted
 from ..storage.extras import optional
 from .cells import conditions
 from .inequalities import factors, reduced
@@ -43,7 +45,8 @@ MANY = 10**6  # the largest denominator that is shown
 class Field:
     """Rational functions of the names of a system, and how they are shown."""
 
-    def __init__(self, naming: Naming) -> None:
+    def __init__(self, naming: Naming, progress: Progress | None = None) -> None:
+        self.progress = progress
         self.sympy: Any = optional("sympy", "sympy")
         self.naming = naming
         names = [*naming.base, *naming.speeds]
@@ -64,6 +67,14 @@ class Field:
     def of(self, wanted: Iterable[Number]) -> list[Any]:
         """Numbers of a run as rational functions."""
         return evaluate(list(wanted), self.names, lambda x: Quotient.of(x, self.ring))
+
+    def told(self, polynomials: Sequence[Any]) -> Iterator[Any]:
+        """Each of some polynomials that are worked on in turn, with news of how long it takes."""
+        forecast = Forecast(warn, "fewer symbols, or some by their whole paths,", self.progress,
+                            "finding where the formula holds")
+        for i, p in enumerate(polynomials):
+            forecast.report(i, len(polynomials), f"{len(polynomials)} polynomials")
+            yield p
 
     def polynomial(self, p: Any) -> Any:
         """A polynomial as SymPy's expression, in factors unless it is long."""
@@ -151,19 +162,21 @@ class Side:
             return found
 
     def _factors(self, numbers: Iterable[Number]) -> list[Any]:
-        return factors(self.field.of(numbers), lambda p: self.field.at(p, self.place))
+        told = self.field.told(self.field.of(numbers))
+        return factors(told, lambda p: self.field.at(p, self.place))
 
     @cached_property
     def borders(self) -> list[Any]:
         """Polynomials that are positive inside; they border the cell."""
-        return reduced(self._factors(self.conditions))
+        return reduced(self._factors(self.conditions), self.field.told)
 
     @cached_property
     def ties(self) -> list[Any]:
         """Borders on which the numbers of the system lie."""
         base = self.field.naming.values({})
         zero = (x for x, value in zip(self.conditions, self._at(base), strict=True) if value == 0)
-        return reduced(p for p in self._factors(zero) if self.field.at(p, base) == 0)
+        return reduced((p for p in self._factors(zero) if self.field.at(p, base) == 0),
+                       self.field.told)
 
     @cached_property
     def slopes(self) -> Any:
@@ -206,7 +219,7 @@ def sides_of(field: Field, max_events: int) -> tuple[list[Side], bool]:
 
 def closed_form(
     system: System, symbols: Sequence[str] = ("transit_time", "impedance"), *,
-    max_events: int = 1000,
+    max_events: int = 1000, progress: Progress | None = None,
 ) -> ClosedForm:
     """Solve a collision in symbols.
 
@@ -226,6 +239,9 @@ def closed_form(
         materials, bodies (v) and contacts (g).
     max_events : int
         Cap on the events of a run.
+    progress : function, optional
+        Called while it takes long, here or when conditions are asked for or printed, with the
+        polynomials that are done, and how many there are.
 
     Raises
     ------
@@ -234,6 +250,11 @@ def closed_form(
         collision is not over after `max_events`.
     ImportError
         Without SymPy, which the extra ``sympy`` brings.
+
+    Warns
+    -----
+    LongRun
+        As soon as it is known that something takes more than five seconds, with what takes less.
 
     Examples
     --------
@@ -247,7 +268,10 @@ def closed_form(
     if isinstance(symbols, str):
         symbols = [symbols]
     check_cap("max_events", max_events)
-    field = Field(Naming(system, symbols))
+    problems: Problems = []
+    check_function(problems, "progress", progress)
+    raise_noted(problems)
+    field = Field(Naming(system, symbols), progress)
     sides, unsolved = sides_of(field, max_events)
     groups: dict[Any, list[Side]] = {}
     for side in sides:
@@ -337,7 +361,7 @@ class ClosedForm:
 
     @cached_property
     def _borders(self) -> list[Any]:
-        return reduced(self._united())
+        return reduced(self._united(), self._field.told)
 
     def _united(self) -> list[Any]:
         """Borders of the cells together, without those between them; or those of the first."""

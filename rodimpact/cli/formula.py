@@ -13,6 +13,7 @@ import argparse
 from ..algebra.formula import ClosedForm, closed_form
 from ..storage.casefile import read_case
 from . import DONE, MISTAKE, complain
+from .progress import progress_bar
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,15 +29,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> tuple[str, int]:
     """Formulas in the cell of the case and, if it lies on a border, in those beside it."""
     case = read_case(arguments.case)
-    try:
-        found = closed_form(case.system, arguments.symbols.replace(" ", "").split(","))
-    except ImportError as error:
-        return "", complain(str(error), MISTAKE)
-    forms = [found, *found.sides]
-    if arguments.latex:
-        return "\n".join(form._repr_latex_() for form in forms), DONE
-    names = "\n".join(f"{name}: {path}" for name, path in found.symbols.items())
-    return "\n\n".join([names, *(_told(form, arguments.conditions) for form in forms)]), DONE
+    symbols = arguments.symbols.replace(" ", "").split(",")
+    with progress_bar("polynomials") as bar:
+        try:
+            found = closed_form(case.system, symbols, progress=bar)
+        except ImportError as error:
+            return "", complain(str(error), MISTAKE)
+        forms = [found, *found.sides]
+        if arguments.latex:
+            return "\n".join(form._repr_latex_() for form in forms), DONE
+        names = "\n".join(f"{name}: {path}" for name, path in found.symbols.items())
+        return "\n\n".join([names, *(_told(form, arguments.conditions) for form in forms)]), DONE
 
 
 def _told(form: ClosedForm, conditions: bool) -> str:

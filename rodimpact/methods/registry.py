@@ -40,8 +40,8 @@ class Method(NamedTuple):
 
 
 METHODS = {
-    "fronts": Method(fronts.LACKS, (), fronts.solve, (), front_families.solve_family,
-                     front_families.together),
+    "fronts": Method(fronts.LACKS, (), fronts.solve, ("progress", "announce"),
+                     front_families.solve_family, front_families.together),
     "characteristics": Method(steps.LACKS, ("dt", "rtol"), steps.solve, ("announce",),
                               step_families.solve_family, step_families.together),
     "finite-difference": Method(

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ...units import format_si
 from .. import abilities as physics
+from ..duration import Forecast, Progress
 from ..row import Row
 from ..run import Run
 from ..status import end_sentence, proof_sentence, strain_warning
@@ -23,12 +24,17 @@ LACKS = (
     physics.SMOOTH_DRIVES, physics.DAMPING, physics.LATERAL, physics.TAPER,
 )
 ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come to rest
+LESS = "an earlier end (until), or a lower cap (max_events),"
 ROUNDED = 2.0**-36  # relative change of a transit time that is told
 
 
-def solve(row: Row, until: float | None, max_events: int) -> Run:
+def solve(
+    row: Row, until: float | None, max_events: int, progress: Progress | None = None,
+    announce: Callable[[str], None] | None = None,
+) -> Run:
     """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
-    return hand_over(track(assemble(row, until), until, max_events), until)
+    forecast = Forecast(announce, LESS, progress)
+    return hand_over(track(assemble(row, until), until, max_events, forecast), until)
 
 
 def hand_over(run: FrontRun, until: float | None) -> Run:
