@@ -35,7 +35,7 @@ CUT_OFF = 0.2619
 """f a/c0 beyond which the first mode alone does not describe a bar, at a wavelength of some
 a/0.3: A. Tyas and D. J. Pope, Measurement Science and Technology 16 (2005) 642."""
 SCAN = 2.0**-7  # of c0: between the speeds at which the lowest root is looked for
-BLOCK = 1024  # values at a time, so that memory is bounded and progress is heard of
+BLOCK = 128  # values at a time, so that memory is bounded and progress is heard of
 KNOTS = 257  # of the curve of wave numbers up to the cut-off
 
 

@@ -8,6 +8,7 @@ and is solved. Cells with the same formula and the same contacts make a region.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -409,13 +410,20 @@ class _Search:
             border = dict(zip(np.flatnonzero(close), middle[close], strict=True))
             middle = _rounded(middle[~close], ((right - left) / LATTICE)[~close, None])
             there = self._fill(middle)
-            more = []
+            more, hard = [], []
             for i, at, c in zip(np.flatnonzero(~close), middle, there, strict=True):
                 e, p, q, a, b = parts[i]
                 if c == NOWHERE and min(a, b) >= 0:
-                    border[i] = self._narrowed(p, q, np.array([left[i], right[i]]), sides(parts[i]))
+                    hard.append(i)
                 elif c not in (a, b, NOWHERE):
                     more += [(e, p, at, a, c), (e, at, q, c, b)]
+            began = time.monotonic()
+            for k, i in enumerate(hard, 1):
+                _, p, q, *_ = parts[i]
+                border[i] = self._narrowed(p, q, np.array([left[i], right[i]]), sides(parts[i]))
+                seconds = (time.monotonic() - began) / k * (len(hard) - k)
+                self.forecast.expect(seconds, f"{len(hard)} places of borders in fractions")
+                self.forecast.reached(PLACES - len(hard) + k, PLACES)
             for i, place in border.items():
                 if place is not None:
                     places.append(place)

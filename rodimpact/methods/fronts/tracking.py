@@ -34,6 +34,7 @@ from .front_kernel import (
 
 ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what results make of it
 SLICE = 1 << 19  # rows that machine code adds at a time: it hears of nothing meanwhile
+EVENT_TIMES = 2e-5, 2e-6  # s, about what an event takes in plain Python, and compiled
 ROW_TIME = 2e-6  # s, about what plain Python takes for a row of the log
 
 _LOG_TYPES = Log(np.int64, np.int32, np.int32, np.float64, np.int64, np.int32, np.int8)
@@ -116,8 +117,10 @@ def track(
         if flag != FULL:
             break
         if forecast:
-            events = _expected(clock, target, max_events)
-            forecast.report(int(clock[EVENTS]), events, f"some {events:.2g} events")
+            done, events = int(clock[EVENTS]), _expected(clock, target, max_events)
+            left = (events - done) * EVENT_TIMES[kernels.enabled()]
+            forecast.expect(left, f"some {events:.2g} events")
+            forecast.reached(done, events)
         log = _longer(log, clock, on_lists)
     if not on_lists:
         state, tally = State(*(x.tolist() for x in state)), Tally(*(x.tolist() for x in tally))
@@ -153,10 +156,10 @@ def _part(log: Log, clock: Any) -> Log:
 
 
 def _expected(clock: Any, target: int, max_events: int) -> int:
-    """About how many events a run has: to its end at the rate so far, or to what stops it."""
+    """About how many events a run has, at the rate so far, or as many again to an unknown end."""
     most = min(max_events, int(most_numbers() / ROW_NUMBERS))
-    events = int(clock[EVENTS])
-    return min(most, events * target // int(clock[NOW])) if target > 0 < clock[NOW] else most
+    events, now = int(clock[EVENTS]), int(clock[NOW])
+    return min(most, events * target // now if target > 0 < now else 2 * events)
 
 
 def _longer(log: Log, clock: Any, on_lists: bool) -> Log:
