@@ -43,8 +43,8 @@ class Method(NamedTuple):
 
 
 METHODS = {
-    "fronts": Method(fronts.LACKS, (), fronts.solve, (), front_families.solve_family,
-                     front_families.together, ALSO),
+    "fronts": Method(fronts.LACKS, (), fronts.solve, ("progress", "announce"),
+                     front_families.solve_family, front_families.together, ALSO),
     "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, ("announce",),
                               piece_families.solve_family, piece_families.together),
     "steps": Method(steps.LACKS, ("dt", "rtol"), steps.solve, ("announce",),

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
+from rodimpact.algebra import rows
+from rodimpact.methods.fronts.front_kernel import play
 
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 
@@ -74,8 +76,29 @@ def test_a_figure_shows_what_changes(pair):
     assert np.allclose(np.concatenate(ones.get_segments())[:, 0], 1.0, rtol=0, atol=1e-9)
 
 
+def test_runs_that_do_not_end_count_as_cells(pair, monkeypatch):
+    begun = []
+    monkeypatch.setattr(rows, "play", lambda *given: begun.append(1) or play(*given))
+    plane = ri.atlas(pair.system, pair.x, pair.y, most_cells=40, max_events=5)
+    assert len(plane.cells) < len(begun) == 40
+
+
+def test_axes_of_one_kind():
+    system = ri.System([rod(1.0, 1.0, 1.0), rod(2.0, 0.7)])
+    plane = ri.atlas(system, ("bodies.0.velocity", -1.0, 2.0), ("bodies.1.velocity", -1.0, 2.0))
+    assert sorted(plane.contacts) == [(0,), (1,)]
+    assert np.ptp(plane.borders, axis=1).max() <= 1e-9  # where both are equally fast
+    assert plane.borders.size
+
+
 @pytest.mark.parametrize(("x", "said"), [
     (("bodies.1.length", 2.0, 1.0), "x: must be a path, its lowest and its highest value"),
+    (("length", 1.0, 2.0), r"x: 'length' names 2 numbers; .*: bodies.0.length, bodies.1.length"),
+    (("bodies.1.length", -1.0, 2.0), "x, bodies.1.length: must be a finite positive number"),
+    (("bodies.1.length", 0.1, 1e150), "max_events: in the middle of the plane .* got 1000"),
+    (("bodies.1.material.density", 1.0, 2.0), "x: an atlas has no modulus or density"),
+    (("bodies.1.area", 1.0, 2.0), "y: must be another number than x"),
+    (("contacts.0.gap", 0.0, 1.0), "symbols: 'contacts.0.gap' names no number"),
     (("bodies.1.lenght", 1.0, 2.0), "symbols: 'bodies.1.lenght' names no number"),
 ])
 def test_mistaken_axes_are_told(pair, x, said):

@@ -247,13 +247,16 @@ def test_a_job_shorter_than_a_compiled_call_stays_plain_and_never_looks_for_numb
     assert not kernels.worth_compiling(kernels.STARTING / 2, recognise)
 
 
-@pytest.mark.parametrize("terminal", [False, True])
-def test_one_line_on_a_terminal_says_how_long_compiling_takes(fresh, capsys, terminal):
+@pytest.mark.parametrize(("terminal", "long"), [(False, False), (True, False), (False, True)])
+def test_one_line_says_how_long_compiling_takes_in_a_file_if_it_is_long(
+    fresh, capsys, terminal, long
+):
     fresh.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
+    fresh.setattr(kernels, "COMPILING", 1e-3 if long else 1e-5)
     assert kernels.worth_compiling(60.0, front_kernel.play)
     assert kernels.worth_compiling(60.0, layout_kernel.lay_out)
     told = capsys.readouterr().err
-    assert told.count("compiling once, about") == told.count("\n") == int(terminal)
+    assert told.count("compiling once, about") == told.count("\n") == int(terminal or long)
 
 
 def test_without_numba_a_long_job_is_plain_and_the_user_is_told_once(fresh):

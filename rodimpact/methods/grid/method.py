@@ -12,7 +12,6 @@ velocities never converge.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -25,11 +24,11 @@ from .. import abilities as physics
 from .. import kernels
 from ..clock import STEP_TICKS, Clock
 from ..contact_law_kernel import RIGID
-from ..duration import Forecast
+from ..duration import Forecast, Progress
 from ..measure_kernel import largest_force
 from ..memory import ask
 from ..row import Array, Row
-from ..run import Progress, Run
+from ..run import Run
 from ..stepped import StepRecord, as_run
 from ..stepped_run import SteppedRun, clock_of_steps
 from .grid_kernel import States
@@ -246,7 +245,7 @@ def follow(
         step = until / math.ceil(until / step * (1 - 1e-12))
 
     peaks: dict[float, Array] = {}
-    forecast = Forecast(announce, LESS)
+    forecast = Forecast(announce, LESS, progress)
     searching = cells is None and dt is None and stepping
 
     def level(factor: int) -> GridRun:
@@ -256,7 +255,7 @@ def follow(
         others = sum(f * f for f in range(factor + 1, finest + 1))
         if until is None:
             others += finest**2  # the round trip after the proof
-        return _level(finer, step / factor, keep, until, max_events, progress, forecast,
+        return _level(finer, step / factor, keep, until, max_events, forecast,
                       others / factor**2)
 
     def measures(run: GridRun) -> dict[str, Array]:
@@ -346,7 +345,7 @@ def _mesh_size(
 
 def _level(
     mesh: Mesh, step: float, keep: Keeper, until: float | None, max_events: int,
-    progress: Progress | None, forecast: Forecast, others: float,
+    forecast: Forecast, others: float,
 ) -> GridRun:
     """One run on a given mesh, to its end or to the proof of finality.
 
@@ -362,12 +361,10 @@ def _level(
     size = f"{room} steps, {sum(mesh.counts)} cells"
     per_step = cost(mesh, plain=not kernels.enabled())
     ahead = others * (steps or 2 * longest) * cost(mesh, plain=True)
-    began = time.monotonic()
 
     def tell(taken: int) -> None:
         forecast.expect(per_step * max(room - taken, 0), size)
-        if progress and time.monotonic() - began > 1.0:
-            progress(taken, max(room, taken))
+        forecast.reached(taken, room)
 
     last = cap if until is None else steps
     tell(0)
