@@ -138,11 +138,16 @@ def around(x: Fraction) -> Bounds:
 
 
 def _down(x: Any) -> Any:
-    return np.nextafter(x, -np.inf)
+    return _beside(x, -np.inf)
 
 
 def _up(x: Any) -> Any:
-    return np.nextafter(x, np.inf)
+    return _beside(x, np.inf)
+
+
+def _beside(x: Any, way: float) -> Any:
+    with np.errstate(under="ignore"):  # beside 0 stands the smallest number there is
+        return np.nextafter(x, way)
 
 
 def _total(x: Floats, axis: int) -> tuple[Any, Any]:

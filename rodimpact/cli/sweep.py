@@ -83,7 +83,8 @@ def run(arguments: argparse.Namespace) -> tuple[str | Iterable[str], int]:
     status = INCOMPLETE if result.incomplete.any() else DONE
     for option, make in (("--save", result.save), ("--plot", partial(_draw, result))):
         if (path := files[option]) is not None:
-            status = write(option, path, partial(make, force=arguments.force)) or status
+            wrote = write(option, path, partial(make, force=arguments.force))
+            status = status or wrote
     text: str | Iterable[str]
     if arguments.csv:
         text = result.csv_lines()

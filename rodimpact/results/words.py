@@ -82,6 +82,8 @@ def parameter(system: System, path: str) -> Quantity:
             return Quantity(f"{name} of contact {_pair(contact)}", unit)
         case ["ends", ("left" | "right") as side, "value", *rest]:
             return _of_end(system, side, rest)
+        case ["materials", material, field]:
+            owner = f"material {material}"
         case ["bodies", body, "segments", segment, *_, field]:
             owner = f"segment {segment} of {_body(system, body)}"
         case ["bodies", body, field, ("values" | "at") as what, number]:
