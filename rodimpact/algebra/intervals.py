@@ -138,16 +138,11 @@ def around(x: Fraction) -> Bounds:
 
 
 def _down(x: Any) -> Any:
-    return _beside(x, -np.inf)
+    return np.nextafter(x, -np.inf)
 
 
 def _up(x: Any) -> Any:
-    return _beside(x, np.inf)
-
-
-def _beside(x: Any, way: float) -> Any:
-    with np.errstate(under="ignore"):  # beside 0 stands the smallest number there is
-        return np.nextafter(x, way)
+    return np.nextafter(x, np.inf)
 
 
 def _total(x: Floats, axis: int) -> tuple[Any, Any]:
