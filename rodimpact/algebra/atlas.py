@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +25,7 @@ from ..model import System
 from ..model.frozen import InvalidModel, Problems, listed, number, raise_noted
 from ..units import shown
 from .cells import spells_and_conditions
+from .formula import FEW, LINE, Field
 from .naming import Naming
 from .numbers import Number, Program, evaluate, mark
 from .rows import check_cap, each
@@ -38,6 +39,7 @@ CUTS = 64  # in which a way is cut where a border is looked for, and each of the
 ROUNDS = 8
 MOST_BETWEEN = 12  # times that an edge is cut where there is room for another cell
 MOST_CELLS = 300
+SAMPLES = 60  # places a side at which the sizes of regions are taken
 NOWHERE = -2  # the cell of a place in which floats do not see the place
 ABOVE = -1  # what a number has to be
 SIGNS = {"velocity": "any", "gap": "non-negative"}  # of the ends of axes, where they may be 0
@@ -137,6 +139,14 @@ def _good(status: int, values: list[Any]) -> Any:
     return good
 
 
+class Region(NamedTuple):
+    """A region of an atlas: its share of the plane, a place inside, and what holds there."""
+
+    share: float
+    place: tuple[float, float]
+    formula: str
+
+
 @dataclass(frozen=True, eq=False)
 class Atlas:
     """The plane of two numbers of a case, in regions with a formula each.
@@ -173,6 +183,56 @@ class Atlas:
 
     def __repr__(self) -> str:
         return f"<Atlas over {self.x[0]}, {self.y[0]}: {len(set(self.region))} regions>"
+
+    def __str__(self) -> str:
+        lines = [f"{len(set(self.region))} regions over {self.x[0]} and {self.y[0]}"]
+        try:
+            found = self.largest(FEW)
+        except ImportError as error:
+            return f"{lines[0]}; {error}"
+        lines += [f"{region.share:6.1%}  {region.formula}" for region in found]
+        if len(set(self.region)) > len(found):
+            lines.append("...")
+        if found:
+            lines.append("where " + ", ".join(f"{n} = {path}" for n, path in self._names.items()))
+        return "\n".join(lines)
+
+    @property
+    def _names(self) -> dict[str, str]:
+        """Path of each of the two numbers, by its name in formulas."""
+        axes = [self.x[0], self.y[0]]
+        return {n: path for n, path in Naming(self.system, axes).paths.items() if path in axes}
+
+    def largest(self, most: int) -> list[Region]:
+        """The largest regions, with their formulas; needs sympy.
+
+        Parameters
+        ----------
+        most : int
+            How many at most.
+        """
+        field = Field(Naming(self.system, [self.x[0], self.y[0]]))
+        ends = [np.linspace(low, high, 2 * SAMPLES + 1)[1::2] for _, low, high in (self.x, self.y)]
+        x, y = (side.ravel() for side in np.meshgrid(*ends))
+        cells = self.locate(x, y)
+        regions = np.append(self.region, -1)[cells]
+        names, counts = np.unique(regions[regions >= 0], return_counts=True)
+        found = []
+        for r in names[np.argsort(-counts, kind="stable")][:most]:
+            here = np.flatnonzero(regions == r)
+            off = [(v[here] - v[here].mean()) / np.ptp(v) for v in (x, y)]
+            middle = here[np.argmin(off[0] ** 2 + off[1] ** 2)]
+            results = self.cells[self.region.index(int(r))].results
+            e = results.restitution
+            wanted = results.velocities_after if e is None else [e]
+            values = [field.quotient(f) for f in field.of(wanted)]
+            heads = ["e"] if e is not None else [f"V{i}" for i in range(1, len(values) + 1)]
+            formula = ", ".join(f"{h} = {v}" for h, v in zip(heads, values, strict=True))
+            if len(formula) > LINE:
+                formula = formula[:LINE].rsplit(" ", 1)[0] + " ..."
+            place = float(x[middle]), float(y[middle])
+            found.append(Region(len(here) / len(x), place, formula))
+        return found
 
     def locate(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.int64]:
         """Index of the cell in which places lie, -1 for what is unresolved."""

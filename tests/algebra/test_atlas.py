@@ -113,3 +113,18 @@ def test_borders_that_floats_do_not_tell_are_there():
     level = np.sort(x[np.abs(y - 1) <= 1e-9])
     assert level[0] < 0.301  # where e = l1/l2 and the second rod holds many waves
     assert np.diff(level).max() < 0.08
+
+
+def test_the_largest_regions_print_and_draw_their_formulas(pair):
+    pytest.importorskip("sympy")
+    first, second = pair.largest(2)
+    assert 1 > first.share > second.share > 0
+    for region in (first, second):
+        name, formula = region.formula.split(" = ")
+        x, y = region.place
+        value = eval(formula, {"l2": x, "A2": y})
+        assert (name, value) == ("e", pytest.approx(float(pair.restitution(x, y)), rel=1e-12))
+        assert region.formula in str(pair)
+    texts = [text.get_text() for text in ri.plot.atlas(pair).ax.texts]
+    assert {"1", "2", "3"} <= {*texts}
+    assert any(first.formula[:20] in text for text in texts)

@@ -290,3 +290,38 @@ def test_everything_that_may_run_compiled_is_warmed(monkeypatch):
     ri.warm()
     assert {"family", "run"} < asked
     assert asked <= met
+
+
+FORKS = """
+import os, sys, threading, time
+import numpy as np
+from rodimpact.methods import kernels
+from rodimpact.results.field_kernel import sum_on_grid
+
+ticks, values = np.array([0]), np.array([1.0])
+
+def work():
+    with kernels.forced(True):
+        kernels.worth_compiling(0.0, sum_on_grid)
+        kernels.compiled(sum_on_grid)(np.empty((1, 1)), ticks, ticks, values, ticks, ticks, values,
+                                      ticks, 1.0, 0.0)
+
+thread = threading.Thread(target=work)
+thread.start()
+for wait in (0.0, 0.1, 0.3, 1.0):  # while numba starts, and while it compiles
+    time.sleep(wait)
+    child = os.fork()
+    if child == 0:
+        work()
+        os._exit(0)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+thread.join()
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+def test_a_child_forked_while_a_thread_compiles_ends(tmp_path):
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-W", "ignore", "-c", FORKS]
+    done = subprocess.run(command, env=environment, timeout=240, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
