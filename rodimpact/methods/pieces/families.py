@@ -14,7 +14,7 @@ from ..groups import groups, movable, velocities_in_group
 from ..row import Row
 from . import march
 from .layout import Layout, is_even, lay_out
-from .method import RTOL
+from .method import tolerance_of
 from .records import PIECE, TURN, Part, Stop
 
 TOGETHER = 4096  # members of one chunk
@@ -49,7 +49,7 @@ def solve_family(
     Stopped
         If `stop` said so.
     """
-    layout = lay_out(row, until, RTOL if rtol is None else rtol, max_events, keep=False)
+    layout = lay_out(row, until, tolerance_of(rtol), max_events, keep=False)
     refused = beyond(row)
     run_members(layout, np.flatnonzero(~refused), stop)
     return totals(layout, refused | (layout.run["stop"] == Stop.STUCK), until)

@@ -28,6 +28,7 @@ from .signals import signals_of
 
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
 RTOL = 1e-8
+LOOSEST, FINEST = 1e-6, 1e-13  # of tolerances: errors fall evenly below, and round-off comes
 COARSER = 10.0  # tolerance of the run that the first is compared with, over its own
 MEASURES = ("velocity", "impulse", "peak force", "duration", "time")
 
@@ -39,14 +40,20 @@ def solve(
     """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
     if row.segments:
         row.check_scales()
-    goal = RTOL if rtol is None else rtol
-    layout = lay_out(row, until, goal, max_events, keep=True)
-    fine, coarse = Machine(layout), Machine(lay_out(row, until, COARSER * goal, max_events, False))
+    tolerance = tolerance_of(rtol)
+    layout = lay_out(row, until, tolerance, max_events, keep=True)
+    fine = Machine(layout)
+    coarse = Machine(lay_out(row, until, COARSER * tolerance, max_events, keep=False))
     stop = fine.go()
     coarse.go()
     if stop == Stop.STUCK:
         raise squeezed(float(fine.run["tick"] * min(fine.records["node"]["now"])))
     return _hand_over(layout, fine, measured(fine), measured(coarse), until, stop)
+
+
+def tolerance_of(rtol: float | None) -> float:
+    """Tolerance of pieces, relative to the velocity scale."""
+    return max(FINEST, min(RTOL if rtol is None else rtol, LOOSEST))
 
 
 def measured(machine: Machine) -> dict[str, Any]:
