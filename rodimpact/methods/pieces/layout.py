@@ -26,7 +26,7 @@ LAWS = {
     old.HUNT: Law.POWER, old.POWER: Law.POWER, old.YIELD: Law.YIELD,
 }
 FLOORS = 128  # in the shortest transit
-WINDOW = 64  # ticks of a piece that has no say in the peak force
+WINDOW = 2.0**-40  # of the longest transit: what comes nearer is taken together
 GRAZE = 2.0**-40  # of the velocity scale: forces that move no faster are none
 ENDLESS = 1 << 61  # tick
 COLUMNS = "now length first links mass mirror in_left in_right out_left out_right"
@@ -112,7 +112,7 @@ def lay_out(
     scale = velocity_scale(row, of, reference)
     tick, ticks, jumps, horizon = _clock(row, of, until, scale, reference)
     pieces = _Pieces(row, of, tick, ticks, jumps, tolerance, scale, until)
-    node, link, mass, line, part = _records(row, of, tick, ticks, pieces, keep)
+    node, link, mass, line, part = _records(row, of, ticks, pieces, keep)
     shortest = ticks.min(axis=1) if ticks.size else np.rint(reference / tick).astype(np.int64)
     for m in range(link.shape[1]):
         _set_ease(link[:, m], row, of, m, shortest * tick, scale)
@@ -121,7 +121,7 @@ def lay_out(
     run["tolerance"] = tolerance * scale
     run["floor"], run["shortest"] = np.maximum(shortest // FLOORS, 64), shortest
     run["check"], run["graze"] = shortest, GRAZE * scale
-    run["window"] = np.minimum(shortest // FLOORS, WINDOW)
+    run["window"] = np.maximum(np.rint(reference / tick * WINDOW), 1)
     run["limit"], run["proved"], run["first_rough"] = max_events, NONE, NONE
     run["prove"] = not driven(row.system)
     run["end"] = np.rint((horizon if until is None else until) / tick).astype(np.int64)
@@ -368,7 +368,7 @@ class _Pieces:
 
 
 def _records(
-    row: Row, of: _Members, tick: Any, ticks: Any, pieces: _Pieces, keep: bool
+    row: Row, of: _Members, ticks: Any, pieces: _Pieces, keep: bool
 ) -> tuple[Any, ...]:
     """Nodes, links, masses, lines and parts of all members."""
     n, count = len(row.segments), of.count
@@ -402,7 +402,7 @@ def _records(
     _set_links(row, of, node, link)
     extra = []
     if keep:
-        extra = _kept(row, node, link, mass, len(pieces.lines))
+        extra = _kept(row, link, mass, len(pieces.lines))
     line = np.zeros((count, len(pieces.lines) + len(extra)), LINE)
     line["first"] = line["head"] = line["tail"] = NONE
     at_piece = 0
@@ -458,7 +458,7 @@ def _set_ease(it: Any, row: Row, of: _Members, i: int, time: Any, scale: Any) ->
         it["strength"] = scale / ease
 
 
-def _kept(row: Row, node: Any, link: Any, mass: Any, count: int) -> list[int]:
+def _kept(row: Row, link: Any, mass: Any, count: int) -> list[int]:
     """Number the lines that keep what happens in links and masses, from `count` on."""
     extra = []
 
@@ -494,7 +494,7 @@ def _parts(row: Row, of: _Members, link: Any, pieces: _Pieces) -> Any:
         parts.append(it)
 
     for i, ((kind, at), _) in enumerate(row.beside):
-        _add_side(row, of, pieces, add, kind, at)
+        _add_side(row, of, add, kind, at)
         if row.laws[i] >= old.RIGID:
             link["left_group"][:, i], link["right_group"][:, i] = heads[-1], len(parts)
             begun = False
@@ -502,7 +502,7 @@ def _parts(row: Row, of: _Members, link: Any, pieces: _Pieces) -> Any:
             k = of(row.stiffness[i])
             with np.errstate(divide="ignore"):
                 add(Part.JOINT, i, 0.0, 1 / k)
-    _add_side(row, of, pieces, add, *row.beside[-1][1])
+    _add_side(row, of, add, *row.beside[-1][1])
     table = np.stack(parts, axis=1)
     for head, stop in zip(heads, [*heads[1:], len(parts)], strict=True):
         table["parts"][:, head] = stop - head
@@ -517,7 +517,7 @@ def _parts(row: Row, of: _Members, link: Any, pieces: _Pieces) -> Any:
     return table
 
 
-def _add_side(row: Row, of: _Members, pieces: _Pieces, add: Any, kind: str, at: int) -> None:
+def _add_side(row: Row, of: _Members, add: Any, kind: str, at: int) -> None:
     if kind == "segment":
         s = row.segments[at - 1]
         add(Part.SEGMENT, at - 1, of(s.mass), of(s.transit_time) / of(s.impedance))

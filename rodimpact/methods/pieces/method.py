@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from ..clock import Clock
 from ..fronts.method import rounding
 from ..groups import groups
 from ..row import Row, squeezed
-from ..run import ContactTally, GroupTotals, Run
+from ..run import ContactTally, GroupTotals, Run, Signals
 from ..status import end_sentence, last_contact, proof_sentence, strain_warning
 from .driver import Machine
 from .layout import Layout, lay_out
@@ -96,12 +97,13 @@ def _hand_over(
     fastest = max((_fastest(r["log"][: run["pieces"]], s) / float(row.segments[s].wave_speed)
                    for s in range(len(row.segments))), default=0.0)
     status += rounding(clock.transit_error, clock.worst) + strain_warning(fastest)
+    signals = cache(partial(signals_of, row, clock, end, r))
     return Run(
         method="characteristics", until=until, clock=clock, end=end, t_end=t_end, t_final=t_final,
         t_proved=float(run["proved"]) * tick if proved else math.nan, stopped_by=stopped_by, status=status, events=int(run["steps"]),
-        contacts=_tallies(row, r), groups=_groups(row, r),
+        contacts=_tallies(row, r, signals), groups=_groups(row, r),
         accuracy=_accuracy(fine, coarse, float(run["scale"])),
-        make_signals=lambda: signals_of(row, clock, end, r),
+        make_signals=signals,
     )
 
 
@@ -138,13 +140,18 @@ def _clock(layout: Layout) -> Clock:
     )
 
 
-def _tallies(row: Row, r: dict[str, Any]) -> tuple[ContactTally, ...]:
+def _tallies(
+    row: Row, r: dict[str, Any], signals: Callable[[], Signals]
+) -> tuple[ContactTally, ...]:
     """Totals of every contact in SI units."""
     tick, tallies = float(r["run"][0]["tick"]), []
     now = int(r["node"]["now"].min())
-    for law, i in zip(row.system.contacts, row.contact_link, strict=True):
-        if i < 0:
-            tallies.append(ContactTally(math.nan, math.nan, 0.0, math.nan, math.nan, 0))
+    for k, (law, i) in enumerate(zip(row.system.contacts, row.contact_link, strict=True)):
+        if i < 0:  # a bond of rigid bodies follows from what acts beside it
+            force = signals().contacts[k].force
+            tallies.append(ContactTally(
+                float(force.integral(0, now)) * tick, max(0.0, float(force.at(force.marks).max())),
+                0.0, math.nan, math.nan, 0))
             continue
         it = r["link"][i]
         if not law.opens:
@@ -176,7 +183,8 @@ def _groups(row: Row, r: dict[str, Any]) -> GroupTotals:
             energy = by_mass[m] * float(body.mass) / float(row.masses[m])  # type: ignore[union-attr]
         vibration.append(energy)
     tick = float(r["run"][0]["tick"])
+    fallen = frame + float(row.gravity) * float(r["run"][0]["surveyed"]) * tick
     return GroupTotals(
-        part["before"][heads] + frame, part["speed"][heads] + frame, np.array(vibration),
+        part["initial"][heads] + frame, part["mean"][heads] + fallen, np.array(vibration),
         r["link"]["peak"], r["link"]["pressed"] * tick,
     )
