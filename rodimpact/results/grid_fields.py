@@ -182,12 +182,12 @@ class GridFields(Fields):
         return np.asarray(at_steps[self.motion.when])
 
     @cached_property
+    @np.errstate(under="ignore")  # ahead of the waves strains are next to nothing
     def _strain(self) -> Floats:
         """[state, cell]."""
         grid, force = self.motion, self.motion.force
         if grid.radial is not None:
-            with np.errstate(under="ignore"):  # ahead of the waves strains are next to nothing
-                force = force - grid.radial.coupling * grid.radial.strain * self._step
+            force = force - grid.radial.coupling * grid.radial.strain * self._step
         stiff = np.where(grid.stiffness > 0, grid.stiffness, np.inf)
         return np.asarray(force / stiff / grid.width)
 
