@@ -18,12 +18,10 @@ from .family import ALSO, FamilyRun
 from .fronts import families as front_families
 from .fronts import method as fronts
 from .grid import method as grid
-from .row import Row
-from .run import MAX_EVENTS, Run
-from .steps import families as step_families
 from .pieces import families as piece_families
 from .pieces import method as pieces
-from .steps import method as steps
+from .row import Row
+from .run import MAX_EVENTS, Run
 
 
 class Method(NamedTuple):
@@ -47,8 +45,6 @@ METHODS = {
                      front_families.together, ALSO),
     "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, ("announce",),
                               piece_families.solve_family, piece_families.together),
-    "steps": Method(steps.LACKS, ("dt", "rtol"), steps.solve, ("announce",),
-                              step_families.solve_family, step_families.together),
     "finite-difference": Method(
         grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve, ("progress", "announce"),
     ),

@@ -24,7 +24,6 @@ from .showing import picture
 from .style import INK, SMALL, axes, dress, legend_above, styled
 
 SAMPLES = 201  # energies bend like parabolas where a force acts
-STEPS_SUMMED = 15_000_000  # at all samples together: fewer samples of a very long solution
 STATES_SUMMED = 60_000  # of segments at all samples together
 FEWEST = 31
 TURNS = 6  # of contacts that are sampled too
@@ -116,9 +115,6 @@ def _times(solution: Solution) -> Floats:
     clock = solution.fields.clock
     count = min(SAMPLES, max(FEWEST, STATES_SUMMED // len(clock.ticks)))
     if is_stepped(solution):
-        if clock.grain > 1:
-            steps = max(1, solution.fields.end // clock.grain)
-            count = min(SAMPLES, max(FEWEST, STEPS_SUMMED // steps))
         known = np.union1d(contact_turns(solution)[:TURNS], [0.0, solution.t_end])
         return np.union1d(np.union1d(known, (known[1:] + known[:-1]) / 2),
                           np.linspace(0.0, solution.t_end, count))

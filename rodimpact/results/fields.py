@@ -82,6 +82,9 @@ class Fields(ABC):
         self.clock, self.end = clock, end
         self.masses, self.steps = masses or {}, edges
 
+    resolution = 1
+    """Ticks in which nothing is resolved: of a grid those of its step."""
+
     @property
     @abstractmethod
     def constant_between_fronts(self) -> bool:
@@ -133,10 +136,6 @@ class Fields(ABC):
 
     def damped(self, ticks: Ints) -> Floats:
         """Energy lost in damped material since t = 0, J, at whole ticks."""
-        return np.zeros(np.shape(ticks))
-
-    def smeared(self, ticks: Ints) -> Floats:
-        """Energy lost since t = 0, J, where what arrives is a mean of two steps; at whole ticks."""
         return np.zeros(np.shape(ticks))
 
     # Where and when ---------------------------------------------------------------------------

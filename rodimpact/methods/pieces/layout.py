@@ -12,7 +12,7 @@ import numpy as np
 
 from ...model import Free, Joint, RigidMass, Rod, Samples, Steps, Wall
 from ...model.frozen import InvalidModel
-from .. import contact_law_kernel as old
+from .. import laws as old
 from ..abilities import driven
 from ..fronts import layout_kernel as rule
 from ..groups import groups
