@@ -53,7 +53,7 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
     """Draw the energy of all bodies against time: moving as a whole, vibration, and strain.
 
     Above it lies what is stored in compliant contacts, lost there and in damped material, gone
-    through absorbing ends and lost to the time step, each if there is any. If the whole row drifts,
+    through absorbing ends and lost to a grid, each if there is any. If the whole row drifts,
     the energy is that seen from the frame in which `spacetime` draws it, since the drift would hide
     all else. Where walls move, ends are driven or gravity acts, a dashed line shows the initial
     energy and their work; the bands reach exactly up to it.

@@ -71,8 +71,8 @@ class Fields(ABC):
         Velocities of rigid masses, by body, m/s, in the frame `clock.frame`, which falls with
         `clock.gravity`.
     edges : [n] array of int, optional
-        Ticks from 0 to `end` between which a method on a time step resolves nothing; those at which
-        energies are known.
+        Ticks from 0 to `end` at which energies are known, where signals are means over time steps:
+        of a grid, and of characteristics in files of schema 3.
     """
 
     def __init__(

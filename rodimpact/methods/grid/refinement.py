@@ -23,7 +23,7 @@ FEWEST = 4  # levels
 LOOK_BACK = 4  # coarser levels with which the finest is compared
 DOUBT = 2.5  # times what changes tell: where they cancel, errors are larger
 PART = 0.1  # of a step, to which times are known at best
-ROUGH = ("largest force", "duration")  # told, and not waited for: they hang on few steps
+ROUGH = ("peak force", "duration")  # told, and not waited for: they hang on few steps
 GENTLE = laws.Spring | laws.Hertz | laws.HuntCrossley | laws.PowerLaw | laws.Yielding
 
 
@@ -145,7 +145,7 @@ def contact_measures(run: GridRun) -> dict[str, Array]:
             joined += [*passed[-1:], np.abs(passed).max(initial=0.0)]
     return {
         "impulse": np.array([*joined, *(float(F.sum() * run.step) for F in forces)]),
-        "largest force": np.array([_largest(run, F) for F in lasting]),
+        "peak force": np.array([_largest(run, F) for F in lasting]),
         "duration": np.array([
             _pressed(run, k, F) for k, F in zip(run.row.opening, lasting, strict=True)]),
     }
