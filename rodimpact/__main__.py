@@ -1,11 +1,24 @@
 """The program: `rodimpact`, or `python -m rodimpact`."""
 
+import os
 import signal
+import sys
 
 if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C just ends it until `main` listens
 
-from .cli import main as main
+from . import cli
+
+
+def main() -> int:
+    """Run the command; once interrupted, end at once, with no wait for threads that compute."""
+    status = cli.main()
+    if status == cli.INTERRUPTED:
+        for stream in filter(None, (sys.stdout, sys.stderr)):
+            stream.flush()
+        os._exit(status)
+    return status
+
 
 if __name__ == "__main__":
     raise SystemExit(main())

@@ -63,6 +63,7 @@ _SPELLINGS = str.maketrans(
 _ALIASES = {"1": "", "um/m": "microstrain", "ustrain": "microstrain", "u\u03b5": "microstrain"}
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXES = {-9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+LARGE = max(_PREFIXES)
 # A prefix on m^2 would be squared as well, and kg has one already.
 _TAKES_PREFIX = re.compile(r"(?!kg)[A-Za-z]+(?![A-Za-z^])")
 
@@ -253,8 +254,8 @@ _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = MOST_SHOWN
 def format_si(value: float, unit: str, digits: int = 6) -> str:
     """Write a quantity for people, with an engineering prefix on its SI unit.
 
-    Units that take no prefix (kg, kg/m^3, m^2) and magnitudes outside nano to giga are written
-    without one.
+    Units that take no prefix (kg, kg/m^3, m^2) and magnitudes outside nano to a million giga are
+    written without one.
 
     Parameters
     ----------
@@ -289,6 +290,8 @@ def format_si(value: float, unit: str, digits: int = 6) -> str:
         # Rounding comes before the choice of a prefix: 999.9999999 N is 1 kN, not 1000 N.
         mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
         within, thousands = int(exponent) % 3, int(exponent) // 3 * 3
+        if thousands == LARGE + 3:  # 1000 GPa and more, beside which other numbers are in GPa
+            within, thousands = within + 3, LARGE
         if thousands in _PREFIXES:
             number = Decimal(mantissa).scaleb(within).normalize() + 0
             return f"{number:f} {_PREFIXES[thousands]}{unit}"

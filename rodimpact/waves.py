@@ -23,9 +23,11 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from scipy.special import i0e, i1e, j0, j1
 
+from .methods.duration import Forecast, Progress, warn
+from .methods.registry import check_function
 from .model.arguments import Array, Number, array, plain, refuse, together
 from .model.bodies import Rod, Segment
-from .model.frozen import Field, Frozen, InvalidModel
+from .model.frozen import Field, Frozen, InvalidModel, Problems, raise_noted
 from .model.lateral_inertia import INERTIA, radial_moduli
 from .units import shown
 
@@ -34,6 +36,7 @@ CUT_OFF = 0.2619
 a/0.3: A. Tyas and D. J. Pope, Measurement Science and Technology 16 (2005) 642."""
 SCAN = 2.0**-7  # of c0: between the speeds at which the lowest root is looked for
 SHORTEST = 1e15  # a/l from which on waves run at the speed of surface waves, to the last digit
+BLOCK = 128  # values at a time, so that memory is bounded and progress is heard of
 KNOTS = 257  # of the curve of wave numbers up to the cut-off
 
 
@@ -198,7 +201,10 @@ class Bar(Frozen):
         return _each(lambda w, x: w / x, W, np.full(f.shape, self.poisson_ratio))
 
 
-def first_mode(radius_over_wavelength: ArrayLike, poisson_ratio: ArrayLike) -> Number:
+def first_mode(
+    radius_over_wavelength: ArrayLike, poisson_ratio: ArrayLike, *,
+    progress: Progress | None = None,
+) -> Number:
     """Phase velocity of the first mode over that of long waves, c/c0.
 
     Parameters
@@ -207,6 +213,8 @@ def first_mode(radius_over_wavelength: ArrayLike, poisson_ratio: ArrayLike) -> N
         0 or more, 1.
     poisson_ratio : float or array
         From 0 to 0.5, 1.
+    progress : function, optional
+        Called while it takes long with the values that are done, and how many there are.
 
     Returns
     -------
@@ -217,6 +225,11 @@ def first_mode(radius_over_wavelength: ArrayLike, poisson_ratio: ArrayLike) -> N
     ------
     ValueError
         If an argument is out of its range.
+
+    Warns
+    -----
+    LongRun
+        As soon as it is known that it takes more than five seconds.
 
     Examples
     --------
@@ -229,7 +242,10 @@ def first_mode(radius_over_wavelength: ArrayLike, poisson_ratio: ArrayLike) -> N
     )
     refuse(~((s >= 0) & (s < np.inf)), "must be 0 or more, and finite", radius_over_wavelength=s)
     refuse(~((nu >= 0) & (nu <= 0.5)), "must be from 0 to 0.5", poisson_ratio=nu)
-    return plain(_each(lambda g, _: g, 2 * math.pi * np.minimum(s, SHORTEST), nu))
+    problems: Problems = []
+    check_function(problems, "progress", progress)
+    raise_noted(problems)
+    return plain(_each(lambda g, _: g, 2 * math.pi * np.minimum(s, SHORTEST), nu, progress))
 
 
 def mindlin_herrmann(
@@ -313,9 +329,22 @@ def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
     return plain(np.vectorize(root, otypes=[float])(nu))
 
 
-def _each(wave: Any, given: Array, poisson_ratio: Array) -> Array:
+def _each(
+    wave: Any, given: Array, poisson_ratio: Array, progress: Progress | None = None
+) -> Array:
     """Lowest roots x = c/c0 of the equation, where G is `wave` of what is given and of x."""
     known, nu, roots = given.ravel(), poisson_ratio.ravel(), np.ones(given.size)
+    forecast = Forecast(warn, "fewer values, and a curve through them,", progress, "this")
+    for start in range(0, known.size, BLOCK):
+        part = slice(start, start + BLOCK)
+        roots[part] = _roots(wave, known[part], nu[part])
+        forecast.report(min(start + BLOCK, known.size), known.size, f"{known.size} values")
+    return roots.reshape(given.shape)
+
+
+def _roots(wave: Any, known: Array, nu: Array) -> Array:
+    """Roots of some values."""
+    roots = np.ones(known.size)
     least = 0.9 * np.min(rayleigh_speed(nu), initial=1.0)
     grid = np.arange(least, 1.0 + 2 * SCAN, SCAN)
     sign = np.sign(_equation(wave(known[:, None], grid), grid, nu[:, None]))
@@ -324,7 +353,7 @@ def _each(wave: Any, given: Array, poisson_ratio: Array) -> Array:
     for i in np.flatnonzero((known > 0) & turns.any(axis=1)):
         g, v, ends = float(known[i]), float(nu[i]), grid[first[i] : first[i] + 2]
         roots[i] = brentq(lambda x, g=g, v=v: _equation(wave(g, x), x, v), *ends, xtol=1e-15)
-    return roots.reshape(given.shape)
+    return roots
 
 
 def _equation(G: Any, x: Any, nu: Any) -> Any:

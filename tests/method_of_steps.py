@@ -17,6 +17,7 @@ import math
 from bisect import bisect_right
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -55,6 +56,17 @@ class Wave:
         self.starts.append(start)
         self.stops.append(stop)
         self.pieces.append(coefficients)
+
+    def fit(self, start, stop, f, depth=0):
+        """Add a function of ticks, halved until the polynomials are good."""
+        half = (stop - start) / 2
+        c = FIT @ (f(start + half * (1 + POINTS)) + 0 * POINTS)
+        size = np.max(np.abs(c))
+        if depth < 10 and np.max(np.abs(c[-3:])) > 2e-15 * size:
+            self.fit(start, start + int(half), f, depth + 1)
+            self.fit(start + int(half), stop, f, depth + 1)
+        elif stop > start:
+            self.add(start, stop, trimmed(c, size))
 
     def between(self, i0, i1, tick):
         """A function of the seconds since tick i0; what lies outside i0 to i1 is extrapolated."""
@@ -164,7 +176,8 @@ class Link:
         pressing = v + (k * d if kind == "dashpot" else 1.0) / c
         if self.status == SLACK:
             return (-pressing, VELOCITY, PRESS), (d, LENGTH, OPEN)
-        return ((d, LENGTH, OPEN),)[kind == "dashpot":] + ((pressing, VELOCITY, SLACK),)
+        slack = (pressing, VELOCITY, SLACK)
+        return (slack,) if kind == "dashpot" else ((d, LENGTH, OPEN), slack)
 
     def switch(self, status):
         """Take the next status; the overlap is then known exactly."""
@@ -243,7 +256,7 @@ class Node:
 
     def mobility(self, links):
         """How forces in some links between masses change the closing of each, per time."""
-        n, inverse = len(self.masses), [0.0, *(1 / m for m in self.masses), 0.0]
+        inverse = [0.0, *(1 / m for m in self.masses), 0.0]
         A = np.zeros((len(links), len(links)))
         for p, i in enumerate(links):
             for q, j in enumerate(links):
@@ -251,14 +264,14 @@ class Node:
                     A[p, q] = inverse[i] + inverse[i + 1]
                 elif abs(i - j) == 1:
                     A[p, q] = -inverse[max(i, j)]
-        return A, inverse, n
+        return A, inverse
 
     def constraint(self, held, F):
         """Forces that keep masses together; what stands outside does not fall."""
-        A, inverse, n = self.mobility(held)
+        A, inverse = self.mobility(held)
         G = [0.0 if i in held else f for i, f in enumerate(F)]
-        rate = [-self.row.gravity, *((G[j] - G[j + 1]) * inverse[j + 1] for j in range(n)),
-                -self.row.gravity]
+        masses = [(G[j] - G[j + 1]) * inverse[j + 1] for j in range(len(self.masses))]
+        rate = [-self.row.gravity, *masses, -self.row.gravity]
         return np.linalg.solve(A, np.array(np.broadcast_arrays(
             *(rate[i] - rate[i + 1] for i in held))))
 
@@ -273,7 +286,7 @@ class Node:
         touching = [i for i, link in enumerate(self.links)
                     if link.kind == "impact" and link.d >= -NEAR * self.row.least[LENGTH]]
         _, _, before, _ = self.forces(s, self.state())
-        A, inverse, n = self.mobility(touching)
+        A, inverse = self.mobility(touching)
         u = np.array([before[i] for i in touching])
         rest = u < REST * self.row.scale[0]
         e = np.where(rest, 0.0, [self.links[i].restitution for i in touching])
@@ -289,8 +302,10 @@ class Node:
             if P[q] > 0:
                 self.links[i].blows.append(P[q])
                 self.links[i].spans.append((self.now, self.now, True, False))
-            self.speeds = [v + P[q] * (inverse[j + 1] * (j + 1 == i + 1) - inverse[j + 1]
-                                       * (j + 1 == i)) for j, v in enumerate(self.speeds)]
+            if i < len(self.masses):
+                self.speeds[i] += float(P[q] * inverse[i + 1])
+            if i > 0:
+                self.speeds[i - 1] -= float(P[q] * inverse[i])
             stays = after[q] >= -self.row.least[VELOCITY]
             self.links[i].d, self.links[i].status = 0.0, PRESS if stays else OPEN
 
@@ -317,7 +332,7 @@ class Node:
             self.pushes = [link.push and link.push.between(i0, i1, tick) for link in self.links]
             self.settle()
             self.fresh = [True, True]
-            self.march(i0, i1, (i1 - i0) * tick, same > 8)
+            self.march(i0, (i1 - i0) * tick, same > 8)
             same = same + 1 if self.now == i0 else 0
 
     def settle(self):
@@ -352,8 +367,8 @@ class Node:
         else:
             link.switch(status)
 
-    def march(self, i0, i1, h, stuck):
-        """Integrate from i0 to i1, or to the first event."""
+    def march(self, i0, h, stuck):
+        """Integrate from tick i0 for h seconds, or to the first event."""
         y0 = np.array(self.state())
         if not self.masses and not any(link.moves for link in self.links):
             state = lambda s: np.multiply.outer(y0, np.ones_like(s))  # noqa: E731
@@ -520,21 +535,27 @@ class Reference:
     restarts: int
 
 
-def smooth_pieces(profile, length):
-    """(start, stop, order of the break at start, function) of a profile along x or t from 0 on."""
+def edges_of(profile, length):
+    """Where a profile along a rod, or over time, jumps or bends."""
     if isinstance(profile, ri.Steps):
-        edges = [0.0, *profile.at, length]
-        return [(a, b, 0, lambda x, v=v: v + 0 * x) for a, b, v in
-                zip(edges, edges[1:], profile.values, strict=False) if a < length]
+        return list(profile.at)
+    if isinstance(profile, ri.Samples):
+        n = len(profile.values) - 1
+        return [i * (profile.step or length / n) for i in range(n + 1)]
+    return []
+
+
+def piece_of(profile, length, x):
+    """The smooth function that a profile is around x."""
     if isinstance(profile, ri.Samples):
         v, n = profile.values.tolist(), len(profile.values) - 1
-        h = length / n if profile.step is None else profile.step
-        lines = [(i * h, (i + 1) * h, int(i > 0), lambda x, i=i: v[i] + (v[i + 1] - v[i])
-                  * (x / h - i)) for i in range(n) if i * h < length]
-        return [*lines, (n * h, math.inf, 1, lambda x: v[n] + 0 * x)]
-    if callable(profile):
-        return [(0.0, math.inf, 0, profile)]
-    return [(0.0, math.inf, 0, lambda x: profile + 0 * x)]
+        h = profile.step or length / n
+        i = min(int(x / h), n)
+        slope = v[i + 1] - v[i] if i < n else 0.0
+        return lambda s: v[i] + slope * (s / h - i)
+    if isinstance(profile, ri.Steps):
+        profile = profile.values[bisect_right(profile.at, x)]
+    return profile if callable(profile) else lambda s: profile
 
 
 class RowOfNodes:
@@ -552,39 +573,29 @@ class RowOfNodes:
         self.tick = T / self.longest
         self.end = round(until / self.tick)
         Z = [s.material.density * s.material.wave_speed * s.area for r in rods for s in r.segments]
-        self.scale = self.velocity_scale(rods, min(Z), T, drives), T, min(Z)
-        V, T, Z = self.scale
-        self.least = [t * s for t, s in zip(TOLERANCE, (V * T, V, V * Z), strict=True)]
         self.nodes, self.contacts, self.bodies = [Node(self)], [], []
         for i, body in enumerate(system.bodies):
             self.enter(i, body, drives)
         if not isinstance(system.bodies[-1], ri.Wall):
             self.outside(1, drives.get(1))
+        V = self.largest_velocity(min(Z), T)
+        self.scale = V, T, min(Z)
+        sizes = V * T, V, V * min(Z)
+        self.least = [share * size for share, size in zip(TOLERANCE, sizes, strict=True)]
         for node in self.nodes:
             node.finish()
 
-    def velocity_scale(self, rods, Z, T, drives):
-        sizes = [abs(self.gravity) * T]
-        speeds = [0.0]
-        for body in self.system.bodies:
-            for profile in [body.velocity]:
-                speeds += extreme(profile)
-        for rod in rods:
-            c = max(s.material.wave_speed for s in rod.segments)
-            sizes += [c * abs(e) for e in extreme(rod.strain)]
-        c = max(s.material.wave_speed for rod in rods for s in rod.segments)
-        for q, end in enumerate(self.system.ends):
-            value = extreme(end.value) if hasattr(end, "value") else []
-            if isinstance(end, ri.Pushed):
-                sizes += [abs(F) / Z for F in value]
-            elif isinstance(end, ri.Incoming):
-                sizes += [2 * c * abs(e) for e in value]
-            else:
-                speeds += value
-        for law in self.system.contacts:
-            if isinstance(law, ri.Joint):
-                sizes.append(abs(law.stiffness * law.stretch) / Z)
-        return max(max(sizes), max(speeds) - min(speeds), 1e-300)
+    def largest_velocity(self, Z, T):
+        """Scale of velocities: what the waves and masses differ by, and forces over Z."""
+        speeds = [v for node in self.nodes for v in node.speeds]
+        others = [abs(self.gravity) * T]
+        for node in self.nodes:
+            speeds += [sum(c) for side in node.sides if side for c in side.wave.pieces]
+            speeds += [c[0] for side in node.sides if side for c in side.wave.pieces]
+            for link in node.links:
+                others += [max(abs(sum(c)), abs(c[0])) / Z for c in (link.push or Wave()).pieces]
+                others.append(link.k * abs(link.d) / Z * (link.kind == "joint"))
+        return max(max(speeds) - min(speeds), *others, 1e-300)
 
     def enter(self, i, body, drives):
         system, node = self.system, self.nodes[-1]
@@ -636,49 +647,28 @@ class RowOfNodes:
 
     def initial(self, rod, x, L, c, N, sign):
         """The wave that left an end of a segment from tick -N to 0: velocity + sign c strain."""
-        wave, total, pieces = Wave(), rod.length, []
-        for a0, a1, q0, v in smooth_pieces(rod.velocity, total):
-            for b0, b1, q1, e in smooth_pieces(rod.strain, total):
-                low, high = max(a0, b0, x), min(a1, b1, x + L)
-                if low < high:
-                    order = q0 if low == a0 else q1 if low == b0 else 0
-                    pieces.append((low - x, min(high - x, L), order, v, e))
-        for low, high, order, v, e in pieces[::sign * 1 if sign > 0 else -1]:
-            # the wave to the right leaves the left end at -x/c, that to the left at -(L - x)/c
-            ends = sorted(-round(N * (s / L if sign < 0 else 1 - s / L)) for s in (low, high))
-            if ends[0] == ends[1]:
-                continue
-            half = (ends[1] - ends[0]) / 2
-            t = ends[0] + half * (1 + POINTS)
-            s = -t / N * L if sign < 0 else L + t / N * L
-            series = chebyshev.chebtrim(FIT @ (v(x + s) + sign * c * e(x + s)), 0)
-            wave.add(*ends, trimmed(series, self.scale[0]))
-            wave.breaks[ends[0]] = order if sign > 0 else 0
+        wave, both = Wave(), (rod.velocity, rod.strain)
+        inside = {e - x for p in both for e in edges_of(p, rod.length) if x < e < x + L}
+        if sign < 0:  # to the right, from the left end
+            inside = {L - s for s in inside}
+        edges = sorted({-N, 0, *(round((s / L - 1) * N) for s in inside)})
+        place = lambda i: x + L * (1 + i / N if sign > 0 else -i / N)  # noqa: E731
+        for start, stop in pairwise(edges):
+            v, e = (piece_of(p, rod.length, place((start + stop) / 2)) for p in both)
+            wave.breaks[start] = 0
+            wave.fit(start, stop, lambda i, v=v, e=e: v(place(i)) + sign * c * e(place(i)))
         return wave
 
     def drive(self, profile, factor=1.0, offset=0.0, falls=False):
         """What is given outside over time, in the falling frame."""
-        wave = Wave()
-        g = self.gravity if falls else 0.0
-        for start, stop, order, f in smooth_pieces(profile, math.inf):
-            first = round(start / self.tick)
-            last = self.end if math.isinf(stop) else min(round(stop / self.tick), self.end)
-            if first < last:
-                wave.breaks[first] = order
-                value = lambda t, f=f: factor * f(t) + offset - g * t  # noqa: E731
-                self.fill(wave, first, last, value, 0)
+        wave, g = Wave(), self.gravity * falls
+        at = [round(t / self.tick) for t in edges_of(profile, 0.0)]
+        for start, stop in pairwise(sorted({0, self.end, *(i for i in at if 0 < i < self.end)})):
+            f = piece_of(profile, 0.0, (start + stop) / 2 * self.tick)
+            wave.breaks[start] = 0
+            wave.fit(start, stop, lambda i, f=f: factor * f(i * self.tick) + offset
+                     - g * i * self.tick)
         return wave
-
-    def fill(self, wave, start, stop, value, depth):
-        half = (stop - start) / 2
-        c = FIT @ np.array([value((start + half * (1 + x)) * self.tick) for x in POINTS])
-        if np.max(np.abs(c[-3:])) > 1e-16 * np.max(np.abs(c)) and depth < 10 and depth + np.max(
-                np.abs(c[-3:])) / np.max(np.abs(c)) > 2e-15:
-            middle = (start + stop) // 2
-            self.fill(wave, start, middle, value, depth + 1)
-            self.fill(wave, middle, stop, value, depth + 1)
-        else:
-            wave.add(start, stop, trimmed(c, np.max(np.abs(c))))
 
     def outside(self, side, drive):
         """Enter the left or right end of the row."""
@@ -694,11 +684,9 @@ class RowOfNodes:
         rod = self.system.bodies[-side]
         segment, x = rod.segments[-side], rod.length * side
         sign, c = (-1, 1)[side], segment.material.wave_speed
-        v, e = (smooth_pieces(p, rod.length) for p in (rod.velocity, rod.strain))
-        pick = [next(f for a, b, _, f in (p[::-1] if side else p) if a <= x <= b) for p in (v, e)]
-        initial = pick[0](x) + sign * c * pick[1](x)
+        v, e = (piece_of(p, rod.length, x)(x) for p in (rod.velocity, rod.strain))
         Y = 1 / (segment.material.density * c * segment.area)
-        node.sides[side] = Side(self.drive(value, sign * 2 * c, initial), Y=Y)
+        node.sides[side] = Side(self.drive(value, sign * 2 * c, v + sign * c * e), Y=Y)
 
     def solve(self):
         while True:
@@ -737,14 +725,6 @@ def trimmed(series, size):
     while len(series) > 1 and abs(series[-1]) <= 4e-17 * size:
         series.pop()
     return tuple(series)
-
-
-def extreme(profile):
-    if isinstance(profile, ri.Steps):
-        return [min(profile.values), max(profile.values)]
-    if isinstance(profile, ri.Samples):
-        return [float(np.min(profile.values)), float(np.max(profile.values))]
-    return [float(profile)]
 
 
 def link_of(law, gap):

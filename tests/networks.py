@@ -170,6 +170,7 @@ def mixed_network(rng, kinds=KINDS, bodies=4):
     row = [b if isinstance(b, ri.Wall) or isinstance(b.velocity, ri.Steps | ri.Samples)
            else b.replace(velocity=v) for b, v in zip(row, speeds, strict=True)]
     contacts = [mixed_law(rng, kinds, *pair) for pair in pairwise(row)]
+    move_together(row, contacts)
     gaps = [float(rng.uniform(0, 0.3)) if law.opens and "gaps" in kinds and rng.random() < 0.5
             else 0.0 for law in contacts]
     ends, sines = [ri.Free(), ri.Free()], {}
@@ -218,7 +219,7 @@ def mixed_law(rng, kinds, *pair):
     if "joints" in kinds:
         c, stretch = logarithmic(rng, 0.01, 10), float(rng.uniform(-0.3, 0.3)) / (1 + k)
         choices.append(ri.Joint(*[(k, 0.0), (k, c), (0.0, c)][rng.integers(3)], stretch))
-        choices += [ri.Bonded()] if rods else []
+        choices.append(ri.Bonded())
     return choices[rng.integers(len(choices))]
 
 

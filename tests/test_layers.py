@@ -9,7 +9,7 @@ import rodimpact
 
 ROOT = Path(rodimpact.__file__).parent
 LAYERS = [
-    "units", "model", "rigid", "theory", "waves", "materials", "methods", "storage", "records",
+    "units", "model", "rigid", "theory", "materials", "methods", "waves", "storage", "records",
     "results", "running", "algebra", "derivatives", "warming", "design", "fitting", "plot",
     "explore", "cli", "__main__",
 ]

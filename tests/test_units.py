@@ -170,6 +170,7 @@ def test_refusals_name_the_value_and_the_remedy(text, dimension, wanted):
         (2e-3, "m/s^2", 6, "2 mm/s^2"),
         (1.2e10, "N/m^1.5", 6, "12 GN/m^1.5"),
         (1e-15, "J", 6, "1e-15 J"),
+        (1e12, "N/m^1.5", 6, "1000 GN/m^1.5"),
         (2e15, "Pa", 6, "2e+15 Pa"),
     ],
 )

@@ -8,20 +8,24 @@ and is solved. Cells with the same formula and the same contacts make a region.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..methods.duration import Forecast, Progress, warn
 from ..methods.fronts.front_kernel import PRESS
+from ..methods.registry import check_function
 from ..model import System
-from ..model.frozen import InvalidModel, Problems, number
+from ..model.frozen import InvalidModel, Problems, listed, number, raise_noted
 from ..units import shown
 from .cells import spells_and_conditions
+from .formula import FEW, LINE, Field
 from .naming import Naming
 from .numbers import Number, Program, evaluate, mark
 from .rows import check_cap, each
@@ -29,13 +33,16 @@ from .rows import check_cap, each
 Floats = NDArray[np.float64]
 LATTICE = 32  # places a side where cells are looked for
 FINE = 1 << 12  # steps a side to which these are rounded, so that fractions are short
+PLACES = 3 * LATTICE**2 + 2 * LATTICE * (LATTICE + 1)  # at random, of the lattice; its edges
 CLOSE = 1e-11  # of the way between two places: as good as touching
 CUTS = 64  # in which a way is cut where a border is looked for, and each of these again
 ROUNDS = 8
 MOST_BETWEEN = 12  # times that an edge is cut where there is room for another cell
 MOST_CELLS = 300
+SAMPLES = 60  # places a side at which the sizes of regions are taken
 NOWHERE = -2  # the cell of a place in which floats do not see the place
 ABOVE = -1  # what a number has to be
+SIGNS = {"velocity": "any", "gap": "non-negative"}  # of the ends of axes, where they may be 0
 Check = tuple[int, list[Number]]
 """`ABOVE` and a number, or the status of a contact and the numbers of a spell of it."""
 
@@ -60,11 +67,11 @@ class Checks:
 class Cell:
     """One cell of the plane: inequalities, results, and in which region it is."""
 
-    def __init__(self, naming: Naming, place: tuple[Fraction, Fraction], max_events: int) -> None:
-        self.names = [next(name for name, path in naming.paths.items()
-                           if naming.symbol_of(path) == symbol) for symbol in naming.symbols]
-        self._speeds = naming.speeds
-        run = naming.run_at(dict(zip(self.names, place, strict=True)), max_events)
+    def __init__(
+        self, naming: Naming, names: list[str], place: tuple[Fraction, Fraction], max_events: int,
+    ) -> None:
+        self.names, self._speeds = names, naming.speeds
+        run = naming.run_at(dict(zip(names, place, strict=True)), max_events)
         self.final, self.results, self.known = run.final, run.results, naming.place
         if self.final:
             spells, conditions = spells_and_conditions(run)
@@ -132,6 +139,14 @@ def _good(status: int, values: list[Any]) -> Any:
     return good
 
 
+class Region(NamedTuple):
+    """A region of an atlas: its share of the plane, a place inside, and what holds there."""
+
+    share: float
+    place: tuple[float, float]
+    formula: str
+
+
 @dataclass(frozen=True, eq=False)
 class Atlas:
     """The plane of two numbers of a case, in regions with a formula each.
@@ -169,6 +184,56 @@ class Atlas:
     def __repr__(self) -> str:
         return f"<Atlas over {self.x[0]}, {self.y[0]}: {len(set(self.region))} regions>"
 
+    def __str__(self) -> str:
+        lines = [f"{len(set(self.region))} regions over {self.x[0]} and {self.y[0]}"]
+        try:
+            found = self.largest(FEW)
+        except ImportError as error:
+            return f"{lines[0]}; {error}"
+        lines += [f"{region.share:6.1%}  {region.formula}" for region in found]
+        if len(set(self.region)) > len(found):
+            lines.append("...")
+        if found:
+            lines.append("where " + ", ".join(f"{n} = {path}" for n, path in self._names.items()))
+        return "\n".join(lines)
+
+    @property
+    def _names(self) -> dict[str, str]:
+        """Path of each of the two numbers, by its name in formulas."""
+        axes = [self.x[0], self.y[0]]
+        return {n: path for n, path in Naming(self.system, axes).paths.items() if path in axes}
+
+    def largest(self, most: int) -> list[Region]:
+        """The largest regions, with their formulas; needs sympy.
+
+        Parameters
+        ----------
+        most : int
+            How many at most.
+        """
+        field = Field(Naming(self.system, [self.x[0], self.y[0]]))
+        ends = [np.linspace(low, high, 2 * SAMPLES + 1)[1::2] for _, low, high in (self.x, self.y)]
+        x, y = (side.ravel() for side in np.meshgrid(*ends))
+        cells = self.locate(x, y)
+        regions = np.append(self.region, -1)[cells]
+        names, counts = np.unique(regions[regions >= 0], return_counts=True)
+        found = []
+        for r in names[np.argsort(-counts, kind="stable")][:most]:
+            here = np.flatnonzero(regions == r)
+            off = [(v[here] - v[here].mean()) / np.ptp(v) for v in (x, y)]
+            middle = here[np.argmin(off[0] ** 2 + off[1] ** 2)]
+            results = self.cells[self.region.index(int(r))].results
+            e = results.restitution
+            wanted = results.velocities_after if e is None else [e]
+            values = [field.quotient(f) for f in field.of(wanted)]
+            heads = ["e"] if e is not None else [f"V{i}" for i in range(1, len(values) + 1)]
+            formula = ", ".join(f"{h} = {v}" for h, v in zip(heads, values, strict=True))
+            if len(formula) > LINE:
+                formula = formula[:LINE].rsplit(" ", 1)[0] + " ..."
+            place = float(x[middle]), float(y[middle])
+            found.append(Region(len(here) / len(x), place, formula))
+        return found
+
     def locate(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.int64]:
         """Index of the cell in which places lie, -1 for what is unresolved."""
         xs, ys = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
@@ -192,7 +257,7 @@ class Atlas:
 
 def atlas(
     system: System, x: Sequence[Any], y: Sequence[Any], *, most_cells: int = MOST_CELLS,
-    max_events: int = 1000,
+    max_events: int = 1000, progress: Progress | None = None,
 ) -> Atlas:
     """Divide the plane of two numbers of a case into regions with a formula each.
 
@@ -203,14 +268,23 @@ def atlas(
     x, y : (str, float, float)
         Path of a number, as for `closed_form`, and the ends of its axis.
     most_cells : int
-        Cap; what is not reached by then is left unresolved.
+        Cap on the cells, those included in which a run does not come to its end; what is not
+        reached by then is left unresolved.
     max_events : int
         Cap on the events of a run; places where it is reached are left unresolved.
+    progress : function, optional
+        Called while it takes long with the places that are done, and how many there are.
 
     Raises
     ------
     InvalidModel
-        If a path names nothing, or something acts of which this method knows nothing.
+        If a path names nothing, or several numbers; if an end of an axis is no value of its number;
+        if something acts of which this method knows nothing.
+
+    Warns
+    -----
+    LongRun
+        As soon as it is known that it takes more than five seconds, with what takes less.
 
     Examples
     --------
@@ -224,19 +298,59 @@ def atlas(
     """
     check_cap("most_cells", most_cells)
     check_cap("max_events", max_events)
+    problems: Problems = []
+    check_function(problems, "progress", progress)
+    raise_noted(problems)
     axes = [_axis("x", x), _axis("y", y)]
-    return _Search(system, axes, most_cells, max_events).atlas()
+    naming = Naming(system, [path for path, *_ in axes])
+    names = [_name(naming, axis, path) for axis, (path, *_) in zip("xy", axes, strict=True)]
+    if names[0] == names[1]:
+        raise InvalidModel([("y", f"must be another number than x, got {shown(y[0])} for both")])
+    _check_waves(naming, names, axes, max_events)
+    forecast = Forecast(warn, "a smaller most_cells or max_events", progress, "this atlas")
+    return _Search(naming, names, axes, most_cells, max_events, forecast).atlas()
 
 
 def _axis(name: str, given: Any) -> tuple[str, float, float]:
     """Path of a number and the ends of its axis; InvalidModel for anything else."""
-    if isinstance(given, list | tuple) and len(given) == 3:
-        problems: Problems = []
-        low, high = (number(problems, name, end, "", "any") for end in given[1:])
-        if not problems and isinstance(low, float) and isinstance(high, float) and low < high:
-            return str(given[0]), low, high
+    if isinstance(given, list | tuple) and len(given) == 3 and isinstance(given[0], str):
+        path, problems = given[0], list[tuple[str, str]]()
+        sign = SIGNS.get(path.rpartition(".")[2], "positive")  # near 0 there are cells without end
+        low, high = (number(problems, f"{name}, {path}", end, "", sign) for end in given[1:])
+        if problems:
+            raise InvalidModel(problems)
+        if isinstance(low, float) and isinstance(high, float) and low < high:
+            return path, low, high
     message = 'must be a path, its lowest and its highest value, such as ("bodies.0.length"'
     raise InvalidModel([(name, f"{message}, 0.1, 1.0), got {shown(given)}")])
+
+
+def _check_waves(naming: Naming, names: list[str], axes: list[Any], max_events: int) -> None:
+    """Raise InvalidModel where not even runs in the middle of the plane can come to an end.
+
+    While a wave crosses the longest segment, another goes through the shortest so many times.
+    """
+    middle = {name: (Fraction(low) + Fraction(high)) / 2
+              for name, (_, low, high) in zip(names, axes, strict=True)}
+    transit = [T.value for T in naming.numbers_at(middle).transit]
+    waves = 2 * max(transit) / min(transit)
+    if waves > max_events:
+        paths = " and ".join(path for path, *_ in axes)
+        message = f"in the middle of the plane of {paths} the longest rod takes {float(waves):.3g}"
+        remedy = "events; end the axes nearer to each other, or raise it"
+        raise InvalidModel([("max_events", f"{message} {remedy}, got {max_events}")])
+
+
+def _name(naming: Naming, axis: str, path: str) -> str:
+    """Name of the one number that a path stands for."""
+    paths = {p: name for name, p in naming.paths.items() if path in (p, p.rpartition(".")[2])}
+    if len(paths) > 1:
+        remedy = f"give the path of one: {listed(list(paths))}"
+        raise InvalidModel([(axis, f"{path!r} names {len(paths)} numbers; {remedy}")])
+    if not paths or path.endswith(("youngs_modulus", "density")):
+        message = "an atlas has no modulus or density; give a length, an area or a transit_time"
+        raise InvalidModel([(axis, f"{message}, not {path!r}")])
+    return paths.popitem()[1]
 
 
 def _locate(cells: list[Cell], x: Floats, y: Floats) -> NDArray[np.int64]:
@@ -250,18 +364,28 @@ def _locate(cells: list[Cell], x: Floats, y: Floats) -> NDArray[np.int64]:
 
 
 def _rounded(places: Floats, room: Any = 1.0) -> Floats:
-    """Shares of the axes, within a little of the room that is there, as short fractions."""
+    """Shares of the axes, within a little of the room that is there, as short fractions.
+
+    Those of y lie an eighth of a step off those of x: else places of two axes that are alike, such
+    as velocities of both bodies, would lie on the border itself.
+    """
     fine = FINE * 2.0 ** np.ceil(np.log2(1 / room))
     shares: Floats = np.minimum((2 * np.floor(fine * places) + 1) / (2 * fine), 1 - 1 / (2 * fine))
+    shares += np.array([0.0, 1 / 8]) / fine
     return shares
 
 
 class _Search:
     """Finds the cells of a plane; places are shares of the axes."""
 
-    def __init__(self, system: System, axes: list[Any], most: int, max_events: int) -> None:
-        self.system, self.axes, self.most, self.max_events = system, axes, most, max_events
-        self.naming = Naming(system, [path for path, *_ in axes])
+    def __init__(
+        self, naming: Naming, names: list[str], axes: list[Any], most: int, max_events: int,
+        forecast: Forecast,
+    ) -> None:
+        self.naming, self.names, self.axes, self.forecast = naming, names, axes, forecast
+        self.done = 0  # places and edges
+        self.most, self.max_events = most, max_events
+        self.runs = 0  # that began a cell, also one that is not told
         self.cells: list[Cell] = []
         self.region: list[int] = []
         self._formulas: dict[tuple[Any, ...], int] = {}
@@ -278,8 +402,8 @@ class _Search:
         places, between, of = self._cross(nodes, owner.ravel(), edges)
         lines, of_line = self._join(places, between, of)
         x, y = self.axes
-        return Atlas(self.system, x, y, self.cells, self.region, self._plane(places), between,
-                     self._plane(lines), of_line)
+        return Atlas(self.naming.row.system, x, y, self.cells, self.region, self._plane(places),
+                     between, self._plane(lines), of_line)
 
     def _plane(self, places: Floats) -> Any:
         low, high = (np.array([axis[i] for axis in self.axes]) for i in (1, 2))
@@ -290,11 +414,16 @@ class _Search:
         plane = self._plane(places)
         found = _locate(self.cells, *plane.T)
         for i in range(len(places)):
-            if found[i] == -1 and len(self.cells) < self.most:
+            if found[i] == -1 and self.runs < self.most:
+                left = min(self.most - self.runs, int((found[i:] == -1).sum()))
+                self.forecast.extrapolate(self.runs, self.runs + left, f"up to {left} more cells")
+                self.forecast.reached(self.done + i, PLACES)
+                self.runs += 1
                 found[i] = self._solve(places[i])
                 open_ = np.flatnonzero(found == -1)
                 if found[i] >= 0:
                     found[open_[self.cells[-1].inside(*plane[open_].T)]] = found[i]
+        self.done = min(self.done + len(places), PLACES)
         return found
 
     def _solved(self, place: Floats) -> Cell:
@@ -302,7 +431,7 @@ class _Search:
             Fraction(low) + Fraction(float(at)) * (Fraction(high) - Fraction(low))
             for at, (_, low, high) in zip(place, self.axes, strict=True)
         )
-        return Cell(self.naming, exact, self.max_events)  # type: ignore[arg-type]
+        return Cell(self.naming, self.names, exact, self.max_events)  # type: ignore[arg-type]
 
     def _solve(self, place: Floats) -> int:
         """Add the cell of a place, if its collision comes to an end and floats tell the cell."""
@@ -348,13 +477,20 @@ class _Search:
             border = dict(zip(np.flatnonzero(close), middle[close], strict=True))
             middle = _rounded(middle[~close], ((right - left) / LATTICE)[~close, None])
             there = self._fill(middle)
-            more = []
+            more, hard = [], []
             for i, at, c in zip(np.flatnonzero(~close), middle, there, strict=True):
                 e, p, q, a, b = parts[i]
                 if c == NOWHERE and min(a, b) >= 0:
-                    border[i] = self._narrowed(p, q, np.array([left[i], right[i]]), sides(parts[i]))
+                    hard.append(i)
                 elif c not in (a, b, NOWHERE):
                     more += [(e, p, at, a, c), (e, at, q, c, b)]
+            began = time.monotonic()
+            for k, i in enumerate(hard, 1):
+                _, p, q, *_ = parts[i]
+                border[i] = self._narrowed(p, q, np.array([left[i], right[i]]), sides(parts[i]))
+                seconds = (time.monotonic() - began) / k * (len(hard) - k)
+                self.forecast.expect(seconds, f"{len(hard)} places of borders in fractions")
+                self.forecast.reached(PLACES - len(hard) + k, PLACES)
             for i, place in border.items():
                 if place is not None:
                     places.append(place)

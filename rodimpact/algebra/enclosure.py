@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
+
 from ..model import System
 from ..model.frozen import InvalidModel, Problems, number
 from ..units import dimension_of, format_si, parse, shown
@@ -64,6 +66,7 @@ class Enclosure:
                          for name, (low, high), unit in rows)
 
 
+@np.errstate(under="ignore")  # bounds beside 0 are the smallest numbers there are
 def enclosure(
     system: System, tolerances: Mapping[str, Any], *, most_cells: int = MOST_CELLS,
     max_events: int = 1000,

@@ -9,7 +9,7 @@ their formulas agree.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -18,8 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from ..methods.duration import Forecast, Progress, warn
+from ..methods.registry import check_function
 from ..model import System
-from ..model.frozen import InvalidModel, nearest
+from ..model.frozen import InvalidModel, Problems, nearest, raise_noted
 from ..storage.extras import optional
 from .cells import conditions
 from .inequalities import factors, reduced
@@ -35,14 +37,16 @@ DIRECTIONS = 512  # in which sides are looked for
 MOST_SIDES = 64
 FACTORED = 400  # terms: longer polynomials are shown as they are
 FEW = 4  # other formulas, and borders, that are told in short
-LINE = 160  # characters of such a formula
+NEAREST = 3  # conditions that are told beside a formula
+LINE = 160  # characters of a condition, and of another formula
 MANY = 10**6  # the largest denominator that is shown
 
 
 class Field:
     """Rational functions of the names of a system, and how they are shown."""
 
-    def __init__(self, naming: Naming) -> None:
+    def __init__(self, naming: Naming, progress: Progress | None = None) -> None:
+        self.progress = progress
         self.sympy: Any = optional("sympy", "sympy")
         self.naming = naming
         names = [*naming.base, *naming.speeds]
@@ -63,6 +67,14 @@ class Field:
     def of(self, wanted: Iterable[Number]) -> list[Any]:
         """Numbers of a run as rational functions."""
         return evaluate(list(wanted), self.names, lambda x: Quotient.of(x, self.ring))
+
+    def told(self, polynomials: Sequence[Any]) -> Iterator[Any]:
+        """Each of some polynomials that are worked on in turn, with news of how long it takes."""
+        forecast = Forecast(warn, "fewer symbols, or some by their whole paths,", self.progress,
+                            "finding where the formula holds")
+        for i, p in enumerate(polynomials):
+            forecast.report(i, len(polynomials), f"{len(polynomials)} polynomials")
+            yield p
 
     def polynomial(self, p: Any) -> Any:
         """A polynomial as SymPy's expression, in factors unless it is long."""
@@ -88,6 +100,17 @@ class Field:
         return sum((Fraction(int(c.numerator), int(c.denominator))
                     * prod(x**n for x, n in zip(place, powers, strict=True) if n)
                     for powers, c in p.terms()), Fraction(0))
+
+    def slope(self, p: Any) -> Any:
+        """Change of a polynomial at the numbers of the system, by the share of each free one."""
+        base, places = self.naming.values({}), list(self.names)
+        return np.array([float(self.at(p.diff(places.index(name)), base) * (base[name] or 1))
+                         for name in self.naming.free])
+
+    def distance(self, p: Any) -> float:
+        """By which share the numbers of the system must change, at least about, for p to be 0."""
+        slope = float(np.linalg.norm(self.slope(p)))
+        return float(self.at(p, self.naming.values({}))) / slope if slope else float("inf")
 
 
 class Side:
@@ -139,30 +162,26 @@ class Side:
             return found
 
     def _factors(self, numbers: Iterable[Number]) -> list[Any]:
-        return factors(self.field.of(numbers), lambda p: self.field.at(p, self.place))
+        told = self.field.told(self.field.of(numbers))
+        return factors(told, lambda p: self.field.at(p, self.place))
 
     @cached_property
     def borders(self) -> list[Any]:
         """Polynomials that are positive inside; they border the cell."""
-        return reduced(self._factors(self.conditions))
+        return reduced(self._factors(self.conditions), self.field.told)
 
     @cached_property
     def ties(self) -> list[Any]:
         """Borders on which the numbers of the system lie."""
         base = self.field.naming.values({})
         zero = (x for x, value in zip(self.conditions, self._at(base), strict=True) if value == 0)
-        return reduced(p for p in self._factors(zero) if self.field.at(p, base) == 0)
+        return reduced((p for p in self._factors(zero) if self.field.at(p, base) == 0),
+                       self.field.told)
 
     @cached_property
     def slopes(self) -> Any:
         """Of the ties, along each name that is free, of the size of its value."""
-        naming = self.field.naming
-        base = naming.values({})
-        places = list(self.field.names)
-        rows = np.array([
-            [float(self.field.at(p.diff(places.index(name)), base) * (base[name] or 1))
-             for name in naming.free] for p in self.ties
-        ])
+        rows = [self.field.slope(p) for p in self.ties]
         return [row / np.linalg.norm(row) for row in rows if row.any()]
 
 
@@ -200,7 +219,7 @@ def sides_of(field: Field, max_events: int) -> tuple[list[Side], bool]:
 
 def closed_form(
     system: System, symbols: Sequence[str] = ("transit_time", "impedance"), *,
-    max_events: int = 1000,
+    max_events: int = 1000, progress: Progress | None = None,
 ) -> ClosedForm:
     """Solve a collision in symbols.
 
@@ -220,6 +239,9 @@ def closed_form(
         materials, bodies (v) and contacts (g).
     max_events : int
         Cap on the events of a run.
+    progress : function, optional
+        Called while it takes long, here or when conditions are asked for or printed, with the
+        polynomials that are done, and how many there are.
 
     Raises
     ------
@@ -228,6 +250,11 @@ def closed_form(
         collision is not over after `max_events`.
     ImportError
         Without SymPy, which the extra ``sympy`` brings.
+
+    Warns
+    -----
+    LongRun
+        As soon as it is known that something takes more than five seconds, with what takes less.
 
     Examples
     --------
@@ -241,7 +268,10 @@ def closed_form(
     if isinstance(symbols, str):
         symbols = [symbols]
     check_cap("max_events", max_events)
-    field = Field(Naming(system, symbols))
+    problems: Problems = []
+    check_function(problems, "progress", progress)
+    raise_noted(problems)
+    field = Field(Naming(system, symbols), progress)
     sides, unsolved = sides_of(field, max_events)
     groups: dict[Any, list[Side]] = {}
     for side in sides:
@@ -311,7 +341,27 @@ class ClosedForm:
     @cached_property
     def cell(self) -> tuple[Any, ...]:
         """Inequalities between the symbols; the formula holds where all are true."""
-        return tuple(self._field.inequality(p) for p in reduced(self._united()))
+        return tuple(map(self._field.inequality, self._borders))
+
+    @cached_property
+    def nearest(self) -> tuple[Any, ...]:
+        """Those of `cell` that end the formula first as the numbers of the system change.
+
+        The three whose borders are nearest, by the shares of the numbers that must change.
+        """
+        distances = list(map(self._field.distance, self._borders))
+        first = sorted(range(len(distances)), key=distances.__getitem__)[:NEAREST]
+        return tuple(self.cell[i] for i in sorted(first))
+
+    def where(self, remedy: str) -> str:
+        """The nearest conditions in a line; where there are more, how many, and what shows all."""
+        told = ", ".join(map(_short, self.nearest)) or "always"
+        more = len(self.cell) - len(self.nearest)
+        return f"where {told}" + (f", and {more} more; {remedy}" if more else "")
+
+    @cached_property
+    def _borders(self) -> list[Any]:
+        return reduced(self._united(), self._field.told)
 
     def _united(self) -> list[Any]:
         """Borders of the cells together, without those between them; or those of the first."""
@@ -361,9 +411,9 @@ class ClosedForm:
 
     def __str__(self) -> str:
         lines = [f"{name} = {value}" for name, value in self._named()]
-        lines.append(f"where {', '.join(map(str, self.cell)) or 'always'}")
+        lines.append(self.where(".cell has all"))
         if self.sides:
-            border = ", ".join(f"{tie.lhs} = {tie.rhs}" for tie in self._ties[:FEW])
+            border = ", ".join(_short(f"{tie.lhs} = {tie.rhs}") for tie in self._ties[:FEW])
             count = len(self.sides)
             others = f"{count} other formulas" if count > 1 else "another formula"
             e = self.at().restitution
@@ -385,7 +435,9 @@ class ClosedForm:
     def _repr_latex_(self) -> str:
         latex = self._field.sympy.latex
         lines = [f"{name} &= {latex(value)}" for name, value in self._named()]
-        cell = ",\\ ".join(map(latex, self.cell))
+        cell = ",\\ ".join(map(latex, self.nearest))
+        if len(self.cell) > NEAREST:
+            cell += f"\\ \\text{{and {len(self.cell) - NEAREST} more}}"
         return "$$\\begin{aligned}" + "\\\\".join(lines) + "\\end{aligned}\\qquad " + cell + "$$"
 
     def _named(self) -> list[tuple[str, Any]]:
@@ -396,7 +448,11 @@ class ClosedForm:
 
 def _line(form: ClosedForm) -> str:
     """A formula beside another, in short."""
-    formula = ", ".join(f"{name} = {value}" for name, value in form._named())
-    if len(formula) > LINE:
-        formula = formula[:LINE].rsplit(" ", 1)[0] + " ..."
-    return f"{formula} where {', '.join(map(str, form._ties[:FEW]))}"
+    formula = _short(", ".join(f"{name} = {value}" for name, value in form._named()))
+    return f"{formula} where {', '.join(map(_short, form._ties[:FEW]))}"
+
+
+def _short(told: Any) -> str:
+    """The beginning of what is too long for a line."""
+    text = str(told)
+    return text if len(text) <= LINE else text[:LINE].rsplit(" ", 1)[0] + " ..."

@@ -46,10 +46,13 @@ def factors(functions: Iterable[Quotient], value: Callable[[Any], Fraction]) -> 
     return list(found)
 
 
-def reduced(polynomials: Iterable[Any]) -> list[Any]:
+def reduced(
+    polynomials: Iterable[Any], told: Callable[[list[Any]], Iterable[Any]] = iter
+) -> list[Any]:
     """Leave out what others imply: of the linear ones first, then of the rest, the longest first.
 
-    What is left may imply one another still, where that is harder to see.
+    `told` hears of those that are worked on, in turn. What is left may imply one another still,
+    where that is harder to see.
     """
     ordered = sorted(polynomials, key=lambda p: (len(p), str(p)))
     linear = [p for p in ordered if is_linear(p)]
@@ -57,8 +60,9 @@ def reduced(polynomials: Iterable[Any]) -> list[Any]:
         others = [q for q in linear if q is not p]
         if _follows(p, others):
             linear = others
-    return [*linear, *(p for p in ordered if not is_linear(p) and not any(
-        map(definite, _in_new_variables(p, linear))))]
+    others = [p for p in ordered if not is_linear(p)]
+    return [*linear, *(p for p in told(others)
+                       if not any(map(definite, _in_new_variables(p, linear))))]
 
 
 def is_linear(p: Any) -> bool:

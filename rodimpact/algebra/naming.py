@@ -20,7 +20,7 @@ from ..model.paths import places_of, suggestion
 from ..units import shown
 from .numbers import Number
 from .rational import root
-from .rows import ExactRun, check, read, run, written
+from .rows import ExactRun, Numbers, check, read, run, written
 
 LETTERS = {
     "transit_time": "T", "impedance": "Z", "length": "l", "area": "A", "youngs_modulus": "E",
@@ -71,7 +71,8 @@ class Naming:
         asked: list[str] = []
 
         def take(path: str, value: float) -> Number | None:
-            asked.append(path)
+            if value or not path.endswith(".gap"):  # bodies that touch have no gap to be named
+                asked.append(path)
             return self._take(path, value)
 
         read(self.row, take, self._speed)
@@ -109,14 +110,21 @@ class Naming:
 
     def run(self, shift: Mapping[str, Fraction], max_events: int) -> ExactRun:
         """Run the row, with its numbers shifted by these shares of themselves."""
-        self._shift, self.place = shift, {}
-        return run(self.row, read(self.row, self._take, self._speed), max_events)
+        return run(self.row, self._numbers(shift), max_events)
 
     def run_at(self, place: Mapping[str, Fraction], max_events: int) -> ExactRun:
         """Run the row, with these values of named numbers."""
+        return run(self.row, self.numbers_at(place), max_events)
+
+    def numbers_at(self, place: Mapping[str, Fraction]) -> Numbers:
+        """Numbers of the row, with these values of those that have names."""
         start, there = self.values({}), self.values(place)
-        return self.run({name: (there[name] - start[name]) / (start[name] or 1)
-                         for name in (*place, *self.speeds)}, max_events)
+        return self._numbers({name: (there[name] - start[name]) / (start[name] or 1)
+                              for name in (*place, *self.speeds)})
+
+    def _numbers(self, shift: Mapping[str, Fraction]) -> Numbers:
+        self._shift, self.place = shift, {}
+        return read(self.row, self._take, self._speed)
 
     def _name(self, name: str, path: str, value: Fraction) -> None:
         self._named.add(path)

@@ -1,11 +1,7 @@
 """The command line: `rodimpact COMMAND ...`, one file a command, imported only when it is called.
 
 A command is a module with `add_arguments(parser)` and `run(arguments)`, which returns the text for
-standard output, or its lines, and the exit status:
-
-0 done; 1 an output that cannot be written, or an internal fault; 2 a mistake in the call, in the
-case, or an existing file without --force; 3 stopped before what was asked; 4 verification failed;
-130 interrupted, by Ctrl-C or by a signal to end.
+standard output, or its lines, and the exit status, one of `STATUSES`.
 """
 
 from __future__ import annotations
@@ -42,6 +38,14 @@ COMMANDS = {
 CASE = ("schema", "gravity", "materials", "bodies", "contacts", "ends", "solve", "output")
 """Tables of a case file, in whose mistakes `rodimpact help case` helps."""
 DONE, FAULT, MISTAKE, INCOMPLETE, UNVERIFIED, INTERRUPTED = 0, 1, 2, 3, 4, 130
+STATUSES = {
+    DONE: "done",
+    FAULT: "an output cannot be written, or a fault of rodimpact",
+    MISTAKE: "a mistake in the call or in the case, or a file that exists, without --force",
+    INCOMPLETE: "a run stopped before what was asked; what is known is printed",
+    UNVERIFIED: "verification failed",
+    INTERRUPTED: "interrupted, by Ctrl-C or by a signal to end",
+}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -114,6 +118,8 @@ def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
         description="Collisions of elastic rods: exact waves, and the restitution that follows.",
         epilog="commands:\n"
         + "\n".join(f"  {name:10} {what}" for name, what in COMMANDS.items())
+        + "\n\nexit status:\n"
+        + "\n".join(f"  {status:<10} {what}" for status, what in STATUSES.items())
         + "\n\nrodimpact COMMAND --help tells more about a command.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,

@@ -15,6 +15,7 @@ import math
 from functools import partial
 from typing import Any, NamedTuple
 
+from ..methods.duration import Forecast, warn
 from ..model import Rod
 from ..model.frozen import InvalidModel, Problems, nearest
 from ..records.bridge import ALONG, Bridge
@@ -32,6 +33,7 @@ from .options import flag
 from .progress import progress_bar, solved, status_of
 from .run_options import NUMBERS, add_run_options, run_options
 
+GAUGE_TIME = 2e-6  # s, about what an event takes in the signal of a gauge and beside a record
 _BRIDGE = {"gauge_factor": "dimensionless", "excitation": "voltage", "gain": "dimensionless",
            "poisson_ratio": "dimensionless"}
 _DIMENSIONS = {"rate": "frequency", "start": "time", "stop": "time", "shift": "time",
@@ -118,12 +120,17 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     solution = solved(case.system, **options)
     if reason := nothing_to_draw(solution):
         raise InvalidModel([(case.path, reason)])
-    laid = {}
-    for name, place in places.items():
-        try:
-            laid[name] = _laid(measured[name], _predicted(solution, place, numbers), numbers)
-        except ValueError as error:
-            raise InvalidModel([(f"--gauge {name}", str(error))]) from None
+    laid: dict[str, Laid] = {}
+    with progress_bar("gauges") as bar:
+        forecast = Forecast(warn, "an earlier end (--until)", bar, "reading the gauges")
+        seconds = GAUGE_TIME * solution.run.events * len(places)
+        forecast.expect(seconds, f"{solution.run.events} events")
+        for name, place in places.items():
+            forecast.reached(len(laid), len(places))
+            try:
+                laid[name] = _laid(measured[name], _predicted(solution, place, numbers), numbers)
+            except ValueError as error:
+                raise InvalidModel([(f"--gauge {name}", str(error))]) from None
     status = status_of(solution)
     if arguments.save is not None:
         draw = partial(_draw, laid, force=arguments.force)

@@ -13,6 +13,7 @@ import argparse
 from ..algebra.formula import ClosedForm, closed_form
 from ..storage.casefile import read_case
 from . import DONE, MISTAKE, complain
+from .progress import progress_bar
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,25 +21,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument("--symbols", metavar="A,B,...", default="transit_time,impedance",
                         help="numbers that get names; default transit_time,impedance")
+    parser.add_argument("--conditions", action="store_true",
+                        help="print all conditions under which a formula holds, one a line")
     parser.add_argument("--latex", action="store_true", help="print LaTeX")
 
 
 def run(arguments: argparse.Namespace) -> tuple[str, int]:
     """Formulas in the cell of the case and, if it lies on a border, in those beside it."""
     case = read_case(arguments.case)
-    try:
-        found = closed_form(case.system, arguments.symbols.replace(" ", "").split(","))
-    except ImportError as error:
-        return "", complain(str(error), MISTAKE)
-    forms = [found, *found.sides]
-    if arguments.latex:
-        return "\n".join(form._repr_latex_() for form in forms), DONE
-    names = "\n".join(f"{name}: {path}" for name, path in found.symbols.items())
-    return "\n\n".join([names, *map(_told, forms)]), DONE
+    symbols = arguments.symbols.replace(" ", "").split(",")
+    with progress_bar("polynomials") as bar:
+        try:
+            found = closed_form(case.system, symbols, progress=bar)
+        except ImportError as error:
+            return "", complain(str(error), MISTAKE)
+        forms = [found, *found.sides]
+        if arguments.latex:
+            return "\n".join(form._repr_latex_() for form in forms), DONE
+        names = "\n".join(f"{name}: {path}" for name, path in found.symbols.items())
+        return "\n\n".join([names, *(_told(form, arguments.conditions) for form in forms)]), DONE
 
 
-def _told(form: ClosedForm) -> str:
-    """All that a formula says."""
+def _told(form: ClosedForm, conditions: bool) -> str:
+    """All that a formula says, with all conditions or the nearest."""
     results = [("e", form.restitution)] if form.restitution is not None else []
     results += [(f"velocity after of body {i}", v) for i, v in enumerate(form.velocities_after)]
     for k, (J, episodes) in enumerate(zip(form.impulses, form.contact_times, strict=True)):
@@ -46,4 +51,6 @@ def _told(form: ClosedForm) -> str:
         for start, end in episodes:
             results += [(f"start of force at contact {k}", start), ("end of it", end)]
     lines = [f"{name} = {value}" for name, value in results]
-    return "\n".join([*lines, "where " + (", ".join(map(str, form.cell)) or "always")])
+    lines.append("where " + "\n  and ".join(map(str, form.cell)) if conditions and form.cell else
+                 form.where("--conditions shows all"))
+    return "\n".join(lines)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 
 _BARE = ("max_events", "rtol", "dt")  # no words of English
-_NAMED = (*_BARE, "until", "cells", "method", "force", "time", "time_unit", "rate", "units", "decimal",
-          "radius")
+_NAMED = (*_BARE, "until", "cells", "method", "force", "time", "time_unit", "rate", "units",
+          "decimal", "radius")
 _BEFORE = r"(?<![-\w.'\"])"  # neither options, keys of a case file nor what somebody wrote
 _ARGUMENT = re.compile(
     rf'{_BEFORE}(?:({"|".join(_NAMED)})=(?:True|"([^"]*)")?|({"|".join(_BARE)})\b|\(until\))')

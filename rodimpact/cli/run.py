@@ -86,7 +86,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     }
     for name, (where, path) in files.items():
         if path is not None:
-            status = write(where, path, partial(writers[name], force=arguments.force)) or status
+            wrote = write(where, path, partial(writers[name], force=arguments.force))
+            status = status or wrote  # that a run stopped early also tells why there is no file
     if arguments.json:
         told = solution_dict(solution) | ({"enclosure": asdict(bounds)} if bounds else {})
         return as_options(json.dumps(told, indent=2, allow_nan=False)), status

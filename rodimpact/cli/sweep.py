@@ -92,7 +92,8 @@ def run(arguments: argparse.Namespace) -> tuple[str | Iterable[str], int]:
     draw = partial(_draw, result, arguments.quantity)
     for option, make in (("--save", result.save), ("--plot", draw)):
         if (path := files[option]) is not None:
-            status = write(option, path, partial(make, force=arguments.force)) or status
+            wrote = write(option, path, partial(make, force=arguments.force))
+            status = status or wrote
     text: str | Iterable[str]
     if arguments.csv:
         text = result.csv_lines()

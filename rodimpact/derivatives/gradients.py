@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,6 +29,7 @@ from ..model import Absorbing, Free, Rod, Steps, System
 from ..model.frozen import InvalidModel, Problems
 from ..model.paths import numbers_of, places_of, suggestion
 from ..results.outcome import UndefinedRestitution, effective_restitution
+from ..results.words import outcome, parameter
 from ..running.jobs import pool_of
 from ..running.solving import solve
 from ..units import shown
@@ -152,7 +154,18 @@ def gradient(
         np.concatenate(part) for part in zip(*parts, strict=True))
     if not shape and math.isnan(value[0]):
         quantity.refuse(max_events)
-    return _gradient(of, tuple(wrt), shape, value, below, above, jump, event, when, where)
+    found = _gradient(of, tuple(wrt), shape, value, below, above, jump, event, when, where)
+    unit = outcome(system, of).unit
+    units = {path: _per(unit, parameter(system, path).unit) for path in wrt}
+    return replace(found, unit="" if unit == "1" else unit, units=units)
+
+
+def _per(unit: str, other: str) -> str:
+    """Unit of a derivative."""
+    above, below = (f"({u})" if "/" in u or " " in u else u for u in (unit, other or "1"))
+    if unit == other:
+        return ""
+    return unit if below == "1" else f"{above}/{below}"
 
 
 class Traced(NamedTuple):

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..methods.row import Array
-from ..units import format_si
+from ..model.frozen import nearest
+from ..units import format_si, shown
 
 
 class Kink(NamedTuple):
@@ -56,6 +57,10 @@ class Gradient:
         Derivatives below and above each number.
     kinks : dict of str to Kink
         By the paths that have any.
+    unit : str
+        Of the quantity; "" if it has none.
+    units : dict of str to str
+        Of each derivative, by path.
     """
 
     of: str
@@ -64,24 +69,30 @@ class Gradient:
     values: Mapping[str, Any]
     one_sided: Mapping[str, tuple[Any, Any]]
     kinks: Mapping[str, Kink]
+    unit: str = ""
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Array:
         return np.stack([self.values[path] for path in self.wrt], -1).astype(dtype or float)
 
     def __getitem__(self, path: str) -> Any:
+        if not isinstance(path, str) or path not in self.values:
+            raise KeyError(f"no derivative by {shown(path)}; {nearest(path, self.wrt)}")
         return self.values[path]
 
     def __str__(self) -> str:
         if np.ndim(self.value):
             found = f"of {np.size(self.value)} members, by {', '.join(self.wrt)}"
             return f"derivatives of {self.of} {found}"
-        lines = [f"{self.of} = {self.value:.10g}; its derivative by"]
+        value = f"{self.value:.10g} {self.unit}".rstrip()
+        lines = [f"{self.of} = {value}; its derivative by"]
         for path in self.wrt:
             below, above = self.one_sided[path]
-            text = f"{self.values[path]:.8g}"
+            unit = f" {self.units[path]}" if self.units.get(path) else ""
+            text = f"{self.values[path]:.8g}{unit}"
             if path in self.kinks:
                 kink = self.kinks[path]
-                text = f"{below:.8g} below, {above:.8g} above: {kink.event}"
+                text = f"{below:.8g} below, {above:.8g} above{unit}: {kink.event}"
                 text += f" (node {kink.node}, {format_si(kink.time, 's')})"
             lines.append(f"  {path}: {text}".rstrip())
         return "\n".join(lines)

@@ -79,6 +79,8 @@ class Objective:
             computed, options=options, gauges=[m.gauge for m in measured], interval=interval
         )
         self.map: Any = executor.map if executor else map
+        self.solved = 0  # collisions
+        self.heard: Callable[[int], None] = lambda _: None  # of each of them
         self.steps = np.full(len(parameters), FIRST)
         self.known: tuple[bytes, list[Curve]] = b"", []
         beside = [(what, m) for what in ("shift", "scale") for m in measured]
@@ -117,11 +119,13 @@ class Objective:
     def curves(self, points: Iterable[Floats]) -> list[list[Curve]]:
         """Predictions for the shares of several points, of each record before shift and scale."""
         systems = [self.system_at(shares) for shares in points]
-        return [
-            [Curve.through(m.carried(strain, system))
-             for m, strain in zip(self.measured, strains, strict=True)]
-            for system, strains in zip(systems, self.map(self.run, systems), strict=True)
-        ]
+        found = []
+        for system, strains in zip(systems, self.map(self.run, systems), strict=True):
+            found.append([Curve.through(m.carried(strain, system))
+                          for m, strain in zip(self.measured, strains, strict=True)])
+            self.solved += 1
+            self.heard(self.solved)
+        return found
 
     def started(self, shares: Floats, curves: Sequence[Curve]) -> tuple[float, Floats]:
         """Sum of squares, and the point, where shifts and scales suit these shares best."""

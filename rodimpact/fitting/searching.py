@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..methods.registry import METHODS, Options, count
+from ..methods.duration import Forecast, Progress, warn
+from ..methods.registry import METHODS, Options, check_function, count
 from ..model import Rod, System
 from ..model.frozen import InvalidModel, Problems, number, raise_noted
 from ..model.quantities import Floats
@@ -29,6 +30,7 @@ from .uncertainty import covariance
 
 TRIES = 16  # systems of the coarse sweep for each number that varies
 MOST_STEPS = 200
+USUAL_STEPS = 8  # of a descent
 
 
 class End(NamedTuple):
@@ -44,6 +46,7 @@ def fit(
     vary: dict[str, tuple[float, float]], until: float, *, method: str = "auto",
     dt: float | None = None, rtol: float | None = None, cells: int | None = None,
     interval: float | None = None, starts: int = 3, executor: Executor | None = None,
+    progress: Progress | None = None,
 ) -> Fit:
     """Fit numbers of a system to measured records.
 
@@ -69,6 +72,9 @@ def fit(
         From how many places of a coarse sweep least squares begin.
     executor : concurrent.futures.Executor, optional
         Who solves the collisions of a sweep and of a derivative; by default one after the other.
+    progress : function, optional
+        Called while it takes long with the collisions that are done, and about how many there will
+        be.
 
     Returns
     -------
@@ -78,6 +84,11 @@ def fit(
     ------
     InvalidModel
         If an argument is not what it should be, with its path.
+
+    Warns
+    -----
+    LongRun
+        As soon as it is known that the fit takes more than five seconds, with what takes less.
 
     Notes
     -----
@@ -115,6 +126,7 @@ def fit(
     step: Any = number(problems, "interval", shortest if interval is None else interval, "s",
                        "positive")
     begins = count(problems, "starts", starts)
+    check_function(problems, "progress", progress)
     if options.until is None:
         problems.append(("until", "is missing; give the seconds in which all pulses pass"))
     readings_of(problems, system, [m.gauge for m in records], np.zeros(1))
@@ -125,6 +137,10 @@ def fit(
     objective = Objective(system, records, parameters, options, step, executor)
 
     tried = _coarse([p.share(p.start) for p in parameters])
+    expected = len(tried) + begins * USUAL_STEPS * (1 + 2 * len(parameters))
+    forecast = Forecast(warn, "fewer starts, fewer numbers to vary or an earlier end (until)",
+                        progress, "this fit")
+    objective.heard = lambda done: forecast.report(done, expected, f"some {expected} collisions")
     swept = [objective.started(shares, curves)
              for shares, curves in zip(tried, objective.curves(tried), strict=True)]
     least = [min(swept[k::begins], key=lambda one: one[0])[1]

@@ -25,6 +25,7 @@ MASSES, COMPLIANCE, GRAVITY = "rigid masses", "compliant contacts", "gravity"
 JOINTS = "joints"
 SMOOTH_STATES, SMOOTH_DRIVES = "profiles other than steps", "drives other than steps"
 DAMPING, LATERAL, TAPER = "damping", "lateral inertia", "tapered rods"
+RODLESS = "rows without a rod"
 SINGLE = (GRAVITY, DAMPING, LATERAL)  # which one entry of a rod or of the system switches on
 _DRIVEN = (Pushed, Moved, Incoming)
 
@@ -32,6 +33,8 @@ _DRIVEN = (Pushed, Moved, Incoming)
 def needs(system: System) -> list[tuple[str, str]]:
     """Path and name of all the physics of a system that not every method has."""
     found = [] if vanishes(system.gravity) else [("gravity", GRAVITY)]
+    if not any(isinstance(body, Rod) for body in system.bodies):
+        found.append(("bodies", RODLESS))
     for i, body in enumerate(system.bodies):
         if isinstance(body, RigidMass):
             found.append((f"bodies.{i}", MASSES))

@@ -17,6 +17,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from .duration import LONG
 from .kernel_parts import parts as parts_of
 
 Kernel = Callable[..., Any]
@@ -142,8 +143,9 @@ def _tell_of_no_compiler() -> None:
 
 
 def _tell_of_compiling(seconds: float) -> None:
-    """Tell a person who waits, once; a program never sees it."""
-    if not _told and ("ipykernel" in sys.modules or (sys.stderr and sys.stderr.isatty())):
+    """Tell who waits, once; a program whose messages go to a file only of what takes long."""
+    watched = "ipykernel" in sys.modules or (sys.stderr and sys.stderr.isatty())
+    if not _told and sys.stderr and (watched or seconds > LONG):
         sys.stderr.write(f"compiling once, about {seconds:.0f} s\n")
         _told.append(True)
 

@@ -41,8 +41,8 @@ class Method(NamedTuple):
 
 
 METHODS = {
-    "fronts": Method(fronts.LACKS, (), fronts.solve, (), front_families.solve_family,
-                     front_families.together, ALSO),
+    "fronts": Method(fronts.LACKS, (), fronts.solve, ("progress", "announce"),
+                     front_families.solve_family, front_families.together, ALSO),
     "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, ("announce",),
                               piece_families.solve_family, piece_families.together),
     "finite-difference": Method(
@@ -150,7 +150,7 @@ class Options:
             ]
         else:
             for name in sorted(given - {*METHODS[method].takes}, key=OWN.index):
-                problems.append((name, self._misplaced(name, method)))
+                problems.append((name, self._misplaced(name, method, able)))
         if problems:
             raise InvalidModel(problems)
         abilities.require_end(system, self.until)
@@ -176,14 +176,16 @@ class Options:
     def _given(self) -> set[str]:
         return {name for name in OWN if getattr(self, name) is not None}
 
-    def _misplaced(self, name: str, method: str) -> str:
-        """What is wrong with an option that this method does not take."""
-        owners = " or ".join(f'"{n}"' for n, m in METHODS.items() if name in m.takes)
+    def _misplaced(self, name: str, method: str, able: Sequence[str]) -> str:
+        """What is wrong with an option that this method does not take, and the remedy."""
+        owners = [n for n, m in METHODS.items() if name in m.takes]
         if self.method != "auto":
-            return f'is for method {owners}, not "{method}"; leave it out'
-        remedy = "leave it out" if name == "snapshots" else "give rtol= for another accuracy"
-        return (f'is for a grid, and method "auto" takes "{method}" for this row; {remedy}, or '
-                f"give method={owners}")
+            named = " or ".join(f'"{n}"' for n in owners)
+            return f'is for method {named}, not "{method}"; leave it out'
+        remedies = ["leave it out" if name == "snapshots" else "give rtol= for another accuracy"]
+        remedies += [f'give method="{n}"' for n in owners if n in able]
+        return (f'is for a grid, and method "auto" takes "{method}" for this row; '
+                + ", or ".join(remedies))
 
     def _first(self, needs: Collection[str]) -> str:
         """The first method that has this physics, and an accuracy if one is asked for."""

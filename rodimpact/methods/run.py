@@ -20,10 +20,6 @@ MAX_EVENTS = 5_000_000
 """Arrivals at ends after which a run gives up where nothing else is asked for."""
 
 
-Progress = Callable[[int, int], None]
-"""Called during long runs with the steps that are done, and about how many there will be."""
-
-
 class Episode(NamedTuple):
     """One uninterrupted touching that carried force.
 

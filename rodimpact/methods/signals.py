@@ -358,7 +358,8 @@ def integral_of_product(
         partner = g.inside(left, right, shares)
     else:  # the shares lie symmetrically
         partner = g.inside(about - right, about - left, shares)[:, ::-1]
-    return float(np.sum((f.inside(left, right, shares) * partner) @ weights * (right - left)))
+    with np.errstate(under="ignore"):  # of round-off squared
+        return float(np.sum((f.inside(left, right, shares) * partner) @ weights * (right - left)))
 
 
 @cache

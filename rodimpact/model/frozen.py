@@ -29,7 +29,6 @@ Problems: TypeAlias = list[tuple[str, str]]
 MOST_CHOICES = 12  # named in a message
 MOST_TOLD = 20  # mistakes that the text of an error tells
 MOST_MEMBERS = 10**7  # of a family
-MOST_AXES = 32  # of a family; NumPy broadcasts no more
 SMALLEST, LARGEST = 1e-150, 1e150  # magnitudes whose squares are neither 0 nor infinite
 TINY = sys.float_info.min  # with all its digits
 OUT_OF_SCALE = f"must be 0 or of a magnitude from {SMALLEST:g} to {LARGEST:g} in consistent units"
@@ -121,9 +120,6 @@ def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "an
             array = array.item()
         elif array.size == 0:
             problems.append((path, "must not be an empty array"))
-            return math.nan
-        elif array.ndim > MOST_AXES:
-            problems.append((path, f"must have at most {MOST_AXES} axes, got {array.ndim}"))
             return math.nan
     array = array + 0.0
     if require(problems, _has_sign(array, sign), path, wanted(unit, sign), array):

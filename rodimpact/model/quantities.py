@@ -19,7 +19,7 @@ from ..units import shown
 Floats: TypeAlias = NDArray[np.float64]
 Number: TypeAlias = float | Floats
 
-MOST_DIMENSIONS = 32  # that NumPy broadcasts
+MOST_AXES = 32  # of a family; NumPy broadcasts no more
 _PLAIN = frozenset({float, int, np.float64})
 _WORDS = {
     "m": "metres", "m^2": "square metres", "s": "seconds", "Hz": "hertz", "kg": "kilograms",
@@ -55,11 +55,12 @@ def floats(value: Any, unit: str) -> Floats:
         try:
             with np.errstate(over="ignore"):  # what is infinite then is refused as such
                 numbers = np.array(bare, dtype=np.float64)
-            if numbers.ndim <= MOST_DIMENSIONS:
-                return numbers
-            why = f"; it has {numbers.ndim} dimensions, and may have {MOST_DIMENSIONS}"
         except ValueError:  # lists of unequal lengths
             why = "; lists must be of equal lengths"
+        else:
+            if numbers.ndim > MOST_AXES:
+                raise ValueError(f"must have at most {MOST_AXES} axes, got {numbers.ndim}")
+            return numbers
     except OverflowError:
         why = "; it is too large for a floating-point number"
     except (TypeError, RecursionError):

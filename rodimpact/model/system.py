@@ -100,8 +100,8 @@ class System(Frozen):
             elif isinstance(body, Wall) and 0 < i < len(bodies) - 1:
                 message = "a wall may stand only at an end of the row; make two systems of this one"
                 problems.append((f"bodies.{i}", message))
-        if not problems and not any(isinstance(body, Rod) for body in bodies):
-            problems.append(("bodies", "needs at least one rod; rigid.collide takes rigid bodies"))
+        if not problems and all(isinstance(body, Wall) for body in bodies):
+            problems.append(("bodies", "needs a rod or a rigid mass between its walls"))
         pairs = len(bodies) - 1
         widths = tuple(
             number(problems, f"gaps.{i}", gap, *self.fields["gaps"][:2])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from .showing import picture
 from .style import RISING, axes, colour_bar, colours, dress, legend_above, styled
 
 MESH = 240  # places a side at which the formulas are evaluated for colours
+NAMED, SHORT = 3, 64  # regions whose formulas stand in the picture, and characters of them
 WHOLE = 1e-9  # of e: as good as 1
 DERIVED = {"transit_time": ("transit time", "s"), "impedance": ("impedance", "kg/s")}
 
@@ -37,6 +39,8 @@ class AtlasPicture(NamedTuple):
 @styled
 def atlas(found: Atlas, ax: Axes | None = None) -> AtlasPicture:
     """Draw the regions of a plane: e inside by formula, and what changes at their borders.
+
+    The largest regions are numbered, and their formulas stand below (extra ``sympy``).
 
     Parameters
     ----------
@@ -75,11 +79,27 @@ def atlas(found: Atlas, ax: Axes | None = None) -> AtlasPicture:
     handles: list[Any] = list(drawn)
     if np.isnan(e).any():
         handles.append(Patch(facecolor=paper, edgecolor=faint, label="no value, or unresolved"))
+    with suppress(ImportError):  # formulas need sympy
+        _name_largest(ax, found, scales)
     ax.set(xlim=x[[0, -1]], ylim=y[[0, -1]], xlabel=scales[0].label, ylabel=scales[1].label)
     bar = colour_bar(ax, cells, "coefficient of restitution e")
     legend_above(ax, handles)
     dress(ax)
     return AtlasPicture(ax, cells, drawn, bar)
+
+
+def _name_largest(ax: Axes, found: Atlas, scales: list[Scale]) -> None:
+    """Number the largest regions, and write their formulas below."""
+    paper, ink, *_ = colours()
+    lines = []
+    for number, region in enumerate(found.largest(NAMED), 1):
+        x, y = (v * scale.factor for v, scale in zip(region.place, scales, strict=True))
+        ax.text(x, y, str(number), ha="center", va="center", color=ink, zorder=6,
+                bbox={"boxstyle": "circle", "facecolor": paper, "edgecolor": "none"})
+        text = region.formula
+        text = text if len(text) <= SHORT else text[:SHORT].rsplit(" ", 1)[0] + " ..."
+        lines.append(f"{number}: {text}")
+    ax.text(0, -0.17, "\n".join(lines), transform=ax.transAxes, va="top", fontsize="small")
 
 
 def _scale(system: System, path: str, low: float, high: float) -> Scale:

@@ -556,7 +556,8 @@ def _heads(lines: list[str], form: _Form, count: int) -> tuple[list[str], list[s
                     f"line {i}: has {given} heads for {count} columns of numbers; give each one")
         return [str(j + 1) for j in range(count)], [""] * count
     if count > 1 and form.is_number(rows[-1][0]):
-        odd = next(cell for cell in rows[-1] if not form.is_number(cell))
+        row = form.delimiter.join(rows[-1])
+        odd = next((cell for cell in rows[-1] if not form.is_number(cell)), row)
         raise FileFormatError(
             f"begins with a line that has {shown(odd)} beside numbers; complete or remove it")
     below: list[str] = []

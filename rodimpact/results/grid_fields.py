@@ -192,7 +192,8 @@ class GridFields(Fields):
         """[state, cell]."""
         grid, force = self.motion, self.motion.force
         if grid.radial is not None:
-            force = force - grid.radial.coupling * grid.radial.strain * self._step
+            with np.errstate(under="ignore"):  # ahead of the waves strains are next to nothing
+                force = force - grid.radial.coupling * grid.radial.strain * self._step
         stiff = np.where(grid.stiffness > 0, grid.stiffness, np.inf)
         return np.asarray(force / stiff / grid.width)
 

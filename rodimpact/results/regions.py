@@ -119,7 +119,7 @@ def nothing_to_draw(solution: Solution) -> str:
     """Why there is no picture of a solution, with the remedy; "" if there is one."""
     if solution.fields.end > 0:
         return ""
-    return f"lasts no time to show, {solution.t_end:.3g} s. {solution.status}"
+    return f"there is nothing to draw, the run ended at {solution.t_end:.3g} s. {solution.status}"
 
 
 def readable_until(solution: Solution, limit: int) -> float:

@@ -32,6 +32,8 @@ from .totals import totals_of
 from .wave_fields import WaveFields
 from .words import outcome
 
+_FAINT = np.errstate(under="ignore")  # squares of round-off, and of very slow motion, may vanish
+
 
 class Solution:
     """Everything about one collision, as functions of place and time.
@@ -102,6 +104,7 @@ class Solution:
         return kind(self.run.clock, self.run.end, signals)
 
     @cached_property
+    @_FAINT
     def outcome(self) -> Outcome:
         """What the collision did."""
         return outcome_of(self.run, self._totals)
@@ -294,6 +297,7 @@ class Solution:
 
     # Energy and state ---------------------------------------------------------------------------
 
+    @_FAINT
     def energy(self, t: ArrayLike) -> EnergyLedger:
         """Energy ledger at times t in s."""
         ticks = self.fields.nearest_known(self.fields.to_ticks(t))

@@ -83,7 +83,7 @@ def parameter(system: System, path: str) -> Quantity:
         case ["ends", ("left" | "right") as side, "value", *rest]:
             return _of_end(system, side, rest)
         case ["materials", *name, field]:
-            owner = ".".join(name)
+            owner = f"material {'.'.join(name)}"
         case ["bodies", body, "segments", segment, *_, field]:
             owner = f"segment {segment} of {_body(system, body)}"
         case ["bodies", body, field, ("values" | "at") as what, number]:

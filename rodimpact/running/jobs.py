@@ -45,18 +45,17 @@ def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
         yield Pool(executor, workers_of(executor), LONG)
         return
     stopping, threads = threading.Event(), workers or _processors()
-    with ThreadPoolExecutor(threads, initializer=memory.share, initargs=(threads,)) as own:
-        doing: Executor = own
-        try:
-            own.submit(int)
-        except RuntimeError:  # no thread can start, as in a browser
-            doing = Here()
-        try:
-            yield Pool(doing, threads, QUICK, (stopping.is_set,))
-        except BaseException:
-            stopping.set()
-            own.shutdown(wait=False, cancel_futures=True)
-            raise
+    own = ThreadPoolExecutor(threads, initializer=memory.share, initargs=(threads,))
+    doing: Executor = own
+    try:
+        own.submit(int)
+    except RuntimeError:  # no thread can start, as in a browser
+        doing = Here()
+    try:
+        yield Pool(doing, threads, QUICK, (stopping.is_set,))
+    finally:  # who interrupts does not wait for a member, or for a compiler, to end
+        stopping.set()
+        own.shutdown(wait=False, cancel_futures=True)
 
 
 class Here(Executor):

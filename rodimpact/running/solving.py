@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import warnings
-
 from numpy.typing import ArrayLike
 
-from ..methods.duration import LongRun
+from ..methods.duration import Progress, warn
 from ..methods.registry import Options, check_function
-from ..methods.run import MAX_EVENTS, Progress
+from ..methods.run import MAX_EVENTS
 from ..model import Body, ContactLaw, InvalidModel, System
 from ..model.frozen import Problems
 from ..results.outcome import Outcome, outcome_of
@@ -57,8 +55,9 @@ def solve(
         nearest one. By default all steps, as far as they fit into 64 MB. `dt`, `cells` and
         `snapshots` do not choose that method: where "auto" takes another one they are refused.
     progress : function, optional
-        For "finite-difference": called during long runs with the steps that are done, and about how
-        many there will be. A bar of tqdm takes ``lambda done, of: bar.update(done - bar.n)``.
+        Called during long runs with the steps, or the events of "fronts", that are done, and about
+        how many there will be; "characteristics" does not call it. A bar of tqdm takes
+        ``lambda done, of: bar.update(done - bar.n)``.
 
     Returns
     -------
@@ -73,7 +72,7 @@ def solve(
     Warns
     -----
     LongRun
-        Before a run takes ten seconds, with what takes less.
+        Before a run takes five seconds, with what takes less.
 
     Examples
     --------
@@ -96,7 +95,7 @@ def solve(
         problems.append(("system", message))
     if problems:
         raise InvalidModel(problems)
-    return Solution(options.run(chosen, system, progress=progress, announce=_announce))
+    return Solution(options.run(chosen, system, progress=progress, announce=warn))
 
 
 def collide(left: Body, right: Body, gap: float = 0.0,
@@ -133,9 +132,5 @@ def collide(left: Body, right: Body, gap: float = 0.0,
     system = System([left, right], [gap], None if contact is None else [contact])
     if system.shape:
         return solve(system).outcome
-    run = AUTO.run(AUTO.method_for(system), system, announce=_announce)
+    run = AUTO.run(AUTO.method_for(system), system, announce=warn)
     return outcome_of(run, run.totals) if run.totals else Solution(run).outcome
-
-
-def _announce(sentence: str) -> None:
-    warnings.warn(sentence, LongRun, stacklevel=3)

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from .. import __version__
 from ..methods import memory
+from ..methods.duration import Forecast, Progress, warn
 from ..methods.family import ALSO, Stopped
 from ..methods.groups import unilateral
 from ..methods.registry import METHODS, Options, check_function, count
@@ -76,8 +77,7 @@ def sweep(
     until: float | None = None, max_events: int = MAX_EVENTS, dt: float | None = None,
     rtol: float | None = None, cells: int | None = None,
     gauges: Sequence[tuple[int, float]] = (), times: ArrayLike | None = None,
-    also: Sequence[str] = (), workers: int | None = None,
-    progress: Callable[[int, int], Any] | None = None,
+    also: Sequence[str] = (), workers: int | None = None, progress: Progress | None = None,
     on_error: str = "record", checkpoint: PathLike | None = None,
 ) -> SweepResult:
     """Solve every collision of a family.
@@ -136,6 +136,8 @@ def sweep(
     -----
     DamagedChunks
         If the checkpoint has parts that are not what was written; they are run again.
+    LongRun
+        As soon as it is known that the sweep takes more than five seconds, with what takes less.
 
     Notes
     -----
@@ -246,13 +248,17 @@ def sweep(
             for start, stop in units.spans(done):
                 status = columns["status"].reshape(-1)[start:stop]
                 jobs.end = min(jobs.end, start + _first_bad(status))
-        ended = sum(stop - start for start, stop in units.spans(done))
+        ended = before = sum(stop - start for start, stop in units.spans(done))
+        forecast = Forecast(warn, "a smaller family", work="this sweep")
         for news in stack.enter_context(contextlib.closing(jobs.results())):
             for start, stop, part in news:
                 put(start, stop, part)
                 ended += stop - start
                 if on_error == "raise":
                     jobs.end = min(jobs.end, start + _first_bad(part["status"]))
+            # where none has ended yet, each worker has one that takes this long at least
+            forecast.extrapolate(max(ended - before, min(pool.workers, size - before)),
+                                 size - before, f"{size - before} collisions")
             if progress is not None:
                 progress(ended, size)
     if jobs.end < size:
@@ -322,11 +328,15 @@ def _one_by_one(
     seen = readings.gauges or "largest_stress" in readings.also
     if "snapshots" in METHODS[options.method].takes and not seen:
         options = replace(options, snapshots=2)  # an outcome needs the first and the last state
-    for place, index in enumerate(np.ndindex(system.shape)):
+
+    def ask(*_: Any) -> None:
         if stop():
             raise Stopped
+
+    for place, index in enumerate(np.ndindex(system.shape)):
+        ask()
         try:
-            solution = Solution(options.run(options.method, system[index]))
+            solution = Solution(options.run(options.method, system[index], progress=ask))
         except InvalidModel:
             continue
         o = solution.outcome

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import units
-from ..model.frozen import MOST_AXES, MOST_MEMBERS, InvalidModel, Number
-from ..model.quantities import Floats
+from ..model.frozen import MOST_MEMBERS, InvalidModel, Number
+from ..model.quantities import MOST_AXES, Floats
 from ..units import shown
 
 FORM = "start:stop:count, start:stop:count:log or a list such as 0.1,0.2,0.4"

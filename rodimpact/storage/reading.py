@@ -91,7 +91,7 @@ def read_npz(path: PathLike, readers: Mapping[str, Callable[[dict[str, Any], Arr
         except MemoryError:
             raise
         except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for a damaged file
-            reason = f"{type(error).__name__}: {error}"
+            reason = f"{type(error).__name__}: {error}"[:200]  # some repeat what they read
             raise FileFormatError(f"{os.fspath(path)}: {step} ({reason})") from error
 
 

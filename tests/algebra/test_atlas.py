@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
+from rodimpact.algebra import rows
+from rodimpact.methods.fronts.front_kernel import play
 
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 
@@ -74,8 +76,29 @@ def test_a_figure_shows_what_changes(pair):
     assert np.allclose(np.concatenate(ones.get_segments())[:, 0], 1.0, rtol=0, atol=1e-9)
 
 
+def test_runs_that_do_not_end_count_as_cells(pair, monkeypatch):
+    begun = []
+    monkeypatch.setattr(rows, "play", lambda *given: begun.append(1) or play(*given))
+    plane = ri.atlas(pair.system, pair.x, pair.y, most_cells=40, max_events=5)
+    assert len(plane.cells) < len(begun) == 40
+
+
+def test_axes_of_one_kind():
+    system = ri.System([rod(1.0, 1.0, 1.0), rod(2.0, 0.7)])
+    plane = ri.atlas(system, ("bodies.0.velocity", -1.0, 2.0), ("bodies.1.velocity", -1.0, 2.0))
+    assert sorted(plane.contacts) == [(0,), (1,)]
+    assert np.ptp(plane.borders, axis=1).max() <= 1e-9  # where both are equally fast
+    assert plane.borders.size
+
+
 @pytest.mark.parametrize(("x", "said"), [
     (("bodies.1.length", 2.0, 1.0), "x: must be a path, its lowest and its highest value"),
+    (("length", 1.0, 2.0), r"x: 'length' names 2 numbers; .*: bodies.0.length, bodies.1.length"),
+    (("bodies.1.length", -1.0, 2.0), "x, bodies.1.length: must be a finite positive number"),
+    (("bodies.1.length", 0.1, 1e150), "max_events: in the middle of the plane .* got 1000"),
+    (("bodies.1.material.density", 1.0, 2.0), "x: an atlas has no modulus or density"),
+    (("bodies.1.area", 1.0, 2.0), "y: must be another number than x"),
+    (("contacts.0.gap", 0.0, 1.0), "symbols: 'contacts.0.gap' names no number"),
     (("bodies.1.lenght", 1.0, 2.0), "symbols: 'bodies.1.lenght' names no number"),
 ])
 def test_mistaken_axes_are_told(pair, x, said):
@@ -90,3 +113,18 @@ def test_borders_that_floats_do_not_tell_are_there():
     level = np.sort(x[np.abs(y - 1) <= 1e-9])
     assert level[0] < 0.301  # where e = l1/l2 and the second rod holds many waves
     assert np.diff(level).max() < 0.08
+
+
+def test_the_largest_regions_print_and_draw_their_formulas(pair):
+    pytest.importorskip("sympy")
+    first, second = pair.largest(2)
+    assert 1 > first.share > second.share > 0
+    for region in (first, second):
+        name, formula = region.formula.split(" = ")
+        x, y = region.place
+        value = eval(formula, {"l2": x, "A2": y})
+        assert (name, value) == ("e", pytest.approx(float(pair.restitution(x, y)), rel=1e-12))
+        assert region.formula in str(pair)
+    texts = [text.get_text() for text in ri.plot.atlas(pair).ax.texts]
+    assert {"1", "2", "3"} <= {*texts}
+    assert any(first.formula[:20] in text for text in texts)

@@ -86,6 +86,12 @@ def test_python_m_rodimpact_is_the_program():
     assert (done.returncode, done.stdout) == (0, f"rodimpact {ri.__version__}\n")
 
 
+def test_help_lists_every_exit_status(capsys):
+    assert main(["--help"]) == 0
+    told = capsys.readouterr().out.partition("exit status:")[2]
+    assert [int(n) for n in re.findall(r"^  (\d+)  ", told, re.M)] == [0, 1, 2, 3, 4, 130]
+
+
 def test_help_lists_every_command_with_its_own_help(capsys):
     assert main(["--help"]) == 0
     text = capsys.readouterr().out
@@ -264,25 +270,26 @@ def test_ctrl_c_before_the_program_listens_shows_no_traceback(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "argv", "remedy"),
+    ("change", "argv", "remedy", "status"),
     [
-        ("", ["--until", "0"], "leave out --until to run"),
-        ("", ["--max-events", "1"], "Raise --max-events"),
-        ("[[contacts]]\ngap = 1e9\n", [], "Give --until"),
+        ("", ["--until", "0"], "leave out --until to run", 1),
+        ("", ["--max-events", "1"], "Raise --max-events", 3),
+        ("[[contacts]]\ngap = 1e9\n", [], "Give --until", 3),
     ],
 )
 def test_a_run_of_no_time_prints_its_table_and_tells_why_it_draws_nothing(
-    case, capsys, change, argv, remedy
+    case, capsys, change, argv, remedy, status
 ):
     case.write_text(CASE + change)
     outputs = ["--plot", "a.png", "--gauges", "a.csv", "--gauge", "a=1:0.5"]
-    assert main(["run", "case.toml", *argv, *outputs]) == 1
+    assert main(["run", "case.toml", *argv, *outputs]) == status
     out, err = capsys.readouterr()
     assert "momentum balance" in out
     lines = err.splitlines()
     assert len(lines) == 2
     for line, option in zip(lines, ("--plot", "--gauges"), strict=True):
-        assert line.startswith(f"rodimpact: {option}: lasts no time to show, 0 s. ")
+        reason = "there is nothing to draw, the run ended at 0 s. "
+        assert line.startswith(f"rodimpact: {option}: {reason}")
         assert remedy in line
     assert not Path("a.png").exists()
     assert not Path("a.csv").exists()
@@ -301,7 +308,7 @@ def test_a_run_of_no_time_is_no_page_and_no_film(case, capsys, command, change, 
     case.write_text(CASE + change)
     assert main([command[0], "case.toml", *command[1:]]) == 2
     error = capsys.readouterr().err
-    assert "lasts no time to show" in error
+    assert "there is nothing to draw" in error
     assert remedy in error
     assert "--until" not in error
     assert [path.name for path in case.parent.iterdir()] == ["case.toml"]
@@ -534,7 +541,7 @@ PROFILE = {"values": [i % 7 for i in range(11_000)],
 
 
 @pytest.mark.parametrize(("options", "velocity", "message"), [
-    (["--until", "0"], 1.0, "--plot: lasts no time to show"),
+    (["--until", "0"], 1.0, "--plot: there is nothing to draw"),
     pytest.param([], f"{{values = {PROFILE['values']}, at = {PROFILE['at']}}}",
                  "--plot: solution: has more than 20000 regions", marks=pytest.mark.exhaustive),
 ])

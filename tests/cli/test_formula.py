@@ -3,7 +3,7 @@
 import sys
 
 import pytest
-from case_texts import UNEQUAL_RODS
+from case_texts import HEAD, UNEQUAL_RODS, with_area
 
 from rodimpact.cli import main
 
@@ -24,6 +24,21 @@ def test_the_formula_of_the_box(case, capsys):
     assert "where l1 < l2" in told
     assert main(["formula", case, "--latex"]) == 0
     assert r"\begin{aligned}e &=" in capsys.readouterr().out
+
+
+def test_many_conditions_are_told_by_an_option(tmp_path, capsys):
+    pytest.importorskip("sympy")
+    path = tmp_path / "three.toml"
+    first, *others = (with_area(area).replace("0.4", length)
+                      for area, length in [("1e-4", "0.4"), ("2e-4", "1.0"), ("1e-4", "0.7")])
+    path.write_text(HEAD + first + "velocity = 1.0\n" + "".join(others))
+    assert main(["formula", str(path)]) == 0
+    short = capsys.readouterr().out
+    assert "more; --conditions shows all" in short
+    assert main(["formula", str(path), "--conditions"]) == 0
+    told = capsys.readouterr().out
+    assert "shows all" not in told
+    assert told.count("\n  and ") > short.count("<")
 
 
 def test_mistakes_are_told_in_one_line(case, capsys, monkeypatch):

@@ -278,3 +278,12 @@ def test_a_striker_on_an_endless_bar(area):
 def test_what_has_no_derivatives(system, given, message):
     with pytest.raises(ri.InvalidModel, match=message):
         ri.gradient(system, **{"wrt": ["bodies.0.length"], **given})
+
+
+@pytest.mark.parametrize(("of", "units"), [
+    ("restitution", ("", "1/m", "1/m^2")), ("impulse.0", ("N s", "(N s)/m", "(N s)/m^2")),
+])
+def test_derivatives_have_units(of, units):
+    g = ri.gradient(pair(0.4, 1.0), of=of, wrt=["bodies.0.length", "bodies.1.area"])
+    assert (g.unit, *g.units.values()) == units
+    assert all(unit in str(g) for unit in units)

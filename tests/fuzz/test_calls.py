@@ -159,7 +159,8 @@ REFUSED = [
     (lambda: ri.design.momentum_trap(PAIR, until=1e-4, material={}), "material: must be a Mater"),
     (lambda: ri.regions_of(SOLVED(), limit=np.nan), "limit: must be 1 or more, got nan"),
     (lambda: ri.gradient(PAIR, wrt=["gravity"], of=np.ones(2)), "of: must be one of velocity"),
-    (lambda: SOLVED().strain(0, np.ones((1,) * 40), 0.0), "it has 40 dimensions, and may have 32"),
+    (lambda: SOLVED().strain(0, np.ones((1,) * 40), 0.0), "x: must have at most 32 axes, got 40"),
+    (lambda: ri.gradient(PAIR, wrt=["bodies.0.length"])[2.0], "no derivative by 2.0; use one of"),
     (lambda: ri.materials.aluminum, "no material is called 'aluminum'; perhaps 'aluminium' is"),
 ]
 

@@ -6,13 +6,13 @@ from rodimpact.methods import duration
 from rodimpact.methods.duration import Forecast, how_long
 
 
-def test_a_long_run_is_announced_before_ten_seconds_and_anew_when_it_gets_far_longer(monkeypatch):
+def test_a_long_run_is_announced_before_five_seconds_and_anew_when_it_gets_far_longer(monkeypatch):
     now, said = [100.0], []
     monkeypatch.setattr(duration.time, "monotonic", lambda: now[0])
     forecast = Forecast(said.append, "a larger rtol")
-    forecast.expect(5.0, "10 steps")
+    forecast.expect(3.9, "10 steps")
     now[0] = 103.0
-    forecast.expect(4.0, "20 steps")
+    forecast.expect(0.9, "20 steps")
     assert not said
     forecast.expect(6.0, "30 steps")
     assert said == [

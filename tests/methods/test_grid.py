@@ -12,12 +12,12 @@ from networks import UNIT, shifted, unit_rod
 from runs import gaps_of, solution_of
 
 import rodimpact as ri
-from rodimpact.methods import kernels
+from rodimpact.methods import duration, kernels
 from rodimpact.methods.clock import STEP_TICKS
+from rodimpact.methods.duration import LongRun
 from rodimpact.methods.grid import machine as grid_machine
 from rodimpact.methods.grid import method as finite_difference
 from rodimpact.methods.row import Row
-from rodimpact.running.solving import LongRun
 
 seeds = st.integers(0, 10**6)
 METHOD = "finite-difference"
@@ -732,7 +732,7 @@ def slow(monkeypatch):
     """A second from one look at the clock to the next, and a look after each round of steps."""
     monkeypatch.setattr(grid_machine, "ROUND", 1e-9)
     seconds = iter(range(10**6))
-    monkeypatch.setattr(finite_difference.time, "monotonic", lambda: float(next(seconds)))
+    monkeypatch.setattr(duration.time, "monotonic", lambda: float(next(seconds)))
 
 
 def test_long_runs_are_announced_before_they_begin(monkeypatch):
@@ -775,7 +775,7 @@ def test_an_interrupted_run_leaves_no_harm(monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(grid_machine, "ROUND", 1e-9)
         seconds = iter(range(10**6))
-        patch.setattr(finite_difference.time, "monotonic", lambda: float(next(seconds)))
+        patch.setattr(duration.time, "monotonic", lambda: float(next(seconds)))
         with pytest.raises(KeyboardInterrupt):
             solved(row, 4.0, 20, progress=interrupt)
     after = solved(row, 4.0, 20)

@@ -247,13 +247,16 @@ def test_a_job_shorter_than_a_compiled_call_stays_plain_and_never_looks_for_numb
     assert not kernels.worth_compiling(kernels.STARTING / 2, recognise)
 
 
-@pytest.mark.parametrize("terminal", [False, True])
-def test_one_line_on_a_terminal_says_how_long_compiling_takes(fresh, capsys, terminal):
+@pytest.mark.parametrize(("terminal", "long"), [(False, False), (True, False), (False, True)])
+def test_one_line_says_how_long_compiling_takes_in_a_file_if_it_is_long(
+    fresh, capsys, terminal, long
+):
     fresh.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
+    fresh.setattr(kernels, "COMPILING", 1e-3 if long else 1e-5)
     assert kernels.worth_compiling(60.0, front_kernel.play)
     assert kernels.worth_compiling(60.0, layout_kernel.lay_out)
     told = capsys.readouterr().err
-    assert told.count("compiling once, about") == told.count("\n") == int(terminal)
+    assert told.count("compiling once, about") == told.count("\n") == int(terminal or long)
 
 
 def test_without_numba_a_long_job_is_plain_and_the_user_is_told_once(fresh):
@@ -287,3 +290,38 @@ def test_everything_that_may_run_compiled_is_warmed(monkeypatch):
     ri.warm()
     assert {"family", "run"} < asked
     assert asked <= met
+
+
+FORKS = """
+import os, sys, threading, time
+import numpy as np
+from rodimpact.methods import kernels
+from rodimpact.results.field_kernel import sum_on_grid
+
+ticks, values = np.array([0]), np.array([1.0])
+
+def work():
+    with kernels.forced(True):
+        kernels.worth_compiling(0.0, sum_on_grid)
+        kernels.compiled(sum_on_grid)(np.empty((1, 1)), ticks, ticks, values, ticks, ticks, values,
+                                      ticks, 1.0, 0.0)
+
+thread = threading.Thread(target=work)
+thread.start()
+for wait in (0.0, 0.1, 0.3, 1.0):  # while numba starts, and while it compiles
+    time.sleep(wait)
+    child = os.fork()
+    if child == 0:
+        work()
+        os._exit(0)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+thread.join()
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+def test_a_child_forked_while_a_thread_compiles_ends(tmp_path):
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-W", "ignore", "-c", FORKS]
+    done = subprocess.run(command, env=environment, timeout=240, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

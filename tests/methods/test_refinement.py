@@ -73,7 +73,7 @@ def test_a_duration_is_known_to_a_part_of_a_step_at_best_and_not_waited_for():
 
     found, estimates = refined(Run, measures, 1.0, 0.01, 64)
     assert found.factor == 4
-    assert estimates == {"impulse": 0.0, "duration": pytest.approx(2 * DOUBT * 3.0 / 2)}
+    assert estimates == {"impulse": 0.0, "duration": pytest.approx(DOUBT * 5 / 3 * 3.0 / 2)}
     _, estimates = refined(Run, lambda _: {**measures(found)}, 1.0, 0.01, 64)
     assert estimates == {"impulse": 0.0, "duration": pytest.approx(PART / 4 / 2)}
 

@@ -116,6 +116,7 @@ def test_units_and_rates_that_the_file_does_not_say(read):
     ("time_s,a, left\n0.5,1\n1,2\n", {}, "line 1: has 3 heads for 2 columns of numbers; give each"),
     ("time_s,a,b\n0,1,\n1,2,\n", {}, "line 1: has 3 heads for 2 columns of numbers; give each"),
     ("time_s,a\n0,#N/A\n1,2\n2,3\n", {}, "begins with a line that has '#N/A' beside numbers"),
+    ("0,0;-0,\n0,1;1,5\n0,2;2,5\n", {}, "begins with a line that has '0,0;-0' beside numbers"),
     ("time_s\n0\n1\n", {"rate": 1.0}, "has a column of times, 'time'; it has no other"),
     ("time_s,a [mv]\n0,1\n1,2\n", {}, "column 'a': unknown unit 'mv'; perhaps 'mV' is meant"),
     ('time_s,a\n0,1\n1,2\n2,"2,5"\n', {"decimal": "."}, "line 4 has '2,5'; below their heads"),
@@ -123,7 +124,7 @@ def test_units_and_rates_that_the_file_does_not_say(read):
     ("time_s,a\n0,1\n1,2,3\n2,3\n3,4,5\nend\n", {}, "line 4 has 2 numbers and line 5 has 3; give"),
     ("time_s,a\n0,1\nx\n0,1\nx\n", {}, "has no table of numbers in columns parted by"),
     ("note\n" * 10_000 + "0,1\n" * 10_010, {}, "has no table of numbers"),
-], ids=range(43))
+], ids=range(44))
 def test_what_is_no_record_is_refused_with_the_place(read, text, options, said):
     with pytest.raises(FileFormatError, match=f"shot.txt: .*{re.escape(said)}"):
         read(text, **options)

@@ -223,7 +223,8 @@ def test_lossy_rods():
     assert solution.outcome.restitution == pytest.approx(0.4, abs=1e-4)
     found = solution.ring_down()
     lost = solution.energy(found.times[0])  # of 157 mJ, which the rods have to begin with
-    assert found.vibration[0] == pytest.approx(54.8e-3, rel=1e-2)
+    assert found.times[0] == solution.t_final
+    assert found.vibration[0] == pytest.approx(62.1e-3, rel=1e-2)
     assert found.vibration[0] + found.rigid + lost.damped + lost.numerical == pytest.approx(
         lost.total + lost.damped + lost.numerical, rel=1e-12)
     assert lost.total + lost.damped + lost.numerical == pytest.approx(157e-3, rel=1e-9)

@@ -103,6 +103,14 @@ def test_what_is_larger_than_half_the_memory_is_refused_with_the_figure(saved, m
     ri.load(saved)
 
 
+def test_a_sentence_does_not_repeat_the_file(saved):
+    _, arrays = contents(saved)
+    put(saved, {**contents(saved)[0], "run": {"class": "x" * 20_000}}, arrays)
+    with pytest.raises(ri.FileFormatError) as refused:
+        ri.load(saved)
+    assert len(str(refused.value)) < 1000
+
+
 def test_numbers_that_changed_places_are_refused(saved):
     document, arrays = contents(saved)
     arrays["f8"] = arrays["f8"][::-1]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ...units import format_si
 from .. import abilities as physics
+from ..duration import Forecast, Progress
 from ..row import Row
 from ..run import Run
 from ..status import end_sentence, last_contact, proof_sentence, strain_warning
@@ -25,6 +26,7 @@ LACKS = (
     physics.SMOOTH_DRIVES, physics.DAMPING, physics.LATERAL, physics.TAPER,
 )
 ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come to rest
+LESS = "an earlier end (until), or a lower cap (max_events),"
 ROUNDED = 2.0**-36  # relative change of a transit time that is told
 EXACT = 2.0**-48  # and that is round-off
 MORE = 4  # times the events of a run that another may take, beside rounded transit times
@@ -32,9 +34,13 @@ MEASURES = ("velocity", "impulse", "largest force", "duration")
 NO_ROUNDING: Mapping[str, float] = {}
 
 
-def solve(row: Row, until: float | None, max_events: int) -> Run:
+def solve(
+    row: Row, until: float | None, max_events: int, progress: Progress | None = None,
+    announce: Callable[[str], None] | None = None,
+) -> Run:
     """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
-    run = track(assemble(row, until), until, max_events)
+    forecast = Forecast(announce, LESS, progress)
+    run = track(assemble(row, until), until, max_events, forecast)
     return hand_over(run, until, effect_of_rounding(run, until))
 
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from .. import kernels
 from ..abilities import driven
-from ..memory import ask
+from ..duration import Forecast
+from ..memory import ask, most_numbers
 from ..run import MAX_EVENTS
 from .assembly import Assembly, start
 from .front_kernel import (
@@ -32,6 +33,8 @@ from .front_kernel import (
 )
 
 ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what results make of it
+SLICE = 1 << 19  # rows that machine code adds at a time: it hears of nothing meanwhile
+EVENT_TIMES = 2e-5, 2e-6  # s, about what an event takes in plain Python, and compiled
 ROW_TIME = 2e-6  # s, about what plain Python takes for a row of the log
 
 _LOG_TYPES = Log(np.int64, np.int32, np.int32, np.float64, np.int64, np.int32, np.int8)
@@ -70,7 +73,8 @@ class FrontRun(NamedTuple):
 
 
 def track(
-    assembly: Assembly, until: float | None = None, max_events: int = MAX_EVENTS
+    assembly: Assembly, until: float | None = None, max_events: int = MAX_EVENTS,
+    forecast: Forecast | None = None,
 ) -> FrontRun:
     """Follow every front of a collision.
 
@@ -82,6 +86,8 @@ def track(
         collision has been proved final.
     max_events : int
         Cap; a run that reaches it says so in `stopped_by`.
+    forecast : Forecast, optional
+        Hears of the progress.
 
     Raises
     ------
@@ -106,9 +112,15 @@ def track(
         if on_lists and kernels.worth_compiling(clock[ROWS] * ROW_TIME, play):
             state, tally, log, clock = on_arrays(state, tally, log, clock)
             kernel, on_lists = kernels.compiled(play), False
-        flag = kernel(state, tally, log, clock, target, max_events, a.tolerance, a.window)
+        part = log if on_lists else _part(log, clock)
+        flag = kernel(state, tally, part, clock, target, max_events, a.tolerance, a.window)
         if flag != FULL:
             break
+        if forecast:
+            done, events = int(clock[EVENTS]), _expected(clock, target, max_events)
+            left = (events - done) * EVENT_TIMES[kernels.enabled()]
+            forecast.expect(left, f"some {events:.2g} events")
+            forecast.reached(done, events)
         log = _longer(log, clock, on_lists)
     if not on_lists:
         state, tally = State(*(x.tolist() for x in state)), Tally(*(x.tolist() for x in tally))
@@ -137,13 +149,28 @@ def on_arrays(
     return as_arrays(state), as_arrays(tally), Log(*columns), np.array(clock, dtype=np.int64)
 
 
+def _part(log: Log, clock: Any) -> Log:
+    """The log, on arrays, up to so many rows that a run is heard of in time."""
+    rows, changes = int(clock[ROWS]) + SLICE, int(clock[CHANGES]) + SLICE
+    return Log(*(x[:rows] for x in log[:4]), *(x[:changes] for x in log[4:]))
+
+
+def _expected(clock: Any, target: int, max_events: int) -> int:
+    """About how many events a run has, at the rate so far, or as many again to an unknown end."""
+    most = min(max_events, int(most_numbers() / ROW_NUMBERS))
+    events, now = int(clock[EVENTS]), int(clock[NOW])
+    return min(most, events * target // now if target > 0 < now else 2 * events)
+
+
 def _longer(log: Log, clock: Any, on_lists: bool) -> Log:
     """Make room for as much again in the list of fronts, of changes, or in both."""
+    full = [clock[ROWS] + 2 > len(log.value)] * 4 + [clock[CHANGES] >= len(log.change_tick)] * 3
+    if not any(full):
+        return log
     used = int(clock[ROWS] + clock[CHANGES])
     numbers = used * (LIST_NUMBERS if on_lists else ROW_NUMBERS)
     remedy = "lower the cap, or stop earlier (until)"
     ask(numbers, "max_events", f"a run of more than {clock[EVENTS]} events", remedy)
-    full = [clock[ROWS] + 2 > len(log.value)] * 4 + [clock[CHANGES] >= len(log.change_tick)] * 3
     grown = []
     for column, grow in zip(log, full, strict=True):
         if not grow:

@@ -12,7 +12,6 @@ velocities never converge.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -21,12 +20,13 @@ import numpy as np
 
 from ...model.frozen import InvalidModel
 from ...model.lateral_inertia import MINDLIN_HERRMANN
+from .. import abilities as physics
 from .. import kernels
 from ..clock import Clock
-from ..duration import Forecast
+from ..duration import Forecast, Progress
 from ..memory import ask
 from ..row import Array, Row
-from ..run import Progress, Run
+from ..run import Run
 from .grid_kernel import States
 from .machine import GAP_RESOLUTION, Keeper, Machine, cost
 from .mesh import STEP_TICKS, Mesh, crossing_time, most_cells, stable_step
@@ -45,7 +45,7 @@ STABLE = 1 + 2.0**-30  # Courant number up to which a mesh is taken; beyond 1 by
 LESS = "a larger rtol, fewer cells or an earlier end (until)"
 
 
-LACKS = ()
+LACKS = (physics.RODLESS,)
 
 
 def solve(row: Row, until: float | None, max_events: int, **options: Any) -> Run:
@@ -101,7 +101,7 @@ def follow(
         step = until / math.ceil(until / step * (1 - 1e-12))
 
     peaks: dict[float, Array] = {}
-    forecast = Forecast(announce, LESS)
+    forecast = Forecast(announce, LESS, progress)
     searching = cells is None and dt is None and stepping
 
     def level(factor: int) -> GridRun:
@@ -111,7 +111,7 @@ def follow(
         others = sum(f * f for f in range(factor + 1, finest + 1))
         if until is None:
             others += finest**2  # the round trip after the proof
-        return _level(finer, step / factor, keep, until, max_events, progress, forecast,
+        return _level(finer, step / factor, keep, until, max_events, forecast,
                       others / factor**2)
 
     def measures(run: GridRun) -> dict[str, Array]:
@@ -201,7 +201,7 @@ def _mesh_size(
 
 def _level(
     mesh: Mesh, step: float, keep: Keeper, until: float | None, max_events: int,
-    progress: Progress | None, forecast: Forecast, others: float,
+    forecast: Forecast, others: float,
 ) -> GridRun:
     """One run on a given mesh, to its end or to the proof of finality.
 
@@ -217,12 +217,10 @@ def _level(
     size = f"{room} steps, {sum(mesh.counts)} cells"
     per_step = cost(mesh, plain=not kernels.enabled())
     ahead = others * (steps or 2 * longest) * cost(mesh, plain=True)
-    began = time.monotonic()
 
     def tell(taken: int) -> None:
         forecast.expect(per_step * max(room - taken, 0), size)
-        if progress and time.monotonic() - began > 1.0:
-            progress(taken, max(room, taken))
+        forecast.reached(taken, room)
 
     last = cap if until is None else steps
     tell(0)

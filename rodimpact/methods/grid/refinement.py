@@ -21,7 +21,8 @@ from .run import GridRun
 STEP_TIME = 2e-7  # s, about what a measure takes for a step in plain Python
 FEWEST = 4  # levels
 LOOK_BACK = 4  # coarser levels with which the finest is compared
-DOUBT = 2.5  # times what changes tell: where they cancel, errors are larger
+DOUBT = 3  # times what changes tell: where they cancel, errors are larger
+FAINT = 5 / 3  # times that for a duration: a faint force may be missed on all levels alike
 PART = 0.1  # of a step, to which times are known at best
 ROUGH = ("peak force", "duration")  # told, and not waited for: they hang on few steps
 GENTLE = laws.Spring | laws.Hertz | laws.HuntCrossley | laws.PowerLaw | laws.Yielding
@@ -107,8 +108,7 @@ def error_of(levels: Sequence[tuple[float, dict[str, Array]]], name: str, order:
     if not error < math.inf:  # nan where a measure overflows
         return math.inf
     if name == "duration":
-        # that of a faint force that ends a contact may come late by the same on all levels
-        error = max(2 * error, PART * h if latest > 0 else 0.0)
+        error = max(FAINT * error, PART * h if latest > 0 else 0.0)
     return error / latest if latest > 0 else error
 
 

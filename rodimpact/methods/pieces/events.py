@@ -135,13 +135,12 @@ def record(
         touch = Touch.APART.value if it.status == Status.OPEN else Touch.GRAZING.value
         if acts_or_pushes(it):
             count(run, it, at.rate, h)
-            if it.status >= Status.PRESS:
-                top = series.maximum(it.force, at.series)
-                if top * it.ease > run.graze:
-                    touch = Touch.PRESSING.value
-                    if ticks > run.window:  # shorter is where breaks nearly meet
-                        it.peak = max(it.peak, top)
-                    it.pressed += ticks
+            top = series.maximum(it.force, at.series)
+            if ticks > run.window:  # shorter is where breaks nearly meet
+                it.peak = max(it.peak, top)
+            if it.status >= Status.PRESS and top * it.ease > run.graze:
+                touch = Touch.PRESSING.value
+                it.pressed += ticks
         if it.law >= Law.RIGID and touch != it.touch:
             change(run, turn, it, at.first + q, at.now, touch)
     for i in range(at.links - 1):

@@ -12,7 +12,7 @@ import math
 from typing import Any
 
 from . import lines
-from .records import NONE, Part, Status
+from .records import NONE, Law, Part, Status
 from .series import N, WEIGHTS, X
 
 WALL, ENDLESS = 0, 1  # `index` of what holds a group
@@ -41,7 +41,9 @@ def is_over(run: Any, link: Any, part: Any) -> bool:
             continue
         left, right = part[it.left_group], part[it.right_group]
         quiet = quiet and is_quiet(it, left, slow) and is_quiet(it, right, slow)
-        if it.status != Status.OPEN:
+        if it.status != Status.OPEN and (
+            it.law > Law.IMPACT or it.force[N] * it.ease > run.graze
+        ):
             over = False
         elif over and not (left.plain and right.plain and right.low - left.high >= -slow):
             apart = left.right_deviation - right.left_deviation - it.overlap
@@ -83,7 +85,10 @@ def survey(run: Any, link: Any, mass: Any, line: Any, log: Any, part: Any, tick:
         head, last = part[i], i + part[i].parts
         momentum = total = 0.0
         for k in range(i, last):
-            momentum += momentum_of(run, mass, line, log, part[k], tick)
+            own = momentum_of(run, mass, line, log, part[k], tick)
+            if part[k].mass > 0:
+                part[k].own = own / part[k].mass
+            momentum += own
             total += part[k].mass
         if head.held == NONE and total > 0:
             head.speed = momentum / total

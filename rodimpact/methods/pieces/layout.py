@@ -194,9 +194,11 @@ def _clock(
     end = horizon if until is None else of(until)
     tick, ticks = np.zeros(of.count), np.zeros((of.count, len(transits)), np.int64)
     inner = _jumps(row)
-    durations = np.array([*transits, *np.zeros((len(inner), of.count))]).T
-    for j, (s, share) in enumerate(inner):
-        durations[:, len(transits) + j] = share * durations[:, s]
+    durations = np.empty((of.count, len(transits) + len(inner)))
+    for j, transit in enumerate(transits):
+        durations[:, j] = transit
+    for j, (s, share) in enumerate(inner, len(transits)):
+        durations[:, j] = share * durations[:, s]
     jumps = []
     for m in range(of.count):
         bits = rule.clock_bits(float(end[m] / reference[m]))

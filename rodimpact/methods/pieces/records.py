@@ -114,6 +114,7 @@ PART = np.dtype([
     ("kind", "i8"), ("index", "i8"), ("parts", "i8"),  # of the group, at its first part
     ("held", "i8"), ("mass", "f8"), ("compliance", "f8"),  # m/N
     ("speed", "f8"),  # of what holds the group; in the end of the group itself
+    ("own", "f8"),  # of the part
     ("low", "f8"), ("high", "f8"),  # bounds of the waves under way in the group
     ("plain", "i8"),  # whether its ends can move with no others
     ("energy", "f8"),  # of the motion about `speed`, and of strain, of each part, J

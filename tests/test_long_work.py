@@ -1,0 +1,89 @@
+"""One rule for long work: it is announced, it reports its progress, and Ctrl-C ends it."""
+
+import threading
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact.methods import duration
+from rodimpact.methods.fronts import tracking
+from rodimpact.running import sweeping
+
+STEEL = ri.materials.steel
+
+
+def rod(length, velocity=0.0, area=1e-4):
+    return ri.Rod(length, area=area, material=STEEL, velocity=velocity)
+
+
+PAIR = ri.System([rod(0.4, 1.0), rod(1.0, area=2e-4)])
+
+
+def fitted(progress):
+    record = ri.solve(PAIR, until=2e-4).gauge(1, 0.4).signal(1e-6)
+    measured = ri.Measured(record, (1, 0.4), shift=0.0, scale=1.0)
+    ri.fit(PAIR, measured, {"bodies.0.velocity": (0.5, 2.0)}, 2e-4, starts=1, progress=progress)
+
+
+WORK = {
+    "fronts": lambda progress: ri.solve(PAIR, until=0.05, progress=progress),
+    "grid": lambda progress: ri.solve(
+        PAIR, until=1e-4, method="finite-difference", cells=10, progress=progress),
+    "sweep": lambda progress: ri.sweep(
+        ri.System([rod(np.array([0.4, 0.5]), 1.0), rod(1.0)]), progress=progress),
+    "atlas": lambda progress: ri.atlas(
+        PAIR, ("bodies.1.length", 0.6, 1.5), ("bodies.1.area", 5e-5, 2e-4), most_cells=2,
+        progress=progress),
+    "closed_form": lambda progress: str(ri.closed_form(
+        ri.System([rod(0.4, 1.0), rod(1.0), rod(0.7)]), ["length"], progress=progress)),
+    "first_mode": lambda progress: ri.waves.first_mode(
+        np.linspace(0, 0.3, 300), 0.29, progress=progress),
+    "fit": fitted,
+}
+
+
+@pytest.mark.parametrize("work", WORK.values(), ids=WORK)
+def test_long_work_is_announced_and_reports_its_progress(work, monkeypatch):
+    for name in ("LONG", "SOON", "QUIET", "NEWS"):  # all work is long
+        monkeypatch.setattr(duration, name, -1.0)
+    heard = []
+    with pytest.warns(ri.LongRun, match="takes some .* less"):
+        work(lambda done, of: heard.append((done, of)))
+    assert heard
+    assert all(0 <= done <= of for done, of in heard)
+
+
+@pytest.mark.parametrize("work", WORK.values(), ids=WORK)
+def test_progress_must_be_a_function(work):
+    with pytest.raises(ri.InvalidModel, match="progress: must be a function, got 3"):
+        work(3)
+
+
+def test_machine_code_hands_back_what_it_has_now_and_then(monkeypatch):
+    whole = ri.solve(PAIR, until=0.2).outcome
+    monkeypatch.setattr(tracking, "SLICE", 64)
+    with tracking.kernels.forced(True):
+        in_slices = ri.solve(PAIR, until=0.2).outcome
+    assert in_slices == whole
+
+
+def test_an_interrupted_sweep_does_not_wait_for_the_members_that_run(monkeypatch):
+    begun, going_on, ended = (threading.Event() for _ in range(3))
+
+    def member(*_):
+        begun.set()
+        going_on.wait(30)
+        ended.set()
+        raise sweeping.Stopped
+
+    def interrupt(*_):
+        if begun.is_set():
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(sweeping, "run_job", member)
+    family = ri.System([rod(np.array([0.4, 0.5]), 1.0), rod(1.0)])
+    with pytest.raises(KeyboardInterrupt):
+        ri.sweep(family, workers=1, progress=interrupt)
+    assert not ended.is_set()
+    going_on.set()
