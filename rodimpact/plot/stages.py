@@ -64,8 +64,9 @@ def snapshots(
     and gaps are magnified as in `spacetime`; compressed pieces are drawn shorter and thicker,
     stretched ones longer and thinner; a thick line marks a contact that presses. Small triangles
     above a bar show which way a front runs. Without fronts a colour bar tells velocities,
-    and stretches in which they hardly differ bear the mean, to two digits. Rigid masses are dark blocks of the width named under the picture, with their velocity below; fixed
-    ends are hatched as walls, absorbing ends dashed, driven ends marked by arrow heads.
+    and stretches in which they hardly differ bear the mean, to two digits. Rigid masses are dark
+    blocks of the width named under the picture, with their velocity below; fixed ends are hatched
+    as walls, absorbing ends dashed, driven ends marked by arrow heads.
 
     Parameters
     ----------
