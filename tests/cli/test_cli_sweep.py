@@ -437,7 +437,7 @@ def test_options_replace_those_of_the_case(case, capsys):
     rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
     family = ri.read_case(case, {"bodies.0.velocity": "1,2"}).system
     for i, row in enumerate(rows):
-        outcome = ri.solve(family[i], 3e-4, dt=2e-6).outcome
+        outcome = ri.solve(family[i], 3e-4).outcome
         assert float(row["velocity_after.0"]) == outcome.velocities_after[0]
 
 

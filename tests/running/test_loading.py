@@ -160,20 +160,20 @@ RUNS = {
     "steps: to the proof": (ri.System([ri.RigidMass(0.3, velocity=1.0), SHORT]), {"rtol": 1e-3}),
     "steps: no time": (ri.System([ri.RigidMass(0.3, velocity=1.0), SHORT]), {"until": 0}),
     "steps: capped": (
-        ri.System([ri.Wall(), unit_rod(velocity=1.0), ri.Wall()]), {"dt": STEP, "max_events": 99},
+        ri.System([ri.Wall(), unit_rod(velocity=1.0), ri.Wall()]), {"method": "characteristics", "max_events": 99},
     ),
     "steps: nothing but a driven rod": (
         ri.System([unit_rod()], gravity=0.5, ends=(ri.Moved(ri.Samples([0.0, 1.0], step=0.7)),
                                                   ri.Pushed(ri.Steps([1.0, 0.0], [0.5])))),
-        {"until": 2.03, "dt": STEP},
+        {"until": 2.03},
     ),
     "steps: bonded to a wall": (
         ri.System([ri.Wall(0.1), ri.RigidMass(2.0, velocity=0.1), unit_rod(velocity=-1.0)],
-                  contacts=[ri.Bonded(), ri.Hertz(9.0)]), {"until": 3.0, "dt": STEP},
+                  contacts=[ri.Bonded(), ri.Hertz(9.0)]), {"until": 3.0},
     ),
     **{
         f"steps: random {seed}": (
-            random_network(seed, driven=seed % 2 == 0), {"until": 2.5, "dt": STEP},
+            random_network(seed, driven=seed % 2 == 0), {"until": 2.5, "method": "characteristics"},
         )
         for seed in range(12)
     },

@@ -30,7 +30,7 @@ def originals(tmp_path_factory):
     rods = family()[3, 1]
     results = {
         "fronts": ri.solve(rods),
-        "steps": ri.solve(random_network(1, driven=True), until=1.0, dt=STEP),
+        "steps": ri.solve(random_network(1, driven=True), until=1.0, method="characteristics"),
         "grid": ri.solve(random_network(2, driven=False), until=0.5, cells=6),
         "sweep": ri.sweep(family(), until=2e-4, gauges=[(1, 0.5)], times=[1e-4, 2e-4]),
     }
