@@ -85,7 +85,7 @@ def test_fields_are_those_of_the_other_method(seed):
     system, until = commensurate(seed), 8.0
     exact = ri.solve(system, until, "fronts")
     steps = ri.solve(system, until, "characteristics")
-    t = STEP * (np.arange(until / STEP) + 0.5)
+    t = STEP * (np.arange(until / STEP) + 0.55)  # on no front
     for body, piece in enumerate(system.bodies):
         x = np.linspace(0, float(piece.length), 9)[:, None]
         for name in ("velocity", "strain"):

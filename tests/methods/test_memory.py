@@ -83,8 +83,8 @@ def test_the_estimate_bounds_what_is_taken(monkeypatch, name, options):
     ({"until": 1e150, "method": "characteristics"}, "until"),
     ({"until": 1e20, "method": "characteristics"}, "until"),
     ({"until": 1e150, "method": "finite-difference"}, "until"),
-    ({"until": 1.0, "cells": 100, "snapshots": 10**15}, "snapshots"),
-    ({"until": 0.1, "cells": 100, "snapshots": np.linspace(0, 0.1, 300_000)}, "snapshots"),
+    ({"until": 1.0, "method": "finite-difference", "cells": 100, "snapshots": 10**15}, "snapshots"),
+    ({"until": 0.1, "method": "finite-difference", "cells": 100, "snapshots": np.linspace(0, 0.1, 300_000)}, "snapshots"),
 ])
 def test_what_is_too_much_is_refused_with_figure_and_remedy(options, path):
     tracemalloc.start()
@@ -123,7 +123,7 @@ def test_fronts_that_multiply_for_ever_are_refused(monkeypatch, run):
 @pytest.mark.exhaustive
 def test_many_steps_on_the_grid_keep_every_velocity_of_a_mass():
     row = ri.System([ri.RigidMass(1.0, velocity=1.0), rod()], [1e3])
-    s = ri.solve(row, 2.0**17 * 1e-5 + 1.0, cells=8)
+    s = ri.solve(row, 2.0**17 * 1e-5 + 1.0, "finite-difference", cells=8)
     assert s.run.end > 2**17 * s.fields.resolution
     assert s.outcome.velocities_after == (1.0, 0.0)
 

@@ -183,9 +183,7 @@ def test_contacts_press_as_long_as_their_episodes(solved):
     expected = sum(
         min(e.force_end if e.force_end == e.force_end else np.inf, solution.t_end) - e.start
         for c in solution.contacts for e in c.episodes)
-    step = solution.fields.clock.tick * STEP_TICKS
-    count = sum(len(c.episodes) for c in solution.contacts)
-    assert expected <= pressing <= expected + 2 * count * step  # drawn in whole steps
+    assert pressing == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_rod_that_touches_without_force_has_a_thin_line(solved):

@@ -184,14 +184,14 @@ RUNS = {
     "grid: radial motion": (
         ri.System([SHORT, ri.Rod(0.3, diameter=0.02, material=STEEL.replace(poisson_ratio=0.3),
                                  lateral_inertia="mindlin-herrmann")]),
-        {"until": 1e-4, "cells": 20},
+        {"until": 1e-4, "method": "finite-difference", "cells": 20},
     ),
-    "grid: no time": (ri.System([SHORT, LONG]), {"until": 0, "cells": 10}),
+    "grid: no time": (ri.System([SHORT, LONG]), {"until": 0, "method": "finite-difference", "cells": 10}),
     "grid: chosen states": (ri.System([SHORT, LONG]), {"until": 2e-4, "snapshots": [1e-5, 1.3e-4],
                                                        "cells": 10}),
     **{
         f"grid: random {seed}": (
-            random_network(seed, driven=seed % 2 == 0), {"until": 1.5, "cells": 8},
+            random_network(seed, driven=seed % 2 == 0), {"until": 1.5, "method": "finite-difference", "cells": 8},
         )
         for seed in range(4)
     },

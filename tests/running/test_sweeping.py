@@ -119,7 +119,7 @@ def test_members_of_random_rows_equal_one_at_a_time(seed):
     assert_equal_to_one_at_a_time(result, max_events=2000)
 
 
-@pytest.mark.parametrize("options", [{}, {"until": 1e-3}, {"cells": 20, "until": 1e-3}])
+@pytest.mark.parametrize("options", [{}, {"until": 1e-3}, {"method": "finite-difference", "cells": 20, "until": 1e-3}])
 def test_bonds_and_joints_have_totals(options):
     """Impulse and largest force of a contact that cannot open, as `solve` gives them."""
     law = ri.Joint(stiffness=1e9) if "cells" in options else ri.Bonded()
@@ -385,7 +385,7 @@ TIMES = np.linspace(0.0, 4e-4, 41)
                         ri.Rod(0.5, area=1e-4, material=STEEL), ri.Wall()], gravity=9.81),
      {"until": 3e-4}, [(1, 0.2)]),
     (lambda: ri.System([ri.Rod(0.3, area=1e-4, material=STEEL, velocity=np.array([1.0, 2.0])),
-                        ri.Wall()]), {"until": 3e-4, "cells": 20}, [(0, 0.1), (0, 0.3)]),
+                        ri.Wall()]), {"until": 3e-4, "method": "finite-difference", "cells": 20}, [(0, 0.1), (0, 0.3)]),
 ])
 def test_gauges_equal_those_of_single_solutions(make, options, gauges):
     system = make()
