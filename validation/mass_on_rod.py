@@ -98,7 +98,7 @@ def on_fixed_rod(ratio: float) -> ri.System:
 
 def first_contact(ratio: float) -> np.ndarray:
     """Contact time, velocity of the mass after it, peak stress at struck and fixed end."""
-    solution = ri.solve(on_fixed_rod(ratio), until=8.0)
+    solution = ri.solve(on_fixed_rod(ratio), until=9.0)
     end = solution.contacts[0].episodes[0].force_end
     near, far = (np.union1d(np.linspace(0, t, 4001), np.arange(t)) for t in (end, end + 1))
     force, stress = solution.contacts[0].force(near), -solution.stress(1, 1.0, far)

@@ -160,22 +160,14 @@ def test_a_signal_is_the_mean_under_a_spline(options):
         record.signal(1.0)
 
 
-def test_a_step_is_a_line_about_its_mean():
-    """Behind a spring the pulse is 1 - exp(-2 k t/Z), until the wave comes back to the spring."""
+def test_behind_a_spring_the_pulse_rises_as_an_exponential():
+    """1 - exp(-2 k t/Z), until the wave comes back to the spring."""
     record = struck(ri.Spring(1e8), until=6e-5)
     bar = ri.Rod(0.2, area=1e-4, material=STEEL)
     c, Z = STEEL.wave_speed, bar.segments[0].impedance
-    t = record.times[(record.times > 0.11 / c) & (record.times < 0.29 / c)]
-    wanted = -np.expm1(-2e8 * (t - 0.1 / c) / Z) / (-2 * c)
-    top = np.abs(wanted).max()
-    assert record.strain_at(t) == pytest.approx(wanted, abs=1e-4 * top)
-    assert np.abs(record.strain[np.isin(record.times, t)] - wanted).max() > 2e-3 * top
-    dense = record.strain_at(np.linspace(0.0, 0.29 / c, 5000))
-    means = record.strain[record.times < 0.3 / c]
-    assert means.min() <= dense.min() < 0 == dense.max() == means.max()
-    middles = (record.times[1:] + record.times[:-1]) / 2
-    kept = record.times[1:] < record.end
-    assert record.strain_at(middles[kept]) == pytest.approx(record.strain[:-1][kept], abs=1e-16)
+    t = np.linspace(0.0, 0.29 / c, 5000)
+    wanted = -np.expm1(-2e8 * np.maximum(t - 0.1 / c, 0.0) / Z) / (-2 * c)
+    assert record.strain_at(t) == pytest.approx(wanted, abs=1e-9 * np.abs(wanted).max())
 
 
 def test_jumps_stay_jumps_of_characteristics():
