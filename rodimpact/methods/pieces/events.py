@@ -134,7 +134,7 @@ def record(
         it.bend = 2 * (it.rate - before) / (h * (X[N] - X[N - 1]))
         touch = Touch.APART.value if it.status == Status.OPEN else Touch.GRAZING.value
         if acts_or_pushes(it):
-            count(run, it, at.rate, h)
+            count(it, at.rate, h)
             top = series.maximum(it.force, at.series)
             if ticks > run.window:  # shorter is where breaks nearly meet
                 it.peak = max(it.peak, top)
@@ -155,7 +155,7 @@ def acts_or_pushes(it: Any) -> bool:
     return bool(it.status != Status.OPEN and it.status != Status.SLACK)
 
 
-def count(run: Any, it: Any, power: Any, h: float) -> None:
+def count(it: Any, power: Any, h: float) -> None:
     """Add the impulse of a piece, and the work that the bodies did on the link."""
     half = 0.5 * h
     it.impulse += half * series.integral(it.force)

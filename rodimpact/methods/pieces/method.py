@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from ..clock import Clock
 from ..fronts.method import rounding
 from ..groups import groups
 from ..row import Row, squeezed
-from ..run import ContactTally, GroupTotals, Run
+from ..run import ContactTally, GroupTotals, Run, Signals
 from ..status import end_sentence, last_contact, proof_sentence, strain_warning
 from .driver import Machine
 from .layout import Layout, lay_out
@@ -28,6 +29,7 @@ from .signals import signals_of
 
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
 RTOL = 1e-8
+LOOSEST, FINEST = 1e-6, 1e-13  # of tolerances: errors fall evenly below, and round-off comes
 COARSER = 10.0  # tolerance of the run that the first is compared with, over its own
 MEASURES = ("velocity", "impulse", "peak force", "duration", "time")
 
@@ -39,14 +41,20 @@ def solve(
     """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
     if row.segments:
         row.check_scales()
-    goal = RTOL if rtol is None else rtol
-    layout = lay_out(row, until, goal, max_events, keep=True)
-    fine, coarse = Machine(layout), Machine(lay_out(row, until, COARSER * goal, max_events, False))
+    tolerance = tolerance_of(rtol)
+    layout = lay_out(row, until, tolerance, max_events, keep=True)
+    fine = Machine(layout)
+    coarse = Machine(lay_out(row, until, COARSER * tolerance, max_events, keep=False))
     stop = fine.go()
     coarse.go()
     if stop == Stop.STUCK:
         raise squeezed(float(fine.run["tick"] * min(fine.records["node"]["now"])))
     return _hand_over(layout, fine, measured(fine), measured(coarse), until, stop)
+
+
+def tolerance_of(rtol: float | None) -> float:
+    """Tolerance of pieces, relative to the velocity scale."""
+    return max(FINEST, min(RTOL if rtol is None else rtol, LOOSEST))
 
 
 def measured(machine: Machine) -> dict[str, Any]:
@@ -89,12 +97,13 @@ def _hand_over(
     fastest = max((_fastest(r["log"][: run["pieces"]], s) / float(row.segments[s].wave_speed)
                    for s in range(len(row.segments))), default=0.0)
     status += rounding(clock.transit_error, clock.worst) + strain_warning(fastest)
+    signals = cache(partial(signals_of, row, clock, end, r))
     return Run(
         method="characteristics", until=until, clock=clock, end=end, t_end=t_end, t_final=t_final,
         t_proved=float(run["proved"]) * tick if proved else math.nan, stopped_by=stopped_by, status=status, events=int(run["steps"]),
-        contacts=_tallies(row, r), groups=_groups(row, r),
+        contacts=_tallies(row, r, signals), groups=_groups(row, r),
         accuracy=_accuracy(fine, coarse, float(run["scale"])),
-        make_signals=lambda: signals_of(row, clock, end, r),
+        make_signals=signals,
     )
 
 
@@ -131,13 +140,18 @@ def _clock(layout: Layout) -> Clock:
     )
 
 
-def _tallies(row: Row, r: dict[str, Any]) -> tuple[ContactTally, ...]:
+def _tallies(
+    row: Row, r: dict[str, Any], signals: Callable[[], Signals]
+) -> tuple[ContactTally, ...]:
     """Totals of every contact in SI units."""
     tick, tallies = float(r["run"][0]["tick"]), []
     now = int(r["node"]["now"].min())
-    for law, i in zip(row.system.contacts, row.contact_link, strict=True):
-        if i < 0:
-            tallies.append(ContactTally(math.nan, math.nan, 0.0, math.nan, math.nan, 0))
+    for k, (law, i) in enumerate(zip(row.system.contacts, row.contact_link, strict=True)):
+        if i < 0:  # a bond of rigid bodies follows from what acts beside it
+            force = signals().contacts[k].force
+            tallies.append(ContactTally(
+                float(force.integral(0, now)) * tick, max(0.0, float(force.at(force.marks).max())),
+                0.0, math.nan, math.nan, 0))
             continue
         it = r["link"][i]
         if not law.opens:
@@ -169,7 +183,8 @@ def _groups(row: Row, r: dict[str, Any]) -> GroupTotals:
             energy = by_mass[m] * float(body.mass) / float(row.masses[m])  # type: ignore[union-attr]
         vibration.append(energy)
     tick = float(r["run"][0]["tick"])
+    fallen = frame + float(row.gravity) * float(r["run"][0]["surveyed"]) * tick
     return GroupTotals(
-        part["before"][heads] + frame, part["speed"][heads] + frame, np.array(vibration),
+        part["initial"][heads] + frame, part["mean"][heads] + fallen, np.array(vibration),
         r["link"]["peak"], r["link"]["pressed"] * tick,
     )
