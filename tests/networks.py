@@ -9,6 +9,7 @@ import numpy as np
 
 import rodimpact as ri
 
+STEP = 1 / 32  # of a grid
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 QUICK = ri.Material("quick", youngs_modulus=8.0, density=2.0)
 

@@ -32,6 +32,7 @@ from .field_kernel import sum_on_grid
 from .fields import Fields, Profile, Trace
 
 PAIR_TIME = 5e-7  # s of plain Python for two waves that meet
+SLIVER = 64  # ticks: waves that last no longer come of round-off
 POINT_TIME = 4e-9  # s that NumPy takes longer for a point of a grid than a compiled loop
 
 
@@ -258,7 +259,7 @@ class WaveFields(Fields):
                        np.concatenate([w.values for w in waves])]
             if kernel is largest_difference:
                 columns = [column.tolist() for column in columns]
-            parted = kernel(*columns, (0, counts[0]), self.clock.ticks[s], self.end, 0)
+            parted = kernel(*columns, (0, counts[0]), self.clock.ticks[s], self.end, SLIVER)
             E = float(piece.material.youngs_modulus)
             stresses.append(E * parted / (2 * self.clock.wave_speed[s]))
         return float(max(stresses))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from networks import STEP, random_network, unit_rod
+from networks import random_network, unit_rod
 from systems import horizon, random_system
 
 import rodimpact as ri

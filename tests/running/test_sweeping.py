@@ -40,7 +40,7 @@ def assert_equal_to_one_at_a_time(result, **options):
     """Every column bit for bit, the energy left in vibration to round-off.
 
     One that presses for ever has no total of its own; a rod bonded or joined to a wall swings on
-    for ever. The method on a time step does not add up what bonds and joints carry.
+    for ever.
     """
     for index in np.ndindex(result.shape):
         outcome = ri.solve(result.system[index], **options).outcome
@@ -48,9 +48,6 @@ def assert_equal_to_one_at_a_time(result, **options):
         for i, velocity in enumerate(outcome.velocities_after):
             assert found[f"velocity_after.{i}"] == velocity
         for k, tally in enumerate(outcome.contacts):
-            if not result.system.contacts[k].opens and result.method == "characteristics":
-                assert np.isnan(found[f"impulse.{k}"])
-                continue
             for name in ("impulse", "peak_force", "duration", "episodes"):
                 assert "goes on pressing" in outcome.status or np.array_equal(
                     found[f"{name}.{k}"], getattr(tally, name), equal_nan=True
@@ -200,7 +197,7 @@ def even_network(seed):
 
 
 @pytest.mark.parametrize("seed", few_of(range(300), range(75, 300, 25)))
-def test_members_of_random_rows_on_a_time_step_equal_one_at_a_time(seed):
+def test_members_of_random_rows_of_characteristics_equal_one_at_a_time(seed):
     system = even_network(seed)
     options = {"method": "characteristics", "until": 1.5, "rtol": 1e-2}
     with kernels.forced(True):

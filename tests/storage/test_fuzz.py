@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from exhaustive import few_of
 from fuzz.generators import SEED, TIMES
-from networks import STEP, random_network
+from networks import random_network
 
 import rodimpact as ri
 
