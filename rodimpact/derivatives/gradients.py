@@ -108,8 +108,8 @@ def gradient(
     >>> g = ri.gradient(ri.System([left, right]), wrt=["bodies.0.length", "bodies.1.length"])
     >>> print(g)
     restitution = 0.4; its derivative by
-      bodies.0.length: 1
-      bodies.1.length: -0.4
+      bodies.0.length: 1 1/m
+      bodies.1.length: -0.4 1/m
     """
     Options(method="fronts", max_events=max_events).method_for(system)
     plan = Blueprint(Row(system))

@@ -220,15 +220,15 @@ def row_of(case: Any, library: Any) -> Any:
         *[piece["wave_speed"] for piece in segments], *[piece["impedance"] for piece in segments],
         *[piece["length"] for piece in segments], *gaps, *profiles,
     ]
-    n, before, changes, joined = len(segments), len(given) - len(profiles), 0, 1
+    n, before, changes, joined = len(segments), len(given) - len(profiles), 0, [1, 0]
     for jump in jumps:
         changes += jump
     for bond in bonded:
-        joined = joined if bond else 0
+        joined = [joined[0], 1] if bond else [0, joined[1]]
     make = Make(
         first, last, [body["last"] for body in bodies[: count - 1]],
         [before + place for place in places], jumps, [outside_at(end["kind"]) for end in both],
-        [n, len(given), 2 * (n + changes) + 2], [joined],
+        [n, len(given), 2 * (n + changes) + 2], joined,
     )
     return {
         "segments": segments, "bodies": bodies, "gaps": gaps, "bonded": bonded,

@@ -137,7 +137,7 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
     @wraps(draw)
     def drawn(*args: P.args, **kwargs: P.kwargs) -> R:
         paper, ink, faint, *_ = colours()
-        with rc_context({
+        with np.errstate(under="ignore"), rc_context({
             "font.family": [FONT], "font.size": NORMAL, "axes.titlesize": NORMAL,
             "axes.labelsize": NORMAL, "text.color": ink, "axes.labelcolor": ink,
             "text.usetex": False, "figure.facecolor": paper, "axes.facecolor": paper,

@@ -25,6 +25,8 @@ from ..model import Rod
 from ..model.profiles import Samples
 from .fields import Fields, Profile, Trace, nearest
 
+_FAINT = np.errstate(under="ignore")  # ahead of the waves strains are next to nothing
+
 
 class GridFields(Fields):
     """Fields of a row from its states on a grid.
@@ -128,6 +130,7 @@ class GridFields(Fields):
         return values
 
     @cached_property
+    @_FAINT
     def _at_ends(self) -> tuple[Floats, Floats]:
         """Strains and their rates [state, end], left and right end of segment after segment.
 
@@ -186,16 +189,17 @@ class GridFields(Fields):
         return np.asarray(at_steps[self.motion.when])
 
     @cached_property
+    @_FAINT
     def _strain(self) -> Floats:
         """[state, cell]."""
         grid, force = self.motion, self.motion.force
         if grid.radial is not None:
-            with np.errstate(under="ignore"):  # ahead of the waves strains are next to nothing
-                force = force - grid.radial.coupling * grid.radial.strain * self._step
+            force = force - grid.radial.coupling * grid.radial.strain * self._step
         stiff = np.where(grid.stiffness > 0, grid.stiffness, np.inf)
         return np.asarray(force / stiff / grid.width)
 
     @cached_property
+    @_FAINT
     def _rate(self) -> Floats:
         """[state, cell] rates of strain."""
         rates: Floats = np.zeros(self.motion.force.shape)
@@ -203,6 +207,7 @@ class GridFields(Fields):
         return rates
 
     @cached_property
+    @_FAINT
     def _displaced(self) -> dict[int, Floats]:
         """By rod: [state, node of the rod] displacements in the frame, m."""
         stretched = np.cumsum(self._strain[:, :-1] * self.motion.width[:-1], axis=1)
@@ -234,6 +239,7 @@ class GridFields(Fields):
         moved = self._at_nodes(self._displaced[body], body, x, ticks, self._span(body)[0].start)
         return moved + a.frame * time + a.gravity * time * time / 2
 
+    @_FAINT
     def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
         x, ticks = self.check(body, x)[:, None], self.to_ticks(t)
         velocity = np.diff(self.displacement(body, x, t)) / np.diff(ticks * self.clock.tick)
@@ -248,6 +254,7 @@ class GridFields(Fields):
         total = passed[:, i] + (here + (here * (1 - share) + strain[:, following] * share)) / 2 * s
         return velocity, np.diff(total) / np.diff(ticks)
 
+    @_FAINT
     def trace(self, body: int, x: float) -> Trace:
         a = self.clock
         ticks = self.motion.when * STEP_TICKS
@@ -269,6 +276,7 @@ class GridFields(Fields):
         half = self.motion.cell_mass[cells] / 2
         return slice(a, b + 1), cells, np.append(half, 0.0) + np.append(0.0, half)
 
+    @_FAINT
     def momentum(self, body: int, t: ArrayLike) -> Floats:
         nodes, _, mass = self._span(body)
         own = (self.motion.velocity[:, nodes] * mass).sum(axis=1)  # state by state the same bits
@@ -276,6 +284,7 @@ class GridFields(Fields):
         momentum: Floats = moving + mass.sum() * (self.clock.frame + self._fallen(t))
         return momentum
 
+    @_FAINT
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
         a, (nodes, cells, mass) = self.clock, self._span(body)
         place = int(np.searchsorted(self.motion.when, tick // STEP_TICKS))
@@ -307,6 +316,7 @@ class GridFields(Fields):
         kinetic = radial.swelling[cells] @ p[cells] ** 2 - h * h / 4 * less
         return float(kinetic) / 2, float(strained) / 2
 
+    @_FAINT
     def largest_stress(self, body: int) -> float:
         """Of the states that were kept."""
         stresses, (first, last) = [], self.clock.spans[body]

@@ -130,6 +130,7 @@ class Solution:
 
     # Fields -------------------------------------------------------------------------------------
 
+    @_FAINT
     def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Velocity of the material.
 
@@ -161,11 +162,13 @@ class Solution:
             return self.fields.mass_velocity(body, t, side)
         return self.fields.velocity(body, x, t, side)
 
+    @_FAINT
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Strain, positive in tension; arguments as in `velocity`."""
         check_side(side)
         return self.fields.strain(self._index(body), x, t, side)
 
+    @_FAINT
     def stress(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Stress E eps + eta d(eps)/dt in Pa, positive in tension; arguments as in `velocity`."""
         rod = self.system.bodies[self._index(body)]
@@ -176,10 +179,12 @@ class Solution:
                 body, x, lambda segment, _: float(segment.material.viscosity))
         return stress
 
+    @_FAINT
     def axial_force(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Stress times area in N, positive in tension; arguments as in `velocity`."""
         return self.stress(body, x, t, side) * self._along(body, x, _area)
 
+    @_FAINT
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Displacement in m; arguments as in `velocity`.
 
@@ -198,12 +203,14 @@ class Solution:
             return base + self.displacement(body, 0.0, t)
         return base + self.fields.check(body, x) + self.displacement(body, x, t)
 
+    @_FAINT
     def mean_velocity(self, body: int, t: ArrayLike) -> Floats:
         """Velocity of a body's centre of mass in m/s at times t in s."""
         if not isinstance(self.system.bodies[self._index(body)], Rod):
             return self.velocity(body, 0.0, t)
         return self.fields.momentum(body, t) / self.outcome.masses[body]
 
+    @_FAINT
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
         x = single("x", x, "m")

@@ -170,7 +170,7 @@ def test_numbers_beyond_all_reach_are_no_fault(server, path, changes):
 def test_runs_of_no_time_are_told(server, solve):
     status, data = post(server, "/scene", design(solve=solve))
     assert status == 422
-    assert "lasts no time to show" in data["problems"][0]["message"]
+    assert "there is nothing to draw" in data["problems"][0]["message"]
 
 
 @pytest.mark.parametrize("host", [
