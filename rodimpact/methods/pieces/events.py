@@ -10,6 +10,7 @@ from .series import N, X
 
 SWEEPS = 1000  # of impacts that happen together
 SETTLED = 1e-15  # of the velocities, below which a sweep changes nothing
+NEAR = 0.9  # of the peak force: what is less at all points does not reach it between them
 SLOWEST = 1e-8  # of the velocity scale: rigid bodies that part more slowly come to rest
 
 
@@ -134,10 +135,10 @@ def record(
         it.bend = 2 * (it.rate - before) / (h * (X[N] - X[N - 1]))
         touch = Touch.APART.value if it.status == Status.OPEN else Touch.GRAZING.value
         if acts_or_pushes(it):
-            count(run, it, at.rate, h)
-            top = series.maximum(it.force, at.series)
-            if ticks > run.window:  # shorter is where breaks nearly meet
-                it.peak = max(it.peak, top)
+            count(it, at.rate, h)
+            top = series.largest(it.force)
+            if ticks > run.window and top > NEAR * it.peak:  # shorter is where breaks nearly meet
+                it.peak = max(it.peak, series.maximum(it.force, at.series))
             if it.status >= Status.PRESS and top * it.ease > run.graze:
                 touch = Touch.PRESSING.value
                 it.pressed += ticks
@@ -155,7 +156,7 @@ def acts_or_pushes(it: Any) -> bool:
     return bool(it.status != Status.OPEN and it.status != Status.SLACK)
 
 
-def count(run: Any, it: Any, power: Any, h: float) -> None:
+def count(it: Any, power: Any, h: float) -> None:
     """Add the impulse of a piece, and the work that the bodies did on the link."""
     half = 0.5 * h
     it.impulse += half * series.integral(it.force)

@@ -14,7 +14,7 @@ from ..groups import groups, movable, velocities_in_group
 from ..row import Row
 from . import march
 from .layout import Layout, is_even, lay_out
-from .method import RTOL
+from .method import tolerance_of
 from .records import PIECE, TURN, Part, Stop
 
 TOGETHER = 4096  # members of one chunk
@@ -49,7 +49,7 @@ def solve_family(
     Stopped
         If `stop` said so.
     """
-    layout = lay_out(row, until, RTOL if rtol is None else rtol, max_events, keep=False)
+    layout = lay_out(row, until, tolerance_of(rtol), max_events, keep=False)
     refused = beyond(row)
     run_members(layout, np.flatnonzero(~refused), stop)
     return totals(layout, refused | (layout.run["stop"] == Stop.STUCK), until)
@@ -96,10 +96,11 @@ def totals(layout: Layout, refused: Any, until: float | None) -> FamilyRun:
     before: list[Any] = []
     after: list[Any] = []
     free, frame = movable(system), row.frame
+    fall = np.broadcast_to(row.gravity, system.shape).ravel() * run["surveyed"] * run["tick"]
     for group, head in zip(groups(system), heads.tolist(), strict=True):
         inside = [i for i in group if i in free]
-        for found, name in ((before, "before"), (after, "speed")):
-            shared = part[name][:, head].reshape(system.shape) + frame
+        for found, name, fallen in ((before, "initial", 0.0), (after, "mean", fall)):
+            shared = (part[name][:, head] + fallen).reshape(system.shape) + frame
             found += [unknown + np.broadcast_to(v, system.shape).ravel()
                       for v in velocities_in_group(system, group, inside, shared)]
     opens = [law.opens for law in system.contacts]

@@ -13,7 +13,7 @@ from typing import Any
 
 from . import lines
 from .records import NONE, Law, Part, Status
-from .series import N, WEIGHTS, X
+from .series import WEIGHTS, N, X
 
 WALL, ENDLESS = 0, 1  # `index` of what holds a group
 STILL = 2.0**-40  # of the velocity scale: slower is at rest
@@ -23,9 +23,12 @@ ROUGH = 1e-3  # of the tolerance of pieces: what they leave open
 def look(run: Any, link: Any, mass: Any, line: Any, log: Any, part: Any) -> None:
     """See at `run.check` whether the run is over; if not, say when to look again."""
     tick = run.check
-    survey(run, link, mass, line, log, part, tick)
+    for l in range(len(line)):
+        if line[l].head != NONE:
+            lines.move_on(line, log, l, tick)
+    survey(link, mass, line, log, part, run.tick, tick)
     if is_over(run, link, part):
-        run.proved, run.prove = tick, 0
+        run.proved, run.surveyed, run.prove = tick, tick, 0
         run.end = min(run.end, tick + run.extra)
     else:
         run.check = tick + max(run.shortest, wait(run, link, part))
@@ -78,168 +81,153 @@ def wait(run: Any, link: Any, part: Any) -> int:
     return int(min(longest, 2.0**60)) + 1
 
 
-def survey(run: Any, link: Any, mass: Any, line: Any, log: Any, part: Any, tick: int) -> None:
-    """Set speed, energies, deviations and bounds of all groups at a tick that every node has reached."""
-    i = 0
-    while i < len(part):
-        head, last = part[i], i + part[i].parts
+def survey(link: Any, mass: Any, line: Any, log: Any, part: Any, second: float, tick: int) -> None:
+    """Set what all groups do at a tick that every node has reached; `second` is s a tick."""
+    first = 0
+    while first < len(part):
+        head, last = part[first], first + part[first].parts
         momentum = total = 0.0
-        for k in range(i, last):
-            own = momentum_of(run, mass, line, log, part[k], tick)
-            if part[k].mass > 0:
-                part[k].own = own / part[k].mass
-            momentum += own
+        for k in range(first, last):
+            look_at(mass, line, log, part[k], 0.0, tick)
+            momentum += part[k].mass * part[k].own
             total += part[k].mass
-        if head.held == NONE and total > 0:
-            head.speed = momentum / total
-        elif head.held != NONE:  # a line that says how what holds the group moves
-            head.speed = 0.5 * sum_of(line, log, head.held, tick, 0, 0.0, 0.0, 1)
-        head.bound = 0.0
-        head.low, head.high = math.inf, -math.inf
-        for k in range(i, last):
-            set_energy(run, link, mass, line, log, part[k], head.speed, tick)
+        if total > 0:
+            head.mean = momentum / total
+        head.speed = head.mean
+        if head.held != NONE:
+            head.speed = value_of(line, log, head.held, tick)
+        head.bound = total * (head.mean - head.speed) ** 2 / 2
+        head.low = head.high = head.speed
+        for k in range(first, last):
+            look_at(mass, line, log, part[k], head.mean, tick)
+            if part[k].kind == Part.JOINT:
+                it = link[part[k].index]
+                part[k].energy = it.stiffness * it.overlap**2 / 2
             head.bound += part[k].energy
-        set_ends(run, link, line, log, part, i, last, total, tick)
-        i = last
+        set_ends(link, line, log, part, first, last, total)
+        for k in range(first, last):
+            if part[k].kind == Part.SEGMENT:
+                add_stretch(head, part[k], second * line[2 * part[k].index].delay)
+        first = last
 
 
-def momentum_of(run: Any, mass: Any, line: Any, log: Any, it: Any, tick: int) -> float:
-    """Momentum of a part, kg m/s."""
-    if it.kind == Part.MASS:
-        return float(it.mass * mass[it.index].speed[0])
-    if it.kind != Part.SEGMENT:
-        return 0.0
-    mean = sum_of(line, log, 2 * it.index, tick, line[2 * it.index].delay, 0.0, 0.0, 1)
-    mean += sum_of(line, log, 2 * it.index + 1, tick, line[2 * it.index].delay, 0.0, 0.0, 1)
-    return float(it.mass * mean / 2)
-
-
-def set_energy(
-    run: Any, link: Any, mass: Any, line: Any, log: Any, it: Any, speed: float, tick: int
-) -> None:
-    """Set the energy of a part about a velocity."""
+def look_at(mass: Any, line: Any, log: Any, it: Any, speed: float, tick: int) -> None:
+    """Set the mean velocity of a part, its energy about a velocity, and means of its waves."""
     it.energy = 0.0
     if it.kind == Part.MASS:
-        it.energy = it.mass * (mass[it.index].speed[0] - speed) ** 2 / 2
-    elif it.kind == Part.JOINT:
-        it.energy = link[it.index].stiffness * link[it.index].overlap ** 2 / 2
+        it.own = mass[it.index].speed[0]
+        it.energy = it.mass * (it.own - speed) ** 2 / 2
     elif it.kind == Part.SEGMENT:
         T = line[2 * it.index].delay
-        square = sum_of(line, log, 2 * it.index, tick, T, 0.0, speed, 2)
-        square += sum_of(line, log, 2 * it.index + 1, tick, T, 0.0, speed, 2)
-        it.energy = it.mass * square / 4
+        a, a2, it.right_lever = sums(line, log, 2 * it.index, tick, T, speed)
+        b, b2, it.left_lever = sums(line, log, 2 * it.index + 1, tick, T, speed)
+        it.right_wave, it.left_wave, it.own = a, b, (a + b) / 2
+        it.energy = it.mass * (a2 + b2) / 4
 
 
-def set_ends(
-    run: Any, link: Any, line: Any, log: Any, part: Any, first: int, last: int, total: float,
-    tick: int,
-) -> None:
-    """Set deviations and slacks of the ends of a group, and bounds of their velocity."""
-    head = part[first]
-    # waves under way are all that the end of a single segment can come to move with
-    head.left_deviation = head.right_deviation = head.left_slack = head.right_slack = 0.0
-    passed = 0.0
-    for k in range(first, last):
-        it = part[k]
-        before = passed / total if total > 0 else 0.0
-        passed += it.mass
-        behind = passed / total if total > 0 else 0.0
-        if head.held != NONE:
-            before = behind = 1.0
-        if it.kind == Part.SEGMENT:
-            add_segment(line, log, head, it, before, behind, run.tick, tick)
-        elif it.kind == Part.JOINT:
-            far = 1.0 if head.held != NONE else 1 - before
-            head.right_deviation -= link[it.index].overlap * before
-            head.left_deviation += link[it.index].overlap * far
-            head.right_slack += it.compliance * before * before
-            head.left_slack += it.compliance * far * far
-    segments = 0
-    for k in range(first, last):
-        it = part[k]
-        if it.kind == Part.MASS or it.kind == Part.JOINT:
-            segments += 2
-        elif it.kind == Part.SEGMENT:
-            segments += 1
-        elif it.index == ENDLESS:
-            head.left_slack = head.right_slack = it.compliance
-        else:  # turns waves around its own velocity
-            low = min(head.low, 2 * head.speed - head.high)
-            head.high = max(head.high, 2 * head.speed - head.low)
-            head.low = low
-        head.low, head.high = min(head.low, head.speed), max(head.high, head.speed)
-    head.plain = segments <= 1 or last - first == 1
+def sums(
+    line: Any, log: Any, l: int, tick: int, T: int, speed: float
+) -> tuple[float, float, float]:
+    """Means over what a line sent in the last T ticks: of the wave f, of (f - speed)^2, of f u.
 
-
-def add_segment(
-    line: Any, log: Any, head: Any, it: Any, before: float, behind: float, second: float, tick: int
-) -> None:
-    """Add a segment to the deviations of the ends of its group; `before` and `behind` are g."""
-    right_going, left_going, T = 2 * it.index, 2 * it.index + 1, line[2 * it.index].delay
-    low, high = extremes(line, log, right_going, tick, head.low, head.high)
-    head.low, head.high = extremes(line, log, left_going, tick, low, high)
-    far_before, far_behind = (1.0, 1.0) if head.held != NONE else (1 - before, 1 - behind)
-    for side in range(2):
-        g, w = (before, behind) if side else (far_before, far_behind)
-        # strain dx = (b - a)/2 dt; a that left the left end last is at the left end now
-        mean = sum_of(line, log, left_going, tick, T, g - w, w, 3)
-        mean -= sum_of(line, log, right_going, tick, T, w - g, g, 3)
-        stretch = mean * T * second / 2
-        slack = it.compliance * (g * g + g * w + w * w) / 3
-        if side:
-            head.right_deviation += stretch
-            head.right_slack += slack
-        else:
-            head.left_deviation -= stretch
-            head.left_slack += slack
-
-
-def extremes(
-    line: Any, log: Any, l: int, tick: int, low: float, high: float
-) -> tuple[float, float]:
-    """Bounds of what is under way in a line, and of these two."""
-    i = line[l].head
-    while i != NONE:
-        piece = log[i]
-        if piece.stop + line[l].delay > tick:
-            swing = 0.0
-            if piece.degree > 0:
-                for m in range(1, N + 1):
-                    swing += abs(piece.coefficient[m])
-            low = min(low, piece.coefficient[0] - swing)
-            high = max(high, piece.coefficient[0] + swing)
-        i = piece.after
-    return low, high
-
-
-def sum_of(
-    line: Any, log: Any, l: int, tick: int, T: int, slope: float, shift: float, what: int
-) -> float:
-    """Mean over the last T ticks of what a line sent, or twice its value where T is 0.
-
-    what : 1: of the wave; 2: of the square of the wave less `shift`; 3: of the wave times the
-    weight `shift` + `slope` u, u from 0 for what was sent last to 1 for what was sent first.
+    u goes from 0 for what was sent last to 1 for what was sent first.
     """
-    i, total = line[l].head, 0.0
-    if T == 0:
-        while log[i].after != NONE and log[i].stop + line[l].delay <= tick:
-            i = log[i].after
-        piece = log[i]
-        y = 2 * (tick - line[l].delay - piece.start) / (piece.stop - piece.start) - 1
-        return 2 * lines.at(piece, y)
+    mean = square = lever = 0.0
+    i = line[l].head
     while i != NONE:
         piece = log[i]
         low, high = max(tick - T, piece.start), min(tick, piece.stop)
         if high > low:
-            part = 0.0
+            width, share = high - low, 0.5 * ((high - low) / T)
             for j in range(N):
-                u = 0.5 * (X[j + 1] + 1) * (high - low)
+                u = 0.5 * (X[j + 1] + 1) * width
                 f = lines.at(piece, 2 * ((low - piece.start) + u) / (piece.stop - piece.start) - 1)
-                if what == 2:
-                    f = (f - shift) ** 2
-                elif what == 3:
-                    f *= shift + slope * (((tick - low) - u) / T)
-                part += WEIGHTS[j] * f
-            total += 0.5 * part * ((high - low) / T)
+                w = share * WEIGHTS[j]
+                mean += w * f
+                square += w * (f - speed) ** 2
+                lever += w * f * (((tick - low) - u) / T)
         i = piece.after
-    return total
+    return mean, square, lever
+
+
+def value_of(line: Any, log: Any, l: int, tick: int) -> float:
+    """What a line that comes from outside brings at a tick."""
+    i = line[l].head
+    while log[i].after != NONE and log[i].stop + line[l].delay <= tick:
+        i = log[i].after
+    piece = log[i]
+    y = 2 * (tick - line[l].delay - piece.start) / (piece.stop - piece.start) - 1
+    return float(lines.at(piece, y))
+
+
+def set_ends(
+    link: Any, line: Any, log: Any, part: Any, first: int, last: int, total: float
+) -> None:
+    """Set what is known of the ends of a group but for the stretch of its segments.
+
+    Waves under way, and what holds the group, are all that an end of a single segment can come to
+    move with. Each part gets its mass fractions g as its right end sees them, on its left and right.
+    """
+    head = part[first]
+    head.left_deviation = head.right_deviation = head.left_slack = head.right_slack = 0.0
+    passed, pieces = 0.0, 0
+    for k in range(first, last):
+        it = part[k]
+        it.before = passed / total if total > 0 else 0.0
+        passed += it.mass
+        it.behind = passed / total if total > 0 else 0.0
+        it.far_before, it.far_behind = 1 - it.before, 1 - it.behind
+        if head.held != NONE:
+            it.before = it.behind = it.far_before = it.far_behind = 1.0
+        if it.kind == Part.SEGMENT:
+            pieces += 1
+            low, high = extremes(line, log, 2 * it.index, head.low, head.high)
+            head.low, head.high = extremes(line, log, 2 * it.index + 1, low, high)
+        elif it.kind == Part.JOINT:
+            pieces += 2
+            head.right_deviation -= link[it.index].overlap * it.before
+            head.left_deviation += link[it.index].overlap * it.far_before
+            head.right_slack += it.compliance * it.before**2
+            head.left_slack += it.compliance * it.far_before**2
+        elif it.kind == Part.MASS:
+            pieces += 2
+        elif it.index == ENDLESS:
+            head.left_slack, head.right_slack = it.compliance, it.compliance
+    for k in range(first, last):
+        if part[k].kind == Part.GROUND and part[k].index == WALL:  # turns waves around its velocity
+            low = min(head.low, 2 * head.speed - head.high)
+            head.high = max(head.high, 2 * head.speed - head.low)
+            head.low = low
+    head.plain = pieces <= 1 or last - first == 1
+
+
+def add_stretch(head: Any, it: Any, transit: float) -> None:
+    """Add a segment to deviations and slacks; strain dx = (b - a)/2 dt, g linear along it.
+
+    What a sent last is at the left end now, what b sent last at the right end.
+    """
+    g, w = it.before, it.behind
+    mean = w * it.left_wave + (g - w) * it.left_lever
+    mean -= g * it.right_wave + (w - g) * it.right_lever
+    head.right_deviation += mean * transit / 2
+    head.right_slack += it.compliance * (g * g + g * w + w * w) / 3
+    g, w = it.far_before, it.far_behind
+    mean = w * it.left_wave + (g - w) * it.left_lever
+    mean -= g * it.right_wave + (w - g) * it.right_lever
+    head.left_deviation -= mean * transit / 2
+    head.left_slack += it.compliance * (g * g + g * w + w * w) / 3
+
+
+def extremes(line: Any, log: Any, l: int, low: float, high: float) -> tuple[float, float]:
+    """Bounds of what is under way in a line, and of these two."""
+    i = line[l].head
+    while i != NONE:
+        piece = log[i]
+        swing = 0.0
+        if piece.degree > 0:
+            for m in range(1, N + 1):
+                swing += abs(piece.coefficient[m])
+        low = min(low, piece.coefficient[0] - swing)
+        high = max(high, piece.coefficient[0] + swing)
+        i = piece.after
+    return low, high

@@ -10,12 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from ...model import Free, Joint, RigidMass, Rod, Samples, Steps, Wall
+from ...model import Rod, Samples, Steps
 from ...model.frozen import InvalidModel
 from .. import contact_law_kernel as old
 from ..abilities import driven
 from ..fronts import layout_kernel as rule
-from ..groups import groups
 from ..row import Row
 from . import finality, waves
 from .records import LINE, LINK, MASS, NODE, NONE, PART, PIECE, RUN, SMOOTH, Law, Part, Status
@@ -26,9 +25,8 @@ LAWS = {
     old.RIGID: Law.RIGID, old.IMPACT: Law.IMPACT, old.SPRING: Law.SPRING, old.HERTZ: Law.POWER,
     old.HUNT: Law.POWER, old.POWER: Law.POWER, old.YIELD: Law.YIELD,
 }
-LOOSEST = 1e-6  # tolerance of pieces, of the velocity scale: an estimate needs smooth errors
 FLOORS = 128  # in the shortest transit
-WINDOW = 64  # ticks of a piece that has no say in the peak force
+WINDOW = 2.0**-40  # of the longest transit: what comes nearer is taken together
 GRAZE = 2.0**-40  # of the velocity scale: forces that move no faster are none
 ENDLESS = 1 << 61  # tick
 COLUMNS = "now length first links mass mirror in_left in_right out_left out_right"
@@ -87,7 +85,9 @@ class _Members:
         return np.broadcast_to(value, self.shape).ravel().astype(float)
 
 
-def lay_out(row: Row, until: float | None, rtol: float, max_events: int, keep: bool) -> Layout:
+def lay_out(
+    row: Row, until: float | None, tolerance: float, max_events: int, keep: bool
+) -> Layout:
     """Put a row, or a family of even ones, on records.
 
     Parameters
@@ -95,7 +95,8 @@ def lay_out(row: Row, until: float | None, rtol: float, max_events: int, keep: b
     row : Row
     until : float or None
         s.
-    rtol : float
+    tolerance : float
+        Of pieces, relative to the velocity scale.
     max_events : int
         Cap on steps of nodes.
     keep : bool
@@ -110,23 +111,26 @@ def lay_out(row: Row, until: float | None, rtol: float, max_events: int, keep: b
     reference = reference_time(row, of, until)
     scale = velocity_scale(row, of, reference)
     tick, ticks, jumps, horizon = _clock(row, of, until, scale, reference)
-    pieces = _Pieces(row, of, tick, ticks, jumps, rtol, scale, until)
-    node, link, mass, line, part = _records(row, of, tick, ticks, pieces, keep)
+    pieces = _Pieces(row, of, tick, ticks, jumps, tolerance, scale, until)
+    node, link, mass, line, part = _records(row, of, ticks, pieces, keep)
     shortest = ticks.min(axis=1) if ticks.size else np.rint(reference / tick).astype(np.int64)
     for m in range(link.shape[1]):
         _set_ease(link[:, m], row, of, m, shortest * tick, scale)
     run = np.zeros(of.count, RUN)
     run["tick"], run["scale"], run["keep"] = tick, scale, keep
-    run["tolerance"] = min(rtol, LOOSEST) * scale
+    run["tolerance"] = tolerance * scale
     run["floor"], run["shortest"] = np.maximum(shortest // FLOORS, 64), shortest
     run["check"], run["graze"] = shortest, GRAZE * scale
-    run["window"] = np.minimum(shortest // FLOORS, WINDOW)
+    run["window"] = np.maximum(np.rint(reference / tick * WINDOW), 1)
     run["limit"], run["proved"], run["first_rough"] = max_events, NONE, NONE
     run["prove"] = not driven(row.system)
     run["end"] = np.rint((horizon if until is None else until) / tick).astype(np.int64)
     spans = [ticks[:, first - 1 : last].sum(axis=1) for first, last in row.spans if last]
     longest = reduce(np.maximum, spans) if spans else shortest
-    run["extra"] = 2 * longest if until is None else ENDLESS
+    grounds = part["kind"] == Part.GROUND
+    run["held"] = np.any(grounds & (part["parts"] != 1), axis=1)
+    seen = run["held"].any() or keep  # who wants totals alone needs no more than the proof
+    run["extra"] = ENDLESS if until is not None else 2 * longest if seen else 0
     node["length"] = np.maximum(shortest // 8, 16)[:, None]
     return Layout(
         row=row, tick=tick, ticks=ticks, run=run, node=node, link=link, mass=mass, line=line,
@@ -251,11 +255,11 @@ class _Pieces:
     """What is known of all lines at t = 0: waves under way, then what comes from outside."""
 
     def __init__(
-        self, row: Row, of: _Members, tick: Any, ticks: Any, jumps: list[list[int]], rtol: float,
+        self, row: Row, of: _Members, tick: Any, ticks: Any, jumps: list[list[int]], tolerance: float,
         scale: Any, until: float | None,
     ) -> None:
         self._row, self._of, self._tick, self._ticks, self._jumps = row, of, tick, ticks, jumps
-        self._tolerance, self._until = min(rtol, LOOSEST) / 4 * float(scale[0]), until
+        self._tolerance, self._until = tolerance / 4 * float(scale[0]), until
         self._scale = float(scale[0])
         self._window = float(ticks[0].min()) if ticks.size else 1.0
         self.fit = 0.0
@@ -274,8 +278,8 @@ class _Pieces:
         piece["degree"] = POINTS - 1 if np.any(piece["coefficient"][:, 1:]) else 0
         return piece
 
-    def _fitted(self, lines: waves.Lines) -> list[Any]:
-        made = waves.fitted(lines, self._tolerance, self._window)
+    def _fitted(self, curve: waves.Curve) -> list[Any]:
+        made = waves.fitted(curve, self._tolerance, self._window)
         self.fit = max(self.fit, made.error / self._scale)
         return [
             self._piece(*made.ticks[i : i + 2], c, made.order[i])
@@ -298,23 +302,29 @@ class _Pieces:
         L, T = float(row.segments[s].length), int(self._ticks[0, s])
         begin = sum(float(row.segments[i].length) for i in range(row.spans[body][0] - 1, s))
         length = float(rod.length)
-        state = [waves.part_of(waves.straight(p, length), begin, begin + L)
+        state = [waves.part_of(waves.curve_of(p, length), begin, begin + L)
                  for p in (rod.velocity, rod.strain)]
+        self._miss(rod.velocity, 1.0)
+        self._miss(rod.strain, float(c))
         marks = {share: tick for (place, share), tick in
                  zip(_jumps(row), self._jumps[0], strict=True) if place == s}
         for sign in (-1, 1):
-            wave = waves.together(*state, sign * float(c))
+            wave = waves.sum_of(*state, sign * float(c))
             shares = (wave.edges - begin) / L
             edges = np.rint(shares * T).astype(np.int64)
             for share, tick in marks.items():
                 edges[np.abs(shares - share) < 1e-12] = tick
             edges[0], edges[-1] = 0, T
-            shift = np.full(len(edges), -float(row.frame))
+            values = wave.values - float(row.frame)
             if sign < 0:  # what is at x left the left end x/c ago
-                wave = waves.Lines(-edges[::-1], wave.end[::-1], wave.begin[::-1])
+                self.lines.append(self._fitted(waves.Curve(-edges[::-1], values[::-1, ::-1])))
             else:
-                wave = waves.Lines(edges - T, wave.begin, wave.end)
-            self.lines.append(self._fitted(wave.mapped(wave.edges, 1.0, shift)))
+                self.lines.append(self._fitted(waves.Curve(edges - T, values)))
+
+    def _miss(self, profile: Any, factor: float) -> None:
+        """Count the error of samples, in the unit of velocities."""
+        if isinstance(profile, Samples):
+            self.fit = max(self.fit, abs(factor) * profile.error / self._scale)
 
     def _outside(self, side: int) -> int:
         """What comes from outside an end; returns its line, NONE for the free end of a rod."""
@@ -334,10 +344,12 @@ class _Pieces:
             value = 0.0
         elif kind == "absorbing":
             factor = float(row.wave_of_strain(side))
-        self.lines.append(self._driven(value, factor, start, slope))
+        self.lines.append(self._driven(side, value, factor, start, slope))
         return len(self.lines) - 1
 
-    def _driven(self, value: Any, factor: float, start: Any, slope: Any) -> list[Any]:
+    def _driven(
+        self, side: int, value: Any, factor: float, start: Any, slope: Any
+    ) -> list[Any]:
         of, tick = self._of, self._tick
         if not isinstance(value, Steps | Samples):
             start = start + of(value) * factor
@@ -348,15 +360,18 @@ class _Pieces:
             return [self._piece(0, stop, [start + half, half], SMOOTH)]
         assert self._until is not None
         end = max(self._until, float(tick[0]))
-        drive = waves.straight(value, end)
+        drive = waves.curve_of(value, end)
         edges = np.rint(drive.edges / tick[0]).astype(np.int64)
         edges[-1] += 1
-        shift = float(start[0]) + float(slope[0]) * edges * tick[0]
-        return self._fitted(drive.mapped(edges, factor, shift))
+        times = edges[:-1, None] + np.diff(edges)[:, None] * waves.SHARES
+        shift = float(start[0]) + float(slope[0]) * times * tick[0]
+        least = min((float(s.impedance) for s in self._row.segments), default=math.inf)
+        self._miss(value, 2 / least if self._row.outside[side][0] == "force" else factor)
+        return self._fitted(waves.Curve(edges, drive.values * factor + shift))
 
 
 def _records(
-    row: Row, of: _Members, tick: Any, ticks: Any, pieces: _Pieces, keep: bool
+    row: Row, of: _Members, ticks: Any, pieces: _Pieces, keep: bool
 ) -> tuple[Any, ...]:
     """Nodes, links, masses, lines and parts of all members."""
     n, count = len(row.segments), of.count
@@ -390,7 +405,7 @@ def _records(
     _set_links(row, of, node, link)
     extra = []
     if keep:
-        extra = _kept(row, node, link, mass, len(pieces.lines))
+        extra = _kept(row, link, mass, len(pieces.lines))
     line = np.zeros((count, len(pieces.lines) + len(extra)), LINE)
     line["first"] = line["head"] = line["tail"] = NONE
     at_piece = 0
@@ -446,7 +461,7 @@ def _set_ease(it: Any, row: Row, of: _Members, i: int, time: Any, scale: Any) ->
         it["strength"] = scale / ease
 
 
-def _kept(row: Row, node: Any, link: Any, mass: Any, count: int) -> list[int]:
+def _kept(row: Row, link: Any, mass: Any, count: int) -> list[int]:
     """Number the lines that keep what happens in links and masses, from `count` on."""
     extra = []
 
@@ -482,7 +497,7 @@ def _parts(row: Row, of: _Members, link: Any, pieces: _Pieces) -> Any:
         parts.append(it)
 
     for i, ((kind, at), _) in enumerate(row.beside):
-        _add_side(row, of, pieces, add, kind, at)
+        _add_side(row, of, add, kind, at)
         if row.laws[i] >= old.RIGID:
             link["left_group"][:, i], link["right_group"][:, i] = heads[-1], len(parts)
             begun = False
@@ -490,7 +505,7 @@ def _parts(row: Row, of: _Members, link: Any, pieces: _Pieces) -> Any:
             k = of(row.stiffness[i])
             with np.errstate(divide="ignore"):
                 add(Part.JOINT, i, 0.0, 1 / k)
-    _add_side(row, of, pieces, add, *row.beside[-1][1])
+    _add_side(row, of, add, *row.beside[-1][1])
     table = np.stack(parts, axis=1)
     for head, stop in zip(heads, [*heads[1:], len(parts)], strict=True):
         table["parts"][:, head] = stop - head
@@ -505,7 +520,7 @@ def _parts(row: Row, of: _Members, link: Any, pieces: _Pieces) -> Any:
     return table
 
 
-def _add_side(row: Row, of: _Members, pieces: _Pieces, add: Any, kind: str, at: int) -> None:
+def _add_side(row: Row, of: _Members, add: Any, kind: str, at: int) -> None:
     if kind == "segment":
         s = row.segments[at - 1]
         add(Part.SEGMENT, at - 1, of(s.mass), of(s.transit_time) / of(s.impedance))

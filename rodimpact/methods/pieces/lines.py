@@ -9,6 +9,9 @@ from .records import HARD, NONE, SMOOTH
 from .series import N, POINTS, X
 
 
+EXACT = 1e-4  # of the tolerance: a smaller jump is none
+
+
 def at(piece: Any, y: float) -> float:
     """Value of a piece at y, from -1 to 1; beyond round-off it holds on."""
     if piece.degree == 0:
@@ -42,7 +45,9 @@ def next_break(line: Any, log: Any, l: int, tick: int, end: int) -> int:
 
 
 def order_at(line: Any, log: Any, l: int, tick: int) -> int:
-    """Order of the break that arrives at a tick."""
+    """Order of the break that arrives at a tick; at the beginning anything may jump."""
+    if tick == 0:
+        return 0
     piece = log[line[l].head]
     if piece.start + line[l].delay == tick:
         return int(piece.order)
@@ -140,7 +145,7 @@ def send(
         bend += q * (q - 1) / 6 * (c * s1 * s1 - b * s0 * s0)
         sign = -sign
     new.order = order
-    if abs(jump) <= run.tolerance:
+    if abs(jump) <= EXACT * run.tolerance:
         new.order = max(order, 1)
         if abs(slope) + abs(bend) <= 4 * run.tolerance:
             new.order = SMOOTH
@@ -149,27 +154,17 @@ def send(
 
 
 def reflect(run: Any, line: Any, log: Any, at: Any) -> int:
-    """Send back from a free end the piece that arrives next, as it is; return the tick behind it."""
+    """Send back from a free end the piece that arrives next; return the tick behind it."""
     source, target = at.in_right, at.out_right
     if at.mobility_right == 0:
         source, target = at.in_left, at.out_left
     move_on(line, log, source, at.now)
     piece, delay = log[line[source].head], line[source].delay
-    stop = min(piece.stop + delay, run.end)
-    i = run.pieces
-    new = log[i]
-    new.order = order_at(line, log, source, at.now)
-    new.start, new.stop, new.after, new.degree = at.now, stop, NONE, piece.degree
-    new.line = target
-    if new.start == piece.start + delay and stop == piece.stop + delay:
-        for m in range(POINTS):
-            new.coefficient[m] = piece.coefficient[m]
-    else:
-        sample(line, log, source, at.now, stop - at.now, at.left)
-        series.coefficients(at.left, new.coefficient)
-    if new.order <= HARD:
-        line[target].hard += 1
-    log[line[target].tail].after = i
-    line[target].tail = i
-    run.pieces = i + 1
+    stop, order = min(piece.stop + delay, run.end), order_at(line, log, source, at.now)
+    sample(line, log, source, at.now, stop - at.now, at.left)
+    send(run, line, log, target, at.now, stop - at.now, at.left, order)
+    if stop == piece.stop + delay and at.now == piece.start + delay:
+        copy = log[line[target].tail]  # as it came: sampling would add round-off
+        for m in range(POINTS if piece.degree > 0 else 0):
+            copy.coefficient[m] = piece.coefficient[m]
     return int(stop)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from . import events, finality, lines, nodes, series
-from .records import HARD, NONE, SMOOTH, Law, Status, Stop
+from .records import HARD, NONE, Status, Stop
 from .series import N, POINTS
 
 FLIPS = 1000  # changes of status at one instant: beyond, none of them lasts, and none matters
@@ -73,16 +73,17 @@ def follow(
     """
     run = runs[0]
     if run.steps == 0:
-        finality.survey(run, link, mass, line, log, part, 0)
+        finality.survey(link, mass, line, log, part, run.tick, 0)
         for i in range(len(part)):
-            part[i].before = part[i].speed
+            part[i].initial = part[i].mean
     stop = Stop.CHECK.value
     while stop == Stop.CHECK:
         stop = march(run, node, link, mass, line, log, turn, G)
         if stop == Stop.CHECK:
             finality.look(run, link, mass, line, log, part)
-    if run.proved < 0:
-        finality.survey(run, link, mass, line, log, part, run.end)
+    if run.proved < 0 or run.held:  # what holds a group changes its momentum after the proof, too
+        finality.survey(link, mass, line, log, part, run.tick, run.end)
+        run.surveyed = run.end
     return stop
 
 
@@ -127,19 +128,23 @@ def advance(
     lines.move_on(line, log, at.in_right, tick)
     left = lines.order_at(line, log, at.in_left, tick)
     right = lines.order_at(line, log, at.in_right, tick)
-    end, rough = horizon(run, line, log, at, left <= HARD or right <= HARD)
+    end = horizon(run, line, log, at, left <= HARD or right <= HARD)
     ticks, worst, where, which, status = solve(
-        run, link, mass, line, log, turn, at, end - tick, rough, G)
+        run, link, mass, line, log, turn, at, end - tick, G)
     if ticks == 0:
         return False
     full = ticks
     if which != NONE:
         ticks = max(1, round_off(0.5 * (where + 1) * full))
+        if full - ticks <= run.window and link[which].status == Status.OPEN:
+            ticks = full  # and with what arrives at the end
         if ticks < full:
             nodes.cut(link, mass, at, 2 * ticks / full - 1)
-    leave(run, link, line, log, at, ticks, rough, left, right)
+    leave(run, link, line, log, at, ticks, left, right)
     events.record(run, link, mass, line, log, turn, at, ticks)
-    if rough:
+    if not at.rough and full > SHORTEST:
+        run.roughest = max(run.roughest, worst)
+    if at.rough:
         run.rough += 1
         if run.first_rough == NONE:
             run.first_rough = tick
@@ -151,7 +156,7 @@ def advance(
     at.now = tick + ticks
     grow = 4.0 if worst <= 0 else min(4.0, 0.9 * (run.tolerance / worst) ** (1 / N))
     wish = int(full * max(0.25, grow)) + 1
-    limited = rough or (full == end - tick and full < at.length)  # and not by smoothness
+    limited = at.rough or (full == end - tick and full < at.length)  # and not by smoothness
     at.length = max(at.length, wish) if limited else wish
     return True
 
@@ -168,8 +173,8 @@ def latest(node: Any, tick: int) -> int:
     return tick
 
 
-def horizon(run: Any, line: Any, log: Any, at: Any, broken: bool) -> tuple[int, bool]:
-    """End of the next piece, and whether hard breaks are too dense there.
+def horizon(run: Any, line: Any, log: Any, at: Any, broken: bool) -> int:
+    """End of the next piece; sets whether hard breaks are too dense there.
 
     Where more of them are under way than there are floors in a transit, they are not followed one
     by one: cost would grow without end.
@@ -182,13 +187,15 @@ def horizon(run: Any, line: Any, log: Any, at: Any, broken: bool) -> tuple[int, 
     end = lines.next_break(line, log, l, tick, end)
     end = lines.next_break(line, log, r, tick, end)
     if end < min(known, tick + run.floor) and is_dense(run, line, l) + is_dense(run, line, r) > 0:
-        return min(known, tick + run.floor), True
+        at.rough = 1
+        return int(min(known, tick + run.floor))
+    at.rough = 0
     if broken:  # after a break about as long as what comes in is smooth
         for source in (l, r):
             if lines.order_at(line, log, source, tick) <= HARD:
                 piece = log[line[source].head]
                 end = min(end, tick + 2 * (piece.stop - piece.start))
-    return end, False
+    return end
 
 
 def is_dense(run: Any, line: Any, l: int) -> bool:
@@ -198,7 +205,7 @@ def is_dense(run: Any, line: Any, l: int) -> bool:
 
 def solve(
     run: Any, link: Any, mass: Any, line: Any, log: Any, turn: Any, at: Any, ticks: int,
-    rough: bool, G: Any,
+    G: Any,
 ) -> tuple[int, float, float, int, int]:
     """Solve a node on a piece as long as it turns out smooth; events at its start come first.
 
@@ -210,7 +217,7 @@ def solve(
     flips, tried, rough_before = 0, 0, 0.0
     while True:
         h = ticks * run.tick
-        if rough:
+        if at.rough:
             lines.project(line, log, at.in_left, at.now, ticks, at.left, at.series)
             lines.project(line, log, at.in_right, at.now, ticks, at.right, at.series)
         else:
@@ -219,9 +226,11 @@ def solve(
         worst = -1.0
         if nodes.collocate(run, link, mass, at, h, G):
             worst = nodes.roughness(link, mass, at)
-        if worst >= 0 and (worst <= run.tolerance or rough or ticks <= SHORTEST):
+        if worst >= 0 and (worst <= run.tolerance or at.rough or ticks <= SHORTEST):
             where, which, status = nodes.next_event(run, link, at, h)
-            if which == NONE or 0.5 * (where + 1) * ticks >= 0.5:
+            closes = which != NONE and link[which].status == Status.OPEN
+            soon = run.window if closes else 0.5  # it closes with what arrives at the start
+            if which == NONE or 0.5 * (where + 1) * ticks >= soon:
                 return ticks, worst, where, which, status
             flips += 1
             if flips > FLIPS:
@@ -251,8 +260,7 @@ def shorter(tolerance: float, worst: float, tried: int, ticks: int, before: floa
 
 
 def leave(
-    run: Any, link: Any, line: Any, log: Any, at: Any, ticks: int, rough: bool, left: int,
-    right: int,
+    run: Any, link: Any, line: Any, log: Any, at: Any, ticks: int, left: int, right: int
 ) -> None:
     """Send what leaves a node. Breaks pass the chain one order smoother with each spring and mass."""
     over, back = left, right
@@ -265,7 +273,7 @@ def leave(
             continue
         nodes.set_leaving(link, at, side == 1)
         order = min(right, over - 1) if side else min(left, back - 1)
-        if rough:
+        if at.rough:
             for i in range(series.LOW + 1):
                 at.series[i] = 0.0
             series.add_moments(at.leaving, -1.0, 1.0, at.series)

@@ -13,12 +13,12 @@ from typing import Any
 
 from . import laws, series
 from .records import NONE, Law, Status
-from .series import N, POINTS, STAGES, X
+from .series import POINTS, STAGES, START, N, X
 
 ITERATIONS = 30
 QUADRATIC = 1e-7  # relative Newton step after which the next one is round-off
 ROUND_OFF = 1e-13  # by which the start of a piece may break what keeps a status
-START = 1e-3  # of the way to the next point: where what starts at 0 is seen to rise
+SOON = 1e-3  # of the way to the next point: where what starts at 0 is seen to rise
 
 
 def acts(it: Any) -> bool:
@@ -226,7 +226,7 @@ def collocate(run: Any, link: Any, mass: Any, at: Any, h: float, G: Any) -> bool
         for j in range(POINTS):
             u = 0.5 * h * (X[j] + 1)
             it.overlaps[j] = it.overlap
-            if it.unknown != NONE:  # a guess: as it went on before
+            if it.unknown != NONE and it.status != Status.REST:  # a guess: as it went on before
                 it.overlaps[j] += u * (it.rate + 0.5 * u * it.bend)
             if q > 0:
                 mass[at.mass + q - 1].speed[j] = mass[at.mass + q - 1].speed[0]
@@ -246,6 +246,13 @@ def collocate(run: Any, link: Any, mass: Any, at: Any, h: float, G: Any) -> bool
         iterations += 1
     set_forces(link, mass, at)
     follow(link, mass, at, h)
+    for q in range(at.links):
+        it = link[at.first + q]
+        if it.status == Status.REST:  # known at the stages alone
+            F = 0.0
+            for j in range(N):
+                F += START[j] * it.force[j + 1]
+            it.force[0] = F
     return True
 
 
@@ -318,7 +325,7 @@ def next_event(run: Any, link: Any, at: Any, h: float) -> tuple[float, int, int]
             series.coefficients(at.rate, at.series)
             low, zero = X[j - 1], -1.0
             if at.rate[j - 1] <= 0:
-                low += START * (X[j] - X[j - 1])
+                low += SOON * (X[j] - X[j - 1])
             if series.value(at.series, low) > 0:
                 zero = series.first_zero(at.series, low, X[j])
             elif j > 1:

@@ -83,6 +83,7 @@ LINE = np.dtype([
 NODE = np.dtype([
     ("now", "i8"), ("length", "i8"),  # ticks that the next piece shall last
     ("first", "i8"), ("links", "i8"), ("mass", "i8"), ("mirror", "i8"),  # 1: a free end
+    ("rough", "i8"),  # 1: breaks come too densely
     ("in_left", "i8"), ("in_right", "i8"), ("out_left", "i8"), ("out_right", "i8"),
     ("mobility_left", "f8"), ("mobility_right", "f8"), ("speed_line", "i8"),
     ("left", "f8", (POINTS,)), ("right", "f8", (POINTS,)),  # what comes in, over a piece
@@ -112,22 +113,31 @@ TURN = np.dtype([
 ], align=True)
 PART = np.dtype([
     ("kind", "i8"), ("index", "i8"), ("parts", "i8"),  # of the group, at its first part
-    ("held", "i8"), ("mass", "f8"), ("compliance", "f8"),  # m/N
-    ("speed", "f8"),  # of what holds the group; in the end of the group itself
-    ("own", "f8"),  # of the part
-    ("low", "f8"), ("high", "f8"),  # bounds of the waves under way in the group
+    ("held", "i8"),  # line of what holds the group
+    ("mass", "f8"), ("compliance", "f8"),  # m/N
+    ("own", "f8"), ("energy", "f8"),  # mean velocity of the part; J about that of its group
+    ("right_wave", "f8"), ("right_lever", "f8"),  # means of the waves in a segment
+    ("left_wave", "f8"), ("left_lever", "f8"),
+    ("before", "f8"), ("behind", "f8"),  # share of mass beyond its ends, as the right end sees it
+    ("far_before", "f8"), ("far_behind", "f8"),  # and as the left end of the group does
+    # of the group, at its first part
+    ("initial", "f8"), ("mean", "f8"),  # velocity of its centre of mass at t = 0, and now
+    ("speed", "f8"),  # of the motion about which it swings: that, or of what holds it
+    ("low", "f8"), ("high", "f8"),  # bounds of the waves under way
     ("plain", "i8"),  # whether its ends can move with no others
-    ("energy", "f8"),  # of the motion about `speed`, and of strain, of each part, J
-    ("left_deviation", "f8"), ("right_deviation", "f8"),  # of the ends from the mean motion, m
-    ("left_slack", "f8"), ("right_slack", "f8"), ("bound", "f8"),
-    ("before", "f8"),  # speed at t = 0
+    ("bound", "f8"),  # energy about that motion, J
+    ("left_deviation", "f8"), ("right_deviation", "f8"),  # of the ends from that motion, m
+    ("left_slack", "f8"), ("right_slack", "f8"),  # m/N
 ], align=True)
 RUN = np.dtype([
     ("tick", "f8"), ("scale", "f8"),  # s; of velocities, m/s
     ("tolerance", "f8"),  # of a piece, m/s
     ("floor", "i8"), ("window", "i8"), ("shortest", "i8"),  # ticks
     ("end", "i8"), ("limit", "i8"), ("keep", "i8"), ("prove", "i8"), ("proved", "i8"),
+    ("held", "i8"),  # 1: a wall or an endless rod holds bodies
+    ("surveyed", "i8"),  # when its groups were looked at last
     ("check", "i8"), ("extra", "i8"),  # ticks to go on after the proof
     ("pieces", "i8"), ("turns", "i8"), ("steps", "i8"), ("rough", "i8"), ("first_rough", "i8"),
+    ("roughest", "f8"),  # largest tail that was accepted, m/s
     ("rested", "i8"), ("stop", "i8"), ("graze", "f8"),  # m/s; forces that move no faster are none
 ], align=True)

@@ -24,6 +24,7 @@ SERIES: Any = np.linalg.inv(chebyshev.chebvander(_AT, N)).tolist()  # values to 
 STAGES: Any = [  # values at the N points to their integral from -1 to each of these points
     [float(chebyshev.Chebyshev(_INNER[:, m]).integ(lbnd=-1)(x)) for m in range(N)] for x in _RADAU
 ]
+START: Any = (chebyshev.chebvander([-1.0], N - 1) @ _INNER)[0].tolist()  # to that at the start
 WEIGHTS: Any = STAGES[N - 1][:]  # of the whole piece; exact up to degree 2N - 2
 
 
@@ -92,6 +93,14 @@ def first_zero(c: Any, low: float, high: float) -> float:
     return high
 
 
+def largest(f: Any) -> float:
+    """Largest of the values at the points."""
+    top = f[0]
+    for j in range(1, POINTS):
+        top = max(top, f[j])
+    return top
+
+
 def maximum(f: Any, c: Any) -> float:
     """Largest value of what has the values f at the points, beside the largest of which it lies.
 
@@ -103,7 +112,7 @@ def maximum(f: Any, c: Any) -> float:
             best = j
     low, high = X[max(best - 1, 0)], X[min(best + 1, N)]
     coefficients(f, c)
-    for _ in range(24):  # golden enough: a third of the width goes at each step
+    for _ in range(36):  # each leaves two thirds of the width
         u, w = (2 * low + high) / 3, (low + 2 * high) / 3
         if value(c, u) < value(c, w):
             low = u

@@ -11,65 +11,82 @@ from ..signals import Floats, Ints
 from .records import SMOOTH
 from .series import POINTS, SERIES, X
 
-LEVELS = 12  # pieces of at most 2^12 straight lines
+LEVELS = 12  # pieces of at most 2^12 intervals
+INSIDE = 6  # values in an interval: what runs there is of degree 5 at most
+SHARES = (1 - np.cos(np.pi * np.arange(INSIDE) / (INSIDE - 1))) / 2
 _SERIES, _X = np.array(SERIES), np.array(X)
+_POWERS = np.linalg.inv(np.vander(SHARES, INSIDE, increasing=True))  # values to coefficients
 
 
-class Lines(NamedTuple):
-    """Straight lines one after the other: edges [n + 1], values [n] as each begins and as it ends."""
+class Curve(NamedTuple):
+    """Polynomials one after the other: edges [n + 1], values [n, 6] at `SHARES` of each interval."""
 
     edges: Any
-    begin: Any
-    end: Any
+    values: Any
 
-    def mapped(self, edges: Any, scale: float, shift: Any) -> Lines:
-        """The same over other edges, times `scale` plus what is added at the edges."""
-        return Lines(edges, self.begin * scale + shift[:-1], self.end * scale + shift[1:])
+    def at(self, places: Any, i: Any) -> Floats:
+        """Values of the polynomials i at places."""
+        share = (places - self.edges[i]) / (self.edges[i + 1] - self.edges[i])
+        c = self.values @ _POWERS.T
+        value = np.zeros(np.shape(share))
+        for m in range(INSIDE - 1, -1, -1):
+            value = value * share + c[i, m]
+        return value
+
+    def interval(self, places: Any) -> Ints:
+        """Interval in which places lie."""
+        i = np.searchsorted(self.edges, places, "right") - 1
+        return np.clip(i, 0, len(self.values) - 1)
+
+    def on(self, edges: Any) -> Curve:
+        """The same over other intervals, each of which lies in one of these."""
+        edges = np.asarray(edges, dtype=float)
+        i = self.interval((edges[1:] + edges[:-1]) / 2)
+        places = edges[:-1, None] + np.diff(edges)[:, None] * SHARES
+        values = np.stack([self.at(column, i) for column in places.T], axis=1)
+        even = np.all(self.values == self.values[:, :1], axis=1)[i]
+        values[even] = self.values[i[even], :1]  # what is constant stays so to the last digit
+        return Curve(edges, values)
 
 
-def straight(profile: Any, length: float) -> Lines:
-    """A profile from 0 to `length` as straight lines; the last value of samples in time holds on."""
+def curve_of(profile: Any, length: float) -> Curve:
+    """A profile from 0 to `length`; the last value of samples in time holds on."""
     if isinstance(profile, Steps):
         at = [float(x) for x in profile.at if float(x) < length]
         values = np.array([float(v) for v in profile.values[: len(at) + 1]])
-        return Lines(np.array([0.0, *at, length]), values, values)
-    if isinstance(profile, Samples):
-        values = np.asarray(profile.values, dtype=float)
-        if profile.step is None:
-            edges = np.linspace(0.0, length, len(values))
-        else:
-            edges = float(profile.step) * np.arange(len(values))
-            inside = int(np.searchsorted(edges, length))
-            last = float(np.interp(length, edges, values))
-            edges, values = np.append(edges[:inside], length), np.append(values[:inside], last)
-        return Lines(edges, values[:-1], values[1:])
-    return Lines(np.array([0.0, length]), *np.full((2, 1), float(profile)))
+        return Curve(np.array([0.0, *at, length]), np.repeat(values[:, None], INSIDE, axis=1))
+    if not isinstance(profile, Samples):
+        return Curve(np.array([0.0, length]), np.full((1, INSIDE), float(profile)))
+    y = np.asarray(profile.values, dtype=float)
+    if profile.step is None:
+        edges = np.linspace(0.0, length, len(y))
+    else:
+        edges = float(profile.step) * np.arange(len(y))
+    if profile.smooth:
+        from scipy.interpolate import make_interp_spline
+
+        places = edges[:-1, None] + np.diff(edges)[:, None] * SHARES
+        values = make_interp_spline(edges, y, 5)(places)
+        values[:, 0], values[:, -1] = y[:-1], y[1:]
+    else:
+        values = y[:-1, None] + (y[1:] - y[:-1])[:, None] * SHARES
+        values[:, -1] = y[1:]
+    if edges[-1] < length:
+        edges, values = np.append(edges, length), np.vstack((values, np.full(INSIDE, y[-1])))
+    whole = Curve(edges, values)
+    return whole if edges[-1] == length else part_of(whole, 0.0, length)
 
 
-def part_of(lines: Lines, start: float, stop: float) -> Lines:
-    """The lines between two places."""
-    e, b, f = lines
-    first = max(int(np.searchsorted(e, start, "right")) - 1, 0)
-    last = max(int(np.searchsorted(e, stop, "left")), first + 1)
-    edges, begin, end = e[first : last + 1].copy(), b[first:last].copy(), f[first:last].copy()
-    slope = (end - begin) / np.diff(edges)
-    begin[0] += slope[0] * (start - edges[0])
-    end[-1] += slope[-1] * (stop - edges[-1])
-    edges[0], edges[-1] = start, stop
-    return Lines(edges, begin, end)
+def part_of(curve: Curve, start: float, stop: float) -> Curve:
+    """The curve between two places."""
+    inside = curve.edges[(curve.edges > start) & (curve.edges < stop)]
+    return curve.on(np.concatenate(([start], inside, [stop])))
 
 
-def together(first: Lines, second: Lines, factor: float) -> Lines:
+def sum_of(first: Curve, second: Curve, factor: float) -> Curve:
     """The first plus `factor` times the second, over the same length."""
     edges = np.unique(np.concatenate((first.edges, second.edges)))
-    middles = (edges[1:] + edges[:-1]) / 2
-    begin, end = np.zeros((2, len(middles)))
-    for lines, scale in ((first, 1.0), (second, factor)):
-        i = np.clip(np.searchsorted(lines.edges, middles) - 1, 0, len(lines.begin) - 1)
-        slope = (lines.end[i] - lines.begin[i]) / (lines.edges[i + 1] - lines.edges[i])
-        begin += scale * (lines.begin[i] + slope * (edges[:-1] - lines.edges[i]))
-        end += scale * (lines.begin[i] + slope * (edges[1:] - lines.edges[i]))
-    return Lines(edges, begin, end)
+    return Curve(edges, first.on(edges).values + factor * second.on(edges).values)
 
 
 class Fitted(NamedTuple):
@@ -78,57 +95,76 @@ class Fitted(NamedTuple):
     ticks: Ints
     coefficients: Floats
     order: Ints
-    error: float  # by how much they miss the straight lines at most
+    error: float  # by how much they miss the curve at most
 
 
-def fitted(lines: Lines, tolerance: float, window: float) -> Fitted:
-    """Straight lines over whole ticks as polynomial pieces, as long as they fit to a tolerance.
+def fitted(curve: Curve, tolerance: float, window: float) -> Fitted:
+    """A curve over whole ticks as pieces that are as long as they fit to a tolerance.
 
     Parameters
     ----------
-    lines : Lines
+    curve : Curve
         Edges in ticks.
     tolerance : float
     window : float
         Ticks over which the jump of a slope is measured.
     """
-    keep = np.diff(lines.edges) > 0
-    edges = np.append(lines.edges[:-1][keep], lines.edges[-1]).astype(np.int64)
-    begin, end = lines.begin[keep], lines.end[keep]
-    n = len(begin)
-    smooth = np.append(np.abs(end[:-1] - begin[1:]) <= 0.0, False)  # nothing jumps behind line i
+    keep = np.diff(curve.edges) > 0
+    edges = np.append(curve.edges[:-1][keep], curve.edges[-1]).astype(np.int64)
+    curve = Curve(edges.astype(float), curve.values[keep])
+    begin, end, n = curve.values[:, 0], curve.values[:, -1], len(curve.values)
+    jumps = np.append(end[:-1] != begin[1:], True)  # behind each interval
+    even = np.all(curve.values == begin[:, None], axis=1)
     taken = np.zeros(n, bool)
-    found: list[tuple[int, int, Floats]] = []
+    found: list[tuple[int, Floats]] = []
     worst = 0.0
     for level in range(min(LEVELS, max(n - 1, 0).bit_length()), 0, -1):
         width = 1 << level
         for i in range(0, n - width + 1, width):
             stop = i + width
-            if taken[i] or not smooth[i : stop - 1].all():
+            if taken[i] or jumps[i : stop - 1].any():
                 continue
-            at, values = edges[i : stop + 1].astype(float), np.append(begin[i:stop], end[stop - 1])
-            places = at[0] + (at[-1] - at[0]) * (_X + 1) / 2
-            c = _SERIES @ np.interp(places, at, values)
-            tested = np.concatenate((at, (at[1:] + at[:-1]) / 2))
-            y = 2 * (tested - at[0]) / (at[-1] - at[0]) - 1
-            off = np.polynomial.chebyshev.chebval(y, c) - np.interp(tested, at, values)
-            miss = float(np.abs(off).max())
+            c, miss = _one_piece(curve, i, stop)
             if miss <= tolerance:
-                found.append((i, stop, c))
+                found.append((i, c))
                 taken[i:stop] = True
                 worst = max(worst, miss)
     for i in np.flatnonzero(~taken).tolist():
-        c = np.zeros(POINTS)
-        c[0], c[1] = (begin[i] + end[i]) / 2, (end[i] - begin[i]) / 2
-        found.append((i, i + 1, c))
+        if even[i]:
+            c = np.zeros(POINTS)
+            c[0] = begin[i]
+        else:
+            places = edges[i] + (edges[i + 1] - edges[i]) * (_X + 1) / 2
+            c = _SERIES @ curve.at(places, np.full(POINTS, i))
+        found.append((i, c))
     found.sort(key=lambda piece: piece[0])
-    first = np.array([i for i, _, _ in found])
-    ticks = np.append(edges[first], edges[-1])
-    order = np.full(len(found), SMOOTH)
-    slope = (end - begin) / np.diff(edges)
-    for p, i in enumerate(first.tolist()[1:], 1):
-        if end[i - 1] != begin[i]:
-            order[p] = 0
-        elif abs(slope[i] - slope[i - 1]) * window / 2 > 4 * tolerance:
-            order[p] = 1
-    return Fitted(ticks, np.array([c for _, _, c in found]), order, worst)
+    first = np.array([i for i, _ in found])
+    coefficients = np.array([c for _, c in found])
+    return Fitted(np.append(edges[first], edges[-1]), coefficients,
+                  _orders(edges, first, coefficients, jumps, tolerance, window), worst)
+
+
+def _one_piece(curve: Curve, i: int, stop: int) -> tuple[Floats, float]:
+    """Series through intervals i to `stop`, and by how much it misses them at most."""
+    low, high = curve.edges[i], curve.edges[stop]
+    places = low + (high - low) * (_X + 1) / 2
+    c = _SERIES @ curve.at(places, np.clip(curve.interval(places), i, stop - 1))
+    own = np.arange(i, stop)
+    tested = curve.edges[own, None] + np.diff(curve.edges)[own, None] * SHARES
+    y = 2 * (tested - low) / (high - low) - 1
+    off = np.polynomial.chebyshev.chebval(y, c) - curve.values[own]
+    return c, float(np.abs(off).max())
+
+
+def _orders(
+    edges: Ints, first: Ints, coefficients: Floats, jumps: Any, tolerance: float, window: float
+) -> Ints:
+    """Orders of the breaks at which pieces start; what bends by less than the tolerance is none."""
+    order = np.full(len(first), SMOOTH)
+    widths = np.diff(np.append(edges[first], edges[-1])).astype(float)
+    k = np.arange(POINTS) ** 2
+    right = coefficients @ k * 2 / widths
+    left = coefficients @ (k * np.where(np.arange(POINTS) % 2, 1.0, -1.0)) * 2 / widths
+    bends = np.abs(left[1:] - right[:-1]) * window / 2 > 16 * tolerance
+    order[1:] = np.where(jumps[first[1:] - 1], 0, np.where(bends, 1, SMOOTH))
+    return order
