@@ -236,7 +236,8 @@ def test_a_mass_may_stand_anywhere_and_walls_not_alone():
     row = ri.System([ri.Wall(), MASS, MASS, rod(), MASS, rod(), MASS],
                     contacts=[hertz, hertz, *[ri.Rigid()] * 4])
     assert ri.System.from_dict(row.to_dict()) == row
-    ri.System([MASS, MASS], contacts=[hertz])
+    alone = ri.System([MASS, MASS], contacts=[hertz])
+    assert ri.System.from_dict(alone.to_dict()) == alone
     found = problems(lambda: ri.System([ri.Wall(), ri.Wall()]))
     assert found == [("bodies", "needs a rod or a rigid mass between its walls")]
 
