@@ -12,6 +12,7 @@ import numpy as np
 
 from ...model import Rod, Samples, Steps
 from ...model.frozen import InvalidModel
+from ...model.profiles import extremes
 from .. import laws as old
 from ..abilities import driven
 from ..fronts import layout_kernel as rule
@@ -29,7 +30,6 @@ FLOORS = 128  # in the shortest transit
 WINDOW = 2.0**-40  # of the longest transit: what comes nearer is taken together
 GRAZE = 2.0**-40  # of the velocity scale: forces that move no faster are none
 ENDLESS = 1 << 61  # tick
-COLUMNS = "now length first links mass mirror in_left in_right out_left out_right"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,7 +139,7 @@ def lay_out(
 
 
 def reference_time(row: Row, of: _Members, until: float | None) -> Any:
-    """Longest transit, s; without rods `until`, or else the longest time of a contact or a flight."""
+    """Longest transit, s; without rods `until`, else the longest time of a contact or a flight."""
     if row.segments:
         return reduce(np.maximum, [of(s.transit_time) for s in row.segments])
     if until:
@@ -165,17 +165,18 @@ def velocity_scale(row: Row, of: _Members, time: Any) -> Any:
         moving = [of(v) for v in row.mass_velocity]
         scale = np.abs(of(row.gravity)) * time
         for kind, value in row.outside:
-            sizes = [np.abs(of(x)) for x in waves_extremes(value)]
+            sizes = [np.abs(of(x)) for x in extremes(value)]
             if kind == "velocity":
-                moving += [of(x) for x in waves_extremes(value)]
+                moving += [of(x) for x in extremes(value)]
             elif kind == "force":
                 least = reduce(np.minimum, [of(m) for m in row.masses])
                 scale = scale + reduce(np.maximum, sizes) * time / least
         scale = scale + reduce(np.maximum, moving) - reduce(np.minimum, moving)
         for i, law in enumerate(row.laws):
-            if law == old.JOINT:
+            if law == old.JOINT or law >= old.SPRING:  # what is stored in it at t = 0 moves a mass
                 least = reduce(np.minimum, [of(m) for m in row.masses])
-                scale = scale + np.abs(of(row.gap[i])) * np.sqrt(of(row.stiffness[i]) / least)
+                d = np.abs(of(row.gap[i])) if law == old.JOINT else np.maximum(-of(row.gap[i]), 0.0)
+                scale = scale + np.sqrt(of(row.stiffness[i]) * d ** (of(row.exponent[i]) + 1) / least)
     return np.where(scale > 0, scale, 1.0)
 
 
