@@ -43,7 +43,7 @@ class Method(NamedTuple):
 METHODS = {
     "fronts": Method(fronts.LACKS, (), fronts.solve, ("progress", "announce"),
                      front_families.solve_family, front_families.together, ALSO),
-    "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, ("announce",),
+    "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, ("progress", "announce"),
                               piece_families.solve_family, piece_families.together),
     "finite-difference": Method(
         grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve, ("progress", "announce"),

@@ -138,6 +138,7 @@ stepped = ri.Rod(
     velocity=ri.Steps([1.0, -0.5], [0.05]),
     strain=ri.Steps([0.0, 1e-5, -1e-5], [0.1, 0.25]),
 )
+GRID = {"method": "finite-difference"}
 RUNS = {
     "pair": (ri.System([SHORT, LONG]), {}),
     "wall and gap": (ri.System([SHORT, ri.Wall()], gaps=[1e-3]), {}),
@@ -189,12 +190,14 @@ RUNS = {
                                  lateral_inertia="mindlin-herrmann")]),
         {"until": 1e-4, "method": "finite-difference", "cells": 20},
     ),
-    "grid: no time": (ri.System([SHORT, LONG]), {"until": 0, "method": "finite-difference", "cells": 10}),
-    "grid: chosen states": (ri.System([SHORT, LONG]), {"until": 2e-4, "snapshots": [1e-5, 1.3e-4],
-                                                       "cells": 10}),
+    "grid: no time": (ri.System([SHORT, LONG]), {"until": 0, **GRID, "cells": 10}),
+    "grid: chosen states": (
+        ri.System([SHORT, LONG]),
+        {"until": 2e-4, **GRID, "snapshots": [1e-5, 1.3e-4], "cells": 10},
+    ),
     **{
         f"grid: random {seed}": (
-            random_network(seed, driven=seed % 2 == 0), {"until": 1.5, "method": "finite-difference", "cells": 8},
+            random_network(seed, driven=seed % 2 == 0), {"until": 1.5, **GRID, "cells": 8},
         )
         for seed in range(4)
     },

@@ -337,7 +337,7 @@ def test_a_case_is_frozen():
         (HEAD + A_ROD + A_WALL + "velocity = {values=[1], at=[]}", "bodies.1.velocity",
          "it is not a number"),
         (HEAD + A_ROD + A_WALL + A_ROD, "bodies.1", "only at an end of the row"),
-        (HEAD + A_WALL + A_WALL, "bodies", "needs a rod or a rigid mass"),
+        (HEAD + A_WALL + A_WALL, "bodies", "a rod or a rigid mass"),
         # profiles
         (HEAD + A_ROD + "velocity = {values=[1,2]}", "bodies.0.velocity.at", "is missing"),
         (HEAD + A_ROD + "velocity = {values=1, at=[]}", "bodies.0.velocity.values", "a list"),
