@@ -381,7 +381,7 @@ class Yielding(_Compliant):
     """A spring that yields: specimens, pulse shapers and soft ends.
 
     F = k d up to the yield force, then F rises by `hardening` times d. What unloads follows the
-    first stiffness, and what loads again follows it back up to the largest force so far. The faces
+    first stiffness, and what loads again follows it back up to the peak force so far. The faces
     have moved for good then: d, and the gap of the contact, count from where they are.
 
     Parameters
