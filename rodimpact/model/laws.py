@@ -406,7 +406,7 @@ class Yielding(_Compliant):
     >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
     >>> layer = ri.Yielding(stiffness=1e9, yield_force=1e3)
     >>> outcome = ri.solve(ri.System([rod, ri.Wall()], contacts=[layer])).outcome
-    >>> outcome.peak_force, outcome.dissipated > 0
+    >>> round(outcome.peak_force, 3), outcome.dissipated > 0
     (1000.0, True)
     """
 
