@@ -45,7 +45,7 @@ class Method(NamedTuple):
 METHODS = {
     "fronts": Method(fronts.LACKS, (), fronts.solve, ("progress", "announce"),
                      front_families.solve_family, front_families.together, ALSO),
-    "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, ("announce",),
+    "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, ("progress", "announce"),
                               piece_families.solve_family, piece_families.together),
     "steps": Method(steps.LACKS, ("dt", "rtol"), steps.solve, ("announce",),
                               step_families.solve_family, step_families.together),

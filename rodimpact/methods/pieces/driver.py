@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from .. import compiling, kernels
+from ..duration import Forecast
+from ..memory import ask
 from . import march
 from .layout import Layout
 from .records import PIECE, TURN, Stop
@@ -15,6 +17,7 @@ from .series import N
 FIRST_ROOM = 256  # pieces of a log, at first
 FIRST_TURNS = 2048
 PLAIN = 2000  # steps that a process takes in plain Python before it compiles
+SLICE, LONG_SLICE = 20_000, 200_000  # compiled steps between two looks at the clock
 COLUMNS = ("node", "link", "mass", "line", "log", "turn", "part")
 
 
@@ -48,20 +51,32 @@ class Machine:
         """The one record of the run."""
         return self.records["run"][0]
 
-    def go(self) -> Stop:
-        """Run to the end; return why it stopped."""
-        compilable = not kernels.why_not()
-        limit = int(self.run["limit"])
-        stop = Stop.CAP
-        if not compilable or Machine.taken < PLAIN:
-            if compilable:
-                self.records["run"]["limit"] = min(limit, PLAIN)
-            stop = self._plain()
-            Machine.taken += int(self.run["steps"])
-        if stop == Stop.CAP and compilable and self.run["steps"] < limit:
-            self.records["run"]["limit"] = limit
-            stop = self._follow(compiling.compiled(march, "follow"), np.zeros, np.concatenate)
+    def go(self, forecast: Forecast | None = None) -> Stop:
+        """Run to the end, in slices; return why it stopped."""
+        compilable, limit = not kernels.why_not(), int(self.run["limit"])
+        stop, slice_ = Stop.CAP, SLICE
+        while stop == Stop.CAP and self.run["steps"] < limit:
+            plain = not compilable or Machine.taken < PLAIN
+            taken = int(self.run["steps"])
+            self.records["run"]["limit"] = min(limit, taken + (PLAIN if plain else slice_))
+            if plain:
+                stop = self._plain()
+                Machine.taken += int(self.run["steps"]) - taken
+            else:
+                stop = self._follow(
+                    compiling.compiled(march, "follow"), np.zeros, np.concatenate)
+                slice_ = LONG_SLICE
+            if stop == Stop.CAP and forecast:
+                self._tell(forecast, limit)
+        self.records["run"]["limit"] = limit
         return stop
+
+    def _tell(self, forecast: Forecast, limit: int) -> None:
+        """Say how far the run is, of its time if there is an end, else of the cap."""
+        steps, now = int(self.run["steps"]), int(self.records["node"]["now"].min())
+        if not self.run["prove"] and now > 0:
+            limit = min(limit, int(steps * (float(self.run["end"]) / now)) + 1)
+        forecast.report(steps, limit, f"some {limit:.2g} steps of nodes")
 
     def _plain(self) -> Stop:
         """Run on lists of objects."""
@@ -84,6 +99,9 @@ class Machine:
             stop = Stop(follow(r["run"], *(r[name] for name in COLUMNS), matrix))
             if stop != Stop.FULL:
                 return stop
+            size = len(r["log"]) * self._kinds["log"].itemsize / 8
+            ask(4 * size, "until", f"a run of more than {len(r['log'])} pieces of waves",
+                "stop earlier, or take a larger rtol")
             for name in ("log", "turn"):
                 r[name] = joined((r[name], room(len(r[name]), self._kinds[name])))
 

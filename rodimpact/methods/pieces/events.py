@@ -10,6 +10,7 @@ from .series import N, X
 
 SWEEPS = 1000  # of impacts that happen together
 SETTLED = 1e-15  # of the velocities, below which a sweep changes nothing
+NEAR = 0.9  # of the peak force: what is less at all points does not reach it between them
 SLOWEST = 1e-8  # of the velocity scale: rigid bodies that part more slowly come to rest
 
 
@@ -135,9 +136,9 @@ def record(
         touch = Touch.APART.value if it.status == Status.OPEN else Touch.GRAZING.value
         if acts_or_pushes(it):
             count(it, at.rate, h)
-            top = series.maximum(it.force, at.series)
-            if ticks > run.window:  # shorter is where breaks nearly meet
-                it.peak = max(it.peak, top)
+            top = series.largest(it.force)
+            if ticks > run.window and top > NEAR * it.peak:  # shorter is where breaks nearly meet
+                it.peak = max(it.peak, series.maximum(it.force, at.series))
             if it.status >= Status.PRESS and top * it.ease > run.graze:
                 touch = Touch.PRESSING.value
                 it.pressed += ticks

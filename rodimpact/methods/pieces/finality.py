@@ -96,9 +96,10 @@ def survey(link: Any, mass: Any, line: Any, log: Any, part: Any, second: float, 
         head.speed = head.mean
         if head.held != NONE:
             head.speed = value_of(line, log, head.held, tick)
-        head.bound, head.low, head.high = 0.0, head.speed, head.speed
+        head.bound = total * (head.mean - head.speed) ** 2 / 2
+        head.low = head.high = head.speed
         for k in range(first, last):
-            look_at(mass, line, log, part[k], head.speed, tick)
+            look_at(mass, line, log, part[k], head.mean, tick)
             if part[k].kind == Part.JOINT:
                 it = link[part[k].index]
                 part[k].energy = it.stiffness * it.overlap**2 / 2

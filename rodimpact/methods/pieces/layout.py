@@ -127,7 +127,10 @@ def lay_out(
     run["end"] = np.rint((horizon if until is None else until) / tick).astype(np.int64)
     spans = [ticks[:, first - 1 : last].sum(axis=1) for first, last in row.spans if last]
     longest = reduce(np.maximum, spans) if spans else shortest
-    run["extra"] = 2 * longest if until is None else ENDLESS
+    grounds = part["kind"] == Part.GROUND
+    run["held"] = np.any(grounds & (part["parts"] != 1), axis=1)
+    seen = run["held"].any() or keep  # who wants totals alone needs no more than the proof
+    run["extra"] = ENDLESS if until is not None else 2 * longest if seen else 0
     node["length"] = np.maximum(shortest // 8, 16)[:, None]
     return Layout(
         row=row, tick=tick, ticks=ticks, run=run, node=node, link=link, mass=mass, line=line,

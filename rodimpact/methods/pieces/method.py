@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cache, partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -17,13 +18,14 @@ import numpy as np
 from ...units import format_si
 from .. import abilities as physics
 from ..clock import Clock
+from ..duration import Forecast, Progress
 from ..fronts.method import rounding
 from ..groups import groups
 from ..row import Row, squeezed
 from ..run import ContactTally, GroupTotals, Run, Signals
 from ..status import end_sentence, last_contact, proof_sentence, strain_warning
 from .driver import Machine
-from .layout import Layout, lay_out
+from .layout import FLOORS, LAWS, Layout, lay_out
 from .records import Law, Part, Stop, Touch
 from .signals import signals_of
 
@@ -31,25 +33,39 @@ LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
 RTOL = 1e-8
 LOOSEST, FINEST = 1e-6, 1e-13  # of tolerances: errors fall evenly below, and round-off comes
 COARSER = 10.0  # tolerance of the run that the first is compared with, over its own
+COARSEST = 1e-2
+ROUND_OFF = 1e-14
+DOUBT, SHARED = 2.0, 0.5  # times what two runs are apart; share of the worst that all may be off
+SMOOTH = 3.0  # times tail^1.5: what pieces leave open where both runs took the same steps
+MISSED = 4.0  # times by how much pieces miss a function that was given
+MORE = 10.0  # times rtol, from which it is said that it was not reached
+LESS = "a larger rtol or an earlier end (until)"
 MEASURES = ("velocity", "impulse", "peak force", "duration", "time")
 
 
 def solve(
     row: Row, until: float | None, max_events: int, rtol: float | None = None,
-    announce: Callable[[str], None] | None = None,
+    progress: Progress | None = None, announce: Callable[[str], None] | None = None,
 ) -> Run:
     """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
     if row.segments:
         row.check_scales()
+    goal = RTOL if rtol is None else rtol
     tolerance = tolerance_of(rtol)
     layout = lay_out(row, until, tolerance, max_events, keep=True)
     fine = Machine(layout)
-    coarse = Machine(lay_out(row, until, COARSER * tolerance, max_events, keep=False))
-    stop = fine.go()
-    coarse.go()
+    forecast = Forecast(announce, LESS, progress)
+    stop = fine.go(forecast)
     if stop == Stop.STUCK:
         raise squeezed(float(fine.run["tick"] * min(fine.records["node"]["now"])))
-    return _hand_over(layout, fine, measured(fine), measured(coarse), until, stop)
+    coarser, accuracy = COARSER * tolerance, {}
+    while not any(accuracy.values()) and coarser <= COARSEST:  # the same steps tell nothing
+        coarse = Machine(lay_out(row, until, coarser, max_events, keep=False))
+        coarse.run["extra"] = fine.run["extra"]
+        coarse.go(forecast)
+        accuracy = stated(fine, coarse)
+        coarser *= COARSER
+    return _hand_over(layout, fine, accuracy, until, stop, goal)
 
 
 def tolerance_of(rtol: float | None) -> float:
@@ -68,22 +84,35 @@ def measured(machine: Machine) -> dict[str, Any]:
     }
 
 
-def _accuracy(fine: dict[str, Any], coarse: dict[str, Any], scale: float) -> dict[str, float]:
-    """Stated error of each measure, relative to its largest value, of velocities to their scale."""
-    stated = {}
+def stated(fine: Machine, coarse: Machine) -> dict[str, float]:
+    """Stated error of each measure, relative to its largest value, of velocities to their scale.
+
+    Errors fall by about ten from one run to the other. Where two numbers agree by chance, others
+    do not: none is said to be much better known than the worst.
+    """
+    a, b, scale = measured(fine), measured(coarse), float(fine.run["scale"])
+    apart = {}
     for name in MEASURES:
-        size = scale if name == "velocity" else float(np.max(np.abs(fine[name]), initial=0.0))
-        off = float(np.max(np.abs(fine[name] - coarse[name]), initial=0.0))
-        stated[name] = off / size if size > 0 else 0.0
-    return stated
+        size = scale if name == "velocity" else size_of(a[name])
+        off = size_of(a[name] - b[name])
+        apart[name] = off / size if size > 0 else 0.0
+    least = SHARED * max(apart.values())
+    return {name: DOUBT * max(off, least) if size_of(a[name]) else 0.0 for name, off in apart.items()}
+
+
+def size_of(values: Any) -> float:
+    """Largest absolute value."""
+    return float(np.max(np.abs(values), initial=0.0))
 
 
 def _hand_over(
-    layout: Layout, machine: Machine, fine: dict[str, Any], coarse: dict[str, Any],
-    until: float | None, stop: Stop,
+    layout: Layout, machine: Machine, accuracy: dict[str, float], until: float | None, stop: Stop,
+    goal: float,
 ) -> Run:
     row, r = layout.row, machine.records
     run, clock = r["run"][0], _clock(layout)
+    left = ROUND_OFF + SMOOTH * float(run["roughest"] / run["scale"]) ** 1.5 + MISSED * layout.fit
+    accuracy = {name: error + left for name, error in accuracy.items()}
     end, tick = int(r["node"]["now"].min()), clock.tick
     stopped_by = "max_events" if stop == Stop.CAP else "until" if until is not None else (
         "final" if run["proved"] >= 0 else "clock")
@@ -96,15 +125,43 @@ def _hand_over(
         row.system, stopped_by, proof, format_si(t_end, "s"), f"{run['steps']} steps of nodes")
     fastest = max((_fastest(r["log"][: run["pieces"]], s) / float(row.segments[s].wave_speed)
                    for s in range(len(row.segments))), default=0.0)
-    status += rounding(clock.transit_error, clock.worst) + strain_warning(fastest)
+    status += _accuracy(accuracy, goal) + _events(row, run) + rounding(
+        clock.transit_error, clock.worst) + strain_warning(fastest)
     signals = cache(partial(signals_of, row, clock, end, r))
     return Run(
         method="characteristics", until=until, clock=clock, end=end, t_end=t_end, t_final=t_final,
         t_proved=float(run["proved"]) * tick if proved else math.nan, stopped_by=stopped_by, status=status, events=int(run["steps"]),
         contacts=_tallies(row, r, signals), groups=_groups(row, r),
-        accuracy=_accuracy(fine, coarse, float(run["scale"])),
+        accuracy=accuracy,
         make_signals=signals,
     )
+
+
+def _accuracy(accuracy: dict[str, float], goal: float) -> str:
+    """What is told of the stated errors."""
+    worst = max(accuracy.values(), default=0.0)
+    if worst <= 0:
+        return ""
+    late = f" That is more than rtol = {goal:g} asks for." if worst > MORE * goal else ""
+    return f" Stated relative error: {worst:.1g}.{late}"
+
+
+def _events(row: Row, run: Any) -> str:
+    """What is told of breaks too dense to follow, of bodies that come to rest, and of those that touch."""
+    told = ""
+    if run["rough"]:
+        told += (
+            f" From {format_si(float(run['first_rough'] * run['tick']), 's')} on, waves break more "
+            f"often than {FLOORS} times in the shortest transit; they are followed by means over "
+            "such times there, which keeps momentum."
+        )
+    if run["rested"]:
+        told += " Rigid bodies that parted too slowly to matter came to rest against each other."
+    touching = [i for i, (law, gap) in enumerate(zip(row.laws, row.gap, strict=True))
+                if LAWS[law] == Law.IMPACT and float(gap) == 0]
+    if any(j == i + 1 for i, j in pairwise(touching)):
+        told += " Rigid bodies that touch are struck together; the smallest gap gives another outcome."
+    return told
 
 
 def _ends(r: dict[str, Any]) -> list[tuple[float, float]]:

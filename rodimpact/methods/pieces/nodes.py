@@ -226,7 +226,7 @@ def collocate(run: Any, link: Any, mass: Any, at: Any, h: float, G: Any) -> bool
         for j in range(POINTS):
             u = 0.5 * h * (X[j] + 1)
             it.overlaps[j] = it.overlap
-            if it.unknown != NONE:  # a guess: as it went on before
+            if it.unknown != NONE and it.status != Status.REST:  # a guess: as it went on before
                 it.overlaps[j] += u * (it.rate + 0.5 * u * it.bend)
             if q > 0:
                 mass[at.mass + q - 1].speed[j] = mass[at.mass + q - 1].speed[0]

@@ -115,7 +115,7 @@ PART = np.dtype([
     ("kind", "i8"), ("index", "i8"), ("parts", "i8"),  # of the group, at its first part
     ("held", "i8"),  # line of what holds the group
     ("mass", "f8"), ("compliance", "f8"),  # m/N
-    ("own", "f8"), ("energy", "f8"),  # mean velocity of the part; J about that of the group
+    ("own", "f8"), ("energy", "f8"),  # mean velocity of the part; J about that of its group
     ("right_wave", "f8"), ("right_lever", "f8"),  # means of the waves in a segment
     ("left_wave", "f8"), ("left_lever", "f8"),
     ("before", "f8"), ("behind", "f8"),  # share of mass beyond its ends, as the right end sees it
@@ -125,7 +125,7 @@ PART = np.dtype([
     ("speed", "f8"),  # of the motion about which it swings: that, or of what holds it
     ("low", "f8"), ("high", "f8"),  # bounds of the waves under way
     ("plain", "i8"),  # whether its ends can move with no others
-    ("bound", "f8"),  # energy about the mean motion, J
+    ("bound", "f8"),  # energy about that motion, J
     ("left_deviation", "f8"), ("right_deviation", "f8"),  # of the ends from that motion, m
     ("left_slack", "f8"), ("right_slack", "f8"),  # m/N
 ], align=True)
@@ -134,6 +134,7 @@ RUN = np.dtype([
     ("tolerance", "f8"),  # of a piece, m/s
     ("floor", "i8"), ("window", "i8"), ("shortest", "i8"),  # ticks
     ("end", "i8"), ("limit", "i8"), ("keep", "i8"), ("prove", "i8"), ("proved", "i8"),
+    ("held", "i8"),  # 1: a wall or an endless rod holds bodies
     ("surveyed", "i8"),  # when its groups were looked at last
     ("check", "i8"), ("extra", "i8"),  # ticks to go on after the proof
     ("pieces", "i8"), ("turns", "i8"), ("steps", "i8"), ("rough", "i8"), ("first_rough", "i8"),

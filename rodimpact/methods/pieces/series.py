@@ -93,6 +93,14 @@ def first_zero(c: Any, low: float, high: float) -> float:
     return high
 
 
+def largest(f: Any) -> float:
+    """Largest of the values at the points."""
+    top = f[0]
+    for j in range(1, POINTS):
+        top = max(top, f[j])
+    return top
+
+
 def maximum(f: Any, c: Any) -> float:
     """Largest value of what has the values f at the points, beside the largest of which it lies.
 
@@ -104,7 +112,7 @@ def maximum(f: Any, c: Any) -> float:
             best = j
     low, high = X[max(best - 1, 0)], X[min(best + 1, N)]
     coefficients(f, c)
-    for _ in range(24):  # golden enough: a third of the width goes at each step
+    for _ in range(36):  # each leaves two thirds of the width
         u, w = (2 * low + high) / 3, (low + 2 * high) / 3
         if value(c, u) < value(c, w):
             low = u

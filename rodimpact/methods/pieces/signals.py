@@ -33,9 +33,10 @@ def signals_of(row: Row, clock: Clock, end: int, records: dict[str, Any]) -> Sig
     lines = _lines(records["log"][: records["run"][0]["pieces"]], len(records["line"]))
     link, mass, turn = records["link"], records["mass"], records["turn"]
     turn = turn[: records["run"][0]["turns"]]
+    struck = bool(np.any((turn["impulse"] > 0) & (turn["tick"] == 0)))
     masses = {
-        body: lines[mass[m]["line"]] for body, m in enumerate(row.mass_of)
-        if 0 <= m < len(row.masses)
+        body: _before_blow(lines[mass[m]["line"]], row, m) if struck else lines[mass[m]["line"]]
+        for body, m in enumerate(row.mass_of) if 0 <= m < len(row.masses)
     }
     ground = {
         body: difference(Pieces.through([0, end], np.full(2, float(row.outside[side][1]))),
@@ -91,11 +92,17 @@ def _contact(
         closing = _rate(gap, -1.0 / clock.tick)
     own = turn[turn["link"] == i]
     struck = own[own["impulse"] > 0]
-    for blow in struck:  # a blow takes no time: one tick here, with its impulse and its work
-        force = _at_once(force, int(blow["tick"]), float(blow["impulse"]) / clock.tick)
-        closing = _at_once(closing, int(blow["tick"]), float(blow["closing"]))
+    for blow in struck:  # a blow takes no time: one tick before it here, with its impulse and work
+        tick = max(int(blow["tick"]) - 1, 0)
+        force = _at_once(force, tick, float(blow["impulse"]) / clock.tick)
+        closing = _at_once(closing, tick, float(blow["closing"]))
     episodes = () if isinstance(law, Joint) else _episodes(own, clock.tick, it["law"])
     return ContactSignal(force, gap, closing, episodes)
+
+
+def _before_blow(speed: Pieces, row: Row, m: int) -> Pieces:
+    """Velocity of a mass that is struck at t = 0: as it was before, for the tick of the blow."""
+    return _at_once(speed, 0, float(row.mass_velocity[m]) - float(row.frame))
 
 
 def _rate(signal: Pieces, factor: float) -> Pieces:
