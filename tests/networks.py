@@ -1,4 +1,4 @@
-"""Random rows with every body, contact law and end that steps in time can carry."""
+"""Random rows with every body, contact law and end that characteristics can carry."""
 
 from __future__ import annotations
 
@@ -8,15 +8,10 @@ from itertools import pairwise
 import numpy as np
 
 import rodimpact as ri
-from rodimpact.methods.row import Row
-from rodimpact.methods.steps.level_kernel import ABRUPT
-from rodimpact.methods.steps.machine import Machine
-from rodimpact.methods.steps.method import StepRun, finished
 
+STEP = 1 / 32  # of a grid
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 QUICK = ri.Material("quick", youngs_modulus=8.0, density=2.0)
-STEP = 1 / 32
-SECONDS = 6.0
 
 
 def unit_rod(length=1.0, area=1.0, **state):
@@ -249,99 +244,6 @@ def with_sines(system, sines, until):
     ends = [type(end)(sine(*sines[k]), duration=until) if k in sines else end
             for k, end in enumerate(system.ends)]
     return system.replace(ends=ends)
-
-
-def run_network(system, until=SECONDS, step=STEP) -> StepRun:
-    """A run of whole steps: they are not cut where rigid contacts close."""
-    machine = Machine(Row(system), until)
-    machine.work.make.kind[ABRUPT] = 0
-    machine.search(step, 0.0)
-    return finished(machine, 0.0)
-
-
-# What the waves say, without the package's own bookkeeping
-
-
-def windows(run, segment):
-    """[steps + 1, entries] waves inside a segment at every step end, in the laboratory.
-
-    And [entries] the times, in steps, for which each has been leaving; of runs without cuts.
-    """
-    N, w = int(run.state.steps[segment]), float(run.state.share[segment])
-    before = run.before(2 * segment)
-    inside = [
-        np.lib.stride_tricks.sliding_window_view(run.wave(line), before)
-        for line in (2 * segment, 2 * segment + 1)
-    ]
-    shift = run.row.frame + run.row.gravity * run.step * np.arange(run.steps + 1)
-    weights = np.concatenate(([w] * (before - N), np.ones(N)))
-    return np.concatenate(inside, axis=1) + shift[:, None], np.tile(weights, 2)
-
-
-def free_masses(run):
-    """[mass, steps + 1] velocities of the masses that move, in the laboratory."""
-    shift = run.row.frame + run.row.gravity * run.step * np.arange(run.steps + 1)
-    return [run.speed(m) + shift for m in range(len(run.row.masses))]
-
-
-def energy_of_bodies(run):
-    """[steps + 1] kinetic and strain energy, J."""
-    total = np.zeros(run.steps + 1)
-    for s in range(1, len(run.state.steps) - 1):
-        waves, weights = windows(run, s)
-        total += run.step / run.state.mobility[s] / 4 * (waves**2 @ weights)
-    for M, V in zip(run.row.masses, free_masses(run), strict=True):
-        total += M * V * V / 2
-    return total
-
-
-def smeared(run):
-    """[steps + 1] energy that means of two steps have lost, J: their variance."""
-    total = np.zeros(run.steps + 1)
-    for s in range(1, len(run.state.steps) - 1):
-        w = float(run.state.share[s])
-        for line in (2 * s, 2 * s + 1):
-            change = np.diff(run.wave(line))[: run.steps] if w else np.zeros(run.steps)
-            lost = w * (1 - w) * change**2 * run.step / run.state.mobility[s] / 4
-            total[1:] += np.cumsum(lost)
-    return total
-
-
-def energy_of_contacts(run):
-    """[steps + 1] energy stored in compliant contacts, J."""
-    total = np.zeros(run.steps + 1)
-    for k, law in enumerate(run.row.system.contacts):
-        if isinstance(law, ri.Rigid | ri.Bonded):
-            continue
-        _, gap = run.contact(k)
-        x = -np.concatenate(([run.row.system.gaps[k]], gap))
-        if isinstance(law, ri.Joint):
-            x[0] = law.stretch
-        total += law.stored(x if isinstance(law, ri.Joint) else np.maximum(x, 0.0))
-    return total
-
-
-def momentum_of_bodies(run):
-    """[steps + 1] kg m/s."""
-    total = np.zeros(run.steps + 1)
-    for s in range(1, len(run.state.steps) - 1):
-        waves, weights = windows(run, s)
-        total += run.step / run.state.mobility[s] / 2 * (waves @ weights)
-    for M, V in zip(run.row.masses, free_masses(run), strict=True):
-        total += M * V
-    return total
-
-
-def radiated(run):
-    """[steps + 1] energy that has left through absorbing ends; without gravity."""
-    total, n = np.zeros(run.steps + 1), len(run.state.steps) - 2
-    for side, s, out in ((0, 1, 2), (1, n, 2 * n + 1)):
-        if run.row.outside[side][0] == "absorbing":
-            into = run.wave(out)[run.before(out) :] + run.row.frame
-            away = run.arriving(out ^ 1) + run.row.frame
-            flow = (away * away - into * into) * run.step / run.state.mobility[s] / 4
-            total[1:] += np.cumsum(flow)
-    return total
 
 
 def shifted(system, v):

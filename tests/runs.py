@@ -8,13 +8,11 @@ from rodimpact.methods.fronts import method as fronts
 from rodimpact.methods.fronts.assembly import assemble
 from rodimpact.methods.fronts.tracking import FrontRun
 from rodimpact.methods.grid import method as grid
-from rodimpact.methods.grid.method import GridRun
+from rodimpact.methods.grid.run import GridRun
 from rodimpact.methods.row import Row
-from rodimpact.methods.steps import method as steps
-from rodimpact.methods.steps.method import StepRun
 from rodimpact.results.solution import Solution
 
-METHODS = {FrontRun: fronts, StepRun: steps, GridRun: grid}
+METHODS = {FrontRun: fronts, GridRun: grid}
 
 
 def assembled(system, until=None):

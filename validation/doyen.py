@@ -55,7 +55,7 @@ def dropped() -> list[Row]:
     bar = ri.Rod(10.0, area=1.0, material=MATERIAL)
     end = PERIODS * PERIOD
     solution = ri.solve(
-        ri.System([ri.Wall(), bar], gaps=[5.0], gravity=-10.0), until=end, dt=STEP)
+        ri.System([ri.Wall(), bar], gaps=[5.0], gravity=-10.0), until=end)
     floor = solution.contacts[0]
     case = f"Doyen et al., bar dropped on floor, {PERIODS} periods"
     t = (np.arange(round(end / STEP)) + 0.5) * STEP

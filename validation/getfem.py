@@ -76,7 +76,7 @@ def exactly() -> list[Row]:
 def for_long() -> list[Row]:
     """Ten periods of characteristics."""
     end = 3.0 * PERIODS
-    solution = ri.solve(ROW, until=end, method="characteristics", dt=1 / STEPS)
+    solution = ri.solve(ROW, until=end, method="characteristics")
     floor = solution.contacts[0]
     t = np.arange(round(end * STEPS) + 1) / STEPS
     middle = (t[:-1] + t[1:]) / 2
@@ -90,6 +90,4 @@ def for_long() -> list[Row]:
             float(np.abs(floor.force(middle) - force_of(middle)).max()), 1e-12),
         Row(case, "highest point of each period, largest drift", SOURCE, 0.0,
             float(np.abs(tops - 0.5).max()), 1e-12),
-        Row(case, "energy lost by closing within a step", "none on steps", 0.0,
-            float(solution.energy(end).numerical), 1e-13),
     ]

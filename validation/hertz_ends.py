@@ -44,19 +44,18 @@ from .table import Row
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 SHORT = 0.4
 BY_DECADE = {-3: 1.0, 0: 0.944, 1: 0.617, 3: 0.411, 5: 0.4005}  # log10 kappa: e
-COARSE = 1e4  # from where on a given step does: the largest force is not asked for
 
 
-def collision(k: float, V: float = 1.0, dt: float | None = None) -> ri.Outcome:
+def collision(k: float, V: float = 1.0) -> ri.Outcome:
     """Rods 0.4 and 1 long, impedance and wave speed 1."""
     rods = [ri.Rod(length, area=1.0, material=UNIT, velocity=v)
             for length, v in ((SHORT, V), (1.0, 0.0))]
-    return ri.solve(ri.System(rods, contacts=[ri.Hertz(k)]), dt=dt).outcome
+    return ri.solve(ri.System(rods, contacts=[ri.Hertz(k)])).outcome
 
 
 def restitution(kappa: float) -> float:
     """e by the dimensionless stiffness."""
-    return collision(kappa, dt=None if kappa < COARSE else 1e-3).restitution
+    return collision(kappa).restitution
 
 
 def independent(k: float, V: float = 1.0, until: float = 3.0) -> float:
@@ -96,7 +95,7 @@ def of_steel(V: float, law: ri.Hertz) -> float:
     area = math.pi * 0.01**2 / 4
     rods = [ri.Rod(0.2, area=area, material=STEEL, velocity=V),
             ri.Rod(0.5, area=area, material=STEEL)]
-    return ri.solve(ri.System(rods, contacts=[law]), rtol=1e-3).outcome.restitution
+    return ri.solve(ri.System(rods, contacts=[law])).outcome.restitution
 
 
 @styled

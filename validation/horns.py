@@ -140,8 +140,8 @@ def steps() -> list[Row]:
         ("rod strikes an exponential horn, beta L = -1", exponential(-1.0), 2e-3),
     ):
         struck = horn(area)
-        stepped = ri.solve(ri.System([striker, struck.in_steps(200)]), method="characteristics",
-                           dt=1 / 400).outcome
+        stepped = ri.solve(ri.System([striker, struck.in_steps(200)]),
+                           method="characteristics").outcome
         o = ri.solve(ri.System([striker, struck]), method=METHOD, cells=CELLS).outcome
         source = "200 steps by characteristics"
         rows += [

@@ -10,9 +10,8 @@ solved from one reflection to the next with scipy's DOP853 at a relative toleran
 time step in common with the package, and no line of code.
 
 The rod is 0.5 m long and 20 mm thick, its end a sphere of 50 mm, E* = E/(2 (1 - nu^2)) as against a
-wall of the same steel, V = 2 m/s; the ball is a rigid mass with that stiffness. Expected: impulse
-and peak force to 1e-5 at the default tolerance, and impulse with an error that falls with the
-square of a given step.
+wall of the same steel, V = 2 m/s; the ball is a rigid mass with that stiffness. Expected at the
+default tolerance: the impulse to 1e-8, and the peak force to the 6 digits that the reference has.
 
 Source: H. Hertz, Über die Berührung fester elastischer Körper, Journal für die reine und angewandte
 Mathematik 92 (1881); method of steps for delay equations.
@@ -100,7 +99,7 @@ def round_trips(t: float, T: float) -> int:
 
 
 def run() -> list[Row]:
-    """The rod on the wall, the ball on the rod, the order in the step."""
+    """The rod on the wall, the ball on the rod."""
     area = math.pi * DIAMETER**2 / 4
     law = ri.Hertz.from_radii(RADIUS, math.inf, left_material=STEEL, right_material=STEEL)
     moving = ri.Rod(LENGTH, area=area, material=STEEL, velocity=SPEED)
@@ -118,16 +117,9 @@ def run() -> list[Row]:
         exact = method_of_steps(by_hand, SPEED, [(Z, T)], mass, until=4 * T)
         o = ri.solve(system).outcome
         rows += [
-            Row(case, "impulse, N s", SOURCE, exact.impulse, o.impulse, 1e-5 * exact.impulse),
-            Row(case, "peak force, N", SOURCE, exact.peak, o.peak_force, 1e-5 * exact.peak),
+            Row(case, "impulse, N s", SOURCE, exact.impulse, o.impulse, 1e-8 * exact.impulse),
+            Row(case, "peak force, N", SOURCE, exact.peak, o.peak_force, 2e-6 * exact.peak),
             Row(case, "energy after - before, relative", "conserved", 0.0, o.energy_residual,
                 1e-13),
-        ]
-        errors = [abs(ri.solve(system, dt=T / N).outcome.impulse - exact.impulse)
-                  for N in (50, 100, 200)]
-        rows += [
-            Row(case, f"order of the error of the impulse, steps L/c/{N} to L/c/{2 * N}",
-                "discrete gradient", 2.0, math.log2(coarse / fine), 0.02)
-            for N, coarse, fine in zip((50, 100), errors, errors[1:], strict=False)
         ]
     return rows

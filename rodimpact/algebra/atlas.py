@@ -343,13 +343,10 @@ def _check_waves(naming: Naming, names: list[str], axes: list[Any], max_events: 
 
 def _name(naming: Naming, axis: str, path: str) -> str:
     """Name of the one number that a path stands for."""
-    paths = {p: name for name, p in naming.paths.items() if path in (p, p.rpartition(".")[2])}
+    paths = {p: name for name, p in naming.paths.items() if naming.symbol_of(p) == path}
     if len(paths) > 1:
         remedy = f"give the path of one: {listed(list(paths))}"
         raise InvalidModel([(axis, f"{path!r} names {len(paths)} numbers; {remedy}")])
-    if not paths or path.endswith(("youngs_modulus", "density")):
-        message = "an atlas has no modulus or density; give a length, an area or a transit_time"
-        raise InvalidModel([(axis, f"{message}, not {path!r}")])
     return paths.popitem()[1]
 
 

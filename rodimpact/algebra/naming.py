@@ -102,10 +102,11 @@ class Naming:
         return [*self.free, *(c for c in self.speeds if c not in self.free)]
 
     def values(self, given: Mapping[str, Fraction]) -> dict[str, Fraction]:
-        """Numbers in the run, of other values of named numbers."""
+        """Numbers in the run, of other values of named numbers, and of wave speeds if given."""
         known = {**self.base, **given}
         for c, (E, rho) in self.speeds.items():
-            known[c] = self._root(Fraction(known.get(E, E)) / Fraction(known.get(rho, rho)))
+            if c not in given:
+                known[c] = self._root(Fraction(known.get(E, E)) / Fraction(known.get(rho, rho)))
         return known
 
     def run(self, shift: Mapping[str, Fraction], max_events: int) -> ExactRun:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 
 _BARE = ("max_events", "rtol", "dt")  # no words of English
-_NAMED = (*_BARE, "until", "cells", "force", "time", "time_unit", "rate", "units", "decimal",
-          "radius")
+_NAMED = (*_BARE, "until", "cells", "method", "force", "time", "time_unit", "rate", "units",
+          "decimal", "radius")
 _BEFORE = r"(?<![-\w.'\"])"  # neither options, keys of a case file nor what somebody wrote
 _ARGUMENT = re.compile(
     rf'{_BEFORE}(?:({"|".join(_NAMED)})=(?:True|"([^"]*)")?|({"|".join(_BARE)})\b|\(until\))')
@@ -32,12 +32,17 @@ def as_options(text: str) -> str:
 
 def as_keys(text: str) -> str:
     """The text with the keys of a case file in their place, for commands without these options."""
-    return _ARGUMENT.sub(lambda found: f"solve.{found[1] or found[3] or 'until'}", text)
+    return _ARGUMENT.sub(_key, text)
 
 
 def _told(line: str) -> str:
     line = _GRID.sub(r"rodimpact sweep --vary \1=\2", line)
     return _ARGUMENT.sub(_option, line)
+
+
+def _key(found: re.Match[str]) -> str:
+    named, value, bare = found.groups()
+    return f"solve.{named or bare or 'until'}" + (f' = "{value}"' if value else "")
 
 
 def _option(found: re.Match[str]) -> str:

@@ -21,11 +21,11 @@ class _Option(NamedTuple):
 
 NUMBERS = {
     "until": _Option("TIME", "time", "end of the run, instead of the case's"),
-    "dt": _Option("TIME", "time", "time step of characteristics"),
-    "rtol": _Option("X", "dimensionless", "relative accuracy it divides the step for"),
+    "dt": _Option("TIME", "time", "time step of finite-difference"),
+    "rtol": _Option("X", "dimensionless", "relative accuracy of the outcome"),
     "max_events": _Option("N", "", "cap on events, instead of the case's"),
     "cells": _Option("N", "", "cells of finite-difference"),
-    "snapshots": _Option("N", "", "states of the rods that it keeps"),
+    "snapshots": _Option("N", "", "states of the rods that finite-difference keeps"),
 }
 
 

@@ -26,12 +26,9 @@ MOST_SEGMENTS = 24  # of all rods together
 MOST_GAUGES = 4
 MOST_NUMBERS = 4096  # in the whole description
 MOST_EVENTS = 20_000  # fronts that arrive at an end
-MOST_STEPS = 30_000  # time steps times ends, for what fronts cannot do
-STEPS = 256  # of the longest transit, where the end of the run is given
-FINE_STEPS, PASSES = 1024, 4  # where it is not: if there are enough for so many passes of the row
+MOST_STEPS = 30_000  # of contacts and ends, for the method "characteristics"
 CELLS, MOST_CELLS = 64, 256  # of the longest transit, for the method "finite-difference"
 MOST_UPDATES = 1_000_000  # of cells, for that method
-RTOL = 1e-3
 
 LIBRARY = {
     name: {key: v for key, v in m.to_dict().items() if key != "name" and v is not None}
@@ -121,7 +118,7 @@ class Design:
         return {"gauges": case.pop("gauges", []), "case": case}
 
     def solve(self) -> Solution:
-        """Solve the case, with caps on events and time steps.
+        """Solve the case, with caps on events and steps.
 
         Raises
         ------
@@ -130,31 +127,19 @@ class Design:
         """
         system, asked = self.case.system, self.case.solve
         until, method = asked.get("until"), asked.get("method", "auto")
-        events = asked.get("max_events", MOST_EVENTS)
-        chosen = Options(until, method, events).method_for(system)
-        if chosen == "fronts":
-            return solve(system, until, method, max_events=events)
+        chosen = Options(until, method).method_for(system)
+        if chosen != "finite-difference":
+            most = MOST_EVENTS if chosen == "fronts" else MOST_STEPS
+            return solve(system, until, method, max_events=asked.get("max_events", most))
         transits = [
             float(s.transit_time) for b in system.bodies if isinstance(b, Rod) for s in b.segments
         ]
-        if chosen == "finite-difference":
-            cells = min(MOST_CELLS, max(CELLS, math.ceil(4 * max(transits) / min(transits))))
-            step = max(transits) / cells
-            most = int(MOST_UPDATES * step / sum(transits))
-            _check_end(until, step * most)
-            ends = len(transits) + len(system.bodies) + 1
-            return solve(system, until, method, max_events=most * ends, cells=cells)
-        longest = MOST_STEPS / (len(transits) + 1)  # in steps
-        if until is None:
-            steps = min(FINE_STEPS, longest * max(transits) / (PASSES * sum(transits)))
-            step = min(max(transits) / steps, min(transits) / 4)
-            quick = solve(system, None, method, max_events=MOST_STEPS, dt=step)
-            if quick.outcome.final:
-                return quick
-            return solve(system, None, method, max_events=MOST_STEPS, rtol=RTOL)
-        step = min(max(transits) / STEPS, min(transits) / 4)
-        _check_end(until, step * longest)
-        return solve(system, until, method, dt=step)
+        cells = min(MOST_CELLS, max(CELLS, math.ceil(4 * max(transits) / min(transits))))
+        step = max(transits) / cells
+        most = int(MOST_UPDATES * step / sum(transits))
+        _check_end(until, step * most)
+        ends = len(transits) + len(system.bodies) + 1
+        return solve(system, until, method, max_events=most * ends, cells=cells)
 
 
 def _check_end(until: float | None, longest: float) -> None:

@@ -43,7 +43,7 @@ def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
     solution : Solution
         Of this design.
     as_asked : bool
-        Whether it was solved as the case asks, not on a time step or cells of the page's own.
+        Whether it was solved as the case asks, not on a mesh of the page's own.
 
     Returns
     -------
@@ -74,8 +74,8 @@ def sampled(design: Design, solution: Solution, as_asked: bool) -> Scene:
     """What is known of a solution from samples."""
     tiling, o = grids(solution), solution.outcome
     notes = [solution.status, "The picture shows means over cells, not the fronts themselves."]
-    if solution.method != "fronts" and not as_asked:
-        notes.append("Solved quickly, on a coarse time step; rodimpact run is more accurate.")
+    if solution.method == "finite-difference" and not as_asked:
+        notes.append("Solved quickly, on a coarse mesh; rodimpact run is more accurate.")
     system = solution.system
     held = [float(b.velocity) for b in system.bodies if isinstance(b, Wall)]
     held += [0.0 for end in system.ends if isinstance(end, Fixed | Moved)]

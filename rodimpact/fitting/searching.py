@@ -64,9 +64,8 @@ def fit(
     until : float
         Time to which each collision runs, s.
     method, dt, rtol, cells
-        Of each collision, as for `solve`. Where none of them is given, and one is needed, a step is
-        half the interval, and a cell is crossed in one: predictions vary smoothly only while steps
-        and cells stay as they are.
+        Of each collision, as for `solve`. On a grid, where none of the last three is given, a cell
+        is crossed in one interval: predictions vary smoothly only while cells stay as they are.
     interval : float, optional
         Between samples of computed signals, s; by default the shortest of the records.
     starts : int
@@ -133,7 +132,7 @@ def fit(
     readings_of(problems, system, [m.gauge for m in records], np.zeros(1))
     raise_noted(problems)
     if dt is rtol is cells is None:
-        options = replace(options, **_divided(options.method, system, step))
+        options = replace(options, cells=_cells(options.method, system, step))
     parameters = parameters_of(system, vary)
     objective = Objective(system, records, parameters, options, step, executor)
 
@@ -154,12 +153,12 @@ def fit(
     return _result(objective, sorted(ends, key=lambda end: end.misfit), sizes)
 
 
-def _divided(method: str, system: System, interval: float) -> dict[str, Any]:
-    """The step, or the cells, that a method takes where none are given."""
-    if "cells" in METHODS[method].takes:
-        pieces = [s for rod in system.bodies if isinstance(rod, Rod) for s in rod.segments]
-        return {"cells": math.ceil(max(s.transit_time for s in pieces) / interval)}
-    return {"dt": interval / 2} if "dt" in METHODS[method].takes else {}
+def _cells(method: str, system: System, interval: float) -> int | None:
+    """Cells that a grid takes where none are given; None for a method without."""
+    if "cells" not in METHODS[method].takes:
+        return None
+    pieces = [s for rod in system.bodies if isinstance(rod, Rod) for s in rod.segments]
+    return math.ceil(max(s.transit_time for s in pieces) / interval)
 
 
 def _coarse(own: Sequence[float]) -> list[Floats]:

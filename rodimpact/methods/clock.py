@@ -7,9 +7,6 @@ from dataclasses import dataclass
 
 from ..model import System
 
-STEP_TICKS = 1 << 36
-"""Ticks of a time step: fields are looked up between steps, where waves keep their averages."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Clock:
@@ -30,10 +27,8 @@ class Clock:
         Velocity of the frame in which waves are given, m/s, at t = 0.
     gravity : float
         Acceleration of that frame, m/s^2.
-    grain : int
-        Ticks in which nothing is resolved: those of a time step.
     scale : float
-        Of velocities on a time step, m/s.
+        Of velocities, m/s; 0 where totals are exact.
     transit_error : float
         Largest relative change of a transit time by its rounding to the clock.
     worst : str
@@ -49,7 +44,6 @@ class Clock:
     tick: float
     frame: float
     gravity: float = 0.0
-    grain: int = 1
     scale: float = 0.0
     transit_error: float = 0.0
     worst: str = ""

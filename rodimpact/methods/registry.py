@@ -18,12 +18,10 @@ from .family import ALSO, FamilyRun
 from .fronts import families as front_families
 from .fronts import method as fronts
 from .grid import method as grid
-from .row import Row
-from .run import MAX_EVENTS, Run
-from .steps import families as step_families
 from .pieces import families as piece_families
 from .pieces import method as pieces
-from .steps import method as steps
+from .row import Row
+from .run import MAX_EVENTS, Run
 
 
 class Method(NamedTuple):
@@ -47,8 +45,6 @@ METHODS = {
                      front_families.solve_family, front_families.together, ALSO),
     "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, ("progress", "announce"),
                               piece_families.solve_family, piece_families.together),
-    "steps": Method(steps.LACKS, ("dt", "rtol"), steps.solve, ("announce",),
-                              step_families.solve_family, step_families.together),
     "finite-difference": Method(
         grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve, ("progress", "announce"),
     ),
@@ -74,13 +70,13 @@ class Options:
     max_events : int
         Cap on arrivals of waves at ends.
     dt : float, optional
-        Time step, s.
+        Time step of a grid, s.
     rtol : float, optional
-        By how much the outcome may be wrong, relative.
+        By how much the outcome may be wrong, relative; not for fronts.
     cells : int, optional
         Of a grid, in the segment with the longest transit.
     snapshots : int or array_like, optional
-        How many states to keep, or at which times, s.
+        How many states of a grid to keep, or at which times, s.
 
     Raises
     ------
@@ -154,8 +150,7 @@ class Options:
             ]
         else:
             for name in sorted(given - {*METHODS[method].takes}, key=OWN.index):
-                owners = " or ".join(f'"{n}"' for n, m in METHODS.items() if name in m.takes)
-                problems.append((name, f'is for method {owners}, not "{method}"; leave it out'))
+                problems.append((name, self._misplaced(name, method, able)))
         if problems:
             raise InvalidModel(problems)
         abilities.require_end(system, self.until)
@@ -181,10 +176,21 @@ class Options:
     def _given(self) -> set[str]:
         return {name for name in OWN if getattr(self, name) is not None}
 
+    def _misplaced(self, name: str, method: str, able: Sequence[str]) -> str:
+        """What is wrong with an option that this method does not take, and the remedy."""
+        owners = [n for n, m in METHODS.items() if name in m.takes]
+        if self.method != "auto":
+            named = " or ".join(f'"{n}"' for n in owners)
+            return f'is for method {named}, not "{method}"; leave it out'
+        remedies = ["leave it out" if name == "snapshots" else "give rtol= for another accuracy"]
+        remedies += [f'give method="{n}"' for n in owners if n in able]
+        return (f'is for a grid, and method "auto" takes "{method}" for this row; '
+                + ", or ".join(remedies))
+
     def _first(self, needs: Collection[str]) -> str:
-        """The first method that has this physics and takes the options given."""
-        return next(name for name, method in METHODS.items()
-                    if not {*needs} & {*method.lacks} and self._given() <= {*method.takes})
+        """The first method that has this physics, and an accuracy if one is asked for."""
+        return next(name for name, method in METHODS.items() if not {*needs} & {*method.lacks}
+                    and (self.rtol is None or "rtol" in method.takes))
 
     def _why(self, method: str, system: System) -> str:
         """Sentence on what keeps a system from a faster method, if single entries do."""

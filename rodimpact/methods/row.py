@@ -34,13 +34,12 @@ from ..model import (
 )
 from ..model.frozen import Number
 from ..model.profiles import extremes
-from .contact_law_kernel import BOND, COMPLIANT, FORCE, FREE, IMPACT, JOINT, RIGID, SPRING, YIELD
+from .laws import BOND, COMPLIANT, FORCE, FREE, IMPACT, JOINT, RIGID, SPRING, YIELD
 
 SMALLEST, LARGEST = sys.float_info.min, sys.float_info.max
 AS_GOOD_AS_RIGID = "is as good as rigid beside these rods, got {!r}; use {}()"
 ROOM = 2.0**60  # for sums over steps and cells
 STIFFEST = 2.0**80  # of a contact, times transit time over impedance
-LEAST = 2.0**-800  # stiffness, where time is counted in steps
 KINDS = {
     Fixed: "velocity", Moved: "velocity", Pushed: "force", Absorbing: "absorbing",
     Incoming: "absorbing",
@@ -209,11 +208,11 @@ class Row:
         """Links of the contacts that can open, by contact."""
         return {k: i for k, i in self.by_law.items() if self.laws[i] >= RIGID}
 
-    # On a time step -------------------------------------------------------------------------------
+    # Scales ---------------------------------------------------------------------------------------
 
     @cached_property
     def frame(self) -> Any:
-        """Velocity of the frame in which methods on a time step count velocities, m/s."""
+        """Velocity of the frame in which methods other than fronts count velocities, m/s."""
         walls = [b.velocity for b in self.system.bodies if isinstance(b, Wall)]
         if walls:
             return _plain(sum(walls) / len(walls))
@@ -302,19 +301,6 @@ class Row:
         problems = [(path, sentence()) for bad, path, sentence in self.beyond_scales() if bad]
         if problems:
             raise InvalidModel(problems[:1] if problems[0][0] == "bodies" else problems)
-
-    def stiffness_in_steps(self, step: float) -> Array:
-        """Stiffness of each link where time is counted in steps, s, and lengths as velocities."""
-        scaled = [k * step**p for k, p in zip(self.stiffness, self.exponent, strict=True)]
-        for k, p, small in zip(self.stiffness, self.exponent, scaled, strict=True):
-            if k > 0 and small < LEAST:
-                message = f"a force of {k!r} times the indentation to the {p:g} vanishes in steps"
-                raise InvalidModel([("contacts", f"{message} of {step:.3g} s; use a lower power")])
-        return np.array(scaled)
-
-    def wall_speed(self, side: int, times: Array) -> Array:
-        """Velocity of the left or right wall at times, s, in the frame."""
-        return np.asarray(float(self.outside[side][1]) - self.frame - self.gravity * times)
 
 
 def largest(values: Sequence[Number]) -> Any:

@@ -128,7 +128,7 @@ class Signals(NamedTuple):
     outside : (Outside or None, Outside or None)
         Left and right.
     edges : [n] array of int or None
-        Ticks from 0 on between which a method on a time step resolves nothing.
+        Ticks from 0 on between which the signals of a grid are means.
     masses : dict of int to Pieces
         Velocities of rigid masses, by body, m/s, in the frame of the clock.
     """
@@ -192,15 +192,15 @@ class Run:
     status : str
         The same in a sentence, with the remedy.
     events : int
-        Arrivals at ends that were solved; steps times ends.
+        Arrivals at ends, steps of nodes, or time steps times ends.
     contacts : tuple of ContactTally
     totals : Totals or None
         None where they are to be read off the fields.
     groups : GroupTotals or None
         What of that the method's kernel has added up already.
     accuracy : dict of str to float
-        Estimated error of each measure of the outcome, relative to its largest value, where a time
-        step was chosen, or transit times were rounded.
+        Stated error of each measure of the outcome, relative to its largest value, where the method
+        is not exact.
     make_signals : function
     """
 

@@ -91,7 +91,7 @@ class System(Frozen):
     ) -> None:
         problems: Problems = []
         if not isinstance(bodies, list | tuple) or not bodies:
-            message = f"must be a list of at least one rod, got {shown(bodies)}"
+            message = f"must be a list of at least one rod or rigid mass, got {shown(bodies)}"
             raise InvalidModel([("bodies", message)])
         for i, body in enumerate[Any](bodies):
             if type(body) not in _BODIES:

@@ -35,7 +35,7 @@ class SpaceTime(NamedTuple):
     """Artists of a space-time diagram; `ends` are the ends of the rods.
 
     `regions` are polygons of constant state, triangles between whose corners displacements are
-    linear, or the flat cells [times, places] of a solution on a time step, masked between the rods;
+    linear, or the flat cells [times, places] of a solution without fronts, masked between the rods;
     `scale` makes the numbers of the colour bar from SI values; `walls` are fixed ends too.
     """
 
@@ -63,7 +63,7 @@ def spacetime(
     """Draw where every piece of rod is at every time, coloured by its state.
 
     Each polygon is a region of constant velocity and strain with its exact corners; the thin lines
-    between them are wave fronts. A solution on a time step has flat cells instead, each with the
+    between them are wave fronts. A solution without fronts has flat cells instead, each with the
     average over its time; they stay pixels in SVG and PDF, and so do displacements.
 
     In coordinates of the bodies every piece stays at its place in the undeformed row without gaps,

@@ -47,8 +47,8 @@ def contact(
     """Draw force and gap of a contact, or of several together, against time.
 
     A gap below 0 is the indentation of a compliant contact; that of a joint is its stretch. An
-    impact of two rigid bodies lasts no time: its force is the mean over the time step that the
-    label names.
+    impact of two rigid bodies lasts no time: on a grid its force is the mean over the time step
+    that the label names.
 
     Parameters
     ----------
@@ -120,11 +120,11 @@ def contact(
 
 
 def force_scale(solution: Solution, histories: Sequence[ContactHistory]) -> Scale:
-    """Scale of an axis of contact forces; it says so if some are means over a time step."""
+    """Scale of an axis of contact forces; it says so if some are means over a step of a grid."""
     impacts = any(getattr(history.law, "restitution", None) is not None for history in histories)
-    a = solution.fields.clock
-    means = impacts and a.grain > 1
-    mean = f",\nmean over {written(a.grain * a.tick, 's')}" if means else ""
+    fields = solution.fields
+    step = written(fields.resolution * fields.clock.tick, "s")
+    mean = f",\nmean over {step}" if impacts and fields.resolution > 1 else ""
     largest = max(np.abs(_record(history, solution.t_end)[1]).max() for history in histories)
     return engineering(f"contact force{mean}", largest, "N")
 

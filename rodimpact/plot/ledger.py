@@ -24,7 +24,6 @@ from .showing import picture
 from .style import INK, SMALL, axes, dress, legend_above, styled
 
 SAMPLES = 201  # energies bend like parabolas where a force acts
-STEPS_SUMMED = 15_000_000  # at all samples together: fewer samples of a very long solution
 STATES_SUMMED = 60_000  # of segments at all samples together
 FEWEST = 31
 TURNS = 6  # of contacts that are sampled too
@@ -54,7 +53,7 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
     """Draw the energy of all bodies against time: moving as a whole, vibration, and strain.
 
     Above it lies what is stored in compliant contacts, lost there and in damped material, gone
-    through absorbing ends and lost to the time step, each if there is any. If the whole row drifts,
+    through absorbing ends and lost to a grid, each if there is any. If the whole row drifts,
     the energy is that seen from the frame in which `spacetime` draws it, since the drift would hide
     all else. Where walls move, ends are driven or gravity acts, a dashed line shows the initial
     energy and their work; the bands reach exactly up to it.
@@ -116,9 +115,6 @@ def _times(solution: Solution) -> Floats:
     clock = solution.fields.clock
     count = min(SAMPLES, max(FEWEST, STATES_SUMMED // len(clock.ticks)))
     if is_stepped(solution):
-        if clock.grain > 1:
-            steps = max(1, solution.fields.end // clock.grain)
-            count = min(SAMPLES, max(FEWEST, STEPS_SUMMED // steps))
         known = np.union1d(contact_turns(solution)[:TURNS], [0.0, solution.t_end])
         return np.union1d(np.union1d(known, (known[1:] + known[:-1]) / 2),
                           np.linspace(0.0, solution.t_end, count))

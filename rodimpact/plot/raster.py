@@ -1,4 +1,4 @@
-"""Flat cells in space and time, for a solution that changes a little in every time step."""
+"""Flat cells in space and time, for a solution that changes smoothly."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Even pieces of rods: the states of a solution that changes a little in every time step.
+"""Even pieces of rods: the states of a solution that changes smoothly.
 
 Such a solution has no fronts to draw between; a few hundred pieces show what can be seen of it.
 """

@@ -37,7 +37,7 @@ ALIKE = 0.02  # velocities of a stretch that bears one label, in parts of the la
 class Snapshots(NamedTuple):
     """Artists of snapshots; `bars` holds a polygon for each uniform piece, row by row.
 
-    With a time step, each rod consists of many pieces with an outline, and there is a colour bar;
+    Without fronts, each rod consists of many pieces with an outline, and there is a colour bar;
     `walls` are fixed ends too.
     """
 
@@ -63,10 +63,10 @@ def snapshots(
     closing speed v, or, if nothing approaches, in the unit named under the picture. Displacements
     and gaps are magnified as in `spacetime`; compressed pieces are drawn shorter and thicker,
     stretched ones longer and thinner; a thick line marks a contact that presses. Small triangles
-    above a bar show which way a front runs. With a time step there are no fronts; a colour bar
-    tells velocities, and stretches in which they hardly differ bear the mean, to two digits. Rigid
-    masses are dark blocks of the width named under the picture, with their velocity below; fixed
-    ends are hatched as walls, absorbing ends dashed, driven ends marked by arrow heads.
+    above a bar show which way a front runs. Without fronts a colour bar tells velocities,
+    and stretches in which they hardly differ bear the mean, to two digits. Rigid masses are dark
+    blocks of the width named under the picture, with their velocity below; fixed ends are hatched
+    as walls, absorbing ends dashed, driven ends marked by arrow heads.
 
     Parameters
     ----------

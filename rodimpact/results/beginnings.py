@@ -25,7 +25,7 @@ FLAT = 1e-14  # change within a piece, of the largest wave, that is round-off
 def beginning(fields: Fields, body: int, tick: int) -> tuple[Number | Steps | Samples, ...]:
     """Velocity, m/s, and strain of a rod just after `tick`, as profiles."""
     count, scale = 0, 0.0
-    if isinstance(fields, WaveFields) and not fields.jump_only:
+    if isinstance(fields, WaveFields) and not fields.constant_between_fronts:
         count, scale = _distances(fields, body, tick)
         if count:
             return _samples(fields, body, tick, count)

@@ -56,7 +56,7 @@ class ContactHistory:
     def force(self, t: ArrayLike, side: Side = "right") -> Floats:
         """Contact force, N, positive in compression; `side` decides at jumps.
 
-        The method "characteristics" gives its mean over each step.
+        A grid gives the mean over each time step.
         """
         check_side(side)
         return self.push.at(self._fields.to_ticks(t, side), side)

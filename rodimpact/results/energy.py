@@ -34,9 +34,8 @@ class EnergyLedger:
     damped : array
         Lost in damped material since t = 0.
     numerical : array
-        Lost since t = 0 to the time step: as rigid contacts shut inside of one, where a transit is
-        no whole number of them, or by the half cells at the ends on a grid. It goes to zero with
-        the step, but for lateral inertia by Rayleigh and Love: such ends have mass, and meet
+        Lost since t = 0 to a grid, by the half cells at ends that meet rigidly. It goes to zero
+        with the step, but for lateral inertia by Rayleigh and Love: such ends have mass, and meet
         inelastically.
     radiated : array
         Gone since t = 0 through absorbing ends, less what came in there.
@@ -117,7 +116,6 @@ def ledger(
         else:
             dissipated += lost
     damped = fields.damped(ticks)
-    numerical += fields.smeared(ticks)
     in_bodies = states.kinetic, states.moving.sum(axis=0), states.strained.sum(axis=0)
     missing = sum(x - x[0] for x in in_bodies) + contact - contact[0]
     missing += dissipated + damped + numerical

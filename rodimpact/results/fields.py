@@ -71,8 +71,8 @@ class Fields(ABC):
         Velocities of rigid masses, by body, m/s, in the frame `clock.frame`, which falls with
         `clock.gravity`.
     edges : [n] array of int, optional
-        Ticks from 0 to `end` between which a method on a time step resolves nothing; those at which
-        energies are known.
+        Ticks from 0 to `end` at which energies are known, where signals are means over time steps:
+        of a grid, and of characteristics in files of schema 3.
     """
 
     def __init__(
@@ -81,6 +81,9 @@ class Fields(ABC):
     ) -> None:
         self.clock, self.end = clock, end
         self.masses, self.steps = masses or {}, edges
+
+    resolution = 1
+    """Ticks in which nothing is resolved: of a grid those of its step."""
 
     @property
     @abstractmethod
@@ -133,10 +136,6 @@ class Fields(ABC):
 
     def damped(self, ticks: Ints) -> Floats:
         """Energy lost in damped material since t = 0, J, at whole ticks."""
-        return np.zeros(np.shape(ticks))
-
-    def smeared(self, ticks: Ints) -> Floats:
-        """Energy lost since t = 0, J, where what arrives is a mean of two steps; at whole ticks."""
         return np.zeros(np.shape(ticks))
 
     # Where and when ---------------------------------------------------------------------------

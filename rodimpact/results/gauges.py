@@ -25,14 +25,12 @@ TOGETHER = 4096  # rows that are made at a time
 
 @dataclass(frozen=True)
 class Gauge:
-    """Record of a strain gauge, with an entry for each jump, step, or state of a grid at least.
+    """Record of a strain gauge, with an entry for each jump, or state of a grid, at least.
 
     Strain and velocity are constant between jumps of fronts. Where waves change smoothly, straight
     lines from entry to entry follow each wave to 5e-5 of its range, and jumps are among the
-    entries. On a time step entries are means until the next one, on a grid those of its time.
-    `strain_at` and `signal` know the strain at all times: in a time step a straight line about the
-    mean, which rises as the steps around it do but not beyond their means; on a grid a straight
-    line to the next entry.
+    entries. Entries of a grid are those of its times. `strain_at` and `signal` know the strain at
+    all times, on a grid by a straight line to the next entry.
 
     Attributes
     ----------

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..methods.clock import STEP_TICKS, Clock
-from ..methods.grid.mesh import GridMotion, RadialMotion
+from ..methods.clock import Clock
+from ..methods.grid.mesh import STEP_TICKS, GridMotion, RadialMotion
 from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model import Rod
@@ -43,6 +43,8 @@ class GridFields(Fields):
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
         super().__init__(clock, end, signals.masses, signals.edges)
         self.motion: GridMotion = signals.motion
+
+    resolution = STEP_TICKS
 
     @property
     def constant_between_fronts(self) -> bool:

@@ -68,8 +68,7 @@ class Outcome:
     contact_energy_before : float
         The same before: in stretched joints, J.
     dissipated, numerical, radiated : float
-        Lost in contacts, to the time step (see `EnergyLedger`), and through absorbing ends,
-        J.
+        Lost in contacts, to a grid (see `EnergyLedger`), and through absorbing ends, J.
     damped : float
         Lost in damped material, J.
     drive_work, gravity_work : float

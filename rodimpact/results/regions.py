@@ -145,7 +145,7 @@ def readable_until(solution: Solution, limit: int) -> float:
 def _interval(solution: Solution, start: float, stop: float | None) -> tuple[WaveFields, int, int]:
     """Fields between whose fronts there are regions, and first and last tick of an interval."""
     fields, stop = solution.fields, solution.t_end if stop is None else stop
-    if not isinstance(fields, WaveFields) or not fields.jump_only:
+    if not isinstance(fields, WaveFields) or not fields.constant_between_fronts:
         raise ValueError(f'solution: method "{solution.method}" has no fronts to draw between')
     first_tick, last_tick = (int(fields.to_ticks(single(name, t, "s")))
                              for name, t in (("start", start), ("stop", stop)))

@@ -67,14 +67,14 @@ class Solution:
         Largest relative change of a transit time by its rounding to the clock; `accuracy` has what
         becomes of it in the outcome.
     events : int
-        Arrivals at ends that were solved.
+        Fronts: arrivals at ends. Characteristics: steps of contacts and ends. A grid: its time
+        steps times contacts and ends.
     accuracy : dict of str to float
-        Estimated error of each measure of the outcome, relative to its largest value, of velocities
-        to their scale: where a time step was chosen, and where fronts run on transit times that had
-        to be rounded. Empty where the method is exact or the step was given. On a chosen step all
-        reach rtol, except that of the duration, which depends on faint forces, and on a grid that
-        of the largest force, which overshoots beside jumps (inf where it grows with every finer
-        grid).
+        Stated error of each measure of the outcome, relative to its largest value, of velocities
+        to their scale. Empty where the method is exact, or cells or the step were given. On a grid
+        those of the duration, which depends on faint forces, and of the peak force, which
+        overshoots beside jumps, may exceed rtol (inf where a finer grid always finds a larger
+        force).
     fields : Fields
     method : str
 

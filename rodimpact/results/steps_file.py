@@ -20,6 +20,7 @@ SCHEMA = 3
 KINDS: dict[str, Any] = {
     "StepSignal": lambda ticks, values: Pieces(ticks, values),
     "ContactSignal": dict, "Outside": dict, "Signals": dict,
+    "Clock": lambda **values: Clock(**{k: v for k, v in values.items() if k != "grain"}),
 }
 """What the classes of such a file are read as, where they have changed."""
 

@@ -27,12 +27,12 @@ from ..methods.signals import (
     each_once,
     integral_of_product,
 )
-from ..methods.steps.delays import lost_to_means
 from ..model import Rod
 from .field_kernel import sum_on_grid
 from .fields import Fields, Profile, Trace
 
 PAIR_TIME = 5e-7  # s of plain Python for two waves that meet
+SLIVER = 64  # ticks: waves that last no longer come of round-off
 POINT_TIME = 4e-9  # s that NumPy takes longer for a point of a grid than a compiled loop
 
 
@@ -59,13 +59,8 @@ class WaveFields(Fields):
         assert b is not None
         return a, b
 
-    @property
-    def constant_between_fronts(self) -> bool:
-        return self.jump_only and self.clock.grain == 1
-
     @cached_property
-    def jump_only(self) -> bool:
-        """Whether all waves are constant between jumps."""
+    def constant_between_fronts(self) -> bool:
         return all(wave is None or wave.size == 1 for wave in self.signals)
 
     # Where ------------------------------------------------------------------------------------
@@ -99,7 +94,7 @@ class WaveFields(Fields):
         ticks = self.to_ticks(t, side)
         shape = self._together(offset, ticks)
         grid = self._open_grid(offset, ticks, shape)
-        if grid is not None and side == "right" and self.jump_only:
+        if grid is not None and side == "right" and self.constant_between_fronts:
             flat, when, x_first = grid
             out: Floats = np.empty((flat.size, when.size))
             where = segment.ravel()
@@ -215,15 +210,7 @@ class WaveFields(Fields):
             wave.later(delay).cut(ticks, self.end)
             for wave, delay in zip((A, B), delays, strict=True)
         )
-        stretch = difference(left, right)
-        if self.steps is not None:
-            after, rate = stretch.values, np.zeros(len(ticks))
-            for wave, delay, sign in zip((A, B), delays, (-1.0, 1.0), strict=True):
-                gained, slope = _within_steps(wave, ticks - delay)
-                after, rate = after + sign * gained, rate + sign * slope
-            until = after + rate * np.diff(ticks, append=self.end)
-            stretch = Pieces.lines(ticks, after, until, self.end)
-        return Trace(right, left, stretch, a.wave_speed[segment])
+        return Trace(right, left, difference(left, right), a.wave_speed[segment])
 
     # Integrals over bodies ----------------------------------------------------------------------
 
@@ -247,47 +234,13 @@ class WaveFields(Fields):
         for s in range(first, last + 1):
             A, B = self.waves(s)
             T, V = a.ticks[s], velocity - a.frame - a.gravity * tick * a.tick
-            if self._even and tick % a.grain == 0 and T % a.grain == 0:
-                right, left = (self._stored(wave, tick - T, T) - V for wave in (A, B))
-                both = float(right @ right + left @ left) * a.grain / 4
-                crossed = float(right @ left[::-1]) * a.grain / 2
-            else:
-                A, B = (wave.within(tick - T, tick).plus(-V) for wave in (A, B))
-                both = sum(integral_of_product(w, w, tick - T, tick) for w in (A, B)) / 4
-                crossed = integral_of_product(A, B, tick - T, tick, about=2 * tick - T) / 2
+            A, B = (wave.within(tick - T, tick).plus(-V) for wave in (A, B))
+            both = sum(integral_of_product(w, w, tick - T, tick) for w in (A, B)) / 4
+            crossed = integral_of_product(A, B, tick - T, tick, about=2 * tick - T) / 2
             scale = a.impedance[s] * a.tick
             kinetic += scale * (both + crossed) / 2
             strain += scale * (both - crossed) / 2
         return kinetic, strain
-
-    @cached_property
-    def _even(self) -> bool:
-        """Whether all steps last as long, but for the last."""
-        return self.steps is not None and len(self.steps) > 1 and (
-            bool(np.all(np.diff(self.steps[:-1]) == self.clock.grain))
-        )
-
-    def smeared(self, ticks: Ints) -> Floats:
-        if self.steps is None:
-            return np.zeros(np.shape(ticks))
-        return np.asarray(self._smeared[np.searchsorted(self.steps, ticks)])
-
-    @cached_property
-    def _smeared(self) -> Floats:
-        """Energy lost by the end of each step: of a mean of two values, their variance."""
-        a, steps = self.clock, self.steps
-        assert steps is not None
-        lasts = np.diff(steps)
-        lost = np.zeros(len(lasts))
-        for s in range(1, len(a.ticks) - 1):
-            for wave in self.waves(s):
-                lost += a.impedance[s] * lost_to_means(wave.values, a.ticks[s], lasts)
-        return np.concatenate(([0.0], np.cumsum(lost))) * a.tick
-
-    def _stored(self, wave: Pieces, start: int, duration: int) -> Floats:
-        """Step averages of a signal from the step that begins at `start` on."""
-        first = int(np.searchsorted(wave.ticks, start, "right")) - 1
-        return np.asarray(wave.values[first : first + duration // self.clock.grain])
 
     def largest_stress(self, body: int) -> float:
         stresses, (first, last) = [], self.clock.spans[body]
@@ -306,7 +259,7 @@ class WaveFields(Fields):
                        np.concatenate([w.values for w in waves])]
             if kernel is largest_difference:
                 columns = [column.tolist() for column in columns]
-            parted = kernel(*columns, (0, counts[0]), self.clock.ticks[s], self.end, 0)
+            parted = kernel(*columns, (0, counts[0]), self.clock.ticks[s], self.end, SLIVER)
             E = float(piece.material.youngs_modulus)
             stresses.append(E * parted / (2 * self.clock.wave_speed[s]))
         return float(max(stresses))
@@ -332,24 +285,6 @@ class WaveFields(Fields):
             strain += ((left - right) * (0.5 / a.wave_speed[s])).tolist()
             segments += [s] * (len(bounds) - 1)
         return Profile(np.array(edges), np.array(velocity), np.array(strain), np.array(segments))
-
-
-def _within_steps(wave: Pieces, ticks: Ints) -> tuple[Floats, Floats]:
-    """At ticks, how far a wave is above the mean of the step, and its slope there, a tick.
-
-    A straight line in each step keeps its mean; where the steps before and after are on either side
-    of it, the line rises or falls as they do, but not beyond their means, else it is level. So a
-    smooth wave is of second order, and a jump between steps stays one.
-    """
-    begins, v = wave.ticks, wave.values
-    widths, change, slopes = np.diff(begins), np.diff(v), np.zeros(len(v))
-    middles = begins + np.append(widths, widths[-1:].sum()) / 2
-    if len(v) > 2:
-        usual = (change[1:] + change[:-1]) / (middles[2:] - middles[:-2])
-        most = 2 * np.minimum(np.abs(change[1:]), np.abs(change[:-1])) / widths[1:]
-        slopes[1:-1] = np.where(change[1:] * change[:-1] > 0, np.clip(usual, -most, most), 0.0)
-    i = np.maximum(np.searchsorted(begins, ticks, "right") - 1, 0)
-    return slopes[i] * (ticks - middles[i]), slopes[i]
 
 
 def _steps_on_grid(ticks: Ints, values: Floats, delay: Ints, when: Ints) -> Floats:

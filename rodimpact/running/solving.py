@@ -31,30 +31,29 @@ def solve(
         Time to run to, s. By default the run goes on until it is proved that no contact can happen
         again, and one round trip of the longest rod more.
     method : str
-        ``"fronts"``: exact wave-front tracking. ``"characteristics"``: end signals averaged over a
-        time step; has rigid masses, compliant contacts, joints, gravity, smooth initial states and
-        drives. ``"finite-difference"``: a staggered grid; has damping, tapered rods and lateral
-        inertia as well. ``"auto"`` takes the first that can do the job.
+        ``"fronts"``: exact wave-front tracking. ``"characteristics"``: waves are polynomial pieces
+        in time, and there is no time step; has rigid masses, compliant contacts, joints, gravity,
+        smooth initial states and drives. ``"finite-difference"``: a staggered grid; has damping,
+        tapered rods and lateral inertia as well. ``"auto"`` takes the first that can do the job.
     max_events : int
-        Arrivals at ends after which the run gives up; `Solution.status` then says so. On a time
-        step, steps times ends, where `until` is not given.
+        Cap on the work, after which the run gives up; `Solution.status` then says so. Fronts count
+        arrivals at ends, characteristics the steps of contacts and ends, a grid its time steps
+        times contacts and ends where `until` is not given.
     dt : float, optional
-        Time step, s, of a method that has one; on a grid less where `until` is no multiple of it.
-        By default it is chosen, so that transit times are whole numbers of steps where they can be,
-        and divided until the outcome stands still.
+        Time step of "finite-difference", s; less where `until` is no multiple of it. By default it
+        is chosen, and divided until the outcome stands still.
     rtol : float, optional
-        By how much the outcome may be wrong, as far as comparing steps can tell: velocities and
-        impulses and, for "characteristics", contact times and largest forces, each relative to the
-        largest; 1e-5 for "characteristics" and 1e-3 for "finite-difference". `Solution.accuracy`
-        has what was reached.
+        Relative accuracy: 1e-8 by default for "characteristics", 1e-3 for "finite-difference", of
+        velocities and impulses. "fronts" is exact but for round-off and takes none, so that "auto"
+        takes "characteristics" where this is given. `Solution.accuracy` has what was reached.
     cells : int, optional
-        Of the segment with the longest transit, for "finite-difference", which "auto" then takes;
-        each other one gets as many as its waves cross in whole steps. By default doubled until the
-        outcome stands still.
+        Of the segment with the longest transit, for "finite-difference"; each other one gets as
+        many as its waves cross in whole steps. By default doubled until the outcome stands still.
     snapshots : int or array_like, optional
-        For "finite-difference", which "auto" then takes: how many states to keep at most, at equal
-        distances, or the times at which to keep them, s. Between them fields change evenly, and
-        energies are those of the nearest one. By default all steps, as far as they fit into 64 MB.
+        For "finite-difference": how many states to keep at most, at equal distances, or the times
+        at which to keep them, s. Between them fields change evenly, and energies are those of the
+        nearest one. By default all steps, as far as they fit into 64 MB. `dt`, `cells` and
+        `snapshots` do not choose that method: where "auto" takes another one they are refused.
     progress : function, optional
         Called during long runs with the steps, or the events of "fronts", that are done, and about
         how many there will be; "characteristics" does not call it. A bar of tqdm takes

@@ -16,7 +16,7 @@ ENERGIES = {
     "kinetic": "moving as a whole", "vibrational_kinetic": "vibration", "strain": "strain",
     "inner": "vibration and strain", "contact": "in compliant contacts",
     "dissipated": "lost in contacts", "damped": "lost in material",
-    "numerical": "lost to the time step", "radiated": "gone through absorbing ends",
+    "numerical": "lost to the grid", "radiated": "gone through absorbing ends",
 }
 """What tables, figures and the page call the entries of an energy ledger."""
 

@@ -96,7 +96,6 @@ def test_axes_of_one_kind():
     (("length", 1.0, 2.0), r"x: 'length' names 2 numbers; .*: bodies.0.length, bodies.1.length"),
     (("bodies.1.length", -1.0, 2.0), "x, bodies.1.length: must be a finite positive number"),
     (("bodies.1.length", 0.1, 1e150), "max_events: in the middle of the plane .* got 1000"),
-    (("bodies.1.material.density", 1.0, 2.0), "x: an atlas has no modulus or density"),
     (("bodies.1.area", 1.0, 2.0), "y: must be another number than x"),
     (("contacts.0.gap", 0.0, 1.0), "symbols: 'contacts.0.gap' names no number"),
     (("bodies.1.lenght", 1.0, 2.0), "symbols: 'bodies.1.lenght' names no number"),

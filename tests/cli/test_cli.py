@@ -336,7 +336,7 @@ def test_gauges_of_the_case_are_written(case, capsys):
 @pytest.mark.parametrize("argv", [
     ["--until", "0", "--plot", "a.png"], ["--max-events", "1", "--plot", "a.png"],
     ["--until", "1e-5"], ["--until", "1e-5", "--json"], ["--save", "there.npz"],
-    ["--method", "characteristics", "--dt", "1e-3"], ["--max-events", "1"],
+    ["--method", "finite-difference", "--dt", "1e-3"], ["--max-events", "1"],
 ])
 def test_the_command_line_names_options_and_python_arguments(case, capsys, argv):
     Path("there.npz").write_text("mine")

@@ -70,8 +70,8 @@ class Names:
         self.functions = [item for item in names.items() if is_called(item[1])]
         self.classes = {thing for thing in names.values() if inspect.isclass(thing)}
         self.kinds = {}
-        steps = ri.solve(ri.System(RODS, contacts=[ri.Spring(1e8)]), until=1e-4, dt=1e-6)
-        for solution in (SOLVED(), steps, ri.solve(PAIR, until=1e-4, cells=8)):
+        steps = ri.solve(ri.System(RODS, contacts=[ri.Spring(1e8)]), until=1e-4)
+        for solution in (SOLVED(), steps, ri.solve(PAIR, 1e-4, "finite-difference", cells=8)):
             self.add(solution)
             self.add(solution.contacts[0])
         for thing in objects(np.random.default_rng(0)):

@@ -14,11 +14,11 @@ from scipy.linalg import block_diag
 
 import rodimpact as ri
 from rodimpact.methods import kernels
-from rodimpact.methods.contact_law_kernel import RIGID
 from rodimpact.methods.grid import grid_kernel as fk
 from rodimpact.methods.grid.machine import Keeper, Machine
 from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size
+from rodimpact.methods.laws import RIGID
 from rodimpact.methods.row import Row
 
 seeds = st.integers(0, 10**6)
@@ -67,7 +67,7 @@ def test_the_kernel_imports_kernels_only():
     imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     imported |= {a.name for node in ast.walk(tree) if isinstance(node, ast.Import)
                  for a in node.names}
-    assert imported <= {"__future__", "math", "typing", "contact_law_kernel", "finality_kernel",
+    assert imported <= {"__future__", "math", "typing", "laws", "contact_kernel", "finality_kernel",
                         "radial_kernel"}
 
 
@@ -369,7 +369,7 @@ def test_what_stops_no_more_than_the_tolerance_is_no_force(pair):
         own = float(machine.links.own[0])
         machine.tol = 0.5 / own * own * slack
         machine.advance(1)
-        assert machine.tally.pressed[0] == pressed
+        assert (machine.signals.force[0] > 0) == pressed
 
 
 @pytest.mark.parametrize("law", [ri.Rigid(), ri.Rigid(restitution=0.5)])

@@ -6,10 +6,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from rodimpact.methods.grid.measure_kernel import largest_force
 from rodimpact.methods.grid.refinement import DOUBT, PART, factor_of, refined
-from rodimpact.methods.measure_kernel import largest_force
 from rodimpact.methods.memory import TooLong
-from rodimpact.methods.refinement_kernel import carried_error, carried_on, error_of
 
 
 class Run(NamedTuple):
@@ -111,41 +110,6 @@ STEPS = [1.0, 1 / 2, 1 / 3, 1 / 4]
 def by_level(*errors):
     """Two numbers on four levels: 1 and 3 with errors of these sizes and powers of the step."""
     return [x + sum(a * h**p for a, p in errors) for h in STEPS for x in (1.0, 3.0)]
-
-
-def test_an_error_that_falls_with_the_square_is_known():
-    values, h = by_level((0.1, 2)), STEPS[-1]
-    assert error_of(values, 2, STEPS, 4, 0, 2, True, 0.0) == pytest.approx(
-        0.1 * h**2 / (3 + 0.1 * h**2)
-    )
-    assert error_of(values, 2, STEPS, 4, 0, 2, True, 0.5) == pytest.approx(0.1 * h**2 / 0.5)
-    assert error_of(values, 2, STEPS, 3, 0, 2, True, 0.0) == math.inf
-    rough = by_level((0.1, 1))
-    assert error_of(rough, 2, STEPS, 4, 0, 2, True, 1.0) == pytest.approx(0.1 * h)
-    assert error_of([math.nan] * 8, 2, STEPS, 4, 0, 2, True, 0.0) == math.inf
-
-
-def test_what_falls_with_the_square_is_carried_on_to_step_0():
-    values = by_level((0.1, 2))
-    for back in (1, 2, 3):
-        assert carried_on(values, 2, STEPS, 4, back, 0) == pytest.approx(1.0, abs=1e-15)
-        assert carried_on(values, 2, STEPS, 4, back, 1) == pytest.approx(3.0, abs=1e-15)
-
-
-@pytest.mark.parametrize("errors", [[(0.1, 2)], [(0.1, 2), (0.1, 3)], [(0.1, 2), (-0.02, 2.5)]])
-def test_the_estimate_of_what_is_carried_on_bounds_its_error(errors):
-    values = by_level(*errors)
-    error = max(abs(carried_on(values, 2, STEPS, 4, 1, i) / (1 + 2 * i) - 1) for i in (0, 1))
-    estimate = carried_error(values, 2, STEPS, 4, 0, 2)
-    change = abs(values[-1] - carried_on(values, 2, STEPS, 4, 1, 1))
-    spread = max(abs(carried_on(values, 2, STEPS, 4, 3, i) - carried_on(values, 2, STEPS, 4, 1, i))
-                 for i in (0, 1))
-    assert max(error, change / 1.51, 1.99 * spread) / 3 <= estimate <= 0.1
-
-
-def test_what_does_not_fall_with_the_square_is_not_carried_on():
-    assert carried_error(by_level((0.1, 1)), 2, STEPS, 4, 0, 2) == math.inf
-    assert carried_error(by_level((0.1, 2)), 2, STEPS, 3, 0, 2) == math.inf
 
 
 def means(force, edges):

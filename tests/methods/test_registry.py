@@ -43,9 +43,11 @@ def test_all_mistakes_are_reported_together():
 
 
 @pytest.mark.parametrize(("given", "path", "said"), [
-    ({"method": "fronts", "dt": 1e-6}, "dt", '"characteristics" or "finite'),
+    ({"method": "fronts", "dt": 1e-6}, "dt", 'is for method "finite-difference", not "fronts"'),
     ({"method": "fronts", "rtol": 1e-3}, "rtol", '"characteristics" or "finite'),
     ({"method": "characteristics", "cells": 9}, "cells", 'is for method "finite-difference"'),
+    ({"dt": 1e-6}, "dt", 'give rtol= for another accuracy, or give method="finite-difference"'),
+    ({"cells": 9}, "cells", 'give rtol= for another accuracy, or give method="finite-difference"'),
 ])
 @pytest.mark.parametrize("ask", [ri.solve, ri.sweep])
 def test_options_of_another_method_are_refused(given, path, said, ask):
@@ -61,12 +63,31 @@ def test_a_held_row_under_gravity_needs_an_end(ask):
         ask(ri.System([ROD, ri.Wall()], gravity=9.81))
 
 
-def test_an_option_of_a_method_chooses_it():
+def test_an_accuracy_that_is_asked_for_chooses_a_method_that_takes_one():
     assert Options().method_for(ROW) == "fronts"
-    assert Options(dt=1e-6).method_for(ROW) == "characteristics"
     assert Options(rtol=1e-3).method_for(ROW) == "characteristics"
-    assert Options(cells=9).method_for(ROW) == "finite-difference"
-    assert Options(snapshots=[0.0, 1e-5]).method_for(ROW) == "finite-difference"
+
+
+GRID = [{"dt": 1e-6}, {"cells": 9}, {"snapshots": [0.0, 1e-5]}]
+
+
+@pytest.mark.parametrize("options", GRID)
+@pytest.mark.parametrize("row", [
+    ROW, ri.System([ROD, ri.Wall()], contacts=[ri.Spring(1e8)]),
+    ri.System([ri.RigidMass(1.0, velocity=1.0), ri.Wall()], contacts=[ri.Spring(1e8)]),
+], ids=["fronts", "characteristics", "without a rod"])
+def test_options_of_a_grid_do_not_choose_it(row, options):
+    with pytest.raises(ri.InvalidModel) as caught:
+        Options(**options).method_for(row)
+    [(path, message)] = caught.value.problems
+    assert path == next(iter(options))
+    assert message.startswith('is for a grid, and method "auto" takes "')
+    assert ('method="finite-difference"' in message) == isinstance(row.bodies[0], ri.Rod)
+
+
+@pytest.mark.parametrize("options", GRID)
+def test_options_of_a_grid_are_taken_where_the_row_needs_one(options):
+    assert Options(**options).method_for(ri.System([LOSSY])) == "finite-difference"
 
 
 STEEL = ri.materials.steel
@@ -125,7 +146,7 @@ def test_numbers_of_any_precision_become_floats(name, kind):
 
 def test_a_step_in_single_precision_is_that_step(tmp_path):
     single = np.float32(1e-6)
-    rough, exact = (ri.solve(ROW, dt=dt) for dt in (single, float(single)))
+    rough, exact = (ri.solve(ROW, method="finite-difference", dt=dt) for dt in (single, float(single)))
     assert rough.fields.clock.tick == exact.fields.clock.tick
     rough.save(tmp_path / "rough.npz")
     assert ri.load(tmp_path / "rough.npz").outcome == exact.outcome

@@ -7,7 +7,8 @@ import pytest
 from scipy.special import beta
 
 import rodimpact as ri
-from rodimpact.methods import contact_law_kernel as lk
+from rodimpact.methods import laws as kinds
+from rodimpact.methods.grid import contact_kernel as ck
 from rodimpact.model.laws import CONTACT_LAWS
 from rodimpact.model.system import restored
 
@@ -149,12 +150,12 @@ def test_all_mistakes_of_radii_at_once():
 # A force that is a power of the indentation
 
 
-def two_masses(law, until, dt, speed=3.0):
+def two_masses(law, until, speed=3.0):
     """Two masses meet while a rod waits far away."""
     rod = ri.Rod(until * STEEL.wave_speed, area=1e-4, material=STEEL)
     row = ri.System([ri.RigidMass(2.0, velocity=speed), ri.RigidMass(3.0), rod], gaps=[0.0, 1e3],
                     contacts=[law, ri.Rigid()])
-    return ri.solve(row, until, "characteristics", dt=dt)
+    return ri.solve(row, until, "characteristics", rtol=1e-11)
 
 
 def duration_and_peak(law, speed=3.0, mass=6 / 5):
@@ -165,22 +166,16 @@ def duration_and_peak(law, speed=3.0, mass=6 / 5):
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.2, 1.5, 2.0, 3.0, 7.5, 20.0])
-def test_the_contact_of_two_masses_has_its_closed_form_to_order_2(exponent):
+def test_the_contact_of_two_masses_has_its_closed_form(exponent):
     law = ri.PowerLaw(1e9, exponent)
     duration, peak = duration_and_peak(law)
-    errors = []
-    for n in (160, 320, 640):
-        run = two_masses(law, 1.5 * duration, duration / (n + 0.5))
-        contact = run.contacts[0]
-        assert run.outcome.velocities_after[:2] == pytest.approx([-0.6, 2.4], abs=1e-12)
-        assert contact.impulse == pytest.approx(2 * 6 / 5 * 3.0, rel=1e-12)
-        assert contact.duration == pytest.approx(duration, rel=2 * exponent**2 / n**2)
-        apart = float(contact.gap(run.t_end)) / 3.0
-        errors.append([apart / (run.t_end - duration) - 1, contact.peak_force / peak - 1])
-    coarse, middle, fine = np.abs(errors)
-    assert coarse[0] / middle[0] == pytest.approx(4.0, rel=0.1)
-    assert middle[0] / fine[0] == pytest.approx(4.0, rel=0.05)
-    assert np.all(coarse[1] / middle[1] > 14)  # the largest indentation, of order 4
+    run = two_masses(law, 1.5 * duration)
+    contact = run.contacts[0]
+    assert run.outcome.velocities_after[:2] == pytest.approx([-0.6, 2.4], abs=1e-10)
+    assert contact.impulse == pytest.approx(2 * 6 / 5 * 3.0, rel=1e-10)
+    assert contact.duration == pytest.approx(duration, rel=1e-10)
+    assert contact.peak_force == pytest.approx(peak, rel=1e-9)
+    assert float(contact.gap(run.t_end)) / 3.0 == pytest.approx(run.t_end - duration, rel=1e-6)
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.3, 1.5, 2.0, 4.0])
@@ -188,18 +183,18 @@ def test_energy_is_kept_in_a_row_whatever_the_exponent(exponent):
     law = ri.PowerLaw(3e9, exponent)
     rods = [ri.Rod(x, area=1e-4, material=STEEL, velocity=v) for x, v in ((0.4, 1.0), (1.0, 0.0))]
     row = ri.System([rods[0], ri.RigidMass(0.2), rods[1]], contacts=[law, law])
-    run = ri.solve(row, 1e-3, "characteristics", dt=rods[1].transit_time / 200)
+    run = ri.solve(row, 1e-3, "characteristics")
     ledger = run.energy(np.linspace(0, run.t_end, 9))
     for entry in (ledger.residual, ledger.numerical, ledger.dissipated):
-        assert entry == pytest.approx(np.zeros(9), abs=1e-13)
-    assert ledger.total == pytest.approx(np.full(9, ledger.total[0]), rel=1e-12)
+        assert entry == pytest.approx(np.zeros(9), abs=1e-9 * ledger.total[0])
+    assert ledger.total == pytest.approx(np.full(9, ledger.total[0]), rel=1e-9)
     assert run.contacts[1].impulse > 0
     assert ri.solve(row, 1e-3, cells=40, method="finite-difference").outcome.energy_residual < 1e-12
 
 
 @pytest.mark.parametrize(("exponent", "twin"), [(1.0, ri.Spring(1e8)), (1.5, ri.Hertz(1e10))])
 @pytest.mark.parametrize("options", [
-    {"method": "characteristics", "dt": 1e-6}, {"method": "characteristics"},
+    {"method": "characteristics"},
     {"method": "finite-difference", "cells": 40},
 ], ids=str)
 def test_spring_and_hertz_are_two_of_its_kind(exponent, twin, options):
@@ -214,14 +209,14 @@ def test_spring_and_hertz_are_two_of_its_kind(exponent, twin, options):
     assert expected.max() > 0
 
 
-@pytest.mark.parametrize(("law", "exponent"), [(lk.SPRING, 1.0), (lk.HERTZ, 1.5)])
+@pytest.mark.parametrize(("law", "exponent"), [(kinds.SPRING, 1.0), (kinds.HERTZ, 1.5)])
 def test_the_general_mean_is_that_of_spring_and_hertz(law, exponent):
     rng = np.random.default_rng(1)
     for power in range(-14, 3):
         x0 = float(rng.uniform(0.1, 2))
         for x1 in (x0 * (1 + 10.0**power), x0 / (1 + 10.0**power), x0):
-            expected = lk.mean_force(law, 3.0, exponent, 0.0, x0, x1)
-            F, dF = lk.mean_power(3.0, exponent, x0, x1)
+            expected = ck.mean_force(law, 3.0, exponent, 0.0, x0, x1)
+            F, dF = ck.mean_power(3.0, exponent, x0, x1)
             assert pytest.approx(expected[0], rel=2e-15) == F
             assert dF == pytest.approx(expected[1], rel=1e-9)
 
@@ -230,10 +225,10 @@ def test_the_general_mean_is_that_of_spring_and_hertz(law, exponent):
 def test_its_mean_force_is_the_difference_quotient_of_its_energy(exponent):
     rng = np.random.default_rng(2)
     for x0, x1 in rng.uniform(-1, 2, (200, 2)).tolist():
-        F, dF = lk.mean_force(lk.POWER, 5.0, exponent, 0.0, x0, x1)
-        gained = lk.stored(lk.POWER, 5.0, exponent, -x1) - lk.stored(lk.POWER, 5.0, exponent, -x0)
+        F, dF = ck.mean_force(kinds.POWER, 5.0, exponent, 0.0, x0, x1)
+        gained = ck.stored(kinds.POWER, 5.0, exponent, -x1) - ck.stored(kinds.POWER, 5.0, exponent, -x0)
         assert F * (x1 - x0) == pytest.approx(gained, rel=1e-12, abs=1e-13)
-        up, down = (lk.mean_force(lk.POWER, 5.0, exponent, 0.0, x0, x1 + s)[0]
+        up, down = (ck.mean_force(kinds.POWER, 5.0, exponent, 0.0, x0, x1 + s)[0]
                     for s in (1e-6, -1e-6))
         assert dF == pytest.approx((up - down) / 2e-6, rel=1e-4, abs=1e-3)
 

@@ -231,13 +231,15 @@ def test_a_mass_takes_its_velocity_by_name():
     ]
 
 
-def test_a_mass_may_stand_anywhere_but_not_alone():
+def test_a_mass_may_stand_anywhere_and_walls_not_alone():
     hertz = ri.Hertz(1e9)
     row = ri.System([ri.Wall(), MASS, MASS, rod(), MASS, rod(), MASS],
                     contacts=[hertz, hertz, *[ri.Rigid()] * 4])
     assert ri.System.from_dict(row.to_dict()) == row
-    found = problems(lambda: ri.System([MASS, MASS], contacts=[hertz]))
-    assert found == [("bodies", "needs at least one rod; rigid.collide takes rigid bodies")]
+    alone = ri.System([MASS, MASS], contacts=[hertz])
+    assert ri.System.from_dict(alone.to_dict()) == alone
+    found = problems(lambda: ri.System([ri.Wall(), ri.Wall()]))
+    assert found == [("bodies", "needs a rod or a rigid mass between its walls")]
 
 
 @pytest.mark.parametrize("pair", [[MASS, MASS], [MASS, ri.Wall()]])

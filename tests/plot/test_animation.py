@@ -51,9 +51,9 @@ ROWS = {
     "single": (ri.System([rod(0.5, 1.0)]), {"until": 2e-4}),
     "masses": (ri.System([ri.RigidMass(0.1, velocity=2.0), rod(0.4), ri.RigidMass(0.2), rod(0.2)],
                          contacts=[ri.Hertz(1e10), ri.Bonded(), ri.Rigid()],
-                         ends=(ri.Free(), ri.Absorbing())), {"until": 3e-4, "dt": 1e-6}),
+                         ends=(ri.Free(), ri.Absorbing())), {"until": 3e-4}),
     "driven": (ri.System([rod(0.4)], ends=(ri.Moved(1.0), ri.Fixed())),
-               {"until": 2e-4, "dt": 1e-6, "method": "characteristics"}),
+               {"until": 2e-4, "method": "characteristics"}),
 }
 
 

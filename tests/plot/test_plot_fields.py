@@ -40,7 +40,7 @@ def solved():
 def stepwise():
     row = ri.System([rod(0.2, 5.0), ri.RigidMass(0.1), rod(0.4)], gaps=[1e-6, 0.0],
                     contacts=[ri.Hertz(5e9), ri.Bonded()], ends=(ri.Pushed(100.0), ri.Absorbing()))
-    return ri.solve(row, 3e-4, dt=1e-6)
+    return ri.solve(row, 3e-4, "characteristics")
 
 
 def axes():

@@ -24,7 +24,7 @@ def rod(length, velocity=0.0):
 
 SOLUTION = ri.solve(ri.System([rod(0.4, 1.0), rod(1.0)]))
 STEPWISE = ri.solve(ri.System([ri.RigidMass(0.1, velocity=1.0), rod(0.4), ri.Wall()],
-                              gaps=[0.0, 1e-5]), 2e-4, dt=1e-6)
+                              gaps=[0.0, 1e-5]), 2e-4, "characteristics")
 PICTURES = {
     "spacetime": lambda: plot.spacetime(SOLUTION).ax,
     "cells": lambda: plot.spacetime(STEPWISE, across=True).ax,

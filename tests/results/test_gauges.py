@@ -143,8 +143,8 @@ def struck(law=None, **options):
 
 
 @pytest.mark.parametrize("options", [
-    {"until": 2e-4}, {"until": 4e-5, "cells": 16, "snapshots": 9},
-    {"law": ri.Spring(1e8), "until": 2e-4, "dt": 1.3e-6},
+    {"until": 2e-4}, {"until": 4e-5, "method": "finite-difference", "cells": 16, "snapshots": 9},
+    {"law": ri.Spring(1e8), "until": 2e-4},
 ], ids=["fronts", "grid", "characteristics"])
 def test_a_signal_is_the_mean_under_a_spline(options):
     """Against the mean over very short pieces of the record."""
@@ -160,28 +160,19 @@ def test_a_signal_is_the_mean_under_a_spline(options):
         record.signal(1.0)
 
 
-def test_a_step_is_a_line_about_its_mean():
-    """Behind a spring the pulse is 1 - exp(-2 k t/Z), until the wave comes back to the spring."""
+def test_behind_a_spring_the_pulse_rises_as_an_exponential():
+    """1 - exp(-2 k t/Z), until the wave comes back to the spring."""
     record = struck(ri.Spring(1e8), until=6e-5)
     bar = ri.Rod(0.2, area=1e-4, material=STEEL)
     c, Z = STEEL.wave_speed, bar.segments[0].impedance
-    t = record.times[(record.times > 0.11 / c) & (record.times < 0.29 / c)]
-    wanted = -np.expm1(-2e8 * (t - 0.1 / c) / Z) / (-2 * c)
-    top = np.abs(wanted).max()
-    assert record.strain_at(t) == pytest.approx(wanted, abs=1e-4 * top)
-    assert np.abs(record.strain[np.isin(record.times, t)] - wanted).max() > 2e-3 * top
-    dense = record.strain_at(np.linspace(0.0, 0.29 / c, 5000))
-    means = record.strain[record.times < 0.3 / c]
-    assert means.min() <= dense.min() < 0 == dense.max() == means.max()
-    middles = (record.times[1:] + record.times[:-1]) / 2
-    kept = record.times[1:] < record.end
-    assert record.strain_at(middles[kept]) == pytest.approx(record.strain[:-1][kept], abs=1e-16)
+    t = np.linspace(0.0, 0.29 / c, 5000)
+    wanted = -np.expm1(-2e8 * np.maximum(t - 0.1 / c, 0.0) / Z) / (-2 * c)
+    assert record.strain_at(t) == pytest.approx(wanted, abs=1e-9 * np.abs(wanted).max())
 
 
-def test_jumps_stay_jumps_on_a_time_step():
+def test_jumps_stay_jumps_of_characteristics():
     rods = [ri.Rod(0.2, area=1e-4, material=STEEL, velocity=v) for v in (1.0, 0.0)]
-    step = rods[0].transit_time / 20
-    record = ri.solve(ri.System(rods), until=1e-4, method="characteristics", dt=step).gauge(1, 0.1)
+    record = ri.solve(ri.System(rods), until=1e-4, method="characteristics").gauge(1, 0.1)
     assert record.strain_rate == pytest.approx(0.0, abs=1e-9)
     arrival = 0.1 / STEEL.wave_speed
     before, after = record.strain_at([arrival - 1e-12, arrival + 1e-12])
@@ -189,7 +180,7 @@ def test_jumps_stay_jumps_on_a_time_step():
 
 
 def test_a_grid_runs_straight_between_its_states():
-    record = struck(until=4e-5, cells=16, snapshots=9)
+    record = struck(until=4e-5, method="finite-difference", cells=16, snapshots=9)
     middles = (record.times[1:] + record.times[:-1]) / 2
     assert np.ptp(record.strain) > 1e-5
     assert record.strain_at(record.times) == pytest.approx(record.strain, abs=1e-18)
@@ -198,7 +189,7 @@ def test_a_grid_runs_straight_between_its_states():
 
 
 @pytest.mark.parametrize(("method", "dt"), [
-    ("fronts", None), ("characteristics", 1e-7), ("finite-difference", 5e-7),
+    ("fronts", None), ("characteristics", None), ("finite-difference", 5e-7),
 ])
 def test_signals_vary_smoothly_with_the_length_of_a_striker(method, dt):
     def values(length):

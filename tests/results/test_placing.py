@@ -26,9 +26,9 @@ ROWS = {
     "gap": (ri.System([rod(0.4, 1.0), rod()], gaps=[1e-4]), {}),
     "struck wall": (ri.System([rod(0.4), ri.Wall(-1.0)]), {}),
     "masses": (ri.System([ri.RigidMass(0.1, velocity=2.0), rod(0.4), ri.RigidMass(0.2)],
-                         contacts=[ri.Hertz(1e10), ri.Rigid()]), {"until": 3e-4, "dt": 1e-6}),
+                         contacts=[ri.Hertz(1e10), ri.Rigid()]), {"until": 3e-4}),
     "driven": (ri.System([rod(0.4)], ends=(ri.Moved(1.0), ri.Fixed())),
-               {"until": 2e-4, "dt": 1e-6, "method": "characteristics"}),
+               {"until": 2e-4, "method": "characteristics"}),
 }
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from networks import STEP, random_network, unit_rod
+from networks import random_network, unit_rod
 from systems import horizon, random_system
 
 import rodimpact as ri
@@ -160,20 +160,20 @@ RUNS = {
     "steps: to the proof": (ri.System([ri.RigidMass(0.3, velocity=1.0), SHORT]), {"rtol": 1e-3}),
     "steps: no time": (ri.System([ri.RigidMass(0.3, velocity=1.0), SHORT]), {"until": 0}),
     "steps: capped": (
-        ri.System([ri.Wall(), unit_rod(velocity=1.0), ri.Wall()]), {"dt": STEP, "max_events": 99},
+        ri.System([ri.Wall(), unit_rod(velocity=1.0), ri.Wall()]), {"method": "characteristics", "max_events": 99},
     ),
     "steps: nothing but a driven rod": (
         ri.System([unit_rod()], gravity=0.5, ends=(ri.Moved(ri.Samples([0.0, 1.0], step=0.7)),
                                                   ri.Pushed(ri.Steps([1.0, 0.0], [0.5])))),
-        {"until": 2.03, "dt": STEP},
+        {"until": 2.03},
     ),
     "steps: bonded to a wall": (
         ri.System([ri.Wall(0.1), ri.RigidMass(2.0, velocity=0.1), unit_rod(velocity=-1.0)],
-                  contacts=[ri.Bonded(), ri.Hertz(9.0)]), {"until": 3.0, "dt": STEP},
+                  contacts=[ri.Bonded(), ri.Hertz(9.0)]), {"until": 3.0},
     ),
     **{
         f"steps: random {seed}": (
-            random_network(seed, driven=seed % 2 == 0), {"until": 2.5, "dt": STEP},
+            random_network(seed, driven=seed % 2 == 0), {"until": 2.5, "method": "characteristics"},
         )
         for seed in range(12)
     },
@@ -184,14 +184,14 @@ RUNS = {
     "grid: radial motion": (
         ri.System([SHORT, ri.Rod(0.3, diameter=0.02, material=STEEL.replace(poisson_ratio=0.3),
                                  lateral_inertia="mindlin-herrmann")]),
-        {"until": 1e-4, "cells": 20},
+        {"until": 1e-4, "method": "finite-difference", "cells": 20},
     ),
-    "grid: no time": (ri.System([SHORT, LONG]), {"until": 0, "cells": 10}),
+    "grid: no time": (ri.System([SHORT, LONG]), {"until": 0, "method": "finite-difference", "cells": 10}),
     "grid: chosen states": (ri.System([SHORT, LONG]), {"until": 2e-4, "snapshots": [1e-5, 1.3e-4],
                                                        "cells": 10}),
     **{
         f"grid: random {seed}": (
-            random_network(seed, driven=seed % 2 == 0), {"until": 1.5, "cells": 8},
+            random_network(seed, driven=seed % 2 == 0), {"until": 1.5, "method": "finite-difference", "cells": 8},
         )
         for seed in range(4)
     },

@@ -239,7 +239,7 @@ def test_lossy_rods():
 
 def test_horn():
     case = read_case(CASES / "horn.toml")
-    solution = ri.solve(case.system, cells=300, until=1.2e-4)
+    solution = ri.solve(case.system, 1.2e-4, "finite-difference", cells=300)
     arrival = solution.system.bodies[1].transit_time
     struck = solution.velocity(1, 0.0, 3e-6)
     free = solution.velocity(1, 0.5, arrival + 4e-6)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from exhaustive import few_of
 from fuzz.generators import SEED, TIMES
-from networks import STEP, random_network
+from networks import random_network
 
 import rodimpact as ri
 
@@ -30,8 +30,8 @@ def originals(tmp_path_factory):
     rods = family()[3, 1]
     results = {
         "fronts": ri.solve(rods),
-        "steps": ri.solve(random_network(1, driven=True), until=1.0, dt=STEP),
-        "grid": ri.solve(random_network(2, driven=False), until=0.5, cells=6),
+        "steps": ri.solve(random_network(1, driven=True), until=1.0, method="characteristics"),
+        "grid": ri.solve(random_network(2, driven=False), 0.5, "finite-difference", cells=6),
         "sweep": ri.sweep(family(), until=2e-4, gauges=[(1, 0.5)], times=[1e-4, 2e-4]),
     }
     folder = tmp_path_factory.mktemp("saved")

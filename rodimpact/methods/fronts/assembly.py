@@ -15,8 +15,7 @@ import numpy as np
 
 from ...model import Absorbing, Bonded, End, Fixed, Free, Incoming, Moved, Pushed, Rod, Steps
 from ...model.frozen import InvalidModel, Number
-from .. import contact_law_kernel as laws
-from .. import kernels
+from .. import kernels, laws
 from ..clock import Clock
 from ..row import Row
 from .front_kernel import BOND, FREE, OPEN, PUSH, TOUCH, Log, State, Tally, begin

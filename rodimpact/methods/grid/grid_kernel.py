@@ -15,14 +15,14 @@ middle, two independent recurrences at a time.
 Cells may have a radial strain of their own; see `radial_kernel`.
 
 Bodies bonded together are one *piece* of neighbouring nodes; between pieces lies a cell without
-stiffness. Contacts are the links of `contact_law_kernel` between the last node of a piece and the
+stiffness. Contacts are the links of `contact_kernel` between the last node of a piece and the
 first of the next, with the discrete inertia seen there. Their w is the mean closing velocity of a
 step. A rigid contact does not update its gap while it is shut: the two nodes move on with one
 velocity. The energy that the nodes lose as it shuts is of the size of a cell. Viscous ends that
 shut before the first kick are not let into each other until then: all that follows would be as much
 too late, half a step where they touch from the start.
 
-Units are those of `contact_law_kernel`: M/h, E A h/dx, displacement/h.
+Units are those of `contact_kernel`: M/h, E A h/dx, displacement/h.
 """
 
 from __future__ import annotations
@@ -30,19 +30,9 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from ..contact_law_kernel import (
-    IMPACT,
-    JOINT,
-    RIGID,
-    YIELD,
-    Chain,
-    Tally,
-    balance,
-    indent,
-    record_step,
-    start_impacts,
-)
 from ..finality_kernel import NEVER, Side, bound_of, separation_time
+from ..laws import IMPACT, JOINT, RIGID, YIELD
+from .contact_kernel import Chain, Tally, balance, indent, record_step, start_impacts
 from .radial_kernel import FAR, Radial, drift_radially, energy_of_cell, kick_radially
 
 DONE, SQUEEZED = range(2)  # why a run stopped
@@ -391,9 +381,9 @@ def resolve_contact(
             chain.limit[q] = math.inf
     struck = True
     while struck:
-        if not balance(links, chain, i0, last, speed, 1.0):
+        if not balance(links, chain, i0, last, speed):
             return False
-        struck = start_impacts(links, chain, i0, last, tol, 1.0)
+        struck = start_impacts(links, chain, i0, last, tol)
     for q in range(last + 1):
         i, F = i0 + q, chain.force[q]
         if RIGID <= links.law[i] <= IMPACT and F * links.own[i] <= tol:
@@ -414,7 +404,7 @@ def resolve_contact(
         if links.law[i] == RIGID and j == 0 and F > 0:  # with what `shut_at_once` has entered
             signals.closing[signals.link_start[i] + j] = tally.numerical[i] / F
         opened = links.open[i]
-        record_step(links, tally, signals, i, j, F, gap, 1.0)
+        record_step(links, tally, signals, i, j, F, gap)
         if gap <= gap_resolution:
             links.open[i] = min(opened, links.open[i])
     return True

@@ -9,13 +9,15 @@ from typing import Any
 import numpy as np
 
 from ...model import Rod
+from ...model.frozen import InvalidModel
 from ...model.profiles import averages
 from .. import kernels
 from ..abilities import driven
-from ..contact_law_kernel import JOINT, RIGID, Chain, Tally
 from ..finality_kernel import NEVER
+from ..laws import JOINT, RIGID
 from ..memory import ask
-from ..row import Array, squeezed, whole
+from ..row import Array, Row, squeezed, whole
+from .contact_kernel import Chain, Tally
 from .grid_kernel import (
     DONE,
     ENDLESS,
@@ -39,6 +41,7 @@ from .grid_kernel import (
 from .mesh import Mesh
 from .radial_kernel import Radial
 
+LEAST = 2.0**-800  # stiffness, where time is counted in steps
 TOLERANCE = 2.0**-40  # of the velocities, below which contacts graze: round-off of many steps
 GAP_RESOLUTION = 1.0  # of what bodies cover in a step: dispersed waves open smaller gaps
 STATES_BYTES = 64 << 20  # of kept states, where their number is not given
@@ -99,8 +102,8 @@ class Machine:
             np.array([self._impedance(side) for side in (0, 1)]), np.zeros(2), np.zeros(2),
         )
         count = len(mesh.touching)
-        self.tally = Tally(*(np.zeros(count) for _ in range(4)),
-                           *(np.full(count, v, np.int64) for v in (-1, -1, 0, 0)))
+        self.tally = Tally(np.zeros(count), np.zeros(count), np.zeros(count),
+                           np.zeros(count, np.int64))
         self.tol, self.gap_resolution = TOLERANCE * row.scale, GAP_RESOLUTION * row.scale
         self._set_initial_state()
         self.keep = keep
@@ -207,7 +210,7 @@ class Machine:
         gap = np.array([row.gap[i] for i in chosen]) / h
         links = Links(
             whole([row.laws[i] for i in chosen]),
-            row.stiffness_in_steps(h)[chosen], np.array(row.exponent)[chosen],
+            stiffness_in_steps(row, h)[chosen], np.array(row.exponent)[chosen],
             np.array(row.damping)[chosen], np.array(row.strength)[chosen], gap,
             np.zeros(count), np.zeros(count),
             np.ones(count, np.int64), (gap == 0).astype(np.int64),
@@ -507,3 +510,13 @@ def cost(mesh: Mesh, plain: bool) -> float:
         (b - a + 1) * CELL_TIMES["implicit" if hidden else "explicit"][plain]
         for a, b, hidden in zip(mesh.starts, mesh.stops, mesh.implicit, strict=True)
     ) + np.count_nonzero(mesh.cells.swelling) * CELL_TIMES["radial"][plain]
+
+
+def stiffness_in_steps(row: Row, step: float) -> Array:
+    """Stiffness of each link where time is counted in steps, s, and lengths as velocities."""
+    scaled = [k * step**p for k, p in zip(row.stiffness, row.exponent, strict=True)]
+    for k, p, small in zip(row.stiffness, row.exponent, scaled, strict=True):
+        if k > 0 and small < LEAST:
+            message = f"a force of {k!r} times the indentation to the {p:g} vanishes in steps"
+            raise InvalidModel([("contacts", f"{message} of {step:.3g} s; use a lower power")])
+    return np.array(scaled)

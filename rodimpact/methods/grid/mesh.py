@@ -17,9 +17,11 @@ import numpy as np
 from ...model import Segment
 from ...model.frozen import InvalidModel
 from ...model.lateral_inertia import INERTIA, MINDLIN_HERRMANN, radial_moduli
-from ..contact_law_kernel import BOND, FORCE, FREE, JOINT
+from ..laws import BOND, FORCE, FREE, JOINT
 from ..row import Array, Row
 
+STEP_TICKS = 1 << 36
+"""Ticks of a time step: times between two states are looked up in these."""
 STIFFEST = 2.0**32  # times the inertia of a cell, beyond which round-off drowns its motion
 MODAL_CELLS, MODES = 200, 8  # of a rod whose lowest modes are asked for
 

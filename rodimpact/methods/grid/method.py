@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,26 +22,18 @@ from ...model.frozen import InvalidModel
 from ...model.lateral_inertia import MINDLIN_HERRMANN
 from .. import abilities as physics
 from .. import kernels
-from ..clock import STEP_TICKS, Clock
-from ..contact_law_kernel import RIGID
+from ..clock import Clock
 from ..duration import Forecast, Progress
-from ..measure_kernel import largest_force
 from ..memory import ask
 from ..row import Array, Row
 from ..run import Run
-from ..stepped import StepRecord, as_run
-from ..stepped_run import SteppedRun, clock_of_steps
 from .grid_kernel import States
 from .machine import GAP_RESOLUTION, Keeper, Machine, cost
-from .mesh import MESH, GridMotion, Mesh, RadialMotion, crossing_time, most_cells, stable_step
+from .mesh import STEP_TICKS, Mesh, crossing_time, most_cells, stable_step
 from .refinement import FEWEST as FEWEST_LEVELS
-from .refinement import (
-    ROUGH,
-    contact_measures,
-    factor_of,
-    order_of,
-    refined,
-)
+from .refinement import ROUGH, contact_measures, factor_of, order_of, refined
+from .run import GridRun
+from .signals import hand_over
 
 RTOL = 1e-3
 COURANT = 0.999
@@ -50,113 +42,7 @@ FEWEST = 8  # cells of a segment, where nothing else is asked for, and steps of 
 FINEST = 1 << 13  # most cells of the longest transit in the search for an accurate mesh
 MOST_CELLS = 1 << 20
 STABLE = 1 + 2.0**-30  # Courant number up to which a mesh is taken; beyond 1 by round-off only
-LARGE_CHANGE = 1e-2  # of the largest force, from which it is said
-RINGING = 8  # steps in which waves beside a jump swing about their mean
 LESS = "a larger rtol, fewer cells or an earlier end (until)"
-
-
-@dataclass(frozen=True, kw_only=True)
-class GridRun(SteppedRun):
-    """A finished run of this method.
-
-    Attributes
-    ----------
-    mesh : Mesh
-    grid : Grid
-        The kernel's, at the end, on arrays.
-    states : States
-        What was kept: columns [state, node], [state, cell], [state, piece] and [state]; of radial
-        strains [state, cell] or [state, 0].
-    peak_change : float
-        Relative change of the largest force from a mesh at most half as fine; nan without one.
-    """
-
-    rough = ROUGH
-    machine: Machine
-    states: States
-    peak_change: float = math.nan
-
-    @property
-    def mesh(self) -> Mesh:
-        """Of the run."""
-        return self.machine.mesh
-
-    @property
-    def largest_strain(self) -> float:
-        """Largest strain of the states that were kept."""
-        inside = self.mesh.stiffness > 0
-        yielding = self.mesh.stiffness[inside] * self.mesh.width[inside]
-        force = self.states.force
-        if self.mesh.swells:
-            with np.errstate(under="ignore"):  # ahead of the waves strains are next to nothing
-                force = force - self.mesh.cells.coupling * self.states.radial * self.step
-        largest = np.maximum(force.max(axis=0), -force.min(axis=0))[inside]
-        return float((largest / yielding).max())
-
-    @property
-    def overshoot(self) -> float:
-        """How much less the largest force of rigid contacts is over a few steps; relative.
-
-        Beside a jump waves on a grid overshoot by a share that no finer mesh makes less; averages
-        over a few steps do not.
-        """
-        peaks, less, times = [0.0], [0.0], self.edges * self.clock.tick
-        for contact, link in self.row.opening.items():
-            if self.row.laws[link] == RIGID:
-                force = self.contact(contact)[0]
-                passed = np.concatenate((np.zeros(RINGING), np.cumsum(force)))
-                means = (passed[RINGING:] - passed[:-RINGING]) / RINGING
-                peaks.append(largest_force(times, force, 0, self.steps))
-                less.append(peaks[-1] - float(means.max(initial=0.0)))
-        return max(less) / (max(peaks) or 1.0)
-
-    @property
-    def peak_error(self) -> float:
-        """Error of the largest force that no finer mesh makes less; relative."""
-        steep = self.mesh.viscous.any() or self.mesh.lateral.any() or self.mesh.swells
-        if steep and RIGID in self.row.laws:
-            return math.inf  # of flat ends that meet, any finer mesh finds a larger force
-        return 2 * float(self.overshoot)
-
-    def path(self, contact: int) -> Array:
-        """How far a contact that is not bonded closes in each step, m."""
-        return self.by_link(self.signals.closing, self.place(contact)) * self.step
-
-    def place(self, contact: int) -> int:
-        """Place in the tally of a contact that is not bonded."""
-        return list(self.mesh.touching).index(self.row.contact_link[contact])
-
-    def bond(self, contact: int) -> Array:
-        """Mean force in a bonded contact in each step, N."""
-        return self._bond(self.row.contact_link[contact])
-
-    def _bond(self, link: int) -> Array:
-        place = list(self.mesh.interfaces).index(link)
-        return self.by_step(self.signals.bond, place * int(self.signals.room[0]))
-
-    def outer(self, side: int) -> tuple[Array, Array]:
-        """Force of what is outside the left or right end on the row, and its velocity, by steps.
-
-        N and m/s, in the laboratory; positive to the inside, and to the right.
-        """
-        start, link = side * int(self.signals.room[0]), (0, len(self.row.laws) - 1)[side]
-        if link in self.mesh.touching:
-            force = self.by_link(self.signals.force, list(self.mesh.touching).index(link))
-        elif self.row.outside[side][0] == "velocity":
-            force = self._bond(link)
-        else:
-            force = self.by_step(self.signals.push, start)
-        fall = self.row.gravity * self.step * (np.arange(self.steps) + 0.5)
-        return force, self.by_step(self.signals.speed, start) + self.row.frame + fall
-
-    def speed(self, mass: int) -> Array:
-        """Velocity of a mass at the ends of the steps, the first at t = 0, in the frame."""
-        side = mass - len(self.row.masses)
-        if side >= 0:
-            return self.row.wall_speed(side, self.edges * self.clock.tick)
-        initial = self.states.velocity[0, self.mesh.node_of_mass[mass]]
-        start = mass * int(self.signals.room[0])
-        return np.concatenate(([initial], self.by_step(self.signals.mass_speed, start)))
 
 
 LACKS = (physics.RODLESS,)
@@ -165,37 +51,6 @@ LACKS = (physics.RODLESS,)
 def solve(row: Row, until: float | None, max_events: int, **options: Any) -> Run:
     """Run a single collision; arguments as of `follow`."""
     return hand_over(follow(row, until, max_events, **options), until)
-
-
-def hand_over(run: GridRun, until: float | None) -> Run:
-    """What every method hands back, of a run to `until`."""
-    def states(record: StepRecord) -> GridMotion:
-        mesh, states = run.mesh, run.states._asdict()
-        motion, cells = (states.pop("radial"), states.pop("radial_rate")), mesh.cells
-        radial = RadialMotion(cells.swelling, cells.coupling, cells.radial, mesh.shear, *motion)
-        return GridMotion(
-            **{name: getattr(mesh, name) for name in MESH}, **states,
-            pushes=mesh.outer_forces(record.forces, record.ends),
-            radial=radial if mesh.swells else None,
-        )
-
-    return as_run(
-        run, "finite-difference", until, states, finer="more cells",
-        size=f", {sum(run.mesh.counts)} cells", warning=_own_peak(run),
-    )
-
-
-def _own_peak(run: GridRun) -> str:
-    """A warning of a largest force that is not that of the bodies."""
-    reasons, large = [], max(run.rtol, LARGE_CHANGE)
-    if run.peak_change > large:
-        reasons.append(f"refining changed it by {run.peak_change:.1g}")
-    if run.overshoot > large:
-        reasons.append(
-            f"beside jumps waves overshoot, and over {RINGING} steps it is less by "
-            f"{run.overshoot:.1g} of itself"
-        )
-    return f" The largest force is that of this mesh: {'; '.join(reasons)}." if reasons else ""
 
 
 def follow(
@@ -387,9 +242,8 @@ def _level(
     if until is not None and not steps:
         end = math.ceil(until / step * STEP_TICKS)
     return GridRun(
-        clock=clock, row=row, step=step, **_taken(machine), end=end,
-        tally=machine.tally, finality_time=proof, stopped_by=reason, machine=machine,
-        resolved=GAP_RESOLUTION * row.scale * step,
+        clock=clock, machine=machine, step=step, **_taken(machine), end=end, finality_time=proof,
+        stopped_by=reason, resolved=GAP_RESOLUTION * row.scale * step,
     )
 
 
@@ -415,18 +269,21 @@ def _taken(machine: Machine) -> dict[str, Any]:
         *(x.reshape(room, -1)[:count] for x in machine.states[1:4]), machine.states.lost[:count],
         *(x.reshape(room, -1)[:count] for x in machine.states[5:]),
     ])
-    return {
-        "edges": STEP_TICKS * np.arange(machine.taken + 1), "signals": machine.signals,
-        "events": machine.taken * len(machine.row.laws), "states": states,
-    }
+    return {"steps": machine.taken, "states": states}
 
 
 def _clock(mesh: Mesh, step: float) -> Clock:
     """Clock of a mesh; impedances are means, so that Z T is the mass."""
-    tick = step / STEP_TICKS
-    ticks = [max(1, round(float(s.transit_time) / tick)) for s in mesh.row.segments]
+    row, segments, tick = mesh.row, mesh.row.segments, step / STEP_TICKS
+    ticks = [max(1, round(float(s.transit_time) / tick)) for s in segments]
     impedance = [
         float(mesh.cell_mass[a + 1 : b + 1].sum()) / (T * tick)
         for a, b, T in zip(mesh.first[1:], mesh.last[1:], ticks, strict=True)
     ]
-    return clock_of_steps(mesh.row, ticks, step, impedance)
+    return Clock(
+        system=row.system, spans=row.spans, ticks=[0, *ticks, 0], tick=tick,
+        wave_speed=[0.0, *(float(s.wave_speed) for s in segments), 0.0],
+        impedance=[0.0, *impedance, 0.0],
+        length=[0.0, *(float(s.length) for s in segments), 0.0],
+        frame=row.frame, scale=row.scale, gravity=float(row.gravity),
+    )

@@ -5,18 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from itertools import count
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from ...model import Fixed, Steps, laws
 from .. import kernels
-from ..contact_law_kernel import IMPACT
-from ..measure_kernel import largest_force
+from ..laws import IMPACT
 from ..memory import TooLong
-from ..pressing import pressed_spans
 from ..row import Array, Row
-from ..stepped_run import SteppedRun
+from .measure_kernel import largest_force
+from .pressing import pressed_spans
+from .run import GridRun
 
 STEP_TIME = 2e-7  # s, about what a measure takes for a step in plain Python
 FEWEST = 4  # levels
@@ -24,15 +24,14 @@ LOOK_BACK = 4  # coarser levels with which the finest is compared
 DOUBT = 3  # times what changes tell: where they cancel, errors are larger
 FAINT = 5 / 3  # times that for a duration: a faint force may be missed on all levels alike
 PART = 0.1  # of a step, to which times are known at best
-ROUGH = ("largest force", "duration")  # told, and not waited for: they hang on few steps
+ROUGH = ("peak force", "duration")  # told, and not waited for: they hang on few steps
 GENTLE = laws.Spring | laws.Hertz | laws.HuntCrossley | laws.PowerLaw | laws.Yielding
-R = TypeVar("R", bound=SteppedRun)
 
 
 def refined(
-    level: Callable[[int], R], measures: Callable[[R], dict[str, Array]], order: float,
+    level: Callable[[int], GridRun], measures: Callable[[GridRun], dict[str, Array]], order: float,
     goal: float, last: int,
-) -> tuple[R, dict[str, float]]:
+) -> tuple[GridRun, dict[str, float]]:
     """Divide the step until no measure is wrong by more than `goal`, or as far as it goes.
 
     Parameters
@@ -55,7 +54,7 @@ def refined(
     estimates : dict of str to float
         Error of each measure, relative to its largest value; inf where there are too few levels.
     """
-    finest: R | None = None
+    finest: GridRun | None = None
     levels: list[tuple[float, dict[str, Array]]] = []
     estimates: dict[str, float] = {}
     for factor in map(factor_of, count()):
@@ -129,7 +128,7 @@ def order_of(row: Row) -> float:
     return 1.0 if gentle and not held and not any(isinstance(x, Steps) for x in given) else 0.5
 
 
-def contact_measures(run: SteppedRun) -> dict[str, Array]:
+def contact_measures(run: GridRun) -> dict[str, Array]:
     """Impulse, largest force and duration, by contact that can open.
 
     Restitution follows from the impulses. Impacts of rigid bodies have neither of the other two:
@@ -142,27 +141,27 @@ def contact_measures(run: SteppedRun) -> dict[str, Array]:
     joined: list[float] = []
     for k in run.row.by_law if run.stopped_by == "until" else ():
         if k not in run.row.opening:
-            passed = np.cumsum(run.contact(k)[0] * run.durations)
+            passed = np.cumsum(run.contact(k)[0] * run.step)
             joined += [*passed[-1:], np.abs(passed).max(initial=0.0)]
     return {
-        "impulse": np.array([*joined, *(float(F @ run.durations) for F in forces)]),
-        "largest force": np.array([_largest(run, F) for F in lasting]),
+        "impulse": np.array([*joined, *(float(F.sum() * run.step) for F in forces)]),
+        "peak force": np.array([_largest(run, F) for F in lasting]),
         "duration": np.array([
             _pressed(run, k, F) for k, F in zip(run.row.opening, lasting, strict=True)]),
     }
 
 
-def _pressed(run: SteppedRun, contact: int, force: Array) -> float:
+def _pressed(run: GridRun, contact: int, force: Array) -> float:
     """How long a contact presses, s."""
-    times, gap = run.edges * run.clock.tick, run.contact(contact)[1]
+    times, gap = run.times, run.contact(contact)[1]
     gaps = np.concatenate(([float(run.row.gap[run.row.contact_link[contact]])], gap))
     spans = pressed_spans(times, force, gaps)
     return float(sum((times[-1] if math.isnan(end) else end) - begin for begin, end in spans))
 
 
-def _largest(run: SteppedRun, force: Array) -> float:
+def _largest(run: GridRun, force: Array) -> float:
     """Largest force behind its means over the steps of a run."""
-    times: Any = run.edges * run.clock.tick
+    times: Any = run.times
     if kernels.worth_compiling(run.steps * STEP_TIME, largest_force):
         return float(kernels.compiled(largest_force)(times, force, 0, run.steps))
     return largest_force(times.tolist(), force.tolist(), 0, run.steps)

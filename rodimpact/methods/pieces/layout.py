@@ -12,7 +12,7 @@ import numpy as np
 
 from ...model import Rod, Samples, Steps
 from ...model.frozen import InvalidModel
-from .. import contact_law_kernel as old
+from .. import laws as old
 from ..abilities import driven
 from ..fronts import layout_kernel as rule
 from ..row import Row

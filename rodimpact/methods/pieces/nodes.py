@@ -16,6 +16,7 @@ from .records import NONE, Law, Status
 from .series import POINTS, STAGES, START, N, X
 
 ITERATIONS = 30
+FELT = 0.1  # of the velocity that a force makes in the shortest transit: what a piece makes
 QUADRATIC = 1e-7  # relative Newton step after which the next one is round-off
 ROUND_OFF = 1e-13  # by which the start of a piece may break what keeps a status
 SOON = 1e-3  # of the way to the next point: where what starts at 0 is seen to rise
@@ -289,7 +290,7 @@ def set_leaving(link: Any, at: Any, right: bool) -> None:
 
 
 def roughness(link: Any, mass: Any, at: Any) -> float:
-    """The largest tail of what leaves, and of the velocities of the masses."""
+    """The largest tail of what leaves, of the velocities of masses, and of what forces make them."""
     worst = 0.0
     if at.mobility_left > 0:
         set_leaving(link, at, False)
@@ -299,6 +300,10 @@ def roughness(link: Any, mass: Any, at: Any) -> float:
         worst = max(worst, series.tail(at.leaving))
     for i in range(at.links - 1):
         worst = max(worst, series.tail(mass[at.mass + i].speed))
+    for q in range(at.links if at.links > 1 else 0):
+        it = link[at.first + q]
+        if it.unknown != NONE and it.status != Status.REST:
+            worst = max(worst, FELT * it.ease * series.tail(it.force))
     return worst
 
 

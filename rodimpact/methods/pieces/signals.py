@@ -92,10 +92,12 @@ def _contact(
         closing = _rate(gap, -1.0 / clock.tick)
     own = turn[turn["link"] == i]
     struck = own[own["impulse"] > 0]
-    for blow in struck:  # a blow takes no time: one tick before it here, with its impulse and work
-        tick = max(int(blow["tick"]) - 1, 0)
-        force = _at_once(force, tick, float(blow["impulse"]) / clock.tick)
-        closing = _at_once(closing, tick, float(blow["closing"]))
+    at = np.maximum(struck["tick"] - 1, 0)
+    for tick in np.unique(at):  # a blow takes no time: one tick before it here
+        blows = struck[at == tick]
+        impulse, work = blows["impulse"].sum(), (blows["impulse"] * blows["closing"]).sum()
+        force = _at_once(force, int(tick), float(impulse) / clock.tick)
+        closing = _at_once(closing, int(tick), float(work / impulse))
     episodes = () if isinstance(law, Joint) else _episodes(own, clock.tick, it["law"])
     return ContactSignal(force, gap, closing, episodes)
 

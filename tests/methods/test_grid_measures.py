@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from rodimpact.methods import measure_kernel as mk
+from rodimpact.methods.grid import measure_kernel as mk
 
 EVEN = np.linspace(0, 1, 41)
 CUT = np.unique(np.concatenate((EVEN, EVEN[:-1] + 0.007)))
@@ -17,54 +17,12 @@ def means(force, times):
     return np.diff(whole(times)) / np.diff(times)
 
 
-@pytest.mark.parametrize("times", [EVEN, CUT], ids=["even", "cut"])
-@pytest.mark.parametrize("force", [
-    Polynomial([2, -2]), Polynomial([1]), Polynomial([0, 0, 3]),
-])
-def test_most_of_an_impulse_of_1_has_passed(force, times):
-    passed = force.integ() - 0.999
-    exact = min(x.real for x in passed.roots() if abs(x.imag) < 1e-9 and 0 < x.real <= 1)
-    assert mk.time_of_most(times, means(force, times), 0, len(times) - 1) == pytest.approx(
-        exact, abs=1e-9
-    )
-
-
-def test_without_an_impulse_it_takes_no_time():
-    assert mk.time_of_most(EVEN, np.zeros(40), 0, 40) == 0.0
-
-
 @pytest.mark.parametrize("way", [1, -1])
 def test_a_parabola_has_the_means_of_three_steps(way):
     force, begin = Polynomial([0.3, -2, 5]), CUT[8] if way > 0 else CUT[9]
     a, b, c = mk.parabola(CUT, means(force, CUT), 0, len(CUT) - 1, 8, way)
     x = way * 0.01
     assert a + b * abs(x) + c * x * x == pytest.approx(force(begin + x))
-
-
-@pytest.mark.parametrize("top", [0.503, 0.06, 0.94])
-@pytest.mark.parametrize("times", [EVEN, CUT], ids=["even", "cut"])
-def test_the_deepest_indentation_is_between_step_ends(times, top):
-    gap = (times - top) ** 2 - 2.0
-    assert mk.deepest(times, gap[1:], 0, len(times) - 1, gap[0]) == pytest.approx(2.0, abs=1e-12)
-
-
-def test_at_a_kink_the_deepest_indentation_is_its_own():
-    gap = np.abs(EVEN - EVEN[17]) - 1.0
-    assert mk.deepest(EVEN, gap[1:], 0, 40, gap[0]) == 1.0
-    assert mk.deepest(EVEN, EVEN[1:] - 1, 0, 40, -1.0) == 1.0  # it opens from the first
-    assert mk.deepest(EVEN, np.ones(40), 0, 40, 0.5) == 0.0
-
-
-def pressed(force, gap, sudden=False, instant=0.0):
-    times = np.arange(len(force) + 1) / 2
-    return mk.pressed_time(times, np.array(force), np.array(gap), 0, len(force), sudden, instant)
-
-
-def test_times_under_force_add_up():
-    gap = [0.0] * 9
-    assert pressed([1, 1, 0, 1, 0, 0, 1, 1], gap) == pytest.approx(2.5)
-    assert pressed([1, 0, 1, 1, 0, 0, 0, 0], gap, True, 0.5) == pytest.approx(1.0)
-    assert pressed([0.0] * 8, gap) == 0.0
 
 
 def test_an_indentation_ends_where_its_parabola_does():

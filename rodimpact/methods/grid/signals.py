@@ -1,24 +1,24 @@
-"""From a run on a time step to what every method hands back: signals, tallies, and a status."""
+"""From a run on a grid to what every method hands back: signals, tallies, and a status."""
 
 from __future__ import annotations
 
-import functools
 import math
-import operator
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..model import Wall
-from ..units import format_si
+from ...model import Wall
+from ...units import format_si
+from ..run import ContactSignal, ContactTally, Episode, Outside, Run, Signals
+from ..signals import Floats, Pieces
+from ..status import end_sentence, last_contact, proof_sentence, strain_warning
 from .measure_kernel import largest_force
+from .mesh import MESH, GridMotion, RadialMotion
 from .pressing import episodes_of_steps, pressed_spans
-from .run import ContactSignal, ContactTally, Episode, Outside, Run, Signals
-from .signals import Floats, Pieces
-from .status import end_sentence, last_contact, proof_sentence, strain_warning
-from .stepped_run import SteppedRun
+from .refinement import ROUGH
+from .run import RINGING, GridRun
 
+LARGE_CHANGE = 1e-2  # of the largest force, from which it is said
 KINDS = {"velocity": "drive", "force": "drive", "absorbing": "absorbing"}
 
 
@@ -38,82 +38,76 @@ class StepRecord(NamedTuple):
     ends: list[tuple[str, Floats, Floats] | None]
 
 
-def as_run(
-    run: SteppedRun, method: str, until: float | None, motion: Callable[[StepRecord], Any], *,
-    finer: str, size: str = "", warning: str = "",
-) -> Run:
-    """Hand back a finished run.
-
-    Parameters
-    ----------
-    run : SteppedRun
-    method : str
-    until : float or None
-        s; what was asked for.
-    motion : function
-        Makes `Signals.motion`.
-    finer : str
-        What makes the error less.
-    size, warning : str, optional
-        What is told with the step, and after its accuracy.
-    """
-    record, tick = _record(run), run.clock.tick
+def hand_over(run: GridRun, until: float | None) -> Run:
+    """What every method hands back, of a run to `until`, s."""
+    record, tick, size = _record(run), run.clock.tick, sum(run.mesh.counts)
     final = run.finality_time >= 0
-    t_end = until if until is not None else float(run.edges[-1]) * tick
-    t_proved = float(run.edges[run.finality_time]) * tick if final else math.nan
+    t_end = until if until is not None else float(run.times[-1])
+    t_proved = float(run.times[run.finality_time]) if final else math.nan
     t_final = math.nan
     if final:
         times = [episodes[-1][1:] for episodes in _episodes(run, record) if episodes]
         t_final = last_contact(times, t_end, 2 * run.clock.longest * tick)
     proof = proof_sentence(any(run.tally.episodes), t_final) if final else ""
+    events = run.steps * len(run.row.laws)
     status = end_sentence(
-        run.row.system, run.stopped_by, proof, format_si(t_end, "s"),
-        f"{run.events} steps times ends",
-    )
-    status += f" Time step {format_si(run.step, 's')}{size}."
+        run.row.system, run.stopped_by, proof, format_si(t_end, "s"), f"{events} steps times ends")
+    status += f" Time step {format_si(run.step, 's')}, {size} cells."
     if until and not run.steps:
         status += " The end comes before half a step: none was taken. More cells shorten it."
-    status += _accuracy(run, finer) + warning + strain_warning(run.largest_strain)
+    status += _accuracy(run) + _own_peak(run) + strain_warning(run.largest_strain)
     return Run(
-        method=method, until=until, clock=run.clock, end=run.end, t_end=t_end, t_final=t_final,
-        t_proved=t_proved,
-        stopped_by=run.stopped_by, status=status, events=run.events,
-        contacts=_tallies(run, record), groups=run.totals, accuracy=run.estimates,
-        make_signals=lambda: _signals(run, record, motion),
+        method="finite-difference", until=until, clock=run.clock, end=run.end, t_end=t_end,
+        t_final=t_final, t_proved=t_proved, stopped_by=run.stopped_by, status=status,
+        events=events, contacts=_tallies(run, record), accuracy=run.estimates,
+        make_signals=lambda: _signals(run, record),
     )
 
 
-def _accuracy(run: SteppedRun, finer: str) -> str:
+def _own_peak(run: GridRun) -> str:
+    """A warning of a largest force that is not that of the bodies."""
+    reasons, large = [], max(run.rtol, LARGE_CHANGE)
+    if run.peak_change > large:
+        reasons.append(f"refining changed it by {run.peak_change:.1g}")
+    if run.overshoot > large:
+        reasons.append(
+            f"beside jumps waves overshoot, and over {RINGING} steps it is less by "
+            f"{run.overshoot:.1g} of itself"
+        )
+    return f" The largest force is that of this mesh: {'; '.join(reasons)}." if reasons else ""
+
+
+def _accuracy(run: GridRun) -> str:
     """How wrong the outcome may be, where contacts follow laws, and what makes it less.
 
     Durations may stay rough: they hang on where faint forces begin and end.
     """
-    errors = {name: value for name, value in run.estimates.items() if name not in run.rough}
+    errors = {name: value for name, value in run.estimates.items() if name not in ROUGH}
     if not errors or not run.row.by_law:
         return ""
     late = {name: value for name, value in errors.items() if value > run.rtol}
     if not late:
         worst = max(errors.values())
         rough = "".join(
-            f", {name} by {run.estimates[name]:.1g}" for name in run.rough
+            f", {name} by {run.estimates[name]:.1g}" for name in ROUGH
             if worst < run.estimates.get(name, 0.0) < math.inf)
         return f" Comparing steps, the outcome is wrong by {worst:.1g} of itself at most{rough}."
     which = ", ".join(f"{name} to {value:.1g}" for name, value in late.items() if value < math.inf)
     return (
         f" Not converged to {run.rtol:g}: {which or 'too long a run to divide the step'}; "
-        f"a larger rtol is soon reached, {finer} goes on."
+        f"a larger rtol is soon reached, more cells goes on."
     )
 
 
-def _record(run: SteppedRun) -> StepRecord:
-    row, times, forces, gaps, paths, spans = run.row, run.edges * run.clock.tick, [], [], [], []
+def _record(run: GridRun) -> StepRecord:
+    row, forces, gaps, paths, spans = run.row, [], [], [], []
     for k, link in enumerate(row.contact_link):
         if k in row.by_law:
             force, gap = run.contact(k)
             forces.append(force)
             gaps.append(np.concatenate(([float(row.gap[link])], gap)))
             paths.append(run.path(k))
-            spans.append(pressed_spans(times, force, gaps[-1]) if k in row.opening else [])
+            spans.append(pressed_spans(run.times, force, gaps[-1]) if k in row.opening else [])
         else:
             forces.append(run.bond(k) if link >= 0 else np.full(run.steps, math.nan))
             gaps.append(np.zeros(run.steps + 1))
@@ -127,7 +121,7 @@ def _record(run: SteppedRun) -> StepRecord:
     return StepRecord(forces, gaps, paths, spans, ends)
 
 
-def _join_rigid_bodies(run: SteppedRun, forces: list[Floats], pushes: list[Floats]) -> None:
+def _join_rigid_bodies(run: GridRun, forces: list[Floats], pushes: list[Floats]) -> None:
     """Fill in the forces between bonded rigid bodies, from Newton's law for one after the other.
 
     `pushes` act on the two ends of the row, to the inside.
@@ -137,7 +131,7 @@ def _join_rigid_bodies(run: SteppedRun, forces: list[Floats], pushes: list[Float
 
     def spent(body: int) -> Floats:
         gained = float(bodies[body].mass) * np.diff(run.speed(run.row.mass_of[body]))
-        return np.asarray(gained / run.durations)
+        return np.asarray(gained / run.step)
 
     held = rigid.index(False) if isinstance(bodies[0], Wall) and False in rigid else 0
     for k in range(held - 1, -1, -1):
@@ -147,13 +141,13 @@ def _join_rigid_bodies(run: SteppedRun, forces: list[Floats], pushes: list[Float
             forces[k] = (forces[k - 1] if k else pushes[0]) - spent(k)
 
 
-def _tallies(run: SteppedRun, record: StepRecord) -> tuple[ContactTally, ...]:
+def _tallies(run: GridRun, record: StepRecord) -> tuple[ContactTally, ...]:
     """Totals of every contact in SI units."""
-    tallies, t, times = [], run.tally, run.edges * run.clock.tick
+    tallies, t, times = [], run.tally, run.times
     for k, (force, spans) in enumerate(zip(record.forces, record.spans, strict=True)):
         law = run.row.system.contacts[k]
         if not law.opens:
-            impulse = float(force @ run.durations)
+            impulse = float(force.sum() * run.step)
             tallies.append(ContactTally(impulse, float(np.max(force, initial=0.0)), 0.0,
                                         math.nan, math.nan, 0))
             continue
@@ -163,14 +157,9 @@ def _tallies(run: SteppedRun, record: StepRecord) -> tuple[ContactTally, ...]:
         sudden = getattr(law, "restitution", None) is not None
         if sudden:  # an impact takes no time, though it takes a step here
             ends = np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
-        if run.totals:
-            c = list(run.row.opening).index(k)
-            highest, pressed = float(run.totals.peak[c]), float(run.totals.pressed[c])
-        else:
-            highest = float(largest_force(times, force, 0, run.steps))
-            pressed = float(functools.reduce(operator.add, ends - begins, 0.0))
+        highest = float(largest_force(times, force, 0, run.steps))
         tallies.append(ContactTally(
-            impulse=float(t.impulse[link]) * run.step, duration=pressed,
+            impulse=float(t.impulse[link]) * run.step, duration=float((ends - begins).sum()),
             peak_force=math.nan if sudden else highest,
             first=float(begins[0]) if spans else math.nan,
             last=float(ends[-1]) if spans else math.nan, episodes=int(t.episodes[link]),
@@ -178,20 +167,20 @@ def _tallies(run: SteppedRun, record: StepRecord) -> tuple[ContactTally, ...]:
     return tuple(tallies)
 
 
-def _episodes(run: SteppedRun, record: StepRecord) -> list[tuple[Episode, ...]]:
+def _episodes(run: GridRun, record: StepRecord) -> list[tuple[Episode, ...]]:
     """Touchings of each contact."""
-    times, columns = run.edges * run.clock.tick, (record.forces, record.gaps, record.spans)
-    return [episodes_of_steps(times, force, gap, run.resolved, spans) if spans else ()
+    columns = record.forces, record.gaps, record.spans
+    return [episodes_of_steps(run.times, force, gap, run.resolved, spans) if spans else ()
             for force, gap, spans in zip(*columns, strict=True)]
 
 
-def _signals(run: SteppedRun, record: StepRecord, motion: Callable[[StepRecord], Any]) -> Signals:
+def _signals(run: GridRun, record: StepRecord) -> Signals:
     row, edges, contacts = run.row, run.edges, []
     for force, gap, path, episodes in zip(*record[:3], _episodes(run, record), strict=True):
         if len(force):
             contacts.append(ContactSignal(
                 Pieces(edges[:-1], force), Pieces.through(edges, gap),
-                Pieces(edges[:-1], path / run.durations), episodes,
+                Pieces(edges[:-1], path / run.step), episodes,
             ))
         else:
             still = Pieces([0], [0.0])
@@ -203,4 +192,16 @@ def _signals(run: SteppedRun, record: StepRecord, motion: Callable[[StepRecord],
     masses = {
         body: Pieces.through(edges, run.speed(m)) for body, m in enumerate(row.mass_of) if m >= 0
     }
-    return Signals(motion(record), tuple(contacts), (left, right), edges, masses)
+    return Signals(_motion(run, record), tuple(contacts), (left, right), edges, masses)
+
+
+def _motion(run: GridRun, record: StepRecord) -> GridMotion:
+    """The states that were kept, in SI units."""
+    mesh, states = run.mesh, run.states._asdict()
+    motion, cells = (states.pop("radial"), states.pop("radial_rate")), mesh.cells
+    radial = RadialMotion(cells.swelling, cells.coupling, cells.radial, mesh.shear, *motion)
+    return GridMotion(
+        **{name: getattr(mesh, name) for name in MESH}, **states,
+        pushes=mesh.outer_forces(record.forces, record.ends),
+        radial=radial if mesh.swells else None,
+    )

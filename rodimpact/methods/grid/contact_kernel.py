@@ -13,10 +13,9 @@ force that keeps its closing below a limit. An impact of rigid bodies takes the 
 closing velocity of at most -e times the one before (Moreau, CISM 302, 1988).
 
 Time is counted in steps: lengths are velocity times steps, and masses and stiffnesses are scaled to
-match: M/h, k h^p for a force k x^p, a dashpot's constant as it is. What happens lasts d, a
-step or a part of one; links close by lengths. `state` stands for any NamedTuple with the columns of
-the links: law, stiffness, exponent, damping (of YIELD the hardening, as a share of the stiffness),
-strength (of YIELD the force at which it yields now) and gap.
+match: M/h, k h^p for a force k x^p, a dashpot's constant as it is. `links` are the columns of
+`grid_kernel.Links`, of which `damping` is of YIELD the hardening, as a share of the stiffness, and
+`strength` the force at which it yields now.
 """
 
 from __future__ import annotations
@@ -24,12 +23,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-FREE, FORCE, BOND, JOINT, RIGID, IMPACT, SPRING, HERTZ, HUNT, POWER, YIELD = range(11)
-"""Laws of links: from RIGID on they can open."""
-COMPLIANT = {  # and their names in the model
-    "spring": SPRING, "spring-dashpot": SPRING, "hertz": HERTZ, "hunt-crossley": HUNT,
-    "power": POWER,
-}
+from ..laws import HUNT, IMPACT, JOINT, RIGID, SPRING, YIELD
+
 EPS = 1 / (1 << 52)
 ROUGH = 1 / (1 << 24)  # of the motion: forces that are no better known are none
 ENOUGH = 1 / (1 << 27)  # relative Newton step after which the next one is round-off
@@ -41,13 +36,9 @@ SWEEPS = 1000  # of one chain, see `balance`
 class Tally(NamedTuple):
     """What has passed through each link, kept as the run goes."""
 
-    impulse: Any  # [link] sum of F times durations
+    impulse: Any  # [link] sum of F
     lost: Any  # [link] turned to heat by dashpots and impacts
     numerical: Any  # [link] lost by rigid contacts that close within a step
-    peak: Any  # [link] largest F
-    first: Any  # [link] first step under force, -1 before
-    last: Any  # [link] end of the last step under force, -1 before
-    pressed: Any  # [link] steps under force
     episodes: Any  # [link] number of times an open contact began to press
 
 
@@ -55,12 +46,12 @@ class Chain(NamedTuple):
     """Room for links that are solved together; lists or arrays of floats."""
 
     free: Any  # by how much the link would close without forces
-    own: Any  # mobility of its two sides together, times d
-    shared: Any  # mobility that it shares with the link before, times d
+    own: Any  # mobility of its two sides together
+    shared: Any  # mobility that it shares with the link before
     before: Any  # velocity at which an impact closes as it begins
     force: Any
     kept: Any  # forces before a Newton step
-    limit: Any  # greatest closing of a pressing rigid contact or impact; a given force
+    limit: Any  # greatest closing of a pressing rigid contact or impact
     place: Any  # indentation at the step's end
     slope: Any  # dF/dw, -1 where the closing w is fixed
     upper: Any  # for the elimination
@@ -155,7 +146,7 @@ def solve_law(
     ----------
     x0 : indentation at the step's start
     c : by how much the contact would close without force
-    y : mobility of both sides together, times the duration
+    y : mobility of both sides together
     w : guess of how much it closes
 
     Returns
@@ -220,11 +211,11 @@ def solve_joint(
 
 
 def solve_link(
-    law: int, k: float, p: float, damping: float, strength: float, d: float, x0: float, c: float,
-    y: float, w: float,
+    law: int, k: float, p: float, damping: float, strength: float, x0: float, c: float, y: float,
+    w: float,
 ) -> tuple[float, float, float]:
-    """Solve any compliant contact over a time d; see `solve_law`."""
-    rate = damping / d
+    """Solve any compliant contact; see `solve_law`."""
+    rate = damping
     if law == JOINT:
         return solve_joint(k, rate, x0, c, y)
     if law == YIELD:
@@ -235,17 +226,17 @@ def solve_link(
     return solve_law(law, k, p, rate, x0, c, y, w)
 
 
-def indent(state: Any, tally: Tally, i: int, F: float, x: float) -> float:
+def indent(links: Any, tally: Tally, i: int, F: float, x: float) -> float:
     """Enter what compliant contact i loses on its way to x under the mean force F; return its gap.
 
     One that yields hardens, and its faces move for good.
     """
-    law, k, p, gap = state.law[i], state.stiffness[i], state.exponent[i], state.gap[i]
+    law, k, p, gap = links.law[i], links.stiffness[i], links.exponent[i], links.gap[i]
     rest = -x
-    if law == YIELD and x > state.strength[i] / k:
-        state.strength[i] += state.damping[i] * (k * x - state.strength[i])
-        rest = -state.strength[i] / k
-    if state.damping[i] > 0 or law == YIELD:
+    if law == YIELD and x > links.strength[i] / k:
+        links.strength[i] += links.damping[i] * (k * x - links.strength[i])
+        rest = -links.strength[i] / k
+    if links.damping[i] > 0 or law == YIELD:
         tally.lost[i] += F * (gap + x) + (stored(law, k, p, gap) - stored(law, k, p, rest))
     return rest
 
@@ -260,23 +251,21 @@ def pushed(chain: Chain, q: int, last: int) -> float:
     return c
 
 
-def relax(state: Any, chain: Chain, i0: int, last: int, d: float) -> float:
+def relax(links: Any, chain: Chain, i0: int, last: int) -> float:
     """Solve link after link, the others as they are; return the largest change of a closing."""
     change = 0.0
     for q in range(last + 1):
         i, y, c = i0 + q, chain.own[q], pushed(chain, q, last)
-        law, slope = state.law[i], 0.0
-        if law <= FORCE:
-            F = chain.limit[q]
-        elif law <= IMPACT and law != JOINT:
+        law, slope = links.law[i], 0.0
+        if law in (RIGID, IMPACT):
             F = (c - chain.limit[q]) / y
             slope = -1.0
-            if law != BOND and F <= 0:
+            if F <= 0:
                 F = slope = 0.0
         else:
-            gap = state.gap[i]
+            gap = links.gap[i]
             F, chain.place[q], slope = solve_link(
-                law, state.stiffness[i], state.exponent[i], state.damping[i], state.strength[i], d,
+                law, links.stiffness[i], links.exponent[i], links.damping[i], links.strength[i],
                 -gap, c, y, chain.place[q] + gap,
             )
         change = max(change, abs(F - chain.force[q]) * y)
@@ -284,7 +273,7 @@ def relax(state: Any, chain: Chain, i0: int, last: int, d: float) -> float:
     return change
 
 
-def newton(state: Any, chain: Chain, i0: int, last: int) -> None:
+def newton(links: Any, chain: Chain, i0: int, last: int) -> None:
     """Take a Newton step for all links together, each law replaced by its tangent."""
     F, upper = chain.force, chain.upper
     for q in range(last + 1):
@@ -293,7 +282,7 @@ def newton(state: Any, chain: Chain, i0: int, last: int) -> None:
             s, middle, right = -s, y, c - chain.limit[q]
         else:
             middle = 1 + s * y
-            right = F[q] + s * (c - chain.place[q] - state.gap[i0 + q])
+            right = F[q] + s * (c - chain.place[q] - links.gap[i0 + q])
         pivot = middle
         if q > 0:
             right += s * chain.shared[q] * F[q - 1]
@@ -306,82 +295,70 @@ def newton(state: Any, chain: Chain, i0: int, last: int) -> None:
     for q in range(last, -1, -1):
         if q < last:
             F[q] -= upper[q] * F[q + 1]
-        if state.law[i0 + q] >= RIGID:
+        if links.law[i0 + q] >= RIGID:
             F[q] = max(F[q], 0.0)
 
 
-def balance(state: Any, chain: Chain, i0: int, last: int, speed: float, d: float) -> bool:
+def balance(links: Any, chain: Chain, i0: int, last: int, speed: float) -> bool:
     """Find the forces of a chain; return False where there are none (a mass squeezed by walls).
 
     Sweeps of `relax` descend on a convex function, the dual energy of the step, and so always
     converge, if slowly; a Newton step is kept where it halves what the next sweep has to change.
-    One link whose force is not given needs one sweep.
-    `speed` is that of the bodies, whose round-off is no change.
+    One link alone needs one sweep. `speed` is that of the bodies, whose round-off is no change.
     """
-    path, unknown = d * speed, 0
-    for q in range(last + 1):
-        if state.law[i0 + q] <= FORCE:
-            chain.force[q] = chain.limit[q]
-        else:
-            unknown += 1
-    left, tried, size = math.inf, False, path
+    left, tried, size = math.inf, False, speed
     for _ in range(2 * SWEEPS):
-        new = relax(state, chain, i0, last, d)
+        new = relax(links, chain, i0, last)
         if tried and new > left / 2:
             for q in range(last + 1):
                 chain.force[q] = chain.kept[q]
             tried = False
             continue
-        left, tried, size = new, True, path
+        left, tried, size = new, True, speed
         for q in range(last + 1):
-            size = max(size, path + abs(chain.force[q]) * chain.own[q])
+            size = max(size, speed + abs(chain.force[q]) * chain.own[q])
             chain.kept[q] = chain.force[q]
-        if unknown <= 1 or left <= 8 * EPS * size:
+        if last == 0 or left <= 8 * EPS * size:
             return True
-        newton(state, chain, i0, last)
+        newton(links, chain, i0, last)
     return bool(left <= ROUGH * size)
 
 
-def start_impacts(state: Any, chain: Chain, i0: int, last: int, tol: float, d: float) -> bool:
-    """Let impacts happen whose gaps would close in this time d; return whether there is a new one.
+def start_impacts(links: Any, chain: Chain, i0: int, last: int, tol: float) -> bool:
+    """Let impacts happen whose gaps would close in this step; return whether there is a new one.
 
     An impact waits with an infinite limit.
     """
     struck = False
     for q in range(last + 1):
         i = i0 + q
-        if state.law[i] == IMPACT and chain.limit[q] == math.inf:
+        if links.law[i] == IMPACT and chain.limit[q] == math.inf:
             w = pushed(chain, q, last) - chain.force[q] * chain.own[q]
-            if state.gap[i] - w < -d * tol:
+            if links.gap[i] - w < -tol:
                 u = chain.before[q]
-                chain.limit[q] = 0.0 if u <= tol else (1 - state.damping[i]) * u * d / 2
+                chain.limit[q] = 0.0 if u <= tol else (1 - links.damping[i]) * u / 2
                 struck = True
     return struck
 
 
 def record_step(
-    state: Any, tally: Tally, signals: Any, i: int, j: int, F: float, gap: float, d: float
+    links: Any, tally: Tally, signals: Any, i: int, j: int, F: float, gap: float
 ) -> None:
-    """Enter step j, or a part of duration d, of contact i: its force, and the gap at the end.
+    """Enter step j of contact i: its force, and the gap at the end.
 
-    `state.open` is 1 once the contact has opened; a joint never does.
+    `links.open` is 1 once the contact has opened; a joint never does.
     """
     start = signals.link_start[i]
     if start >= 0:
         signals.force[start + j] = F
         signals.gap[start + j] = gap
-    state.force[i], state.gap[i] = F, gap
-    if F > 0 or state.law[i] == JOINT:
-        tally.impulse[i] += F * d
-    if state.law[i] == JOINT:
+    links.force[i], links.gap[i] = F, gap
+    if F > 0 or links.law[i] == JOINT:
+        tally.impulse[i] += F
+    if links.law[i] == JOINT:
         return
     if F > 0:
-        tally.peak[i] = max(tally.peak[i], F)
-        if tally.first[i] < 0:
-            tally.first[i] = j
-        tally.last[i] = j + 1
-        tally.pressed[i] += 1
-        tally.episodes[i] += state.open[i]
-        state.open[i] = 0
+        tally.episodes[i] += links.open[i]
+        links.open[i] = 0
     elif gap > 0:
-        state.open[i] = 1
+        links.open[i] = 1

@@ -8,27 +8,20 @@ import pytest
 from exhaustive import few_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from laid_out import places_of
-from networks import STEP, UNIT, random_network, run_network, shifted, unit_rod
+from networks import UNIT, random_network, shifted, unit_rod
 from scipy.integrate import solve_ivp
 from systems import horizon, random_system
 
 import rodimpact as ri
-from rodimpact.methods import kernels
-from rodimpact.methods.clock import STEP_TICKS
-from rodimpact.methods.measure_kernel import largest_force
-from rodimpact.methods.steps import layout, search_kernel
-from rodimpact.methods.steps import method as characteristics
 
 seeds = st.integers(0, 10**6)
 METHOD = "characteristics"
 MASS = ri.RigidMass(1.0)
 
 
-def solved(row, until=None, dt=None, gaps=None, contacts=None, **options):
+def solved(row, until=None, gaps=None, contacts=None, **options):
     arguments = {name: options.pop(name) for name in ("rtol", "max_events") if name in options}
-    system = ri.System(row, gaps, contacts, **options)
-    return ri.solve(system, until, METHOD, dt=dt, **arguments)
+    return ri.solve(ri.System(row, gaps, contacts, **options), until, METHOD, **arguments)
 
 
 def refused(match, function, *args, **options):
@@ -39,76 +32,34 @@ def refused(match, function, *args, **options):
 
 # Against exact fronts -----------------------------------------------------------------------------
 
-UNIT_TIME = 5e-6  # of the rows of systems.py
-
-
-def compare(system, until, dt):
-    """Largest error of the impulses, whether the exact run turns on steps, and both runs."""
-    exact, stepped = ri.solve(system, until, "fronts"), ri.solve(system, until, METHOD, dt=dt)
-    turns = [t for c in exact.contacts for e in c.episodes for t in e if t == t]
-    for contact in exact.contacts:
-        times, force, _ = contact.breakpoints()
-        turns += times[1:][(force[1:] > 0) != (force[:-1] > 0)].tolist()
-    off = np.array(turns) / dt
-    pairs = zip(exact.outcome.contacts, stepped.outcome.contacts, strict=True)
+@pytest.mark.parametrize("seed", few_of(range(300), range(40)))
+def test_fronts_are_met_to_round_off(seed):
+    system = random_system(seed, bodies=4)
+    until = horizon(system, 8)
+    exact, found = ri.solve(system, until, "fronts"), ri.solve(system, until, METHOD)
     scale = max((abs(c.impulse) for c in exact.outcome.contacts), default=0.0) or 1.0
-    error = max((abs(a.impulse - b.impulse) for a, b in pairs), default=0.0) / scale
-    return error, np.all(np.abs(off - np.rint(off)) < 1e-6), exact, stepped
-
-
-def rounded_horizon(system, transits):
-    return round(horizon(system, transits) / UNIT_TIME) * UNIT_TIME
-
-
-@pytest.mark.parametrize("rows", few_of([40, 120], [40]))
-def test_on_steps_the_fronts_are_met_to_round_off(rows):
-    found = touched = 0
-    for seed in range(rows):
-        system = random_system(seed, bodies=4)
-        until = rounded_horizon(system, 8)
-        error, on_steps, exact, stepped = compare(system, until, UNIT_TIME / 16)
-        if not on_steps:
-            continue
-        found += 1
-        touched += any(c.episodes for c in exact.outcome.contacts)
-        assert error <= 1e-12
-        for i, body in enumerate(system.bodies):
-            v = float(exact.mean_velocity(i, until))
-            assert float(stepped.mean_velocity(i, until)) == pytest.approx(v, abs=1e-11)
-            if isinstance(body, ri.Rod):
-                x = (np.arange(4) + 0.37) / 4 * body.length
-                t = (np.arange(11) + 0.3)[:, None] / 11 * until
-                a, b = (s.displacement(i, x, t) for s in (exact, stepped))
-                assert b == pytest.approx(a, abs=1e-11)  # a place is rounded to 2^-16 of a step
-        for a, b in zip(exact.outcome.contacts, stepped.outcome.contacts, strict=True):
-            if not math.isnan(a.first):
-                assert (b.episodes, b.duration, b.first, b.last) == pytest.approx(
-                    (a.episodes, a.duration, a.first, a.last), rel=1e-9, abs=1e-12
-                )
-    assert found >= rows / 4
-    assert touched >= rows / 10
-
-
-def test_off_steps_contacts_close_where_steps_are_cut():
-    found = 0
-    for seed in range(1000, 1060):
-        system = random_system(seed, bodies=3)
-        until = rounded_horizon(system, 4)
-        error, on_steps, *_ = compare(system, until, UNIT_TIME / 4)
-        if not on_steps:
-            found += 1
-            assert error <= 1e-9, seed
-    assert found >= 16
+    for a, b in zip(exact.outcome.contacts, found.outcome.contacts, strict=True):
+        assert b.impulse == pytest.approx(a.impulse, abs=1e-12 * scale)
+        assert (b.episodes, b.duration, b.first) == pytest.approx(
+            (a.episodes, a.duration, a.first), rel=1e-9, abs=1e-12 * until, nan_ok=True)
+    for i, body in enumerate(system.bodies):
+        v = float(exact.mean_velocity(i, until))
+        assert float(found.mean_velocity(i, until)) == pytest.approx(v, abs=1e-12)
+        if isinstance(body, ri.Rod):
+            x = (np.arange(4) + 0.37) / 4 * body.length
+            t = (np.arange(11) + 0.3)[:, None] / 11 * until
+            a, b = (s.displacement(i, x, t) for s in (exact, found))
+            assert b == pytest.approx(a, abs=1e-12 * until)
 
 
 @pytest.mark.parametrize("lengths", [(1, 1, 1, 1, 1), (2, 1, 1, 1), (1, 2, 3, 1, 2)])
 def test_cradles(lengths):
     row = [unit_rod(float(n), velocity=1.0 if i == 0 else 0.0) for i, n in enumerate(lengths)]
     exact = ri.solve(ri.System(row), method="fronts")
-    stepped = solved(row, exact.t_end, dt=1 / 8)
-    assert stepped.outcome.velocities_after == pytest.approx(exact.outcome.velocities_after,
+    found = solved(row, exact.t_end)
+    assert found.outcome.velocities_after == pytest.approx(exact.outcome.velocities_after,
                                                              abs=1e-14)
-    for a, b in zip(exact.contacts, stepped.contacts, strict=True):
+    for a, b in zip(exact.contacts, found.contacts, strict=True):
         assert np.array(b.episodes) == pytest.approx(np.array(a.episodes), nan_ok=True)
 
 
@@ -139,12 +90,9 @@ def e_of_mass_on_rod(mu):
 def test_mass_on_a_free_rod_at_the_default_tolerance(mu):
     s = ri.solve(ri.System([ri.RigidMass(1 / mu, velocity=1.0), unit_rod()]))
     assert s.method == METHOD
-    assert s.outcome.restitution == pytest.approx(e_of_mass_on_rod(mu), abs=1e-6)
+    assert s.outcome.restitution == pytest.approx(e_of_mass_on_rod(mu), abs=1e-10)
     assert s.outcome.duration == pytest.approx(2.0, rel=1e-12)
-    assert s.outcome.peak_force == pytest.approx(1.0, rel=1e-5)
-    assert abs(s.outcome.peak_force - 1) <= s.accuracy["largest force"]
-    assert abs(s.outcome.restitution - e_of_mass_on_rod(mu)) <= 2 * s.accuracy["impulse"]
-    assert "Comparing steps, the outcome is wrong by" in s.status
+    assert s.outcome.peak_force == pytest.approx(1.0, rel=1e-10)
     right = ri.solve(ri.System([unit_rod(), ri.RigidMass(1 / mu, velocity=-1.0)]))
     assert right.outcome.restitution == pytest.approx(s.outcome.restitution, rel=1e-12)
 
@@ -175,26 +123,17 @@ def mass_on_a_stiff_spring(M, k):
     ("M", "k", "gap"), [(0.1, 500.0, 0.0), (1.0, 500.0, 0.33), (1.0, 2e4, 0.0), (0.3, 1e6, 0.33)]
 )
 def test_a_stiff_spring_is_resolved_in_few_steps(M, k, gap):
-    """Far fewer than would be as short all along as those in which its force grows."""
     law = [ri.Spring(k)]
     s = solved([ri.RigidMass(M, velocity=1.0), unit_rod()], gaps=[gap], contacts=law)
     impulse, top, lasts = mass_on_a_stiff_spring(M, k)
     o = s.outcome
-    assert abs(o.impulse / impulse - 1) <= s.accuracy["impulse"] <= 1e-5
-    assert abs(o.peak_force / top - 1) <= s.accuracy["largest force"] <= 1e-5
-    assert o.duration == pytest.approx(lasts, rel=1e-5)
-    assert abs(o.energy_residual) <= 1e-13
-    assert s.run.events <= 20_000
+    assert o.impulse == pytest.approx(impulse, rel=1e-8)
+    assert o.peak_force == pytest.approx(top, rel=1e-8)
+    assert o.duration == pytest.approx(lasts, rel=1e-8)
+    assert abs(o.energy_residual) <= 1e-9
+    assert s.run.events <= 500
     left = solved([unit_rod(), ri.RigidMass(M, velocity=-1.0)], gaps=[gap], contacts=law)
-    assert left.outcome.impulse == pytest.approx(o.impulse, rel=1e-10)
-
-
-@pytest.mark.parametrize("mu", [0.25, 1.0, 4.0])
-def test_mass_on_a_free_rod_is_of_order_two(mu):
-    row = [ri.RigidMass(1 / mu, velocity=1.0), unit_rod()]
-    errors = [abs(solved(row, 5.0, 1 / n).outcome.restitution - e_of_mass_on_rod(mu))
-              for n in (16, 32, 64)]
-    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx([2, 2], abs=0.05)
+    assert left.outcome.impulse == pytest.approx(o.impulse, rel=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -204,39 +143,32 @@ def test_mass_on_a_free_rod_is_of_order_two(mu):
 )
 @pytest.mark.parametrize("held", ["wall", "end"])
 def test_mass_on_a_fixed_rod(ratio, time, rebound, struck, fixed, held):
-    def values(n):
-        bodies, laws, ends = [ri.RigidMass(float(ratio), velocity=1.0), unit_rod()], None, None
-        if held == "wall":
-            bodies, laws = [*bodies, ri.Wall()], [ri.Rigid(), ri.Bonded()]
-        else:
-            ends = (ri.Free(), ri.Fixed())
-        s = solved(bodies, 9.0, 1 / n, contacts=laws, ends=ends)
-        over = s.contacts[0].episodes[0].force_end
-        ticks = s.fields.steps
-        t = ticks[:-1] * s.fields.clock.tick
-        near, far = np.count_nonzero(t < over), np.count_nonzero(t < over + 1)
-        top = largest_force(ticks, s.contacts[0].force(t[:near]), 0, near)
-        fixed = largest_force(ticks, -s.stress(1, 1.0, t[:far]), 0, far)
-        return np.array([over, float(s.velocity(0, 0.0, over + 1 / n)), top, fixed])
-
-    found = values(600)
-    assert found[0] == pytest.approx(time, abs=5e-4 + 2e-5)
-    assert found[1] == pytest.approx(rebound, abs=1e-4)
-    assert found[2:] == pytest.approx([struck, fixed], abs=1.5e-4)
+    bodies, laws, ends = [ri.RigidMass(float(ratio), velocity=1.0), unit_rod()], None, None
+    if held == "wall":
+        bodies, laws = [*bodies, ri.Wall()], [ri.Rigid(), ri.Bonded()]
+    else:
+        ends = (ri.Free(), ri.Fixed())
+    s = solved(bodies, 9.0, contacts=laws, ends=ends)
+    over = s.contacts[0].episodes[0].force_end
+    assert over == pytest.approx(time, abs=5e-4)
+    assert float(s.velocity(0, 0.0, over)) == pytest.approx(rebound, abs=5e-5)
+    near, far = (np.union1d(np.linspace(0, t, 20_001), np.arange(t)) for t in (over, over + 1))
+    forces = s.contacts[0].force(near), -s.stress(1, 1.0, far)
+    assert [F.max() for F in forces] == pytest.approx([struck, fixed], abs=1e-4)
 
 
 def test_bonded_masses_are_one_mass():
     rod = unit_rod(velocity=-0.5)
-    one = solved([ri.RigidMass(3.0, velocity=1.0), rod], 6.0, STEP, contacts=[ri.Hertz(10.0)])
+    one = solved([ri.RigidMass(3.0, velocity=1.0), rod], 6.0, contacts=[ri.Hertz(10.0)])
     parts = [ri.RigidMass(m, velocity=v) for m, v in ((0.5, 1.0), (0.5, 1.0), (2.0, 1.0))]
-    three = solved([*parts, rod], 6.0, STEP, contacts=[ri.Bonded(), ri.Bonded(), ri.Hertz(10.0)])
+    three = solved([*parts, rod], 6.0, contacts=[ri.Bonded(), ri.Bonded(), ri.Hertz(10.0)])
     t = np.linspace(0, 6, 50)
     assert three.outcome.restitution == pytest.approx(one.outcome.restitution, rel=1e-14)
     for body in range(3):
         assert three.velocity(body, 0.0, t) == pytest.approx(one.velocity(0, 0.0, t), rel=1e-13)
     assert np.array_equal(three.contacts[2].force(t), one.contacts[0].force(t))
     assert three.energy(t).total == pytest.approx(one.energy(t).total, rel=1e-13)
-    assert np.abs(three.energy(t).residual).max() <= 1e-13
+    assert np.abs(three.energy(t).residual).max() <= 1e-9
 
 
 @pytest.mark.parametrize("gravity", [0.0, -0.5])
@@ -244,20 +176,21 @@ def test_forces_in_bonds_of_rigid_bodies(gravity):
     masses = [ri.RigidMass(m) for m in (1.0, 2.0, 3.0)]
     laws, rod = [ri.Bonded(), ri.Bonded(), ri.Hertz(9.0)], unit_rod(velocity=-1.0)
     t = (np.arange(64) + 0.5) / 32
-    s = solved([*masses, rod], 2.0, 1 / 32, contacts=laws, gravity=gravity,
+    s = solved([*masses, rod], 2.0, contacts=laws, gravity=gravity,
                ends=(ri.Pushed(0.7), ri.Free()))
     first, second, last = (c.force(t) for c in s.contacts)
     a = (0.7 - last) / 6
-    assert first == pytest.approx(0.7 - a, abs=1e-13)
-    assert second == pytest.approx(0.7 - 3 * a, abs=1e-13)
-    assert s.outcome.contacts[1].impulse == pytest.approx(second.sum() / 32, rel=1e-14)
+    assert first == pytest.approx(0.7 - a, abs=1e-8)
+    assert second == pytest.approx(0.7 - 3 * a, abs=1e-8)
+    impulse = 0.7 - (0.7 * 2 - s.outcome.contacts[2].impulse) / 6 * 3 + 0.7
+    assert s.outcome.contacts[1].impulse == pytest.approx(impulse, rel=1e-9)
     held = ri.System([ri.Wall(), *masses[:2], rod], contacts=laws, gravity=gravity)
-    image = ri.solve(held.mirrored(), 2.0, dt=1 / 32)
-    for contacts in (ri.solve(held, 2.0, dt=1 / 32).contacts, image.contacts[::-1]):
+    image = ri.solve(held.mirrored(), 2.0)
+    for contacts in (ri.solve(held, 2.0).contacts, image.contacts[::-1]):
         first, second, last = (c.force(t) for c in contacts)
         assert last.max() > 0.3
-        assert second == pytest.approx(last - 2 * gravity, abs=1e-13)
-        assert first == pytest.approx(last - 3 * gravity, abs=1e-13)
+        assert second == pytest.approx(last - 2 * gravity, abs=1e-8)
+        assert first == pytest.approx(last - 3 * gravity, abs=1e-8)
 
 
 def test_mass_bonded_to_a_rod_swings_with_it():
@@ -268,18 +201,13 @@ def test_mass_bonded_to_a_rod_swings_with_it():
         w = math.atan2(1.0, M * w)
     strain = ri.Samples(w * np.cos(w * np.linspace(0, 1, 4097)))
     row = [ri.Wall(), unit_rod(strain=strain), ri.RigidMass(M)]
-    errors = []
-    for n in (32, 64):
-        s = solved(row, 6.0, 1 / n, contacts=[ri.Bonded(), ri.Bonded()])
-        t = np.linspace(0, 6, 193)
-        exact = -w * math.sin(w) * np.sin(w * t)
-        errors.append(np.abs(s.velocity(2, 0.0, t) - exact).max())
-        ledger = s.energy(t)
-        assert np.abs(ledger.residual).max() <= 1e-13
-        impulse = s.outcome.contacts[1].impulse
-        assert impulse == pytest.approx(M * float(s.velocity(2, 0.0, 6.0)), abs=1e-13)
-    assert errors[1] <= 4e-4
-    assert errors[0] / errors[1] == pytest.approx(4, abs=0.5)
+    s = solved(row, 6.0, contacts=[ri.Bonded(), ri.Bonded()])
+    t = np.linspace(0, 6, 193)
+    exact = -w * math.sin(w) * np.sin(w * t)
+    assert s.velocity(2, 0.0, t) == pytest.approx(exact, abs=1e-7)  # straight lines between samples
+    assert np.abs(s.energy(t).residual).max() <= 1e-9
+    impulse = s.outcome.contacts[1].impulse
+    assert impulse == pytest.approx(M * float(s.velocity(2, 0.0, 6.0)), abs=1e-9)
 
 
 # Published bars -----------------------------------------------------------------------------------
@@ -288,7 +216,7 @@ def test_mass_bonded_to_a_rod_swings_with_it():
 def test_bouncing_bar_with_gravity():
     """Doyen, Ern, Piperno 2011: E = 900, L = 10, g = 10, dropped from 5."""
     bar = ri.Rod(10.0, area=1.0, material=ri.Material("bar", youngs_modulus=900.0, density=1.0))
-    s = solved([ri.Wall(), bar], 16.0, 1 / 60, gaps=[5.0], gravity=-10.0)
+    s = solved([ri.Wall(), bar], 16.0, gaps=[5.0], gravity=-10.0)
     contact = s.contacts[0]
     starts = [1 + 16 / 3 * p + q for p in range(3) for q in (0, 8 / 3)]
     assert [e.start for e in contact.episodes] == pytest.approx(starts, abs=1e-9)
@@ -309,10 +237,10 @@ def test_bouncing_bar_with_gravity():
 def test_clamped_bar_on_a_floor_is_periodic():
     """The GetFEM bar, ten periods of 3."""
     row = [ri.Wall(), unit_rod(strain=-0.5), ri.Wall()]
-    s = solved(row, 30.0, 1 / 16, gaps=[0.5, 0.0], contacts=[ri.Rigid(), ri.Bonded()])
+    s = solved(row, 30.0, gaps=[0.5, 0.0], contacts=[ri.Rigid(), ri.Bonded()])
     t = np.linspace(0, 3, 97)
     first = s.contacts[0].gap(t)
-    assert first[0] == 0.5
+    assert first[0] == pytest.approx(0.5, rel=1e-15)
     for p in range(1, 10):
         assert np.abs(s.contacts[0].gap(t + 3 * p) - first).max() <= 1e-12
     assert s.outcome.numerical <= 1e-14
@@ -327,14 +255,14 @@ def test_clamped_bar_on_a_floor_is_periodic():
 def test_hertz_ends_carry_e_from_one_to_the_ratio_of_lengths(kappa, e):
     duration = 6.0 + 18 * kappa**-0.4
     row = [unit_rod(0.4, velocity=1.0), unit_rod()]
-    s = solved(row, duration, 1 / 100 if kappa >= 1 else 1 / 10, contacts=[ri.Hertz(kappa)])
+    s = solved(row, duration, contacts=[ri.Hertz(kappa)])
     assert s.outcome.restitution == pytest.approx(e, abs=4e-4)
 
 
 def test_speed_acts_as_stiffness_does():
     def e(V):
         row = [unit_rod(0.4, velocity=V), unit_rod()]
-        return solved(row, 12.0, 1 / 100, contacts=[ri.Hertz(10.0)]).outcome.restitution
+        return solved(row, 12.0, contacts=[ri.Hertz(10.0)]).outcome.restitution
 
     assert e(0.01) == pytest.approx(0.9441, abs=4e-4)
     assert e(1.0) == pytest.approx(0.6167, abs=4e-4)
@@ -375,12 +303,8 @@ def test_mass_through_a_law_on_an_endless_bar(name, mirrored):
     system = ri.System([ri.RigidMass(M, velocity=1.0), unit_rod(1.0, Z)], [gap], [law],
                        ends=(ri.Free(), ri.Absorbing()))
     system = system.mirrored() if mirrored else system
-    errors = []
-    for n in (32, 128):
-        outcome = ri.solve(system, 4.0, dt=1 / n).outcome
-        errors.append(abs(outcome.contacts[0].impulse - exact.y[2, -1]))
-    assert errors[1] <= 3e-5
-    assert errors[1] <= errors[0] / 8 + 1e-8
+    assert ri.solve(system, 4.0).outcome.contacts[0].impulse == pytest.approx(
+        exact.y[2, -1], abs=1e-8)
 
 
 @pytest.mark.parametrize("hardening", [0.0, 2.0])
@@ -404,7 +328,7 @@ def test_restitution_of_masses_that_yield(method, hardening):
     assert s.contacts[0].peak_force == pytest.approx(largest, rel=1e-4)
     assert s.outcome.dissipated == pytest.approx(energy - largest**2 / (2 * k), abs=1e-6)
     t = np.linspace(0, 3, 40)
-    assert np.abs(s.energy(t).residual).max() < 1e-13
+    assert np.abs(s.energy(t).residual).max() < 1e-9
     assert np.all(s.contacts[0].force(t) >= 0)
     after = s.system_at(2.9)
     assert after.contacts[0].yield_force == pytest.approx(largest, rel=1e-4)
@@ -431,30 +355,21 @@ def test_mass_through_what_yields_on_an_endless_bar(mirrored):
                        contacts=[ri.Yielding(k, strength, hardening)],
                        ends=(ri.Free(), ri.Absorbing()))
     system = system.mirrored() if mirrored else system
-    errors = []
-    for n in (32, 128):
-        outcome = ri.solve(system, 6.0, dt=1 / n).outcome
-        errors.append(abs(outcome.contacts[0].impulse - y[2]))
-        assert outcome.contacts[0].peak_force <= largest + 1e-4
-    assert errors[1] <= 3e-5
-    assert errors[1] <= errors[0] / 8 + 1e-8
+    found = ri.solve(system, 6.0).outcome.contacts[0]
+    assert found.impulse == pytest.approx(y[2], abs=1e-9)
+    assert found.peak_force == pytest.approx(largest, abs=1e-9)
 
 
-def test_spring_between_endless_bars_is_of_order_two():
-    k, errors = 1.0, []
-    for n in (16, 32, 64):
-        s = solved([unit_rod(velocity=1.0, strain=-1.0), unit_rod()], 4.0, 1 / n,
-                   contacts=[ri.Spring(k)], ends=(ri.Absorbing(), ri.Absorbing()))
-        edges = np.arange(4 * n + 1) / n
-        mean = 1 + np.diff(np.exp(-2 * k * edges)) * n / (2 * k)
-        errors.append(np.abs(s.contacts[0].force(edges[:-1]) - mean).max())
-    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx([2, 2], abs=0.1)
-    assert errors[-1] <= 1e-4
+def test_spring_between_endless_bars():
+    s = solved([unit_rod(velocity=1.0, strain=-1.0), unit_rod()], 4.0,
+               contacts=[ri.Spring(1.0)], ends=(ri.Absorbing(), ri.Absorbing()))
+    t = np.linspace(0, 4, 101)
+    assert s.contacts[0].force(t) == pytest.approx(1 - np.exp(-2 * t), abs=1e-9)
 
 
 def test_striker_incident_specimen_transmitted():
     k, n = 3.0, 64
-    s = solved([unit_rod(0.5, velocity=1.0), unit_rod(2.0), unit_rod(2.0)], 5.0, 1 / n,
+    s = solved([unit_rod(0.5, velocity=1.0), unit_rod(2.0), unit_rod(2.0)], 5.0,
                contacts=[ri.Rigid(), ri.Spring(k)], ends=(ri.Free(), ri.Absorbing()))
     t = (np.arange(5 * n) + 0.5) / n
     pulse = np.where((t > 1) & (t < 2), -0.5, 0.0)
@@ -464,10 +379,10 @@ def test_striker_incident_specimen_transmitted():
     since = np.maximum(t - 2, 0)
     through = 0.5 * (1 - np.exp(-2 * k * since)) * (since > 0)
     through -= 0.5 * (1 - np.exp(-2 * k * np.maximum(since - 1, 0)))
-    assert s.contacts[1].force(t) == pytest.approx(through, abs=2e-3)
+    assert s.contacts[1].force(t) == pytest.approx(through, abs=1e-9)
     reflected = s.strain(1, 1.0, t[t > 3])
     assert reflected == pytest.approx(0.5 * (since > 0)[t > 2][: len(reflected)] * (
-        (t[t > 3] - 3) < 1) - np.interp(t[t > 3] - 1, t, through), abs=2e-3)
+        (t[t > 3] - 3) < 1) - np.interp(t[t > 3] - 1, t, through), abs=1e-9)
 
 
 # What is driven -----------------------------------------------------------------------------------
@@ -491,7 +406,7 @@ def at(profile, t):
 def test_a_driven_end_sends_what_drives_it(profile, kind, side, gravity):
     Z, n = 2.0, 32
     ends = [ri.Absorbing(), kind(profile)]
-    s = solved([unit_rod(1.0, Z)], 3.0, 1 / n, ends=ends[::-1] if side == 0 else ends,
+    s = solved([unit_rod(1.0, Z)], 3.0, ends=ends[::-1] if side == 0 else ends,
                gravity=gravity)
     t, x = (np.arange(3 * n) + 0.5)[:, None] / n, np.arange(1, 8) / 8
     late = t - (x if side == 0 else 1 - x)
@@ -510,7 +425,7 @@ def test_a_driven_end_sends_what_drives_it(profile, kind, side, gravity):
 def test_a_force_drives_a_mass(side):
     row = [ri.RigidMass(2.0), unit_rod()]
     system = ri.System(row, [9.0], [ri.Rigid()], ends=(ri.Pushed(STEPS), ri.Free()))
-    s = ri.solve(system if side == 0 else system.mirrored(), 2.0, dt=1 / 16)
+    s = ri.solve(system if side == 0 else system.mirrored(), 2.0)
     sign, body = ((1, 0), (-1, 1))[side]
     impulse = 0.25 - 0.5 * 1.25 + 0.25 * 0.5
     assert float(s.velocity(body, 0.0, 2.0)) == pytest.approx(sign * impulse / 2, abs=1e-15)
@@ -519,7 +434,7 @@ def test_a_force_drives_a_mass(side):
 
 def test_a_piston_that_stops_in_time():
     """A velocity that follows the free flight of the rod needs no force."""
-    s = solved([unit_rod(velocity=0.5)], 3.0, 1 / 16, ends=(ri.Moved(0.5), ri.Free()))
+    s = solved([unit_rod(velocity=0.5)], 3.0, ends=(ri.Moved(0.5), ri.Free()))
     assert abs(s.outcome.drive_work) <= 1e-15
     assert s.velocity(0, 0.5, np.linspace(0, 3, 9)) == pytest.approx(np.full(9, 0.5), abs=1e-15)
 
@@ -527,7 +442,7 @@ def test_a_piston_that_stops_in_time():
 def test_samples_along_a_rod_run_as_dalembert_says():
     """v = x and strain = 1 - x in the middle of a long rod, before its ends are heard."""
     rod = unit_rod(2.0, velocity=ri.Samples([0.0, 2.0]), strain=ri.Samples([1.0, -1.0]))
-    s = solved([rod], 0.5, 1 / 16, ends=(ri.Absorbing(), ri.Absorbing()))
+    s = solved([rod], 0.5, ends=(ri.Absorbing(), ri.Absorbing()))
     x, t = (np.arange(10, 22) + 0.5) / 16, np.array([0.0, 0.125, 0.25])[:, None]
 
     def right(y):
@@ -540,16 +455,12 @@ def test_samples_along_a_rod_run_as_dalembert_says():
     assert float(s.displacement(0, 1.0, 0.0)) == pytest.approx(0.5, abs=1e-14)
 
 
-def test_a_function_is_its_samples_and_order_two():
-    errors = []
-    for n in (16, 32):
-        rod = unit_rod(velocity=lambda x: np.cos(math.pi * x))
-        s = solved([rod], 4.0, 1 / n)
-        t, x = np.linspace(0, 4, 4 * n + 1), (np.arange(n)[:, None] + 0.5) / n
-        exact = np.cos(math.pi * x) * np.cos(math.pi * t)
-        errors.append(np.abs(s.velocity(0, x, t) - exact).max())
-    assert errors[0] / errors[1] == pytest.approx(4, abs=0.2)
-    assert errors[1] <= 2e-3
+def test_a_function_is_followed_as_its_samples_are():
+    rod = unit_rod(velocity=lambda x: np.cos(math.pi * x))
+    s = solved([rod], 4.0)
+    t, x = np.linspace(0, 4, 129), (np.arange(32)[:, None] + 0.5) / 32
+    exact = np.cos(math.pi * x) * np.cos(math.pi * t)
+    assert s.velocity(0, x, t) == pytest.approx(exact, abs=1e-6)
 
 
 def test_stepped_rod_with_jumps_meets_the_exact_method():
@@ -557,39 +468,40 @@ def test_stepped_rod_with_jumps_meets_the_exact_method():
     rod = ri.Rod(segments=segments, velocity=ri.Steps([1.0, -0.5], [0.75]),
                  strain=ri.Steps([0.1, 0.0], [0.25]))
     system = ri.System([rod, ri.Wall()], [0.0])
-    exact, stepped = ri.solve(system, 4.0, "fronts"), ri.solve(system, 4.0, METHOD, dt=1 / 8)
+    exact, found = ri.solve(system, 4.0, "fronts"), ri.solve(system, 4.0, METHOD)
     x, t = np.linspace(0.05, 1.45, 15)[:, None], (np.arange(33) + 0.4) / 8.25
-    for name, error in (("velocity", 0), ("stress", 0), ("axial_force", 0), ("displacement", 2e-6)):
-        a, b = (getattr(s, name)(0, x, t) for s in (exact, stepped))
-        assert b == pytest.approx(a, abs=1e-12 + error)  # 2e-6: times to 2^-16 of a step
+    for name in ("velocity", "stress", "axial_force", "displacement"):
+        a, b = (getattr(s, name)(0, x, t) for s in (exact, found))
+        assert b == pytest.approx(a, abs=1e-12)
 
 
 # Symmetry -----------------------------------------------------------------------------------------
 
 
-@settings(max_examples=60)
+def agree(one, other, sign, shift, scale):
+    """Velocities, gaps and impulses of two runs of the same row, the second of them mirrored."""
+    count, t = len(one.system.bodies), np.linspace(0, one.t_end, 17)
+    for i in range(count):
+        image = count - 1 - i if sign < 0 else i
+        found = sign * other.mean_velocity(image, t) - shift
+        assert found == pytest.approx(one.mean_velocity(i, t), abs=scale)
+    for a, b in zip(one.contacts, other.contacts[::sign], strict=True):
+        assert b.gap(t) == pytest.approx(a.gap(t), abs=scale)
+        assert b.impulse == pytest.approx(a.impulse, abs=scale)
+
+
+@settings(max_examples=30)
 @given(seeds)
 def test_mirror(seed):
     system = random_network(seed, bodies=4, driven=True)
-    run, image = run_network(system, 3.0), run_network(system.mirrored(), 3.0)
-    n = len(run.state.steps) - 1
-    scale = max(np.abs(run.wave(line)).max() for line in range(2, 2 * n))
-    for line in range(2, 2 * n):
-        assert image.wave(2 * n + 1 - line) == pytest.approx(-run.wave(line), abs=1e-9 * scale)
-    assert image.tally.episodes.sum() == run.tally.episodes.sum()
+    agree(*(ri.solve(s, 2.0, METHOD) for s in (system, system.mirrored())), -1, 0.0, 1e-6)
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(seeds, st.sampled_from([1.0, -30.0]))
 def test_galilean_shift_changes_nothing(seed, v):
     system = random_network(seed, bodies=4, driven=True)
-    still, moving = (ri.solve(s, 2.0, METHOD, dt=STEP) for s in (system, shifted(system, v)))
-    scale = 1e-9 * (1 + abs(v))
-    t = np.linspace(0, 2, 17)
-    for i in range(len(system.bodies)):
-        assert moving.mean_velocity(i, t) - v == pytest.approx(still.mean_velocity(i, t), abs=scale)
-    for a, b in zip(still.contacts, moving.contacts, strict=True):
-        assert b.gap(t) == pytest.approx(a.gap(t), abs=scale)
+    agree(*(ri.solve(s, 2.0, METHOD) for s in (system, shifted(system, v))), 1, v, 1e-6)
 
 
 # The functions of a solution agree with each other ------------------------------------------------
@@ -610,171 +522,125 @@ ROW = {
 
 @pytest.fixture(scope="module")
 def row():
-    return solved(**ROW, until=4.0, dt=1 / 64)
+    return solved(**ROW, until=4.0, rtol=1e-11)
 
 
-def edges_of(solution):
-    """Times between which signals are means, s."""
-    return solution.fields.steps * solution.fields.clock.tick
+T = np.linspace(0, 4, 129)
 
 
 def test_displacement_is_the_integral_of_velocity(row):
-    t = edges_of(row)
-    h = np.diff(t)
     for body, x in ((0, 0.0), (0, 0.3125), (0, 1.0), (1, 0.0), (2, 0.5), (2, 0.8125), (3, 0.0)):
-        path = row.displacement(body, x, t)
-        middle = (t[:-1] + t[1:]) / 2
-        speed = row.velocity(body, x, middle)
-        # waves keep one value a step here: places stand on steps
-        assert np.diff(path) / h == pytest.approx(speed, abs=1e-11)
+        fine = np.linspace(0, 4, 40_001)
+        path = row.displacement(body, x, fine[::1000])
+        passed = np.concatenate(([0.0], np.cumsum(row.velocity(body, x, fine[:-1] + 5e-5)) * 1e-4))
+        assert path - path[0] == pytest.approx(passed[::1000], abs=2e-4)
 
 
 def test_strain_is_the_slope_of_displacement(row):
-    edges = np.concatenate((-edges_of(row)[1:65][::-1], edges_of(row)))
+    x = np.linspace(0, 1, 4001)
     for t in (0.0, 0.5, 1.25, 3.0):
-        away = t - edges[(edges >= t - 1 - 1e-12) & (edges <= t)]
-        x = np.unique(np.clip(np.concatenate(([0.0, 1.0], away, 1 - away)), 0, 1))
-        x = x[np.append(True, np.diff(x) > 1e-6)]
-        slope = np.diff(row.displacement(0, x, t)) / np.diff(x)
-        middle = row.strain(0, (x[1:] + x[:-1]) / 2, t)
-        assert slope == pytest.approx(middle, abs=1e-11)
+        middle = (x[1:] + x[:-1]) / 2
+        stretch = np.cumsum(row.strain(0, middle, t)) * 2.5e-4
+        assert np.diff(row.displacement(0, x[::400], t)) == pytest.approx(
+            np.diff(np.concatenate(([0.0], stretch))[::400]), abs=5e-4)
     t, x = np.linspace(0, 4, 9), 0.625
     assert row.stress(2, x, t) == pytest.approx(row.strain(2, x, t), abs=1e-15)
     assert row.axial_force(2, x, t) == pytest.approx(row.strain(2, x, t) * 0.5, abs=1e-15)
 
 
 def test_gap_is_the_distance_of_the_ends(row):
-    t = edges_of(row)
     for k, length in enumerate((1.0, 0.0, 1.25)):
-        ends = row.position(k + 1, 0.0, t) - row.position(k, length, t)
-        assert row.contacts[k].gap(t) == pytest.approx(ends, abs=1e-12)
+        ends = row.position(k + 1, 0.0, T) - row.position(k, length, T)
+        assert row.contacts[k].gap(T) == pytest.approx(ends, abs=1e-7)
 
 
 def test_impulses_are_changes_of_momentum(row):
-    o, t = row.outcome, edges_of(row)
-    J = [c.impulse_until(t) for c in row.contacts]
-    assert [j[-1] for j in J] == pytest.approx([c.impulse for c in o.contacts], rel=1e-12)
-    pushes = [(row.run.signals.outside[0].push.values * np.diff(t)).cumsum(), 0.2 * t[1:]]
-    left, right = (np.concatenate(([0.0], p)) for p in (pushes[0], pushes[1]))
-    for i, (before, after) in enumerate(zip([left, *J], [*J, right], strict=True)):
-        gained = o.masses[i] * (row.mean_velocity(i, t) - float(row.mean_velocity(i, 0.0)))
-        assert gained == pytest.approx(before - after - 0.4 * o.masses[i] * t, abs=1e-12)
-    assert abs(o.momentum_residual) <= 1e-13
-    assert abs(o.energy_residual) <= 1e-12
+    o = row.outcome
+    J = [c.impulse_until(T) for c in row.contacts]
+    assert [j[-1] for j in J] == pytest.approx([c.impulse for c in o.contacts], rel=1e-9)
+    left = row.run.signals.outside[0].push
+    tick = row.fields.clock.tick
+    left = left.integral(0, np.rint(T / tick).astype(np.int64)) * tick
+    for i, (before, after) in enumerate(zip([left, *J], [*J, 0.2 * T], strict=True)):
+        gained = o.masses[i] * (row.mean_velocity(i, T) - float(row.mean_velocity(i, 0.0)))
+        assert gained == pytest.approx(before - after - 0.4 * o.masses[i] * T, abs=1e-8)
+    assert abs(o.momentum_residual) <= 1e-9
+    assert abs(o.energy_residual) <= 1e-8
     assert o.velocities_after == pytest.approx([float(row.mean_velocity(i, 4.0)) for i in range(4)])
 
 
 def test_contact_forces_follow_their_laws(row):
-    t, h = edges_of(row)[:-1], np.diff(edges_of(row))
-    x0, x1 = (np.maximum(-row.contacts[0].gap(t + d), 0.0) for d in (0.0, h))
-    pressed = (x0 > 0) & (x1 > 0) & (np.abs(x1 - x0) > 1e-6)
-    gradient = 20.0 * (x1[pressed] ** 2.5 - x0[pressed] ** 2.5) / 2.5 / (x1 - x0)[pressed]
-    assert pressed.sum() > 20
-    assert row.contacts[0].force(t)[pressed] == pytest.approx(gradient, rel=1e-8)
-    rigid = row.contacts[1]
+    hertz, rigid, dashpot = row.contacts
+    overlap = np.maximum(-hertz.gap(T), 0.0)
+    assert hertz.force(T) == pytest.approx(20 * overlap**1.5, abs=1e-8)
+    assert (overlap > 0).sum() > 20
     assert len(rigid.episodes) >= 1
-    assert np.all(rigid.force(t) * np.maximum(rigid.gap(t + h), 0) == 0)
+    assert np.all(rigid.force(T) * np.maximum(rigid.gap(T), 0) == 0)
+    rate = row.velocity(2, 1.25, T) - row.velocity(3, 0.0, T)
+    overlap = np.maximum(-dashpot.gap(T), 0.0)
+    expected = np.maximum(10 * overlap**1.5 * (1 + 0.3 * rate), 0.0)
+    assert dashpot.force(T) == pytest.approx(expected, abs=1e-8)
     for contact, tally in zip(row.contacts, row.outcome.contacts, strict=True):
-        force = contact.force(t)
         assert len(contact.episodes) == tally.episodes
-        pressed = h[force > 0].sum()
-        assert pressed - 2 / 64 * len(contact.episodes) <= tally.duration <= pressed + 1e-12
         assert contact.episodes[0].start == tally.first
-        assert force.max() <= tally.peak_force * (1 + 1e-12)
-        assert tally.peak_force == pytest.approx(force.max(), rel=0.05)
-        for episode in contact.episodes:
-            assert contact.force(episode.start) > 0
-            if not math.isnan(episode.force_end):
-                assert contact.force(episode.force_end, "left") > 0
-                assert contact.force(episode.force_end + 1 / 64) == 0
-            if not math.isnan(episode.opening):
-                assert contact.gap(episode.opening + 1 / 64) > 0
+        force = contact.force(np.linspace(0, 4, 4001))
+        assert force.max() <= tally.peak_force * (1 + 1e-9)
+        assert tally.peak_force == pytest.approx(force.max(), rel=1e-3)
 
 
 def test_axial_force_at_a_contact_is_the_contact_force(row):
-    t = (edges_of(row)[1:] + edges_of(row)[:-1]) / 2
-    assert -row.axial_force(0, 1.0, t) == pytest.approx(row.contacts[0].force(t), abs=1e-12)
-    assert -row.axial_force(2, 0.0, t) == pytest.approx(row.contacts[1].force(t), abs=1e-12)
+    t = (T[1:] + T[:-1]) / 2
+    assert -row.axial_force(0, 1.0, t) == pytest.approx(row.contacts[0].force(t), abs=1e-8)
+    assert -row.axial_force(2, 0.0, t) == pytest.approx(row.contacts[1].force(t), abs=1e-8)
     v = np.interp(t, [0.0, 1.0, 2.0, 4.0], [0.5, 1.0, -0.5, -0.5])
-    assert row.velocity(0, 0.0, t) == pytest.approx(v, abs=1e-12)
+    assert row.velocity(0, 0.0, t) == pytest.approx(v, abs=1e-8)
 
 
 def test_gauge_is_the_field_at_its_place():
-    s = solved(ROW["row"][:3], 2.0, 1 / 64, contacts=ROW["contacts"][:2])
-    gauge = s.gauge(2, 0.625)
-    between = gauge.times[:-1] + np.diff(gauge.times) / 2
-    assert gauge.strain[:-1] == pytest.approx(s.strain(2, 0.625, between), abs=1e-14)
-    assert gauge.velocity[:-1] == pytest.approx(s.velocity(2, 0.625, between), abs=1e-14)
+    s = solved(ROW["row"][:3], 2.0, contacts=ROW["contacts"][:2])
+    gauge, t = s.gauge(2, 0.625), np.linspace(0.01, 1.99, 50)
+    assert gauge.strain_at(t) == pytest.approx(s.strain(2, 0.625, t), abs=1e-13)
     assert gauge.strain - gauge.strain[0] == pytest.approx(
         gauge.rightward + gauge.leftward - gauge.rightward[0] - gauge.leftward[0], abs=1e-14
     )
 
 
-@pytest.mark.parametrize(("law", "close"), [(ri.Spring(30.0), 1e-11), (ri.Rigid(), 1e-5)])
-def test_a_state_can_be_continued(law, close):
-    """Steps that are cut where a rigid contact closes are cut elsewhere in the rest of the run."""
+@pytest.mark.parametrize("law", [ri.Spring(30.0), ri.Rigid()])
+def test_a_state_can_be_continued(law):
     contacts = [ROW["contacts"][0], law, ROW["contacts"][2]]
     system = ri.System(ROW["row"], [0.1, 0.05, 0.4], contacts, gravity=-0.4,
                        ends=(ri.Absorbing(), ri.Pushed(0.2)))
-    whole = ri.solve(system, 3.0, dt=1 / 64)
+    whole = ri.solve(system, 3.0)
     open_at = [t for t in np.arange(1, 128) / 64
                if all(float(c.gap(t)) >= 0 for c in whole.contacts)]
     t = open_at[len(open_at) // 2]
-    rest = ri.solve(whole.system_at(t), 3.0 - t, dt=1 / 64)
+    rest = ri.solve(whole.system_at(t), 3.0 - t)
     for body in range(4):
         assert float(rest.mean_velocity(body, 3.0 - t)) == pytest.approx(
-            float(whole.mean_velocity(body, 3.0)), abs=close
+            float(whole.mean_velocity(body, 3.0)), abs=1e-7
         )
 
 
 def test_what_cannot_be_continued_says_so(row):
     with pytest.raises(ValueError, match=r"ends\.left: is driven"):
         row.system_at(1.0)
-    s = solved([unit_rod(velocity=1.0), unit_rod()], 4.0, 1 / 16, contacts=[ri.Spring(1.0)])
+    s = solved([unit_rod(velocity=1.0), unit_rod()], 4.0, contacts=[ri.Spring(1.0)])
     with pytest.raises(ValueError, match="compliant contact 0 is pressed"):
         s.system_at(1.0)
     with pytest.raises(ValueError, match="is a rigid mass"):
         row.strain(1, 0.0, 1.0)
 
 
-# Step and tolerance -------------------------------------------------------------------------------
-
-
-def test_dt_is_honoured_exactly():
-    for dt in (1 / 16, 0.1, 0.07):
-        s = solved([unit_rod(velocity=1.0), ri.Wall()], 3.0, dt)
-        assert s.fields.clock.tick * STEP_TICKS == dt
-        assert s.events == 2 * math.ceil(3.0 / dt - 1e-9)
-        assert s.t_end == 3.0
-        assert float(s.contacts[0].impulse_until(dt)) == pytest.approx(dt, rel=1e-12)
-        assert f"Time step {dt * 1e3:g} ms" in s.status
-
-
-def test_transit_error_is_reported():
-    s = solved([unit_rod(velocity=1.0), unit_rod(2.0)], 4.0, 0.3)
-    """A tick, the 2^36th part of a step, is all by which a transit changes."""
-    s = solved([unit_rod(velocity=1.0), unit_rod(2.0)], 4.0, 0.3)
-    assert 0 < s.transit_error <= 0.3 / STEP_TICKS
-    assert s.outcome.masses == pytest.approx([1.0, 2.0], rel=1e-11)
-    assert solved([unit_rod()], 4.0, 0.25).transit_error == 0
+# Tolerance --------------------------------------------------------------------------------------
 
 
 def test_incommensurate_transits_are_approximated():
     s = solved([unit_rod(math.sqrt(0.5), velocity=1.0), unit_rod(1.0)])
-    assert 0 < s.transit_error <= 2.0**-40
-    error = abs(s.outcome.restitution - math.sqrt(0.5))
-    assert error <= 1e-5
-    assert error <= 2 * s.accuracy["impulse"]
+    assert s.transit_error <= 2.0**-40
+    assert s.outcome.restitution == pytest.approx(math.sqrt(0.5), abs=1e-12)
 
 
-def test_a_step_longer_than_the_shortest_transit_is_refused():
-    row = [unit_rod(velocity=1.0), unit_rod(0.125)]
-    assert refused(r"shortest transit time, 0\.125 s of bodies\.1, got 0\.2", solved, row, 4.0,
-                   0.2) == ["dt"]
-    assert solved(row, 4.0, 0.125).transit_error == 0
-
-
-@pytest.mark.parametrize("rtol", [1e-3, 1e-4])
+@pytest.mark.parametrize("rtol", [1e-4, 1e-7])
 def test_rtol_is_kept(rtol):
     for row, laws in (
         ([ri.RigidMass(1.0, velocity=1.0), unit_rod()], [ri.Rigid()]),
@@ -782,68 +648,19 @@ def test_rtol_is_kept(rtol):
         ([ri.RigidMass(0.2, velocity=1.0), unit_rod(), ri.RigidMass(0.3)],
          [ri.Hertz(1e3), ri.Spring(1e2)]),
     ):
-        rough = solved(row, 4.0, contacts=laws, rtol=rtol)
-        fine = solved(row, 4.0, rough.fields.clock.tick * STEP_TICKS / 4, contacts=laws)
-        assert "Not converged" not in rough.status
+        rough, fine = (solved(row, 4.0, contacts=laws, rtol=r) for r in (rtol, 1e-11))
         scale = max(c.impulse for c in fine.outcome.contacts)
         for a, b in zip(rough.outcome.contacts, fine.outcome.contacts, strict=True):
             assert a.impulse == pytest.approx(b.impulse, abs=rtol * scale)
-
-
-def test_what_does_not_converge_is_named(monkeypatch):
-    monkeypatch.setattr(search_kernel, "MOST_DIVIDED", 128)
-    row = [ri.RigidMass(1.0, velocity=1.0), unit_rod()]
-    with kernels.forced(False):
-        s = solved(row, 4.0, rtol=1e-9)
-    assert "Not converged to 1e-09: " in s.status
-    assert "impulse to " in s.status
-    assert "dt" in s.status
-    assert "largest force" in s.status
-    exact = solved([unit_rod(velocity=1.0), unit_rod()], 4.0, rtol=1e-9)
-    assert "Not converged" not in exact.status
-
-
-def test_four_levels_at_least(monkeypatch):
-    sizes, measure = [], search_kernel.measure
-    monkeypatch.setattr(search_kernel, "measure",
-                        lambda *a: sizes.append(a[3].step[0]) or measure(*a))
-    row = [unit_rod(velocity=1.0), unit_rod()]
-    with kernels.forced(False):
-        solved(row, rtol=1e-3)
-    assert np.array(sizes) * search_kernel.FIRST == pytest.approx([1, 1 / 2, 1 / 3, 1 / 4])
-
-
-@pytest.mark.parametrize("law", [ri.Spring(1e2), ri.Hertz(1e3), ri.HuntCrossley(1e3, 0.1)])
-def test_the_first_step_is_a_twentieth_of_the_contact_of_masses(law):
-    row = [ri.RigidMass(0.01, velocity=1.0), ri.RigidMass(0.03), unit_rod()]
-    plan = characteristics.Row(ri.System(row, [0.0, 1.0], [law, ri.Rigid()]))
-    m, v, power = 0.0075, 2.0, 2.0 if isinstance(law, ri.Spring) else 2.5  # twice the speed
-    deepest = (power * m * v * v / (2 * law.stiffness)) ** (1 / power)
-    beta = math.gamma(1 / power) * math.sqrt(math.pi) / math.gamma(1 / power + 0.5) / power
-    assert layout._contact_times(plan)[0] == pytest.approx(deepest / v * beta / 10, rel=1e-4)
-
-
-def test_how_long_a_contact_takes_to_load_a_rod():
-    def layer(law, left=None):
-        row = [left or ri.RigidMass(0.3, velocity=1.0), unit_rod()]
-        return layout._contact_times(characteristics.Row(ri.System(row, contacts=[law])))[1]
-
-    assert layer(ri.Rigid()) == 0.3
-    assert layer(ri.Spring(50.0)) == pytest.approx(1 / 50)
-    assert layer(ri.Spring(50.0), unit_rod(velocity=1.0)) == pytest.approx(1 / 100)
-    assert layer(ri.SpringDashpot(50.0, 4.0)) == pytest.approx(5 / 50)
-    assert layer(ri.Hertz(54.0)) == math.inf  # its force grows evenly
-    assert layer(ri.Rigid(), unit_rod(velocity=1.0)) == math.inf
-    assert layer(ri.Spring(1e12)) == layout.LEAST_LAYER
 
 
 def test_a_stiff_contact_of_a_mass_is_resolved():
     """Stiff masses in a row act one after the other, which a coarse step would not see."""
     row = [ri.RigidMass(0.01, velocity=1.0), ri.RigidMass(0.01), ri.RigidMass(0.01), unit_rod()]
     s = solved(row, 0.05, gaps=[0.0, 0.0, 1.0],
-               contacts=[ri.Hertz(1e5), ri.Hertz(1e5), ri.Rigid()], rtol=1e-3)
+               contacts=[ri.Hertz(1e5), ri.Hertz(1e5), ri.Rigid()])
     pushed = s.outcome.velocities_after[:3]
-    assert pushed == pytest.approx([-0.071, 0.076, 0.995], abs=2e-3)  # three balls: no -1/3, 2/3
+    assert pushed == pytest.approx([-0.0709524, 0.0764031, 0.9945493], abs=1e-7)  # no -1/3, 2/3
 
 
 # What is stated bounds what is wrong --------------------------------------------------------------
@@ -858,13 +675,11 @@ GAPS = np.linspace(0.1, 0.12, 101).tolist()
 
 
 @pytest.mark.parametrize("gap", [*few_of(GAPS, GAPS[::20]), 0.1105])
-def test_a_contact_that_closes_inside_a_step(gap):
-    """Halving saw no error where it was 1.4e-3: the gap closes at the same place in every step."""
+def test_a_gap_of_any_width_closes_on_time(gap):
     row = [unit_rod(velocity=even(1.0)), unit_rod(0.75, 0.4)]
     s = ri.solve(ri.System(row, [gap]))
     assert s.method == METHOD
     assert s.outcome.restitution == pytest.approx(6 / 7, abs=1e-11)
-    assert "Not converged" not in s.status
     (episode,) = s.contacts[0].episodes
     assert episode == pytest.approx((gap, gap + 1.5, gap + 1.5), abs=1e-11)
     assert s.outcome.duration == pytest.approx(1.5, abs=1e-11)
@@ -884,14 +699,13 @@ def rigid_row(seed, segments):
 
 @pytest.mark.parametrize("segments", [2, 4, 12])
 @pytest.mark.parametrize("seed", few_of(range(8), (0, 5)))
-def test_transits_without_common_measure_are_not_claimed_to_be_exact(segments, seed):
+def test_transits_without_common_measure(segments, seed):
     system = rigid_row(seed, segments)
     exact, s = ri.solve(system, 8.0, "fronts"), solved_as(system, 8.0)
     scale = max(c.impulse for c in exact.outcome.contacts)
     pairs = zip(exact.outcome.contacts, s.outcome.contacts, strict=True)
     error = max(abs(a.impulse - b.impulse) for a, b in pairs) / scale
-    assert error <= 3 * max(s.accuracy.values())
-    assert error <= 5e-3
+    assert error <= max(1e-10, s.accuracy["impulse"])
 
 
 def solved_as(system, until):
@@ -907,112 +721,56 @@ def test_records_change_with_every_length():
     for length in lengths:
         striker = ri.Rod(length, area=1e-4, material=steel, velocity=10.0)
         system = ri.System([striker, bar], contacts=[ri.Hertz(1e11)])
-        s = ri.solve(system, 4e-4, dt=3e-7)
+        s = ri.solve(system, 4e-4)
         impulses.append(s.outcome.contacts[0].impulse)
         strains.append(s.gauge(1, 0.5).strain.tobytes())
     assert len(set(strains)) == 25
     smooth = np.polynomial.Polynomial.fit(lengths, impulses, 2)
     assert np.all(np.diff(impulses) > 0)
-    assert np.abs(smooth(lengths) - impulses).max() <= 1e-4 * np.ptp(impulses)
-
-
-@pytest.mark.parametrize("kappa", [1.0, 100.0])
-def test_delays_that_are_no_whole_steps_leave_order_two(kappa):
-    """Steps of which the shorter transit has 25.1 to 25.9, and twice and four times as many."""
-    row, laws = [unit_rod(0.4, velocity=1.0), unit_rod()], [ri.Hertz(kappa)]
-    exact = solved(row, 6.0, 0.4 / 3200, contacts=laws).outcome.restitution
-    for n in np.arange(25.1, 25.95, 0.1):
-        errors = [
-            abs(solved(row, 6.0, 0.4 / (n * k), contacts=laws).outcome.restitution - exact)
-            for k in (1, 4, 16)
-        ]
-        assert errors[0] <= 0.3 / n**2 * kappa**0.5
-        assert errors[2] <= 0.3 / (16 * n) ** 2 * kappa**0.5
-    s = solved(row, contacts=laws, rtol=1e-6)
-    assert abs(s.outcome.restitution - exact) <= 2 * max(s.accuracy.values())
-
-
-def test_what_delays_lose_is_told():
-    """A jump that arrives inside a step is smeared; momentum stays, energy is lost and counted."""
-    s = solved([unit_rod(velocity=1.0), unit_rod(math.sqrt(3), 2.0)], 6.0, 0.07)
-    o = s.outcome
-    assert o.numerical > 1e-3
-    assert abs(o.energy_residual) <= 1e-13
-    assert abs(o.momentum_residual) <= 1e-13
-    finer = solved([unit_rod(velocity=1.0), unit_rod(math.sqrt(3), 2.0)], 6.0, 0.0007).outcome
-    assert 0 < finer.numerical < o.numerical / 10
-    assert solved([unit_rod(velocity=1.0), unit_rod(1.75, 2.0)], 6.0, 1 / 16).outcome.numerical == 0
-
-
-def test_jumps_of_the_initial_state_and_of_drives_cut_the_steps():
-    """One at 0.3 reaches the left end after 2.4 steps, and the right one after 5.6."""
-    rod = unit_rod(velocity=ri.Steps([1.0, 0.0], [0.3]))
-    drive = ri.Steps([0.0, 1.0], [0.65])  # of 0.2 steps
-    system = ri.System([rod, ri.RigidMass(1.0)], ends=(ri.Moved(drive), ri.Free()))
-    assert places_of(system, 1 / 8) == pytest.approx([0.2, 0.4, 0.6], abs=1e-10)
+    assert np.abs(smooth(lengths) - impulses).max() <= 1e-6 * np.ptp(impulses)
 
 
 @pytest.mark.parametrize("rest", [0.1, 0.6])
-def test_gravity_and_drives_work_to_the_end_of_a_run_inside_a_step(rest):
+def test_gravity_and_drives_work_to_the_end_of_a_run(rest):
     """The floor accelerates in the frame that falls with the rod."""
     pressed = {"row": [ri.Wall(0.1), unit_rod()], "gravity": -1.0}
     for row in (ROW, pressed):
-        o = solved(**row, until=3 + rest / 64, dt=1 / 64).outcome
+        o = solved(**row, until=3 + rest / 64).outcome
         assert o.gravity_work != 0
-        assert abs(o.energy_residual) <= 1e-13
-        assert abs(o.momentum_residual) <= 1e-13
+        assert abs(o.energy_residual) <= 1e-8
+        assert abs(o.momentum_residual) <= 1e-9
 
 
-@pytest.mark.parametrize("rest", [0.01, 0.05])
-def test_a_run_whose_delays_are_no_whole_steps_ends_inside_one(rest):
-    """Less than the share of the earlier step arrives of what is left of the last step, or more."""
-    uneven = ri.Samples([1.0, 0.3, 0.9, 0.2])
-    row = [unit_rod(velocity=uneven), unit_rod(math.sqrt(3), 2.0)]  # the shares are .29 and .74
-    o = solved(row, 60 * 0.07 + rest, 0.07).outcome
-    assert abs(o.energy_residual) <= 1e-13
-    assert abs(o.momentum_residual) <= 1e-13
-
-
-@pytest.mark.parametrize("dt", [1 / 16, 1 / 50, 1 / 64])
-def test_an_impact_happens_at_its_moment(dt):
+def test_an_impact_happens_at_its_moment():
     """The mass that was hit leaves at (1 + e) m V/(m + M) = 1/2, and meets the rod at 0.1 + 0.4."""
     row = [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0), unit_rod()]
-    s = solved(row, 2.0, dt, gaps=[0.1, 0.2], contacts=[ri.Rigid(restitution=0.5), ri.Rigid()])
+    s = solved(row, 2.0, gaps=[0.1, 0.2], contacts=[ri.Rigid(restitution=0.5), ri.Rigid()])
     impact, meeting = (contact.episodes[0] for contact in s.contacts)
-    assert impact == pytest.approx((0.1, 0.1, 0.1), abs=4e-6 * dt)
-    assert meeting.start == pytest.approx(0.5, abs=1e-5 * dt)
+    assert impact == pytest.approx((0.1, 0.1, 0.1), abs=1e-12)
+    assert meeting.start == pytest.approx(0.5, abs=1e-12)
     assert s.outcome.contacts[0].duration == 0
 
 
-@pytest.mark.parametrize("dt", [0.07, 0.3, 1 / 16])
-def test_the_initial_state_ends_where_the_rod_does(dt):
-    """Also where it fills no whole number of steps: mean 0.75 of the samples, at t = 0."""
-    s = solved([unit_rod(velocity=ri.Samples([3.0, 0.0, 0.0])), unit_rod(2.0)], 0.0, dt)
-    assert float(s.mean_velocity(0, 0.0)) == pytest.approx(0.75, abs=1e-10)
-
-
-def test_impacts_of_rigid_bodies_have_no_largest_force_to_wait_for():
+def test_impacts_of_rigid_bodies_have_no_peak_force():
     row = [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0), unit_rod()]
     s = solved(row, 4.0, gaps=[0.1, 0.2], contacts=[ri.Rigid(restitution=0.5), ri.Hertz(10.0)])
     impact = s.outcome.contacts[0]
     assert impact.impulse == pytest.approx(1.0, rel=1e-12)  # (1 + e) m V, m of both together
     assert math.isnan(impact.peak_force)
-    assert s.accuracy["largest force"] < 1
-    assert "largest force" not in s.status
+    assert s.accuracy["peak force"] < 1e-6
     assert "- " in str(s.outcome)
 
 
 @pytest.mark.parametrize("until", [1e-12, 0.013, 0.5123, 1.9])
 def test_a_run_ends_where_it_was_asked_to_end(until):
     row = [ri.RigidMass(1.0, velocity=1.0), unit_rod()]
-    s = solved(row, until, 1 / 16)
+    s = solved(row, until)
     v = math.exp(-until)  # of a mass that presses on a long rod
     assert s.t_end == until
     assert abs(s.fields.end * s.fields.clock.tick - until) <= s.fields.clock.tick
-    assert s.outcome.velocities_after[0] == pytest.approx(v, abs=2e-4)
-    tick = s.fields.clock.tick
-    assert s.outcome.impulse == pytest.approx(1 - v, abs=2e-4 * min(1.0, until) + tick)
-    assert abs(s.outcome.energy_residual) <= 1e-13
+    assert s.outcome.velocities_after[0] == pytest.approx(v, abs=1e-9)
+    assert s.outcome.impulse == pytest.approx(1 - v, abs=1e-9)
+    assert abs(s.outcome.energy_residual) <= 1e-9
 
 
 # Ends of a run ------------------------------------------------------------------------------------
@@ -1026,43 +784,35 @@ def test_without_an_end_a_driven_row_is_refused():
     assert refused("must be given: .*gravity", solved, falling, gravity=1.0) == ["until"]
     assert refused("gravity", solved, [unit_rod()], gravity=1.0,
                    ends=(ri.Fixed(), ri.Free())) == ["until"]
-    s = solved([unit_rod(0.5, velocity=1.0), unit_rod()], gravity=1.0, dt=1 / 16)
+    s = solved([unit_rod(0.5, velocity=1.0), unit_rod()], gravity=1.0)
     assert s.final  # all fall alike
-
-
-def test_memory_is_asked_for_before_it_is_taken():
-    row = [unit_rod(velocity=1.0), unit_rod()]
-    said = r"a run of 2e\+09 steps .* needs .* GB .*, more than .* GB; stop earlier, or take a"
-    assert refused(said, solved, row, 2e3, 1e-6) == ["until"]
-    said = r"keeping waves over .* steps needs .* GB .*; take a longer step"
-    assert refused(said, solved, row, 1e-9, 1e-12) == ["dt"]
 
 
 def test_max_events_caps_a_run_that_does_not_end():
     row = [ri.Wall(), unit_rod(velocity=1.0), ri.Wall()]
-    s = solved(row, dt=1 / 16, max_events=1000, contacts=[ri.Spring(1.0)] * 2)
+    s = solved(row, max_events=1000, contacts=[ri.Spring(1.0)] * 2)
     assert s.stopped_by == "max_events"
     assert s.events <= 1000
     assert not s.final
     assert math.isnan(s.t_final)
-    assert "Stopped by the cap of 1000 steps times ends" in s.status
+    assert "Stopped by the cap of 1000 steps of nodes" in s.status
     assert "until=" in s.status
-    assert s.t_end == pytest.approx(500 / 16)
 
 
 def test_stops_and_their_sentences():
     pair = [unit_rod(0.5, velocity=1.0), unit_rod()]
-    s = solved(pair, 0.5, 1 / 16)
+    s = solved(pair, 0.5)
     assert (s.stopped_by, s.final) == ("until", False)
     assert s.status.startswith("Stopped at the time asked for, 500 ms, before the collision was")
-    s = solved(pair, 9.0, 1 / 16)
+    s = solved(pair, 9.0)
     assert s.final
     assert s.status.startswith("Stopped at the time asked for. The collision is final")
-    s = solved(pair[::-1], dt=1 / 16, gaps=[1.0])
+    s = solved(pair[::-1], gaps=[1.0])
     assert s.status.startswith("No collision happens, now or later.")
-    s = solved(pair, 0.0, 1 / 16)
+    s = solved(pair, 0.0)
     assert s.t_end == 0
-    assert s.outcome.velocities_after == s.outcome.velocities_before == (1.0, 0.0)
+    for velocities in (s.outcome.velocities_after, s.outcome.velocities_before):
+        assert velocities == pytest.approx((1.0, 0.0), abs=1e-15)
 
 
 # Which method -------------------------------------------------------------------------------------
@@ -1099,24 +849,16 @@ def test_auto_takes_fronts_where_it_can():
     row = [unit_rod(velocity=1.0), unit_rod()]
     assert ri.solve(ri.System(row)).method == "fronts"
     assert ri.solve(ri.System([unit_rod()], ends=(ri.Fixed(), ri.Free())), 1.0).method == "fronts"
-    assert ri.solve(ri.System(row), dt=0.25).method == METHOD
     assert ri.solve(ri.System(row), rtol=1e-3).method == METHOD
     assert ri.collide(ri.RigidMass(1.0, velocity=1.0), unit_rod()).restitution < 1
-    for name in ("dt", "rtol"):
-        found = refused("characteristics", ri.solve, ri.System(row), None, "fronts",
-                        **{name: 0.1})
-        assert found == [name]
+    said = 'is for method "characteristics" or "finite-difference"'
+    assert refused(said, ri.solve, ri.System(row), None, "fronts", rtol=0.1) == ["rtol"]
 
 
 @pytest.mark.parametrize("bad", [0.0, -1.0, math.nan, math.inf, "x", True, [0.1]])
 @pytest.mark.parametrize("name", ["dt", "rtol"])
 def test_bad_steps_and_tolerances(name, bad):
     assert refused(f"{name}: ", ri.solve, ri.System([unit_rod()]), 1.0, **{name: bad}) == [name]
-
-
-def test_step_and_tolerance_are_one_too_many():
-    system = ri.System([unit_rod()])
-    assert refused("give one of them", ri.solve, system, 1.0, dt=0.1, rtol=0.1) == ["dt"]
 
 
 # Restitution --------------------------------------------------------------------------------------
@@ -1135,7 +877,7 @@ def test_step_and_tolerance_are_one_too_many():
     ],
 )
 def test_why_there_is_no_restitution(row, options, said):
-    outcome = solved(row, 4.0, 1 / 16, **options).outcome
+    outcome = solved(row, 4.0, **options).outcome
     assert said in outcome.why_no_restitution()
     with pytest.raises(ri.UndefinedRestitution, match=said):
         _ = outcome.restitution
@@ -1143,40 +885,29 @@ def test_why_there_is_no_restitution(row, options, said):
 
 def test_restitution_of_masses_between_whom_no_wave_decides():
     row = [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0), unit_rod()]
-    s = solved(row, 3.0, STEP, gaps=[0.1, 0.0], contacts=[ri.Rigid(restitution=0.4), ri.Bonded()])
+    s = solved(row, 3.0, gaps=[0.1, 0.0], contacts=[ri.Rigid(restitution=0.4), ri.Bonded()])
     before, after = s.outcome.velocities_before, s.outcome.velocities_after
     assert before == (1.0, 0.0, 0.0)
     assert after[1] == after[2]  # bonded bodies have one velocity
-    assert s.outcome.contacts[0].impulse == pytest.approx(1.4 / (1 + 1 / 2.0), rel=5e-3)
-
-
-def test_gaps_of_impacts_do_not_show_an_overlap_of_more_than_half_a_step():
-    row = [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0), unit_rod()]
-    for e in (0.0, 0.5, 1.0):
-        s = solved(row, 3.0, STEP, gaps=[0.1, 9.0], contacts=[ri.Rigid(restitution=e), ri.Rigid()])
-        gap = s.contacts[0].gap(np.linspace(0, 3, 97))
-        assert gap.min() >= -STEP / 2 - 1e-15
-        assert len(s.contacts[0].episodes) == s.outcome.contacts[0].episodes == 1
-
-
+    assert s.outcome.contacts[0].impulse == pytest.approx(1.4 / (1 + 1 / 2.0), rel=1e-12)
 
 
 @pytest.mark.parametrize("moving", [0.0, 0.2])
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_a_ball_on_a_floor_bounces_by_its_restitution_and_comes_to_rest(moving, mirrored):
-    """The wall and the mass approach each other as a step begins, wherever both are falling."""
+    """The wall and the mass approach each other, wherever both are falling."""
     row = [ri.Wall(moving), ri.RigidMass(2.0, velocity=moving), unit_rod()]
     system = ri.System(row, [0.3, 90.0], [ri.Rigid(restitution=0.5), ri.Rigid()], gravity=-1.0)
-    s = ri.solve(system.mirrored() if mirrored else system, 4.0, dt=1 / 64)
-    t, sign, floor = np.arange(257) / 64, (-1 if mirrored else 1), s.contacts[-mirrored]
-    approach = moving - sign * s.velocity(1, 0.0, t)
-    bounces = np.flatnonzero(floor.force(t[:-1]) > 0)
-    first = bounces[0]
-    assert approach[first + 1] == pytest.approx(-0.5 * approach[first], abs=1e-13)
-    assert approach[first] == pytest.approx(math.sqrt(0.6), abs=1 / 64)
-    assert np.abs(approach[t > 3.7]).max() <= 1e-13
-    assert floor.force(t[t > 3.7][:-1]) == pytest.approx(2.0, abs=1e-10)
-    assert np.abs(s.energy(t).residual).max() <= 1e-12
+    s = ri.solve(system.mirrored() if mirrored else system, 4.0)
+    t, sign, floor = np.linspace(0, 4, 257), (-1 if mirrored else 1), s.contacts[-mirrored]
+    hit, body = math.sqrt(0.6), 1
+    assert floor.episodes[0].start == pytest.approx(hit, abs=1e-9)
+    before, after = (moving - sign * s.velocity(body, 0.0, hit + d) for d in (-1e-6, 1e-6))
+    assert (before, after) == pytest.approx((hit, -hit / 2), abs=2e-6)
+    approach = moving - sign * s.velocity(body, 0.0, t)
+    assert np.abs(approach[t > 3.7]).max() <= 1e-9
+    assert floor.force(t[t > 3.7]) == pytest.approx(2.0, abs=1e-9)
+    assert np.abs(s.energy(t).residual).max() <= 1e-8
 
 
 @pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
@@ -1197,7 +928,7 @@ def test_a_steep_law_beside_fast_rods_is_as_good_as_rigid():
 
 @pytest.mark.parametrize("law", [ri.Spring(1e12), ri.Spring(1e18), ri.Spring(1e23), ri.Hertz(1e23)])
 @pytest.mark.parametrize("options", [
-    {"method": "characteristics", "dt": 0.02}, {"method": "finite-difference", "cells": 50},
+    {"method": "characteristics"}, {"method": "finite-difference", "cells": 50},
 ])
 def test_ever_stiffer_contacts_become_rigid(law, options):
     rods = [unit_rod(0.4, velocity=1.0), unit_rod(1.0)]

@@ -1,6 +1,6 @@
 """What a force did that is known by its averages over steps, and gaps at step ends.
 
-Its largest value, when it passed most of its impulse, and when it began and ended. Arrays have an
+Its largest value, and when it began and ended. Arrays have an
 entry a step, `times` (s) and `gap` (m) one more; `start` is where a signal's first step stands.
 """
 
@@ -11,44 +11,8 @@ from typing import Any
 LATEST = 2.0  # steps, by which a gap can close later than its contact first presses
 FAINT = 1e-6  # of the next mean force: what presses less is round-off
 SMOOTH = 0.3  # relative change of forces from step to step, beyond which they jump
-MOST = 0.999  # of the impulse
 KINK = 4  # times less curvature of a parabola beside a jump or kink than of one across it
 FLAT = 1e-9  # relative change of forces from step to step that is round-off
-EPS = 1 / (1 << 52)
-NEWTON = 60  # iterations: a bound that is not met in practice
-
-
-def time_of_most(times: Any, force: Any, start: int, steps: int) -> float:
-    """Time until 99.9 % of the impulse has passed, s; 0 without impulse."""
-    total = 0.0
-    for j in range(steps):
-        total += force[start + j] * (times[j + 1] - times[j])
-    if total <= 0:
-        return 0.0
-    passed, j = 0.0, 0
-    more = force[start] * (times[1] - times[0])
-    while passed + more < MOST * total and j < steps - 1:
-        passed, j = passed + more, j + 1
-        more = force[start + j] * (times[j + 1] - times[j])
-    rest, d = MOST * total - passed, times[j + 1] - times[j]
-    a, b, c, _ = force_in_step(times, force, start, steps, j)
-    low, x, high = 0.0, d * rest / more, d
-    if a >= 0 and a + b * d + c * d * d >= 0:
-        for _ in range(NEWTON):
-            missing = rest - (a * x + b * x * x / 2 + c * x * x * x / 3)
-            if missing > 0:
-                low = x
-            else:
-                high = x
-            slope = a + b * x + c * x * x
-            new = x + missing / slope if slope > 0 else low
-            if not low < new < high:
-                new = (low + high) / 2
-            if abs(new - x) <= EPS * d:
-                break
-            x = new
-    time: float = times[j] + x
-    return time
 
 
 def largest_force(times: Any, force: Any, start: int, steps: int) -> float:
@@ -66,35 +30,6 @@ def largest_force(times: Any, force: Any, start: int, steps: int) -> float:
     if c < 0 and 0 < -b / (2 * c) < d:
         F = a - b * b / (4 * c)
     return F
-
-
-def deepest(times: Any, gap: Any, start: int, steps: int, before: float) -> float:
-    """Largest indentation, from gaps at step ends, `before` the first of them; 0 without any.
-
-    That of the parabola through three ends on the side of the largest of them to which the
-    indentation still grows; where it grows to neither, as at a kink, that end's own.
-    """
-    top, least = -1, before
-    for j in range(steps):
-        if gap[start + j] < least:
-            top, least = j, gap[start + j]
-    if least >= 0:
-        return 0.0
-    if top < 0:
-        return -least
-    for way in (-1, 1):
-        if not -1 <= top + 2 * way < steps:
-            continue
-        x1 = -(gap[start + top + way] if top + way >= 0 else before)
-        x2 = -(gap[start + top + 2 * way] if top + 2 * way >= 0 else before)
-        a = abs(times[top + 1 + way] - times[top + 1])
-        b = abs(times[top + 1 + 2 * way] - times[top + 1 + way])
-        rate, next_rate = (-least - x1) / a, (x1 - x2) / b
-        curve = (rate - next_rate) / (a + b)
-        slope = rate + curve * a  # towards the outside
-        if slope < 0 and curve < 0:
-            return float(-least - slope * slope / (4 * curve))
-    return float(-least)
 
 
 def force_in_step(
@@ -166,35 +101,6 @@ def parabola(
     slope = 2 * rate - curve * (2 * a + b) / 1.5
     value = first - slope * a / 2 - curve * a * a / 3
     return value, slope, curve
-
-
-def pressed_time(
-    times: Any, force: Any, gap: Any, start: int, steps: int, sudden: bool, instant: float
-) -> float:
-    """How long a contact presses, s.
-
-    Parameters
-    ----------
-    times, force, gap, start, steps
-        As of the file; `gap` has its own start 0.
-    sudden : bool
-        Whether it is an impact, which takes no time, though it takes a step here.
-    instant : float
-        s; what a sudden one takes no longer than.
-    """
-    total, j = 0.0, 0
-    while j < steps:
-        if force[start + j] > 0:
-            i = j
-            while j < steps and force[start + j] > 0:
-                j += 1
-            begin = begin_of_force(times, force, gap, start, steps, i)
-            end = times[steps] if j == steps else max(
-                begin, end_of_force(times, force, gap, start, i, j))
-            if not sudden or end - begin > instant:
-                total += end - begin
-        j += 1
-    return total
 
 
 def begin_of_force(

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
+from ..run import Episode
+from ..signals import Floats, Ints
 from .measure_kernel import begin_of_force, end_of_force
-from .run import Episode
-from .signals import Floats, Ints
 
 
 def pressed_spans(times: Floats, force: Floats, gap: Floats) -> list[tuple[float, float]]:

@@ -1,0 +1,190 @@
+"""A finished run on a grid: its row and its clock, and what passed in each step."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..clock import Clock
+from ..laws import RIGID
+from ..row import Array, Row
+from .contact_kernel import Tally
+from .grid_kernel import States
+from .machine import Machine
+from .measure_kernel import largest_force
+from .mesh import STEP_TICKS, Mesh
+
+RINGING = 8  # steps in which waves beside a jump swing about their mean
+
+
+@dataclass(frozen=True, kw_only=True)
+class GridRun:
+    """A finished run of this method.
+
+    Attributes
+    ----------
+    clock : Clock
+        Its tick is the step's `STEP_TICKS`-th part.
+    machine : Machine
+        The kernel's arrays, at the end.
+    step : float
+        s.
+    steps : int
+        Taken, between which signals are averages.
+    end : int
+        Last tick: of the steps, or of an end that comes before half of one.
+    states : States
+        What was kept: columns [state, node], [state, cell], [state, piece] and [state]; of radial
+        strains [state, cell] or [state, 0].
+    finality_time : int
+        Step at whose end the collision was proved final, -1 without proof.
+    stopped_by : str
+        ``"final"``, ``"until"`` or ``"max_events"``.
+    resolved : float
+        Gap that counts as an opening, m.
+    estimates : dict of str to float
+        Error of each measure of the outcome, relative to its largest value, as `refined` finds it;
+        empty where the step was given.
+    rtol : float
+        What they were to come to.
+    peak_change : float
+        Relative change of the largest force from a mesh at most half as fine; nan without one.
+    """
+
+    clock: Clock
+    machine: Machine
+    step: float
+    steps: int
+    end: int
+    states: States
+    finality_time: int
+    stopped_by: str
+    resolved: float
+    estimates: dict[str, float] = field(default_factory=dict)
+    rtol: float = 0.0
+    peak_change: float = math.nan
+
+    @property
+    def row(self) -> Row:
+        """What was run."""
+        return self.machine.row
+
+    @property
+    def tally(self) -> Tally:
+        """What passed through each link."""
+        return self.machine.tally
+
+    @property
+    def signals(self) -> Any:
+        """What the kernel recorded of each step."""
+        return self.machine.signals
+
+    @property
+    def edges(self) -> Array:
+        """Ticks [steps + 1] from 0 on, between which signals are averages."""
+        return STEP_TICKS * np.arange(self.steps + 1)
+
+    @property
+    def times(self) -> Array:
+        """`edges` in s."""
+        return np.asarray(self.edges * self.clock.tick)
+
+    def contact(self, contact: int) -> tuple[Array, Array]:
+        """Mean force in each step, N, and gap at its end, m; not of a bonded contact."""
+        place = self.place(contact)
+        gap = self.by_link(self.signals.gap, place) * self.step
+        return self.by_link(self.signals.force, place), gap
+
+    def by_link(self, column: Array, place: int) -> Array:
+        """What a column of the signals has of a link, by its place in the tally."""
+        return self.by_step(column, int(self.signals.link_start[place]))
+
+    def by_step(self, column: Array, start: int) -> Array:
+        """What a column of the signals has from `start` on."""
+        return column[start : start + self.steps]
+
+    @property
+    def mesh(self) -> Mesh:
+        """Of the run."""
+        return self.machine.mesh
+
+    @property
+    def largest_strain(self) -> float:
+        """Largest strain of the states that were kept."""
+        inside = self.mesh.stiffness > 0
+        yielding = self.mesh.stiffness[inside] * self.mesh.width[inside]
+        force = self.states.force
+        if self.mesh.swells:
+            with np.errstate(under="ignore"):  # ahead of the waves strains are next to nothing
+                force = force - self.mesh.cells.coupling * self.states.radial * self.step
+        largest = np.maximum(force.max(axis=0), -force.min(axis=0))[inside]
+        return float((largest / yielding).max())
+
+    @property
+    def overshoot(self) -> float:
+        """How much less the largest force of rigid contacts is over a few steps; relative.
+
+        Beside a jump waves on a grid overshoot by a share that no finer mesh makes less; averages
+        over a few steps do not.
+        """
+        peaks, less, times = [0.0], [0.0], self.times
+        for contact, link in self.row.opening.items():
+            if self.row.laws[link] == RIGID:
+                force = self.contact(contact)[0]
+                passed = np.concatenate((np.zeros(RINGING), np.cumsum(force)))
+                means = (passed[RINGING:] - passed[:-RINGING]) / RINGING
+                peaks.append(largest_force(times, force, 0, self.steps))
+                less.append(peaks[-1] - float(means.max(initial=0.0)))
+        return max(less) / (max(peaks) or 1.0)
+
+    @property
+    def peak_error(self) -> float:
+        """Error of the largest force that no finer mesh makes less; relative."""
+        steep = self.mesh.viscous.any() or self.mesh.lateral.any() or self.mesh.swells
+        if steep and RIGID in self.row.laws:
+            return math.inf  # of flat ends that meet, any finer mesh finds a larger force
+        return 2 * float(self.overshoot)
+
+    def path(self, contact: int) -> Array:
+        """How far a contact that is not bonded closes in each step, m."""
+        return self.by_link(self.signals.closing, self.place(contact)) * self.step
+
+    def place(self, contact: int) -> int:
+        """Place in the tally of a contact that is not bonded."""
+        return list(self.mesh.touching).index(self.row.contact_link[contact])
+
+    def bond(self, contact: int) -> Array:
+        """Mean force in a bonded contact in each step, N."""
+        return self._bond(self.row.contact_link[contact])
+
+    def _bond(self, link: int) -> Array:
+        place = list(self.mesh.interfaces).index(link)
+        return self.by_step(self.signals.bond, place * int(self.signals.room[0]))
+
+    def outer(self, side: int) -> tuple[Array, Array]:
+        """Force of what is outside the left or right end on the row, and its velocity, by steps.
+
+        N and m/s, in the laboratory; positive to the inside, and to the right.
+        """
+        start, link = side * int(self.signals.room[0]), (0, len(self.row.laws) - 1)[side]
+        if link in self.mesh.touching:
+            force = self.by_link(self.signals.force, list(self.mesh.touching).index(link))
+        elif self.row.outside[side][0] == "velocity":
+            force = self._bond(link)
+        else:
+            force = self.by_step(self.signals.push, start)
+        fall = self.row.gravity * self.step * (np.arange(self.steps) + 0.5)
+        return force, self.by_step(self.signals.speed, start) + self.row.frame + fall
+
+    def speed(self, mass: int) -> Array:
+        """Velocity of a mass at the ends of the steps, the first at t = 0, in the frame."""
+        side = mass - len(self.row.masses)
+        if side >= 0:
+            wall = float(self.row.outside[side][1]) - self.row.frame
+            return np.asarray(wall - self.row.gravity * self.times)
+        initial = self.states.velocity[0, self.mesh.node_of_mass[mass]]
+        start = mass * int(self.signals.room[0])
+        return np.concatenate(([initial], self.by_step(self.signals.mass_speed, start)))

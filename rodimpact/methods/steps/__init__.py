@@ -1,1 +1,0 @@
-"""The method "characteristics": end signals averaged over a common time step."""
