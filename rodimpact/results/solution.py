@@ -355,11 +355,11 @@ class Solution:
         """State at time t in s as a new system: continue it, change it, or reverse it.
 
         Gaps, velocities and strains are those just after t, and the stretch of joints; the gap of a
-        compliant contact that is pressed is minus its overlap. The clock starts anew. Along a rod the state is exact where it is constant between jumps. Where it
-        changes smoothly it becomes `Samples`: 1025 to 65 537 values, with straight lines between
-        them that follow the waves to 1e-10 of the largest one if so many are enough. There a jump
-        becomes a straight line over two samples, which keeps momentum and stretch. On a grid the
-        state is constant in each cell.
+        compliant contact that is pressed is minus its overlap. The clock starts anew. Along a rod
+        the state is exact where it is constant between jumps. Where it changes smoothly it becomes
+        `Samples`: 1025 to 65 537 values, with straight lines between them that follow the waves to
+        1e-10 of the largest one if so many are enough. There a jump becomes a straight line over
+        two samples, which keeps momentum and stretch. On a grid the state is constant in each cell.
 
         Raises
         ------

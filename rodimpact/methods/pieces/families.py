@@ -29,7 +29,7 @@ def together(row: Row) -> int:
 
 def solve_family(
     row: Row, until: float | None, max_events: int, rtol: float | None,
-    stop: Callable[[], bool] = lambda: False, more: int = 0,
+    stop: Callable[[], bool] = lambda: False, more: int = 0,  # noqa: ARG001 - of every family
 ) -> FamilyRun:
     """Totals of every member.
 

@@ -190,7 +190,8 @@ def velocity_scale(row: Row, of: _Members, time: Any) -> Any:
             if law == old.JOINT or law >= old.SPRING:  # what is stored in it at t = 0 moves a mass
                 least = reduce(np.minimum, [of(m) for m in row.masses])
                 d = np.abs(of(row.gap[i])) if law == old.JOINT else np.maximum(-of(row.gap[i]), 0.0)
-                scale = scale + np.sqrt(of(row.stiffness[i]) * d ** (of(row.exponent[i]) + 1) / least)
+                stored = of(row.stiffness[i]) * d ** (of(row.exponent[i]) + 1)
+                scale = scale + np.sqrt(stored / least)
     return np.where(scale > 0, scale, 1.0)
 
 
@@ -204,7 +205,7 @@ def waves_extremes(value: Any) -> list[Any]:
 def _clock(
     row: Row, of: _Members, until: float | None, scale: Any, reference: Any
 ) -> tuple[Any, Any, list[list[int]], Any]:
-    """Duration of a tick, transit times in ticks, those of jumps in the rods, and the horizon, s."""
+    """Duration of a tick, s, transits in ticks, those of jumps in rods, and the horizon, s."""
     transits = [of(s.transit_time) for s in row.segments]
     total = sum(transits, np.zeros(of.count))
     flight = 4 * sum((np.maximum(of(gap), 0.0) for gap in row.gap), np.zeros(of.count)) / scale
@@ -270,8 +271,8 @@ class _Pieces:
     """What is known of all lines at t = 0: waves under way, then what comes from outside."""
 
     def __init__(
-        self, row: Row, of: _Members, tick: Any, ticks: Any, jumps: list[list[int]], tolerance: float,
-        scale: Any, until: float | None,
+        self, row: Row, of: _Members, tick: Any, ticks: Any, jumps: list[list[int]],
+        tolerance: float, scale: Any, until: float | None,
     ) -> None:
         self._row, self._of, self._tick, self._ticks, self._jumps = row, of, tick, ticks, jumps
         self._tolerance, self._until = tolerance / 4 * float(scale[0]), until

@@ -271,7 +271,7 @@ def shorter(tolerance: float, worst: float, tried: int, ticks: int, before: floa
 def leave(
     run: Any, link: Any, line: Any, log: Any, at: Any, ticks: int, left: int, right: int
 ) -> None:
-    """Send what leaves a node. Breaks pass the chain one order smoother with each spring and mass."""
+    """Send what leaves a node. Each spring and mass of a chain makes breaks one order smoother."""
     over, back = left, right
     for q in range(at.links):
         over = nodes.laws.smooths(link[at.first + q], over) + 1

@@ -96,7 +96,8 @@ def stated(fine: Machine, coarse: Machine) -> dict[str, float]:
         off = size_of(a[name] - b[name])
         apart[name] = off / size if size > 0 else 0.0
     least = SHARED * max(apart[name] for name in MEASURES[:3])  # times may hang on faint forces
-    return {name: DOUBT * max(off, least) if size_of(a[name]) else 0.0 for name, off in apart.items()}
+    return {name: DOUBT * max(off, least) if size_of(a[name]) else 0.0
+            for name, off in apart.items()}
 
 
 def size_of(values: Any) -> float:
@@ -129,7 +130,8 @@ def _hand_over(
     signals = cache(partial(signals_of, row, clock, end, r))
     return Run(
         method="characteristics", until=until, clock=clock, end=end, t_end=t_end, t_final=t_final,
-        t_proved=float(run["proved"]) * tick if proved else math.nan, stopped_by=stopped_by, status=status, events=int(run["steps"]),
+        t_proved=float(run["proved"]) * tick if proved else math.nan, stopped_by=stopped_by,
+        status=status, events=int(run["steps"]),
         contacts=_tallies(row, r, signals), groups=_groups(row, r),
         accuracy=accuracy,
         make_signals=signals,
@@ -144,7 +146,7 @@ def _accuracy(accuracy: dict[str, float], goal: float) -> str:
 
 
 def _events(row: Row, run: Any) -> str:
-    """What is told of breaks too dense to follow, of bodies that come to rest, and of those that touch."""
+    """What is told of breaks too dense to follow, and of rigid bodies that rest or touch."""
     told = ""
     if run["rough"]:
         told += (

@@ -104,7 +104,7 @@ def set_rate(link: Any, mass: Any, at: Any, s: int) -> None:
 
 
 def slope(link: Any, mass: Any, at: Any, s: int, u: int, j: int) -> float:
-    """Derivative of the rate of state s by state u at point j; of the closing where a link rests."""
+    """Derivative of the rate of state s by state u at point j; of the closing if a link rests."""
     q = s // 2
     if s % 2 == 0:
         it = link[at.first + q]
@@ -158,7 +158,9 @@ def set_equations(link: Any, mass: Any, at: Any, h: float, G: Any, n: int) -> No
                 set_block(at.rate, u == s, resting, 0.5 * h, G, N * row, N * column)
 
 
-def set_block(g: Any, same: bool, resting: bool, half: float, G: Any, row: int, column: int) -> None:
+def set_block(
+    g: Any, same: bool, resting: bool, half: float, G: Any, row: int, column: int
+) -> None:
     """Set the 8 by 8 equations that couple two states, or one with itself."""
     for j in range(N):
         line, stages = G[row + j], STAGES[j]

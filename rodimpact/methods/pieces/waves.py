@@ -73,9 +73,10 @@ def curve_of(profile: Any, length: float) -> Curve:
     else:
         values = y[:-1, None] + (y[1:] - y[:-1])[:, None] * SHARES
         values[:, -1] = y[1:]
-    if edges[-1] < length:
+    held = edges[-1] < length  # the last value holds on, which is a kink
+    if held:
         edges, values = np.append(edges, length), np.vstack((values, np.full(INSIDE, y[-1])))
-    whole = Curve(edges, values, profile.smooth)
+    whole = Curve(edges, values, profile.smooth and not held)
     return whole if edges[-1] == length else part_of(whole, 0.0, length)
 
 
@@ -170,7 +171,8 @@ def _orders(
     k = np.arange(POINTS) ** 2
     right = coefficients @ k * 2 / widths
     left = coefficients @ (k * np.where(np.arange(POINTS) % 2, 1.0, -1.0)) * 2 / widths
-    near = np.minimum(edges[first[1:]] - edges[first[1:] - 1], edges[first[1:] + 1] - edges[first[1:]])
+    at = first[1:]
+    near = np.minimum(edges[at] - edges[at - 1], edges[at + 1] - edges[at])
     bends = np.abs(left[1:] - right[:-1]) * near / 8 > tolerance
     order[1:] = np.where(jumps[first[1:] - 1], 0, np.where(bends & kinked, 1, SMOOTH))
     return order
