@@ -40,6 +40,9 @@ WORK = {
     "first_mode": lambda progress: ri.waves.first_mode(
         np.linspace(0, 0.3, 300), 0.29, progress=progress),
     "fit": fitted,
+    "striker": lambda progress: ri.design.striker(
+        ri.Signal([0.0, 1e3], [0.0, 1e-4], unit="N"), rod(2.0), velocity=1.0, duration=1e-4,
+        segments=2, progress=progress),
 }
 
 

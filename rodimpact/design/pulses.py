@@ -8,7 +8,7 @@ each stretch without a kink.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -37,11 +37,14 @@ class PulseDesign:
     wanted, reached : Signal
         Force over time, N, positive in compression; `reached` is exact for the system.
     misfit : float
-        Root of the mean square of their difference, over the peak: for a striker of the means over
-        each of its steps, for a trap at every time from which on nothing is wanted.
+        Root of the mean square of their difference over the peak: for a striker until the end of
+        `wanted`, for a trap from when on nothing is wanted.
     staircase : float
-        The same of what the difference varies within steps: a striker of such steps leaves it
-        whatever its areas. 0 without steps. The squares of both add up to that at every time.
+        The part of the misfit by what the difference varies within steps: a striker of such steps
+        leaves it whatever its areas. 0 without steps.
+    bounded : dict of int to str
+        ``"smallest"`` or ``"largest"`` for each segment whose area is the smallest or the largest
+        that was allowed.
     """
 
     system: System
@@ -50,22 +53,34 @@ class PulseDesign:
     reached: Signal
     misfit: float
     staircase: float
+    bounded: dict[int, str] = field(default_factory=dict)
+
+    @property
+    def percent(self) -> str:
+        """The misfit as it is shown."""
+        return f"{100 * self.misfit:.3g} %"
 
     def __str__(self) -> str:
         rod = self.system.bodies[self.body]
         assert isinstance(rod, Rod)
-        rows = [["segment", "length", "area", "diameter if round"]]
+        rows = [["segment", "length", "area", "diameter if round", "limit"]]
         for i, piece in enumerate(rod.segments):
             assert isinstance(piece.area, float)
             diameter = math.sqrt(4 * piece.area / math.pi)
             rows.append([str(i), format_si(float(piece.length), "m"),
-                         format_si(piece.area, "m^2"), format_si(diameter, "m")])
+                         format_si(piece.area, "m^2"), format_si(diameter, "m"),
+                         self.bounded.get(i, "")])
         facts = [["gap before it", format_si(float(self.system.gaps[self.body - 1]), "m")]
                  ] if self.body else []
-        facts.append(["misfit, of the peak", f"{100 * self.misfit:.3g} %"])
-        if self.staircase:
-            facts.append(["within steps, of the peak", f"{100 * self.staircase:.3g} %"])
-        return "\n\n".join([align(rows), align(facts)])
+        facts.append(["misfit, of the peak", self.percent])
+        blocks = [align(rows if self.bounded else [row[:-1] for row in rows]), align(facts)]
+        if self.bounded:
+            blocks.append(
+                f"{len(self.bounded)} of {len(rod.segments)} areas are at a limit of area_ratio. "
+                "The wanted force may be out of reach; another velocity or wider limits may bring "
+                "the pulse nearer to it."
+            )
+        return "\n\n".join(blocks)
 
     def _repr_html_(self) -> str:
         return notebook.html(self)
@@ -98,15 +113,18 @@ def force_over_time(name: str, given: object, end: float) -> Signal:
 
 
 def differences(wanted: Signal, reached: Signal, edges: Floats) -> tuple[Floats, Floats]:
-    """Mean difference reached - wanted between edges, s, and mean of its square there."""
+    """Mean difference reached - wanted between edges, s, and its variance there."""
     kinks = np.concatenate([edges, wanted.times, reached.times])
     kinks = np.unique(kinks[(kinks >= edges[0]) & (kinks <= edges[-1])])
-    middle, half = (kinks[1:] + kinks[:-1]) / 2, np.diff(kinks) / 2
+    lasting = np.diff(kinks) > INSTANT * edges[-1]
+    middle, half = ((kinks[1:] + kinks[:-1]) / 2)[lasting], (np.diff(kinks) / 2)[lasting]
     points = np.column_stack([middle - half / math.sqrt(3), middle + half / math.sqrt(3)])
     difference = (np.interp(points, reached.times, reached.values)
                   - np.interp(points, wanted.times, wanted.values))
     place = np.searchsorted(edges[1:-1], middle, "right")
-    sums = [np.bincount(place, half * (difference**power).sum(axis=1), len(edges) - 1)
-            for power in (1, 2)]
-    first, second = (total / np.diff(edges) for total in sums)
-    return first, second
+
+    def mean(values: Floats) -> Floats:
+        return np.bincount(place, half * values.sum(axis=1), len(edges) - 1) / np.diff(edges)
+
+    first = mean(difference)
+    return first, mean((difference - first[place, None]) ** 2)

@@ -14,9 +14,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..methods.duration import Forecast, Progress, warn
+from ..methods.registry import check_function
 from ..model import Absorbing, Bonded, Free, Material, Rigid, Rod, Segment, System
 from ..model.arguments import array, of_kind, positive, single
 from ..model.ends import FREE
+from ..model.frozen import Problems, raise_noted
 from ..model.laws import RIGID
 from ..model.profiles import Steps
 from ..model.quantities import Floats
@@ -25,16 +28,18 @@ from ..running.solving import solve
 from ..units import shown
 from .pulses import INSTANT, PulseDesign, differences, force_over_time, staircase
 
-WIDEST = (math.exp(-4.0), math.exp(1.5))  # area ratios
+AREA_RATIO = (1 / 9, 9 / 4)  # diameters from a third to one and a half times that of the bar
 MOST_SEGMENTS = 50
 LONGEST = 20  # durations until when the pulse may be asked for
 LEAST = 1e-6  # parts of the speed, or of a wave, by which a start keeps off what has no area
-MOST_STEPS = 30  # of least squares from each start
+MOST_STEPS = 8  # of least squares for each number of segments
 PERFECT = 1e-12  # misfit that is round-off
+BETTER = 1e-9  # of a misfit: less is round-off, and no reason for more segments
+AT_BOUND = 1e-6  # of an area, by which it is at an end of what is allowed
 
 
 class _Shot(NamedTuple):
-    """What is not varied: bar, material and speed of the striker, length of a segment, contact."""
+    """What areas do not change: bar, material and speed, length of a segment, contact."""
 
     bar: Rod
     material: Material
@@ -82,10 +87,72 @@ class _Shot(NamedTuple):
         return areas
 
 
+class _Found(NamedTuple):
+    """Logarithms of area ratios from the struck end on, and the misfit: all of it, within steps."""
+
+    logarithms: Floats
+    misfit: float
+    within: float
+
+
+class _Search(NamedTuple):
+    """What is wanted: the force, N, in a pulse so long, s, of areas between these ratios."""
+
+    shot: _Shot  # of a striker of one segment
+    force: Signal
+    duration: float
+    bounds: Floats  # logarithms
+
+    def shot_of(self, segments: int) -> _Shot:
+        """The shot of a striker as long that has so many segments."""
+        return self.shot._replace(length=self.shot.length / segments)
+
+    def edges(self, segments: int) -> Floats:
+        """Times of the steps, s."""
+        step, end = self.duration / segments, self.force.end
+        return np.append(step * np.arange(math.ceil(end / step * (1 - INSTANT))), end)
+
+    def parts(self, reached: Signal, segments: int) -> tuple[Floats, Floats]:
+        """Mean and standard deviation of the difference in each step, as parts of the misfit."""
+        edges = self.edges(segments)
+        share = np.diff(edges) / edges[-1] / float(np.abs(self.force.values).max()) ** 2
+        mean, variance = differences(self.force, reached, edges)
+        return np.sqrt(share) * mean, np.sqrt(share * variance)
+
+    def descend(self, segments: int, coarser: Floats) -> _Found:
+        """Least squares from the best of three starts, one of them the areas of fewer segments."""
+        from scipy.optimize import least_squares
+
+        shot, ratios = self.shot_of(segments), np.exp(self.bounds)
+
+        def reached(logarithms: Floats) -> Signal:
+            return shot.force(shot.system(shot.area * np.exp(logarithms)), self.force.end)
+
+        def residual(logarithms: Floats) -> Floats:
+            return self.parts(reached(logarithms), segments)[0]
+
+        silence = Signal([0.0, 0.0], [0.0, self.force.end], unit="N")
+        wanted = differences(silence, self.force, self.edges(segments))[0][:segments]
+        starts = [np.log(areas / shot.area)
+                  for areas in (shot.peeled(wanted, shot.area * ratios), shot.matched(wanted))]
+        if coarser.size:
+            places = (np.arange(size) + 0.5 for size in (segments, coarser.size))
+            starts.append(np.interp(*(x / n for x, n in zip(
+                places, (segments, coarser.size), strict=True)), coarser))
+        starts = [np.clip(start, *self.bounds) for start in starts]
+        start = min(starts, key=lambda start: float(np.sum(residual(start) ** 2)))
+        best = least_squares(
+            residual, start, bounds=tuple(self.bounds), method="dogbox", diff_step=1e-5,
+            max_nfev=MOST_STEPS, ftol=1e-4, xtol=1e-8, gtol=None).x
+        mean, within = map(np.linalg.norm, self.parts(reached(best), segments))
+        return _Found(best, math.hypot(mean, within), float(within))
+
+
 def striker(
     wanted: Signal | Steps, bar: Rod, *, velocity: float, duration: float,
-    until: float | None = None, segments: int = 10, area_ratio: tuple[float, float] = WIDEST,
-    material: Material | None = None, contact: Rigid | Bonded = RIGID,
+    until: float | None = None, segments: int = 10,
+    area_ratio: tuple[float, float] = AREA_RATIO, material: Material | None = None,
+    contact: Rigid | Bonded = RIGID, progress: Progress | None = None,
 ) -> PulseDesign:
     """Find a stepped striker that sends a pulse of a wanted shape into a bar.
 
@@ -104,24 +171,34 @@ def striker(
         Time over which the pulse is to be as wanted, s; by default twice the duration, so that
         ringing counts.
     segments : int
-        Of the striker, from 1 to 50; ten take about a second, forty ten.
+        Of the striker at most, from 1 to 50. Where fewer meet the pulse better, it has fewer; so
+        more segments never meet it worse. Ten take about two seconds, forty a minute.
     area_ratio : (float, float)
-        Smallest and largest area of a segment over that of the bar.
+        Smallest and largest area of a segment over that of the bar. By default diameters go from a
+        third to one and a half times that of the bar, which a lathe can make.
     material : Material, optional
         Of the striker; by default that of the bar.
     contact : Rigid or Bonded
         By default the faces only push, so that a force that would pull is 0; the exact inverse of
         a pulse that pulls is found for faces that are `Bonded`.
+    progress : function, optional
+        Called while it takes long with the work that is done, and how much there is.
 
     Returns
     -------
     PulseDesign
-        Its striker is body 0, the last of whose segments strikes the bar.
+        Its striker is body 0, the last of whose segments strikes the bar. It says which areas are
+        at an end of `area_ratio`: the wanted force may then be out of reach.
 
     Raises
     ------
     InvalidModel or ValueError
         If an argument is not what it should be, or the wanted force pulls at a contact that cannot.
+
+    Warns
+    -----
+    LongRun
+        As soon as it is known that it takes more than five seconds.
 
     Notes
     -----
@@ -137,46 +214,47 @@ def striker(
     >>> ramp = ri.Signal([0.0, peak], [0.0, 100e-6], unit="N")
     >>> found = ri.design.striker(ramp, bar, velocity=10.0, duration=100e-6)
     >>> len(found.system.bodies[0].segments), round(100 * found.misfit, 1)
-    (10, 12.8)
+    (10, 12.9)
     """
-    from scipy.optimize import least_squares
+    import scipy.optimize  # noqa: F401 - takes long the first time, which tells nothing of the rest
 
-    shot, force, edges, ratios = _checked(
+    problems: Problems = []
+    check_function(problems, "progress", progress)
+    raise_noted(problems)
+    search = _checked(
         wanted, bar, velocity, duration, until, segments, area_ratio, material, contact)
-    end, widths = float(edges[-1]), np.diff(edges)
-    peak = float(np.abs(force.values).max())
-    share = np.sqrt(widths / edges[-1]) / peak
-
-    def residual(logarithms: Floats) -> Floats:
-        reached = shot.force(shot.system(shot.area * np.exp(logarithms)), end)
-        return np.asarray(share * differences(force, reached, edges)[0])
-
-    silence = Signal([0.0, 0.0], [0.0, end], unit="N")
-    means = differences(silence, force, edges)[0][:segments]
-    starts = (shot.peeled(means, shot.area * ratios), shot.matched(means))
-    bounds = np.log(ratios)
-    tries: list[Any] = []
-    for areas in starts:
-        start = np.clip(np.log(areas / shot.area), *bounds)
-        tries.append(least_squares(
-            residual, start, bounds=tuple(bounds), method="dogbox", diff_step=1e-5,
-            max_nfev=MOST_STEPS, ftol=1e-4, xtol=1e-8, gtol=None))
-        if tries[-1].cost < PERFECT**2:
-            break
-    best = min(tries, key=lambda tried: tried.cost)
-    system = shot.system(shot.area * np.exp(best.x))
-    reached = shot.force(system, end)
-    mean, square = differences(force, reached, edges)
-    inside = np.maximum(square - mean**2, 0.0)
-    misfit, within = (float(np.sqrt(np.sum(share**2 * part))) for part in (mean**2, inside))
-    return PulseDesign(system, 0, force, reached, misfit, within)
+    forecast = Forecast(warn, "a smaller number of segments", progress, "this design")
+    total = segments * (segments + 3) // 2  # a striker of n segments takes n + 1 runs a step
+    best: _Found | None = None
+    silence = staircase([0.0], [0.0], search.force.end, "nothing")
+    if search.parts(silence, segments)[1].max() <= PERFECT:  # steps: they may be met exactly
+        best = search.descend(segments, np.zeros(0))
+        if best.misfit >= PERFECT:
+            best = None
+    coarser = np.zeros(0)
+    for n in range(1, segments + 1) if best is None else ():
+        found = search.descend(n, coarser)
+        coarser = found.logarithms
+        if best is None or found.misfit < best.misfit * (1 - BETTER):
+            best = found
+        forecast.report(n * (n + 3) // 2, total, f"{segments} segments")
+    assert best is not None
+    shot = search.shot_of(len(best.logarithms))
+    system = shot.system(shot.area * np.exp(best.logarithms))
+    bounded = {}
+    for i, logarithm in enumerate(best.logarithms[::-1]):
+        for bound, name in zip(search.bounds, ("smallest", "largest"), strict=True):
+            if abs(logarithm - bound) <= AT_BOUND:
+                bounded[i] = name
+    return PulseDesign(system, 0, search.force, shot.force(system, search.force.end),
+                       best.misfit, best.within, bounded)
 
 
 def _checked(
     wanted: Any, bar: Any, velocity: Any, duration: Any, until: Any, segments: Any,
     area_ratio: Any, material: Any, contact: Any,
-) -> tuple[_Shot, Signal, Floats, Floats]:
-    """The shot, the wanted force, times of its steps, and bounds; the errors of `striker`."""
+) -> _Search:
+    """What is looked for; the errors of `striker`."""
     of_kind("bar", bar, Rod, "Rod(2.0, area=1e-4, material=materials.steel)")
     piece = bar.segments[0]
     steel = piece.material if material is None else material
@@ -210,6 +288,5 @@ def _checked(
     if lowest < 0 and isinstance(contact, Rigid):
         message = f"pulls with {-lowest!r} N, and faces only push"
         raise ValueError(f"wanted: {message}; make it 0 there, or take contact=Bonded()")
-    step = T / segments
-    edges = np.append(step * np.arange(math.ceil(end / step * (1 - INSTANT))), end)
-    return _Shot(bar, steel, V, step / 2 * float(steel.wave_speed), contact), force, edges, ratios
+    shot = _Shot(bar, steel, V, T / 2 * float(steel.wave_speed), contact)
+    return _Search(shot, force, T, np.log(ratios))

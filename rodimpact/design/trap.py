@@ -109,8 +109,8 @@ def momentum_trap(
     times_now, _, reached = _waves(solve(found, until=end), last)
     got = staircase(times_now, reached, end, "force of the wave back into the bar")
     wanted = staircase([*times[before], passed], [*returned[before], 0.0], end, "wanted")
-    _, square = differences(wanted, got, np.array([passed, end]))
-    misfit = float(np.sqrt(square[0]) / np.abs(arriving).max())
+    (mean,), (variance,) = differences(wanted, got, np.array([passed, end]))
+    misfit = float(np.sqrt(mean**2 + variance) / np.abs(arriving).max())
     return PulseDesign(found, last + 1, wanted, got, misfit, 0.0)
 
 

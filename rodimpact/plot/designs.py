@@ -20,6 +20,8 @@ from .showing import picture
 from .sides import side_of
 from .style import SMALL, axes, colours, dress, legend_above, new_figure, styled
 
+HARDLY = 1e-4  # a misfit that is not to be seen
+
 
 @picture
 class Design(NamedTuple):
@@ -69,8 +71,9 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> De
 
     wanted = line(found.wanted, color=colours().series[1], alpha=0.6, linewidth=3.5,
                   label="wanted")
-    percent = 100 * np.hypot(found.misfit, found.staircase)
-    label = f"reached, {percent:.2g} % off" if percent >= 0.01 else "reached"
+    label = f"reached, misfit {found.percent}" if found.misfit >= HARDLY else "reached"
+    if found.bounded:
+        label += f", {len(found.bounded)} of {len(rod.segments)} areas at a limit"
     reached = line(found.reached, color=colours().ink, linewidth=1.2, label=label)
     ax.axhline(0.0, color=colours().faint, linewidth=0.6, zorder=0)
     ax.set(xlim=(0, end * time.factor), xlabel=time.label, ylabel=force.label)

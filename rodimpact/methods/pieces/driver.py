@@ -90,12 +90,13 @@ class Machine:
     def _plain(self) -> Stop:
         """Run on lists of objects, in plain Python."""
         matrix = np.zeros((self._size, self._size + 1)).tolist()
-        r = self.records = {name: compiling.as_objects(a) for name, a in self.records.items()}
+        r: Any = {name: compiling.as_objects(a) for name, a in self.records.items()}
+        self.records = r
         try:
             while True:
                 stop = Stop(march.follow(
-                    r["run"], *(r[name] for name in OWN[1:-1]), r["log"], r["turn"], r["part"],
-                    matrix))
+                    r["run"], r["node"], r["link"], r["mass"], r["line"], r["log"], r["turn"],
+                    r["part"], matrix))
                 if stop != Stop.FULL:
                     return stop
                 self._more(_objects, _joined)

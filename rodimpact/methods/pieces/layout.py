@@ -324,7 +324,7 @@ class _Pieces:
         marks = {share: tick for (place, share), tick in
                  zip(_jumps(row), self._jumps[0], strict=True) if place == s}
         for sign in (-1, 1):
-            wave = waves.sum_of(*state, sign * float(c))
+            wave = waves.sum_of(state[0], state[1], sign * float(c))
             shares = (wave.edges - begin) / L
             edges = np.rint(shares * T).astype(np.int64)
             for share, tick in marks.items():
@@ -419,7 +419,7 @@ def _records(
         if row.outside[side][0] == "absorbing":
             at[f"mobility_{name}"] = mobility[k - side]
     _set_links(row, of, node, link)
-    extra = []
+    extra: list[int] = []
     if keep:
         extra = _kept(row, link, mass, len(pieces.lines))
     line = np.zeros((count, len(pieces.lines) + len(extra)), LINE)
@@ -479,7 +479,7 @@ def _set_ease(it: Any, row: Row, of: _Members, i: int, time: Any, scale: Any) ->
 
 def _kept(row: Row, link: Any, mass: Any, count: int) -> list[int]:
     """Number the lines that keep what happens in links and masses, from `count` on."""
-    extra = []
+    extra: list[int] = []
 
     def next_line() -> int:
         extra.append(count + len(extra))

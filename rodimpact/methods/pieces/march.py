@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from . import events, finality, lines, nodes, series
+from . import events, finality, laws, lines, nodes, series
 from .records import HARD, NONE, Status, Stop
 from .series import POINTS, N
 
@@ -274,8 +274,8 @@ def leave(
     """Send what leaves a node. Each spring and mass of a chain makes breaks one order smoother."""
     over, back = left, right
     for q in range(at.links):
-        over = nodes.laws.smooths(link[at.first + q], over) + 1
-        back = nodes.laws.smooths(link[at.first + at.links - 1 - q], back) + 1
+        over = laws.smooths(link[at.first + q], over) + 1
+        back = laws.smooths(link[at.first + at.links - 1 - q], back) + 1
     for side in range(2):
         target = at.out_right if side else at.out_left
         if target == NONE:

@@ -57,7 +57,7 @@ def solve(
     stop = fine.go(forecast)
     if stop == Stop.STUCK:
         raise squeezed(float(fine.run["tick"] * min(fine.records["node"]["now"])))
-    coarser, accuracy = COARSER * tolerance, {}
+    coarser, accuracy = COARSER * tolerance, dict[str, float]()
     while not any(accuracy.values()) and coarser <= COARSEST:  # the same steps tell nothing
         coarse = Machine(lay_out(row, until, coarser, max_events, keep=False))
         coarse.run["extra"] = fine.run["extra"]

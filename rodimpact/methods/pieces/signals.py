@@ -49,8 +49,9 @@ def signals_of(row: Row, clock: Clock, end: int, records: dict[str, Any]) -> Sig
     ]
     outside = [_outside(row, clock, side, end, lines, records) for side in (0, 1)]
     for side, contact in ((0, contacts[0]), (1, contacts[-1])) if contacts else ():
-        if isinstance(row.system.bodies[-side], Wall) and contact and outside[side]:
-            outside[side] = outside[side]._replace(push=contact.force)  # with its blows
+        acting = outside[side]
+        if isinstance(row.system.bodies[-side], Wall) and contact and acting:
+            outside[side] = acting._replace(push=contact.force)  # with its blows
     whole = _joined(row, clock, contacts, outside, {**masses, **ground})
     waves = Waves([None, None, *lines[: 2 * len(row.segments)]])
     return Signals(waves, tuple(whole), (outside[0], outside[1]), None, {**masses, **ground})

@@ -30,7 +30,7 @@ class Curve(NamedTuple):
         """Values of the polynomials i at places."""
         share = (places - self.edges[i]) / (self.edges[i + 1] - self.edges[i])
         c = self.values[i] @ _POWERS.T
-        value = np.zeros(np.shape(share))
+        value: Floats = np.zeros(np.shape(share))
         for m in range(INSIDE - 1, -1, -1):
             value = value * share + c[..., m]
         return value
@@ -55,10 +55,11 @@ def curve_of(profile: Any, length: float) -> Curve:
     """A profile from 0 to `length`; the last value of samples in time holds on."""
     if isinstance(profile, Steps):
         at = [float(x) for x in profile.at if float(x) < length]
-        values = np.array([float(v) for v in profile.values[: len(at) + 1]])
-        return Curve(np.array([0.0, *at, length]), np.repeat(values[:, None], INSIDE, axis=1))
+        steps = np.array([float(v) for v in profile.values[: len(at) + 1]])
+        return Curve(np.array([0.0, *at, length]), np.repeat(steps[:, None], INSIDE, axis=1))
     if not isinstance(profile, Samples):
         return Curve(np.array([0.0, length]), np.full((1, INSIDE), float(profile)), True)
+    values: Any
     y = np.asarray(profile.values, dtype=float)
     if profile.step is None:
         edges = np.linspace(0.0, length, len(y))
