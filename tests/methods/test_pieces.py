@@ -267,7 +267,7 @@ def test_a_force_satisfies_its_law_and_has_these_derivatives(name):
     (Law.SPRING, Status.OPEN, 1e-3, 1.0, Status.PRESS),
     (Law.SPRING, Status.PRESS, -1e-3, 1.0, Status.OPEN),
     (Law.RIGID, Status.PRESS, 0.0, -1.0, Status.OPEN),
-    (Law.YIELD, Status.PRESS, 0.5, 1.0, Status.PLASTIC),
+    (Law.YIELD, Status.PRESS, 0.25, 1.0, Status.PLASTIC),
     (Law.YIELD, Status.PLASTIC, 0.5, -1.0, Status.PRESS),
     (Law.POWER, Status.PRESS, 0.5, -9.0, Status.SLACK),
     (Law.POWER, Status.SLACK, 0.5, 9.0, Status.PRESS),
