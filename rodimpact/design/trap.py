@@ -21,7 +21,7 @@ from ..results.solution import Solution
 from ..running.solving import solve
 from .pulses import PulseDesign, differences, staircase
 
-FAINTEST = 1e-3  # of the largest force: a trap need not be longer for less
+FAINTEST = 1e-3  # of the peak force: a trap need not be longer for less
 ROUND_OFF = 1e-9  # of times and displacements
 
 

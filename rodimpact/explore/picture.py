@@ -208,8 +208,8 @@ def results_of(known: Any) -> Any:
     for i in o["able"]:
         c, name = o["contacts"][i], f" {i}-{i + 1}" if len(o["able"]) > 1 else ""
         rows.append((f"impulse{name}", written(c["impulse"], "N s", 5)))
-        rows.append((f"largest force{name}", written(c["peak_force"], "N", 5)))
-        rows.append((f"time under force{name}", written(c["duration"], "s", 5)))
+        rows.append((f"peak force{name}", written(c["peak_force"], "N", 5)))
+        rows.append((f"force duration{name}", written(c["duration"], "s", 5)))
     rows.append(("energy before", written(o["energy_before"], "J", 5)))
     vibration = clean(o["vibration_after"], o["energy_before"])
     rows.append((f"energy in vibration {after}", written(vibration, "J", 5)))

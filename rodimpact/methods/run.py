@@ -18,6 +18,9 @@ from .signals import Floats, Ints, Pieces
 
 MAX_EVENTS = 5_000_000
 """Arrivals at ends after which a run gives up where nothing else is asked for."""
+MEASURES = ("velocity", "impulse", "peak force", "duration", "time")
+VELOCITY, IMPULSE, PEAK_FORCE, DURATION, TIME = MEASURES
+"""What can have a stated error; times are those at which forces begin and end, and gaps open."""
 
 
 class Episode(NamedTuple):
@@ -51,7 +54,7 @@ class ContactTally(NamedTuple):
     peak_force : float
         N.
     duration : float
-        Time under force, s.
+        Force duration, s: total time with force.
     first, last : float
         When the force first begins and last ends, s; nan if there was none.
     episodes : int
@@ -162,7 +165,7 @@ class GroupTotals(NamedTuple):
 
     Velocities of the groups of bonded bodies, before and after, [group] m/s, 0 where nothing of a
     group can move; what is left of vibration in each body, of motion and of strain, [body] J; and
-    of each contact that can open the largest force, N, and the time under force, s.
+    of each contact that can open the peak force, N, and the force duration, s.
     """
 
     before: Floats
@@ -199,8 +202,8 @@ class Run:
     groups : GroupTotals or None
         What of that the method's kernel has added up already.
     accuracy : dict of str to float
-        Stated error of each measure of the outcome, relative to its largest value, where the method
-        is not exact.
+        Stated error of those of `MEASURES` that the method knows, relative to the largest value of
+        each, where the method is not exact.
     make_signals : function
     """
 

@@ -23,7 +23,6 @@ from .frozen import (
     Problems,
     family_shape,
     number,
-    plain,
     raise_noted,
     require,
 )
@@ -139,11 +138,13 @@ class Samples(Frozen):
         curve = {"smooth": bool(smooth), "error": float(error)}
         self._set(values=samples, step=h, **curve)
 
+    def _parameters(self) -> dict[str, Any]:
+        given = super()._parameters().items()
+        return {name: v for name, v in given if name not in ("smooth", "error") or v}
+
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        step = {} if self.step is None else {"step": plain(self.step)}
-        smooth = {"smooth": True} if self.smooth else {}
-        error = {"error": self.error} if self.error else {}
-        return {"samples": self.values.tolist(), **step, **smooth, **error}
+        given = super().to_dict()
+        return {"samples": given.pop("values"), **given}
 
     def with_values(self, values: Floats) -> Samples:
         """Other values at the same distances."""

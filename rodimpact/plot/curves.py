@@ -1,6 +1,6 @@
 """A family of collisions with one axis: a curve, or steps, over the closed form if there is one.
 
-Results jump: the time under force where one impedance passes the other, velocities where a contact
+Results jump: the force duration where one impedance passes the other, velocities where a contact
 more or less happens. A curve is broken where neighbours differ far more than those around them do.
 """
 

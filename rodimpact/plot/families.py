@@ -31,7 +31,7 @@ def sweep(
     An axis is logarithmic where its values come nearer to a geometric than to an arithmetic
     sequence. Collisions without a value leave gaps. For two uniform bodies that do not vibrate the
     closed form is drawn under the curve; on a map of two such rods a full line marks equal transit
-    times, where e = 1, and a dashed one equal impedances, where the time under force jumps.
+    times, where e = 1, and a dashed one equal impedances, where the force duration jumps.
 
     Parameters
     ----------

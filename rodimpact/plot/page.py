@@ -85,7 +85,7 @@ def headline(solution: Solution) -> str:
     if not outcome.why_no_restitution():
         parts.append(f"restitution e = {outcome.restitution:.4g}, "
                     f"impulse {written(outcome.impulse, 'N s')}, "
-                    f"under force for {written(outcome.duration, 's')}")
+                    f"force duration {written(outcome.duration, 's')}")
     elif solution.final and not any(c.episodes for c in outcome.contacts):
         parts.append("nothing collides")
     elif len(bodies) <= NAMED_UP_TO:

@@ -24,7 +24,7 @@ class ContactHistory:
     impulse : float
         Integral of the force, N s.
     duration : float
-        Time under force, s.
+        Force duration, s: total time with force.
     peak_force : float
         N.
     episodes : tuple of Episode
@@ -112,6 +112,6 @@ class ContactHistory:
         name = type(self.law).__name__
         return (
             f"<contact {self.index} ({name}): {len(self.episodes)} episodes, impulse "
-            f"{self.impulse:.6g} N s, peak force {self.peak_force:.6g} N, under force "
+            f"{self.impulse:.6g} N s, peak force {self.peak_force:.6g} N, force duration "
             f"{self.duration:.6g} s>"
         )

@@ -51,7 +51,7 @@ class Outcome:
     vibration_before, vibration_after : tuple of float
         Energy of the motion relative to the centre of mass, and of strain, J.
     contacts : tuple of ContactTally
-        Impulse, peak force, time under force and episodes of each contact.
+        Impulse, peak force, force duration and episodes of each contact.
     unilateral : tuple of int
         Indices of the contacts that can open.
     wall_work : float
@@ -157,12 +157,12 @@ class Outcome:
 
     @property
     def duration(self) -> float:
-        """Time under force of the only contact, s; ValueError where there are several."""
+        """Force duration of the only contact, s; ValueError where there are several."""
         return self._only_contact().duration
 
     @property
     def peak_force(self) -> float:
-        """Largest force of the only contact, N; ValueError where there are several."""
+        """Peak force of the only contact, N; ValueError where there are several."""
         return self._only_contact().peak_force
 
     def as_rigid(self) -> RigidCollision:

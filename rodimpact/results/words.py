@@ -33,7 +33,7 @@ _WORDS = {
     "status": Quantity("why the run ended", "1"),
     "impulse": Quantity("impulse", "N s"),
     "peak_force": Quantity("largest contact force", "N"),
-    "duration": Quantity("time under force", "s"),
+    "duration": Quantity("force duration", "s"),
     "set": Quantity("permanent set", "m"),
     "episodes": Quantity("episodes of contact", "1"),
     "time": Quantity("time", "s"),

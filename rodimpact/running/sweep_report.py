@@ -108,7 +108,7 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
     if len(bodies) > MOST_BODIES:
         bodies = bodies[: MOST_BODIES // 2] + bodies[-MOST_BODIES // 2 :]
     names = (
-        ["e", "impulse", "peak force", "time under force", "episodes"] if len(pairs) == 1
+        ["e", "impulse", "peak force", "force duration", "episodes"] if len(pairs) == 1
         else [f"velocity {i} after" for i in bodies]
     )
     also = {name: outcome(result.system, name)

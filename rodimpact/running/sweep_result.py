@@ -81,7 +81,7 @@ class SweepResult:
         How each member was solved, by which method.
     columns : dict of str to array
         By name: ``restitution``; ``velocity_after.I`` of body I, m/s; ``impulse.K`` (N s),
-        ``peak_force.K`` (N), ``duration.K`` (time under force, s) and ``episodes.K`` of contact K;
+        ``peak_force.K`` (N), ``duration.K`` (force duration, s) and ``episodes.K`` of contact K;
         ``vibration``, energy left in vibration and strain, J; ``final``; ``status``. Totals count
         up to the end of the run: `until`, the proof that the collision is over, or what stopped it
         before. A number that does not exist is nan. If `sweep` was asked for them (`also`), there
@@ -197,12 +197,12 @@ class SweepResult:
 
     @property
     def duration(self) -> Any:
-        """Time under force of the only contact, s; ValueError where there are several."""
+        """Force duration of the only contact, s; ValueError where there are several."""
         return self._only_contact().duration
 
     @property
     def peak_force(self) -> Any:
-        """Largest force of the only contact, N; ValueError where there are several."""
+        """Peak force of the only contact, N; ValueError where there are several."""
         return self._only_contact().peak_force
 
     @property

@@ -173,7 +173,7 @@ def _bodies(o: Any) -> str:
 
 
 def _contacts(o: Any) -> str:
-    rows = [["contact", "impulse", "peak force", "time under force", "episodes"]]
+    rows = [["contact", "impulse", "peak force", "force duration", "episodes"]]
     scale = max(abs(c.impulse) for c in o.contacts)
     for i, c in enumerate(o.contacts):
         name, impulse = f"{i}-{i + 1}", format_si(clean(c.impulse, scale), "N s")

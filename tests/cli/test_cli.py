@@ -833,6 +833,6 @@ def test_options_replace_what_they_exclude_in_the_case(tmp_path, monkeypatch, ca
     Path("lossy.toml").write_text(text.replace('until = "20 ms"', 'until = "1 ms"'))
     assert main(["run", "lossy.toml", "--rtol", "0.05", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert "Comparing steps, the outcome is wrong by" in found["outcome"]["status"]
+    assert "Stated relative error: " in found["outcome"]["status"]
     assert main(["run", "lossy.toml", "--cells", "10", "--json"]) == 0
     assert "14 cells" in json.loads(capsys.readouterr().out)["outcome"]["status"]

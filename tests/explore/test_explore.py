@@ -142,7 +142,7 @@ def test_fronts_that_multiply_stop_at_the_cap():
 @pytest.mark.parametrize("solve", [{"max_events": 1}, {"until": 1e-30}])
 def test_a_run_that_lasts_no_time_is_told_with_its_remedy(solve):
     design = Design.of(ri.Case(PAIR, solve))
-    with pytest.raises(ri.InvalidModel, match="solve: lasts no time to show") as error:
+    with pytest.raises(ri.InvalidModel, match="solve: there is nothing to draw") as error:
         scene(design, design.solve())
     assert error.value.problems[0][1].endswith(design.solve().status)
 

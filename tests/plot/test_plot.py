@@ -512,7 +512,7 @@ def test_slivers_between_random_fronts_are_drawn_without_complaint():
 def test_overview_names_the_result_and_what_is_missing(solved, monkeypatch):
     assert plot.overview(solved["unequal"]).get_suptitle() == (
         "2 rods, closing speed 1 m/s, restitution e = 0.4, impulse 314 mN s, "
-        "under force for 158 µs")
+        "force duration 158 µs")
     assert plot.overview(solved["cradle"]).get_suptitle().endswith(
         "velocities after 0, 0, 0, 0, 1 m/s")
     assert solved["bouncing"].status in plot.overview(solved["bouncing"]).get_supxlabel()

@@ -170,7 +170,7 @@ def test_a_curve_is_broken_where_it_jumps_and_only_there(swept):
     (gap,) = np.flatnonzero(np.isnan(picture.theory.get_ydata()))
     assert picture.theory.get_xdata()[gap] == pytest.approx(100.0, abs=1.0)
     assert picture.ax.get_xlabel() == "area of rod 0 (mm²)"
-    assert picture.ax.get_ylabel() == "time under force (µs)"
+    assert picture.ax.get_ylabel() == "force duration (µs)"
     for quantity in ("restitution", "velocity_after.0", "impulse.0"):  # a corner is no jump
         assert np.isfinite(plot.sweep(swept["areas"], axes(), quantity).values.get_ydata()).all()
 
@@ -347,7 +347,7 @@ def test_contour_lines_end_at_a_jump():
     lengths, areas = np.geomspace(0.1, 10, 61), np.geomspace(1e-5, 1e-3, 60)
     result = ri.sweep(ri.System([rod(column(lengths), 1.0), rod(area=areas)]))
     picture = plot.sweep(result, axes(), "duration.0")
-    assert picture.colour_bar.ax.get_ylabel() == "time under force (ms)"
+    assert picture.colour_bar.ax.get_ylabel() == "force duration (ms)"
     assert levels_of(picture)
     for level, path in zip(picture.contours.levels, picture.contours.get_paths(), strict=True):
         x, y = path.vertices.T
@@ -477,7 +477,7 @@ def test_parameters_of_masses_laws_and_ends_in_words(path, largest, label):
     ("velocity_after.2", 2.0, "velocity of wall 2 after (m/s)"),
     ("impulse.1", 0.3, "impulse at contact 1-2 (mN s)"),
     ("peak_force.0", 2e3, "largest contact force at contact 0-1 (kN)"),
-    ("duration.0", 4e-4, "time under force at contact 0-1 (µs)"),
+    ("duration.0", 4e-4, "force duration at contact 0-1 (µs)"),
     ("episodes.1", 3, "episodes of contact at contact 1-2"),
     ("vibration", 0.1, "energy left in vibration (mJ)"),
 ])

@@ -1,7 +1,7 @@
 "use strict";
 // What a contact does over time: it is open, it touches, or it presses.
 
-const SMALL = 1e-6; // of the largest force or gap: none
+const SMALL = 1e-6; // of the peak force or largest gap: none
 
 function largestOf(values) {
   return values.reduce((most, v) => Math.max(most, Math.abs(v)), 0);

@@ -1,7 +1,7 @@
 "use strict";
 // A tour of the textbook's box in six steps.
 
-// the collision of a step, and its moment in shares of the time under force; -1 is before it
+// the collision of a step, and its moment in shares of the force duration; -1 is before it
 const TOUR = [
   ["identical", -1, "Two identical rods. The left one comes at speed v, the right one is still. No force acts yet."],
   ["identical", 0.25, "They touch, and sound waves of compression start to both sides. Between the two fronts all material is compressed and moves with v/2; outside nobody knows of the collision yet."],

@@ -12,7 +12,7 @@ from ...units import format_si
 from .. import abilities as physics
 from ..duration import Forecast, Progress
 from ..row import Row
-from ..run import Run
+from ..run import MEASURES, VELOCITY, Run
 from ..status import end_sentence, last_contact, proof_sentence, strain_warning
 from .assembly import Assembly, assemble
 from .front_kernel import GRAZE, OPEN, PRESS, State, Tally
@@ -30,7 +30,6 @@ LESS = "an earlier end (until), or a lower cap (max_events),"
 ROUNDED = 2.0**-36  # relative change of a transit time that is told
 EXACT = 2.0**-48  # and that is round-off
 MORE = 4  # times the events of a run that another may take, beside rounded transit times
-MEASURES = ("velocity", "impulse", "largest force", "duration")
 NO_ROUNDING: Mapping[str, float] = {}
 
 
@@ -90,8 +89,8 @@ def _told(accuracy: Mapping[str, float]) -> str:
     if not accuracy:
         return ""
     if math.inf in accuracy.values():
-        return " How much rounding changes the outcome is not known."
-    return f" Rounding changes the outcome by {max(accuracy.values()):.1g} of itself at most."
+        return " The error that this makes is not known."
+    return f" Stated relative error: {max(accuracy.values()):.1g}."
 
 
 def effect_of_rounding(run: FrontRun, until: float | None) -> Mapping[str, float]:
@@ -110,7 +109,7 @@ def effect_of_rounding(run: FrontRun, until: float | None) -> Mapping[str, float
     for name, here, there in zip(MEASURES, _measured(run), _measured(other), strict=True):
         change = max((abs(x - y) for x, y in zip(here, there, strict=True)), default=0.0)
         scale = max(map(abs, here), default=0.0)
-        if name == "velocity":
+        if name == VELOCITY:
             scale = a.tolerance / TOLERANCE
         found[name] = change / scale if change > 0 else 0.0
     return found
@@ -118,10 +117,11 @@ def effect_of_rounding(run: FrontRun, until: float | None) -> Mapping[str, float
 
 def _measured(run: FrontRun) -> list[list[float]]:
     """What `MEASURES` names, by body or by contact."""
-    tallies = tallies_of(run)
+    tallies, tick, t = tallies_of(run), run.assembly.tick, run.tally
     return [
         list(totals_of(run, tallies).velocities[1]), [t.impulse for t in tallies],
         [t.peak_force for t in tallies], [t.duration for t in tallies],
+        [at[k] * tick for at in (t.first, t.last, t.opened) for k in run.assembly.nodes],
     ]
 
 

@@ -26,12 +26,12 @@ from ..clock import Clock
 from ..duration import Forecast, Progress
 from ..memory import ask
 from ..row import Array, Row
-from ..run import Run
+from ..run import PEAK_FORCE, VELOCITY, Run
 from .grid_kernel import States
 from .machine import GAP_RESOLUTION, Keeper, Machine, cost
 from .mesh import STEP_TICKS, Mesh, crossing_time, most_cells, stable_step
 from .refinement import FEWEST as FEWEST_LEVELS
-from .refinement import ROUGH, contact_measures, factor_of, order_of, refined
+from .refinement import contact_measures, factor_of, order_of, refined
 from .run import GridRun
 from .signals import hand_over
 
@@ -61,7 +61,7 @@ def follow(
 ) -> GridRun:
     """Run a single collision.
 
-    The step is divided until velocities and impulses stand still. The errors of the largest force
+    The step is divided until velocities and impulses stand still. The errors of the peak force
     and of the duration are told and not waited for: beside a jump waves overshoot, on any mesh,
     flat ends of viscous rods, or of rods with lateral inertia, meet with a force that has no
     largest value, and faint forces begin and end late.
@@ -116,15 +116,15 @@ def follow(
 
     def measures(run: GridRun) -> dict[str, Array]:
         by_contact = contact_measures(run)
-        peaks[run.step] = by_contact[ROUGH[0]]
+        peaks[run.step] = by_contact[PEAK_FORCE]
         # beside their scale, so that round-off of bodies at rest is none
-        return {"velocity": np.array([*_free_velocities(run), row.scale]), **by_contact}
+        return {VELOCITY: np.array([*_free_velocities(run), row.scale]), **by_contact}
 
     if not searching:
         return _after_the_proof(level(1))
     goal = RTOL if rtol is None else rtol
     run, estimates = refined(level, measures, order_of(row), goal, FINEST // max(counts))
-    estimates[ROUGH[0]] += run.peak_error
+    estimates[PEAK_FORCE] += run.peak_error
     change = math.nan
     rougher = [h for h in peaks if h >= 2 * run.step * (1 - 1e-12)]
     last = peaks[run.step]

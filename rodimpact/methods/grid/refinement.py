@@ -14,6 +14,7 @@ from .. import kernels
 from ..laws import IMPACT
 from ..memory import TooLong
 from ..row import Array, Row
+from ..run import DURATION, IMPULSE, PEAK_FORCE
 from .measure_kernel import largest_force
 from .pressing import pressed_spans
 from .run import GridRun
@@ -24,7 +25,7 @@ LOOK_BACK = 4  # coarser levels with which the finest is compared
 DOUBT = 3  # times what changes tell: where they cancel, errors are larger
 FAINT = 5 / 3  # times that for a duration: a faint force may be missed on all levels alike
 PART = 0.1  # of a step, to which times are known at best
-ROUGH = ("peak force", "duration")  # told, and not waited for: they hang on few steps
+ROUGH = (PEAK_FORCE, DURATION)  # told, and not waited for: they hang on few steps
 GENTLE = laws.Spring | laws.Hertz | laws.HuntCrossley | laws.PowerLaw | laws.Yielding
 
 
@@ -107,7 +108,7 @@ def error_of(levels: Sequence[tuple[float, dict[str, Array]]], name: str, order:
     error: float = DOUBT * max(changes)
     if not error < math.inf:  # nan where a measure overflows
         return math.inf
-    if name == "duration":
+    if name == DURATION:
         error = max(FAINT * error, PART * h if latest > 0 else 0.0)
     return error / latest if latest > 0 else error
 
@@ -129,7 +130,7 @@ def order_of(row: Row) -> float:
 
 
 def contact_measures(run: GridRun) -> dict[str, Array]:
-    """Impulse, largest force and duration, by contact that can open.
+    """Impulse, peak force and force duration, by contact that can open.
 
     Restitution follows from the impulses. Impacts of rigid bodies have neither of the other two:
     their impulse grows in jumps. A joint is never done: of it counts the impulse up to a given end,
@@ -144,9 +145,9 @@ def contact_measures(run: GridRun) -> dict[str, Array]:
             passed = np.cumsum(run.contact(k)[0] * run.step)
             joined += [*passed[-1:], np.abs(passed).max(initial=0.0)]
     return {
-        "impulse": np.array([*joined, *(float(F.sum() * run.step) for F in forces)]),
-        "peak force": np.array([_largest(run, F) for F in lasting]),
-        "duration": np.array([
+        IMPULSE: np.array([*joined, *(float(F.sum() * run.step) for F in forces)]),
+        PEAK_FORCE: np.array([_largest(run, F) for F in lasting]),
+        DURATION: np.array([
             _pressed(run, k, F) for k, F in zip(run.row.opening, lasting, strict=True)]),
     }
 
@@ -160,7 +161,7 @@ def _pressed(run: GridRun, contact: int, force: Array) -> float:
 
 
 def _largest(run: GridRun, force: Array) -> float:
-    """Largest force behind its means over the steps of a run."""
+    """Peak force behind its means over the steps of a run."""
     times: Any = run.times
     if kernels.worth_compiling(run.steps * STEP_TIME, largest_force):
         return float(kernels.compiled(largest_force)(times, force, 0, run.steps))

@@ -51,7 +51,7 @@ class GridRun:
     rtol : float
         What they were to come to.
     peak_change : float
-        Relative change of the largest force from a mesh at most half as fine; nan without one.
+        Relative change of the peak force from a mesh at most half as fine; nan without one.
     """
 
     clock: Clock
@@ -125,7 +125,7 @@ class GridRun:
 
     @property
     def overshoot(self) -> float:
-        """How much less the largest force of rigid contacts is over a few steps; relative.
+        """How much less the peak force of rigid contacts is over a few steps; relative.
 
         Beside a jump waves on a grid overshoot by a share that no finer mesh makes less; averages
         over a few steps do not.
@@ -142,7 +142,7 @@ class GridRun:
 
     @property
     def peak_error(self) -> float:
-        """Error of the largest force that no finer mesh makes less; relative."""
+        """Error of the peak force that no finer mesh makes less; relative."""
         steep = self.mesh.viscous.any() or self.mesh.lateral.any() or self.mesh.swells
         if steep and RIGID in self.row.laws:
             return math.inf  # of flat ends that meet, any finer mesh finds a larger force

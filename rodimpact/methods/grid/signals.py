@@ -18,7 +18,7 @@ from .pressing import episodes_of_steps, pressed_spans
 from .refinement import ROUGH
 from .run import RINGING, GridRun
 
-LARGE_CHANGE = 1e-2  # of the largest force, from which it is said
+LARGE_CHANGE = 1e-2  # of the peak force, from which it is said
 KINDS = {"velocity": "drive", "force": "drive", "absorbing": "absorbing"}
 
 
@@ -65,7 +65,7 @@ def hand_over(run: GridRun, until: float | None) -> Run:
 
 
 def _own_peak(run: GridRun) -> str:
-    """A warning of a largest force that is not that of the bodies."""
+    """A warning of a peak force that is not that of the bodies."""
     reasons, large = [], max(run.rtol, LARGE_CHANGE)
     if run.peak_change > large:
         reasons.append(f"refining changed it by {run.peak_change:.1g}")
@@ -74,7 +74,7 @@ def _own_peak(run: GridRun) -> str:
             f"beside jumps waves overshoot, and over {RINGING} steps it is less by "
             f"{run.overshoot:.1g} of itself"
         )
-    return f" The largest force is that of this mesh: {'; '.join(reasons)}." if reasons else ""
+    return f" The peak force is that of this mesh: {'; '.join(reasons)}." if reasons else ""
 
 
 def _accuracy(run: GridRun) -> str:
@@ -89,9 +89,9 @@ def _accuracy(run: GridRun) -> str:
     if not late:
         worst = max(errors.values())
         rough = "".join(
-            f", {name} by {run.estimates[name]:.1g}" for name in ROUGH
+            f", {name} {run.estimates[name]:.1g}" for name in ROUGH
             if worst < run.estimates.get(name, 0.0) < math.inf)
-        return f" Comparing steps, the outcome is wrong by {worst:.1g} of itself at most{rough}."
+        return f" Stated relative error: {worst:.1g}{rough}."
     which = ", ".join(f"{name} to {value:.1g}" for name, value in late.items() if value < math.inf)
     return (
         f" Not converged to {run.rtol:g}: {which or 'too long a run to divide the step'}; "

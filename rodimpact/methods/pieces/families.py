@@ -66,7 +66,7 @@ def beyond(row: Row) -> Any:
 
 def run_members(layout: Layout, wanted: Any, stop: Callable[[], bool]) -> None:
     """Run members on the records of the layout."""
-    kernel = compiling.compiled(march, "family")
+    kernel = compiling.compiled(march, "family_of")
     log, turn = np.zeros(ROOM, PIECE), np.zeros(ROOM, TURN)
     columns = [layout.run, layout.node, layout.link, layout.mass, layout.line, layout.part,
                layout.first]

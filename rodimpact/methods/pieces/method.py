@@ -22,7 +22,7 @@ from ..duration import Forecast, Progress
 from ..fronts.method import rounding
 from ..groups import groups
 from ..row import Row, squeezed
-from ..run import ContactTally, GroupTotals, Run, Signals
+from ..run import MEASURES, VELOCITY, ContactTally, GroupTotals, Run, Signals
 from ..status import end_sentence, last_contact, proof_sentence, strain_warning
 from .driver import Machine
 from .layout import FLOORS, LAWS, Layout, lay_out
@@ -40,7 +40,6 @@ SMOOTH = 3.0  # times tail^1.5: what pieces leave open where both runs took the 
 MISSED = 4.0  # times by how much pieces miss a function that was given
 MORE = 10.0  # times rtol, from which it is said that it was not reached
 LESS = "a larger rtol or an earlier end (until)"
-MEASURES = ("velocity", "impulse", "peak force", "duration", "time")
 
 
 def solve(
@@ -93,7 +92,7 @@ def stated(fine: Machine, coarse: Machine) -> dict[str, float]:
     a, b, scale = measured(fine), measured(coarse), float(fine.run["scale"])
     apart = {}
     for name in MEASURES:
-        size = scale if name == "velocity" else size_of(a[name])
+        size = scale if name == VELOCITY else size_of(a[name])
         off = size_of(a[name] - b[name])
         apart[name] = off / size if size > 0 else 0.0
     least = SHARED * max(apart[name] for name in MEASURES[:3])  # times may hang on faint forces

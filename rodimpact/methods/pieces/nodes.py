@@ -183,7 +183,7 @@ def defect(link: Any, mass: Any, at: Any, s: int, h: float, j: int) -> float:
     return body.speed[0] + f - body.speed[j + 1]
 
 
-def clear(at: Any, G: Any, n: int) -> None:
+def clear(G: Any, n: int) -> None:
     """Zeros where equations do not couple, as elimination left numbers there."""
     for i in range(N * n):
         row = G[i]
@@ -238,7 +238,7 @@ def collocate(run: Any, link: Any, mass: Any, at: Any, h: float, G: Any) -> bool
             return False
         set_forces(link, mass, at)
         if at.links > 1:
-            clear(at, G, n)
+            clear(G, n)
         set_equations(link, mass, at, h, G, n)
         series.eliminate(G, N * n, 3 * N)
         worst = take_step(link, mass, at, run.scale, G, n)

@@ -163,7 +163,6 @@ def _outside(
     if kind == "velocity":
         given = lines[at["in_right" if side else "in_left"]]
         return Outside(name, push, difference(given, frame.times(-1.0)))
-    masses = row.first[-1 - side + (side == 0)]
     if kind == "force" and at["links"] > 1:
         own = lines[records["mass"][-1 if side else 0]["line"]]
         return Outside(name, push, difference(own, frame.times(-1.0)))

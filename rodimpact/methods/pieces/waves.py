@@ -8,6 +8,7 @@ import numpy as np
 
 from ...model import Samples, Steps
 from ..signals import Floats, Ints
+from .lines import EXACT
 from .records import SMOOTH
 from .series import POINTS, SERIES, X
 
@@ -19,7 +20,7 @@ _POWERS = np.linalg.inv(np.vander(SHARES, INSIDE, increasing=True))  # values to
 
 
 class Curve(NamedTuple):
-    """Polynomials one after the other: edges [n + 1], values [n, 6] at `SHARES` of each interval."""
+    """Polynomials one after the other: edges [n + 1], values [n, 6] at `SHARES` of intervals."""
 
     edges: Any
     values: Any
@@ -27,10 +28,10 @@ class Curve(NamedTuple):
     def at(self, places: Any, i: Any) -> Floats:
         """Values of the polynomials i at places."""
         share = (places - self.edges[i]) / (self.edges[i + 1] - self.edges[i])
-        c = self.values @ _POWERS.T
+        c = self.values[i] @ _POWERS.T
         value = np.zeros(np.shape(share))
         for m in range(INSIDE - 1, -1, -1):
-            value = value * share + c[i, m]
+            value = value * share + c[..., m]
         return value
 
     def interval(self, places: Any) -> Ints:
@@ -98,7 +99,7 @@ class Fitted(NamedTuple):
     error: float  # by how much they miss the curve at most
 
 
-def fitted(curve: Curve, tolerance: float, window: float) -> Fitted:
+def fitted(curve: Curve, tolerance: float) -> Fitted:
     """A curve over whole ticks as pieces that are as long as they fit to a tolerance.
 
     Parameters
@@ -106,14 +107,12 @@ def fitted(curve: Curve, tolerance: float, window: float) -> Fitted:
     curve : Curve
         Edges in ticks.
     tolerance : float
-    window : float
-        Ticks over which the jump of a slope is measured.
     """
     keep = np.diff(curve.edges) > 0
     edges = np.append(curve.edges[:-1][keep], curve.edges[-1]).astype(np.int64)
     curve = Curve(edges.astype(float), curve.values[keep])
     begin, end, n = curve.values[:, 0], curve.values[:, -1], len(curve.values)
-    jumps = np.append(end[:-1] != begin[1:], True)  # behind each interval
+    jumps = np.append(np.abs(end[:-1] - begin[1:]) > EXACT * tolerance, True)  # behind each
     even = np.all(curve.values == begin[:, None], axis=1)
     taken = np.zeros(n, bool)
     found: list[tuple[int, Floats]] = []
@@ -141,7 +140,7 @@ def fitted(curve: Curve, tolerance: float, window: float) -> Fitted:
     first = np.array([i for i, _ in found])
     coefficients = np.array([c for _, c in found])
     return Fitted(np.append(edges[first], edges[-1]), coefficients,
-                  _orders(edges, first, coefficients, jumps, tolerance, window), worst)
+                  _orders(edges, first, coefficients, jumps, tolerance), worst)
 
 
 def _one_piece(curve: Curve, i: int, stop: int) -> tuple[Floats, float]:
@@ -157,14 +156,19 @@ def _one_piece(curve: Curve, i: int, stop: int) -> tuple[Floats, float]:
 
 
 def _orders(
-    edges: Ints, first: Ints, coefficients: Floats, jumps: Any, tolerance: float, window: float
+    edges: Ints, first: Ints, coefficients: Floats, jumps: Any, tolerance: float
 ) -> Ints:
-    """Orders of the breaks at which pieces start; what bends by less than the tolerance is none."""
+    """Orders of the breaks at which pieces start.
+
+    A kink is one if it changes values by more than the tolerance until the next edge: straight
+    lines between close samples of a smooth curve have none.
+    """
     order = np.full(len(first), SMOOTH)
     widths = np.diff(np.append(edges[first], edges[-1])).astype(float)
     k = np.arange(POINTS) ** 2
     right = coefficients @ k * 2 / widths
     left = coefficients @ (k * np.where(np.arange(POINTS) % 2, 1.0, -1.0)) * 2 / widths
-    bends = np.abs(left[1:] - right[:-1]) * window / 2 > 16 * tolerance
+    near = np.minimum(edges[first[1:]] - edges[first[1:] - 1], edges[first[1:] + 1] - edges[first[1:]])
+    bends = np.abs(left[1:] - right[:-1]) * near / 8 > tolerance
     order[1:] = np.where(jumps[first[1:] - 1], 0, np.where(bends, 1, SMOOTH))
     return order
