@@ -59,7 +59,7 @@ def beyond(row: Row) -> Any:
     """Members whose numbers overflow, [member]."""
     shape = row.system.shape
     refused = np.zeros(math.prod(shape), bool)
-    for bad, _, _ in row.beyond_scales():
+    for bad, _, _ in row.beyond_scales() if row.segments else ():
         refused |= np.broadcast_to(bad, shape).ravel()
     return refused
 

@@ -331,9 +331,10 @@ class _Pieces:
             edges[0], edges[-1] = 0, T
             values = wave.values - float(row.frame)
             if sign < 0:  # what is at x left the left end x/c ago
-                self.lines.append(self._fitted(waves.Curve(-edges[::-1], values[::-1, ::-1])))
+                self.lines.append(self._fitted(
+                    waves.Curve(-edges[::-1], values[::-1, ::-1], wave.smooth)))
             else:
-                self.lines.append(self._fitted(waves.Curve(edges - T, values)))
+                self.lines.append(self._fitted(waves.Curve(edges - T, values, wave.smooth)))
 
     def _miss(self, profile: Any, factor: float) -> None:
         """Count the error of samples, in the unit of velocities."""
@@ -381,7 +382,7 @@ class _Pieces:
         shift = float(start[0]) + float(slope[0]) * times * tick[0]
         least = min((float(s.impedance) for s in self._row.segments), default=math.inf)
         self._miss(value, 2 / least if self._row.outside[side][0] == "force" else factor)
-        return self._fitted(waves.Curve(edges, drive.values * factor + shift))
+        return self._fitted(waves.Curve(edges, drive.values * factor + shift, drive.smooth))
 
 
 def _records(

@@ -143,7 +143,11 @@ def advance(
         ticks = max(1, round_off(0.5 * (where + 1) * full))
         if full - ticks <= run.window and link[which].status == Status.OPEN:
             ticks = full  # and with what arrives at the end
-        if ticks < full:
+        if ticks < full and at.rough:  # means over the shorter time, or momentum would be lost
+            lines.project(line, log, at.in_left, tick, ticks, at.left, at.series)
+            lines.project(line, log, at.in_right, tick, ticks, at.right, at.series)
+            nodes.collocate(run, link, mass, at, ticks * run.tick, G)
+        elif ticks < full:
             nodes.cut(link, mass, at, 2 * ticks / full - 1)
     leave(run, link, line, log, at, ticks, left, right)
     events.record(run, link, mass, line, log, turn, at, ticks)

@@ -290,8 +290,14 @@ def set_leaving(link: Any, at: Any, right: bool) -> None:
 
 
 def roughness(link: Any, mass: Any, at: Any) -> float:
-    """The largest tail of what leaves, of the velocities of masses, and of what forces make them."""
-    worst = 0.0
+    """The largest tail of what comes in and leaves, of velocities of masses, and of forces.
+
+    What comes in counts too, as it may cancel in what leaves.
+    """
+    first, last = link[at.first], link[at.first + at.links - 1]
+    worst = series.tail(at.left) * (2 * first.ease if first.law == Law.PUSH_LEFT else 1.0)
+    worst = max(
+        worst, series.tail(at.right) * (2 * last.ease if last.law == Law.PUSH_RIGHT else 1.0))
     if at.mobility_left > 0:
         set_leaving(link, at, False)
         worst = series.tail(at.leaving)

@@ -24,6 +24,7 @@ class Curve(NamedTuple):
 
     edges: Any
     values: Any
+    smooth: bool = False  # whether it has no kinks
 
     def at(self, places: Any, i: Any) -> Floats:
         """Values of the polynomials i at places."""
@@ -47,7 +48,7 @@ class Curve(NamedTuple):
         values = np.stack([self.at(column, i) for column in places.T], axis=1)
         even = np.all(self.values == self.values[:, :1], axis=1)[i]
         values[even] = self.values[i[even], :1]  # what is constant stays so to the last digit
-        return Curve(edges, values)
+        return Curve(edges, values, self.smooth)
 
 
 def curve_of(profile: Any, length: float) -> Curve:
@@ -57,7 +58,7 @@ def curve_of(profile: Any, length: float) -> Curve:
         values = np.array([float(v) for v in profile.values[: len(at) + 1]])
         return Curve(np.array([0.0, *at, length]), np.repeat(values[:, None], INSIDE, axis=1))
     if not isinstance(profile, Samples):
-        return Curve(np.array([0.0, length]), np.full((1, INSIDE), float(profile)))
+        return Curve(np.array([0.0, length]), np.full((1, INSIDE), float(profile)), True)
     y = np.asarray(profile.values, dtype=float)
     if profile.step is None:
         edges = np.linspace(0.0, length, len(y))
@@ -74,7 +75,7 @@ def curve_of(profile: Any, length: float) -> Curve:
         values[:, -1] = y[1:]
     if edges[-1] < length:
         edges, values = np.append(edges, length), np.vstack((values, np.full(INSIDE, y[-1])))
-    whole = Curve(edges, values)
+    whole = Curve(edges, values, profile.smooth)
     return whole if edges[-1] == length else part_of(whole, 0.0, length)
 
 
@@ -87,7 +88,8 @@ def part_of(curve: Curve, start: float, stop: float) -> Curve:
 def sum_of(first: Curve, second: Curve, factor: float) -> Curve:
     """The first plus `factor` times the second, over the same length."""
     edges = np.unique(np.concatenate((first.edges, second.edges)))
-    return Curve(edges, first.on(edges).values + factor * second.on(edges).values)
+    values = first.on(edges).values + factor * second.on(edges).values
+    return Curve(edges, values, first.smooth and second.smooth)
 
 
 class Fitted(NamedTuple):
@@ -110,7 +112,7 @@ def fitted(curve: Curve, tolerance: float) -> Fitted:
     """
     keep = np.diff(curve.edges) > 0
     edges = np.append(curve.edges[:-1][keep], curve.edges[-1]).astype(np.int64)
-    curve = Curve(edges.astype(float), curve.values[keep])
+    curve = Curve(edges.astype(float), curve.values[keep], curve.smooth)
     begin, end, n = curve.values[:, 0], curve.values[:, -1], len(curve.values)
     jumps = np.append(np.abs(end[:-1] - begin[1:]) > EXACT * tolerance, True)  # behind each
     even = np.all(curve.values == begin[:, None], axis=1)
@@ -140,7 +142,7 @@ def fitted(curve: Curve, tolerance: float) -> Fitted:
     first = np.array([i for i, _ in found])
     coefficients = np.array([c for _, c in found])
     return Fitted(np.append(edges[first], edges[-1]), coefficients,
-                  _orders(edges, first, coefficients, jumps, tolerance), worst)
+                  _orders(edges, first, coefficients, jumps, not curve.smooth, tolerance), worst)
 
 
 def _one_piece(curve: Curve, i: int, stop: int) -> tuple[Floats, float]:
@@ -156,7 +158,7 @@ def _one_piece(curve: Curve, i: int, stop: int) -> tuple[Floats, float]:
 
 
 def _orders(
-    edges: Ints, first: Ints, coefficients: Floats, jumps: Any, tolerance: float
+    edges: Ints, first: Ints, coefficients: Floats, jumps: Any, kinked: bool, tolerance: float
 ) -> Ints:
     """Orders of the breaks at which pieces start.
 
@@ -170,5 +172,5 @@ def _orders(
     left = coefficients @ (k * np.where(np.arange(POINTS) % 2, 1.0, -1.0)) * 2 / widths
     near = np.minimum(edges[first[1:]] - edges[first[1:] - 1], edges[first[1:] + 1] - edges[first[1:]])
     bends = np.abs(left[1:] - right[:-1]) * near / 8 > tolerance
-    order[1:] = np.where(jumps[first[1:] - 1], 0, np.where(bends, 1, SMOOTH))
+    order[1:] = np.where(jumps[first[1:] - 1], 0, np.where(bends & kinked, 1, SMOOTH))
     return order
