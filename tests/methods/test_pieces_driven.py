@@ -1,4 +1,4 @@
-"""Driven ends by characteristics: closed forms of a rod whose end is moved, pushed or sent a wave."""
+"""Driven ends by characteristics: closed forms of rods that are moved, pushed or sent a wave."""
 
 import math
 from itertools import product
@@ -43,13 +43,12 @@ def sine(periods):
     return lambda t: 0.3 + np.sin(2 * math.pi * periods * t + 0.4)
 
 
-PROFILES = {"number": 0.7, "steps": STEPS, "samples": SAMPLES, "slow": sine(0.05), "even": sine(1.0),
-            "quick": sine(10.0), "100 a transit": sine(100.0)}
+PROFILES = {"number": 0.7, "steps": STEPS, "samples": SAMPLES, "slow": sine(0.05),
+            "even": sine(1.0)}
 
 
 CASES = list(product(PROFILES, [ri.Moved, ri.Pushed, ri.Incoming], [ri.Free, ri.Fixed]))
-USUAL = [case for case in CASES if case[0] not in ("quick", "100 a transit")]
-USUAL += [("quick", ri.Moved, ri.Free)]
+USUAL = [case for case in CASES if case[2] is ri.Free or case[0] in ("steps", "even")]
 
 
 @pytest.mark.parametrize("case", few_of(CASES, USUAL))

@@ -1,0 +1,84 @@
+"""The proof that a collision is over, from pieces: what it states bounds what happens later."""
+
+import numpy as np
+import pytest
+from exhaustive import few_of
+from networks import unit_rod
+
+import rodimpact as ri
+from rodimpact.methods import compiling
+from rodimpact.methods.pieces import driver, finality
+from rodimpact.methods.pieces.driver import Machine
+from rodimpact.methods.pieces.layout import lay_out
+from rodimpact.methods.row import Row
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_compiled(monkeypatch):
+    monkeypatch.setattr(driver, "PLAIN", 1 << 40)
+
+
+def stepped(rng, velocity, n=3):
+    lengths, areas = rng.integers(2, 9, n) / 8, rng.uniform(0.3, 3, n)
+    segments = [ri.Segment(float(L), float(A), unit_rod().segments[0].material)
+                for L, A in zip(lengths, areas, strict=True)]
+    total = float(lengths.sum())
+    at = [float(x) * total for x in (0.3, 0.6)]
+    swing = ri.Steps((velocity + rng.uniform(-1, 1, 3)).tolist(), at)
+    return ri.Rod(segments=segments, velocity=swing, strain=ri.Steps(
+        (0.3 * rng.uniform(-1, 1, 3)).tolist(), at))
+
+
+def surveyed(system):
+    """The parts of a row at t = 0."""
+    r = Machine(lay_out(Row(system), 8.0, 1e-8, 10**6, keep=True)).records
+    link, mass, line, log, part = (
+        compiling.as_objects(r[name]) for name in ("link", "mass", "line", "log", "part"))
+    finality.survey(link, mass, line, log, part, float(r["run"][0]["tick"]), 0)
+    return part
+
+
+@pytest.mark.parametrize("seed", few_of(range(40), range(4)))
+def test_a_group_swings_within_its_bounds(seed):
+    """Both ends of a stepped rod, or of one with a mass on a joint, for some transits."""
+    rng = np.random.default_rng(seed)
+    rod = stepped(rng, 0.2)
+    row, contacts = [rod], []
+    if seed % 2:
+        row.append(ri.RigidMass(float(rng.uniform(0.1, 2)), velocity=float(rng.uniform(-1, 1))))
+        contacts.append(ri.Joint(float(rng.uniform(0.5, 5)), stretch=float(rng.uniform(-0.1, 0.1))))
+    system = ri.System(row, contacts=contacts)
+    head = surveyed(system)[0]
+    s = ri.solve(system, 8.0, "characteristics")
+    t = np.linspace(0, 8, 801)
+    ends = {"left": (0, 0.0), "right": (len(row) - 1, rod.length if len(row) == 1 else 0.0)}
+    for side, (body, x) in ends.items():
+        moved = s.displacement(body, x, t) - s.displacement(body, x, 0.0) - head.mean * t
+        off = moved + getattr(head, f"{side}_deviation") - s.run.clock.frame * t
+        reach = np.sqrt(2 * head.bound * getattr(head, f"{side}_slack"))
+        assert np.abs(off).max() <= reach * (1 + 1e-9)
+        assert np.abs(off).max() >= 0.05 * reach  # a bound that says something
+
+
+@pytest.mark.parametrize("seed", few_of(range(40), range(2)))
+@pytest.mark.parametrize("law", [ri.Hertz(20.0), ri.SpringDashpot(20.0, 0.5)])
+def test_what_is_said_to_be_over_is_over(seed, law):
+    """The proof names a time; a run three times as long meets no contact after it."""
+    rng = np.random.default_rng(seed)
+    system = ri.System([stepped(rng, 1.0, 1), ri.RigidMass(0.5), stepped(rng, -0.3, 1)], [0.1, 0.1],
+                       [law, ri.Spring(50.0)])
+    s = ri.solve(system)
+    assert s.final
+    longer = ri.solve(system, 3 * s.t_end)
+    assert [c.episodes for c in longer.contacts] == [
+        tuple(pytest.approx(tuple(e), abs=1e-6) for e in c.episodes) for c in s.contacts]
+    assert longer.t_final == pytest.approx(s.t_final, rel=1e-6)
+    assert s.t_final <= s.t_proved <= s.t_end
+
+
+def test_the_energy_about_the_mean_is_that_of_the_ledger():
+    rng = np.random.default_rng(3)
+    system = ri.System([stepped(rng, 0.4)])
+    part = surveyed(system)
+    book = ri.solve(system, 1.0, "characteristics").energy(0.0)
+    assert part[0].bound == pytest.approx(float(book.vibration), rel=1e-12)
