@@ -70,6 +70,24 @@ def worth_compiling(seconds: float, *kernels: Kernel, ahead: float = 0.0) -> boo
     return True
 
 
+def pays(spent: float, price: float) -> bool:
+    """Whether to go on compiled after so many seconds in plain Python, at this price, s.
+
+    Warns
+    -----
+    NoCompiler
+        If it would, and numba is missing or does not start.
+    """
+    if _forced is not None:
+        return _forced and not why_not()
+    if spent < price or not _asked_for():
+        return False
+    if why_not():
+        _tell_of_no_compiler()
+        return False
+    return True
+
+
 @contextlib.contextmanager
 def forced(compiling: bool) -> Iterator[None]:
     """Compile everything, or nothing, whatever it costs."""

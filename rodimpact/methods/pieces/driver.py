@@ -16,9 +16,25 @@ from .series import N
 
 FIRST_ROOM = 256  # pieces of a log, at first
 FIRST_TURNS = 2048
-PLAIN = 2000  # steps that a process takes in plain Python before it compiles
+PLAIN = 500  # steps in plain Python between two looks at the clock
+STEP_TIME = 1.5e-3  # s, about what such a step takes
+PRICE = 3.0  # s in plain Python, after which a process compiles
 SLICE, LONG_SLICE = 20_000, 200_000  # compiled steps between two looks at the clock
 OWN = ("run", "node", "link", "mass", "line", "part")
+
+
+def kernel() -> Any:
+    """Return the kernel that runs families, compiled."""
+    _ready.add(True)
+    return compiling.compiled(march, "family_of")
+
+
+_ready: set[bool] = set()  # whether this process has it
+
+
+def pays(spent: float) -> bool:
+    """Whether to run compiled what has taken, or is certain to take, this long in plain Python."""
+    return kernels.pays(spent, 0.0 if _ready else PRICE)
 
 
 class Machine:
@@ -30,7 +46,7 @@ class Machine:
         After `go`.
     """
 
-    taken = 0  # steps, by all in plain Python
+    plain_steps = 0  # of all runs of this process
 
     def __init__(self, layout: Layout, member: int = 0) -> None:
         known = layout.first[member]
@@ -53,18 +69,17 @@ class Machine:
 
     def go(self, forecast: Forecast | None = None) -> Stop:
         """Run to the end, in slices; return why it stopped."""
-        compilable, limit = not kernels.why_not(), int(self.run["limit"])
-        stop, slice_ = Stop.CAP, SLICE
+        limit = int(self.run["limit"])
+        stop, more = Stop.CAP, SLICE
         while stop == Stop.CAP and self.run["steps"] < limit:
-            plain = not compilable or Machine.taken < PLAIN
             taken = int(self.run["steps"])
-            self.records["run"]["limit"] = min(limit, taken + (PLAIN if plain else slice_))
-            if plain:
-                stop = self._plain()
-                Machine.taken += int(self.run["steps"]) - taken
+            compiled = pays(Machine.plain_steps * STEP_TIME)
+            self.records["run"]["limit"] = min(limit, taken + (more if compiled else PLAIN))
+            if compiled:
+                stop, more = self._compiled(), LONG_SLICE
             else:
-                stop = self._compiled()
-                slice_ = LONG_SLICE
+                stop = self._plain()
+                Machine.plain_steps += int(self.run["steps"]) - taken
             if stop == Stop.CAP and forecast:
                 self._tell(forecast, limit)
         self.records["run"]["limit"] = limit
@@ -79,10 +94,10 @@ class Machine:
 
     def _compiled(self) -> Stop:
         """Run as a family of one."""
-        kernel, r = compiling.compiled(march, "family_of"), self.records
+        run, r = kernel(), self.records
         none = np.zeros((1, 0), r["log"].dtype)
         while True:
-            kernel(r["run"], *(r[name][None] for name in OWN[1:]), none, r["log"], r["turn"])
+            run(r["run"], *(r[name][None] for name in OWN[1:]), none, r["log"], r["turn"])
             if self.run["stop"] != Stop.FULL:
                 return Stop(self.run["stop"])
             self._more(np.zeros, np.concatenate)

@@ -8,23 +8,24 @@ from typing import Any
 
 import numpy as np
 
-from .. import compiling, kernels
 from ..family import STOPPED_BY, FamilyRun, Stopped
 from ..groups import groups, movable, velocities_in_group
 from ..row import Row
-from . import march
+from . import driver
 from .layout import Layout, is_even, lay_out
-from .method import tolerance_of
-from .records import PIECE, TURN, Part, Stop
+from .method import tolerance_of, vibration_of
+from .records import PIECE, TURN, Stop
 
 TOGETHER = 4096  # members of one chunk
 CALL = 64  # members between two looks whether to stop
+MEMBER_TIME = 0.2  # s, about what one takes in plain Python
 ROOM = 4096  # pieces of the log that they share, at first
 
 
 def together(row: Row) -> int:
     """How many members to run in one call; 0 where each is to be run alone."""
-    return TOGETHER if is_even(row) and not kernels.why_not() else 0
+    seconds = math.prod(row.system.shape) * MEMBER_TIME
+    return TOGETHER if is_even(row) and driver.pays(seconds) else 0
 
 
 def solve_family(
@@ -66,7 +67,7 @@ def beyond(row: Row) -> Any:
 
 def run_members(layout: Layout, wanted: Any, stop: Callable[[], bool]) -> None:
     """Run members on the records of the layout."""
-    kernel = compiling.compiled(march, "family_of")
+    kernel = driver.kernel()
     log, turn = np.zeros(ROOM, PIECE), np.zeros(ROOM, TURN)
     columns = [layout.run, layout.node, layout.link, layout.mass, layout.line, layout.part,
                layout.first]
@@ -118,6 +119,7 @@ def totals(layout: Layout, refused: Any, until: float | None) -> FamilyRun:
     reason[final & (until is None)] = STOPPED_BY.index("final")
     reason[run["stop"] == Stop.CAP] = STOPPED_BY.index("max_events")
     reason[refused] = STOPPED_BY.index("refused")
-    moving = (part["kind"] == Part.SEGMENT) | (part["kind"] == Part.MASS)
-    vibration = unknown + np.where(moving, part["energy"], 0.0).sum(axis=1)
+    vibration = unknown.copy()
+    for energy in vibration_of(row, part):
+        vibration = vibration + energy
     return FamilyRun(before, after, vibration, contacts, final, reason)

@@ -231,17 +231,28 @@ def _groups(row: Row, r: dict[str, Any]) -> GroupTotals:
     part, frame = r["part"], float(row.frame)
     heads = np.flatnonzero(part["parts"] > 0)
     assert len(heads) == len(groups(row.system))
-    by_segment = {int(p["index"]): float(p["energy"]) for p in part if p["kind"] == Part.SEGMENT}
-    by_mass = {int(p["index"]): float(p["energy"]) for p in part if p["kind"] == Part.MASS}
-    vibration = []
-    for body, (first, last), m in zip(row.system.bodies, row.spans, row.mass_of, strict=True):
-        energy = sum(by_segment[s - 1] for s in range(first, last + 1))
-        if 0 <= m < len(row.masses):
-            energy = by_mass[m] * float(body.mass) / float(row.masses[m])  # type: ignore[union-attr]
-        vibration.append(energy)
+    vibration = [float(energy[0]) for energy in vibration_of(row, part[None])]
     tick = float(r["run"][0]["tick"])
     fallen = frame + float(row.gravity) * float(r["run"][0]["surveyed"]) * tick
     return GroupTotals(
         part["initial"][heads] + frame, part["mean"][heads] + fallen, np.array(vibration),
         r["link"]["peak"], r["link"]["pressed"] * tick,
     )
+
+
+def vibration_of(row: Row, part: Any) -> list[Any]:
+    """Energy of each body about the velocity of its group, J, [member] by body."""
+    kind, index = part["kind"][0], part["index"][0]
+    by_segment = {int(i): part["energy"][:, p] for p, i in enumerate(index)
+                  if kind[p] == Part.SEGMENT}
+    by_mass = {int(i): part["energy"][:, p] for p, i in enumerate(index) if kind[p] == Part.MASS}
+    found = []
+    for body, (first, last), m in zip(row.system.bodies, row.spans, row.mass_of, strict=True):
+        energy = np.zeros(len(part))
+        for s in range(first, last + 1):
+            energy = energy + by_segment[s - 1]
+        if 0 <= m < len(row.masses):
+            share: Any = np.asarray(body.mass) / np.asarray(row.masses[m])  # type: ignore[union-attr]
+            energy = by_mass[m] * np.broadcast_to(share, row.system.shape).ravel()
+        found.append(energy)
+    return found

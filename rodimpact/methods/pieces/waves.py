@@ -59,17 +59,16 @@ def curve_of(profile: Any, length: float) -> Curve:
         return Curve(np.array([0.0, *at, length]), np.repeat(steps[:, None], INSIDE, axis=1))
     if not isinstance(profile, Samples):
         return Curve(np.array([0.0, length]), np.full((1, INSIDE), float(profile)), True)
-    values: Any
     y = np.asarray(profile.values, dtype=float)
     if profile.step is None:
-        edges = np.linspace(0.0, length, len(y))
+        edges: Any = np.linspace(0.0, length, len(y))
     else:
         edges = float(profile.step) * np.arange(len(y))
     if profile.smooth:
         from scipy.interpolate import make_interp_spline
 
         places = edges[:-1, None] + np.diff(edges)[:, None] * SHARES
-        values = make_interp_spline(edges, y, 5)(places)
+        values: Any = make_interp_spline(edges, y, 5)(places)
         values[:, 0], values[:, -1] = y[:-1], y[1:]
     else:
         values = y[:-1, None] + (y[1:] - y[:-1])[:, None] * SHARES
