@@ -90,6 +90,8 @@ class Machine:
         steps, now = int(self.run["steps"]), int(self.records["node"]["now"].min())
         if self.run["extra"] == ENDLESS and now > 0:
             limit = min(limit, int(steps * (float(self.run["end"]) / now)) + 1)
+        else:  # nobody knows: as long again
+            limit = min(limit, 2 * steps)
         forecast.report(steps, limit, f"some {limit:.2g} steps of nodes")
 
     def _compiled(self) -> Stop:
