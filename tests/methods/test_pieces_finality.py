@@ -10,6 +10,7 @@ from rodimpact.methods import compiling
 from rodimpact.methods.pieces import driver, finality
 from rodimpact.methods.pieces.driver import Machine
 from rodimpact.methods.pieces.layout import lay_out
+from rodimpact.methods.pieces.records import LINK, PART, RUN, Law, Status
 from rodimpact.methods.row import Row
 
 
@@ -82,3 +83,20 @@ def test_the_energy_about_the_mean_is_that_of_the_ledger():
     part = surveyed(system)
     book = ri.solve(system, 1.0, "characteristics").energy(0.0)
     assert part[0].bound == pytest.approx(float(book.vibration), rel=1e-12)
+
+
+@pytest.mark.parametrize(("gap", "opening", "over"), [
+    (2.01, 1e-3, True), (1.99, 1e-3, False), (9.0, -1e-3, False), (-2.01, 1e-3, False),
+])
+def test_a_gap_must_be_wider_than_both_bounds(gap, opening, over):
+    """Each side deviates by up to 1: sqrt(2 E slack) with E = 2, slack = 1/4."""
+    run, link, *part = (compiling.as_objects(np.zeros(1, kind))[0]
+                        for kind in (RUN, LINK, PART, PART))
+    run.scale, run.tolerance = 1.0, 1e-12
+    link.law, link.status, link.left_group, link.right_group = Law.SPRING, Status.OPEN, 0, 1
+    link.overlap = -gap
+    for it in part:
+        it.bound, it.left_slack, it.right_slack = 2.0, 0.25, 0.25
+        it.low, it.high = -3.0, 3.0
+    part[1].speed = opening
+    assert finality.is_over(run, [link], part) is over
