@@ -28,7 +28,8 @@ def test_a_typed_program_runs() -> None:
     assert abs(longest / (0.4 / float(steel.wave_speed)) - 1) < 1e-12
     rod = ri.Rod(0.4, area=1e-4, material=steel, velocity=ri.Steps([1.0, 0.5], at=[0.2]))
     left: list[int] = []
-    solution = ri.solve(ri.System([rod, ri.Wall()]), until=1e-4, method="finite-difference", cells=8, progress=told(left))
+    row = ri.System([rod, ri.Wall()])
+    solution = ri.solve(row, 1e-4, "finite-difference", cells=8, progress=told(left))
     assert_type(solution, ri.Solution)
     assert_type(solution.outcome, ri.Outcome)
     velocity: NDArray[np.floating[Any]] = solution.velocity(0, [0.1, 0.3], 0.0)

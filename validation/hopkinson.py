@@ -77,13 +77,13 @@ def specimen() -> list[Row]:
             solution.contacts[0].duration, 1e-12),
         Row(case, "velocity of the striker after", GRAFF, 0.0,
             float(solution.mean_velocity(0, INCIDENT)), 1e-12),
-        Row(case, "force in the specimen, largest difference", by_hand, 0.0, off, 1e-8),
+        Row(case, "force in the specimen, largest difference", by_hand, 0.0, off, 1e-10),
         Row(case, "share of the energy transmitted", by_hand, round(1 - reflected, 12),
-            float(energy.radiated) / started, 1e-8),
+            float(energy.radiated) / started, 1e-10),
         Row(case, "share of the energy reflected", by_hand, round(reflected, 12),
-            float(energy.total) / started, 1e-8),
+            float(energy.total) / started, 1e-10),
         Row(case, "energy after - before + radiated", "conserved", 0.0, float(energy.residual),
-            1e-9),
+            1e-13),
     ]
 
 
@@ -96,7 +96,7 @@ def endless() -> list[Row]:
     force = ri.solve(row, until=4.0).contacts[0].force(t)
     return [Row("spring between two endless bars",
                 "force - F (1 - exp(-2 k t/Z)), largest difference", "by hand", 0.0,
-                float(np.abs(force - loaded(t)).max()), 1e-8)]
+                float(np.abs(force - loaded(t)).max()), 1e-10)]
 
 
 def pulse(gauge: ri.solution.Gauge) -> tuple[float, float, float]:

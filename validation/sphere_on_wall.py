@@ -120,6 +120,6 @@ def run() -> list[Row]:
             Row(case, "impulse, N s", SOURCE, exact.impulse, o.impulse, 1e-8 * exact.impulse),
             Row(case, "peak force, N", SOURCE, exact.peak, o.peak_force, 2e-6 * exact.peak),
             Row(case, "energy after - before, relative", "conserved", 0.0, o.energy_residual,
-                1e-13),
+                1e-12),
         ]
     return rows

@@ -21,26 +21,22 @@ OPTIONS = {"error_model": "numpy", "nogil": True}
 
 
 @functools.cache
-def compiled(module: ModuleType, entry: str) -> Any:
-    """Return a function of a kernel module as machine code, which numba keeps on disk.
+def compiled(module: ModuleType, factory: str) -> Any:
+    """Return a kernel as machine code, which numba keeps on disk.
 
     Parameters
     ----------
     module : module
-    entry : str
-        Name of the function.
+    factory : str
+        Name of the function that makes the kernel from a digest of its sources: numba compiles
+        anew what closes over another one.
     """
     import numba
 
-    def call(*arguments: Any) -> Any:
-        digest  # noqa: B018 - what closes over another digest is compiled anew
-        return kernel(*arguments)  # type: ignore[name-defined]  # noqa: F821 - given below
-
-    digest = f"{module.__name__}.{entry} {_digest(module)}"
-    scope = {"kernel": getattr(_twin(module), entry), "__name__": module.__name__}
-    closed = call.__closure__ if call.__code__.co_freevars else None
-    function = FunctionType(call.__code__, scope, entry, None, closed)
-    return numba.njit(cache=True, **OPTIONS)(function)
+    kernel = getattr(module, factory)(f"{module.__name__} {_digest(module)}")
+    twin = FunctionType(
+        kernel.__code__, vars(_twin(module)), kernel.__name__, None, kernel.__closure__)
+    return numba.njit(cache=True, **OPTIONS)(twin)
 
 
 @functools.cache

@@ -235,6 +235,9 @@ class Row:
         for link in self.by_law.values():
             if self.laws[link] == JOINT:
                 pushed.append(abs(self.stiffness[link] * self.gap[link]))
+            elif self.laws[link] >= SPRING and np.any(np.asarray(self.gap[link]) < 0):
+                overlap = np.maximum(-np.asarray(self.gap[link]), 0.0)
+                pushed.append(self.stiffness[link] * overlap ** self.exponent[link])
         fall = abs(self.gravity) * largest([s.transit_time for s in self.segments])
         spread = largest(self._velocities) - smallest(self._velocities)
         return _plain(

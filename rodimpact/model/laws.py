@@ -27,11 +27,13 @@ class _Law(Frozen):
     _tag: ClassVar[str] = "law"
     law: ClassVar[str]
     opens: ClassVar[bool] = True
+    overlaps: ClassVar[bool] = False  # may begin with an overlap, a gap below 0
 
 
 class _Compliant(_Law):
     """A law whose elastic part is k d^p, k its `stiffness` and p its `exponent`."""
 
+    overlaps: ClassVar[bool] = True
     exponent: Number
     stiffness: Number
 
@@ -132,6 +134,7 @@ class Joint(_Compliant):
 
     law: ClassVar[str] = "joint"
     opens: ClassVar[bool] = False
+    overlaps: ClassVar[bool] = False
     fields: ClassVar[dict[str, Field]] = {
         "stiffness": Field("N/m", "non-negative"), "damping": Field("N s/m", "non-negative"),
         "stretch": Field("m"),

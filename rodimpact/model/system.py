@@ -44,9 +44,10 @@ class System(Frozen):
     Parameters
     ----------
     bodies : sequence of Rod, RigidMass or Wall
-        At least one rod; a wall may stand only at the ends of the row.
+        At least one that is no wall; a wall may stand only at the ends of the row.
     gaps : sequence of numbers, optional
-        Initial distance between each body and its right neighbour, m, walls counted; default 0.
+        Initial distance between each body and its right neighbour, m, walls counted; default 0. A
+        compliant contact may begin pressed: its gap is minus the overlap.
     contacts : sequence of contact laws, optional
         What acts between each body and its right neighbour, walls counted; default `Rigid`.
         Between rigid bodies a plain `Rigid` decides nothing and is refused.
@@ -103,11 +104,14 @@ class System(Frozen):
         if not problems and all(isinstance(body, Wall) for body in bodies):
             problems.append(("bodies", "needs a rod or a rigid mass between its walls"))
         pairs = len(bodies) - 1
-        widths = tuple(
-            number(problems, f"gaps.{i}", gap, *self.fields["gaps"][:2])
-            for i, gap in enumerate(_per_pair(problems, "gaps", gaps, 0.0, pairs))
-        )
         laws = _per_pair(problems, "contacts", contacts, RIGID, pairs)
+        given = _per_pair(problems, "gaps", gaps, 0.0, pairs)
+        unit, sign = self.fields["gaps"][:2]
+        signs = ["any" if getattr(law, "overlaps", False) else sign for law in laws]
+        widths = tuple(
+            number(problems, f"gaps.{i}", gap, unit, signs[i] if i < len(signs) else sign)
+            for i, gap in enumerate(given)
+        )
         for i, law in enumerate(laws):
             if type(law) not in _LAWS:
                 known = ", ".join(kind.__name__ for kind in CONTACT_LAWS.values())

@@ -315,6 +315,6 @@ def _unbalanced(momentum: float, energy: float) -> str:
     if not missing:
         return ""
     return (
-        f" The balance does not close: {' and '.join(missing)} is missing. Take a smaller time "
-        "step, or numbers that are nearer to each other."
+        f" The balance does not close: {' and '.join(missing)} is missing. Take a smaller "
+        "rtol, or numbers that are nearer to each other."
     )

@@ -13,10 +13,10 @@ from runs import gaps_of, solution_of
 
 import rodimpact as ri
 from rodimpact.methods import duration, kernels
-from rodimpact.methods.grid.mesh import STEP_TICKS
 from rodimpact.methods.duration import LongRun
 from rodimpact.methods.grid import machine as grid_machine
 from rodimpact.methods.grid import method as finite_difference
+from rodimpact.methods.grid.mesh import STEP_TICKS
 from rodimpact.methods.row import Row
 
 seeds = st.integers(0, 10**6)

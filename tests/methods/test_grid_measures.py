@@ -43,8 +43,8 @@ def test_a_dashpot_lets_go_inside_a_part_while_there_is_an_indentation(end):
     passed = force.integ()(np.minimum(CUT, end))
     gap = np.full(len(CUT), -0.1)
     mean = np.diff(passed) / np.diff(CUT)
-    found = mk.pressed_time(CUT, mean, gap, 0, len(mean), False, 0.0)
-    assert found == pytest.approx(end, rel=1e-9)
+    last = int(np.flatnonzero(mean > 0)[-1]) + 1
+    assert mk.end_of_force(CUT, mean, gap, 0, 0, last) == pytest.approx(end, rel=1e-9)
 
 
 def test_a_faint_first_force_is_none():

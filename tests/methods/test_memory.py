@@ -70,9 +70,8 @@ def test_the_estimate_bounds_what_is_taken(monkeypatch, name, options):
     monkeypatch.setattr(memory, "SHARE", np.inf)
     with kernels.forced(True):
         peak_of(PAIR, **options | {"until": 1e-3})  # with what is made once
-    for owner in ("steps.layout", "grid.machine"):
-        monkeypatch.setattr(f"rodimpact.methods.{owner}.ask",
-                            lambda numbers, *rest: asked.append(8 * numbers))
+    monkeypatch.setattr("rodimpact.methods.grid.machine.ask",
+                        lambda numbers, *rest: asked.append(8 * numbers))
     with kernels.forced(True):
         peak = peak_of(ROWS[name], **options)
     assert peak <= max(asked) + 1e6
@@ -84,7 +83,8 @@ def test_the_estimate_bounds_what_is_taken(monkeypatch, name, options):
     ({"until": 1e20, "method": "characteristics"}, "until"),
     ({"until": 1e150, "method": "finite-difference"}, "until"),
     ({"until": 1.0, "method": "finite-difference", "cells": 100, "snapshots": 10**15}, "snapshots"),
-    ({"until": 0.1, "method": "finite-difference", "cells": 100, "snapshots": np.linspace(0, 0.1, 300_000)}, "snapshots"),
+    ({"until": 0.1, "method": "finite-difference", "cells": 100,
+      "snapshots": np.linspace(0, 0.1, 300_000)}, "snapshots"),
 ])
 def test_what_is_too_much_is_refused_with_figure_and_remedy(options, path):
     tracemalloc.start()

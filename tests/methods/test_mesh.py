@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from networks import UNIT, unit_rod
 
 import rodimpact as ri
-from rodimpact.methods.laws import BOND
 from rodimpact.methods.grid.mesh import Interface, Mesh
 from rodimpact.methods.grid.method import _mesh_size
+from rodimpact.methods.laws import BOND
 from rodimpact.methods.row import Row
 
 

@@ -146,7 +146,8 @@ def test_numbers_of_any_precision_become_floats(name, kind):
 
 def test_a_step_in_single_precision_is_that_step(tmp_path):
     single = np.float32(1e-6)
-    rough, exact = (ri.solve(ROW, method="finite-difference", dt=dt) for dt in (single, float(single)))
+    rough, exact = (
+        ri.solve(ROW, method="finite-difference", dt=dt) for dt in (single, float(single)))
     assert rough.fields.clock.tick == exact.fields.clock.tick
     rough.save(tmp_path / "rough.npz")
     assert ri.load(tmp_path / "rough.npz").outcome == exact.outcome

@@ -226,7 +226,8 @@ def test_its_mean_force_is_the_difference_quotient_of_its_energy(exponent):
     rng = np.random.default_rng(2)
     for x0, x1 in rng.uniform(-1, 2, (200, 2)).tolist():
         F, dF = ck.mean_force(kinds.POWER, 5.0, exponent, 0.0, x0, x1)
-        gained = ck.stored(kinds.POWER, 5.0, exponent, -x1) - ck.stored(kinds.POWER, 5.0, exponent, -x0)
+        held, holds = (ck.stored(kinds.POWER, 5.0, exponent, -x) for x in (x0, x1))
+        gained = holds - held
         assert F * (x1 - x0) == pytest.approx(gained, rel=1e-12, abs=1e-13)
         up, down = (ck.mean_force(kinds.POWER, 5.0, exponent, 0.0, x0, x1 + s)[0]
                     for s in (1e-6, -1e-6))

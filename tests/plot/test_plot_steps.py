@@ -52,7 +52,8 @@ every_row = pytest.mark.parametrize("name", ROWS)
 
 @pytest.fixture(scope="module")
 def solved():
-    return {name: ri.solve(system, until, "characteristics") for name, (system, until) in ROWS.items()}
+    return {name: ri.solve(system, until, "characteristics")
+            for name, (system, until) in ROWS.items()}
 
 
 def axes():

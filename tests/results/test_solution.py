@@ -397,7 +397,9 @@ def test_places_and_times_that_do_not_fit_are_named(unequal):
         unequal.velocity(1, [0.1, 0.2], [0.0, 1e-5, 2e-5])
 
 
-@pytest.mark.parametrize("options", [{}, {"method": "characteristics"}, {"method": "finite-difference", "cells": 20}])
+@pytest.mark.parametrize("options", [
+    {}, {"method": "characteristics"}, {"method": "finite-difference", "cells": 20},
+])
 @pytest.mark.parametrize("copied", [lambda x: pickle.loads(pickle.dumps(x)), copy.deepcopy])
 def test_a_solution_can_be_copied_and_sent(options, copied):
     solution = ri.solve(ri.System([rod(0.4, velocity=1.0), rod(1.0)]), **options)

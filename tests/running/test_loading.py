@@ -138,6 +138,7 @@ stepped = ri.Rod(
     velocity=ri.Steps([1.0, -0.5], [0.05]),
     strain=ri.Steps([0.0, 1e-5, -1e-5], [0.1, 0.25]),
 )
+GRID = {"method": "finite-difference"}
 RUNS = {
     "pair": (ri.System([SHORT, LONG]), {}),
     "wall and gap": (ri.System([SHORT, ri.Wall()], gaps=[1e-3]), {}),
@@ -157,22 +158,25 @@ RUNS = {
         f"random {seed}": (s := random_system(seed), {"until": horizon(s, 10), "max_events": 5000})
         for seed in range(6)
     },
-    "steps: to the proof": (ri.System([ri.RigidMass(0.3, velocity=1.0), SHORT]), {"rtol": 1e-3}),
-    "steps: no time": (ri.System([ri.RigidMass(0.3, velocity=1.0), SHORT]), {"until": 0}),
-    "steps: capped": (
-        ri.System([ri.Wall(), unit_rod(velocity=1.0), ri.Wall()]), {"method": "characteristics", "max_events": 99},
+    "characteristics: to the proof": (
+        ri.System([ri.RigidMass(0.3, velocity=1.0), SHORT]), {"rtol": 1e-3},
     ),
-    "steps: nothing but a driven rod": (
+    "characteristics: no time": (ri.System([ri.RigidMass(0.3, velocity=1.0), SHORT]), {"until": 0}),
+    "characteristics: capped": (
+        ri.System([ri.Wall(), unit_rod(velocity=1.0), ri.Wall()]),
+        {"method": "characteristics", "max_events": 99},
+    ),
+    "characteristics: nothing but a driven rod": (
         ri.System([unit_rod()], gravity=0.5, ends=(ri.Moved(ri.Samples([0.0, 1.0], step=0.7)),
                                                   ri.Pushed(ri.Steps([1.0, 0.0], [0.5])))),
         {"until": 2.03},
     ),
-    "steps: bonded to a wall": (
+    "characteristics: bonded to a wall": (
         ri.System([ri.Wall(0.1), ri.RigidMass(2.0, velocity=0.1), unit_rod(velocity=-1.0)],
                   contacts=[ri.Bonded(), ri.Hertz(9.0)]), {"until": 3.0},
     ),
     **{
-        f"steps: random {seed}": (
+        f"characteristics: random {seed}": (
             random_network(seed, driven=seed % 2 == 0), {"until": 2.5, "method": "characteristics"},
         )
         for seed in range(12)
@@ -186,12 +190,14 @@ RUNS = {
                                  lateral_inertia="mindlin-herrmann")]),
         {"until": 1e-4, "method": "finite-difference", "cells": 20},
     ),
-    "grid: no time": (ri.System([SHORT, LONG]), {"until": 0, "method": "finite-difference", "cells": 10}),
-    "grid: chosen states": (ri.System([SHORT, LONG]), {"until": 2e-4, "snapshots": [1e-5, 1.3e-4],
-                                                       "cells": 10}),
+    "grid: no time": (ri.System([SHORT, LONG]), {"until": 0, **GRID, "cells": 10}),
+    "grid: chosen states": (
+        ri.System([SHORT, LONG]),
+        {"until": 2e-4, **GRID, "snapshots": [1e-5, 1.3e-4], "cells": 10},
+    ),
     **{
         f"grid: random {seed}": (
-            random_network(seed, driven=seed % 2 == 0), {"until": 1.5, "method": "finite-difference", "cells": 8},
+            random_network(seed, driven=seed % 2 == 0), {"until": 1.5, **GRID, "cells": 8},
         )
         for seed in range(4)
     },
@@ -243,7 +249,7 @@ def test_loading_gives_the_saved_solution_bit_for_bit(tmp_path, name, monkeypatc
     system, options = RUNS[name]
     solution = ri.solve(system, **options)
     solution.save(tmp_path / "run.npz")
-    for solver in ("fronts.tracking.play", "steps.machine.work_on"):
+    for solver in ("fronts.tracking.play", "pieces.driver.Machine.go"):
         monkeypatch.setattr(f"rodimpact.methods.{solver}", fail(AssertionError("solved again")))
     loaded = load(tmp_path / "run.npz")
     assert facts(loaded) == facts(solution)

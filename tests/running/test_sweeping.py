@@ -116,7 +116,9 @@ def test_members_of_random_rows_equal_one_at_a_time(seed):
     assert_equal_to_one_at_a_time(result, max_events=2000)
 
 
-@pytest.mark.parametrize("options", [{}, {"until": 1e-3}, {"method": "finite-difference", "cells": 20, "until": 1e-3}])
+@pytest.mark.parametrize("options", [
+    {}, {"until": 1e-3}, {"method": "finite-difference", "cells": 20, "until": 1e-3},
+])
 def test_bonds_and_joints_have_totals(options):
     """Impulse and largest force of a contact that cannot open, as `solve` gives them."""
     law = ri.Joint(stiffness=1e9) if "cells" in options else ri.Bonded()
@@ -315,7 +317,8 @@ def test_driven_rows_run_together_to_a_time(end):
 
 
 @pytest.mark.parametrize("options", [
-    {}, {"method": "finite-difference", "dt": 2e-6}, {"rtol": 1e-2}, {"method": "finite-difference", "cells": 30},
+    {}, {"method": "finite-difference", "dt": 2e-6}, {"rtol": 1e-2},
+    {"method": "finite-difference", "cells": 30},
 ])
 def test_rows_under_gravity_run_to_a_time(options):
     falling = ri.Rod(0.3, area=1e-4, material=STEEL, velocity=np.array([0.5, 1.0, 2.0]))
@@ -382,7 +385,8 @@ TIMES = np.linspace(0.0, 4e-4, 41)
                         ri.Rod(0.5, area=1e-4, material=STEEL), ri.Wall()], gravity=9.81),
      {"until": 3e-4}, [(1, 0.2)]),
     (lambda: ri.System([ri.Rod(0.3, area=1e-4, material=STEEL, velocity=np.array([1.0, 2.0])),
-                        ri.Wall()]), {"until": 3e-4, "method": "finite-difference", "cells": 20}, [(0, 0.1), (0, 0.3)]),
+                        ri.Wall()]),
+     {"until": 3e-4, "method": "finite-difference", "cells": 20}, [(0, 0.1), (0, 0.3)]),
 ])
 def test_gauges_equal_those_of_single_solutions(make, options, gauges):
     system = make()

@@ -10,7 +10,7 @@ from .. import compiling, kernels
 from ..duration import Forecast
 from ..memory import ask
 from . import march
-from .layout import Layout
+from .layout import ENDLESS, Layout
 from .records import PIECE, TURN, Stop
 from .series import N
 
@@ -18,7 +18,7 @@ FIRST_ROOM = 256  # pieces of a log, at first
 FIRST_TURNS = 2048
 PLAIN = 2000  # steps that a process takes in plain Python before it compiles
 SLICE, LONG_SLICE = 20_000, 200_000  # compiled steps between two looks at the clock
-COLUMNS = ("node", "link", "mass", "line", "log", "turn", "part")
+OWN = ("run", "node", "link", "mass", "line", "part")
 
 
 class Machine:
@@ -63,8 +63,7 @@ class Machine:
                 stop = self._plain()
                 Machine.taken += int(self.run["steps"]) - taken
             else:
-                stop = self._follow(
-                    compiling.compiled(march, "follow"), np.zeros, np.concatenate)
+                stop = self._compiled()
                 slice_ = LONG_SLICE
             if stop == Stop.CAP and forecast:
                 self._tell(forecast, limit)
@@ -74,37 +73,52 @@ class Machine:
     def _tell(self, forecast: Forecast, limit: int) -> None:
         """Say how far the run is, of its time if there is an end, else of the cap."""
         steps, now = int(self.run["steps"]), int(self.records["node"]["now"].min())
-        if not self.run["prove"] and now > 0:
+        if self.run["extra"] == ENDLESS and now > 0:
             limit = min(limit, int(steps * (float(self.run["end"]) / now)) + 1)
         forecast.report(steps, limit, f"some {limit:.2g} steps of nodes")
 
+    def _compiled(self) -> Stop:
+        """Run as a family of one."""
+        kernel, r = compiling.compiled(march, "family_of"), self.records
+        none = np.zeros((1, 0), r["log"].dtype)
+        while True:
+            kernel(r["run"], *(r[name][None] for name in OWN[1:]), none, r["log"], r["turn"])
+            if self.run["stop"] != Stop.FULL:
+                return Stop(self.run["stop"])
+            self._more(np.zeros, np.concatenate)
+
     def _plain(self) -> Stop:
-        """Run on lists of objects."""
-        self.records = {name: compiling.as_objects(a) for name, a in self.records.items()}
+        """Run on lists of objects, in plain Python."""
+        matrix = np.zeros((self._size, self._size + 1)).tolist()
+        r = self.records = {name: compiling.as_objects(a) for name, a in self.records.items()}
         try:
-            return self._follow(
-                march.follow, lambda *given: compiling.as_objects(np.zeros(*given)), _joined)
+            while True:
+                stop = Stop(march.follow(
+                    r["run"], *(r[name] for name in OWN[1:-1]), r["log"], r["turn"], r["part"],
+                    matrix))
+                if stop != Stop.FULL:
+                    return stop
+                self._more(_objects, _joined)
         finally:
             self.records = {
                 name: compiling.as_records(objects, self._kinds[name])
                 for name, objects in self.records.items()
             }
 
-    def _follow(self, follow: Any, room: Any, joined: Any) -> Stop:
-        matrix: Any = np.zeros((self._size, self._size + 1))
+    def _more(self, room: Any, joined: Any) -> None:
+        """Double the log."""
         r = self.records
-        if isinstance(r["run"], list):
-            matrix = matrix.tolist()
-        while True:
-            stop = Stop(follow(r["run"], *(r[name] for name in COLUMNS), matrix))
-            if stop != Stop.FULL:
-                return stop
-            size = len(r["log"]) * self._kinds["log"].itemsize / 8
-            ask(4 * size, "until", f"a run of more than {len(r['log'])} pieces of waves",
-                "stop earlier, or take a larger rtol")
-            for name in ("log", "turn"):
-                r[name] = joined((r[name], room(len(r[name]), self._kinds[name])))
+        size = len(r["log"]) * self._kinds["log"].itemsize / 8
+        ask(4 * size, "until", f"a run of more than {len(r['log'])} pieces of waves",
+            "stop earlier, or take a larger rtol")
+        for name in ("log", "turn"):
+            r[name] = joined((r[name], room(len(r[name]), self._kinds[name])))
 
 
-def _joined(lists: Any) -> Any:
-    return lists[0] + lists[1]
+def _objects(count: int, record: Any) -> list[Any]:
+    return compiling.as_objects(np.zeros(count, record))
+
+
+def _joined(lists: Any) -> list[Any]:
+    first, second = lists
+    return [*first, *second]

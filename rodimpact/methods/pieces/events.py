@@ -110,7 +110,9 @@ def settle(run: Any, turn: Any, it: Any, i: int, tick: int, closing: float) -> N
         it.work += 0.5 * it.force[0] * (it.closing[0] + closing)
         it.episodes += it.opened
         it.opened = 1 if it.status == Status.OPEN else 0
-        it.last = it.apart = tick
+        it.last = tick
+        if it.status == Status.OPEN:
+            it.apart = tick
         if it.first == NONE:
             it.first = tick
         new = turn[run.turns]

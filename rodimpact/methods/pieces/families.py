@@ -29,7 +29,7 @@ def together(row: Row) -> int:
 
 def solve_family(
     row: Row, until: float | None, max_events: int, rtol: float | None,
-    stop: Callable[[], bool] = lambda: False, more: int = 0,
+    stop: Callable[[], bool] = lambda: False, more: int = 0,  # noqa: ARG001 - of every family
 ) -> FamilyRun:
     """Totals of every member.
 
@@ -59,14 +59,14 @@ def beyond(row: Row) -> Any:
     """Members whose numbers overflow, [member]."""
     shape = row.system.shape
     refused = np.zeros(math.prod(shape), bool)
-    for bad, _, _ in row.beyond_scales():
+    for bad, _, _ in row.beyond_scales() if row.segments else ():
         refused |= np.broadcast_to(bad, shape).ravel()
     return refused
 
 
 def run_members(layout: Layout, wanted: Any, stop: Callable[[], bool]) -> None:
     """Run members on the records of the layout."""
-    kernel = compiling.compiled(march, "family")
+    kernel = compiling.compiled(march, "family_of")
     log, turn = np.zeros(ROOM, PIECE), np.zeros(ROOM, TURN)
     columns = [layout.run, layout.node, layout.link, layout.mass, layout.line, layout.part,
                layout.first]

@@ -166,7 +166,7 @@ def set_ends(
     """Set what is known of the ends of a group but for the stretch of its segments.
 
     Waves under way, and what holds the group, are all that an end of a single segment can come to
-    move with. Each part gets its mass fractions g as its right end sees them, on its left and right.
+    move with. Each part gets the mass fractions g at its two ends, as seen from both ends.
     """
     head = part[first]
     head.left_deviation = head.right_deviation = head.left_slack = head.right_slack = 0.0

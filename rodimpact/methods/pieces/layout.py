@@ -12,12 +12,27 @@ import numpy as np
 
 from ...model import Rod, Samples, Steps
 from ...model.frozen import InvalidModel
+from ...model.profiles import extremes
 from .. import laws as old
 from ..abilities import driven
 from ..fronts import layout_kernel as rule
 from ..row import Row
 from . import finality, waves
-from .records import LINE, LINK, MASS, NODE, NONE, PART, PIECE, RUN, SMOOTH, Law, Part, Status
+from .records import (
+    HARD,
+    LINE,
+    LINK,
+    MASS,
+    NODE,
+    NONE,
+    PART,
+    PIECE,
+    RUN,
+    SMOOTH,
+    Law,
+    Part,
+    Status,
+)
 from .series import POINTS
 
 LAWS = {
@@ -29,7 +44,6 @@ FLOORS = 128  # in the shortest transit
 WINDOW = 2.0**-40  # of the longest transit: what comes nearer is taken together
 GRAZE = 2.0**-40  # of the velocity scale: forces that move no faster are none
 ENDLESS = 1 << 61  # tick
-COLUMNS = "now length first links mass mirror in_left in_right out_left out_right"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,7 +153,7 @@ def lay_out(
 
 
 def reference_time(row: Row, of: _Members, until: float | None) -> Any:
-    """Longest transit, s; without rods `until`, or else the longest time of a contact or a flight."""
+    """Longest transit, s; without rods `until`, else the longest time of a contact or a flight."""
     if row.segments:
         return reduce(np.maximum, [of(s.transit_time) for s in row.segments])
     if until:
@@ -165,17 +179,19 @@ def velocity_scale(row: Row, of: _Members, time: Any) -> Any:
         moving = [of(v) for v in row.mass_velocity]
         scale = np.abs(of(row.gravity)) * time
         for kind, value in row.outside:
-            sizes = [np.abs(of(x)) for x in waves_extremes(value)]
+            sizes = [np.abs(of(x)) for x in extremes(value)]
             if kind == "velocity":
-                moving += [of(x) for x in waves_extremes(value)]
+                moving += [of(x) for x in extremes(value)]
             elif kind == "force":
                 least = reduce(np.minimum, [of(m) for m in row.masses])
                 scale = scale + reduce(np.maximum, sizes) * time / least
         scale = scale + reduce(np.maximum, moving) - reduce(np.minimum, moving)
         for i, law in enumerate(row.laws):
-            if law == old.JOINT:
+            if law == old.JOINT or law >= old.SPRING:  # what is stored in it at t = 0 moves a mass
                 least = reduce(np.minimum, [of(m) for m in row.masses])
-                scale = scale + np.abs(of(row.gap[i])) * np.sqrt(of(row.stiffness[i]) / least)
+                d = np.abs(of(row.gap[i])) if law == old.JOINT else np.maximum(-of(row.gap[i]), 0.0)
+                stored = of(row.stiffness[i]) * d ** (of(row.exponent[i]) + 1)
+                scale = scale + np.sqrt(stored / least)
     return np.where(scale > 0, scale, 1.0)
 
 
@@ -189,7 +205,7 @@ def waves_extremes(value: Any) -> list[Any]:
 def _clock(
     row: Row, of: _Members, until: float | None, scale: Any, reference: Any
 ) -> tuple[Any, Any, list[list[int]], Any]:
-    """Duration of a tick, transit times in ticks, those of jumps in the rods, and the horizon, s."""
+    """Duration of a tick, s, transits in ticks, those of jumps in rods, and the horizon, s."""
     transits = [of(s.transit_time) for s in row.segments]
     total = sum(transits, np.zeros(of.count))
     flight = 4 * sum((np.maximum(of(gap), 0.0) for gap in row.gap), np.zeros(of.count)) / scale
@@ -255,36 +271,35 @@ class _Pieces:
     """What is known of all lines at t = 0: waves under way, then what comes from outside."""
 
     def __init__(
-        self, row: Row, of: _Members, tick: Any, ticks: Any, jumps: list[list[int]], tolerance: float,
-        scale: Any, until: float | None,
+        self, row: Row, of: _Members, tick: Any, ticks: Any, jumps: list[list[int]],
+        tolerance: float, scale: Any, until: float | None,
     ) -> None:
         self._row, self._of, self._tick, self._ticks, self._jumps = row, of, tick, ticks, jumps
         self._tolerance, self._until = tolerance / 4 * float(scale[0]), until
         self._scale = float(scale[0])
-        self._window = float(ticks[0].min()) if ticks.size else 1.0
         self.fit = 0.0
-        self.lines: list[list[Any]] = []  # of PIECE [member]
+        self.lines: list[Any] = []  # PIECE [member, piece] of each line
         for s in range(len(row.segments)):
             self._under_way(s)
         self.outside = [self._outside(side) for side in (0, 1)]
-        pieces = [piece for line in self.lines for piece in line]
-        self.records = np.stack(pieces, axis=1) if pieces else np.zeros((of.count, 0), PIECE)
+        self.records = np.concatenate([np.zeros((of.count, 0), PIECE), *self.lines], axis=1)
 
-    def _piece(self, start: Any, stop: Any, coefficients: Sequence[Any], order: int) -> Any:
-        piece = np.zeros(self._of.count, PIECE)
-        piece["start"], piece["stop"], piece["order"] = start, stop, order
+    def _piece(self, start: Any, stop: Any, coefficients: Sequence[Any]) -> Any:
+        piece = np.zeros((self._of.count, 1), PIECE)
+        piece["start"][:, 0], piece["stop"][:, 0], piece["order"] = start, stop, SMOOTH
         for m, c in enumerate(coefficients):
-            piece["coefficient"][:, m] = c
-        piece["degree"] = POINTS - 1 if np.any(piece["coefficient"][:, 1:]) else 0
+            piece["coefficient"][:, 0, m] = c
+        piece["degree"] = POINTS - 1 if np.any(piece["coefficient"][..., 1:]) else 0
         return piece
 
-    def _fitted(self, curve: waves.Curve) -> list[Any]:
-        made = waves.fitted(curve, self._tolerance, self._window)
+    def _fitted(self, curve: waves.Curve) -> Any:
+        made = waves.fitted(curve, self._tolerance)
         self.fit = max(self.fit, made.error / self._scale)
-        return [
-            self._piece(*made.ticks[i : i + 2], c, made.order[i])
-            for i, c in enumerate(made.coefficients)
-        ]
+        piece = np.zeros((1, len(made.order)), PIECE)
+        piece["start"], piece["stop"], piece["order"] = made.ticks[:-1], made.ticks[1:], made.order
+        piece["coefficient"] = made.coefficients
+        piece["degree"] = np.where(np.any(made.coefficients[:, 1:], axis=1), POINTS - 1, 0)
+        return piece
 
     def _under_way(self, s: int) -> None:
         """Waves that run through segment s at t = 0: a = v - c strain, and b = v + c strain."""
@@ -297,7 +312,7 @@ class _Pieces:
         ):
             v, stretch = of(rod.velocity) - of(row.frame), of(rod.strain) * of(c)
             for wave in (v - stretch, v + stretch):
-                self.lines.append([self._piece(-self._ticks[:, s], 0, [wave], SMOOTH)])
+                self.lines.append(self._piece(-self._ticks[:, s], 0, [wave]))
             return
         L, T = float(row.segments[s].length), int(self._ticks[0, s])
         begin = sum(float(row.segments[i].length) for i in range(row.spans[body][0] - 1, s))
@@ -317,9 +332,10 @@ class _Pieces:
             edges[0], edges[-1] = 0, T
             values = wave.values - float(row.frame)
             if sign < 0:  # what is at x left the left end x/c ago
-                self.lines.append(self._fitted(waves.Curve(-edges[::-1], values[::-1, ::-1])))
+                self.lines.append(self._fitted(
+                    waves.Curve(-edges[::-1], values[::-1, ::-1], wave.smooth)))
             else:
-                self.lines.append(self._fitted(waves.Curve(edges - T, values)))
+                self.lines.append(self._fitted(waves.Curve(edges - T, values, wave.smooth)))
 
     def _miss(self, profile: Any, factor: float) -> None:
         """Count the error of samples, in the unit of velocities."""
@@ -338,7 +354,7 @@ class _Pieces:
             start, slope = -of(row.frame), -of(row.gravity)
         elif kind == "absorbing":
             wave = self.lines[2 * (len(row.segments) - 1) + 1 if side else 0]
-            start = wave[-1]["coefficient"].sum(axis=1)  # at the end of the piece
+            start = wave["coefficient"][:, -1].sum(axis=1)  # at the end of its last piece
         if kind == "absorbing" and not isinstance(value, Steps | Samples):
             start = start + of(value) * of(row.wave_of_strain(side))
             value = 0.0
@@ -349,15 +365,15 @@ class _Pieces:
 
     def _driven(
         self, side: int, value: Any, factor: float, start: Any, slope: Any
-    ) -> list[Any]:
+    ) -> Any:
         of, tick = self._of, self._tick
         if not isinstance(value, Steps | Samples):
             start = start + of(value) * factor
             if not np.any(slope):
-                return [self._piece(0, ENDLESS, [start], SMOOTH)]
+                return self._piece(0, ENDLESS, [start])
             stop = np.rint(self._until / tick).astype(np.int64) + 1
             half = slope * stop * tick / 2
-            return [self._piece(0, stop, [start + half, half], SMOOTH)]
+            return self._piece(0, stop, [start + half, half])
         assert self._until is not None
         end = max(self._until, float(tick[0]))
         drive = waves.curve_of(value, end)
@@ -367,7 +383,7 @@ class _Pieces:
         shift = float(start[0]) + float(slope[0]) * times * tick[0]
         least = min((float(s.impedance) for s in self._row.segments), default=math.inf)
         self._miss(value, 2 / least if self._row.outside[side][0] == "force" else factor)
-        return self._fitted(waves.Curve(edges, drive.values * factor + shift))
+        return self._fitted(waves.Curve(edges, drive.values * factor + shift, drive.smooth))
 
 
 def _records(
@@ -408,16 +424,16 @@ def _records(
         extra = _kept(row, link, mass, len(pieces.lines))
     line = np.zeros((count, len(pieces.lines) + len(extra)), LINE)
     line["first"] = line["head"] = line["tail"] = NONE
-    at_piece = 0
+    first = 0
     for l, known in enumerate(pieces.lines):
+        stop = first + known.shape[1]
         line["delay"][:, l] = ticks[:, l // 2] if l < 2 * n else 0
-        line["first"][:, l] = line["head"][:, l] = at_piece
-        line["hard"][:, l] = sum(int(p["order"][0]) <= 2 for p in known[1:])
-        for i in range(len(known)):
-            pieces.records["line"][:, at_piece] = l
-            pieces.records["after"][:, at_piece] = at_piece + 1 if i < len(known) - 1 else NONE
-            at_piece += 1
-        line["tail"][:, l] = at_piece - 1
+        line["first"][:, l] = line["head"][:, l] = first
+        line["tail"][:, l] = stop - 1
+        line["hard"][:, l] = (known["order"][:, 1:] <= HARD).sum(axis=1)
+        pieces.records["line"][:, first:stop] = l
+        pieces.records["after"][:, first:stop] = [*range(first + 1, stop), NONE]
+        first = stop
     part = _parts(row, of, link, pieces)
     return node, link, mass, line, part
 

@@ -6,8 +6,7 @@ from typing import Any
 
 from . import series
 from .records import HARD, NONE, SMOOTH
-from .series import N, POINTS, X
-
+from .series import POINTS, N, X
 
 EXACT = 1e-4  # of the tolerance: a smaller jump is none
 

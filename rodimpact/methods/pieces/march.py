@@ -14,41 +14,46 @@ import numpy as np
 
 from . import events, finality, lines, nodes, series
 from .records import HARD, NONE, Status, Stop
-from .series import N, POINTS
+from .series import POINTS, N
 
 FLIPS = 1000  # changes of status at one instant: beyond, none of them lasts, and none matters
 SHORTEST = 16  # ticks of a piece that is taken however rough it is
 ROOM = 4  # pieces that a link may add in a step
 
 
-def family(
-    runs: Any, node: Any, link: Any, mass: Any, line: Any, part: Any, first: Any, log: Any,
-    turn: Any,
-) -> int:
-    """Run members of a family one after the other on the same log, until it is full.
+def family_of(digest: str) -> Any:
+    """Return the kernel `family`, which closes over a digest of the sources it is made from.
 
-    Records are [member, ...]. A member that has no room goes on where it was once there is more.
-
-    Returns
-    -------
-    int
-        Number of members that have ended.
+    What numba keeps on disk is not used again after a change.
     """
-    unknowns = 1
-    for k in range(node.shape[1]):
-        unknowns = max(unknowns, N * (2 * node[0, k].links - 1))
-    G = np.zeros((unknowns, unknowns + 1))
-    for m in range(len(runs)):
-        run = runs[m]
-        if run.pieces == 0:
-            for i in range(first.shape[1]):
-                copy(first[m, i], log[i])
-            run.pieces = first.shape[1]
-        run.stop = follow(
-            runs[m:], node[m], link[m], mass[m], line[m], log, turn, part[m], G)
-        if run.stop == Stop.FULL:
-            return m
-    return len(runs)
+
+    def family(
+        runs: Any, node: Any, link: Any, mass: Any, line: Any, part: Any, first: Any, log: Any,
+        turn: Any,
+    ) -> int:
+        """Run members of a family one after the other on the same log, until it is full.
+
+        Records are [member, ...]. A member that has no room goes on where it was once there is
+        more. Returns the number of members that have ended.
+        """
+        digest  # noqa: B018
+        unknowns = 1
+        for k in range(node.shape[1]):
+            unknowns = max(unknowns, N * (2 * node[0, k].links - 1))
+        G = np.zeros((unknowns, unknowns + 1))
+        for m in range(len(runs)):
+            run = runs[m]
+            if run.pieces == 0:
+                for i in range(first.shape[1]):
+                    copy(first[m, i], log[i])
+                run.pieces = first.shape[1]
+            run.stop = follow(
+                runs[m:], node[m], link[m], mass[m], line[m], log, turn, part[m], G)
+            if run.stop == Stop.FULL:
+                return m
+        return len(runs)
+
+    return family
 
 
 def copy(old: Any, new: Any) -> None:
@@ -138,7 +143,11 @@ def advance(
         ticks = max(1, round_off(0.5 * (where + 1) * full))
         if full - ticks <= run.window and link[which].status == Status.OPEN:
             ticks = full  # and with what arrives at the end
-        if ticks < full:
+        if ticks < full and at.rough:  # means over the shorter time, or momentum would be lost
+            lines.project(line, log, at.in_left, tick, ticks, at.left, at.series)
+            lines.project(line, log, at.in_right, tick, ticks, at.right, at.series)
+            nodes.collocate(run, link, mass, at, ticks * run.tick, G)
+        elif ticks < full:
             nodes.cut(link, mass, at, 2 * ticks / full - 1)
     leave(run, link, line, log, at, ticks, left, right)
     events.record(run, link, mass, line, log, turn, at, ticks)
@@ -262,7 +271,7 @@ def shorter(tolerance: float, worst: float, tried: int, ticks: int, before: floa
 def leave(
     run: Any, link: Any, line: Any, log: Any, at: Any, ticks: int, left: int, right: int
 ) -> None:
-    """Send what leaves a node. Breaks pass the chain one order smoother with each spring and mass."""
+    """Send what leaves a node. Each spring and mass of a chain makes breaks one order smoother."""
     over, back = left, right
     for q in range(at.links):
         over = nodes.laws.smooths(link[at.first + q], over) + 1

@@ -26,7 +26,7 @@ from ..run import MEASURES, VELOCITY, ContactTally, GroupTotals, Run, Signals
 from ..status import end_sentence, last_contact, proof_sentence, strain_warning
 from .driver import Machine
 from .layout import FLOORS, LAWS, Layout, lay_out
-from .records import Law, Part, Stop, Touch
+from .records import Law, Part, Status, Stop, Touch
 from .signals import signals_of
 
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
@@ -96,7 +96,8 @@ def stated(fine: Machine, coarse: Machine) -> dict[str, float]:
         off = size_of(a[name] - b[name])
         apart[name] = off / size if size > 0 else 0.0
     least = SHARED * max(apart[name] for name in MEASURES[:3])  # times may hang on faint forces
-    return {name: DOUBT * max(off, least) if size_of(a[name]) else 0.0 for name, off in apart.items()}
+    return {name: DOUBT * max(off, least) if size_of(a[name]) else 0.0
+            for name, off in apart.items()}
 
 
 def size_of(values: Any) -> float:
@@ -129,7 +130,8 @@ def _hand_over(
     signals = cache(partial(signals_of, row, clock, end, r))
     return Run(
         method="characteristics", until=until, clock=clock, end=end, t_end=t_end, t_final=t_final,
-        t_proved=float(run["proved"]) * tick if proved else math.nan, stopped_by=stopped_by, status=status, events=int(run["steps"]),
+        t_proved=float(run["proved"]) * tick if proved else math.nan, stopped_by=stopped_by,
+        status=status, events=int(run["steps"]),
         contacts=_tallies(row, r, signals), groups=_groups(row, r),
         accuracy=accuracy,
         make_signals=signals,
@@ -144,7 +146,7 @@ def _accuracy(accuracy: dict[str, float], goal: float) -> str:
 
 
 def _events(row: Row, run: Any) -> str:
-    """What is told of breaks too dense to follow, of bodies that come to rest, and of those that touch."""
+    """What is told of breaks too dense to follow, and of rigid bodies that rest or touch."""
     told = ""
     if run["rough"]:
         told += (
@@ -157,7 +159,7 @@ def _events(row: Row, run: Any) -> str:
     touching = [i for i, (law, gap) in enumerate(zip(row.laws, row.gap, strict=True))
                 if LAWS[law] == Law.IMPACT and float(gap) == 0]
     if any(j == i + 1 for i, j in pairwise(touching)):
-        told += " Rigid bodies that touch are struck together; the smallest gap gives another outcome."
+        told += " Rigid bodies that touch are struck together; with gaps the outcome differs."
     return told
 
 
@@ -166,8 +168,9 @@ def _ends(r: dict[str, Any]) -> list[tuple[float, float]]:
     tick, ends = float(r["run"][0]["tick"]), []
     for it in r["link"]:
         if it["law"] >= Law.RIGID and it["episodes"] > 0:
-            pressing = it["touch"] == Touch.PRESSING and it["law"] != Law.IMPACT
-            apart = it["apart"] if it["touch"] == Touch.APART or it["law"] == Law.IMPACT else -1
+            struck = it["law"] == Law.IMPACT and it["status"] == Status.OPEN
+            pressing = it["touch"] == Touch.PRESSING and not struck
+            apart = it["apart"] if it["touch"] == Touch.APART or struck else -1
             ends.append((math.nan if pressing else float(it["last"]) * tick,
                          float(apart) * tick if apart >= 0 else math.nan))
     return ends
@@ -212,8 +215,8 @@ def _tallies(
             tallies.append(ContactTally(
                 float(it["impulse"]), float(it["peak"]), 0.0, math.nan, math.nan, 0))
             continue
-        last = now if it["touch"] == 2 and it["law"] != Law.IMPACT else int(it["last"])
         sudden = it["law"] == Law.IMPACT
+        last = now if it["touch"] == Touch.PRESSING and not sudden else int(it["last"])
         tallies.append(ContactTally(
             impulse=float(it["impulse"]), peak_force=math.nan if sudden else float(it["peak"]),
             duration=float(it["pressed"]) * tick,

@@ -104,7 +104,7 @@ def set_rate(link: Any, mass: Any, at: Any, s: int) -> None:
 
 
 def slope(link: Any, mass: Any, at: Any, s: int, u: int, j: int) -> float:
-    """Derivative of the rate of state s by state u at point j; of the closing where a link rests."""
+    """Derivative of the rate of state s by state u at point j; of the closing if a link rests."""
     q = s // 2
     if s % 2 == 0:
         it = link[at.first + q]
@@ -158,7 +158,9 @@ def set_equations(link: Any, mass: Any, at: Any, h: float, G: Any, n: int) -> No
                 set_block(at.rate, u == s, resting, 0.5 * h, G, N * row, N * column)
 
 
-def set_block(g: Any, same: bool, resting: bool, half: float, G: Any, row: int, column: int) -> None:
+def set_block(
+    g: Any, same: bool, resting: bool, half: float, G: Any, row: int, column: int
+) -> None:
     """Set the 8 by 8 equations that couple two states, or one with itself."""
     for j in range(N):
         line, stages = G[row + j], STAGES[j]
@@ -183,7 +185,7 @@ def defect(link: Any, mass: Any, at: Any, s: int, h: float, j: int) -> float:
     return body.speed[0] + f - body.speed[j + 1]
 
 
-def clear(at: Any, G: Any, n: int) -> None:
+def clear(G: Any, n: int) -> None:
     """Zeros where equations do not couple, as elimination left numbers there."""
     for i in range(N * n):
         row = G[i]
@@ -238,7 +240,7 @@ def collocate(run: Any, link: Any, mass: Any, at: Any, h: float, G: Any) -> bool
             return False
         set_forces(link, mass, at)
         if at.links > 1:
-            clear(at, G, n)
+            clear(G, n)
         set_equations(link, mass, at, h, G, n)
         series.eliminate(G, N * n, 3 * N)
         worst = take_step(link, mass, at, run.scale, G, n)
@@ -290,8 +292,14 @@ def set_leaving(link: Any, at: Any, right: bool) -> None:
 
 
 def roughness(link: Any, mass: Any, at: Any) -> float:
-    """The largest tail of what leaves, of the velocities of masses, and of what forces make them."""
-    worst = 0.0
+    """The largest tail of what comes in and leaves, of velocities of masses, and of forces.
+
+    What comes in counts too, as it may cancel in what leaves.
+    """
+    first, last = link[at.first], link[at.first + at.links - 1]
+    worst = series.tail(at.left) * (2 * first.ease if first.law == Law.PUSH_LEFT else 1.0)
+    worst = max(
+        worst, series.tail(at.right) * (2 * last.ease if last.law == Law.PUSH_RIGHT else 1.0))
     if at.mobility_left > 0:
         set_leaving(link, at, False)
         worst = series.tail(at.leaving)

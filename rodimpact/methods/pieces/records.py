@@ -93,7 +93,7 @@ LINK = np.dtype([
     ("law", "i8"), ("status", "i8"), ("order", "i8"),  # of the break that its own event makes
     ("stiffness", "f8"), ("exponent", "f8"), ("damping", "f8"), ("strength", "f8"),
     ("restitution", "f8"), ("hardening", "f8"), ("mobility", "f8"),
-    ("overlap", "f8"), ("rate", "f8"), ("bend", "f8"),  # its derivatives, where the last piece ended
+    ("overlap", "f8"), ("rate", "f8"), ("bend", "f8"),  # and derivatives, as the last piece ended
     ("ease", "f8"),  # velocity that a force makes in about the shortest transit
     ("rate_after", "f8"),  # of an impact: closing that it leaves
     ("force_line", "i8"), ("overlap_line", "i8"), ("closing_line", "i8"),

@@ -67,10 +67,10 @@ def tail(f: Any) -> float:
 
 def is_constant(f: Any) -> bool:
     """Whether the values at all points are the same."""
+    same = True
     for j in range(1, POINTS):
-        if f[j] != f[0]:
-            return False
-    return True
+        same = same and f[j] == f[0]
+    return bool(same)
 
 
 def restrict(f: Any, y: float, c: Any) -> None:
@@ -122,7 +122,7 @@ def maximum(f: Any, c: Any) -> float:
 
 
 def add_moments(f: Any, low: float, high: float, s: Any) -> None:
-    """Add to s the integrals over low..high of f, given at the points of that part, times P0..P2."""
+    """Add to s the integrals over low..high of f, known at the points there, times P0..P2."""
     half = 0.5 * (high - low)
     for j in range(N):
         y = low + half * (X[j + 1] + 1)
@@ -134,7 +134,7 @@ def add_moments(f: Any, low: float, high: float, s: Any) -> None:
 
 
 def from_moments(s: Any, f: Any) -> None:
-    """Set f to the polynomial of degree 2 with these moments: the nearest in the mean of squares."""
+    """Set f to the polynomial of degree 2 with these moments: the nearest in mean squares."""
     for j in range(POINTS):
         p, q, total = 1.0, 0.0, 0.0
         for i in range(LOW + 1):

@@ -12,7 +12,7 @@ from ..clock import Clock
 from ..row import Row
 from ..run import ContactSignal, Episode, Outside, Signals, Waves
 from ..signals import Pieces, difference
-from .records import Law, Touch
+from .records import Touch
 
 KINDS = {"velocity": "drive", "force": "drive", "absorbing": "absorbing"}
 NOTHING = Pieces([0], [0.0])
@@ -98,7 +98,7 @@ def _contact(
         impulse, work = blows["impulse"].sum(), (blows["impulse"] * blows["closing"]).sum()
         force = _at_once(force, int(tick), float(impulse) / clock.tick)
         closing = _at_once(closing, int(tick), float(work / impulse))
-    episodes = () if isinstance(law, Joint) else _episodes(own, clock.tick, it["law"])
+    episodes = () if isinstance(law, Joint) else _episodes(own, clock.tick)
     return ContactSignal(force, gap, closing, episodes)
 
 
@@ -126,11 +126,8 @@ def _at_once(signal: Pieces, tick: int, value: float) -> Pieces:
     return cut
 
 
-def _episodes(turns: Any, tick: float, law: int) -> tuple[Episode, ...]:
+def _episodes(turns: Any, tick: float) -> tuple[Episode, ...]:
     """Touchings that carried force: from the first force until the gap opens."""
-    if law == Law.IMPACT:
-        return tuple(
-            Episode(*[float(t["tick"]) * tick] * 3) for t in turns if t["impulse"] > 0)
     found: list[Episode] = []
     start = force_end = np.nan
     for when, touch in zip(turns["tick"].tolist(), turns["touch"].tolist(), strict=True):
@@ -163,7 +160,6 @@ def _outside(
     if kind == "velocity":
         given = lines[at["in_right" if side else "in_left"]]
         return Outside(name, push, difference(given, frame.times(-1.0)))
-    masses = row.first[-1 - side + (side == 0)]
     if kind == "force" and at["links"] > 1:
         own = lines[records["mass"][-1 if side else 0]["line"]]
         return Outside(name, push, difference(own, frame.times(-1.0)))

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...model import Samples, Steps
 from ..signals import Floats, Ints
+from .lines import EXACT
 from .records import SMOOTH
 from .series import POINTS, SERIES, X
 
@@ -19,18 +20,19 @@ _POWERS = np.linalg.inv(np.vander(SHARES, INSIDE, increasing=True))  # values to
 
 
 class Curve(NamedTuple):
-    """Polynomials one after the other: edges [n + 1], values [n, 6] at `SHARES` of each interval."""
+    """Polynomials one after the other: edges [n + 1], values [n, 6] at `SHARES` of intervals."""
 
     edges: Any
     values: Any
+    smooth: bool = False  # whether it has no kinks
 
     def at(self, places: Any, i: Any) -> Floats:
         """Values of the polynomials i at places."""
         share = (places - self.edges[i]) / (self.edges[i + 1] - self.edges[i])
-        c = self.values @ _POWERS.T
+        c = self.values[i] @ _POWERS.T
         value = np.zeros(np.shape(share))
         for m in range(INSIDE - 1, -1, -1):
-            value = value * share + c[i, m]
+            value = value * share + c[..., m]
         return value
 
     def interval(self, places: Any) -> Ints:
@@ -46,7 +48,7 @@ class Curve(NamedTuple):
         values = np.stack([self.at(column, i) for column in places.T], axis=1)
         even = np.all(self.values == self.values[:, :1], axis=1)[i]
         values[even] = self.values[i[even], :1]  # what is constant stays so to the last digit
-        return Curve(edges, values)
+        return Curve(edges, values, self.smooth)
 
 
 def curve_of(profile: Any, length: float) -> Curve:
@@ -56,7 +58,7 @@ def curve_of(profile: Any, length: float) -> Curve:
         values = np.array([float(v) for v in profile.values[: len(at) + 1]])
         return Curve(np.array([0.0, *at, length]), np.repeat(values[:, None], INSIDE, axis=1))
     if not isinstance(profile, Samples):
-        return Curve(np.array([0.0, length]), np.full((1, INSIDE), float(profile)))
+        return Curve(np.array([0.0, length]), np.full((1, INSIDE), float(profile)), True)
     y = np.asarray(profile.values, dtype=float)
     if profile.step is None:
         edges = np.linspace(0.0, length, len(y))
@@ -71,9 +73,10 @@ def curve_of(profile: Any, length: float) -> Curve:
     else:
         values = y[:-1, None] + (y[1:] - y[:-1])[:, None] * SHARES
         values[:, -1] = y[1:]
-    if edges[-1] < length:
+    held = edges[-1] < length  # the last value holds on, which is a kink
+    if held:
         edges, values = np.append(edges, length), np.vstack((values, np.full(INSIDE, y[-1])))
-    whole = Curve(edges, values)
+    whole = Curve(edges, values, profile.smooth and not held)
     return whole if edges[-1] == length else part_of(whole, 0.0, length)
 
 
@@ -86,7 +89,8 @@ def part_of(curve: Curve, start: float, stop: float) -> Curve:
 def sum_of(first: Curve, second: Curve, factor: float) -> Curve:
     """The first plus `factor` times the second, over the same length."""
     edges = np.unique(np.concatenate((first.edges, second.edges)))
-    return Curve(edges, first.on(edges).values + factor * second.on(edges).values)
+    values = first.on(edges).values + factor * second.on(edges).values
+    return Curve(edges, values, first.smooth and second.smooth)
 
 
 class Fitted(NamedTuple):
@@ -98,7 +102,7 @@ class Fitted(NamedTuple):
     error: float  # by how much they miss the curve at most
 
 
-def fitted(curve: Curve, tolerance: float, window: float) -> Fitted:
+def fitted(curve: Curve, tolerance: float) -> Fitted:
     """A curve over whole ticks as pieces that are as long as they fit to a tolerance.
 
     Parameters
@@ -106,14 +110,12 @@ def fitted(curve: Curve, tolerance: float, window: float) -> Fitted:
     curve : Curve
         Edges in ticks.
     tolerance : float
-    window : float
-        Ticks over which the jump of a slope is measured.
     """
     keep = np.diff(curve.edges) > 0
     edges = np.append(curve.edges[:-1][keep], curve.edges[-1]).astype(np.int64)
-    curve = Curve(edges.astype(float), curve.values[keep])
+    curve = Curve(edges.astype(float), curve.values[keep], curve.smooth)
     begin, end, n = curve.values[:, 0], curve.values[:, -1], len(curve.values)
-    jumps = np.append(end[:-1] != begin[1:], True)  # behind each interval
+    jumps = np.append(np.abs(end[:-1] - begin[1:]) > EXACT * tolerance, True)  # behind each
     even = np.all(curve.values == begin[:, None], axis=1)
     taken = np.zeros(n, bool)
     found: list[tuple[int, Floats]] = []
@@ -141,7 +143,7 @@ def fitted(curve: Curve, tolerance: float, window: float) -> Fitted:
     first = np.array([i for i, _ in found])
     coefficients = np.array([c for _, c in found])
     return Fitted(np.append(edges[first], edges[-1]), coefficients,
-                  _orders(edges, first, coefficients, jumps, tolerance, window), worst)
+                  _orders(edges, first, coefficients, jumps, not curve.smooth, tolerance), worst)
 
 
 def _one_piece(curve: Curve, i: int, stop: int) -> tuple[Floats, float]:
@@ -157,14 +159,20 @@ def _one_piece(curve: Curve, i: int, stop: int) -> tuple[Floats, float]:
 
 
 def _orders(
-    edges: Ints, first: Ints, coefficients: Floats, jumps: Any, tolerance: float, window: float
+    edges: Ints, first: Ints, coefficients: Floats, jumps: Any, kinked: bool, tolerance: float
 ) -> Ints:
-    """Orders of the breaks at which pieces start; what bends by less than the tolerance is none."""
+    """Orders of the breaks at which pieces start.
+
+    A kink is one if it changes values by more than the tolerance until the next edge: straight
+    lines between close samples of a smooth curve have none.
+    """
     order = np.full(len(first), SMOOTH)
     widths = np.diff(np.append(edges[first], edges[-1])).astype(float)
     k = np.arange(POINTS) ** 2
     right = coefficients @ k * 2 / widths
     left = coefficients @ (k * np.where(np.arange(POINTS) % 2, 1.0, -1.0)) * 2 / widths
-    bends = np.abs(left[1:] - right[:-1]) * window / 2 > 16 * tolerance
-    order[1:] = np.where(jumps[first[1:] - 1], 0, np.where(bends, 1, SMOOTH))
+    at = first[1:]
+    near = np.minimum(edges[at] - edges[at - 1], edges[at + 1] - edges[at])
+    bends = np.abs(left[1:] - right[:-1]) * near / 8 > tolerance
+    order[1:] = np.where(jumps[first[1:] - 1], 0, np.where(bends & kinked, 1, SMOOTH))
     return order

@@ -1,0 +1,340 @@
+"""Kernels of polynomial pieces: series, lines, laws, compiling; in plain Python on objects."""
+
+import math
+import types
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from numpy.polynomial import chebyshev, legendre
+
+from rodimpact.methods import compiling, kernels
+from rodimpact.methods.pieces import laws, lines, series
+from rodimpact.methods.pieces.records import (
+    HARD,
+    LINE,
+    LINK,
+    NONE,
+    PIECE,
+    RUN,
+    SMOOTH,
+    Law,
+    Status,
+)
+from rodimpact.methods.pieces.series import POINTS, N
+
+X = np.array(series.X)
+
+
+def drawn(seed, n=POINTS):
+    return np.random.default_rng(seed).normal(size=n)
+
+
+def one(record, **fields):
+    """An object with the fields of a record; those that are not given are 0."""
+    made = compiling.as_objects(np.zeros(1, record))[0]
+    for name, value in fields.items():
+        setattr(made, name, value)
+    return made
+
+
+# Series ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("y", [-1.0, -0.3, 0.0, 0.77, 1.0])
+def test_value_of_a_series(y):
+    c = drawn(1)
+    assert series.value(c.tolist(), y) == pytest.approx(chebyshev.chebval(y, c), abs=1e-14)
+
+
+def test_coefficients_of_the_values_at_the_points():
+    c, found = drawn(2), [0.0] * POINTS
+    series.coefficients(chebyshev.chebval(X, c).tolist(), found)
+    assert found == pytest.approx(c.tolist(), abs=1e-13)
+
+
+@pytest.mark.parametrize("degree", range(2 * N - 1))
+def test_integrals_are_exact_to_the_degree_of_radau(degree):
+    exact = (1 - (-1) ** (degree + 1)) / (degree + 1)
+    assert series.integral((X**degree).tolist()) == pytest.approx(exact, abs=1e-14)
+
+
+def test_stages_integrate_to_every_point():
+    c = drawn(3, N)
+    integral = chebyshev.chebint(c, lbnd=-1)
+    found = np.array(series.STAGES) @ chebyshev.chebval(X[1:], c)
+    assert found == pytest.approx(chebyshev.chebval(X[1:], integral), abs=1e-13)
+
+
+def test_the_start_is_extrapolated_from_the_stages():
+    c = drawn(4, N)
+    found = np.dot(series.START, chebyshev.chebval(X[1:], c))
+    assert found == pytest.approx(chebyshev.chebval(-1.0, c), abs=1e-12)
+
+
+def test_the_tail_is_that_of_the_last_two_coefficients():
+    c = drawn(5)
+    assert series.tail(chebyshev.chebval(X, c).tolist()) == pytest.approx(
+        abs(c[-2]) + abs(c[-1]), abs=1e-12)
+
+
+@pytest.mark.parametrize("y", [-0.9, 0.1, 1.0])
+def test_a_part_of_a_piece_is_the_same_polynomial(y):
+    c = drawn(6)
+    f = chebyshev.chebval(X, c).tolist()
+    series.restrict(f, y, [0.0] * POINTS)
+    assert f == pytest.approx(chebyshev.chebval((y + 1) * (X + 1) / 2 - 1, c), abs=1e-13)
+
+
+@pytest.mark.parametrize("root", [-0.999, -0.2, 0.6180339887498949, 1.0])
+def test_the_first_zero_is_found_to_round_off(root):
+    c = chebyshev.poly2cheb(np.polynomial.polynomial.polyfromroots([root, 3.0]))
+    c = np.append(c, np.zeros(POINTS - 3)).tolist()  # positive on the left
+    zero = series.first_zero(c, -1.0, 1.0)
+    assert zero == pytest.approx(root, abs=1e-15)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_maximum_is_that_of_a_fine_grid(seed):
+    rng = np.random.default_rng(seed)
+    c = rng.normal(size=POINTS) * 0.2 ** np.arange(POINTS)  # smooth, as pieces are
+    f = chebyshev.chebval(X, c).tolist()
+    fine = chebyshev.chebval(np.linspace(-1, 1, 20001), c).max()
+    assert series.maximum(f, [0.0] * POINTS) == pytest.approx(fine, abs=1e-7)
+    assert series.maximum(f, [0.0] * POINTS) >= max(f)
+
+
+@pytest.mark.parametrize(("n", "band"), [(8, 24), (24, 8), (40, 3), (5, 1)])
+def test_elimination_with_bands(n, band):
+    rng = np.random.default_rng(n)
+    near = np.abs(np.subtract.outer(np.arange(n), np.arange(n))) < band
+    A, b = rng.normal(size=(n, n)) * near, rng.normal(size=n)
+    G = np.column_stack((A, b)).tolist()
+    series.eliminate(G, n, band)
+    assert [row[n] for row in G] == pytest.approx(np.linalg.solve(A, b), rel=1e-9, abs=1e-9)
+
+
+def test_what_stands_for_dense_breaks_is_the_nearest_parabola():
+    low, high = -0.4, 0.7
+    f = np.exp(X)
+    s, found = [0.0] * (series.LOW + 1), [0.0] * POINTS
+    for a, b in ((-1.0, low), (low, high), (high, 1.0)):
+        inside = a + (b - a) * (X + 1) / 2
+        series.add_moments(np.exp(inside).tolist(), a, b, s)
+    series.from_moments(s, found)
+    nodes, weights = legendre.leggauss(20)
+    exact = [(2 * k + 1) / 2 * weights @ (np.exp(nodes) * legendre.Legendre.basis(k)(nodes))
+             for k in range(series.LOW + 1)]
+    assert found == pytest.approx(legendre.legval(X, exact), abs=1e-12)
+    assert max(abs(f - found)) > 1e-3  # of degree 2 alone
+
+
+# Lines -------------------------------------------------------------------------------------------
+
+
+def stock(*pieces, delay=0, room=4, **run):
+    """Run, lines and log with one line that holds these pieces: (start, stop, order, series)."""
+    run = one(RUN, tolerance=1e-8, shortest=1000, **run)
+    line = [one(LINE, delay=delay, first=0, head=0, tail=len(pieces) - 1,
+                hard=sum(order <= HARD for _, _, order, _ in pieces[1:]))]
+    log = compiling.as_objects(np.zeros(len(pieces) + room, PIECE))
+    for i, (start, stop, order, c) in enumerate(pieces):
+        it = log[i]
+        it.start, it.stop, it.order = start, stop, order
+        it.degree = N if len(c) > 1 else 0
+        it.coefficient = [*c, *[0.0] * (POINTS - len(c))]
+        it.after = i + 1 if i + 1 < len(pieces) else NONE
+    run.pieces = len(pieces)
+    return run, line, log
+
+
+PIECES = [(-1000, -400, SMOOTH, [1.0, 0.5, 0.25]), (-400, 100, 0, [3.0]),
+          (100, 1000, 1, [0.2, -1.0, 0.3, 0.1])]
+
+
+def arriving(t, delay, before=False):
+    """What the pieces above bring at a tick."""
+    i = np.searchsorted([-400, 100], t - delay, "left" if before else "right")
+    start, stop, _, c = PIECES[i]
+    return chebyshev.chebval(2 * (t - delay - start) / (stop - start) - 1, c)
+
+
+@pytest.mark.parametrize(("tick", "ticks"), [(0, 300), (0, 600), (350, 700), (1100, 900)])
+def test_what_left_arrives_a_delay_later(tick, ticks):
+    _, line, log = stock(*PIECES, delay=1000)
+    f = [0.0] * POINTS
+    lines.move_on(line, log, 0, tick)
+    lines.sample(line, log, 0, tick, ticks, f)
+    t = tick + ticks * (X + 1) / 2
+    wanted = [arriving(float(u), 1000, before=j == N) for j, u in enumerate(t)]
+    assert f == pytest.approx(wanted, abs=1e-13)
+
+
+def test_breaks_of_a_line_in_their_order():
+    _, line, log = stock(*PIECES, delay=1000)
+    assert lines.known_until(line, log, 0) == 2000
+    assert lines.next_break(line, log, 0, 0, 2000) == 600
+    assert lines.next_break(line, log, 0, 0, 500) == 500
+    assert lines.next_break(line, log, 0, 600, 2000) == 1100
+    assert lines.order_at(line, log, 0, 0) == 0  # at the beginning anything may jump
+    lines.move_on(line, log, 0, 599)
+    assert (line[0].head, line[0].hard) == (0, 2)
+    lines.move_on(line, log, 0, 600)
+    assert (line[0].head, line[0].hard) == (1, 1)
+    assert lines.order_at(line, log, 0, 600) == 0
+    assert lines.order_at(line, log, 0, 601) == SMOOTH
+    lines.move_on(line, log, 0, 5000)
+    assert (line[0].head, line[0].hard) == (2, 0)
+
+
+@pytest.mark.parametrize(("tick", "ticks"), [(0, 2000), (500, 300), (550, 700), (1400, 64)])
+def test_dense_breaks_keep_their_momentum_and_gain_no_energy(tick, ticks):
+    _, line, log = stock(*PIECES, delay=1000)
+    f = [0.0] * POINTS
+    lines.move_on(line, log, 0, tick)
+    lines.project(line, log, 0, tick, ticks, f, [0.0] * POINTS)
+    edges = sorted({tick, tick + ticks, *(e for e in (600, 1100) if tick < e < tick + ticks)})
+    nodes, weights = legendre.leggauss(12)
+    t = np.concatenate([a + (b - a) * (nodes + 1) / 2 for a, b in pairwise(edges)])
+    w = np.concatenate([(b - a) / 2 * weights for a, b in pairwise(edges)])
+    came = np.array([arriving(x, 1000) for x in t])
+    kept = ticks / 2 * series.integral(f)
+    energy = ticks / 2 * series.integral([v * v for v in f])
+    assert kept == pytest.approx(w @ came, rel=1e-12)
+    assert energy <= w @ came**2 * (1 + 1e-12)
+    moment = ticks / 2 * series.integral([v * y for v, y in zip(f, series.X, strict=True)])
+    assert moment == pytest.approx(w @ (came * (2 * (t - tick) / ticks - 1)), rel=1e-11)
+
+
+def test_what_is_constant_stays_one_piece():
+    run, line, log = stock((0, 100, SMOOTH, [2.0]))
+    assert lines.append(run, line, log, 0, 100, 50, [2.0] * POINTS) == NONE
+    assert (run.pieces, log[0].stop) == (1, 150)
+    assert lines.append(run, line, log, 0, 150, 50, [3.0] * POINTS) == 1
+    assert (run.pieces, log[1].degree, log[0].after, line[0].tail) == (2, 0, 1, 1)
+
+
+@pytest.mark.parametrize(("jump", "slope", "bend", "order", "sent"), [
+    (1e-3, 0.0, 0.0, 0, 0),
+    (1e-3, 0.0, 0.0, SMOOTH, SMOOTH),  # theory says that nothing jumps
+    (1e-13, 1e-2, 0.0, 0, 1),  # a jump of round-off
+    (0.0, 1e-2, 0.0, 1, 1),
+    (0.0, 0.0, 1e-2, 1, 1),
+    (0.0, 1e-9, 0.0, 1, SMOOTH),  # below tolerance
+    (0.0, 0.0, 0.0, 0, SMOOTH),
+])
+def test_a_break_is_hard_where_what_jumps_is_above_tolerance(jump, slope, bend, order, sent):
+    """Slope and bend over the shortest transit, 1000 ticks; pieces of 1000 and 500."""
+    run, line, log = stock((0, 1000, SMOOTH, chebyshev.poly2cheb([0.5, 0.3, 0.1]).tolist()))
+    u = (X + 1) / 4  # transits since the break
+    f = 0.9 + jump + (2 * 0.5 + slope) * u + (4 * 0.1 + bend) * u**2  # y = 1 + 2 u before
+    lines.send(run, line, log, 0, 1000, 500, f.tolist(), order)
+    assert (log[1].order, line[0].hard) == (sent, int(sent <= HARD))
+
+
+# Laws --------------------------------------------------------------------------------------------
+
+LAWS = {
+    "bond": {"law": Law.BOND, "status": Status.FIXED},
+    "spring": {"law": Law.SPRING, "stiffness": 7.0},
+    "dashpot": {"law": Law.SPRING, "stiffness": 7.0, "damping": 0.6},
+    "joint": {"law": Law.JOINT, "stiffness": 7.0, "damping": 0.6, "status": Status.FIXED},
+    "Hertz": {"law": Law.POWER, "stiffness": 7.0, "exponent": 1.5},
+    "power": {"law": Law.POWER, "stiffness": 7.0, "exponent": 2.3},
+    "Hunt-Crossley": {"law": Law.POWER, "stiffness": 7.0, "exponent": 1.5, "damping": 0.6},
+}
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_force_satisfies_its_law_and_has_these_derivatives(name):
+    it = one(LINK, **{"mobility": 0.8, "exponent": 1.0, "status": Status.PRESS, **LAWS[name]})
+    d, closing, small = 0.3, 1.7, 1e-6
+    F, by_d, by_closing = laws.force(it, d, closing)
+    rate = closing - it.mobility * F
+    if it.law == Law.BOND:
+        assert rate == pytest.approx(0.0, abs=1e-15)
+    elif it.law == Law.POWER:
+        assert pytest.approx(F) == 7.0 * d**it.exponent * (1 + it.damping * rate)
+    else:
+        assert pytest.approx(F) == 7.0 * d + it.damping * rate
+    around = [laws.force(it, d + i * small, closing)[0] for i in (-1, 1)]
+    assert by_d == pytest.approx((around[1] - around[0]) / (2 * small), rel=1e-7, abs=1e-9)
+    around = [laws.force(it, d, closing + i * small)[0] for i in (-1, 1)]
+    assert by_closing == pytest.approx((around[1] - around[0]) / (2 * small), rel=1e-7, abs=1e-9)
+
+
+@pytest.mark.parametrize(("law", "status", "d", "closing", "to"), [
+    (Law.SPRING, Status.OPEN, 1e-3, 1.0, Status.PRESS),
+    (Law.SPRING, Status.PRESS, -1e-3, 1.0, Status.OPEN),
+    (Law.RIGID, Status.PRESS, 0.0, -1.0, Status.OPEN),
+    (Law.YIELD, Status.PRESS, 0.5, 1.0, Status.PLASTIC),
+    (Law.YIELD, Status.PLASTIC, 0.5, -1.0, Status.PRESS),
+    (Law.POWER, Status.PRESS, 0.5, -9.0, Status.SLACK),
+    (Law.POWER, Status.SLACK, 0.5, 9.0, Status.PRESS),
+    (Law.POWER, Status.SLACK, -0.5, -9.0, Status.OPEN),
+])
+def test_what_ends_a_status(law, status, d, closing, to):
+    it = one(LINK, law=law, status=status, stiffness=10.0, exponent=1.0, strength=2.0,
+             mobility=0.1, damping=0.5 if law == Law.POWER else 0.0)
+    F = laws.force(it, d, closing)[0] if status in (Status.PRESS, Status.PLASTIC) else 0.0
+    ended = [after for g, after in (laws.guard(it, i, d, closing, F, 1.0, 1.0)
+                                    for i in range(laws.guards(it))) if g < 0]
+    assert ended == [to]
+    assert all(math.isfinite(laws.guard(it, i, d, closing, F, 1.0, 1.0)[0])
+               for i in range(laws.guards(it)))
+
+
+# Compiling ---------------------------------------------------------------------------------------
+
+
+def module_of(path, name):
+    """A kernel module from a file."""
+    made = types.ModuleType(f"rodimpact.methods.{name}")
+    made.__file__ = str(path)
+    exec(compile(path.read_text(), str(path), "exec"), vars(made))
+    return made
+
+
+SOURCE = "TABLE = [1.0, 2.0]\n\ndef total(f):\n    s = 0.0\n    for i in range(2):\n" \
+         "        s += TABLE[i] * f[i]\n    return s\n"
+
+
+def test_another_source_has_another_digest(tmp_path, monkeypatch):
+    inner, outer = tmp_path / "inner.py", tmp_path / "outer.py"
+    inner.write_text(SOURCE)
+    outer.write_text("def call(f):\n    return inner.total(f)\n")
+    made = module_of(outer, "outer")
+    made.inner = module_of(inner, "inner")
+    first = compiling._digest(made)
+    assert compiling._digest(made) == first
+    inner.write_text(SOURCE.replace("2.0", "3.0"))  # of what it imports
+    second = compiling._digest(made)
+    outer.write_text("def call(f):\n    return -inner.total(f)\n")
+    assert len({first, second, compiling._digest(made)}) == 3
+
+
+def test_records_become_objects_and_come_back():
+    rng = np.random.default_rng(0)
+    records = np.zeros(3, PIECE)
+    records["start"], records["coefficient"] = [1, -2, 1 << 60], rng.normal(size=(3, POINTS))
+    objects = compiling.as_objects(records)
+    assert isinstance(objects[2].start, int)
+    objects[1].stop = 7
+    back = compiling.as_records(objects, PIECE)
+    records["stop"][1] = 7
+    assert back.tobytes() == records.tobytes()
+
+
+@pytest.mark.skipif(bool(kernels.why_not()), reason="there is no compiler")
+def test_a_twin_runs_the_same_bits():
+    """A kernel on objects in plain Python, and on arrays of records compiled."""
+    f, y = drawn(9), 0.3
+    plain, fast = f.tolist(), f.copy()
+    series.restrict(plain, y, [0.0] * POINTS)
+    compiling.compiled(series, "restrict")(fast, y, np.zeros(POINTS))
+    assert fast.tolist() == plain
+    it = np.zeros(1, LINK)
+    it["law"], it["status"], it["stiffness"], it["exponent"] = Law.POWER, Status.PRESS, 3.0, 2.3
+    it["damping"], it["mobility"] = 0.2, 0.7
+    wanted = laws.force(compiling.as_objects(it)[0], 0.11, 0.9)
+    assert compiling.compiled(laws, "force")(it[0], 0.11, 0.9) == wanted

@@ -1,0 +1,88 @@
+"""Driven ends by characteristics: closed forms of a rod whose end is moved, pushed or sent a wave."""
+
+import math
+from itertools import product
+
+import numpy as np
+import pytest
+from exhaustive import few_of
+from networks import unit_rod
+
+import rodimpact as ri
+from rodimpact.methods.pieces import driver
+
+UNTIL = 3.4
+STEPS = ri.Steps([0.0, 1.0, -0.5, 0.2], [0.3, 0.71, 1.9])
+SAMPLES = ri.Samples([0.0, 1.0, -0.5, 0.2, 0.3], step=0.7)
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_compiled(monkeypatch):
+    monkeypatch.setattr(driver, "PLAIN", 1 << 40)
+
+
+def value(profile, t):
+    """What a profile is at times; 0 before the start."""
+    if isinstance(profile, ri.Steps):
+        f = np.array(profile.values)[np.searchsorted(profile.at, t, "right")]
+    elif isinstance(profile, ri.Samples):
+        f = np.interp(t, profile.step * np.arange(len(profile.values)), profile.values)
+    else:
+        f = profile(t) if callable(profile) else profile
+    return np.where(t >= 0, f, 0.0)
+
+
+def leaving(kind, far, profile, t, Z):
+    """The wave that leaves the driven left end: a = 2 f - b, b + 2 F/Z or 2 c e, b the echo."""
+    sent = {ri.Moved: 2.0, ri.Pushed: 2 / Z, ri.Incoming: -2.0}[kind]
+    echo = {ri.Free: 1.0, ri.Fixed: -1.0}[far] * {ri.Moved: -1, ri.Pushed: 1, ri.Incoming: 0}[kind]
+    return sum(sent * echo**n * value(profile, t - 2 * n) for n in range(3))
+
+
+def sine(periods):
+    return lambda t: 0.3 + np.sin(2 * math.pi * periods * t + 0.4)
+
+
+PROFILES = {"number": 0.7, "steps": STEPS, "samples": SAMPLES, "slow": sine(0.05), "even": sine(1.0),
+            "quick": sine(10.0), "100 a transit": sine(100.0)}
+
+
+CASES = list(product(PROFILES, [ri.Moved, ri.Pushed, ri.Incoming], [ri.Free, ri.Fixed]))
+USUAL = [case for case in CASES if case[0] not in ("quick", "100 a transit")]
+USUAL += [("quick", ri.Moved, ri.Free)]
+
+
+@pytest.mark.parametrize("case", few_of(CASES, USUAL))
+def test_a_driven_rod_moves_as_dalembert_says(case):
+    name, kind, far = case
+    profile, Z = PROFILES[name], 2.0
+    end = kind(profile, duration=UNTIL) if callable(profile) else kind(profile)
+    s = ri.solve(ri.System([unit_rod(1.0, Z)], ends=[end, far()]), UNTIL, "characteristics")
+    rng = np.random.default_rng(1)
+    x, t = rng.uniform(0, 1, 200), rng.uniform(0, UNTIL, 200)
+    away = leaving(kind, far, profile, t - x, Z)
+    back = leaving(kind, far, profile, t + x - 2, Z) * (1 if far is ri.Free else -1)
+    size = np.abs(leaving(kind, far, profile, np.linspace(0, UNTIL, 999), Z)).max()
+    stated = s.accuracy["velocity"]
+    assert stated <= 1e-7
+    assert s.velocity(0, x, t) == pytest.approx((away + back) / 2, abs=(stated + 1e-12) * size)
+    assert s.strain(0, x, t) == pytest.approx((back - away) / 2, abs=(stated + 1e-12) * size)
+    assert abs(s.outcome.momentum_residual) <= 1e-9 * size
+    assert abs(s.energy(UNTIL).residual) <= 1e-8 * size**2
+
+
+@pytest.mark.parametrize("name", few_of(list(PROFILES), ["steps", "even"]))
+def test_a_driven_rod_presses_a_spring(name):
+    """What arrives, u = 2 f, drives d' = u - F/Z - F/Z of two endless bars: F is u low-passed."""
+    profile, k, Z = PROFILES[name], 5.0, 2.0
+    end = ri.Incoming(profile, duration=UNTIL) if callable(profile) else ri.Incoming(profile)
+    system = ri.System([unit_rod(1.0, Z)] * 2, contacts=[ri.Joint(k)], ends=[end, ri.Absorbing()])
+    s = ri.solve(system, UNTIL)
+    n = 400_000
+    t = np.linspace(0, UNTIL - 1, n + 1)
+    middle = (t[1:] + t[:-1]) / 2
+    grow = np.exp(2 * k / Z * (middle - t[-1]))  # of what enters until the end
+    d = np.sum(-2 * value(profile, middle) * grow) * (t[1] - t[0])
+    assert float(s.contacts[0].force(UNTIL)) == pytest.approx(k * d, abs=2e-5)
+    paths = np.sum(-2 * value(profile, middle)) * (t[1] - t[0])
+    assert s.contacts[0].impulse == pytest.approx((paths - d) * Z / 2, abs=2e-5)

@@ -1,0 +1,143 @@
+"""Runs of characteristics: what stays the same however they run, are saved and are read."""
+
+import os
+import subprocess
+import sys
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from exhaustive import few_of
+from networks import mixed_network, random_network, unit_rod
+
+import rodimpact as ri
+from rodimpact.methods import kernels
+from rodimpact.methods.pieces import driver, families
+
+METHOD = "characteristics"
+
+
+@pytest.fixture
+def plain(monkeypatch):
+    """Nothing is compiled."""
+    monkeypatch.setattr(driver, "PLAIN", 1 << 40)
+
+
+def everything(solution):
+    """Numbers that a run comes to, and its waves at some places."""
+    t = np.linspace(0, solution.t_end, 9)
+    rods = [i for i, b in enumerate(solution.system.bodies) if isinstance(b, ri.Rod)]
+    waves = [solution.velocity(i, 0.3 * solution.system.bodies[i].length, t) for i in rods]
+    forces = [c.force(t) for c in solution.contacts]
+    tallies = [(c.impulse, c.peak_force, c.duration) for c in solution.contacts]
+    return np.concatenate([*waves, *forces, *map(np.array, tallies)])
+
+
+# The same however it is run -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_run_that_finds_too_little_room_goes_on_with_more(plain, monkeypatch, seed):
+    system = random_network(seed)
+    whole = everything(ri.solve(system, 2.0, METHOD))
+    monkeypatch.setattr(driver, "FIRST_ROOM", 4)
+    monkeypatch.setattr(driver, "FIRST_TURNS", 1100)
+    assert everything(ri.solve(system, 2.0, METHOD)).tolist() == whole.tolist()
+
+
+def family():
+    return ri.System(
+        [unit_rod(np.array([0.4, 0.7, 1.0, 0.9]), velocity=1.0), ri.RigidMass(0.5), unit_rod(1.3)],
+        [0.0, 0.01], [ri.Hertz(np.array([[10.0], [1e5]])), ri.HuntCrossley(20.0, 0.2)])
+
+
+def totals(result):
+    names = ("impulse", "peak_force", "duration", "episodes")
+    return [*(v.tolist() for v in result.velocities_after),
+            *(getattr(c, name).tolist() for c in result.contacts for name in names)]
+
+
+@pytest.mark.skipif(bool(kernels.why_not()), reason="there is no compiler")
+def test_members_are_single_solves_in_any_chunks_by_any_executor(monkeypatch):
+    system = family()
+    whole = ri.sweep(system)
+    for executor in (ThreadPoolExecutor(2), ProcessPoolExecutor(2)):
+        with executor:
+            assert totals(ri.sweep(system, executor=executor)) == totals(whole)
+    monkeypatch.setattr(families, "TOGETHER", 3)
+    monkeypatch.setattr(families, "CALL", 2)
+    monkeypatch.setattr(families, "ROOM", 8)
+    assert totals(ri.sweep(system)) == totals(whole)
+    monkeypatch.setattr(driver, "PLAIN", 1 << 40)
+    for index in np.ndindex(system.shape):
+        single = ri.solve(system[index]).outcome
+        assert tuple(v[index] for v in whole.velocities_after) == single.velocities_after
+        for many, one in zip(whole.contacts, single.contacts, strict=True):
+            assert (many.impulse[index], many.peak_force[index], many.duration[index]) == (
+                one.impulse, one.peak_force, one.duration)
+
+
+SCRIPT = """
+import numpy as np, sys
+sys.path.insert(0, {tests!r})
+from test_pieces_runs import everything
+from networks import mixed_network
+import rodimpact as ri
+for seed in {seeds}:
+    system, until, _ = mixed_network(np.random.default_rng(seed))
+    print([x.hex() for x in everything(ri.solve(system, until, "characteristics")).tolist()])
+"""
+
+
+@pytest.mark.skipif(bool(kernels.why_not()), reason="there is no compiler")
+def test_plain_python_runs_the_same_bits(monkeypatch):
+    seeds = [2003, 2012, 2018, 2024, 2030, 2063]
+    found = {}
+    for first in (1 << 40, 0):
+        monkeypatch.setattr(driver, "PLAIN", first)
+        systems = [mixed_network(np.random.default_rng(seed))[:2] for seed in seeds]
+        found[first] = [everything(ri.solve(s, until, METHOD)).tolist() for s, until in systems]
+    assert repr(found[0]) == repr(found[1 << 40])
+
+
+def test_without_a_compiler_a_solve_is_the_same(plain):
+    here = os.path.dirname(__file__)
+    script = SCRIPT.format(tests=here, seeds=[2018])
+    path = os.pathsep.join([os.path.dirname(here), *filter(None, sys.path)])
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True,
+                         env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": path})
+    system, until, _ = mixed_network(np.random.default_rng(2018))
+    found = everything(ri.solve(system, until, METHOD))
+    assert run.stdout.strip() == str([x.hex() for x in found.tolist()])
+
+
+# Saved and read -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", [2003, 2012, 2018])
+def test_a_saved_solution_says_the_same(plain, tmp_path, seed):
+    system, until, _ = mixed_network(np.random.default_rng(seed))
+    s = ri.solve(system, until, METHOD)
+    s.save(tmp_path / "run.npz")
+    again = ri.load(tmp_path / "run.npz")
+    assert repr(everything(again).tolist()) == repr(everything(s).tolist())
+    assert (again.accuracy, again.status, again.method) == (s.accuracy, s.status, s.method)
+    t = np.linspace(0, until, 7)
+    assert again.energy(t).residual.tolist() == s.energy(t).residual.tolist()
+
+
+@pytest.mark.parametrize("seed", few_of(range(2000, 2030), [2003, 2012, 2018, 2024, 2030]))
+def test_the_ledger_of_energy_closes(plain, seed):
+    system, until, _ = mixed_network(np.random.default_rng(seed))
+    s = ri.solve(system, until, METHOD)
+    book = s.energy(np.linspace(0, until, 33))
+    moved = np.abs(book.kinetic).max() + np.abs(book.vibration).max() + 1.0
+    assert np.abs(book.residual).max() <= 1e-8 * moved + np.abs(book.numerical).max()
+
+
+def test_a_gauge_is_the_strain_at_its_place(plain):
+    system = ri.System([unit_rod(0.4, velocity=1.0), unit_rod(1.0)], contacts=[ri.Hertz(20.0)])
+    s = ri.solve(system, 4.0)
+    gauge = s.gauge(body=1, x=0.3)
+    t = np.linspace(0.01, 3.99, 50)
+    assert gauge.strain_at(t) == pytest.approx(s.strain(1, 0.3, t), abs=1e-12)
