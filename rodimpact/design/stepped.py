@@ -136,8 +136,8 @@ class _Search(NamedTuple):
         starts = [np.log(areas / shot.area)
                   for areas in (shot.peeled(wanted, shot.area * ratios), shot.matched(wanted))]
         if coarser.size:
-            places, known = ((np.arange(n) + 0.5) / n for n in (segments, coarser.size))
-            starts.append(np.interp(places, known, coarser))
+            here, there = ((np.arange(n) + 0.5) / n for n in (segments, coarser.size))
+            starts.append(np.interp(here, there, coarser))
         starts = [np.clip(start, *self.bounds) for start in starts]
         start = min(starts, key=lambda start: float(np.sum(residual(start) ** 2)))
         best = least_squares(

@@ -52,6 +52,8 @@ class Design:
     def of(cls, case: Case) -> Design:
         """A case; one without gauges gets one in the middle of its last rod."""
         rods = [i for i, body in enumerate(case.system.bodies) if isinstance(body, Rod)]
+        if not rods:
+            raise InvalidModel([("bodies", "needs at least one rod")])
         return cls(replace(case, gauges=case.gauges or (GaugePlace(rods[-1], 0.5),)))
 
     @classmethod

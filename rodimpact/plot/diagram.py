@@ -18,7 +18,7 @@ from matplotlib.text import Text
 from ..model import Absorbing
 from ..results.gauges import Gauge, check_gauges
 from ..results.placing import placing
-from ..results.solution import Solution, check_solution
+from ..results.solution import Solution, check_waves
 from .borders import Borders, Cut, apart_mark, open_style
 from .plane import Plane
 from .polygons import Polygons
@@ -109,7 +109,7 @@ def spacetime(
         100 000 regions, a magnification that is not positive or given for coordinates of the
         bodies, or a dimensionless picture of a row in which nothing approaches.
     """
-    check_solution(solution)
+    check_waves(solution)
     check_choice("field", field, FIELDS)
     check_choice("coordinates", coordinates, ("lab", "body"))
     stations = {} if gauges is None else check_gauges(gauges)

@@ -21,7 +21,7 @@ from PIL import Image
 from ..model import Rod
 from ..model.arguments import single
 from ..results.placing import Placing, placing
-from ..results.solution import Solution, check_solution
+from ..results.solution import Solution, check_waves
 from .bars import THICKNESS_TOLD, Bars
 from .diagram import spacetime
 from .film import Film
@@ -207,7 +207,7 @@ def animation(
     >>> film.clock(len(film) - 1), film.frame(4).shape
     ('t = 317 µs', (680, 840, 3))
     """
-    check_solution(solution)
+    check_waves(solution)
     check_choice("field", field, FIELDS)
     check_frames(frames, fps)
     start = single("start", start, "s")

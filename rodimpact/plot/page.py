@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from ..model import RigidMass, Wall
+from ..model import RigidMass, Rod, Wall
 from ..results.gauges import Gauge
 from ..results.solution import Solution, check_solution
 from .diagram import spacetime
@@ -49,9 +49,13 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     figure = new_figure(11.7, 8.3)
     halves = figure.add_gridspec(2, 1, height_ratios=(1.5, 1.0))
     upper, lower = halves[0].subgridspec(1, 2), halves[1].subgridspec(2, 2)
-    stop = drawn_until(solution)
-    for column, field in enumerate(("velocity", "stress")):
-        spacetime(solution, figure.add_subplot(upper[column]), field, stop=stop, gauges=gauges)
+    stop = solution.t_end
+    if any(isinstance(body, Rod) for body in solution.system.bodies):
+        stop = drawn_until(solution)
+        for column, field in enumerate(("velocity", "stress")):
+            spacetime(solution, figure.add_subplot(upper[column]), field, stop=stop, gauges=gauges)
+    else:  # masses have no waves
+        lower = figure.add_gridspec(2, 2)
     able_to_open = solution.outcome.unilateral
     if len(able_to_open) > TOGETHER:
         draw_row_of_forces(figure.add_subplot(lower[:, 0]), solution, able_to_open)

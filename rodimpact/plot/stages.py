@@ -21,7 +21,7 @@ from ..model import RigidMass
 from ..model.arguments import array
 from ..results.gauges import Gauge, check_gauges
 from ..results.placing import Placing, placing
-from ..results.solution import Solution, check_solution
+from ..results.solution import Solution, check_waves
 from .bars import THICKNESS_TOLD, Bars, Piece
 from .moments import happening, moments
 from .sampling import is_stepped
@@ -90,7 +90,7 @@ def snapshots(
     ValueError
         For a time outside the solution, no times, or a magnification that is not positive.
     """
-    check_solution(solution)
+    check_waves(solution)
     when = moments(solution) if times is None else array("times", times, "s").ravel()
     if when.size == 0:
         raise ValueError("times: needs at least one time, got none")

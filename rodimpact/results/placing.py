@@ -130,9 +130,6 @@ def placing(
     lengths = [_length(solution, body) for body in bodies]
     begin = np.cumsum([0.0, *lengths[:-1]])
     apart = np.array(solution.fields.positions) - begin
-    masses = np.array([isinstance(body, RigidMass) for body in solution.system.bodies])
-    block = round_down(BLOCK * sum(lengths)) if masses.any() else 0.0
-    left = begin + block * (np.cumsum(masses) - masses)
     times = np.linspace(start, stop, 101)
     moved = np.array([
         apart[body] + solution.displacement(body, x, times)
@@ -141,13 +138,17 @@ def placing(
     slowest = _slowest(solution)
     relative = float(np.ptp(moved - slowest * times))
     reach = float(np.ptp(moved))
+    row = sum(lengths) or reach or 1.0  # the scale of masses alone is how far they move
+    masses = np.array([isinstance(body, RigidMass) for body in solution.system.bodies])
+    block = round_down(BLOCK * row) if masses.any() else 0.0
+    left = begin + block * (np.cumsum(masses) - masses)
     if magnification is None:
         strain = 0.0
         for body in bodies:
             if lengths[body]:
                 x, t = np.broadcast_arrays(np.linspace(0, lengths[body], 33)[:, None], times)
                 strain = max(strain, float(np.abs(solution.strain(body, x, t)).max()))
-        magnification = magnified(sum(lengths), reach, relative, strain)
+        magnification = magnified(row, reach, relative, strain)
     frame = slowest if drifts(reach, relative) else 0.0
     return Placing(solution, magnification, frame, left, apart, block)
 

@@ -451,3 +451,11 @@ def _area(segment: Segment, x: Floats) -> Floats | float:
 def check_solution(value: Any) -> None:
     """Raise ValueError for what is no solution."""
     of_kind("solution", value, Solution, "rodimpact.solve(system)")
+
+
+def check_waves(value: Any) -> None:
+    """Raise ValueError for what is no solution, or has no rod whose waves could be drawn."""
+    check_solution(value)
+    if not any(isinstance(body, Rod) for body in value.system.bodies):
+        raise ValueError("solution: has no rod, and rigid masses have no waves to be drawn; draw "
+                         "its contacts and its energy")

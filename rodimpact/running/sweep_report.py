@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..methods.groups import unilateral
-from ..model import Rod
+from ..model import Wall
 from ..results.words import outcome
 from ..storage.tables import SCHEMA_VERSION, align, clean, joules
 from ..units import format_si
@@ -144,7 +144,7 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
 
 def _scale(result: SweepResult, index: Any) -> float:
     """Energy of the motion of the bodies of a member relative to each other, or more."""
-    masses = [body.mass for body in result.system[index].bodies if isinstance(body, Rod)]
+    masses = [body.mass for body in result.system[index].bodies if not isinstance(body, Wall)]
     velocities = [v[index] for v in result.velocities_after]
     spread = max(velocities) - min(velocities)
     push = sum(abs(contact.impulse[index]) for contact in result.contacts)

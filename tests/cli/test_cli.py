@@ -836,3 +836,17 @@ def test_options_replace_what_they_exclude_in_the_case(tmp_path, monkeypatch, ca
     assert "Stated relative error: " in found["outcome"]["status"]
     assert main(["run", "lossy.toml", "--cells", "10", "--json"]) == 0
     assert "14 cells" in json.loads(capsys.readouterr().out)["outcome"]["status"]
+
+
+def test_a_case_of_masses_alone(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    mass = '[[bodies]]\nkind = "mass"\nmass = 1.0\nvelocity = {}\n'
+    law = '[[contacts]]\nlaw = "hertz"\nstiffness = 1e8\n'
+    Path("balls.toml").write_text("schema = 1\n" + mass.format(1.0) + mass.format(0.0) + law)
+    assert main(["run", "balls.toml", "--plot", "balls.svg"]) == 0
+    assert main(["sweep", "balls.toml", "--vary", "bodies.0.mass=1,2"]) == 0
+    capsys.readouterr()
+    for command in (["animate", "balls.toml", "-o", "balls.gif"],
+                    ["export", "balls.toml", "-o", "balls.html"]):
+        assert main(command) == 2
+        assert re.search("has no rod|at least one rod", capsys.readouterr().err)

@@ -633,3 +633,15 @@ ri.plot.animation(solution, frames=2).frame(1), solution._repr_html_()
 assert "matplotlib.pyplot" not in sys.modules
 """
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_rows_of_masses_have_contacts_and_energy_to_draw():
+    row = ri.System([ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0)],
+                    gaps=[1e-3], contacts=[ri.Hertz(1e8)])
+    solution = ri.solve(row)
+    plot.contact(solution)
+    assert plot.energy(solution)
+    assert len(plot.overview(solution).axes) == 3
+    for draw in (plot.spacetime, plot.snapshots, plot.animation):
+        with pytest.raises(ValueError, match="solution: has no rod"):
+            draw(solution)
