@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpecBase
 
 from ..model import RigidMass, Rod, Wall
 from ..results.gauges import Gauge
@@ -48,7 +49,8 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     time_scale(solution.t_end)  # refuses what lasts no time
     figure = new_figure(11.7, 8.3)
     halves = figure.add_gridspec(2, 1, height_ratios=(1.5, 1.0))
-    upper, lower = halves[0].subgridspec(1, 2), halves[1].subgridspec(2, 2)
+    upper = halves[0].subgridspec(1, 2)
+    lower: GridSpecBase = halves[1].subgridspec(2, 2)
     stop = solution.t_end
     if any(isinstance(body, Rod) for body in solution.system.bodies):
         stop = drawn_until(solution)
