@@ -45,7 +45,7 @@ def test_a_chain_of_masses_swings_as_its_matrix_says(method):
     assert s.contacts[1].gap(t) == pytest.approx(exact[:, 1] - exact[:, 0], abs=1e-3)
     assert s.velocity(2, 0.0, t) == pytest.approx(exact[:, 3], abs=3e-3)
     ledger = s.energy(t)
-    assert np.abs(ledger.residual).max() < 1e-13
+    assert np.abs(ledger.residual).max() < (1e-10 if method == "characteristics" else 1e-13)
     assert ledger.contact[0] == pytest.approx(k[0] * 0.2**2 / 2, rel=1e-14)
     assert np.diff(ledger.dissipated).min() >= 0
 
@@ -161,13 +161,13 @@ def test_the_film_runs_backwards(method):
     there = solved(row, 2.0, method)
     assert np.abs([c.gap(2.0) for c in there.contacts]).min() > 0.01
     back = solved(there.system_at(2.0).reversed(), 2.0, method)
-    # on a grid jumps go to the cells and back
-    close = 1e-12 if method == "characteristics" else 0.02
+    # on a grid jumps go to the cells and back; rtol is 1e-8
+    close = 1e-9 if method == "characteristics" else 0.02
     for contact in back.contacts:
         assert float(contact.gap(2.0)) == pytest.approx(0.0, abs=close)
     assert float(back.mean_velocity(0, 2.0)) == pytest.approx(-1.0, abs=close)
     assert back.outcome.contact_energy_before == pytest.approx(
-        there.outcome.contact_energy, rel=1e-12)
+        there.outcome.contact_energy, rel=1e-9)
 
 
 def test_a_state_goes_on_with_its_stretch():
@@ -177,9 +177,10 @@ def test_a_state_goes_on_with_its_stretch():
     assert rest.system.gaps == (0.0,)
     assert rest.system.contacts[0].stretch == float(whole.contacts[0].gap(1.5)) != 0
     t = np.linspace(0, 2.5, 40)
-    assert rest.contacts[0].gap(t) == pytest.approx(whole.contacts[0].gap(1.5 + t), abs=1e-12)
+    # jumps of the state are straight lines over two samples
+    assert rest.contacts[0].gap(t) == pytest.approx(whole.contacts[0].gap(1.5 + t), abs=2e-6)
     between = [s.position(1, 0.0, s.t_end) - s.position(0, 1.0, s.t_end) for s in (whole, rest)]
-    assert between == pytest.approx([whole.contacts[0].gap(4.0)] * 2, abs=1e-12)
+    assert between == pytest.approx([whole.contacts[0].gap(4.0)] * 2, abs=2e-6)
 
 
 @both
@@ -189,7 +190,7 @@ def test_a_mirror_changes_nothing(method):
     one, other = solved(row, 3.0, method), solved(row.mirrored(), 3.0, method)
     t = np.linspace(0, 3, 60)
     for k in range(3):
-        assert other.contacts[2 - k].gap(t) == pytest.approx(one.contacts[k].gap(t), abs=1e-12)
+        assert other.contacts[2 - k].gap(t) == pytest.approx(one.contacts[k].gap(t), abs=1e-10)
 
 
 def test_a_stiff_joint_is_a_bond():

@@ -141,7 +141,7 @@ def record(
             top = series.largest(it.force)
             if ticks > run.window and top > NEAR * it.peak:  # shorter is where breaks nearly meet
                 it.peak = max(it.peak, series.maximum(it.force, at.series))
-            if it.status >= Status.PRESS and top * it.ease > run.graze:
+            if it.status >= Status.PRESS and presses(run, it, top):
                 touch = Touch.PRESSING.value
                 it.pressed += ticks
         if it.law >= Law.RIGID and touch != it.touch:
@@ -151,6 +151,13 @@ def record(
         if run.keep:
             lines.append(run, line, log, body.line, at.now, ticks, body.speed)
         body.speed[0] = body.speed[N]
+
+
+def presses(run: Any, it: Any, top: float) -> bool:
+    """Whether a touching contact presses: by its overlap if it has one, else by its force."""
+    if it.law >= Law.SPRING:
+        return top > 0 and series.largest(it.overlaps) > run.graze * run.shortest * run.tick
+    return top * it.ease > run.graze
 
 
 def acts_or_pushes(it: Any) -> bool:

@@ -97,11 +97,12 @@ def totals(layout: Layout, refused: Any, until: float | None) -> FamilyRun:
     before: list[Any] = []
     after: list[Any] = []
     free, frame = movable(system), row.frame
-    fall = np.broadcast_to(row.gravity, system.shape).ravel() * run["surveyed"] * run["tick"]
+    surveyed = (run["surveyed"].reshape(system.shape), run["tick"].reshape(system.shape))
+    fall = row.gravity * surveyed[0] * surveyed[1]
     for group, head in zip(groups(system), heads.tolist(), strict=True):
         inside = [i for i in group if i in free]
         for found, name, fallen in ((before, "initial", 0.0), (after, "mean", fall)):
-            shared = (part[name][:, head] + fallen).reshape(system.shape) + frame
+            shared = part[name][:, head].reshape(system.shape) + (frame + fallen)
             found += [unknown + np.broadcast_to(v, system.shape).ravel()
                       for v in velocities_in_group(system, group, inside, shared)]
     opens = [law.opens for law in system.contacts]

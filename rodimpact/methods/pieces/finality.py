@@ -16,6 +16,7 @@ from .records import NONE, Law, Part, Status
 from .series import WEIGHTS, N, X
 
 WALL, ENDLESS = 0, 1  # `index` of what holds a group
+DASHPOT = 16.0  # (2 sqrt(2 E m)/c)^2 over 2 E, twice as the sum of two bounds is squared
 STILL = 2.0**-40  # of the velocity scale: slower is at rest
 ROUGH = 1e-3  # of the tolerance of pieces: what they leave open
 
@@ -185,10 +186,14 @@ def set_ends(
             head.low, head.high = extremes(line, log, 2 * it.index + 1, low, high)
         elif it.kind == Part.JOINT:
             pieces += 2
-            head.right_deviation -= link[it.index].overlap * it.before
-            head.left_deviation += link[it.index].overlap * it.far_before
-            head.right_slack += it.compliance * it.before**2
-            head.left_slack += it.compliance * it.far_before**2
+            gives = it.compliance
+            if gives > 0:
+                head.right_deviation -= link[it.index].overlap * it.before
+                head.left_deviation += link[it.index].overlap * it.far_before
+            else:  # a dashpot stretches by no more than the momentum that passes it, over c
+                gives = DASHPOT * max(passed, total - passed) / link[it.index].damping ** 2
+            head.right_slack += gives * it.before**2
+            head.left_slack += gives * it.far_before**2
         elif it.kind == Part.MASS:
             pieces += 2
         elif it.index == ENDLESS:

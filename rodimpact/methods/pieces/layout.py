@@ -142,7 +142,8 @@ def lay_out(
     spans = [ticks[:, first - 1 : last].sum(axis=1) for first, last in row.spans if last]
     longest = reduce(np.maximum, spans) if spans else shortest
     grounds = part["kind"] == Part.GROUND
-    run["held"] = np.any(grounds & (part["parts"] != 1), axis=1)
+    joined = not all(law.opens for law in row.system.contacts)
+    run["held"] = np.any(grounds & (part["parts"] != 1), axis=1) | joined
     seen = run["held"].any() or keep  # who wants totals alone needs no more than the proof
     run["extra"] = ENDLESS if until is not None else 2 * longest if seen else 0
     node["length"] = np.maximum(shortest // 8, 16)[:, None]
@@ -519,8 +520,7 @@ def _parts(row: Row, of: _Members, link: Any, pieces: _Pieces) -> Any:
             begun = False
         elif row.laws[i] == old.JOINT:
             k = of(row.stiffness[i])
-            with np.errstate(divide="ignore"):
-                add(Part.JOINT, i, 0.0, 1 / k)
+            add(Part.JOINT, i, 0.0, np.divide(1.0, k, out=np.zeros_like(k), where=k > 0))
     _add_side(row, of, add, *row.beside[-1][1])
     table = np.stack(parts, axis=1)
     for head, stop in zip(heads, [*heads[1:], len(parts)], strict=True):

@@ -86,7 +86,7 @@ def follow(
         stop = march(run, node, link, mass, line, log, turn, G)
         if stop == Stop.CHECK:
             finality.look(run, link, mass, line, log, part)
-    if run.proved < 0 or run.held:  # what holds a group changes its momentum after the proof, too
+    if run.proved < 0 or run.held:  # what is joined changes after the proof, too
         finality.survey(link, mass, line, log, part, run.tick, run.end)
         run.surveyed = run.end
     return stop

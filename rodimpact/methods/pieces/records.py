@@ -134,7 +134,7 @@ RUN = np.dtype([
     ("tolerance", "f8"),  # of a piece, m/s
     ("floor", "i8"), ("window", "i8"), ("shortest", "i8"),  # ticks
     ("end", "i8"), ("limit", "i8"), ("keep", "i8"), ("prove", "i8"), ("proved", "i8"),
-    ("held", "i8"),  # 1: a wall or an endless rod holds bodies
+    ("held", "i8"),  # 1: bodies are joined to others, a wall or an endless rod
     ("surveyed", "i8"),  # when its groups were looked at last
     ("check", "i8"), ("extra", "i8"),  # ticks to go on after the proof
     ("pieces", "i8"), ("turns", "i8"), ("steps", "i8"), ("rough", "i8"), ("first_rough", "i8"),
