@@ -320,9 +320,32 @@ thread.join()
 """
 
 
+LOGS = """
+import os, threading, time
+from rodimpact.methods import kernels
+import logging
+
+inside = threading.Event()
+
+def start_numba():
+    with kernels._ONE_AT_A_TIME:
+        inside.set()
+        time.sleep(0.5)
+        logging.getLogger("numba")
+
+threading.Thread(target=start_numba).start()
+inside.wait()
+child = os.fork()
+if child == 0:
+    os._exit(0)
+os.waitpid(child, 0)
+"""
+
+
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
-def test_a_child_forked_while_a_thread_compiles_ends(tmp_path):
+@pytest.mark.parametrize("script", [FORKS, LOGS], ids=["compiling", "logging"])
+def test_a_child_forked_while_a_thread_compiles_ends(script, tmp_path):
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    command = [sys.executable, "-W", "ignore", "-c", FORKS]
+    command = [sys.executable, "-W", "ignore", "-c", script]
     done = subprocess.run(command, env=environment, timeout=240, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
