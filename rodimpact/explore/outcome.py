@@ -10,8 +10,8 @@ from typing import Any
 
 from ..methods.fronts.front_kernel import CAP, CLOCK, EVENTS, FINAL, FINALITY, NOW, ROWS
 from ..methods.fronts.layout_kernel import round_trip
-from ..methods.fronts.method import cut_short, ends_of_contacts, pressing, rounding
-from ..methods.status import ending, last_contact, proof_sentence, strain_warning
+from ..methods.fronts.method import cut_short, ends_of_contacts, pressing
+from ..methods.status import ending, last_contact, proof_sentence, rounding, strain_warning
 from ..results.outcome import ROUND_OFF, no_restitution
 from ..theory import pair_numbers, pair_restitution
 from ..units import format_si

@@ -203,6 +203,8 @@ def _let_go() -> None:
 
 
 if hasattr(os, "register_at_fork"):
+    import logging  # noqa: F401 - its lock is taken after these, as numba does: else both would wait
+
     os.register_at_fork(before=_hold, after_in_parent=_let_go, after_in_child=_let_go)
 
 

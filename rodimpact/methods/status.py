@@ -10,6 +10,7 @@ from ..units import format_si
 from .abilities import driven
 
 LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
+ROUNDED = 2.0**-36  # relative change of a transit time that is told
 
 
 def end_sentence(system: System, stopped_by: str, final: str, end: str, cap: str) -> str:
@@ -91,6 +92,13 @@ def proof_sentence(met: bool, t_final: float) -> str:
     else:
         rest = f"the last contact ended at {format_si(t_final, 's')}"
     return f"The collision is final: {rest}."
+
+
+def rounding(error: float, path: str) -> str:
+    """What is told of transit times that the clock has changed by so much of themselves."""
+    if error <= ROUNDED:
+        return ""
+    return f" The transit time of {path} was rounded by {error:.2g} of itself to fit the clock."
 
 
 def strain_warning(strain: float) -> str:

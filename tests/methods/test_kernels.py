@@ -14,10 +14,10 @@ import pytest
 from runs import assembled
 
 import rodimpact as ri
-from rodimpact.methods import kernels
+from rodimpact.methods import kernels, tick_rule_kernel
 from rodimpact.methods.fronts import front_kernel, layout_kernel
-from rodimpact.methods.fronts.layout_kernel import assign_ticks, recognise
 from rodimpact.methods.fronts.tracking import track
+from rodimpact.methods.tick_rule_kernel import assign_ticks, recognise
 from rodimpact.results import field_kernel
 
 
@@ -150,9 +150,9 @@ def test_a_row_of_many_rods_uses_the_same_rule():
     assert len(b.ticks) == 20
 
 
-@pytest.mark.parametrize("module", [layout_kernel, front_kernel, field_kernel])
+@pytest.mark.parametrize("module", [tick_rule_kernel, layout_kernel, front_kernel, field_kernel])
 def test_kernel_files_stand_alone(module):
-    """They run where there is nothing but Python."""
+    """They run where there is nothing but Python, and the tick rule."""
     tree = ast.parse(Path(module.__file__).read_text())
     imported = {
         name.name if isinstance(node, ast.Import) else node.module
@@ -160,7 +160,8 @@ def test_kernel_files_stand_alone(module):
         if isinstance(node, ast.Import | ast.ImportFrom)
         for name in node.names
     }
-    assert imported <= {"__future__", "math", "typing"}
+    allowed = {"__future__", "math", "typing"}
+    assert imported <= allowed | ({"tick_rule_kernel"} if module is layout_kernel else set())
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
@@ -295,7 +296,7 @@ def test_everything_that_may_run_compiled_is_warmed(monkeypatch):
 FORKS = """
 import os, sys, threading, time
 import numpy as np
-from rodimpact.methods import kernels
+from rodimpact.methods import kernels, tick_rule_kernel
 from rodimpact.results.field_kernel import sum_on_grid
 
 ticks, values = np.array([0]), np.array([1.0])
@@ -319,9 +320,32 @@ thread.join()
 """
 
 
+LOGS = """
+import os, threading, time
+from rodimpact.methods import kernels
+import logging
+
+inside = threading.Event()
+
+def start_numba():
+    with kernels._ONE_AT_A_TIME:
+        inside.set()
+        time.sleep(0.5)
+        logging.getLogger("numba")
+
+threading.Thread(target=start_numba).start()
+inside.wait()
+child = os.fork()
+if child == 0:
+    os._exit(0)
+os.waitpid(child, 0)
+"""
+
+
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
-def test_a_child_forked_while_a_thread_compiles_ends(tmp_path):
+@pytest.mark.parametrize("script", [FORKS, LOGS], ids=["compiling", "logging"])
+def test_a_child_forked_while_a_thread_compiles_ends(script, tmp_path):
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    command = [sys.executable, "-W", "ignore", "-c", FORKS]
+    command = [sys.executable, "-W", "ignore", "-c", script]
     done = subprocess.run(command, env=environment, timeout=240, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

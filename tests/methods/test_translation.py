@@ -14,7 +14,7 @@ import pytest
 from exhaustive import few_of
 
 from rodimpact.methods import kernel_parts, kernels, machine_code
-from rodimpact.methods.fronts.layout_kernel import assign_ticks, common_parts, recognise
+from rodimpact.methods.tick_rule_kernel import assign_ticks, common_parts, recognise
 
 pytest.importorskip("numba")
 if not kernels.enabled():
@@ -66,7 +66,7 @@ def test_numba_has_the_insides_that_parts_and_files_need(cache):
     kernels.compiled(total)(pair())
     ((seen,),) = kernels.compiled(total).overloads
     assert type(seen) is Columns
-    assert any(file.name.startswith("rodimpact.methods.fronts.layout_kernel.assign_ticks.")
+    assert any(file.name.startswith("rodimpact.methods.tick_rule_kernel.assign_ticks.")
                for file in files(cache))
 
 

@@ -18,10 +18,9 @@ from ...model.frozen import InvalidModel, Number
 from .. import kernels, laws
 from ..clock import Clock
 from ..row import Row
+from ..tick_rule_kernel import CLOCK_BITS, COARSEST
 from .front_kernel import BOND, FREE, OPEN, PUSH, TOUCH, Log, State, Tally, begin
 from .layout_kernel import (
-    CLOCK_BITS,
-    COARSEST,
     ENDLESS,
     LAID,
     LONG,

@@ -13,7 +13,14 @@ from .. import abilities as physics
 from ..duration import Forecast, Progress
 from ..row import Row
 from ..run import MEASURES, VELOCITY, Run
-from ..status import end_sentence, last_contact, proof_sentence, strain_warning
+from ..status import (
+    ROUNDED,
+    end_sentence,
+    last_contact,
+    proof_sentence,
+    rounding,
+    strain_warning,
+)
 from .assembly import Assembly, assemble
 from .front_kernel import GRAZE, OPEN, PRESS, State, Tally
 from .layout_kernel import TOLERANCE
@@ -27,8 +34,7 @@ LACKS = (
 )
 ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come to rest
 LESS = "an earlier end (until), or a lower cap (max_events),"
-ROUNDED = 2.0**-36  # relative change of a transit time that is told
-EXACT = 2.0**-48  # and that is round-off
+EXACT = 2.0**-48  # relative change of a transit time that is round-off
 MORE = 4  # times the events of a run that another may take, beside rounded transit times
 NO_ROUNDING: Mapping[str, float] = {}
 
@@ -75,13 +81,6 @@ def _status(run: FrontRun, t_final: float) -> str:
         sentence + rounding(a.transit_error, a.worst)
         + strain_warning(fastest / min(a.wave_speed[1:-1]))
     )
-
-
-def rounding(error: float, path: str) -> str:
-    """What is told of transit times that the clock has changed by so much of themselves."""
-    if error <= ROUNDED:
-        return ""
-    return f" The transit time of {path} was rounded by {error:.2g} of itself to fit the clock."
 
 
 def _told(accuracy: Mapping[str, float]) -> str:

@@ -14,8 +14,8 @@ from ...model import Rod, Samples, Steps
 from ...model.frozen import InvalidModel
 from ...model.profiles import extremes
 from .. import laws as old
+from .. import tick_rule_kernel as rule
 from ..abilities import driven
-from ..fronts import layout_kernel as rule
 from ..row import Row
 from . import finality, waves
 from .records import (

@@ -19,11 +19,10 @@ from ...units import format_si
 from .. import abilities as physics
 from ..clock import Clock
 from ..duration import Forecast, Progress
-from ..fronts.method import rounding
 from ..groups import groups
 from ..row import Row, squeezed
 from ..run import MEASURES, VELOCITY, ContactTally, GroupTotals, Run, Signals
-from ..status import end_sentence, last_contact, proof_sentence, strain_warning
+from ..status import end_sentence, last_contact, proof_sentence, rounding, strain_warning
 from .driver import Machine
 from .layout import FLOORS, LAWS, Layout, lay_out
 from .records import Law, Part, Status, Stop, Touch
