@@ -245,7 +245,7 @@ def test_rows_meet_characteristics(name):
     row, contacts, options = COMPLIANT[name]
     system = ri.System(row, contacts=contacts, **options)
     until, t = 2.3, np.linspace(0, 2.3, 24)
-    fine = ri.solve(system, until, "characteristics", dt=1 / 1280)
+    fine = ri.solve(system, until, "characteristics")
     errors = []
     for n in (40, 80, 160):
         s = ri.solve(system, until, METHOD, cells=n)
@@ -369,7 +369,7 @@ def test_a_cone_in_steps_is_the_cone():
     other = unit_rod(0.8, 2.0)
     whole = ri.solve(ri.System([cone, other]), 4.0, cells=300)
     assert whole.method == METHOD
-    steps = ri.solve(ri.System([cone.in_steps(64), other]), 4.0, "characteristics", dt=1 / 640)
+    steps = ri.solve(ri.System([cone.in_steps(64), other]), 4.0, "characteristics")
     assert whole.outcome.velocities_after == pytest.approx(steps.outcome.velocities_after, abs=3e-3)
     assert whole.outcome.impulse == pytest.approx(steps.outcome.impulse, rel=4e-3)
 
@@ -538,8 +538,11 @@ def test_options_that_contradict_each_other():
             found = refused('is for method "finite-difference"', ri.solve, ri.System(row), 1.0,
                             method, **options)
             assert found == list(options)
-    assert ri.solve(ri.System(row), 1.0, cells=10).method == METHOD
-    assert ri.solve(ri.System(row), 1.0, snapshots=3, dt=0.1).method == METHOD
+    for options in ({"cells": 10}, {"dt": 0.1}, {"snapshots": 3}):
+        found = refused('method "auto" takes "fronts"', ri.solve, ri.System(row), 1.0, **options)
+        assert found == list(options)
+    assert solved(row, 1.0, 10).method == METHOD
+    assert solved(row, 1.0, snapshots=3, dt=0.1).method == METHOD
 
 
 def test_families_are_for_sweep(monkeypatch):
@@ -901,7 +904,7 @@ def test_nothing_moves_or_meets(monkeypatch):
 def test_a_mass_between_rods():
     row = [unit_rod(0.5, velocity=1.0), ri.RigidMass(0.2), unit_rod(0.75)]
     rough = solved(row, 3.0, 200)
-    fine = ri.solve(ri.System(row), 3.0, "characteristics", dt=1 / 400)
+    fine = ri.solve(ri.System(row), 3.0, "characteristics")
     assert rough.outcome.velocities_after == pytest.approx(fine.outcome.velocities_after, abs=5e-3)
     assert [c.episodes for c in rough.outcome.contacts] == [
         c.episodes for c in fine.outcome.contacts]
