@@ -71,6 +71,7 @@ def test_an_atlas_over_a_density_says_what_a_run_there_does(path):
     for density in (7100, 8900):
         e = ri.solve(pair(density)).outcome.restitution
         assert float(plane.restitution(density, 1.0)) == pytest.approx(e, rel=1e-12)
+    assert str(plane).endswith(f"where rho1 = {path}, l2 = bodies.1.length")
 
 
 def test_a_round_rod_goes_by_its_diameter_and_by_its_area():

@@ -200,8 +200,9 @@ class Atlas:
     @property
     def _names(self) -> dict[str, str]:
         """Path of each of the two numbers, by its name in formulas."""
-        axes = [self.x[0], self.y[0]]
-        return {n: path for n, path in Naming(self.system, axes).paths.items() if path in axes}
+        naming = Naming(self.system, [self.x[0], self.y[0]])
+        paths = {name: naming.symbol_of(path) for name, path in naming.paths.items()}
+        return {name: path for name, path in paths.items() if path}
 
     def largest(self, most: int) -> list[Region]:
         """The largest regions, with their formulas; needs sympy.
