@@ -39,7 +39,7 @@ LAST = {1.0: (2, -0.69888), 2.0: (1, -0.92525), 4.0: (2, -0.95927), 6.0: (2, -0.
 
 
 def run() -> list[Row]:
-    """Free rods, the order in the step, fixed rods."""
+    """Free rods, fixed rods."""
     return free() + fixed()
 
 

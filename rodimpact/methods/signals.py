@@ -90,12 +90,15 @@ class Pieces:
         return np.maximum(np.diff(self.ticks, append=self.end), 1)
 
     @cached_property
-    def _integral_to_piece(self) -> Floats:
+    def _whole(self) -> Floats:
+        """Integrals of all pieces but the last."""
         if self.size == 1:
-            whole = self.values[:-1] * np.diff(self.ticks)
-        else:
-            whole = self._primitive[:-1].sum(axis=1)
-        return np.concatenate(([0.0], np.cumsum(whole)))
+            return np.asarray(self.values[:-1] * np.diff(self.ticks))
+        return np.asarray(self._primitive[:-1].sum(axis=1))
+
+    @cached_property
+    def _integral_to_piece(self) -> Floats:
+        return np.concatenate(([0.0], np.cumsum(self._whole)))
 
     @cached_property
     def _primitive(self) -> Floats:
@@ -193,7 +196,7 @@ class Pieces:
     def _twice(self, ticks: Any) -> Any:
         i = self.piece(ticks)
         width = (ticks - self.ticks[i]) * 1.0  # whole ticks overflow when they are squared
-        passed = self._integral_to_piece[i] * width
+        passed = self._integral_to_piece[i] * ticks
         if self.size == 1:
             passed = passed + self.values[i] * width * width / 2
         else:
@@ -210,13 +213,15 @@ class Pieces:
 
     @cached_property
     def _twice_to_piece(self) -> Floats:
-        width = np.diff(self.ticks) * 1.0
-        passed = self._integral_to_piece[:-1] * width
+        """Up to each piece, without the share of the pieces before that grows with the ticks.
+
+        That stands in a product: summed up, it would add its round-off even where nothing acts.
+        """
         if self.size == 1:
-            passed = passed + self.values[:-1] * width * width / 2
+            inside = self.values[:-1] * (np.diff(self.ticks) * 1.0) ** 2 / 2
         else:
-            passed = passed + self._twice_inside[:-1].sum(axis=1)
-        return np.concatenate(([0.0], np.cumsum(passed)))
+            inside = self._twice_inside[:-1].sum(axis=1)
+        return np.concatenate(([0.0], np.cumsum(inside - self._whole * self.ticks[1:])))
 
     def breaks_in(self, start: int, stop: int) -> Ints:
         """Breaks strictly between `start` and `stop`."""

@@ -149,3 +149,13 @@ def test_lines_through_values():
     assert s.at([-1, 0, 2, 4, 7, 10, 12]).tolist() == [1.0, 1.0, 2.0, 3.0, 1.5, 0.0, 0.0]
     assert float(s.integral(0, 10)) == 17.0
     assert Pieces.through([0], np.array([2.0])).at([0, 5]).tolist() == [2.0, 2.0]
+
+
+def test_what_acts_for_a_moment_does_not_gather_round_off_afterwards():
+    """As the force of a wall that a bar under gravity left long ago."""
+    count, width = 40000, 7
+    force = np.zeros((count, 1))
+    force[7] = 0.1
+    end = count * width
+    passed = Pieces(np.arange(count) * width, force).integrated_twice(end)
+    assert passed == pytest.approx(0.1 * width * (end - 7.5 * width), rel=1e-14)
