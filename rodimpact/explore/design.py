@@ -132,7 +132,13 @@ class Design:
         chosen = Options(until, method).method_for(system)
         if chosen != "finite-difference":
             most = MOST_EVENTS if chosen == "fronts" else MOST_STEPS
-            return solve(system, until, method, max_events=asked.get("max_events", most))
+            try:
+                return solve(system, until, method, max_events=asked.get("max_events", most))
+            except InvalidModel as error:
+                raise InvalidModel([
+                    ("solve.until" if path == "until" else path, message)
+                    for path, message in error.problems
+                ]) from None
         transits = [
             float(s.transit_time) for b in system.bodies if isinstance(b, Rod) for s in b.segments
         ]

@@ -23,7 +23,7 @@ from .sampling import fine
 from .scales import Scale, engineering, time_scale, written
 from .showing import picture
 from .style import DASHES, SMALL, colours, dress, legend_above, new_figure, styled, two_axes
-from .thinning import evenly, telling
+from .thinning import INTERVALS, evenly, telling
 
 MARKED_UP_TO = 3  # episodes of contact
 NAMED_UP_TO = 12  # contacts in a row
@@ -47,8 +47,8 @@ def contact(
     """Draw force and gap of a contact, or of several together, against time.
 
     A gap below 0 is the indentation of a compliant contact; that of a joint is its stretch. An
-    impact of two rigid bodies lasts no time: on a grid its force is the mean over the time step
-    that the label names.
+    impact of two rigid bodies lasts no time: its force is the mean over the time that the label
+    names, the time step of a grid or a thousandth of the run.
 
     Parameters
     ----------
@@ -120,11 +120,11 @@ def contact(
 
 
 def force_scale(solution: Solution, histories: Sequence[ContactHistory]) -> Scale:
-    """Scale of an axis of contact forces; it says so if some are means over a step of a grid."""
-    impacts = any(getattr(history.law, "restitution", None) is not None for history in histories)
-    fields = solution.fields
-    step = written(fields.resolution * fields.clock.tick, "s")
-    mean = f",\nmean over {step}" if impacts and fields.resolution > 1 else ""
+    """Scale of an axis of contact forces; it says so if some are means over a time."""
+    fields, mean = solution.fields, ""
+    if any(map(_is_impact, histories)):
+        step = fields.resolution * fields.clock.tick
+        mean = f",\nmean over {written(max(step, solution.t_end / INTERVALS), 's')}"
     largest = max(np.abs(_record(history, solution.t_end)[1]).max() for history in histories)
     return engineering(f"contact force{mean}", largest, "N")
 
@@ -172,8 +172,16 @@ def _line(i: int) -> dict[str, Any]:
     return {"color": series[i % len(series)], "linestyle": DASHES[i % len(DASHES)]}
 
 
+def _is_impact(history: ContactHistory) -> bool:
+    """Whether two rigid bodies collide, which takes no time."""
+    return getattr(history.law, "restitution", None) is not None
+
+
 def _record(history: ContactHistory, end: float) -> tuple[Floats, Floats, Floats]:
     """Break times with the end [n + 1], force between them [n], and gap at them [n + 1]."""
+    if _is_impact(history):
+        edges = np.linspace(0.0, end, INTERVALS + 1)
+        return edges, np.diff(history.impulse_until(edges)) / np.diff(edges), history.gap(edges)
     times, force, gap = history.breakpoints()
     if history.push.size > 1:
         edges, force = fine(times, force)

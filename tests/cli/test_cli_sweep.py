@@ -520,7 +520,7 @@ def test_a_reader_who_has_gone_is_no_failure(case, form):
     os.close(reading)
     done = subprocess.run(
         [sys.executable, "-m", "rodimpact", "sweep", "case.toml", "--vary",
-         "bodies.0.length=1:2:2000", form],
+         "bodies.0.length=1:2:300", form],
         env=ENVIRONMENT, stdout=writing, stderr=subprocess.PIPE, timeout=60, check=False,
     )
     os.close(writing)

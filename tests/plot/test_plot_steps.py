@@ -1,4 +1,4 @@
-"""Figures of solutions on a time step: cells, masses, ends, losses; true, and small in files."""
+"""Figures of solutions whose waves are smooth: cells, masses, ends, losses; true, and small in files."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ def rod(length=1.0, velocity=0.0, area=1e-4, **kwargs):
 
 
 PULSE = ri.Steps([2e3, 0.0], at=[1e-4])
+RAMP = ri.Samples([1.0, 0.5], step=3e-4)
 ROWS = {
     "hertz": (ri.System(
         [rod(0.2, 5.0), rod(0.6), ri.RigidMass(0.05), rod(0.4)],
@@ -40,7 +41,7 @@ ROWS = {
         [rod(0.5), ri.RigidMass(0.2), rod(0.3)], gaps=[0.0, 1e-6],
         contacts=[ri.Bonded(), ri.HuntCrossley(1e10, 0.2)],
         ends=(ri.Pushed(PULSE), ri.Fixed())), 1e-3),
-    "driven": (ri.System([rod(0.5)], ends=(ri.Moved(1.0), ri.Absorbing())), 3e-4),
+    "driven": (ri.System([rod(0.5)], ends=(ri.Moved(RAMP), ri.Absorbing())), 3e-4),
     "stepped": (ri.System([ri.RigidMass(1.0, velocity=1.0), ri.Rod(segments=[
         ri.Segment(0.3, 1e-4, STEEL), ri.Segment(0.2, 3e-4, ri.materials.aluminium)])]), 4e-4),
     "masses": (ri.System(
@@ -353,9 +354,7 @@ def test_only_entries_that_are_not_zero_are_shown_and_named(solved):
         assert len(drawn.bands) + (drawn.work is not None) == len(words)
         return set(words) - {"moving as a whole", "vibration", "strain"}
 
-    assert named("hertz") == {
-        "in compliant contacts", "gone through absorbing ends", "lost to the time step"
-    }
+    assert named("hertz") == {"in compliant contacts", "gone through absorbing ends"}
     assert {"in compliant contacts", "lost in contacts",
             "initial energy and work of the driven ends"} <= named("pushed")
     assert "lost in contacts" in named("masses")

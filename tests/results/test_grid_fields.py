@@ -321,15 +321,15 @@ def test_a_profile_is_the_state_cell_by_cell(row):
     assert set(profile.segment) == {2, 3}
 
 
-def test_a_state_can_be_continued():
-    """To within what averages over cells change."""
+@pytest.mark.parametrize("t", [0.5, 1.0])
+def test_a_state_can_be_continued(t):
+    """To within what averages over cells change; the contact is open, then pressed."""
     hit = unit_rod(velocity=lambda x: 0.4 + 0.3 * math.cos(math.pi * x))
     system = ri.System([hit, unit_rod(0.7)], [0.2], [ri.Spring(4.0)])
     errors = []
     for n in (40, 160):
         whole = ri.solve(system, 3.0, METHOD, cells=n)
-        t = 0.5
-        assert float(whole.contacts[0].gap(t)) > 0
+        assert (float(whole.contacts[0].gap(t)) > 0) == (t == 0.5)
         rest = ri.solve(whole.system_at(t), 3.0 - t, METHOD, cells=n)
         errors.append(max(abs(float(rest.mean_velocity(i, 3.0 - t))
                               - float(whole.mean_velocity(i, 3.0))) for i in (0, 1)))
@@ -340,10 +340,6 @@ def test_a_state_can_be_continued():
 def test_what_cannot_be_continued_says_so(row):
     with pytest.raises(ValueError, match=r"ends\.left: is driven"):
         row.system_at(1.0)
-    system = ri.System([unit_rod(velocity=1.0), unit_rod()], contacts=[ri.Spring(1.0)])
-    s = ri.solve(system, 4.0, METHOD, cells=16)
-    with pytest.raises(ValueError, match="compliant contact 0 is pressed"):
-        s.system_at(1.0)
 
 
 def test_a_wall_and_a_mass_bonded_to_it():
