@@ -199,7 +199,6 @@ def test_a_compliant_contact_opens_as_its_indentation_ends():
 
 RAMP = ri.Samples([0.0, 0.5, -0.3, 0.2, 0.0], step=0.5)
 WAVE = ri.Samples((0.3 * np.cos(np.linspace(0, 3, 65))).tolist())
-FADING = ri.Samples((0.3 * np.cos(np.linspace(0, np.pi / 2, 65))).tolist())  # no jump at its end
 COMPLIANT = {
     "spring": ([unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)], [ri.Spring(3.0)], {}),
     "dashpot": ([unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)],
@@ -231,7 +230,7 @@ COMPLIANT = {
                  [ri.Yielding(5.0, 0.2, 0.5)], {}),
     "an incoming wave": ([unit_rod(0.4), unit_rod(1.0, 2.0, velocity=0.3)],
                          [ri.Hertz(5.0)], {"ends": (ri.Incoming(RAMP), ri.Free())}),
-    "an absorbing end": ([ri.RigidMass(0.5, velocity=0.6), unit_rod(velocity=FADING)],
+    "an absorbing end": ([ri.RigidMass(0.5, velocity=0.6), unit_rod(velocity=WAVE)],
                          [ri.Spring(4.0)], {"ends": (ri.Free(), ri.Absorbing())}),
 }
 

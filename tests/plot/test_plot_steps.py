@@ -1,4 +1,4 @@
-"""Figures of solutions whose waves are smooth: cells, masses, ends, losses; true, and small in files."""
+"""Figures of solutions with smooth waves: cells, masses, ends, losses; true, and small in files."""
 
 from __future__ import annotations
 
