@@ -267,8 +267,11 @@ class Machine:
         for side, sign in ((0, 1), (1, -1)):
             cell = mesh.ends[side] + (1 if side == 0 else 0)
             if row.outside[side][0] == "absorbing":  # v - F/Z, seen from the row
-                wave = sign * float(tension[cell]) / self._impedance(side)
-                self.ends.rest[side] = v[mesh.ends[side]] - wave
+                # carried on to the end itself from means over half a cell and over a cell
+                inside, node = cell + sign, mesh.ends[side]
+                pull = tension[cell] - (tension[inside] - tension[cell]) / 2
+                speed = v[node] - (v[node + sign] - v[node]) / 3
+                self.ends.rest[side] = float(speed - sign * pull / self._impedance(side))
         links = self.links
         closing = v[links.left] - v[links.right]
         links.shut[links.gap <= closing / 2] = 1  # closes before the first kick
