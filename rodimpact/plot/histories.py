@@ -180,7 +180,7 @@ def _is_impact(history: ContactHistory) -> bool:
 def _record(history: ContactHistory, end: float) -> tuple[Floats, Floats, Floats]:
     """Break times with the end [n + 1], force between them [n], and gap at them [n + 1]."""
     if _is_impact(history):
-        edges = np.linspace(0.0, end, INTERVALS + 1)
+        edges: Floats = np.linspace(0.0, end, INTERVALS + 1)
         return edges, np.diff(history.impulse_until(edges)) / np.diff(edges), history.gap(edges)
     times, force, gap = history.breakpoints()
     if history.push.size > 1:
