@@ -163,7 +163,8 @@ def test_bonded_masses_are_one_mass():
     parts = [ri.RigidMass(m, velocity=v) for m, v in ((0.5, 1.0), (0.5, 1.0), (2.0, 1.0))]
     three = solved([*parts, rod], 6.0, contacts=[ri.Bonded(), ri.Bonded(), ri.Hertz(10.0)])
     t = np.linspace(0, 6, 50)
-    assert three.outcome.restitution == pytest.approx(one.outcome.restitution, rel=1e-14)
+    # joined bodies are read off at the end of the run, others at the proof
+    assert three.outcome.restitution == pytest.approx(one.outcome.restitution, rel=1e-11)
     for body in range(3):
         assert three.velocity(body, 0.0, t) == pytest.approx(one.velocity(0, 0.0, t), rel=1e-13)
     assert np.array_equal(three.contacts[2].force(t), one.contacts[0].force(t))
@@ -451,7 +452,7 @@ def test_samples_along_a_rod_run_as_dalembert_says():
     expected = (right(x - t) + 1) / 2  # leftward: v + c strain = 1 everywhere
     assert s.velocity(0, x, t) == pytest.approx(expected, abs=1e-13)
     assert s.strain(0, x, t) == pytest.approx((1 - right(x - t)) / 2, abs=1e-13)
-    assert float(s.displacement(0, 2.0, 0.0)) == pytest.approx(0.0, abs=1e-15)
+    assert float(s.displacement(0, 2.0, 0.0)) == pytest.approx(0.0, abs=1e-14)
     assert float(s.displacement(0, 1.0, 0.0)) == pytest.approx(0.5, abs=1e-14)
 
 
