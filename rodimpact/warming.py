@@ -51,6 +51,7 @@ def warm() -> float:
                 if not method.lacking(family):
                     cells = 8 if "cells" in method.takes else None
                     sweep(family, name, cells=cells, workers=1)
+                    sweep(family, name, until=1e-3, cells=cells, workers=1, also=["largest_stress"])
                     solution = solve(family[0], method=name, cells=cells)
                     if cells:  # without cells, what is measured of levels
                         solve(family[0], method=name, rtol=1.0)

@@ -48,7 +48,7 @@ def _twin(module: ModuleType) -> ModuleType:
     for name, value in vars(module).items():
         made = value
         if _is_own(value, module):
-            made = numba.njit(**OPTIONS)(
+            made = numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS)(
                 FunctionType(value.__code__, vars(twin), name, value.__defaults__))
         elif _is_kernel(value):
             made = _twin(value)

@@ -289,7 +289,8 @@ def test_everything_that_may_run_compiled_is_warmed(monkeypatch):
         met.update(k.__name__ for k in kernel)))
     monkeypatch.setattr(kernels, "why_not", lambda: "")
     ri.warm()
-    assert {"family", "run"} < asked
+    assert "run" in asked
+    asked = asked - {"kernel"} | {"family", "family_with_reading"}  # one of these two
     assert asked <= met
 
 

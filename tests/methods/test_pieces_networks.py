@@ -81,7 +81,9 @@ def test_random_rows_are_those_of_an_independent_solver(seed):
     true, doubt = errors(system, until, reference, found), dict.fromkeys(BOUND, 1e-12)
     if any(solution.accuracy[name] < true[name] - doubt[name] for name in STATED) or any(
             true[name] > BOUND[name] for name in BOUND):
-        doubt = errors(system, until, reference, solve(system, until, 1e-11, drives))
+        others = [errors(system, until, reference, solve(system, until, tolerance, drives))
+                  for tolerance in (1e-12, 1e-11)]  # its round-off shows in the nearer one, too
+        doubt = {name: 2 * max(other[name] for other in others) for name in BOUND}
     for name in BOUND:
         assert true[name] <= BOUND[name] + 10 * doubt[name], name
     for name in STATED:

@@ -14,7 +14,7 @@ from ..row import Row
 from . import driver
 from .layout import Layout, is_even, lay_out
 from .method import tolerance_of, vibration_of
-from .records import PIECE, TURN, Stop
+from .records import PIECE, TURN, Law, Stop
 
 TOGETHER = 4096  # members of one chunk
 CALL = 64  # members between two looks whether to stop
@@ -23,9 +23,13 @@ ROOM = 4096  # pieces of the log that they share, at first
 
 
 def together(row: Row) -> int:
-    """How many members to run in one call; 0 where each is to be run alone."""
+    """How many members to run in one call; 0 where each is to be run alone.
+
+    The force of a bond between rigid bodies follows from signals, which a family does not keep.
+    """
     seconds = math.prod(row.system.shape) * MEMBER_TIME
-    return TOGETHER if is_even(row) and driver.pays(seconds) else 0
+    follows = any(i < 0 for i in row.contact_link)
+    return TOGETHER if is_even(row) and not follows and driver.pays(seconds) else 0
 
 
 def solve_family(
@@ -109,11 +113,11 @@ def totals(layout: Layout, refused: Any, until: float | None) -> FamilyRun:
     contacts: dict[str, list[Any]] = {name: [] for name in (
         "impulse", "peak_force", "duration", "episodes")}
     for k, i in enumerate(row.contact_link):
-        it = link[:, max(i, 0)]
-        known = unknown if i >= 0 else np.full(len(run), math.nan)
-        contacts["impulse"].append(known + it["impulse"])
-        contacts["peak_force"].append(known + it["peak"])
-        contacts["duration"].append(known + (it["pressed"] * run["tick"] if opens[k] else 0.0))
+        it = link[:, i]
+        contacts["impulse"].append(unknown + it["impulse"])
+        contacts["peak_force"].append(unknown + np.where(
+            it["law"] == Law.IMPACT, math.nan, it["peak"]))
+        contacts["duration"].append(unknown + (it["pressed"] * run["tick"] if opens[k] else 0.0))
         contacts["episodes"].append(it["episodes"] if opens[k] else np.zeros(len(run), int))
     final = (run["proved"] >= 0) & ~refused
     reason = np.full(len(run), STOPPED_BY.index("clock" if until is None else "until"))

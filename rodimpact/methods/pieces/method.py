@@ -32,6 +32,7 @@ LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
 RTOL = 1e-8
 LOOSEST, FINEST = 1e-6, 1e-13  # of tolerances: errors fall evenly below, and round-off comes
 COARSER = 10.0  # tolerance of the run that the first is compared with, over its own
+COARSER_FLOOR = 2  # its floor, if breaks come too densely to be followed
 COARSEST = 1e-2
 ROUND_OFF = 1e-14
 DOUBT, SHARED = 2.0, 0.5  # times what two runs are apart; share of the worst that all may be off
@@ -60,6 +61,8 @@ def solve(
     while not any(accuracy.values()) and coarser <= COARSEST:  # the same steps tell nothing
         coarse = Machine(lay_out(row, until, coarser, max_events, keep=False))
         coarse.run["extra"] = fine.run["extra"]
+        if fine.run["rough"]:  # what the means over floors leave out grows with the floor
+            coarse.run["floor"] *= COARSER_FLOOR
         coarse.go(forecast)
         accuracy = stated(fine, coarse)
         coarser *= COARSER
