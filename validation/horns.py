@@ -9,7 +9,7 @@
   between fixed ones, k = n pi/L, and u = exp(-beta x) (cos k x + (beta/k) sin k x) or
   exp(-beta x) sin k x. With beta L = 4 the lowest mode lies well above the cut-off c beta, below
   which no wave runs: without the taper it would lie below it. Read off as in `lateral_inertia`.
-- A rod strikes a horn: on a grid, and as a rod of 200 steps by "characteristics". They agree to
+- A rod strikes a horn: on a grid, and as a rod of 200 steps by "fronts". They agree to
   1e-5 where the horn widens and the force falls to zero slowly. Where it narrows, the force ends in
   a jump, and what is left between them halves with the cells.
 
@@ -141,9 +141,9 @@ def steps() -> list[Row]:
     ):
         struck = horn(area)
         stepped = ri.solve(ri.System([striker, struck.in_steps(200)]),
-                           method="characteristics").outcome
+                           method="fronts").outcome
         o = ri.solve(ri.System([striker, struck]), method=METHOD, cells=CELLS).outcome
-        source = "200 steps by characteristics"
+        source = "200 steps by fronts"
         rows += [
             Row(case, "e", source, stepped.restitution, o.restitution, bound),
             Row(case, "impulse", source, stepped.impulse, o.impulse, bound),

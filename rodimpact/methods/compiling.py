@@ -19,6 +19,9 @@ import numpy as np
 OPTIONS = {"error_model": "numpy", "nogil": True}
 """Of every kernel: a division by zero is inf, as the kernels expect; threads run side by side."""
 
+INNER = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""Of what kernels call: nothing else does, so it needs no door to Python, and compiles faster."""
+
 
 @functools.cache
 def compiled(module: ModuleType, factory: str) -> Any:
@@ -48,7 +51,7 @@ def _twin(module: ModuleType) -> ModuleType:
     for name, value in vars(module).items():
         made = value
         if _is_own(value, module):
-            made = numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS)(
+            made = numba.njit(**INNER)(
                 FunctionType(value.__code__, vars(twin), name, value.__defaults__))
         elif _is_kernel(value):
             made = _twin(value)

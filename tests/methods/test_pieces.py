@@ -100,8 +100,8 @@ def test_the_maximum_is_that_of_a_fine_grid(seed):
     c = rng.normal(size=POINTS) * 0.2 ** np.arange(POINTS)  # smooth, as pieces are
     f = chebyshev.chebval(X, c).tolist()
     fine = chebyshev.chebval(np.linspace(-1, 1, 20001), c).max()
-    assert series.maximum(f, [0.0] * POINTS) == pytest.approx(fine, abs=1e-7)
-    assert series.maximum(f, [0.0] * POINTS) >= max(f)
+    assert series.maximum(f, [0.0] * POINTS, -math.inf) == pytest.approx(fine, abs=1e-7)
+    assert series.maximum(f, [0.0] * POINTS, -math.inf) >= max(f)
 
 
 @pytest.mark.parametrize(("n", "band"), [(8, 24), (24, 8), (40, 3), (5, 1)])
@@ -331,10 +331,12 @@ def test_a_twin_runs_the_same_bits():
     f, y = drawn(9), 0.3
     plain, fast = f.tolist(), f.copy()
     series.restrict(plain, y, [0.0] * POINTS)
-    compiling._twin(series).restrict(fast, y, np.zeros(POINTS))
+    restrict, force = compiling._twin(series).restrict, compiling._twin(laws).force
+    njit = pytest.importorskip("numba").njit(**compiling.OPTIONS)
+    njit(lambda f, y, c: restrict(f, y, c))(fast, y, np.zeros(POINTS))
     assert fast.tolist() == plain
     it = np.zeros(1, LINK)
     it["law"], it["status"], it["stiffness"], it["exponent"] = Law.POWER, Status.PRESS, 3.0, 2.3
     it["damping"], it["mobility"] = 0.2, 0.7
     wanted = laws.force(compiling.as_objects(it)[0], 0.11, 0.9)
-    assert compiling._twin(laws).force(it[0], 0.11, 0.9) == wanted
+    assert njit(lambda it, d, rate: force(it[0], d, rate))(it, 0.11, 0.9) == wanted

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,8 @@ from .. import compiling, kernels
 from ..duration import Forecast
 from ..memory import ask
 from . import march
-from .layout import ENDLESS, Layout
-from .records import PIECE, TURN, Stop
+from .layout import Layout
+from .records import NEVER, PIECE, TURN, Stop
 from .series import N
 
 FIRST_ROOM = 256  # pieces of a log, at first
@@ -20,13 +21,13 @@ PLAIN = 500  # steps in plain Python between two looks at the clock
 STEP_TIME = 1.5e-3  # s, about what such a step takes
 PRICE = 3.0  # s in plain Python, after which a process compiles
 SLICE, LONG_SLICE = 20_000, 200_000  # compiled steps between two looks at the clock
-OWN = ("run", "node", "link", "mass", "line", "part")
+ORDER = ("run", "node", "link", "mass", "line", "log", "turn", "part")  # of the kernel's arguments
 
 
 def kernel() -> Any:
-    """Return the kernel that runs families, compiled."""
+    """Return the kernel, compiled."""
     _ready.add(True)
-    return compiling.compiled(march, "family_of")
+    return compiling.compiled(march, "follow_of")
 
 
 _ready: set[bool] = set()  # whether this process has it
@@ -35,6 +36,15 @@ _ready: set[bool] = set()  # whether this process has it
 def pays(spent: float) -> bool:
     """Whether to run compiled what has taken, or is certain to take, this long in plain Python."""
     return kernels.pays(spent, 0.0 if _ready else PRICE)
+
+
+_plain = march.follow_of("")
+
+
+def matrix_of(node: Any) -> Any:
+    """Room for the equations of the longest chain."""
+    unknowns = N * max(2 * int(node["links"].max()) - 1, 1)
+    return np.zeros((unknowns, unknowns + 1))
 
 
 class Machine:
@@ -60,7 +70,7 @@ class Machine:
                          "turn": np.zeros(FIRST_TURNS, TURN)}
         self.records["run"]["pieces"] = len(known)
         self._kinds = {name: array.dtype for name, array in self.records.items()}
-        self._size = N * max(2 * int(self.records["node"]["links"].max()) - 1, 1)
+        self._matrix = matrix_of(self.records["node"])
 
     @property
     def run(self) -> Any:
@@ -74,7 +84,8 @@ class Machine:
         while stop == Stop.CAP and self.run["steps"] < limit:
             taken = int(self.run["steps"])
             compiled = pays(Machine.plain_steps * STEP_TIME)
-            self.records["run"]["limit"] = min(limit, taken + (more if compiled else PLAIN))
+            plain = max(PLAIN, taken // 2)  # as all records change their form each time
+            self.records["run"]["limit"] = min(limit, taken + (more if compiled else plain))
             if compiled:
                 stop, more = self._compiled(), LONG_SLICE
             else:
@@ -88,40 +99,35 @@ class Machine:
     def _tell(self, forecast: Forecast, limit: int) -> None:
         """Say how far the run is, of its time if there is an end, else of the cap."""
         steps, now = int(self.run["steps"]), int(self.records["node"]["now"].min())
-        if self.run["extra"] == ENDLESS and now > 0:
+        if self.run["extra"] == NEVER and now > 0:
             limit = min(limit, int(steps * (float(self.run["end"]) / now)) + 1)
         else:  # nobody knows: as long again
             limit = min(limit, 2 * steps)
         forecast.report(steps, limit, f"some {limit:.2g} steps of nodes")
 
     def _compiled(self) -> Stop:
-        """Run as a family of one."""
-        run, r = kernel(), self.records
-        none = np.zeros((1, 0), r["log"].dtype)
-        while True:
-            run(r["run"], *(r[name][None] for name in OWN[1:]), none, r["log"], r["turn"])
-            if self.run["stop"] != Stop.FULL:
-                return Stop(self.run["stop"])
+        """Run on arrays of records."""
+        follow = kernel()
+        while (stop := Stop(follow(*self._arguments(), self._matrix))) == Stop.FULL:
             self._more(np.zeros, np.concatenate)
+        return stop
 
     def _plain(self) -> Stop:
         """Run on lists of objects, in plain Python."""
-        matrix = np.zeros((self._size, self._size + 1)).tolist()
-        r: Any = {name: compiling.as_objects(a) for name, a in self.records.items()}
-        self.records = r
+        matrix = self._matrix.tolist()
+        self.records = {name: compiling.as_objects(a) for name, a in self.records.items()}
         try:
-            while True:
-                stop = Stop(march.follow(
-                    r["run"], r["node"], r["link"], r["mass"], r["line"], r["log"], r["turn"],
-                    r["part"], matrix))
-                if stop != Stop.FULL:
-                    return stop
+            while (stop := Stop(_plain(*self._arguments(), matrix))) == Stop.FULL:
                 self._more(_objects, _joined)
+            return stop
         finally:
             self.records = {
                 name: compiling.as_records(objects, self._kinds[name])
                 for name, objects in self.records.items()
             }
+
+    def _arguments(self) -> Iterator[Any]:
+        return (self.records[name] for name in ORDER)
 
     def _more(self, room: Any, joined: Any) -> None:
         """Double the log."""

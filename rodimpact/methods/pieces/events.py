@@ -140,7 +140,7 @@ def record(
             count(it, at.rate, h)
             top = series.largest(it.force)
             if ticks > run.window and top > NEAR * it.peak:  # shorter is where breaks nearly meet
-                it.peak = max(it.peak, series.maximum(it.force, at.series))
+                it.peak = max(it.peak, series.maximum(it.force, at.series, it.peak))
             if it.status >= Status.PRESS and presses(run, it, top):
                 touch = Touch.PRESSING.value
                 it.pressed += ticks

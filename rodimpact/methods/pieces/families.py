@@ -70,26 +70,20 @@ def beyond(row: Row) -> Any:
 
 
 def run_members(layout: Layout, wanted: Any, stop: Callable[[], bool]) -> None:
-    """Run members on the records of the layout."""
-    kernel = driver.kernel()
+    """Run members one after the other, on their records and one log."""
+    follow, known = driver.kernel(), layout.first.shape[1]
+    matrix = driver.matrix_of(layout.node[0])
     log, turn = np.zeros(ROOM, PIECE), np.zeros(ROOM, TURN)
-    columns = [layout.run, layout.node, layout.link, layout.mass, layout.line, layout.part,
-               layout.first]
-    if len(wanted) < len(layout.run):
-        columns = [column[wanted] for column in columns]
-    done, count = 0, len(wanted)
-    while done < count:
-        if stop():
+    own = layout.node, layout.link, layout.mass, layout.line
+    for count, m in enumerate(wanted.tolist()):
+        if count % CALL == 0 and stop():
             raise Stopped
-        last = min(done + CALL, count)
-        ended = kernel(*(column[done:last] for column in columns), log, turn)
-        done += ended
-        if done < last:
+        log[:known] = layout.first[m]
+        layout.run["pieces"][m] = known
+        node, link, mass, line = (records[m] for records in own)
+        run, part = layout.run[m : m + 1], layout.part[m]
+        while follow(run, node, link, mass, line, log, turn, part, matrix) == Stop.FULL:
             log, turn = (np.concatenate((a, np.zeros_like(a))) for a in (log, turn))
-    if count < len(layout.run):
-        for whole, part in zip((layout.run, layout.link, layout.part),
-                               (columns[0], columns[2], columns[5]), strict=True):
-            whole[wanted] = part
 
 
 def totals(layout: Layout, refused: Any, until: float | None) -> FamilyRun:

@@ -12,7 +12,7 @@ import math
 from typing import Any
 
 from . import lines
-from .records import NONE, Law, Part, Status
+from .records import NEVER, NONE, Law, Part, Status, Stop
 from .series import WEIGHTS, N, X
 
 WALL, ENDLESS = 0, 1  # `index` of what holds a group
@@ -21,18 +21,27 @@ STILL = 2.0**-40  # of the velocity scale: slower is at rest
 ROUGH = 1e-3  # of the tolerance of pieces: what they leave open
 
 
-def look(run: Any, link: Any, mass: Any, line: Any, log: Any, part: Any) -> None:
-    """See at `run.check` whether the run is over; if not, say when to look again."""
-    tick = run.check
-    for l in range(len(line)):
-        if line[l].head != NONE:
-            lines.move_on(line, log, l, tick)
-    survey(link, mass, line, log, part, run.tick, tick)
-    if is_over(run, link, part):
-        run.proved, run.surveyed, run.prove = tick, tick, 0
-        run.end = min(run.end, tick + run.extra)
-    else:
-        run.check = tick + max(run.shortest, wait(run, link, part))
+def look(run: Any, link: Any, mass: Any, line: Any, log: Any, part: Any, tick: int) -> None:
+    """See at a tick that every node has reached whether the run is over, or when to look again."""
+    if tick < run.end or run.proved == NONE or run.held:  # what is joined goes on changing
+        for l in range(len(line)):
+            if line[l].head != NONE:
+                if run.stop == Stop.CAP:
+                    lines.rewind(line, log, l)
+                lines.move_on(line, log, l, tick)
+        survey(link, mass, line, log, part, run.tick, tick)
+        if run.surveyed == NONE:
+            for i in range(len(part)):
+                part[i].initial = part[i].mean
+        elif run.prove and run.stop == Stop.NONE and tick < run.end:
+            if is_over(run, link, part):
+                run.proved, run.prove, run.check = tick, 0, NEVER
+                run.end = min(run.end, tick + run.extra)
+            else:
+                run.check = tick + max(run.shortest, wait(run, link, part))
+        run.surveyed = tick
+    if tick >= run.end:
+        run.stop = Stop.DONE.value
 
 
 def is_over(run: Any, link: Any, part: Any) -> bool:

@@ -23,6 +23,7 @@ from .records import (
     LINE,
     LINK,
     MASS,
+    NEVER,
     NODE,
     NONE,
     PART,
@@ -43,7 +44,6 @@ LAWS = {
 FLOORS = 128  # in the shortest transit
 WINDOW = 2.0**-40  # of the longest transit: what comes nearer is taken together
 GRAZE = 2.0**-40  # of the velocity scale: forces that move no faster are none
-ENDLESS = 1 << 61  # tick
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,10 +134,11 @@ def lay_out(
     run["tick"], run["scale"], run["keep"] = tick, scale, keep
     run["tolerance"] = tolerance * scale
     run["floor"], run["shortest"] = np.maximum(shortest // FLOORS, 64), shortest
-    run["check"], run["graze"] = shortest, GRAZE * scale
+    run["graze"] = GRAZE * scale
     run["window"] = np.maximum(np.rint(reference / tick * WINDOW), 1)
     run["limit"], run["proved"], run["first_rough"] = max_events, NONE, NONE
-    run["prove"] = not driven(row.system)
+    run["prove"], run["surveyed"] = not driven(row.system), NONE
+    run["check"] = np.where(run["prove"], shortest, NEVER)
     run["end"] = np.rint((horizon if until is None else until) / tick).astype(np.int64)
     spans = [ticks[:, first - 1 : last].sum(axis=1) for first, last in row.spans if last]
     longest = reduce(np.maximum, spans) if spans else shortest
@@ -145,7 +146,7 @@ def lay_out(
     joined = not all(law.opens for law in row.system.contacts)
     run["held"] = np.any(grounds & (part["parts"] != 1), axis=1) | joined
     seen = run["held"].any() or keep  # who wants totals alone needs no more than the proof
-    run["extra"] = ENDLESS if until is not None else 2 * longest if seen else 0
+    run["extra"] = NEVER if until is not None else 2 * longest if seen else 0
     node["length"] = np.maximum(shortest // 8, 16)[:, None]
     return Layout(
         row=row, tick=tick, ticks=ticks, run=run, node=node, link=link, mass=mass, line=line,
@@ -371,7 +372,7 @@ class _Pieces:
         if not isinstance(value, Steps | Samples):
             start = start + of(value) * factor
             if not np.any(slope):
-                return self._piece(0, ENDLESS, [start])
+                return self._piece(0, NEVER, [start])
             stop = np.rint(self._until / tick).astype(np.int64) + 1
             half = slope * stop * tick / 2
             return self._piece(0, stop, [start + half, half])

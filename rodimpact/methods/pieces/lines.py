@@ -27,6 +27,17 @@ def move_on(line: Any, log: Any, l: int, tick: int) -> None:
             here.hard -= 1
 
 
+def rewind(line: Any, log: Any, l: int) -> None:
+    """Let the head of a line be its first piece again: readers may have come to different times."""
+    here = line[l]
+    here.head, here.hard = here.first, 0
+    i = log[here.first].after
+    while i != NONE:
+        if log[i].order <= HARD:
+            here.hard += 1
+        i = log[i].after
+
+
 def known_until(line: Any, log: Any, l: int) -> int:
     """Tick until which it is known what arrives."""
     return int(log[line[l].tail].stop + line[l].delay)
@@ -94,15 +105,12 @@ def append(run: Any, line: Any, log: Any, l: int, tick: int, ticks: int, f: Any)
 
     What is constant stays one piece as long as it is: a front is a piece of degree 0.
     """
-    tail = line[l].tail
     constant = series.is_constant(f)
-    if tail != NONE and constant and log[tail].degree == 0 and log[tail].coefficient[0] == f[0]:
-        log[tail].stop = tick + ticks
+    if constant and goes_on(line, log, l, f[0]):
+        log[line[l].tail].stop = tick + ticks
         return NONE
-    i = run.pieces
+    i = enter(run, line, log, l, tick, ticks)
     piece = log[i]
-    piece.start, piece.stop, piece.order, piece.after = tick, tick + ticks, SMOOTH, NONE
-    piece.line = l
     if constant:
         piece.degree = 0
         piece.coefficient[0] = f[0]
@@ -111,30 +119,49 @@ def append(run: Any, line: Any, log: Any, l: int, tick: int, ticks: int, f: Any)
     else:
         piece.degree = N
         series.coefficients(f, piece.coefficient)
-    if tail == NONE:
-        line[l].first = line[l].head = i
+    return i
+
+
+def goes_on(line: Any, log: Any, l: int, value: float) -> bool:
+    """Whether a line ends with this constant."""
+    i = line[l].tail
+    return bool(i != NONE and log[i].degree == 0 and log[i].coefficient[0] == value)
+
+
+def enter(run: Any, line: Any, log: Any, l: int, tick: int, ticks: int) -> int:
+    """Take the next place of the log for a piece of a line."""
+    i, here = int(run.pieces), line[l]
+    piece = log[i]
+    piece.start, piece.stop, piece.order, piece.after = tick, tick + ticks, SMOOTH, NONE
+    piece.line = l
+    if here.tail == NONE:
+        here.first = here.head = i
     else:
-        log[tail].after = i
-    line[l].tail = i
+        log[here.tail].after = i
+    here.tail = i
     run.pieces = i + 1
-    return int(i)
+    return i
 
 
 def send(
     run: Any, line: Any, log: Any, l: int, tick: int, ticks: int, f: Any, order: int
 ) -> None:
-    """Append what leaves an end. Its break is hard only if what jumps there is above tolerance.
+    """Append what leaves an end, with a break of this order."""
+    old = line[l].tail
+    i = append(run, line, log, l, tick, ticks, f)
+    if i != NONE and order <= HARD:
+        judge(run, line, log, old, i, order)
+
+
+def judge(run: Any, line: Any, log: Any, old: int, i: int, order: int) -> None:
+    """Set the order of the break between two pieces: it is hard if what jumps is above tolerance.
 
     Theory says of what `order` it can be; jumps of value, slope and curvature are measured over the
     shortest transit, a typical length of a piece.
     """
-    old = line[l].tail
-    i = append(run, line, log, l, tick, ticks, f)
-    if i == NONE or order > HARD:
-        return
     before, new = log[old], log[i]
     s0 = 0.5 * run.shortest / (before.stop - before.start)
-    s1 = 0.5 * run.shortest / ticks
+    s1 = 0.5 * run.shortest / (new.stop - new.start)
     jump = slope = bend = 0.0
     sign = 1.0
     for m in range(POINTS):
@@ -149,21 +176,28 @@ def send(
         if abs(slope) + abs(bend) <= 4 * run.tolerance:
             new.order = SMOOTH
     if new.order <= HARD:
-        line[l].hard += 1
+        line[new.line].hard += 1
 
 
 def reflect(run: Any, line: Any, log: Any, at: Any) -> int:
-    """Send back from a free end the piece that arrives next; return the tick behind it."""
+    """Send back from a free end, as it came, the piece that arrives; return the tick behind it."""
     source, target = at.in_right, at.out_right
     if at.mobility_right == 0:
         source, target = at.in_left, at.out_left
     move_on(line, log, source, at.now)
-    piece, delay = log[line[source].head], line[source].delay
-    stop, order = min(piece.stop + delay, run.end), order_at(line, log, source, at.now)
-    sample(line, log, source, at.now, stop - at.now, at.left)
-    send(run, line, log, target, at.now, stop - at.now, at.left, order)
-    if stop == piece.stop + delay and at.now == piece.start + delay:
-        copy = log[line[target].tail]  # as it came: sampling would add round-off
-        for m in range(POINTS if piece.degree > 0 else 0):
-            copy.coefficient[m] = piece.coefficient[m]
+    piece, delay, old = log[line[source].head], line[source].delay, line[target].tail
+    stop = piece.stop + delay
+    if piece.degree == 0 and goes_on(line, log, target, piece.coefficient[0]):
+        log[old].stop = stop
+        return int(stop)
+    new = log[enter(run, line, log, target, at.now, stop - at.now)]
+    new.degree = piece.degree
+    for m in range(POINTS):
+        new.coefficient[m] = piece.coefficient[m]
+    if at.now == 0:  # the first that meets what was under way
+        judge(run, line, log, old, line[target].tail, 0)
+    elif at.now == piece.start + delay:
+        new.order = piece.order
+        if new.order <= HARD:
+            line[target].hard += 1
     return int(stop)

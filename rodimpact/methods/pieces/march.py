@@ -10,118 +10,66 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 from . import events, finality, laws, lines, nodes, series
 from .records import HARD, NONE, Status, Stop
-from .series import POINTS, N
+from .series import N
 
 FLIPS = 1000  # changes of status at one instant: beyond, none of them lasts, and none matters
 SHORTEST = 16  # ticks of a piece that is taken however rough it is
 ROOM = 4  # pieces that a link may add in a step
 
 
-def family_of(digest: str) -> Any:
-    """Return the kernel `family`, which closes over a digest of the sources it is made from.
+def follow_of(digest: str) -> Any:
+    """Return the kernel `follow`, which closes over a digest of the sources it is made from.
 
     What numba keeps on disk is not used again after a change.
     """
 
-    def family(
-        runs: Any, node: Any, link: Any, mass: Any, line: Any, part: Any, first: Any, log: Any,
-        turn: Any,
+    def follow(
+        runs: Any, node: Any, link: Any, mass: Any, line: Any, log: Any, turn: Any, part: Any,
+        G: Any,
     ) -> int:
-        """Run members of a family one after the other on the same log, until it is full.
+        """Run to `run.end`, or to the proof that nothing meets any more and `run.extra` ticks more.
 
-        Records are [member, ...]. A member that has no room goes on where it was once there is
-        more. Returns the number of members that have ended.
+        All state is in the records: a run that has no room left goes on once it has more.
+
+        Returns
+        -------
+        int
+            A `Stop`.
         """
         digest  # noqa: B018
-        unknowns = 1
-        for k in range(node.shape[1]):
-            unknowns = max(unknowns, N * (2 * node[0, k].links - 1))
-        G = np.zeros((unknowns, unknowns + 1))
-        for m in range(len(runs)):
-            run = runs[m]
-            if run.pieces == 0:
-                for i in range(first.shape[1]):
-                    copy(first[m, i], log[i])
-                run.pieces = first.shape[1]
-            run.stop = follow(
-                runs[m:], node[m], link[m], mass[m], line[m], log, turn, part[m], G)
-            if run.stop == Stop.FULL:
-                return m
-        return len(runs)
+        run, room = runs[0], 2 + ROOM * len(link) + len(mass)
+        run.stop = Stop.NONE.value
+        while run.stop == Stop.NONE:
+            at = node[behind(node)]
+            due = run.surveyed == NONE or at.now >= min(run.end, run.check)
+            if not due and run.steps >= run.limit:
+                run.stop = Stop.CAP.value
+            elif not due and (
+                run.pieces + room > len(log) or run.turns + len(link) + FLIPS > len(turn)
+            ):
+                run.stop = Stop.FULL.value
+            if due or run.stop == Stop.CAP:
+                finality.look(run, link, mass, line, log, part, min(at.now, run.end))
+            elif run.stop == Stop.NONE:
+                run.steps += 1
+                if at.mirror:
+                    at.now = lines.reflect(run, line, log, at)
+                elif not advance(run, node, link, mass, line, log, turn, G, at):
+                    run.stop = Stop.STUCK.value
+        return int(run.stop)
 
-    return family
-
-
-def copy(old: Any, new: Any) -> None:
-    """Copy a piece: records are never assigned whole, which would alias them in plain Python."""
-    new.start, new.stop, new.order = old.start, old.stop, old.order
-    new.degree, new.line, new.after = old.degree, old.line, old.after
-    for m in range(POINTS):
-        new.coefficient[m] = old.coefficient[m]
+    return follow
 
 
-def follow(
-    runs: Any, node: Any, link: Any, mass: Any, line: Any, log: Any, turn: Any, part: Any, G: Any
-) -> int:
-    """Run to `run.end`, or to the proof that nothing meets any more and `run.extra` ticks beyond.
-
-    All state is in the records: a run that has no room left goes on once it has more.
-
-    Returns
-    -------
-    int
-        A `Stop`.
-    """
-    run = runs[0]
-    if run.steps == 0:
-        finality.survey(link, mass, line, log, part, run.tick, 0)
-        for i in range(len(part)):
-            part[i].initial = part[i].mean
-    stop = Stop.CHECK.value
-    while stop == Stop.CHECK:
-        stop = march(run, node, link, mass, line, log, turn, G)
-        if stop == Stop.CHECK:
-            finality.look(run, link, mass, line, log, part)
-    if run.proved < 0 or run.held:  # what is joined changes after the proof, too
-        finality.survey(link, mass, line, log, part, run.tick, run.end)
-        run.surveyed = run.end
-    return stop
-
-
-def march(
-    run: Any, node: Any, link: Any, mass: Any, line: Any, log: Any, turn: Any, G: Any
-) -> int:
-    """Advance all nodes to `run.end`, or to where it is to be seen whether all is over.
-
-    Returns
-    -------
-    int
-        A `Stop`.
-    """
-    room = 2 + ROOM * len(link) + len(mass)
-    while True:
-        k = 0
-        for i in range(1, len(node)):
-            if node[i].now < node[k].now:
-                k = i
-        at = node[k]
-        if at.now >= run.end:
-            return Stop.DONE.value
-        if run.prove and at.now >= run.check:
-            return Stop.CHECK.value
-        if run.steps >= run.limit:
-            return Stop.CAP.value
-        if run.pieces + room > len(log) or run.turns + len(link) + FLIPS > len(turn):
-            return Stop.FULL.value
-        run.steps += 1
-        if at.mirror:
-            at.now = lines.reflect(run, line, log, at)
-        elif not advance(run, node, link, mass, line, log, turn, G, at):
-            return Stop.STUCK.value
+def behind(node: Any) -> int:
+    """The node furthest behind."""
+    k = 0
+    for i in range(1, len(node)):
+        if node[i].now < node[k].now:
+            k = i
+    return k
 
 
 def advance(

@@ -115,7 +115,7 @@ def _hand_over(
     run, clock = r["run"][0], _clock(layout)
     left = ROUND_OFF + SMOOTH * float(run["roughest"] / run["scale"]) ** 1.5 + MISSED * layout.fit
     accuracy = {name: error + left for name, error in accuracy.items()}
-    end, tick = int(r["node"]["now"].min()), clock.tick
+    end, tick = _end(r), clock.tick
     stopped_by = "max_events" if stop == Stop.CAP else "until" if until is not None else (
         "final" if run["proved"] >= 0 else "clock")
     t_end = until if until is not None and stopped_by == "until" else end * tick
@@ -138,6 +138,11 @@ def _hand_over(
         accuracy=accuracy,
         make_signals=signals,
     )
+
+
+def _end(r: dict[str, Any]) -> int:
+    """Tick that every node has reached."""
+    return min(int(r["node"]["now"].min()), int(r["run"][0]["end"]))
 
 
 def _accuracy(accuracy: dict[str, float], goal: float) -> str:
@@ -204,7 +209,7 @@ def _tallies(
 ) -> tuple[ContactTally, ...]:
     """Totals of every contact in SI units."""
     tick, tallies = float(r["run"][0]["tick"]), []
-    now = int(r["node"]["now"].min())
+    now = _end(r)
     for k, (law, i) in enumerate(zip(row.system.contacts, row.contact_link, strict=True)):
         if i < 0:  # a bond of rigid bodies follows from what acts beside it
             force = signals().contacts[k].force

@@ -51,11 +51,11 @@ class Touch(IntEnum):
 class Stop(IntEnum):
     """Why a run returns."""
 
-    DONE = 0  # the target is reached
-    FULL = 1  # no room in the log
-    CAP = 2  # the cap on steps
-    STUCK = 3  # no solution: a mass between closing walls
-    CHECK = 4  # time to look whether it is over
+    NONE = 0  # it goes on
+    DONE = 1  # the target is reached
+    FULL = 2  # no room in the log
+    CAP = 3  # the cap on steps
+    STUCK = 4  # no solution: a mass between closing walls
 
 
 class Part(IntEnum):
@@ -70,6 +70,7 @@ class Part(IntEnum):
 SMOOTH = 99  # order of a break that is none
 HARD = 2  # breaks up to this derivative end a piece
 NONE = -1
+NEVER = 1 << 61  # tick
 
 PIECE = np.dtype([
     ("start", "i8"), ("stop", "i8"), ("order", "i8"),  # of the break at its start

@@ -101,10 +101,11 @@ def largest(f: Any) -> float:
     return top
 
 
-def maximum(f: Any, c: Any) -> float:
+def maximum(f: Any, c: Any, least: float) -> float:
     """Largest value of what has the values f at the points, beside the largest of which it lies.
 
     A vertex beside the outermost points counts too: a parabola through three points would miss it.
+    Nothing is looked for between the points where nothing there can be more than `least`.
     """
     best = 0
     for j in range(POINTS):
@@ -112,6 +113,11 @@ def maximum(f: Any, c: Any) -> float:
             best = j
     low, high = X[max(best - 1, 0)], X[min(best + 1, N)]
     coefficients(f, c)
+    reach = c[0]
+    for m in range(1, POINTS):
+        reach += abs(c[m])
+    if reach <= least:
+        return f[best]
     for _ in range(36):  # each leaves two thirds of the width
         u, w = (2 * low + high) / 3, (low + 2 * high) / 3
         if value(c, u) < value(c, w):
@@ -150,12 +156,12 @@ def eliminate(G: Any, n: int, band: int) -> None:
     """
     for i in range(n):
         below, right = min(n, i + band), min(n, i + 2 * band)
-        p, row = i, G[i]
+        p, top = i, abs(G[i][i])
         for j in range(i + 1, below):
-            if abs(G[j][i]) > abs(G[p][i]):
-                p = j
+            if abs(G[j][i]) > top:
+                p, top = j, abs(G[j][i])
+        row, other = G[i], G[p]
         if p != i:
-            other = G[p]
             for q in range(i, right):
                 row[q], other[q] = other[q], row[q]
             row[n], other[n] = other[n], row[n]
@@ -163,10 +169,9 @@ def eliminate(G: Any, n: int, band: int) -> None:
         for j in range(i + 1, below):
             other = G[j]
             f = other[i] * pivot
-            if f != 0:
-                for q in range(i + 1, right):
-                    other[q] -= f * row[q]
-                other[n] -= f * row[n]
+            for q in range(i + 1, right):
+                other[q] -= f * row[q]
+            other[n] -= f * row[n]
     for i in range(n - 1, -1, -1):
         row = G[i]
         s = row[n]
