@@ -117,45 +117,41 @@ def fitted(curve: Curve, tolerance: float) -> Fitted:
     begin, end, n = curve.values[:, 0], curve.values[:, -1], len(curve.values)
     jumps = np.append(np.abs(end[:-1] - begin[1:]) > EXACT * tolerance, True)  # behind each
     even = np.all(curve.values == begin[:, None], axis=1)
-    taken = np.zeros(n, bool)
-    found: list[tuple[int, Floats]] = []
-    worst = 0.0
-    for level in range(min(LEVELS, max(n - 1, 0).bit_length()), 0, -1):
+    coefficients, width_of = np.zeros((n, POINTS)), np.zeros(n, int)  # of pieces that start there
+    taken, worst = np.zeros(n, bool), 0.0
+    for level in range(min(LEVELS, max(n - 1, 0).bit_length()), -1, -1):
         width = 1 << level
-        for i in range(0, n - width + 1, width):
-            stop = i + width
-            if taken[i] or jumps[i : stop - 1].any():
-                continue
-            c, miss = _one_piece(curve, i, stop)
-            if miss <= tolerance:
-                found.append((i, c))
-                taken[i:stop] = True
-                worst = max(worst, miss)
-    for i in np.flatnonzero(~taken).tolist():
-        if even[i]:
-            c = np.zeros(POINTS)
-            c[0] = begin[i]
-        else:
-            places = edges[i] + (edges[i + 1] - edges[i]) * (_X + 1) / 2
-            c = _SERIES @ curve.at(places, np.full(POINTS, i))
-        found.append((i, c))
-    found.sort(key=lambda piece: piece[0])
-    first = np.array([i for i, _ in found])
-    coefficients = np.array([c for _, c in found])
+        blocks = (n // width, width)
+        inner = jumps[: n - n % width].reshape(blocks)[:, :-1].any(axis=1)
+        free = ~taken[: n - n % width].reshape(blocks).any(axis=1) & ~inner
+        first = width * np.flatnonzero(free)
+        if not len(first):
+            continue
+        c, miss = _pieces(curve, first, width)
+        good = miss <= tolerance if level else miss >= 0  # a single interval is one piece
+        first, worst = first[good], max(worst, miss[good].max(initial=0.0))
+        coefficients[first], width_of[first] = c[good], width
+        taken[first[:, None] + np.arange(width)] = True
+    alone = even & (width_of == 1)  # what is constant stays so to the last digit
+    coefficients[alone] = 0.0
+    coefficients[alone, 0] = begin[alone]
+    first = np.flatnonzero(width_of)
+    coefficients = coefficients[first]
     return Fitted(np.append(edges[first], edges[-1]), coefficients,
-                  _orders(edges, first, coefficients, jumps, not curve.smooth, tolerance), worst)
+                  _orders(edges, first, coefficients, jumps, not curve.smooth, tolerance), float(worst))
 
 
-def _one_piece(curve: Curve, i: int, stop: int) -> tuple[Floats, float]:
-    """Series through intervals i to `stop`, and by how much it misses them at most."""
-    low, high = curve.edges[i], curve.edges[stop]
+def _pieces(curve: Curve, first: Ints, width: int) -> tuple[Floats, Floats]:
+    """Series through so many intervals from each `first` on, and by how much they miss them."""
+    low, high = curve.edges[first, None], curve.edges[first + width, None]
     places = low + (high - low) * (_X + 1) / 2
-    c = _SERIES @ curve.at(places, np.clip(curve.interval(places), i, stop - 1))
-    own = np.arange(i, stop)
-    tested = curve.edges[own, None] + np.diff(curve.edges)[own, None] * SHARES
-    y = 2 * (tested - low) / (high - low) - 1
-    off = np.polynomial.chebyshev.chebval(y, c) - curve.values[own]
-    return c, float(np.abs(off).max())
+    own = np.clip(curve.interval(places), first[:, None], first[:, None] + width - 1)
+    c = curve.at(places, own) @ _SERIES.T
+    at = first[:, None] + np.arange(width)
+    tested = curve.edges[at, None] + np.diff(curve.edges)[at, None] * SHARES
+    y = 2 * (tested.reshape(len(first), -1) - low) / (high - low) - 1
+    found = np.polynomial.chebyshev.chebval(y.T, c.T, tensor=False).T
+    return c, np.abs(found - curve.values[at].reshape(y.shape)).max(axis=1)
 
 
 def _orders(
