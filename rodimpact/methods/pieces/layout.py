@@ -133,7 +133,8 @@ def lay_out(
     run = np.zeros(of.count, RUN)
     run["tick"], run["scale"], run["keep"] = tick, scale, keep
     run["tolerance"] = tolerance * scale
-    run["floor"], run["shortest"] = np.maximum(shortest // FLOORS, 64), shortest
+    given = pieces.breaks(shortest)
+    run["floor"], run["shortest"] = np.maximum(shortest // (FLOORS + 4 * given), 64), shortest
     run["graze"] = GRAZE * scale
     run["window"] = np.maximum(np.rint(reference / tick * WINDOW), 1)
     run["limit"], run["proved"], run["first_rough"] = max_events, NONE, NONE
@@ -338,6 +339,15 @@ class _Pieces:
                     waves.Curve(-edges[::-1], values[::-1, ::-1], wave.smooth)))
             else:
                 self.lines.append(self._fitted(waves.Curve(edges - T, values, wave.smooth)))
+
+    def breaks(self, time: Any) -> Any:
+        """How many breaks are given in so many ticks, where they are densest."""
+        most = np.zeros(self._of.count, np.int64)
+        for known in self.lines:
+            hard = (known["order"][:, 1:] <= HARD).sum(axis=1)
+            span = known["stop"][:, -1] - known["start"][:, 0]
+            most = np.maximum(most, (hard * (time / np.maximum(span, 1))).astype(np.int64))
+        return most
 
     def _miss(self, profile: Any, factor: float) -> None:
         """Count the error of samples, in the unit of velocities."""

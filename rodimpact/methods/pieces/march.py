@@ -143,7 +143,8 @@ def horizon(run: Any, line: Any, log: Any, at: Any, broken: bool) -> int:
     end = min(known, tick + at.length)
     end = lines.next_break(line, log, l, tick, end)
     end = lines.next_break(line, log, r, tick, end)
-    if end < min(known, tick + run.floor) and is_dense(run, line, l) + is_dense(run, line, r) > 0:
+    dense = end < min(known, tick + run.floor)
+    if dense and is_dense(run, line, log, l, tick) + is_dense(run, line, log, r, tick) > 0:
         at.rough = 1
         return int(min(known, tick + run.floor))
     at.rough = 0
@@ -155,9 +156,10 @@ def horizon(run: Any, line: Any, log: Any, at: Any, broken: bool) -> int:
     return end
 
 
-def is_dense(run: Any, line: Any, l: int) -> bool:
+def is_dense(run: Any, line: Any, log: Any, l: int, tick: int) -> bool:
     """Whether more hard breaks are under way in a line than the floor allows."""
-    return bool(line[l].hard * run.floor > 2 * max(line[l].delay, run.shortest))
+    unread = lines.known_until(line, log, l) - tick
+    return bool(line[l].hard * run.floor > 2 * max(unread, run.shortest))
 
 
 def solve(

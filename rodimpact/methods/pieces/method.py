@@ -24,7 +24,7 @@ from ..row import Row, squeezed
 from ..run import MEASURES, VELOCITY, ContactTally, GroupTotals, Run, Signals
 from ..status import end_sentence, last_contact, proof_sentence, rounding, strain_warning
 from .driver import Machine
-from .layout import FLOORS, LAWS, Layout, lay_out
+from .layout import LAWS, Layout, lay_out
 from .records import Law, Part, Status, Stop, Touch
 from .signals import signals_of
 
@@ -158,8 +158,8 @@ def _events(row: Row, run: Any) -> str:
     if run["rough"]:
         told += (
             f" From {format_si(float(run['first_rough'] * run['tick']), 's')} on, waves break more "
-            f"often than {FLOORS} times in the shortest transit; they are followed by means over "
-            "such times there, which keeps momentum."
+            f"often than {run['shortest'] // run['floor']} times in the shortest transit; they are "
+            "followed by means over such times there, which keeps momentum."
         )
     if run["rested"]:
         told += " Rigid bodies that parted too slowly to matter came to rest against each other."

@@ -137,8 +137,8 @@ def fitted(curve: Curve, tolerance: float) -> Fitted:
     coefficients[alone, 0] = begin[alone]
     first = np.flatnonzero(width_of)
     coefficients = coefficients[first]
-    return Fitted(np.append(edges[first], edges[-1]), coefficients,
-                  _orders(edges, first, coefficients, jumps, not curve.smooth, tolerance), float(worst))
+    order = _orders(edges, first, coefficients, jumps, not curve.smooth, tolerance)
+    return Fitted(np.append(edges[first], edges[-1]), coefficients, order, float(worst))
 
 
 def _pieces(curve: Curve, first: Ints, width: int) -> tuple[Floats, Floats]:
