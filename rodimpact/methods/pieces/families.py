@@ -16,7 +16,7 @@ from .layout import Layout, is_even, lay_out
 from .method import tolerance_of, vibration_of
 from .records import PIECE, TURN, Law, Stop
 
-TOGETHER = 4096  # members of one chunk
+TOGETHER = 1024  # members of one chunk
 CALL = 64  # members between two looks whether to stop
 MEMBER_TIME = 0.2  # s, about what one takes in plain Python
 ROOM = 4096  # pieces of the log that they share, at first
