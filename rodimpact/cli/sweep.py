@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help="what else is wanted, which takes longer: dissipated, the energy lost "
                         "in contacts; set, how far yielding contacts have yielded for good, such "
                         "as the set of a pile; largest_stress in each rod; displacement of each "
-                        "body at the end (--until); once for each")
+                        "body at the end (--until); accuracy, the stated error; once for each")
     add_run_options(parser, ("until", "max_events", "dt", "rtol", "cells"))
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--csv", action="store_true", help="print a row for each collision")

@@ -15,10 +15,11 @@ from .signals import Floats, Ints
 STOPPED_BY = ("final", "max_events", "clock", "refused", "until")
 """Why a member stopped; where it cannot be solved it is refused."""
 
-ALSO = ("dissipated", "set", "largest_stress", "displacement")
+ALSO = ("dissipated", "set", "largest_stress", "displacement", "accuracy")
 """What is found of a member only if it is asked for, as that takes longer: the energy lost in
 contacts, J; how far each yielding contact has yielded for good, m; the largest absolute stress in
-each rod, Pa; and how far the centre of mass of each body has moved at the end of the run, m."""
+each rod, Pa; how far the centre of mass of each body has moved at the end of the run, m; and the
+largest stated relative error of velocities, impulses and peak forces."""
 
 now = getattr(time, "thread_time", time.perf_counter)  # a browser has no clock of threads
 
@@ -34,7 +35,8 @@ class FamilyRun(NamedTuple):
     contacts : by the names of `ContactTally`, by contact;
     final : whether it is proved that nothing meets again; stopped_by : place in `STOPPED_BY`;
     further : columns of what was asked for of `ALSO`, by name: ``"dissipated"``; ``"set.k"`` of
-    contact k if it yields; ``"largest_stress.i"`` of body i if it is a rod; ``"displacement.i"``.
+    contact k if it yields; ``"largest_stress.i"`` of body i if it is a rod; ``"displacement.i"``;
+    ``"accuracy"``.
     """
 
     before: Sequence[Floats]

@@ -42,9 +42,9 @@ class Method(NamedTuple):
 
 METHODS = {
     "fronts": Method(fronts.LACKS, (), fronts.solve, ("progress", "announce"),
-                     front_families.solve_family, front_families.together, ALSO),
+                     front_families.solve_family, front_families.together, ALSO[:4]),
     "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, ("progress", "announce"),
-                              piece_families.solve_family, piece_families.together),
+                              piece_families.solve_family, piece_families.together, ("accuracy",)),
     "finite-difference": Method(
         grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve, ("progress", "announce"),
     ),

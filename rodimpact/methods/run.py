@@ -23,6 +23,11 @@ VELOCITY, IMPULSE, PEAK_FORCE, DURATION, TIME = MEASURES
 """What can have a stated error; times are those at which forces begin and end, and gaps open."""
 
 
+def largest_error(accuracy: Mapping[str, float]) -> float:
+    """Largest stated error, but for times, which may hang on faint forces; 0 without any."""
+    return max((accuracy.get(name, 0.0) for name in MEASURES[:3]), default=0.0)
+
+
 class Episode(NamedTuple):
     """One uninterrupted touching that carried force.
 

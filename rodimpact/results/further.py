@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..methods.run import largest_error
 from ..model import Rod, Yielding
 from .solution import Solution
 
@@ -22,6 +23,8 @@ def further(solution: Solution, also: Sequence[str]) -> dict[str, float]:
                     for i in range(len(solution.system.bodies))}
     if "largest_stress" in also:
         columns |= {f"largest_stress.{i}": solution.fields.largest_stress(i) for i in rods}
+    if "accuracy" in also:
+        columns["accuracy"] = largest_error(solution.accuracy)
     return columns
 
 

@@ -89,7 +89,8 @@ class SweepResult:
         good, m; ``displacement.I`` of the centre of mass of body I at the end of the run, m; and
         ``largest_stress.I``, the largest absolute stress anywhere in rod I, Pa. The method
         "finite-difference" takes it from the states that it keeps; beside a jump its waves
-        overshoot.
+        overshoot. ``accuracy`` is the largest stated error of velocities, impulses and peak forces,
+        relative to the largest of each.
     readings : Readings
         The `gauges`, the `times` at which they are read, and what was asked for in `also`.
     strain : array or None

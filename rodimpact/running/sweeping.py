@@ -107,7 +107,7 @@ def sweep(
         What else is wanted, which takes longer: ``"dissipated"``, the energy lost in contacts;
         ``"largest_stress"`` in each rod; ``"set"``, how far each yielding contact has yielded for
         good, such as the set of a pile; ``"displacement"``, how far each body has moved at
-        `until`. See `SweepResult`.
+        `until`; ``"accuracy"``, the stated error of each member. See `SweepResult`.
     workers : int, optional
         Number of threads where there is no executor; default: the processors at hand.
     progress : callable, optional
@@ -370,7 +370,7 @@ def _together(
     assert method.family is not None
     own = {name: getattr(options, name) for name in method.takes}
     if method.also:
-        own["also"] = also
+        own["also"] = [name for name in also if name in method.also]
     run = method.family(
         Row(system), options.until, options.max_events, **own, stop=stop, more=more)
     able, e = unilateral(system), np.full(len(run.final), math.nan)

@@ -835,3 +835,19 @@ def test_what_was_asked_for_is_in_tables_and_files(tmp_path):
 def test_what_is_asked_for_is_checked(given, sentence):
     with pytest.raises(ri.InvalidModel, match=f"also: .*{sentence}"):
         ri.sweep(small_map(), also=given)
+
+
+def test_stated_errors_of_members_bound_the_true_ones():
+    bar = ri.Rod(1.0, area=1e-4, material=STEEL)
+    striker = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=np.array([0.3, 1.0, 7.0]))
+    system = ri.System([striker, bar], contacts=[ri.Hertz(np.array([[1e8], [1e10]]))])
+    with kernels.forced(True):
+        found = ri.sweep(system, rtol=1e-5, also=["accuracy"])
+        exact = ri.sweep(system, rtol=1e-12)
+    assert found.columns["accuracy"].shape == (2, 3)
+    for name in ("velocity_after.0", "velocity_after.1", "impulse.0", "peak_force.0"):
+        off = np.abs(found.columns[name] - exact.columns[name]) / np.abs(exact.columns[name])
+        assert (off <= found.columns["accuracy"]).all()
+    assert (found.columns["accuracy"] < 1e-4).all()
+    rigid = ri.sweep(system.replace(contacts=[ri.Rigid()]), also=["accuracy"])
+    assert (rigid.columns["accuracy"] == 0).all()

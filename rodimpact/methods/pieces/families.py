@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,9 @@ import numpy as np
 from ..family import STOPPED_BY, FamilyRun, Stopped
 from ..groups import groups, movable, velocities_in_group
 from ..row import Row
+from ..run import largest_error
 from . import driver
+from .accuracy import COARSER, apart, compare, left_open
 from .layout import Layout, is_even, lay_out
 from .method import tolerance_of, vibration_of
 from .records import PIECE, TURN, Law, Stop
@@ -35,6 +37,7 @@ def together(row: Row) -> int:
 def solve_family(
     row: Row, until: float | None, max_events: int, rtol: float | None,
     stop: Callable[[], bool] = lambda: False, more: int = 0,  # noqa: ARG001 - of every family
+    also: Sequence[str] = (),
 ) -> FamilyRun:
     """Totals of every member.
 
@@ -48,16 +51,35 @@ def solve_family(
         Asked now and then whether to give up.
     more : int
         Members that other calls will run in this process.
+    also : sequence of str
+        "accuracy" if it is wanted.
 
     Raises
     ------
     Stopped
         If `stop` said so.
     """
-    layout = lay_out(row, until, tolerance_of(rtol), max_events, keep=False)
-    refused = beyond(row)
-    run_members(layout, np.flatnonzero(~refused), stop)
-    return totals(layout, refused | (layout.run["stop"] == Stop.STUCK), until)
+    tolerance, refused = tolerance_of(rtol), beyond(row)
+    layout = lay_out(row, until, tolerance, max_events, keep=False)
+    members = np.flatnonzero(~refused)
+    run_members(layout, members, stop)
+    found = totals(layout, refused | (layout.run["stop"] == Stop.STUCK), until)
+    if "accuracy" not in also:
+        return found
+    coarse = lay_out(row, until, COARSER * tolerance, max_events, keep=False)
+    compare(layout.run, coarse.run)
+    run_members(coarse, members, stop)
+    return found._replace(further={"accuracy": _errors(layout, coarse, members)})
+
+
+def _errors(fine: Layout, coarse: Layout, members: Any) -> Any:
+    """Stated error of each member, nan of others."""
+    errors = np.full(len(fine.run), math.nan)
+    for m in members:
+        runs = [{"run": x.run[m : m + 1], "part": x.part[m], "link": x.link[m]}
+                for x in (fine, coarse)]
+        errors[m] = largest_error(apart(*runs)) + left_open(fine.run[m], fine.fit)
+    return errors
 
 
 def beyond(row: Row) -> Any:

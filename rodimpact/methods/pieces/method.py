@@ -21,8 +21,9 @@ from ..clock import Clock
 from ..duration import Forecast, Progress
 from ..groups import groups
 from ..row import Row, squeezed
-from ..run import MEASURES, VELOCITY, ContactTally, GroupTotals, Run, Signals
+from ..run import ContactTally, GroupTotals, Run, Signals, largest_error
 from ..status import end_sentence, last_contact, proof_sentence, rounding, strain_warning
+from .accuracy import COARSER, COARSEST, apart, compare, left_open
 from .driver import Machine
 from .layout import LAWS, Layout, lay_out
 from .records import Law, Part, Status, Stop, Touch
@@ -31,13 +32,6 @@ from .signals import signals_of
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
 RTOL = 1e-8
 LOOSEST, FINEST = 1e-6, 1e-13  # of tolerances: errors fall evenly below, and round-off comes
-COARSER = 10.0  # tolerance of the run that the first is compared with, over its own
-COARSER_FLOOR = 2  # its floor, if breaks come too densely to be followed
-COARSEST = 1e-2
-ROUND_OFF = 1e-14
-DOUBT, SHARED = 2.0, 0.5  # times what two runs are apart; share of the worst that all may be off
-SMOOTH = 3.0  # times tail^1.5: what pieces leave open where both runs took the same steps
-MISSED = 4.0  # times by how much pieces miss a function that was given
 MORE = 10.0  # times rtol, from which it is said that it was not reached
 LESS = "a larger rtol or an earlier end (until)"
 
@@ -60,11 +54,9 @@ def solve(
     coarser, accuracy = COARSER * tolerance, dict[str, float]()
     while not any(accuracy.values()) and coarser <= COARSEST:  # the same steps tell nothing
         coarse = Machine(lay_out(row, until, coarser, max_events, keep=False))
-        coarse.run["extra"] = fine.run["extra"]
-        if fine.run["rough"]:  # what the means over floors leave out grows with the floor
-            coarse.run["floor"] *= COARSER_FLOOR
+        compare(fine.records["run"], coarse.records["run"])
         coarse.go(forecast)
-        accuracy = stated(fine, coarse)
+        accuracy = apart(fine.records, coarse.records)
         coarser *= COARSER
     return _hand_over(layout, fine, accuracy, until, stop, goal)
 
@@ -74,47 +66,13 @@ def tolerance_of(rtol: float | None) -> float:
     return max(FINEST, min(RTOL if rtol is None else rtol, LOOSEST))
 
 
-def measured(machine: Machine) -> dict[str, Any]:
-    """What a run comes to, by the names of `MEASURES`."""
-    r = machine.records
-    tick, link = float(r["run"][0]["tick"]), r["link"][r["link"]["law"] >= Law.JOINT]
-    times = np.array([link["first"], link["last"], link["apart"]]) * tick
-    return {
-        "velocity": r["part"]["own"], "impulse": link["impulse"], "peak force": link["peak"],
-        "duration": link["pressed"] * tick, "time": times,
-    }
-
-
-def stated(fine: Machine, coarse: Machine) -> dict[str, float]:
-    """Stated error of each measure, relative to its largest value, of velocities to their scale.
-
-    Errors fall by about ten from one run to the other. Where two numbers agree by chance, others
-    do not: none is said to be much better known than the worst.
-    """
-    a, b, scale = measured(fine), measured(coarse), float(fine.run["scale"])
-    apart = {}
-    for name in MEASURES:
-        size = scale if name == VELOCITY else size_of(a[name])
-        off = size_of(a[name] - b[name])
-        apart[name] = off / size if size > 0 else 0.0
-    least = SHARED * max(apart[name] for name in MEASURES[:3])  # times may hang on faint forces
-    return {name: DOUBT * max(off, least) if size_of(a[name]) else 0.0
-            for name, off in apart.items()}
-
-
-def size_of(values: Any) -> float:
-    """Largest absolute value."""
-    return float(np.max(np.abs(values), initial=0.0))
-
-
 def _hand_over(
     layout: Layout, machine: Machine, accuracy: dict[str, float], until: float | None, stop: Stop,
     goal: float,
 ) -> Run:
     row, r = layout.row, machine.records
     run, clock = r["run"][0], _clock(layout)
-    left = ROUND_OFF + SMOOTH * float(run["roughest"] / run["scale"]) ** 1.5 + MISSED * layout.fit
-    accuracy = {name: error + left for name, error in accuracy.items()}
+    accuracy = {name: error + left_open(run, layout.fit) for name, error in accuracy.items()}
     end, tick = _end(r), clock.tick
     stopped_by = "max_events" if stop == Stop.CAP else "until" if until is not None else (
         "final" if run["proved"] >= 0 else "clock")
@@ -147,7 +105,7 @@ def _end(r: dict[str, Any]) -> int:
 
 def _accuracy(accuracy: dict[str, float], goal: float) -> str:
     """What is told of the stated errors."""
-    worst = max(accuracy[name] for name in MEASURES[:3])  # times may hang on faint forces
+    worst = largest_error(accuracy)
     late = f" That is more than rtol = {goal:g} asks for." if worst > MORE * goal else ""
     return f" Stated relative error: {worst:.1g}.{late}"
 
