@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,7 +27,7 @@ from .methods.duration import Forecast, Progress, warn
 from .methods.registry import check_function
 from .model.arguments import Array, Number, array, plain, refuse, together
 from .model.bodies import Rod, Segment
-from .model.frozen import Field, Frozen, InvalidModel, Problems, raise_noted
+from .model.frozen import Declared, InvalidModel, Problems, quantity, raise_noted
 from .model.lateral_inertia import INERTIA, radial_moduli
 from .units import shown
 
@@ -40,7 +40,7 @@ BLOCK = 128  # values at a time, so that memory is bounded and progress is heard
 KNOTS = 257  # of the curve of wave numbers up to the cut-off
 
 
-class Bar(Frozen):
+class Bar(Declared):
     """What of a round bar decides how pulses change their shape along it.
 
     Parameters
@@ -66,19 +66,9 @@ class Bar(Frozen):
     [5189.0, 4958.0]
     """
 
-    fields: ClassVar[dict[str, Field]] = {
-        "wave_speed": Field("m/s", "positive"), "poisson_ratio": Field("", "[0, 0.5]"),
-        "radius": Field("m", "positive"),
-    }
-    wave_speed: float
-    poisson_ratio: float
-    radius: float
-
-    def __init__(self, wave_speed: float, poisson_ratio: float, radius: float) -> None:
-        self._take(wave_speed=wave_speed, poisson_ratio=poisson_ratio, radius=radius)
-        for name, value in self._numbers():
-            if isinstance(value, np.ndarray):
-                raise InvalidModel([(name, f"must be a single number, got {shown(value)}")])
+    wave_speed: float = quantity("m/s", "positive", single=True)
+    poisson_ratio: float = quantity("", "[0, 0.5]", single=True)
+    radius: float = quantity("m", "positive", single=True)
 
     @classmethod
     def of(cls, rod: Rod | Segment, radius: float | None = None) -> Bar:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 from numbers import Integral
-from typing import Any, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,15 +20,19 @@ from .arguments import array
 from .frozen import (
     LARGEST,
     SMALLEST,
+    Declared,
     Field,
     Frozen,
     InvalidModel,
     Number,
+    Numeric,
+    NumericOrNone,
     Problems,
     family_shape,
     in_range,
     nearest,
     number,
+    quantity,
     raise_noted,
     require,
 )
@@ -45,11 +49,14 @@ from .profiles import (
     flipped,
 )
 
+if TYPE_CHECKING:
+    from dataclasses import KW_ONLY
+
 MOST_STEPS = 100_000  # of a taper
 CIRCULAR = "circular"  # the cross-section is a solid disc
 
 
-class Material(Frozen):
+class Material(Declared):
     """A linear elastic material.
 
     Parameters
@@ -79,43 +86,22 @@ class Material(Frozen):
     5048
     """
 
-    fields: ClassVar[dict[str, Field]] = {
-        "youngs_modulus": Field("Pa", "positive", "Young's modulus"),
-        "density": Field("kg/m^3", "positive"),
-        "poisson_ratio": Field("", "(-1, 0.5]", "Poisson's ratio", optional=True),
-        "viscosity": Field("Pa s", "non-negative"),
-    }
     name: str
-    youngs_modulus: Number
-    density: Number
-    poisson_ratio: Number | None
-    viscosity: Number
+    _: KW_ONLY
+    youngs_modulus: Numeric = quantity("Pa", "positive", "Young's modulus")
+    density: Numeric = quantity("kg/m^3", "positive")
+    poisson_ratio: NumericOrNone = quantity("", "(-1, 0.5]", "Poisson's ratio", default=None)
+    viscosity: Numeric = quantity("Pa s", "non-negative", default=0.0)
 
-    def __init__(
-        self,
-        name: str,
-        *,
-        youngs_modulus: ArrayLike,
-        density: ArrayLike,
-        poisson_ratio: ArrayLike | None = None,
-        viscosity: ArrayLike = 0.0,
-    ) -> None:
-        problems: Problems = []
-        if not isinstance(name, str) or not name:
-            problems.append(("name", f"must be a word, got {shown(name)}"))
-        numbers = dict(zip(self.fields, self._checked(
-            problems, youngs_modulus=youngs_modulus, density=density, poisson_ratio=poisson_ratio,
-            viscosity=viscosity,
-        ), strict=True))
+    def _check(self, problems: Problems) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            problems.insert(0, ("name", f"must be a word, got {shown(self.name)}"))
         if not problems:
-            family_shape(numbers.items())
-            E, rho = numbers["youngs_modulus"], numbers["density"]
+            E, rho = self.youngs_modulus, self.density
             with np.errstate(all="ignore"):
                 ratio = E / rho
             message = "gives no finite wave speed with density {1!r}, got {0!r}"
             require(problems, in_range(ratio), "youngs_modulus", message, E, rho)
-        raise_noted(problems)
-        self._set(name=name, **numbers)
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
         described = super().to_dict()
@@ -207,9 +193,9 @@ class Segment(Frozen):
 
     fields: ClassVar[dict[str, Field]] = {
         "length": Field("m", "positive"),
-        "diameter": Field("m", "positive"),
-        "area": Field("m^2", "positive", along="length"),
-        "polar_moment": Field("m^4", "positive", optional=True, word=CIRCULAR),
+        "diameter": Field("m", "positive", default=None),
+        "area": Field("m^2", "positive", default=None, along="length"),
+        "polar_moment": Field("m^4", "positive", default=None, word=CIRCULAR),
     }
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {
         "diameter": ("area",), "area": ("diameter",),
@@ -231,7 +217,7 @@ class Segment(Frozen):
         lateral_inertia: str | None = None,
     ) -> None:
         problems: Problems = []
-        (L,) = self._checked(problems, length=length)
+        L = self.fields["length"].checked(problems, "length", length)
         known = None if problems else L
         A: Any = 1.0
         d: Any = None
@@ -409,7 +395,7 @@ def _solid(problems: Problems, diameter: Any, area: Any, polar_moment: Any) -> N
         message = f"must be that of the solid round section, got {shown(polar_moment)}; "
         remedy = "leave it out, or give the area in place of the diameter"
         problems.append(("polar_moment", message + remedy))
-    return number(problems, "diameter", diameter, *Segment.fields["diameter"][:2])
+    return Segment.fields["diameter"].checked(problems, "diameter", diameter)
 
 
 def _polar_moment(problems: Problems, value: Any, area: Any) -> Number | str:
@@ -423,7 +409,7 @@ def _polar_moment(problems: Problems, value: Any, area: Any) -> Number | str:
         message = f'must be "{CIRCULAR}" along a taper, or left out, got {shown(value)}'
         problems.append(("polar_moment", message))
         return math.nan
-    return number(problems, "polar_moment", value, *Segment.fields["polar_moment"][:2])
+    return Segment.fields["polar_moment"].checked(problems, "polar_moment", value)
 
 
 def _check_theory(problems: Problems, theory: Any, material: Any) -> None:
@@ -494,16 +480,13 @@ class Rod(_Body):
     """
 
     kind: ClassVar[str] = "rod"
-    fields: ClassVar[dict[str, Field]] = {
-        "velocity": Field("m/s", along="length"), "strain": Field(along="length"),
-    }
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {
         **Segment._instead,
         "segments": ("length", "area", "diameter", "material", "polar_moment", "lateral_inertia"),
     }
     segments: tuple[Segment, ...]
-    velocity: Profile
-    strain: Profile
+    velocity: Profile = quantity("m/s", default=0.0, along="length")
+    strain: Profile = quantity(default=0.0, along="length")
 
     def __init__(
         self,
@@ -520,21 +503,17 @@ class Rod(_Body):
     ) -> None:
         problems: Problems = []
         pieces: tuple[Segment, ...] = ()
+        shape: dict[str, Any] = {
+            "length": length, "area": area, "diameter": diameter, "material": material,
+            "polar_moment": polar_moment, "lateral_inertia": lateral_inertia,
+        }
         if segments is not None:
-            uniform = (length, area, diameter, material, polar_moment, lateral_inertia)
-            pieces = _joined(problems, segments, any(given is not None for given in uniform))
+            pieces = _joined(problems, segments, any(v is not None for v in shape.values()))
         elif isinstance(area, Steps):
-            if diameter is not None:
-                problems.append(("diameter", "give either area or diameter, not both"))
-            pieces = _between_jumps(
-                problems, length, area, material, polar_moment, lateral_inertia)
+            pieces = _between_jumps(problems, area, shape)
         else:
-            L: Any = length
             try:
-                pieces = (Segment(
-                    L, area, material, diameter=diameter, polar_moment=polar_moment,
-                    lateral_inertia=lateral_inertia,
-                ),)
+                pieces = (Segment(**shape),)
             except InvalidModel as error:
                 problems += error.problems
         if len(pieces) > 1 and not problems:
@@ -624,11 +603,12 @@ def _joined(problems: Problems, segments: Any, described: bool) -> tuple[Segment
 
 
 def _between_jumps(
-    problems: Problems, length: Any, area: Steps, material: Any, polar_moment: Any,
-    lateral_inertia: Any,
+    problems: Problems, area: Steps, shape: dict[str, Any]
 ) -> tuple[Segment, ...]:
     """Segments of a rod whose area jumps; mistakes are noted in `problems`."""
-    L = number(problems, "length", length, *Segment.fields["length"][:2])
+    if shape["diameter"] is not None:
+        problems.append(("diameter", "give either area or diameter, not both"))
+    L = Segment.fields["length"].checked(problems, "length", shape["length"])
     along_rod(problems, "area", area, Segment.fields["area"], None if problems else L)
     edges = (0.0, *area.at, L)
     if problems:
@@ -637,8 +617,8 @@ def _between_jumps(
     mistakes = dict.fromkeys(problems)  # that of a length is one of every piece
     for i, (A, (start, end)) in enumerate(zip(area.values, pairwise(edges), strict=True)):
         try:
-            pieces.append(Segment(end - start, A, material, polar_moment=polar_moment,
-                                  lateral_inertia=lateral_inertia))
+            own = {"length": end - start, "area": A, "diameter": None}
+            pieces.append(Segment(**{**shape, **own}))
         except InvalidModel as error:
             for path, message in error.problems:
                 mistakes[path.replace("area", f"area.values.{i}"), message] = None
@@ -646,7 +626,7 @@ def _between_jumps(
     return tuple(pieces)
 
 
-class RigidMass(_Body):
+class RigidMass(Declared, _Body):
     """A body that moves as a whole: no wave runs through it.
 
     Parameters
@@ -668,17 +648,12 @@ class RigidMass(_Body):
     """
 
     kind: ClassVar[str] = "mass"
-    fields: ClassVar[dict[str, Field]] = {
-        "mass": Field("kg", "positive"), "velocity": Field("m/s"),
-    }
-    mass: Number
-    velocity: Number
-
-    def __init__(self, mass: ArrayLike, *, velocity: ArrayLike = 0.0) -> None:
-        self._take(mass=mass, velocity=velocity)
+    mass: Numeric = quantity("kg", "positive")
+    _: KW_ONLY
+    velocity: Numeric = quantity("m/s", default=0.0)
 
 
-class Wall(_Body):
+class Wall(Declared, _Body):
     """An immovable body, or one that keeps its velocity whatever hits it.
 
     Parameters
@@ -697,11 +672,7 @@ class Wall(_Body):
     """
 
     kind: ClassVar[str] = "wall"
-    fields: ClassVar[dict[str, Field]] = {"velocity": Field("m/s")}
-    velocity: Number
-
-    def __init__(self, velocity: ArrayLike = 0.0) -> None:
-        self._take(velocity=velocity)
+    velocity: Numeric = quantity("m/s", default=0.0)
 
 
 Body: TypeAlias = Rod | RigidMass | Wall

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import ClassVar, TypeAlias
 
-from .frozen import Field, Frozen, Problems, raise_noted
+from .frozen import Frozen, Problems, quantity, raise_noted
 from .profiles import Profile, ProfileLike, in_time
 
 
@@ -99,7 +99,7 @@ class Pushed(_Driven):
     """
 
     kind: ClassVar[str] = "force"
-    fields: ClassVar[dict[str, Field]] = {"value": Field("N", label="force", along="time")}
+    value: Profile = quantity("N", label="force", along="time")
 
 
 class Moved(_Driven):
@@ -127,7 +127,7 @@ class Moved(_Driven):
     """
 
     kind: ClassVar[str] = "velocity"
-    fields: ClassVar[dict[str, Field]] = {"value": Field("m/s", label="velocity", along="time")}
+    value: Profile = quantity("m/s", label="velocity", along="time")
 
 
 class Incoming(_Driven, Absorbing):
@@ -159,7 +159,7 @@ class Incoming(_Driven, Absorbing):
     """
 
     kind: ClassVar[str] = "incoming"
-    fields: ClassVar[dict[str, Field]] = {"value": Field("", label="strain", along="time")}
+    value: Profile = quantity("", label="strain", along="time")
 
 
 End: TypeAlias = Free | Fixed | Absorbing | Pushed | Moved | Incoming

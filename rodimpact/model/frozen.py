@@ -1,8 +1,9 @@
 """Values made once: checked when they are made, frozen, compared and stored by what they say.
 
-Every number goes through `number`; it may be an array, which makes a family. All mistakes of one
-object are reported together in one `InvalidModel`, each with the path of its field. What a class
-says of its numbers in `fields` serves its checks, case files and figures.
+A class declares each number once, ``stiffness: Numeric = quantity("N/m", "positive")``. From that
+come its constructor, checks, repr and `replace`, case files, and what figures call the number. A
+number may be an array, which makes a family. All mistakes of one object are reported together in
+one `InvalidModel`, each with the path of its field.
 """
 
 from __future__ import annotations
@@ -12,12 +13,24 @@ import hashlib
 import inspect
 import json
 import math
+import re
 import sys
 from collections.abc import Callable, Collection, Iterable
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple, Self, TypeAlias
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    ClassVar,
+    Generic,
+    NamedTuple,
+    Self,
+    TypeAlias,
+    TypeVar,
+    dataclass_transform,
+)
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .. import units
 from ..units import MOST_SHOWN, one_line, shown
@@ -33,11 +46,12 @@ SMALLEST, LARGEST = 1e-150, 1e150  # magnitudes whose squares are neither 0 nor 
 TINY = sys.float_info.min  # with all its digits
 OUT_OF_SCALE = f"must be 0 or of a magnitude from {SMALLEST:g} to {LARGEST:g} in consistent units"
 OUT_OF_SCALE += ", got {0!r}"
+REQUIRED = inspect.Parameter.empty
 _SIGNS = frozenset({"positive", "positive or infinite", "non-negative", "any"})
 
 
 class InvalidModel(ValueError):
-    """The description of a collision has mistakes.
+    """The description of a collision, or an argument of a function, has mistakes.
 
     Attributes
     ----------
@@ -79,25 +93,61 @@ class Field(NamedTuple):
         such as ``"[0, 1]"`` or ``"(-1, 0.5]"``; ``"sampled"`` for one of many.
     label : str
         What figures call it, where that is not its name.
-    optional : bool
-        Whether it may be None.
+    default : object
+        What holds where it is left out; None: it may be None. `REQUIRED`: it must be given.
     along : str
         ``"length"`` of a rod or ``"time"``, if it may be a profile over that.
     word : str
         That may stand in its place.
+    single : bool
+        Whether it must not be an array.
     """
 
     unit: str = ""
     sign: str = "any"
     label: str = ""
-    optional: bool = False
+    default: Any = REQUIRED
     along: str = ""
     word: str = ""
+    single: bool = False
 
     @property
     def dimension(self) -> str:
         """What kind of quantity it is, for `units.parse`."""
         return units.dimension_of(self.unit)
+
+    def checked(self, problems: Problems, path: str, value: Any) -> Number:
+        """Return `value` as this number; note a mistake in `problems`."""
+        if value is None and self.default is None:
+            return None  # type: ignore[return-value]
+        held = number(problems, path, value, self.unit, self.sign)
+        if self.single and isinstance(held, np.ndarray):
+            problems.append((path, f"must be a single number, got {shown(value)}"))
+        return held
+
+
+def quantity(
+    unit: str = "", sign: str = "any", label: str = "", *, default: Any = REQUIRED,
+    along: str = "", word: str = "", single: bool = False,
+) -> Any:
+    """Declare a number of a class by its `Field`."""
+    return Field(unit, sign, label, default, along, word, single)
+
+
+Given = TypeVar("Given", contravariant=True)
+Held = TypeVar("Held", covariant=True)
+
+
+class Attribute(Generic[Given, Held]):
+    """To type checkers: an attribute of which the constructor takes more types than it has."""
+
+    if TYPE_CHECKING:
+        def __get__(self, instance: object, owner: Any) -> Held: ...
+        def __set__(self, instance: object, value: Given) -> None: ...
+
+
+Numeric: TypeAlias = Attribute[ArrayLike, Number]
+NumericOrNone: TypeAlias = Attribute[ArrayLike | None, Number | None]
 
 
 def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "any") -> Number:
@@ -227,6 +277,8 @@ def raise_noted(problems: Problems) -> None:
     """Raise InvalidModel if there are problems."""
     if problems:
         raise InvalidModel(problems)
+_TAKEN = {"Numeric": "ArrayLike", "NumericOrNone": "ArrayLike | None"}
+"""How `help` shows what a constructor takes for such an attribute."""
 
 
 class Frozen:
@@ -244,6 +296,12 @@ class Frozen:
     _whole: ClassVar[tuple[str, ...]] = ()
     """Fields whose array is one thing: the members of a family share it."""
 
+    def __init_subclass__(cls) -> None:
+        if declared := {name: v for name, v in vars(cls).items() if isinstance(v, Field)}:
+            cls.fields = declared
+            for name in declared:
+                delattr(cls, name)
+
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"{type(self).__name__} is frozen; make a new one with another {name}")
 
@@ -260,24 +318,6 @@ class Frozen:
 
     def _set(self, **fields: Any) -> None:
         self.__dict__.update(fields)
-
-    def _checked(self, problems: Problems, **given: Any) -> list[Any]:
-        """Return these numbers as their fields want them; note mistakes in `problems`."""
-        values: list[Any] = []
-        for name, value in given.items():
-            field = self.fields[name]
-            left_out = field.optional and value is None
-            values.append(
-                None if left_out else number(problems, name, value, field.unit, field.sign)
-            )
-        return values
-
-    def _take(self, **given: Any) -> None:
-        """Become what these numbers say; InvalidModel with all mistakes in them."""
-        problems: Problems = []
-        values = self._checked(problems, **given)
-        raise_noted(problems)
-        self.__dict__.update(zip(given, values, strict=True))
 
     def replace(self, **changes: Any) -> Self:
         """Return the same object with other values for some parameters of its constructor.
@@ -401,6 +441,58 @@ class Frozen:
             return chosen
 
         return self._mapped(pick)
+
+
+@dataclass_transform(eq_default=False, field_specifiers=(quantity,))
+class Declared(Frozen):
+    """A value whose constructor takes what its class declares, in that order.
+
+    What stands below ``_: KW_ONLY``, as in a dataclass, is taken by name only.
+    """
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if "fields" in vars(cls):
+            cls.__init__ = _constructor(cls)  # type: ignore[method-assign]
+
+    def _take(self, **given: Any) -> None:
+        """Become what is given; InvalidModel with all mistakes in it."""
+        problems: Problems = []
+        held, fields, varies = self.__dict__, self.fields, False
+        for name, value in given.items():
+            if name in fields:
+                value = fields[name].checked(problems, name, value)
+                varies = varies or type(value) is np.ndarray
+            held[name] = value
+        if varies and not problems:
+            family_shape((name, held[name]) for name in fields)
+        self._check(problems)
+        raise_noted(problems)
+
+    def _check(self, problems: Problems) -> None:
+        """Note what is wrong besides single numbers."""
+
+
+def _constructor(cls: type[Declared]) -> Any:
+    """Constructor of a class, spelt out so that it is as fast as one written by hand."""
+    kinds = {name: kind for name, kind in inspect.get_annotations(cls).items()
+             if not kind.startswith("ClassVar")}
+    header, by_name = ", ".join(kinds), []
+    if "_" in kinds:
+        by_name = list(kinds)[list(kinds).index("_") + 1 :]
+        header = re.sub(r"\b_\b", "*", header)
+        del kinds["_"]
+    made: dict[str, Any] = {}
+    passed = ", ".join(f"{name}={name}" for name in kinds)
+    exec(f"def __init__(self, {header}):\n    self._take({passed})", made)
+    init = made["__init__"]
+    defaults = {name: field.default for name, field in cls.fields.items()
+                if field.default is not REQUIRED}
+    init.__kwdefaults__ = {name: defaults.pop(name) for name in by_name if name in defaults}
+    init.__defaults__ = tuple(defaults.values())
+    init.__qualname__, init.__module__ = f"{cls.__qualname__}.__init__", cls.__module__
+    init.__annotations__ = {name: _TAKEN.get(kind, kind) for name, kind in kinds.items()}
+    return init
 
 
 def short(value: Any) -> str:

@@ -15,13 +15,24 @@ from numpy.typing import ArrayLike
 from ..units import shown
 from .arguments import array, refuse, together
 from .bodies import Material
-from .frozen import Field, Frozen, Number, Problems, family_shape, number, raise_noted, require
+from .frozen import (
+    Declared,
+    Field,
+    Number,
+    Numeric,
+    NumericOrNone,
+    Problems,
+    family_shape,
+    quantity,
+    raise_noted,
+    require,
+)
 
-FACE = Field("m", "positive or infinite")
+FACE = Field("m", "positive or infinite", default=np.inf)
 """The radius of a face, infinite for a flat one."""
 
 
-class _Law(Frozen):
+class _Law(Declared):
     """A contact law, described by its name and its numbers."""
 
     _tag: ClassVar[str] = "law"
@@ -34,14 +45,13 @@ class _Compliant(_Law):
     """A law whose elastic part is k d^p, k its `stiffness` and p its `exponent`."""
 
     overlaps: ClassVar[bool] = True
-    exponent: Number
-    stiffness: Number
 
     def stored(self, indentation: ArrayLike) -> Any:
         """Energy stored at an indentation d >= 0, m: k d^(p+1)/(p+1), J; ValueError at others."""
+        law: Any = self
         d, k, p = together(
             indentation=array("indentation", indentation, "m"),
-            stiffness=np.asarray(self.stiffness), exponent=np.asarray(self.exponent),
+            stiffness=np.asarray(law.stiffness), exponent=np.asarray(law.exponent),
         )
         with np.errstate(over="ignore", invalid="ignore"):
             energy: Any = k * d ** (p + 1) / (p + 1)
@@ -78,13 +88,8 @@ class Rigid(_Law):
     """
 
     law: ClassVar[str] = "rigid"
-    fields: ClassVar[dict[str, Field]] = {
-        "restitution": Field("", "[0, 1]", "coefficient of restitution", optional=True),
-    }
-    restitution: Number | None
-
-    def __init__(self, restitution: ArrayLike | None = None) -> None:
-        self._take(restitution=restitution)
+    restitution: NumericOrNone = quantity(
+        "", "[0, 1]", "coefficient of restitution", default=None)
 
 
 class Bonded(_Law):
@@ -135,24 +140,16 @@ class Joint(_Compliant):
     law: ClassVar[str] = "joint"
     opens: ClassVar[bool] = False
     overlaps: ClassVar[bool] = False
-    fields: ClassVar[dict[str, Field]] = {
-        "stiffness": Field("N/m", "non-negative"), "damping": Field("N s/m", "non-negative"),
-        "stretch": Field("m"),
-    }
     exponent = 1.0
-    damping: Number
-    stretch: Number
+    stiffness: Numeric = quantity("N/m", "non-negative")
+    damping: Numeric = quantity("N s/m", "non-negative", default=0.0)
+    stretch: Numeric = quantity("m", default=0.0)
 
-    def __init__(
-        self, stiffness: ArrayLike, damping: ArrayLike = 0.0, stretch: ArrayLike = 0.0
-    ) -> None:
-        self._take(stiffness=stiffness, damping=damping, stretch=stretch)
-        family_shape(self._numbers())
-        problems: Problems = []
-        joins = np.add(self.stiffness, self.damping) > 0
-        message = "must be positive where the damping is 0, got {0!r}"
-        require(problems, joins, "stiffness", message, self.stiffness)
-        raise_noted(problems)
+    def _check(self, problems: Problems) -> None:
+        if not problems:
+            joins = np.add(self.stiffness, self.damping) > 0
+            message = "must be positive where the damping is 0, got {0!r}"
+            require(problems, joins, "stiffness", message, self.stiffness)
 
     def stored(self, indentation: ArrayLike) -> Any:
         """Energy stored at a stretch or an indentation, m, of either sign: k s^2/2, J."""
@@ -179,11 +176,8 @@ class Spring(_Compliant):
     """
 
     law: ClassVar[str] = "spring"
-    fields: ClassVar[dict[str, Field]] = {"stiffness": Field("N/m", "positive")}
     exponent = 1.0
-
-    def __init__(self, stiffness: ArrayLike) -> None:
-        self._take(stiffness=stiffness)
+    stiffness: Numeric = quantity("N/m", "positive")
 
 
 class SpringDashpot(_Compliant):
@@ -208,14 +202,9 @@ class SpringDashpot(_Compliant):
     """
 
     law: ClassVar[str] = "spring-dashpot"
-    fields: ClassVar[dict[str, Field]] = {
-        "stiffness": Field("N/m", "positive"), "damping": Field("N s/m", "non-negative"),
-    }
     exponent = 1.0
-    damping: Number
-
-    def __init__(self, stiffness: ArrayLike, damping: ArrayLike) -> None:
-        self._take(stiffness=stiffness, damping=damping)
+    stiffness: Numeric = quantity("N/m", "positive")
+    damping: Numeric = quantity("N s/m", "non-negative")
 
 
 class Hertz(_Compliant):
@@ -238,11 +227,8 @@ class Hertz(_Compliant):
     """
 
     law: ClassVar[str] = "hertz"
-    fields: ClassVar[dict[str, Field]] = {"stiffness": Field("N/m^1.5", "positive")}
     exponent = 1.5
-
-    def __init__(self, stiffness: ArrayLike) -> None:
-        self._take(stiffness=stiffness)
+    stiffness: Numeric = quantity("N/m^1.5", "positive")
 
     @classmethod
     def from_radii(
@@ -284,7 +270,7 @@ class Hertz(_Compliant):
         yielding = []
         faces: Any = (("left", left_radius, left_material), ("right", right_radius, right_material))
         for side, radius, material in faces:
-            R = number(problems, f"{side}_radius", radius, FACE.unit, FACE.sign)
+            R = FACE.checked(problems, f"{side}_radius", radius)
             radii.append(R)
             meeting.append((f"{side}_radius", R))
             if isinstance(material, Material) and material.poisson_ratio is not None:
@@ -337,14 +323,9 @@ class HuntCrossley(_Compliant):
     """
 
     law: ClassVar[str] = "hunt-crossley"
-    fields: ClassVar[dict[str, Field]] = {
-        "stiffness": Field("N/m^1.5", "positive"), "damping": Field("s/m", "non-negative"),
-    }
     exponent = 1.5
-    damping: Number
-
-    def __init__(self, stiffness: ArrayLike, damping: ArrayLike) -> None:
-        self._take(stiffness=stiffness, damping=damping)
+    stiffness: Numeric = quantity("N/m^1.5", "positive")
+    damping: Numeric = quantity("s/m", "non-negative")
 
 
 class PowerLaw(_Compliant):
@@ -372,12 +353,8 @@ class PowerLaw(_Compliant):
     """
 
     law: ClassVar[str] = "power"
-    fields: ClassVar[dict[str, Field]] = {
-        "stiffness": Field("N/m^p", "positive"), "exponent": Field("", "[1, inf)"),
-    }
-
-    def __init__(self, stiffness: ArrayLike, exponent: ArrayLike) -> None:
-        self._take(stiffness=stiffness, exponent=exponent)
+    stiffness: Numeric = quantity("N/m^p", "positive")
+    exponent: Numeric = quantity("", "[1, inf)")
 
 
 class Yielding(_Compliant):
@@ -414,24 +391,16 @@ class Yielding(_Compliant):
     """
 
     law: ClassVar[str] = "yielding"
-    fields: ClassVar[dict[str, Field]] = {
-        "stiffness": Field("N/m", "positive"), "yield_force": Field("N", "positive"),
-        "hardening": Field("N/m", "non-negative"),
-    }
     exponent = 1.0
-    yield_force: Number
-    hardening: Number
+    stiffness: Numeric = quantity("N/m", "positive")
+    yield_force: Numeric = quantity("N", "positive")
+    hardening: Numeric = quantity("N/m", "non-negative", default=0.0)
 
-    def __init__(
-        self, stiffness: ArrayLike, yield_force: ArrayLike, hardening: ArrayLike = 0.0
-    ) -> None:
-        self._take(stiffness=stiffness, yield_force=yield_force, hardening=hardening)
-        family_shape(self._numbers())
-        problems: Problems = []
-        k, less = self.stiffness, np.less(self.hardening, self.stiffness)
-        message = "must be less than the stiffness {0!r}, got {1!r}"
-        require(problems, less, "hardening", message, k, self.hardening)
-        raise_noted(problems)
+    def _check(self, problems: Problems) -> None:
+        if not problems:
+            k, less = self.stiffness, np.less(self.hardening, self.stiffness)
+            message = "must be less than the stiffness {0!r}, got {1!r}"
+            require(problems, less, "hardening", message, k, self.hardening)
 
 
 ContactLaw: TypeAlias = (

@@ -23,6 +23,7 @@ from .frozen import (
     Problems,
     family_shape,
     number,
+    quantity,
     raise_noted,
     require,
 )
@@ -117,9 +118,8 @@ class Samples(Frozen):
     Samples(values=array(3,), step=0.0001)
     """
 
-    fields: ClassVar[dict[str, Field]] = {"step": Field("s", "positive", optional=True)}
     values: Floats
-    step: Number | None
+    step: Number | None = quantity("s", "positive", default=None)
     smooth: bool
     error: float
     _whole: ClassVar[tuple[str, ...]] = ("values",)
@@ -133,7 +133,7 @@ class Samples(Frozen):
         if not problems and (isinstance(samples, float) or samples.ndim > 1 or samples.size < 2):
             message = f"must be a list of at least two numbers, got {shown(values)}"
             problems.append(("values", message))
-        (h,) = self._checked(problems, step=step)
+        h = self.fields["step"].checked(problems, "step", step)
         raise_noted(problems)
         curve = {"smooth": bool(smooth), "error": float(error)}
         self._set(values=samples, step=h, **curve)
@@ -163,9 +163,8 @@ def along_rod(
     A function is sampled at `ALONG_ROD` places from end to end. Without a length, which a mistake
     elsewhere leaves unknown, only what does not depend on it is checked. `Steps` bear any sign.
     """
-    unit, sign = field[:2]
     if type(value) is float:
-        return number(problems, path, value, unit, sign)
+        return field.checked(problems, path, value)
     if isinstance(value, Steps):
         if value.at and length is not None:
             family_shape([("length", length), *value._numbers(path)])
@@ -177,11 +176,11 @@ def along_rod(
         if value.step is not None:
             message = "has no place along a rod, where samples run from end to end; leave it out"
             problems.append((f"{path}.step", message))
-        if sign != "any":
-            number(problems, f"{path}.values", value.values, unit, sign)
+        if field.sign != "any":
+            field.checked(problems, f"{path}.values", value.values)
         return value
     if not callable(value):
-        return number(problems, path, value, unit, sign)
+        return field.checked(problems, path, value)
     if isinstance(length, np.ndarray):
         message = "is a function, but the members of the family differ in length; give Samples"
         problems.append((path, message))
@@ -207,7 +206,7 @@ def in_time(problems: Problems, path: str, value: Any, field: Field, duration: A
             problems.append((f"{path}.step", "is missing; give the seconds between two samples"))
         if isinstance(value, Steps | Samples):
             return value
-        return number(problems, path, value, field.unit, field.sign)
+        return field.checked(problems, path, value)
     if duration is None:
         message = "is missing; give the seconds for which the function is to be sampled"
         problems.append(("duration", message))

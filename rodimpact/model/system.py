@@ -10,7 +10,8 @@ Axis x points to the right; velocity is positive to the right, strain positive i
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from itertools import zip_longest
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,14 +20,13 @@ from ..units import shown
 from .bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import ENDS, FREE, Absorbing, End, Fixed, Free, Incoming, Moved, Pushed
 from .frozen import (
-    Field,
     Frozen,
     InvalidModel,
     Number,
     Problems,
     family_shape,
-    number,
     plain,
+    quantity,
     raise_noted,
     require,
 )
@@ -71,13 +71,10 @@ class System(Frozen):
     (3,)
     """
 
-    fields: ClassVar[dict[str, Field]] = {
-        "gaps": Field("m", "non-negative", "gap"), "gravity": Field("m/s^2"),
-    }
     bodies: tuple[Body, ...]
-    gaps: tuple[Number, ...]
+    gaps: tuple[Number, ...] = quantity("m", "non-negative", "gap", default=0.0)
     contacts: tuple[ContactLaw, ...]
-    gravity: Number
+    gravity: Number = quantity("m/s^2", default=0.0)
     ends: tuple[End, End]
     _shape: tuple[int, ...]
 
@@ -106,11 +103,11 @@ class System(Frozen):
         pairs = len(bodies) - 1
         laws = _per_pair(problems, "contacts", contacts, RIGID, pairs)
         given = _per_pair(problems, "gaps", gaps, 0.0, pairs)
-        unit, sign = self.fields["gaps"][:2]
-        signs = ["any" if getattr(law, "overlaps", False) else sign for law in laws]
+        gap = self.fields["gaps"]
+        overlap = gap._replace(sign="any")
         widths = tuple(
-            number(problems, f"gaps.{i}", gap, unit, signs[i] if i < len(signs) else sign)
-            for i, gap in enumerate(given)
+            (overlap if getattr(law, "overlaps", False) else gap).checked(problems, f"gaps.{i}", g)
+            for i, (g, law) in enumerate(zip_longest(given, laws[: len(given)]))
         )
         for i, law in enumerate(laws):
             if type(law) not in _LAWS:
@@ -124,7 +121,7 @@ class System(Frozen):
                 require(problems, np.equal(widths[i], 0), f"gaps.{i}", message, widths[i])
             elif isinstance(law, Rigid):
                 _check_rigid(problems, i, law, *bodies[i : i + 2])
-        (g,) = self._checked(problems, gravity=gravity)
+        g = self.fields["gravity"].checked(problems, "gravity", gravity)
         both = (FREE, FREE) if ends is None else ends
         if not isinstance(both, list | tuple) or len(both) != 2:
             message = f"must be a pair, such as (Free(), Absorbing()), got {shown(ends)}"

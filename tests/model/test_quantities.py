@@ -429,6 +429,8 @@ SHAPES = {
     "viscosity": (
         lambda: ri.Material("a", youngs_modulus=THREE, density=1.0, viscosity=FOUR),
         ["youngs_modulus", "viscosity"]),
+    "mass": (lambda: ri.RigidMass(THREE, velocity=FOUR), ["mass", "velocity"]),
+    "contact law": (lambda: ri.SpringDashpot(THREE, FOUR), ["stiffness", "damping"]),
     "damped": (lambda: STEEL.damped(THREE, FOUR), ["loss_factor", "frequency"]),
     "radii": (
         lambda: ri.Hertz.from_radii(THREE, FOUR, STEEL, STEEL), ["left_radius", "right_radius"]),
