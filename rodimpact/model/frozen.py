@@ -82,7 +82,7 @@ class InvalidModel(ValueError):
 
 
 class Field(NamedTuple):
-    """What a number of the model is.
+    """What a number of the model is, or an argument.
 
     Attributes
     ----------
@@ -172,7 +172,7 @@ def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "an
             problems.append((path, "must not be an empty array"))
             return math.nan
     array = array + 0.0
-    if require(problems, _has_sign(array, sign), path, wanted(unit, sign), array):
+    if require(problems, has_sign(array, sign), path, wanted(unit, sign), array):
         require(problems, _in_scale(array, sign), path, OUT_OF_SCALE, array)
     if not isinstance(array, float):
         array.flags.writeable = False
@@ -190,7 +190,7 @@ def _in_scale(value: Any, sign: str) -> Any:
     return good | (size == math.inf) if "infinite" in sign else good
 
 
-def _has_sign(value: Any, sign: str) -> Any:
+def has_sign(value: Any, sign: str) -> Any:
     """Where numbers are finite and of that sign."""
     if sign == "positive or infinite":
         return value > 0
@@ -217,30 +217,27 @@ def wanted(unit: str, sign: str) -> str:
 
 
 def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
-    """Shape to which arrays among the numbers broadcast.
+    """Shape of the family that arrays among numbers make, each number with its path.
 
-    Parameters
-    ----------
-    numbers : iterable of (str, number)
-        Each with its path.
-
-    Raises
-    ------
-    InvalidModel
-        If they do not broadcast, naming the arrays with their shapes, or make more than
-        `MOST_MEMBERS`.
+    InvalidModel if they do not broadcast, or make more than `MOST_MEMBERS`.
     """
-    shapes = [(path, v.shape) for path, v in numbers if isinstance(v, np.ndarray)]
-    try:
-        shape = np.broadcast_shapes(*(shape for _, shape in shapes))
-    except ValueError:
-        named = [f"{path} has shape {shape}" for path, shape in shapes]
-        message = f"arrays of the family do not broadcast: {listed(named)}"
-        raise InvalidModel([(shapes[0][0], message)]) from None
+    arrays = [(path, v) for path, v in numbers if isinstance(v, np.ndarray)]
+    shape = broadcast_shape(arrays)
     if math.prod(shape) > MOST_MEMBERS:
         message = f"makes a family of {math.prod(shape)} members, more than {MOST_MEMBERS}"
-        raise InvalidModel([(shapes[0][0], f"{message}; take one part after another")])
+        raise InvalidModel([(arrays[0][0], f"{message}; take one part after another")])
     return shape
+
+
+def broadcast_shape(arrays: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
+    """Shape to which arrays broadcast; InvalidModel with path and shape of each if they do not."""
+    shapes = [(path, v.shape) for path, v in arrays]
+    try:
+        return np.broadcast_shapes(*(shape for _, shape in shapes))
+    except ValueError:
+        named = [f"{path} has shape {shape}" for path, shape in shapes]
+        message = f"arrays do not broadcast: {listed(named)}"
+        raise InvalidModel([(shapes[0][0], message)]) from None
 
 
 def vanishes(value: Number) -> bool:
@@ -269,7 +266,7 @@ def require(
     index = tuple(int(i) for i in np.argwhere(~good)[0])
     at = f"[{','.join(map(str, index))}]" if index else ""
     there = [float(np.broadcast_to(v, good.shape)[index]) for v in values]
-    problems.append((f"{path}{at}", message.format(*there)))
+    problems.append((f"{path}{at}", message.format(*there) if values else message))
     return False
 
 

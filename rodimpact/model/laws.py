@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
-from .arguments import array, refuse, together
+from .arguments import array, demand, together
 from .bodies import Material
 from .frozen import (
     Declared,
@@ -50,13 +50,13 @@ class _Compliant(_Law):
         """Energy stored at an indentation d >= 0, m: k d^(p+1)/(p+1), J; ValueError at others."""
         law: Any = self
         d, k, p = together(
-            indentation=array("indentation", indentation, "m"),
-            stiffness=np.asarray(law.stiffness), exponent=np.asarray(law.exponent),
+            indentation=(indentation, "m", "non-negative"), stiffness=(law.stiffness, "", ""),
+            exponent=(law.exponent, "", ""),
         )
         with np.errstate(over="ignore", invalid="ignore"):
             energy: Any = k * d ** (p + 1) / (p + 1)
-        wanted = "must be 0 or more, and not too large for a finite energy"
-        refuse(~((d >= 0) & (energy < np.inf)), wanted, indentation=d)
+        message = "must not be too large for a finite energy, got {0!r}"
+        demand(energy < np.inf, "indentation", message, d)
         return energy[()]
 
 

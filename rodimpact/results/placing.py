@@ -123,9 +123,7 @@ def placing(
         If the magnification is not a positive number.
     """
     if magnification is not None:
-        magnification = single("magnification", magnification, "")
-        if not 0 < magnification < math.inf:
-            raise ValueError(f"magnification: must be a positive number, got {magnification!r}")
+        magnification = single("magnification", magnification, "", "positive")
     bodies = range(len(solution.system.bodies))
     lengths = [_length(solution, body) for body in bodies]
     begin = np.cumsum([0.0, *lengths[:-1]])

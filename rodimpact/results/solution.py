@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from ..methods.run import Run, Totals, Waves
 from ..methods.signals import Floats, Side, each_once
 from ..model import Body, RigidMass, Rod, Samples, Segment, Steps, System, Wall
-from ..model.arguments import array, of_kind, refuse, single
+from ..model.arguments import array, demand, of_kind, single
 from ..storage.extras import optional
 from ..storage.writing import write_npz
 from . import notebook
@@ -213,7 +213,7 @@ class Solution:
     @_FAINT
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
-        x = single("x", x, "m")
+        x = single("x", x, "m", "")
         trace = self.fields.trace(self._index(body), x)
         a, per_wave = self.fields.clock, 0.5 / trace.wave_speed
         ticks = each_once(trace.rightward.marks, trace.leftward.marks)
@@ -265,7 +265,8 @@ class Solution:
         bodies, names = self.system.bodies, ["body", "x", "time"]
         lengths = [float(b.length) if isinstance(b, Rod) else 0.0 for b in bodies]
         inside = [(x >= 0) & (x <= length * (1 + 1e-12)) for length in lengths]
-        refuse(~np.any(inside, axis=0), f"must lie in a body, 0 to {max(lengths):.9g} m", x=x)
+        message = f"must lie in a body, from 0 to {max(lengths):.9g} m, got {{0!r}}"
+        demand(np.any(inside, axis=0), "x", message, x)
         data: dict[str, Any] = {}
         for ask in (self.velocity, self.displacement, self.position):
             data[ask.__name__] = names, self._everywhere(ask, range(len(bodies)), inside, x, t)
@@ -366,7 +367,7 @@ class Solution:
         ValueError
             Where an end is driven by a function of time: a system cannot begin like that.
         """
-        tick = int(self.fields.to_ticks(single("t", t, "s")))
+        tick = int(self.fields.to_ticks(single("t", t, "s", "")))
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
             if isinstance(getattr(end, "value", 0.0), Steps | Samples):
                 raise ValueError(f"ends.{side}: is driven by a function of time; drive it anew")

@@ -461,7 +461,7 @@ def test_arrays_that_do_not_broadcast_are_named_with_their_shapes(make, fields):
     with pytest.raises(ri.InvalidModel) as error:
         make()
     message = (
-        f"arrays of the family do not broadcast: {fields[0]} has shape (3,), "
+        f"arrays do not broadcast: {fields[0]} has shape (3,), "
         f"{fields[1]} has shape (4,)"
     )
     assert error.value.problems == [(fields[0], message)]
