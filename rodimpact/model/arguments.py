@@ -43,7 +43,7 @@ def together(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
     return np.broadcast_arrays(*arrays.values())
 
 
-def demand(good: Any, name: str, message: str, *values: Array) -> None:
+def demand(good: Any, name: str, message: str, *values: Number) -> None:
     """InvalidModel where something does not hold, with the message and values of `require`."""
     problems: Problems = []
     require(problems, good, name, message, *values)

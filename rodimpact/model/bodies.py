@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
-from .arguments import array
+from .arguments import array, demand
 from .frozen import (
     LARGEST,
     SMALLEST,
@@ -266,8 +266,7 @@ class Segment(Frozen):
                 "length {0!r} and area {1!r} of this material make an impedance, a transit time or "
                 f"a mass outside {SMALLEST:g} to {LARGEST:g}; use consistent units"
             )
-            require(problems, good, path, message, L, A)
-            raise_noted(problems)
+            demand(good, path, message, L, A)
 
     @property
     def area(self) -> Number | Samples:
@@ -427,14 +426,7 @@ def _check_theory(problems: Problems, theory: Any, material: Any) -> None:
         require(problems, nu < 0.5, path, f'must be below 0.5 for "{theory}", got {{0!r}}', nu)
 
 
-class _Body(Frozen):
-    """A body of a row, described by its kind."""
-
-    _tag: ClassVar[str] = "kind"
-    kind: ClassVar[str]
-
-
-class Rod(_Body):
+class Rod(Frozen):
     """An elastic rod: uniform, stepped or tapered.
 
     Give `length`, `area` or `diameter`, and `material`; or `segments`.
@@ -626,7 +618,7 @@ def _between_jumps(
     return tuple(pieces)
 
 
-class RigidMass(Declared, _Body):
+class RigidMass(Declared):
     """A body that moves as a whole: no wave runs through it.
 
     Parameters
@@ -653,7 +645,7 @@ class RigidMass(Declared, _Body):
     velocity: Numeric = quantity("m/s", default=0.0)
 
 
-class Wall(Declared, _Body):
+class Wall(Declared):
     """An immovable body, or one that keeps its velocity whatever hits it.
 
     Parameters

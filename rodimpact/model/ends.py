@@ -12,20 +12,13 @@ from .frozen import Frozen, Problems, quantity, raise_noted
 from .profiles import Profile, ProfileLike, in_time
 
 
-class _End(Frozen):
-    """An end of a row, described by its kind and what drives it."""
-
-    _tag: ClassVar[str] = "kind"
-    kind: ClassVar[str]
-
-
-class Free(_End):
+class Free(Frozen):
     """A free end: no force acts on it."""
 
     kind: ClassVar[str] = "free"
 
 
-class Fixed(_End):
+class Fixed(Frozen):
     """The end of a rod is held at rest, in tension too.
 
     Examples
@@ -42,7 +35,7 @@ class Fixed(_End):
     kind: ClassVar[str] = "fixed"
 
 
-class Absorbing(_End):
+class Absorbing(Frozen):
     """The rod goes on for ever: waves leave and none comes back.
 
     The wave that comes in from outside keeps the value that it has there at t = 0.
@@ -62,7 +55,7 @@ class Absorbing(_End):
     kind: ClassVar[str] = "absorbing"
 
 
-class _Driven(_End):
+class _Driven(Frozen):
     """An end at which something follows a profile in time."""
 
     value: Profile

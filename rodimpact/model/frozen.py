@@ -13,21 +13,10 @@ import hashlib
 import inspect
 import json
 import math
-import re
 import sys
 from collections.abc import Callable, Collection, Iterable
-from functools import cached_property
-from typing import (
-    TYPE_CHECKING,
-    Any,
-    ClassVar,
-    Generic,
-    NamedTuple,
-    Self,
-    TypeAlias,
-    TypeVar,
-    dataclass_transform,
-)
+from functools import cache, cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeAlias, dataclass_transform
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -134,20 +123,20 @@ def quantity(
     return Field(unit, sign, label, default, along, word, single)
 
 
-Given = TypeVar("Given", contravariant=True)
-Held = TypeVar("Held", covariant=True)
-
-
-class Attribute(Generic[Given, Held]):
-    """To type checkers: an attribute of which the constructor takes more types than it has."""
+class Numeric:
+    """To type checkers: a number, for which the constructor takes whatever NumPy makes one of."""
 
     if TYPE_CHECKING:
-        def __get__(self, instance: object, owner: Any) -> Held: ...
-        def __set__(self, instance: object, value: Given) -> None: ...
+        def __get__(self, instance: object, owner: Any) -> Number: ...
+        def __set__(self, instance: object, value: ArrayLike) -> None: ...
 
 
-Numeric: TypeAlias = Attribute[ArrayLike, Number]
-NumericOrNone: TypeAlias = Attribute[ArrayLike | None, Number | None]
+class NumericOrNone:
+    """To type checkers: the same, or None."""
+
+    if TYPE_CHECKING:
+        def __get__(self, instance: object, owner: Any) -> Number | None: ...
+        def __set__(self, instance: object, value: ArrayLike | None) -> None: ...
 
 
 def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "any") -> Number:
@@ -288,8 +277,6 @@ class Frozen:
     """The numbers of which it is made."""
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {}
     """Parameters that stand for others: ``{"diameter": ("area",)}``."""
-    _tag: ClassVar[str] = ""
-    """The attribute of the class that says in tables which one it is: ``"kind"``."""
     _whole: ClassVar[tuple[str, ...]] = ()
     """Fields whose array is one thing: the members of a family share it."""
 
@@ -329,25 +316,31 @@ class Frozen:
         InvalidModel
             Naming every change that is no parameter, or is not what it should be.
         """
-        known = inspect.signature(type(self)).parameters
+        kind: Any = type(self)
+        known = defaults_of(kind)
         if unknown := [name for name in changes if name not in known]:
-            where = f"is no parameter of {type(self).__name__}"
+            where = f"is no parameter of {kind.__name__}"
             raise InvalidModel([
                 (name, f"{where}; {nearest(name, known) if known else 'it has none'}")
                 for name in unknown
             ])
         gone = {other for name in changes for other in self._instead.get(name, ())}
         kept = {name: v for name, v in self._parameters().items() if name not in gone}
-        return type(self)(**{**kept, **changes})
+        return kind(**{**kept, **changes})  # type: ignore[no-any-return]
 
     def _parameters(self) -> dict[str, Any]:
         """What the constructor would be given to make this object."""
         return {name: v for name, v in self.__dict__.items() if name[0] != "_"}
 
+    @classmethod
+    def _tag(cls) -> dict[str, str]:
+        """What says in tables which class it is: ``{"kind": "rod"}``."""
+        return {name: getattr(cls, name) for name in ("kind", "law") if hasattr(cls, name)}
+
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON-ready description from which an equal object can be made."""
-        tag = {self._tag: getattr(self, self._tag)} if self._tag else {}
-        return tag | {name: plain(v) for name, v in self._parameters().items() if v is not None}
+        given = {name: plain(v) for name, v in self._parameters().items() if v is not None}
+        return self._tag() | given
 
     @property
     def digest(self) -> str:
@@ -472,24 +465,25 @@ class Declared(Frozen):
 
 def _constructor(cls: type[Declared]) -> Any:
     """Constructor of a class, spelt out so that it is as fast as one written by hand."""
-    kinds = {name: kind for name, kind in inspect.get_annotations(cls).items()
-             if not kind.startswith("ClassVar")}
-    header, by_name = ", ".join(kinds), []
-    if "_" in kinds:
-        by_name = list(kinds)[list(kinds).index("_") + 1 :]
-        header = re.sub(r"\b_\b", "*", header)
-        del kinds["_"]
+    header, passed = "self", ""
+    for name, kind in inspect.get_annotations(cls).items():
+        if name == "_":
+            header += ", *"
+        elif not kind.startswith("ClassVar"):
+            default = cls.fields.get(name, Field()).default
+            header += f", {name}: {_TAKEN.get(kind, kind)}"
+            header += "" if default is REQUIRED else f" = {default!r}"
+            passed += f"{name}={name}, "
     made: dict[str, Any] = {}
-    passed = ", ".join(f"{name}={name}" for name in kinds)
-    exec(f"def __init__(self, {header}):\n    self._take({passed})", made)
-    init = made["__init__"]
-    defaults = {name: field.default for name, field in cls.fields.items()
-                if field.default is not REQUIRED}
-    init.__kwdefaults__ = {name: defaults.pop(name) for name in by_name if name in defaults}
-    init.__defaults__ = tuple(defaults.values())
-    init.__qualname__, init.__module__ = f"{cls.__qualname__}.__init__", cls.__module__
-    init.__annotations__ = {name: _TAKEN.get(kind, kind) for name, kind in kinds.items()}
-    return init
+    exec(f"def __init__({header}) -> None: self._take({passed})", made)
+    made["__init__"].__qualname__ = f"{cls.__qualname__}.__init__"
+    return made["__init__"]
+
+
+@cache
+def defaults_of(kind: Any) -> dict[str, Any]:
+    """Parameters of the constructor of a class with their defaults, or `REQUIRED`."""
+    return {name: taken.default for name, taken in inspect.signature(kind).parameters.items()}
 
 
 def short(value: Any) -> str:

@@ -35,7 +35,6 @@ FACE = Field("m", "positive or infinite", default=np.inf)
 class _Law(Declared):
     """A contact law, described by its name and its numbers."""
 
-    _tag: ClassVar[str] = "law"
     law: ClassVar[str]
     opens: ClassVar[bool] = True
     overlaps: ClassVar[bool] = False  # may begin with an overlap, a gap below 0
@@ -291,8 +290,7 @@ class Hertz(_Compliant):
         family_shape(meeting)
         curvature = 1 / radii[0] + 1 / radii[1]
         message = "is infinite as that of the left face; two flat faces make no Hertz contact"
-        require(problems, curvature > 0, "right_radius", message)
-        raise_noted(problems)
+        demand(curvature > 0, "right_radius", message)
         with np.errstate(all="ignore"):  # what is out of range, the law will refuse
             compliance: Number = sum(1 / (E / (1 - nu**2)) for E, nu in yielding)
             return cls(np.divide(4 / 3, compliance * curvature**0.5))

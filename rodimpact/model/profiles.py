@@ -185,11 +185,7 @@ def along_rod(
         message = "is a function, but the members of the family differ in length; give Samples"
         problems.append((path, message))
     elif length is not None:
-        places = np.linspace(0.0, length, ALONG_ROD)
-        try:
-            return _curve(value, places, field, None)
-        except ValueError as error:
-            problems.append((path, str(error)))
+        return _curve(problems, path, value, np.linspace(0.0, length, ALONG_ROD), field, None)
     return 0.0
 
 
@@ -217,10 +213,8 @@ def in_time(problems: Problems, path: str, value: Any, field: Field, duration: A
         message = "must be a single number of seconds; members of a family share a function"
         problems.append(("duration", message))
     elif len(problems) == before:
-        try:
-            return _curve(value, np.linspace(0.0, end, IN_TIME), field, end / (IN_TIME - 1))
-        except ValueError as error:
-            problems.append((path, str(error)))
+        times, step = np.linspace(0.0, end, IN_TIME), end / (IN_TIME - 1)
+        return _curve(problems, path, value, times, field, step)
     return 0.0
 
 
@@ -308,18 +302,22 @@ def profile_from(data: Any) -> Any:
     if not isinstance(data, dict):
         return data
     if "samples" in data:
-        return Samples(data["samples"], data.get("step"), smooth=data.get("smooth", False),
-                       error=data.get("error", 0.0))
+        return Samples(**{"values" if key == "samples" else key: v for key, v in data.items()})
     return Steps(**data) if "values" in data else data
 
 
-def _curve(function: Callable[[Any], Any], places: Floats, field: Field, step: Any) -> Samples:
+def _curve(
+    problems: Problems, path: str, function: Any, places: Floats, field: Field, step: Any
+) -> Profile:
     """Samples of a function, with the curve between them that is nearer to it half way."""
     from scipy.interpolate import make_interp_spline
 
-    values = _sampled(function, places, field)
     middles = (places[1:] + places[:-1]) / 2
-    true = _sampled(function, middles, field)
+    try:
+        values, true = (_sampled(function, x, field) for x in (places, middles))
+    except ValueError as error:
+        problems.append((path, str(error)))
+        return 0.0
     off = {
         True: np.max(np.abs(make_interp_spline(places, values, 5)(middles) - true)),
         False: np.max(np.abs((values[1:] + values[:-1]) / 2 - true)),
