@@ -31,9 +31,10 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
 
 def single(name: str, value: Any, unit: str, sign: str = "any") -> float:
     """The argument as a number; InvalidModel if it is none, or several."""
-    x = array(name, value, unit)
-    demand(x.ndim == 0, name, f"must be a single number, got {shown(value)}")
-    return array(name, x, unit, sign).item()
+    x = array(name, value, unit, sign)
+    if x.ndim:
+        raise InvalidModel([(name, f"must be a single number, got {shown(value)}")])
+    return x.item()
 
 
 def together(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:

@@ -275,12 +275,15 @@ class Frozen:
 
     fields: ClassVar[dict[str, Field]] = {}
     """The numbers of which it is made."""
+    _tag: ClassVar[dict[str, str]]
+    """What says in tables which class it is: ``{"kind": "rod"}``."""
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {}
     """Parameters that stand for others: ``{"diameter": ("area",)}``."""
     _whole: ClassVar[tuple[str, ...]] = ()
     """Fields whose array is one thing: the members of a family share it."""
 
     def __init_subclass__(cls) -> None:
+        cls._tag = {name: getattr(cls, name) for name in ("kind", "law") if hasattr(cls, name)}
         if declared := {name: v for name, v in vars(cls).items() if isinstance(v, Field)}:
             cls.fields = declared
             for name in declared:
@@ -332,15 +335,10 @@ class Frozen:
         """What the constructor would be given to make this object."""
         return {name: v for name, v in self.__dict__.items() if name[0] != "_"}
 
-    @classmethod
-    def _tag(cls) -> dict[str, str]:
-        """What says in tables which class it is: ``{"kind": "rod"}``."""
-        return {name: getattr(cls, name) for name in ("kind", "law") if hasattr(cls, name)}
-
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON-ready description from which an equal object can be made."""
         given = {name: plain(v) for name, v in self._parameters().items() if v is not None}
-        return self._tag() | given
+        return self._tag | given
 
     @property
     def digest(self) -> str:

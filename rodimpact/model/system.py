@@ -104,10 +104,10 @@ class System(Frozen):
         laws = _per_pair(problems, "contacts", contacts, RIGID, pairs)
         given = _per_pair(problems, "gaps", gaps, 0.0, pairs)
         gap = self.fields["gaps"]
-        overlap = gap._replace(sign="any")
         widths = tuple(
-            (overlap if getattr(law, "overlaps", False) else gap).checked(problems, f"gaps.{i}", g)
-            for i, (g, law) in enumerate(zip_longest(given, laws[: len(given)]))
+            (gap._replace(sign="any") if getattr(law, "overlaps", False) else gap)
+            .checked(problems, f"gaps.{i}", width)
+            for i, (width, law) in enumerate(zip_longest(given, laws[: len(given)]))
         )
         for i, law in enumerate(laws):
             if type(law) not in _LAWS:

@@ -106,11 +106,11 @@ def _section(
     after: Sequence[Entry] = (),
 ) -> Section:
     """The table that describes an object of this class; `described` is what is no number."""
-    tag = "".join(f' {name} = "{value}"' for name, value in kind._tag().items())
+    tag = "".join(f' {name} = "{value}"' for name, value in kind._tag.items())
     title = header.replace("right", "SIDE") + tag
     meaning = (inspect.getdoc(kind) or "").partition("\n")[0]
     return Section(title, meaning, [*before, *_numbers(kind), *after],
-                   _toml(header, kind._tag() | described | _needed(kind)), kind.__name__)
+                   _toml(header, kind._tag | described | _needed(kind)), kind.__name__)
 
 
 def _numbers(kind: Any) -> list[Entry]:
