@@ -13,7 +13,7 @@ import numpy as np
 from ..methods.signals import Floats, Ints
 from ..model import Rod
 from ..model.arguments import single
-from .cutting import Corner, region, spans
+from .clipping import Corner, region, spans
 from .solution import Solution, check_solution
 from .wave_fields import WaveFields
 

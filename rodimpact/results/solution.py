@@ -18,19 +18,19 @@ from ..model.arguments import array, demand, of_kind, single
 from ..storage.extras import optional
 from ..storage.writing import write_npz
 from . import notebook
-from .beginnings import beginning
 from .contacts import ContactHistory
 from .energy import EnergyLedger, ledger
 from .fields import Fields, check_side
 from .gauges import Gauge
 from .grid_fields import GridFields
-from .group_states import group_states
+from .group_motion import group_motion
+from .labels import outcome
 from .outcome import Outcome, outcome_of
 from .ring_down import RingDown, ring_down
 from .run_file import take_apart
+from .state_profiles import state_profiles
 from .totals import totals_of
 from .wave_fields import WaveFields
-from .words import outcome
 
 _FAINT = np.errstate(under="ignore")  # squares of round-off, and of very slow motion, may vanish
 
@@ -309,7 +309,7 @@ class Solution:
     def energy(self, t: ArrayLike) -> EnergyLedger:
         """Energy ledger at times t in s."""
         ticks = self.fields.nearest_known(self.fields.to_ticks(t))
-        states = group_states(self.system, self.fields, np.concatenate(([0], ticks.ravel())))
+        states = group_motion(self.system, self.fields, np.concatenate(([0], ticks.ravel())))
         from_start = ledger(self.fields, self.contacts, self.run.signals.outside, states)
         return EnergyLedger(**{
             name: entry[1:].reshape(ticks.shape) for name, entry in vars(from_start).items()
@@ -378,7 +378,7 @@ class Solution:
             elif isinstance(body, RigidMass):
                 bodies.append(RigidMass(body.mass, velocity=float(self.velocity(i, 0.0, t))))
             else:
-                velocity, strain = beginning(self.fields, i, tick)
+                velocity, strain = state_profiles(self.fields, i, tick)
                 bodies.append(Rod(segments=body.segments, velocity=velocity, strain=strain))
         gaps = [0.0 if not c.law.opens else float(c.gap(t)) if c.law.overlaps else
                 max(0.0, float(c.gap(t))) for c in self.contacts]

@@ -11,14 +11,14 @@ from ..methods.run import INWARD, Run, Totals
 from .contacts import ContactHistory
 from .energy import ledger
 from .fields import Fields
-from .group_states import group_states
+from .group_motion import group_motion
 
 
 def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> Totals:
     """Read the totals off the fields of a finished run."""
     system, clock, signals = run.system, run.clock, run.signals
     count, ticks = len(system.bodies), np.unique(fields.nearest_known(np.array([0, run.end])))
-    states = group_states(system, fields, ticks)
+    states = group_motion(system, fields, ticks)
     book = ledger(fields, contacts, signals.outside, states)
     masses = [clock.mass(i) for i in range(count)]
     velocity, vibration = np.zeros((2, count)), (states.moving + states.strained).T
