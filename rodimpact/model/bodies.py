@@ -16,38 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
+from . import frozen, profiles
 from .arguments import array, demand
-from .frozen import (
-    LARGEST,
-    SMALLEST,
-    Declared,
-    Field,
-    Frozen,
-    InvalidModel,
-    Number,
-    Numeric,
-    NumericOrNone,
-    Problems,
-    family_shape,
-    in_range,
-    nearest,
-    number,
-    quantity,
-    raise_noted,
-    require,
-)
+from .frozen import Declared, Frozen, Number, Numeric, NumericOrNone, Problems, quantity
 from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
-from .profiles import (
-    Floats,
-    Profile,
-    ProfileLike,
-    Samples,
-    Steps,
-    along_rod,
-    averages,
-    extremes,
-    flipped,
-)
+from .profiles import Floats, Profile, ProfileLike, Samples, Steps
 
 if TYPE_CHECKING:
     from dataclasses import KW_ONLY
@@ -101,7 +74,7 @@ class Material(Declared):
             with np.errstate(all="ignore"):
                 ratio = E / rho
             message = "gives no finite wave speed with density {1!r}, got {0!r}"
-            require(problems, in_range(ratio), "youngs_modulus", message, E, rho)
+            frozen.require(problems, frozen.in_range(ratio), "youngs_modulus", message, E, rho)
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
         described = super().to_dict()
@@ -143,10 +116,10 @@ class Material(Declared):
         79.577
         """
         problems: Problems = []
-        tangent = number(problems, "loss_factor", loss_factor, "", "non-negative")
-        f = number(problems, "frequency", frequency, "Hz", "positive")
-        raise_noted(problems)
-        family_shape([
+        tangent = frozen.number(problems, "loss_factor", loss_factor, "", "non-negative")
+        f = frozen.number(problems, "frequency", frequency, "Hz", "positive")
+        frozen.raise_noted(problems)
+        frozen.family_shape([
             ("youngs_modulus", self.youngs_modulus), ("loss_factor", tangent), ("frequency", f)
         ])
         with np.errstate(all="ignore"):  # what is out of range, the material will refuse
@@ -191,11 +164,11 @@ class Segment(Frozen):
     [0.00015, 0.00025]
     """
 
-    fields: ClassVar[dict[str, Field]] = {
-        "length": Field("m", "positive"),
-        "diameter": Field("m", "positive", default=None),
-        "area": Field("m^2", "positive", default=None, along="length"),
-        "polar_moment": Field("m^4", "positive", default=None, word=CIRCULAR),
+    fields: ClassVar[dict[str, frozen.Field]] = {
+        "length": quantity("m", "positive"),
+        "diameter": quantity("m", "positive", default=None),
+        "area": quantity("m^2", "positive", default=None, along="length"),
+        "polar_moment": quantity("m^4", "positive", default=None, word=CIRCULAR),
     }
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {
         "diameter": ("area",), "area": ("diameter",),
@@ -229,7 +202,7 @@ class Segment(Frozen):
         elif area is None:
             problems.append(("area", "is missing; give it, or the diameter of a round rod"))
         else:
-            A = along_rod(problems, "area", area, self.fields["area"], known)
+            A = profiles.along_rod(problems, "area", area, self.fields["area"], known)
         if not isinstance(material, Material):
             message = f"must be a Material, such as materials.steel, got {shown(material)}"
             problems.append(("material", message))
@@ -245,26 +218,26 @@ class Segment(Frozen):
             polar_moment = None
         elif polar_moment is not None:
             polar_moment = _polar_moment(problems, polar_moment, A)
-        raise_noted(problems)
+        frozen.raise_noted(problems)
         self._set(length=L, area=A, diameter=d, material=material, polar_moment=polar_moment,
                   lateral_inertia=lateral_inertia)
         A = self.area
         if isinstance(A, Samples):
-            for bound in extremes(A):
+            for bound in profiles.extremes(A):
                 Segment(L, bound, material)
             return
         c = self.wave_speed
         if not type(L) is type(A) is type(c) is float:
-            family_shape(self._numbers())
+            frozen.family_shape(self._numbers())
         with np.errstate(all="ignore"):
             Z, T = self.material.density * A * c, L / c
-            good = in_range(Z, T, Z * T)
+            good = frozen.in_range(Z, T, Z * T)
         if good is not True:
             sizes = {"length": L, "area" if d is None else "diameter": A, "material": Z / A}
             path = max(sizes, key=lambda name: np.max(np.abs(np.log10(sizes[name]))))
             message = (
                 "length {0!r} and area {1!r} of this material make an impedance, a transit time or "
-                f"a mass outside {SMALLEST:g} to {LARGEST:g}; use consistent units"
+                f"a mass outside {frozen.SMALLEST:g} to {frozen.LARGEST:g}; use consistent units"
             )
             demand(good, path, message, L, A)
 
@@ -344,7 +317,7 @@ class Segment(Frozen):
         places = array("edges", edges, "m")
         if places.ndim != 1 or places.size < 2:
             raise ValueError(f"edges: must be two places or more in a row, got {shown(edges)}")
-        return averages(self.area, places, float(self.length))
+        return profiles.averages(self.area, places, float(self.length))
 
     def polar_moments(self, areas: ArrayLike) -> Floats:
         """Polar second moments of the segment where its cross-section has these areas.
@@ -368,7 +341,7 @@ class Segment(Frozen):
         """Return the segment seen in a mirror."""
         if not self.tapered:
             return self
-        return self.replace(area=flipped(self.area, self.length))
+        return self.replace(area=profiles.flipped(self.area, self.length))
 
     def in_steps(self, n: int) -> list[Segment]:
         """Uniform segments of equal lengths, each of the volume of its piece of the taper.
@@ -381,8 +354,8 @@ class Segment(Frozen):
 
     def _mean_areas(self, n: int) -> list[float]:
         """Mean areas of `n` pieces of equal length, whatever that is, m^2."""
-        areas: list[float] = averages(self.area, np.linspace(0.0, 1.0, n + 1), 1.0).tolist()
-        return areas
+        edges = np.linspace(0.0, 1.0, n + 1)
+        return profiles.averages(self.area, edges, 1.0).tolist()  # type: ignore[no-any-return]
 
 
 def _solid(problems: Problems, diameter: Any, area: Any, polar_moment: Any) -> Number:
@@ -414,7 +387,7 @@ def _polar_moment(problems: Problems, value: Any, area: Any) -> Number | str:
 def _check_theory(problems: Problems, theory: Any, material: Any) -> None:
     """Note an unknown theory of lateral inertia, and what the material lacks for it."""
     if not isinstance(theory, str) or theory not in THEORIES:
-        message = f"unknown theory {shown(theory)}; {nearest(theory, THEORIES)}"
+        message = f"unknown theory {shown(theory)}; {frozen.nearest(theory, THEORIES)}"
         problems.append(("lateral_inertia", message))
     if not isinstance(material, Material):
         return
@@ -423,7 +396,8 @@ def _check_theory(problems: Problems, theory: Any, material: Any) -> None:
         message = f"is missing in {shown(material.name)}; lateral inertia needs it: "
         problems.append((path, f"{message}give the material one, or leave lateral_inertia out"))
     elif theory == MINDLIN_HERRMANN:
-        require(problems, nu < 0.5, path, f'must be below 0.5 for "{theory}", got {{0!r}}', nu)
+        message = f'must be below 0.5 for "{theory}", got {{0!r}}'
+        frozen.require(problems, nu < 0.5, path, message, nu)
 
 
 class Rod(Frozen):
@@ -506,14 +480,14 @@ class Rod(Frozen):
         else:
             try:
                 pieces = (Segment(**shape),)
-            except InvalidModel as error:
+            except frozen.InvalidModel as error:
                 problems += error.problems
         if len(pieces) > 1 and not problems:
-            family_shape((f"segments.{i}.length", s.length) for i, s in enumerate(pieces))
+            frozen.family_shape((f"segments.{i}.length", s.length) for i, s in enumerate(pieces))
         total = None if problems else sum(s.length for s in pieces)
-        v = along_rod(problems, "velocity", velocity, self.fields["velocity"], total)
-        e = along_rod(problems, "strain", strain, self.fields["strain"], total)
-        raise_noted(problems)
+        v = profiles.along_rod(problems, "velocity", velocity, self.fields["velocity"], total)
+        e = profiles.along_rod(problems, "strain", strain, self.fields["strain"], total)
+        frozen.raise_noted(problems)
         self._set(segments=pieces, velocity=v, strain=e)
 
     def _parameters(self) -> dict[str, Any]:
@@ -571,9 +545,10 @@ class Rod(Frozen):
         """
         count: Any = n
         if isinstance(count, bool) or not isinstance(count, Integral) or count < 1:
-            raise InvalidModel([("n", f"must be a positive whole number, got {shown(count)}")])
+            message = f"must be a positive whole number, got {shown(count)}"
+            raise frozen.InvalidModel([("n", message)])
         if n > MOST_STEPS:
-            raise InvalidModel([("n", f"must be at most {MOST_STEPS}, got {shown(count)}")])
+            raise frozen.InvalidModel([("n", f"must be at most {MOST_STEPS}, got {shown(count)}")])
         pieces = [piece for segment in self.segments for piece in segment.in_steps(n)]
         return self.replace(segments=pieces)
 
@@ -601,7 +576,7 @@ def _between_jumps(
     if shape["diameter"] is not None:
         problems.append(("diameter", "give either area or diameter, not both"))
     L = Segment.fields["length"].checked(problems, "length", shape["length"])
-    along_rod(problems, "area", area, Segment.fields["area"], None if problems else L)
+    profiles.along_rod(problems, "area", area, Segment.fields["area"], None if problems else L)
     edges = (0.0, *area.at, L)
     if problems:
         edges = tuple(map(float, range(len(edges))))  # the values can be checked all the same
@@ -611,7 +586,7 @@ def _between_jumps(
         try:
             own = {"length": end - start, "area": A, "diameter": None}
             pieces.append(Segment(**{**shape, **own}))
-        except InvalidModel as error:
+        except frozen.InvalidModel as error:
             for path, message in error.problems:
                 mistakes[path.replace("area", f"area.values.{i}"), message] = None
     problems[:] = mistakes

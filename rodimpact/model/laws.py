@@ -13,20 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
+from . import frozen
 from .arguments import array, demand, together
 from .bodies import Material
-from .frozen import (
-    Declared,
-    Field,
-    Number,
-    Numeric,
-    NumericOrNone,
-    Problems,
-    family_shape,
-    quantity,
-    raise_noted,
-    require,
-)
+from .frozen import Declared, Field, Number, Numeric, NumericOrNone, Problems, quantity
 
 FACE = Field("m", "positive or infinite", default=np.inf)
 """The radius of a face, infinite for a flat one."""
@@ -148,7 +138,7 @@ class Joint(_Compliant):
         if not problems:
             joins = np.add(self.stiffness, self.damping) > 0
             message = "must be positive where the damping is 0, got {0!r}"
-            require(problems, joins, "stiffness", message, self.stiffness)
+            frozen.require(problems, joins, "stiffness", message, self.stiffness)
 
     def stored(self, indentation: ArrayLike) -> Any:
         """Energy stored at a stretch or an indentation, m, of either sign: k s^2/2, J."""
@@ -286,8 +276,8 @@ class Hertz(_Compliant):
         if left_material is right_material is None:
             message = "is None as that of the left face; one of two faces must yield"
             problems.append(("right_material", message))
-        raise_noted(problems)
-        family_shape(meeting)
+        frozen.raise_noted(problems)
+        frozen.family_shape(meeting)
         curvature = 1 / radii[0] + 1 / radii[1]
         message = "is infinite as that of the left face; two flat faces make no Hertz contact"
         demand(curvature > 0, "right_radius", message)
@@ -398,7 +388,7 @@ class Yielding(_Compliant):
         if not problems:
             k, less = self.stiffness, np.less(self.hardening, self.stiffness)
             message = "must be less than the stiffness {0!r}, got {1!r}"
-            require(problems, less, "hardening", message, k, self.hardening)
+            frozen.require(problems, less, "hardening", message, k, self.hardening)
 
 
 ContactLaw: TypeAlias = (

@@ -15,18 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import one_line, shown
-from .frozen import (
-    LARGEST,
-    Field,
-    Frozen,
-    Number,
-    Problems,
-    family_shape,
-    number,
-    quantity,
-    raise_noted,
-    require,
-)
+from . import frozen
+from .frozen import Field, Frozen, Number, Problems, quantity
 from .quantities import Floats as Floats
 from .quantities import floats
 
@@ -75,18 +65,18 @@ class Steps(Frozen):
                 except ValueError as error:
                     problems.append((name, str(error)))
             lists[name] = tuple(
-                number(problems, f"{name}.{i}", v, "", sign) for i, v in enumerate(entries)
+                frozen.number(problems, f"{name}.{i}", v, "", sign) for i, v in enumerate(entries)
             )
         if not problems and len(lists["values"]) != len(lists["at"]) + 1:
             message = f"needs one value more than jumps, got {len(lists['values'])} values"
             problems.append(("values", f"{message} for {len(lists['at'])} jumps"))
-        raise_noted(problems)
+        frozen.raise_noted(problems)
         self._set(**lists)
-        family_shape(self._numbers())
+        frozen.family_shape(self._numbers())
         for i, (a, b) in enumerate(pairwise(self.at)):
             message = "must lie beyond {0!r}, got {1!r}"
-            require(problems, np.asarray(b) > a, f"at.{i + 1}", message, a, b)
-        raise_noted(problems)
+            frozen.require(problems, np.asarray(b) > a, f"at.{i + 1}", message, a, b)
+        frozen.raise_noted(problems)
 
 
 class Samples(Frozen):
@@ -129,12 +119,12 @@ class Samples(Frozen):
         error: float = 0.0,
     ) -> None:
         problems: Problems = []
-        samples = number(problems, "values", values, "", "sampled")
+        samples = frozen.number(problems, "values", values, "", "sampled")
         if not problems and (isinstance(samples, float) or samples.ndim > 1 or samples.size < 2):
             message = f"must be a list of at least two numbers, got {shown(values)}"
             problems.append(("values", message))
         h = self.fields["step"].checked(problems, "step", step)
-        raise_noted(problems)
+        frozen.raise_noted(problems)
         curve = {"smooth": bool(smooth), "error": float(error)}
         self._set(values=samples, step=h, **curve)
 
@@ -167,10 +157,10 @@ def along_rod(
         return field.checked(problems, path, value)
     if isinstance(value, Steps):
         if value.at and length is not None:
-            family_shape([("length", length), *value._numbers(path)])
+            frozen.family_shape([("length", length), *value._numbers(path)])
             last, end = f"{path}.at.{len(value.at) - 1}", value.at[-1]
             message = "must lie inside the rod of length {0!r}, got {1!r}"
-            require(problems, np.asarray(end) < length, last, message, length, end)
+            frozen.require(problems, np.asarray(end) < length, last, message, length, end)
         return value
     if isinstance(value, Samples):
         if value.step is not None:
@@ -208,7 +198,7 @@ def in_time(problems: Problems, path: str, value: Any, field: Field, duration: A
         problems.append(("duration", message))
         return 0.0
     before = len(problems)
-    end = number(problems, "duration", duration, "s", "positive")
+    end = frozen.number(problems, "duration", duration, "s", "positive")
     if isinstance(end, np.ndarray):
         message = "must be a single number of seconds; members of a family share a function"
         problems.append(("duration", message))
@@ -347,7 +337,7 @@ def _sampled(function: Callable[[Any], Any], places: Floats, field: Field) -> Fl
             f"must be a function that returns numbers, got {shown(values[0])} at 0.0"
         )
     positive = field.sign == "positive"
-    good = (np.abs(values) <= LARGEST) & ((values > 0) | (not positive))
+    good = (np.abs(values) <= frozen.LARGEST) & ((values > 0) | (not positive))
     if not good.all():
         x, got = float(places[~good][0]), float(values[~good][0])
         kind = "positive" if positive else "finite"

@@ -17,19 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
+from . import frozen
 from .bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import ENDS, FREE, Absorbing, End, Fixed, Free, Incoming, Moved, Pushed
-from .frozen import (
-    Frozen,
-    InvalidModel,
-    Number,
-    Problems,
-    family_shape,
-    plain,
-    quantity,
-    raise_noted,
-    require,
-)
+from .frozen import Frozen, Number, Problems, plain, quantity
 from .lateral_inertia import RAYLEIGH_LOVE
 from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Rigid, Yielding
 from .profiles import flipped, negative, profile_from
@@ -90,7 +81,7 @@ class System(Frozen):
         problems: Problems = []
         if not isinstance(bodies, list | tuple) or not bodies:
             message = f"must be a list of at least one rod or rigid mass, got {shown(bodies)}"
-            raise InvalidModel([("bodies", message)])
+            raise frozen.InvalidModel([("bodies", message)])
         for i, body in enumerate[Any](bodies):
             if type(body) not in _BODIES:
                 message = f"must be a Rod, a RigidMass or a Wall itself, got {shown(body)}"
@@ -118,7 +109,7 @@ class System(Frozen):
                 message = "must be 0 where bodies are joined, got {0!r}; give the Joint a stretch"
                 if isinstance(law, Bonded):
                     message = "must be 0 where bodies are bonded, got {0!r}"
-                require(problems, np.equal(widths[i], 0), f"gaps.{i}", message, widths[i])
+                frozen.require(problems, np.equal(widths[i], 0), f"gaps.{i}", message, widths[i])
             elif isinstance(law, Rigid):
                 _check_rigid(problems, i, law, *bodies[i : i + 2])
         g = self.fields["gravity"].checked(problems, "gravity", gravity)
@@ -129,10 +120,10 @@ class System(Frozen):
         else:
             for side, end, body in zip(SIDES, both, (bodies[0], bodies[-1]), strict=True):
                 _check_end(problems, side, end, body)
-        raise_noted(problems)
+        frozen.raise_noted(problems)
         self._set(bodies=tuple(bodies), gaps=widths, contacts=tuple(laws), gravity=g,
                   ends=tuple(both))
-        self._set(_shape=family_shape(self._named_numbers()) if self._varies else ())
+        self._set(_shape=frozen.family_shape(self._named_numbers()) if self._varies else ())
         _check_joined(self)
 
     @property
@@ -206,11 +197,11 @@ class System(Frozen):
                 gravity=data.get("gravity", 0.0),
                 ends=ends and [restored(ENDS, "kind", ends[side]) for side in SIDES],
             )
-        except InvalidModel:
+        except frozen.InvalidModel:
             raise
         except (LookupError, TypeError, ValueError, AttributeError):
             message = f"must be what system.to_dict() gives, got {shown(data)}"
-            raise InvalidModel([("data", message)]) from None
+            raise frozen.InvalidModel([("data", message)]) from None
 
     def reversed(self) -> System:
         """Return the same state with every velocity turned round: the film run backwards.
@@ -242,7 +233,7 @@ class System(Frozen):
         ]
         if problems:
             why = "; nothing that is lost or driven can be turned round in time"
-            raise InvalidModel([(path, message + why) for path, message in problems])
+            raise frozen.InvalidModel([(path, message + why) for path, message in problems])
         bodies = [body.replace(velocity=negative(body.velocity)) for body in self.bodies]
         return self.replace(bodies=bodies)
 
@@ -319,8 +310,8 @@ def _check_joined(system: System) -> None:
             continue
         both = (left.velocity, right.velocity)
         message = "must be {0!r}, that of the rigid body it is bonded to, got {1!r}"
-        require(problems, np.equal(*both), f"bodies.{i + 1}.velocity", message, *both)
-    raise_noted(problems)
+        frozen.require(problems, np.equal(*both), f"bodies.{i + 1}.velocity", message, *both)
+    frozen.raise_noted(problems)
 
 
 def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
