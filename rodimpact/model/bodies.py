@@ -216,8 +216,12 @@ class Segment(Frozen):
             problems.append(("polar_moment", f"{message}leave polar_moment out"))
         if diameter is not None:
             polar_moment = None
-        elif polar_moment is not None:
-            polar_moment = _polar_moment(problems, polar_moment, A)
+        elif isinstance(A, Samples) and not isinstance(polar_moment, str | None):
+            message = f'must be "{CIRCULAR}" along a taper, or left out, got {shown(polar_moment)}'
+            problems.append(("polar_moment", message))
+        else:
+            moment = self.fields["polar_moment"]
+            polar_moment = moment.checked(problems, "polar_moment", polar_moment)
         frozen.raise_noted(problems)
         self._set(length=L, area=A, diameter=d, material=material, polar_moment=polar_moment,
                   lateral_inertia=lateral_inertia)
@@ -368,20 +372,6 @@ def _solid(problems: Problems, diameter: Any, area: Any, polar_moment: Any) -> N
         remedy = "leave it out, or give the area in place of the diameter"
         problems.append(("polar_moment", message + remedy))
     return Segment.fields["diameter"].checked(problems, "diameter", diameter)
-
-
-def _polar_moment(problems: Problems, value: Any, area: Any) -> Number | str:
-    """Return `value` as a polar moment of that cross-section; note a mistake in `problems`."""
-    if isinstance(value, str):
-        if value != CIRCULAR:
-            message = f'must be a number of m^4 or "{CIRCULAR}", got {shown(value)}'
-            problems.append(("polar_moment", message))
-        return value
-    if isinstance(area, Samples):
-        message = f'must be "{CIRCULAR}" along a taper, or left out, got {shown(value)}'
-        problems.append(("polar_moment", message))
-        return math.nan
-    return Segment.fields["polar_moment"].checked(problems, "polar_moment", value)
 
 
 def _check_theory(problems: Problems, theory: Any, material: Any) -> None:

@@ -109,6 +109,11 @@ class Field(NamedTuple):
         """Return `value` as this number; note a mistake in `problems`."""
         if value is None and self.default is None:
             return None  # type: ignore[return-value]
+        if self.word and isinstance(value, str):
+            if value != self.word:
+                message = f'must be a number{number_of(self.unit)} or "{self.word}"'
+                problems.append((path, f"{message}, got {shown(value)}"))
+            return value  # type: ignore[return-value]
         held = number(problems, path, value, self.unit, self.sign)
         if self.single and isinstance(held, np.ndarray):
             problems.append((path, f"must be a single number, got {shown(value)}"))
