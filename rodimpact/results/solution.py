@@ -18,12 +18,12 @@ from ..model.arguments import array, demand, of_kind, single
 from ..storage.extras import optional
 from ..storage.writing import write_npz
 from . import notebook
+from .bonded_groups import bonded_groups
 from .contacts import ContactHistory
 from .energy import EnergyLedger, ledger
 from .fields import Fields, check_side
 from .gauges import Gauge
 from .grid_fields import GridFields
-from .group_motion import group_motion
 from .labels import outcome
 from .outcome import Outcome, outcome_of
 from .ring_down import RingDown, ring_down
@@ -309,7 +309,7 @@ class Solution:
     def energy(self, t: ArrayLike) -> EnergyLedger:
         """Energy ledger at times t in s."""
         ticks = self.fields.nearest_known(self.fields.to_ticks(t))
-        states = group_motion(self.system, self.fields, np.concatenate(([0], ticks.ravel())))
+        states = bonded_groups(self.system, self.fields, np.concatenate(([0], ticks.ravel())))
         from_start = ledger(self.fields, self.contacts, self.run.signals.outside, states)
         return EnergyLedger(**{
             name: entry[1:].reshape(ticks.shape) for name, entry in vars(from_start).items()
