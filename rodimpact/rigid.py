@@ -17,9 +17,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .model.arguments import Array, Number, array, finite, plain, positive, refuse, together
+from .model.arguments import Array, Number, array, demand, plain, together
 
-_APART = "the bodies do not approach; body 1 is on the left, so its velocity must be the larger"
+_MASS = "kg", "positive or infinite"
+_VELOCITY = "m/s", "any"
+_APART = (
+    "must be above the velocity of body 2, {1!r}, got {0!r}: the bodies do not approach; body 1 is "
+    "on the left"
+)
 
 
 class RigidCollision(NamedTuple):
@@ -92,7 +97,7 @@ def contact_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
     >>> contact_mass(2.0, 6.0), contact_mass(2.0, float("inf"))
     (1.5, 2.0)
     """
-    return plain(_contact_mass(*together(m1=_mass("m1", m1), m2=_mass("m2", m2))))
+    return plain(_contact_mass(*together(m1=(m1, *_MASS), m2=(m2, *_MASS))))
 
 
 def collide(
@@ -137,13 +142,13 @@ def collide(
     (23.625, 2.625, 4.625)
     """
     M1, V1, M2, V2, e = together(
-        m1=_mass("m1", m1), v1=finite("v1", v1, "m/s"), m2=_mass("m2", m2),
-        v2=finite("v2", v2, "m/s"), restitution=finite("restitution", restitution, ""),
+        m1=(m1, *_MASS), v1=(v1, *_VELOCITY), m2=(m2, *_MASS), v2=(v2, *_VELOCITY),
+        restitution=(restitution, "", "any"),
     )
-    refuse(V1 <= V2, _APART, v1=V1, v2=V2)
+    demand(V1 > V2, "v1", _APART, V1, V2)
     if not allow_energy_release:
-        wanted = "abs(e) > 1 adds energy; give e from -1 to 1 or set allow_energy_release=True"
-        refuse(np.abs(e) > 1, wanted, restitution=e)
+        message = "must lie in [-1, 1], got {0!r}, which adds energy; set allow_energy_release=True"
+        demand(np.abs(e) <= 1, "restitution", f"{message} if that is meant", e)
     M = _contact_mass(M1, M2)
     share_1, share_2 = M / M2, M / M1  # of the total mass: m1/(m1 + m2) and m2/(m1 + m2)
     V_cm = share_1 * V1 + share_2 * V2
@@ -193,12 +198,10 @@ def restitution_from_velocities(
     0.2
     """
     before_1, before_2, after_1, after_2 = together(
-        v1_before=finite("v1_before", v1_before, "m/s"),
-        v2_before=finite("v2_before", v2_before, "m/s"),
-        v1_after=finite("v1_after", v1_after, "m/s"),
-        v2_after=finite("v2_after", v2_after, "m/s"),
+        v1_before=(v1_before, *_VELOCITY), v2_before=(v2_before, *_VELOCITY),
+        v1_after=(v1_after, *_VELOCITY), v2_after=(v2_after, *_VELOCITY),
     )
-    refuse(before_1 <= before_2, _APART, v1_before=before_1, v2_before=before_2)
+    demand(before_1 > before_2, "v1_before", _APART, before_1, before_2)
     return plain((after_2 - after_1) / (before_1 - before_2))
 
 
@@ -230,10 +233,9 @@ def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
     >>> restitution_from_heights(10.0, 6.4)
     0.8
     """
-    fall, rise = together(drop=positive("drop", drop, "m"),
-                          rebound=finite("rebound", rebound, "m"))
-    wanted = "a ball released from rest rebounds to a height from 0 to the drop"
-    refuse((rise < 0) | (rise > fall), wanted, drop=fall, rebound=rise)
+    fall, rise = together(drop=(drop, "m", "positive"), rebound=(rebound, "m", "non-negative"))
+    message = "must be at most the drop, {1!r}, got {0!r}: a ball from rest rises no higher"
+    demand(rise <= fall, "rebound", message, rise, fall)
     return plain(np.sqrt(rise / fall))
 
 
@@ -276,9 +278,10 @@ def stack_drop(
     >>> round(stack_drop([0.6, 0.06], [0.9, 0.6], height=1.0).top_height, 4)
     3.1104
     """
-    M = np.atleast_1d(positive("masses", masses, "kg"))
-    e = np.atleast_1d(_fraction("restitutions", restitutions))
-    h, g = positive("height", height, "m"), positive("gravity", gravity, "m/s^2")
+    M = np.atleast_1d(array("masses", masses, "kg", "positive"))
+    e = np.atleast_1d(array("restitutions", restitutions, "", "[0, 1]"))
+    h = array("height", height, "m", "positive")
+    g = array("gravity", gravity, "m/s^2", "positive")
     balls = M.shape[-1]
     if balls != e.shape[-1] or balls == 0:
         raise ValueError(
@@ -297,7 +300,8 @@ def stack_drop(
 
 
 def _contact_mass(M1: Array, M2: Array) -> Array:
-    refuse(np.isinf(M1) & np.isinf(M2), "at most one body can be immovable", m1=M1, m2=M2)
+    message = "must be finite where m1 is infinite: at most one body can be immovable, got {0!r}"
+    demand(np.isfinite(M1) | np.isfinite(M2), "m2", message, M2)
     light, heavy = np.minimum(M1, M2), np.maximum(M1, M2)
     return np.asarray(light / (1 + light / heavy))
 
@@ -305,15 +309,3 @@ def _contact_mass(M1: Array, M2: Array) -> Array:
 def _kinetic_energy(mass: Array, velocity: Array) -> Array:
     """M V^2/2, and 0 for a body at rest whose mass is infinite."""
     return np.where(velocity == 0, 0.0, mass) * velocity * velocity / 2
-
-
-def _mass(name: str, value: ArrayLike) -> Array:
-    M = array(name, value, "kg")
-    refuse(~(M > 0), "a mass must be positive [kg], or inf for an immovable body", **{name: M})
-    return M
-
-
-def _fraction(name: str, value: ArrayLike) -> Array:
-    x = array(name, value, "")
-    refuse(~((x >= 0) & (x <= 1)), "must be from 0 to 1", **{name: x})
-    return x

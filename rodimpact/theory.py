@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .model.arguments import Array, Number, finite, plain, positive, together
+from .model.arguments import Array, Number, array, plain, together
 from .rigid import contact_mass
 
 EQUAL_IMPEDANCES = 2.0**-48
@@ -182,7 +182,7 @@ def saint_venant_force(
     >>> saint_venant_force([0.0, 2.0, 4.0, 6.0], 3.0, 1.0, 1.0, 3.0).round(9).tolist()
     [0.75, 0.375, 0.1875, 0.0]
     """
-    t = finite("time", time, "s")
+    t = array("time", time, "s", "any")
     pair = _pair(impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed)
     k = np.floor(np.clip(t, 0.0, pair.duration) / (2 * pair.short_time))
     pressing = (t >= 0) & (t < pair.duration)
@@ -314,7 +314,8 @@ def horn_amplification(area_0: ArrayLike, area_1: ArrayLike) -> Number:
     >>> horn_amplification(area_0=4e-4, area_1=1e-4)
     2.0
     """
-    return plain(np.sqrt(positive("area_0", area_0, "m^2") / positive("area_1", area_1, "m^2")))
+    A0, A1 = together(area_0=(area_0, "m^2", "positive"), area_1=(area_1, "m^2", "positive"))
+    return plain(np.sqrt(A0 / A1))
 
 
 def horn_frequency(wave_speed: ArrayLike, wave_number: ArrayLike, taper: ArrayLike) -> Number:
@@ -350,8 +351,10 @@ def horn_frequency(wave_speed: ArrayLike, wave_number: ArrayLike, taper: ArrayLi
     >>> horn_frequency(wave_speed=2.0, wave_number=3.0, taper=4.0)
     10.0
     """
-    c = positive("wave_speed", wave_speed, "m/s")
-    k, beta = finite("wave_number", wave_number, "rad/m"), finite("taper", taper, "1/m")
+    c, k, beta = together(
+        wave_speed=(wave_speed, "m/s", "positive"), wave_number=(wave_number, "rad/m", "any"),
+        taper=(taper, "1/m", "any"),
+    )
     return plain(c * np.hypot(k, beta))
 
 
@@ -390,9 +393,11 @@ def kelvin_voigt_decay(
     >>> kelvin_voigt_decay(youngs_modulus=2.0, viscosity=0.5, angular_frequency=3.0)
     1.125
     """
-    E = positive("youngs_modulus", youngs_modulus, "Pa")
-    eta = positive("viscosity", viscosity, "Pa s")
-    omega = positive("angular_frequency", angular_frequency, "rad/s")
+    E, eta, omega = together(
+        youngs_modulus=(youngs_modulus, "Pa", "positive"),
+        viscosity=(viscosity, "Pa s", "positive"),
+        angular_frequency=(angular_frequency, "rad/s", "positive"),
+    )
     return plain(eta * omega * omega / (2 * E))
 
 
@@ -434,9 +439,11 @@ def rayleigh_love_speed(
     >>> rayleigh_love_speed(5000.0, poisson_ratio=0.25, gyration_radius=3.0, wave_number=1.0)
     4000.0
     """
-    c = positive("wave_speed", wave_speed, "m/s")
-    kappa = positive("gyration_radius", gyration_radius, "m")
-    nu, k = finite("poisson_ratio", poisson_ratio, ""), finite("wave_number", wave_number, "rad/m")
+    c, kappa, nu, k = together(
+        wave_speed=(wave_speed, "m/s", "positive"),
+        gyration_radius=(gyration_radius, "m", "positive"),
+        poisson_ratio=(poisson_ratio, "", "any"), wave_number=(wave_number, "rad/m", "any"),
+    )
     return plain(c / np.hypot(1.0, nu * kappa * k))
 
 
@@ -486,5 +493,5 @@ def pair_restitution(
 def _checked(**given: ArrayLike) -> tuple[Array, ...]:
     """The arguments of a collision, positive and finite, broadcast."""
     return together(**{
-        name: positive(name, value, UNITS[name.removesuffix("_1").removesuffix("_2")])
+        name: (value, UNITS[name.removesuffix("_1").removesuffix("_2")], "positive")
         for name, value in given.items()})

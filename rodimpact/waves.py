@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,9 +25,9 @@ from scipy.special import i0e, i1e, j0, j1
 
 from .methods.duration import Forecast, Progress, warn
 from .methods.registry import check_function
-from .model.arguments import Array, Number, array, plain, refuse, together
+from .model.arguments import Array, Number, array, demand, plain, together
 from .model.bodies import Rod, Segment
-from .model.frozen import Field, Frozen, InvalidModel, Problems, raise_noted
+from .model.frozen import Declared, InvalidModel, Problems, quantity, raise_noted
 from .model.lateral_inertia import INERTIA, radial_moduli
 from .units import shown
 
@@ -40,7 +40,7 @@ BLOCK = 128  # values at a time, so that memory is bounded and progress is heard
 KNOTS = 257  # of the curve of wave numbers up to the cut-off
 
 
-class Bar(Frozen):
+class Bar(Declared):
     """What of a round bar decides how pulses change their shape along it.
 
     Parameters
@@ -66,19 +66,9 @@ class Bar(Frozen):
     [5189.0, 4958.0]
     """
 
-    fields: ClassVar[dict[str, Field]] = {
-        "wave_speed": Field("m/s", "positive"), "poisson_ratio": Field("", "[0, 0.5]"),
-        "radius": Field("m", "positive"),
-    }
-    wave_speed: float
-    poisson_ratio: float
-    radius: float
-
-    def __init__(self, wave_speed: float, poisson_ratio: float, radius: float) -> None:
-        self._take(wave_speed=wave_speed, poisson_ratio=poisson_ratio, radius=radius)
-        for name, value in self._numbers():
-            if isinstance(value, np.ndarray):
-                raise InvalidModel([(name, f"must be a single number, got {shown(value)}")])
+    wave_speed: float = quantity("m/s", "positive", single=True)
+    poisson_ratio: float = quantity("", "[0, 0.5]", single=True)
+    radius: float = quantity("m", "positive", single=True)
 
     @classmethod
     def of(cls, rod: Rod | Segment, radius: float | None = None) -> Bar:
@@ -190,13 +180,13 @@ class Bar(Frozen):
         """
         f = array("frequency", frequency, "Hz")
         room = self.cut_off * (1 + 1e-12)
-        refuse(~((f >= 0) & (f <= room)), f"must be 0 to {self.cut_off!r} Hz", frequency=f)
+        message = f"must be from 0 to {self.cut_off!r} Hz, got {{0!r}}"
+        demand((f >= 0) & (f <= room), "frequency", message, f)
         lag = _slowness(self.poisson_ratio)(f * self.radius / self.wave_speed)
         return plain(lag / self.wave_speed)
 
     def _ratio(self, frequency: ArrayLike) -> Array:
-        f = array("frequency", frequency, "Hz")
-        refuse(~((f >= 0) & (f < np.inf)), "must be 0 or more, and finite", frequency=f)
+        f = array("frequency", frequency, "Hz", "non-negative")
         W = 2 * math.pi * f * self.radius / self.wave_speed
         return _each(lambda w, x: w / x, W, np.full(f.shape, self.poisson_ratio))
 
@@ -237,11 +227,9 @@ def first_mode(
     [1.0, 0.99113, 0.87299]
     """
     s, nu = together(
-        radius_over_wavelength=array("radius_over_wavelength", radius_over_wavelength, ""),
-        poisson_ratio=array("poisson_ratio", poisson_ratio, ""),
+        radius_over_wavelength=(radius_over_wavelength, "", "non-negative"),
+        poisson_ratio=(poisson_ratio, "", "[0, 0.5]"),
     )
-    refuse(~((s >= 0) & (s < np.inf)), "must be 0 or more, and finite", radius_over_wavelength=s)
-    refuse(~((nu >= 0) & (nu <= 0.5)), "must be from 0 to 0.5", poisson_ratio=nu)
     problems: Problems = []
     check_function(problems, "progress", progress)
     raise_noted(problems)
@@ -285,11 +273,9 @@ def mindlin_herrmann(
     ([1.0, 0.98863, 0.87005], [inf, 3.47427, 1.42475])
     """
     s, nu = together(
-        radius_over_wavelength=array("radius_over_wavelength", radius_over_wavelength, ""),
-        poisson_ratio=array("poisson_ratio", poisson_ratio, ""),
+        radius_over_wavelength=(radius_over_wavelength, "", "non-negative"),
+        poisson_ratio=(poisson_ratio, "", "(-1, 0.5)"),
     )
-    refuse(~((s >= 0) & (s < np.inf)), "must be 0 or more, and finite", radius_over_wavelength=s)
-    refuse(~((nu > -1) & (nu < 0.5)), "must be above -1 and below 0.5", poisson_ratio=nu)
     moduli = radial_moduli(1.0, nu)
     slowest, cut_off = moduli.shear / INERTIA, 2 * moduli.radial / INERTIA
     with np.errstate(divide="ignore", over="ignore"):
@@ -316,8 +302,7 @@ def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
     >>> round(rayleigh_speed(0.25), 6)  # sqrt(2 - 2/sqrt(3)) of the shear speed
     0.581481
     """
-    nu = array("poisson_ratio", poisson_ratio, "")
-    refuse(~((nu >= 0) & (nu <= 0.5)), "must be from 0 to 0.5", poisson_ratio=nu)
+    nu = array("poisson_ratio", poisson_ratio, "", "[0, 0.5]")
 
     def root(v: float) -> float:
         kappa = (1 - 2 * v) / (2 - 2 * v)  # (c2/c1)^2

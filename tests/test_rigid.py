@@ -238,15 +238,15 @@ COLLISION = {"m1": 1.0, "v1": 1.0, "m2": 2.0, "v2": 0.0, "restitution": 0.5}
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"m1": 0.0}, r"m1 = 0\.0: "),
-        ({"m2": -1.0}, r"m2 = -1\.0: "),
-        ({"m2": [1.0, math.nan]}, r"m2 = nan at index \(1,\): "),
-        ({"m1": math.inf, "m2": math.inf}, r"m1 = inf"),
-        ({"v1": math.nan}, r"v1 = nan: must be finite"),
-        ({"v2": -math.inf}, r"v2 = -inf: must be finite"),
-        ({"restitution": math.nan}, r"restitution = nan: must be finite"),
-        ({"v2": 1.0}, r"v1 = 1\.0, v2 = 1\.0: the bodies do not approach; body 1 is on the left"),
-        ({"v1": [1.0, 3.0], "v2": 2.0}, r"v1 = 1\.0, v2 = 2\.0 at index \(0,\): the bodies do not"),
+        ({"m1": 0.0}, r"m1: .*, got 0\.0"),
+        ({"m2": -1.0}, r"m2: .*, got -1\.0"),
+        ({"m2": [1.0, math.nan]}, r"m2\[1\]: .*, got nan"),
+        ({"m1": math.inf, "m2": math.inf}, r"m2: .*, got inf"),
+        ({"v1": math.nan}, r"v1: must be a finite number of m/s, got nan"),
+        ({"v2": -math.inf}, r"v2: must be a finite number of m/s, got -inf"),
+        ({"restitution": math.nan}, r"restitution: must be a finite number, got nan"),
+        ({"v2": 1.0}, r"v1: must be above .*, 1\.0, got 1\.0: the bodies do not approach"),
+        ({"v1": [1.0, 3.0], "v2": 2.0}, r"v1\[0\]: must be above the velocity of body 2, 2\.0"),
     ],
 )
 def test_impossible_collisions(changes, message):
@@ -256,18 +256,18 @@ def test_impossible_collisions(changes, message):
 
 @pytest.mark.parametrize("mass", [0.0, -1.0, math.nan, -math.inf])
 def test_a_mass_that_is_none_is_named_with_the_remedy(mass):
-    with pytest.raises(ValueError, match=rf"m1 = {mass}: a mass must be positive .*or inf for an"):
+    with pytest.raises(ValueError, match=rf"m1: must be a positive .*or infinite, got {mass}"):
         rigid.collide(**(COLLISION | {"m1": mass}))
 
 
 def test_two_immovable_bodies():
-    with pytest.raises(ValueError, match="m1 = inf, m2 = inf: at most one body can be immovable"):
+    with pytest.raises(ValueError, match="m1 is infinite: at most one body can be immovable"):
         rigid.contact_mass(math.inf, math.inf)
 
 
 @pytest.mark.parametrize("e", [1.1, -1.1])
 def test_energy_release_needs_permission(e):
-    message = rf"restitution = {e} at index \(1,\): .*set allow_energy_release=True"
+    message = rf"restitution\[1\]: .*, got {e}, .*set allow_energy_release=True"
     with pytest.raises(ValueError, match=message):
         rigid.collide(1.0, 1.0, 1.0, 0.0, [0.5, e])
     assert rigid.collide(1.0, 1.0, 1.0, 0.0, e, allow_energy_release=True).energy_lost < 0
@@ -276,20 +276,20 @@ def test_energy_release_needs_permission(e):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: rigid.restitution_from_velocities(1, 1, 0, 0), r"v1_before = 1\.0, v2_before = 1"),
-        (lambda: rigid.restitution_from_velocities(1, 0, math.nan, 0), "v1_after = nan: must be"),
-        (lambda: rigid.restitution_from_velocities(1, 0, 0, math.inf), "v2_after = inf: must be"),
-        (lambda: rigid.restitution_from_heights(0, 0), r"drop = 0\.0: must be positive"),
-        (lambda: rigid.restitution_from_heights(1, -1), r"rebound = -1\.0: a ball released"),
-        (lambda: rigid.restitution_from_heights(1, 2), r"drop = 1\.0, rebound = 2\.0: a ball"),
-        (lambda: rigid.restitution_from_heights(1, math.nan), "rebound = nan: must be finite"),
-        (lambda: rigid.stack_drop([1, 0], [1, 1], 1), r"masses = 0\.0 at index \(1,\): must be"),
-        (lambda: rigid.stack_drop([1, math.inf], [1, 1], 1), "masses = inf at index"),
-        (lambda: rigid.stack_drop([1, 1], [1, 2], 1), r"restitutions = 2\.0 at index \(1,\)"),
+        (lambda: rigid.restitution_from_velocities(1, 1, 0, 0), r"v1_before: .*, 1\.0, got 1"),
+        (lambda: rigid.restitution_from_velocities(1, 0, math.nan, 0), "v1_after: must be .* nan"),
+        (lambda: rigid.restitution_from_velocities(1, 0, 0, math.inf), "v2_after: must be .* inf"),
+        (lambda: rigid.restitution_from_heights(0, 0), r"drop: must be a .*positive .*, got 0\.0"),
+        (lambda: rigid.restitution_from_heights(1, -1), r"rebound: .*non-negative .*, got -1"),
+        (lambda: rigid.restitution_from_heights(1, 2), r"rebound: .* the drop, 1\.0, got 2\.0"),
+        (lambda: rigid.restitution_from_heights(1, math.nan), "rebound: must be .*, got nan"),
+        (lambda: rigid.stack_drop([1, 0], [1, 1], 1), r"masses\[1\]: must be .*, got 0\.0"),
+        (lambda: rigid.stack_drop([1, math.inf], [1, 1], 1), r"masses\[1\]: must be .*, got inf"),
+        (lambda: rigid.stack_drop([1, 1], [1, 2], 1), r"restitutions\[1\]: must .*, got 2\.0"),
         (lambda: rigid.stack_drop([1, 1], [1], 1), "masses has 2 balls and restitutions 1"),
         (lambda: rigid.stack_drop([], [], 1), "at least one ball"),
-        (lambda: rigid.stack_drop([1], [1], 0), r"height = 0\.0: must be"),
-        (lambda: rigid.stack_drop([1], [1], 1, gravity=-1), r"gravity = -1\.0: must be"),
+        (lambda: rigid.stack_drop([1], [1], 0), r"height: must be .*, got 0\.0"),
+        (lambda: rigid.stack_drop([1], [1], 1, gravity=-1), r"gravity: must be .*, got -1\.0"),
     ],
 )
 def test_impossible_arguments(call, message):

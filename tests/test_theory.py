@@ -239,16 +239,16 @@ def test_no_floating_point_error():
 def test_refuses_what_is_not_positive_and_finite(function, names, bad):
     good = dict.fromkeys(names, 1.0)
     for name in names:
-        with pytest.raises(ValueError, match=rf"^{name} = {bad}: must be positive and finite \["):
+        with pytest.raises(ValueError, match=rf"^{name}: must be a finite positive .*, got {bad}"):
             function(**(good | {name: bad}))
-        with pytest.raises(ValueError, match=rf"^{name} = {bad} at index \(1,\): must be"):
+        with pytest.raises(ValueError, match=rf"^{name}\[1\]: must be .*, got {bad}"):
             function(**(good | {name: [1.0, bad]}))
 
 
 def test_force_refuses_what_is_not_a_time_or_a_rod():
-    with pytest.raises(ValueError, match=r"time = nan at index \(0,\): must be finite"):
+    with pytest.raises(ValueError, match=r"time\[0\]: must be a finite .*, got nan"):
         theory.saint_venant_force([math.nan], 1.0, 1.0, 1.0, 1.0)
-    with pytest.raises(ValueError, match=r"impedance_2 = -1\.0: must be positive and finite"):
+    with pytest.raises(ValueError, match=r"impedance_2: must be .*positive .*, got -1\.0"):
         theory.saint_venant_force(0.0, 1.0, 1.0, -1.0, 1.0)
 
 
@@ -372,5 +372,5 @@ def test_later_forms_take_arrays_and_refuse_what_is_no_number(function, sizes, o
         one, one]
     for name in good:
         for bad in (math.nan, math.inf, *((0.0, -1.0) if name in sizes else ())):
-            with pytest.raises(ValueError, match=rf"^{name} = {bad}"):
+            with pytest.raises(ValueError, match=rf"^{name}: .*, got {bad}"):
                 function(**(good | {name: bad}))

@@ -1,9 +1,11 @@
 """A program whose types are those that users see: it runs, and ``mypy --strict`` reads it."""
 
+import inspect
 from collections.abc import Callable
 from typing import Any, assert_type
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 import rodimpact as ri
@@ -40,3 +42,21 @@ def test_a_typed_program_runs() -> None:
     signal = assert_type(gauge.signal(1e-5, name="middle"), ri.Signal)
     assert (signal * 2.0 - 1.0).name == "middle"
     assert_type(ri.units.parse("400 mm", "length"), float)
+
+
+def test_constructors_take_more_types_than_their_attributes_have() -> None:
+    pads = ri.SpringDashpot([1e8, 2e8], damping=100)
+    assert_type(pads.stiffness, float | NDArray[np.float64])
+    rubber = ri.Material("rubber", youngs_modulus=5e6, density=1100)
+    assert_type(rubber.poisson_ratio, float | NDArray[np.float64] | None)
+    assert_type(rubber.name, str)
+    stop: float = ri.Bridge("half", gauge_factor=2.0, excitation=8).gain
+    assert np.shape(pads.stiffness) == (2,)
+    assert rubber.poisson_ratio is None
+    assert stop == 1.0
+    taken = inspect.signature(ri.RigidMass).parameters
+    assert [str(each) for each in taken.values()] == [
+        "mass: 'ArrayLike'", "velocity: 'ArrayLike' = 0.0"]
+    assert [each.kind.name for each in taken.values()] == ["POSITIONAL_OR_KEYWORD", "KEYWORD_ONLY"]
+    with pytest.raises(TypeError, match=r"RigidMass.__init__\(\) takes 2 positional arguments"):
+        ri.RigidMass(1.0, 2.0)  # type: ignore[call-arg]

@@ -129,13 +129,13 @@ def test_mindlin_herrmann_is_near_the_first_mode():
 
 
 @pytest.mark.parametrize(("call", "said"), [
-    (lambda: waves.mindlin_herrmann(-1.0, 0.3), "radius_over_wavelength = -1.0: must be 0 or more"),
-    (lambda: waves.mindlin_herrmann(1.0, 0.5), "poisson_ratio = 0.5: must be above -1 and below"),
-    (lambda: waves.first_mode(-1.0, 0.3), "radius_over_wavelength = -1.0: must be 0 or more"),
-    (lambda: waves.first_mode(1.0, 0.6), "poisson_ratio = 0.6: must be from 0 to 0.5"),
+    (lambda: waves.mindlin_herrmann(-1.0, 0.3), "radius_over_wavelength: must be a finite non-neg"),
+    (lambda: waves.mindlin_herrmann(1.0, 0.5), r"poisson_ratio: must lie in \(-1, 0.5\), got 0"),
+    (lambda: waves.first_mode(-1.0, 0.3), "radius_over_wavelength: must be a finite non-neg"),
+    (lambda: waves.first_mode(1.0, 0.6), r"poisson_ratio: must lie in \[0, 0.5\], got 0.6"),
     (lambda: waves.first_mode([1, 2], [0.1, 0.2, 0.3]), "do not broadcast"),
-    (lambda: waves.rayleigh_speed(-0.1), "poisson_ratio = -0.1: must be from 0 to 0.5"),
-    (lambda: waves.Bar(5000.0, 0.3, 0.01).wavenumber(-1.0), "frequency = -1.0: must be 0 or more"),
+    (lambda: waves.rayleigh_speed(-0.1), r"poisson_ratio: must lie in \[0, 0.5\], got -0.1"),
+    (lambda: waves.Bar(5000.0, 0.3, 0.01).wavenumber(-1.0), "frequency: must be .*, got -1.0"),
     (lambda: waves.Bar(5000.0, 0.7, 0.01), r"poisson_ratio: must lie in \[0, 0.5\], got 0.7"),
     (lambda: waves.Bar(5000.0, 0.3, [0.01, 0.02]), "radius: must be a single number"),
 ])

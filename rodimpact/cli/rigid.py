@@ -51,12 +51,12 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         collision = rigid.collide(
             m1, v1, m2, v2, e, allow_energy_release=arguments.energy_release
         )
-    except ValueError as error:
-        argument, _, message = str(error).partition(": ")
-        name, _, value = argument.partition(" = ")
-        where = f"{OPTIONS[name]} = {value}" if name in OPTIONS else argument
-        message = message.replace("set allow_energy_release=True", "--energy-release")
-        raise InvalidModel([(where, message)]) from error
+    except InvalidModel as error:
+        words = {"set allow_energy_release=True": "give --energy-release", "m1": "--m1"}
+        ((name, message),) = error.problems
+        for word, option in words.items():
+            message = message.replace(word, option)
+        raise InvalidModel([(OPTIONS[name], message)]) from error
     after = {name: float(value) for name, value in collision._asdict().items()}
     if arguments.json:
         inputs = {"m1": m1, "v1": v1, "m2": m2, "v2": v2, "restitution": e}

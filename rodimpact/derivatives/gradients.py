@@ -28,8 +28,8 @@ from ..methods.run import MAX_EVENTS
 from ..model import Absorbing, Free, Rod, Steps, System
 from ..model.frozen import InvalidModel, Problems
 from ..model.paths import numbers_of, places_of, suggestion
+from ..results.labels import outcome, parameter
 from ..results.outcome import UndefinedRestitution, effective_restitution
-from ..results.words import outcome, parameter
 from ..running.jobs import pool_of
 from ..running.solving import solve
 from ..units import shown

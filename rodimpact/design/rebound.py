@@ -6,7 +6,6 @@ of that family, every array straight between them, so that several numbers may v
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -104,9 +103,7 @@ def restitution(wanted: float, family: System) -> RestitutionDesign:
         raise ValueError(
             "family: needs one axis of two members or more to look along, such as "
             f"Rod(np.linspace(.1, 1, 50), ...), got the shape {family.shape}")
-    e = single("wanted", wanted, "")
-    if not 0 <= e < math.inf:
-        raise ValueError(f"wanted: must be an e of 0 or more, got {e!r}")
+    e = single("wanted", wanted, "", "non-negative")
     members = sweep(family)
     known = members.restitution
     if not np.isfinite(known).any():

@@ -17,7 +17,7 @@ import numpy as np
 from ..methods.duration import Forecast, Progress, warn
 from ..methods.registry import check_function
 from ..model import Absorbing, Bonded, Free, Material, Rigid, Rod, Segment, System
-from ..model.arguments import array, of_kind, positive, single
+from ..model.arguments import array, of_kind, single
 from ..model.ends import FREE
 from ..model.frozen import Problems, raise_noted
 from ..model.laws import RIGID
@@ -267,16 +267,16 @@ def _checked(
         raise ValueError(f"material: {message}, got {shown(steel.name)}")
     if not isinstance(contact, Rigid | Bonded):
         raise ValueError(f"contact: must be Rigid() or Bonded(), got {shown(contact)}")
-    V, T, end = (positive(name, single(name, value, unit), unit).item() for name, value, unit in (
-        ("velocity", velocity, "m/s"), ("duration", duration, "s"),
-        ("until", 2 * single("duration", duration, "s") if until is None else until, "s")))
+    V = single("velocity", velocity, "m/s", "positive")
+    T = single("duration", duration, "s", "positive")
+    end = 2 * T if until is None else single("until", until, "s", "positive")
     if type(segments) is not int or not 1 <= segments <= MOST_SEGMENTS:
         message = f"must be a whole number from 1 to {MOST_SEGMENTS}"
         raise ValueError(f"segments: {message}, got {shown(segments)}")
     if not T * (1 - INSTANT) <= end <= LONGEST * T:
         message = f"must be from the duration, {T!r} s, to {LONGEST} times that"
         raise ValueError(f"until: {message}, got {end!r}")
-    ratios = positive("area_ratio", array("area_ratio", area_ratio, ""), "")
+    ratios = array("area_ratio", area_ratio, "", "positive")
     if ratios.shape != (2,) or not ratios[0] < ratios[1]:
         raise ValueError(f"area_ratio: must be (smallest, largest), got {shown(area_ratio)}")
     force = force_over_time("wanted", wanted, end)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ..model import Free, Material, Rigid, Rod, System
-from ..model.arguments import of_kind, positive, single
+from ..model.arguments import of_kind, single
 from ..results.solution import Solution
 from ..running.solving import solve
 from .pulses import PulseDesign, differences, staircase
@@ -73,7 +73,7 @@ def momentum_trap(
     bar = system.bodies[-1]
     if not isinstance(bar, Rod) or not isinstance(system.ends[1], Free):
         raise ValueError("system: must end on the right with a rod whose end is Free()")
-    end = positive("until", single("until", until, "s"), "s").item()
+    end = single("until", until, "s", "positive")
     passed = single("after", after, "s")
     if not 0 <= passed < end:
         raise ValueError(f"after: must be from 0 to before until = {end!r} s, got {passed!r}")

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..methods.fronts.assembly import work_space
 from ..methods.fronts.front_kernel import EVENTS, IDLE, NOW, REST, ROWS, advance, load
-from ..results.cutting import region, spans
+from ..results.clipping import region, spans
 from .outcome import groups_of
 
 MOST_REGIONS = 3000  # that are drawn

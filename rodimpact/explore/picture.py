@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..results.placing import BLOCK, drifts, magnified, round_down
+from ..results.magnification import BLOCK, drifts, magnified, round_down
 from ..storage.tables import clean
 from ..units import TIMES, format_factor, format_si
 

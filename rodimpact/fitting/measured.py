@@ -9,7 +9,7 @@ from typing import Any
 
 from ..methods.registry import check_function
 from ..model import Rod, System
-from ..model.arguments import finite, of_kind, positive, single
+from ..model.arguments import of_kind, single
 from ..model.frozen import Problems, raise_noted
 from ..records.comparison import Bounds, plateau
 from ..records.signal import Signal, bounds_of
@@ -68,14 +68,13 @@ class Measured:
             raise ValueError(f"gauge: must be (body, x), such as (1, 0.5), got {shown(self.gauge)}")
         body, x = self.gauge
         self._set("gauge", (body, single("gauge", x, "m")))
-        far = single("distance", self.distance, "m")
-        self._set("distance", float(finite("distance", far, "m")))
+        self._set("distance", single("distance", self.distance, "m"))
         problems: Problems = []
         check_function(problems, "seen", self.seen)
         raise_noted(problems)
         if self.level is not None:
             unit = self.signal.unit
-            self._set("level", float(positive("level", single("level", self.level, unit), unit)))
+            self._set("level", single("level", self.level, unit, "positive"))
         _ = self.limits, self.size
 
     def _set(self, name: str, value: Any) -> None:

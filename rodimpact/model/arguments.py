@@ -1,47 +1,54 @@
-"""Arguments of functions: what has been checked goes in, plain floats come out of formulae."""
+"""Arguments of functions are checked as the numbers of the model are, and refused alike."""
 
 from __future__ import annotations
 
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..units import shown
+from .frozen import InvalidModel, Problems, broadcast_shape, has_sign, raise_noted, require, wanted
 from .quantities import Floats, floats
 from .quantities import Number as Number
 
 Array: TypeAlias = Floats
 
 
-def array(name: str, value: ArrayLike, unit: str) -> Array:
-    """The argument as an array in that unit, "" for a pure number; ValueError if it has none."""
+def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
+    """The argument as an array in that unit; InvalidModel if it has none.
+
+    `unit` and `sign` are those of a `Field`; without a sign any float will do, nan too.
+    """
     try:
-        return floats(value, unit)
+        x = floats(value, unit)
     except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
-
-
-def positive(name: str, value: ArrayLike, unit: str) -> Array:
-    """The argument as an array; ValueError if any of it is not positive and finite."""
-    x = array(name, value, unit)
-    refuse(~((x > 0) & (x < np.inf)), f"must be positive and finite [{unit or 1}]", **{name: x})
+        raise InvalidModel([(name, str(error))]) from None
+    if sign:
+        demand(has_sign(x, sign), name, wanted(unit, sign), x)
     return x
 
 
-def finite(name: str, value: ArrayLike, unit: str) -> Array:
-    """The argument as an array; ValueError if any of it is not finite."""
-    x = array(name, value, unit)
-    refuse(~np.isfinite(x), "must be finite", **{name: x})
-    return x
-
-
-def single(name: str, value: Any, unit: str) -> float:
-    """The argument as a number; ValueError if it is none, or several."""
-    x = array(name, value, unit)
+def single(name: str, value: Any, unit: str, sign: str = "any") -> float:
+    """The argument as a number; InvalidModel if it is none, or several."""
+    x = array(name, value, unit, sign)
     if x.ndim:
-        raise ValueError(f"{name}: must be a single number, got {shown(value)}")
+        raise InvalidModel([(name, f"must be a single number, got {shown(value)}")])
     return x.item()
+
+
+def together(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
+    """Arguments, each with its unit and sign, as arrays that are broadcast."""
+    arrays = {name: array(name, *given) for name, given in arguments.items()}
+    broadcast_shape(arrays.items())
+    return np.broadcast_arrays(*arrays.values())
+
+
+def demand(good: Any, name: str, message: str, *values: Number) -> None:
+    """InvalidModel where something does not hold, with the message and values of `require`."""
+    problems: Problems = []
+    require(problems, good, name, message, *values)
+    raise_noted(problems)
 
 
 def of_kind(name: str, value: Any, kind: type, example: str) -> None:
@@ -50,28 +57,6 @@ def of_kind(name: str, value: Any, kind: type, example: str) -> None:
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
         message = f"must be {article} {kind.__name__}, such as {example}, got {shown(value)}"
         raise ValueError(f"{name}: {message}")
-
-
-def together(**arguments: Array) -> tuple[Array, ...]:
-    """The arguments, broadcast; ValueError with their shapes if they do not."""
-    try:
-        return np.broadcast_arrays(*arguments.values())
-    except ValueError:
-        shapes = ", ".join(f"{name} has shape {x.shape}" for name, x in arguments.items())
-        raise ValueError(f"{shapes}: these do not broadcast") from None
-
-
-def refuse(wrong: NDArray[np.bool_], wanted: str, **arguments: Array) -> None:
-    """Raise for the first `wrong` element, naming the arguments, their values and the index."""
-    if not np.any(wrong):
-        return
-    index = tuple(int(i) for i in np.argwhere(wrong)[0])
-    given = ", ".join(
-        f"{name} = {np.broadcast_to(values, wrong.shape)[index].item()}"
-        for name, values in arguments.items()
-    )
-    place = f" at index {index}" if index else ""
-    raise ValueError(f"{given}{place}: {wanted}")
 
 
 def plain(value: Array) -> Number:

@@ -10,46 +10,26 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 from numbers import Integral
-from typing import Any, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
-from .arguments import array
-from .frozen import (
-    LARGEST,
-    SMALLEST,
-    Field,
-    Frozen,
-    InvalidModel,
-    Number,
-    Problems,
-    family_shape,
-    in_range,
-    nearest,
-    number,
-    raise_noted,
-    require,
-)
+from . import frozen, profiles
+from .arguments import array, demand
+from .frozen import Declared, Frozen, Number, Numeric, NumericOrNone, Problems, quantity
 from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
-from .profiles import (
-    Floats,
-    Profile,
-    ProfileLike,
-    Samples,
-    Steps,
-    along_rod,
-    averages,
-    extremes,
-    flipped,
-)
+from .profiles import Floats, Profile, ProfileLike, Samples, Steps
+
+if TYPE_CHECKING:
+    from dataclasses import KW_ONLY
 
 MOST_STEPS = 100_000  # of a taper
 CIRCULAR = "circular"  # the cross-section is a solid disc
 
 
-class Material(Frozen):
+class Material(Declared):
     """A linear elastic material.
 
     Parameters
@@ -79,43 +59,22 @@ class Material(Frozen):
     5048
     """
 
-    fields: ClassVar[dict[str, Field]] = {
-        "youngs_modulus": Field("Pa", "positive", "Young's modulus"),
-        "density": Field("kg/m^3", "positive"),
-        "poisson_ratio": Field("", "(-1, 0.5]", "Poisson's ratio", optional=True),
-        "viscosity": Field("Pa s", "non-negative"),
-    }
     name: str
-    youngs_modulus: Number
-    density: Number
-    poisson_ratio: Number | None
-    viscosity: Number
+    _: KW_ONLY
+    youngs_modulus: Numeric = quantity("Pa", "positive", "Young's modulus")
+    density: Numeric = quantity("kg/m^3", "positive")
+    poisson_ratio: NumericOrNone = quantity("", "(-1, 0.5]", "Poisson's ratio", default=None)
+    viscosity: Numeric = quantity("Pa s", "non-negative", default=0.0)
 
-    def __init__(
-        self,
-        name: str,
-        *,
-        youngs_modulus: ArrayLike,
-        density: ArrayLike,
-        poisson_ratio: ArrayLike | None = None,
-        viscosity: ArrayLike = 0.0,
-    ) -> None:
-        problems: Problems = []
-        if not isinstance(name, str) or not name:
-            problems.append(("name", f"must be a word, got {shown(name)}"))
-        numbers = dict(zip(self.fields, self._checked(
-            problems, youngs_modulus=youngs_modulus, density=density, poisson_ratio=poisson_ratio,
-            viscosity=viscosity,
-        ), strict=True))
+    def _check(self, problems: Problems) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            problems.insert(0, ("name", f"must be a word, got {shown(self.name)}"))
         if not problems:
-            family_shape(numbers.items())
-            E, rho = numbers["youngs_modulus"], numbers["density"]
+            E, rho = self.youngs_modulus, self.density
             with np.errstate(all="ignore"):
                 ratio = E / rho
             message = "gives no finite wave speed with density {1!r}, got {0!r}"
-            require(problems, in_range(ratio), "youngs_modulus", message, E, rho)
-        raise_noted(problems)
-        self._set(name=name, **numbers)
+            frozen.require(problems, frozen.in_range(ratio), "youngs_modulus", message, E, rho)
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
         described = super().to_dict()
@@ -157,10 +116,10 @@ class Material(Frozen):
         79.577
         """
         problems: Problems = []
-        tangent = number(problems, "loss_factor", loss_factor, "", "non-negative")
-        f = number(problems, "frequency", frequency, "Hz", "positive")
-        raise_noted(problems)
-        family_shape([
+        tangent = frozen.number(problems, "loss_factor", loss_factor, "", "non-negative")
+        f = frozen.number(problems, "frequency", frequency, "Hz", "positive")
+        frozen.raise_noted(problems)
+        frozen.family_shape([
             ("youngs_modulus", self.youngs_modulus), ("loss_factor", tangent), ("frequency", f)
         ])
         with np.errstate(all="ignore"):  # what is out of range, the material will refuse
@@ -205,11 +164,11 @@ class Segment(Frozen):
     [0.00015, 0.00025]
     """
 
-    fields: ClassVar[dict[str, Field]] = {
-        "length": Field("m", "positive"),
-        "diameter": Field("m", "positive"),
-        "area": Field("m^2", "positive", along="length"),
-        "polar_moment": Field("m^4", "positive", optional=True, word=CIRCULAR),
+    fields: ClassVar[dict[str, frozen.Field]] = {
+        "length": quantity("m", "positive"),
+        "diameter": quantity("m", "positive", default=None),
+        "area": quantity("m^2", "positive", default=None, along="length"),
+        "polar_moment": quantity("m^4", "positive", default=None, word=CIRCULAR),
     }
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {
         "diameter": ("area",), "area": ("diameter",),
@@ -231,7 +190,7 @@ class Segment(Frozen):
         lateral_inertia: str | None = None,
     ) -> None:
         problems: Problems = []
-        (L,) = self._checked(problems, length=length)
+        L = self.fields["length"].checked(problems, "length", length)
         known = None if problems else L
         A: Any = 1.0
         d: Any = None
@@ -243,7 +202,7 @@ class Segment(Frozen):
         elif area is None:
             problems.append(("area", "is missing; give it, or the diameter of a round rod"))
         else:
-            A = along_rod(problems, "area", area, self.fields["area"], known)
+            A = profiles.along_rod(problems, "area", area, self.fields["area"], known)
         if not isinstance(material, Material):
             message = f"must be a Material, such as materials.steel, got {shown(material)}"
             problems.append(("material", message))
@@ -257,31 +216,34 @@ class Segment(Frozen):
             problems.append(("polar_moment", f"{message}leave polar_moment out"))
         if diameter is not None:
             polar_moment = None
-        elif polar_moment is not None:
-            polar_moment = _polar_moment(problems, polar_moment, A)
-        raise_noted(problems)
+        elif isinstance(A, Samples) and not isinstance(polar_moment, str | None):
+            message = f'must be "{CIRCULAR}" along a taper, or left out, got {shown(polar_moment)}'
+            problems.append(("polar_moment", message))
+        else:
+            moment = self.fields["polar_moment"]
+            polar_moment = moment.checked(problems, "polar_moment", polar_moment)
+        frozen.raise_noted(problems)
         self._set(length=L, area=A, diameter=d, material=material, polar_moment=polar_moment,
                   lateral_inertia=lateral_inertia)
         A = self.area
         if isinstance(A, Samples):
-            for bound in extremes(A):
+            for bound in profiles.extremes(A):
                 Segment(L, bound, material)
             return
         c = self.wave_speed
         if not type(L) is type(A) is type(c) is float:
-            family_shape(self._numbers())
+            frozen.family_shape(self._numbers())
         with np.errstate(all="ignore"):
             Z, T = self.material.density * A * c, L / c
-            good = in_range(Z, T, Z * T)
+            good = frozen.in_range(Z, T, Z * T)
         if good is not True:
             sizes = {"length": L, "area" if d is None else "diameter": A, "material": Z / A}
             path = max(sizes, key=lambda name: np.max(np.abs(np.log10(sizes[name]))))
             message = (
                 "length {0!r} and area {1!r} of this material make an impedance, a transit time or "
-                f"a mass outside {SMALLEST:g} to {LARGEST:g}; use consistent units"
+                f"a mass outside {frozen.SMALLEST:g} to {frozen.LARGEST:g}; use consistent units"
             )
-            require(problems, good, path, message, L, A)
-            raise_noted(problems)
+            demand(good, path, message, L, A)
 
     @property
     def area(self) -> Number | Samples:
@@ -359,7 +321,7 @@ class Segment(Frozen):
         places = array("edges", edges, "m")
         if places.ndim != 1 or places.size < 2:
             raise ValueError(f"edges: must be two places or more in a row, got {shown(edges)}")
-        return averages(self.area, places, float(self.length))
+        return profiles.averages(self.area, places, float(self.length))
 
     def polar_moments(self, areas: ArrayLike) -> Floats:
         """Polar second moments of the segment where its cross-section has these areas.
@@ -383,7 +345,7 @@ class Segment(Frozen):
         """Return the segment seen in a mirror."""
         if not self.tapered:
             return self
-        return self.replace(area=flipped(self.area, self.length))
+        return self.replace(area=profiles.flipped(self.area, self.length))
 
     def in_steps(self, n: int) -> list[Segment]:
         """Uniform segments of equal lengths, each of the volume of its piece of the taper.
@@ -396,8 +358,8 @@ class Segment(Frozen):
 
     def _mean_areas(self, n: int) -> list[float]:
         """Mean areas of `n` pieces of equal length, whatever that is, m^2."""
-        areas: list[float] = averages(self.area, np.linspace(0.0, 1.0, n + 1), 1.0).tolist()
-        return areas
+        edges = np.linspace(0.0, 1.0, n + 1)
+        return profiles.averages(self.area, edges, 1.0).tolist()  # type: ignore[no-any-return]
 
 
 def _solid(problems: Problems, diameter: Any, area: Any, polar_moment: Any) -> Number:
@@ -409,27 +371,13 @@ def _solid(problems: Problems, diameter: Any, area: Any, polar_moment: Any) -> N
         message = f"must be that of the solid round section, got {shown(polar_moment)}; "
         remedy = "leave it out, or give the area in place of the diameter"
         problems.append(("polar_moment", message + remedy))
-    return number(problems, "diameter", diameter, *Segment.fields["diameter"][:2])
-
-
-def _polar_moment(problems: Problems, value: Any, area: Any) -> Number | str:
-    """Return `value` as a polar moment of that cross-section; note a mistake in `problems`."""
-    if isinstance(value, str):
-        if value != CIRCULAR:
-            message = f'must be a number of m^4 or "{CIRCULAR}", got {shown(value)}'
-            problems.append(("polar_moment", message))
-        return value
-    if isinstance(area, Samples):
-        message = f'must be "{CIRCULAR}" along a taper, or left out, got {shown(value)}'
-        problems.append(("polar_moment", message))
-        return math.nan
-    return number(problems, "polar_moment", value, *Segment.fields["polar_moment"][:2])
+    return Segment.fields["diameter"].checked(problems, "diameter", diameter)
 
 
 def _check_theory(problems: Problems, theory: Any, material: Any) -> None:
     """Note an unknown theory of lateral inertia, and what the material lacks for it."""
     if not isinstance(theory, str) or theory not in THEORIES:
-        message = f"unknown theory {shown(theory)}; {nearest(theory, THEORIES)}"
+        message = f"unknown theory {shown(theory)}; {frozen.nearest(theory, THEORIES)}"
         problems.append(("lateral_inertia", message))
     if not isinstance(material, Material):
         return
@@ -438,17 +386,11 @@ def _check_theory(problems: Problems, theory: Any, material: Any) -> None:
         message = f"is missing in {shown(material.name)}; lateral inertia needs it: "
         problems.append((path, f"{message}give the material one, or leave lateral_inertia out"))
     elif theory == MINDLIN_HERRMANN:
-        require(problems, nu < 0.5, path, f'must be below 0.5 for "{theory}", got {{0!r}}', nu)
+        message = f'must be below 0.5 for "{theory}", got {{0!r}}'
+        frozen.require(problems, nu < 0.5, path, message, nu)
 
 
-class _Body(Frozen):
-    """A body of a row, described by its kind."""
-
-    _tag: ClassVar[str] = "kind"
-    kind: ClassVar[str]
-
-
-class Rod(_Body):
+class Rod(Frozen):
     """An elastic rod: uniform, stepped or tapered.
 
     Give `length`, `area` or `diameter`, and `material`; or `segments`.
@@ -494,16 +436,13 @@ class Rod(_Body):
     """
 
     kind: ClassVar[str] = "rod"
-    fields: ClassVar[dict[str, Field]] = {
-        "velocity": Field("m/s", along="length"), "strain": Field(along="length"),
-    }
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {
         **Segment._instead,
         "segments": ("length", "area", "diameter", "material", "polar_moment", "lateral_inertia"),
     }
     segments: tuple[Segment, ...]
-    velocity: Profile
-    strain: Profile
+    velocity: Profile = quantity("m/s", default=0.0, along="length")
+    strain: Profile = quantity(default=0.0, along="length")
 
     def __init__(
         self,
@@ -520,29 +459,25 @@ class Rod(_Body):
     ) -> None:
         problems: Problems = []
         pieces: tuple[Segment, ...] = ()
+        shape: dict[str, Any] = {
+            "length": length, "area": area, "diameter": diameter, "material": material,
+            "polar_moment": polar_moment, "lateral_inertia": lateral_inertia,
+        }
         if segments is not None:
-            uniform = (length, area, diameter, material, polar_moment, lateral_inertia)
-            pieces = _joined(problems, segments, any(given is not None for given in uniform))
+            pieces = _joined(problems, segments, any(v is not None for v in shape.values()))
         elif isinstance(area, Steps):
-            if diameter is not None:
-                problems.append(("diameter", "give either area or diameter, not both"))
-            pieces = _between_jumps(
-                problems, length, area, material, polar_moment, lateral_inertia)
+            pieces = _between_jumps(problems, area, shape)
         else:
-            L: Any = length
             try:
-                pieces = (Segment(
-                    L, area, material, diameter=diameter, polar_moment=polar_moment,
-                    lateral_inertia=lateral_inertia,
-                ),)
-            except InvalidModel as error:
+                pieces = (Segment(**shape),)
+            except frozen.InvalidModel as error:
                 problems += error.problems
         if len(pieces) > 1 and not problems:
-            family_shape((f"segments.{i}.length", s.length) for i, s in enumerate(pieces))
+            frozen.family_shape((f"segments.{i}.length", s.length) for i, s in enumerate(pieces))
         total = None if problems else sum(s.length for s in pieces)
-        v = along_rod(problems, "velocity", velocity, self.fields["velocity"], total)
-        e = along_rod(problems, "strain", strain, self.fields["strain"], total)
-        raise_noted(problems)
+        v = profiles.along_rod(problems, "velocity", velocity, self.fields["velocity"], total)
+        e = profiles.along_rod(problems, "strain", strain, self.fields["strain"], total)
+        frozen.raise_noted(problems)
         self._set(segments=pieces, velocity=v, strain=e)
 
     def _parameters(self) -> dict[str, Any]:
@@ -600,9 +535,10 @@ class Rod(_Body):
         """
         count: Any = n
         if isinstance(count, bool) or not isinstance(count, Integral) or count < 1:
-            raise InvalidModel([("n", f"must be a positive whole number, got {shown(count)}")])
+            message = f"must be a positive whole number, got {shown(count)}"
+            raise frozen.InvalidModel([("n", message)])
         if n > MOST_STEPS:
-            raise InvalidModel([("n", f"must be at most {MOST_STEPS}, got {shown(count)}")])
+            raise frozen.InvalidModel([("n", f"must be at most {MOST_STEPS}, got {shown(count)}")])
         pieces = [piece for segment in self.segments for piece in segment.in_steps(n)]
         return self.replace(segments=pieces)
 
@@ -624,12 +560,13 @@ def _joined(problems: Problems, segments: Any, described: bool) -> tuple[Segment
 
 
 def _between_jumps(
-    problems: Problems, length: Any, area: Steps, material: Any, polar_moment: Any,
-    lateral_inertia: Any,
+    problems: Problems, area: Steps, shape: dict[str, Any]
 ) -> tuple[Segment, ...]:
     """Segments of a rod whose area jumps; mistakes are noted in `problems`."""
-    L = number(problems, "length", length, *Segment.fields["length"][:2])
-    along_rod(problems, "area", area, Segment.fields["area"], None if problems else L)
+    if shape["diameter"] is not None:
+        problems.append(("diameter", "give either area or diameter, not both"))
+    L = Segment.fields["length"].checked(problems, "length", shape["length"])
+    profiles.along_rod(problems, "area", area, Segment.fields["area"], None if problems else L)
     edges = (0.0, *area.at, L)
     if problems:
         edges = tuple(map(float, range(len(edges))))  # the values can be checked all the same
@@ -637,16 +574,16 @@ def _between_jumps(
     mistakes = dict.fromkeys(problems)  # that of a length is one of every piece
     for i, (A, (start, end)) in enumerate(zip(area.values, pairwise(edges), strict=True)):
         try:
-            pieces.append(Segment(end - start, A, material, polar_moment=polar_moment,
-                                  lateral_inertia=lateral_inertia))
-        except InvalidModel as error:
+            own = {"length": end - start, "area": A, "diameter": None}
+            pieces.append(Segment(**{**shape, **own}))
+        except frozen.InvalidModel as error:
             for path, message in error.problems:
                 mistakes[path.replace("area", f"area.values.{i}"), message] = None
     problems[:] = mistakes
     return tuple(pieces)
 
 
-class RigidMass(_Body):
+class RigidMass(Declared):
     """A body that moves as a whole: no wave runs through it.
 
     Parameters
@@ -668,17 +605,12 @@ class RigidMass(_Body):
     """
 
     kind: ClassVar[str] = "mass"
-    fields: ClassVar[dict[str, Field]] = {
-        "mass": Field("kg", "positive"), "velocity": Field("m/s"),
-    }
-    mass: Number
-    velocity: Number
-
-    def __init__(self, mass: ArrayLike, *, velocity: ArrayLike = 0.0) -> None:
-        self._take(mass=mass, velocity=velocity)
+    mass: Numeric = quantity("kg", "positive")
+    _: KW_ONLY
+    velocity: Numeric = quantity("m/s", default=0.0)
 
 
-class Wall(_Body):
+class Wall(Declared):
     """An immovable body, or one that keeps its velocity whatever hits it.
 
     Parameters
@@ -697,11 +629,7 @@ class Wall(_Body):
     """
 
     kind: ClassVar[str] = "wall"
-    fields: ClassVar[dict[str, Field]] = {"velocity": Field("m/s")}
-    velocity: Number
-
-    def __init__(self, velocity: ArrayLike = 0.0) -> None:
-        self._take(velocity=velocity)
+    velocity: Numeric = quantity("m/s", default=0.0)
 
 
 Body: TypeAlias = Rod | RigidMass | Wall

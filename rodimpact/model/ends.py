@@ -8,24 +8,17 @@ from __future__ import annotations
 
 from typing import ClassVar, TypeAlias
 
-from .frozen import Field, Frozen, Problems, raise_noted
+from .frozen import Frozen, Problems, quantity, raise_noted
 from .profiles import Profile, ProfileLike, in_time
 
 
-class _End(Frozen):
-    """An end of a row, described by its kind and what drives it."""
-
-    _tag: ClassVar[str] = "kind"
-    kind: ClassVar[str]
-
-
-class Free(_End):
+class Free(Frozen):
     """A free end: no force acts on it."""
 
     kind: ClassVar[str] = "free"
 
 
-class Fixed(_End):
+class Fixed(Frozen):
     """The end of a rod is held at rest, in tension too.
 
     Examples
@@ -42,7 +35,7 @@ class Fixed(_End):
     kind: ClassVar[str] = "fixed"
 
 
-class Absorbing(_End):
+class Absorbing(Frozen):
     """The rod goes on for ever: waves leave and none comes back.
 
     The wave that comes in from outside keeps the value that it has there at t = 0.
@@ -62,7 +55,7 @@ class Absorbing(_End):
     kind: ClassVar[str] = "absorbing"
 
 
-class _Driven(_End):
+class _Driven(Frozen):
     """An end at which something follows a profile in time."""
 
     value: Profile
@@ -99,7 +92,7 @@ class Pushed(_Driven):
     """
 
     kind: ClassVar[str] = "force"
-    fields: ClassVar[dict[str, Field]] = {"value": Field("N", label="force", along="time")}
+    value: Profile = quantity("N", label="force", along="time")
 
 
 class Moved(_Driven):
@@ -127,7 +120,7 @@ class Moved(_Driven):
     """
 
     kind: ClassVar[str] = "velocity"
-    fields: ClassVar[dict[str, Field]] = {"value": Field("m/s", label="velocity", along="time")}
+    value: Profile = quantity("m/s", label="velocity", along="time")
 
 
 class Incoming(_Driven, Absorbing):
@@ -159,7 +152,7 @@ class Incoming(_Driven, Absorbing):
     """
 
     kind: ClassVar[str] = "incoming"
-    fields: ClassVar[dict[str, Field]] = {"value": Field("", label="strain", along="time")}
+    value: Profile = quantity("", label="strain", along="time")
 
 
 End: TypeAlias = Free | Fixed | Absorbing | Pushed | Moved | Incoming

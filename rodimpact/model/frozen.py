@@ -1,8 +1,9 @@
 """Values made once: checked when they are made, frozen, compared and stored by what they say.
 
-Every number goes through `number`; it may be an array, which makes a family. All mistakes of one
-object are reported together in one `InvalidModel`, each with the path of its field. What a class
-says of its numbers in `fields` serves its checks, case files and figures.
+A class declares each number once, ``stiffness: Numeric = quantity("N/m", "positive")``. From that
+come its constructor, checks, repr and `replace`, case files, and what figures call the number. A
+number may be an array, which makes a family. All mistakes of one object are reported together in
+one `InvalidModel`, each with the path of its field.
 """
 
 from __future__ import annotations
@@ -14,10 +15,11 @@ import json
 import math
 import sys
 from collections.abc import Callable, Collection, Iterable
-from functools import cached_property
-from typing import Any, ClassVar, NamedTuple, Self, TypeAlias
+from functools import cache, cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeAlias, dataclass_transform
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .. import units
 from ..units import MOST_SHOWN, one_line, shown
@@ -33,11 +35,12 @@ SMALLEST, LARGEST = 1e-150, 1e150  # magnitudes whose squares are neither 0 nor 
 TINY = sys.float_info.min  # with all its digits
 OUT_OF_SCALE = f"must be 0 or of a magnitude from {SMALLEST:g} to {LARGEST:g} in consistent units"
 OUT_OF_SCALE += ", got {0!r}"
+REQUIRED = inspect.Parameter.empty
 _SIGNS = frozenset({"positive", "positive or infinite", "non-negative", "any"})
 
 
 class InvalidModel(ValueError):
-    """The description of a collision has mistakes.
+    """The description of a collision, or an argument of a function, has mistakes.
 
     Attributes
     ----------
@@ -68,7 +71,7 @@ class InvalidModel(ValueError):
 
 
 class Field(NamedTuple):
-    """What a number of the model is.
+    """What a number of the model is, or an argument.
 
     Attributes
     ----------
@@ -79,25 +82,66 @@ class Field(NamedTuple):
         such as ``"[0, 1]"`` or ``"(-1, 0.5]"``; ``"sampled"`` for one of many.
     label : str
         What figures call it, where that is not its name.
-    optional : bool
-        Whether it may be None.
+    default : object
+        What holds where it is left out; None: it may be None. `REQUIRED`: it must be given.
     along : str
         ``"length"`` of a rod or ``"time"``, if it may be a profile over that.
     word : str
         That may stand in its place.
+    single : bool
+        Whether it must not be an array.
     """
 
     unit: str = ""
     sign: str = "any"
     label: str = ""
-    optional: bool = False
+    default: Any = REQUIRED
     along: str = ""
     word: str = ""
+    single: bool = False
 
     @property
     def dimension(self) -> str:
         """What kind of quantity it is, for `units.parse`."""
         return units.dimension_of(self.unit)
+
+    def checked(self, problems: Problems, path: str, value: Any) -> Number:
+        """Return `value` as this number; note a mistake in `problems`."""
+        if value is None and self.default is None:
+            return None  # type: ignore[return-value]
+        if self.word and isinstance(value, str):
+            if value != self.word:
+                message = f'must be a number{number_of(self.unit)} or "{self.word}"'
+                problems.append((path, f"{message}, got {shown(value)}"))
+            return value  # type: ignore[return-value]
+        held = number(problems, path, value, self.unit, self.sign)
+        if self.single and isinstance(held, np.ndarray):
+            problems.append((path, f"must be a single number, got {shown(value)}"))
+        return held
+
+
+def quantity(
+    unit: str = "", sign: str = "any", label: str = "", *, default: Any = REQUIRED,
+    along: str = "", word: str = "", single: bool = False,
+) -> Any:
+    """Declare a number of a class by its `Field`."""
+    return Field(unit, sign, label, default, along, word, single)
+
+
+class Numeric:
+    """To type checkers: a number, for which the constructor takes whatever NumPy makes one of."""
+
+    if TYPE_CHECKING:
+        def __get__(self, instance: object, owner: Any) -> Number: ...
+        def __set__(self, instance: object, value: ArrayLike) -> None: ...
+
+
+class NumericOrNone:
+    """To type checkers: the same, or None."""
+
+    if TYPE_CHECKING:
+        def __get__(self, instance: object, owner: Any) -> Number | None: ...
+        def __set__(self, instance: object, value: ArrayLike | None) -> None: ...
 
 
 def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "any") -> Number:
@@ -122,7 +166,7 @@ def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "an
             problems.append((path, "must not be an empty array"))
             return math.nan
     array = array + 0.0
-    if require(problems, _has_sign(array, sign), path, wanted(unit, sign), array):
+    if require(problems, has_sign(array, sign), path, wanted(unit, sign), array):
         require(problems, _in_scale(array, sign), path, OUT_OF_SCALE, array)
     if not isinstance(array, float):
         array.flags.writeable = False
@@ -140,7 +184,7 @@ def _in_scale(value: Any, sign: str) -> Any:
     return good | (size == math.inf) if "infinite" in sign else good
 
 
-def _has_sign(value: Any, sign: str) -> Any:
+def has_sign(value: Any, sign: str) -> Any:
     """Where numbers are finite and of that sign."""
     if sign == "positive or infinite":
         return value > 0
@@ -167,30 +211,27 @@ def wanted(unit: str, sign: str) -> str:
 
 
 def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
-    """Shape to which arrays among the numbers broadcast.
+    """Shape of the family that arrays among numbers make, each number with its path.
 
-    Parameters
-    ----------
-    numbers : iterable of (str, number)
-        Each with its path.
-
-    Raises
-    ------
-    InvalidModel
-        If they do not broadcast, naming the arrays with their shapes, or make more than
-        `MOST_MEMBERS`.
+    InvalidModel if they do not broadcast, or make more than `MOST_MEMBERS`.
     """
-    shapes = [(path, v.shape) for path, v in numbers if isinstance(v, np.ndarray)]
-    try:
-        shape = np.broadcast_shapes(*(shape for _, shape in shapes))
-    except ValueError:
-        named = [f"{path} has shape {shape}" for path, shape in shapes]
-        message = f"arrays of the family do not broadcast: {listed(named)}"
-        raise InvalidModel([(shapes[0][0], message)]) from None
+    arrays = [(path, v) for path, v in numbers if isinstance(v, np.ndarray)]
+    shape = broadcast_shape(arrays)
     if math.prod(shape) > MOST_MEMBERS:
         message = f"makes a family of {math.prod(shape)} members, more than {MOST_MEMBERS}"
-        raise InvalidModel([(shapes[0][0], f"{message}; take one part after another")])
+        raise InvalidModel([(arrays[0][0], f"{message}; take one part after another")])
     return shape
+
+
+def broadcast_shape(arrays: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
+    """Shape to which arrays broadcast; InvalidModel with path and shape of each if they do not."""
+    shapes = [(path, v.shape) for path, v in arrays]
+    try:
+        return np.broadcast_shapes(*(shape for _, shape in shapes))
+    except ValueError:
+        named = [f"{path} has shape {shape}" for path, shape in shapes]
+        message = f"arrays do not broadcast: {listed(named)}"
+        raise InvalidModel([(shapes[0][0], message)]) from None
 
 
 def vanishes(value: Number) -> bool:
@@ -219,7 +260,7 @@ def require(
     index = tuple(int(i) for i in np.argwhere(~good)[0])
     at = f"[{','.join(map(str, index))}]" if index else ""
     there = [float(np.broadcast_to(v, good.shape)[index]) for v in values]
-    problems.append((f"{path}{at}", message.format(*there)))
+    problems.append((f"{path}{at}", message.format(*there) if values else message))
     return False
 
 
@@ -227,6 +268,8 @@ def raise_noted(problems: Problems) -> None:
     """Raise InvalidModel if there are problems."""
     if problems:
         raise InvalidModel(problems)
+_TAKEN = {"Numeric": "ArrayLike", "NumericOrNone": "ArrayLike | None"}
+"""How `help` shows what a constructor takes for such an attribute."""
 
 
 class Frozen:
@@ -237,12 +280,19 @@ class Frozen:
 
     fields: ClassVar[dict[str, Field]] = {}
     """The numbers of which it is made."""
+    _tag: ClassVar[dict[str, str]]
+    """What says in tables which class it is: ``{"kind": "rod"}``."""
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {}
     """Parameters that stand for others: ``{"diameter": ("area",)}``."""
-    _tag: ClassVar[str] = ""
-    """The attribute of the class that says in tables which one it is: ``"kind"``."""
     _whole: ClassVar[tuple[str, ...]] = ()
     """Fields whose array is one thing: the members of a family share it."""
+
+    def __init_subclass__(cls) -> None:
+        cls._tag = {name: getattr(cls, name) for name in ("kind", "law") if hasattr(cls, name)}
+        if declared := {name: v for name, v in vars(cls).items() if isinstance(v, Field)}:
+            cls.fields = declared
+            for name in declared:
+                delattr(cls, name)
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"{type(self).__name__} is frozen; make a new one with another {name}")
@@ -261,24 +311,6 @@ class Frozen:
     def _set(self, **fields: Any) -> None:
         self.__dict__.update(fields)
 
-    def _checked(self, problems: Problems, **given: Any) -> list[Any]:
-        """Return these numbers as their fields want them; note mistakes in `problems`."""
-        values: list[Any] = []
-        for name, value in given.items():
-            field = self.fields[name]
-            left_out = field.optional and value is None
-            values.append(
-                None if left_out else number(problems, name, value, field.unit, field.sign)
-            )
-        return values
-
-    def _take(self, **given: Any) -> None:
-        """Become what these numbers say; InvalidModel with all mistakes in them."""
-        problems: Problems = []
-        values = self._checked(problems, **given)
-        raise_noted(problems)
-        self.__dict__.update(zip(given, values, strict=True))
-
     def replace(self, **changes: Any) -> Self:
         """Return the same object with other values for some parameters of its constructor.
 
@@ -292,16 +324,17 @@ class Frozen:
         InvalidModel
             Naming every change that is no parameter, or is not what it should be.
         """
-        known = inspect.signature(type(self)).parameters
+        kind: Any = type(self)
+        known = defaults_of(kind)
         if unknown := [name for name in changes if name not in known]:
-            where = f"is no parameter of {type(self).__name__}"
+            where = f"is no parameter of {kind.__name__}"
             raise InvalidModel([
                 (name, f"{where}; {nearest(name, known) if known else 'it has none'}")
                 for name in unknown
             ])
         gone = {other for name in changes for other in self._instead.get(name, ())}
         kept = {name: v for name, v in self._parameters().items() if name not in gone}
-        return type(self)(**{**kept, **changes})
+        return kind(**{**kept, **changes})  # type: ignore[no-any-return]
 
     def _parameters(self) -> dict[str, Any]:
         """What the constructor would be given to make this object."""
@@ -309,8 +342,8 @@ class Frozen:
 
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON-ready description from which an equal object can be made."""
-        tag = {self._tag: getattr(self, self._tag)} if self._tag else {}
-        return tag | {name: plain(v) for name, v in self._parameters().items() if v is not None}
+        given = {name: plain(v) for name, v in self._parameters().items() if v is not None}
+        return self._tag | given
 
     @property
     def digest(self) -> str:
@@ -401,6 +434,59 @@ class Frozen:
             return chosen
 
         return self._mapped(pick)
+
+
+@dataclass_transform(eq_default=False, field_specifiers=(quantity,))
+class Declared(Frozen):
+    """A value whose constructor takes what its class declares, in that order.
+
+    What stands below ``_: KW_ONLY``, as in a dataclass, is taken by name only.
+    """
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if "fields" in vars(cls):
+            cls.__init__ = _constructor(cls)  # type: ignore[method-assign]
+
+    def _take(self, **given: Any) -> None:
+        """Become what is given; InvalidModel with all mistakes in it."""
+        problems: Problems = []
+        held, fields, varies = self.__dict__, self.fields, False
+        for name, value in given.items():
+            if name in fields:
+                value = fields[name].checked(problems, name, value)
+                varies = varies or type(value) is np.ndarray
+            held[name] = value
+        if varies and not problems:
+            family_shape((name, held[name]) for name in fields)
+        self._check(problems)
+        raise_noted(problems)
+
+    def _check(self, problems: Problems) -> None:
+        """Note what is wrong besides single numbers."""
+
+
+def _constructor(cls: type[Declared]) -> Any:
+    """Constructor of a class, spelt out so that it is as fast as one written by hand."""
+    header, passed = "self", ""
+    for name, kind in inspect.get_annotations(cls).items():
+        if name == "_":
+            header += ", *"
+        elif not kind.startswith("ClassVar"):
+            default = cls.fields.get(name, Field()).default
+            header += f", {name}: {_TAKEN.get(kind, kind)}"
+            header += "" if default is REQUIRED else f" = {default!r}"
+            passed += f"{name}={name}, "
+    made: dict[str, Any] = {}
+    exec(f"def __init__({header}) -> None: self._take({passed})", made)
+    made["__init__"].__qualname__ = f"{cls.__qualname__}.__init__"
+    return made["__init__"]
+
+
+@cache
+def defaults_of(kind: Any) -> dict[str, Any]:
+    """Parameters of the constructor of a class with their defaults, or `REQUIRED`."""
+    return {name: taken.default for name, taken in inspect.signature(kind).parameters.items()}
 
 
 def short(value: Any) -> str:

@@ -13,18 +13,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
-from .arguments import array, refuse, together
+from . import frozen
+from .arguments import array, demand, together
 from .bodies import Material
-from .frozen import Field, Frozen, Number, Problems, family_shape, number, raise_noted, require
+from .frozen import Declared, Field, Number, Numeric, NumericOrNone, Problems, quantity
 
-FACE = Field("m", "positive or infinite")
+FACE = Field("m", "positive or infinite", default=np.inf)
 """The radius of a face, infinite for a flat one."""
 
 
-class _Law(Frozen):
+class _Law(Declared):
     """A contact law, described by its name and its numbers."""
 
-    _tag: ClassVar[str] = "law"
     law: ClassVar[str]
     opens: ClassVar[bool] = True
     overlaps: ClassVar[bool] = False  # may begin with an overlap, a gap below 0
@@ -34,19 +34,18 @@ class _Compliant(_Law):
     """A law whose elastic part is k d^p, k its `stiffness` and p its `exponent`."""
 
     overlaps: ClassVar[bool] = True
-    exponent: Number
-    stiffness: Number
 
     def stored(self, indentation: ArrayLike) -> Any:
         """Energy stored at an indentation d >= 0, m: k d^(p+1)/(p+1), J; ValueError at others."""
+        law: Any = self
         d, k, p = together(
-            indentation=array("indentation", indentation, "m"),
-            stiffness=np.asarray(self.stiffness), exponent=np.asarray(self.exponent),
+            indentation=(indentation, "m", "non-negative"), stiffness=(law.stiffness, "", ""),
+            exponent=(law.exponent, "", ""),
         )
         with np.errstate(over="ignore", invalid="ignore"):
             energy: Any = k * d ** (p + 1) / (p + 1)
-        wanted = "must be 0 or more, and not too large for a finite energy"
-        refuse(~((d >= 0) & (energy < np.inf)), wanted, indentation=d)
+        message = "must not be too large for a finite energy, got {0!r}"
+        demand(energy < np.inf, "indentation", message, d)
         return energy[()]
 
 
@@ -78,13 +77,8 @@ class Rigid(_Law):
     """
 
     law: ClassVar[str] = "rigid"
-    fields: ClassVar[dict[str, Field]] = {
-        "restitution": Field("", "[0, 1]", "coefficient of restitution", optional=True),
-    }
-    restitution: Number | None
-
-    def __init__(self, restitution: ArrayLike | None = None) -> None:
-        self._take(restitution=restitution)
+    restitution: NumericOrNone = quantity(
+        "", "[0, 1]", "coefficient of restitution", default=None)
 
 
 class Bonded(_Law):
@@ -135,24 +129,16 @@ class Joint(_Compliant):
     law: ClassVar[str] = "joint"
     opens: ClassVar[bool] = False
     overlaps: ClassVar[bool] = False
-    fields: ClassVar[dict[str, Field]] = {
-        "stiffness": Field("N/m", "non-negative"), "damping": Field("N s/m", "non-negative"),
-        "stretch": Field("m"),
-    }
     exponent = 1.0
-    damping: Number
-    stretch: Number
+    stiffness: Numeric = quantity("N/m", "non-negative")
+    damping: Numeric = quantity("N s/m", "non-negative", default=0.0)
+    stretch: Numeric = quantity("m", default=0.0)
 
-    def __init__(
-        self, stiffness: ArrayLike, damping: ArrayLike = 0.0, stretch: ArrayLike = 0.0
-    ) -> None:
-        self._take(stiffness=stiffness, damping=damping, stretch=stretch)
-        family_shape(self._numbers())
-        problems: Problems = []
-        joins = np.add(self.stiffness, self.damping) > 0
-        message = "must be positive where the damping is 0, got {0!r}"
-        require(problems, joins, "stiffness", message, self.stiffness)
-        raise_noted(problems)
+    def _check(self, problems: Problems) -> None:
+        if not problems:
+            joins = np.add(self.stiffness, self.damping) > 0
+            message = "must be positive where the damping is 0, got {0!r}"
+            frozen.require(problems, joins, "stiffness", message, self.stiffness)
 
     def stored(self, indentation: ArrayLike) -> Any:
         """Energy stored at a stretch or an indentation, m, of either sign: k s^2/2, J."""
@@ -179,11 +165,8 @@ class Spring(_Compliant):
     """
 
     law: ClassVar[str] = "spring"
-    fields: ClassVar[dict[str, Field]] = {"stiffness": Field("N/m", "positive")}
     exponent = 1.0
-
-    def __init__(self, stiffness: ArrayLike) -> None:
-        self._take(stiffness=stiffness)
+    stiffness: Numeric = quantity("N/m", "positive")
 
 
 class SpringDashpot(_Compliant):
@@ -208,14 +191,9 @@ class SpringDashpot(_Compliant):
     """
 
     law: ClassVar[str] = "spring-dashpot"
-    fields: ClassVar[dict[str, Field]] = {
-        "stiffness": Field("N/m", "positive"), "damping": Field("N s/m", "non-negative"),
-    }
     exponent = 1.0
-    damping: Number
-
-    def __init__(self, stiffness: ArrayLike, damping: ArrayLike) -> None:
-        self._take(stiffness=stiffness, damping=damping)
+    stiffness: Numeric = quantity("N/m", "positive")
+    damping: Numeric = quantity("N s/m", "non-negative")
 
 
 class Hertz(_Compliant):
@@ -238,11 +216,8 @@ class Hertz(_Compliant):
     """
 
     law: ClassVar[str] = "hertz"
-    fields: ClassVar[dict[str, Field]] = {"stiffness": Field("N/m^1.5", "positive")}
     exponent = 1.5
-
-    def __init__(self, stiffness: ArrayLike) -> None:
-        self._take(stiffness=stiffness)
+    stiffness: Numeric = quantity("N/m^1.5", "positive")
 
     @classmethod
     def from_radii(
@@ -284,7 +259,7 @@ class Hertz(_Compliant):
         yielding = []
         faces: Any = (("left", left_radius, left_material), ("right", right_radius, right_material))
         for side, radius, material in faces:
-            R = number(problems, f"{side}_radius", radius, FACE.unit, FACE.sign)
+            R = FACE.checked(problems, f"{side}_radius", radius)
             radii.append(R)
             meeting.append((f"{side}_radius", R))
             if isinstance(material, Material) and material.poisson_ratio is not None:
@@ -301,12 +276,11 @@ class Hertz(_Compliant):
         if left_material is right_material is None:
             message = "is None as that of the left face; one of two faces must yield"
             problems.append(("right_material", message))
-        raise_noted(problems)
-        family_shape(meeting)
+        frozen.raise_noted(problems)
+        frozen.family_shape(meeting)
         curvature = 1 / radii[0] + 1 / radii[1]
         message = "is infinite as that of the left face; two flat faces make no Hertz contact"
-        require(problems, curvature > 0, "right_radius", message)
-        raise_noted(problems)
+        demand(curvature > 0, "right_radius", message)
         with np.errstate(all="ignore"):  # what is out of range, the law will refuse
             compliance: Number = sum(1 / (E / (1 - nu**2)) for E, nu in yielding)
             return cls(np.divide(4 / 3, compliance * curvature**0.5))
@@ -337,14 +311,9 @@ class HuntCrossley(_Compliant):
     """
 
     law: ClassVar[str] = "hunt-crossley"
-    fields: ClassVar[dict[str, Field]] = {
-        "stiffness": Field("N/m^1.5", "positive"), "damping": Field("s/m", "non-negative"),
-    }
     exponent = 1.5
-    damping: Number
-
-    def __init__(self, stiffness: ArrayLike, damping: ArrayLike) -> None:
-        self._take(stiffness=stiffness, damping=damping)
+    stiffness: Numeric = quantity("N/m^1.5", "positive")
+    damping: Numeric = quantity("s/m", "non-negative")
 
 
 class PowerLaw(_Compliant):
@@ -372,12 +341,8 @@ class PowerLaw(_Compliant):
     """
 
     law: ClassVar[str] = "power"
-    fields: ClassVar[dict[str, Field]] = {
-        "stiffness": Field("N/m^p", "positive"), "exponent": Field("", "[1, inf)"),
-    }
-
-    def __init__(self, stiffness: ArrayLike, exponent: ArrayLike) -> None:
-        self._take(stiffness=stiffness, exponent=exponent)
+    stiffness: Numeric = quantity("N/m^p", "positive")
+    exponent: Numeric = quantity("", "[1, inf)")
 
 
 class Yielding(_Compliant):
@@ -414,24 +379,16 @@ class Yielding(_Compliant):
     """
 
     law: ClassVar[str] = "yielding"
-    fields: ClassVar[dict[str, Field]] = {
-        "stiffness": Field("N/m", "positive"), "yield_force": Field("N", "positive"),
-        "hardening": Field("N/m", "non-negative"),
-    }
     exponent = 1.0
-    yield_force: Number
-    hardening: Number
+    stiffness: Numeric = quantity("N/m", "positive")
+    yield_force: Numeric = quantity("N", "positive")
+    hardening: Numeric = quantity("N/m", "non-negative", default=0.0)
 
-    def __init__(
-        self, stiffness: ArrayLike, yield_force: ArrayLike, hardening: ArrayLike = 0.0
-    ) -> None:
-        self._take(stiffness=stiffness, yield_force=yield_force, hardening=hardening)
-        family_shape(self._numbers())
-        problems: Problems = []
-        k, less = self.stiffness, np.less(self.hardening, self.stiffness)
-        message = "must be less than the stiffness {0!r}, got {1!r}"
-        require(problems, less, "hardening", message, k, self.hardening)
-        raise_noted(problems)
+    def _check(self, problems: Problems) -> None:
+        if not problems:
+            k, less = self.stiffness, np.less(self.hardening, self.stiffness)
+            message = "must be less than the stiffness {0!r}, got {1!r}"
+            frozen.require(problems, less, "hardening", message, k, self.hardening)
 
 
 ContactLaw: TypeAlias = (

@@ -15,17 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import one_line, shown
-from .frozen import (
-    LARGEST,
-    Field,
-    Frozen,
-    Number,
-    Problems,
-    family_shape,
-    number,
-    raise_noted,
-    require,
-)
+from . import frozen
+from .frozen import Field, Frozen, Number, Problems, quantity
 from .quantities import Floats as Floats
 from .quantities import floats
 
@@ -74,18 +65,18 @@ class Steps(Frozen):
                 except ValueError as error:
                     problems.append((name, str(error)))
             lists[name] = tuple(
-                number(problems, f"{name}.{i}", v, "", sign) for i, v in enumerate(entries)
+                frozen.number(problems, f"{name}.{i}", v, "", sign) for i, v in enumerate(entries)
             )
         if not problems and len(lists["values"]) != len(lists["at"]) + 1:
             message = f"needs one value more than jumps, got {len(lists['values'])} values"
             problems.append(("values", f"{message} for {len(lists['at'])} jumps"))
-        raise_noted(problems)
+        frozen.raise_noted(problems)
         self._set(**lists)
-        family_shape(self._numbers())
+        frozen.family_shape(self._numbers())
         for i, (a, b) in enumerate(pairwise(self.at)):
             message = "must lie beyond {0!r}, got {1!r}"
-            require(problems, np.asarray(b) > a, f"at.{i + 1}", message, a, b)
-        raise_noted(problems)
+            frozen.require(problems, np.asarray(b) > a, f"at.{i + 1}", message, a, b)
+        frozen.raise_noted(problems)
 
 
 class Samples(Frozen):
@@ -117,9 +108,8 @@ class Samples(Frozen):
     Samples(values=array(3,), step=0.0001)
     """
 
-    fields: ClassVar[dict[str, Field]] = {"step": Field("s", "positive", optional=True)}
     values: Floats
-    step: Number | None
+    step: Number | None = quantity("s", "positive", default=None)
     smooth: bool
     error: float
     _whole: ClassVar[tuple[str, ...]] = ("values",)
@@ -129,12 +119,12 @@ class Samples(Frozen):
         error: float = 0.0,
     ) -> None:
         problems: Problems = []
-        samples = number(problems, "values", values, "", "sampled")
+        samples = frozen.number(problems, "values", values, "", "sampled")
         if not problems and (isinstance(samples, float) or samples.ndim > 1 or samples.size < 2):
             message = f"must be a list of at least two numbers, got {shown(values)}"
             problems.append(("values", message))
-        (h,) = self._checked(problems, step=step)
-        raise_noted(problems)
+        h = self.fields["step"].checked(problems, "step", step)
+        frozen.raise_noted(problems)
         curve = {"smooth": bool(smooth), "error": float(error)}
         self._set(values=samples, step=h, **curve)
 
@@ -163,34 +153,29 @@ def along_rod(
     A function is sampled at `ALONG_ROD` places from end to end. Without a length, which a mistake
     elsewhere leaves unknown, only what does not depend on it is checked. `Steps` bear any sign.
     """
-    unit, sign = field[:2]
     if type(value) is float:
-        return number(problems, path, value, unit, sign)
+        return field.checked(problems, path, value)
     if isinstance(value, Steps):
         if value.at and length is not None:
-            family_shape([("length", length), *value._numbers(path)])
+            frozen.family_shape([("length", length), *value._numbers(path)])
             last, end = f"{path}.at.{len(value.at) - 1}", value.at[-1]
             message = "must lie inside the rod of length {0!r}, got {1!r}"
-            require(problems, np.asarray(end) < length, last, message, length, end)
+            frozen.require(problems, np.asarray(end) < length, last, message, length, end)
         return value
     if isinstance(value, Samples):
         if value.step is not None:
             message = "has no place along a rod, where samples run from end to end; leave it out"
             problems.append((f"{path}.step", message))
-        if sign != "any":
-            number(problems, f"{path}.values", value.values, unit, sign)
+        if field.sign != "any":
+            field.checked(problems, f"{path}.values", value.values)
         return value
     if not callable(value):
-        return number(problems, path, value, unit, sign)
+        return field.checked(problems, path, value)
     if isinstance(length, np.ndarray):
         message = "is a function, but the members of the family differ in length; give Samples"
         problems.append((path, message))
     elif length is not None:
-        places = np.linspace(0.0, length, ALONG_ROD)
-        try:
-            return _curve(value, places, field, None)
-        except ValueError as error:
-            problems.append((path, str(error)))
+        return _curve(problems, path, value, np.linspace(0.0, length, ALONG_ROD), field, None)
     return 0.0
 
 
@@ -207,21 +192,19 @@ def in_time(problems: Problems, path: str, value: Any, field: Field, duration: A
             problems.append((f"{path}.step", "is missing; give the seconds between two samples"))
         if isinstance(value, Steps | Samples):
             return value
-        return number(problems, path, value, field.unit, field.sign)
+        return field.checked(problems, path, value)
     if duration is None:
         message = "is missing; give the seconds for which the function is to be sampled"
         problems.append(("duration", message))
         return 0.0
     before = len(problems)
-    end = number(problems, "duration", duration, "s", "positive")
+    end = frozen.number(problems, "duration", duration, "s", "positive")
     if isinstance(end, np.ndarray):
         message = "must be a single number of seconds; members of a family share a function"
         problems.append(("duration", message))
     elif len(problems) == before:
-        try:
-            return _curve(value, np.linspace(0.0, end, IN_TIME), field, end / (IN_TIME - 1))
-        except ValueError as error:
-            problems.append((path, str(error)))
+        times, step = np.linspace(0.0, end, IN_TIME), end / (IN_TIME - 1)
+        return _curve(problems, path, value, times, field, step)
     return 0.0
 
 
@@ -309,18 +292,22 @@ def profile_from(data: Any) -> Any:
     if not isinstance(data, dict):
         return data
     if "samples" in data:
-        return Samples(data["samples"], data.get("step"), smooth=data.get("smooth", False),
-                       error=data.get("error", 0.0))
+        return Samples(**{"values" if key == "samples" else key: v for key, v in data.items()})
     return Steps(**data) if "values" in data else data
 
 
-def _curve(function: Callable[[Any], Any], places: Floats, field: Field, step: Any) -> Samples:
+def _curve(
+    problems: Problems, path: str, function: Any, places: Floats, field: Field, step: Any
+) -> Profile:
     """Samples of a function, with the curve between them that is nearer to it half way."""
     from scipy.interpolate import make_interp_spline
 
-    values = _sampled(function, places, field)
     middles = (places[1:] + places[:-1]) / 2
-    true = _sampled(function, middles, field)
+    try:
+        values, true = (_sampled(function, x, field) for x in (places, middles))
+    except ValueError as error:
+        problems.append((path, str(error)))
+        return 0.0
     off = {
         True: np.max(np.abs(make_interp_spline(places, values, 5)(middles) - true)),
         False: np.max(np.abs((values[1:] + values[:-1]) / 2 - true)),
@@ -350,7 +337,7 @@ def _sampled(function: Callable[[Any], Any], places: Floats, field: Field) -> Fl
             f"must be a function that returns numbers, got {shown(values[0])} at 0.0"
         )
     positive = field.sign == "positive"
-    good = (np.abs(values) <= LARGEST) & ((values > 0) | (not positive))
+    good = (np.abs(values) <= frozen.LARGEST) & ((values > 0) | (not positive))
     if not good.all():
         x, got = float(places[~good][0]), float(values[~good][0])
         kind = "positive" if positive else "finite"

@@ -10,26 +10,17 @@ Axis x points to the right; velocity is positive to the right, strain positive i
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from itertools import zip_longest
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
+from . import frozen
 from .bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import ENDS, FREE, Absorbing, End, Fixed, Free, Incoming, Moved, Pushed
-from .frozen import (
-    Field,
-    Frozen,
-    InvalidModel,
-    Number,
-    Problems,
-    family_shape,
-    number,
-    plain,
-    raise_noted,
-    require,
-)
+from .frozen import Frozen, Number, Problems, plain, quantity
 from .lateral_inertia import RAYLEIGH_LOVE
 from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Rigid, Yielding
 from .profiles import flipped, negative, profile_from
@@ -71,13 +62,10 @@ class System(Frozen):
     (3,)
     """
 
-    fields: ClassVar[dict[str, Field]] = {
-        "gaps": Field("m", "non-negative", "gap"), "gravity": Field("m/s^2"),
-    }
     bodies: tuple[Body, ...]
-    gaps: tuple[Number, ...]
+    gaps: tuple[Number, ...] = quantity("m", "non-negative", "gap", default=0.0)
     contacts: tuple[ContactLaw, ...]
-    gravity: Number
+    gravity: Number = quantity("m/s^2", default=0.0)
     ends: tuple[End, End]
     _shape: tuple[int, ...]
 
@@ -93,7 +81,7 @@ class System(Frozen):
         problems: Problems = []
         if not isinstance(bodies, list | tuple) or not bodies:
             message = f"must be a list of at least one rod or rigid mass, got {shown(bodies)}"
-            raise InvalidModel([("bodies", message)])
+            raise frozen.InvalidModel([("bodies", message)])
         for i, body in enumerate[Any](bodies):
             if type(body) not in _BODIES:
                 message = f"must be a Rod, a RigidMass or a Wall itself, got {shown(body)}"
@@ -106,11 +94,11 @@ class System(Frozen):
         pairs = len(bodies) - 1
         laws = _per_pair(problems, "contacts", contacts, RIGID, pairs)
         given = _per_pair(problems, "gaps", gaps, 0.0, pairs)
-        unit, sign = self.fields["gaps"][:2]
-        signs = ["any" if getattr(law, "overlaps", False) else sign for law in laws]
+        gap = self.fields["gaps"]
         widths = tuple(
-            number(problems, f"gaps.{i}", gap, unit, signs[i] if i < len(signs) else sign)
-            for i, gap in enumerate(given)
+            (gap._replace(sign="any") if getattr(law, "overlaps", False) else gap)
+            .checked(problems, f"gaps.{i}", width)
+            for i, (width, law) in enumerate(zip_longest(given, laws[: len(given)]))
         )
         for i, law in enumerate(laws):
             if type(law) not in _LAWS:
@@ -121,10 +109,10 @@ class System(Frozen):
                 message = "must be 0 where bodies are joined, got {0!r}; give the Joint a stretch"
                 if isinstance(law, Bonded):
                     message = "must be 0 where bodies are bonded, got {0!r}"
-                require(problems, np.equal(widths[i], 0), f"gaps.{i}", message, widths[i])
+                frozen.require(problems, np.equal(widths[i], 0), f"gaps.{i}", message, widths[i])
             elif isinstance(law, Rigid):
                 _check_rigid(problems, i, law, *bodies[i : i + 2])
-        (g,) = self._checked(problems, gravity=gravity)
+        g = self.fields["gravity"].checked(problems, "gravity", gravity)
         both = (FREE, FREE) if ends is None else ends
         if not isinstance(both, list | tuple) or len(both) != 2:
             message = f"must be a pair, such as (Free(), Absorbing()), got {shown(ends)}"
@@ -132,10 +120,10 @@ class System(Frozen):
         else:
             for side, end, body in zip(SIDES, both, (bodies[0], bodies[-1]), strict=True):
                 _check_end(problems, side, end, body)
-        raise_noted(problems)
+        frozen.raise_noted(problems)
         self._set(bodies=tuple(bodies), gaps=widths, contacts=tuple(laws), gravity=g,
                   ends=tuple(both))
-        self._set(_shape=family_shape(self._named_numbers()) if self._varies else ())
+        self._set(_shape=frozen.family_shape(self._named_numbers()) if self._varies else ())
         _check_joined(self)
 
     @property
@@ -209,11 +197,11 @@ class System(Frozen):
                 gravity=data.get("gravity", 0.0),
                 ends=ends and [restored(ENDS, "kind", ends[side]) for side in SIDES],
             )
-        except InvalidModel:
+        except frozen.InvalidModel:
             raise
         except (LookupError, TypeError, ValueError, AttributeError):
             message = f"must be what system.to_dict() gives, got {shown(data)}"
-            raise InvalidModel([("data", message)]) from None
+            raise frozen.InvalidModel([("data", message)]) from None
 
     def reversed(self) -> System:
         """Return the same state with every velocity turned round: the film run backwards.
@@ -245,7 +233,7 @@ class System(Frozen):
         ]
         if problems:
             why = "; nothing that is lost or driven can be turned round in time"
-            raise InvalidModel([(path, message + why) for path, message in problems])
+            raise frozen.InvalidModel([(path, message + why) for path, message in problems])
         bodies = [body.replace(velocity=negative(body.velocity)) for body in self.bodies]
         return self.replace(bodies=bodies)
 
@@ -322,8 +310,8 @@ def _check_joined(system: System) -> None:
             continue
         both = (left.velocity, right.velocity)
         message = "must be {0!r}, that of the rigid body it is bonded to, got {1!r}"
-        require(problems, np.equal(*both), f"bodies.{i + 1}.velocity", message, *both)
-    raise_noted(problems)
+        frozen.require(problems, np.equal(*both), f"bodies.{i + 1}.velocity", message, *both)
+    frozen.raise_noted(problems)
 
 
 def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:

@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from ..algebra.atlas import Atlas
 from ..model import System
 from ..model.arguments import of_kind
-from ..results.words import parameter
+from ..results.labels import parameter
 from .scales import Scale, engineering, scale_of
 from .showing import picture
 from .style import RISING, axes, colour_bar, colours, dress, legend_above, styled

@@ -18,7 +18,6 @@ from ..model import Absorbing, RigidMass, Rod
 from ..model.profiles import extremes
 from ..results.fields import Profile
 from ..results.gauges import Gauge
-from ..results.placing import Placing
 from .borders import (
     DRIVEN,
     WALL,
@@ -27,6 +26,7 @@ from .borders import (
     open_style,
     wall_style,
 )
+from .placing import Placing
 from .sampling import is_stepped, mean_areas, sampled
 from .scales import Scale
 from .springs import draw_springs, is_compliant

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..methods.signals import Floats
 from ..model import Absorbing, Joint, Moved, Pushed, Rigid, RigidMass, Rod
 from ..results.gauges import Gauge
-from ..results.placing import Placing
+from .placing import Placing
 from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster

@@ -17,9 +17,9 @@ from matplotlib.text import Text
 
 from ..model import Absorbing
 from ..results.gauges import Gauge, check_gauges
-from ..results.placing import placing
 from ..results.solution import Solution, check_waves
 from .borders import Borders, Cut, apart_mark, open_style
+from .placing import placing
 from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..model.arguments import of_kind
 from ..results.closed_forms import COLUMNS, closed_form
-from ..results.words import outcome
+from ..results.labels import outcome
 from ..running.sweep_result import SweepResult
 from ..units import shown
 from .curves import Curve, draw_curve

@@ -13,11 +13,11 @@ from matplotlib.text import Text
 
 from ..methods.groups import movable
 from ..methods.signals import Floats
-from ..results.placing import placing
 from ..results.regions import regions_of
 from ..results.solution import Solution, check_solution
 from ..storage.report import ENERGIES
 from .moments import contact_turns
+from .placing import placing
 from .sampling import is_stepped
 from .scales import ROUND_OFF, engineering, listed, time_scale, written
 from .showing import picture

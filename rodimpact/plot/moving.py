@@ -20,7 +20,6 @@ from PIL import Image
 
 from ..model import Rod
 from ..model.arguments import single
-from ..results.placing import Placing, placing
 from ..results.solution import Solution, check_waves
 from .bars import THICKNESS_TOLD, Bars
 from .diagram import spacetime
@@ -28,6 +27,7 @@ from .film import Film
 from .histories import draw_forces, force_scale
 from .moments import contact_turns, happening
 from .page import headline
+from .placing import Placing, placing
 from .polygons import drawn_until
 from .scales import Scale, axis_scales, signed, written
 from .springs import with_springs

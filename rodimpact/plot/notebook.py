@@ -8,8 +8,8 @@ from typing import Any
 
 from ..design import PulseDesign, RestitutionDesign
 from ..fitting.result import Fit
+from ..results.labels import parameter
 from ..results.solution import Solution
-from ..results.words import parameter
 from ..running.sweep_report import sweep_table
 from ..running.sweep_result import SweepResult
 from ..storage.report import solution_table

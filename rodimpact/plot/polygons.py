@@ -12,9 +12,9 @@ from matplotlib.text import Text
 
 from ..methods.signals import Floats, Ints
 from ..results.contacts import ContactHistory
-from ..results.placing import Placing
 from ..results.regions import readable_until, regions_of
 from ..results.solution import Solution
+from .placing import Placing
 from .plane import Plane
 from .sampling import energy_density, is_stepped
 from .scales import ROUND_OFF, digits

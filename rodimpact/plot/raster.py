@@ -11,8 +11,8 @@ from matplotlib.text import Text
 from ..methods.signals import Floats
 from ..model import Rod
 from ..results.contacts import ContactHistory
-from ..results.placing import Placing
 from ..results.solution import Solution
+from .placing import Placing
 from .plane import Plane
 from .sampling import averaged, energy_density, mean_areas, modulus, pieces
 from .scales import ROUND_OFF

@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 from ..model import Rod
 from ..model.profiles import extremes
-from ..results.placing import Placing
+from ..results.labels import Quantity
 from ..results.solution import Solution
-from ..results.words import Quantity
 from ..units import format_power
+from .placing import Placing
 from .springs import length as spring_length
 
 FIELDS = ("velocity", "stress", "strain", "displacement", "energy")

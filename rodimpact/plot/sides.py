@@ -12,7 +12,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormat
 from numpy.typing import NDArray
 
 from ..methods.signals import Floats
-from ..results.words import parameter
+from ..results.labels import parameter
 from ..running.sweep_result import STATUS, SweepResult
 from ..units import format_factor, format_power
 from .scales import Scale, scale_of

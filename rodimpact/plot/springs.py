@@ -11,7 +11,8 @@ from matplotlib.lines import Line2D
 from ..methods.signals import Floats
 from ..model import Bonded, Rigid
 from ..results.contacts import ContactHistory
-from ..results.placing import ROUND_OFF, Placing
+from ..results.magnification import ROUND_OFF
+from .placing import Placing
 from .style import colours
 
 ROOM = 0.04  # of a spring at its shortest, in lengths of the row

@@ -20,10 +20,10 @@ from ..methods.signals import Floats
 from ..model import RigidMass
 from ..model.arguments import array
 from ..results.gauges import Gauge, check_gauges
-from ..results.placing import Placing, placing
 from ..results.solution import Solution, check_waves
 from .bars import THICKNESS_TOLD, Bars, Piece
 from .moments import happening, moments
+from .placing import Placing, placing
 from .sampling import is_stepped
 from .scales import Scale, Speeds, digits, engineering, first_rod, place_label, place_scale, written
 from .showing import picture

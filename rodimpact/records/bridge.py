@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from ..model.arguments import of_kind
-from ..model.frozen import Field, Frozen, Problems, raise_noted
+from ..model.frozen import Declared, Problems, quantity
 from ..units import shown
 from .signal import Signal
+
+if TYPE_CHECKING:
+    from dataclasses import KW_ONLY
 
 ALONG = {"quarter": 1, "half": 2, "full": 2}
 """Gauges along the bar, for each bridge."""
 
 
-class Bridge(Frozen):
+class Bridge(Declared):
     """A bridge of strain gauges with its amplifier.
 
     Parameters
@@ -53,41 +54,25 @@ class Bridge(Frozen):
     [0.0, 1213.0, 1213.0]
     """
 
-    fields: ClassVar[dict[str, Field]] = {
-        "gauge_factor": Field("", "positive"), "excitation": Field("V", "positive"),
-        "gain": Field(""), "poisson_ratio": Field("", "[0, 0.5]", optional=True),
-    }
     kind: str
-    gauge_factor: float
-    excitation: float
-    gain: float
-    poisson_ratio: float | None
+    _: KW_ONLY
+    gauge_factor: float = quantity("", "positive", single=True)
+    excitation: float = quantity("V", "positive", single=True)
+    gain: float = quantity(default=1.0, single=True)
+    poisson_ratio: float | None = quantity("", "[0, 0.5]", default=None, single=True)
 
-    def __init__(
-        self, kind: str, *, gauge_factor: float, excitation: float, gain: float = 1.0,
-        poisson_ratio: float | None = None,
-    ) -> None:
-        problems: Problems = []
-        numbers = dict(zip(self.fields, self._checked(
-            problems, gauge_factor=gauge_factor, excitation=excitation, gain=gain,
-            poisson_ratio=poisson_ratio,
-        ), strict=True))
-        for name, value in numbers.items():
-            if isinstance(value, np.ndarray):
-                problems.append((name, f"must be a single number, got {shown(value)}"))
-            elif name == "gain" and value == 0:
-                problems.append((name, "must not be 0"))
-        if not isinstance(kind, str) or kind not in ALONG:
-            message = f"must be one of {', '.join(map(repr, ALONG))}, got {shown(kind)}"
+    def _check(self, problems: Problems) -> None:
+        if isinstance(self.gain, float) and self.gain == 0:
+            problems.append(("gain", "must not be 0"))
+        if not isinstance(self.kind, str) or self.kind not in ALONG:
+            message = f"must be one of {', '.join(map(repr, ALONG))}, got {shown(self.kind)}"
             problems.append(("kind", message))
-        elif kind == "full" and poisson_ratio is None:
+        elif self.kind == "full" and self.poisson_ratio is None:
             message = "is missing; two gauges of a full bridge lie across the bar"
             problems.append(("poisson_ratio", message))
-        elif kind == "quarter" and poisson_ratio is not None:
+        elif self.kind == "quarter" and self.poisson_ratio is not None:
             message = "belongs to gauges across the bar, which a quarter bridge has not"
             problems.append(("poisson_ratio", f"{message}; leave it out"))
-        raise_noted(problems)
-        self._set(kind=kind, **numbers)
 
     @property
     def strain_per_volt(self) -> float:

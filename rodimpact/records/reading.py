@@ -21,7 +21,7 @@ import numpy as np
 from .. import units as known_units
 from ..methods import memory
 from ..methods.duration import Forecast, LongRun
-from ..model.arguments import positive, single
+from ..model.arguments import single
 from ..model.frozen import nearest
 from ..model.quantities import Floats
 from ..storage.reading import FileFormatError, open_regular
@@ -168,7 +168,7 @@ def read_signals(
     if decimal is not None and (not isinstance(decimal, str) or decimal not in (".", ",")):
         raise ValueError(f'decimal: must be "." or ",", got {shown(decimal)}')
     if rate is not None:
-        rate = positive("rate", single("rate", rate, "Hz"), "Hz").item()
+        rate = single("rate", rate, "Hz", "positive")
         if time is not None or time_unit is not None:
             raise ValueError("rate: give either rate or a column of times, not both")
     if progress is not None and not callable(progress):

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import units
-from ..model.arguments import Array, array, finite, of_kind, plain, positive, refuse, single
+from ..model.arguments import Array, array, demand, of_kind, plain, single
 from ..model.bodies import Rod, Segment
 from ..model.frozen import Frozen, InvalidModel, Number, Problems
 from ..model.quantities import Floats, floats
@@ -92,13 +92,10 @@ class Signal(Frozen):
             problems.append(("times", "is missing; give the times, or dt between two samples"))
         elif times is None:
             try:
-                step, first = single("dt", dt, "s"), single("start", start, "s")
-                positive("dt", step, "s")
-                finite("start", first, "s")
-                times = first + step * np.arange(v.size)
-            except ValueError as error:
-                path, _, message = str(error).partition(": ")
-                problems.append((path, message))
+                step = single("dt", dt, "s", "positive")
+                times = single("start", start, "s") + step * np.arange(v.size)
+            except InvalidModel as error:
+                problems += error.problems
         if not problems:
             t = _samples(problems, "times", times, "s")
         if not problems and t.shape != v.shape:
@@ -152,8 +149,9 @@ class Signal(Frozen):
         """Values at times in s; ValueError outside of the record."""
         t = array("t", t, "s")
         room = 1e-9 * (self.end - self.start)
-        outside = ~((t >= self.start - room) & (t <= self.end + room))
-        refuse(outside, f"must be {self.start!r} to {self.end!r} s, as the {self._title} is", t=t)
+        inside = (t >= self.start - room) & (t <= self.end + room)
+        message = f"must be from {self.start!r} to {self.end!r} s, as the {self._title} is"
+        demand(inside, "t", message.replace("{", "{{").replace("}", "}}") + ", got {0!r}", t)
         return plain(np.interp(t, self.times, self.values))
 
     def resampled(self, dt: float | None = None, *, times: ArrayLike | None = None) -> Signal:
@@ -170,7 +168,7 @@ class Signal(Frozen):
         if (dt is None) == (times is None):
             raise ValueError("dt: give either dt or times")
         if times is None:
-            step = positive("dt", single("dt", dt, "s"), "s").item()
+            step = single("dt", dt, "s", "positive")
             count = (self.end - self.start) / step * (1 + 1e-12)
             if not 1 <= count < filters.MOST:
                 message = f"dt = {step}: makes {count + 1:.3g} samples of {self._title}"
@@ -180,7 +178,7 @@ class Signal(Frozen):
 
     def shifted(self, delay: float) -> Signal:
         """Return the signal later by a delay, s."""
-        return self.replace(times=self.times + _one("delay", delay, "s"))
+        return self.replace(times=self.times + single("delay", delay, "s"))
 
     def window(self, start: float, end: float) -> Signal:
         """Return the samples from start to end, s; ValueError if these are not two or more."""
@@ -200,7 +198,7 @@ class Signal(Frozen):
         """
         step, counts = self.dt, []
         for name, given in (("before", before), ("after", after)):
-            count = _one(name, given, "s") / step
+            count = single(name, given, "s") / step
             if not 0 <= count < filters.MOST:
                 message = f"must be 0 or more, and at most {filters.MOST} samples"
                 raise ValueError(f"{name} = {given}: {message}")
@@ -218,7 +216,7 @@ class Signal(Frozen):
 
     def _within(self, start: float, end: float) -> Any:
         """Which samples lie between these times."""
-        low, high = _one("start", start, "s"), _one("end", end, "s")
+        low, high = single("start", start, "s"), single("end", end, "s")
         inside = (self.times >= low) & (self.times <= high)
         if inside.sum() < 2:
             message = f"from {low!r} to {high!r} s there are fewer than two samples"
@@ -261,7 +259,7 @@ class Signal(Frozen):
         if not isinstance(kind, str) or kind not in filters.LOW_PASS:
             known = ", ".join(map(repr, filters.LOW_PASS))
             raise ValueError(f"kind: must be one of {known}, got {shown(kind)}")
-        f = positive("frequency", single("frequency", frequency, "Hz"), "Hz").item()
+        f = single("frequency", frequency, "Hz", "positive")
         if f * self.dt >= 0.5:
             rate = units.format_si(1 / self.dt, "Hz")
             raise ValueError(f"frequency = {f}: must be below half of the sampling rate, {rate}")
@@ -300,7 +298,7 @@ class Signal(Frozen):
         """
         from .. import waves
 
-        z = _one("distance", distance, "m")
+        z = single("distance", distance, "m")
         if isinstance(bar, Rod | Segment):
             bar = waves.Bar.of(bar, radius)
         elif radius is not None:
@@ -333,19 +331,18 @@ class Signal(Frozen):
         ValueError
             If an argument is not what it should be.
         """
-        signal, length = self, _one("gauge_length", gauge_length, "m")
-        refuse(np.asarray(length < 0), "must be 0 or more", gauge_length=np.asarray(length))
+        signal, length = self, single("gauge_length", gauge_length, "m", "non-negative")
         if length:
             if wave_speed is None:
                 message = "is missing; a gauge of finite length averages over gauge_length"
                 raise ValueError(f"wave_speed: {message}/wave_speed seconds")
-            c = positive("wave_speed", single("wave_speed", wave_speed, "m/s"), "m/s").item()
+            c = single("wave_speed", wave_speed, "m/s", "positive")
             signal = self.replace(values=filters.averaged(self.values, self.times, length / c))
         if bandwidth is not None:
             if type(order) is not int or order not in (1, 2):
                 raise ValueError(f"order: must be 1 or 2, got {shown(order)}")
             signal = signal.low_pass(bandwidth, "first-order" if order == 1 else "second-order")
-        return signal * _one("scale", scale, "") + _one("offset", offset, self.unit)
+        return signal * single("scale", scale, "") + single("offset", offset, self.unit)
 
     def pulse(self) -> Pulse:
         """Timing of the pulse that holds the largest sample; cut others away by `window`.
@@ -419,7 +416,7 @@ class Signal(Frozen):
     def _operand(self, other: Any, done: str) -> Any:
         """What is added: a number in `unit`, or the values of a signal of the same times."""
         if not isinstance(other, Signal):
-            return _one("number", other, self.unit)
+            return single("number", other, self.unit)
         self._same_unit(other, done)
         if not np.array_equal(self.times, other.times):
             raise ValueError(
@@ -435,11 +432,11 @@ class Signal(Frozen):
         return self.replace(values=self.values - self._operand(other, "subtracted"))
 
     def __mul__(self, number: float) -> Signal:
-        return self.replace(values=self.values * _one("number", number, ""))
+        return self.replace(values=self.values * single("number", number, ""))
 
     def __truediv__(self, number: float) -> Signal:
-        divisor = _one("number", number, "")
-        refuse(np.asarray(divisor == 0), "must not be 0", number=np.asarray(divisor))
+        divisor = single("number", number, "")
+        demand(divisor != 0, "number", "must not be 0")
         return self.replace(values=self.values / divisor)
 
     __radd__, __rmul__ = __add__, __mul__
@@ -510,16 +507,11 @@ def _samples(problems: Problems, path: str, given: Any, unit: str) -> Array:
     return samples
 
 
-def _one(name: str, value: Any, unit: str) -> float:
-    """A single finite number."""
-    return float(finite(name, single(name, value, unit), unit))
-
-
 def bounds_of(name: str, given: Any, unit: str) -> tuple[float, float] | None:
     """Lower and upper bound: of a number, of two, or None if it is free."""
     if given is None:
         return None
-    ends = finite(name, array(name, given, unit), unit)
+    ends = array(name, given, unit, "any")
     if ends.ndim == 0:
         return ends.item(), ends.item()
     if ends.shape != (2,) or ends[0] > ends[1]:

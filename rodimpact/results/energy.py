@@ -10,9 +10,9 @@ import numpy as np
 
 from ..methods.run import INWARD, Outside
 from ..methods.signals import Floats, product
+from .bonded_groups import BondedGroups
 from .contacts import ContactHistory
 from .fields import Fields
-from .group_states import GroupStates
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def stored(law: Any, gap: Floats) -> Floats:
 
 def ledger(
     fields: Fields, contacts: Sequence[ContactHistory],
-    outside: tuple[Outside | None, Outside | None], states: GroupStates,
+    outside: tuple[Outside | None, Outside | None], states: BondedGroups,
 ) -> EnergyLedger:
     """Energy ledger at the ticks of the states, the first of which is 0."""
     a, ticks = fields.clock, states.ticks

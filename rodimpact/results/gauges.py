@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats, Ints, Pieces, Side, quadrature
-from ..model.arguments import array, refuse
+from ..model.arguments import array, demand
 from ..model.frozen import InvalidModel, Problems, number
 from ..records.signal import Signal
 from ..storage.tables import heading, misnamed, write_table
@@ -162,7 +162,8 @@ class Gauge:
     def strain_at(self, t: ArrayLike) -> Floats:
         """Strain at times t in s, from 0 to `end`; ValueError at others."""
         t = array("t", t, "s")
-        refuse(~((t >= 0) & (t <= self.end * (1 + 1e-9))), f"must be 0 to {self.end!r} s", t=t)
+        message = f"must be from 0 to {self.end!r} s, got {{0!r}}"
+        demand((t >= 0) & (t <= self.end * (1 + 1e-9)), "t", message, t)
         return self.record.at(self._ticks(t))
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from ..methods.signals import Floats, Ints
 from ..model import Rod
 from ..model.arguments import single
-from .cutting import Corner, region, spans
+from .clipping import Corner, region, spans
 from .solution import Solution, check_solution
 from .wave_fields import WaveFields
 
@@ -77,7 +77,7 @@ def regions_of(
     """
     check_solution(solution)
     fields, first_tick, last_tick = _interval(solution, start, stop)
-    limit = single("limit", limit, "")
+    limit = single("limit", limit, "", "")
     if not limit >= 1:
         raise ValueError(f"limit: must be 1 or more, got {limit:g}")
     if _count(fields, first_tick, last_tick, limit) > limit:
@@ -147,7 +147,7 @@ def _interval(solution: Solution, start: float, stop: float | None) -> tuple[Wav
     fields, stop = solution.fields, solution.t_end if stop is None else stop
     if not isinstance(fields, WaveFields) or not fields.constant_between_fronts:
         raise ValueError(f'solution: method "{solution.method}" has no fronts to draw between')
-    first_tick, last_tick = (int(fields.to_ticks(single(name, t, "s")))
+    first_tick, last_tick = (int(fields.to_ticks(single(name, t, "s", "")))
                              for name, t in (("start", start), ("stop", stop)))
     if last_tick <= first_tick:
         raise ValueError(f"stop: must be later than start = {start!r} s, got {stop!r}")

@@ -18,8 +18,8 @@ import numpy as np
 from ..methods.grid.mesh import lasting_mode
 from ..methods.signals import Floats
 from ..model import Rod, System
+from .bonded_groups import bonded_groups
 from .fields import Fields
-from .group_states import group_states
 
 SAMPLES, FEWEST = 400, 50
 TAIL = 3  # the decay is read off the last third
@@ -76,7 +76,7 @@ def ring_down(
         message = f"only {len(ticks)} states were kept after the collision"
         raise ValueError(f"ring_down: {message}; leave snapshots out, or give more of them")
     times = ticks * fields.clock.tick
-    states = group_states(system, fields, ticks)
+    states = bonded_groups(system, fields, ticks)
     rigid, vibration = states.kinetic, (states.moving + states.strained).sum(axis=0)
     scale = sum(
         masses[i] * math.sqrt(2 * (rigid + vibration).max() / masses[i])

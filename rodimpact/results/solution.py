@@ -14,23 +14,23 @@ from numpy.typing import ArrayLike
 from ..methods.run import Run, Totals, Waves
 from ..methods.signals import Floats, Side, each_once
 from ..model import Body, RigidMass, Rod, Samples, Segment, Steps, System, Wall
-from ..model.arguments import array, of_kind, refuse, single
+from ..model.arguments import array, demand, of_kind, single
 from ..storage.extras import optional
 from ..storage.writing import write_npz
 from . import notebook
-from .beginnings import beginning
+from .bonded_groups import bonded_groups
 from .contacts import ContactHistory
 from .energy import EnergyLedger, ledger
 from .fields import Fields, check_side
 from .gauges import Gauge
 from .grid_fields import GridFields
-from .group_states import group_states
+from .labels import outcome
 from .outcome import Outcome, outcome_of
 from .ring_down import RingDown, ring_down
 from .run_file import take_apart
+from .state_profiles import state_profiles
 from .totals import totals_of
 from .wave_fields import WaveFields
-from .words import outcome
 
 _FAINT = np.errstate(under="ignore")  # squares of round-off, and of very slow motion, may vanish
 
@@ -213,7 +213,7 @@ class Solution:
     @_FAINT
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
-        x = single("x", x, "m")
+        x = single("x", x, "m", "")
         trace = self.fields.trace(self._index(body), x)
         a, per_wave = self.fields.clock, 0.5 / trace.wave_speed
         ticks = each_once(trace.rightward.marks, trace.leftward.marks)
@@ -265,7 +265,8 @@ class Solution:
         bodies, names = self.system.bodies, ["body", "x", "time"]
         lengths = [float(b.length) if isinstance(b, Rod) else 0.0 for b in bodies]
         inside = [(x >= 0) & (x <= length * (1 + 1e-12)) for length in lengths]
-        refuse(~np.any(inside, axis=0), f"must lie in a body, 0 to {max(lengths):.9g} m", x=x)
+        message = f"must lie in a body, from 0 to {max(lengths):.9g} m, got {{0!r}}"
+        demand(np.any(inside, axis=0), "x", message, x)
         data: dict[str, Any] = {}
         for ask in (self.velocity, self.displacement, self.position):
             data[ask.__name__] = names, self._everywhere(ask, range(len(bodies)), inside, x, t)
@@ -308,7 +309,7 @@ class Solution:
     def energy(self, t: ArrayLike) -> EnergyLedger:
         """Energy ledger at times t in s."""
         ticks = self.fields.nearest_known(self.fields.to_ticks(t))
-        states = group_states(self.system, self.fields, np.concatenate(([0], ticks.ravel())))
+        states = bonded_groups(self.system, self.fields, np.concatenate(([0], ticks.ravel())))
         from_start = ledger(self.fields, self.contacts, self.run.signals.outside, states)
         return EnergyLedger(**{
             name: entry[1:].reshape(ticks.shape) for name, entry in vars(from_start).items()
@@ -366,7 +367,7 @@ class Solution:
         ValueError
             Where an end is driven by a function of time: a system cannot begin like that.
         """
-        tick = int(self.fields.to_ticks(single("t", t, "s")))
+        tick = int(self.fields.to_ticks(single("t", t, "s", "")))
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
             if isinstance(getattr(end, "value", 0.0), Steps | Samples):
                 raise ValueError(f"ends.{side}: is driven by a function of time; drive it anew")
@@ -377,7 +378,7 @@ class Solution:
             elif isinstance(body, RigidMass):
                 bodies.append(RigidMass(body.mass, velocity=float(self.velocity(i, 0.0, t))))
             else:
-                velocity, strain = beginning(self.fields, i, tick)
+                velocity, strain = state_profiles(self.fields, i, tick)
                 bodies.append(Rod(segments=body.segments, velocity=velocity, strain=strain))
         gaps = [0.0 if not c.law.opens else float(c.gap(t)) if c.law.overlaps else
                 max(0.0, float(c.gap(t))) for c in self.contacts]

@@ -8,17 +8,17 @@ import numpy as np
 
 from ..methods.groups import groups, velocities_in_group
 from ..methods.run import INWARD, Run, Totals
+from .bonded_groups import bonded_groups
 from .contacts import ContactHistory
 from .energy import ledger
 from .fields import Fields
-from .group_states import group_states
 
 
 def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> Totals:
     """Read the totals off the fields of a finished run."""
     system, clock, signals = run.system, run.clock, run.signals
     count, ticks = len(system.bodies), np.unique(fields.nearest_known(np.array([0, run.end])))
-    states = group_states(system, fields, ticks)
+    states = bonded_groups(system, fields, ticks)
     book = ledger(fields, contacts, signals.outside, states)
     masses = [clock.mass(i) for i in range(count)]
     velocity, vibration = np.zeros((2, count)), (states.moving + states.strained).T

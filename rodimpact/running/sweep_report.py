@@ -11,7 +11,7 @@ import numpy as np
 
 from ..methods.groups import unilateral
 from ..model import Wall
-from ..results.words import outcome
+from ..results.labels import outcome
 from ..storage.tables import SCHEMA_VERSION, align, clean, joules
 from ..units import format_si
 from .sweep_result import SweepResult, further_columns

@@ -20,8 +20,8 @@ from ..methods.registry import Options
 from ..model import Rod, System, Yielding
 from ..model.frozen import InvalidModel
 from ..results import notebook
+from ..results.labels import outcome, parameter
 from ..results.solution import Solution
-from ..results.words import outcome, parameter
 from ..storage.extras import optional
 from ..storage.writing import PathLike, write_npz, written
 from ..units import shown

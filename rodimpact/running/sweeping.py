@@ -27,12 +27,12 @@ from ..methods.row import Row
 from ..methods.run import MAX_EVENTS
 from ..model import Rod, System
 from ..model.frozen import InvalidModel, Problems, number
-from ..results.further import further
 from ..results.outcome import effective_restitution
 from ..results.solution import Solution
 from ..storage.checkpoint import Checkpoint
 from ..storage.writing import PathLike
 from ..units import shown
+from .extra_columns import extra_columns
 from .jobs import Jobs, pool_of, run_parts
 from .sweep_result import (
     ENDED,
@@ -353,7 +353,7 @@ def _one_by_one(
         for k, tally in enumerate(o.contacts):
             for name in ContactColumns._fields:
                 columns[f"{name}.{k}"][place] = getattr(tally, name)
-        for name, value in further(solution, readings.also).items():
+        for name, value in extra_columns(solution, readings.also).items():
             columns[name][place] = value
         for g, (body, x) in enumerate(readings.gauges):
             inside = readings.times <= solution.t_end * (1 + 1e-12)

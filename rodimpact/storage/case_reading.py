@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -14,7 +13,7 @@ from ..methods.registry import METHOD_NAMES, Options
 from ..model import SIDES, System
 from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
-from ..model.frozen import Field, InvalidModel, Number
+from ..model.frozen import Field, InvalidModel, Number, defaults_of
 from ..model.lateral_inertia import RAYLEIGH_LOVE, THEORIES
 from ..model.laws import CONTACT_LAWS, FACE, ContactLaw, Hertz, Spring
 from ..model.paths import FIELDS, SPEED, suggestion
@@ -58,7 +57,7 @@ def case_from(
     top = Table("", data, Grids(vary), {})
     _check_schema(top)
     known = _read_materials(top)
-    gravity = top.entry("gravity", System.fields["gravity"], 0.0)
+    gravity = top.entry("gravity", System.fields["gravity"])
     bodies = [_read_body(table, known) for table in top.tables("bodies")]
     if not bodies:
         top.note("bodies", "is missing; describe each body in a [[bodies]] table")
@@ -177,7 +176,7 @@ def _read_contacts(
         tables = [top.inner(f"contacts.{i}", {}) for i in range(len(bodies) - 1)]
     gaps, laws = [], []
     for i, table in enumerate(tables):
-        gaps.append(table.entry("gap", System.fields["gaps"], 0.0))
+        gaps.append(table.entry("gap", System.fields["gaps"]))
         laws.append(_read_law(table, (*bodies[i : i + 2], None, None)[:2], known))
     return gaps, laws
 
@@ -213,7 +212,7 @@ def _read_faces(
         return {}
     faces: dict[str, Any] = {}
     for side, body, end in zip(SIDES, pair, (-1, 0), strict=True):
-        faces[f"{side}_radius"] = table.entry(f"{side}_radius", FACE, float("inf"))
+        faces[f"{side}_radius"] = table.entry(f"{side}_radius", FACE)
         key = f"{side}_material"
         if key in named:
             faces[key] = _material(table, known, key)
@@ -241,7 +240,7 @@ def _read_ends(table: Table) -> list[End]:
 
 def _read_solve(table: Table) -> dict[str, Any]:
     options: dict[str, Any] = {}
-    for key in inspect.signature(Options).parameters:
+    for key in defaults_of(Options):
         if table.has(key):
             value = options[key] = table.data[key]
             if key in OPTIONS:

@@ -15,13 +15,12 @@ from ..methods.registry import METHOD_NAMES, Options
 from ..model import SIDES, System
 from ..model.bodies import BODIES, Material, Rod, Segment
 from ..model.ends import ENDS
-from ..model.frozen import Field
+from ..model.frozen import REQUIRED, Field, defaults_of
 from ..model.lateral_inertia import THEORIES
 from ..model.laws import CONTACT_LAWS, FACE, Hertz
 from ..units import si_unit
 from .case import SCHEMA
 from .case_reading import DAMPING, OPTIONS
-from .case_tables import REQUIRED, defaults_of
 
 TYPICAL = {
     "m": "400 mm", "m^2": "1 cm^2", "kg": "2 kg", "m/s": "1 m/s", "Pa": "200 GPa",
@@ -68,14 +67,14 @@ def sections() -> list[Section]:
     Entry(key='velocity', unit='m/s', takes='any number', default='0')
     """
     top = [Entry("schema", "", str(SCHEMA), "required"),
-           _number("gravity", System.fields["gravity"], 0.0)]
-    damping = [_number(key, field, None) for key, field in DAMPING.items()]
+           _number("gravity", System.fields["gravity"])]
+    damping = [_number(key, field, "none") for key, field in DAMPING.items()]
     shape = [Entry("material", "", WORD, "required"),
              Entry("lateral_inertia", "", _either(THEORIES), "none")]
     made_of = {**_needed(Segment), "material": "steel"}
     rod = [*_numbers(Segment), *shape,
            Entry("segments", "", "[[bodies.segments]]", "in place of all above")]
-    contact = [_number("gap", System.fields["gaps"], 0.0),
+    contact = [_number("gap", System.fields["gaps"]),
                Entry("law", "", _either(CONTACT_LAWS), "rigid")]
     files = [Entry(key, "", "name of a file", "none") for key in ("plot", "save")]
     gauge = [Entry("body", "", "number of a rod, from 0", "required"),
@@ -84,14 +83,14 @@ def sections() -> list[Section]:
     return [
         Section("at the top", "What holds for the whole row.", top, f"schema = {SCHEMA}"),
         _section("[materials.NAME]", {}, Material, after=damping),
-        *(_section("[[bodies]]", {"kind": kind, **(made_of if body is Rod else {})}, body,
-                   before=rod if body is Rod else []) for kind, body in BODIES.items()),
+        *(_section("[[bodies]]", made_of if body is Rod else {}, body,
+                   before=rod if body is Rod else []) for body in BODIES.values()),
         _section("[[bodies.segments]]", made_of, Segment, after=shape),
         Section("[[contacts]]", "Entry i lies between bodies i and i + 1; none: all touch.",
                 contact, _toml("[[contacts]]", {"gap": "50 um"})),
-        *(_section("[[contacts]]", {"law": name}, law, after=_faces() if law is Hertz else [])
-          for name, law in CONTACT_LAWS.items()),
-        *(_section("[ends.right]", {"kind": kind}, end) for kind, end in ENDS.items()),
+        *(_section("[[contacts]]", {}, law, after=_faces() if law is Hertz else [])
+          for law in CONTACT_LAWS.values()),
+        *(_section("[ends.right]", {}, end) for end in ENDS.values()),
         Section("[solve]", "How to solve it; `rodimpact run --help` says what these mean.",
                 _options(), _toml("[solve]", {"until": "2 ms"}), Options.__name__),
         Section("[output]", "What `rodimpact run` writes.", files,
@@ -107,24 +106,24 @@ def _section(
     after: Sequence[Entry] = (),
 ) -> Section:
     """The table that describes an object of this class; `described` is what is no number."""
-    tag = next(iter(described.items()), None) if kind._tag else None
-    title = header.replace("right", "SIDE") + (f' {tag[0]} = "{tag[1]}"' if tag else "")
+    tag = "".join(f' {name} = "{value}"' for name, value in kind._tag.items())
+    title = header.replace("right", "SIDE") + tag
     meaning = (inspect.getdoc(kind) or "").partition("\n")[0]
     return Section(title, meaning, [*before, *_numbers(kind), *after],
-                   _toml(header, described | _needed(kind)), kind.__name__)
+                   _toml(header, kind._tag | described | _needed(kind)), kind.__name__)
 
 
 def _numbers(kind: Any) -> list[Entry]:
-    return [_number(key, field, defaults_of(kind)[key], _place(kind, key))
-            for key, field in kind.fields.items()]
+    return [_number(key, field, _place(kind, key)) for key, field in kind.fields.items()]
 
 
-def _number(key: str, field: Field, default: Any, place: str = "") -> Entry:
+def _number(key: str, field: Field, place: str = "") -> Entry:
     takes = SIGNS.get(field.sign, field.sign)
     if field.word:
         takes += f', or "{field.word}"'
     if field.along:
         takes += f", or a profile {'in time' if field.along == 'time' else 'along the rod'}"
+    default = field.default
     if not place:
         place = "required" if default is REQUIRED else "none" if default is None else f"{default:g}"
     return Entry(key, field.unit or "1", takes, place)
@@ -144,14 +143,14 @@ def _needed(kind: Any) -> dict[str, Any]:
     """Typical values of the numbers that must be given."""
     return {
         key: TYPICAL.get(key, TYPICAL[field.unit]) for key, field in kind.fields.items()
-        if defaults_of(kind)[key] is REQUIRED or _place(kind, key).startswith("required")
+        if field.default is REQUIRED or _place(kind, key).startswith("required")
     }
 
 
 def _faces() -> list[Entry]:
     """Of rounded ends, in place of the stiffness of Hertz contact."""
     return [entry for side in SIDES for entry in (
-        _number(f"{side}_radius", FACE, None, "flat; in place of stiffness"),
+        _number(f"{side}_radius", FACE, "flat; in place of stiffness"),
         Entry(f"{side}_material", "", WORD, "that of the rod; else rigid"),
     )]
 

@@ -6,15 +6,13 @@ needs no line here. Where a mistake allows no value, another stands in, and read
 
 from __future__ import annotations
 
-import inspect
 import math
 import re
 from collections.abc import Callable, Collection
-from functools import cache
 from typing import Any
 
 from .. import units
-from ..model.frozen import MOST_TOLD, Field, InvalidModel, listed, nearest
+from ..model.frozen import MOST_TOLD, REQUIRED, Field, InvalidModel, listed, nearest
 from ..model.profiles import Samples, Steps
 from ..units import shown
 from .grids import Grids
@@ -29,7 +27,6 @@ RENAMED = {  # what the model calls otherwise
     r"^frequency\b": "loss_frequency",
     r"\bvalues\[(\d+)\]$": r"samples.\1",
 }
-REQUIRED = inspect.Parameter.empty
 
 
 class Table:
@@ -67,19 +64,18 @@ class Table:
 
     def entries(self, kind: Any) -> dict[str, Any]:
         """What fills the fields of this class."""
-        defaults = defaults_of(kind)
-        return {key: self.entry(key, field, defaults[key]) for key, field in kind.fields.items()}
+        return {key: self.entry(key, field) for key, field in kind.fields.items()}
 
-    def entry(self, key: str, field: Field, default: Any = REQUIRED) -> Any:
+    def entry(self, key: str, field: Field) -> Any:
         """A number, an array where it is varied, a profile, or the word that may stand there."""
         value = self.data.get(key)
         if field.along and isinstance(value, dict):
             return self._profile(key, field)
         if not self.gives(key):
-            if default is REQUIRED:
-                self.note(key, f"is missing; give {_unit_hint(field.dimension)}")
-                return math.nan
-            return default
+            if field.default is not REQUIRED:
+                return field.default
+            self.note(key, f"is missing; give {_unit_hint(field.dimension)}")
+            return math.nan
         if self.where(key) not in self.grids.texts:
             if field.word and isinstance(value, str) and value[:1].isalpha():
                 return self.word(key, (field.word,))
@@ -114,7 +110,8 @@ class Table:
         """`Steps` or `Samples` over a length or a time."""
         inner, profile = self.table(key), None
         if inner.has("samples"):
-            step = inner.entry("step", Samples.fields["step"]) if field.along == "time" else None
+            apart = Samples.fields["step"]._replace(default=REQUIRED)
+            step = inner.entry("step", apart) if field.along == "time" else None
             values = inner._numbers("samples", field.dimension, inner.quantity, "at least two ")
             profile = values and inner.make(Samples, values=values, step=step)
         else:
@@ -188,12 +185,6 @@ class Table:
         for key in self.data:
             if key not in self.asked:
                 self.note(key, "unknown key", key, self.asked)
-
-
-@cache
-def defaults_of(kind: Any) -> dict[str, Any]:
-    """Defaults of the constructor of a class; `REQUIRED` for what has none."""
-    return {name: taken.default for name, taken in inspect.signature(kind).parameters.items()}
 
 
 def _unit_hint(dimension: str) -> str:

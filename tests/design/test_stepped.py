@@ -144,7 +144,7 @@ GOOD = {"wanted": SHAPES["ramp"][0], "bar": BAR, "velocity": SPEED, "duration": 
     ({"bar": ri.Rod([1.0, 2.0], area=1e-4, material=STEEL)}, "bar: must be a single uniform rod"),
     ({"material": "steel"}, "material: must be a Material"),
     ({"material": STEEL.replace(viscosity=1.0)}, "material: must be a single material without"),
-    ({"velocity": -1.0}, "velocity = -1.0: must be positive"),
+    ({"velocity": -1.0}, "velocity: must be a finite positive number of m/s, got -1.0"),
     ({"duration": [T, T]}, "duration: must be a single number"),
     ({"until": T / 2}, "until: must be from the duration, 0.0001 s, to 20 times that, got 5e-05"),
     ({"segments": 0}, "segments: must be a whole number from 1 to 50, got 0"),

@@ -60,7 +60,7 @@ def test_a_smooth_pulse_is_trapped_too(power, mean):
 @pytest.mark.parametrize(("row", "times", "sentence"), [
     (rod(), {"until": 1e-3}, "system: must be a System"),
     (ri.System([rod(velocity=1.0), ri.Wall()]), {"until": 1e-3}, "system: must end on the right"),
-    (ROW, {"until": -1.0}, "until = -1.0: must be positive"),
+    (ROW, {"until": -1.0}, "until: must be a finite positive .*, got -1.0"),
     (ROW, {"until": 1e-4, "after": 1e-3}, "after: must be from 0 to before until"),
     (ROW, {"until": 0.5 / C}, "until: nothing pushes on the right end"),
     (ri.System([rod(0.2), rod(velocity=-SPEED)]), {"until": 1e-3, "after": 5e-4},

@@ -147,7 +147,7 @@ REFUSED = [
     (lambda: ri.rigid.contact_mass([1, 2], [1, 2, 3]), "m1 has shape (2,), m2 has shape (3,)"),
     (lambda: ri.Segment(1.0, 1e-4, STEEL).area_between(0.1), "edges: must be two places or more"),
     (lambda: ri.Segment(1.0, 1e-4, STEEL).polar_moments("1"), "areas: must be a number"),
-    (lambda: ri.Spring(1e7).stored(1e200), "indentation = 1e+200: must be 0 or more, and not too"),
+    (lambda: ri.Spring(1e7).stored(1e200), "indentation: must not be too large for a finite"),
     (lambda: ri.Spring([1e7, 1e8]).stored([]), "indentation has shape (0,), stiffness has shape"),
     (lambda: ri.units.parse("1 m", 3), "unknown dimension 3"),
     (lambda: ri.units.format_si("1", "m"), "cannot write '1' in 'm'"),

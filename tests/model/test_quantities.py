@@ -429,6 +429,8 @@ SHAPES = {
     "viscosity": (
         lambda: ri.Material("a", youngs_modulus=THREE, density=1.0, viscosity=FOUR),
         ["youngs_modulus", "viscosity"]),
+    "mass": (lambda: ri.RigidMass(THREE, velocity=FOUR), ["mass", "velocity"]),
+    "contact law": (lambda: ri.SpringDashpot(THREE, FOUR), ["stiffness", "damping"]),
     "damped": (lambda: STEEL.damped(THREE, FOUR), ["loss_factor", "frequency"]),
     "radii": (
         lambda: ri.Hertz.from_radii(THREE, FOUR, STEEL, STEEL), ["left_radius", "right_radius"]),
@@ -459,7 +461,7 @@ def test_arrays_that_do_not_broadcast_are_named_with_their_shapes(make, fields):
     with pytest.raises(ri.InvalidModel) as error:
         make()
     message = (
-        f"arrays of the family do not broadcast: {fields[0]} has shape (3,), "
+        f"arrays do not broadcast: {fields[0]} has shape (3,), "
         f"{fields[1]} has shape (4,)"
     )
     assert error.value.problems == [(fields[0], message)]

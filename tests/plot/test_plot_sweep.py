@@ -18,7 +18,7 @@ import rodimpact as ri
 from rodimpact import plot
 from rodimpact.methods.registry import Options
 from rodimpact.plot.scales import scale_of
-from rodimpact.results import words
+from rodimpact.results import labels
 from rodimpact.running.sweep_result import SweepResult
 
 STEEL = ri.materials.steel
@@ -443,7 +443,7 @@ def test_every_quantity_of_every_family_renders(swept, name):
 ])
 def test_parameters_in_words(path, largest, label):
     system = ri.System([rod(), rod(), ri.Wall()])
-    assert scale_of(words.parameter(system, path), largest).label == label
+    assert scale_of(labels.parameter(system, path), largest).label == label
 
 
 @pytest.mark.parametrize(("path", "largest", "label"), [
@@ -469,7 +469,7 @@ def test_parameters_of_masses_laws_and_ends_in_words(path, largest, label):
         contacts=[ri.SpringDashpot(1e8, 1e3), ri.HuntCrossley(1e9, 0.1), ri.Rigid(0.5),
                   ri.Rigid()],
         ends=(ri.Pushed(1e3), ri.Moved(1.0)))
-    assert scale_of(words.parameter(system, path), largest).label == label
+    assert scale_of(labels.parameter(system, path), largest).label == label
 
 
 @pytest.mark.parametrize(("column_name", "largest", "label"), [
@@ -483,8 +483,8 @@ def test_parameters_of_masses_laws_and_ends_in_words(path, largest, label):
 ])
 def test_results_in_words(column_name, largest, label):
     system = ri.System([rod(), rod(), ri.Wall()])
-    assert scale_of(words.outcome(system, column_name), largest).label == label
-    assert words.outcome(ri.System([rod(), rod()]), "impulse.0").name == "impulse"
+    assert scale_of(labels.outcome(system, column_name), largest).label == label
+    assert labels.outcome(ri.System([rod(), rod()]), "impulse.0").name == "impulse"
 
 
 # Errors, manners --------------------------------------------------------------------------------

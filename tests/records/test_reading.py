@@ -132,7 +132,7 @@ def test_what_is_no_record_is_refused_with_the_place(read, text, options, said):
 
 @pytest.mark.parametrize(("options", "said"), [
     ({"rate": 1.0, "time": "a"}, "rate: give either rate or a column of times"),
-    ({"rate": -1.0}, "rate = -1.0: must be positive"), ({"decimal": ";"}, 'decimal: must be "."'),
+    ({"rate": -1.0}, "rate: must be .*, got -1.0"), ({"decimal": ";"}, 'decimal: must be "."'),
     ({"units": {"c": "V"}}, "units: there is no channel 'c'; use one of a"),
     ({"units": 3}, "units: must be a unit, or units by channel, got 3"),
     ({"units": {"a": 3}}, "unknown unit 3"),

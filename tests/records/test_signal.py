@@ -53,7 +53,7 @@ def test_a_signal_is_immutable_and_known_by_what_it_says():
     (lambda: ri.Signal([1.0, math.nan], dt=1.0), r"values\.1: must be a finite number, got nan"),
     (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 1.0]), "times: must be as many as values, got 2"),
     (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 2.0, 1.0]), r"times\.2: must increase, got 1.0 aft"),
-    (lambda: ri.Signal([1.0, 2.0], dt=0.0), "dt = 0.0: must be positive"),
+    (lambda: ri.Signal([1.0, 2.0], dt=0.0), "dt: must be a finite positive .*, got 0.0"),
     (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit="mV"), "unit: must be of the SI, got 'mV'; give "
      "the values in V, that is times 0.001"),
     (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit=3), "unit: must be a word, got 3"),
@@ -72,12 +72,12 @@ def test_values_between_samples_lie_on_straight_lines():
     assert signal.window(0.5, 4.0).times.tolist() == [1.0, 4.0]
     assert signal.shifted(-1.0).times.tolist() == [-1.0, 0.0, 3.0]
     for call, said in (
-        (lambda: signal.at(4.1), "t = 4.1: must be 0.0 to 4.0 s"),
+        (lambda: signal.at(4.1), "t: must be from 0.0 to 4.0 s, as the signal is, got 4.1"),
         (lambda: signal.dt, "are not at equal steps .sample 1 is at 1.0 s.; make them so by"),
         (lambda: signal.window(1.5, 3.0), "fewer than two samples; the signal runs from 0.0"),
         (lambda: signal.resampled(), "give either dt or times"),
         (lambda: signal.resampled(5.0), "makes 1.8 samples"),
-        (lambda: signal.resampled(times=[1.0, 5.0]), "t = 5.0 at index .1,.: must be"),
+        (lambda: signal.resampled(times=[1.0, 5.0]), r"t\[1\]: must be .*, got 5.0"),
     ):
         with pytest.raises(ValueError, match=said):
             call()
@@ -91,7 +91,7 @@ def test_arithmetic():
     for call, said in (
         (lambda: a + b.shifted(1e-6), "have other times; take one .resampled"),
         (lambda: a + b.replace(unit="V"), "is in pure numbers and signal in V: they cannot be add"),
-        (lambda: a * b, "number: must"), (lambda: a / 0, "number = 0.0: must not be 0"),
+        (lambda: a * b, "number: must"), (lambda: a / 0, "number: must not be 0"),
         (lambda: a + "1", "number: must be a number"),
     ):
         with pytest.raises(ValueError, match=said):
@@ -184,7 +184,7 @@ def test_what_a_gauge_and_its_amplifier_do():
     assert pulse.as_measured() == pulse
     for call, said in (
         (lambda: pulse.as_measured(gauge_length=0.01), "wave_speed: is missing"),
-        (lambda: pulse.as_measured(gauge_length=-0.01), "gauge_length = -0.01: must be 0 or more"),
+        (lambda: pulse.as_measured(gauge_length=-0.01), "gauge_length: must be .*, got -0.01"),
         (lambda: pulse.as_measured(bandwidth=1e5, order=3), "order: must be 1 or 2, got 3"),
     ):
         with pytest.raises(ValueError, match=said):

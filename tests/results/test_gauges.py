@@ -102,7 +102,7 @@ def test_a_gauge_answers_inside_its_record_only(bars):
     record = bars.gauge(1, 0.5)
     assert record.strain_at([0.0, record.end]).tolist() == [record.strain[0], record.strain[-1]]
     for t in (-1e-9, np.nan, record.end * 1.01, np.inf, -np.inf):
-        with pytest.raises(ValueError, match=f"t = {t} at index .1,.: must be 0 to"):
+        with pytest.raises(ValueError, match=rf"t\[1\]: must be from 0 to .* s, got {t}"):
             record.strain_at([0.0, t])
     for x in (-5.0, np.nan, 1.01):
         with pytest.raises(ValueError, match=f"x: must lie in body 1, 0 to 1 m, got {x}"):

@@ -427,7 +427,7 @@ def test_to_xarray_asks_every_field_and_labels_it(mixed):
     assert np.array_equal(data["energy"].sel(part="strain"), mixed.energy(t).strain)
     assert data["force"].attrs["units"] == "N"
     assert all({"long_name", "units"} <= set(one.attrs) for one in data.variables.values())
-    with pytest.raises(ValueError, match=r"x = 0.9 at .* must lie in a body, 0 to 0.8 m"):
+    with pytest.raises(ValueError, match=r"x\[1\]: must lie in a body, from 0 to 0.8 m, got 0.9"):
         mixed.to_xarray([0.1, 0.9], t)
 
 

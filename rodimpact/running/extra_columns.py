@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 from ..methods.run import largest_error
 from ..model import Rod, Yielding
-from .solution import Solution
+from ..results.solution import Solution
 
 
-def further(solution: Solution, also: Sequence[str]) -> dict[str, float]:
+def extra_columns(solution: Solution, also: Sequence[str]) -> dict[str, float]:
     """Columns of what is wanted of `ALSO`, by name."""
     rods = [i for i, body in enumerate(solution.system.bodies) if isinstance(body, Rod)]
     columns = {}

@@ -10,7 +10,6 @@ A rigid mass has no length; in pictures it is a block.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,14 +19,9 @@ from numpy.typing import ArrayLike
 from ..methods.signals import Floats, Ints
 from ..model import Fixed, Moved, RigidMass, Rod, Wall
 from ..model.arguments import single
+from ..results.magnification import BLOCK, drifts, magnified, round_down
+from ..results.solution import Solution
 from ..units import TIMES, format_factor
-from .solution import Solution
-
-REACH = 0.35  # movement in the picture, in lengths of the row
-SQUEEZE = 0.3  # largest strain in the picture
-DRIFT = 3.0  # how much farther than its inner movement a row may drift
-ROUND_OFF = 1e-9  # of its drift: inner movement that is none
-BLOCK = 0.05  # largest width of a mass in the picture, in lengths of all rods
 
 
 @dataclass(frozen=True)
@@ -123,9 +117,7 @@ def placing(
         If the magnification is not a positive number.
     """
     if magnification is not None:
-        magnification = single("magnification", magnification, "")
-        if not 0 < magnification < math.inf:
-            raise ValueError(f"magnification: must be a positive number, got {magnification!r}")
+        magnification = single("magnification", magnification, "", "positive")
     bodies = range(len(solution.system.bodies))
     lengths = [_length(solution, body) for body in bodies]
     begin = np.cumsum([0.0, *lengths[:-1]])
@@ -164,26 +156,3 @@ def _slowest(solution: Solution) -> float:
     held = [float(b.velocity) for b in solution.system.bodies if isinstance(b, Wall)]
     held += [0.0 for end in solution.system.ends if isinstance(end, Fixed | Moved)]
     return min(held or solution.outcome.velocities_before, key=abs)
-
-
-def drifts(reach: float, relative: float) -> bool:
-    """Whether a row drifts much farther, `reach`, than its bodies move against each other."""
-    return ROUND_OFF * reach < relative < reach / DRIFT
-
-
-def magnified(length: float, reach: float, relative: float, strain: float) -> float:
-    """Magnification for rods of that length that move so far, m, and with that largest strain."""
-    moved = relative if drifts(reach, relative) else reach
-    wanted = REACH * length / moved if moved > 0 else 1.0
-    if strain > 0:
-        wanted = min(wanted, SQUEEZE / strain)
-    return max(1.0, round_down(wanted))
-
-
-def round_down(number: float) -> float:
-    """Largest of 1, 2, 5 times a power of ten that is no larger."""
-    base = 10.0 ** math.floor(math.log10(number) + 1e-9)
-    for lead in (5, 2):
-        if lead * base <= number * (1 + 1e-9):
-            return lead * base
-    return base

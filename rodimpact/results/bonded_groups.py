@@ -12,7 +12,7 @@ from ..model import Rod, System
 from .fields import Fields
 
 
-class GroupStates(NamedTuple):
+class BondedGroups(NamedTuple):
     """Groups of bonded bodies at some times; without walls and what is bonded to them.
 
     bodies [group]: the bodies that can move against the walls; mass [group] in kg; velocity
@@ -38,7 +38,7 @@ class GroupStates(NamedTuple):
         return np.asarray(np.sum(self.mass[:, None] * self.velocity**2, axis=0) / 2)
 
 
-def group_states(system: System, fields: Fields, ticks: Ints) -> GroupStates:
+def bonded_groups(system: System, fields: Fields, ticks: Ints) -> BondedGroups:
     """Velocities and energies of the groups at [n] ticks at which the fields know energies."""
     a, free = fields.clock, movable(system)
     times = ticks * a.tick
@@ -59,4 +59,4 @@ def group_states(system: System, fields: Fields, ticks: Ints) -> GroupStates:
                 continue
             for n, tick in enumerate(ticks.tolist()):
                 moving[i, n], strained[i, n] = fields.energy(i, tick, float(velocities[place, n]))
-    return GroupStates(ticks, bodies, np.array(masses), velocities, moving, strained)
+    return BondedGroups(ticks, bodies, np.array(masses), velocities, moving, strained)

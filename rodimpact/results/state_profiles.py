@@ -22,7 +22,7 @@ FEWEST, MOST = 1 << 10, 1 << 16  # distances between samples of a rod
 FLAT = 1e-14  # change within a piece, of the largest wave, that is round-off
 
 
-def beginning(fields: Fields, body: int, tick: int) -> tuple[Number | Steps | Samples, ...]:
+def state_profiles(fields: Fields, body: int, tick: int) -> tuple[Number | Steps | Samples, ...]:
     """Velocity, m/s, and strain of a rod just after `tick`, as profiles."""
     count, scale = 0, 0.0
     if isinstance(fields, WaveFields) and not fields.constant_between_fronts:

@@ -11,7 +11,8 @@ from rodimpact import plot
 from rodimpact.explore.design import Design
 from rodimpact.explore.presets import presets
 from rodimpact.explore.scene import scene
-from rodimpact.results.placing import REACH, placing
+from rodimpact.plot.placing import placing
+from rodimpact.results.magnification import REACH
 
 STEEL = ri.materials.steel
 

@@ -1,4 +1,4 @@
-"""Words and units for the numbers of a family and of a solution: what varies, and what comes out.
+"""Names and units of the numbers of a family and of a solution: what varies, and what comes out.
 
 A name such as ``bodies.0.length`` or ``impulse.1`` becomes what a figure or a Dataset says of it.
 """
@@ -14,7 +14,7 @@ _OF_A_BODY = {**Material.fields, **Segment.fields, **Rod.fields, **RigidMass.fie
 
 
 class Quantity(NamedTuple):
-    """What a number is, in words, and its SI unit: "1" for counts and ratios, "" for strain."""
+    """Name of a number and its SI unit: "1" for counts and ratios, "" for strain."""
 
     name: str
     unit: str
@@ -25,7 +25,7 @@ class Quantity(NamedTuple):
         return {"long_name": self.name, "units": self.unit or "1"}
 
 
-_WORDS = {
+_NAMES = {
     "restitution": Quantity("coefficient of restitution e", "1"),
     "vibration": Quantity("energy left in vibration", "J"),
     "dissipated": Quantity("energy lost in contacts", "J"),
@@ -116,7 +116,7 @@ def outcome(system: System, column: str) -> Quantity:
         return Quantity(f"displacement of {_body(system, index)} at the end", "m")
     if kind == "largest_stress":
         return Quantity(f"largest stress in {_body(system, index)}", "Pa")
-    name, unit = _WORDS.get(kind, Quantity(column, "1"))
+    name, unit = _NAMES.get(kind, Quantity(column, "1"))
     where = f" at contact {_pair(index)}" if index and len(system.contacts) > 1 else ""
     return Quantity(name + where, unit)
 
