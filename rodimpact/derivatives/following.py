@@ -61,7 +61,7 @@ class Followed:
             fronts.GroupState(*([Dual(0.0)] * len(a.ticks) for _ in range(3))) for _ in range(2))
         fronts.initial_state(state, log, self._opening)
         for k in a.nodes:
-            self._note(BORDER, 0, k, state.gap[k].d * (state.gap[k].v == 0), 0.0)
+            self._note(BORDER, 0, k, state.gap[k].d * float(state.gap[k].v == 0), 0.0)
         clock[fronts.REST] = fronts.IDLE  # nothing is to be proved on the way
         t, nodes, leaves = 0, range(len(state.status)), len(state.tree) // 2
         due: Sequence[int] = nodes
@@ -136,33 +136,31 @@ class Followed:
 
 
 def begin(plan: Blueprint, a: Assembly, changes: Array, room: int) -> tuple[Any, Any, Any, Any]:
-    """The kernel's state at t = 0, of numbers with derivatives."""
-    make, y, n = plan.make, np.array(plan.numbers), plan.make.size[0]
-    speed, impedance, length = (
-        changes[: 3 * n].reshape(3, n, -1) / y[: 3 * n].reshape(3, n, 1))
-    later = np.pad(length - speed, ((1, 1), (0, 0))) * np.array(a.ticks)[:, None]
-    mobility = [1 / Z if Z else 0.0 for Z in a.impedance]
-    give = np.pad(-impedance, ((1, 1), (0, 0)), "edge") * np.array(mobility)[:, None]
-    gaps = np.zeros((n + 1, changes.shape[1]))
-    gaps[list(a.nodes)] = changes[3 * n : 3 * n + len(a.nodes)] / a.tick
-    waves = np.zeros((2 * n + 4, changes.shape[1]))
+    """The kernel's state at t = 0, of numbers with derivatives: floats in a single direction."""
+    make, n, zero = plan.make, plan.make.size[0], Dual(0.0)
+    rates: Any = changes[:, 0].tolist() if changes.shape[1] == 1 else changes
+    y: Any = list(map(Dual, plan.numbers, rates))
+    times = [Dual(1.0), *(L / c for c, L in zip(y[:n], y[2 * n : 3 * n], strict=True)), Dual(1.0)]
+    ticks = [Dual(T, T / time.v * time.d) for T, time in zip(a.ticks, times, strict=True)]
+    give = [1 / Z for Z in y[n : 2 * n]]
+    ends = (give[i] if a.impedance[i] else zero for i in (0, -1))
+    gaps = list(map(Dual, a.gaps))
+    for k, gap in zip(a.nodes, y[3 * n :], strict=False):
+        gaps[k].d = gap.d / a.tick
+    waves = [zero] * len(a.waves)
     for first, last, v in zip(make.first, make.last, make.profile, strict=True):
         for s in range(first, last + 1):
-            stretching = changes[s - 1] * y[v + 1] + y[s - 1] * changes[v + 1]
-            waves[2 * s], waves[2 * s + 1] = changes[v] - stretching, changes[v] + stretching
-    waves[[0, -1]] = waves[[2, -3]]  # an endless bar sends what left the row last
-    walls = np.array([changes[make.profile[i]] * (make.last[i] == 0) for i in (0, -1)])
-
-    def duals(values: Any, rates: Any) -> list[Any]:
-        """Numbers with derivatives: floats of a single direction, which are faster."""
-        return list(map(Dual, values, rates[:, 0].tolist() if rates.shape[1] == 1 else rates))
-
-    ticks, signs = duals(a.ticks, later), duals(range(len(waves)), waves)
-    sent: Any = [[(Dual(t, -ticks[l // 2].d), Dual(wave, signs[l].d)) for t, wave in of_line]
+            stretching = y[s - 1] * y[v + 1]
+            waves[2 * s : 2 * s + 2] = y[v] - stretching, y[v] + stretching
+    waves[0], waves[-1] = waves[2], waves[-3]  # an endless bar sends what left the row last
+    walls = (y[make.profile[i]].d if make.last[i] == 0 else 0.0 for i in (0, -1))
+    outside: Any = tuple(map(Dual, a.outside, walls))
+    sent: Any = [[(Dual(t, -ticks[l // 2].d), Dual(wave, waves[l].d)) for t, wave in of_line]
                  for l, of_line in enumerate(a.waves)]
+    left, right = ends
     return start(
-        ticks, duals(mobility, give), a.status, duals(a.gaps, gaps),
-        (*duals(a.outside, walls),), sent, room)
+        ticks, [left, *give, right], a.status, gaps,  # type: ignore[arg-type] # any kind of number
+        outside, sent, room)
 
 
 def ending(system: System) -> set[int]:

@@ -1,7 +1,7 @@
 """gradient(): how what a collision adds up to changes with the numbers of its system.
 
-A collision is followed on numbers with derivatives; at a tie its neighbours on both sides are. Large
-families are differenced, with steps on either side that are extrapolated to none.
+A collision is followed on numbers with derivatives; where it meets a tie its neighbours are too, on
+both sides. Large families are differenced on either side, and extrapolated to steps of no length.
 """
 
 from __future__ import annotations

@@ -13,8 +13,9 @@ the next to arrive, `tail` the last sent. What a solution needs later is the log
 tick of every node stands in a winner tree, so that an event costs O(log n).
 
 Kernels: only + - * / and integer literals on the amplitudes, so that they run on lists of floats,
-on NumPy arrays and, for proofs, on lists of fractions, or of numbers with derivatives. Time is an integer number of ticks, lengths
-are velocity times ticks, an impulse is velocity times ticks over mobility.
+on NumPy arrays and, for proofs, on lists of fractions, or of numbers with derivatives. Time is an
+integer number of ticks, lengths are velocity times ticks, an impulse is velocity times ticks over
+mobility.
 """
 
 from __future__ import annotations
