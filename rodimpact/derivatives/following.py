@@ -159,7 +159,7 @@ def begin(plan: Blueprint, a: Assembly, changes: Array, room: int) -> tuple[Any,
                  for l, of_line in enumerate(a.waves)]
     left, right = ends
     return start(
-        ticks, [left, *give, right], a.status, gaps,  # type: ignore[arg-type] # any kind of number
+        ticks, [left, *give, right], a.status, gaps,
         outside, sent, room)
 
 
