@@ -106,8 +106,9 @@ def gradient(
     table[:2] = math.nan
     if value.size > FEW:
         numbers = _numbers(system, wrt)
-        sides = np.array([x.differences(totals) for x in numbers])
-        smooth = [x.agree(value, *of_x) for x, of_x in zip(numbers, sides, strict=True)]
+        with np.errstate(all="ignore"):  # of members in which nothing moves
+            sides = np.array([x.differences(totals) for x in numbers])
+            smooth = [x.agree(value, *of_x) for x, of_x in zip(numbers, sides, strict=True)]
         table[:2] = sides[:, :2].mean(axis=1)
         followed &= ~np.all(smooth, axis=0)
     for at in map(tuple, np.argwhere(followed)):
