@@ -26,8 +26,6 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from . import waves as waves
     from .algebra.atlas import Atlas as Atlas
     from .algebra.atlas import atlas as atlas
-    from .algebra.enclosure import Enclosure as Enclosure
-    from .algebra.enclosure import enclosure as enclosure
     from .algebra.formula import ClosedForm as ClosedForm
     from .algebra.formula import closed_form as closed_form
     from .algebra.rational import Exact as Exact
@@ -107,7 +105,6 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
 
 _HOME = {
     "algebra.atlas": ("Atlas", "atlas"),
-    "algebra.enclosure": ("Enclosure", "enclosure"),
     "algebra.formula": ("ClosedForm", "closed_form"),
     "algebra.rational": ("Exact", "exact"),
     "model.frozen": ("InvalidModel",),

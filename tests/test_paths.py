@@ -21,7 +21,6 @@ DOORS = {
     "closed_form": lambda s, path: ri.closed_form(s, [path]),
     "exact": lambda s, path: ri.exact(s, {path: 7850}),
     "atlas": lambda s, path: ri.atlas(s, (path, 1.0, 2.0), ("bodies.0.length", 0.1, 0.2)),
-    "enclosure": lambda s, path: ri.enclosure(s, {path: "1%"}),
     "fit": lambda s, path: ri.fit(s, ri.Measured(PULSE, gauge=(1, 0.05)), {path: (1, 2)}, 1e-5),
     "read_case": lambda s, path: ri.parse_case(ri.write_case(s), vary={path: "1,2"}),
 }

@@ -55,17 +55,17 @@ def reduced(
     where that is harder to see.
     """
     ordered = sorted(polynomials, key=lambda p: (len(p), str(p)))
-    linear = [p for p in ordered if is_linear(p)]
+    linear = [p for p in ordered if _is_linear(p)]
     for p in linear[::-1]:
         others = [q for q in linear if q is not p]
         if _follows(p, others):
             linear = others
-    others = [p for p in ordered if not is_linear(p)]
+    others = [p for p in ordered if not _is_linear(p)]
     return [*linear, *(p for p in told(others)
                        if not any(map(definite, _in_new_variables(p, linear))))]
 
 
-def is_linear(p: Any) -> bool:
+def _is_linear(p: Any) -> bool:
     """Whether a polynomial is a linear form."""
     return all(sum(powers) <= 1 for powers in p.monoms())
 

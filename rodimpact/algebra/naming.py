@@ -96,11 +96,6 @@ class Naming:
         stand_ins = [c for c, of in self.speeds.items() if any(isinstance(x, str) for x in of)]
         return [*own, *map(str, both), *stand_ins]
 
-    @property
-    def leaves(self) -> list[str]:
-        """Names of all numbers of which the run is made: those, and wave speeds as they are."""
-        return [*self.free, *(c for c in self.speeds if c not in self.free)]
-
     def values(self, given: Mapping[str, Fraction]) -> dict[str, Fraction]:
         """Numbers in the run, of other values of named numbers, and of wave speeds if given."""
         known = {**self.base, **given}
@@ -212,14 +207,11 @@ class Naming:
             ratio = root(square / known)
             if ratio:
                 return ratio * c
-        self._roots[square] = nearly_root(square)
+        self._roots[square] = root(square) or _nearly_root(square)
         return self._roots[square]
 
 
-def nearly_root(square: Fraction) -> Fraction:
-    """Square root of a fraction, to `DIGITS` bits if it is none."""
-    exact = root(square)
-    if exact is not None:
-        return exact
+def _nearly_root(square: Fraction) -> Fraction:
+    """Square root of a fraction to `DIGITS` bits, rounded down."""
     more = max(0, DIGITS + square.denominator.bit_length() - square.numerator.bit_length())
     return Fraction(math.isqrt((square.numerator << 2 * more) // square.denominator), 1 << more)

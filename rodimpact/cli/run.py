@@ -1,7 +1,6 @@
 """Solve a case file and print what the collision did.
 
 A number may have a unit: --until "2 ms". The names of files are relative to the current directory.
-With tolerances, --tolerance "bodies.0.length=0.1 mm", what the collision comes to has bounds too.
 Exit status 3 if the run stopped before what was asked, at a cap on events or on time.
 """
 
@@ -10,7 +9,6 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Callable
-from dataclasses import asdict
 from functools import partial
 
 from ..model.frozen import Problems
@@ -20,8 +18,6 @@ from ..results.solution import Solution
 from ..storage.casefile import read_case
 from ..storage.report import solution_dict, solution_table
 from ..storage.tables import misnamed
-from ..units import shown
-from . import MISTAKE, complain
 from .asking import attempt, check_format, check_outputs, write
 from .gauge_places import FORM, Places, add_gauge_option, gauge_places
 from .options import as_options
@@ -37,9 +33,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--plot", metavar="FILE", help="draw it: .png, .svg or .pdf")
     parser.add_argument("--gauges", metavar="FILE.csv",
                         help="write strains against time, as tools for Hopkinson bars read them")
-    parser.add_argument("--tolerance", metavar="PATH=SIZE", action="append", default=[],
-                        help="by how much a number can be off: length=0.1 mm, or 0.1 %%; prints "
-                        "bounds of the results")
     add_gauge_option(parser, "a column of --gauges and a station in --plot")
     add_run_options(parser, tuple(NUMBERS))
     parser.add_argument("--force", action="store_true", help="replace existing files")
@@ -66,18 +59,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         check_format(problems, *files["plot"])
     elif arguments.gauge and arguments.gauges is None:
         problems.append(("--gauge", "goes with --gauges or --plot, which show its record"))
-    tolerances = _tolerances(problems, arguments.tolerance)
     check_outputs(problems, dict(files.values()), arguments.force)
     assert case is not None  # or there were problems
-    bounds = None
-    if tolerances:
-        from ..algebra.enclosure import enclosure
-
-        try:
-            bounds = enclosure(case.system, tolerances)
-        except ImportError as error:
-            return "", complain(str(error), MISTAKE)
-
     solution = solved(case.system, **options)
     status = status_of(solution)
     writers: dict[str, Callable[..., None]] = {
@@ -89,22 +72,9 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
             wrote = write(where, path, partial(writers[name], force=arguments.force))
             status = status or wrote  # that a run stopped early also tells why there is no file
     if arguments.json:
-        told = solution_dict(solution) | ({"enclosure": asdict(bounds)} if bounds else {})
+        told = solution_dict(solution)
         return as_options(json.dumps(told, indent=2, allow_nan=False)), status
-    text = as_options(solution_table(solution))
-    return f"{text}\n\nwithin the tolerances:\n{bounds}" if bounds else text, status
-
-
-def _tolerances(problems: Problems, given: list[str]) -> dict[str, str]:
-    """Tolerances by path."""
-    found: dict[str, str] = {}
-    for text in given:
-        path, _, size = text.partition("=")
-        if not path or not size or path in found:
-            message = "must be PATH=SIZE, such as 'bodies.0.length=0.1 mm', each path once"
-            problems.append(("--tolerance", f"{message}, got {shown(text)}"))
-        found[path] = size
-    return found
+    return as_options(solution_table(solution)), status
 
 
 def _draw(solution: Solution, places: Places, path: str, force: bool) -> None:

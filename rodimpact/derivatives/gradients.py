@@ -1,62 +1,41 @@
 """gradient(): how what a collision adds up to changes with the numbers of its system.
 
-A number of a row is a product of powers of numbers of its system, so its derivatives are known from
-the exponents; those of the collision come from a run and one pass over its log. Where the order of
-events may change with a number, the collision is followed on both sides as well.
+A collision is followed on numbers with derivatives; where it meets a tie its neighbours are too, on
+both sides. Large families are differenced on either side, and extrapolated to steps of no length.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..methods import kernels
-from ..methods.family import table
 from ..methods.fronts.assembly import Blueprint
-from ..methods.fronts.families import ROOM, Block, space
-from ..methods.fronts.front_kernel import FINAL, FULL, Results
-from ..methods.fronts.layout_kernel import LAID, lay_out_all
-from ..methods.groups import grounds, groups, unilateral
-from ..methods.memory import ask
+from ..methods.groups import unilateral
 from ..methods.registry import Options, count
-from ..methods.row import Array, Row
+from ..methods.row import Array, Row, largest
 from ..methods.run import MAX_EVENTS
-from ..model import Absorbing, Free, Rod, Steps, System
+from ..model import Rod, Steps, System
 from ..model.frozen import InvalidModel, Problems
-from ..model.paths import numbers_of, places_of, suggestion
+from ..model.paths import numbers_of, places_of, suggestion, with_numbers
 from ..results.labels import outcome, parameter
-from ..results.outcome import UndefinedRestitution, effective_restitution
-from ..running.jobs import pool_of
+from ..results.outcome import UndefinedRestitution
 from ..running.solving import solve
+from ..running.sweeping import sweep
 from ..units import shown
+from .following import EVENTS, SMOOTH, Followed, ending
 from .result import Gradient, Kink
-from .row_changes import RowChanges
-from .tangent_kernel import SMOOTH, Begin, Derivatives, Tangents, derive
 
-EVENTS = (
-    "", "waves from both sides arrive together", "a gap closes just as a wave arrives",
-    "the contact is closed without force", "a front vanishes", "the bodies stay together",
-    "there is no gap at first",
-)
-"""What may come otherwise on one of the sides; in the order of the kernel's names."""
-POWERS = {
-    "length": (0, 0, 1), "area": (0, 1, 0), "diameter": (0, 2, 0), "youngs_modulus": (0.5, 0.5, 0),
-    "density": (-0.5, 0.5, 0), "wave_speed": (1, 1, 0),
-}
-"""To which power wave speed, impedance and length of a segment go with a number of it."""
-FIELDS = (*POWERS, "gap", "velocity", "strain")
-APART = 2.0**-20  # relative distance of the neighbours on both sides of a number
-CONTINUOUS = 1e-9  # relative difference of values that is none
+STRAIGHT = ("gap", "velocity", "strain")
+"""Numbers of a row themselves; the numbers of a row go with powers of the others."""
+FIELDS = ("length", "area", "diameter", "youngs_modulus", "density", "wave_speed", *STRAIGHT)
+FEW = 64  # members that are followed one by one
+STEPS = 2.0 ** -np.arange(10.0, 19.0)  # of differences, relative
+APART = 2.0**-20  # of its size: how far the neighbours of a number are on both sides
 AGREE = 1e-6  # relative difference of the derivatives on both sides that is none
-MEMBERS = 1024  # that are run as one
-PLAIN = 5e-4  # s that a short member takes in plain Python, about
-BEGIN = len(Begin._fields)  # columns that stay
-FIRST = BEGIN + len(Results._fields)  # column of derivatives
-ROW_NUMBERS = 11  # that a row of the log takes besides its derivatives
+CONTINUOUS = 1e-9  # relative difference of values that is none
 
 
 def gradient(
@@ -65,9 +44,10 @@ def gradient(
 ) -> Gradient:
     """Exact derivatives of what a collision adds up to, for what the method "fronts" can solve.
 
-    Nothing is differenced: the derivatives follow the events of the collision. Where two events
-    meet that a number moves apart, both sides are followed a millionth away, and derivatives are
-    carried over from there, to eight digits or so.
+    The derivatives follow the events of the collision, to round-off. Where two events meet that a
+    number moves apart, both sides are followed a millionth away, and derivatives are carried over
+    from there, to eight digits or so. Families of more than 64 members are differenced, to eight
+    digits or more; members at which the differences on both sides do not agree are followed.
 
     Parameters
     ----------
@@ -112,52 +92,186 @@ def gradient(
       bodies.1.length: -0.4 1/m
     """
     Options(method="fronts", max_events=max_events).method_for(system)
-    plan = Blueprint(Row(system))
-    known, problems = places_of(system), _lacks(system)
-    quantity = Quantity(system, plan, of, problems)
+    _check(system, of, wrt, workers)
+
+    def totals(family: System) -> Array:
+        found = sweep(family, "fronts", max_events=max_events, workers=workers).columns
+        return np.where(found["final"], found[of], math.nan)
+
+    value = totals(system)
+    if not system.shape and math.isnan(value):
+        _refuse(system, of, max_events)
+    # below, above, jump, event, when, node
+    table, followed = np.zeros((6, len(wrt), *value.shape)), np.isfinite(value)
+    table[:2] = math.nan
+    if value.size > FEW:
+        numbers = _numbers(system, wrt)
+        with np.errstate(all="ignore"):  # of members in which nothing moves
+            sides = np.array([x.differences(totals) for x in numbers])
+            smooth = [x.agree(value, *of_x) for x, of_x in zip(numbers, sides, strict=True)]
+        table[:2] = sides[:, :2].mean(axis=1)
+        followed &= ~np.all(smooth, axis=0)
+    for at in map(tuple, np.argwhere(followed)):
+        table[:, :, *at] = _follow(_numbers(system[at], wrt), of, max_events)
+    return _gradient(system, of, tuple(wrt), value, table)
+
+
+class _Number(NamedTuple):
+    """A number of a system, or of each member of a family."""
+
+    system: System
+    places: list[str]
+    field: str
+    x: Any
+    size: Any  # by which its changes are measured
+
+    def changed(self, by: Any) -> _Number:
+        """The same number of the system in which it is larger."""
+        there = with_numbers(self.system, dict.fromkeys(self.places, self.x + by))
+        return self._replace(system=there, x=self.x + by)
+
+    def changes(self) -> Array:
+        """How the numbers of a row change with this one, per change by its size."""
+        y, there = (np.array(Blueprint(Row(number.system)).numbers)
+                    for number in (self, self.changed(self.size)))
+        if self.field in STRAIGHT:
+            return np.asarray(self.size * (there != y))
+        with np.errstate(all="ignore"):  # of what is 0 and does not change
+            power = np.round(2 * np.log(there / y) / np.log1p(self.size / self.x)) / 2
+            return np.where(there != y, self.size / self.x * power * y, 0.0)
+
+    def differences(self, totals: Callable[[System], Array]) -> Array:
+        """Derivatives below and above, and by how much what is differenced jumps: [3, *shape]."""
+        sign = np.reshape([-1.0, 1.0], (2, *[1] * len(self.system.shape)))
+        steps = np.multiply.outer(STEPS, sign) * self.size
+        able = (self.field != "gap") | (self.x + steps >= 0)
+        y = np.where(able, totals(self.changed(np.where(able, steps, 0.0)).system), math.nan)
+        below, above = _limit(y)
+        return np.array([*_limit(np.diff(y, axis=0) / np.diff(steps, axis=0)), above - below])
+
+    def beside(self, value: float, of: str, max_events: int, h: float) -> tuple[float, float]:
+        """Derivative on the side of x + h, and what is differenced there; followed at x + h."""
+        if self.field == "gap" and self.x + h < 0:
+            return math.nan, math.nan
+        there = self.changed(h)
+        one = Followed(there.system, there.changes()[:, None], max_events)
+        if not one.final or one.event[0] != SMOOTH:
+            return math.nan, math.nan
+        found = one.quantity(of)
+        slope = float(np.ravel(found.d)[0] / self.size)
+        limit = found.v - h * slope
+        if abs(limit - value) > CONTINUOUS * (abs(limit) + abs(value) + abs(h * slope) / APART):
+            return slope, limit
+        return 2 * (found.v - value) / h - slope, value  # of a parabola through both
+
+    def agree(self, value: Any, below: Any, above: Any, jump: Any) -> Any:
+        """Whether derivatives on both sides are the same, and the value does not jump."""
+        most = np.abs(below) + np.abs(above) + np.abs(value) / self.size
+        whole = np.abs(jump) <= CONTINUOUS * np.abs(value)
+        return whole & (np.abs(above - below) <= AGREE * most)
+
+
+def _numbers(system: System, paths: Sequence[str]) -> list[_Number]:
+    """The numbers at some paths."""
+    row, known, have, found = Row(system), places_of(system), numbers_of(system), []
+    c, T = (largest([getattr(s, name) for s in row.segments])
+            for name in ("wave_speed", "transit_time"))
+    for path in paths:
+        x, field = have[known[path][0]], path.rpartition(".")[2]
+        size = {"velocity": row.scale, "strain": row.scale / c}.get(field, np.abs(x))
+        if field == "gap":
+            size = np.where(x == 0, row.scale * T, x)[()]
+        found.append(_Number(system, known[path], field, x, size))
+    return found
+
+
+def _limit(y: Array) -> Array:
+    """What tends to a limit as steps are halved, extrapolated: of the windows that agree best."""
+    for n in (1, 2, 3):
+        y = (2**n * y[1:] - y[:-1]) / (2**n - 1)
+    apart = np.nan_to_num(np.abs(np.diff(y, axis=0)), nan=math.inf)
+    best = np.argmin(apart, axis=0, keepdims=True)
+    return np.asarray(np.take_along_axis(y, best, axis=0)[0])
+
+
+def _follow(numbers: Sequence[_Number], of: str, max_events: int) -> Array:
+    """Columns of one member: [6, path]."""
+    changes = np.transpose([x.changes() for x in numbers])
+    one, columns = Followed(numbers[0].system, changes, max_events), []
+    found = one.quantity(of)
+    for p, x in enumerate(numbers):
+        below = above = (found.d + np.zeros(len(numbers)))[p] / x.size
+        jump, event = 0.0, one.event[p]
+        if event != SMOOTH:
+            (below, low), (above, high) = (
+                x.beside(found.v, of, max_events, h) for h in (-APART * x.size, APART * x.size))
+            jump = high - low
+            event *= not x.agree(found.v, below, above, jump)
+        columns.append([below, above, jump, event, one.when[p], one.node[p]])
+    return np.transpose(columns)
+
+
+def _check(system: System, of: Any, wrt: Any, workers: int | None) -> None:
+    """Raise InvalidModel for what has no derivatives."""
+    problems: Problems = []
+    for i, body in enumerate(system.bodies):
+        if isinstance(body, Rod):
+            problems += [
+                (f"bodies.{i}.{name}", "jumps; its derivatives are not known, give one number")
+                for name in ("velocity", "strain") if isinstance(getattr(body, name), Steps)
+            ]
+    lasting, able = ending(system), unilateral(system)
+    choices = [f"velocity_after.{i}" for i in sorted(lasting)]
+    choices += [f"{name}.{k}" for name in ("impulse", "duration") for k in able]
+    if len(able) == 1 and {able[0], able[0] + 1} <= lasting:
+        choices.append("restitution")
+    if of not in choices:
+        problems.append(("of", f"must be one of {', '.join(choices)}, got {shown(of)}"))
     if workers is not None:
         count(problems, "workers", workers)
+    known = places_of(system)
     if not isinstance(wrt, list | tuple) or not wrt or not all(isinstance(p, str) for p in wrt):
         message = f"must be a list of paths, such as ['bodies.0.length'], got {shown(wrt)}"
-        raise InvalidModel([*problems, ("wrt", message)])
+        problems.append(("wrt", message))
+        wrt = ()
     for path in wrt:
         if path not in known:
             message = f"{shown(path)} is no number of the system; {suggestion(path, known)}"
             problems.append(("wrt", message))
         elif path.rpartition(".")[2] not in FIELDS:
-            fields = ", ".join(FIELDS)
-            message = f"{path} is for other methods; derivatives are known for {fields}"
+            message = f"{path} is for other methods; derivatives are known for {', '.join(FIELDS)}"
             problems.append(("wrt", message))
     if problems:
         raise InvalidModel(problems)
-    places = [known[path] for path in wrt]
-    shape, given = system.shape, table(plan.numbers, system.shape)
-    have = numbers_of(system)
-    numbers = table([have[place[0]] for place in places], shape)
-    powers = np.array([_powers(plan, place) for place in places])
 
-    def run(start: int, stop: int, fast: bool) -> list[Array]:
-        return _both_sides(
-            quantity, given[start:stop], _slopes(given[start:stop], numbers[start:stop], powers),
-            max_events, fast)
 
-    size = len(given)
-    fast = kernels.worth_compiling(PLAIN * size * (1 + len(wrt)), lay_out_all, derive)
-    if size <= MEMBERS:
-        parts = [run(0, size, fast)]
-    else:
-        with pool_of(None, workers) as pool:
-            starts = range(0, size, MEMBERS)
-            jobs = [pool.executor.submit(run, i, min(i + MEMBERS, size), fast) for i in starts]
-            parts = [job.result() for job in jobs]
-    value, below, above, jump, event, when, where = (
-        np.concatenate(part) for part in zip(*parts, strict=True))
-    if not shape and math.isnan(value[0]):
-        quantity.refuse(max_events)
-    found = _gradient(of, tuple(wrt), shape, value, below, above, jump, event, when, where)
+def _refuse(system: System, of: str, max_events: int) -> None:
+    """Say why a single collision has no such number."""
+    known = solve(system, method="fronts", max_events=max_events).outcome
+    if of == "restitution":
+        _ = known.restitution
+    raise UndefinedRestitution(f"{of} is undefined: {known.status}")
+
+
+def _gradient(
+    system: System, of: str, wrt: tuple[str, ...], value: Array, table: Array
+) -> Gradient:
+    """Lay out the result: one number where both sides agree."""
+    values, one_sided, kinks = {}, {}, {}
+    for p, path in enumerate(wrt):
+        below, above, jump, event, when, node = (column[()] for column in table[:, p])
+        k = np.asarray(event != SMOOTH)
+        values[path] = np.where(k, math.nan, (below + above) / 2 + 0.0)[()]
+        one_sided[path] = below, above
+        if k.any():
+            kinks[path] = Kink(
+                below, above, np.where(k, jump, 0.0)[()], np.where(k, when, math.nan)[()],
+                np.where(k, node, -1).astype(int)[()],
+                np.asarray(np.take(EVENTS, np.int64(event)))[()])
     unit = outcome(system, of).unit
     units = {path: _per(unit, parameter(system, path).unit) for path in wrt}
-    return replace(found, unit="" if unit == "1" else unit, units=units)
+    unit = "" if unit == "1" else unit
+    return Gradient(of, wrt, value[()], values, one_sided, kinks, unit, units)
 
 
 def _per(unit: str, other: str) -> str:
@@ -166,251 +280,3 @@ def _per(unit: str, other: str) -> str:
     if unit == other:
         return ""
     return unit if below == "1" else f"{above}/{below}"
-
-
-class Traced(NamedTuple):
-    """What a run and the pass over its log say; [member] and [member, direction]."""
-
-    value: Array
-    slope: Array
-    size: Array
-    event: Array
-    when: Array
-    where: Array
-
-
-class Quantity:
-    """What is differentiated: reads it, and its derivatives, off the runs of some members."""
-
-    def __init__(self, system: System, plan: Blueprint, of: Any, problems: Problems) -> None:
-        self.system, self.plan, self.of, able = system, plan, of, unilateral(system)
-        self.kind, _, number = str(of).partition(".")
-        bodies = range(len(system.bodies))
-        ending = [i for group in groups(system) if not _radiates(system, group) for i in group]
-        choices = [f"velocity_after.{i}" for i in ending]
-        choices += [f"{name}.{k}" for name in ("impulse", "duration") for k in able]
-        if len(able) == 1 and {able[0], able[0] + 1} <= {*ending}:
-            choices.append("restitution")
-        if not isinstance(of, str) or of not in choices:
-            known = ", ".join(choices)
-            problems.append(("of", f"must be one of {known}, got {shown(of)}"))
-            return
-        self.i = int(number) if number else able[0]
-        self._sources = [self._source(body) for body in bodies]
-
-    def read(
-        self, given: Array, slope: Array, results: Results, found: Derivatives,
-        motion: tuple[Array, Array],
-    ) -> tuple[Array, Array]:
-        """Value [member] and derivatives [member, direction]; nan where the run is not final."""
-        if self.kind in ("impulse", "duration"):
-            node = self.plan.make.node[self.i]
-            value = getattr(results, self.kind)[:, node]
-            derivative = getattr(found, self.kind)[:, node]
-        else:
-            bodies = range(self.i, self.i + 2) if self.kind == "restitution" else (self.i,)
-            before, after, d_before, d_after = zip(
-                *(self._velocities(i, given, slope, results, motion) for i in bodies), strict=True)
-            value, derivative = after[0], d_after[0]
-            if self.kind == "restitution":
-                episodes = results.episodes[:, self.plan.make.node[self.i]]
-                value = effective_restitution(results.final, episodes, before, after)
-                closing = (before[0] - before[1])[:, None]
-                with np.errstate(all="ignore"):
-                    derivative = (
-                        d_after[1] - d_after[0] - value[:, None] * (d_before[0] - d_before[1])
-                    ) / closing
-        known = (results.flag == FINAL) & np.isfinite(value)
-        return np.where(known, value, math.nan), np.where(known[:, None], derivative, math.nan)
-
-    def refuse(self, max_events: int) -> None:
-        """Say why a single collision has no such number."""
-        outcome = solve(self.system, method="fronts", max_events=max_events).outcome
-        if self.kind == "restitution":
-            _ = outcome.restitution
-        raise UndefinedRestitution(f"{self.of} is undefined: {outcome.status}")
-
-    def _source(self, body: int) -> tuple[bool, int]:
-        """Whether a body has the velocity of what holds it, and its place among the numbers.
-
-        Else the segment whose velocity it has.
-        """
-        group = next(g for g in groups(self.system) if body in g)
-        if grounds(self.system, group):
-            return True, self.plan.make.profile[0 if group[0] == 0 else -1]
-        return False, self.plan.row.spans[body][0]
-
-    def _velocities(
-        self, body: int, given: Array, slope: Array, results: Results, motion: tuple[Array, Array]
-    ) -> tuple[Array, Array, Array, Array]:
-        held, place = self._sources[body]
-        if held:
-            return (given[:, place],) * 2 + (slope[:, :, place],) * 2
-        before, after = motion
-        s = place - 1
-        return results.before[:, place], results.after[:, place], before[:, s], after[:, s]
-
-
-def _lacks(system: System) -> Problems:
-    """What of a system has no derivatives here."""
-    problems: Problems = []
-    for i, body in enumerate(system.bodies):
-        if isinstance(body, Rod):
-            problems += [
-                (f"bodies.{i}.{name}", "jumps; its derivatives are not known, give one number")
-                for name in ("velocity", "strain") if isinstance(getattr(body, name), Steps)
-            ]
-    return problems
-
-
-def _radiates(system: System, group: Sequence[int]) -> bool:
-    """Whether a group of bodies is bonded to an absorbing end."""
-    first, last = (isinstance(end, Absorbing) for end in system.ends)
-    return (first and group[0] == 0) or (last and group[-1] == len(system.bodies) - 1)
-
-
-def _powers(plan: Blueprint, places: Sequence[str]) -> Array:
-    """To which power each number of a row goes with the number at these places."""
-    make, powers = plan.make, np.zeros(len(plan.numbers))
-    n, paths = make.size[0], plan.row.paths
-    for place in places:
-        owner, _, field = place.rpartition(".")
-        owner = owner.removesuffix(".material")
-        if field in POWERS:
-            s = paths.index(owner) - 1
-            powers[[s, n + s, 2 * n + s]] = POWERS[field]
-        elif field == "gap":
-            powers[3 * n + int(owner.split(".")[1])] = 1
-        else:
-            fixed = not isinstance(plan.row.system.ends[0], Free)
-            powers[make.profile[int(owner.split(".")[1]) + fixed] + (field == "strain")] = 1
-    return powers
-
-
-def _slopes(given: Array, numbers: Array, powers: Array) -> Array:
-    """Derivatives of the numbers of rows, [member, direction, number]."""
-    x, y = numbers[:, :, None], given[:, None, :]
-    ones = np.ones(np.broadcast_shapes(x.shape, y.shape))
-    return powers * np.divide(y, x, out=ones, where=x != 0)
-
-
-def _both_sides(
-    quantity: Quantity, given: Array, slope: Array, max_events: int, fast: bool
-) -> list[Array]:
-    """Value [member], derivatives below and above [member, direction], and where they differ.
-
-    That is: by how much the value jumps, which event comes otherwise, when and where.
-    """
-    make = quantity.plan.make
-    here = _follow(quantity, given, slope, max_events, fast)
-    sides, event = np.stack([here.slope, here.slope]), here.event.copy()
-    jump = np.zeros_like(here.slope)
-    member, p = np.nonzero(event != SMOOTH)
-    if len(member):
-        around, moved, value = given[member], slope[member, p], here.value[member]
-        with np.errstate(divide="ignore"):  # of what does not move
-            step = APART / here.size[member, p]
-        h = np.stack([-step, step])
-        there = around + h[..., None] * moved
-        gaps = slice(3 * make.size[0], 3 * make.size[0] + len(make.node))
-        outside = np.any(there[..., gaps] < 0, axis=-1)
-        there = np.where(outside[..., None], around, there).reshape(-1, around.shape[1])
-        beside = _follow(quantity, there, np.tile(moved, (2, 1))[:, None], max_events, fast)
-        unclear = outside | (beside.event.reshape(h.shape) != SMOOTH)
-        slopes = np.where(unclear, math.nan, beside.slope.reshape(h.shape))
-        values = beside.value.reshape(h.shape)
-        moves = h * slopes
-        limits = values - moves
-        whole = np.abs(limits - value) <= CONTINUOUS * (
-            np.abs(limits) + np.abs(value) + np.abs(moves) / APART)
-        limits = np.where(whole, value, limits)
-        # of a parabola through the value here, and value and slope there
-        sides[:, member, p] = np.where(whole, 2 * (values - value) / h - slopes, slopes)
-        jump[member, p] = limits[1] - limits[0]
-        (b, a), size = sides[:, member, p], np.abs(value) * APART / step
-        alike = np.abs(a - b) <= AGREE * (np.abs(a) + np.abs(b) + size)
-        event[member, p] = np.where(alike & (jump[member, p] == 0), SMOOTH, event[member, p])
-    return [here.value, *sides, jump, event, here.when, here.where]
-
-
-def _follow(
-    quantity: Quantity, given: Array, slope: Array, max_events: int, fast: bool
-) -> Traced:
-    """Run members and go through their logs."""
-    plan, (count, P, _) = quantity.plan, slope.shape
-    n = plan.make.size[0]
-    results, changes = space(count, n), RowChanges(plan.make, plan.status, given, slope)
-    widths = [(n + 1, P), (n + 1, P), (P,), (P,), (P,)]
-    kinds = [np.float64] * 2 + [np.int64, np.float64, np.int64]
-    columns: list[Any] = [
-        np.zeros((count, *width), kind) for width, kind in zip(widths, kinds, strict=True)]
-    found, waiting, room = Derivatives(*columns), np.arange(count), ROOM
-    while len(waiting):
-        seconds = PLAIN * len(waiting) * room / ROOM
-        fast = fast or (room > ROOM and kernels.worth_compiling(seconds, lay_out_all, derive))
-        what = f"following {room} fronts of a member"
-        ask((ROW_NUMBERS + 2 * P) * room, "max_events", what, "lower the cap")
-        which: Any = slice(None)
-        some = changes
-        if len(waiting) < count:
-            which = waiting
-            some = RowChanges(plan.make, plan.status, given[waiting], slope[waiting])
-        parts = [column[which] for column in (*results, *found)]
-        full = _trace(plan, given[which], some, room, max_events, fast, parts)
-        if len(waiting) < count:
-            for column, part in zip((*results, *found), parts, strict=True):
-                column[waiting] = part
-        waiting, room = waiting[full], 8 * room
-    motion = changes.motion(results, found)
-    value, derivative = quantity.read(given, slope, results, found, motion)
-    return Traced(value, derivative, changes.size, found.event, found.when, found.where)
-
-
-def _trace(
-    plan: Blueprint, given: Array, changes: RowChanges, room: int, max_events: int, fast: bool,
-    columns: Sequence[Array],
-) -> Array:
-    """Fill in the columns of results and derivatives of members; return which filled the log."""
-    block = Block(plan, room, None, fast)
-    members = block.lay_out(given)
-    n, P, rows = plan.make.size[0], columns[-1].shape[1], len(block.state[2].tick)
-    x = Tangents(*([0.0] * (size * P) for size in (n + 2,) * 2 + (n + 1,) * 6
-                   + (2 * n + 4,) * 2 + (rows,) * 2 + (1,) * 2))
-    kernel: Any = derive
-    status = block.status(members)
-    flat: list[Any] = [column.reshape(-1) for column in (*changes.begin(), *columns)]
-    if fast:
-        kernel, x = kernels.compiled(derive), Tangents(*map(np.array, x))
-    else:
-        flat = [column.tolist() for column in flat]
-    results, found = Results(*flat[BEGIN:FIRST]), Derivatives(*flat[FIRST:])
-    kernel(Begin(*flat[:BEGIN]), *block.state, block.stocks, members, status, max_events, results,
-           x, found)
-    if not fast:
-        for column, values in zip(columns, flat[BEGIN:], strict=True):
-            column[...] = np.reshape(values, column.shape)
-    return np.asarray((np.asarray(block.fates) == LAID) & (columns[0] == FULL))
-
-
-def _gradient(
-    of: str, wrt: tuple[str, ...], shape: tuple[int, ...], value: Array, below: Array,
-    above: Array, jump: Array, event: Array, when: Array, where: Array,
-) -> Gradient:
-    """Lay out the result: one number where both sides agree."""
-    kinked = event != SMOOTH
-
-    def shaped(column: Array) -> Any:
-        return column.reshape(shape)[()]
-
-    values, one_sided, kinks = {}, {}, {}
-    for p, path in enumerate(wrt):
-        k, sides = kinked[:, p], (shaped(below[:, p]), shaped(above[:, p]))
-        values[path] = shaped(np.where(k, math.nan, (below[:, p] + above[:, p]) / 2 + 0.0))
-        one_sided[path] = sides
-        if k.any():
-            kinks[path] = Kink(
-                sides[0], sides[1], shaped(np.where(k, jump[:, p], 0.0)),
-                shaped(np.where(k, when[:, p], math.nan)), shaped(np.where(k, where[:, p], -1)),
-                shaped(np.where(k, np.array(EVENTS)[event[:, p]], "")),
-            )
-    return Gradient(of, wrt, shaped(value), values, one_sided, kinks)

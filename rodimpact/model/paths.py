@@ -67,7 +67,7 @@ def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
         if field == SPEED:
             table[MODULUS] = table["density"] * value * abs(value)
         elif field == "area" and "diameter" in table:
-            table["diameter"] = math.copysign(math.sqrt(4 * abs(value) / math.pi), value)
+            table["diameter"] = np.copysign(np.sqrt(4 * np.abs(value) / math.pi), value)[()]
         else:
             table[field] = value
     return System.from_dict(described)

@@ -206,6 +206,27 @@ def test_families_compiled_and_in_plain_python():
     assert "6 members" in str(plain)
 
 
+def test_large_families_by_the_formula():
+    L1, L2, r = np.linspace(0.405, 0.415, 65), 1.03, 1.7
+    thick = 0.01 * r**0.5
+    family = ri.System([ri.Rod(L1, diameter=0.01, material=STEEL, velocity=1.0),
+                        ri.Rod(L2, diameter=thick, material=STEEL)])
+    g = ri.gradient(family, wrt=["bodies.0.length", "bodies.1.diameter"])
+    slope = 2 * (L2 - L1) / (L2 * (1 + r) ** 2)
+    np.testing.assert_allclose(g["bodies.0.length"], 2 / (L2 * (1 + r)), rtol=1e-8)
+    np.testing.assert_allclose(g["bodies.1.diameter"], slope * 2 * r / thick, rtol=1e-8)
+    assert not g.kinks
+
+
+def test_large_families_have_the_kinks_of_their_members():
+    lengths = np.linspace(0.2, 1.8, 65)  # e = l1/l2, l2/l1; equal rods in the middle
+    g = ri.gradient(pair(lengths, lengths[32]), wrt=["bodies.0.length"])
+    kink = g.kinks["bodies.0.length"]
+    assert np.flatnonzero(kink.event) == 32
+    assert (kink.below[32], kink.above[32]) == pytest.approx((1, -1), rel=1e-8)
+    np.testing.assert_allclose(g["bodies.0.length"][33:], -1 / lengths[33:] ** 2, rtol=1e-8)
+
+
 def test_a_member_that_does_not_collide_has_none():
     g = ri.gradient(pair(velocity=[1.0, -1.0]), wrt=["bodies.0.length"])
     assert np.isfinite(g["bodies.0.length"][0])

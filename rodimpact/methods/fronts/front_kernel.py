@@ -13,8 +13,9 @@ the next to arrive, `tail` the last sent. What a solution needs later is the log
 tick of every node stands in a winner tree, so that an event costs O(log n).
 
 Kernels: only + - * / and integer literals on the amplitudes, so that they run on lists of floats,
-on NumPy arrays and, for proofs, on lists of fractions. Time is an integer number of ticks, lengths
-are velocity times ticks, an impulse is velocity times ticks over mobility.
+on NumPy arrays and, for proofs, on lists of fractions, or of numbers with derivatives. Time is an
+integer number of ticks, lengths are velocity times ticks, an impulse is velocity times ticks over
+mobility.
 """
 
 from __future__ import annotations
@@ -220,7 +221,7 @@ def advance(
             break
         while i < leaves:
             i = 2 * i + (tree[2 * i] != t)
-        k = i - leaves
+        k, t = i - leaves, tree[i]  # as large as at the root; its derivatives are its own
         # waves that arrive at the node from its left and its right side
         for l in (2 * k, 2 * k + 3):
             r = head[l]
