@@ -61,6 +61,7 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .model.laws import Hertz as Hertz
     from .model.laws import HuntCrossley as HuntCrossley
     from .model.laws import Joint as Joint
+    from .model.laws import Law as Law
     from .model.laws import PowerLaw as PowerLaw
     from .model.laws import Rigid as Rigid
     from .model.laws import Spring as Spring
@@ -111,8 +112,8 @@ _HOME = {
     "model.profiles": ("Samples", "Steps"),
     "model.bodies": ("Material", "RigidMass", "Rod", "Segment", "Wall"),
     "model.laws": (
-        "Bonded", "Hertz", "HuntCrossley", "Joint", "PowerLaw", "Rigid", "Spring", "SpringDashpot",
-        "Yielding",
+        "Bonded", "Hertz", "HuntCrossley", "Joint", "Law", "PowerLaw", "Rigid", "Spring",
+        "SpringDashpot", "Yielding",
     ),
     "model.ends": ("Absorbing", "Fixed", "Free", "Incoming", "Moved", "Pushed"),
     "model.system": ("System",),

@@ -10,6 +10,7 @@ from ..model import (
     Free,
     Incoming,
     Joint,
+    Law,
     Moved,
     Pushed,
     Rigid,
@@ -22,7 +23,7 @@ from ..model import (
 from ..model.frozen import InvalidModel, vanishes
 
 MASSES, COMPLIANCE, GRAVITY = "rigid masses", "compliant contacts", "gravity"
-JOINTS = "joints"
+JOINTS, OWN_LAWS = "joints", "laws given as a Python function"
 SMOOTH_STATES, SMOOTH_DRIVES = "profiles other than steps", "drives other than steps"
 DAMPING, LATERAL, TAPER = "damping", "lateral inertia", "tapered rods"
 RODLESS = "rows without a rod"
@@ -43,6 +44,7 @@ def needs(system: System) -> list[tuple[str, str]]:
     for i, law in enumerate(system.contacts):
         if not isinstance(law, (Rigid, Bonded)):
             what = JOINTS if isinstance(law, Joint) else COMPLIANCE
+            what = OWN_LAWS if isinstance(law, Law) else what
             found.append((f"contacts.{i}.law", what))
     for side, end in zip(("left", "right"), system.ends, strict=True):
         if isinstance(end, _DRIVEN) and isinstance(end.value, Samples):

@@ -23,9 +23,13 @@ INNER = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """Of what kernels call: nothing else does, so it needs no door to Python, and compiles faster."""
 
 
+Functions = tuple[tuple[int, Any], ...]
+"""Functions of the user that stand for the kernel function `own`, by its first argument."""
+
+
 @functools.cache
-def compiled(module: ModuleType, factory: str) -> Any:
-    """Return a kernel as machine code, which numba keeps on disk.
+def compiled(module: ModuleType, factory: str, own: Functions = ()) -> Any:
+    """Return a kernel as machine code, which numba keeps on disk if nothing in it is the user's.
 
     Parameters
     ----------
@@ -33,33 +37,75 @@ def compiled(module: ModuleType, factory: str) -> Any:
     factory : str
         Name of the function that makes the kernel from a digest of its sources: numba compiles
         anew what closes over another one.
+    own : tuple of (int, function), optional
+        Compiled functions.
     """
     import numba
 
     kernel = getattr(module, factory)(f"{module.__name__} {_digest(module)}")
     twin = FunctionType(
-        kernel.__code__, vars(_twin(module)), kernel.__name__, None, kernel.__closure__)
-    return numba.njit(cache=True, **OPTIONS)(twin)
+        kernel.__code__, vars(_twin(module, own, True)), kernel.__name__, None, kernel.__closure__)
+    return numba.njit(cache=not own, **OPTIONS)(twin)
 
 
 @functools.cache
-def _twin(module: ModuleType) -> ModuleType:
-    """The same module with its functions jitted, its tables as arrays."""
-    import numba
+def interpreted(module: ModuleType, factory: str, own: Functions = ()) -> Any:
+    """Return a kernel in plain Python."""
+    kernel = getattr(module, factory)("")
+    if not own:
+        return kernel
+    return FunctionType(
+        kernel.__code__, vars(_twin(module, own, False)), kernel.__name__, None, kernel.__closure__)
 
+
+def can_be(own: Functions) -> bool:
+    """Whether numba has compiled all of these functions."""
+    return all(hasattr(function, "py_func") for _, function in own)
+
+
+@functools.cache
+def _twin(module: ModuleType, own: Functions, jitted: bool) -> ModuleType:
+    """The same module with its functions jitted, its tables as arrays, and the user's functions."""
     twin = ModuleType(module.__name__)
+    if jitted:
+        import numba
+
+        jit: Any = numba.njit(**INNER)
+    else:
+        jit = _as_it_is
     for name, value in vars(module).items():
         made = value
-        if _is_own(value, module):
-            made = numba.njit(**INNER)(
-                FunctionType(value.__code__, vars(twin), name, value.__defaults__))
+        if name == "own" and own:
+            made = _one_of(own, jit, jitted)
+        elif _is_own(value, module):
+            made = jit(FunctionType(value.__code__, vars(twin), name, value.__defaults__))
         elif _is_kernel(value):
-            made = _twin(value)
-        elif isinstance(value, list):
+            made = _twin(value, own, jitted)
+        elif isinstance(value, list) and jitted:
             made = np.array(value)
         if not name.startswith("__"):
             setattr(twin, name, made)
     return twin
+
+
+def _as_it_is(function: Any) -> Any:
+    return function
+
+
+def _one_of(functions: Functions, jit: Any, jitted: bool) -> Any:
+    """A function of a number and arguments that calls the function with that number."""
+    (number, function), *others = functions
+    first: Any = function if jitted else getattr(function, "py_func", function)
+    if not others:
+        return jit(lambda _, d, rate: float(first(d, rate)))
+    rest: Any = _one_of(tuple(others), jit, jitted)
+
+    def chosen(which: int, d: float, rate: float) -> float:
+        if which == number:
+            return float(first(d, rate))
+        return float(rest(which, d, rate))
+
+    return jit(chosen)
 
 
 def _is_own(value: Any, module: ModuleType) -> bool:

@@ -23,6 +23,7 @@ from ..model import (
     Incoming,
     InvalidModel,
     Joint,
+    Law,
     Moved,
     Pushed,
     Rigid,
@@ -34,7 +35,7 @@ from ..model import (
 )
 from ..model.frozen import Number
 from ..model.profiles import extremes
-from .laws import BOND, COMPLIANT, FORCE, FREE, IMPACT, JOINT, RIGID, SPRING, YIELD
+from .laws import BOND, COMPLIANT, FORCE, FREE, IMPACT, JOINT, OWN, RIGID, SPRING, YIELD
 
 SMALLEST, LARGEST = sys.float_info.min, sys.float_info.max
 AS_GOOD_AS_RIGID = "is as good as rigid beside these rods, got {!r}; use {}()"
@@ -155,6 +156,8 @@ class Row:
         elif isinstance(law, Yielding):
             k = law.stiffness
             self._add(YIELD, law.hardening / k, gap, k, strength=law.yield_force)
+        elif isinstance(law, Law):
+            self._add(OWN, 1.0, gap)
         else:
             damping = getattr(law, "damping", 0.0)
             self._add(COMPLIANT[law.law], damping, gap, law.stiffness, law.exponent)

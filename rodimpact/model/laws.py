@@ -7,6 +7,7 @@ array, which makes a family; SI units.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
@@ -391,8 +392,79 @@ class Yielding(_Compliant):
             frozen.require(problems, less, "hardening", message, k, self.hardening)
 
 
+class Law(_Law):
+    """A law of one's own: a Python function gives the force.
+
+    The method "characteristics" takes it. In plain Python each call of the function takes its time;
+    a function that numba has compiled (``numba.njit``) runs compiled where that pays. No file keeps
+    a function.
+
+    Parameters
+    ----------
+    force : function
+        F(d, d'), N, of the indentation d >= 0, m, and its rate d', m/s. It is smooth, 0 at d = 0
+        and rest, and does not fall with d or d'. Where it is negative, the contact does not push.
+
+    Raises
+    ------
+    InvalidModel
+        If `force` is no function, or gives no finite number, or a force without an indentation.
+
+    Examples
+    --------
+    A spring that hardens:
+
+    >>> import rodimpact as ri
+    >>> law = ri.Law(lambda d, rate: 1e8 * d + 1e18 * d**3)
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> outcome = ri.solve(ri.System([rod, ri.Wall()], contacts=[law])).outcome
+    >>> 0.9 < outcome.restitution <= 1.0
+    True
+    """
+
+    law: ClassVar[str] = "own"
+    overlaps: ClassVar[bool] = True
+    force: Callable[[float, float], float]
+
+    def __init__(self, force: Callable[[float, float], float]) -> None:
+        self._take(force=force)
+
+    def _check(self, problems: Problems) -> None:
+        force: Any = self.force
+        if not callable(force):
+            problems.append(("force", f"must be a function of d and d', got {shown(force)}"))
+            return
+        for d, rate in ((0.0, 0.0), (1e-6, 0.0), (1e-6, 1e-3)):
+            try:
+                F = float(force(d, rate))
+            except Exception as error:  # whatever the user's function raises
+                problems.append(("force", f"fails at d = {d:g} m, d' = {rate:g} m/s: {error!r}"))
+                return
+            if not np.isfinite(F) or (d == 0 and F != 0):
+                wanted = "a finite number" if d else "0"
+                problems.append((
+                    "force", f"must be {wanted} at d = {d:g} m, d' = {rate:g} m/s, got {F!r}"))
+
+    def stored(self, indentation: ArrayLike) -> Any:
+        """Energy at an indentation d >= 0, m: the integral of F(x, 0) from 0 to d, J."""
+        from scipy.integrate import quad
+
+        (d,) = together(indentation=(indentation, "m", "non-negative"))
+        energy = [quad(self.force, 0.0, x, (0.0,))[0] for x in np.ravel(d)]
+        return np.reshape(energy, np.shape(d))[()]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return a description: the same for the same function, but no file can make it again."""
+        own: Any = getattr(self.force, "py_func", self.force)
+        code, cells = getattr(own, "__code__", None), getattr(own, "__closure__", None) or ()
+        said = [getattr(own, "__qualname__", repr(own)), *(repr(c.cell_contents) for c in cells)]
+        said += [code.co_code.hex(), repr(code.co_consts), repr(code.co_names)] if code else []
+        return self._tag | {"force": " ".join(said)}
+
+
 ContactLaw: TypeAlias = (
     Rigid | Bonded | Joint | Spring | SpringDashpot | Hertz | HuntCrossley | PowerLaw | Yielding
+    | Law
 )
 CONTACT_LAWS: dict[str, type[ContactLaw]] = {
     law.law: law for law in (

@@ -22,7 +22,7 @@ from .bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import ENDS, FREE, Absorbing, End, Fixed, Free, Incoming, Moved, Pushed
 from .frozen import Frozen, Number, Problems, plain, quantity
 from .lateral_inertia import RAYLEIGH_LOVE
-from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Rigid, Yielding
+from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Law, Rigid, Yielding
 from .profiles import flipped, negative, profile_from
 
 SIDES = ("left", "right")
@@ -101,8 +101,8 @@ class System(Frozen):
             for i, (width, law) in enumerate(zip_longest(given, laws[: len(given)]))
         )
         for i, law in enumerate(laws):
-            if type(law) not in _LAWS:
-                known = ", ".join(kind.__name__ for kind in CONTACT_LAWS.values())
+            if type(law) not in _LAWS and type(law) is not Law:
+                known = ", ".join(kind.__name__ for kind in (*CONTACT_LAWS.values(), Law))
                 message = f"must be a contact law itself, one of {known}, got {shown(law)}"
                 problems.append((f"contacts.{i}", message))
             elif not law.opens and i < len(widths):
@@ -183,6 +183,13 @@ class System(Frozen):
         if self.ends != (FREE, FREE):
             described["ends"] = dict(zip(SIDES, plain(self.ends), strict=True))
         return described
+
+    def for_file(self) -> dict[str, Any]:
+        """What `to_dict` gives; InvalidModel where a law is a function, which no file keeps."""
+        functions = [(f"contacts.{k}", "a law that is a Python function cannot be kept in a file")
+                     for k, law in enumerate(self.contacts) if isinstance(law, Law)]
+        frozen.raise_noted(functions)
+        return self.to_dict()
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> System:

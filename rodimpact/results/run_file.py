@@ -54,7 +54,7 @@ def take_apart(run: Run) -> tuple[dict[str, Any], Arrays]:
         if isinstance(value, np.ndarray):
             return put(value)
         if isinstance(value, System):
-            return {"class": "System", "system": value.to_dict()}
+            return {"class": "System", "system": value.for_file()}
         kind = Clock if isinstance(value, Clock) else type(value)  # what else an assembly has goes
         if kind in KINDS.values():
             entries = {key: plain(getattr(value, key)) for key in _names(kind)}

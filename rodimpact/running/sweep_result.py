@@ -266,7 +266,7 @@ class SweepResult:
             return {"array": name}
 
         document = {
-            "system": self.system._mapped(put).to_dict(), "options": asdict(self.options),
+            "system": self.system._mapped(put).for_file(), "options": asdict(self.options),
             "shape": list(self.shape), **self.readings.to_dict(),
         }
         strain = {} if self.strain is None else {"strain": self.strain}

@@ -49,7 +49,7 @@ def write_case(case: Case | System) -> str:
     if system.shape != ():
         message = f"a family of shape {system.shape} is no single case; write system[index]"
         raise InvalidModel([("system", message)])
-    described = system.to_dict()
+    described = system.for_file()
     lines = [f"schema = {SCHEMA}"]
     lines += [f"{key} = {_toml(described[key])}" for key in ("gravity",) if key in described]
     for name, material in _materials(system).items():

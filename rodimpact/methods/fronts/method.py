@@ -30,7 +30,7 @@ from .tracking import FrontRun, track
 
 LACKS = (
     physics.MASSES, physics.COMPLIANCE, physics.JOINTS, physics.GRAVITY, physics.SMOOTH_STATES,
-    physics.SMOOTH_DRIVES, physics.DAMPING, physics.LATERAL, physics.TAPER,
+    physics.SMOOTH_DRIVES, physics.DAMPING, physics.LATERAL, physics.TAPER, physics.OWN_LAWS,
 )
 ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come to rest
 LESS = "an earlier end (until), or a lower cap (max_events),"

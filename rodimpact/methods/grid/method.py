@@ -45,7 +45,7 @@ STABLE = 1 + 2.0**-30  # Courant number up to which a mesh is taken; beyond 1 by
 LESS = "a larger rtol, fewer cells or an earlier end (until)"
 
 
-LACKS = (physics.RODLESS,)
+LACKS = (physics.RODLESS, physics.OWN_LAWS)
 
 
 def solve(row: Row, until: float | None, max_events: int, **options: Any) -> Run:

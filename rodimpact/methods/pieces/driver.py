@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from .. import compiling, kernels
+from ..compiling import Functions
 from ..duration import Forecast
 from ..memory import ask
 from . import march
@@ -24,10 +25,11 @@ SLICE, LONG_SLICE = 20_000, 200_000  # compiled steps between two looks at the c
 ORDER = ("run", "node", "link", "mass", "line", "log", "turn", "part")  # of the kernel's arguments
 
 
-def kernel() -> Any:
-    """Return the kernel, compiled."""
-    _ready.add(True)
-    return compiling.compiled(march, "follow_of")
+def kernel(own: Functions = ()) -> Any:
+    """Return the kernel, compiled, for rows with these laws of the user by link."""
+    if not own:
+        _ready.add(True)
+    return compiling.compiled(march, "follow_of", own)
 
 
 _ready: set[bool] = set()  # whether this process has it
@@ -36,9 +38,6 @@ _ready: set[bool] = set()  # whether this process has it
 def pays(spent: float) -> bool:
     """Whether to run compiled what has taken, or is certain to take, this long in plain Python."""
     return kernels.pays(spent, 0.0 if _ready else PRICE)
-
-
-_plain = march.follow_of("")
 
 
 def matrix_of(node: Any) -> Any:
@@ -70,6 +69,7 @@ class Machine:
                          "turn": np.zeros(FIRST_TURNS, TURN)}
         self.records["run"]["pieces"] = len(known)
         self._kinds = {name: array.dtype for name, array in self.records.items()}
+        self._own = layout.own
         self._matrix = matrix_of(self.records["node"])
 
     @property
@@ -83,7 +83,7 @@ class Machine:
         stop, more = Stop.CAP, SLICE
         while stop == Stop.CAP and self.run["steps"] < limit:
             taken = int(self.run["steps"])
-            compiled = pays(Machine.plain_steps * STEP_TIME)
+            compiled = compiling.can_be(self._own) and pays(Machine.plain_steps * STEP_TIME)
             plain = max(PLAIN, taken // 2)  # as all records change their form each time
             self.records["run"]["limit"] = min(limit, taken + (more if compiled else plain))
             if compiled:
@@ -107,7 +107,7 @@ class Machine:
 
     def _compiled(self) -> Stop:
         """Run on arrays of records."""
-        follow = kernel()
+        follow = kernel(self._own)
         while (stop := Stop(follow(*self._arguments(), self._matrix))) == Stop.FULL:
             self._more(np.zeros, np.concatenate)
         return stop
@@ -117,7 +117,8 @@ class Machine:
         matrix = self._matrix.tolist()
         self.records = {name: compiling.as_objects(a) for name, a in self.records.items()}
         try:
-            while (stop := Stop(_plain(*self._arguments(), matrix))) == Stop.FULL:
+            follow = compiling.interpreted(march, "follow_of", self._own)
+            while (stop := Stop(follow(*self._arguments(), matrix))) == Stop.FULL:
                 self._more(_objects, _joined)
             return stop
         finally:

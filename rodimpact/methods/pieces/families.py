@@ -14,7 +14,7 @@ from ..row import Row
 from ..run import largest_error
 from . import driver
 from .accuracy import COARSER, apart, compare, left_open
-from .layout import Layout, is_even, lay_out
+from .layout import Layout, is_even, lay_out, own_laws
 from .method import tolerance_of, vibration_of
 from .records import PIECE, TURN, Law, Stop
 
@@ -30,8 +30,8 @@ def together(row: Row) -> int:
     The force of a bond between rigid bodies follows from signals, which a family does not keep.
     """
     seconds = math.prod(row.system.shape) * MEMBER_TIME
-    follows = any(i < 0 for i in row.contact_link)
-    return TOGETHER if is_even(row) and not follows and driver.pays(seconds) else 0
+    alone = any(i < 0 for i in row.contact_link) or own_laws(row)
+    return TOGETHER if is_even(row) and not alone and driver.pays(seconds) else 0
 
 
 def solve_family(

@@ -7,6 +7,39 @@ from typing import Any
 
 from .records import Law, Status
 
+STEP = 1e-7  # of `strength`, and of what it makes in a transit: over which slopes are taken
+ROUNDS, NEAR = 20, 1e-14  # to find a force that depends on the rate it makes; relative
+
+
+def own(function: int, d: float, rate: float) -> float:  # noqa: ARG001
+    """Force of a law of the user: where there is one, its function stands in place of this."""
+    return 0.0
+
+
+def of_function(it: Any, d: float, rate: float) -> float:
+    """Force of a law of the user, which goes on below d = 0, where nobody has defined it."""
+    if d < 0:
+        return own(it.function, 0.0, rate) - own(it.function, -d, 0.0)
+    return own(it.function, d, rate)
+
+
+def force_of_own(it: Any, d: float, closing: float) -> tuple[float, float, float]:
+    """Force F = f(d, closing - Y F) of a law of the user, and its derivatives."""
+    e, F, slope = STEP * it.exponent, of_function(it, d, closing), 0.0
+    for _ in range(ROUNDS):
+        rate = closing - it.mobility * F
+        f = of_function(it, d, rate)
+        slope = (of_function(it, d, rate + e) - f) / e
+        change = (f - F) / (1 + it.mobility * slope)
+        F += change
+        if abs(change) <= NEAR * abs(F):
+            break
+    rate = closing - it.mobility * F
+    h = STEP * it.strength
+    by_overlap = (of_function(it, d + h, rate) - of_function(it, d, rate)) / h
+    share = 1 / (1 + it.mobility * slope)
+    return F, by_overlap * share, slope * share
+
 
 def force(it: Any, d: float, closing: float) -> tuple[float, float, float]:
     """Force of a link that is not open, and its derivatives by overlap d and `closing`.
@@ -17,6 +50,8 @@ def force(it: Any, d: float, closing: float) -> tuple[float, float, float]:
     """
     if it.law == Law.BOND or it.law == Law.RIGID:
         return closing / it.mobility, 0.0, 1 / it.mobility
+    if it.law == Law.OWN:
+        return force_of_own(it, d, closing)
     if it.law != Law.POWER:
         share = 1 / (1 + it.damping * it.mobility)
         F = (it.stiffness * d + it.damping * closing) * share
@@ -38,7 +73,7 @@ def guards(it: Any) -> int:
     """How many numbers keep the status of a link."""
     if it.status == Status.FIXED:
         return 0
-    damped = it.law == Law.POWER and it.damping > 0
+    damped = it.law == Law.OWN or (it.law == Law.POWER and it.damping > 0)
     if it.status == Status.SLACK or (it.status == Status.PRESS and (it.law == Law.YIELD or damped)):
         return 2
     return 1
@@ -61,7 +96,9 @@ def guard(
     if it.status == Status.PRESS and it.law == Law.RIGID:
         return F * it.mobility / scale, Status.OPEN.value
     dashpot = it.law == Law.SPRING and it.damping > 0
-    if dashpot:
+    if it.law == Law.OWN:
+        drive = of_function(it, d, closing - it.mobility * F) * it.ease / scale
+    elif dashpot:
         drive = (it.stiffness * d / it.damping + closing) / scale
     else:
         drive = 1 + it.damping * closing

@@ -10,12 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from ... import model
 from ...model import Rod, Samples, Steps
 from ...model.frozen import InvalidModel
 from ...model.profiles import extremes
 from .. import laws as old
 from .. import tick_rule_kernel as rule
 from ..abilities import driven
+from ..compiling import Functions
 from ..row import Row
 from . import finality, waves
 from .records import (
@@ -39,7 +41,7 @@ from .series import POINTS
 LAWS = {
     old.FREE: Law.PUSH_LEFT, old.FORCE: Law.PUSH_LEFT, old.BOND: Law.BOND, old.JOINT: Law.JOINT,
     old.RIGID: Law.RIGID, old.IMPACT: Law.IMPACT, old.SPRING: Law.SPRING, old.HERTZ: Law.POWER,
-    old.HUNT: Law.POWER, old.POWER: Law.POWER, old.YIELD: Law.YIELD,
+    old.HUNT: Law.POWER, old.POWER: Law.POWER, old.YIELD: Law.YIELD, old.OWN: Law.OWN,
 }
 FLOORS = 128  # in the shortest transit
 WINDOW = 2.0**-40  # of the longest transit: what comes nearer is taken together
@@ -63,6 +65,8 @@ class Layout:
         Pieces that are known at t = 0.
     fit : float
         By how much they miss what was given, relative to the velocity scale.
+    own : tuple of (int, function)
+        Laws of the user, by link.
     """
 
     row: Row
@@ -76,6 +80,13 @@ class Layout:
     part: Any
     first: Any
     fit: float
+    own: Functions
+
+
+def own_laws(row: Row) -> Functions:
+    """Laws of the user, by link."""
+    pairs = zip(row.system.contacts, row.contact_link, strict=True)
+    return tuple((i, law.force) for law, i in pairs if isinstance(law, model.Law))
 
 
 def is_even(row: Row) -> bool:
@@ -151,7 +162,7 @@ def lay_out(
     node["length"] = np.maximum(shortest // 8, 16)[:, None]
     return Layout(
         row=row, tick=tick, ticks=ticks, run=run, node=node, link=link, mass=mass, line=line,
-        part=part, first=pieces.records, fit=pieces.fit,
+        part=part, first=pieces.records, fit=pieces.fit, own=own_laws(row),
     )
 
 
@@ -487,6 +498,8 @@ def _set_ease(it: Any, row: Row, of: _Members, i: int, time: Any, scale: Any) ->
     it["ease"] = ease
     if row.laws[i] == old.IMPACT:
         it["strength"] = scale / ease
+    elif row.laws[i] == old.OWN:  # lengths and velocities over which it is looked at
+        it["strength"], it["exponent"], it["function"] = scale * time, scale, i
 
 
 def _kept(row: Row, link: Any, mass: Any, count: int) -> list[int]:

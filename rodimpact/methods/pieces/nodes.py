@@ -57,7 +57,7 @@ def is_linear(link: Any, at: Any) -> bool:
     """Whether one Newton step solves the chain."""
     for q in range(at.links):
         it = link[at.first + q]
-        if it.unknown != NONE and it.law == Law.POWER:
+        if it.unknown != NONE and (it.law == Law.POWER or it.law == Law.OWN):
             return False
     return True
 
