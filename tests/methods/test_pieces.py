@@ -331,7 +331,8 @@ def test_a_twin_runs_the_same_bits():
     f, y = drawn(9), 0.3
     plain, fast = f.tolist(), f.copy()
     series.restrict(plain, y, [0.0] * POINTS)
-    restrict, force = compiling._twin(series).restrict, compiling._twin(laws).force
+    restrict = compiling._twin(series, (), True).restrict
+    force = compiling._twin(laws, (), True).force
     njit = pytest.importorskip("numba").njit(**compiling.OPTIONS)
     njit(lambda f, y, c: restrict(f, y, c))(fast, y, np.zeros(POINTS))
     assert fast.tolist() == plain
