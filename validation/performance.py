@@ -234,9 +234,9 @@ def family_of_pairs(pairs: int = 20_000) -> float:
     given = np.stack([np.broadcast_to(x, pairs) for x in plan.numbers], axis=1)
     block, results = families.Block(plan, 4096), families.space(pairs, 2)
     members = block.lay_out(given)
-    full = block.run(members, MAX_EVENTS, results)
+    full = block.run(members, MAX_EVENTS, [results])
     assert not full.any()
-    return median(lambda: block.run(members, MAX_EVENTS, results)) / pairs
+    return median(lambda: block.run(members, MAX_EVENTS, [results])) / pairs
 
 
 # The package as its users meet it ---------------------------------------------------------------
