@@ -153,7 +153,10 @@ def test_sigint_ends_a_long_run_with_130_and_without_traceback(case):
         assert process.stdout.readline() == "solving\n"
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=30)
-    assert (process.returncode, out, err) == (130, "", "rodimpact: interrupted\n")
+    assert (process.returncode, out) == (130, "")
+    lines = err.splitlines()  # it may have said how long it takes
+    assert lines[-1] == "rodimpact: interrupted"
+    assert all(line.startswith("rodimpact: ") for line in lines)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no such pipes")
