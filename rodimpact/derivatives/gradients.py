@@ -225,7 +225,7 @@ def _check(system: System, of: Any, wrt: Any, workers: int | None) -> None:
     choices += [f"{name}.{k}" for name in ("impulse", "duration") for k in able]
     if len(able) == 1 and {able[0], able[0] + 1} <= lasting:
         choices.append("restitution")
-    if of not in choices:
+    if not isinstance(of, str) or of not in choices:
         problems.append(("of", f"must be one of {', '.join(choices)}, got {shown(of)}"))
     if workers is not None:
         count(problems, "workers", workers)

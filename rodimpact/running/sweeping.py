@@ -250,18 +250,18 @@ def sweep(
                 jobs.end = min(jobs.end, start + _first_bad(status))
         ended = before = sum(stop - start for start, stop in units.spans(done))
         forecast, counted = Forecast(warn, "a smaller family", work="this sweep"), ended
+        running = pool.workers * (together or 1)
         for news in stack.enter_context(contextlib.closing(jobs.results())):
             for start, stop, part in news:
                 put(start, stop, part)
                 ended += stop - start
                 if on_error == "raise":
                     jobs.end = min(jobs.end, start + _first_bad(part["status"]))
-            if together and counted == before:  # the time of the first is also that of compiling
-                if ended > before:
-                    forecast, counted = Forecast(warn, "a smaller family", work="this sweep"), ended
-            else:  # where none has ended yet, each worker has one that takes this long at least
-                forecast.extrapolate(max(ended - counted, min(pool.workers, size - before)),
-                                     size - counted, f"{size - before} collisions")
+            # what runs is all that has been done in this time, at most
+            forecast.extrapolate(max(ended - counted, min(running, size - counted)), size - counted,
+                                 f"{size - before} collisions")
+            if together and counted == before < ended:  # the first compiled: from here on
+                forecast, counted = Forecast(warn, "a smaller family", work="this sweep"), ended
             if progress is not None:
                 progress(ended, size)
     if jobs.end < size:

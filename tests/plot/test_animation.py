@@ -390,7 +390,7 @@ def test_a_run_that_was_cut_short_is_shown_and_said(case, capsys):
     (["-o", "film.gif", "--fps", "100"], "--fps: must be 1 to 50"),
     (["-o", "film.gif", "--until", "soon"], "--until: "),
     (["-o", "film.gif", "--until", "0"], "--until: must be later than start"),
-    (["-o", "film.gif", "--magnify", "0"], "--magnify: must be a positive number"),
+    (["-o", "film.gif", "--magnify", "0"], "--magnify: must be a finite positive number"),
     (["-o", "film.gif", "--field", "heat"], "--field: invalid choice"),
     ([], "required: -o/--output"),
     (["-o", "case.toml"], "--output: must end in"),
