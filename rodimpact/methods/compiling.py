@@ -118,16 +118,20 @@ def _is_kernel(value: Any) -> bool:
 
 
 def _digest(module: ModuleType) -> str:
-    """Of the sources of a kernel module and of all that it imports."""
-    files, waiting = set(), [module]
+    """Of all sources in the folders of a kernel module and of those that it imports.
+
+    Constants and records come from files of which a module keeps no more than names.
+    """
+    folders, seen, waiting = set[Path](), set[str](), [module]
     while waiting:
         here = waiting.pop()
-        if here.__file__ not in files:
-            files.add(here.__file__)
+        if here.__name__ not in seen:
+            seen.add(here.__name__)
+            folders.add(Path(str(here.__file__)).parent)
             waiting += [value for value in vars(here).values() if _is_kernel(value)]
     digest = hashlib.blake2b(digest_size=16)
-    for file in sorted(map(str, files)):
-        digest.update(hashlib.blake2b(Path(file).read_bytes()).digest())
+    for file in sorted(file for folder in folders for file in folder.glob("*.py")):
+        digest.update(hashlib.blake2b(file.read_bytes()).digest())
     return digest.hexdigest()
 
 
