@@ -15,7 +15,8 @@ from .signals import Floats, Ints
 STOPPED_BY = ("final", "max_events", "clock", "refused", "until")
 """Why a member stopped; where it cannot be solved it is refused."""
 
-ALSO = ("dissipated", "set", "largest_stress", "displacement", "accuracy")
+READ = ("dissipated", "set", "largest_stress", "displacement")
+ALSO = (*READ, "accuracy")
 """What is found of a member only if it is asked for, as that takes longer: the energy lost in
 contacts, J; how far each yielding contact has yielded for good, m; the largest absolute stress in
 each rod, Pa; how far the centre of mass of each body has moved at the end of the run, m; and the

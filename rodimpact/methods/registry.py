@@ -14,7 +14,7 @@ from ..model.arguments import array
 from ..model.frozen import InvalidModel, Problems, number
 from ..units import shown
 from . import abilities
-from .family import ALSO, FamilyRun
+from .family import READ, FamilyRun
 from .fronts import families as front_families
 from .fronts import method as fronts
 from .grid import method as grid
@@ -42,7 +42,7 @@ class Method(NamedTuple):
 
 METHODS = {
     "fronts": Method(fronts.LACKS, (), fronts.solve, ("progress", "announce"),
-                     front_families.solve_family, front_families.together, ALSO[:4]),
+                     front_families.solve_family, front_families.together, READ),
     "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, ("progress", "announce"),
                               piece_families.solve_family, piece_families.together, ("accuracy",)),
     "finite-difference": Method(

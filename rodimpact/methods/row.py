@@ -157,7 +157,7 @@ class Row:
             k = law.stiffness
             self._add(YIELD, law.hardening / k, gap, k, strength=law.yield_force)
         elif isinstance(law, Law):
-            self._add(OWN, 1.0, gap)
+            self._add(OWN, 1.0, gap)  # whatever it is, it may depend on the rate
         else:
             damping = getattr(law, "damping", 0.0)
             self._add(COMPLIANT[law.law], damping, gap, law.stiffness, law.exponent)

@@ -7,8 +7,7 @@ from typing import Any
 
 from .records import Law, Status
 
-STEP = 1e-7  # of `strength`, and of what it makes in a transit: over which slopes are taken
-ROUNDS, NEAR = 20, 1e-14  # to find a force that depends on the rate it makes; relative
+ROUNDS, ENOUGH = 20, 1e-14  # to find a force that depends on the rate it makes; relative
 
 
 def own(function: int, d: float, rate: float) -> float:  # noqa: ARG001
@@ -24,19 +23,18 @@ def of_function(it: Any, d: float, rate: float) -> float:
 
 
 def force_of_own(it: Any, d: float, closing: float) -> tuple[float, float, float]:
-    """Force F = f(d, closing - Y F) of a law of the user, and its derivatives."""
-    e, F, slope = STEP * it.exponent, of_function(it, d, closing), 0.0
+    """Force F = f(d, closing - Y F) of a law of the user, and its derivatives by differences."""
+    F, slope = of_function(it, d, closing), 0.0
     for _ in range(ROUNDS):
         rate = closing - it.mobility * F
         f = of_function(it, d, rate)
-        slope = (of_function(it, d, rate + e) - f) / e
+        slope = (of_function(it, d, rate + it.near_rate) - f) / it.near_rate
         change = (f - F) / (1 + it.mobility * slope)
         F += change
-        if abs(change) <= NEAR * abs(F):
+        if abs(change) <= ENOUGH * abs(F):
             break
     rate = closing - it.mobility * F
-    h = STEP * it.strength
-    by_overlap = (of_function(it, d + h, rate) - of_function(it, d, rate)) / h
+    by_overlap = (of_function(it, d + it.near, rate) - of_function(it, d, rate)) / it.near
     share = 1 / (1 + it.mobility * slope)
     return F, by_overlap * share, slope * share
 

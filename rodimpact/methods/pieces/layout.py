@@ -45,6 +45,7 @@ LAWS = {
 }
 FLOORS = 128  # in the shortest transit
 WINDOW = 2.0**-40  # of the longest transit: what comes nearer is taken together
+NEAR = 1e-7  # of the velocity scale: over which the slopes of a law of the user are taken
 GRAZE = 2.0**-40  # of the velocity scale: forces that move no faster are none
 
 
@@ -498,8 +499,8 @@ def _set_ease(it: Any, row: Row, of: _Members, i: int, time: Any, scale: Any) ->
     it["ease"] = ease
     if row.laws[i] == old.IMPACT:
         it["strength"] = scale / ease
-    elif row.laws[i] == old.OWN:  # lengths and velocities over which it is looked at
-        it["strength"], it["exponent"], it["function"] = scale * time, scale, i
+    elif row.laws[i] == old.OWN:
+        it["function"], it["near"], it["near_rate"] = i, NEAR * scale * time, NEAR * scale
 
 
 def _kept(row: Row, link: Any, mass: Any, count: int) -> list[int]:

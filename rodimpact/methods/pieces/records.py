@@ -93,7 +93,7 @@ NODE = np.dtype([
 ], align=True)
 LINK = np.dtype([
     ("law", "i8"), ("status", "i8"), ("order", "i8"),  # of the break that its own event makes
-    ("function", "i8"),  # of a law of the user
+    ("function", "i8"), ("near", "f8"), ("near_rate", "f8"),  # of a law of the user: m, m/s
     ("stiffness", "f8"), ("exponent", "f8"), ("damping", "f8"), ("strength", "f8"),
     ("restitution", "f8"), ("hardening", "f8"), ("mobility", "f8"),
     ("overlap", "f8"), ("rate", "f8"), ("bend", "f8"),  # and derivatives, as the last piece ended
