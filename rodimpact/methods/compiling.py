@@ -1,20 +1,29 @@
-"""The door to numba for kernels on records: one source, as plain Python or as machine code.
+"""How kernels become machine code: stock numba, by its public names.
 
 A kernel module holds plain functions, whole constants and tables of numbers (nested lists), and
-imports other kernel modules by name. `compiled` makes a twin of such a module in which every
-function is jitted and every table is an array; plain Python runs the module as it stands. State is
-arrays of records: structured arrays compiled, lists of small objects in plain Python.
+imports other kernel modules whole. Plain Python runs it as it stands. Compiled, it has a twin in
+which every function is jitted and every table is an array. State is arrays of records: structured
+arrays compiled, lists of small objects in plain Python.
 """
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
+import sys
+import threading
+import warnings
+from collections.abc import Callable
 from pathlib import Path
-from types import FunctionType, ModuleType
+from types import CellType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
+
+Kernel = Callable[..., Any]
+Functions = tuple[tuple[int, Any], ...]
+"""Functions of the user that stand for the kernel function `own`, by its first argument."""
 
 OPTIONS = {"error_model": "numpy", "nogil": True}
 """Of every kernel: a division by zero is inf, as the kernels expect; threads run side by side."""
@@ -22,45 +31,97 @@ OPTIONS = {"error_model": "numpy", "nogil": True}
 INNER = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """Of what kernels call: nothing else does, so it needs no door to Python, and compiles faster."""
 
+ONE_AT_A_TIME = threading.RLock()
+"""Of threads that start numba, or would compile the same twice."""
 
-Functions = tuple[tuple[int, Any], ...]
-"""Functions of the user that stand for the kernel function `own`, by its first argument."""
+
+class DamagedCache(UserWarning):
+    """Machine code on disk cannot be read, and is made anew."""
 
 
-@functools.cache
-def compiled(module: ModuleType, factory: str, own: Functions = ()) -> Any:
-    """Return a kernel as machine code, which numba keeps on disk if nothing in it is the user's.
+class Compiled:
+    """A kernel as machine code, made at its first call or found on disk.
 
-    Parameters
+    Attributes
     ----------
-    module : module
-    factory : str
-        Name of the function that makes the kernel from a digest of its sources: numba compiles
-        anew what closes over another one.
-    own : tuple of (int, function), optional
-        Compiled functions.
+    place : str
+        Directory of its machine code; empty if it is kept nowhere.
     """
-    import numba
 
-    kernel = getattr(module, factory)(f"{module.__name__} {_digest(module)}")
-    twin = FunctionType(
-        kernel.__code__, vars(_twin(module, own, True)), kernel.__name__, None, kernel.__closure__)
-    return numba.njit(cache=not own, **OPTIONS)(twin)
+    def __init__(self, kernel: Any, own: Functions = ()) -> None:
+        self._twin = _entry(kernel, own)
+        self._make(keep=not own)  # what calls functions of the user is theirs
+
+    def _make(self, keep: bool) -> None:
+        import numba
+
+        self._fast: Any = numba.njit(**OPTIONS)(self._twin)
+        if keep:
+            with contextlib.suppress(RuntimeError):  # there is no place for a cache
+                self._fast = numba.njit(cache=True, **OPTIONS)(self._twin)
+        self.place: str = self._fast.stats.cache_path or ""
+
+    def __call__(self, *given: Any) -> Any:
+        """Run it."""
+        try:
+            return self._fast(*given)
+        except Exception as error:
+            if not self.place or type(error).__module__.startswith("numba"):
+                raise
+            self._start_again(error)
+            return self._fast(*given)
+
+    def _start_again(self, error: Exception) -> None:
+        """Do without what is on disk: it is full, or what is read there is no machine code."""
+        if not isinstance(error, OSError):
+            for file in self.files():
+                with contextlib.suppress(OSError):
+                    file.unlink()
+            message = "machine code in the compiler's cache is damaged; it is made anew"
+            warnings.warn(message, DamagedCache, stacklevel=3)
+        self._make(keep=False)
+
+    def files(self) -> list[Path]:
+        """Indices of machine code on disk, of any sources."""
+        name = f"*.{self._twin.__name__}-*.nbi"
+        return list(Path(self.place).glob(name)) if self.place else []
+
+
+def compiled(kernel: Kernel, own: Functions = ()) -> Compiled:
+    """Return a kernel as machine code, with functions that numba has compiled for `own`."""
+    with ONE_AT_A_TIME:
+        return _compiled(kernel, own)
+
+
+_compiled = functools.cache(Compiled)
 
 
 @functools.cache
-def interpreted(module: ModuleType, factory: str, own: Functions = ()) -> Any:
-    """Return a kernel in plain Python."""
-    kernel = getattr(module, factory)("")
+def interpreted(kernel: Any, own: Functions = ()) -> Kernel:
+    """Return a kernel in plain Python, with these functions for `own`."""
     if not own:
-        return kernel
-    return FunctionType(
-        kernel.__code__, vars(_twin(module, own, False)), kernel.__name__, None, kernel.__closure__)
+        return kernel  # type: ignore[no-any-return]
+    twin = _twin(sys.modules[kernel.__module__], own, False)
+    return getattr(twin, kernel.__name__)  # type: ignore[no-any-return]
 
 
 def can_be(own: Functions) -> bool:
     """Whether numba has compiled all of these functions."""
     return all(hasattr(function, "py_func") for _, function in own)
+
+
+def _entry(kernel: Any, own: Functions) -> FunctionType:
+    """The twin of a kernel, closing over a digest of its sources.
+
+    Numba compiles anew what closes over another one, and else looks at the kernel's file alone.
+    """
+    module = sys.modules[kernel.__module__]
+    code = kernel.__code__.replace(co_freevars=("digest",))
+    digest = (CellType(f"{kernel.__name__} {digest_of(module)}"),)
+    scope = vars(_twin(module, own, True))
+    twin = FunctionType(code, scope, kernel.__name__, kernel.__defaults__, digest)
+    twin.__qualname__, twin.__module__ = kernel.__qualname__, kernel.__module__
+    return twin
 
 
 @functools.cache
@@ -77,7 +138,7 @@ def _twin(module: ModuleType, own: Functions, jitted: bool) -> ModuleType:
         made = value
         if name == "own" and own:
             made = _one_of(own, jit, jitted)
-        elif _is_own(value, module):
+        elif isinstance(value, FunctionType) and value.__module__ == module.__name__:
             made = jit(FunctionType(value.__code__, vars(twin), name, value.__defaults__))
         elif _is_kernel(value):
             made = _twin(value, own, jitted)
@@ -108,29 +169,26 @@ def _one_of(functions: Functions, jit: Any, jitted: bool) -> Any:
     return jit(chosen)
 
 
-def _is_own(value: Any, module: ModuleType) -> bool:
-    return isinstance(value, FunctionType) and value.__module__ == module.__name__
-
-
 def _is_kernel(value: Any) -> bool:
     """Whether a module is one of ours."""
-    return isinstance(value, ModuleType) and value.__name__.startswith(f"{__package__}.")
+    package = __name__.partition(".")[0]
+    return isinstance(value, ModuleType) and value.__name__.startswith(f"{package}.")
 
 
-def _digest(module: ModuleType) -> str:
+def digest_of(module: ModuleType) -> str:
     """Of all sources in the folders of a kernel module and of those that it imports.
 
     Constants and records come from files of which a module keeps no more than names.
     """
-    folders, seen, waiting = set[Path](), set[str](), [module]
+    files, seen, waiting = {Path(__file__)}, set[str](), [module]
     while waiting:
         here = waiting.pop()
         if here.__name__ not in seen:
             seen.add(here.__name__)
-            folders.add(Path(str(here.__file__)).parent)
+            files.update(Path(str(here.__file__)).parent.glob("*.py"))
             waiting += [value for value in vars(here).values() if _is_kernel(value)]
     digest = hashlib.blake2b(digest_size=16)
-    for file in sorted(file for folder in folders for file in folder.glob("*.py")):
+    for file in sorted(files):
         digest.update(hashlib.blake2b(file.read_bytes()).digest())
     return digest.hexdigest()
 

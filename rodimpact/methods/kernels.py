@@ -1,8 +1,7 @@
-"""The one door to numba: kernels run as plain Python or compiled, bit for bit the same.
+"""When kernels run compiled: plain Python goes first, machine code where it pays.
 
-A kernel is a plain function that calls only functions of kernel files (`*_kernel.py`); the compile
-cache is told of all of them. Plain Python runs it on lists as it stands, `compiled(kernel)` runs it
-on arrays; `worth_compiling` says which. Where there is no numba, everything is plain Python.
+Both run the same source, bit for bit. `worth_compiling` says which, `compiled(kernel)` runs on
+arrays of records. Where there is no numba, everything is plain Python.
 """
 
 from __future__ import annotations
@@ -12,19 +11,17 @@ import functools
 import importlib.util
 import os
 import sys
-import threading
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
-from .duration import LONG
-from .kernel_parts import parts as parts_of
+from .compiling import ONE_AT_A_TIME, Kernel, compiled
 
-Kernel = Callable[..., Any]
+__all__ = ["Kernel", "compiled"]
 
 # what things cost, s of processor time
-STARTING, LOADING = 0.4, 0.02  # numba itself; machine code from disk
-COMPILING = 2e-4  # a byte of bytecode
+STARTING, LOADING = 0.4, 0.1  # numba itself; machine code from disk
+COMPILING = 3.0  # after so much in plain Python machine code is made, whatever it takes: it is kept
 CALLING = 5e-4  # a compiled call, with space for its arrays
 LIST_TIME = 5e-8  # a number to and from a list
 
@@ -38,17 +35,14 @@ def enabled() -> bool:
     return _asked_for() and _installed()
 
 
-def worth_compiling(seconds: float, *kernels: Kernel, ahead: float = 0.0) -> bool:
+def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
     """Whether a job shall run compiled.
-
-    A process pays for machine code once plain Python has taken as long for the same kernels, or is
-    certain to: it then takes at most about twice the least time.
 
     Parameters
     ----------
     seconds : float
         What the job takes in plain Python.
-    *kernels : function
+    kernel : function
         What it calls.
     ahead : float, optional
         Seconds in plain Python that are certain to follow.
@@ -62,29 +56,11 @@ def worth_compiling(seconds: float, *kernels: Kernel, ahead: float = 0.0) -> boo
         return _forced and not why_not()
     if seconds + ahead <= CALLING or not _asked_for():
         return False
-    total = _spent.get(kernels, 0.0) + seconds
-    if not _pays(total + ahead, [kernel for kernel in kernels if kernel not in _ready]):
-        _spent[kernels] = total
+    total = _spent.get(kernel, 0.0) + seconds
+    if kernel not in _ready and not _pays(total + ahead, kernel):
+        _spent[kernel] = total
         return False
-    _ready.update(kernels)
-    return True
-
-
-def pays(spent: float, price: float) -> bool:
-    """Whether to go on compiled after so many seconds in plain Python, at this price, s.
-
-    Warns
-    -----
-    NoCompiler
-        If it would, and numba is missing or does not start.
-    """
-    if _forced is not None:
-        return _forced and not why_not()
-    if spent < price or not _asked_for():
-        return False
-    if why_not():
-        _tell_of_no_compiler()
-        return False
+    _ready.add(kernel)
     return True
 
 
@@ -100,28 +76,23 @@ def forced(compiling: bool) -> Iterator[None]:
 
 
 _forced: bool | None = None
-_spent: dict[tuple[Kernel, ...], float] = {}  # s, in plain Python
+_spent: dict[Kernel, float] = {}  # s, in plain Python
 _ready: set[Kernel] = set()  # paid for by this process
 
 
-def _pays(seconds: float, kernels: list[Kernel]) -> bool:
-    """Whether machine code of these kernels costs less than so many seconds."""
-    if not kernels:
-        return True
-    price = 0.0 if _ready else STARTING
+def _pays(seconds: float, kernel: Kernel) -> bool:
+    """Whether machine code of a kernel costs less than so many seconds."""
+    price = LOADING if _ready else STARTING + LOADING
     if seconds <= price:
         return False  # without a look at the cache, for which numba must start
     reason = why_not()
-    to_compile = [kernel for kernel in kernels if reason or not _on_disk(kernel)]
-    parts = {part for kernel in to_compile for part in parts_of(kernel)}
-    price += LOADING * len(kernels)
-    price += COMPILING * sum(len(part.__code__.co_code) for part in parts)
-    if seconds <= price:
+    kept = not reason and compiled(kernel).files()
+    if not kept and seconds <= COMPILING:
         return False
     if reason:
         _tell_of_no_compiler()
-    elif to_compile:
-        _tell_of_compiling(price)
+    elif not kept:
+        _tell_of_compiling()
     return not reason
 
 
@@ -146,7 +117,8 @@ def _fault() -> str:
     if not _installed():
         return "numba is not installed"
     try:
-        _translation()
+        with ONE_AT_A_TIME:
+            import numba  # noqa: F401
     except Exception as error:  # of itself, of what it needs, or of a variable with a wrong value
         given = ", ".join(f"{k} = {v!r}" for k, v in os.environ.items() if k.startswith("NUMBA_"))
         remedy = f" Mend or unset {given}" if given else ""
@@ -160,35 +132,24 @@ def _tell_of_no_compiler() -> None:
     warnings.warn(message, NoCompiler, stacklevel=2)
 
 
-def _tell_of_compiling(seconds: float) -> None:
-    """Tell who waits, once; a program whose messages go to a file only of what takes long."""
+def _tell_of_compiling() -> None:
+    """Tell who waits, once; not a program whose messages go to a file."""
     watched = "ipykernel" in sys.modules or (sys.stderr and sys.stderr.isatty())
-    if not _told and sys.stderr and (watched or seconds > LONG):
-        sys.stderr.write(f"compiling once, about {seconds:.0f} s\n")
+    if not _told and watched:
+        sys.stderr.write("compiling once, for this and all later runs; up to half a minute\n")
         _told.append(True)
 
 
 _told: list[bool] = []
 
 
-def compiled(kernel: Kernel) -> Kernel:
-    """Return the same source as machine code, or the kernel itself where there is no compiler.
-
-    Machine code is kept on disk. Where that is impossible (no writable place, full disk) it is
-    made anew in each process.
-    """
-    with _ONE_AT_A_TIME:  # or two threads would compile the same twice
-        return _compiled(kernel)
-
-
-_ONE_AT_A_TIME = threading.RLock()
 _held: list[Any] = []  # locks of the thread that forks
 
 
 def _hold() -> None:
     """Wait for what starts numba or compiles: a child that is forked then would wait for ever."""
-    _ONE_AT_A_TIME.acquire()
-    _held.append(_ONE_AT_A_TIME)
+    ONE_AT_A_TIME.acquire()
+    _held.append(ONE_AT_A_TIME)
     if loaded := sys.modules.get("numba.core.compiler_lock"):
         loaded.global_compiler_lock.acquire()
         _held.append(loaded.global_compiler_lock)
@@ -208,38 +169,6 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(before=_hold, after_in_parent=_let_go, after_in_child=_let_go)
 
 
-def as_lists(columns: Any) -> Any:
-    """Return a NamedTuple of arrays as one of lists, for a kernel in plain Python."""
-    return type(columns)(*(column.tolist() for column in columns))
-
-
-def copy_back(lists: Any, columns: Any) -> None:
-    """Copy what a kernel left in a NamedTuple of lists to the one of arrays."""
-    for column, values in zip(columns, lists, strict=True):
-        column[:] = values
-
-
-@functools.cache
-def _compiled(kernel: Kernel) -> Kernel:
-    if why_not():
-        return kernel
-    fast: Kernel = _translation().translate(kernel)
-    return fast
-
-
 def cache_directory(kernel: Kernel) -> str:
     """Where the machine code of this kernel is kept; empty if it is kept nowhere."""
-    place: str = _translation().directory(kernel)
-    return place
-
-
-def _on_disk(kernel: Kernel) -> bool:
-    """Whether there is machine code of this kernel."""
-    return bool(_translation().on_disk(kernel))
-
-
-def _translation() -> Any:
-    with _ONE_AT_A_TIME:
-        from . import translation  # starts numba
-
-    return translation
+    return compiled(kernel).place

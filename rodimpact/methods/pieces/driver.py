@@ -20,24 +20,9 @@ FIRST_ROOM = 256  # pieces of a log, at first
 FIRST_TURNS = 2048
 PLAIN = 500  # steps in plain Python between two looks at the clock
 STEP_TIME = 1.5e-3  # s, about what such a step takes
-PRICE = 3.0  # s in plain Python, after which a process compiles
+BRIEF = 1e-3  # s that any run takes, as it is not known how long
 SLICE, LONG_SLICE = 20_000, 200_000  # compiled steps between two looks at the clock
 ORDER = ("run", "node", "link", "mass", "line", "log", "turn", "part")  # of the kernel's arguments
-
-
-def kernel(own: Functions = ()) -> Any:
-    """Return the kernel, compiled, for rows with these laws of the user by link."""
-    if not own:
-        _ready.add(True)
-    return compiling.compiled(march, "follow_of", own)
-
-
-_ready: set[bool] = set()  # whether this process has it
-
-
-def pays(spent: float) -> bool:
-    """Whether to run compiled what has taken, or is certain to take, this long in plain Python."""
-    return kernels.pays(spent, 0.0 if _ready else PRICE)
 
 
 def matrix_of(node: Any) -> Any:
@@ -54,8 +39,6 @@ class Machine:
     records : dict of str to array
         After `go`.
     """
-
-    plain_steps = 0  # of all runs of this process
 
     def __init__(self, layout: Layout, member: int = 0) -> None:
         known = layout.first[member]
@@ -80,17 +63,17 @@ class Machine:
     def go(self, forecast: Forecast | None = None) -> Stop:
         """Run to the end, in slices; return why it stopped."""
         limit = int(self.run["limit"])
-        stop, more = Stop.CAP, SLICE
+        stop, more, spent = Stop.CAP, SLICE, BRIEF
         while stop == Stop.CAP and self.run["steps"] < limit:
             taken = int(self.run["steps"])
-            compiled = compiling.can_be(self._own) and pays(Machine.plain_steps * STEP_TIME)
+            compiled = compiling.can_be(self._own) and kernels.worth_compiling(spent, march.follow)
             plain = max(PLAIN, taken // 2)  # as all records change their form each time
             self.records["run"]["limit"] = min(limit, taken + (more if compiled else plain))
             if compiled:
                 stop, more = self._compiled(), LONG_SLICE
             else:
                 stop = self._plain()
-                Machine.plain_steps += int(self.run["steps"]) - taken
+                spent = (int(self.run["steps"]) - taken) * STEP_TIME
             if stop == Stop.CAP and forecast:
                 self._tell(forecast, limit)
         self.records["run"]["limit"] = limit
@@ -107,7 +90,7 @@ class Machine:
 
     def _compiled(self) -> Stop:
         """Run on arrays of records."""
-        follow = kernel(self._own)
+        follow = compiling.compiled(march.follow, self._own)
         while (stop := Stop(follow(*self._arguments(), self._matrix))) == Stop.FULL:
             self._more(np.zeros, np.concatenate)
         return stop
@@ -117,7 +100,7 @@ class Machine:
         matrix = self._matrix.tolist()
         self.records = {name: compiling.as_objects(a) for name, a in self.records.items()}
         try:
-            follow = compiling.interpreted(march, "follow_of", self._own)
+            follow = compiling.interpreted(march.follow, self._own)
             while (stop := Stop(follow(*self._arguments(), matrix))) == Stop.FULL:
                 self._more(_objects, _joined)
             return stop

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from .. import kernels
 from ..family import STOPPED_BY, FamilyRun, Stopped
 from ..groups import groups, movable, velocities_in_group
 from ..row import Row
 from ..run import largest_error
-from . import driver
+from . import driver, march
 from .accuracy import COARSER, apart, compare, left_open
 from .layout import Layout, is_even, lay_out, own_laws
 from .method import tolerance_of, vibration_of
@@ -31,7 +32,8 @@ def together(row: Row) -> int:
     """
     seconds = math.prod(row.system.shape) * MEMBER_TIME
     alone = any(i < 0 for i in row.contact_link) or own_laws(row)
-    return TOGETHER if is_even(row) and not alone and driver.pays(seconds) else 0
+    pays = is_even(row) and not alone and kernels.worth_compiling(seconds, march.follow)
+    return TOGETHER if pays else 0
 
 
 def solve_family(
@@ -93,7 +95,7 @@ def beyond(row: Row) -> Any:
 
 def run_members(layout: Layout, wanted: Any, stop: Callable[[], bool]) -> None:
     """Run members one after the other, on their records and one log."""
-    follow, known = driver.kernel(), layout.first.shape[1]
+    follow, known = kernels.compiled(march.follow), layout.first.shape[1]
     matrix = driver.matrix_of(layout.node[0])
     log, turn = np.zeros(ROOM, PIECE), np.zeros(ROOM, TURN)
     own = layout.node, layout.link, layout.mass, layout.line

@@ -19,48 +19,39 @@ SHORTEST = 16  # ticks of a piece that is taken however rough it is
 ROOM = 4  # pieces that a link may add in a step
 
 
-def follow_of(digest: str) -> Any:
-    """Return the kernel `follow`, which closes over a digest of the sources it is made from.
+def follow(
+    runs: Any, node: Any, link: Any, mass: Any, line: Any, log: Any, turn: Any, part: Any,
+    G: Any,
+) -> int:
+    """Run to `run.end`, or to the proof that nothing meets any more and `run.extra` ticks more.
 
-    What numba keeps on disk is not used again after a change.
+    All state is in the records: a run that has no room left goes on once it has more.
+
+    Returns
+    -------
+    int
+        A `Stop`.
     """
-
-    def follow(
-        runs: Any, node: Any, link: Any, mass: Any, line: Any, log: Any, turn: Any, part: Any,
-        G: Any,
-    ) -> int:
-        """Run to `run.end`, or to the proof that nothing meets any more and `run.extra` ticks more.
-
-        All state is in the records: a run that has no room left goes on once it has more.
-
-        Returns
-        -------
-        int
-            A `Stop`.
-        """
-        digest  # noqa: B018
-        run, room = runs[0], 2 + ROOM * len(link) + len(mass)
-        run.stop = Stop.NONE.value
-        while run.stop == Stop.NONE:
-            at = node[behind(node)]
-            due = run.surveyed == NONE or at.now >= min(run.end, run.check)
-            if not due and run.steps >= run.limit:
-                run.stop = Stop.CAP.value
-            elif not due and (
-                run.pieces + room > len(log) or run.turns + len(link) + FLIPS > len(turn)
-            ):
-                run.stop = Stop.FULL.value
-            if due or run.stop == Stop.CAP:
-                finality.look(run, link, mass, line, log, part, min(at.now, run.end))
-            elif run.stop == Stop.NONE:
-                run.steps += 1
-                if at.mirror:
-                    at.now = lines.reflect(run, line, log, at)
-                elif not advance(run, node, link, mass, line, log, turn, G, at):
-                    run.stop = Stop.STUCK.value
-        return int(run.stop)
-
-    return follow
+    run, room = runs[0], 2 + ROOM * len(link) + len(mass)
+    run.stop = Stop.NONE.value
+    while run.stop == Stop.NONE:
+        at = node[behind(node)]
+        due = run.surveyed == NONE or at.now >= min(run.end, run.check)
+        if not due and run.steps >= run.limit:
+            run.stop = Stop.CAP.value
+        elif not due and (
+            run.pieces + room > len(log) or run.turns + len(link) + FLIPS > len(turn)
+        ):
+            run.stop = Stop.FULL.value
+        if due or run.stop == Stop.CAP:
+            finality.look(run, link, mass, line, log, part, min(at.now, run.end))
+        elif run.stop == Stop.NONE:
+            run.steps += 1
+            if at.mirror:
+                at.now = lines.reflect(run, line, log, at)
+            elif not advance(run, node, link, mass, line, log, turn, G, at):
+                run.stop = Stop.STUCK.value
+    return int(run.stop)
 
 
 def behind(node: Any) -> int:
