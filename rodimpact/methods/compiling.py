@@ -194,19 +194,24 @@ def digest_of(module: ModuleType) -> str:
 
 
 @functools.cache
-def _slots(record: Any) -> type:
-    """A class with the fields of a record."""
-    return type("Record", (), {"__slots__": tuple(record.names)})
+def _kind(record: Any) -> type:
+    """A class with the fields of a record, 0 at first."""
+    return type("Record", (), {name: np.zeros((), record[name]).tolist() for name in record.names})
+
+
+def blank(count: int, record: Any) -> list[Any]:
+    """Return objects with the fields of a record of plain numbers, all 0."""
+    kind = _kind(record)
+    return [kind() for _ in range(count)]
 
 
 def as_objects(records: Any) -> list[Any]:
     """Return an array of records as a list of small objects with lists, for plain Python."""
-    kind, names = _slots(records.dtype), records.dtype.names
+    kind, names = _kind(records.dtype), records.dtype.names
     objects = []
     for row in zip(*(records[name].tolist() for name in names), strict=True):
         one = kind()
-        for name, value in zip(names, row, strict=True):
-            setattr(one, name, value)
+        vars(one).update(zip(names, row, strict=True))
         objects.append(one)
     return objects
 

@@ -22,7 +22,6 @@ __all__ = ["Kernel", "compiled"]
 # what things cost, s of processor time
 STARTING, LOADING = 0.4, 0.1  # numba itself; machine code from disk
 COMPILING = 3.0  # after so much in plain Python machine code is made, whatever it takes: it is kept
-CALLING = 5e-4  # a compiled call, with space for its arrays
 LIST_TIME = 5e-8  # a number to and from a list
 
 
@@ -54,10 +53,10 @@ def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
     """
     if _forced is not None:
         return _forced and not why_not()
-    if seconds + ahead <= CALLING or not _asked_for():
-        return False
+    if kernel in _ready:
+        return True
     total = _spent.get(kernel, 0.0) + seconds
-    if kernel not in _ready and not _pays(total + ahead, kernel):
+    if not _asked_for() or not _pays(total + ahead, kernel):
         _spent[kernel] = total
         return False
     _ready.add(kernel)

@@ -15,7 +15,6 @@ from ..model.frozen import InvalidModel, Problems, number
 from ..units import shown
 from . import abilities
 from .family import READ, FamilyRun
-from .fronts import families as front_families
 from .fronts import method as fronts
 from .grid import method as grid
 from .pieces import families as piece_families
@@ -42,7 +41,7 @@ class Method(NamedTuple):
 
 METHODS = {
     "fronts": Method(fronts.LACKS, (), fronts.solve, ("progress", "announce"),
-                     front_families.solve_family, front_families.together, READ),
+                     fronts.solve_family, fronts.together, READ),
     "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, ("progress", "announce"),
                               piece_families.solve_family, piece_families.together, ("accuracy",)),
     "finite-difference": Method(

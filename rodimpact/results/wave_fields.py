@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods import kernels
+from ..methods.compiling import as_objects
 from ..methods.clock import Clock
-from ..methods.fronts.reading_kernel import largest_difference
+from ..methods.fronts.records import NONE, ROW
+from ..methods.fronts.stock import largest_difference
 from ..methods.run import Signals
 from ..methods.signals import (
     Floats,
@@ -249,17 +251,17 @@ class WaveFields(Fields):
         for s, piece in zip(range(first, last + 1), rod.segments, strict=True):
             waves = [_in_steps(wave) for wave in self.waves(s)]
             counts = [len(wave.ticks) for wave in waves]
-            after = np.arange(1, sum(counts) + 1)
-            after[[counts[0] - 1, -1]] = -1
+            log = np.zeros(sum(counts), ROW)
+            log["tick"] = np.concatenate([w.ticks for w in waves])
+            log["value"] = np.concatenate([w.values for w in waves])
+            log["after"] = np.arange(1, sum(counts) + 1)
+            log["after"][[counts[0] - 1, -1]] = NONE
             overlapping = counts[0] * counts[1] * min(1.0, 2 * self.clock.ticks[s] / self.end)
-            kernel: Any = largest_difference
+            ends = 0, counts[0], self.clock.ticks[s], self.end, SLIVER
             if kernels.worth_compiling(overlapping * PAIR_TIME, largest_difference):
-                kernel = kernels.compiled(largest_difference)
-            columns: list[Any] = [np.concatenate([w.ticks for w in waves]), after,
-                       np.concatenate([w.values for w in waves])]
-            if kernel is largest_difference:
-                columns = [column.tolist() for column in columns]
-            parted = kernel(*columns, (0, counts[0]), self.clock.ticks[s], self.end, SLIVER)
+                parted = kernels.compiled(largest_difference)(log, *ends)
+            else:
+                parted = largest_difference(as_objects(log), *ends)
             E = float(piece.material.youngs_modulus)
             stresses.append(E * parted / (2 * self.clock.wave_speed[s]))
         return float(max(stresses))

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from functools import reduce
+from typing import Any
 
 import numpy as np
 
+from ...model import Absorbing, Bonded, Fixed, Free
 from ...units import format_si
 from .. import abilities as physics
 from ..duration import Forecast, Progress
-from ..row import Row
-from ..run import MEASURES, VELOCITY, Run
+from ..family import STOPPED_BY, FamilyRun
+from ..groups import body_velocities, groups
+from ..row import Array, Row
+from ..run import MAX_EVENTS, MEASURES, VELOCITY, ContactTally, Run, Totals
 from ..status import (
     ROUNDED,
     end_sentence,
@@ -21,12 +25,11 @@ from ..status import (
     rounding,
     strain_warning,
 )
-from .assembly import Assembly, assemble
-from .front_kernel import GRAZE, OPEN, PRESS, State, Tally
-from .layout_kernel import TOLERANCE
+from . import driver
+from .driver import Plan
+from .records import NONE, Status, Stop
+from .run import FrontRun
 from .signals import signals_of
-from .totals import tallies_of, totals_of
-from .tracking import FrontRun, track
 
 LACKS = (
     physics.MASSES, physics.COMPLIANCE, physics.JOINTS, physics.GRAVITY, physics.SMOOTH_STATES,
@@ -37,6 +40,7 @@ LESS = "an earlier end (until), or a lower cap (max_events),"
 EXACT = 2.0**-48  # relative change of a transit time that is round-off
 MORE = 4  # times the events of a run that another may take, beside rounded transit times
 NO_ROUNDING: Mapping[str, float] = {}
+MOST_MEMBERS, MOST_BYTES = 16384, 1 << 24  # of one call of `solve_family`, for memory's sake
 
 
 def solve(
@@ -44,42 +48,50 @@ def solve(
     announce: Callable[[str], None] | None = None,
 ) -> Run:
     """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
-    forecast = Forecast(announce, LESS, progress)
-    run = track(assemble(row, until), until, max_events, forecast)
-    return hand_over(run, until, effect_of_rounding(run, until))
+    run = track(row, until, max_events, Forecast(announce, LESS, progress))
+    return hand_over(run, until, effect_of_rounding(run))
+
+
+def track(
+    row: Row, until: float | None = None, max_events: int = MAX_EVENTS,
+    forecast: Forecast | None = None,
+) -> FrontRun:
+    """Follow every front of a collision."""
+    return FrontRun(driver.solve_one(Plan(row), until, max_events, forecast))
+
+# What a run came to -------------------------------------------------------------------------------
 
 
 def hand_over(
     run: FrontRun, until: float | None, accuracy: Mapping[str, float] = NO_ROUNDING
 ) -> Run:
     """What every method hands back, of a run to `until`."""
-    a, tallies = run.assembly, tallies_of(run)
-    proved, t_final = run.finality_time >= 0, math.nan
+    a, now, tallies = run.clock, run.run.now, tallies_of(run)
+    proved, t_final = run.finality_time != NONE, math.nan
     if proved:
-        ends = ends_of_contacts(run.state, run.tally, a.nodes, a.tick)
-        t_final = last_contact(ends, run.end * a.tick, 2 * a.longest * a.tick)
+        ends = ends_of_contacts(run.node, run.plan.contacts, a.tick)
+        t_final = last_contact(ends, now * a.tick, 2 * a.longest * a.tick)
     return Run(
-        method="fronts", until=until, clock=a, end=run.end,
-        t_end=until if until is not None and run.stopped_by == "until" else run.end * a.tick,
+        method="fronts", until=until, clock=a, end=now,
+        t_end=until if until is not None and run.stopped_by == "until" else now * a.tick,
         t_final=t_final, t_proved=run.finality_time * a.tick if proved else math.nan,
         stopped_by=run.stopped_by, status=_status(run, t_final) + _told(accuracy),
-        events=run.events, accuracy=accuracy,
+        events=run.run.events, accuracy=accuracy,
         contacts=tallies, totals=totals_of(run, tallies), make_signals=lambda: signals_of(run),
     )
 
 
 def _status(run: FrontRun, t_final: float) -> str:
     """Why the run ended, and what to do if that is not enough."""
-    a, values = run.assembly, run.log.value
-    final = "" if run.finality_time < 0 else pressing(
-        run.state, run.tally, a.nodes) or proof_sentence(any(run.tally.episodes), t_final)
-    end = format_si(run.end * a.tick, "s")
-    sentence = cut_short(run.stopped_by, final, run.events, end) or end_sentence(
-        a.system, run.stopped_by, final, end, f"{run.events} events")
-    fastest = max(map(abs, values)) if isinstance(values, list) else float(np.abs(values).max())
+    a, node = run.clock, run.node
+    final = "" if run.finality_time == NONE else pressing(
+        node, run.plan.contacts) or proof_sentence(any(at.episodes for at in node), t_final)
+    end, events = format_si(run.run.now * a.tick, "s"), run.run.events
+    sentence = cut_short(run.stopped_by, final, events, end) or end_sentence(
+        a.system, run.stopped_by, final, end, f"{events} events")
     return (
         sentence + rounding(a.transit_error, a.worst)
-        + strain_warning(fastest / min(a.wave_speed[1:-1]))
+        + strain_warning(run.run.fastest / min(a.wave_speed[1:-1]))
     )
 
 
@@ -92,16 +104,15 @@ def _told(accuracy: Mapping[str, float]) -> str:
     return f" Stated relative error: {max(accuracy.values()):.1g}."
 
 
-def effect_of_rounding(run: FrontRun, until: float | None) -> Mapping[str, float]:
+def effect_of_rounding(run: FrontRun) -> Mapping[str, float]:
     """Error of each measure of the outcome by transit times that the clock has rounded.
 
     They lie between those in use and the next tick on the other side. The outcome is compared with
     that of a second run there, and differs more from it than from the true one.
     """
-    a = run.assembly
-    if a.transit_error <= ROUNDED or run.stopped_by == "max_events":
+    if run.clock.transit_error <= ROUNDED or run.stopped_by == "max_events":
         return NO_ROUNDING
-    other = track(beside(a), until, MORE * run.events + MORE)
+    other = beside(run)
     if other.stopped_by != run.stopped_by:
         return dict.fromkeys(MEASURES, math.inf)
     found = {}
@@ -109,31 +120,31 @@ def effect_of_rounding(run: FrontRun, until: float | None) -> Mapping[str, float
         change = max((abs(x - y) for x, y in zip(here, there, strict=True)), default=0.0)
         scale = max(map(abs, here), default=0.0)
         if name == VELOCITY:
-            scale = a.tolerance / TOLERANCE
+            scale = run.run.scale
         found[name] = change / scale if change > 0 else 0.0
     return found
 
 
 def _measured(run: FrontRun) -> list[list[float]]:
     """What `MEASURES` names, by body or by contact."""
-    tallies, tick, t = tallies_of(run), run.assembly.tick, run.tally
+    tallies, tick = tallies_of(run), run.clock.tick
     return [
         list(totals_of(run, tallies).velocities[1]), [t.impulse for t in tallies],
         [t.peak_force for t in tallies], [t.duration for t in tallies],
-        [at[k] * tick for at in (t.first, t.last, t.opened) for k in run.assembly.nodes],
+        [getattr(run.node[k], name) * tick for name in ("first", "last", "opened")
+         for k in run.plan.contacts],
     ]
 
 
-def beside(a: Assembly) -> Assembly:
+def beside(run: FrontRun) -> FrontRun:
     """The same row with rounded transit times a tick longer or shorter: beyond the true ones."""
-    ticks, waves = list(a.ticks), [list(fronts) for fronts in a.waves]
+    a = run.clock
+    ticks = list(a.ticks)
     for s in range(1, len(ticks) - 1):
         off = ticks[s] * a.tick / (a.length[s] / a.wave_speed[s]) - 1
         if abs(off) > EXACT:
             ticks[s] += -1 if off > 0 and ticks[s] > 1 else 1
-        for line in (2 * s, 2 * s + 1):
-            waves[line][0] = -ticks[s], waves[line][0][1]
-    return replace(a, ticks=ticks, waves=waves)
+    return FrontRun(driver.run_on(run.members.with_ticks(ticks, MORE * run.run.events + MORE)))
 
 
 def cut_short(stopped_by: str, final: str, events: int, end: str) -> str:
@@ -151,25 +162,154 @@ def cut_short(stopped_by: str, final: str, events: int, end: str) -> str:
     return ""
 
 
-def ends_of_contacts(
-    state: State, tally: Tally, nodes: Sequence[int], tick: float
-) -> list[list[float]]:
+def ends_of_contacts(node: Sequence[Any], contacts: Sequence[int], tick: float) -> list[list[float]]:
     """When the force and the touch of each contact that pressed ended, as `last_contact` asks."""
+    pressed = [node[k] for k in contacts if node[k].status >= Status.OPEN and node[k].episodes > 0]
     return [
-        [
-            math.nan if state.status[node] == PRESS else tally.last[node] * tick,
-            math.nan if state.status[node] >= GRAZE else tally.opened[node] * tick,
-        ]
-        for node in nodes if state.status[node] >= OPEN and tally.episodes[node] > 0
+        [math.nan if at.status == Status.PRESS else at.last * tick,
+         math.nan if at.status >= Status.GRAZE else at.opened * tick]
+        for at in pressed
     ]
 
 
-def pressing(state: State, tally: Tally, nodes: Sequence[int]) -> str:
+def pressing(node: Sequence[Any], contacts: Sequence[int]) -> str:
     """What is said where contacts go on pressing for ever."""
     found = ", ".join([
-        f"{i}" for i, node in enumerate(nodes)
-        if state.status[node] == PRESS and state.force[node] > ROUND_OFF * tally.peak[node]
+        f"{i}" for i, k in enumerate(contacts)
+        if node[k].status == Status.PRESS and node[k].force > ROUND_OFF * node[k].peak
     ])
     if found == "":
         return ""
     return f"Nothing changes any more; contact {found} goes on pressing."
+
+
+def tallies_of(run: FrontRun) -> tuple[ContactTally, ...]:
+    """Totals of every contact in SI units."""
+    tick = run.clock.tick
+    return tuple(
+        ContactTally(
+            impulse=at.impulse * tick, peak_force=at.peak, duration=at.pressed * tick,
+            first=at.first * tick if at.first != NONE else math.nan,
+            last=at.last * tick if at.last != NONE else math.nan, episodes=at.episodes,
+        )
+        for at in (run.node[k] for k in run.plan.contacts)
+    )
+
+
+def totals_of(run: FrontRun, tallies: Sequence[ContactTally]) -> Totals:
+    """Read the totals off a finished run."""
+    a, scale = run.clock, run.run.scale
+    system, count, first = a.system, len(a.spans), [span[0] for span in a.spans]
+    masses = [a.mass(i) for i in range(count)]
+    velocity, momentum, vibration = (
+        [[getattr(s, name) for s in run.segment] for name in names] for names in (
+            ("initial", "velocity"), ("initial_momentum", "momentum"),
+            ("initial_vibration", "vibration")))
+    before, after = (
+        [float(v) for v in velocities]
+        for velocities in body_velocities(system, first, a.frame, *velocity)
+    )
+    vibration_before, vibration_after = (
+        [math.fsum(stock[s : e + 1]) * a.tick for s, e in a.spans] for stock in vibration
+    )
+    kinetic_before, kinetic_after = (
+        sum(m * (stock[s] + a.frame) ** 2 / 2
+            for m, (s, e) in zip(masses, a.spans, strict=True) if e) for stock in velocity
+    )
+    absolute, outside_impulse, wall_work, lent = run.run.absolute, 0.0, 0.0, 0.0
+    for i, k, sign in ((0, 0, 1), (count - 1, count - 2, -1)):
+        if masses[i] == math.inf:
+            impulse = sign * tallies[k].impulse
+            outside_impulse += impulse
+            wall_work += impulse * after[i]
+            absolute += abs(impulse)
+            if isinstance(system.contacts[k], Bonded):  # the wall lends energy and takes it back
+                group = next(g for g in groups(system) if i in g)
+                swinging = sum(masses[j] for j in group if masses[j] < math.inf)
+                lent += swinging * abs(after[i]) * scale
+    drive_work = radiated = 0.0
+    for end, node, sign in zip(system.ends, (0, -1), (1, -1), strict=True):
+        if isinstance(end, Free):
+            continue
+        impulse = run.node[node].impulse * a.tick
+        work = sign * (run.node[node].work * a.tick + a.frame * impulse)
+        outside_impulse += sign * impulse
+        absolute += abs(impulse)
+        if isinstance(end, Absorbing):
+            radiated -= work
+        elif not isinstance(end, Fixed):
+            drive_work += work
+        if not isinstance(end, Fixed):  # what goes in and out again is no more exact than this
+            mass = sum(m for m in masses if m < math.inf)
+            absolute += mass * scale
+            lent += mass * scale**2 / 2
+    gained = math.fsum(momentum[1]) - math.fsum(momentum[0])
+    missing = gained * a.tick - outside_impulse
+    energy_before = kinetic_before + sum(vibration_before)
+    energy_gained = kinetic_after + sum(vibration_after) - energy_before
+    turnover = energy_before + abs(wall_work) + lent + abs(drive_work) + abs(radiated)
+    return Totals(
+        masses=masses, velocities=(before, after), kinetic=(kinetic_before, kinetic_after),
+        vibration=(vibration_before, vibration_after),
+        momentum=(missing, absolute),
+        energy=(energy_gained - wall_work - drive_work + radiated, turnover),
+        works={"wall_work": wall_work, "drive_work": drive_work, "radiated": radiated},
+    )
+
+
+# Families -----------------------------------------------------------------------------------------
+
+
+def together(row: Row) -> int:
+    """How many members to run in one call."""
+    n, numbers = len(row.segments), len(Plan(row).numbers)
+    return int(max(1, min(MOST_MEMBERS, MOST_BYTES // (8 * (numbers + 6 * (n + 2))))))
+
+
+def solve_family(
+    row: Row, until: float | None, max_events: int, stop: Callable[[], bool] = lambda: False,
+    more: int = 0, also: Sequence[str] = (),
+) -> FamilyRun:
+    """Totals of every member, and what is wanted of `READ`; arguments as of `solve_many`."""
+    plan, system, shape = Plan(row), row.system, row.system.shape
+    reads = not {"displacement", "largest_stress"}.isdisjoint(also)
+    run = driver.solve_many(plan, shape, until, max_events, stop, more, reads)
+    final, refused = run["final"] & (not physics.driven(system)), run["stop"] >= Stop.OVERFLOW
+    unknown = np.where(refused, math.nan, 0.0)
+    stocks = ([x.reshape(shape) for x in run[name].T] for name in ("before", "after"))
+    before, after = (
+        [unknown + np.broadcast_to(v, shape).ravel() for v in velocities]
+        for velocities in body_velocities(system, [first for first, _ in row.spans], 0.0, *stocks)
+    )
+    contacts = {"episodes": [run["episodes"][:, k] for k in plan.contacts]}
+    for name in ("impulse", "peak_force", "duration"):
+        contacts[name] = [unknown + run[name][:, k] for k in plan.contacts]
+    capped = (run["stop"] == Stop.CAP) & (~final | (until is not None))
+    reasons = [capped, run["stop"] == Stop.CLOCK, refused, final & (until is None)]
+    places = [STOPPED_BY.index(name) for name in ("max_events", "clock", "refused", "final")]
+    return FamilyRun(
+        before, after, unknown + run["vibration"], contacts, final,
+        np.select(reasons, places, STOPPED_BY.index("until")),
+        {"dissipated": unknown, **(_read(row, run, unknown) if reads else {})},
+    )
+
+
+def _read(row: Row, run: Mapping[str, Array], unknown: Array) -> dict[str, Array]:
+    """Columns of what was read of the waves. Where bodies are walls nothing is: they move on."""
+    columns, shape = dict[str, Array](), row.system.shape
+    for i, (body, (first, last)) in enumerate(zip(row.system.bodies, row.spans, strict=True)):
+        if not last:
+            speed: Any = np.broadcast_to(np.asarray(body.velocity), shape).ravel()
+            columns[f"displacement.{i}"] = unknown + speed * run["time"]
+            continue
+        inside = range(first, last + 1)
+        pieces = [row.segments[s - 1] for s in inside]
+        masses = [np.broadcast_to(piece.mass, shape).ravel() for piece in pieces]
+        paths = [m * run["moved"][:, s] for m, s in zip(masses, inside, strict=True)]
+        columns[f"displacement.{i}"] = unknown + sum(paths) / sum(masses)
+        stresses = [
+            np.broadcast_to(piece.material.youngs_modulus / (2 * piece.wave_speed), shape).ravel()
+            * run["parted"][:, s] for piece, s in zip(pieces, inside, strict=True)
+        ]
+        columns[f"largest_stress.{i}"] = unknown + reduce(np.maximum, stresses)
+    return columns

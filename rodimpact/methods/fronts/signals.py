@@ -8,35 +8,33 @@ from typing import Any
 import numpy as np
 
 from ...model import Absorbing, Bonded, Fixed, Free, Wall
+from ..clock import Clock
 from ..run import INWARD, ContactSignal, Episode, Outside, Signals, Waves
 from ..signals import Pieces, each_once
-from .assembly import Assembly
-from .front_kernel import OPEN, PRESS, Log
-from .tracking import FrontRun
+from .records import CHANGE, Status
+from .run import FrontRun
 
 
 def signals_of(run: FrontRun) -> Signals:
     """All that a run knows of the motion."""
-    a = run.assembly
-    lines = _waves(len(a.ticks), run.log)
-    changes = _changes(a, run.log)
+    system, end = run.clock.system, run.run.now
+    lines, changes = _waves(len(run.segment), run.log), _changes(run)
     contacts = tuple(
-        _contact(a, lines, changes[node], node, run.end, isinstance(law, Bonded))
-        for node, law in zip(a.nodes, a.system.contacts, strict=True)
+        _contact(run, lines, changes[node], k, isinstance(law, Bonded))
+        for k, (node, law) in enumerate(zip(run.plan.contacts, system.contacts, strict=True))
     )
-    left, right = (_outside(a, lines, contacts, place, run.end) for place in (0, -1))
+    left, right = (_outside(run.clock, lines, contacts, place, end) for place in (0, -1))
     return Signals(Waves(lines), contacts, (left, right))
 
 
-def _waves(segments: int, log: Log) -> list[Pieces | None]:
+def _waves(segments: int, log: Any) -> list[Pieces | None]:
     """One signal a line of a segment."""
-    line = np.asarray(log.line, dtype=np.int32)
-    order = np.argsort(line, kind="stable")
-    counts = np.bincount(line, minlength=2 * segments)
+    log = log[log["line"] != CHANGE]
+    order = np.argsort(log["line"], kind="stable")
+    counts = np.bincount(log["line"], minlength=2 * segments)
     order, counts = order[counts[0] : len(order) - counts[-1]], counts[:-2]
     counts[0] = 0
-    ticks = np.asarray(log.tick, dtype=np.int64)[order]
-    values = np.asarray(log.value, dtype=np.float64)[order]
+    ticks, values = log["tick"][order], log["value"][order]
     stops = np.cumsum(counts)
     return [
         Pieces(ticks[stop - n : stop], values[stop - n : stop]) if n else None
@@ -44,40 +42,39 @@ def _waves(segments: int, log: Log) -> list[Pieces | None]:
     ]
 
 
-def _changes(a: Assembly, log: Log) -> dict[int, Pieces]:
+def _changes(run: FrontRun) -> dict[int, Pieces]:
     """Status of each contact, by node; that before any change holds from tick -1 on."""
-    columns: Any = [np.asarray(column).tolist() for column in
-                    (log.change_tick, log.change_node, log.change_status)]
-    by_node: dict[int, tuple[list[int], list[int]]] = {
-        node: ([-1], [a.status[node]]) for node in a.nodes
-    }
-    for tick, node, status in zip(*columns, strict=True):
-        by_node[node][0].append(tick)
-        by_node[node][1].append(status)
+    by_node: dict[int, tuple[list[int], list[int]]] = {}
+    for node, gap in zip(run.plan.contacts, run.gaps, strict=True):
+        by_node[node] = [-1], [Status.OPEN if gap > 0 else run.node[node].kind]
+    for row in run.log[run.log["line"] == CHANGE]:
+        ticks, statuses = by_node[int(row["after"])]
+        ticks.append(int(row["tick"]))
+        statuses.append(int(row["value"]))
     return {node: Pieces(*columns) for node, columns in by_node.items()}
 
 
 def _contact(
-    a: Assembly, lines: Sequence[Pieces | None], changes: Pieces, node: int, end: int,
-    bonded: bool,
+    run: FrontRun, lines: Sequence[Pieces | None], changes: Pieces, contact: int, bonded: bool,
 ) -> ContactSignal:
     """Force and gap, from the waves that arrive at a contact and its changes of status."""
-    left, right = (_arrivals(a, lines, node, side) for side in (0, 1))
+    a, node, end = run.clock, run.plan.contacts[contact], run.run.now
+    left, right = (_arrivals(run, lines, node, side) for side in (0, 1))
     ticks = each_once([0], left.ticks, right.ticks, changes.ticks)
     ticks = ticks[(ticks >= 0) & (ticks <= end)]
     closing = left.at(ticks) - right.at(ticks)
     yielding = sum(1 / a.impedance[s] for s in (node, node + 1) if a.impedance[s])
     status = changes.at(ticks)
-    pressing = np.full(ticks.shape, True) if bonded else status == PRESS
+    pressing = np.full(ticks.shape, True) if bonded else status == Status.PRESS
     force = np.where(pressing, closing / yielding, 0.0)
-    opening = np.where(status == OPEN, -closing, 0.0)
-    opening[np.abs(opening) <= a.tolerance] = 0.0
+    opening = np.where(status == Status.OPEN, -closing, 0.0)
+    opening[np.abs(opening) <= run.run.tolerance] = 0.0
     travelled = np.concatenate(([0.0], np.cumsum(opening[:-1] * np.diff(ticks))))
     # every change of status but the initial one leaves the gap at 0
     change = np.searchsorted(ticks, changes.ticks[1:])
     last = np.searchsorted(changes.ticks[1:], ticks, "right") - 1
-    zero = np.append(travelled[change], -a.gaps[node])[last]
-    gap = np.where(status == OPEN, travelled - zero, 0.0)
+    zero = np.append(travelled[change], -run.gaps[contact])[last]
+    gap = np.where(status == Status.OPEN, travelled - zero, 0.0)
     until = gap + opening * np.diff(ticks, append=end)
     return ContactSignal(
         Pieces(ticks, force), Pieces.lines(ticks, gap * a.tick, until * a.tick, end),
@@ -85,12 +82,14 @@ def _contact(
     )
 
 
-def _arrivals(a: Assembly, lines: Sequence[Pieces | None], node: int, right: int) -> Pieces:
+def _arrivals(
+    run: FrontRun, lines: Sequence[Pieces | None], node: int, right: int
+) -> Pieces:
     segment = node + right
-    wave = lines[2 * segment + right] if a.impedance[segment] else None
-    if wave is None:
-        return Pieces([0], [a.outside[right]])
-    return wave.later(a.ticks[segment])
+    wave = lines[2 * segment + right] if run.clock.impedance[segment] else None
+    if wave is None:  # of a wall
+        return Pieces([0], [run.line[-right].arrived])
+    return wave.later(run.clock.ticks[segment])
 
 
 def _episodes(changes: Pieces, tick: float) -> tuple[Episode, ...]:
@@ -99,12 +98,12 @@ def _episodes(changes: Pieces, tick: float) -> tuple[Episode, ...]:
     touching = False
     for when, status in zip(changes.ticks[1:], changes.values[1:], strict=True):
         t = float(when) * tick
-        if status == PRESS:
+        if status == Status.PRESS:
             start, force_end = (start, np.nan) if touching else (t, np.nan)
             touching = True
         elif touching:
             force_end = t if np.isnan(force_end) else force_end
-            if status == OPEN:
+            if status == Status.OPEN:
                 episodes.append(Episode(start, force_end, t))
                 touching = False
     if touching:
@@ -113,7 +112,7 @@ def _episodes(changes: Pieces, tick: float) -> tuple[Episode, ...]:
 
 
 def _outside(
-    a: Assembly, lines: Sequence[Pieces | None], contacts: Sequence[ContactSignal],
+    a: Clock, lines: Sequence[Pieces | None], contacts: Sequence[ContactSignal],
     place: int, end: int,
 ) -> Outside | None:
     """What acts on the first (0) or the last (-1) end of the row."""

@@ -15,9 +15,9 @@ from ...model import Rod, Samples, Steps
 from ...model.frozen import InvalidModel
 from ...model.profiles import extremes
 from .. import laws as old
-from .. import tick_rule_kernel as rule
+from .. import tick_rule as rule
 from ..abilities import driven
-from ..compiling import Functions
+from ..compiling import Functions, blank
 from ..row import Row
 from . import finality, waves
 from .records import (
@@ -239,13 +239,11 @@ def _clock(
         bits = rule.clock_bits(float(end[m] / reference[m]))
         if bits < rule.COARSEST:
             raise InvalidModel([_too_long(float(end[m]), float(reference[m]))])
-        n = durations.shape[1]
-        made = [0] * n
-        whole = 1 << bits
-        if n:
-            whole = rule.assign_ticks(
-                durations[m].tolist(), bits, [0] * n, [0] * n, [0] * n, made)
-        tick[m] = reference[m] / whole
+        span = blank(durations.shape[1], rule.SPAN)
+        for one, time in zip(span, durations[m].tolist(), strict=True):
+            one.time = time
+        tick[m] = reference[m] / (rule.assign_ticks(span, bits) if span else 1 << bits)
+        made = [one.ticks for one in span]
         ticks[m], more = made[: len(transits)], made[len(transits) :]
         jumps.append(more)
         if len(transits) and ticks[m].min() <= 4096:

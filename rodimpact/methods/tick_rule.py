@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 TERMS = 1 << 20  # largest numerator or denominator of a recognised ratio
 SLACK = 4.0 * 2.0**-52  # relative error of a ratio of two quotients of floats
 MOST_PARTS = 1 << 40  # into how many units the longest duration may be divided
@@ -19,6 +21,13 @@ LEAST_UNIT = 2.0**40  # ticks in the unit of any further class, so that rounding
 CLOCK_BITS = 62  # ticks end at 2^62
 HORIZON = 4096  # longest transits for which the clock has room when no end is given
 FINEST, COARSEST = 50, 20  # longest transit in ticks, as a power of two
+
+SPAN = np.dtype([
+    ("time", "f8"), ("ticks", "i8"),  # s
+    ("place", "i8"),  # of the span that comes here by decreasing duration
+    ("p", "i8"), ("q", "i8"),  # ratio to the longest of its class; q < 0: it has its ticks
+], align=True)
+"""A duration to be counted in ticks."""
 
 
 def recognise(x: float) -> tuple[int, int]:
@@ -49,46 +58,52 @@ def recognise(x: float) -> tuple[int, int]:
     return 0, 0
 
 
-def common_parts(durations: Any, order: Any, start: int, most: int, p: Any, q: Any) -> int:
-    """Gather the class of the duration at order[start]: those in a simple ratio to it.
+def common_parts(span: Any, start: int, most: int) -> int:
+    """Gather the class of the longest duration that is left: those in a simple ratio to it.
 
     Parameters
     ----------
-    durations : [n] float
-    order : [n] int
-        Indices by decreasing duration.
+    span : [n] SPAN
+        By their places; members of an earlier class have q < 0. Members of this one get their ratio
+        p/q to the longest, the others q = 0.
     start : int
-        Place in `order` of the class's longest member.
+        Place of the longest member of the class.
     most : int
         Largest number of parts allowed.
-    p, q : [n] int
-        q < 0 marks a member of an earlier class. Members get their ratio p/q to the longest,
-        the others q = 0.
 
     Returns
     -------
     int
         Number of equal parts of the longest in which all members are whole.
     """
-    parts = 1
-    longest = durations[order[start]]
-    p[order[start]] = q[order[start]] = 1
-    for i in range(start + 1, len(order)):
-        j = order[i]
-        if q[j] >= 0:
-            p[j], q[j] = recognise(durations[j] / longest)
-            if q[j] > 0:
-                shared = parts // math.gcd(parts, q[j]) * q[j]
+    parts, first = 1, span[span[start].place]
+    first.p = first.q = 1
+    for i in range(start + 1, len(span)):
+        other = span[span[i].place]
+        if other.q >= 0:
+            other.p, other.q = recognise(other.time / first.time)
+            if other.q > 0:
+                shared = parts // math.gcd(parts, other.q) * other.q
                 if shared <= most:
                     parts = shared
                 else:
-                    q[j] = 0
+                    other.q = 0
     return parts
 
 
-def assign_ticks(
-    durations: Any, bits: int, order: Any, p: Any, q: Any, ticks: Any, late: int = 0
-) -> int:
+def put_in_order(span: Any, late: int) -> None:
+    """Sort spans by decreasing duration, the last `late` of them by themselves."""
+    n = len(span)
+    for i in range(n):
+        j, first = i, 0 if i < n - late else n - late
+        while j > first and span[span[j - 1].place].time < span[i].time:
+            span[j].place = span[j - 1].place
+            j -= 1
+        span[j].place = i
+        span[i].q = 0
+
+
+def assign_ticks(span: Any, bits: int, late: int = 0) -> int:
     """Give each duration its whole number of ticks; return that of the longest (about 2^bits).
 
     A tick is the longest duration divided by the number returned. The class of the longest is
@@ -98,52 +113,37 @@ def assign_ticks(
 
     Parameters
     ----------
-    durations : [n] float
-        Positive, in any order and any unit.
+    span : [n] SPAN
+        Times are positive, in any order and any unit.
     bits : int
-    order, p, q : [n] int
-        Work space.
-    ticks : [n] int
-        Result.
     late : int
-        So many durations at the end are times of drives: they may be longer than the longest of the
-        others, and lead no class with one of those.
+        So many at the end are times of drives: they may be longer than the longest of the others,
+        and lead no class with one of those.
     """
-    n = len(durations)
-    for i in range(n):
-        j, first = i, 0 if i < n - late else n - late
-        while j > first and durations[order[j - 1]] < durations[i]:
-            order[j] = order[j - 1]
-            j -= 1
-        order[j] = i
-        q[i] = 0
-    longest = durations[order[0]]
-    total = 0
-    for start in range(n):
-        lead = order[start]
-        if q[lead] < 0:
+    put_in_order(span, late)
+    total, longest = 0, span[span[0].place].time
+    for start in range(len(span)):
+        lead = span[span[start].place]
+        if lead.q < 0:
             continue
+        whole, most, unit = lead.time / longest * total, MOST_PARTS, 0
+        if start > 0:
+            most = int(whole / LEAST_UNIT)
+        parts = common_parts(span, start, most) if most > 0 else 0
         if start == 0:
-            parts = common_parts(durations, order, start, MOST_PARTS, p, q)
             unit = max(1, ((1 << bits) + parts // 2) // parts)
             if unit > DIVISIBLE * DIVISIBLE:
                 unit -= unit % DIVISIBLE
             total = unit * parts
-        else:
-            span = durations[lead] / longest * total
-            parts, unit = 0, 0
-            if span >= LEAST_UNIT:
-                parts = common_parts(durations, order, start, int(span / LEAST_UNIT), p, q)
-                unit = int(span / parts + 0.5)
+        elif parts > 0:
+            unit = int(whole / parts + 0.5)
         if unit == 0:
-            ticks[lead] = int(span + 0.5)
-            q[lead] = -1
+            lead.ticks, lead.q = int(whole + 0.5), -1
             continue
-        for i in range(start, n):
-            j = order[i]
-            if q[j] > 0:
-                ticks[j] = unit * (parts // q[j]) * p[j]
-                q[j] = -1
+        for i in range(start, len(span)):
+            one = span[span[i].place]
+            if one.q > 0:
+                one.ticks, one.q = unit * (parts // one.q) * one.p, -1
     return total
 
 

@@ -1,0 +1,364 @@
+"""From a row, or a family of them, to the records of the kernels, and their runs.
+
+Plain Python runs on lists of objects, until machine code pays: then all goes on in arrays.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...model import Absorbing, Bonded, End, Free, Incoming, Moved, Pushed, Rod, Steps
+from ...model.frozen import Number
+from .. import kernels, laws
+from ..compiling import as_objects, as_records, blank
+from ..duration import Forecast
+from ..family import Stopped, now, table
+from ..memory import ask, most_numbers
+from ..row import Array, Row
+from . import events, layout, march, stock
+from .records import BODY, LINE, NODE, NONE, PIECE, ROW, RUN, SEGMENT, Outside, Status, Stop
+
+OUTSIDE: dict[type[End], Outside] = {
+    Absorbing: Outside.ENDLESS, Incoming: Outside.ENDLESS, Pushed: Outside.PUSHED,
+    Moved: Outside.MOVED,
+}  # the others do nothing
+STATUS = {
+    laws.FREE: Status.FREE, laws.FORCE: Status.PUSH, laws.BOND: Status.BOND,
+    laws.RIGID: Status.TOUCH,
+}
+ROOM, MORE_ROOM = 64, 4  # rows of the log at first, and how much longer it gets where it is full
+ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what results make of it
+EVENT_TIMES = 2e-5, 2e-6  # s, about what an event takes in plain Python, and compiled
+ROW_TIME = 2e-6  # s, about what plain Python takes for a row of the log
+PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
+FIRST_BLOCK, LAST_BLOCK = 32, 2048  # members of a block
+PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
+REMEDY = "lower the cap, or stop earlier (until)"
+
+
+class Plan:
+    """What all members of a family share.
+
+    Attributes
+    ----------
+    row : Row
+    body, node : array of BODY, NODE
+    numbers : list of float or array
+        In which members differ, see `layout`.
+    contacts : list of int
+        Node of each contact.
+    segments, pieces, fronts : int
+        How many segments, durations and fronts at t = 0 a member has.
+    """
+
+    def __init__(self, row: Row) -> None:
+        self.row, system = row, row.system
+        bodies, profiles = list[tuple[Any, ...]](), list[Number]()
+        for body, (first, last) in zip(system.bodies, row.spans, strict=True):
+            strain = body.strain if isinstance(body, Rod) else 0.0
+            bodies.append(_entry(first, last, profiles, body.velocity, strain, Outside.STEADY))
+        for side, end in enumerate(system.ends):
+            if not isinstance(end, Free):
+                value, outside = getattr(end, "value", 0.0), OUTSIDE.get(type(end), Outside.STEADY)
+                bodies.insert(side * len(bodies), _entry(1, 0, profiles, value, 0.0, outside))
+        n, pieces, gaps = len(row.segments), row.segments, system.gaps
+        self.numbers: list[Number] = [
+            *(p.wave_speed for p in pieces), *(p.impedance for p in pieces),
+            *(p.length for p in pieces), *gaps, *profiles,
+        ]
+        self.body = np.array(bodies, dtype=BODY)
+        self.body["profile"] += 3 * n + len(gaps)
+        self.contacts = [last for _, last in row.spans[: len(gaps)]]
+        self.node = np.zeros(n + 1, NODE)
+        self.node["kind"] = [STATUS[law] for law in row.laws]
+        self.node["contact"] = NONE
+        self.node["contact"][self.contacts] = range(len(gaps))
+        jumps = sum(velocities + strains - 2 for *_, velocities, strains, _ in bodies)
+        self.segments, self.pieces, self.fronts = n, n + jumps, 2 * (n + jumps) + 2
+
+
+def _entry(
+    first: int, last: int, profiles: list[Number], velocity: Any, strain: Any, outside: Outside
+) -> tuple[Any, ...]:
+    """A BODY, its numbers added to those of the others."""
+    place, counts = len(profiles), []
+    for profile in (velocity, strain):
+        values = [*profile.values] if isinstance(profile, Steps) else [profile]
+        profiles += [*values, *(profile.at if isinstance(profile, Steps) else ())]
+        counts.append(len(values))
+    return first, last, place, *counts, outside
+
+
+class Members:
+    """Some members of a family: their records, and the room that they share.
+
+    Attributes
+    ----------
+    run, segment, node, line, log
+        Arrays of records in machine code, else lists of objects.
+    """
+
+    def __init__(
+        self, plan: Plan, count: int, until: float | None, max_events: int, fast: bool,
+        reads: bool = False, further: bool = False,
+    ) -> None:
+        self.plan, self.fast, n, leaves = plan, fast, plan.segments, 1
+        while leaves <= n:
+            leaves *= 2
+        make: Any = np.zeros if fast else blank
+        self.body, self.node = plan.body, np.tile(plan.node, count)
+        if not fast:
+            self.body, self.node = as_objects(self.body), as_objects(self.node)
+        self.run, self.segment = make(count, RUN), make(count * (n + 2), SEGMENT)
+        self.line, self.piece = make(2 * n + 4, LINE), make(plan.pieces, PIECE)
+        self.log, self.tree = make(ROOM + plan.fronts, ROW), np.zeros(2 * leaves, np.int64)
+        self.given: Any = None
+        if not fast:
+            self.tree = self.tree.tolist()
+        asked = (("until", -1.0 if until is None else until), ("limit", max_events),
+                 ("reads", reads), ("further", further))
+        for name, value in asked:
+            self.set(name, value)
+
+    def set(self, name: str, value: Any) -> None:
+        """Set a field of all runs."""
+        if self.fast:
+            self.run[name] = value
+            return
+        for it in self.run:
+            setattr(it, name, value)
+
+    def lay(self, given: Array) -> None:
+        """Take the numbers of other members, [member, number]."""
+        self.given = given.ravel() if self.fast else given.ravel().tolist()
+        self.set("stop", Stop.NONE.value)
+
+    def go(self) -> bool:
+        """Run them; return whether there is more to do, with a longer log."""
+        follow: Any = kernels.compiled(march.follow) if self.fast else march.follow
+        return bool(follow(
+            self.run, self.body, self.given, self.piece, self.segment, self.node, self.line,
+            self.log, self.tree,
+        ) != NONE)
+
+    def lengthen(self) -> None:
+        """Make the log longer."""
+        rows, more = len(self.log), (MORE_ROOM - 1) * len(self.log)
+        what = f"a run of more than {rows} fronts"
+        ask(MORE_ROOM * rows * (ROW_NUMBERS if self.fast else LIST_NUMBERS), "max_events", what,
+            REMEDY)
+        if self.fast:
+            self.log = np.concatenate((self.log, np.zeros(more, ROW)))
+        else:
+            self.log += blank(more, ROW)
+
+    def on_arrays(self) -> None:
+        """Go on in machine code."""
+        for name, record in (("run", RUN), ("segment", SEGMENT), ("node", NODE), ("line", LINE),
+                             ("log", ROW), ("piece", PIECE), ("body", BODY)):
+            setattr(self, name, as_records(getattr(self, name), record))
+        self.tree, self.given = np.array(self.tree), np.array(self.given)
+        self.fast = True
+
+    def with_ticks(self, ticks: Sequence[int], max_events: int) -> Members:
+        """The one member, laid out with these transit times of its segments."""
+        new, n = Members(self.plan, 1, None, max_events, False), self.plan.segments
+        new.run, new.segment, new.line = map(self.objects, ("run", "segment", "line"))
+        (it,), new.given = new.run, self.given
+        new.log = [*self.objects("log", it.started), *blank(ROOM, ROW)]
+        for s, T in enumerate(ticks):
+            new.segment[s].transit = T
+        for l in range(2, 2 * n + 2):
+            new.log[new.line[l].first].tick = -ticks[l // 2]
+        for at in new.node:
+            if at.contact != NONE:
+                at.gap = self.given[3 * n + at.contact] / it.tick
+        it.stop, it.limit = Stop.LAID.value, max_events
+        if it.until < 0:
+            it.target = -layout.round_trip(new.body, new.segment)
+        if self.fast:
+            new.on_arrays()
+        return new
+
+    def objects(self, name: str, count: int | None = None) -> list[Any]:
+        """The records of this name, or the first of them, as objects of their own."""
+        records = getattr(self, name)[:count]
+        return as_objects(records) if self.fast else copy.deepcopy(records)
+
+
+class Laid(NamedTuple):
+    """One collision at t = 0 on lists of objects: fields of their records, but `run` is one."""
+
+    run: Any
+    segment: list[Any]
+    node: list[Any]
+    line: list[Any]
+    log: list[Any]
+    tree: list[Any]
+
+
+def laid(
+    ticks: Sequence[Any], mobility: Sequence[Any], kinds: Sequence[int], gaps: Sequence[Any],
+    outside: tuple[Any, Any], waves: Sequence[Sequence[tuple[Any, Any]]],
+    room: int = 256,
+) -> Laid:
+    """Set a collision to t = 0, of whatever kind of number times and amplitudes are.
+
+    Parameters
+    ----------
+    ticks, mobility : [n + 2]
+        Transit times, and 1/Z by segment; outside 0, but for the 1/Z of an endless bar.
+    kinds, gaps : [n + 1]
+        By node: its status while there is no gap, and the gap.
+    outside : pair
+        Waves of the walls.
+    waves : [2 n + 2] or [2 n + 4] lists of (tick, value)
+        By line: when fronts left, the first one transit before t = 0, and the values behind them;
+        that of line 1 is empty.
+    room : int
+        Rows of the log to provide beyond these.
+    """
+    nodes, leaves = len(kinds), 1
+    while leaves < nodes:
+        leaves *= 2
+    (run,), segment, node, line = (blank(count, record) for count, record in (
+        (1, RUN), (nodes + 1, SEGMENT), (nodes, NODE), (2 * nodes + 2, LINE)))
+    sent = [(t, l, wave) for l, fronts in enumerate(waves) for t, wave in fronts]
+    log = blank(len(sent) + room, ROW)
+    for front, (tick, l, value) in zip(log, sent, strict=False):
+        front.tick, front.line, front.value = tick, l, value
+    for it, T, Y in zip(segment, ticks, mobility, strict=True):
+        it.transit, it.mobility = T, Y
+    for at, kind, gap in zip(node, kinds, gaps, strict=True):
+        at.kind, at.gap = kind, gap
+    line[0].arrived, line[-1].arrived = outside
+    run.started = len(sent)
+    made = Laid(run, segment, node, line, log, [0] * (2 * leaves))
+    events.begin(run, segment, node, line, log, made.tree)
+    stock.initial(run, segment, node, line, log)
+    return made
+
+
+def solve_one(
+    plan: Plan, until: float | None, max_events: int, forecast: Forecast | None = None,
+) -> Members:
+    """Follow every front of a single collision.
+
+    Without `until` the run ends one round trip of the longest body after the proof.
+
+    Raises
+    ------
+    TooLong
+        If the run takes too much memory.
+    InvalidModel
+        When velocities overflow, or transit times are too far apart for one clock.
+    """
+    fast = kernels.worth_compiling(plan.fronts**2 * PAIR_TIME, march.follow)
+    members = Members(plan, 1, until, max_events, fast, further=True)
+    members.lay(table(plan.numbers, ()))
+    return run_on(members, forecast)
+
+
+def run_on(members: Members, forecast: Forecast | None = None) -> Members:
+    """Run a single collision to its end."""
+    while members.go():
+        rows, (run,) = len(members.log), members.objects("run")
+        if not members.fast and kernels.worth_compiling(rows * ROW_TIME, march.follow):
+            members.on_arrays()  # what is not over takes as long again as it took
+        if forecast:
+            events, expected = int(run.events), _expected(run)
+            left = (expected - events) * EVENT_TIMES[members.fast]
+            forecast.expect(left, f"some {expected:.2g} events")
+            forecast.reached(events, expected)
+        members.lengthen()
+    return members
+
+
+def _expected(run: Any) -> int:
+    """About how many events a run has, at the rate so far, or as many again to an unknown end."""
+    most = min(int(run.limit), int(most_numbers() / ROW_NUMBERS))
+    events, end, reached = int(run.events), int(run.target), int(run.now)
+    return min(most, events * end // reached if end > 0 < reached else 2 * events)
+
+
+def solve_many(
+    plan: Plan, shape: tuple[int, ...], until: float | None, max_events: int,
+    stop: Callable[[], bool] = lambda: False, more: int = 0, reads: bool = False,
+) -> dict[str, Any]:
+    """Run every member of a family to `until`, or to its proof of finality.
+
+    Members run in blocks that share records small enough for the processor's cache.
+
+    Parameters
+    ----------
+    plan : Plan
+    shape : tuple of int
+        Of the family.
+    until : float or None
+        Time to be reached, s.
+    max_events : int
+        Cap for each member.
+    stop : callable
+        Asked now and then whether to give up.
+    more : int
+        Members that other calls will run in this process.
+    reads : bool
+        Whether to read the waves of each member, too.
+
+    Returns
+    -------
+    dict of str to array
+        Columns of `columns_of`, one row a member in C order.
+
+    Raises
+    ------
+    Stopped
+        If `stop` said so.
+    TooLong
+        If a member takes too much memory.
+    """
+    given, first, size = table(plan.numbers, shape), 0, FIRST_BLOCK
+    members: Members | None = None
+    parts: list[dict[str, Any]] = []
+    plain, measured = ROOM * ROW_TIME, False  # s of a member in plain Python
+    while first < len(given):
+        if stop():
+            raise Stopped
+        block, begun = given[first : first + size], now()
+        ahead = len(given) - first - len(block) + more if measured else 0
+        fast = kernels.worth_compiling(plain * len(block), march.follow, ahead=plain * ahead)
+        if members is None or len(members.run) != len(block) or members.fast != fast:
+            members = Members(plan, len(block), until, max_events, fast, reads)
+        members.lay(block)
+        while members.go():
+            members.lengthen()
+        parts.append(columns_of(members))
+        first += len(block)
+        seconds = now() - begun
+        quick = seconds < PATIENCE / 4
+        if not fast:
+            plain, measured = seconds / len(block), measured or not quick
+        size = min(4 * size, LAST_BLOCK) if quick else max(1, size // 2)
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def columns_of(members: Members) -> dict[str, Any]:
+    """What members came to, in SI units, with a row for each: by segment, or by node."""
+    run, segment, node = (
+        records if members.fast else as_records(records, kind)
+        for records, kind in ((members.run, RUN), (members.segment, SEGMENT), (members.node, NODE))
+    )
+    segment, node = segment.reshape(len(run), -1), node.reshape(len(run), -1)
+    tick, frame = run["tick"][:, None], run["frame"][:, None]
+    return {
+        "stop": run["stop"].copy(), "final": run["proved"] != NONE,
+        "time": run["now"] * run["tick"], "vibration": run["vibration"].copy(),
+        "before": segment["initial"] + frame, "after": segment["velocity"] + frame,
+        "moved": segment["moved"].copy(), "parted": segment["parted"].copy(),
+        "impulse": node["impulse"] * tick, "peak_force": node["peak"].copy(),
+        "duration": node["pressed"] * tick, "episodes": node["episodes"].copy(),
+    }

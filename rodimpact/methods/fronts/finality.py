@@ -1,0 +1,165 @@
+"""When it is proved that no contact can press again: bounds of what vibration can do.
+
+A group of bonded segments beside a contact moves with its mean velocity, and its end deviates from
+that motion by no more than its energy allows. The proof is kept as exact as the run: it holds on
+fractions, too.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from .records import IDLE, NEVER, NONE, Status
+
+
+def side(node: Any, k: int, right: bool) -> tuple[int, int]:
+    """First and last segment bonded together on one side of contact k; (1, 0) for a wall."""
+    n = len(node) - 1
+    if (right and k == n) or (not right and k == 0):
+        return 1, 0
+    first, last = (k + 1, k + 1) if right else (k, k)
+    while right and last < n and node[last].status == Status.BOND:
+        last += 1
+    while not right and first > 1 and node[first - 1].status == Status.BOND:
+        first -= 1
+    return first, last
+
+
+def quiet(line: Any, first: int, last: int) -> bool:
+    """Whether no front is under way in these segments."""
+    for l in range(2 * first, 2 * last + 2):  # noqa: SIM110
+        if line[l].head != NONE:
+            return False
+    return True
+
+
+def survey_group(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t: int) -> None:
+    """Find the mean velocity of the group at contact k, and bounds of its end's velocity.
+
+    They are entered at the segment s beside the contact. The bounds hold as long as nothing touches
+    a uniform segment that is free (its waves go round unchanged) or goes on for ever, a wall, or a
+    group at rest. The mean of what is held, or goes on for ever, is that to which it will come.
+    """
+    first, last = side(node, k, s > k)
+    it, mass, endless = segment[s], 0 * line[2 * first].arrived, False
+    it.bounded = 1
+    if last == 0:
+        it.mean = it.low = it.high = line[2 * k + 3 if s > k else 2 * k].arrived
+        return
+    momentum, low, high = mass, line[2 * first].arrived, line[2 * first].arrived
+    for i in range(first, last + 1):
+        Z = 1 / segment[i].mobility
+        mass += 2 * Z * segment[i].transit
+        for l in (2 * i, 2 * i + 1):
+            r, wave, edge = line[l].head, line[l].arrived, segment[i].transit
+            low, high = min(low, wave), max(high, wave)
+            while r != NONE:
+                momentum += Z * wave * (edge - t + log[r].tick)
+                edge, wave = t - log[r].tick, log[r].value
+                low, high = min(low, wave), max(high, wave)
+                r = log[r].after
+            momentum += Z * wave * edge
+    it.mean, it.low, it.high = momentum / mass, low, high
+    it.bounded = 1 if first == last else 0
+    for end in (first - 1, last):
+        if node[end].status == Status.BOND:
+            outer = end if end < first else last + 1
+            it.mean = line[0 if end < first else 2 * last + 3].arrived
+            endless = segment[outer].mobility > 0
+            it.bounded = 1 if it.bounded and endless else 0
+    if quiet(line, first, last) and not (endless and node[k].status == Status.PRESS):
+        it.low, it.high, it.bounded = it.mean, it.mean, 1
+
+
+def bound_deviation(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t: int) -> None:
+    """Find how far the group's end at contact k is from its mean motion, and can ever get.
+
+    The end of a free body deviates from the motion of the centre of mass by
+    d = integral(strain * g dx), g the mass fraction beyond x as seen from that end, hence by at
+    most sqrt(2 E integral(g^2 dx/(E A))), E the energy of vibration. A wall at the far end has all
+    the mass. A far endless bar of mobility Y gives way by Y p, p the momentum that it has taken; as
+    p <= sqrt(2 m E), m Y^2 adds to the integral. Entered at the segment s beside the contact are
+    the deviation now, positive to the right, and the square of the bound.
+    """
+    it, right, zero = segment[s], s > k, 0 * segment[s].mean
+    it.deviation = it.bound = zero
+    first, last = side(node, k, right)
+    if last == 0:
+        return
+    mass = zero
+    for i in range(first, last + 1):
+        mass += segment[i].transit / segment[i].mobility
+    held = node[first - 1].status == Status.BOND or node[last].status == Status.BOND
+    give = zero
+    if held:
+        give += segment[len(segment) - 1 if right else 0].mobility
+    beyond, d, energy, taken, slack = zero, zero, zero, zero, mass * give * give
+    for i in range(last - first + 1):
+        inner = last - i if right else first + i
+        T, Y = segment[inner].transit, segment[inner].mobility
+        g0, beyond = beyond, beyond + T / (Y * mass)
+        g1 = beyond
+        if held:
+            g0 = g1 = 1 + zero
+        slack += Y * T * (g0 * g0 + g0 * g1 + g1 * g1) / 3
+        for l in (2 * inner, 2 * inner + 1):
+            outward = (l % 2 == 1) == right  # runs towards the end at the contact
+            sign = 1 if l % 2 else -1
+            r, wave, edge, more = line[l].head, line[l].arrived - it.mean, T, True
+            while more:
+                more = r != NONE
+                low = t - log[r].tick if more else 0
+                width = edge - low
+                energy += wave * wave * width / (4 * Y)
+                taken += wave * width / (2 * Y)
+                place = (edge + low) / (2 * T) if outward else 1 - (edge + low) / (2 * T)
+                d += sign * wave * width * (g0 + (g1 - g0) * place) / 2
+                if more:
+                    edge, wave, r = low, log[r].value - it.mean, log[r].after
+    it.deviation = (-d if right else d) - give * taken
+    if not quiet(line, first, last) or (give > 0 and node[k].status == Status.PRESS):
+        it.bound = 2 * energy * slack
+
+
+def separation_time(
+    segment: Any, node: Any, line: Any, log: Any, k: int, t: int, tol: Any
+) -> int:
+    """When contact k is proved not to close again: t if now, IDLE if not before a new contact."""
+    at, left, right, still = node[k], segment[k], segment[k + 1], node[k].rate >= 0
+    for s in (k, k + 1):
+        first, last = side(node, k, s > k)
+        still = still and quiet(line, first, last)
+    if still:
+        return t
+    for s in (k, k + 1):
+        survey_group(segment, node, line, log, k, s, t)
+    if left.bounded and right.bounded and right.low - left.high >= -tol:
+        return t
+    opening = right.mean - left.mean
+    if opening < -tol:
+        return IDLE
+    for s in (k, k + 1):
+        bound_deviation(segment, node, line, log, k, s, t)
+    gap = at.gap + at.rate * (t - at.since) - right.deviation + left.deviation
+    reach = 2 * (left.bound + right.bound)
+    if gap > 0 and gap * gap > reach:
+        return t
+    if opening <= tol:
+        return IDLE
+    wait = (math.sqrt(reach) - gap) / opening
+    if wait >= NEVER // 2:
+        return IDLE
+    return t + int(wait * 1.000001) + 1
+
+
+def finality_time(segment: Any, node: Any, line: Any, log: Any, t: int, tol: Any) -> int:
+    """When the collision can be proved final: t if now, IDLE if not before a new contact.
+
+    For rows whose ends are not driven: no bound holds for a body that is pushed.
+    """
+    latest = t
+    for k in range(len(node)):
+        if node[k].status >= Status.OPEN and latest < IDLE:
+            latest = max(latest, separation_time(segment, node, line, log, k, t, tol))
+    return latest

@@ -1,0 +1,335 @@
+"""From the numbers of a collision to its clock: durations in whole ticks, and the waves at t = 0.
+
+The initial state is the history of the waves over one transit before t = 0. A profile jumps at
+places that follow the tick rule too, and so do the times at which what drives an end jumps.
+
+The numbers of a member stand in one row of `given`: wave speed, impedance and length of each
+segment, the gaps, and for each body its profiles, see `BODY`. What holds or drives an end stands
+there as a body without segments, with values over time.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from .. import tick_rule as rule
+from .records import NONE, Outside, Status, Stop
+
+TOLERANCE = 2.0**-48
+"""Smallest change of a wave that counts as a front, in units of the velocity scale (the spread of
+the velocities plus wave speed times strain); the same margin decides whether contacts press or
+graze. The error of a wave is at most this, times the number of ends it has passed."""
+
+WINDOW = 40  # a gap that closes within 2^-40 longest transits of an arrival closes with it
+
+
+def cut(body: Any, given: Any, row: int, piece: Any, segment: Any) -> int:
+    """Cut the segments where a profile jumps; return the number of durations.
+
+    Fills durations, and pieces with their velocity and strain; the duration of the jump that begins
+    piece i of segment s is at n + i - s.
+    """
+    n, count = len(segment) - 2, 0
+    for b in range(len(body)):
+        it = body[b]
+        v = row + it.profile
+        e = v + 2 * it.velocities - 1
+        at_v, at_e = v + it.velocities, e + it.strains
+        i, j, left = 0, 0, 0.0
+        for s in range(it.first, it.last + 1):
+            c, L = given[row + s - 1], given[row + 2 * n + s - 1]
+            right, x, more = left + L, left, True
+            piece[s - 1].time, segment[s].piece = L / c, count
+            while more:
+                while i < it.velocities - 1 and given[at_v + i] <= x:
+                    i += 1
+                while j < it.strains - 1 and given[at_e + j] <= x:
+                    j += 1
+                piece[count].velocity, piece[count].strain = given[v + i], given[e + j]
+                if x > left:
+                    piece[n + count - s].time = (x - left) / L * piece[s - 1].time
+                count += 1
+                x = right
+                if i < it.velocities - 1:
+                    x = min(x, given[at_v + i])
+                if j < it.strains - 1:
+                    x = min(x, given[at_e + j])
+                more = x < right
+            left = right
+    segment[n + 1].piece = count
+    return count
+
+
+def survey(run: Any, body: Any, given: Any, row: int, piece: Any, segment: Any) -> None:
+    """Set the frame (that of the walls, else the middle of all velocities) and the scale."""
+    n = len(segment) - 2
+    low, high = math.inf, -math.inf
+    strained, walls, fixed, pushed = 0.0, 0, 0.0, 0.0
+    for side in range(2):
+        it = body[side * (len(body) - 1)]
+        for j in range(it.velocities if it.last == 0 else 0):
+            v = given[row + it.profile + j]
+            if it.outside == Outside.PUSHED:
+                pushed = max(pushed, abs(v))
+            elif it.outside == Outside.ENDLESS:
+                strained = max(strained, 2 * given[row + side * (n - 1)] * abs(v))
+            else:
+                low, high = min(low, v), max(high, v)
+            if it.outside == Outside.STEADY:
+                walls, fixed = walls + 1, fixed + v
+    weakest = math.inf
+    for s in range(1, n + 1):
+        weakest = min(weakest, given[row + n + s - 1])
+        for i in range(segment[s].piece, segment[s + 1].piece):
+            low, high = min(low, piece[i].velocity), max(high, piece[i].velocity)
+            strained = max(strained, given[row + s - 1] * abs(piece[i].strain))
+    run.frame = low / 2 + high / 2
+    if walls > 0:
+        run.frame = fixed / walls
+    run.scale = high - low + strained + pushed / weakest
+
+
+def inward_sum(piece: Any, n: int) -> float:
+    """Sum of the transit times from both ends to the middle: the same for a mirrored row."""
+    total = 0.0
+    for i in range(n // 2):
+        total += piece[i].time + piece[n - 1 - i].time
+    if n % 2:
+        total += piece[n // 2].time
+    return total
+
+
+def inward_sum_of_gaps(given: Any, first: int, count: int) -> float:
+    """The same of gaps."""
+    total = 0.0
+    for i in range(count // 2):
+        total += given[first + i] + given[first + count - 1 - i]
+    if count % 2:
+        total += given[first + count // 2]
+    return total
+
+
+def room(run: Any, given: Any, row: int, piece: Any, n: int, gaps: int, longest: float) -> float:
+    """Time for which a clock without a given end has room: for a share of `HORIZON` at least."""
+    flight = 0.0
+    if run.scale > 0:
+        flight = 4 * inward_sum_of_gaps(given, row + 3 * n, gaps) / run.scale
+    share = -run.until * rule.HORIZON * longest
+    horizon = max(share, 16 * inward_sum(piece, n), flight)
+    return min(horizon, longest * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST))
+
+
+def contacts(node: Any) -> tuple[int, int]:
+    """How many contacts there are, and how many of them are bonded."""
+    count, bonded = 0, 0
+    for k in range(len(node)):
+        if node[k].contact != NONE:
+            count += 1
+            bonded += 1 if node[k].kind == Status.BOND else 0
+    return count, bonded
+
+
+def jumps_outside(it: Any) -> int:
+    """How often what drives an end jumps."""
+    return int(it.velocities - 1) if it.outside != Outside.STEADY else 0
+
+
+def drive_times(body: Any, given: Any, row: int, until: float, spare: float, piece: Any) -> int:
+    """Put the times at which drives jump at the end of the durations; return how many there are.
+
+    `spare` stands for a time that is not reached.
+    """
+    ends = len(body) - 1
+    late = jumps_outside(body[0]) + jumps_outside(body[ends])
+    place = len(piece) - late
+    for side in range(2):
+        it = body[side * ends]
+        for j in range(jumps_outside(it)):
+            at = given[row + it.profile + it.velocities + j]
+            piece[place].time = at if at <= until else spare
+            place += 1
+    return late
+
+
+def count_ticks(run: Any, m: int, piece: Any, late: int) -> None:
+    """Give each duration its ticks; neighbours in a family often share their lengths."""
+    it = run[m]
+    known = m > 0 and run[m - 1].bits == it.bits
+    for i in range(len(piece)):
+        known = known and piece[i].known == piece[i].time
+    it.total = run[m - 1].total if known else rule.assign_ticks(piece, it.bits, late)
+    for i in range(len(piece)):
+        piece[i].known = piece[i].time
+
+
+def drive(
+    run: Any, it: Any, side: int, given: Any, row: int, place: int, piece: Any, segment: Any,
+    log: Any,
+) -> None:
+    """Add the fronts of what drives an end of the row to the log.
+
+    They are velocities in the frame, or those that a force gives to the end; or what comes in
+    through an endless bar: what left that end last, and the wave of which the strain is given.
+    Times of jumps are the durations from `place` on.
+    """
+    n, sent, j, x1, more, came = len(segment) - 2, run.rows, 0, 0, True, 0.0
+    at, end = row + it.profile + it.velocities, 1 + side * (n - 1)
+    for r in range(run.rows):
+        if log[r].line == 2 + side * (2 * n - 1):
+            came = log[r].value
+    while more:
+        value, x0 = given[row + it.profile + j], x1
+        if it.outside == Outside.PUSHED:
+            value *= segment[end].mobility
+        elif it.outside == Outside.ENDLESS:
+            value = (4 * side - 2) * given[row + end - 1] * value + came
+        else:
+            value -= run.frame
+        more = j < it.velocities - 1 and given[at + j] <= run.until
+        x1 = max(x0, piece[place + j].ticks) if more else x0 + 1
+        if x1 > x0:
+            send(run, log, sent, x0, side * (2 * n + 3), value)
+        j += 1
+
+
+def send(run: Any, log: Any, sent: int, tick: int, line: int, value: float) -> None:
+    """Add a front to the log, unless it changes nothing after the row `sent`, its line's first."""
+    if run.rows == sent or abs(value - log[run.rows - 1].value) > run.tolerance:
+        new = log[run.rows]
+        new.tick, new.line, new.value = tick, line, value
+        run.rows += 1
+
+
+def fill(run: Any, c: float, s: int, piece: Any, segment: Any, log: Any) -> None:
+    """Add the fronts that fill segment s with its initial state to the log.
+
+    Waves a = v - c eps and b = v + c eps in the frame; a piece from x0 to x1 ticks left T - x0 ago
+    at the right end and x1 ago at the left one.
+    """
+    n, T, first, end = len(segment) - 2, segment[s].transit, segment[s].piece, segment[s + 1].piece
+    for b in range(2):
+        sent, sign = run.rows, 2 * b - 1
+        for k in range(end - first):
+            i = first + k if b else end - 1 - k
+            x0 = min(piece[n + i - s].ticks, T) if i > first else 0
+            x1 = min(piece[n + i + 1 - s].ticks, T) if i < end - 1 else T
+            wave = piece[i].velocity - run.frame + sign * c * piece[i].strain
+            if x1 > x0:
+                send(run, log, sent, x0 - T if b else -x1, 2 * s + b, wave)
+
+
+def momentum_varies(body: Any, line: Any, joined: bool) -> bool:
+    """Whether what bodies have for momentum after a run depends on when that ends.
+
+    So it is for what radiates, and for what walls or fixed ends of different velocity hold.
+    """
+    left, right = body[0], body[len(body) - 1]
+    endless = left.outside == Outside.ENDLESS or right.outside == Outside.ENDLESS
+    held = joined and left.last == 0 and right.last == 0
+    return bool(endless or (held and line[0].arrived != line[len(line) - 1].arrived))
+
+
+def round_trip(body: Any, segment: Any) -> int:
+    """Ticks in which a wave goes through the longest body and back."""
+    longest = 0
+    for b in range(len(body)):
+        span = 0
+        for s in range(body[b].first, body[b].last + 1):
+            span += segment[s].transit
+        longest = max(longest, span)
+    return 2 * longest
+
+
+def choose_clock(run: Any, m: int, body: Any, given: Any, row: int, piece: Any, segment: Any,
+                 node: Any) -> int:
+    """Choose the frame, the clock and what counts as zero; return how often drives jump.
+
+    Where there is none, `stop` says why.
+    """
+    it, n = run[m], len(segment) - 2
+    durations = cut(body, given, row, piece, segment)
+    survey(it, body, given, row, piece, segment)
+    largest, longest = 0.0, 0.0
+    for s in range(1, n + 1):
+        largest = max(largest, given[row + n + s - 1])
+        longest = max(longest, piece[s - 1].time)
+    if not it.scale * it.scale * largest * 2.0**rule.CLOCK_BITS < math.inf:
+        it.stop = Stop.OVERFLOW.value
+        return 0
+    it.horizon = it.until
+    if it.until < 0:
+        it.horizon = room(it, given, row, piece, n, contacts(node)[0], longest)
+    it.bits = rule.clock_bits(it.horizon / longest)
+    if it.bits < rule.COARSEST:
+        it.stop = Stop.LONG.value
+        return 0
+    late = drive_times(body, given, row, it.until, longest, piece)
+    for i in range(durations, len(piece) - late):
+        piece[i].time = longest  # fewer jumps inside than there might be
+    count_ticks(run, m, piece, late)
+    it.tick, it.window = longest / it.total, max(1, it.total >> WINDOW)
+    it.tolerance, it.short = TOLERANCE * it.scale, 1
+    for s in range(1, n + 1):
+        segment[s].transit, segment[s].mobility = piece[s - 1].ticks, 1 / given[row + n + s - 1]
+        if segment[s].transit < segment[it.short].transit:
+            it.short = s
+    if segment[it.short].transit <= 4 * it.window:
+        it.stop = Stop.SHORT.value
+    return late
+
+
+def lay_out(
+    run: Any, m: int, body: Any, given: Any, piece: Any, segment: Any, node: Any, line: Any,
+    log: Any,
+) -> None:
+    """Lay out member m on its clock, and fill the log with its waves at t = 0.
+
+    Parameters
+    ----------
+    run : [member] RUN
+        Of `m`, `until` is given; its `stop` becomes LAID, or says why there is no clock.
+    m : int
+    body : [body] BODY
+    given : [member * numbers]
+    piece : [duration] PIECE
+        Work space.
+    segment : [n + 2] SEGMENT
+    node : [n + 1] NODE
+        Whose `kind` and `contact` are given.
+    line : [2 n + 4] LINE
+    log : ROW
+        With room for all fronts at t = 0.
+    """
+    it, n, row = run[m], len(segment) - 2, m * (len(given) // len(run))
+    it.rows, it.stop, it.bits, it.proved = 0, Stop.NONE.value, 0, NONE
+    late = choose_clock(run, m, body, given, row, piece, segment, node)
+    if it.stop != Stop.NONE:
+        return
+    segment[0].mobility = segment[n + 1].mobility = 0.0
+    for k in range(n + 1):
+        node[k].gap = 0.0
+        if node[k].contact != NONE:
+            node[k].gap = given[row + 3 * n + node[k].contact] / it.tick
+    for side in range(2):
+        one, l = body[side * (len(body) - 1)], side * (2 * n + 3)
+        line[l].arrived = 0.0
+        if one.last == 0 and one.outside == Outside.STEADY:
+            line[l].arrived = given[row + one.profile] - it.frame
+    count, bonded = contacts(node)
+    it.target = -1
+    if it.until >= 0:
+        it.target = round(it.until / it.tick)
+    elif it.further or bonded or momentum_varies(body, line, bonded == count):
+        it.target = -round_trip(body, segment)  # bonds never cease to push
+    for s in range(1, n + 1):
+        fill(it, given[row + s - 1], s, piece, segment, log)
+    place = len(piece) - late
+    for side in range(2):
+        one = body[side * (len(body) - 1)]
+        if one.outside == Outside.ENDLESS:
+            segment[side * (n + 1)].mobility = segment[1 + side * (n - 1)].mobility
+        if one.outside != Outside.STEADY:
+            drive(it, one, side, given, row, place, piece, segment, log)
+            place += jumps_outside(one)
+    it.started, it.stop = it.rows, Stop.LAID.value

@@ -1,0 +1,127 @@
+"""The records that the kernels of this method work on, and the statuses that they name.
+
+Node k joins the segments k and k + 1; line 2s carries what travels to the right through segment s,
+line 2s + 1 what travels to the left. The segments 0 and n + 1 stand for what lies outside: nothing,
+a wall, which is a segment of mobility 0, or an endless bar. Waves are velocities in a frame chosen
+by the caller, times whole ticks, lengths velocity times ticks, impulses velocity times ticks over
+mobility.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+
+from ..tick_rule import SPAN
+
+
+class Status(IntEnum):
+    """What a node does; from OPEN on it is a contact."""
+
+    FREE = 0
+    BOND = 1
+    PUSH = 2  # an end under a given force
+    OPEN = 3  # a gap, or parting
+    TOUCH = 4  # closed, not yet pressed since it closed
+    GRAZE = 5  # closed, pressed before, without force now
+    PRESS = 6
+
+
+class Stop(IntEnum):
+    """Why a run returns; from DONE on it has an end."""
+
+    NONE = 0  # it is not laid out
+    LAID = 1  # it has not begun
+    FULL = 2  # no room in the log
+    CHECK = 3  # a proof of finality is due
+    DONE = 4  # the time asked for is reached
+    FINAL = 5  # proved, and run on
+    CAP = 6  # more events than the limit
+    CLOCK = 7  # its ticks are over
+    OVERFLOW = 8  # there is no clock: the energy of such velocities and strains is no float
+    LONG = 9  # the time asked for takes more ticks than a clock has
+    SHORT = 10  # a transit time is too few ticks
+
+
+class Outside(IntEnum):
+    """What is beyond an end of the row."""
+
+    STEADY = 0  # nothing, or a wall
+    MOVED = 1  # a velocity over time
+    PUSHED = 2  # a force
+    ENDLESS = 3  # a bar, with a wave that comes in
+
+
+NEVER = 1 << 62  # the clock ends here
+IDLE = (1 << 63) - 1  # tick of a node at which nothing is due
+NONE = -1
+
+BODY = np.dtype([
+    ("first", "i8"), ("last", "i8"),  # segments; 1 and 0 of a wall, or of what drives an end
+    ("profile", "i8"),  # place of its first velocity among the numbers of a member
+    ("velocities", "i8"), ("strains", "i8"),  # how many values they have
+    ("outside", "i8"),
+], align=True)
+"""Numbers at `profile`: velocities, where they jump, strains, where those jump."""
+
+SEGMENT = np.dtype([
+    ("transit", "i8"), ("mobility", "f8"),  # 1/Z; 0 of a wall
+    ("piece", "i8"),  # first of its pieces of constant state at t = 0
+    ("initial", "f8"), ("initial_momentum", "f8"), ("initial_vibration", "f8"),
+    ("velocity", "f8"),  # of the motion about which it vibrates, as `initial` at t = 0
+    ("momentum", "f8"), ("vibration", "f8"),  # energy
+    ("moved", "f8"), ("parted", "f8"),  # displacement; largest difference of its two waves
+    # of the group whose end stands here at a contact
+    ("mean", "f8"), ("low", "f8"), ("high", "f8"),  # its velocity, and bounds of its end's
+    ("bounded", "i8"),  # 1: they hold
+    ("deviation", "f8"), ("bound", "f8"),  # of the end from its mean motion, and its square
+], align=True)
+NODE = np.dtype([
+    ("kind", "i8"),  # its status while the gap is 0, before anything is solved
+    ("contact", "i8"),  # which one; NONE for a joint or an end
+    ("status", "i8"), ("since", "i8"),  # tick at which it was last solved
+    ("gap", "f8"), ("rate", "f8"),  # of the gap
+    ("force", "f8"),  # on the right segment
+    ("speed", "f8"),  # of the left segment's right end
+    ("impulse", "f8"), ("work", "f8"),  # energy handed from left to right
+    ("peak", "f8"),  # largest force that lasted longer than the window
+    ("first", "i8"), ("last", "i8"),  # when the first force began, the last one ended, or NONE
+    ("opened", "i8"),  # when the gap last opened after a force, or NONE
+    ("pressed", "i8"),  # ticks under force
+    ("episodes", "i8"),  # how often a closed contact began to press
+], align=True)
+LINE = np.dtype([
+    ("arrived", "f8"),  # wave at the receiving end
+    ("first", "i8"), ("head", "i8"),  # row of the log: at t = 0, next to arrive; NONE if none is
+    ("tail", "i8"),  # last sent; NONE for lines that lead outside
+], align=True)
+ROW = np.dtype([
+    ("tick", "i8"), ("value", "f8"),  # when a front left its end, and the wave behind it
+    ("after", "i4"),  # next front of its line, or NONE
+    ("line", "i4"),
+], align=True)
+"""Row of the log: a front; if `line` is CHANGE the node `after` changed to the status `value`."""
+CHANGE = -1
+
+PIECE = np.dtype([*SPAN.descr, ("known", "f8"), ("velocity", "f8"), ("strain", "f8")], align=True)
+"""A piece of constant state, and a duration of which `known` was the last member's: transit times,
+times from the left end of a segment to its jumps, and those at which drives jump."""
+
+RUN = np.dtype([
+    ("until", "f8"),  # s; without an end, minus the share of `HORIZON` for which there is room
+    ("limit", "i8"),  # events
+    ("reads", "i8"), ("further", "i8"),  # 1: waves are read; it goes on a round trip after the proof
+    ("bits", "i8"), ("total", "i8"),  # ticks of the longest duration: about 2^bits
+    ("tick", "f8"), ("frame", "f8"), ("scale", "f8"), ("horizon", "f8"),  # s, m/s, m/s, s
+    ("tolerance", "f8"),  # smallest change of a wave that is a front
+    ("window", "i8"),  # ticks by which a closing may move to an arrival
+    ("target", "i8"),  # tick to run to, or if negative ticks to run on after the proof
+    ("short", "i8"),  # segment with the shortest transit
+    ("absolute", "f8"),  # sum of the absolute momenta of all waves at t = 0, kg m/s
+    ("fastest", "f8"),  # largest absolute wave, m/s
+    ("vibration", "f8"),  # energy left, J
+    ("now", "i8"), ("rows", "i8"), ("started", "i8"),  # rows that fill the segments at t = 0
+    ("events", "i8"), ("probe", "i8"), ("rest", "i8"),  # when, and after how many, to try a proof
+    ("proved", "i8"), ("stop", "i8"),
+], align=True)

@@ -1,0 +1,172 @@
+"""What a run has come to: momenta, velocities of bonded groups, vibration; and what waves did.
+
+Momentum of a segment is (Z/2) integral(a + b), the energy of its vibration about a motion of
+velocity V is (Z/4) integral((a - V)^2 + (b - V)^2).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .records import NONE, Status
+
+
+def take(run: Any, segment: Any, line: Any, log: Any) -> None:
+    """Take stock now: momentum, and energy of vibration about `velocity`, by segment."""
+    t = run.now
+    for s in range(1, len(segment) - 1):
+        it = segment[s]
+        Z, V = 1 / it.mobility, it.velocity
+        total, square = 0 * V, 0 * V
+        for l in (2 * s, 2 * s + 1):
+            r, wave, edge = line[l].head, line[l].arrived, it.transit
+            while r != NONE:
+                width = edge - t + log[r].tick
+                total += wave * width
+                square += (wave - V) * (wave - V) * width
+                edge, wave, r = t - log[r].tick, log[r].value, log[r].after
+            total += wave * edge
+            square += (wave - V) * (wave - V) * edge
+        it.momentum, it.vibration = Z * total / 2, Z * square / 4
+
+
+def bonded_from(segment: Any, node: Any, first: int) -> tuple[int, Any]:
+    """Last segment of the group that begins with this one, and the mass of the group per tick."""
+    last, mass = first, segment[first].transit / segment[first].mobility
+    while last < len(node) - 1 and node[last].status == Status.BOND:
+        last += 1
+        mass += segment[last].transit / segment[last].mobility
+    return last, mass
+
+
+def share_momenta(segment: Any, node: Any) -> None:
+    """Set the velocities of bonded groups from their momenta."""
+    first = 1
+    while first < len(node):
+        last, mass = bonded_from(segment, node, first)
+        momentum = segment[first].momentum
+        for s in range(first + 1, last + 1):
+            momentum += segment[s].momentum
+        for s in range(first, last + 1):
+            segment[s].velocity = momentum / mass
+        first = last + 1
+
+
+def initial(run: Any, segment: Any, node: Any, line: Any, log: Any) -> None:
+    """Take stock at t = 0, of nodes that have their status: momenta, and the velocities of them."""
+    for s in range(len(segment)):
+        segment[s].velocity = segment[s].momentum = segment[s].vibration = 0 * segment[1].mobility
+    take(run, segment, line, log)
+    share_momenta(segment, node)
+    take(run, segment, line, log)
+    for s in range(len(segment)):
+        it = segment[s]
+        it.initial, it.initial_momentum = it.velocity, it.momentum
+        it.initial_vibration = it.vibration
+
+
+def final(run: Any, segment: Any, node: Any, line: Any, log: Any) -> None:
+    """Take stock at the end: free groups have the velocity that their impulses gave them.
+
+    That is more exact than what the momenta of their waves say, and independent of it; only groups
+    bonded to what is outside have no other.
+    """
+    n = len(node) - 1
+    for s in range(n + 2):
+        segment[s].velocity = segment[s].initial
+    if node[0].status == Status.BOND or node[n].status == Status.BOND:
+        take(run, segment, line, log)
+        share_momenta(segment, node)
+    first = 1
+    while first <= n:
+        last, mass = bonded_from(segment, node, first)
+        if node[first - 1].status != Status.BOND and node[last].status != Status.BOND:
+            pushed = (node[first - 1].impulse - node[last].impulse) / mass
+            for s in range(first, last + 1):
+                segment[s].velocity = segment[s].initial + pushed
+        first = last + 1
+    take(run, segment, line, log)
+
+
+def time_inside(tick: int, T: int, end: int) -> Any:
+    """Time within [0, end] for which waves that left before `tick` are under way, summed over them.
+
+    A wave is under way for T. The unit is T^2: as whole numbers such squares overflow.
+    """
+    per = 1.0 / T
+    most, span = min(T, end) * per, (end + T) * per
+    x = (tick + T) * per
+    if x <= most:  # waves that left before t = 0, or after end - T, are cut off
+        return x * x / 2
+    if x <= span - most:
+        return most * (x - most / 2)
+    return most * (span - most) - (span - x) * (span - x) / 2
+
+
+def carried(log: Any, first: int, T: int, end: int) -> Any:
+    """Twice the displacement that the waves of a line, from row `first` on, give to a segment.
+
+    It is that of the centre of mass in [0, end], velocity times ticks: the integral of the wave
+    over the segment, over its length, over time.
+    """
+    total, r = 0 * log[first].value, first
+    while r != NONE:
+        stop = end
+        if log[r].after != NONE:
+            stop = min(log[log[r].after].tick, end)
+        if stop > log[r].tick:
+            inside = time_inside(stop, T, end) - time_inside(log[r].tick, T, end)
+            total += log[r].value * inside * T
+        r = log[r].after
+    return total
+
+
+def largest_difference(log: Any, a: int, b: int, T: int, end: int, window: int) -> Any:
+    """Largest absolute difference of two waves where they meet in a segment, between 0 and `end`.
+
+    Waves that leave the two ends at p and q meet at (p + q + T)/2 if abs(p - q) < T.
+
+    Parameters
+    ----------
+    log : ROW
+    a, b : int
+        First rows of the two lines.
+    T, end : int
+        Transit time of the segment, end of the run.
+    window : int
+        Waves that last no longer come of round-off, and do not count.
+    """
+    largest = abs(0 * log[a].value)
+    while a != NONE:
+        one = log[a]
+        a0, a1 = one.tick, end
+        if one.after != NONE:
+            a1 = min(log[one.after].tick, end)
+        # what has left the other end before this wave sets out is past
+        while log[b].after != NONE and log[log[b].after].tick <= a0 - T:
+            b = log[b].after
+        r = b
+        while r != NONE and log[r].tick < a1 + T and a1 - a0 > window:
+            other = log[r]
+            b0, b1 = other.tick, end
+            if other.after != NONE:
+                b1 = min(log[other.after].tick, end)
+            # the parts of both waves that meet at all, and whether that is not before 0 or after
+            # the end; sums of two ticks could overflow
+            low_a, low_b = max(a0, b0 - T), max(b0, a0 - T)
+            high_a, high_b = min(a1, b1 + T), min(b1, a1 + T)
+            meet = low_a < high_a and low_b < high_b and high_a > -T - high_b
+            if meet and b1 - b0 > window and low_a - end < end - T - low_b:
+                largest = max(largest, abs(other.value - one.value))
+            r = other.after
+        a = one.after
+    return largest
+
+
+def read(run: Any, segment: Any, line: Any, log: Any) -> None:
+    """Read the displacement and the largest difference of waves of each segment."""
+    for s in range(1, len(segment) - 1):
+        it, a, b = segment[s], line[2 * s].first, line[2 * s + 1].first
+        moved = carried(log, a, it.transit, run.now) + carried(log, b, it.transit, run.now)
+        it.moved = (moved / 2 + run.frame * run.now) * run.tick
+        it.parted = largest_difference(log, a, b, it.transit, run.now, run.window)
