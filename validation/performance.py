@@ -19,7 +19,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,18 +27,8 @@ import numpy as np
 
 import rodimpact as ri
 from rodimpact.methods import kernels
-from rodimpact.methods.fronts import families, tracking
-from rodimpact.methods.fronts.assembly import Blueprint, start
-from rodimpact.methods.fronts.front_kernel import (
-    CAP,
-    EVENTS,
-    FREE,
-    NEVER,
-    OPEN,
-    TOUCH,
-    Log,
-    play,
-)
+from rodimpact.methods.fronts import driver
+from rodimpact.methods.fronts.records import Stop
 from rodimpact.methods.grid.machine import Keeper, Machine
 from rodimpact.methods.grid.mesh import Mesh, stable_step
 from rodimpact.methods.grid.method import COURANT
@@ -48,10 +38,8 @@ from rodimpact.methods.run import MAX_EVENTS
 CASE = Path(__file__).parent / "cases" / "unequal-rods.toml"
 STEEL = ri.materials.steel
 UNIT_MATERIAL = ri.Material("one", youngs_modulus=1.0, density=1.0)
-TOLERANCE, WINDOW = 2.0**-48, 1 << 9
 SIDE, DAMPED = 100, (20, 10)  # of maps of real rods
-UNIT = 2**40  # ticks
-RUN = 500_000  # events
+RUN, LONG = 500_000, 1e6  # events, s
 
 
 class Figure(NamedTuple):
@@ -176,67 +164,56 @@ def leapfrog_of_map(members: int = 20) -> float:
 # Kernels ----------------------------------------------------------------------------------------
 
 
-def state(
-    T: list[int], Z: list[float], v: list[float], gap: float = 0.0, walls: bool = False,
-    room: int = 4096,
-) -> Any:
-    """Arrays for the front kernel: uniform rods, free or between walls at rest."""
-    n = len(T)
-    waves = [[], [], *([(-T[s // 2], v[s // 2])] for s in range(2 * n))]
-    closed = OPEN if gap else TOUCH
-    ends = closed if walls else FREE
-    row, tally, log, clock = start(
-        [0, *T, 0], [0.0, *(1 / z for z in Z), 0.0], [ends, *[closed] * (n - 1), ends],
-        [gap] * (n + 1), (0.0, 0.0), waves,
-    )
-    row, tally, log, clock = tracking.on_arrays(row, tally, log, clock)
-    return row, tally, Log(*(np.resize(column, room) for column in log)), clock
+def per_event(
+    T: Sequence[float], Z: Sequence[float], v: Sequence[float], gap: float = 0.0,
+    walls: bool = False,
+) -> float:
+    """Median time of an event in a run of half a million of uniform rods, s.
 
-
-def per_event(*system: Any) -> float:
-    """Median time of an event in a run of half a million, s; making the arrays is not counted."""
-    fast = kernels.compiled(play)
+    Rods are free, or between walls at rest; T, Z and v are those of each.
+    """
+    bodies: list[ri.Body] = [ri.Rod(t, area=z, material=UNIT_MATERIAL, velocity=w)
+                             for t, z, w in zip(T, Z, v, strict=True)]
+    if walls:
+        bodies = [ri.Wall(), *bodies, ri.Wall()]
+    plan = driver.Plan(Row(ri.System(bodies, gaps=[gap] * (len(bodies) - 1))))
     spans = []
     for _ in range(5):
-        row, tally, log, clock = state(*system, room=2 * RUN + 4096)
         begin = time.perf_counter()
-        flag = fast(row, tally, log, clock, NEVER - 1, RUN, TOLERANCE, WINDOW)
-        spans.append((time.perf_counter() - begin) / clock[EVENTS])
-        assert flag == CAP
-    return statistics.median(spans)
+        with kernels.forced(True):
+            (run,) = driver.solve_one(plan, LONG, RUN).copied("run")
+        spans.append((time.perf_counter() - begin) / run.events)
+        assert run.stop == Stop.CAP
+    return statistics.median(spans[1:])
 
 
 def free_pair() -> float:
     """Two free rods of incommensurate transit times that meet once and go on vibrating."""
-    return per_event([int(UNIT * math.sqrt(2)), 3 * UNIT], [1.0, 2.0], [0.5, -0.5])
+    return per_event([math.sqrt(2), 3.0], [1.0, 2.0], [0.5, -0.5])
 
 
 def between_walls() -> float:
     """Two rods between two walls, meeting again and again."""
-    return per_event([3 * UNIT, 7 * UNIT], [1.0, 2.0], [0.5, -0.7], 4.0 * UNIT, True)
+    return per_event([3.0, 7.0], [1.0, 2.0], [0.5, -0.7], 4.0, True)
 
 
 def long_row(n: int) -> float:
     """Rods of random lengths, impedances and velocities, all touching at first."""
     rng = np.random.default_rng(0)
-    T = [int(t) * UNIT for t in rng.integers(1, 30, n)]
+    T = rng.integers(1, 30, n).tolist()
     return per_event(T, rng.uniform(0.5, 2.0, n).tolist(), rng.uniform(-1.0, 1.0, n).tolist())
 
 
 def family_of_pairs(pairs: int = 20_000) -> float:
-    """Time of one collision of a long list of random pairs, s, on their clocks already."""
+    """Time of one collision of a long list of random pairs, s, without the table made of them."""
     rng = np.random.default_rng(0)
     rods = [
         ri.Rod(rng.uniform(0.1, 1.0, pairs), area=np.exp(rng.uniform(0.0, math.log(3.0), pairs)),
                material=UNIT_MATERIAL, velocity=v) for v in (0.5, -0.5)
     ]
-    plan = Blueprint(Row(ri.System(rods)))
-    given = np.stack([np.broadcast_to(x, pairs) for x in plan.numbers], axis=1)
-    block, results = families.Block(plan, 4096), families.space(pairs, 2)
-    members = block.lay_out(given)
-    full = block.run(members, MAX_EVENTS, [results])
-    assert not full.any()
-    return median(lambda: block.run(members, MAX_EVENTS, [results])) / pairs
+    plan = driver.Plan(Row(ri.System(rods)))
+    with kernels.forced(True):
+        return median(lambda: driver.solve_many(plan, (pairs,), None, MAX_EVENTS)) / pairs
 
 
 # The package as its users meet it ---------------------------------------------------------------

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..methods.duration import Forecast, Progress, warn
-from ..methods.fronts.front_kernel import PRESS
+from ..methods.fronts.records import Status
 from ..methods.registry import check_function
 from ..model import System
 from ..model.frozen import InvalidModel, Problems, listed, number, raise_noted
@@ -131,7 +131,7 @@ def _good(status: int, values: list[Any]) -> Any:
     times, jumps = np.split(np.array(rest), 2)
     good = np.full(start.shape, True)
     for t in times:
-        if status == PRESS:
+        if status == Status.PRESS:
             good &= closing + (jumps * (times <= t)).sum(axis=0) > 0
         else:
             closed = closing * (t - start) + (jumps * np.maximum(t - times, 0)).sum(axis=0)

@@ -17,20 +17,8 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from ..methods.fronts.front_kernel import (
-    CHANGES,
-    FINALITY,
-    FULL,
-    OPEN,
-    PRESS,
-    ROWS,
-    deviation_bound,
-    finality_time,
-    group_motion,
-    play,
-    quiet,
-    side,
-)
+from ..methods.fronts import finality
+from ..methods.fronts.records import NONE, Status
 from ..methods.groups import unilateral
 from ..model import Wall
 from .numbers import HALF, ZERO, Number
@@ -55,7 +43,7 @@ class Spell(NamedTuple):
     def at_the_start(self) -> list[Number]:
         """What is positive as it begins."""
         apart = self.gap if self.gap.value > 0 else -self.closing
-        return {PRESS: [self.closing], OPEN: [apart]}.get(self.status, [])
+        return {Status.PRESS: [self.closing], Status.OPEN: [apart]}.get(self.status, [])
 
     @property
     def bounds(self) -> list[Number]:
@@ -91,7 +79,7 @@ def spells_and_conditions(run: ExactRun) -> tuple[list[Spell], list[Number]]:
         order = [later - t for loop in (left, right) for (_, t), (_, later) in pairwise(loop)]
         found += order + _apart(left, right, {x.value for x in order})
     found += [x for spell in spells for x in (*spell.at_the_start, *spell.bounds)]
-    return [spell for spell in spells if spell.status in (PRESS, OPEN)], _distinct(found)
+    return [spell for spell in spells if spell.status in (Status.PRESS, Status.OPEN)], _distinct(found)
 
 
 def _distinct(found: list[Number]) -> list[Number]:
@@ -112,7 +100,8 @@ def _history(run: ExactRun) -> tuple[list[Spell], list[Number], list[tuple[Loop,
             loops.append(after)
         else:
             found += after
-    longest = max(sum(run.state.transit[s : e + 1]) for s, e in run.row.spans if e)
+    longest = max(sum(it.transit for it in run.state.segment[s : e + 1])
+                  for s, e in run.row.spans if e)
     # what is under way must not come before the end: let it come
     _go_on(run, end + wait + 2 * longest)
     spells: list[Spell] = []
@@ -127,9 +116,7 @@ def _history(run: ExactRun) -> tuple[list[Spell], list[Number], list[tuple[Loop,
 
 
 def _go_on(run: ExactRun, until: Any) -> None:
-    while play(run.state, run.tally, run.log, run.clock, until, ENDLESS, ZERO, 0) == FULL:
-        for column in run.log:
-            column += [0] * len(column)
+    run.state.go(until, ENDLESS, ZERO)
 
 
 def _end(run: ExactRun) -> tuple[Number, Number]:
@@ -138,14 +125,14 @@ def _end(run: ExactRun) -> tuple[Number, Number]:
     That is the instant of the proof, or the next event if the kernel waited for it. Where contacts
     had been open for a while by then it is half of this later, so that the proof has room.
     """
-    state, log, clock = run.state, run.log, run.clock
-    end: Number = clock[FINALITY] + ZERO
-    if not any(end == t for times in (log.tick, log.change_tick) for t in times[: clock[ROWS]]):
+    state = run.state
+    end: Number = state.run.proved + ZERO
+    if not any(end == front.tick for front in state.log[: state.run.rows]):
         later: Number = state.tree[1]
         _go_on(run, later)
-        proved: Any = finality_time(state, log, later, ZERO)  # type: ignore[arg-type]
+        proved: Any = finality.finality_time(*state[1:5], later, ZERO)
         end = later if proved == later else end
-    last = max((t + ZERO for t in log.change_tick[: clock[CHANGES]] if t <= end), default=ZERO)
+    last = max((change.tick + ZERO for change in state.changes if change.tick <= end), default=ZERO)
     wait = (end - last) * HALF
     _go_on(run, end + wait)
     return end + wait, wait
@@ -153,21 +140,21 @@ def _end(run: ExactRun) -> tuple[Number, Number]:
 
 def _spells(run: ExactRun, contact: int, until: Number) -> tuple[list[Spell], list[Number]]:
     """Spells of a contact, and when waves come to it later."""
-    log, T, k = run.log, run.state.transit, run.nodes[contact]
-    arrived = [run.state.arrived[0] if k == 0 else ZERO,
-               run.state.arrived[-1] if k == len(T) - 2 else ZERO]
+    state, k = run.state, run.nodes[contact]
+    arrived = [state.line[0].arrived if k == 0 else ZERO,
+               state.line[-1].arrived if k == len(state.node) - 1 else ZERO]
     events: dict[Any, list[Any]] = {}  # by time: itself, the waves that arrive, the new status
-    for r in range(run.clock[ROWS]):
-        if log.line[r] in (2 * k, 2 * k + 3):
-            t = log.tick[r] + T[log.line[r] // 2]
+    for front in state.log[: state.run.rows]:
+        if front.line in (2 * k, 2 * k + 3):
+            t = front.tick + state.segment[front.line // 2].transit
             event = events.setdefault(t.value, [t, None, None, None])
-            event[1 + (log.line[r] != 2 * k)] = log.value[r]
-    for i in range(run.clock[CHANGES]):
-        if log.change_node[i] == k:
-            t = log.change_tick[i] + ZERO
-            events.setdefault(t.value, [t, None, None, None])[3] = log.change_status[i]
+            event[1 + (front.line != 2 * k)] = front.value
+    for change in state.changes:
+        if change.after == k:
+            t = change.tick + ZERO
+            events.setdefault(t.value, [t, None, None, None])[3] = change.value
     gap = run.numbers.gap[contact] * run.rate
-    spells, later = [Spell(OPEN if gap > 0 else -1, ZERO, gap, ZERO, [], [])], []
+    spells, later = [Spell(Status.OPEN if gap > 0 else -1, ZERO, gap, ZERO, [], [])], []
     for at in sorted(events):
         t, *waves, new = events[at]
         arrived = [old if wave is None else wave for old, wave in zip(arrived, waves, strict=True)]
@@ -209,10 +196,10 @@ def _steps(
     """What is positive as waves come to a contact whose status stays, and the gap thereafter."""
     found = []
     for t, then in waves:
-        if status == OPEN:
+        if status == Status.OPEN:
             gap -= closing * (t - before)
             found.append(gap)
-        elif status == PRESS:
+        elif status == Status.PRESS:
             found.append(then)
         closing, before = then, t
     return found, gap
@@ -225,30 +212,36 @@ def _for_ever_after(run: ExactRun, k: int, t: Any) -> list[Number] | tuple[Loop,
     vibration can bridge. The bound is that of `separation_time` of the kernel, but for the energy:
     here it is that of all vibration, which follows from the velocities and impulses.
     """
-    state, log, node = run.state, run.log, run.nodes[k]
-    if state.rate[node] >= 0 and quiet(state, node, False) and quiet(state, node, True):
-        return [state.rate[node]]
-    vl, _, high, bounded_l = group_motion(state, log, node, False, t)
-    vr, low, _, bounded_r = group_motion(state, log, node, True, t)
-    if bounded_l and bounded_r and low >= high:
+    state, node = run.state, run.nodes[k]
+    at, left, right = state.node[node], state.segment[node], state.segment[node + 1]
+    if at.rate >= 0 and _quiet(run, node, False) and _quiet(run, node, True):
+        return [at.rate]
+    for s in (node, node + 1):
+        finality.survey_group(*state[1:5], node, s, t)
+    if left.bounded and right.bounded and right.low >= left.high:
         return _loop(run, node, False), _loop(run, node, True)
-    dl, _ = deviation_bound(state, log, node, False, t, vl)
-    dr, _ = deviation_bound(state, log, node, True, t, vr)
-    gap = state.gap[node] + state.rate[node] * (t - state.since[node]) - dr + dl
+    for s in (node, node + 1):
+        finality.bound_deviation(*state[1:5], node, s, t)
+    gap = at.gap + at.rate * (t - at.since) - right.deviation + left.deviation
     slack = _slack(run, node, False) + _slack(run, node, True)
-    return [vr - vl, gap, gap * gap - 2 * _vibration(run) * slack]
+    return [right.mean - left.mean, gap, gap * gap - 2 * _vibration(run) * slack]
+
+
+def _quiet(run: ExactRun, k: int, right: bool) -> bool:
+    """Whether no front is under way in the bonded group beside contact k."""
+    return finality.quiet(run.state.line, *finality.side(run.state.node, k, right))
 
 
 def _vibration(run: ExactRun) -> Number:
     """Energy of vibration in the end: what the centres have lost, and what moving walls did."""
-    numbers, results, transit = run.numbers, run.results, run.state.transit
+    numbers, results, segment = run.numbers, run.results, run.state.segment
     energy, impulses = ZERO, [ZERO, *results.impulses, ZERO]
     for i, ((first, last), v) in enumerate(zip(run.row.spans, numbers.velocity, strict=True)):
         if isinstance(run.row.system.bodies[i], Wall):
             energy += (impulses[i + 1] - impulses[i]) * run.rate * v
         V = results.velocities_after[i]
         for s in range(first, last + 1):
-            energy += transit[s] * numbers.impedance[s - 1] * (v * v - V * V) * HALF
+            energy += segment[s].transit * numbers.impedance[s - 1] * (v * v - V * V) * HALF
     return energy
 
 
@@ -257,32 +250,32 @@ def _slack(run: ExactRun, k: int, right: bool) -> Number:
 
     It is integral(g^2 dx/(E A)), see `deviation_bound` of the kernel.
     """
-    state, total, beyond = run.state, ZERO, ZERO
-    first, last = side(state, k, right)
+    segment, total, beyond = run.state.segment, ZERO, ZERO
+    first, last = finality.side(run.state.node, k, right)
     pieces = range(first, last + 1)
-    if last == 0 or quiet(state, k, right):
+    if last == 0 or _quiet(run, k, right):
         return ZERO
-    masses = {s: state.transit[s] / state.mobility[s] for s in pieces}
+    masses = {s: segment[s].transit / segment[s].mobility for s in pieces}
     whole = sum(masses.values(), ZERO)
     for s in reversed(pieces) if right else pieces:
         near, beyond = beyond, beyond + masses[s] / whole
         size = near * near + near * beyond + beyond * beyond
-        total += state.mobility[s] * state.transit[s] * size / 3
+        total += segment[s].mobility * segment[s].transit * size / 3
     return total
 
 
 def _loop(run: ExactRun, k: int, right: bool) -> Loop:
     """What goes round in the rod beside contact k, in the order in which it left there."""
-    state, log = run.state, run.log
-    s, last = side(state, k, right)
-    if last == 0 or quiet(state, k, right):
-        return [(state.arrived[2 * k + 3 if right else 2 * k], ZERO)]
+    line, log = run.state.line, run.state.log
+    s, last = finality.side(run.state.node, k, right)
+    if last == 0 or _quiet(run, k, right):
+        return [(line[2 * k + 3 if right else 2 * k].arrived, ZERO)]
     found = []
-    for l, delay in ((2 * s + right, ZERO), (2 * s + 1 - right, state.transit[s])):
-        r = state.head[l]
-        while r >= 0:
-            found.append((log.value[r], log.tick[r] + delay))
-            r = log.after[r]
+    for l, delay in ((2 * s + right, ZERO), (2 * s + 1 - right, run.state.segment[s].transit)):
+        r = line[l].head
+        while r != NONE:
+            found.append((log[r].value, log[r].tick + delay))
+            r = log[r].after
     return found
 
 

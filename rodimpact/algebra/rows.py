@@ -13,21 +13,9 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from ..methods.abilities import needs
-from ..methods.fronts.assembly import Blueprint, start
-from ..methods.fronts.front_kernel import (
-    CHANGES,
-    FINAL,
-    NOW,
-    OPEN,
-    PRESS,
-    GroupState,
-    Log,
-    State,
-    Tally,
-    final_state,
-    initial_state,
-    play,
-)
+from ..methods.fronts import stock
+from ..methods.fronts.driver import Laid, Plan, laid
+from ..methods.fronts.records import Status, Stop
 from ..methods.groups import unilateral
 from ..methods.registry import check_system, count
 from ..methods.row import Row
@@ -73,10 +61,7 @@ class ExactRun(NamedTuple):
     nodes: list[int]
     numbers: Numbers
     rate: Fraction
-    state: State
-    tally: Tally
-    log: Log
-    clock: Any
+    state: Laid
     final: bool
     results: Results
 
@@ -165,8 +150,8 @@ def _given(take: Callable[[str, float], Number | None], path: str, value: float)
 
 def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
     """Follow every front until the collision is proved to be over, or to the cap on events."""
-    plan = Blueprint(row)
-    n, nodes = len(numbers.transit), plan.make.node
+    plan, n = Plan(row), len(numbers.transit)
+    nodes = plan.contacts
     shortest = min(float(T) for T in numbers.transit)
     rate = Fraction(2) ** (TICKS.bit_length() - math.frexp(shortest)[1])
     transit, gaps = [T * rate for T in numbers.transit], [ZERO] * (n + 1)
@@ -178,28 +163,25 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
     for (first, last), v in zip(row.spans, numbers.velocity, strict=True):
         for l in range(2 * first, 2 * last + 2):
             waves[l].append((-transit[l // 2 - 1], v))
-    state, tally, log, clock = start(
+    state = laid(
         [0, *transit, 0], [ZERO, *(1 / Z for Z in numbers.impedance), ZERO],
-        [OPEN if gap > 0 else at for gap, at in zip(gaps, plan.status, strict=True)],
-        gaps, (walls[0], walls[-1]), waves, 3 * max_events,
+        plan.kinds, gaps, (walls[0], walls[-1]), waves,
     )
-    opening, closing = (GroupState(*([ZERO] * (n + 2) for _ in range(3))) for _ in range(2))
-    initial_state(state, log, opening)
-    flag = play(state, tally, log, clock, -1, max_events, ZERO, 0)
-    final_state(state, tally, log, clock[NOW], opening, closing)
+    final = state.go(-1, max_events, ZERO) == Stop.FINAL
+    stock.final(*state[:5])
     before, after = (
-        [stock.velocity[s] if e else v
+        [getattr(state.segment[s], name) if e else v
          for (s, e), v in zip(row.spans, numbers.velocity, strict=True)]
-        for stock in (opening, closing)
+        for name in ("initial", "velocity")
     )
     e, free = None, unilateral(row.system)
-    if flag == FINAL and len(free) == 1 and tally.episodes[nodes[free[0]]]:
+    if final and len(free) == 1 and state.node[nodes[free[0]]].episodes:
         k = free[0]
         if before[k] > before[k + 1]:
             e = (after[k + 1] - after[k]) / (before[k] - before[k + 1])
     impulses: list[Number] = []
     for i, (k, law) in enumerate(zip(nodes, row.system.contacts, strict=True)):
-        impulses.append(tally.impulse[k] / rate)
+        impulses.append(state.node[k].impulse / rate)
         if isinstance(law, Bonded):  # its force goes on for ever: what it comes to on average
             first, last = row.spans[i]
             mass = sum((numbers.transit[s - 1] * numbers.impedance[s - 1]
@@ -207,19 +189,17 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
             lost = mass * (numbers.velocity[i] - after[i])
             impulses[i] = lost + (impulses[i - 1] if i else ZERO)
     return ExactRun(
-        row, nodes, numbers, rate, state, tally, log, clock,
-        flag == FINAL,
+        row, nodes, numbers, rate, state, final,
         Results(
-            e, tuple(after), tuple(impulses),
-            tuple(_episodes(log, clock[CHANGES], k, rate) for k in nodes),
+            e, tuple(after), tuple(impulses), tuple(_episodes(state, k, rate) for k in nodes),
         ),
     )
 
 
-def _episodes(log: Log, changes: int, k: int, rate: Fraction) -> tuple[tuple[Number, Number], ...]:
+def _episodes(state: Laid, k: int, rate: Fraction) -> tuple[tuple[Number, Number], ...]:
     """When contact k began to press and ceased to."""
     times: list[Number] = []
-    for i in range(changes):
-        if log.change_node[i] == k and (log.change_status[i] == PRESS) != len(times) % 2:
-            times.append((log.change_tick[i] + ZERO) / rate)
+    for change in state.changes:
+        if change.after == k and (change.value == Status.PRESS) != len(times) % 2:
+            times.append((change.tick + ZERO) / rate)
     return tuple(zip(times[::2], times[1::2], strict=False))

@@ -15,9 +15,8 @@ from importlib import metadata
 from .. import __version__
 from ..materials import aluminium, brass, steel
 from ..methods import kernels
-from ..methods.fronts.assembly import assemble
-from ..methods.fronts.front_kernel import play
-from ..methods.fronts.tracking import track
+from ..methods.fronts import march
+from ..methods.fronts.method import track
 from ..methods.row import Row
 from ..model import Rod, System, Wall
 from ..storage.tables import SCHEMA_VERSION, align
@@ -83,7 +82,7 @@ def try_compiled() -> tuple[str | None, bool | None, str]:
         with kernels.forced(True):
             compiled = solve_a_row()
         seconds = time.perf_counter() - begin
-        cache = kernels.cache_directory(play) or None
+        cache = kernels.cache_directory(march.follow) or None
     except Exception as error:  # whatever is wrong with this installation is the finding
         return None, False, f"fails: {type(error).__name__}: {error}"
     with kernels.forced(False):
@@ -101,6 +100,6 @@ def solve_a_row() -> list[object]:
         for i, (length, material) in enumerate(zip(lengths, (steel, brass, aluminium), strict=True))
     ]
     system = System([*row, Wall()], gaps=[0.0, 1e-6, 1e-5])
-    run = track(assemble(Row(system)))
-    columns = (*run.state, *run.tally, *run.log)
-    return [run.end, run.finality_time, run.events, *(list(column) for column in columns)]
+    run = track(Row(system))
+    records = [*run.segment, *run.node, *run.line]
+    return [vars(run.run), *map(vars, records), run.log.tolist()]

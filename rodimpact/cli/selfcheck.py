@@ -12,9 +12,8 @@ from itertools import product
 from typing import NamedTuple, SupportsFloat
 
 from .. import materials
+from ..algebra.rational import exact
 from ..explore.presets import steel_rod
-from ..methods.fronts.assembly import start
-from ..methods.fronts.front_kernel import FREE, TOUCH, play
 from ..model import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall
 from ..results.closed_forms import closed_form
 from ..running.solving import solve
@@ -157,12 +156,15 @@ def chain() -> Iterator[Check]:
 
 def fractions() -> Iterator[Check]:
     """The solver's kernel run on fractions gives e as a fraction, without any error."""
+    pair = System([_rod(1.0, 1.0, velocity=1.0), _rod(1.0, 1.0)])
     for (Z1, Z2), (T1, T2), known in (
         ((1, 1), (2, 5), Fraction(2, 5)),
         ((3, 1), (1, 3), Fraction(3, 4)),
         ((5, 1), (3, 10), Fraction(409, 486)),
     ):
-        off = exact_restitution(Z1, T1, Z2, T2) - known
+        off = exact(pair, {
+            "bodies.0.impedance": Z1, "bodies.0.transit_time": T1,
+            "bodies.1.impedance": Z2, "bodies.1.transit_time": T2}).restitution - known
         name = f"on fractions, impedances {Z1}:{Z2}, transit times {T1}:{T2}: e - {known}"
         yield Check(name, 0.0, float(off), 0.0)
 
@@ -174,36 +176,6 @@ def masses() -> Iterator[Check]:
     systems = [System([RigidMass(mass, velocity=1.0), _rod(1.0, 1.0)]) for mass in some]
     got = [solve(system).outcome.restitution for system in systems]
     yield _worst("e of a mass on a rod, characteristics", expected, got)._replace(bound=1e-9)
-
-
-def exact_restitution(Z1: int, T1: int, Z2: int, T2: int) -> Fraction:
-    """Restitution of two free rods from the solver's own kernel run on fractions.
-
-    Parameters
-    ----------
-    Z1, Z2 : int
-        Impedances, in any unit.
-    T1, T2 : int
-        Transit times, in any unit.
-
-    Returns
-    -------
-    Fraction
-
-    Examples
-    --------
-    >>> exact_restitution(1, 2, 1, 5)
-    Fraction(2, 5)
-    """
-    zero, one = Fraction(0), Fraction(1)
-    waves = [[], [], [(-T1, one)], [(-T1, one)], [(-T2, zero)], [(-T2, zero)]]
-    row, tally, log, clock = start(
-        [0, T1, T2, 0], [zero, one / Z1, one / Z2, zero], [FREE, TOUCH, FREE], [zero] * 3,
-        (zero, zero), waves,
-    )
-    play(row, tally, log, clock, -2 * max(T1, T2), 10_000, zero, 1)
-    impulse: Fraction = tally.impulse[1]
-    return impulse * (one / (Z1 * T1) + one / (Z2 * T2)) - 1
 
 
 def _worst(name: str, expected: Iterable[SupportsFloat], got: Iterable[SupportsFloat]) -> Check:

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ..methods.fronts import front_kernel as fronts
-from ..methods.fronts.assembly import Assembly, Blueprint, assemble, start
-from ..methods.fronts.layout_kernel import TOLERANCE
-from ..methods.fronts.tracking import track
+from ..methods.compiling import objects
+from ..methods.fronts import events, stock
+from ..methods.fronts.driver import Laid, Plan, laid
+from ..methods.fronts.method import track
+from ..methods.fronts.records import BODY, IDLE, Outside, Status
+from ..methods.fronts.run import FrontRun
 from ..methods.groups import grounds, groups, unilateral
 from ..methods.row import Array, Row
 from ..model import Absorbing, System
@@ -33,7 +35,7 @@ class Followed:
     ----------
     system : System
     changes : [number, direction]
-        How the numbers of the row change, those of `Blueprint`, each by about its own size.
+        How the numbers of the row change, those of `Plan`, each by about its own size.
     max_events : int
 
     Attributes
@@ -49,57 +51,56 @@ class Followed:
 
     def __init__(self, system: System, changes: Array, max_events: int) -> None:
         self._row = Row(system)
-        self._a = a = assemble(self._row)
-        run, directions = track(a, max_events=max_events), changes.shape[1]
+        run, directions = track(self._row, max_events=max_events), changes.shape[1]
+        self._tick, self._frame, self._nodes = run.clock.tick, run.clock.frame, run.plan.contacts
         end, self.final = run.finality_time, run.finality_time >= 0
         self.event, self.node = np.full(directions, SMOOTH), np.full(directions, -1)
-        self.when, self._least = np.full(directions, end * a.tick), LEAST * a.tolerance / TOLERANCE
-        room = len(run.log.tick) + len(run.log.change_tick) + 2
-        state, tally, log, clock = begin(Blueprint(self._row), a, changes, room)
-        self._state, self._tally, self._log = state, tally, log
-        self._opening, self._closing = (
-            fronts.GroupState(*([Dual(0.0)] * len(a.ticks) for _ in range(3))) for _ in range(2))
-        fronts.initial_state(state, log, self._opening)
-        for k in a.nodes:
-            self._note(BORDER, 0, k, state.gap[k].d * float(state.gap[k].v == 0), 0.0)
-        clock[fronts.REST] = fronts.IDLE  # nothing is to be proved on the way
-        t, nodes, leaves = 0, range(len(state.status)), len(state.tree) // 2
+        self.when, self._least = np.full(directions, end * self._tick), LEAST * run.run.scale
+        self._state = state = begin(run, changes)
+        state.run.limit, state.run.rest = IDLE, IDLE  # nothing is to be proved on the way
+        state.run.tolerance, state.run.window = run.run.tolerance, run.run.window
+        for k in self._nodes:
+            gap = state.node[k].gap
+            self._note(BORDER, 0, k, gap.d * float(gap.v == 0), 0.0)
+        t, nodes, leaves = 0, range(len(state.node)), len(state.tree) // 2
         due: Sequence[int] = nodes
         while t <= end:
             before = [self._before(k, t) for k in due]
-            fronts.advance(state, tally, log, clock, t, fronts.IDLE, a.tolerance, a.window)
+            state.advance(t)
             for k, known in zip(due, before, strict=True):
                 self._compare(k, t, *known)
             t = int(state.tree[1])
             due = [k for k in nodes if state.tree[leaves + k] == t]
-        fronts.close_books(state, tally, end, a.window)
-        fronts.final_state(state, tally, log, end, self._opening, self._closing)
+        state.run.now = end
+        events.close_books(state.run, state.node, end)
+        stock.final(*state[:5])
         lasting = ending(system)
         for i in unilateral(system):
             apart = self._motion(i + 1)[1] - self._motion(i)[1]
             if {i, i + 1} <= lasting and abs(apart) <= self._least:
-                self._note(PARTING, end, a.nodes[i], apart.d, self._least)
+                self._note(PARTING, end, self._nodes[i], apart.d, self._least)
 
     def quantity(self, of: str) -> Any:
         """What `of` names, see `gradient`, as a `Dual`."""
         kind, _, number = of.partition(".")
         i = int(number or unilateral(self._row.system)[0])
         if kind == "velocity_after":
-            return self._motion(i)[1] + self._a.frame
+            return self._motion(i)[1] + self._frame
         if kind == "restitution":
             (v, after), (w, beyond) = self._motion(i), self._motion(i + 1)
             return (beyond - after) / (v - w)
-        total = self._tally.impulse if kind == "impulse" else self._tally.pressed
-        return total[self._a.nodes[i]] * self._a.tick + Dual(0.0)
+        at = self._state.node[self._nodes[i]]
+        return (at.impulse if kind == "impulse" else at.pressed) * self._tick + Dual(0.0)
 
     def _motion(self, body: int) -> tuple[Any, Any]:
         """Velocity of a body before and after: that of what holds it, or of its segments."""
-        system, arrived = self._row.system, self._state.arrived
+        system, line = self._row.system, self._state.line
         group = next(g for g in groups(system) if body in g)
         if grounds(system, group):
-            return (arrived[0 if group[0] == 0 else -1],) * 2
+            return (line[0 if group[0] == 0 else -1].arrived,) * 2
         first, _ = self._row.spans[body]
-        return self._opening.velocity[first], self._closing.velocity[first]
+        segment = self._state.segment[first]
+        return segment.initial, segment.velocity
 
     def _note(self, event: int, t: int, k: int, apart: Any, least: float) -> None:
         """Note a tie at node k in the directions in which what is equal comes apart."""
@@ -107,60 +108,68 @@ class Followed:
         if over is False:  # a single direction is a float
             return
         new = over & (self.event == SMOOTH)
-        self.event[new], self.when[new], self.node[new] = event, t * self._a.tick, k
+        self.event[new], self.when[new], self.node[new] = event, t * self._tick, k
 
     def _before(self, k: int, t: int) -> tuple[int, list[Any], Any]:
         """Status of node k, the waves that arrive there at tick t, and its gap then."""
-        state, log = self._state, self._log
-        rows = [(state.head[l], state.transit[l // 2]) for l in (2 * k, 2 * k + 3)]
-        arrivals = [log.tick[r] + T for r, T in rows if r >= 0 and log.tick[r] + T == t]
+        state, at = self._state, self._state.node[k]
+        rows = [(state.line[l].head, state.segment[l // 2].transit) for l in (2 * k, 2 * k + 3)]
+        arrivals = [state.log[r].tick + T for r, T in rows if r >= 0 and state.log[r].tick + T == t]
         now = (arrivals or [state.tree[len(state.tree) // 2 + k] if t else 0])[0]
-        return state.status[k], arrivals, state.gap[k] + state.rate[k] * (now - state.since[k])
+        return at.status, arrivals, at.gap + at.rate * (now - at.since)
 
     def _compare(self, k: int, t: int, before: int, arrivals: list[Any], gap: Any) -> None:
         """Note what is tied at node k, which has been solved at tick t."""
-        state, (Yl, Yr) = self._state, self._state.mobility[k : k + 2]
-        a, b, F = state.arrived[2 * k], state.arrived[2 * k + 3], state.force[k]
+        state, at = self._state, self._state.node[k]
+        Yl, Yr = (it.mobility for it in state.segment[k : k + 2])
+        a, b, F = state.line[2 * k].arrived, state.line[2 * k + 3].arrived, at.force
         if len(arrivals) == 2:
             self._note(ARRIVALS, t, k, (arrivals[0] - arrivals[1]).d, LEAST * t)
-        if before == fronts.OPEN and state.gap[k] == 0:
+        if before == Status.OPEN and at.gap == 0:
             self._note(CLOSING, t, k, gap.d, self._least * t)
-        if state.status[k] == fronts.OPEN:  # bodies that graze move apart when a number changes
-            state.rate[k] = Dual(state.rate[k].v, (b - a).d)
-        elif state.status[k] in (fronts.TOUCH, fronts.GRAZE):
+        if at.status == Status.OPEN:  # bodies that graze move apart when a number changes
+            at.rate = Dual(at.rate.v, (b - a).d)
+        elif at.status in (Status.TOUCH, Status.GRAZE):
             self._note(FORCE, t, k, (a - b).d, self._least)
         for l, wave in ((2 * k + 1, a - 2 * F * Yl), (2 * k + 2, b + 2 * F * Yr)):
-            if state.tail[l] >= 0:  # what left last
-                apart = wave - self._log.value[state.tail[l]]
+            if state.line[l].tail >= 0:  # what left last
+                apart = wave - state.log[state.line[l].tail].value
                 self._note(FRONT, t, k, apart.d, self._least)
 
 
-def begin(plan: Blueprint, a: Assembly, changes: Array, room: int) -> tuple[Any, Any, Any, Any]:
-    """The kernel's state at t = 0, of numbers with derivatives: floats in a single direction."""
-    make, n, zero = plan.make, plan.make.size[0], Dual(0.0)
+def begin(run: FrontRun, changes: Array) -> Laid:
+    """The run at t = 0, of numbers with derivatives: floats in a single direction."""
+    plan, n, zero = run.plan, run.plan.segments, Dual(0.0)
     rates: Any = changes[:, 0].tolist() if changes.shape[1] == 1 else changes
     y: Any = list(map(Dual, plan.numbers, rates))
     times = [Dual(1.0), *(L / c for c, L in zip(y[:n], y[2 * n : 3 * n], strict=True)), Dual(1.0)]
-    ticks = [Dual(T, T / time.v * time.d) for T, time in zip(a.ticks, times, strict=True)]
+    ticks = [Dual(T, T / time.v * time.d) for T, time in zip(run.clock.ticks, times, strict=True)]
     give = [1 / Z for Z in y[n : 2 * n]]
-    ends = (give[i] if a.impedance[i] else zero for i in (0, -1))
-    gaps = list(map(Dual, a.gaps))
-    for k, gap in zip(a.nodes, y[3 * n :], strict=False):
-        gaps[k].d = gap.d / a.tick
-    waves = [zero] * len(a.waves)
-    for first, last, v in zip(make.first, make.last, make.profile, strict=True):
-        for s in range(first, last + 1):
+    bodies = objects(plan.bodies, BODY)
+    left, right = (give[i] if bodies[i].outside == Outside.ENDLESS else zero for i in (0, -1))
+    gaps = [zero] * (n + 1)
+    for k, gap, rate in zip(plan.contacts, run.gaps, y[3 * n :], strict=False):
+        gaps[k] = Dual(gap, rate.d / run.clock.tick)
+    waves = [zero] * (2 * n + 4)
+    for it in bodies:
+        v = it.profile
+        for s in range(it.first, it.last + 1):
             stretching = y[s - 1] * y[v + 1]
             waves[2 * s : 2 * s + 2] = y[v] - stretching, y[v] + stretching
     waves[0], waves[-1] = waves[2], waves[-3]  # an endless bar sends what left the row last
-    walls = (y[make.profile[i]].d if make.last[i] == 0 else 0.0 for i in (0, -1))
-    outside: Any = tuple(map(Dual, a.outside, walls))
-    sent: Any = [[(Dual(t, -ticks[l // 2].d), Dual(wave, waves[l].d)) for t, wave in of_line]
-                 for l, of_line in enumerate(a.waves)]
-    left, right = ends
-    return start(
-        ticks, [left, *give, right], a.status, gaps,
-        outside, sent, room)
+    ends = []
+    for i in (0, -1):
+        it, wall = bodies[i], Dual(0.0)
+        if it.last == 0:
+            driven = it.outside != Outside.STEADY
+            wall = Dual(0.0 if driven else run.line[i].arrived, y[it.profile].d)
+        ends.append(wall)
+    sent: Any = [[] for _ in waves]
+    for front in run.log[: run.run.started]:
+        tick, l, wave = int(front["tick"]), int(front["line"]), float(front["value"])
+        first = Dual(tick, -ticks[l // 2].d)
+        sent[l].append((first, Dual(wave, waves[l].d)))
+    return laid(ticks, [left, *give, right], plan.kinds, gaps, (ends[0], ends[1]), sent)
 
 
 def ending(system: System) -> set[int]:

@@ -14,7 +14,7 @@ import hashlib
 import sys
 import threading
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from types import CellType, FunctionType, ModuleType
 from typing import Any
@@ -205,15 +205,22 @@ def blank(count: int, record: Any) -> list[Any]:
     return [kind() for _ in range(count)]
 
 
+def objects(rows: Iterable[Sequence[Any]], record: Any) -> list[Any]:
+    """Return objects with the fields of a record, of a tuple of values each."""
+    kind, names, made = _kind(record), record.names, []
+    for row in rows:
+        one = kind()
+        one.__dict__.update(zip(names, row, strict=True))
+        made.append(one)
+    return made
+
+
 def as_objects(records: Any) -> list[Any]:
     """Return an array of records as a list of small objects with lists, for plain Python."""
-    kind, names = _kind(records.dtype), records.dtype.names
-    objects = []
-    for row in zip(*(records[name].tolist() for name in names), strict=True):
-        one = kind()
-        vars(one).update(zip(names, row, strict=True))
-        objects.append(one)
-    return objects
+    kind = records.dtype
+    if any(kind[name].subdtype for name in kind.names):
+        return objects(zip(*(records[name].tolist() for name in kind.names), strict=True), kind)
+    return objects(records.tolist(), kind)
 
 
 def as_records(objects: list[Any], record: Any) -> Any:

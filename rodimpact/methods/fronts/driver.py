@@ -14,13 +14,13 @@ import numpy as np
 from ...model import Absorbing, Bonded, End, Free, Incoming, Moved, Pushed, Rod, Steps
 from ...model.frozen import Number
 from .. import kernels, laws
-from ..compiling import as_objects, as_records, blank
+from ..compiling import as_objects, as_records, blank, objects
 from ..duration import Forecast
 from ..family import Stopped, now, table
 from ..memory import ask, most_numbers
-from ..row import Array, Row
+from ..row import Row
 from . import events, layout, march, stock
-from .records import BODY, LINE, NODE, NONE, PIECE, ROW, RUN, SEGMENT, Outside, Status, Stop
+from .records import BODY, CHANGE, LINE, NODE, NONE, PIECE, ROW, RUN, SEGMENT, Outside, Status, Stop
 
 OUTSIDE: dict[type[End], Outside] = {
     Absorbing: Outside.ENDLESS, Incoming: Outside.ENDLESS, Pushed: Outside.PUSHED,
@@ -46,7 +46,10 @@ class Plan:
     Attributes
     ----------
     row : Row
-    body, node : array of BODY, NODE
+    bodies : list of tuple
+        Of each a BODY.
+    kinds : list of int
+        Of each node.
     numbers : list of float or array
         In which members differ, see `layout`.
     contacts : list of int
@@ -57,40 +60,35 @@ class Plan:
 
     def __init__(self, row: Row) -> None:
         self.row, system = row, row.system
-        bodies, profiles = list[tuple[Any, ...]](), list[Number]()
-        for body, (first, last) in zip(system.bodies, row.spans, strict=True):
-            strain = body.strain if isinstance(body, Rod) else 0.0
-            bodies.append(_entry(first, last, profiles, body.velocity, strain, Outside.STEADY))
-        for side, end in enumerate(system.ends):
-            if not isinstance(end, Free):
-                value, outside = getattr(end, "value", 0.0), OUTSIDE.get(type(end), Outside.STEADY)
-                bodies.insert(side * len(bodies), _entry(1, 0, profiles, value, 0.0, outside))
         n, pieces, gaps = len(row.segments), row.segments, system.gaps
         self.numbers: list[Number] = [
             *(p.wave_speed for p in pieces), *(p.impedance for p in pieces),
-            *(p.length for p in pieces), *gaps, *profiles,
+            *(p.length for p in pieces), *gaps,
         ]
-        self.body = np.array(bodies, dtype=BODY)
-        self.body["profile"] += 3 * n + len(gaps)
+        self.bodies: list[tuple[int, ...]] = []
+        for body, (first, last) in zip(system.bodies, row.spans, strict=True):
+            strain = body.strain if isinstance(body, Rod) else 0.0
+            self.bodies.append(self._enter(first, last, body.velocity, strain))
+        for side, end in enumerate(system.ends):
+            if not isinstance(end, Free):
+                outside = OUTSIDE.get(type(end), Outside.STEADY)
+                entry = self._enter(1, 0, getattr(end, "value", 0.0), 0.0, outside)
+                self.bodies.insert(side * len(self.bodies), entry)
         self.contacts = [last for _, last in row.spans[: len(gaps)]]
-        self.node = np.zeros(n + 1, NODE)
-        self.node["kind"] = [STATUS[law] for law in row.laws]
-        self.node["contact"] = NONE
-        self.node["contact"][self.contacts] = range(len(gaps))
-        jumps = sum(velocities + strains - 2 for *_, velocities, strains, _ in bodies)
+        self.kinds = [STATUS[law].value for law in row.laws]
+        jumps = sum(velocities + strains - 2 for *_, velocities, strains, _ in self.bodies)
         self.segments, self.pieces, self.fronts = n, n + jumps, 2 * (n + jumps) + 2
 
-
-def _entry(
-    first: int, last: int, profiles: list[Number], velocity: Any, strain: Any, outside: Outside
-) -> tuple[Any, ...]:
-    """A BODY, its numbers added to those of the others."""
-    place, counts = len(profiles), []
-    for profile in (velocity, strain):
-        values = [*profile.values] if isinstance(profile, Steps) else [profile]
-        profiles += [*values, *(profile.at if isinstance(profile, Steps) else ())]
-        counts.append(len(values))
-    return first, last, place, *counts, outside
+    def _enter(
+        self, first: int, last: int, velocity: Any, strain: Any, outside: Outside = Outside.STEADY
+    ) -> tuple[int, ...]:
+        """A BODY, whose profiles are added to the numbers."""
+        place, counts = len(self.numbers), []
+        for profile in (velocity, strain):
+            values = [*profile.values] if isinstance(profile, Steps) else [profile]
+            self.numbers += [*values, *(profile.at if isinstance(profile, Steps) else ())]
+            counts.append(len(values))
+        return first, last, place, *counts, outside.value
 
 
 class Members:
@@ -110,9 +108,19 @@ class Members:
         while leaves <= n:
             leaves *= 2
         make: Any = np.zeros if fast else blank
-        self.body, self.node = plan.body, np.tile(plan.node, count)
-        if not fast:
-            self.body, self.node = as_objects(self.body), as_objects(self.node)
+        self.body: Any = np.array(plan.bodies, BODY) if fast else objects(plan.bodies, BODY)
+        self.node = make(count * (n + 1), NODE)
+        places = [NONE] * (n + 1)
+        for contact, k in enumerate(plan.contacts):
+            places[k] = contact
+        if fast:
+            nodes = self.node.reshape(count, n + 1)
+            nodes["kind"], nodes["contact"] = plan.kinds, places
+        else:
+            for at, kind, contact in zip(
+                self.node, count * plan.kinds, count * places, strict=True
+            ):
+                at.kind, at.contact = kind, contact
         self.run, self.segment = make(count, RUN), make(count * (n + 2), SEGMENT)
         self.line, self.piece = make(2 * n + 4, LINE), make(plan.pieces, PIECE)
         self.log, self.tree = make(ROOM + plan.fronts, ROW), np.zeros(2 * leaves, np.int64)
@@ -132,9 +140,9 @@ class Members:
         for it in self.run:
             setattr(it, name, value)
 
-    def lay(self, given: Array) -> None:
-        """Take the numbers of other members, [member, number]."""
-        self.given = given.ravel() if self.fast else given.ravel().tolist()
+    def lay(self, given: Any) -> None:
+        """Take the numbers of other members, one after the other."""
+        self.given = np.asarray(given) if self.fast else np.asarray(given).tolist()
         self.set("stop", Stop.NONE.value)
 
     def go(self) -> bool:
@@ -167,9 +175,9 @@ class Members:
     def with_ticks(self, ticks: Sequence[int], max_events: int) -> Members:
         """The one member, laid out with these transit times of its segments."""
         new, n = Members(self.plan, 1, None, max_events, False), self.plan.segments
-        new.run, new.segment, new.line = map(self.objects, ("run", "segment", "line"))
+        new.run, new.segment, new.line = map(self.copied, ("run", "segment", "line"))
         (it,), new.given = new.run, self.given
-        new.log = [*self.objects("log", it.started), *blank(ROOM, ROW)]
+        new.log = [*self.copied("log", it.started), *blank(ROOM, ROW)]
         for s, T in enumerate(ticks):
             new.segment[s].transit = T
         for l in range(2, 2 * n + 2):
@@ -184,7 +192,7 @@ class Members:
             new.on_arrays()
         return new
 
-    def objects(self, name: str, count: int | None = None) -> list[Any]:
+    def copied(self, name: str, count: int | None = None) -> list[Any]:
         """The records of this name, or the first of them, as objects of their own."""
         records = getattr(self, name)[:count]
         return as_objects(records) if self.fast else copy.deepcopy(records)
@@ -200,10 +208,29 @@ class Laid(NamedTuple):
     log: list[Any]
     tree: list[Any]
 
+    def go(self, target: Any, limit: int, tolerance: Any = 0.0, window: int = 0) -> Stop:
+        """Run to tick `target`, or if it is negative to the proof and -target ticks more."""
+        run = self.run
+        run.target, run.limit, run.tolerance, run.window = target, limit, tolerance, window
+        while (stop := march.play(*self)) == Stop.FULL:
+            self.log.extend(blank(len(self.log), ROW))
+        return Stop(stop)
+
+    def advance(self, horizon: int) -> None:
+        """Run to a tick, and prove nothing."""
+        while events.advance(*self, horizon) == Stop.FULL:
+            self.log.extend(blank(len(self.log), ROW))
+
+    @property
+    def changes(self) -> list[Any]:
+        """Rows of the log on changes of contacts."""
+        return [row for row in self.log[: self.run.rows] if row.line == CHANGE]
+
 
 def laid(
     ticks: Sequence[Any], mobility: Sequence[Any], kinds: Sequence[int], gaps: Sequence[Any],
-    outside: tuple[Any, Any], waves: Sequence[Sequence[tuple[Any, Any]]],
+    outside: tuple[Any, Any],
+    waves: Sequence[Sequence[tuple[Any, Any]]],
     room: int = 256,
 ) -> Laid:
     """Set a collision to t = 0, of whatever kind of number times and amplitudes are.
@@ -219,8 +246,6 @@ def laid(
     waves : [2 n + 2] or [2 n + 4] lists of (tick, value)
         By line: when fronts left, the first one transit before t = 0, and the values behind them;
         that of line 1 is empty.
-    room : int
-        Rows of the log to provide beyond these.
     """
     nodes, leaves = len(kinds), 1
     while leaves < nodes:
@@ -228,7 +253,7 @@ def laid(
     (run,), segment, node, line = (blank(count, record) for count, record in (
         (1, RUN), (nodes + 1, SEGMENT), (nodes, NODE), (2 * nodes + 2, LINE)))
     sent = [(t, l, wave) for l, fronts in enumerate(waves) for t, wave in fronts]
-    log = blank(len(sent) + room, ROW)
+    log = blank(len(sent) + ROOM, ROW)
     for front, (tick, l, value) in zip(log, sent, strict=False):
         front.tick, front.line, front.value = tick, l, value
     for it, T, Y in zip(segment, ticks, mobility, strict=True):
@@ -259,14 +284,14 @@ def solve_one(
     """
     fast = kernels.worth_compiling(plan.fronts**2 * PAIR_TIME, march.follow)
     members = Members(plan, 1, until, max_events, fast, further=True)
-    members.lay(table(plan.numbers, ()))
+    members.lay(plan.numbers)
     return run_on(members, forecast)
 
 
 def run_on(members: Members, forecast: Forecast | None = None) -> Members:
     """Run a single collision to its end."""
     while members.go():
-        rows, (run,) = len(members.log), members.objects("run")
+        rows, (run,) = len(members.log), members.copied("run")
         if not members.fast and kernels.worth_compiling(rows * ROW_TIME, march.follow):
             members.on_arrays()  # what is not over takes as long again as it took
         if forecast:
@@ -333,7 +358,7 @@ def solve_many(
         fast = kernels.worth_compiling(plain * len(block), march.follow, ahead=plain * ahead)
         if members is None or len(members.run) != len(block) or members.fast != fast:
             members = Members(plan, len(block), until, max_events, fast, reads)
-        members.lay(block)
+        members.lay(block.ravel())
         while members.go():
             members.lengthen()
         parts.append(columns_of(members))
