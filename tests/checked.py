@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 import sys
 
-from rodimpact.explore.javascript import MOST, translations, tree_of
+from rodimpact.explore.javascript import MOST, Program, tree_of
 
 
 class _Checks(ast.NodeTransformer):
@@ -53,7 +53,7 @@ def checked(value):
 def build(roots, constants, known):
     """Functions by name, checked, with these constants."""
     spaces, found = {}, {}
-    for function in translations(roots, constants, known):
+    for function in Program(roots, constants, known).texts:
         name = function.__module__
         space = spaces.setdefault(name, {**vars(sys.modules[name]), **constants})
         space |= {"_checked": checked, "_place": place}

@@ -1,10 +1,11 @@
 """Functions of this package as JavaScript, so that the page computes with the same kernels.
 
-What is translated is what has a method below: numbers, text, lists, tables and named tuples; loops
-and conditions; calls of functions that are translated too. Values are the same, bit for bit, but
-for exp and logarithms. All else is refused with its file and line. Where JavaScript means another
-thing, page/python.js says what Python means, or throws. Whole numbers must stay below 2^53. A
-condition is true, false or a number, no list; division by 0 gives what arrays give.
+What is translated is what has a method below: numbers, text, lists, tables, named tuples and
+records; loops and conditions; calls of functions that are translated too; constants, nested lists
+and enums of modules. Values are the same, bit for bit, but for exp, logarithms and powers. All else
+is refused with its file and line. Where JavaScript means another thing, page/python.js says what
+Python means, or throws. Whole numbers must stay below 2^53. A condition is true, false or a number,
+no list; division by 0 gives what arrays give.
 """
 
 from __future__ import annotations
@@ -16,10 +17,14 @@ import json
 import math
 import re
 import string
+import sys
 import textwrap
 from collections.abc import Iterable, Mapping
-from types import FunctionType
+from enum import Enum, EnumType
+from types import FunctionType, ModuleType
 from typing import Any, NoReturn
+
+import numpy as np
 
 MOST = 1 << 53  # doubles hold whole numbers below
 OPERATORS: dict[type, str] = {
@@ -28,18 +33,18 @@ OPERATORS: dict[type, str] = {
 }
 EXACT: dict[type, str] = {
     ast.FloorDiv: "floordiv", ast.Mod: "mod", ast.BitXor: "xor", ast.LShift: "shl",
-    ast.RShift: "shr",
+    ast.RShift: "shr", ast.Pow: "pow",
 }
 CALLS = {
     "len": "{}.length", "abs": "Math.abs({})", "int": "py.int({})", "round": "py.round({})",
     "sorted": "py.sorted({})", "list": "Array.from({})", "enumerate": "py.enumerate({})",
-    "zip": "py.zip({})", "range": "py.range({})", "bool": "py.bool({})",
+    "zip": "py.zip({})", "range": "py.range({})", "bool": "py.bool({})", "float": "Number({})",
     "bisect_left": "py.bisect_left({})", "bisect_right": "py.bisect_right({})",
 }
 MATH = {
     "inf": "Infinity", "nan": "NaN", "sqrt": "Math.sqrt", "floor": "Math.floor",
-    "trunc": "Math.trunc", "log10": "Math.log10", "gcd": "py.gcd", "frexp": "py.frexp",
-    "isfinite": "Number.isFinite",
+    "trunc": "Math.trunc", "log": "Math.log", "log10": "Math.log10", "gcd": "py.gcd",
+    "frexp": "py.frexp", "isfinite": "Number.isFinite",
 }
 NUMPY = {  # of single numbers
     "where": "py.where", "minimum": "py.min", "maximum": "py.max", "floor": "Math.floor",
@@ -74,47 +79,75 @@ def javascript(
     Raises
     ------
     Untranslatable
-        At the first thing that is not translated, or where two functions bear one name.
+        At the first thing that is not translated.
     """
-    return "\n".join(translations(roots, constants or {}, known or {}).values())
+    program = Program(roots, constants or {}, known or {})
+    return "\n".join([*program.tables, *program.texts.values()])
 
 
-def translations(
-    roots: Iterable[Any], constants: Mapping[str, float], known: Mapping[Any, str]
-) -> dict[FunctionType, str]:
-    """Each function with its text; arguments as of `javascript`."""
-    waiting, names = list(roots), set()
-    texts: dict[FunctionType, str] = {}
-    fields = fields_of(waiting)
-    while waiting:
-        function = waiting.pop(0)
-        if function in texts:
-            continue
-        translator = _Translator(function, fields, constants, known)
-        if function.__name__ in names:
-            translator.refuse(translator.tree, f"another function called {function.__name__}")
-        names.add(function.__name__)
-        texts[function] = translator.visit(translator.tree)
-        waiting += translator.called
-    return texts
+class Program:
+    """Functions with all that they need: `texts` by function, and `tables`.
+
+    Parameters as of `javascript`.
+    """
+
+    def __init__(
+        self, roots: Iterable[Any], constants: Mapping[str, float], known: Mapping[Any, str]
+    ) -> None:
+        self.constants, self.known = constants, known
+        self.texts: dict[FunctionType, str] = {}
+        self.tables: list[str] = []
+        self._names: dict[int, str] = {}
+        self._waiting: list[FunctionType] = []
+        for function in roots:
+            self.function(function)
+        self.fields = fields_of(self._waiting)
+        while self._waiting:
+            one = _Translator(self._waiting.pop(0), self)
+            self.texts[one.function] = one.visit(one.tree)
+
+    def function(self, function: FunctionType) -> str:
+        """Name of a function, which is translated too."""
+        if id(function) not in self._names:
+            self._waiting.append(function)
+        return self._name(function, function.__name__, function.__module__)
+
+    def table(self, table: list[Any], name: str, module: str) -> str:
+        """Name of a list that a module holds, which is written too."""
+        new, name = id(table) not in self._names, self._name(table, name, module)
+        if new:
+            self.tables.append(f"const {name}={json.dumps(table, separators=(',', ':'))};")
+        return name
+
+    def _name(self, thing: Any, name: str, module: str) -> str:
+        """The name of a thing, behind those of its modules where another thing bears it."""
+        parts = module.split(".")
+        while id(thing) not in self._names and name in self._names.values():
+            name = f"{parts.pop()}_{name}"
+        return self._names.setdefault(id(thing), name)
 
 
 def fields_of(functions: Iterable[Any]) -> set[str]:
-    """Fields of all named tuples that the files of functions know, or those of their functions."""
-    known: dict[str, Any] = {}
-    waiting = [function.__globals__ for function in functions]
+    """Fields of all named tuples and records of the modules of functions, and of what they use."""
+    modules: set[str] = set()
+    waiting = [function.__module__ for function in functions]
     while waiting:
-        names = waiting.pop()
-        if names["__name__"] not in known:
-            known[names["__name__"]] = names
-            waiting += [value.__globals__ for value in names.values()
-                        if isinstance(value, FunctionType) and _is_ours(value)]
-    return {field for names in known.values() for value in names.values()
-            for field in getattr(value, "_fields", ())}
+        name = waiting.pop()
+        if name not in modules:
+            modules.add(name)
+            waiting += [value.__module__ if isinstance(value, FunctionType | EnumType)
+                        else value.__name__
+                        for value in vars(sys.modules[name]).values()
+                        if isinstance(value, FunctionType | EnumType | ModuleType)
+                        and _is_ours(value)]
+    values = [value for name in modules for value in vars(sys.modules[name]).values()]
+    return {field for value in values for field in (
+        value.names or () if isinstance(value, np.dtype) else getattr(value, "_fields", ()))}
 
 
-def _is_ours(function: FunctionType) -> bool:
-    return function.__module__.startswith("rodimpact.")
+def _is_ours(thing: Any) -> bool:
+    """Whether a module, or what it holds, is of this package."""
+    return bool(getattr(thing, "__module__", thing.__name__).startswith("rodimpact."))
 
 
 def tree_of(function: FunctionType) -> ast.FunctionDef:
@@ -126,23 +159,20 @@ def tree_of(function: FunctionType) -> ast.FunctionDef:
 
 
 class _Translator(ast.NodeVisitor):
-    """Translates one function; `called` are those that it calls."""
+    """Translates one function of a program."""
 
-    def __init__(
-        self, function: FunctionType, fields: set[str], constants: Mapping[str, float],
-        known: Mapping[Any, str],
-    ) -> None:
-        self.function, self.fields = function, fields
-        self.constants, self.known = constants, known
+    def __init__(self, function: FunctionType, program: Program) -> None:
+        self.function, self.program = function, program
         self.tree = tree_of(function)
-        self.called: list[FunctionType] = []
         self.inside = [n.arg for n in self.tree.args.args]
         self.local = {n.id for n in ast.walk(self.tree)
                       if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        taken = {n.attr for n in ast.walk(self.tree) if isinstance(n, ast.Attribute)}
+        taken |= {*TAKEN, *function.__globals__}
         short = (f"{a}{b}" for b in ("", *"abcdefghi") for a in string.ascii_letters)
         self.names = dict(zip(
             [*self.inside, *sorted(self.local - set(self.inside))],
-            (name for name in short if name not in (*TAKEN, *function.__globals__)), strict=False))
+            (name for name in short if name not in taken), strict=False))
         self.count = 0
 
     def refuse(self, node: Any, what: str) -> NoReturn:
@@ -172,14 +202,16 @@ class _Translator(ast.NodeVisitor):
         own = [self.name(n) for n in sorted(self.local - set(self.inside))]
         own += [f"_{i + 1}" for i in range(self.count)]
         begin = f"let {','.join(own)};\n" if own else ""
-        return f"function {node.name}({','.join(names)}){{\n{begin}{body}}}"
+        head = f"function {self.program.function(self.function)}({','.join(names)})"
+        return f"{head}{{\n{begin}{body}}}"
 
     def block(self, body: list[ast.stmt]) -> str:
         """Statements, each on a line."""
         return "".join(self.visit(statement) for statement in body)
 
     def visit_Expr(self, node: ast.Expr) -> str:
-        return "" if isinstance(node.value, ast.Constant) else f"{self.visit(node.value)};\n"
+        idle = isinstance(node.value, ast.Constant | ast.Name)
+        return "" if idle else f"{self.visit(node.value)};\n"
 
     def visit_Return(self, node: ast.Return) -> str:
         return f"return {self.visit(node.value)};\n" if node.value else "return;\n"
@@ -284,6 +316,8 @@ class _Translator(ast.NodeVisitor):
             return f"{self.visit(node.value)}[{self.index(node.slice)}]"
         if isinstance(node, ast.Name):
             return self.name(node.id)
+        if isinstance(node, ast.Attribute):
+            return self.visit(node)
         return self.refuse(node, f"assigning to {type(node).__name__}")
 
     # Expressions ----------------------------------------------------------------------------------
@@ -298,18 +332,32 @@ class _Translator(ast.NodeVisitor):
         if isinstance(value, float):
             return repr(value) if math.isfinite(value) else self.refuse(node, f"{value}")
         if isinstance(value, int) and abs(value) < MOST:
-            return repr(value)
+            return repr(int(value))
         return self.refuse(node, f"the constant {value!r}")
 
     def visit_Name(self, node: ast.Name) -> str:
-        if node.id in self.local or node.id in self.inside:
-            return self.name(node.id)
-        if node.id in self.constants:
-            return self.literal(node, self.constants[node.id])
-        value = self.function.__globals__.get(node.id)
+        return self.names.get(node.id) or self.held(node, node.id)
+
+    def held(self, node: ast.Name | ast.Attribute, name: str) -> str:
+        """A constant or a table that a module holds under this name."""
+        value = self.known(node)
+        if isinstance(value, list):
+            return self.program.table(value, name, self.function.__module__)
         if isinstance(value, int | float | str):
             return self.literal(node, value)
-        return self.refuse(node, f"the name {node.id}")
+        return self.refuse(node, f"the name {name}")
+
+    def known(self, node: ast.expr) -> Any:
+        """What a name of a module, or an attribute of a module or an enum, stands for, or None."""
+        match node:
+            case ast.Name(name) if name not in self.names:
+                return self.program.constants.get(name, self.function.__globals__.get(name))
+            case ast.Attribute(value, name):
+                owner = self.known(value)
+                if isinstance(owner, ModuleType) and _is_ours(owner):
+                    return self.program.constants.get(name, getattr(owner, name))
+                return getattr(owner, name) if isinstance(owner, Enum | EnumType) else None
+        return None
 
     def name(self, name: str) -> str:
         """The short name of a local variable."""
@@ -324,7 +372,9 @@ class _Translator(ast.NodeVisitor):
         for module, names in (("math", MATH), ("np", NUMPY)):
             if ast.unparse(node.value) == module and node.attr in names:
                 return names[node.attr]
-        if node.attr not in self.fields:
+        if self.known(node) is not None:
+            return self.held(node, node.attr)
+        if node.attr not in self.program.fields:
             self.refuse(node, f"the attribute {node.attr}")
         return f"{self.visit(node.value)}.{node.attr}"
 
@@ -359,9 +409,7 @@ class _Translator(ast.NodeVisitor):
         if isinstance(right, lists) or isinstance(getattr(node, "left", None), lists):
             self.refuse(node, "adding lists")
         other = self.visit(right)
-        if isinstance(op, ast.Pow):
-            if left not in ("2", "2.0", "10.0"):
-                self.refuse(node, "a power of anything but 2 and 10.0")
+        if isinstance(op, ast.Pow) and left in ("2", "2.0", "10.0"):
             return f"py.pow{left.removesuffix('.0')}({other})"
         if type(op) in EXACT:
             return f"py.{EXACT[type(op)]}({left},{other})"
@@ -372,14 +420,13 @@ class _Translator(ast.NodeVisitor):
 
     def visit_UnaryOp(self, node: ast.UnaryOp) -> str:
         if isinstance(node.op, ast.Not):
-            return f"!{self.truth(node.operand, 'bool')}"
+            return f"!{self.test(node.operand)}"
         if isinstance(node.op, ast.USub):
             return f"(-{self.visit(node.operand)})"
         return self.refuse(node, type(node.op).__name__)
 
     def visit_BoolOp(self, node: ast.BoolOp) -> str:
-        joined = OPERATORS[type(node.op)].join(self.truth(x, "bool") for x in node.values)
-        return f"({joined})"
+        return self.truth(node, "bool")
 
     def test(self, node: ast.expr) -> str:
         """A condition."""
@@ -387,7 +434,9 @@ class _Translator(ast.NodeVisitor):
 
     def truth(self, node: ast.expr, kind: str) -> str:
         """What decides: "bool" is true or false, "truth" a number too."""
-        sure = isinstance(node, ast.Compare | ast.BoolOp) or (
+        if isinstance(node, ast.BoolOp):
+            return f"({OPERATORS[type(node.op)].join(self.truth(x, kind) for x in node.values)})"
+        sure = isinstance(node, ast.Compare) or (
             isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not)) or (
             isinstance(node, ast.Constant) and isinstance(node.value, bool))
         return self.visit(node) if sure else f"py.{kind}({self.visit(node)})"
@@ -462,10 +511,10 @@ class _Translator(ast.NodeVisitor):
         function = node.func
         if isinstance(function, ast.Name) and function.id == "isinstance":
             return self.kind(node, *node.args)
-        if isinstance(function, ast.Attribute):
+        called = self.known(function)
+        if isinstance(function, ast.Attribute) and called is None:
             return self.method(node, function, [self.visit(x) for x in node.args])
-        assert isinstance(function, ast.Name)
-        name, called = function.id, self.function.__globals__.get(function.id)
+        name = ast.unparse(function)
         if name in ("any", "all") and isinstance(node.args[0], ast.GeneratorExp):
             every = "some" if name == "any" else "every"
             return f"{self.visit_ListComp(node.args[0])}.{every}(py.bool)"
@@ -476,11 +525,10 @@ class _Translator(ast.NodeVisitor):
             return f"({{{','.join(map(':'.join, zip(fields, given, strict=True)))}}})"
         if node.keywords and [ast.unparse(k) for k in node.keywords] != ["strict=True"]:
             self.refuse(node, "an argument by name")
-        if isinstance(called, FunctionType) and called in self.known:
-            return f"{self.known[called]}({','.join(given)})"
+        if isinstance(called, FunctionType) and called in self.program.known:
+            return f"{self.program.known[called]}({','.join(given)})"
         if isinstance(called, FunctionType) and _is_ours(called):
-            self.called.append(called)
-            return f"{called.__name__}({','.join(given)})"
+            return f"{self.program.function(called)}({','.join(given)})"
         if called is None and name in ("min", "max") and len(given) > 1:
             text = given[0]
             for other in given[1:]:

@@ -24,6 +24,9 @@ from rodimpact.explore.scene import scene
 from rodimpact.explore.solver import CONSTANTS, KNOWN
 from rodimpact.explore.start import start
 from rodimpact.explore.tables import row_of
+from rodimpact.methods import compiling, tick_rule_kernel
+from rodimpact.methods.pieces import driver, finality, layout, march
+from rodimpact.methods.row import Row
 from rodimpact.storage.casefile import case_from
 
 NODE = shutil.which("node")
@@ -64,7 +67,7 @@ def shifts(a, k):
 
 
 def of_numbers(x):
-    return [math.frexp(x)[0], math.frexp(x)[1], math.sqrt(abs(x)), math.isfinite(x)]
+    return [math.frexp(x)[0], math.frexp(x)[1], math.sqrt(abs(x)), math.isfinite(x), x**2]
 
 
 def loops(items):
@@ -168,10 +171,6 @@ def large_constant():
     return 9007199254740993
 
 
-def complex_power(a):
-    return a**3
-
-
 def with_statement(a):
     with a:
         pass
@@ -206,7 +205,7 @@ def by_a_name(a, b):
     (lists_added, 1, "adding lists"), (unknown_name, 1, "the name json"),
     (unknown_call, 1, "calling sum"), (unknown_method, 1, "the method strip"),
     (unknown_attribute, 1, "the attribute real"), (large_constant, 1, "9007199254740993"),
-    (complex_power, 1, "a power"), (with_statement, 1, "With"), (bitwise, 1, "BitAnd"),
+    (with_statement, 1, "With"), (bitwise, 1, "BitAnd"),
     (by_keyword, 1, "an argument by name"), (from_the_end, 1, "such an index"),
     (twice_called, 1, "a call between"), (formatted, 1, "such a format"),
     (by_a_name, 1, "such a step"),
@@ -217,6 +216,70 @@ def test_what_is_not_translated_is_named_with_its_line(function, line, what):
     first = inspect.getsourcelines(function)[1]
     assert f"test_javascript.py:{first + line}: " in str(error.value)
     assert what in str(error.value)
+
+
+# Kernels on records
+
+KERNEL = compiling.interpreted(march, "follow_of")
+RODS = [ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0),
+        ri.Rod(1.0, area=2e-4, material=ri.materials.aluminium)]
+MASSES = [ri.RigidMass(0.3, velocity=1.0), ri.RigidMass(0.2), ri.RigidMass(0.5)]
+SIDES = [ri.Wall(), RODS[0].replace(velocity=-1.0), RODS[1], ri.Wall()]
+RECORDED = {
+    "rigid": ri.System(RODS),
+    "rigid, four": ri.System([*RODS, *RODS], gaps=[1e-5, 0.0, 2e-5]),
+    "walls": ri.System(SIDES, gaps=[1e-5, 0.0, 1e-5]),
+    "bonded": ri.System([*RODS, RODS[1]], contacts=[ri.Rigid(), ri.Bonded()]),
+    "spring": ri.System(RODS, contacts=[ri.Spring(1e8)]),
+    "dashpot": ri.System(RODS, contacts=[ri.SpringDashpot(1e8, damping=500.0)]),
+    "hertz": ri.System(RODS, contacts=[ri.Hertz(1e10)]),
+    "power": ri.System(RODS, contacts=[ri.PowerLaw(1e9, exponent=1.3)]),
+    "hunt": ri.System(RODS, contacts=[ri.HuntCrossley(1e10, damping=0.3)]),
+    "yielding": ri.System(RODS, contacts=[ri.Yielding(1e8, yield_force=800.0)]),
+    "mass on a rod": ri.System([MASSES[0], RODS[1]]),
+    "joint": ri.System([*MASSES[:2], RODS[1]], contacts=[ri.Joint(1e8), ri.Rigid()]),
+    "impacts": ri.System([*MASSES, ri.Wall()], gaps=[0.0, 1e-3, 2e-3],
+                         contacts=[ri.Rigid(restitution=0.8)] * 3),
+    "driven": ri.System(RODS, contacts=[ri.Spring(1e8)], ends=(
+        ri.Pushed(ri.Samples(np.sin(np.linspace(0.0, 3.0, 41)) * 1e3, step=1e-5)), ri.Absorbing())),
+}
+
+
+def recorded(system):
+    """The records of a system on the clock of the page, as objects."""
+    until = 4e-4 if system.ends != (ri.Free(), ri.Free()) else None
+    machine = driver.Machine(layout.lay_out(Row(system), until, 1e-8, 3000, True))
+    records = machine.records
+    for name in ("log", "turn"):
+        records[name] = np.concatenate([records[name]] * 4)
+    return [compiling.as_objects(records[name]) for name in driver.ORDER] + [
+        driver.matrix_of(records["node"]).tolist()]
+
+
+def tables(objects):
+    """Objects, or lists of numbers, as JSON has them."""
+    return [{name: getattr(one, name) for name in one.__slots__} if hasattr(one, "__slots__")
+            else one for one in objects]
+
+
+@needs_node
+@pytest.mark.parametrize("name", RECORDED)
+def test_the_kernel_of_characteristics_does_the_same_on_the_same_records(name, monkeypatch):
+    for module in (tick_rule_kernel, finality, layout, driver):
+        for constant in CONSTANTS.keys() & vars(module).keys():
+            monkeypatch.setattr(module, constant, CONSTANTS[constant])
+    arguments = recorded(RECORDED[name])
+    script = f"""{read("python.js")}\n{javascript([KERNEL], CONSTANTS)}
+    const answer = (given) => ({{ why: follow(...given), given: given.slice(0, -1) }});"""
+    page = run(script, [tables(objects) for objects in arguments])
+    assert page["why"] == KERNEL(*arguments)
+    for record, theirs, objects in zip(driver.ORDER, page["given"], arguments, strict=False):
+        for i, (one, other) in enumerate(zip(theirs, tables(objects), strict=True)):
+            for key, value in other.items():
+                if name != "power":
+                    assert one[key] == value, (record, i, key)
+                elif key in ("impulse", "work", "peak", "mean"):  # engines round powers differently
+                    assert one[key] == pytest.approx(value, rel=1e-12, abs=1e-12), (record, i, key)
 
 
 # The solver

@@ -88,7 +88,7 @@ def wait(run: Any, link: Any, part: Any) -> int:
             opening = right.speed - left.speed
             if opening > 0 and reach > apart:
                 longest = max(longest, (reach - apart) / opening / run.tick)
-    return int(min(longest, 2.0**60)) + 1
+    return int(min(longest, 0.5 * NEVER)) + 1
 
 
 def survey(link: Any, mass: Any, line: Any, log: Any, part: Any, second: float, tick: int) -> None:

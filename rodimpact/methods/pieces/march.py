@@ -104,7 +104,7 @@ def advance(
     at.now = tick + ticks
     grow = 4.0 if worst <= 0 else min(4.0, 0.9 * (run.tolerance / worst) ** (1 / N))
     wish = int(full * max(0.25, grow)) + 1
-    limited = at.rough or (full == end - tick and full < at.length)  # and not by smoothness
+    limited = at.rough == 1 or (full == end - tick and full < at.length)  # and not by smoothness
     at.length = max(at.length, wish) if limited else wish
     return True
 
