@@ -4,23 +4,51 @@ from __future__ import annotations
 
 import numpy as np
 
+from rodimpact.methods import kernels
+from rodimpact.methods.compiling import as_objects, as_records
+from rodimpact.methods.fronts import finality, records
 from rodimpact.methods.fronts import method as fronts
-from rodimpact.methods.fronts.assembly import assemble
-from rodimpact.methods.fronts.tracking import FrontRun
+from rodimpact.methods.fronts.run import FrontRun
 from rodimpact.methods.grid import method as grid
 from rodimpact.methods.grid.run import GridRun
 from rodimpact.methods.row import Row
+from rodimpact.methods.run import MAX_EVENTS
 from rodimpact.results.solution import Solution
 
 METHODS = {FrontRun: fronts, GridRun: grid}
 
 
-def assembled(system, until=None):
-    return assemble(Row(system), until)
+def tracked(system, until=None, max_events=MAX_EVENTS):
+    return fronts.track(Row(system), until, max_events)
 
 
 def solution_of(run, until=None):
     return Solution(METHODS[type(run)].hand_over(run, until))
+
+
+def bits_of(system, until, compiling, max_events=4000):
+    """All that a run by fronts leaves, bit for bit."""
+    with kernels.forced(compiling):
+        run = tracked(system, until, max_events)
+    left = run.members
+    assert left.fast == compiling
+    return [run.log.tobytes(), *(
+        (kept if compiling else as_records(kept, record)).tobytes()
+        for kept, record in ((left.run, records.RUN), (left.segment, records.SEGMENT),
+                             (left.node, records.NODE), (left.line, records.LINE)))]
+
+
+def records_of(run):
+    """Segments, nodes, lines and log of a run by fronts, as its proof of finality takes them."""
+    return run.segment, run.node, run.line, as_objects(run.log)
+
+
+def group_of(run, contact, right):
+    """Motion of the bonded group on one side of a contact, and bounds of its end, by the proof."""
+    k = run.plan.contacts[contact]
+    for find in (finality.survey_group, finality.bound_deviation):
+        find(*records_of(run), k, k + right, run.run.now)
+    return run.segment[k + right]
 
 
 def gaps_of(solution, contact):

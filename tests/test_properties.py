@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from runs import assembled
+from runs import bits_of
 from systems import horizon, random_system
 
 import rodimpact as ri
 from rodimpact.methods import kernels
-from rodimpact.methods.fronts.tracking import track
 
 seeds = st.integers(0, 10**6)
 CAP = 20_000
@@ -250,17 +249,8 @@ def test_the_film_runs_backwards(seed):
 def test_compiled_and_interpreted_runs_are_bit_identical():
     for seed in range(1000):
         system = random_system(seed, bodies=4)
-        assembly = assembled(system, horizon(system, 4))
-        with kernels.forced(False):
-            plain = track(assembly, horizon(system, 4), 4000)
-        with kernels.forced(True):
-            fast = track(assembly, horizon(system, 4), 4000)
-        assert plain.state == fast.state
-        assert plain.tally == fast.tally
-        assert (plain.end, plain.finality_time) == (fast.end, fast.finality_time)
-        assert plain.events == fast.events
-        for a, b in zip(plain.log, fast.log, strict=True):
-            assert a == b.tolist()
+        plain, fast = (bits_of(system, horizon(system, 4), how) for how in (False, True))
+        assert plain == fast
 
 
 def test_two_rods_never_meet_again():

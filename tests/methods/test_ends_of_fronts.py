@@ -8,20 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from runs import assembled
+from runs import bits_of, group_of, tracked
 
 import rodimpact as ri
 from rodimpact.methods import kernels
-from rodimpact.methods.fronts import front_kernel
-from rodimpact.methods.fronts.assembly import start
-from rodimpact.methods.fronts.front_kernel import (
-    BOND,
-    PUSH,
-    TOUCH,
-    deviation_bound,
-    group_motion,
-)
-from rodimpact.methods.fronts.tracking import track
+from rodimpact.methods.fronts import driver, stock
+from rodimpact.methods.fronts.records import Status
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from systems import horizon, random_system
@@ -315,19 +307,18 @@ def test_an_endless_end_stays_within_its_bound(seed, right):
     if right:
         row, ends = row[::-1], ends[::-1]
     row = ri.System(row, [10.0], ends=ends)
-    run = track(assembled(row, 0.0), 0.0)
-    a, node = run.assembly, run.assembly.nodes[0]
-    mean, *_ = group_motion(run.state, run.log, node, right, 0)
-    d, bound2 = deviation_bound(run.state, run.log, node, right, 0, mean)
+    run = tracked(row, 0.0)
+    it, a = group_of(run, 0, right), run.clock
+    reach = np.sqrt(it.bound) * a.tick
     until = horizon(row, 60.0)
     solution = ri.solve(row, until, max_events=10 * CAP)
     assume(solution.stopped_by == "until")
     t = np.linspace(0, until, 2000)
     end = solution.displacement(int(right), 0.0 if right else length, t)
-    place = end - end[0] - (mean + a.frame) * t + d * a.tick
-    assert np.abs(place).max() <= np.sqrt(bound2) * a.tick * (1 + 1e-9) + 1e-12 * np.abs(end).max()
+    place = end - end[0] - (it.mean + a.frame) * t + it.deviation * a.tick
+    assert np.abs(place).max() <= reach * (1 + 1e-9) + 1e-12 * np.abs(end).max()
     late = np.abs(place[t > 0.9 * until]).max()
-    assert late <= 0.25 * np.sqrt(bound2) * a.tick + 1e-12 * np.abs(end).max()
+    assert late <= 0.25 * reach + 1e-12 * np.abs(end).max()
 
 
 def test_an_endless_bar_that_pushes_a_wall_pushes_on():
@@ -370,6 +361,12 @@ def gaps_between_fronts(solution):
     return min(int(spans.min()) for spans in found if len(spans))
 
 
+def from_outside(run, line):
+    """When fronts come in on a line from outside, and the waves behind them."""
+    log = run.log[: run.run.started]
+    return log[log["line"] == line][["tick", "value"]].tolist()
+
+
 @pytest.mark.parametrize("trips", [1, 3, 40])
 def test_a_drive_that_ends_as_a_wave_returns_leaves_no_sliver(trips):
     """Aluminium and steel are no whole ratio; the drive is timed by the aluminium."""
@@ -388,21 +385,23 @@ def test_times_beyond_the_longest_transit_change_no_transit():
     """Lengths 0.3 and 0.1 stay 3 to 1, whatever the times of the drive are."""
     rods = [rod(0.3), rod(0.1)]
     force = ri.Pushed(ri.Steps([0.0, 1.0, 2.0, 3.0], [0.1 * np.pi, 7.0, 1e3]))
-    a = assembled(ri.System(rods, ends=(force, ri.Free())), 50.0)
-    assert a.ticks[1] == 3 * a.ticks[2]
-    assert a.transit_error < 1e-15
-    [(_, f0), (t1, _), (t2, _)] = a.waves[0]
+    run = tracked(ri.System(rods, ends=(force, ri.Free())), 50.0)
+    _, first, second, _ = run.clock.ticks
+    assert first == 3 * second
+    assert run.clock.transit_error < 1e-15
+    [(_, f0), (t1, _), (t2, _)] = from_outside(run, 0)
     assert f0 == 0.0
-    assert t1 * a.tick == pytest.approx(0.1 * np.pi, rel=1e-14)
-    assert 3 * t2 == 70 * a.ticks[1]  # the last jump is never reached
+    assert t1 * run.clock.tick == pytest.approx(0.1 * np.pi, rel=1e-14)
+    assert 3 * t2 == 70 * first  # the last jump is never reached
 
 
 def test_jumps_that_fall_into_one_tick_are_one():
     at = [1e-18, 2e-18, 1.0]
     velocity = ri.Moved(ri.Steps([5.0, 6.0, 1.0, 2.0], at))
-    a = assembled(ri.System([rod()], ends=(ri.Free(), velocity)), 50.0)
-    assert [wave + a.frame for _, wave in a.waves[-1]] == [1.0, 2.0]
-    assert [t for t, _ in a.waves[-1]] == [0, a.ticks[1]]
+    run = tracked(ri.System([rod()], ends=(ri.Free(), velocity)), 50.0)
+    ticks, waves = zip(*from_outside(run, 5), strict=True)
+    assert [wave + run.clock.frame for wave in waves] == [1.0, 2.0]
+    assert ticks == (0, run.clock.ticks[1])
 
 
 # States, files, families -------------------------------------------------------------------------
@@ -484,34 +483,25 @@ def test_fractions_stay_exact():
     momentum and energy balance without any error."""
     one, zero = Fraction(1), Fraction(0)
     still = [[(-T, zero)] for T in (2, 2, 5, 5)]
-    row, tally, log, clock = start(
-        [0, 2, 5, 0], [zero, one / 3, one / 2, one / 2], [PUSH, TOUCH, BOND], [zero] * 3,
-        (zero, zero), [[(0, one / 3), (7, zero)], [], *still, [], [(0, zero)]],
+    state = driver.laid(
+        [0, 2, 5, 0], [zero, one / 3, one / 2, one / 2],
+        [Status.PUSH, Status.TOUCH, Status.BOND], [zero] * 3, (zero, zero),
+        [[(0, one / 3), (7, zero)], [], *still, [], [(0, zero)]],
     )
-    front_kernel.play(row, tally, log, clock, 23, 10**6, zero, 1)
-    stock = front_kernel.GroupState([zero] * 4, [zero] * 4, [zero] * 4)
-    front_kernel.segment_totals(row, log, 23, stock)
-    assert tally.impulse[0] == 7
-    assert stock.momentum[1] == tally.impulse[0] - tally.impulse[1]
-    assert stock.momentum[2] == tally.impulse[1] - tally.impulse[2]
-    assert stock.vibration[1] == tally.work[0] - tally.work[1]
-    assert stock.vibration[2] == tally.work[1] - tally.work[2]
-    assert tally.work[2] > 0
+    state.go(23, 10**6, zero)
+    stock.take(state.run, state.segment, state.line, state.log)
+    pushed, contact, away = state.node
+    assert pushed.impulse == 7
+    assert state.segment[1].momentum == pushed.impulse - contact.impulse
+    assert state.segment[2].momentum == contact.impulse - away.impulse
+    assert state.segment[1].vibration == pushed.work - contact.work
+    assert state.segment[2].vibration == contact.work - away.work
+    assert away.work > 0
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
 def test_compiled_and_interpreted_runs_are_bit_identical():
     for seed in range(300):
         system = with_ends(seed)
-        until = horizon(system, 4)
-        assembly = assembled(system, until)
-        with kernels.forced(False):
-            plain = track(assembly, until, 4000)
-        with kernels.forced(True):
-            fast = track(assembly, until, 4000)
-        assert plain.state == fast.state
-        assert plain.tally == fast.tally
-        assert (plain.end, plain.finality_time) == (fast.end, fast.finality_time)
-        assert plain.events == fast.events
-        for a, b in zip(plain.log, fast.log, strict=True):
-            assert a == b.tolist()
+        plain, fast = (bits_of(system, horizon(system, 4), how) for how in (False, True))
+        assert plain == fast

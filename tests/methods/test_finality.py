@@ -6,19 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from runs import assembled, solution_of
+from runs import group_of, records_of, solution_of, tracked
 from systems import horizon, random_system
 
 import rodimpact as ri
-from rodimpact.methods.fronts.front_kernel import (
-    BOND,
-    FREE,
-    OPEN,
-    deviation_bound,
-    group_motion,
-    separation_time,
-)
-from rodimpact.methods.fronts.tracking import track
+from rodimpact.methods.compiling import blank
+from rodimpact.methods.fronts import events, finality
+from rodimpact.methods.fronts.records import NODE, Status
 from rodimpact.methods.groups import groups
 
 M = ri.Material("m", youngs_modulus=1.0, density=1.0)
@@ -63,32 +57,31 @@ def expected_sway(pieces, wall_velocity):
 def test_mean_motion_and_bounds(seed, transits):
     system = random_system(seed, bodies=4)
     until = horizon(system, transits)
-    run = track(assembled(system, until), until, 20_000)
-    solution, a = solution_of(run, until), run.assembly
-    for group in groups(a.system):
+    run = tracked(system, until, 20_000)
+    solution, tick = solution_of(run, until), run.clock.tick
+    for group in groups(system):
         walls = [b.velocity for i in group if isinstance(b := system.bodies[i], ri.Wall)]
         pieces = pieces_of(solution, group)
         if not pieces or len(walls) > 1:
             continue
         for right_side, contact in ((False, group[-1]), (True, group[0] - 1)):
-            if not 0 <= contact < len(a.nodes):
+            if not 0 <= contact < len(system.contacts):
                 continue
-            node = a.nodes[contact]
-            assert run.state.status[node] not in (BOND, FREE)
+            assert run.node[run.plan.contacts[contact]].status >= Status.OPEN
             mean, deviation, bound2 = expected_sway(
                 pieces[::-1] if right_side else pieces, walls[0] if walls else None)
-            v, low, high, bounded = group_motion(run.state, run.log, node, right_side, run.end)
-            assert v + a.frame == pytest.approx(mean, abs=1e-11)
-            d, b2 = deviation_bound(run.state, run.log, node, right_side, run.end, v)
+            it = group_of(run, contact, right_side)
+            assert it.mean + run.clock.frame == pytest.approx(mean, abs=1e-11)
             sign = -1 if right_side else 1
-            assert d * a.tick == pytest.approx(sign * deviation, abs=1e-11 * horizon(system))
-            if b2:
-                assert b2 * a.tick**2 == pytest.approx(bound2, rel=1e-9, abs=1e-24)
+            assert it.deviation * tick == pytest.approx(
+                sign * deviation, abs=1e-11 * horizon(system))
+            if it.bound:
+                assert it.bound * tick**2 == pytest.approx(bound2, rel=1e-9, abs=1e-24)
             moving = any(len(np.unique([p[k] for p in pieces])) > 1 for k in (3, 4))
             stepped = len(pieces_of(solution, group)) > 1 and (
                 walls or sum(len(system.bodies[i].segments) for i in group) > 1)
-            if bounded and moving and stepped:
-                assert low == high  # nothing under way
+            if it.bounded and moving and stepped:
+                assert it.low == it.high  # nothing under way
 
 
 def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
@@ -98,25 +91,25 @@ def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
         return ri.Rod(segments=pieces, velocity=velocity, strain=strain)
 
     system = ri.System([stretched(0.0, 0.02), stretched(1e-3, -0.01)], gaps=[0.001])
-    run = track(assembled(system, 0.0), 0.0)
-    solution, tick = solution_of(run, 0.0), run.assembly.tick
+    run = tracked(system, 0.0)
+    solution = solution_of(run, 0.0)
     _, left, bound_left = expected_sway(pieces_of(solution, [0]), None)
     _, right, bound_right = expected_sway(pieces_of(solution, [1])[::-1], None)
     mean_gap = 0.001 + left + right  # both deviations are measured outwards, towards the gap
     wait = (np.sqrt(2 * (bound_left + bound_right)) - mean_gap) / 1e-3
-    a = run.assembly
-    when = separation_time(run.state, run.log, a.nodes[0], 0, a.tolerance)
-    assert when * tick == pytest.approx(wait, rel=2e-6)
+    (contact,) = run.plan.contacts
+    when = finality.separation_time(*records_of(run), contact, 0, run.run.tolerance)
+    assert when * run.clock.tick == pytest.approx(wait, rel=2e-6)
 
 
 def test_the_bound_of_a_uniform_rod_is_the_textbook_integral():
     """With all mass fractions linear, integral g^2 dx/(E A) = L/(3 E A)."""
     rod = ri.Rod(2.0, area=3.0, material=M, strain=ri.Steps([1e-3, 0.0], [1.0]))
     system = ri.System([rod, ri.Wall()], gaps=[1.0])
-    run = track(assembled(system, 0.1), 0.1)
-    _, bound2 = deviation_bound(run.state, run.log, 1, False, run.end, 0.0)
+    run = tracked(system, 0.1)
+    bound = group_of(run, 0, False).bound
     energy = 0.5 * 3.0 * 1e-6 * 1.0
-    assert bound2 * run.assembly.tick**2 == pytest.approx(2 * energy * 2.0 / (3 * 3.0), rel=1e-12)
+    assert bound * run.clock.tick**2 == pytest.approx(2 * energy * 2.0 / (3 * 3.0), rel=1e-12)
 
 
 @settings(max_examples=40)
@@ -127,18 +120,15 @@ def test_an_end_stays_within_its_bound(seed):
     rod = system.bodies[0]
     row = ri.System([rod, ri.Rod(1.0, area=1.0, material=M, velocity=2.0)], [10.0])
     until = horizon(row, 30.0)
-    run = track(assembled(row, 0.0), 0.0)
-    node = run.assembly.nodes[0]
-    v, *_ = group_motion(run.state, run.log, node, False, 0)
-    d, bound2 = deviation_bound(run.state, run.log, node, False, 0, v)
+    run = tracked(row, 0.0)
+    it, tick = group_of(run, 0, False), run.clock.tick
     solution = ri.solve(row, until, max_events=20_000)
     assume(solution.stopped_by == "until")
     t = np.linspace(0, until, 4000)
     end = solution.displacement(0, rod.length, t)
-    tick = run.assembly.tick
-    mean = end[0] + (v + run.assembly.frame) * t - d * tick
+    mean = end[0] + (it.mean + run.clock.frame) * t - it.deviation * tick
     round_off = 2.0**-48 * 3.0 * until  # of waves, beside the velocities of both bodies
-    assert np.abs(end - mean).max() <= np.sqrt(bound2) * tick * (1 + 1e-9) + round_off
+    assert np.abs(end - mean).max() <= np.sqrt(it.bound) * tick * (1 + 1e-9) + round_off
 
 
 @settings(max_examples=80)
@@ -220,45 +210,29 @@ def test_a_grazing_contact_that_presses_again_is_one_episode():
     assert (tally.first, tally.last, tally.duration) == (0.5, 2.0, 1.0)
 
 
-def state_of_two(gap, rate, a, b):
-    """Kernel state of two rods of 1000 ticks with a gap, just before an event at tick 100."""
-    system = ri.System(
-        [ri.Rod(1.0, area=1.0, material=M, velocity=v) for v in (a, b)], [1.0])
-    run = track(assembled(system, 0.0), 0.0)
-    row = run.state
-    row.gap[1], row.rate[1] = gap, rate
-    row.arrived[2], row.arrived[5] = a, b
-    return row
-
-
-def test_a_gap_about_to_close_closes_now():
-    from rodimpact.methods.fronts.front_kernel import PRESS, resolve_contact
-
-    row = state_of_two(gap=5.0, rate=0.0, a=1.0, b=0.0)
-    assert resolve_contact(row, 1, 100, 1e-9, 10) == PRESS  # by the new velocities
-    assert (row.gap[1], row.rate[1]) == (0.0, 0.0)
-    row = state_of_two(gap=105.0, rate=-1.0, a=0.0, b=1.0)
-    assert resolve_contact(row, 1, 100, 1e-9, 10) == OPEN  # touched by the old ones, and parted
-    assert (row.gap[1], row.rate[1]) == (0.0, 1.0)
-    row = state_of_two(gap=200.0, rate=-1.0, a=1.0, b=0.0)
-    assert resolve_contact(row, 1, 100, 1e-9, 10) == OPEN
-    assert (row.gap[1], row.rate[1]) == (100.0, -1.0)
+@pytest.mark.parametrize(("gap", "rate", "closing", "after"), [
+    (5.0, 0.0, 1.0, (Status.PRESS, 0.0, 0.0)),  # about to close by the new velocities
+    (105.0, -1.0, -1.0, (Status.OPEN, 0.0, 1.0)),  # touched by the old ones, and parted
+    (200.0, -1.0, 1.0, (Status.OPEN, 100.0, -1.0)),
+])
+def test_a_gap_about_to_close_closes_now(gap, rate, closing, after):
+    (at,) = blank(1, NODE)
+    at.status, at.gap, at.rate = Status.OPEN.value, gap, rate
+    assert (events.resolve_contact(at, closing, 100, 1e-9, 10), at.gap, at.rate) == after
 
 
 @pytest.mark.parametrize("delay", [0, 3, 900])
 def test_a_closing_joins_an_arrival_within_the_window(delay):
     """The gap closes `delay` ticks before a front comes back from the far end."""
-    system = ri.System(
-        [ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, 0.5], [0.5])),
-         ri.Rod(1.0, area=1.0, material=M)], [1e-3])
-    a = assembled(system, 1.0)
-    arrival = a.ticks[1] // 2
-    gap = (arrival - delay) * (0.5 - 0.0 - 0.0)
-    object.__setattr__(a, "gaps", [0.0, float(gap), 0.0])
-    run = track(a, 1.0)
-    closed = run.tally.first[1]
-    assert a.window > 900
-    assert closed == arrival
+    striker = ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, 0.5], [0.5]))
+    system = ri.System([striker, ri.Rod(1.0, area=1.0, material=M)], [1e-3])
+    clock = tracked(system, 1.0).clock
+    arrival = clock.ticks[1] // 2
+    gap = (arrival - delay) * 0.5 * clock.tick
+    run = tracked(system.replace(gaps=[gap]), 1.0)
+    assert run.clock.ticks == clock.ticks
+    assert run.run.window > 900
+    assert run.node[1].first == arrival
 
 
 def test_round_off_makes_no_fronts():
@@ -275,12 +249,12 @@ def test_round_off_makes_no_fronts():
 
 def test_work_tallies_are_the_energy_handed_over():
     rods = [ri.Rod(1.0 + i, area=1.0 + i, material=M, velocity=1.0 - i) for i in range(3)]
-    run = track(assembled(ri.System(rods)))
-    solution, a = solution_of(run), run.assembly
-    work = [run.tally.work[k] * a.tick for k in a.nodes]
+    run = tracked(ri.System(rods))
+    solution, frame = solution_of(run), run.clock.frame
+    work = [run.node[k].work * run.clock.tick for k in run.plan.contacts]
     for i, (gained, lost) in enumerate(((0, work[0]), (work[0], work[1]), (work[1], 0))):
         ends = (0, solution.fields.end)
-        energy = [sum(solution.fields.energy(i, end, a.frame)) for end in ends]
+        energy = [sum(solution.fields.energy(i, end, frame)) for end in ends]
         assert energy[1] - energy[0] == pytest.approx(gained - lost, abs=1e-12)
 
 
