@@ -17,7 +17,7 @@ from runs import tracked
 
 import rodimpact as ri
 from rodimpact.methods import kernels, tick_rule
-from rodimpact.methods.compiling import as_objects, as_records, blank
+from rodimpact.methods.compiling import as_records, blank
 from rodimpact.methods.fronts import driver, events, finality, layout, march, stock
 from rodimpact.methods.fronts.records import Status, Stop
 from rodimpact.methods.pieces import march as pieces
@@ -131,7 +131,7 @@ def test_a_full_log_is_grown_and_the_run_goes_on():
         del state.log[run.rows :]
     assert full > 3
     for many, few in zip(roomy[1:5], narrow[1:5], strict=True):
-        assert [*map(vars, many)] == [*map(vars, few)]
+        assert [*map(vars, many)] == [*map(vars, few)] != []
 
 
 def chain(n):
@@ -177,7 +177,7 @@ def test_the_compiled_tick_rule_is_the_same():
         plain = spans_of([*rng.uniform(0.1, 1, 4), *(rng.integers(1, 9, 4) / 7)])
         spans = as_records(plain, SPAN)
         assert fast(spans, 49, 0) == assign_ticks(plain, 49)
-        assert [*map(vars, as_objects(spans))] == [*map(vars, plain)]
+        assert spans.tobytes() == as_records(plain, SPAN).tobytes()
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")

@@ -1,0 +1,210 @@
+"""Kernels by stock numba: what is kept on disk, and what is not used again."""
+
+import os
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rodimpact.methods import compiling, kernels
+from rodimpact.methods.fronts import march as fronts
+from rodimpact.methods.fronts.records import NODE
+from rodimpact.methods.pieces import march as pieces
+from rodimpact.methods.pieces.records import LINK
+from rodimpact.methods.tick_rule import recognise
+
+FOLDER = Path(compiling.__file__).parent
+
+
+# Sources ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("module", "files"), [
+    (pieces, ["pieces/march", "pieces/nodes", "pieces/series", "pieces/records", "pieces/laws"]),
+    (fronts, ["fronts/march", "fronts/events", "fronts/records", "tick_rule", "compiling"]),
+])
+def test_a_change_of_any_file_of_a_kernel_changes_its_digest(module, files, monkeypatch):
+    """Those from which it imports constants alone, too."""
+    read, digests = Path.read_bytes, {compiling.digest_of(module)}
+    for file in files:
+        with monkeypatch.context() as patch:
+            path = FOLDER / f"{file}.py"
+            patch.setattr(Path, "read_bytes", lambda p, path=path: read(p) + b"#" * (p == path))
+            digests.add(compiling.digest_of(module))
+    assert len(digests) == 1 + len(files)
+
+
+# Records ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("record", [NODE, LINK], ids=["plain", "with arrays"])
+def test_records_become_objects_and_objects_records(record):
+    filled = np.frombuffer(np.random.default_rng(1).bytes(3 * record.itemsize), np.uint8) % 64
+    records = filled.view(record)
+    made = compiling.as_records(compiling.as_objects(records), record)
+    assert all((made[name] == records[name]).all() for name in record.names)
+    assert len(compiling.as_records([], record)) == 0
+
+
+def test_blank_objects_are_records_of_zeros():
+    nodes = compiling.blank(3, NODE)
+    assert compiling.as_records(nodes, NODE).tobytes() == np.zeros(3, NODE).tobytes()
+    nodes[1].gap = 0.1
+    assert compiling.as_records(nodes, NODE)["gap"].tolist() == [0.0, 0.1, 0.0]
+
+
+# The cache ----------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    """A cache of machine code of its own."""
+    if not kernels.enabled():
+        pytest.skip("compiling is disabled")
+    monkeypatch.setattr("numba.config.CACHE_DIR", str(tmp_path))
+    return tmp_path
+
+
+def answers(made):
+    """What a kernel says, made or read as if another process began; and how often it was read."""
+    assert made(0.5) == recognise(0.5) == (1, 2)
+    return sum(made._fast.stats.cache_hits.values())
+
+
+def test_machine_code_is_found_again_unless_a_source_changed(cache, monkeypatch):
+    assert compiling.Compiled(recognise).files() == []
+    assert answers(compiling.Compiled(recognise)) == 0
+    (file,) = compiling.Compiled(recognise).files()
+    assert file.is_relative_to(cache)
+    assert answers(compiling.Compiled(recognise)) == 1
+    monkeypatch.setattr(compiling, "digest_of", lambda module: "a constant of another file changed")
+    assert answers(compiling.Compiled(recognise)) == 0
+    assert answers(compiling.Compiled(recognise)) == 1
+    assert answers(compiling.Compiled(recognise)) == 1
+
+
+def test_two_signatures_are_both_kept(cache):
+    for hits in (0, 1):
+        made = compiling.Compiled(recognise)
+        assert answers(made) == hits
+        assert made(np.float32(0.5)) == (1, 2)
+    assert len(made._fast.stats.cache_hits) == 2
+    assert len([*cache.rglob("*.nbc")]) == 2
+
+
+KERNELS = {
+    "__init__": "",
+    "constants": "MOST = 7\nTABLE = [[1.0, 2.0], [3.0, 4.0]]\n",
+    "inner": "def scaled(x):\n    return 10 * x\n",
+    "outer": "from . import inner\nfrom .constants import MOST, TABLE\n\n\n"
+             "def answer(x):\n    return inner.scaled(x) + MOST + TABLE[1][0]\n",
+}
+
+CALL = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from rodimpact.methods import compiling
+compiling.__name__ = "rows_of_a_test.compiling"  # kernels are modules of its package
+from rows_of_a_test import outer
+made = compiling.Compiled(outer.answer)
+print(made(1), sum(made._fast.stats.cache_hits.values()), outer.answer(1))
+"""
+
+
+def test_stale_machine_code_is_not_run(cache):
+    """An imported kernel, a constant and a table change, and the file of the kernel does not."""
+    folder = cache / "rows_of_a_test"
+    folder.mkdir()
+
+    def write(**texts):
+        for name, text in texts.items():
+            (folder / f"{name}.py").write_text(text)
+
+    def process():
+        done = subprocess.run(
+            [sys.executable, "-B", "-c", CALL, str(cache)], capture_output=True, text=True,
+            env={**os.environ, "NUMBA_CACHE_DIR": str(cache)}, check=True)
+        return done.stdout.split()
+
+    write(**KERNELS)
+    assert process() == ["20.0", "0", "20.0"]
+    assert process() == ["20.0", "1", "20.0"]
+    write(inner=KERNELS["inner"].replace("10", "20"))
+    assert process() == ["30.0", "0", "30.0"]
+    write(constants="MOST = 8\nTABLE = [[0.0], [5.0]]\n")
+    assert process() == ["33.0", "0", "33.0"]
+
+
+def test_without_a_place_for_machine_code_it_is_made_in_each_process(cache, monkeypatch):
+    from numba import njit
+
+    def nowhere(*given, cache=False, **more):
+        if cache:
+            raise RuntimeError("cannot cache function: no locator available")
+        return njit(*given, **more)
+
+    monkeypatch.setattr("numba.njit", nowhere)
+    made = compiling.Compiled(recognise)
+    assert answers(made) == 0
+    assert made.place == ""
+    assert made.files() == []
+
+
+def test_a_full_disk_is_no_failure(cache, monkeypatch):
+    def full(*given, **more):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    made = compiling.Compiled(recognise)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert answers(made) == 0
+    assert not list(cache.rglob("*.nbi"))
+
+
+@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.99])
+def test_files_half_written_are_told_of_and_made_anew(cache, kind, share):
+    assert answers(compiling.Compiled(recognise)) == 0
+    (path,) = cache.rglob(f"*.{kind}")
+    path.write_bytes(path.read_bytes()[: int(share * path.stat().st_size)])
+    with pytest.warns(compiling.DamagedCache, match="is damaged; it is made anew"):
+        assert answers(compiling.Compiled(recognise)) == 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert answers(compiling.Compiled(recognise)) == 0  # as if nothing had been kept
+        assert answers(compiling.Compiled(recognise)) == 1
+
+
+ONE_CALL = """
+from rodimpact.methods.compiling import Compiled
+from rodimpact.methods.tick_rule import recognise
+print(*Compiled(recognise)(0.5))
+"""
+
+
+def test_several_processes_may_find_the_same_damage(cache):
+    assert answers(compiling.Compiled(recognise)) == 0
+    for path in cache.rglob("*.nb?"):
+        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    command = [sys.executable, "-c", ONE_CALL]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    started = [subprocess.Popen(command, env={**os.environ, "NUMBA_CACHE_DIR": str(cache)}, **pipes)
+               for _ in range(2)]
+    for process in started:
+        output, errors = process.communicate()
+        assert output == "1 2\n"
+        assert "Traceback" not in errors
+    assert answers(compiling.Compiled(recognise)) in (0, 1)
+
+
+def test_what_calls_functions_of_the_user_is_kept_nowhere(cache):
+    from numba import njit
+
+    made = compiling.Compiled(recognise, ((1, njit(lambda d, rate: d)),))
+    assert answers(made) == 0
+    assert (made.place, made.files()) == ("", [])
+    assert not list(cache.rglob("*.nb?"))
