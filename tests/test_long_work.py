@@ -7,7 +7,6 @@ import pytest
 
 import rodimpact as ri
 from rodimpact.methods import duration
-from rodimpact.methods.fronts import tracking
 from rodimpact.running import sweeping
 
 STEEL = ri.materials.steel
@@ -61,14 +60,6 @@ def test_long_work_is_announced_and_reports_its_progress(work, monkeypatch):
 def test_progress_must_be_a_function(work):
     with pytest.raises(ri.InvalidModel, match="progress: must be a function, got 3"):
         work(3)
-
-
-def test_machine_code_hands_back_what_it_has_now_and_then(monkeypatch):
-    whole = ri.solve(PAIR, until=0.2).outcome
-    monkeypatch.setattr(tracking, "SLICE", 64)
-    with tracking.kernels.forced(True):
-        in_slices = ri.solve(PAIR, until=0.2).outcome
-    assert in_slices == whole
 
 
 def test_an_interrupted_sweep_does_not_wait_for_the_members_that_run(monkeypatch):

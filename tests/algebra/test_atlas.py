@@ -5,7 +5,7 @@ import pytest
 
 import rodimpact as ri
 from rodimpact.algebra import rows
-from rodimpact.methods.fronts.front_kernel import play
+from rodimpact.methods.fronts.driver import laid
 
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 
@@ -78,7 +78,7 @@ def test_a_figure_shows_what_changes(pair):
 
 def test_runs_that_do_not_end_count_as_cells(pair, monkeypatch):
     begun = []
-    monkeypatch.setattr(rows, "play", lambda *given: begun.append(1) or play(*given))
+    monkeypatch.setattr(rows, "laid", lambda *given: begun.append(1) or laid(*given))
     plane = ri.atlas(pair.system, pair.x, pair.y, most_cells=40, max_events=5)
     assert len(plane.cells) < len(begun) == 40
 

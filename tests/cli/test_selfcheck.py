@@ -1,12 +1,11 @@
 """The self-check passes, and notices what it is there to notice."""
 
 import math
-from fractions import Fraction
 
 import pytest
 
 from rodimpact.cli import selfcheck as verify
-from rodimpact.cli.selfcheck import Check, checks, exact_restitution
+from rodimpact.cli.selfcheck import Check, checks
 
 
 @pytest.mark.parametrize("check", checks(), ids=lambda check: check.name)
@@ -21,16 +20,6 @@ def test_every_check_has_a_name_of_its_own():
 
 def test_round_off_stays_far_below_the_bound():
     assert max(check.residual for check in checks()) < verify.BOUND / 100
-
-
-@pytest.mark.parametrize(
-    ("Z", "T", "e"),
-    [((1, 1), (1, 2), "1/2"), ((1, 2), (1, 2), "2/3"), ((2, 1), (1, 2), "7/9"),
-     ((3, 1), (1, 5), "11/20"), ((7, 3), (4, 4), "1")],
-)
-def test_restitution_on_fractions_is_exact(Z, T, e):
-    assert exact_restitution(Z[0], T[0], Z[1], T[1]) == Fraction(e)
-    assert exact_restitution(Z[1], T[1], Z[0], T[0]) == Fraction(e)
 
 
 def test_residuals_are_relative_unless_nothing_is_expected():

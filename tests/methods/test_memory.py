@@ -10,7 +10,7 @@ import pytest
 
 import rodimpact as ri
 from rodimpact.methods import kernels, memory
-from rodimpact.methods.fronts import families
+from rodimpact.methods.fronts import driver
 from rodimpact.running import sweeping
 
 STEEL = ri.materials.steel
@@ -119,7 +119,7 @@ def test_a_small_machine_allows_a_quarter_of_its_memory(monkeypatch):
     lambda system: ri.sweep(system, max_events=10**15),
 ])
 def test_fronts_that_multiply_for_ever_are_refused(monkeypatch, run):
-    monkeypatch.setattr(memory, "MOST_BYTES", 8.0 * families.ROW_NUMBERS * families.ROOM * 8)
+    monkeypatch.setattr(memory, "MOST_BYTES", 8.0 * driver.LIST_NUMBERS * driver.ROOM * 8)
     walls = [ri.Wall(), rod(velocity=1.0), rod(0.3781), rod(0.271), ri.Wall()]
     with pytest.raises(memory.TooLong, match=r"max_events: .* needs .* GB .*; lower the cap"):
         run(ri.System(walls))

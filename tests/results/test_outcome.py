@@ -5,13 +5,11 @@ import re
 
 import numpy as np
 import pytest
-from runs import assembled
+from runs import tracked
 
 import rodimpact as ri
 from rodimpact import rigid
-from rodimpact.methods.fronts.method import hand_over
-from rodimpact.methods.fronts.totals import tallies_of, totals_of
-from rodimpact.methods.fronts.tracking import track
+from rodimpact.methods.fronts.method import hand_over, tallies_of, totals_of
 from rodimpact.results.outcome import effective_restitution
 from rodimpact.results.outcome import outcome_of as read
 from rodimpact.theory import saint_venant
@@ -282,12 +280,12 @@ def test_no_rigid_bodies_before_the_end(until, why):
     ],
 )
 def test_what_is_missing_is_told_relative_to_what_took_part(bodies, ends, until, momentum, energy):
-    run = track(assembled(ri.System(bodies, ends=ends), until), until)
+    run = tracked(ri.System(bodies, ends=ends), until)
     whole = totals_of(run, tallies_of(run))
     assert whole.momentum == pytest.approx((0.0, momentum), abs=1e-14)
     assert whole.energy == pytest.approx((0.0, energy), abs=1e-14)
-    run.closing.momentum[1] += 1e-3 / run.assembly.tick
-    run.closing.vibration[1] += 1e-3 / run.assembly.tick
+    run.segment[1].momentum += 1e-3 / run.clock.tick
+    run.segment[1].vibration += 1e-3 / run.clock.tick
     wrong = totals_of(run, tallies_of(run))
     assert wrong.momentum == pytest.approx((1e-3, momentum), rel=1e-9)
     assert wrong.energy == pytest.approx((1e-3, energy), rel=1e-9)

@@ -228,7 +228,7 @@ def test_a_member_that_outgrows_the_work_space_runs_again(monkeypatch):
         ri.Rod(0.17, area=5e-4, material=MATERIALS[0], velocity=-1.0),
     ])
     roomy = ri.sweep(system)
-    monkeypatch.setattr("rodimpact.methods.fronts.families.ROOM", 16)
+    monkeypatch.setattr("rodimpact.methods.fronts.driver.ROOM", 1)
     for compiling in (False, True):
         with kernels.forced(compiling):
             assert same(ri.sweep(system), roomy)
@@ -238,11 +238,11 @@ def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
     system, asked = small_map((10, 10)), []
     plain = ri.sweep(system)
 
-    def in_turns(seconds, *kernels, ahead=0.0):
+    def in_turns(seconds, kernel, ahead=0.0):
         asked.append(seconds + ahead)
         return len(asked) % 2 == 0
 
-    monkeypatch.setattr("rodimpact.methods.fronts.families.PATIENCE", 0.0)
+    monkeypatch.setattr("rodimpact.methods.fronts.driver.PATIENCE", 0.0)
     monkeypatch.setattr(kernels, "worth_compiling", in_turns)
     assert same(ri.sweep(system, workers=1), plain)
     assert len(asked) > 9
@@ -549,7 +549,7 @@ class InOrder(Executor):
 
 @pytest.fixture
 def small_chunks(monkeypatch):
-    monkeypatch.setattr("rodimpact.methods.fronts.families.MOST_MEMBERS", 4)
+    monkeypatch.setattr("rodimpact.methods.fronts.method.MOST_MEMBERS", 4)
 
 
 def test_every_executor_gives_the_same_bytes(small_chunks):

@@ -155,7 +155,7 @@ def spoil_directory(rng, folder):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(tmp_path, monkeypatch, seed):
-    monkeypatch.setattr("rodimpact.methods.fronts.families.MOST_MEMBERS", 4)
+    monkeypatch.setattr("rodimpact.methods.fronts.method.MOST_MEMBERS", 4)
     monkeypatch.setattr("rodimpact.storage.checkpoint.os.fsync", lambda file: None)
     rng, whole, folder = np.random.default_rng(seed), tmp_path / "whole", tmp_path / "damaged"
     result = ri.sweep(family(), checkpoint=whole)
