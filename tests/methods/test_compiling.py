@@ -13,7 +13,7 @@ from rodimpact.methods import compiling, kernels
 from rodimpact.methods.fronts import march as fronts
 from rodimpact.methods.fronts.records import NODE
 from rodimpact.methods.pieces import march as pieces
-from rodimpact.methods.pieces.records import LINK
+from rodimpact.methods.pieces.records import PIECE
 from rodimpact.methods.tick_rule import recognise
 
 FOLDER = Path(compiling.__file__).parent
@@ -40,7 +40,7 @@ def test_a_change_of_any_file_of_a_kernel_changes_its_digest(module, files, monk
 # Records ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("record", [NODE, LINK], ids=["plain", "with arrays"])
+@pytest.mark.parametrize("record", [NODE, PIECE], ids=["plain", "with arrays"])
 def test_records_become_objects_and_objects_records(record):
     filled = np.frombuffer(np.random.default_rng(1).bytes(3 * record.itemsize), np.uint8) % 64
     records = filled.view(record)

@@ -1,7 +1,6 @@
 """Kernels of polynomial pieces: series, lines, laws, compiling; in plain Python on objects."""
 
 import math
-import types
 from itertools import pairwise
 
 import numpy as np
@@ -287,57 +286,16 @@ def test_what_ends_a_status(law, status, d, closing, to):
 # Compiling ---------------------------------------------------------------------------------------
 
 
-def module_of(path, name):
-    """A kernel module from a file."""
-    made = types.ModuleType(f"rodimpact.methods.{name}")
-    made.__file__ = str(path)
-    exec(compile(path.read_text(), str(path), "exec"), vars(made))
-    return made
-
-
-SOURCE = "TABLE = [1.0, 2.0]\n\ndef total(f):\n    s = 0.0\n    for i in range(2):\n" \
-         "        s += TABLE[i] * f[i]\n    return s\n"
-
-
-def test_another_source_has_another_digest(tmp_path, monkeypatch):
-    inner, outer = tmp_path / "inner.py", tmp_path / "outer.py"
-    inner.write_text(SOURCE)
-    outer.write_text("def call(f):\n    return inner.total(f)\n")
-    made = module_of(outer, "outer")
-    made.inner = module_of(inner, "inner")
-    first = compiling._digest(made)
-    assert compiling._digest(made) == first
-    inner.write_text(SOURCE.replace("2.0", "3.0"))  # of what it imports
-    second = compiling._digest(made)
-    outer.write_text("def call(f):\n    return -inner.total(f)\n")
-    assert len({first, second, compiling._digest(made)}) == 3
-
-
-def test_records_become_objects_and_come_back():
-    rng = np.random.default_rng(0)
-    records = np.zeros(3, PIECE)
-    records["start"], records["coefficient"] = [1, -2, 1 << 60], rng.normal(size=(3, POINTS))
-    objects = compiling.as_objects(records)
-    assert isinstance(objects[2].start, int)
-    objects[1].stop = 7
-    back = compiling.as_records(objects, PIECE)
-    records["stop"][1] = 7
-    assert back.tobytes() == records.tobytes()
-
-
 @pytest.mark.skipif(bool(kernels.why_not()), reason="there is no compiler")
-def test_a_twin_runs_the_same_bits():
-    """A kernel on objects in plain Python, and on arrays of records compiled."""
+def test_kernels_run_the_same_bits():
+    """On objects in plain Python, and on arrays of records compiled."""
     f, y = drawn(9), 0.3
     plain, fast = f.tolist(), f.copy()
     series.restrict(plain, y, [0.0] * POINTS)
-    restrict = compiling._twin(series, (), True).restrict
-    force = compiling._twin(laws, (), True).force
-    njit = pytest.importorskip("numba").njit(**compiling.OPTIONS)
-    njit(lambda f, y, c: restrict(f, y, c))(fast, y, np.zeros(POINTS))
+    kernels.compiled(series.restrict)(fast, y, np.zeros(POINTS))
     assert fast.tolist() == plain
     it = np.zeros(1, LINK)
     it["law"], it["status"], it["stiffness"], it["exponent"] = Law.POWER, Status.PRESS, 3.0, 2.3
     it["damping"], it["mobility"] = 0.2, 0.7
     wanted = laws.force(compiling.as_objects(it)[0], 0.11, 0.9)
-    assert njit(lambda it, d, rate: force(it[0], d, rate))(it, 0.11, 0.9) == wanted
+    assert kernels.compiled(laws.force)(it[0], 0.11, 0.9) == wanted
