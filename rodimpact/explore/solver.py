@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 
+from ..methods.compiling import blank
 from ..units import format_factor, format_si
 from .fronts import known_of
 from .javascript import javascript
@@ -24,7 +25,7 @@ CONSTANTS = {
 FUNCTIONS = (
     row_of, lacking, mistakes, known_of, picture, ratio_of, curve_of, restitutions, changed,
 )
-KNOWN = {format_si: "inSi", written: "inSi", format_factor: "plainNumber"}
+KNOWN = {format_si: "inSi", written: "inSi", format_factor: "plainNumber", blank: "py.blank"}
 """What the page writes in its own way."""
 
 

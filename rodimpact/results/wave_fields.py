@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods import kernels
-from ..methods.compiling import as_objects
 from ..methods.clock import Clock
+from ..methods.compiling import as_objects
 from ..methods.fronts.records import NONE, ROW
 from ..methods.fronts.stock import largest_difference
 from ..methods.run import Signals

@@ -116,7 +116,7 @@ def room(run: Any, given: Any, row: int, piece: Any, n: int, gaps: int, longest:
     if run.scale > 0:
         flight = 4 * inward_sum_of_gaps(given, row + 3 * n, gaps) / run.scale
     share = -run.until * rule.HORIZON * longest
-    horizon = max(share, 16 * inward_sum(piece, n), flight)
+    horizon: float = max(share, 16 * inward_sum(piece, n), flight)
     return min(horizon, longest * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST))
 
 
