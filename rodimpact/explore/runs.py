@@ -47,7 +47,7 @@ def run_of(row: Any, further: bool, space: Any) -> Any:
 def run_on(row: Any, further: bool, until: float, space: Any) -> Any:
     """Run a row; `until` as of `RUN`, all else as of `run_of`."""
     ask(row, further, until, space)
-    while follow(row, space) != NONE:
+    while go_on(row, space) != NONE:
         space["log"].extend(blank(3 * len(space["log"]), ROW))
     return space
 
@@ -59,7 +59,7 @@ def ask(row: Any, further: bool, until: float, space: Any) -> None:
     run.further = 1 if further else 0
 
 
-def follow(row: Any, space: Any) -> int:
+def go_on(row: Any, space: Any) -> int:
     """Run, or go on with a longer log; returns as the kernel does."""
     return march.follow(
         [space["run"]], space["body"], row["given"], space["piece"], space["segment"],
