@@ -35,6 +35,12 @@ ONE_AT_A_TIME = threading.RLock()
 """Of threads that start numba, or would compile the same twice."""
 
 
+def start() -> None:
+    """Start numba; raises what is wrong with it."""
+    with ONE_AT_A_TIME:
+        import numba  # noqa: F401
+
+
 class DamagedCache(UserWarning):
     """Machine code on disk cannot be read, and is made anew."""
 
