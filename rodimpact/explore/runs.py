@@ -70,9 +70,10 @@ def begun(row: Any, further: bool, until: float) -> Any:
     """A space in which a row is at t = 0, and nothing is to be proved on the way."""
     space = space_of(row)
     ask(row, further, until, space)
+    run, body, piece, segment = space["run"], space["body"], space["piece"], space["segment"]
+    layout.choose_clock([run], 0, body, row["given"], piece, segment, space["node"])
     layout.lay_out(
-        [space["run"]], 0, space["body"], row["given"], space["piece"], space["segment"],
-        space["node"], space["line"], space["log"])
+        run, body, row["given"], piece, segment, space["node"], space["line"], space["log"])
     events.begin(
         space["run"], space["segment"], space["node"], space["line"], space["log"], space["tree"])
     space["run"].rest = IDLE
