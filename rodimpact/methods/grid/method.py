@@ -27,8 +27,7 @@ from ..duration import Forecast, Progress
 from ..memory import ask
 from ..row import Array, Row
 from ..run import PEAK_FORCE, VELOCITY, Run
-from .grid_kernel import States
-from .machine import GAP_RESOLUTION, Keeper, Machine, cost
+from .driver import Driver, Keeper, cost
 from .mesh import STEP_TICKS, Mesh, crossing_time, most_cells, stable_step
 from .refinement import FEWEST as FEWEST_LEVELS
 from .refinement import contact_measures, factor_of, order_of, refined
@@ -135,7 +134,7 @@ def follow(
 
 def _free_velocities(run: GridRun) -> list[float]:
     """Mean velocities of the groups of pieces that nothing holds."""
-    mesh, m, v = run.mesh, run.mesh.mass, run.machine.grid.velocity
+    mesh, m, v = run.mesh, run.mesh.mass, run.driver.grid.velocity
     return [
         float(m[a : b + 1] @ v[a : b + 1] / m[a : b + 1].sum())
         for a, b in mesh.groups if not mesh.held[a : b + 1].any()
@@ -213,7 +212,7 @@ def _level(
     proof, reason = -1, "until"
     steps = 0 if until is None else round(until / step)
     room = 8 * longest if until is None else max(1, steps)
-    machine = Machine(mesh, step, keep, room)
+    driver = Driver(mesh, step, keep, room)
     size = f"{room} steps, {sum(mesh.counts)} cells"
     per_step = cost(mesh, plain=not kernels.enabled())
     ahead = others * (steps or 2 * longest) * cost(mesh, plain=True)
@@ -224,27 +223,21 @@ def _level(
 
     last = cap if until is None else steps
     tell(0)
-    machine.advance(0)
+    driver.advance(0)
     while proof < 0:
-        wait = machine.finality_time()
+        wait = driver.finality_time()
         if wait == 0:
-            proof = machine.taken
-        elif machine.taken < last:
-            more = max(min(wait, max(longest // 4, machine.taken // 8)), FEWEST)
-            machine.advance(min(last, machine.taken + more), tell, ahead)
+            proof = driver.taken
+        elif driver.taken < last:
+            more = max(min(wait, max(longest // 4, driver.taken // 8)), FEWEST)
+            driver.advance(min(last, driver.taken + more), tell, ahead)
         else:
             break
     if until is not None:
-        machine.advance(last, tell)
+        driver.advance(last, tell)
     else:
         reason = "final" if proof >= 0 else "max_events"
-    end = machine.taken * STEP_TICKS
-    if until is not None and not steps:
-        end = math.ceil(until / step * STEP_TICKS)
-    return GridRun(
-        clock=clock, machine=machine, step=step, **_taken(machine), end=end, finality_time=proof,
-        stopped_by=reason, resolved=GAP_RESOLUTION * row.scale * step,
-    )
+    return GridRun(clock=clock, driver=driver, finality_time=proof, stopped_by=reason)
 
 
 def _round_trip(clock: Clock) -> int:
@@ -254,22 +247,9 @@ def _round_trip(clock: Clock) -> int:
 
 def _after_the_proof(run: GridRun) -> GridRun:
     """Go on for a round trip of the longest rod, where the run ended with a proof."""
-    machine = run.machine
-    if run.stopped_by != "final":
-        return run
-    machine.advance(machine.taken + _round_trip(run.clock))
-    return replace(run, **_taken(machine), end=machine.taken * STEP_TICKS)
-
-
-def _taken(machine: Machine) -> dict[str, Any]:
-    """What a run has of the steps that a machine has taken."""
-    count, room = int(machine.clock[1]), len(machine.states.lost)
-    states = States._make([
-        machine.states.when[:count],
-        *(x.reshape(room, -1)[:count] for x in machine.states[1:4]), machine.states.lost[:count],
-        *(x.reshape(room, -1)[:count] for x in machine.states[5:]),
-    ])
-    return {"steps": machine.taken, "states": states}
+    if run.stopped_by == "final":
+        run.driver.advance(run.steps + _round_trip(run.clock))
+    return run
 
 
 def _clock(mesh: Mesh, step: float) -> Clock:

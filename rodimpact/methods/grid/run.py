@@ -11,11 +11,10 @@ import numpy as np
 from ..clock import Clock
 from ..laws import RIGID
 from ..row import Array, Row
-from .contact_kernel import Tally
-from .grid_kernel import States
-from .machine import Machine
+from .driver import Driver
 from .measure_kernel import largest_force
 from .mesh import STEP_TICKS, Mesh
+from .scheme import GAP_RESOLUTION
 
 RINGING = 8  # steps in which waves beside a jump swing about their mean
 
@@ -28,23 +27,12 @@ class GridRun:
     ----------
     clock : Clock
         Its tick is the step's `STEP_TICKS`-th part.
-    machine : Machine
-        The kernel's arrays, at the end.
-    step : float
-        s.
-    steps : int
-        Taken, between which signals are averages.
-    end : int
-        Last tick: of the steps, or of an end that comes before half of one.
-    states : States
-        What was kept: columns [state, node], [state, cell], [state, piece] and [state]; of radial
-        strains [state, cell] or [state, 0].
+    driver : Driver
+        With the arrays of the kernels, at the end.
     finality_time : int
         Step at whose end the collision was proved final, -1 without proof.
     stopped_by : str
         ``"final"``, ``"until"`` or ``"max_events"``.
-    resolved : float
-        Gap that counts as an opening, m.
     estimates : dict of str to float
         Error of each measure of the outcome, relative to its largest value, as `refined` finds it;
         empty where the step was given.
@@ -55,32 +43,37 @@ class GridRun:
     """
 
     clock: Clock
-    machine: Machine
-    step: float
-    steps: int
-    end: int
-    states: States
+    driver: Driver
     finality_time: int
     stopped_by: str
-    resolved: float
     estimates: dict[str, float] = field(default_factory=dict)
     rtol: float = 0.0
     peak_change: float = math.nan
 
     @property
+    def mesh(self) -> Mesh:
+        """On which it ran."""
+        return self.driver.mesh
+
+    @property
     def row(self) -> Row:
         """What was run."""
-        return self.machine.row
+        return self.driver.row
 
     @property
-    def tally(self) -> Tally:
-        """What passed through each link."""
-        return self.machine.tally
+    def step(self) -> float:
+        """The time step, s."""
+        return self.driver.step
 
     @property
-    def signals(self) -> Any:
-        """What the kernel recorded of each step."""
-        return self.machine.signals
+    def steps(self) -> int:
+        """Taken, between which signals are averages."""
+        return self.driver.taken
+
+    @property
+    def resolved(self) -> float:
+        """Gap that counts as an opening, m."""
+        return GAP_RESOLUTION * float(self.row.scale) * self.step
 
     @property
     def edges(self) -> Array:
@@ -95,31 +88,22 @@ class GridRun:
     def contact(self, contact: int) -> tuple[Array, Array]:
         """Mean force in each step, N, and gap at its end, m; not of a bonded contact."""
         place = self.place(contact)
-        gap = self.by_link(self.signals.gap, place) * self.step
-        return self.by_link(self.signals.force, place), gap
+        return self._of("signal", place, "force"), self._of("signal", place, "gap") * self.step
 
-    def by_link(self, column: Array, place: int) -> Array:
-        """What a column of the signals has of a link, by its place in the tally."""
-        return self.by_step(column, int(self.signals.link_start[place]))
-
-    def by_step(self, column: Array, start: int) -> Array:
-        """What a column of the signals has from `start` on."""
-        return column[start : start + self.steps]
-
-    @property
-    def mesh(self) -> Mesh:
-        """Of the run."""
-        return self.machine.mesh
+    def _of(self, name: str, place: int, field: str = "") -> Array:
+        """What was entered of one thing in each step."""
+        entered = getattr(self.driver.track, name)[: self.steps, place]
+        return np.ascontiguousarray(entered[field] if field else entered)
 
     @property
     def largest_strain(self) -> float:
         """Largest strain of the states that were kept."""
         inside = self.mesh.stiffness > 0
         yielding = self.mesh.stiffness[inside] * self.mesh.width[inside]
-        force = self.states.force
+        force = self.driver.states["force"]
         if self.mesh.swells:
             with np.errstate(under="ignore"):  # ahead of the waves strains are next to nothing
-                force = force - self.mesh.cells.coupling * self.states.radial * self.step
+                force = force - self.mesh.cells.coupling * self.driver.states["radial"] * self.step
         largest = np.maximum(force.max(axis=0), -force.min(axis=0))[inside]
         return float((largest / yielding).max())
 
@@ -150,34 +134,30 @@ class GridRun:
 
     def path(self, contact: int) -> Array:
         """How far a contact that is not bonded closes in each step, m."""
-        return self.by_link(self.signals.closing, self.place(contact)) * self.step
+        return self._of("signal", self.place(contact), "closing") * self.step
 
     def place(self, contact: int) -> int:
-        """Place in the tally of a contact that is not bonded."""
+        """Which of the kernel's links a contact is that is not bonded."""
         return list(self.mesh.touching).index(self.row.contact_link[contact])
 
-    def bond(self, contact: int) -> Array:
-        """Mean force in a bonded contact in each step, N."""
-        return self._bond(self.row.contact_link[contact])
-
-    def _bond(self, link: int) -> Array:
-        place = list(self.mesh.interfaces).index(link)
-        return self.by_step(self.signals.bond, place * int(self.signals.room[0]))
+    def bond(self, link: int) -> Array:
+        """Mean force in a bonded link in each step, N."""
+        return self._of("bonded", list(self.mesh.interfaces).index(link))
 
     def outer(self, side: int) -> tuple[Array, Array]:
         """Force of what is outside the left or right end on the row, and its velocity, by steps.
 
         N and m/s, in the laboratory; positive to the inside, and to the right.
         """
-        start, link = side * int(self.signals.room[0]), (0, len(self.row.laws) - 1)[side]
+        link = (0, len(self.row.laws) - 1)[side]
         if link in self.mesh.touching:
-            force = self.by_link(self.signals.force, list(self.mesh.touching).index(link))
+            force = self._of("signal", list(self.mesh.touching).index(link), "force")
         elif self.row.outside[side][0] == "velocity":
-            force = self._bond(link)
+            force = self.bond(link)
         else:
-            force = self.by_step(self.signals.push, start)
+            force = self._of("outer", side, "push")
         fall = self.row.gravity * self.step * (np.arange(self.steps) + 0.5)
-        return force, self.by_step(self.signals.speed, start) + self.row.frame + fall
+        return force, self._of("outer", side, "speed") + self.row.frame + fall
 
     def speed(self, mass: int) -> Array:
         """Velocity of a mass at the ends of the steps, the first at t = 0, in the frame."""
@@ -185,6 +165,5 @@ class GridRun:
         if side >= 0:
             wall = float(self.row.outside[side][1]) - self.row.frame
             return np.asarray(wall - self.row.gravity * self.times)
-        initial = self.states.velocity[0, self.mesh.node_of_mass[mass]]
-        start = mass * int(self.signals.room[0])
-        return np.concatenate(([initial], self.by_step(self.signals.mass_speed, start)))
+        initial = self.driver.states["velocity"][0, self.mesh.node_of_mass[mass]]
+        return np.concatenate(([initial], self._of("speed", mass)))
