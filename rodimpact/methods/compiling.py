@@ -9,6 +9,7 @@ arrays compiled, lists of small objects in plain Python.
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import functools
 import hashlib
 import sys
@@ -194,21 +195,15 @@ def digest_of(module: ModuleType) -> str:
 
 
 @functools.cache
-def _slots(record: Any) -> type:
+def _slots(record: Any) -> Any:
     """A class with the fields of a record."""
-    return type("Record", (), {"__slots__": tuple(record.names)})
+    return dataclasses.make_dataclass("Record", record.names, slots=True)
 
 
 def as_objects(records: Any) -> list[Any]:
     """Return an array of records as a list of small objects with lists, for plain Python."""
-    kind, names = _slots(records.dtype), records.dtype.names
-    objects = []
-    for row in zip(*(records[name].tolist() for name in names), strict=True):
-        one = kind()
-        for name, value in zip(names, row, strict=True):
-            setattr(one, name, value)
-        objects.append(one)
-    return objects
+    names = records.dtype.names
+    return list(map(_slots(records.dtype), *(records[name].tolist() for name in names)))
 
 
 def as_records(objects: list[Any], record: Any) -> Any:

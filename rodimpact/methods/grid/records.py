@@ -33,8 +33,8 @@ RUN = np.dtype([
     ("tolerance", "f8"),  # velocity below which contacts graze and impacts rest
     ("resolution", "f8"),  # gap that counts as no opening: the mesh does not see it
 ], align=True)
-STRETCH = np.dtype([  # of nodes of an explicit piece, or of cells with radial strains
-    ("first", "i8"), ("last", "i8"),
+STRETCH = np.dtype([  # of nodes of a segment, or of cells with radial strains
+    ("first", "i8"), ("last", "i8"), ("implicit", "i8"),  # 1: kicked with its piece
     ("opens", "i8"),  # 1: its first node is not the last one of the stretch before
     ("kick", "f8"), ("stiffness", "f8"),  # of its inner nodes and its cells, -1 if they differ
 ], align=True)
@@ -54,7 +54,7 @@ LINK = np.dtype([  # a contact or joint
     ("left", "i8"), ("right", "i8"),  # nodes
     ("left_implicit", "i8"), ("right_implicit", "i8"),  # pieces, NONE if explicit
     ("left_group", "i8"), ("right_group", "i8"),
-    ("last", "i8"),  # of those that feel each other, at the first of them
+    ("last", "i8"),  # of those that feel each other, at the first of them; else NONE
     ("own", "f8"),  # half the mobility of both sides together
     ("shared", "f8"),  # half the mobility that it shares with the link before
     ("gap", "f8"), ("force", "f8"), ("closing", "f8"),  # mean closing velocity of the last step

@@ -117,6 +117,8 @@ def eliminated(
 
 def _nodes(mesh: Mesh, implicit: Array, mass: Array, bound: Array) -> Array:
     """Nodes of implicit pieces; enters in the pieces what their middle takes."""
+    if not len(implicit):
+        return np.zeros(len(mass), NODE)
     pieces, nodes = eliminated(mesh, implicit, mass, bound)
     answers = {"by_first": [0.0] * len(nodes), "by_last": [0.0] * len(nodes)}
     for piece in pieces:
@@ -134,15 +136,14 @@ def _nodes(mesh: Mesh, implicit: Array, mass: Array, bound: Array) -> Array:
 
 
 def _stretches(mesh: Mesh, stiffness: Array, mobility: Array) -> Array:
-    found: list[tuple[int, int, int, float, float]] = []
+    found: list[tuple[Any, ...]] = []
     implicit = mesh.implicit
     for a, b in zip(mesh.first[1:], mesh.last[1:], strict=True):
-        if not implicit[mesh.piece_of(a)]:
-            k, e = stiffness[a + 1 : b + 1], mobility[a + 1 : b]
-            alike = np.all(k == k[0]) and np.all(e == e[:1])
-            opens = not found or found[-1][1] != a
-            found.append((a, b, opens, float(e[0]) if alike and len(e) else -1.0,
-                          float(k[0]) if alike else -1.0))
+        k, e = stiffness[a + 1 : b + 1], mobility[a + 1 : b]
+        alike = np.all(k == k[0]) and np.all(e == e[:1])
+        kick, stiff = e[0] if alike and len(e) else -1.0, k[0] if alike else -1.0
+        opens = not found or found[-1][1] != a
+        found.append((a, b, implicit[mesh.piece_of(a)], opens, kick, stiff))
     return np.array(found, STRETCH)
 
 
@@ -162,7 +163,7 @@ def _links(mesh: Mesh, h: float, mobility: Array, node: Array) -> Array:
     shared, beside = np.zeros(count), pieces[0][1:] == pieces[1][:-1]
     shared[1:] = np.where(beside & hidden[pieces[0][1:]], node["by_first"][left[1:]] / 2, through)
     begins = np.flatnonzero(shared == 0)
-    last = np.zeros(count, np.int64)
+    last = np.full(count, NONE)
     last[begins] = np.append(begins[1:], count) - 1
     gap = np.array([row.gap[i] for i in chosen]) / h
     columns = {name: np.array(getattr(row, name))[chosen]
