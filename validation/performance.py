@@ -39,7 +39,7 @@ from rodimpact.methods.fronts.front_kernel import (
     Log,
     play,
 )
-from rodimpact.methods.grid.machine import Keeper, Machine
+from rodimpact.methods.grid.driver import Driver, Keeper
 from rodimpact.methods.grid.mesh import Mesh, stable_step
 from rodimpact.methods.grid.method import COURANT
 from rodimpact.methods.row import Row
@@ -400,13 +400,13 @@ def cell_on_grid(
            for v in (1.0, 0.0)[:rods]]
     mesh = Mesh(Row(ri.System(row)), [cells] * rods)
     step = COURANT * stable_step(row[0].segments[0], cells)
-    machine = Machine(mesh, step, Keeper(4), 8 * steps)
+    driver = Driver(mesh, step, Keeper(4), 8 * steps)
     spans = []
     for _ in range(7):
         begin = time.perf_counter()
-        machine.advance(machine.taken + steps)
+        driver.advance(driver.taken + steps)
         spans.append(time.perf_counter() - begin)
-    assert machine.tally.episodes.tolist() == [1] * (rods - 1)
+    assert driver.grid.link["episodes"].tolist() == [1] * (rods - 1)
     return statistics.median(spans[1:]) / steps / 800
 
 

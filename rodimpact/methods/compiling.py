@@ -56,10 +56,10 @@ class Compiled:
     def _make(self, keep: bool) -> None:
         import numba
 
-        self._fast: Any = numba.njit(**OPTIONS)(self._twin)
+        self._fast: Any = numba.njit(no_cfunc_wrapper=True, **OPTIONS)(self._twin)
         if keep:
             with contextlib.suppress(RuntimeError):  # there is no place for a cache
-                self._fast = numba.njit(cache=True, **OPTIONS)(self._twin)
+                self._fast = numba.njit(cache=True, no_cfunc_wrapper=True, **OPTIONS)(self._twin)
         self.place: str = self._fast.stats.cache_path or ""
 
     def __call__(self, *given: Any) -> Any:

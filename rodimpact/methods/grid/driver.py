@@ -128,7 +128,7 @@ class Driver:
         nodes = 2 * len(self.mesh.mass)
         if kernels.worth_compiling(nodes * PROOF_TIME, proof_kernel.finality_time):
             return int(kernels.compiled(proof_kernel.finality_time)(*parts))
-        grid, *proof = _plain(self.grid), *map(compiling.as_objects, self.proof)
+        grid, *proof = as_lists(self.grid), *map(compiling.as_objects, self.proof)
         return proof_kernel.finality_time(grid, *proof)
 
     def advance(
@@ -154,7 +154,7 @@ class Driver:
         seconds = (end - first) * cost(self.mesh, plain=True) + numbers * kernels.LIST_TIME
         fast = kernels.worth_compiling(seconds, grid_kernel.follow, ahead=ahead)
         go: Any = kernels.compiled(grid_kernel.follow) if fast else grid_kernel.follow
-        grid, track = (self.grid, window) if fast else (_plain(self.grid), _plain(window))
+        grid, track = (self.grid, window) if fast else (as_lists(self.grid), as_lists(window))
         chunk = max(1, int(ROUND / cost(self.mesh, plain=not fast)))
         for taken in (*range(first + chunk, end, chunk), end):
             done = go(grid, track, taken)
@@ -163,21 +163,21 @@ class Driver:
             if tell and taken < end:
                 tell(taken)
         if not fast:
-            _store(grid, self.grid)
-            _store(track, window)
+            _take_over(grid, self.grid)
+            _take_over(track, window)
         self.kept += int(self.grid.run["kept"][0])
         if not done:
             raise squeezed(self.taken * self.step)
 
 
-def _plain(arrays: Any) -> Any:
+def as_lists(arrays: Any) -> Any:
     """Lists of objects and of numbers."""
     return arrays._make(
         compiling.as_objects(x) if x.dtype.names else x.tolist() for x in arrays)
 
 
-def _store(lists: Any, arrays: Any) -> None:
-    """Take over what is in lists of `_plain`."""
+def _take_over(lists: Any, arrays: Any) -> None:
+    """Take over what is in lists of `as_lists`."""
     for x, found in zip(arrays, lists, strict=True):
         x[:] = compiling.as_records(found, x.dtype) if x.dtype.names else found
 

@@ -35,21 +35,21 @@ def factor(piece: Any, node: Any, bound: Any, diagonal: Any, held: Any) -> None:
 
 
 def substitute(piece: Any, node: Any, x: Any) -> None:
-    """Solve for a piece; x holds the right side and becomes the solution."""
+    """Solve for a piece; x holds the right side and becomes the solution.
+
+    There are as many nodes on the left of the middle as on the right, or one less.
+    """
     a, m, b = piece.first, piece.middle, piece.last
     near, far = m - a, b - m
-    both = near if near < far else far
     y, z = x[a], x[b]
-    for i in range(1, both):
-        y = x[a + i] + node[a + i].into * y
-        z = x[b - i] + node[b - i].into * z
-        x[a + i], x[b - i] = y, z
-    for i in range(max(both, 1), near):
-        y = x[a + i] + node[a + i].into * y
-        x[a + i] = y
-    for i in range(max(both, 1), far):
-        z = x[b - i] + node[b - i].into * z
-        x[b - i] = z
+    for i in range(1, near):
+        left, right = a + i, b - i
+        y = x[left] + node[left].into * y
+        z = x[right] + node[right].into * z
+        x[left], x[right] = y, z
+    if far > near > 0:
+        z = x[m + 1] + node[m + 1].into * z
+        x[m + 1] = z
     y = x[m]
     if near > 0:
         y += piece.left * x[m - 1]
@@ -57,13 +57,10 @@ def substitute(piece: Any, node: Any, x: Any) -> None:
         y += piece.right * x[m + 1]
     y *= node[m].inverse
     x[m], z = y, y
-    for i in range(1, both + 1):
-        y = node[m - i].inverse * x[m - i] + node[m - i].back * y
-        z = node[m + i].inverse * x[m + i] + node[m + i].back * z
-        x[m - i], x[m + i] = y, z
-    for i in range(both + 1, near + 1):
-        y = node[m - i].inverse * x[m - i] + node[m - i].back * y
-        x[m - i] = y
-    for i in range(both + 1, far + 1):
-        z = node[m + i].inverse * x[m + i] + node[m + i].back * z
-        x[m + i] = z
+    for i in range(1, near + 1):
+        left, right = m - i, m + i
+        y = node[left].inverse * x[left] + node[left].back * y
+        z = node[right].inverse * x[right] + node[right].back * z
+        x[left], x[right] = y, z
+    if far > near:
+        x[b] = node[b].inverse * x[b] + node[b].back * z

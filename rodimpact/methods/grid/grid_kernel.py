@@ -131,15 +131,17 @@ def keep_rest(run: Any, lost: Any, piece: Any, state: Any, kept_place: Any) -> N
 def remember(run: Any, v: Any, link: Any, bond: Any, end: Any, outer: Any) -> None:
     """Note what is given in this step, and the velocities that are asked for after it."""
     for i in range(len(link)):
-        link[i].before = v[link[i].left] - v[link[i].right]
+        at = link[i]
+        at.before = v[at.left] - v[at.right]
     for side in range(2):
-        end[side].given = outer[2 * (run.step - run.first) + side].given
-        end[side].old = v[end[side].node]
+        outside = end[side]
+        outside.given = outer[2 * (run.step - run.first) + side].given
+        outside.old = v[outside.node]
     for b in range(len(bond)):
-        n, c = bond[b].node, bond[b].cell
-        bond[b].here = bond[b].there = v[n]
-        if c != NONE:
-            bond[b].there = v[n - 1 if c == n else n + 1]
+        joint, n = bond[b], bond[b].node
+        joint.here = joint.there = v[n]
+        if joint.cell != NONE:
+            joint.there = v[n - 1 if joint.cell == n else n + 1]
 
 
 def move(piece: Any, v: Any) -> None:
