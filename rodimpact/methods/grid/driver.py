@@ -21,6 +21,7 @@ CELL_TIMES = {"explicit": (7e-10, 8e-7), "implicit": (6e-9, 2.5e-6), "radial": (
 STEP_TIMES = 3e-7, 1e-5
 """Time of a step beside that of its cells, with what results take."""
 
+WHOLE = ("velocity", "force", "place")  # of states, entered whole: not worth clearing before
 PROOF_TIME = 2e-6  # s, about what plain Python takes for a node
 ROUND = 0.25  # s between two looks at the clock
 
@@ -90,7 +91,9 @@ class Driver:
         grown = {}
         for name in names:
             size, kind = self._sizes[name]
-            old, grown[name] = getattr(self.track, name), np.zeros((room, size), kind)
+            old = getattr(self.track, name)
+            new = np.empty if name in WHOLE else np.zeros
+            grown[name] = new((room, size), kind)
             grown[name][: len(old)] = old
         self.track = self.track._replace(**grown)
 
