@@ -11,7 +11,7 @@ from ..clock import Clock
 from ..laws import RIGID
 from ..row import Array, Row
 from .driver import Driver
-from .measure_kernel import largest_force
+from .measures import largest_force
 from .mesh import STEP_TICKS, Mesh
 from .scheme import GAP_RESOLUTION
 
@@ -119,7 +119,7 @@ class GridRun:
                 force = self.contact(contact)[0]
                 passed = np.concatenate((np.zeros(RINGING), np.cumsum(force)))
                 means = (passed[RINGING:] - passed[:-RINGING]) / RINGING
-                peaks.append(largest_force(times, force, 0, self.steps))
+                peaks.append(largest_force(times, force))
                 less.append(peaks[-1] - float(means.max(initial=0.0)))
         return max(less) / (max(peaks) or 1.0)
 

@@ -13,22 +13,9 @@ from .. import compiling
 from ..laws import JOINT
 from ..row import Array, Row, whole
 from . import elimination_kernel as elimination
+from . import records
 from .mesh import Mesh
-from .records import (
-    BOND,
-    CELL,
-    END,
-    GROUP,
-    IMPLICIT,
-    LINK,
-    NODE,
-    NONE,
-    PIECE,
-    RUN,
-    STRETCH,
-    End,
-    Grid,
-)
+from .records import NONE, End, Grid
 
 LEAST = 2.0**-800  # stiffness, where time is counted in steps
 TOLERANCE = 2.0**-40  # of the velocities, below which contacts graze: round-off of many steps
@@ -53,20 +40,20 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     turns = np.flatnonzero(np.diff(np.append(swells, False).astype(int)))
     constant = np.where(cells.stiffness > 0, cells.stiffness, 1.0)
     return Grid(
-        run=filled(RUN, 1, tolerance=TOLERANCE * row.scale, resolution=GAP_RESOLUTION * row.scale),
+        run=filled(records.RUN, 1, tolerance=TOLERANCE * row.scale, resolution=GAP_RESOLUTION * row.scale),
         velocity=np.zeros(n), force=np.zeros(n + 1), mobility=mobility, stiffness=stiffness,
         stretch=_stretches(mesh, stiffness, mobility),
-        piece=filled(PIECE, len(mesh.starts), start=mesh.starts),
+        piece=filled(records.PIECE, len(mesh.starts), start=mesh.starts),
         implicit=implicit, node=node, viscous=mesh.viscous, lost=np.zeros(n + 1),
         change=np.zeros(n), old=np.zeros(n),
-        swollen=filled(STRETCH, len(turns) // 2, first=turns[::2] + 1, last=turns[1::2]),
+        swollen=filled(records.STRETCH, len(turns) // 2, first=turns[::2] + 1, last=turns[1::2]),
         strain=np.zeros(n + 1), rate=np.zeros(n + 1),
         ease=np.divide(h, cells.swelling, out=np.zeros(n + 1), where=swells),
         coupling=cells.coupling * h,
         own=(cells.radial - cells.coupling**2 / constant) * h, share=cells.coupling / constant,
         shear=np.append(mesh.shear * h, 0.0),
         link=_links(mesh, h, mobility, node), bond=_bonds(mesh, h, bound),
-        end=filled(END, 2, kind=[KINDS[kind] for kind, _ in row.outside], node=mesh.ends,
+        end=filled(records.END, 2, kind=[KINDS[kind] for kind, _ in row.outside], node=mesh.ends,
                    impedance=[impedance(mesh, side) for side in (0, 1)]),
         mass=whole(mesh.node_of_mass),
     )
@@ -74,10 +61,10 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
 
 def filled(kind: Any, count: int, /, **columns: Any) -> Array:
     """Records of a kind, some of whose fields are given."""
-    records = np.zeros(count, kind)
+    found = np.zeros(count, kind)
     for name, values in columns.items():
-        records[name] = values
-    return records
+        found[name] = values
+    return found
 
 
 def impedance(mesh: Mesh, side: int) -> float:
@@ -99,7 +86,7 @@ def spans_of(mesh: Mesh) -> Array:
     spans = [(a, b) for a, b, hidden in zip(mesh.starts, mesh.stops, mesh.implicit, strict=True)
              if hidden]
     first, last = np.array(spans, np.int64).reshape(-1, 2).T
-    return filled(IMPLICIT, len(spans), first=first, middle=(first + last) // 2, last=last)
+    return filled(records.IMPLICIT, len(spans), first=first, middle=(first + last) // 2, last=last)
 
 
 def eliminated(
@@ -107,7 +94,7 @@ def eliminated(
 ) -> tuple[list[Any], list[Any]]:
     """Implicit pieces and nodes as objects, with their multipliers."""
     pieces = compiling.as_objects(implicit)
-    nodes = compiling.as_objects(np.zeros(len(mass), NODE))
+    nodes = compiling.as_objects(np.zeros(len(mass), records.NODE))
     diagonal, bounds = (mass + bound[:-1] + bound[1:]).tolist(), bound.tolist()
     held = mesh.held.tolist()
     for piece in pieces:
@@ -118,15 +105,15 @@ def eliminated(
 def _nodes(mesh: Mesh, implicit: Array, mass: Array, bound: Array) -> Array:
     """Nodes of implicit pieces; enters in the pieces what their middle takes."""
     if not len(implicit):
-        return np.zeros(len(mass), NODE)
+        return np.zeros(len(mass), records.NODE)
     pieces, nodes = eliminated(mesh, implicit, mass, bound)
     answers = {"by_first": [0.0] * len(nodes), "by_last": [0.0] * len(nodes)}
     for piece in pieces:
         for end, x in zip((piece.first, piece.last), answers.values(), strict=True):
             x[end] = 0.0 if mesh.held[end] else 1.0
             elimination.substitute(piece, nodes, x)
-    implicit[:] = compiling.as_records(pieces, IMPLICIT)
-    found = compiling.as_records(nodes, NODE)
+    implicit[:] = compiling.as_records(pieces, records.IMPLICIT)
+    found = compiling.as_records(nodes, records.NODE)
     for name, x in answers.items():
         found[name] = x
     return found
@@ -144,7 +131,7 @@ def _stretches(mesh: Mesh, stiffness: Array, mobility: Array) -> Array:
         kick, stiff = e[0] if alike and len(e) else -1.0, k[0] if alike else -1.0
         opens = not found or found[-1][1] != a
         found.append((a, b, implicit[mesh.piece_of(a)], opens, kick, stiff))
-    return np.array(found, STRETCH)
+    return np.array(found, records.STRETCH)
 
 
 def _links(mesh: Mesh, h: float, mobility: Array, node: Array) -> Array:
@@ -169,7 +156,7 @@ def _links(mesh: Mesh, h: float, mobility: Array, node: Array) -> Array:
     columns = {name: np.array(getattr(row, name))[chosen]
                for name in ("exponent", "damping", "strength")}
     return filled(
-        LINK, count, law=[row.laws[i] for i in chosen], stiffness=stiffness_in_steps(row, h)[chosen],
+        records.LINK, count, law=[row.laws[i] for i in chosen], stiffness=stiffness_in_steps(row, h)[chosen],
         left=left, right=right, left_implicit=order[pieces[0]], right_implicit=order[pieces[1]],
         left_group=np.searchsorted(first, left, "right") - 1,
         right_group=np.searchsorted(first, right, "right") - 1,
@@ -192,7 +179,7 @@ def _bonds(mesh: Mesh, h: float, bound: Array) -> Array:
     found = list(mesh.interfaces.values())
     cell = whole([x.cell for x in found])
     return filled(
-        BOND, len(found), node=[x.node for x in found], mass=[x.mass / h for x in found],
+        records.BOND, len(found), node=[x.node for x in found], mass=[x.mass / h for x in found],
         side=[x.side for x in found], cell=cell, viscous=mesh.viscous[cell], bound=bound[cell],
         link=[places.get(x.link, NONE) for x in found], end=[x.end for x in found],
     )
@@ -202,13 +189,13 @@ def cells_of(mesh: Mesh, step: float, grid: Grid) -> tuple[Array, Array]:
     """Groups and cells for the proof of finality."""
     first, last = np.array(mesh.groups, np.int64).T
     cell = filled(
-        CELL, len(grid.force), mass=np.append(mesh.mass / step, 0.0), held=np.append(mesh.held, 0),
+        records.CELL, len(grid.force), mass=np.append(mesh.mass / step, 0.0), held=np.append(mesh.held, 0),
         lateral=mesh.lateral / step, relaxed=mesh.cells.relaxed * step, joint=NONE,
         **{name: getattr(grid, name) for name in ("ease", "coupling", "own", "share", "shear")},
     )
     for i in np.flatnonzero(grid.link["law"] == JOINT):
         cell["joint"][grid.link["right"][i]] = i
-    return filled(GROUP, len(first), first=first, last=last), cell
+    return filled(records.GROUP, len(first), first=first, last=last), cell
 
 
 # What drives the ends -----------------------------------------------------------------------------

@@ -12,9 +12,8 @@ from ...units import format_si
 from ..run import ContactSignal, ContactTally, Episode, Outside, Run, Signals
 from ..signals import Floats, Pieces
 from ..status import end_sentence, last_contact, proof_sentence, strain_warning
-from .measure_kernel import largest_force
+from .measures import episodes_of_steps, largest_force, pressed_spans
 from .mesh import MESH, STEP_TICKS, GridMotion, RadialMotion
-from .pressing import episodes_of_steps, pressed_spans
 from .refinement import ROUGH
 from .run import RINGING, GridRun
 
@@ -160,7 +159,7 @@ def _tallies(run: GridRun, record: StepRecord) -> tuple[ContactTally, ...]:
         sudden = getattr(law, "restitution", None) is not None
         if sudden:  # an impact takes no time, though it takes a step here
             ends = np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
-        highest = float(largest_force(times, force, 0, run.steps))
+        highest = largest_force(times, force)
         tallies.append(ContactTally(
             impulse=float(totals["impulse"][link]) * run.step, duration=float((ends - begins).sum()),
             peak_force=math.nan if sudden else highest,
