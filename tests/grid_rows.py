@@ -8,8 +8,8 @@ from networks import STEP, logarithmic, random_network
 import rodimpact as ri
 from rodimpact.methods import compiling
 from rodimpact.methods.grid import proof_kernel
-from rodimpact.methods.grid.driver import as_lists
 from rodimpact.methods.grid.method import follow
+from rodimpact.methods.grid.run import as_lists
 from rodimpact.methods.row import Row
 
 SECONDS = 3.0
@@ -48,9 +48,9 @@ def run_row(system, until=SECONDS, step=STEP):
     return follow(Row(system), until, 10**9, dt=step)
 
 
-def side_of(driver, group, right_end):
+def side_of(run, group, right_end):
     """Mean velocity, deviation and bound of an end of a group, as the proof takes them."""
-    grid, groups, cells = as_lists(driver.grid), *map(compiling.as_objects, driver.proof)
+    grid, groups, cells = as_lists(run.grid), *map(compiling.as_objects, run.proof)
     proof_kernel.finality_time(grid, groups, cells)
     side = proof_kernel.side_of(
         groups[group], cells, grid.velocity, grid.end, right_end, grid.run[0].tolerance)

@@ -12,29 +12,30 @@ from scipy.linalg import block_diag
 import rodimpact as ri
 from rodimpact.methods import compiling, kernels
 from rodimpact.methods.grid import elimination_kernel as elimination
-from rodimpact.methods.grid.driver import Driver, Keeper
+from rodimpact.methods.grid.keeping import Keeper
 from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size
 from rodimpact.methods.grid.records import IMPLICIT, NODE, PER_STATE, PER_STEP
+from rodimpact.methods.grid.run import GridRun
 from rodimpact.methods.laws import RIGID
 from rodimpact.methods.row import Row
 
 seeds = st.integers(0, 10**6)
 
 
-def driver_of(system, room, snapshots=None, step=STEP):
+def grid_run(system, room, snapshots=None, step=STEP):
     plan = Row(system)
     counts, step = _mesh_size(plan, None, step, None)
-    return Driver(Mesh(plan, counts), step, Keeper(snapshots), room)
+    return GridRun(Mesh(plan, counts), step, Keeper(snapshots), room)
 
 
-def bits(driver, states=True):
+def bits(run, states=True):
     """Every number of the state, and what was entered."""
-    grid = driver.grid._asdict()
+    grid = run.grid._asdict()
     del grid["run"]
-    entered = {name: getattr(driver.track, name)[: driver.taken] for name in PER_STEP}
+    entered = {name: getattr(run.track, name)[: run.steps] for name in PER_STEP}
     if states:
-        entered |= {name: getattr(driver.track, name)[: driver.kept] for name in PER_STATE}
+        entered |= {name: getattr(run.track, name)[: run.kept] for name in PER_STATE}
     return {name: x.tobytes() for name, x in (grid | entered).items()}
 
 
@@ -47,7 +48,7 @@ def test_compiled_and_plain_runs_are_bit_identical():
         system, runs, waits = random_row(seed, driven=seed % 2 == 1), [], []
         for compiling_it in (False, True):
             with kernels.forced(compiling_it):
-                runs.append(driver_of(system, 48))
+                runs.append(grid_run(system, 48))
                 runs[-1].advance(48)
                 waits.append(runs[-1].finality_time())
         assert bits(runs[0]) == bits(runs[1]), seed
@@ -58,7 +59,7 @@ def test_compiled_and_plain_runs_are_bit_identical():
 def test_a_run_in_pieces_is_the_whole_run(driven):
     for seed in range(20):
         system = random_row(seed, driven=driven)
-        whole, pieces = driver_of(system, 100), driver_of(system, 100)
+        whole, pieces = grid_run(system, 100), grid_run(system, 100)
         whole.advance(100)
         for end in (*np.random.default_rng(seed).choice(np.arange(1, 100), 5).cumsum(), 100):
             if end < 100:
@@ -72,7 +73,7 @@ def test_what_grows_is_what_has_room_enough(driven):
     """Signals keep their bits; states are thinned, and those that are left keep theirs."""
     for seed in range(20):
         system = random_row(seed, driven=driven)
-        whole, growing = driver_of(system, 120), driver_of(system, 7, snapshots=16)
+        whole, growing = grid_run(system, 120), grid_run(system, 7, snapshots=16)
         whole.advance(120)
         for end in (7, 9, 13, 50, 120):
             growing.advance(end)
@@ -89,7 +90,7 @@ def test_states_at_chosen_times_are_those_of_the_run():
     for seed in range(20):
         system = random_row(seed)
         times = np.sort(np.random.default_rng(seed).uniform(0, 90 * STEP, 5))
-        whole, chosen = driver_of(system, 90), driver_of(system, 90, snapshots=times)
+        whole, chosen = grid_run(system, 90), grid_run(system, 90, snapshots=times)
         whole.advance(90)
         chosen.advance(90)
         when = chosen.states["when"]
@@ -173,14 +174,14 @@ def test_steps_against_dense_matrices(seed, ends):
     if ends == "pushed" and seed % 2:
         row = [rod, ri.RigidMass(0.8, velocity=0.4)]
     system = ri.System(row, contacts=[ri.Bonded()] * (len(row) - 1), ends=kinds[ends])
-    driver = driver_of(system, 40)
-    driver.advance(40)
-    n, velocity, force = len(driver.mesh.mass), *(driver.states[x] for x in ("velocity", "force"))
+    run = grid_run(system, 40)
+    run.advance(40)
+    n, velocity, force = len(run.mesh.mass), *(run.states[x] for x in ("velocity", "force"))
     radial = np.zeros_like(force)
-    if driver.mesh.swells:
-        radial = driver.step * driver.states["radial"]
+    if run.mesh.swells:
+        radial = run.step * run.states["radial"]
     v, F, q = dense_run(
-        driver.mesh, driver.step, velocity[0], force[0, 1:n], radial[0, 1:n], 40, push)
+        run.mesh, run.step, velocity[0], force[0, 1:n], radial[0, 1:n], 40, push)
     assert velocity[-1] == pytest.approx(v, abs=1e-12)
     assert force[-1, 1:n] == pytest.approx(F, abs=1e-12)
     assert radial[-1, 1:n] == pytest.approx(q, abs=1e-12)
@@ -191,7 +192,7 @@ def test_steps_against_dense_matrices(seed, ends):
 
 def energy_of_bodies(run):
     """[state] kinetic and strain energy, J: what leapfrog keeps."""
-    mesh, states, h = run.mesh, run.driver.states, run.step
+    mesh, states, h = run.mesh, run.states, run.step
     v = states["velocity"] + run.row.frame + run.row.gravity * h * states["when"][:, None]
     change = np.diff(v, axis=1)
     inside = mesh.stiffness[1:-1] > 0
@@ -223,23 +224,23 @@ def energy_of_contacts(run):
             if isinstance(law, ri.Joint):
                 x[0] = law.stretch
             total += law.stored(x if isinstance(law, ri.Joint) else np.maximum(x, 0.0))
-    return total[run.driver.states["when"]]
+    return total[run.states["when"]]
 
 
 @settings(max_examples=120)
 @given(seeds)
 def test_energy_never_rises_without_work(seed):
     run = run_row(random_row(seed))
-    assert len(run.driver.states["when"]) == run.steps + 1
+    assert len(run.states["when"]) == run.steps + 1
     total = energy_of_bodies(run) + energy_of_contacts(run)
     for side, sign in ((0, 1), (1, -1)):
         if run.row.outside[side][0] == "absorbing":
             force, speed = run.outer(side)
             total[1:] -= sign * np.cumsum(force * speed) * run.step
     assert np.diff(total).max() <= 1e-12 * total[0]
-    heat = run.driver.states["lost"] * run.step
+    heat = run.states["lost"] * run.step
     assert np.diff(heat).min() >= 0
-    link = run.driver.grid.link
+    link = run.grid.link
     assert min(link["lost"].min(initial=0.0), link["numerical"].min(initial=0.0)) >= (
         -1e-14 * total[0] / run.step)
     lost = heat[-1] + (np.sum(link["lost"]) + np.sum(link["numerical"])) * run.step
@@ -257,7 +258,7 @@ def test_energy_never_rises_without_work(seed):
 def test_every_entry_of_the_ledger_at_every_state(seed, driven):
     run = run_row(random_row(seed, driven=driven, bodies=4), 1.5)
     solution = solution_of(run, 1.5)
-    ledger = solution.energy(run.driver.states["when"] * run.step)
+    ledger = solution.energy(run.states["when"] * run.step)
     works = ledger.wall_work, ledger.drive_work, ledger.gravity_work, ledger.radiated
     scale = ledger.total.max() + max(np.abs(w).max() for w in works)
     close = {"rtol": 0, "atol": 1e-11 * scale}
@@ -328,11 +329,11 @@ def test_what_stops_no_more_than_the_tolerance_is_no_force(pair):
     laws = [ri.Rigid() if isinstance(pair[0], ri.Rod) else ri.Rigid(restitution=0.0), ri.Rigid()]
     system = ri.System([*pair, unit_rod()], [STEP / 2, 10.0], laws)
     for slack, pressed in ((1.0, 0), (1.0 - 2**-50, 1)):
-        driver = driver_of(system, 1)
-        own = float(driver.grid.link["own"][0])
-        driver.grid.run["tolerance"] = 0.5 / own * own * slack
-        driver.advance(1)
-        assert (driver.track.signal["force"][0, 0] > 0) == pressed
+        run = grid_run(system, 1)
+        own = float(run.grid.link["own"][0])
+        run.grid.run["tolerance"] = 0.5 / own * own * slack
+        run.advance(1)
+        assert (run.track.signal["force"][0, 0] > 0) == pressed
 
 
 @pytest.mark.parametrize("law", [ri.Rigid(), ri.Rigid(restitution=0.5)])
@@ -340,12 +341,12 @@ def test_a_mass_squeezed_between_walls_stops_the_run(law):
     """A rod whose end is nailed down from within is the second wall."""
     laws = [ri.Rigid(restitution=0.5), law if law.restitution is None else ri.Rigid()]
     system = ri.System([ri.Wall(0.5), ri.RigidMass(1.0), unit_rod()], [0.1, 0.1], laws)
-    driver = driver_of(system, 50)
-    node = int(driver.grid.link["left"][0]) + 1
-    driver.grid.link["own"][1] -= driver.grid.mobility[node + 1] / 2
-    driver.grid.mobility[node + 1] = 0.0
+    run = grid_run(system, 50)
+    node = int(run.grid.link["left"][0]) + 1
+    run.grid.link["own"][1] -= run.grid.mobility[node + 1] / 2
+    run.grid.mobility[node + 1] = 0.0
     with pytest.raises(ri.InvalidModel, match=r"squeezed between walls .* at 0\.\d+ s; give") as e:
-        driver.advance(50)
+        run.advance(50)
     assert [path for path, _ in e.value.problems] == ["contacts"]
 
 
@@ -357,11 +358,11 @@ def test_a_heavy_rod_before_a_thin_endless_bar_goes_as_far_as_its_momentum_takes
     rod = ri.Rod(segments=[ri.Segment(L, A, UNIT) for L, A in ((0.3, 0.4), (0.7, 3.0))],
                  velocity=ri.Steps([0.0, 1.0], [0.3]))
     system = ri.System([rod, unit_rod()], [90.0], ends=(ri.Absorbing(), ri.Free()))
-    driver = driver_of(system, 3000)
-    driver.advance(0)
-    _, before, bound = side_of(driver, driver.mesh.piece_of(driver.mesh.touching[2][0]), True)
-    driver.advance(3000)
-    _, after, _ = side_of(driver, driver.mesh.piece_of(driver.mesh.touching[2][0]), True)
+    run = grid_run(system, 3000)
+    run.advance(0)
+    _, before, bound = side_of(run, run.mesh.piece_of(run.mesh.touching[2][0]), True)
+    run.advance(3000)
+    _, after, _ = side_of(run, run.mesh.piece_of(run.mesh.touching[2][0]), True)
     assert abs(before) > 5.0 / STEP
     assert abs(after) < abs(before) < bound
 
@@ -384,19 +385,19 @@ def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed):
     system = ri.System(row, gaps, laws, ends=(end, ri.Free()))
     for mirrored in (False, True):
         turned = system.mirrored() if mirrored else system
-        driver = driver_of(turned, 400)
-        left, right = next(iter(driver.mesh.touching.values()))
+        run = grid_run(turned, 400)
+        left, right = next(iter(run.mesh.touching.values()))
         node, right_end, x = (right, False, 0.0) if mirrored else (left, True, 1.5)
         solution = solution_of(run_row(turned, 400 * STEP))
         body = turned.bodies.index(rod) if not mirrored else len(row) - 1 - row.index(rod)
-        driver.advance(0)
-        V, d, bound = side_of(driver, driver.mesh.piece_of(node), right_end)
+        run.advance(0)
+        V, d, bound = side_of(run, run.mesh.piece_of(node), right_end)
         for end_ in (1, 7, 50, 51, 400):
-            driver.advance(end_)
-            now, then, limit = side_of(driver, driver.mesh.piece_of(node), right_end)
+            run.advance(end_)
+            now, then, limit = side_of(run, run.mesh.piece_of(node), right_end)
             t = end_ * STEP
             moved = float(solution.displacement(body, x, t) - solution.displacement(body, x, 0.0))
-            expected = (V + driver.row.frame) * end_ + then - d
+            expected = (V + run.row.frame) * end_ + then - d
             assert moved / STEP == pytest.approx(expected, abs=1e-9)
             assert now == pytest.approx(V, abs=1e-12)
             assert abs(then) <= bound * (1 + 1e-12)

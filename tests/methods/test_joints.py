@@ -9,9 +9,10 @@ from networks import unit_rod
 from scipy.linalg import expm
 
 import rodimpact as ri
-from rodimpact.methods.grid.driver import Driver, Keeper
+from rodimpact.methods.grid.keeping import Keeper
 from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size
+from rodimpact.methods.grid.run import GridRun
 from rodimpact.methods.row import Row
 
 QUICK = ri.Material("quick", youngs_modulus=6.0, density=1.5)  # wave speed 2
@@ -90,10 +91,10 @@ def sides_of(system, steps):
     """
     row, found = Row(system), []
     counts, step = _mesh_size(row, None, 1 / 64, None)
-    driver = Driver(Mesh(row, counts), step, Keeper(None), steps[-1])
+    run = GridRun(Mesh(row, counts), step, Keeper(None), steps[-1])
     for j in steps:
-        driver.advance(j)
-        mean, deviation, bound = side_of(driver, driver.grid.link["left_group"][-1], True)
+        run.advance(j)
+        mean, deviation, bound = side_of(run, run.grid.link["left_group"][-1], True)
         found.append((mean + row.frame, deviation / 64, bound / 64))
     return found
 

@@ -282,11 +282,14 @@ def resolve(
 
 def greatest_closing(at: Any) -> float:
     """By how much a rigid contact that presses may close; an impact waits until it happens."""
-    if at.law == laws.RIGID:
-        if at.shut == 0:
-            return max(at.gap / 2 + at.before / 4, 0.0)
-        return max(at.before, 0.0) / 2
-    return math.inf if at.law == laws.IMPACT else 0.0
+    limit = 0.0
+    if at.law == laws.IMPACT:
+        limit = math.inf
+    elif at.law == laws.RIGID and at.shut == 0:
+        limit = max(at.gap / 2 + at.before / 4, 0.0)
+    elif at.law == laws.RIGID:
+        limit = max(at.before, 0.0) / 2
+    return limit
 
 
 def dissipate(implicit: Any, v: Any, old: Any, viscous: Any, lost: Any) -> None:

@@ -40,7 +40,8 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     turns = np.flatnonzero(np.diff(np.append(swells, False).astype(int)))
     constant = np.where(cells.stiffness > 0, cells.stiffness, 1.0)
     return Grid(
-        run=filled(records.RUN, 1, tolerance=TOLERANCE * row.scale, resolution=GAP_RESOLUTION * row.scale),
+        run=filled(records.RUN, 1, tolerance=TOLERANCE * row.scale,
+                   resolution=GAP_RESOLUTION * row.scale),
         velocity=np.zeros(n), force=np.zeros(n + 1), mobility=mobility, stiffness=stiffness,
         stretch=_stretches(mesh, stiffness, mobility),
         piece=filled(records.PIECE, len(mesh.starts), start=mesh.starts),
@@ -113,7 +114,7 @@ def _nodes(mesh: Mesh, implicit: Array, mass: Array, bound: Array) -> Array:
             x[end] = 0.0 if mesh.held[end] else 1.0
             elimination.substitute(piece, nodes, x)
     implicit[:] = compiling.as_records(pieces, records.IMPLICIT)
-    found = compiling.as_records(nodes, records.NODE)
+    found: Array = compiling.as_records(nodes, records.NODE)
     for name, x in answers.items():
         found[name] = x
     return found
@@ -156,8 +157,9 @@ def _links(mesh: Mesh, h: float, mobility: Array, node: Array) -> Array:
     columns = {name: np.array(getattr(row, name))[chosen]
                for name in ("exponent", "damping", "strength")}
     return filled(
-        records.LINK, count, law=[row.laws[i] for i in chosen], stiffness=stiffness_in_steps(row, h)[chosen],
-        left=left, right=right, left_implicit=order[pieces[0]], right_implicit=order[pieces[1]],
+        records.LINK, count, law=[row.laws[i] for i in chosen],
+        stiffness=stiffness_in_steps(row, h)[chosen], left=left, right=right,
+        left_implicit=order[pieces[0]], right_implicit=order[pieces[1]],
         left_group=np.searchsorted(first, left, "right") - 1,
         right_group=np.searchsorted(first, right, "right") - 1,
         last=last, own=ease[0] + ease[1], shared=shared, gap=gap, open=1, shut=gap == 0, **columns,
@@ -189,8 +191,9 @@ def cells_of(mesh: Mesh, step: float, grid: Grid) -> tuple[Array, Array]:
     """Groups and cells for the proof of finality."""
     first, last = np.array(mesh.groups, np.int64).T
     cell = filled(
-        records.CELL, len(grid.force), mass=np.append(mesh.mass / step, 0.0), held=np.append(mesh.held, 0),
-        lateral=mesh.lateral / step, relaxed=mesh.cells.relaxed * step, joint=NONE,
+        records.CELL, len(grid.force), mass=np.append(mesh.mass / step, 0.0),
+        held=np.append(mesh.held, 0), lateral=mesh.lateral / step, joint=NONE,
+        relaxed=mesh.cells.relaxed * step,
         **{name: getattr(grid, name) for name in ("ease", "coupling", "own", "share", "shear")},
     )
     for i in np.flatnonzero(grid.link["law"] == JOINT):

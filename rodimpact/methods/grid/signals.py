@@ -40,14 +40,14 @@ class StepRecord(NamedTuple):
 def hand_over(run: GridRun, until: float | None) -> Run:
     """What every method hands back, of a run to `until`, s."""
     record, tick, size = _record(run), run.clock.tick, sum(run.mesh.counts)
-    final = run.finality_time >= 0
+    final = run.proved >= 0
     t_end = until if until is not None else float(run.times[-1])
-    t_proved = float(run.times[run.finality_time]) if final else math.nan
+    t_proved = float(run.times[run.proved]) if final else math.nan
     t_final = math.nan
     if final:
         times = [episodes[-1][1:] for episodes in _episodes(run, record) if episodes]
         t_final = last_contact(times, t_end, 2 * run.clock.longest * tick)
-    proof = proof_sentence(any(run.driver.grid.link["episodes"]), t_final) if final else ""
+    proof = proof_sentence(any(run.grid.link["episodes"]), t_final) if final else ""
     events = run.steps * len(run.row.laws)
     status = end_sentence(
         run.row.system, run.stopped_by, proof, format_si(t_end, "s"), f"{events} steps times ends")
@@ -145,7 +145,7 @@ def _join_rigid_bodies(run: GridRun, forces: list[Floats], pushes: list[Floats])
 
 def _tallies(run: GridRun, record: StepRecord) -> tuple[ContactTally, ...]:
     """Totals of every contact in SI units."""
-    tallies, totals, times = [], run.driver.grid.link, run.times
+    tallies, totals, times = [], run.grid.link, run.times
     for k, (force, spans) in enumerate(zip(record.forces, record.spans, strict=True)):
         law = run.row.system.contacts[k]
         if not law.opens:
@@ -161,7 +161,8 @@ def _tallies(run: GridRun, record: StepRecord) -> tuple[ContactTally, ...]:
             ends = np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
         highest = largest_force(times, force)
         tallies.append(ContactTally(
-            impulse=float(totals["impulse"][link]) * run.step, duration=float((ends - begins).sum()),
+            impulse=float(totals["impulse"][link]) * run.step,
+            duration=float((ends - begins).sum()),
             peak_force=math.nan if sudden else highest,
             first=float(begins[0]) if spans else math.nan,
             last=float(ends[-1]) if spans else math.nan, episodes=int(totals["episodes"][link]),
@@ -199,8 +200,8 @@ def _signals(run: GridRun, record: StepRecord) -> Signals:
 
 def _motion(run: GridRun, record: StepRecord) -> GridMotion:
     """The states that were kept, in SI units."""
-    mesh, states = run.mesh, run.driver.states
-    motion, cells = (states.pop("radial"), states.pop("radial_rate")), mesh.cells
+    mesh, cells, states = run.mesh, run.mesh.cells, dict[str, Any](run.states)
+    motion = states.pop("radial"), states.pop("radial_rate")
     radial = RadialMotion(cells.swelling, cells.coupling, cells.radial, mesh.shear, *motion)
     return GridMotion(
         **{name: getattr(mesh, name) for name in MESH}, **states,
