@@ -1,5 +1,6 @@
 """Kernels as JavaScript: what is translated and what is refused, and that nothing is lost."""
 
+import dataclasses
 import inspect
 import json
 import math
@@ -258,7 +259,7 @@ def recorded(system):
 
 def tables(objects):
     """Objects, or lists of numbers, as JSON has them."""
-    return [one if isinstance(one, list) else vars(one) for one in objects]
+    return [one if isinstance(one, list) else dataclasses.asdict(one) for one in objects]
 
 
 @needs_node

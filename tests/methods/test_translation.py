@@ -22,9 +22,9 @@ if not kernels.enabled():
 
 import numba
 from numba.core.caching import FunctionCache
+from rodimpact.methods.columns import Columns
 
 from rodimpact.methods import translation
-from rodimpact.methods.columns import Columns
 
 DURATIONS = np.array([1.0, 0.5, math.sqrt(0.5), 1 / 3])
 
