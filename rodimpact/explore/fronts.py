@@ -20,6 +20,7 @@ from .motion import (
     waves_of,
 )
 from .outcome import closed_form_of, outcome_of
+from .picture import contacts_of, numbers_of
 from .runs import run_of, space_of
 
 
@@ -56,7 +57,7 @@ def known_of(row: Any, gauges: Any) -> Any:
     for e in polygons["strain"]:
         strain = max(strain, abs(e))
     curves, energy = contact_curves(row, run, stop), energy_curves(row, polygons)
-    names = [f"contact {i}-{i + 1}" for i in range(len(curves))]
+    names = [f"contact {name}" for name in contacts_of(row["bodies"])]
     opening = outcome["able"]
     return {
         "method": "fronts", "exact": True, "notes": notes, "curve": None,
@@ -78,7 +79,7 @@ def known_of(row: Any, gauges: Any) -> Any:
                 series_of("vibration", energy["t"], energy["vibration"], False),
                 series_of("strain", energy["t"], energy["strain"], False),
                 series_of("total", energy["t"], energy["total"], False)]),
-            plot_of("gauge", "Strain gauges", "µε", [
+            plot_of("gauge", "Strain, below 0 compressed", "µε", [
                 gauge_series(row, run, waves, gauge, stop) for gauge in gauges]),
         ],
     }
@@ -141,5 +142,6 @@ def gauge_series(row: Any, run: Any, waves: list[Any], gauge: Any, stop: int) ->
     x = gauge["fraction"] * length
     curve = gauge_curve(row, run, waves, gauge["body"], x, stop)
     strain = [1e6 * e for e in curve["strain"]]
-    name = f"rod {gauge['body']} at {format_si(x, 'm', 4)}"
+    number = numbers_of(row["bodies"])[gauge["body"]]
+    name = f"rod {number} at {format_si(x, 'm', 4)}"
     return series_of(name, curve["t"], strain, True)
