@@ -38,9 +38,9 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .fitting.result import Fit as Fit
     from .fitting.result import Fitted as Fitted
     from .fitting.searching import fit as fit
+    from .methods.compiling import DamagedCache as DamagedCache
     from .methods.duration import LongRun as LongRun
     from .methods.kernels import NoCompiler as NoCompiler
-    from .methods.machine_code import DamagedCache as DamagedCache
     from .methods.registry import Options as Options
     from .methods.run import ContactTally as ContactTally
     from .methods.run import Episode as Episode
@@ -120,7 +120,7 @@ _HOME = {
     "methods.registry": ("Options",),
     "methods.duration": ("LongRun",),
     "methods.kernels": ("NoCompiler",),
-    "methods.machine_code": ("DamagedCache",),
+    "methods.compiling": ("DamagedCache",),
     "records.bridge": ("Bridge",),
     "records.comparison": ("Misfit", "Pulse"),
     "records.reading": ("ClippedSignal", "read_signals"),

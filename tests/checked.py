@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import sys
+from types import ModuleType
 
 from rodimpact.explore.javascript import MOST, Program, tree_of
 
@@ -50,9 +51,16 @@ def checked(value):
     return value
 
 
+class Checked:
+    """A module whose functions are checked, with these constants."""
+
+    def __init__(self, space):
+        vars(self).update(space)
+
+
 def build(roots, constants, known):
     """Functions by name, checked, with these constants."""
-    spaces, found = {}, {}
+    spaces, found, modules = {}, {}, {}
     for function in Program(roots, constants, known).texts:
         name = function.__module__
         space = spaces.setdefault(name, {**vars(sys.modules[name]), **constants})
@@ -61,5 +69,11 @@ def build(roots, constants, known):
         exec(compile(ast.fix_missing_locations(tree), name, "exec"), space)
         found[function.__name__] = space[function.__name__]
     for space in spaces.values():
-        space.update(found)
+        for name, value in space.items():
+            if isinstance(value, ModuleType) and value.__name__.startswith("rodimpact."):
+                known = spaces.get(value.__name__, {**vars(value), **constants})
+                space[name] = modules.setdefault(value.__name__, Checked(known))
+        own = {name: made for name, made in found.items()
+               if made.__module__ != space["__name__"] and name in space}
+        space.update(own)
     return found

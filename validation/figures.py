@@ -82,9 +82,10 @@ def chains() -> Axes:
     for ax, what, last in ((longer, "length", 4), (thicker, "area", 10)):
         ratio = np.geomspace(1 / last if what == "area" else 0.26, last, 401)
         for i, v in enumerate(cradle(**{what: ratio}).velocities_after):
-            ax.plot(ratio, v, color=SERIES[i], linestyle=DASHES[i], linewidth=1.5, label=f"rod {i}")
+            ax.plot(ratio, v, color=SERIES[i], linestyle=DASHES[i], linewidth=1.5,
+                    label=f"rod {i + 1}")
         ticks = [x for x in (0.1, 0.2, 0.3, 0.5, 1, 2, 3, 4, 5, 10) if ratio[0] <= x <= last]
-        ax.set(xlabel=f"{what} of rods 1 to 4 over that of rod 0", xscale="log",
+        ax.set(xlabel=f"{what} of rods 2 to 5 over that of rod 1", xscale="log",
                ylabel="velocity after (m/s)")
         ax.set_xticks(ticks, [f"{x:g}" for x in ticks])
         ax.xaxis.set_minor_locator(NullLocator())

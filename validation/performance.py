@@ -29,9 +29,10 @@ import rodimpact as ri
 from rodimpact.methods import kernels
 from rodimpact.methods.fronts import driver
 from rodimpact.methods.fronts.records import Stop
-from rodimpact.methods.grid.machine import Keeper, Machine
+from rodimpact.methods.grid.keeping import Keeper
 from rodimpact.methods.grid.mesh import Mesh, stable_step
 from rodimpact.methods.grid.method import COURANT
+from rodimpact.methods.grid.run import GridRun
 from rodimpact.methods.row import Row
 from rodimpact.methods.run import MAX_EVENTS
 
@@ -377,13 +378,13 @@ def cell_on_grid(
            for v in (1.0, 0.0)[:rods]]
     mesh = Mesh(Row(ri.System(row)), [cells] * rods)
     step = COURANT * stable_step(row[0].segments[0], cells)
-    machine = Machine(mesh, step, Keeper(4), 8 * steps)
+    run = GridRun(mesh, step, Keeper(4), 8 * steps)
     spans = []
     for _ in range(7):
         begin = time.perf_counter()
-        machine.advance(machine.taken + steps)
+        run.advance(run.steps + steps)
         spans.append(time.perf_counter() - begin)
-    assert machine.tally.episodes.tolist() == [1] * (rods - 1)
+    assert run.grid.link["episodes"].tolist() == [1] * (rods - 1)
     return statistics.median(spans[1:]) / steps / 800
 
 

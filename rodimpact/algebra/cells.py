@@ -43,7 +43,8 @@ class Spell(NamedTuple):
     def at_the_start(self) -> list[Number]:
         """What is positive as it begins."""
         apart = self.gap if self.gap.value > 0 else -self.closing
-        return {Status.PRESS: [self.closing], Status.OPEN: [apart]}.get(self.status, [])
+        known: dict[int, list[Number]] = {Status.PRESS: [self.closing], Status.OPEN: [apart]}
+        return known.get(self.status, [])
 
     @property
     def bounds(self) -> list[Number]:
@@ -79,7 +80,8 @@ def spells_and_conditions(run: ExactRun) -> tuple[list[Spell], list[Number]]:
         order = [later - t for loop in (left, right) for (_, t), (_, later) in pairwise(loop)]
         found += order + _apart(left, right, {x.value for x in order})
     found += [x for spell in spells for x in (*spell.at_the_start, *spell.bounds)]
-    return [spell for spell in spells if spell.status in (Status.PRESS, Status.OPEN)], _distinct(found)
+    lasting = [spell for spell in spells if spell.status in (Status.PRESS, Status.OPEN)]
+    return lasting, _distinct(found)
 
 
 def _distinct(found: list[Number]) -> list[Number]:
@@ -125,12 +127,14 @@ def _end(run: ExactRun) -> tuple[Number, Number]:
     That is the instant of the proof, or the next event if the kernel waited for it. Where contacts
     had been open for a while by then it is half of this later, so that the proof has room.
     """
-    state = run.state
+    state: Any = run.state
     end: Number = state.run.proved + ZERO
     if not any(end == front.tick for front in state.log[: state.run.rows]):
         later: Number = state.tree[1]
         _go_on(run, later)
-        proved: Any = finality.finality_time(*state[1:5], later, ZERO)
+        segment, node, line, log = state[1:5]
+        proved: Any = finality.finality_time(
+            segment, node, line, log, later, ZERO)  # type: ignore[arg-type]
         end = later if proved == later else end
     last = max((change.tick + ZERO for change in state.changes if change.tick <= end), default=ZERO)
     wait = (end - last) * HALF
@@ -178,7 +182,7 @@ def _in_order(spell: Spell) -> list[Number]:
     while left:
         steps, after = _steps(spell.status, gap, closing, before[-1], left[:1])
         now = left[:1]
-        if spell.status in (PRESS, OPEN) and len(left) > 1:
+        if spell.status in (Status.PRESS, Status.OPEN) and len(left) > 1:
             (t, then), (t2, both) = left[:2]
             swapped = [(t2, closing + both - then), (t, both)]
             ways = [_steps(spell.status, gap, closing, before[-1], pair)

@@ -7,6 +7,7 @@ exactly. With --warm, everything that can run compiled is compiled and kept.
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import json
 import platform
 import time
@@ -102,4 +103,4 @@ def solve_a_row() -> list[object]:
     system = System([*row, Wall()], gaps=[0.0, 1e-6, 1e-5])
     run = track(Row(system))
     records = [*run.segment, *run.node, *run.line]
-    return [vars(run.run), *map(vars, records), run.log.tolist()]
+    return [*map(dataclasses.astuple, [run.run, *records]), run.log.tolist()]

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..methods.compiling import objects
 from ..methods.fronts import events, stock
-from ..methods.fronts.driver import Laid, Plan, laid
+from ..methods.fronts.driver import Laid, laid
 from ..methods.fronts.method import track
 from ..methods.fronts.records import BODY, IDLE, Outside, Status
 from ..methods.fronts.run import FrontRun

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..methods.fronts.front_kernel import NOW
+from ..methods.fronts.records import Stop
 from ..units import format_si
 from .motion import (
     contact_curves,
@@ -20,6 +20,7 @@ from .motion import (
     waves_of,
 )
 from .outcome import closed_form_of, outcome_of
+from .picture import contacts_of, numbers_of
 from .runs import run_of, space_of
 
 
@@ -39,24 +40,24 @@ def known_of(row: Any, gauges: Any) -> Any:
         Or one with a ``problem``, path and sentence, where there is nothing to show.
     """
     run = run_of(row, True, space_of(row))
-    if run["why"] < 0:
+    if run["run"].stop >= Stop.OVERFLOW:
         message = "times too far apart for the clock of this page; rodimpact run may solve it"
         return {"problem": ("bodies", message)}
-    layout, clock, outcome = run["layout"], run["clock"], outcome_of(row, run)
-    waves, tick = waves_of(row, run), layout.tick_seconds[0]
+    outcome, waves = outcome_of(row, run), waves_of(run)
+    tick, now = run["run"].tick, run["run"].now
     stop = end_of_picture(row, run, waves)
     if stop == 0:
-        message = "lasts no time to show" if clock[NOW] == 0 else "has too many fronts to show"
+        message = "lasts no time to show" if now == 0 else "has too many fronts to show"
         return {"problem": ("solve", f"{message}. {outcome['status']}")}
     notes = [outcome["status"]]
-    if stop < clock[NOW]:
+    if stop < now:
         end = format_si(stop * tick, "s", 4)
         notes.append(f"The picture ends at {end}: too many regions later.")
     polygons, strain = tiling_of(row, run, waves, stop), 0.0
     for e in polygons["strain"]:
         strain = max(strain, abs(e))
     curves, energy = contact_curves(row, run, stop), energy_curves(row, polygons)
-    names = [f"contact {i}-{i + 1}" for i in range(len(curves))]
+    names = [f"contact {name}" for name in contacts_of(row["bodies"])]
     opening = outcome["able"]
     return {
         "method": "fronts", "exact": True, "notes": notes, "curve": None,
@@ -78,7 +79,7 @@ def known_of(row: Any, gauges: Any) -> Any:
                 series_of("vibration", energy["t"], energy["vibration"], False),
                 series_of("strain", energy["t"], energy["strain"], False),
                 series_of("total", energy["t"], energy["total"], False)]),
-            plot_of("gauge", "Strain gauges", "µε", [
+            plot_of("gauge", "Strain, below 0 compressed", "µε", [
                 gauge_series(row, run, waves, gauge, stop) for gauge in gauges]),
         ],
     }
@@ -86,12 +87,12 @@ def known_of(row: Any, gauges: Any) -> Any:
 
 def positions_of(row: Any, run: Any, waves: list[Any]) -> list[float]:
     """Where the left end of each body would lie unstrained at t = 0, m."""
-    layout, place, positions = run["layout"], 0.0, []
+    place, positions = 0.0, []
     for i, body in enumerate(row["bodies"]):
         place += row["gaps"][i - 1] if i > 0 else 0.0
         positions.append(place)
         for s in range(body["first"], body["last"] + 1):
-            stretched = stretch_of(waves, s, layout.transit[s]) * layout.tick_seconds[0]
+            stretched = stretch_of(waves, s, run["segment"][s].transit) * run["run"].tick
             place += row["segments"][s - 1]["length"] + stretched
     return positions
 
@@ -141,5 +142,6 @@ def gauge_series(row: Any, run: Any, waves: list[Any], gauge: Any, stop: int) ->
     x = gauge["fraction"] * length
     curve = gauge_curve(row, run, waves, gauge["body"], x, stop)
     strain = [1e6 * e for e in curve["strain"]]
-    name = f"rod {gauge['body']} at {format_si(x, 'm', 4)}"
+    number = numbers_of(row["bodies"])[gauge["body"]]
+    name = f"rod {number} at {format_si(x, 'm', 4)}"
     return series_of(name, curve["t"], strain, True)

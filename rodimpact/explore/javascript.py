@@ -112,11 +112,12 @@ class Program:
             self._waiting.append(function)
         return self._name(function, function.__name__, function.__module__)
 
-    def table(self, table: list[Any], name: str, module: str) -> str:
-        """Name of a list that a module holds, which is written too."""
+    def table(self, table: list[Any] | np.dtype[Any], name: str, module: str) -> str:
+        """Name of a list that a module holds, or of an empty record, which is written too."""
         new, name = id(table) not in self._names, self._name(table, name, module)
+        held = dict.fromkeys(table.names or (), 0) if isinstance(table, np.dtype) else table
         if new:
-            self.tables.append(f"const {name}={json.dumps(table, separators=(',', ':'))};")
+            self.tables.append(f"const {name}={json.dumps(held, separators=(',', ':'))};")
         return name
 
     def _name(self, thing: Any, name: str, module: str) -> str:
@@ -341,7 +342,7 @@ class _Translator(ast.NodeVisitor):
     def held(self, node: ast.Name | ast.Attribute, name: str) -> str:
         """A constant or a table that a module holds under this name."""
         value = self.known(node)
-        if isinstance(value, list):
+        if isinstance(value, list | np.dtype):
             return self.program.table(value, name, self.function.__module__)
         if isinstance(value, int | float | str):
             return self.literal(node, value)

@@ -9,10 +9,10 @@ import math
 from bisect import bisect_right
 from typing import Any
 
-from ..methods.fronts.assembly import work_space
-from ..methods.fronts.front_kernel import EVENTS, IDLE, NOW, REST, ROWS, advance, load
+from ..methods.fronts.records import CHANGE
 from ..results.clipping import region, spans
 from .outcome import groups_of
+from .runs import advance, begun
 
 MOST_REGIONS = 3000  # that are drawn
 MOST_TIMES = 400  # of a curve of energy
@@ -20,20 +20,21 @@ PARTS = 6  # lines that a parabola is drawn with, at least
 POINTS = 240  # of a curve of energy, about
 
 
-def waves_of(row: Any, run: Any) -> list[Any]:
+def waves_of(run: Any) -> list[Any]:
     """Ticks and values of the fronts of each line, and the integral up to each of them."""
-    log, lines = run["log"], 2 * len(row["segments"]) + 4
-    waves: list[Any] = [{"tick": [], "value": [], "passed": []} for _ in range(lines)]
-    for r in range(run["clock"][ROWS]):
-        wave = waves[log.line[r]]
-        count = len(wave["tick"])
-        passed = 0.0
-        if count > 0:
-            lasted = log.tick[r] - wave["tick"][count - 1]
-            passed = wave["passed"][count - 1] + wave["value"][count - 1] * lasted
-        wave["tick"].append(log.tick[r])
-        wave["value"].append(log.value[r])
-        wave["passed"].append(passed)
+    waves: list[Any] = [{"tick": [], "value": [], "passed": []} for _ in run["line"]]
+    for r in range(run["run"].rows):
+        front = run["log"][r]
+        if front.line != CHANGE:
+            wave = waves[front.line]
+            count = len(wave["tick"])
+            passed = 0.0
+            if count > 0:
+                lasted = front.tick - wave["tick"][count - 1]
+                passed = wave["passed"][count - 1] + wave["value"][count - 1] * lasted
+            wave["tick"].append(front.tick)
+            wave["value"].append(front.value)
+            wave["passed"].append(passed)
     return waves
 
 
@@ -63,12 +64,11 @@ def stretch_of(waves: list[Any], s: int, T: int) -> float:
 
 def end_of_picture(row: Any, run: Any, waves: list[Any]) -> int:
     """Last tick up to which there are few enough regions to draw; 0 if there is none."""
-    transit = run["layout"].transit
-    stop: int = run["clock"][NOW]
+    stop: int = run["run"].now
     while stop > 0:
         count = 0
         for s in range(1, len(row["segments"]) + 1):
-            T = transit[s]
+            T = run["segment"][s].transit
             ps, qs = edges_of(waves[2 * s], -T, stop), edges_of(waves[2 * s + 1], -T, stop)
             for low, high in spans(ps, qs, T, 0, stop):
                 count += high - low
@@ -80,14 +80,13 @@ def end_of_picture(row: Any, run: Any, waves: list[Any]) -> int:
 
 def tiling_of(row: Any, run: Any, waves: list[Any], stop: int) -> Any:
     """Polygons of constant state, as `Regions`, up to a tick."""
-    layout = run["layout"]
-    tick, frame = layout.tick_seconds[0], layout.frame[0]
+    tick, frame = run["run"].tick, run["run"].frame
     found: Any = {"body": [], "segment": [], "start": [0], "x": [], "t": [], "displacement": [],
                   "velocity": [], "strain": [], "stress": []}
     for i, body in enumerate(row["bodies"]):
         left, moved = 0.0, 0.0
         for s in range(body["first"], body["last"] + 1):
-            T, piece = layout.transit[s], row["segments"][s - 1]
+            T, piece = run["segment"][s].transit, row["segments"][s - 1]
             a, b = waves[2 * s], waves[2 * s + 1]
             ps, qs = edges_of(a, -T, stop), edges_of(b, -T, stop)
             begun, ready = passed_by(a, 0), passed_by(b, -T)
@@ -117,32 +116,30 @@ def contact_curves(row: Any, run: Any, stop: int) -> list[Any]:
 
     The kernel runs again, event by event, to `stop`.
     """
-    layout, nodes = run["layout"], row["make"].node
-    state, tally, log, clock = work_space(len(row["segments"]), len(run["log"].tick))
-    tick, tol, window = layout.tick_seconds[0], layout.tolerance[0], layout.window[0]
-    load(state, tally, log, clock, layout, 0, run["status"])
-    clock[REST] = IDLE
-    curves: list[Any] = [{"t": [], "force": [], "gap": []} for _ in nodes]
+    again, tick = begun(row, True, run["run"].until), run["run"].tick
+    curves: list[Any] = [{"t": [], "force": [], "gap": []} for _ in row["nodes"]]
     now = 0
     while now < stop:
-        now = min(state.tree[1], stop)
-        advance(state, tally, log, clock, now, run["clock"][EVENTS], tol, window)
-        for i, node in enumerate(nodes):
-            if state.since[node] == now or now in (0, stop):
-                gap = state.gap[node] + state.rate[node] * (now - state.since[node])
+        now = min(again["tree"][1], stop)
+        advance(again, now)
+        for i, k in enumerate(row["nodes"]):
+            at = again["node"][k]
+            if at.since == now or now in (0, stop):
+                gap = at.gap + at.rate * (now - at.since)
                 curves[i]["t"].append(now * tick)
-                curves[i]["force"].append(state.force[node])
+                curves[i]["force"].append(at.force)
                 curves[i]["gap"].append(0.0 if row["bonded"][i] else max(gap, 0.0) * tick)
     return curves
 
 
 def gauge_curve(row: Any, run: Any, waves: list[Any], body: int, x: float, stop: int) -> Any:
     """Times, s, and strain from then on, at a place of a rod, m from its left end."""
-    layout, s, left = run["layout"], row["bodies"][body]["first"], 0.0
+    s, left = row["bodies"][body]["first"], 0.0
     while s < row["bodies"][body]["last"] and left + row["segments"][s - 1]["length"] <= x:
         left += row["segments"][s - 1]["length"]
         s += 1
-    piece, T, a, b = row["segments"][s - 1], layout.transit[s], waves[2 * s], waves[2 * s + 1]
+    piece, T = row["segments"][s - 1], run["segment"][s].transit
+    a, b = waves[2 * s], waves[2 * s + 1]
     offset = max(0, min(T, round((x - left) / piece["length"] * T)))
     arrivals = [tick + offset for tick in a["tick"]]
     arrivals.extend([0, *[tick + T - offset for tick in b["tick"]]])
@@ -150,10 +147,10 @@ def gauge_curve(row: Any, run: Any, waves: list[Any], body: int, x: float, stop:
     for tick in sorted(arrivals):
         if before < tick < stop:
             strain = at(b, tick - T + offset) - at(a, tick - offset)
-            times.append(tick * layout.tick_seconds[0])
+            times.append(tick * run["run"].tick)
             strains.append(strain * (0.5 / piece["wave_speed"]))
             before = tick
-    times.append(stop * layout.tick_seconds[0])
+    times.append(stop * run["run"].tick)
     strains.append(strains[-1])
     return {"t": times, "strain": strains}
 

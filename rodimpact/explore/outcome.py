@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..methods.fronts.front_kernel import CAP, CLOCK, EVENTS, FINAL, FINALITY, NOW, ROWS
-from ..methods.fronts.layout_kernel import round_trip
+from ..methods.fronts.layout import round_trip
 from ..methods.fronts.method import cut_short, ends_of_contacts, pressing
+from ..methods.fronts.records import NONE, Stop
 from ..methods.status import ending, last_contact, proof_sentence, rounding, strain_warning
 from ..results.outcome import ROUND_OFF, no_restitution
 from ..theory import pair_numbers, pair_restitution
@@ -32,13 +32,13 @@ def groups_of(row: Any) -> list[list[int]]:
     return groups
 
 
-def velocities_of(row: Any, stock: Any, frame: float) -> list[float]:
+def velocities_of(row: Any, speeds: list[float], frame: float) -> list[float]:
     """Velocity of each body: of its group, or of the wall or fixed end that holds that."""
     found: list[float] = []
     bodies = row["bodies"]
     for group in groups_of(row):
         inside = [i for i in group if bodies[i]["kind"] == "rod"]
-        own = stock.velocity[bodies[inside[0]]["first"]] + frame if len(inside) > 0 else 0.0
+        own = speeds[bodies[inside[0]]["first"]] + frame if len(inside) > 0 else 0.0
         held = []
         for end, i in ((0, group[0]), (1, group[-1])):
             if bodies[i]["kind"] == "wall" and end == (0 if i == 0 else 1):
@@ -51,31 +51,35 @@ def velocities_of(row: Any, stock: Any, frame: float) -> list[float]:
     return found
 
 
+def before_and_after(row: Any, run: Any) -> Any:
+    """Velocities of the bodies before and after."""
+    segment, frame = run["segment"], run["run"].frame
+    return (velocities_of(row, [it.initial for it in segment], frame),
+            velocities_of(row, [it.velocity for it in segment], frame))
+
+
 def outcome_of(row: Any, run: Any) -> Any:
     """What the collision did: velocities, contacts, energies, and e, or why there is none."""
-    layout, tally, count = run["layout"], run["tally"], len(row["gaps"])
-    tick, frame, nodes = layout.tick_seconds[0], layout.frame[0], row["make"].node
-    before, after = (
-        velocities_of(row, run["opening"], frame), velocities_of(row, run["closing"], frame)
-    )
+    it, segment, node, count = run["run"], run["segment"], run["node"], len(row["gaps"])
+    before, after = before_and_after(row, run)
     contacts = [{
-        "impulse": tally.impulse[k] * tick, "peak_force": tally.peak[k],
-        "duration": tally.pressed[k] * tick, "episodes": tally.episodes[k],
-    } for k in nodes]
+        "impulse": node[k].impulse * it.tick, "peak_force": node[k].peak,
+        "duration": node[k].pressed * it.tick, "episodes": node[k].episodes,
+    } for k in row["nodes"]]
     kinetic = vibration_before = vibration_after = 0.0
     for body in row["bodies"]:
         for s in range(body["first"], body["last"] + 1):
-            v = run["opening"].velocity[s] + frame
+            v = segment[s].initial + it.frame
             kinetic += row["segments"][s - 1]["mass"] * v * v / 2
-            vibration_before += run["opening"].vibration[s] * tick
-            vibration_after += run["closing"].vibration[s] * tick
+            vibration_before += segment[s].initial_vibration * it.tick
+            vibration_after += segment[s].vibration * it.tick
     able = [k for k in range(count) if not row["bonded"][k]]
     status = sentence_of(row, run)
     why = why_no_restitution(row, run, able, before, status)
     e = math.nan if why != "" else restitution(able[0], before, after)
     return {
         "before": before, "after": after, "contacts": contacts, "able": able,
-        "final": proof_of(row, run) >= 0, "status": status, "why": why, "restitution": e,
+        "final": proof_of(row, run) != NONE, "status": status, "why": why, "restitution": e,
         "energy_before": kinetic + vibration_before, "vibration_after": vibration_after,
     }
 
@@ -86,53 +90,50 @@ def driven_ends(row: Any) -> bool:
 
 
 def proof_of(row: Any, run: Any) -> int:
-    """Tick at which the collision was proved to be over; -1 if it was not."""
+    """Tick at which the collision was proved to be over; NONE if it was not."""
     if row["until"] >= 0 and driven_ends(row):
-        return -1
-    at: int = run["clock"][FINALITY]
+        return NONE
+    at: int = run["run"].proved
     return at
 
 
 def sentence_of(row: Any, run: Any) -> str:
     """Why the run ended, as `Solution.status` has it."""
-    layout, clock, segments = run["layout"], run["clock"], row["segments"]
-    tick, proof, stopped_by = layout.tick_seconds[0], proof_of(row, run), "until"
-    if run["why"] == FINAL:
+    it, node, nodes = run["run"], run["node"], row["nodes"]
+    proof, stopped_by = proof_of(row, run), "until"
+    if it.stop == Stop.FINAL:
         stopped_by = "final"
-    elif run["why"] == CAP:
+    elif it.stop == Stop.CAP:
         stopped_by = "max_events"
-    elif run["why"] == CLOCK:
+    elif it.stop == Stop.CLOCK:
         stopped_by = "clock"
-    met = any(count > 0 for count in run["tally"].episodes)
-    final, end = "", format_si(clock[NOW] * tick, "s")
-    if proof >= 0:
-        final = pressing(run["state"], run["tally"], row["make"].node)
+    met = any(at.episodes > 0 for at in node)
+    final, end = "", format_si(it.now * it.tick, "s")
+    if proof != NONE:
+        final = pressing(node, nodes)
         if final == "":
-            ends = ends_of_contacts(run["state"], run["tally"], row["make"].node, tick)
-            trip = round_trip(row["make"], 0, layout) * tick
-            final = proof_sentence(met, last_contact(ends, clock[NOW] * tick, trip))
-    sentence = cut_short(stopped_by, final, clock[EVENTS], end)
+            ends = ends_of_contacts(node, nodes, it.tick)
+            trip = round_trip(run["body"], run["segment"]) * it.tick
+            final = proof_sentence(met, last_contact(ends, it.now * it.tick, trip))
+    sentence = cut_short(stopped_by, final, it.events, end)
     if sentence == "":
         walls = [i for i, body in enumerate(row["bodies"]) if body["kind"] == "wall"]
         last = len(row["bonded"]) - 1
         held = len(walls) == 2 or any(row["bonded"][min(i, last)] for i in walls)
         acting = "an end is driven" if driven_ends(row) else ""
-        sentence = ending(stopped_by, final, end, f"{clock[EVENTS]} events", acting, held)
+        sentence = ending(stopped_by, final, end, f"{it.events} events", acting, held)
     error, worst = transit_error_of(row, run)
-    fastest, slowest = 0.0, math.inf
-    for piece in segments:
+    slowest = math.inf
+    for piece in row["segments"]:
         slowest = min(slowest, piece["wave_speed"])
-    for r in range(clock[ROWS]):
-        fastest = max(fastest, abs(run["log"].value[r]))
-    return sentence + rounding(error, worst) + strain_warning(fastest / slowest)
+    return sentence + rounding(error, worst) + strain_warning(it.fastest / slowest)
 
 
 def transit_error_of(row: Any, run: Any) -> Any:
     """Largest relative change of a transit time by its rounding to the clock, and where."""
-    layout, error, worst = run["layout"], -1.0, ""
+    error, worst = -1.0, ""
     for s, piece in enumerate(row["segments"]):
-        ticks = layout.transit[s + 1]
-        off = abs(ticks * layout.tick_seconds[0] / piece["transit_time"] - 1)
+        off = abs(run["segment"][s + 1].transit * run["run"].tick / piece["transit_time"] - 1)
         if off > error:
             error, worst = off, piece["path"]
     return error, worst
@@ -144,9 +145,9 @@ def why_no_restitution(
     """Why there is no e, as `Outcome` has it; "" if there is one."""
     episodes, closing = 0, 0.0
     if len(able) == 1:
-        episodes = run["tally"].episodes[row["make"].node[able[0]]]
+        episodes = run["node"][row["nodes"][able[0]]].episodes
         closing = before[able[0]] - before[able[0] + 1]
-    final = proof_of(row, run) >= 0
+    final = proof_of(row, run) != NONE
     return no_restitution(len(able), driven_ends(row), episodes, final, closing, status)
 
 
@@ -167,11 +168,9 @@ def restitutions(case: Any, library: Any, path: list[Any], values: list[float]) 
         run = run_of(row, False, space)
         able = [k for k, bonded in enumerate(row["bonded"]) if not bonded]
         e = None
-        if run["why"] >= 0:
-            frame = run["layout"].frame[0]
-            before = velocities_of(row, run["opening"], frame)
+        if run["run"].stop < Stop.OVERFLOW:
+            before, after = before_and_after(row, run)
             if why_no_restitution(row, run, able, before, "") == "":
-                after = velocities_of(row, run["closing"], frame)
                 e = restitution(able[0], before, after)
         found.append(e)
     return found

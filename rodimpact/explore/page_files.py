@@ -28,7 +28,9 @@ def read(name: str) -> str:
     """Text of a file of the page; the kernels are translated as they are now."""
     if name == "kernels.js":
         return script()
-    return resources.files(__package__).joinpath("page", name).read_text(encoding="utf-8")
+    text = resources.files(__package__).joinpath("page", name).read_text(encoding="utf-8")
+    tags = "\n".join(f'<script src="{file}" defer></script>' for file in SCRIPTS)
+    return text.replace("<!-- scripts -->", tags) if name == "page.html" else text
 
 
 def lean(text: str) -> str:

@@ -58,17 +58,21 @@ def row_of_picture(known: Any) -> Any:
         masses += 1 if body["kind"] == "mass" else 0
     block = round_down(BLOCK * total) if masses > 0 else 0.0
     left, apart, begin, place, entries = [], [], 0.0, 0.0, []
+    numbers = numbers_of(known["bodies"])
     for i, body in enumerate(known["bodies"]):
+        name = name_of(body["kind"], numbers[i])
         width = block if body["kind"] == "mass" else lengths[i]
         left.append(place)
         apart.append(known["positions"][i] - begin)
         begin += lengths[i]
         place += width
         entries.append({
-            "kind": body["kind"], "title": f"{capital(body['kind'])} {i}", "width": width,
+            "kind": body["kind"], "name": name, "title": capital(name), "width": width,
             "given": given_of(body), "derived": [derived_of(piece) for piece in body["pieces"]],
             "path": body["path"], "approach": body["approach"],
-            "pieces": [(piece["length"], piece["areas"][-1]) for piece in body["pieces"]],
+            "pieces": [
+                (piece["length"], piece["areas"][-1], piece["mass"] / piece["length"],
+                 piece["transit_time"]) for piece in body["pieces"]],
         })
     marks = marks_of(known)
     reach, slowest = spread(marks, apart, 0.0), known["slowest"]
@@ -118,6 +122,27 @@ def spread(marks: list[Any], apart: list[float], frame: float) -> float:
 # Texts --------------------------------------------------------------------------------------------
 
 
+def numbers_of(bodies: list[Any]) -> list[str]:
+    """What people call bodies by: rods and masses are numbered from the left, walls are not."""
+    found: list[str] = []
+    count = 0
+    for body in bodies:
+        count += 0 if body["kind"] == "wall" else 1
+        found.append("wall" if body["kind"] == "wall" else f"{count}")
+    return found
+
+
+def name_of(kind: str, number: str) -> str:
+    """The name of a body in a sentence."""
+    return kind if number == "wall" else f"{kind} {number}"
+
+
+def contacts_of(bodies: list[Any]) -> list[str]:
+    """The names of all contacts of a row."""
+    numbers = numbers_of(bodies)
+    return [f"{numbers[i]}-{numbers[i + 1]}" for i in range(len(numbers) - 1)]
+
+
 def capital(word: str) -> str:
     """The word at the head of a line."""
     return f"{word[:1].upper()}{word[1:]}"
@@ -133,7 +158,7 @@ def given_of(body: Any) -> Any:
     """What is given of a body."""
     found = []
     for j, piece in enumerate(body["pieces"]):
-        where = f" of segment {j}" if len(body["pieces"]) > 1 else ""
+        where = f" of segment {j + 1}" if len(body["pieces"]) > 1 else ""
         found.append((f"length{where}", written(piece["length"], "m", 6)))
         found.append((f"area{where}", f"{between(piece, 1e4, 6)} cm²"))
         found.append((f"material{where}", piece["material"]))
@@ -176,8 +201,10 @@ def restitution_of(known: Any) -> Any:
     outcome, closed, why = known["outcome"], known["closed_form"], known["outcome"]["why"]
     value, digits, text = None, 9 if known["method"] == "fronts" else 5, "-"
     if why == "":
-        value = outcome["restitution"]
+        value, error = outcome["restitution"], outcome.get("error", 0.0)
         text = f"{clean(value, 1.0):.{digits}g}"
+        if error > 0.5 * 10.0 ** (math.floor(math.log10(max(value, 1e-9))) + 1 - digits):
+            text = f"{text} ± {error:.1g}"
     elif len(outcome["able"]) > 1:
         count = len(outcome["able"])
         why = f"A coefficient e belongs to one contact; this row has {count}, see the velocities"
@@ -200,13 +227,13 @@ def results_of(known: Any) -> Any:
     for v in [*o["before"], *o["after"]]:
         fastest = max(fastest, abs(v))
     after = "after" if o["final"] else "at the end"
-    rows = []
-    for i, body in enumerate(known["bodies"]):
-        if body["kind"] != "wall":
-            v = clean(o["after"][i], fastest)
-            rows.append((f"velocity of {body['kind']} {i} {after}", f"{v:.{digits}g} m/s"))
+    rows, names = [], contacts_of(known["bodies"])
+    for i, number in enumerate(numbers_of(known["bodies"])):
+        if number != "wall":
+            v, name = clean(o["after"][i], fastest), name_of(known["bodies"][i]["kind"], number)
+            rows.append((f"velocity of {name} {after}", f"{v:.{digits}g} m/s"))
     for i in o["able"]:
-        c, name = o["contacts"][i], f" {i}-{i + 1}" if len(o["able"]) > 1 else ""
+        c, name = o["contacts"][i], f" {names[i]}" if len(o["able"]) > 1 else ""
         rows.append((f"impulse{name}", written(c["impulse"], "N s", 5)))
         rows.append((f"peak force{name}", written(c["peak_force"], "N", 5)))
         rows.append((f"force duration{name}", written(c["duration"], "s", 5)))

@@ -7,20 +7,20 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..methods.fronts.assembly import sizes_of, work_space
-from ..methods.fronts.front_kernel import (
-    CLOCK,
-    FULL,
-    NOW,
-    OPEN,
-    GroupState,
-    final_state,
-    initial_state,
-    load,
-    play,
-    segment_totals,
+from ..methods.compiling import blank
+from ..methods.fronts import events, layout, march
+from ..methods.fronts.records import (
+    BODY,
+    IDLE,
+    LINE,
+    NODE,
+    NONE,
+    PIECE,
+    ROW,
+    RUN,
+    SEGMENT,
+    Stop,
 )
-from ..methods.fronts.layout_kernel import LAID, Layout, Work, lay_out, round_trip
 
 ROOM = 256  # rows of the log at first
 FINE = 1.0  # share of the usual room of the clock that is tried first, where it has few bits
@@ -32,61 +32,82 @@ def run_of(row: Any, further: bool, space: Any) -> Any:
     Returns
     -------
     dict
-        ``layout`` and ``status`` of its nodes at t = 0; ``state``, ``tally``, ``log`` and ``clock``
-        of the kernel; ``opening`` and ``closing`` stocks; ``why`` it stopped: the kernel's flag,
-        -1 where its times do not fit on a clock. All but ``status`` and ``why`` is the `space`.
+        The `space`, whose records the kernels have left: ``run``, and lists of the others.
     """
     if row["until"] >= 0:
         return run_on(row, further, row["until"], space)
     share = FINE
     run = run_on(row, further, -share, space)
-    while run["why"] == CLOCK and share < 1:
+    while run["run"].stop == Stop.CLOCK and share < 1:
         share = min(4 * share, 1.0)
         run = run_on(row, further, -share, space)
     return run
 
 
 def run_on(row: Any, further: bool, until: float, space: Any) -> Any:
-    """Run a row; `until` as of `lay_out`, all else as of `run_of`."""
-    layout, make = space["layout"], row["make"]
-    if lay_out(make, row["given"], 0, until, layout, space["work"]) != LAID:
-        return {**space, "why": -1}
-    status = [OPEN if gap > 0 else at for gap, at in zip(layout.gap, row["status"], strict=True)]
-    opening, target = space["opening"], layout.target[0]
-    if further and target < 0:
-        target = -round_trip(make, 0, layout)
-    while True:
-        state, tally, log, clock = space["state"], space["tally"], space["log"], space["clock"]
-        if layout.count[0] + 2 <= len(log.tick):
-            load(state, tally, log, clock, layout, 0, status)
-            initial_state(state, log, opening)
-            segment_totals(state, log, 0, opening)
-            tol, window = layout.tolerance[0], layout.window[0]
-            flag = play(state, tally, log, clock, target, row["max_events"], tol, window)
-            if flag != FULL:
-                break
-        space.update(work_of(len(row["segments"]), 4 * len(log.tick)))
-    final_state(state, tally, log, clock[NOW], opening, space["closing"])
-    return {**space, "why": flag, "status": status}
+    """Run a row; `until` as of `RUN`, all else as of `run_of`."""
+    ask(row, further, until, space)
+    while go_on(row, space) != NONE:
+        space["log"].extend(blank(3 * len(space["log"]), ROW))
+    return space
+
+
+def ask(row: Any, further: bool, until: float, space: Any) -> None:
+    """Set what a run is asked for."""
+    run = space["run"]
+    run.until, run.limit, run.stop = until, row["max_events"], Stop.NONE.value
+    run.further = 1 if further else 0
+
+
+def go_on(row: Any, space: Any) -> int:
+    """Run, or go on with a longer log; returns as the kernel does."""
+    return march.follow(
+        [space["run"]], space["body"], row["given"], space["piece"], space["segment"],
+        space["node"], space["line"], space["log"], space["tree"])
+
+
+def begun(row: Any, further: bool, until: float) -> Any:
+    """A space in which a row is at t = 0, and nothing is to be proved on the way."""
+    space = space_of(row)
+    ask(row, further, until, space)
+    run, body, piece, segment = space["run"], space["body"], space["piece"], space["segment"]
+    layout.choose_clock([run], 0, body, row["given"], piece, segment, space["node"])
+    layout.lay_out(
+        run, body, row["given"], piece, segment, space["node"], space["line"], space["log"])
+    events.begin(
+        space["run"], space["segment"], space["node"], space["line"], space["log"], space["tree"])
+    space["run"].rest = IDLE
+    return space
+
+
+def advance(space: Any, tick: int) -> None:
+    """Run on to a tick."""
+    while events.advance(
+        space["run"], space["segment"], space["node"], space["line"], space["log"],
+        space["tree"], tick,
+    ) == Stop.FULL:
+        space["log"].extend(blank(len(space["log"]), ROW))
 
 
 def space_of(row: Any) -> Any:
     """Space for runs of rows of one make."""
-    n = len(row["segments"])
-    layout, work = sizes_of(row["make"])
+    n, leaves, pieces = len(row["segments"]), 1, len(row["segments"])
+    while leaves <= n:
+        leaves *= 2
+    body = blank(len(row["rows"]), BODY)
+    for i, (first, last, profile, velocities, strains, outside) in enumerate(row["rows"]):
+        it = body[i]
+        it.first, it.last, it.profile = first, last, profile
+        it.velocities, it.strains, it.outside = velocities, strains, outside
+        pieces += velocities + strains - 2
+    node = blank(n + 1, NODE)
+    for k in range(n + 1):
+        node[k].kind, node[k].contact = row["kinds"][k], NONE
+    for i, k in enumerate(row["nodes"]):
+        node[k].contact = i
+    run = blank(1, RUN)
     return {
-        "layout": Layout(*[[0] * size for size in layout]),
-        "work": Work(*[[0] * size for size in work]),
-        "opening": stock_of(n), "closing": stock_of(n), **work_of(n, ROOM),
+        "run": run[0], "body": body, "node": node, "segment": blank(n + 2, SEGMENT),
+        "piece": blank(pieces, PIECE), "line": blank(2 * n + 4, LINE),
+        "log": blank(2 * pieces + ROOM, ROW), "tree": [0 for _ in range(2 * leaves)],
     }
-
-
-def work_of(n: int, room: int) -> Any:
-    """Space for the kernel."""
-    state, tally, log, clock = work_space(n, room)
-    return {"state": state, "tally": tally, "log": log, "clock": clock}
-
-
-def stock_of(n: int) -> Any:
-    """Space for what n segments hold."""
-    return GroupState([0.0] * (n + 2), [0.0] * (n + 2), [0.0] * (n + 2))

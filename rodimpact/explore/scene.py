@@ -23,7 +23,7 @@ from ..units import format_si
 from .design import LIBRARY, MOST_EVENTS, Design
 from .fronts import known_of, plot_of, series_of
 from .outcome import curve_of
-from .picture import picture, ratio_of
+from .picture import contacts_of, numbers_of, picture, ratio_of
 from .tables import row_of
 from .tiling import grids
 
@@ -100,10 +100,22 @@ def sampled(design: Design, solution: Solution, as_asked: bool) -> Scene:
             "before": o.velocities_before, "after": o.velocities_after, "able": o.unilateral,
             "contacts": [tally._asdict() for tally in o.contacts], "final": o.final, "why": why,
             "restitution": None if why else o.restitution,
+            "error": _error(solution),
             "energy_before": o.kinetic_before + sum(o.vibration_before),
             "vibration_after": sum(o.vibration_after),
         },
     }
+
+
+def _error(solution: Solution) -> float:
+    """Stated error of e: of two velocities, over the closing velocity."""
+    o = solution.outcome
+    if o.why_no_restitution():
+        return 0.0
+    speeds, left = (*o.velocities_before, *o.velocities_after), o.unilateral[0]
+    scale = max(speeds) - min(speeds)
+    closing = o.velocities_before[left] - o.velocities_before[left + 1]
+    return 2 * solution.accuracy.get("velocity", 0.0) * scale / closing
 
 
 def _body(solution: Solution, i: int) -> Scene:
@@ -131,11 +143,17 @@ def _curve(name: str, t: Floats, y: Floats, steps: bool) -> Any:
     return series_of(name, t.tolist(), y.tolist(), steps)
 
 
+def _kinds(solution: Solution) -> list[Scene]:
+    """What bodies are, as `picture` names them."""
+    return [{"kind": body.kind} for body in solution.system.bodies]
+
+
 def _contacts(solution: Solution) -> list[Scene]:
     """Force and gap of the contacts, stretch of joints, of bonded ones the force."""
     times, forces, gaps = np.linspace(0.0, solution.t_end, SAMPLES + 1), [], []
+    names = contacts_of(_kinds(solution))
     for contact in solution.contacts:
-        name = f"contact {contact.index}-{contact.index + 1}"
+        name = f"contact {names[contact.index]}"
         forces.append(_curve(name, times, _mean_force(contact, times), True))
         if not isinstance(contact.law, Bonded):
             gaps.append(_curve(name, times, contact.gap(times), False))
@@ -168,10 +186,10 @@ def _gauges(design: Design, solution: Solution) -> Any:
     times, series = np.linspace(0.0, solution.t_end, SAMPLES + 1), []
     for body, fraction, _ in design.case.gauges:
         x = fraction * float(solution.fields.edges(body)[-1])
-        name = f"rod {body} at {format_si(x, 'm', 4)}"
+        name = f"rod {numbers_of(_kinds(solution))[body]} at {format_si(x, 'm', 4)}"
         strain = solution.gauge(body, x).strain_at(times)
         series.append(_curve(name, times, 1e6 * strain, True))
-    return plot_of("gauge", "Strain gauges", "µε", series)
+    return plot_of("gauge", "Strain, below 0 compressed", "µε", series)
 
 
 def shortened(found: Scene) -> Scene:

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import functools
 
+from ..methods.compiling import blank
 from ..units import format_factor, format_si
 from .fronts import known_of
 from .javascript import javascript
 from .outcome import changed, curve_of, restitutions
-from .picture import picture, ratio_of, written
+from .picture import contacts_of, name_of, numbers_of, picture, ratio_of, written
 from .tables import lacking, mistakes, row_of
 
 CONSTANTS = {
@@ -23,8 +24,9 @@ CONSTANTS = {
 """Constants of the kernels on the page's clock."""
 FUNCTIONS = (
     row_of, lacking, mistakes, known_of, picture, ratio_of, curve_of, restitutions, changed,
+    contacts_of, name_of, numbers_of,
 )
-KNOWN = {format_si: "inSi", written: "inSi", format_factor: "plainNumber"}
+KNOWN = {format_si: "inSi", written: "inSi", format_factor: "plainNumber", blank: "py.blank"}
 """What the page writes in its own way."""
 
 

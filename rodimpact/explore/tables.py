@@ -1,6 +1,6 @@
 """From the tables of a case to a row of fronts, in Python that the page has as JavaScript.
 
-The numbers are those of `Blueprint`. Mistakes are told in the words of the model: `RULES` are its
+The numbers are those of `Plan`. Mistakes are told in the words of the model: `RULES` are its
 fields. What fronts cannot carry is named; it needs the served page.
 """
 
@@ -20,8 +20,7 @@ from ..methods.abilities import (
     SMOOTH_STATES,
     TAPER,
 )
-from ..methods.fronts.front_kernel import BOND, FREE, PUSH, TOUCH
-from ..methods.fronts.layout_kernel import ENDLESS, MOVED, PUSHED, STEADY, Make
+from ..methods.fronts.records import Outside, Status
 from ..model import Material, Rod, Segment, System, Wall
 from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, Field, wanted
 from .design import MOST_EVENTS
@@ -168,9 +167,9 @@ def row_of(case: Any, library: Any) -> Any:
     -------
     dict
         ``segments`` from left to right; ``bodies``, each with its ``first`` and ``last`` segment,
-        (1, 0) for a wall; ``gaps``; ``bonded`` by contact; ``ends``; ``make``, ``given`` and
-        ``status`` for the kernels; ``max_events``, and ``until``, s, negative where none is asked
-        for.
+        (1, 0) for a wall; ``gaps``; ``bonded`` by contact; ``ends``; ``given``, ``kinds``,
+        ``rows`` (of `BODY`) and ``nodes`` for the kernels; ``max_events``; and ``until``, s,
+        negative where none is asked for.
     """
     tables, count = case["bodies"], len(case["bodies"])
     contacts = case.get("contacts", [{} for _ in range(count - 1)])
@@ -180,94 +179,85 @@ def row_of(case: Any, library: Any) -> Any:
     segments: list[Any] = []
     bodies: list[Any] = []
     bonded = [contact.get("law", "rigid") == "bonded" for contact in contacts]
-    status: list[int] = []
-    first: list[int] = []
-    last: list[int] = []
-    places: list[int] = []
-    jumps: list[int] = []
+    kinds: list[int] = []
+    rows: list[Any] = []
     profiles: list[Any] = []
     for i, table in enumerate(tables):
         wall = table["kind"] == "wall"
         if i == 0 and not wall:
-            status.append(status_at(both[0]["kind"]))
+            kinds.append(kind_at(both[0]["kind"]))
             if both[0]["kind"] != "free":
-                lay(first, last, places, jumps, profiles, 1, 0, both[0].get("value", 0.0), 0.0)
+                rows.append(driven(both[0], profiles))
         elif i > 0:
-            status.append(BOND if bonded[i - 1] else TOUCH)
+            kinds.append(Status.BOND.value if bonded[i - 1] else Status.TOUCH.value)
         begin = len(segments) + 1
         for j, piece in enumerate(pieces_of(table)):
             if j > 0:
-                status.append(BOND)
+                kinds.append(Status.BOND.value)
             where = f"bodies.{i}.segments.{j}" if len(pieces_of(table)) > 1 else f"bodies.{i}"
             name = piece["material"]
             segments.append(segment_of(where, piece, own[name] if name in own else library[name]))
         start, stop = (1, 0) if wall else (begin, len(segments))
-        velocity = table.get("velocity", 0.0)
-        lay(first, last, places, jumps, profiles, start, stop, velocity, table.get("strain", 0.0))
+        velocity, strain = table.get("velocity", 0.0), table.get("strain", 0.0)
+        still = Outside.STEADY.value
+        rows.append((start, stop, *enter(profiles, velocity, strain), still))
         mass = 0.0
         for piece in segments[begin - 1 :]:
             mass += piece["mass"]
         bodies.append({
             "kind": table["kind"], "first": start, "last": stop, "mass": mass, "velocity": velocity,
-            "strain": table.get("strain", 0.0),
+            "strain": strain,
         })
     if tables[-1]["kind"] != "wall":
-        status.append(status_at(both[1]["kind"]))
+        kinds.append(kind_at(both[1]["kind"]))
         if both[1]["kind"] != "free":
-            lay(first, last, places, jumps, profiles, 1, 0, both[1].get("value", 0.0), 0.0)
+            rows.append(driven(both[1], profiles))
     gaps = [contact.get("gap", 0.0) for contact in contacts]
     given = [
         *[piece["wave_speed"] for piece in segments], *[piece["impedance"] for piece in segments],
         *[piece["length"] for piece in segments], *gaps, *profiles,
     ]
-    n, before, changes, joined = len(segments), len(given) - len(profiles), 0, [1, 0]
-    for jump in jumps:
-        changes += jump
-    for bond in bonded:
-        joined = [joined[0], 1] if bond else [0, joined[1]]
-    make = Make(
-        first, last, [body["last"] for body in bodies[: count - 1]],
-        [before + place for place in places], jumps, [outside_at(end["kind"]) for end in both],
-        [n, len(given), 2 * (n + changes) + 2], joined,
-    )
+    before = len(given) - len(profiles)
     return {
         "segments": segments, "bodies": bodies, "gaps": gaps, "bonded": bonded,
-        "ends": [end["kind"] for end in both], "make": make, "given": given, "status": status,
+        "ends": [end["kind"] for end in both], "given": given, "kinds": kinds,
+        "rows": [(first, last, before + place, velocities, strains, outside)
+                 for first, last, place, velocities, strains, outside in rows],
+        "nodes": [body["last"] for body in bodies[: count - 1]],
         "until": asked.get("until", -1.0), "max_events": asked.get("max_events", MOST_EVENTS),
     }
 
 
-def status_at(end: str) -> int:
-    """Status of the node at an end of the row."""
+def kind_at(end: str) -> int:
+    """What the node at an end of the row is."""
     if end == "free":
-        return FREE
-    return PUSH if end == "force" else BOND
+        return Status.FREE.value
+    return Status.PUSH.value if end == "force" else Status.BOND.value
 
 
-def outside_at(end: str) -> int:
-    """What stands outside of an end of the row."""
-    if end in ("absorbing", "incoming"):
-        return ENDLESS
-    if end == "force":
-        return PUSHED
-    return MOVED if end == "velocity" else STEADY
+def driven(end: Any, profiles: list[Any]) -> Any:
+    """What holds or drives an end of the row, as a body."""
+    outside = Outside.STEADY.value
+    if end["kind"] in ("absorbing", "incoming"):
+        outside = Outside.ENDLESS.value
+    elif end["kind"] == "force":
+        outside = Outside.PUSHED.value
+    elif end["kind"] == "velocity":
+        outside = Outside.MOVED.value
+    return (1, 0, *enter(profiles, end.get("value", 0.0), 0.0), outside)
 
 
-def lay(
-    first: list[int], last: list[int], places: list[int], jumps: list[int], profiles: list[Any],
-    start: int, stop: int, velocity: Any, strain: Any,
-) -> None:
-    """Add a body, or what is outside, to the lists of a `Make`, and its profiles to the numbers."""
-    first.append(start)
-    last.append(stop)
-    places.append(len(profiles))
+def enter(profiles: list[Any], velocity: Any, strain: Any) -> Any:
+    """Add the profiles of a body to the numbers; return where, and how many values they have."""
+    place, counts = len(profiles), []
     for profile in (velocity, strain):
         values, at = [profile], []
         if isinstance(profile, dict):
             values, at = profile["values"], profile["at"]
-        jumps.append(len(at))
         profiles.extend(values)
         profiles.extend(at)
+        counts.append(len(values))
+    return (place, counts[0], counts[1])
 
 
 def segment_of(path: str, piece: Any, material: Any) -> Any:

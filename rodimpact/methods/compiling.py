@@ -9,8 +9,10 @@ arrays compiled, lists of small objects in plain Python.
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import functools
 import hashlib
+import itertools
 import sys
 import threading
 import warnings
@@ -35,6 +37,12 @@ ONE_AT_A_TIME = threading.RLock()
 """Of threads that start numba, or would compile the same twice."""
 
 
+def start() -> None:
+    """Start numba; raises what is wrong with it."""
+    with ONE_AT_A_TIME:
+        import numba  # noqa: F401
+
+
 class DamagedCache(UserWarning):
     """Machine code on disk cannot be read, and is made anew."""
 
@@ -55,10 +63,10 @@ class Compiled:
     def _make(self, keep: bool) -> None:
         import numba
 
-        self._fast: Any = numba.njit(**OPTIONS)(self._twin)
+        self._fast: Any = numba.njit(no_cfunc_wrapper=True, **OPTIONS)(self._twin)
         if keep:
             with contextlib.suppress(RuntimeError):  # there is no place for a cache
-                self._fast = numba.njit(cache=True, **OPTIONS)(self._twin)
+                self._fast = numba.njit(cache=True, no_cfunc_wrapper=True, **OPTIONS)(self._twin)
         self.place: str = self._fast.stats.cache_path or ""
 
     def __call__(self, *given: Any) -> Any:
@@ -194,9 +202,11 @@ def digest_of(module: ModuleType) -> str:
 
 
 @functools.cache
-def _kind(record: Any) -> type:
-    """A class with the fields of a record, 0 at first."""
-    return type("Record", (), {name: np.zeros((), record[name]).tolist() for name in record.names})
+def _kind(record: Any) -> Any:
+    """A class with the fields of a record, plain numbers 0 at first."""
+    zeros = [(name, Any, None if record[name].subdtype else np.zeros((), record[name]).item())
+             for name in record.names]
+    return dataclasses.make_dataclass("Record", zeros, slots=True)
 
 
 def blank(count: int, record: Any) -> list[Any]:
@@ -207,19 +217,14 @@ def blank(count: int, record: Any) -> list[Any]:
 
 def objects(rows: Iterable[Sequence[Any]], record: Any) -> list[Any]:
     """Return objects with the fields of a record, of a tuple of values each."""
-    kind, names, made = _kind(record), record.names, []
-    for row in rows:
-        one = kind()
-        one.__dict__.update(zip(names, row, strict=True))
-        made.append(one)
-    return made
+    return list(itertools.starmap(_kind(record), rows))
 
 
 def as_objects(records: Any) -> list[Any]:
     """Return an array of records as a list of small objects with lists, for plain Python."""
     kind = records.dtype
     if any(kind[name].subdtype for name in kind.names):
-        return objects(zip(*(records[name].tolist() for name in kind.names), strict=True), kind)
+        return list(map(_kind(kind), *(records[name].tolist() for name in kind.names)))
     return objects(records.tolist(), kind)
 
 

@@ -13,7 +13,6 @@ import math
 from typing import Any, NamedTuple
 
 NEVER = 1 << 62
-UNDECIDED = -1
 
 
 class Side(NamedTuple):
@@ -26,24 +25,15 @@ class Side(NamedTuple):
     bound: float  # that it can ever reach
 
 
-def by_velocities(gap: float, left: Any, right: Any, tol: float) -> int:
-    """What mean, low and high of two sides say alone: 0 or NEVER as `separation_time`, UNDECIDED.
-
-    Deviations and their bounds need not be known.
-    """
+def separation_time(gap: float, left: Any, right: Any, tol: float) -> int:
+    """Steps until a contact may be proved not to close again: 0 if it is, NEVER if not as it is."""
     if gap < 0:
         return NEVER
     if right.low - left.high >= -tol:
         return 0
-    return NEVER if right.mean - left.mean < -tol else UNDECIDED
-
-
-def separation_time(gap: float, left: Side, right: Side, tol: float) -> int:
-    """Steps until a contact may be proved not to close again: 0 if it is, NEVER if not as it is."""
-    answer = by_velocities(gap, left, right, tol)
-    if answer != UNDECIDED:
-        return answer
     opening = right.mean - left.mean
+    if opening < -tol:
+        return NEVER
     apart, reach = gap + left.deviation - right.deviation, left.bound + right.bound
     if apart > 0 and apart > reach:
         return 0

@@ -15,6 +15,7 @@ import warnings
 from collections.abc import Iterator
 from typing import Any
 
+from . import compiling
 from .compiling import ONE_AT_A_TIME, Kernel, compiled
 
 __all__ = ["Kernel", "compiled"]
@@ -116,8 +117,7 @@ def _fault() -> str:
     if not _installed():
         return "numba is not installed"
     try:
-        with ONE_AT_A_TIME:
-            import numba  # noqa: F401
+        compiling.start()
     except Exception as error:  # of itself, of what it needs, or of a variable with a wrong value
         given = ", ".join(f"{k} = {v!r}" for k, v in os.environ.items() if k.startswith("NUMBA_"))
         remedy = f" Mend or unset {given}" if given else ""

@@ -36,6 +36,7 @@ from ..model import (
 from ..model.frozen import Number
 from ..model.profiles import extremes
 from .laws import BOND, COMPLIANT, FORCE, FREE, IMPACT, JOINT, OWN, RIGID, SPRING, YIELD
+from .laws import Law as Kind
 
 SMALLEST, LARGEST = sys.float_info.min, sys.float_info.max
 AS_GOOD_AS_RIGID = "is as good as rigid beside these rods, got {!r}; use {}()"
@@ -78,7 +79,7 @@ class Row:
 
     def __init__(self, system: System) -> None:
         self.system, self.gravity = system, system.gravity
-        self.laws: list[int] = []
+        self.laws: list[Kind] = []
         self.stiffness: list[Any] = []
         self.exponent: list[Any] = []
         self.damping: list[Any] = []
@@ -135,7 +136,7 @@ class Row:
             self.first.append(len(self.masses))
 
     def _add(
-        self, law: int, damping: Any = 0.0, gap: Any = 0.0, stiffness: Any = 0.0,
+        self, law: Kind, damping: Any = 0.0, gap: Any = 0.0, stiffness: Any = 0.0,
         exponent: Any = 1.0, strength: Any = 0.0,
     ) -> None:
         self.laws.append(law)

@@ -57,6 +57,11 @@ def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> Non
     kind = format_of(path, FORMATS)
     figure = figure_of(picture)
     memory = io.BytesIO()
-    with rc_context({"svg.hashsalt": "rodimpact", "svg.fonttype": "path", "pdf.fonttype": 42}):
-        figure.savefig(memory, format=kind, dpi=DOTS_PER_INCH, metadata=FORMATS[kind])
+    about = FORMATS[kind]
+    if kind == "svg":  # what a screen reader says of the picture
+        labels = [(ax.get_ylabel(), ax.get_xlabel()) for ax in figure.axes[:1]]
+        about = {**about, "Title": " over ".join(
+            label.partition("\n")[0] for pair in labels for label in pair if label)}
+    with rc_context({"svg.hashsalt": "rodimpact", "svg.fonttype": "none", "pdf.fonttype": 42}):
+        figure.savefig(memory, format=kind, dpi=DOTS_PER_INCH, metadata=about)
     write_bytes(path, memory.getvalue(), force=force)

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods import kernels
-from ..methods.compiling import as_objects
 from ..methods.clock import Clock
+from ..methods.compiling import as_objects
 from ..methods.fronts.records import NONE, ROW
 from ..methods.fronts.stock import largest_difference
 from ..methods.run import Signals
@@ -30,12 +30,10 @@ from ..methods.signals import (
     integral_of_product,
 )
 from ..model import Rod
-from .field_kernel import sum_on_grid
 from .fields import Fields, Profile, Trace
 
 PAIR_TIME = 5e-7  # s of plain Python for two waves that meet
 SLIVER = 64  # ticks: waves that last no longer come of round-off
-POINT_TIME = 4e-9  # s that NumPy takes longer for a point of a grid than a compiled loop
 
 
 class WaveFields(Fields):
@@ -134,19 +132,19 @@ class WaveFields(Fields):
     def _on_grid(
         self, s: int, offset: Ints, when: Ints, sign: float, factor: float, shift: float
     ) -> Floats:
+        """Values where they are constant between the times at which fronts come to each place."""
         A, B = self.waves(s)
-        a, delay = sign * A.values, self.clock.ticks[s] - offset
-        if kernels.worth_compiling(offset.size * when.size * POINT_TIME, sum_on_grid):
-            out = np.empty((offset.size, when.size))
-            kernels.compiled(sum_on_grid)(
-                out, when, A.ticks, a, offset, B.ticks, B.values, delay, factor, shift
-            )
-            return out
-        total = _steps_on_grid(A.ticks, a, offset, when)
-        total += _steps_on_grid(B.ticks, B.values, delay, when)
-        total *= factor
-        total += shift
-        return total
+        fronts = A.ticks[1:, None] + offset, B.ticks[1:, None] + (self.clock.ticks[s] - offset)
+        first = np.searchsorted(when, np.concatenate(fronts).T)  # time that sees each, by place
+        order = np.argsort(first, axis=1, kind="stable")
+        come = np.zeros((2, len(offset), order.shape[1] + 1), int)  # of A, and of B
+        np.cumsum(order < len(A.ticks) - 1, axis=1, out=come[0, :, 1:])
+        come[1] = np.arange(order.shape[1] + 1) - come[0]
+        level = (sign * A.values[come[0]] + B.values[come[1]]) * factor + shift
+        stops = np.full(level.shape, len(when))
+        stops[:, :-1] = np.take_along_axis(first, order, axis=1)
+        counts = np.diff(stops, axis=1, prepend=0)
+        return np.repeat(level.ravel(), counts.ravel()).reshape(len(offset), len(when))
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         a, when = self.clock, self.to_ticks(t)
@@ -287,17 +285,6 @@ class WaveFields(Fields):
             strain += ((left - right) * (0.5 / a.wave_speed[s])).tolist()
             segments += [s] * (len(bounds) - 1)
         return Profile(np.array(edges), np.array(velocity), np.array(strain), np.array(segments))
-
-
-def _steps_on_grid(ticks: Ints, values: Floats, delay: Ints, when: Ints) -> Floats:
-    """[places, times] values of a step signal seen after each place's delay."""
-    arrivals = ticks[1:, None] + delay
-    starts = np.searchsorted(when, arrivals)
-    bounds = np.concatenate((np.zeros((1, delay.size), int), starts,
-                             np.full((1, delay.size), when.size)))
-    counts = np.diff(bounds, axis=0).T
-    repeated = np.repeat(np.tile(values, delay.size), counts.ravel())
-    return repeated.reshape(delay.size, when.size)
 
 
 def _in_steps(wave: Pieces) -> Pieces:

@@ -7,8 +7,9 @@ one row a collision. Whoever runs a chunk, and in which order, its numbers are t
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, replace
 from numbers import Integral
@@ -33,7 +34,7 @@ from ..storage.checkpoint import Checkpoint
 from ..storage.writing import PathLike
 from ..units import shown
 from .extra_columns import extra_columns
-from .jobs import Jobs, pool_of, run_parts
+from .jobs import Jobs, Pool, pool_of, run_parts
 from .sweep_result import (
     ENDED,
     STATUS,
@@ -202,16 +203,11 @@ def sweep(
         problems += error.problems
     if problems:
         raise InvalidModel(problems)
-    of, size = arrays_of(system, readings), math.prod(system.shape)
-    alone = _alone(options, readings)
-    together = 0 if alone else METHODS[options.method].together(Row(system))
-    most = together or size
-    units = _Units(system.shape, min(TOGETHER, most) if together else 1)
-    keep: Checkpoint | None = None
-    if checkpoint is None:
-        columns = {name: np.empty((size, *beyond), kind) for name, (kind, beyond) in of.items()}
-        done = np.zeros(len(units), dtype=bool)
-    else:
+    together = 0 if _alone(options, readings) else METHODS[options.method].together(Row(system))
+    units = _Units(system.shape, min(TOGETHER, together) if together else 1)
+    of = arrays_of(system, readings)
+    keep: Any = _InMemory(of, units)
+    if checkpoint is not None:
         described = {
             "format": "rodimpact sweep", "rodimpact": __version__, "system": system.digest,
             "shape": list(system.shape), **asdict(options), **readings.to_dict(),
@@ -219,60 +215,102 @@ def sweep(
         shapes = {name: (np.dtype(kind), (*system.shape, *beyond))
                   for name, (kind, beyond) in of.items()}
         keep = Checkpoint(checkpoint, described, shapes, units)
-        columns, done = keep.columns(), keep.done.copy()
-
-    def put(start: int, stop: int, part: Columns) -> None:
-        if keep is None:
-            for name, values in part.items():
-                columns[name][start:stop] = values
-            return
-        for unit in range(start // units.unit, -(-stop // units.unit)):
-            a, b = (at - start for at in units[unit])
-            keep.write(unit, {name: values[a:b] for name, values in part.items()})
-
-    with contextlib.ExitStack() as stack:
-        if keep is not None:
-            stack.callback(keep.close)
-        pool = stack.enter_context(pool_of(executor, workers))
-        first, largest = units.unit, max(most, MOST_BYTES // _bytes(of))
-        if pool.asking:  # what can be asked to stop needs no parts
-            first, largest = most, most
-
-        def submit(start: int, stop: int) -> Any:
-            job = _members(system, start, stop), options, readings, first, most
-            own = [*pool.asking, size - stop] if pool.asking else []
-            return pool.executor.submit(run_job, *job, *own)
-
-        jobs = Jobs(pool, submit, units.spans(~done), units.unit, largest)
-        if on_error == "raise":
-            for start, stop in units.spans(done):
-                status = columns["status"].reshape(-1)[start:stop]
-                jobs.end = min(jobs.end, start + _first_bad(status))
-        ended = before = sum(stop - start for start, stop in units.spans(done))
-        forecast, counted = Forecast(warn, "a smaller family", work="this sweep"), ended
-        running = pool.workers * (together or 1)
-        for news in stack.enter_context(contextlib.closing(jobs.results())):
-            for start, stop, part in news:
-                put(start, stop, part)
-                ended += stop - start
-                if on_error == "raise":
-                    jobs.end = min(jobs.end, start + _first_bad(part["status"]))
-            # what runs is all that has been done in this time, at most
-            forecast.extrapolate(max(ended - counted, min(running, size - counted)), size - counted,
-                                 f"{size - before} collisions")
-            if together and counted == before < ended:  # the first compiled: from here on
-                forecast, counted = Forecast(warn, "a smaller family", work="this sweep"), ended
-            if progress is not None:
-                progress(ended, size)
-    if jobs.end < size:
+    with contextlib.closing(keep), pool_of(executor, workers) as pool:
+        jobs = _jobs(pool, system, options, readings, units, keep.done, together)
+        news = _News(units, keep.done, pool.workers, together, progress)
+        _collect(jobs, keep, units, news, on_error == "raise")
+    if jobs.end < units.size:
         _raise_for(int(jobs.end), system, options)
-    if keep is not None:
-        columns = keep.columns()
+    columns = keep.columns()
     shaped = {
         name: columns[name].reshape((*system.shape, *beyond)) for name, (_, beyond) in of.items()
     }
     strain = shaped.pop("strain", None)
     return SweepResult(system, options, shaped, readings, strain)
+
+
+def _jobs(
+    pool: Pool, system: System, options: Options, readings: Readings, units: _Units, done: Any,
+    together: int,
+) -> Jobs:
+    """What is to be run; `together` is how many members a method runs in one call."""
+    most = together or units.size
+    first, largest = units.unit, max(most, MOST_BYTES // _bytes(arrays_of(system, readings)))
+    if pool.asking:  # what can be asked to stop needs no parts
+        first, largest = most, most
+
+    def submit(start: int, stop: int) -> Any:
+        job = _members(system, start, stop), options, readings, first, most
+        own = [*pool.asking, units.size - stop] if pool.asking else []
+        return pool.executor.submit(run_job, *job, *own)
+
+    return Jobs(pool, submit, units.spans(~done), units.unit, largest)
+
+
+def _collect(jobs: Jobs, keep: Any, units: _Units, news: _News, raises: bool) -> None:
+    """Put what jobs bring where it is kept, until all is there or, if it `raises`, one is bad."""
+    known = keep.columns()["status"].reshape(-1)
+    kept = [(start, stop, {"status": known[start:stop]}) for start, stop in units.spans(keep.done)]
+    with contextlib.closing(jobs.results()) as results:
+        for parts in itertools.chain([kept], results):
+            for start, stop, part in parts:
+                if parts is not kept:
+                    keep.put(start, stop, part)
+                if raises:
+                    jobs.end = min(jobs.end, start + _first_bad(part["status"]))
+            if parts is not kept:
+                news.tell(sum(stop - start for start, stop, _ in parts))
+
+
+class _InMemory:
+    """Columns of results in memory, as a `Checkpoint` has them on disk."""
+
+    def __init__(self, of: Mapping[str, Any], units: _Units) -> None:
+        self.done = np.zeros(len(units), dtype=bool)
+        self._columns = {name: np.empty((units.size, *beyond), kind)
+                         for name, (kind, beyond) in of.items()}
+
+    def put(self, start: int, stop: int, part: Columns) -> None:
+        """Take the results of some members."""
+        for name, values in part.items():
+            self._columns[name][start:stop] = values
+
+    def columns(self) -> Columns:
+        """All columns."""
+        return self._columns
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+
+class _News:
+    """Tells how far a sweep is, and how long it takes."""
+
+    def __init__(
+        self, units: _Units, done: Any, workers: int, together: int, progress: Progress | None
+    ) -> None:
+        self._size, self._progress = units.size, progress
+        self._ended = sum(stop - start for start, stop in units.spans(done))
+        self._to_do, self._compiles = self._size - self._ended, together > 0
+        self._running = workers * (together or 1)
+        self._count_from_here()
+
+    def _count_from_here(self) -> None:
+        self._forecast, self._counted = Forecast(warn, "a smaller family", work="this sweep"), (
+            self._ended)
+
+    def tell(self, members: int) -> None:
+        """So many more members have ended."""
+        self._ended += members
+        done, total = self._ended - self._counted, self._size - self._counted
+        # what runs is all that has been done in this time, at most
+        self._forecast.extrapolate(
+            max(done, min(self._running, total)), total, f"{self._to_do} collisions")
+        if self._compiles and members:  # the first did
+            self._compiles = False
+            self._count_from_here()
+        if self._progress is not None:
+            self._progress(self._ended, self._size)
 
 
 def run_job(

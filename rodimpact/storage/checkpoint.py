@@ -7,6 +7,7 @@ no longer what it was.
 
 from __future__ import annotations
 
+import bisect
 import contextlib
 import json
 import math
@@ -156,14 +157,19 @@ class Checkpoint:
             )
         return np.array(done)
 
-    def write(self, chunk: int, columns: Mapping[str, Any]) -> None:
-        """Write a chunk."""
-        with self._told():
-            for name in self._columns:
-                self._put(name, self._spans[chunk][0], columns[name])
-        self._waiting[chunk] = checksum(columns[name] for name in self._columns)
-        if time.monotonic() - self._synced > SYNC_EVERY:
-            self.sync()
+    def put(self, start: int, stop: int, columns: Mapping[str, Any]) -> None:
+        """Write chunks: those of the members from `start` to `stop`."""
+        chunk = bisect.bisect_left(self._spans, (start, start))
+        while chunk < len(self._spans) and self._spans[chunk][0] < stop:
+            first, end = (at - start for at in self._spans[chunk])
+            part = {name: values[first:end] for name, values in columns.items()}
+            with self._told():
+                for name in self._columns:
+                    self._put(name, start + first, part[name])
+            self._waiting[chunk] = checksum(part[name] for name in self._columns)
+            chunk += 1
+            if time.monotonic() - self._synced > SYNC_EVERY:
+                self.sync()
 
     def sync(self) -> None:
         """Bring what was written to the disk, and only then its checksums."""

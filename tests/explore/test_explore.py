@@ -257,7 +257,7 @@ def test_numbers_are_those_of_the_solution():
     assert found["restitution"]["value"] == solution.outcome.restitution
     assert found["restitution"]["text"] == "0.4"
     assert found["restitution"]["closed_form"] == pytest.approx(0.4, abs=1e-15)
-    assert ["velocity of rod 1 after", "0.4 m/s"] in [list(row) for row in found["results"]]
+    assert ["velocity of rod 2 after", "0.4 m/s"] in [list(row) for row in found["results"]]
     force = next(plot for plot in found["plots"] if plot["key"] == "force")["series"][0]
     assert max(force["y"]) == pytest.approx(solution.outcome.contacts[0].peak_force, rel=1e-8)
     gauge = next(plot for plot in found["plots"] if plot["key"] == "gauge")["series"][0]

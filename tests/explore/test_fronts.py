@@ -13,7 +13,7 @@ from rodimpact.explore.design import LIBRARY, Design
 from rodimpact.explore.outcome import changed as with_number
 from rodimpact.explore.outcome import outcome_of
 from rodimpact.explore.tables import RULES, lacking, mistakes, row_of
-from rodimpact.methods.fronts.assembly import Blueprint
+from rodimpact.methods.fronts.driver import Plan
 from rodimpact.methods.registry import Options
 from rodimpact.methods.row import Row
 from rodimpact.results.regions import regions_of
@@ -43,10 +43,10 @@ def rows():
 def test_runs_and_curves_are_those_of_the_solution(number):
     system, solve = list(rows())[number]
     row = row_of(tables_of(system, **solve), LIBRARY)
-    plan = Blueprint(Row(system))
-    assert row["status"] == plan.status
+    plan = Plan(Row(system))
+    assert row["kinds"] == plan.kinds
     if row["ends"] == ["free", "free"]:  # numbers of ends stand elsewhere in the list
-        assert (row["make"], row["given"]) == (plan.make, plan.numbers)
+        assert (row["rows"], row["given"]) == (plan.bodies, plan.numbers)
     solution = ri.solve(system, **solve, max_events=20_000)
     run = runs.run_of(row, True, runs.space_of(row))
     found, outcome = outcome_of(row, run), solution.outcome
@@ -54,7 +54,7 @@ def test_runs_and_curves_are_those_of_the_solution(number):
     assert found["after"] == list(outcome.velocities_after)
     assert found["why"] == outcome.why_no_restitution()
     assert found["vibration_after"] == pytest.approx(sum(outcome.vibration_after), rel=1e-12)
-    waves = motion.waves_of(row, run)
+    waves = motion.waves_of(run)
     stop = motion.end_of_picture(row, run, waves)
     if not stop:
         return

@@ -1,5 +1,6 @@
 """Kernels as JavaScript: what is translated and what is refused, and that nothing is lost."""
 
+import dataclasses
 import inspect
 import json
 import math
@@ -24,7 +25,7 @@ from rodimpact.explore.scene import scene
 from rodimpact.explore.solver import CONSTANTS, KNOWN
 from rodimpact.explore.start import start
 from rodimpact.explore.tables import row_of
-from rodimpact.methods import compiling, tick_rule_kernel
+from rodimpact.methods import compiling, tick_rule
 from rodimpact.methods.pieces import driver, finality, layout, march
 from rodimpact.methods.row import Row
 from rodimpact.storage.casefile import case_from
@@ -220,7 +221,7 @@ def test_what_is_not_translated_is_named_with_its_line(function, line, what):
 
 # Kernels on records
 
-KERNEL = compiling.interpreted(march, "follow_of")
+KERNEL = march.follow
 RODS = [ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0),
         ri.Rod(1.0, area=2e-4, material=ri.materials.aluminium)]
 MASSES = [ri.RigidMass(0.3, velocity=1.0), ri.RigidMass(0.2), ri.RigidMass(0.5)]
@@ -258,14 +259,13 @@ def recorded(system):
 
 def tables(objects):
     """Objects, or lists of numbers, as JSON has them."""
-    return [{name: getattr(one, name) for name in one.__slots__} if hasattr(one, "__slots__")
-            else one for one in objects]
+    return [one if isinstance(one, list) else dataclasses.asdict(one) for one in objects]
 
 
 @needs_node
 @pytest.mark.parametrize("name", RECORDED)
 def test_the_kernel_of_characteristics_does_the_same_on_the_same_records(name, monkeypatch):
-    for module in (tick_rule_kernel, finality, layout, driver):
+    for module in (tick_rule, finality, layout, driver):
         for constant in CONSTANTS.keys() & vars(module).keys():
             monkeypatch.setattr(module, constant, CONSTANTS[constant])
     arguments = recorded(RECORDED[name])
@@ -310,9 +310,9 @@ def solved_by_the_page(cases):
       const row = row_of(tables, library);
       const run = run_of(row, false, space_of(row));
       const [error] = transit_error_of(row, run);
-      const grain = 1 / Math.max(...run.layout.transit);
-      const scale = run.layout.scale[0];
-      return {{ ...outcome_of(row, run), events: run.clock[3], error: error + grain, scale }};
+      const grain = 1 / Math.max(...run.segment.map((s) => s.transit));
+      const scale = run.run.scale;
+      return {{ ...outcome_of(row, run), events: run.run.events, error: error + grain, scale }};
     }});"""
     return run(script, {"cases": cases, "library": LIBRARY})
 

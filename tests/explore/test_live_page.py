@@ -67,7 +67,7 @@ def test_the_page_solves_by_itself_and_asks_nobody(tmp_path):
 @pytest.mark.parametrize(("address", "words"), [
     ("#case.schema=1&case.bodies.0.kind=rod&case.bodies.0.length=-1&case.bodies.0.area=1e-4"
      "&case.bodies.0.material=steel&case.bodies.1.kind=wall",
-     "must be a finite positive number of metres, got -1"),
+     "must be a finite positive number, got \u22121000 mm"),
     ("#case.schema=1&case.bodies.0.kind=mass&case.bodies.0.mass=1&case.bodies.1.kind=rod"
      "&case.bodies.1.length=1&case.bodies.1.area=1e-4&case.bodies.1.material=steel",
      "this page follows fronts only, without rigid masses; the one that rodimpact explore"),

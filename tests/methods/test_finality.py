@@ -97,8 +97,7 @@ def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
     _, right, bound_right = expected_sway(pieces_of(solution, [1])[::-1], None)
     mean_gap = 0.001 + left + right  # both deviations are measured outwards, towards the gap
     wait = (np.sqrt(2 * (bound_left + bound_right)) - mean_gap) / 1e-3
-    (contact,) = run.plan.contacts
-    when = finality.separation_time(*records_of(run), contact, 0, run.run.tolerance)
+    when = finality.finality_time(*records_of(run), 0, run.run.tolerance)
     assert when * run.clock.tick == pytest.approx(wait, rel=2e-6)
 
 

@@ -14,8 +14,8 @@ from runs import gaps_of, solution_of
 import rodimpact as ri
 from rodimpact.methods import duration, kernels
 from rodimpact.methods.duration import LongRun
-from rodimpact.methods.grid import machine as grid_machine
 from rodimpact.methods.grid import method as finite_difference
+from rodimpact.methods.grid import run as grid_run
 from rodimpact.methods.grid.mesh import STEP_TICKS
 from rodimpact.methods.row import Row
 
@@ -398,16 +398,17 @@ def velocities(solution, t):
 def test_mirror(seed):
     system = random_row(seed, bodies=4, driven=True)
     run, image = run_row(system, 2.0), run_row(system.mirrored(), 2.0)
-    scale = np.abs(run.states.velocity).max() + run.row.scale
+    scale = np.abs(run.states["velocity"]).max() + run.row.scale
     inside = run.mesh.mass > 0
-    assert image.states.velocity[:, ::-1][:, inside] == pytest.approx(
-        -run.states.velocity[:, inside], abs=1e-9 * scale)
-    assert np.array_equal(image.tally.episodes[::-1], run.tally.episodes)
+    assert image.states["velocity"][:, ::-1][:, inside] == pytest.approx(
+        -run.states["velocity"][:, inside], abs=1e-9 * scale)
+    assert np.array_equal(image.grid.link["episodes"][::-1],
+                          run.grid.link["episodes"])
     for k in range(len(system.contacts)):
         if run.row.contact_link[k] >= 0 and isinstance(system.contacts[k], ri.Bonded):
-            force = run.bond(k)
-            assert image.bond(len(system.contacts) - 1 - k) == pytest.approx(
-                force, abs=1e-9 * (1 + np.abs(force).max()))
+            force = run.bond(run.row.contact_link[k])
+            mirrored = image.bond(image.row.contact_link[-1 - k])
+            assert mirrored == pytest.approx(force, abs=1e-9 * (1 + np.abs(force).max()))
 
 
 @settings(max_examples=35)
@@ -733,7 +734,7 @@ def test_fields_at_chosen_times_are_of_order_two(moment):
 @pytest.fixture
 def slow(monkeypatch):
     """A second from one look at the clock to the next, and a look after each round of steps."""
-    monkeypatch.setattr(grid_machine, "ROUND", 1e-9)
+    monkeypatch.setattr(grid_run, "ROUND", 1e-9)
     seconds = iter(range(10**6))
     monkeypatch.setattr(duration.time, "monotonic", lambda: float(next(seconds)))
 
@@ -776,7 +777,7 @@ def test_an_interrupted_run_leaves_no_harm(monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(grid_machine, "ROUND", 1e-9)
+        patch.setattr(grid_run, "ROUND", 1e-9)
         seconds = iter(range(10**6))
         patch.setattr(duration.time, "monotonic", lambda: float(next(seconds)))
         with pytest.raises(KeyboardInterrupt):

@@ -1,11 +1,8 @@
 """The kernel of the grid, below the model: the same bits always, exact balances, no energy made."""
 
-import ast
-from pathlib import Path
-
 import numpy as np
 import pytest
-from grid_rows import random_row, run_row, thicken
+from grid_rows import random_row, run_row, side_of, thicken
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from networks import STEP, UNIT, unit_rod
@@ -13,79 +10,56 @@ from runs import solution_of
 from scipy.linalg import block_diag
 
 import rodimpact as ri
-from rodimpact.methods import kernels
-from rodimpact.methods.grid import grid_kernel as fk
-from rodimpact.methods.grid.machine import Keeper, Machine
+from rodimpact.methods import compiling, kernels
+from rodimpact.methods.grid import elimination_kernel as elimination
+from rodimpact.methods.grid.keeping import Keeper
 from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size
+from rodimpact.methods.grid.records import IMPLICIT, NODE, PER_STATE, PER_STEP
+from rodimpact.methods.grid.run import GridRun
 from rodimpact.methods.laws import RIGID
 from rodimpact.methods.row import Row
 
 seeds = st.integers(0, 10**6)
-PARTS = (
-    "grid", "implicit", "radial", "links", "chain", "bonds", "ends", "tally", "signals", "states",
-)
 
 
-def machine_of(system, room, snapshots=None, step=STEP):
+def grid_run(system, room, snapshots=None, step=STEP):
     plan = Row(system)
     counts, step = _mesh_size(plan, None, step, None)
-    return Machine(Mesh(plan, counts), step, Keeper(snapshots), room)
+    return GridRun(Mesh(plan, counts), step, Keeper(snapshots), room)
 
 
-def side_of(machine, node, right_end):
-    """Mean velocity, deviation and bound of the end at a node."""
-    piece = machine.mesh.piece_of(node)
-    side = fk.side_of(machine.groups, machine.grid, machine.radial, machine.links, machine.ends,
-                      piece, right_end, machine.tol)
-    return side.mean, side.deviation, side.bound
-
-
-def bits(machine, parts=PARTS):
-    return {
-        (part, name): np.asarray(column).tobytes()
-        for part in parts for name, column in getattr(machine, part)._asdict().items()
-    }
-
-
-def run_as(machine, end, go, convert):
-    machine.states = machine.keep.room_for(machine, end)
-    parts = [getattr(machine, name) for name in PARTS]
-    given_ = [type(x)(*(convert(c) for c in x)) for x in parts]
-    flag = go(*given_, convert(machine.clock), end, machine.tol, machine.gap_resolution)
-    assert flag == fk.DONE
-    for whole, found in zip(parts, given_, strict=True):
-        for column, values in zip(whole, found, strict=True):
-            column[:] = values
+def bits(run, states=True):
+    """Every number of the state, and what was entered."""
+    grid = run.grid._asdict()
+    del grid["run"]
+    entered = {name: getattr(run.track, name)[: run.steps] for name in PER_STEP}
+    if states:
+        entered |= {name: getattr(run.track, name)[: run.kept] for name in PER_STATE}
+    return {name: x.tobytes() for name, x in (grid | entered).items()}
 
 
 # One source, the same bits ------------------------------------------------------------------------
 
 
-def test_the_kernel_imports_kernels_only():
-    tree = ast.parse(Path(fk.__file__).read_text())
-    imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
-    imported |= {a.name for node in ast.walk(tree) if isinstance(node, ast.Import)
-                 for a in node.names}
-    assert imported <= {"__future__", "math", "typing", "laws", "contact_kernel", "finality_kernel",
-                        "radial_kernel"}
-
-
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
 def test_compiled_and_plain_runs_are_bit_identical():
     for seed in range(100):
-        system = random_row(seed, driven=seed % 2 == 1)
-        plain, fast = machine_of(system, 48), machine_of(system, 48)
-        run_as(plain, 48, fk.run, lambda column: column.tolist())
-        run_as(fast, 48, kernels.compiled(fk.run), lambda column: column)
-        assert bits(plain) == bits(fast), seed
+        system, runs, waits = random_row(seed, driven=seed % 2 == 1), [], []
+        for compiling_it in (False, True):
+            with kernels.forced(compiling_it):
+                runs.append(grid_run(system, 48))
+                runs[-1].advance(48)
+                waits.append(runs[-1].finality_time())
+        assert bits(runs[0]) == bits(runs[1]), seed
+        assert waits[0] == waits[1], seed
 
 
 @pytest.mark.parametrize("driven", [False, True])
 def test_a_run_in_pieces_is_the_whole_run(driven):
     for seed in range(20):
         system = random_row(seed, driven=driven)
-        whole, pieces = machine_of(system, 100), machine_of(system, 100)
+        whole, pieces = grid_run(system, 100), grid_run(system, 100)
         whole.advance(100)
         for end in (*np.random.default_rng(seed).choice(np.arange(1, 100), 5).cumsum(), 100):
             if end < 100:
@@ -99,37 +73,29 @@ def test_what_grows_is_what_has_room_enough(driven):
     """Signals keep their bits; states are thinned, and those that are left keep theirs."""
     for seed in range(20):
         system = random_row(seed, driven=driven)
-        whole, growing = machine_of(system, 120), machine_of(system, 7, snapshots=16)
+        whole, growing = grid_run(system, 120), grid_run(system, 7, snapshots=16)
         whole.advance(120)
         for end in (7, 9, 13, 50, 120):
             growing.advance(end)
         assert growing.room == 120
-        parts = set(PARTS) - {"states"}
-        assert bits(whole, parts) == bits(growing, parts), seed
-        kept = int(growing.clock[fk.KEPT])
-        when = growing.states.when[:kept]
-        assert kept <= 18
+        assert bits(whole, states=False) == bits(growing, states=False), seed
+        when = growing.states["when"]
+        assert len(when) <= 18
         assert (when[0], when[-1]) == (0, 120)
-        for x, y in zip(whole.states[1:], growing.states[1:], strict=True):
-            if len(x):
-                x, y = (a.reshape(len(s.lost), -1)
-                        for a, s in ((x, whole.states), (y, growing.states)))
-                assert np.array_equal(x[when], y[:kept])
+        for name, kept in growing.states.items():
+            assert np.array_equal(whole.states[name][when], kept)
 
 
 def test_states_at_chosen_times_are_those_of_the_run():
     for seed in range(20):
         system = random_row(seed)
         times = np.sort(np.random.default_rng(seed).uniform(0, 90 * STEP, 5))
-        whole, chosen = machine_of(system, 90), machine_of(system, 90, snapshots=times)
+        whole, chosen = grid_run(system, 90), grid_run(system, 90, snapshots=times)
         whole.advance(90)
         chosen.advance(90)
-        kept = int(chosen.clock[fk.KEPT])
-        when = chosen.states.when[:kept]
+        when = chosen.states["when"]
         assert {0, *np.floor(times / STEP).astype(int), 90} <= set(when.tolist())
-        n = len(chosen.mesh.mass)
-        found = chosen.states.velocity.reshape(-1, n)[:kept]
-        assert np.array_equal(found, whole.states.velocity.reshape(-1, n)[when])
+        assert np.array_equal(chosen.states["velocity"], whole.states["velocity"][when])
 
 
 # The elimination ----------------------------------------------------------------------------------
@@ -151,14 +117,12 @@ def test_elimination_against_dense_matrices(seed, nodes, held_left, held_right):
     for i in range(a + 1, b + 1):
         matrix[i, i - 1] = matrix[i - 1, i] = -bound[i]
     matrix[held == 1] = np.eye(n)[held == 1]
-    implicit = fk.Implicit(
-        [a], [(a + b) // 2], [b], [0.0], [0.0], np.zeros(n + 1), bound,
-        *np.zeros((3, n)), *np.zeros((4, n)), np.zeros(n + 1),
-    )
-    fk.factor(implicit, diagonal, held, 0)
+    (piece,) = compiling.as_objects(np.array([(a, (a + b) // 2, b, 0.0, 0.0)], IMPLICIT))
+    node = compiling.as_objects(np.zeros(n, NODE))
+    elimination.factor(piece, node, bound, diagonal, held)
     right = rng.uniform(-1, 1, n)
     found = right.copy()
-    fk.substitute(implicit, found, 0)
+    elimination.substitute(piece, node, found)
     inside = slice(a, b + 1)
     expected = np.linalg.solve(matrix[inside, inside], right[inside])
     assert found[inside] == pytest.approx(expected, rel=1e-10, abs=1e-12)
@@ -210,15 +174,14 @@ def test_steps_against_dense_matrices(seed, ends):
     if ends == "pushed" and seed % 2:
         row = [rod, ri.RigidMass(0.8, velocity=0.4)]
     system = ri.System(row, contacts=[ri.Bonded()] * (len(row) - 1), ends=kinds[ends])
-    machine = machine_of(system, 40)
-    machine.advance(40)
-    n, states = len(machine.mesh.mass), machine.states
-    velocity, force = (x.reshape(len(states.when), -1) for x in (states.velocity, states.force))
+    run = grid_run(system, 40)
+    run.advance(40)
+    n, velocity, force = len(run.mesh.mass), *(run.states[x] for x in ("velocity", "force"))
     radial = np.zeros_like(force)
-    if machine.mesh.swells:
-        radial = machine.step * states.radial.reshape(force.shape)
+    if run.mesh.swells:
+        radial = run.step * run.states["radial"]
     v, F, q = dense_run(
-        machine.mesh, machine.step, velocity[0], force[0, 1:n], radial[0, 1:n], 40, push)
+        run.mesh, run.step, velocity[0], force[0, 1:n], radial[0, 1:n], 40, push)
     assert velocity[-1] == pytest.approx(v, abs=1e-12)
     assert force[-1, 1:n] == pytest.approx(F, abs=1e-12)
     assert radial[-1, 1:n] == pytest.approx(q, abs=1e-12)
@@ -230,11 +193,11 @@ def test_steps_against_dense_matrices(seed, ends):
 def energy_of_bodies(run):
     """[state] kinetic and strain energy, J: what leapfrog keeps."""
     mesh, states, h = run.mesh, run.states, run.step
-    v = states.velocity + run.row.frame + run.row.gravity * h * states.when[:, None]
+    v = states["velocity"] + run.row.frame + run.row.gravity * h * states["when"][:, None]
     change = np.diff(v, axis=1)
     inside = mesh.stiffness[1:-1] > 0
     k, lateral = mesh.stiffness[1:-1][inside], mesh.lateral[1:-1][inside]
-    change, force = change[:, inside], states.force[:, 1:-1][:, inside]
+    change, force = change[:, inside], states["force"][:, 1:-1][:, inside]
     free = mesh.mass * (mesh.held == 0)
     for node in np.flatnonzero(mesh.held):  # half cells on a driven end move with it
         free[node] = (mesh.cell_mass[node] + mesh.cell_mass[node + 1]) / 2
@@ -242,7 +205,7 @@ def energy_of_bodies(run):
     total = kinetic + force**2 @ (1 / k) / 2
     if mesh.swells:
         J, b, G = (x[1:-1][inside] for x in mesh.cells[4:7])
-        q, p = h * states.radial[:, 1:-1], states.radial_rate[:, 1:-1]
+        q, p = h * states["radial"][:, 1:-1], states["radial_rate"][:, 1:-1]
         for moved, share in ((q, 1.0), (h * p / 2, -1.0)):
             total += share * np.diff(moved, axis=1) ** 2 @ mesh.shear[1:-1] / 2
         q, p = q[:, inside], p[:, inside]
@@ -261,25 +224,26 @@ def energy_of_contacts(run):
             if isinstance(law, ri.Joint):
                 x[0] = law.stretch
             total += law.stored(x if isinstance(law, ri.Joint) else np.maximum(x, 0.0))
-    return total[run.states.when]
+    return total[run.states["when"]]
 
 
 @settings(max_examples=120)
 @given(seeds)
 def test_energy_never_rises_without_work(seed):
     run = run_row(random_row(seed))
-    assert len(run.states.when) == run.steps + 1
+    assert len(run.states["when"]) == run.steps + 1
     total = energy_of_bodies(run) + energy_of_contacts(run)
     for side, sign in ((0, 1), (1, -1)):
         if run.row.outside[side][0] == "absorbing":
             force, speed = run.outer(side)
             total[1:] -= sign * np.cumsum(force * speed) * run.step
     assert np.diff(total).max() <= 1e-12 * total[0]
-    heat = run.states.lost * run.step
+    heat = run.states["lost"] * run.step
     assert np.diff(heat).min() >= 0
-    assert min(run.tally.lost.min(initial=0.0), run.tally.numerical.min(initial=0.0)) >= (
+    link = run.grid.link
+    assert min(link["lost"].min(initial=0.0), link["numerical"].min(initial=0.0)) >= (
         -1e-14 * total[0] / run.step)
-    lost = heat[-1] + (np.sum(run.tally.lost) + np.sum(run.tally.numerical)) * run.step
+    lost = heat[-1] + (np.sum(link["lost"]) + np.sum(link["numerical"])) * run.step
     assert lost == pytest.approx(total[0] - total[-1], abs=1e-11 * total[0])
     for k, link in enumerate(run.row.contact_link):
         if link >= 0 and run.row.laws[link] >= RIGID:
@@ -294,7 +258,7 @@ def test_energy_never_rises_without_work(seed):
 def test_every_entry_of_the_ledger_at_every_state(seed, driven):
     run = run_row(random_row(seed, driven=driven, bodies=4), 1.5)
     solution = solution_of(run, 1.5)
-    ledger = solution.energy(run.states.when * run.step)
+    ledger = solution.energy(run.states["when"] * run.step)
     works = ledger.wall_work, ledger.drive_work, ledger.gravity_work, ledger.radiated
     scale = ledger.total.max() + max(np.abs(w).max() for w in works)
     close = {"rtol": 0, "atol": 1e-11 * scale}
@@ -365,11 +329,11 @@ def test_what_stops_no_more_than_the_tolerance_is_no_force(pair):
     laws = [ri.Rigid() if isinstance(pair[0], ri.Rod) else ri.Rigid(restitution=0.0), ri.Rigid()]
     system = ri.System([*pair, unit_rod()], [STEP / 2, 10.0], laws)
     for slack, pressed in ((1.0, 0), (1.0 - 2**-50, 1)):
-        machine = machine_of(system, 1)
-        own = float(machine.links.own[0])
-        machine.tol = 0.5 / own * own * slack
-        machine.advance(1)
-        assert (machine.signals.force[0] > 0) == pressed
+        run = grid_run(system, 1)
+        own = float(run.grid.link["own"][0])
+        run.grid.run["tolerance"] = 0.5 / own * own * slack
+        run.advance(1)
+        assert (run.track.signal["force"][0, 0] > 0) == pressed
 
 
 @pytest.mark.parametrize("law", [ri.Rigid(), ri.Rigid(restitution=0.5)])
@@ -377,12 +341,12 @@ def test_a_mass_squeezed_between_walls_stops_the_run(law):
     """A rod whose end is nailed down from within is the second wall."""
     laws = [ri.Rigid(restitution=0.5), law if law.restitution is None else ri.Rigid()]
     system = ri.System([ri.Wall(0.5), ri.RigidMass(1.0), unit_rod()], [0.1, 0.1], laws)
-    machine = machine_of(system, 50)
-    node = int(machine.links.left[0]) + 1
-    machine.links.own[1] -= machine.grid.mobility[node + 1] / 2
-    machine.grid.mobility[node + 1] = 0.0
+    run = grid_run(system, 50)
+    node = int(run.grid.link["left"][0]) + 1
+    run.grid.link["own"][1] -= run.grid.mobility[node + 1] / 2
+    run.grid.mobility[node + 1] = 0.0
     with pytest.raises(ri.InvalidModel, match=r"squeezed between walls .* at 0\.\d+ s; give") as e:
-        machine.advance(50)
+        run.advance(50)
     assert [path for path, _ in e.value.problems] == ["contacts"]
 
 
@@ -394,11 +358,11 @@ def test_a_heavy_rod_before_a_thin_endless_bar_goes_as_far_as_its_momentum_takes
     rod = ri.Rod(segments=[ri.Segment(L, A, UNIT) for L, A in ((0.3, 0.4), (0.7, 3.0))],
                  velocity=ri.Steps([0.0, 1.0], [0.3]))
     system = ri.System([rod, unit_rod()], [90.0], ends=(ri.Absorbing(), ri.Free()))
-    machine = machine_of(system, 3000)
-    machine.advance(0)
-    _, before, bound = side_of(machine, machine.mesh.touching[2][0], True)
-    machine.advance(3000)
-    _, after, _ = side_of(machine, machine.mesh.touching[2][0], True)
+    run = grid_run(system, 3000)
+    run.advance(0)
+    _, before, bound = side_of(run, run.mesh.piece_of(run.mesh.touching[2][0]), True)
+    run.advance(3000)
+    _, after, _ = side_of(run, run.mesh.piece_of(run.mesh.touching[2][0]), True)
     assert abs(before) > 5.0 / STEP
     assert abs(after) < abs(before) < bound
 
@@ -421,19 +385,19 @@ def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed):
     system = ri.System(row, gaps, laws, ends=(end, ri.Free()))
     for mirrored in (False, True):
         turned = system.mirrored() if mirrored else system
-        machine = machine_of(turned, 400)
-        left, right = next(iter(machine.mesh.touching.values()))
+        run = grid_run(turned, 400)
+        left, right = next(iter(run.mesh.touching.values()))
         node, right_end, x = (right, False, 0.0) if mirrored else (left, True, 1.5)
         solution = solution_of(run_row(turned, 400 * STEP))
         body = turned.bodies.index(rod) if not mirrored else len(row) - 1 - row.index(rod)
-        machine.advance(0)
-        V, d, bound = side_of(machine, node, right_end)
+        run.advance(0)
+        V, d, bound = side_of(run, run.mesh.piece_of(node), right_end)
         for end_ in (1, 7, 50, 51, 400):
-            machine.advance(end_)
-            now, then, limit = side_of(machine, node, right_end)
+            run.advance(end_)
+            now, then, limit = side_of(run, run.mesh.piece_of(node), right_end)
             t = end_ * STEP
             moved = float(solution.displacement(body, x, t) - solution.displacement(body, x, 0.0))
-            expected = (V + machine.row.frame) * end_ + then - d
+            expected = (V + run.row.frame) * end_ + then - d
             assert moved / STEP == pytest.approx(expected, abs=1e-9)
             assert now == pytest.approx(V, abs=1e-12)
             assert abs(then) <= bound * (1 + 1e-12)

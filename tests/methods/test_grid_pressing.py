@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rodimpact.methods.grid.pressing import pressed_spans
+from rodimpact.methods.grid.measures import pressed_spans
 
 
 def spans(force, gap, times=None):

@@ -4,14 +4,15 @@ import math
 
 import numpy as np
 import pytest
+from grid_rows import side_of
 from networks import unit_rod
 from scipy.linalg import expm
 
 import rodimpact as ri
-from rodimpact.methods.grid import grid_kernel
-from rodimpact.methods.grid.machine import Keeper, Machine
+from rodimpact.methods.grid.keeping import Keeper
 from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size
+from rodimpact.methods.grid.run import GridRun
 from rodimpact.methods.row import Row
 
 QUICK = ri.Material("quick", youngs_modulus=6.0, density=1.5)  # wave speed 2
@@ -90,13 +91,11 @@ def sides_of(system, steps):
     """
     row, found = Row(system), []
     counts, step = _mesh_size(row, None, 1 / 64, None)
-    machine = Machine(Mesh(row, counts), step, Keeper(None), steps[-1])
+    run = GridRun(Mesh(row, counts), step, Keeper(None), steps[-1])
     for j in steps:
-        machine.advance(j)
-        side = grid_kernel.side_of(
-            machine.groups, machine.grid, machine.radial, machine.links, machine.ends,
-            int(machine.groups.left[-1]), True, machine.tol)
-        found.append((side.mean + row.frame, side.deviation / 64, side.bound / 64))
+        run.advance(j)
+        mean, deviation, bound = side_of(run, run.grid.link["left_group"][-1], True)
+        found.append((mean + row.frame, deviation / 64, bound / 64))
     return found
 
 

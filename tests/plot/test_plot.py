@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from inspect import signature
@@ -560,6 +561,15 @@ def test_saved_vector_file_has_paths_and_the_same_bytes_every_time(solved, tmp_p
     assert b"<image" not in files[0]
     assert files[0].count(b"<path") > 40
     assert b"<dc:date>" not in files[0]
+
+
+def test_text_of_a_vector_file_is_text_under_a_title(solved, tmp_path):
+    plot.save(plot.energy(solved["unequal"]).ax.figure, tmp_path / "energy.svg")
+    text = (tmp_path / "energy.svg").read_text(encoding="utf-8")
+    (title,) = re.findall("<title>(.*)</title>", text)
+    assert "energy" in title
+    assert "time" in title
+    assert len(re.findall("<text", text)) >= 8
 
 
 @pytest.mark.parametrize(

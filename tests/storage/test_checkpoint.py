@@ -287,7 +287,7 @@ def test_checksums_follow_the_numbers(tmp_path, monkeypatch):
     order = []
     keep = Checkpoint(tmp_path, {"a": 1}, {"x": (np.dtype(float), (4,))}, [(0, 2), (2, 4)])
     monkeypatch.setattr(checkpoint.os, "fsync", lambda file: order.append(file))
-    keep.write(0, {"x": np.array([1.0, 2.0])})
+    keep.put(0, 2, {"x": np.array([1.0, 2.0])})
     assert not done_in(tmp_path).any()
     keep.sync()
     assert order == [keep._open["x"].fileno(), keep._open["checksums"].fileno()]

@@ -30,9 +30,7 @@ function rearrange(state, order) {
     (order.includes(gauge.body) ? [{ ...gauge, body: order.indexOf(gauge.body) }] : []));
 }
 
-function orderOf(state) {
-  return listOf(state.case.bodies).map((_, i) => i);
-}
+const orderOf = (state) => listOf(state.case.bodies).map((_, i) => i);
 
 /** Add a body at the right end, but walls stay outermost. */
 function addBody(state, kind) {
@@ -67,45 +65,37 @@ function removeStep(body) {
   delete body.segments;
 }
 
-function toolButton(text, name, act, possible = true) {
+/** A button that changes what the form describes; `changed` is told. */
+function toolButton(changed, text, name, change, possible = true) {
   const button = make("button", { type: "button", "aria-label": name, title: name }, text);
   button.disabled = !possible;
-  button.addEventListener("click", act);
+  button.addEventListener("click", () => {
+    change();
+    changed(true);
+  });
   return button;
 }
 
-/** Buttons that change what the form describes; `changed` is told. */
-function bodyTools(state, i, changed) {
+function bodyTools(state, i, name, changed) {
   const { bodies } = state.case;
-  const body = bodies[i];
-  const act = (change) => () => {
-    change();
-    changed(true);
-  };
-  const name = `${body.kind} ${i}`;
-  const steps = body.kind !== "rod" ? [] : [
-    toolButton("+ step", `+ step of ${name}`, act(() => addStep(body))),
-    toolButton("− step", `− step of ${name}`, act(() => removeStep(body)), listOf(body.segments).length > 1),
-  ];
+  const button = toolButton.bind(null, changed);
+  const steps = bodies[i].kind !== "rod" ? [] : [
+    button("+ step", `+ step of ${name}`, () => addStep(bodies[i])),
+    button("− step", `− step of ${name}`, () => removeStep(bodies[i]), listOf(bodies[i].segments).length > 1)];
   return make("div", { class: "tools-body" }, ...steps,
-    toolButton("◀", `Move ${name} to the left`, act(() => swap(state, i, i - 1)), i > 0),
-    toolButton("▶", `Move ${name} to the right`, act(() => swap(state, i, i + 1)), i + 1 < bodies.length),
-    toolButton("✕", `Remove ${name}`, act(() => rearrange(state, orderOf(state).filter((k) => k !== i))), bodies.length > 1));
+    button("◀", `Move ${name} to the left`, () => swap(state, i, i - 1), i > 0),
+    button("▶", `Move ${name} to the right`, () => swap(state, i, i + 1), i + 1 < bodies.length),
+    button("✕", `Remove ${name}`, () => rearrange(state, orderOf(state).filter((k) => k !== i)), bodies.length > 1));
 }
 
 function rowTools(state, changed) {
   const kinds = make("select", { id: "add-kind", "aria-label": "Kind of the new body" });
   kinds.append(...Object.keys(NEW).map((kind) => new Option(kind, kind)));
-  const act = (change) => () => {
-    change();
-    changed(true);
-  };
   const rods = orderOf(state).filter((i) => state.case.bodies[i].kind === "rod");
-  return make("div", { class: "tools-body" },
-    kinds, toolButton("Add", "Add body", act(() => addBody(state, kinds.value))),
-    toolButton("Add gauge", "Add gauge", act(() => {
-      state.gauges = [...listOf(state.gauges), { body: rods.at(-1), fraction: 0.5 }];
-    }), rods.length > 0));
+  const addGauge = () => { state.gauges = [...listOf(state.gauges), { body: rods.at(-1), fraction: 0.5 }]; };
+  return make("div", { class: "tools-body" }, kinds,
+    toolButton(changed, "Add", "Add body", () => addBody(state, kinds.value)),
+    toolButton(changed, "Add gauge", "Add gauge", addGauge, rods.length > 0));
 }
 
 // Undo -------------------------------------------------------------------------------------------

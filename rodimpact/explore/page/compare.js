@@ -1,9 +1,7 @@
 "use strict";
 // Two collisions side by side: the one shown, and one that was kept, at the same time and in the same colours.
 
-function compared() {
-  return shown.other ? [shown.scene, shown.other] : [shown.scene];
-}
+const compared = () => shown.other ? [shown.scene, shown.other] : [shown.scene];
 
 /** First and last moment of the film of all that is shown. */
 function filmSpan() {

@@ -3,9 +3,7 @@
 
 const SMALL = 1e-6; // of the peak force or largest gap: none
 
-function largestOf(values) {
-  return values.reduce((most, v) => Math.max(most, Math.abs(v)), 0);
-}
+const largestOf = (values) => values.reduce((most, v) => Math.max(most, Math.abs(v)), 0);
 
 /** Spells of one state each: { from, to, state }. */
 function spellsOf({ force, gap }) {
@@ -25,10 +23,10 @@ function spellsOf({ force, gap }) {
 
 /** Say where faces touch without force after they have pressed: the gap opens later. */
 function touching(scene) {
-  return scene.contacts.flatMap(({ index, spells, bonded }) => {
+  return scene.contacts.flatMap(({ spells, bonded, force }) => {
     const [waits, last] = spells.slice(-2);
     if (bonded || spells.length < 2 || waits.state !== "touching" || last.state !== "open") return [];
-    return [`Contact ${index}-${index + 1}: the force ends at ${quantity(waits.from, "s")}; the faces touch `
+    return [`${capital(force.name)}: the force ends at ${quantity(waits.from, "s")}; the faces touch `
       + `without force until the gap opens at ${quantity(waits.to, "s")}.`];
   });
 }

@@ -18,26 +18,16 @@ const FIELDS = {
 };
 const LAWS = { rigid: {}, hertz: { stiffness: 1e10 }, spring: { stiffness: 1e8 } };
 
-function toShown(value, power) {
-  return Number((power < 0 ? value * 10 ** -power : value / 10 ** power).toPrecision(12));
-}
+const toShown = (value, power) => Number((power < 0 ? value * 10 ** -power : value / 10 ** power).toPrecision(12));
 
 /** The float nearest to what is written: one rounding, by one division or product. */
-function fromShown(shown, power) {
-  return power < 0 ? shown / 10 ** -power : shown * 10 ** power;
-}
+const fromShown = (shown, power) => power < 0 ? shown / 10 ** -power : shown * 10 ** power;
 
-function listOf(value) {
-  return Array.isArray(value) ? value : [];
-}
+const listOf = (value) => Array.isArray(value) ? value : [];
 
-function getAt(tree, path) {
-  return path.reduce((found, key) => (found === undefined || found === null ? undefined : found[key]), tree);
-}
+const getAt = (tree, path) => path.reduce((found, key) => found?.[key], tree);
 
-function setAt(tree, path, value) {
-  getAt(tree, path.slice(0, -1))[path[path.length - 1]] = value;
-}
+const setAt = (tree, path, value) => { getAt(tree, path.slice(0, -1))[path.at(-1)] = value; };
 
 /** Write a text where it is another; whether it was. */
 function write(element, text) {
@@ -66,6 +56,8 @@ class Controls {
     this.state = state;
     const bodies = listOf(state.case.bodies);
     const blocks = [];
+    this.numbers = fronts.numbers_of(bodies);
+    this.contacts = fronts.contacts_of(bodies);
     bodies.forEach((body, i) => {
       blocks.push(this.body(body, i));
       if (i + 1 < bodies.length) blocks.push(this.contact(i));
@@ -79,12 +71,13 @@ class Controls {
 
   body(body, i) {
     const path = ["case", "bodies", i];
-    const block = make("fieldset", {}, make("legend", {}, `${{ rod: "Rod", mass: "Mass", wall: "Wall" }[body.kind] || "Body"} ${i}`), bodyTools(this.state, i, this.changed));
+    const name = fronts.name_of(String(body.kind), this.numbers[i]);
+    const block = make("fieldset", {}, make("legend", {}, capital(name)), bodyTools(this.state, i, name, this.changed));
     if (body.kind === "mass") block.append(this.number([...path, "mass"], FIELDS.mass));
     const pieces = Array.isArray(body.segments)
       ? body.segments.map((_, j) => [...path, "segments", j]) : body.kind === "rod" ? [path] : [];
     pieces.forEach((piece, j) => {
-      const where = pieces.length > 1 ? ` of segment ${j}` : "";
+      const where = pieces.length > 1 ? ` of segment ${j + 1}` : "";
       block.append(this.number([...piece, "length"], FIELDS.length, where),
         this.number([...piece, "area"], FIELDS.area, where), ...this.material(piece, where),
         make("p", { class: "derived", "data-body": i, "data-segment": j }));
@@ -96,13 +89,11 @@ class Controls {
   contact(i) {
     const entry = getAt(this.state, ["case", "contacts", i]) || {};
     const path = ["case", "contacts", i];
-    const block = make("fieldset", {}, make("legend", {}, `Contact ${i}-${i + 1}`));
+    const block = make("fieldset", {}, make("legend", {}, `Contact ${this.contacts[i]}`));
     block.append(this.number([...path, "gap"], FIELDS.gap));
     const laws = [...new Set([...Object.keys(LAWS), entry.law || "rigid"])];
-    block.append(this.choice([...path, "law"], "law", laws, entry.law || "rigid", (law) => {
-      setAt(this.state, path, { gap: entry.gap || 0, law, ...LAWS[law] });
-      this.changed(true);
-    }));
+    block.append(this.choice([...path, "law"], "law", laws, entry.law || "rigid", (law) =>
+      setAt(this.state, path, { gap: entry.gap || 0, law, ...LAWS[law] })));
     for (const key of Object.keys(entry).filter((k) => k !== "gap" && k !== "law")) {
       const field = key !== "stiffness" ? FIELDS[key] : /hertz|hunt/.test(entry.law) ? FIELDS.hertz : FIELDS.spring;
       if (field) block.append(this.number([...path, key], field));
@@ -115,14 +106,10 @@ class Controls {
     const rods = listOf(this.state.case.bodies).flatMap((body, i) => (body.kind === "rod" ? [i] : []));
     listOf(this.state.gauges).forEach((gauge, k) => {
       const path = ["gauges", k];
-      block.append(this.choice([...path, "body"], `gauge ${k + 1} on rod`, rods, gauge.body, (body) => {
-        gauge.body = Number(body);
-        this.changed(false);
+      block.append(this.choice([...path, "body"], `gauge ${k + 1} on rod`, rods.map((i) => this.numbers[i]), this.numbers[gauge.body], (number) => {
+        gauge.body = this.numbers.indexOf(number);
       }), this.number([...path, "fraction"], { ...FIELDS.fraction, name: `gauge ${k + 1} at` }),
-      toolButton("✕", `Remove gauge ${k + 1}`, () => {
-        this.state.gauges.splice(k, 1);
-        this.changed(true);
-      }));
+      toolButton(this.changed, "✕", `Remove gauge ${k + 1}`, () => this.state.gauges.splice(k, 1)));
     });
     return block;
   }
@@ -130,23 +117,18 @@ class Controls {
   material(piece, where) {
     const name = getAt(this.state, [...piece, "material"]);
     const own = Object.keys(this.state.case.materials || {});
-    const mine = `own ${piece.slice(2).filter((key) => key !== "segments").join("-")}`;
+    const mine = `own ${[this.numbers[piece[2]], ...piece.slice(4).map((j) => j + 1)].join("-")}`;
     const names = [...new Set([...Object.keys(this.library), ...own, mine])];
     const found = [this.choice([...piece, "material"], `material${where}`, names, name, (chosen) => {
       if (chosen === mine && !own.includes(mine)) this.copyMaterial(name, mine);
       setAt(this.state, [...piece, "material"], chosen);
-      this.changed(true);
     })];
-    if (own.includes(name)) {
-      for (const key of ["youngs_modulus", "density"]) {
-        found.push(this.number(["case", "materials", name, key], FIELDS[key], where));
-      }
-    }
-    return found;
+    if (!own.includes(name)) return found;
+    return [...found, ...["youngs_modulus", "density"].map((key) => this.number(["case", "materials", name, key], FIELDS[key], where))];
   }
 
   copyMaterial(from, name) {
-    const materials = this.state.case.materials || (this.state.case.materials = {});
+    const materials = this.state.case.materials ||= {};
     const { youngs_modulus, density } = materials[from] || this.library[from] || this.library.steel;
     materials[name] = { youngs_modulus, density };
   }
@@ -160,7 +142,10 @@ class Controls {
     const key = this.key(path);
     const select = make("select", { id: key, "data-path": key });
     for (const value of values) select.append(new Option(value, value, false, value === chosen));
-    select.addEventListener("change", () => choose(select.value));
+    select.addEventListener("change", () => {
+      choose(select.value);
+      this.changed(true);
+    });
     return make("div", { class: "field" }, make("label", { for: key }, name), select, this.problem(key));
   }
 
@@ -176,7 +161,7 @@ class Controls {
     }
     const shown = typeof value === "number" ? toShown(value, field.power) : "";
     const label = make("label", { for: key, id: `label:${key}` }, field.name + where);
-    const box = make("input", { type: "number", id: key, step: "any", value: shown, "data-path": key, "aria-describedby": `problem:${key}` });
+    const box = make("input", { type: "number", id: key, step: "any", value: shown, "data-path": key, "data-power": field.power, "data-unit": field.unit, "aria-describedby": `problem:${key}` });
     const slider = this.slider(field, shown, key);
     const apply = (number) => {
       setAt(this.state, path, Number.isFinite(number) ? fromShown(number, field.power) : null);
@@ -226,7 +211,7 @@ class Controls {
     for (const line of this.form.querySelectorAll(".derived[data-body]")) {
       const items = getAt(bodies, [line.dataset.body, "derived", line.dataset.segment]) || [];
       while (line.children.length < items.length) line.append(make("span"));
-      items.forEach(([name, value], k) => write(line.children[k], `${name} ${value}`));
+      items.forEach(([name, value], k) => write(line.children[k], `${name} ${minus(value)}`));
     }
   }
 
@@ -241,12 +226,19 @@ class Controls {
         const field = document.getElementById(key);
         if (!field || !this.form.contains(field)) continue;
         field.setAttribute("aria-invalid", "true");
-        document.getElementById(`problem:${key}`).textContent = message;
+        document.getElementById(`problem:${key}`).textContent = inUnit(message, field.dataset);
         return false;
       }
       return true;
     });
   }
+}
+
+/** A message of the model about a number, in the unit of its field. */
+function inUnit(message, { unit, power }) {
+  const [, said, got] = /^(.*), got (\S+)$/.exec(message) || [];
+  if (!Number.isFinite(Number(got)) || unit === undefined) return message;
+  return `${said.replace(/ number of .*/, " number")}, got ${minus(`${toShown(Number(got), Number(power))} ${unit}`)}`;
 }
 
 /** What is given, as text, where nothing can be changed. */
@@ -264,6 +256,6 @@ function fillTable(rows, entries) {
   entries.forEach(([name, value], i) => {
     const row = rows.children[i] || rows.appendChild(make("tr", {}, make("th", { scope: "row" }), make("td")));
     write(row.children[0], name);
-    write(row.children[1], value);
+    write(row.children[1], minus(value));
   });
 }

@@ -25,7 +25,7 @@ function shareOfTime(t) {
 }
 
 function setShare(share) {
-  shown.share = Math.max(0, Math.min(1, share));
+  Object.assign(shown, { share: Math.max(0, Math.min(1, share)), fresh: false });
   redraw();
   keepAddress();
 }
@@ -35,7 +35,8 @@ function play(on) {
   byId("play").textContent = on ? "Pause" : "Play";
   byId("play").setAttribute("aria-pressed", String(on));
   if (!on) return;
-  if (shown.share >= 1) shown.share = 0;
+  if (shown.share >= 1 || shown.fresh) shown.share = 0;
+  shown.fresh = false;
   let last = performance.now();
   const { scene } = shown;
   const next = byId("pace").value === "step" ? scene.events[eventAt(scene, now()) + 1] : null;

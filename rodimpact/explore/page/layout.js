@@ -3,6 +3,8 @@
 
 const ROOM = 0.04; // of a spring at rest, in lengths of the row
 const THINNEST = 0.3; // of the thickest rod
+const MOMENTS = 60; // of the path of a centre of mass
+const TOUCHING = 1e-12; // of the row: a gap that is none
 const APPROACH = { way: 0.12, time: 0.2 }; // at most: in lengths of the row, in lengths of the film
 
 /** Place in the picture of a point of a body, displaced, at a time. */
@@ -31,11 +33,58 @@ function prepare(scene) {
       scene.rest[k] = row.left[body[i]] + x[k];
     }
   }
-  for (const places of [scene.place, scene.rest]) {
-    for (const at of places) row.span = [Math.min(row.span[0], at), Math.max(row.span[1], at)];
+  for (const at of scene.place) row.span = [Math.min(row.span[0], at), Math.max(row.span[1], at)];
+  for (const contact of scene.contacts) {
+    contact.spells = spellsOf(contact);
+    contact.faces = [faceOf(scene, contact.index, scene.lengths[contact.index]), faceOf(scene, contact.index + 1, 0)];
   }
-  for (const contact of scene.contacts) contact.spells = spellsOf(contact);
+  scene.centres = centresOf(scene);
+  scene.marks = marksOf(scene);
   return scene;
+}
+
+/** Path of a point of a body, displaced: places over time. */
+function pathOf(scene, body, x, { t, displacement }) {
+  return { t, y: t.map((at, k) => placeOf(scene.row, body, x, at, displacement[k])), steps: false };
+}
+
+/** Path of the face at x of a body. */
+function faceOf(scene, body, x) {
+  const { path } = scene.bodies[body];
+  if (path) return pathOf(scene, body, x, path);
+  const { start, t } = scene.tiling;
+  const found = new Map();
+  scene.tiling.body.forEach((owner, i) => {
+    for (let k = start[i]; owner === body && k < start[i + 1]; k += 1) {
+      if (Math.abs(scene.tiling.x[k] - x) < 1e-6 * scene.lengths[body]) found.set(t[k], scene.place[k]);
+    }
+  });
+  const times = [...found.keys()].sort((a, b) => a - b);
+  return { t: times, y: times.map((at) => found.get(at)), steps: false };
+}
+
+/** Paths of the centres of mass of rods and masses: the middles of pieces, weighed by their masses. */
+function centresOf(scene) {
+  const { tiling, begin, end, bodies } = scene;
+  const t = Array.from({ length: MOMENTS }, (_, k) => begin + (end - begin) * (k + 0.5) / MOMENTS);
+  const sums = bodies.map(() => t.map(() => [0, 0]));
+  t.forEach((at, k) => slice(scene, at).forEach(({ polygon, low, high }) => {
+    const [body, [left, right]] = [tiling.body[polygon], chord(scene, polygon, at, tiling.x)];
+    const [mass, sum] = [pieceAt(scene, body, (left + right) / 2)[2] * (right - left), sums[body][k]];
+    sum[0] += mass;
+    sum[1] += mass * (low + high) / 2;
+  }));
+  return bodies.flatMap(({ kind, path, width }, i) => (kind === "wall" ? []
+    : [path ? pathOf(scene, i, width / 2, path) : { t, y: sums[i].map(([mass, moment]) => moment / mass), steps: false }]));
+}
+
+/** When the wave that a contact sends into a rod of one piece is back: 2 l/c after it begins to press. */
+function marksOf({ bodies, contacts, end }) {
+  const first = contacts.length === 1 && contacts[0].spells.find(({ state }) => state === "pressing");
+  const found = !first ? [] : bodies.filter(({ pieces }) => pieces.length === 1)
+    .map(({ name, pieces }) => ({ t: first.from + 2 * pieces[0][3], text: `2l${"₀₁₂"[name.slice(-1)]}/c` })).filter(({ t }) => t <= end);
+  const same = found.length === 2 && Math.abs(found[0].t - found[1].t) < 1e-6 * end;
+  return same ? [{ ...found[0], text: "2l/c" }] : found;
 }
 
 /** Length in the picture of each body. */
@@ -47,13 +96,17 @@ function lengthsOf({ bodies, tiling }) {
   return lengths;
 }
 
+/** The piece of a rod at x: its length, area, mass per length and transit time. */
+function pieceAt(scene, body, x) {
+  const { pieces } = scene.bodies[body];
+  let end = 0;
+  return pieces.find(([length]) => (end += length) > x) || pieces.at(-1);
+}
+
 /** Half of the diameter of a rod at x, as a share of the largest of all; no less than can be seen. */
 function widthAt(scene, body, x) {
-  const { pieces } = scene.bodies[body];
   scene.widest ||= Math.max(...scene.bodies.flatMap((rod) => rod.pieces.map(([, area]) => area)));
-  let end = 0;
-  const [, area] = pieces.find(([length]) => (end += length) > x) || pieces.at(-1);
-  return Math.max(THINNEST, Math.sqrt(area / scene.widest));
+  return Math.max(THINNEST, Math.sqrt(pieceAt(scene, body, x)[1] / scene.widest));
 }
 
 /** Give each contact its curves; returns the curve of each gap. */
@@ -86,7 +139,7 @@ function approach(scene, contacts) {
   const { bodies, row, tiling } = scene;
   if (bodies.some((body) => body.approach === null)) return;
   const closing = contacts.map(({ index, gap }) =>
-    (gap.y[0] === 0 ? bodies[index].approach - bodies[index + 1].approach : 0));
+    (Math.abs(gap.y[0]) < TOUCHING * scene.length ? bodies[index].approach - bodies[index + 1].approach : 0));
   const fastest = Math.max(0, ...closing);
   if (fastest === 0 || Math.min(...closing) < 0) return;
   const way = APPROACH.way * scene.length / (row.magnification * fastest);

@@ -4,13 +4,7 @@
 const SAME = 1e-6; // of the film: events that are one
 const MOST_EVENTS = 24; // with those at free ends
 
-function named(scene, body) {
-  return `${scene.bodies[body].kind} ${body}`;
-}
-
-function capital(text) {
-  return text[0].toUpperCase() + text.slice(1);
-}
+const capital = (text) => text[0].toUpperCase() + text.slice(1);
 
 /** All events of a scene in order: { t, text }. */
 function eventsOf(scene) {
@@ -29,8 +23,8 @@ function eventsOf(scene) {
 }
 
 function beginning(scene) {
-  const moves = scene.bodies.map(({ approach }, i) => (approach === null ? `${named(scene, i)} is in motion already`
-    : approach === 0 ? `${named(scene, i)} rests` : `${named(scene, i)} comes with ${quantity(approach, "m/s")}`));
+  const moves = scene.bodies.map(({ approach, name }) => (approach === null ? `${name} is in motion already`
+    : approach === 0 ? `${name} rests` : `${name} comes with ${quantity(approach, "m/s")}`));
   return `${capital(moves.join(", "))}.`;
 }
 
@@ -46,7 +40,7 @@ function ending(scene) {
 function contactEvents(scene, contact) {
   if (contact.bonded) return [];
   const { index, spells, force } = contact;
-  const pair = `${named(scene, index)} and ${named(scene, index + 1)}`;
+  const pair = `${scene.bodies[index].name} and ${scene.bodies[index + 1].name}`;
   return spells.flatMap(({ from, to, state }, k) => {
     const before = k ? spells[k - 1].state : state === "pressing" ? "touching" : state;
     if (state === before) return [];
@@ -84,15 +78,13 @@ function endEvents(scene) {
     spans.sort((a, b) => a.t - b.t);
     const side = place === 0 ? "left" : "right";
     return spans.slice(1).flatMap(({ t, velocity }, k) => (t < SAME * scene.end || velocity === spans[k].velocity ? [] : [{
-      t, text: `A wave reaches the ${side} end of ${named(scene, end)} and turns back; the end ${velocity ? `now moves with ${quantity(velocity, "m/s", 3)}` : "stands still"}.`,
+      t, text: `A wave reaches the ${side} end of ${scene.bodies[end].name} and turns back; the end ${velocity ? `now moves with ${quantity(velocity, "m/s", 3)}` : "stands still"}.`,
     }]));
   });
 }
 
 /** Number of the last event that has happened. */
-function eventAt(scene, t) {
-  return scene.events.findLastIndex((event) => event.t <= t + SAME * scene.end);
-}
+const eventAt = (scene, t) => scene.events.findLastIndex((event) => event.t <= t + SAME * scene.end);
 
 /** Show the sentence of the moment; a screen reader hears it when it changes. */
 function showLesson(scene, t) {
@@ -137,28 +129,46 @@ function step(by) {
 
 /** Hide e and all that tells it, or show it. */
 function hideResult(on) {
+  if (shown.guessing === on) return;
+  shown.guessing = on;
   document.documentElement.toggleAttribute("data-guess", on);
   byId("guess").hidden = !on;
   byId("guess-first").setAttribute("aria-pressed", String(on));
   byId("verdict").textContent = "";
-  if (on) byId("guessed").focus();
+  if (!on) return;
+  play(false);
+  zoomAll();
+  setShare(0);
+  byId("asked").textContent = `${beginning(shown.scene)} How fast do they part, as a share of the speed at which they meet? e =`;
+  byId("guessed").value = "";
+  byId("guessed").focus();
 }
 
-/** Compare the guess with e. */
+/** What the impulse comes to: velocities, e, and the energy that vibrates. */
+function reason({ restitution, results, events }) {
+  const end = events.findLast(({ text }) => /force .* ends/.test(text));
+  const said = (start) => results.filter(([name]) => name.startsWith(start)).map(([name, value]) => [name.replace(/^velocity of| (after|at the end)$/g, ""), minus(value)]);
+  const speeds = said("velocity").map(([name, value]) => `${name} has ${value}`).join(" and");
+  return `${end ? `${quantity(end.t, "s")}: ${end.text} ` : ""}The impulse is ${said("impulse")[0][1]}:${speeds} afterwards, so e = ${minus(restitution.text)}. `
+    + `The energy was ${said("energy before")[0][1]}; the part that vibrates in the end is ${said("energy in vibration")[0][1]}.`;
+}
+
+/** Compare the guess with e, say why, and let the film run. */
 function reveal() {
   const guess = byId("guessed").valueAsNumber;
   const { value, text } = shown.scene.restitution;
   if (!Number.isFinite(guess)) return;
   hideResult(false);
   const off = Math.abs(guess - value);
-  byId("verdict").textContent = `You said ${guess}; it is ${text}: ${off < 0.005 ? "right!" : `off by ${plainNumber(off, 2)}.`}`;
+  byId("verdict").textContent = `You said ${guess}; e is ${minus(text)}: ${off < 0.005 ? "right!" : `off by ${plainNumber(off, 2)}.`} ${reason(shown.scene)}`;
+  play(true);
 }
 
 function connectLesson() {
   byId("all-events").addEventListener("toggle", listEvents);
   byId("event-before").addEventListener("click", () => step(-1));
   byId("event-after").addEventListener("click", () => step(1));
-  byId("guess-first").addEventListener("click", () => hideResult(byId("guess").hidden));
+  byId("guess-first").addEventListener("click", () => hideResult(!shown.guessing));
   byId("guess").addEventListener("submit", (event) => {
     event.preventDefault();
     reveal();

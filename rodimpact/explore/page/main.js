@@ -7,15 +7,10 @@ const embedded = byId("embedded") ? JSON.parse(byId("embedded").textContent) : n
 const PATIENCE = 250; // ms, before the page says that it is solving
 const shown = {
   scene: null, other: null, view: null, share: 0.35, playing: false, mark: null, quantity: "velocity",
-  displaced: false, zoomed: false, held: false, frame: null, strip: null, theme: null, due: false, frames: 0,
+  displaced: true, zoomed: false, held: false, fresh: true, guessing: false,
+  frame: null, strip: null, theme: null, due: false, frames: 0,
 };
-let design = null;
-let start = null;
-let arrived = null;
-let past = null;
-let controls = null;
-let scenes = null;
-let curves = null;
+let [design, start, arrived, past, controls, scenes, curves] = []; // not there yet
 const timers = { address: 0, curve: 0, solving: 0 };
 
 // Drawing ----------------------------------------------------------------------------------------
@@ -65,21 +60,19 @@ function draw() {
 }
 
 function showLegend() {
-  const unit = UNITS[shown.quantity];
-  const reach = shown.scene.reach[shown.quantity];
-  byId("least").textContent = quantity(-reach, unit, 3);
-  byId("most").textContent = `+${quantity(reach, unit, 3)}`;
+  const [unit, reach] = [UNITS[shown.quantity], quantity(shown.scene.reach[shown.quantity], UNITS[shown.quantity], 3)];
+  byId("least").textContent = `−${reach}${unit === "Pa" ? ", compressed" : ""}`;
+  byId("most").textContent = `+${reach}`;
 }
 
 function showNumbers(scene) {
   const { restitution: e } = scene;
-  byId("restitution").value = e.text;
+  byId("restitution").value = minus(e.text);
   document.querySelector(".restitution").hidden = e.value === null;
   byId("guess-first").hidden = e.value === null;
   if (e.value === null) hideResult(false);
-  byId("heading").textContent = e.value === null ? "After the collision" : "Coefficient of restitution";
   const beside = e.closed_form === null ? "" : `Closed form (${e.source}): ${e.closed_text}`;
-  const off = e.difference === undefined ? "" : `; difference ${e.difference}`;
+  const off = e.difference === undefined ? "" : `; difference ${minus(e.difference)}`;
   byId("theory").textContent = (e.why ? `${e.why}. ` : "") + beside + off;
   fillTable(byId("results"), scene.results);
   const notes = [...touching(scene), ...scene.notes].map((text) => text.replace(/ us\b/g, " µs"));
@@ -116,7 +109,7 @@ function show(scene) {
 
 function stateAddress() {
   const view = { quantity: shown.quantity, time: Number(shown.share.toFixed(3)) };
-  if (shown.displaced) view.displaced = true;
+  if (!shown.displaced) view.displaced = false;
   const question = byId("question").textContent.trim();
   if (question) view.question = question;
   return addressOf(design ? { ...design, view } : { view }).join("&");
@@ -145,7 +138,7 @@ function readAddress() {
   const view = tree.view || {};
   if (view.time >= 0 && view.time <= 1) shown.share = view.time;
   if (view.quantity) setQuantity(view.quantity);
-  shown.displaced = byId("displaced").checked = view.displaced === true;
+  shown.displaced = byId("displaced").checked = view.displaced !== false;
   byId("question").textContent = view.question === undefined ? "" : String(view.question);
   return tree.case && typeof tree.case === "object" ? { case: tree.case, gauges: listOf(tree.gauges) } : null;
 }
@@ -193,8 +186,7 @@ function begin(next, then = null) {
   arrived = then;
   design = structuredClone(next);
   past.keep(design, true);
-  shown.mark = null;
-  shown.zoomed = false;
+  Object.assign(shown, { mark: null, zoomed: false, fresh: true });
   controls.build(design);
   showPreset();
   askScene(true);
@@ -229,11 +221,10 @@ function download(name, kind, text) {
 function saveSvg() {
   const pen = new SvgPen(900, 640);
   const { scene, theme } = shown;
-  const frame = drawDiagram(pen, scene, shown, now(), null, theme);
-  const reach = quantity(scene.reach[shown.quantity], UNITS[shown.quantity], 3);
-  pen.text(frame.x, frame.bottom + 1.5 * theme.size, `colours: ${shown.quantity}, blue −${reach}, yellow +${reach}`,
-    { size: 0.85 * theme.size, colour: theme.faint, baseline: "top" });
-  download("rodimpact.svg", "image/svg+xml", pen.document(shown.theme.paper));
+  const frame = drawDiagram(pen, scene, shown, null, null, theme);
+  const colours = `colours: ${shown.quantity}, blue ${byId("least").textContent}, yellow ${byId("most").textContent}`;
+  pen.text(frame.x, frame.bottom + 2.3 * theme.size, colours, { size: 0.8 * theme.size, colour: theme.faint, baseline: "top" });
+  download("rodimpact.svg", "image/svg+xml", pen.document(beginning(scene), theme.paper));
 }
 
 async function saveCase() {
@@ -259,7 +250,7 @@ function connect() {
     setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
   byId("displaced").addEventListener("change", () => {
     shown.displaced = byId("displaced").checked;
-    redraw();
+    zoomAll();
     keepAddress();
   });
   for (const choice of document.querySelectorAll("input[name=quantity]")) {
@@ -279,6 +270,13 @@ function connect() {
     readTheme();
     redraw();
   }).observe(document.body);
+  new ResizeObserver(([{ target }]) =>
+    document.documentElement.style.setProperty("--pinned", `${target.offsetHeight}px`)).observe(byId("outcome"));
+  matchMedia("print").addEventListener("change", ({ matches }) => {
+    if (matches) shown.screen = document.documentElement.dataset.theme;
+    setTheme(matches ? "light" : shown.screen);
+    if (shown.scene) draw();
+  });
 }
 
 function beginOffline() {

@@ -12,17 +12,19 @@ function numbersOf({ case: tables }) {
     const value = getAt(tables, [...path, key]);
     if (typeof value === "number") found.push({ name: `${FIELDS[key].name} of ${where}`, key, path: [...path, key], value });
   };
-  listOf(tables.bodies).forEach((body, i) => {
+  const [numbers, contacts] = [fronts.numbers_of(tables.bodies), fronts.contacts_of(tables.bodies)];
+  tables.bodies.forEach((body, i) => {
+    const name = fronts.name_of(body.kind, numbers[i]);
     const profile = [body.velocity, body.strain].some((value) => typeof value === "object");
     listOf(body.segments || [body]).forEach((_, j) => {
       const path = body.segments ? ["bodies", i, "segments", j] : ["bodies", i];
-      const where = body.segments ? `${body.kind} ${i}, segment ${j}` : `${body.kind} ${i}`;
+      const where = body.segments ? `${name}, segment ${j + 1}` : name;
       if (!profile) add("length", path, where); // which is bound to the length it was made for
       add("area", path, where);
     });
-    add("velocity", ["bodies", i], `${body.kind} ${i}`);
+    add("velocity", ["bodies", i], name);
   });
-  listOf(tables.contacts).forEach((_, i) => add("gap", ["contacts", i], `contact ${i}-${i + 1}`));
+  listOf(tables.contacts).forEach((_, i) => add("gap", ["contacts", i], `contact ${contacts[i]}`));
   for (const name of Object.keys(tables.materials || {})) {
     add("youngs_modulus", ["materials", name], name);
     add("density", ["materials", name], name);

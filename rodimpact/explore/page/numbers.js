@@ -5,19 +5,14 @@ const PREFIXES = { "-9": "n", "-6": "µ", "-3": "m", "0": "", "3": "k", "6": "M"
 const TAKES_PREFIX = /^(N|J|m|s|Pa|N s|m\/s)$/;
 const NO_SPACE = new Set(["", "%"]);
 
-function clampPower(power) {
-  return Math.max(-9, Math.min(9, power));
-}
-
 /** Power of ten of the prefix that suits numbers of this size: a multiple of three. */
 function powerFor(size, unit) {
   if (!TAKES_PREFIX.test(unit) || !(size > 0)) return 0;
-  return clampPower(3 * Math.floor(Math.log10(size * (1 + 1e-9)) / 3));
+  return Math.max(-9, Math.min(9, 3 * Math.floor(Math.log10(size * (1 + 1e-9)) / 3)));
 }
 
-function minus(text) {
-  return text.replace("-", "−");
-}
+/** A number with the sign that is printed, also in its exponent. */
+const minus = (text) => text.replace(/(^|e|\s)-(?=\d)/g, "$1−");
 
 function plainNumber(value, digits) {
   const rounded = Number(value.toPrecision(digits));
@@ -33,19 +28,18 @@ function quantity(value, unit, digits = 4) {
 }
 
 /** A quantity with more digits, as texts of a solution have it. */
-function inSi(value, unit, digits = 6) {
-  return quantity(value, unit, digits);
-}
+const inSi = (value, unit, digits = 6) => quantity(value, unit, digits);
 
-/** About `count` round numbers from low to high. */
+/** About `count` round numbers from low to high, no less than three. */
 function ticksBetween(low, high, count) {
-  const raw = (high - low) / Math.max(1, count);
+  const raw = (high - low) / count;
   if (!(raw > 0) || !Number.isFinite(raw)) return [low];
-  const base = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].map((lead) => lead * base).find((s) => s >= raw * (1 - 1e-9));
-  const found = [];
-  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1) found.push(k * step);
-  return found;
+  const steps = [10, 5, 2, 1, 0.5, 0.2].map((lead) => lead * 10 ** Math.floor(Math.log10(raw)));
+  const found = steps.slice(steps.findLastIndex((s) => s >= raw * (1 - 1e-9))).map((step) => {
+    const first = Math.ceil(low / step - 1e-9);
+    return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, k) => (first + k) * step);
+  });
+  return found.find((ticks) => ticks.length > 2) || found.at(-1);
 }
 
 /** Ticks with their labels, all with one prefix; `unit` has it. */

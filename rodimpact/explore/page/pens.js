@@ -90,6 +90,8 @@ class CanvasPen {
   }
 }
 
+const safe = (text) => text.replace(/&/g, "&amp;").replace(/</g, "&lt;");
+
 class SvgPen {
   constructor(width, height) {
     Object.assign(this, { width, height, parts: [], clips: 0 });
@@ -118,8 +120,7 @@ class SvgPen {
     const anchor = { left: "start", center: "middle", right: "end" }[align];
     const drop = { middle: 0.35, top: 0.8, bottom: -0.1 }[baseline] * size;
     const turn = turned ? " rotate(-90)" : "";
-    const safe = text.replace(/&/g, "&amp;").replace(/</g, "&lt;");
-    this.parts.push(`<text transform="translate(${x.toFixed(2)} ${y.toFixed(2)})${turn}" y="${drop.toFixed(2)}" font-size="${size}" text-anchor="${anchor}" fill="${colour}">${safe}</text>`);
+    this.parts.push(`<text transform="translate(${x.toFixed(2)} ${y.toFixed(2)})${turn}" y="${drop.toFixed(2)}" font-size="${size}" text-anchor="${anchor}" fill="${colour}">${safe(text)}</text>`);
   }
 
   seamless(draw) {
@@ -141,9 +142,9 @@ class SvgPen {
   }
 
   /** The whole drawing. */
-  document(paper) {
+  document(title, paper) {
     const size = `width="${this.width}" height="${this.height}" viewBox="0 0 ${this.width} ${this.height}"`;
     return `<svg xmlns="http://www.w3.org/2000/svg" ${size} font-family="sans-serif">`
-      + `<rect width="100%" height="100%" fill="${paper}"/>${this.parts.join("")}</svg>\n`;
+      + `<title>${safe(title)}</title><rect width="100%" height="100%" fill="${paper}"/>${this.parts.join("")}</svg>\n`;
   }
 }

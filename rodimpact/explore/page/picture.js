@@ -16,13 +16,9 @@ function colourOf(share, { stops }) {
   return stops[i].map((c, k) => Math.round(c + (stops[i + 1][k] - c) * (at - i)));
 }
 
-function css(colour) {
-  return `rgb(${colour.join(",")})`;
-}
+const css = (colour) => `rgb(${colour.join(",")})`;
 
-function isDark([red, green, blue]) {
-  return 0.3 * red + 0.59 * green + 0.11 * blue < 115;
-}
+const isDark = ([red, green, blue]) => 0.3 * red + 0.59 * green + 0.11 * blue < 115;
 
 function shareOf(scene, name, polygon) {
   const reach = scene.reach[name];
@@ -31,14 +27,15 @@ function shareOf(scene, name, polygon) {
 
 /** What all of the scene needs: places from left to right, times from first to last. */
 function wholeView(scene) {
-  const [low, high] = scene.row.span;
-  const edge = 0.04 * (high - low);
+  const [low, high] = shown.displaced ? scene.row.span : [scene.row.left[0], scene.length];
+  const edge = 0.02 * (high - low);
   return { left: low - edge, right: high + edge, from: filmSpan().begin, to: filmSpan().end };
 }
 
-/** A frame in a drawing, and the pixels of places and times in it. */
-function frameOf(pen, view, size) {
-  const frame = { x: 4.2 * size, y: 0.6 * size, right: pen.width - 0.8 * size, bottom: pen.height - 3.2 * size };
+/** A frame in a drawing, with room for the names and marks of a scene; the pixels of places and times in it. */
+function frameOf(pen, view, size, scene = null) {
+  const [top, edge] = [scene ? 1.6 : 0.6, scene && scene.marks.length ? 2.9 : 0.8];
+  const frame = { x: 4.2 * size, y: top * size, right: pen.width - edge * size, bottom: pen.height - 3.2 * size };
   frame.width = Math.max(1, frame.right - frame.x);
   frame.height = Math.max(1, frame.bottom - frame.y);
   frame.across = (place) => frame.x + (place - view.left) / (view.right - view.left) * frame.width;
@@ -56,47 +53,30 @@ function cornersOf(scene, i, frame) {
   return corners;
 }
 
-/** Twice the area of a triangle, with its sign. */
-function turn([ax, ay], [bx, by], [cx, cy]) {
-  return (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
-}
-
-function contains(corners, point) {
-  let left = false;
-  let right = false;
-  corners.forEach((corner, k) => {
-    const side = turn(corner, corners[(k + 1) % corners.length], point);
-    left = left || side > 1e-6;
-    right = right || side < -1e-6;
-  });
-  return !(left && right);
-}
-
-/** Write the value of a polygon into it, where there is room. */
-function writeInto(pen, corners, text, size, colour) {
-  const middle = [0, 1].map((axis) => corners.reduce((sum, c) => sum + c[axis], 0) / corners.length);
-  const [half, tall] = [0.3 * size * text.length + 3, 0.6 * size];
-  const box = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([i, j]) => [middle[0] + i * half, middle[1] + j * tall]);
-  if (box.every((point) => contains(corners, point))) {
-    pen.text(middle[0], middle[1], text, { size, colour, align: "center" });
+/** Write values into polygons, where there is room, above all lines. */
+function writeValues(pen, scene, frame, name, theme) {
+  const [power, size] = [powerFor(scene.reach[name], UNITS[name]), 0.85 * theme.size];
+  for (let i = 0; i < scene.tiling.body.length; i += 1) {
+    const [corners, colour] = [cornersOf(scene, i, frame), colourOf(shareOf(scene, name, i), theme)];
+    const text = plainNumber(Math.round(scene.tiling[name][i] / 10 ** power * 1e4) / 1e4, 3);
+    const [x, y] = [0, 1].map((axis) => corners.reduce((sum, c) => sum + c[axis], 0) / corners.length);
+    const [half, tall] = [0.3 * size * text.length + 3, 0.6 * size];
+    const wide = [y - tall, y + tall].map((at) => chord(scene, i, frame.timeAt(at), frame.places).map(frame.across));
+    if (!wide.every(([low, high]) => low <= x - half && high >= x + half)) continue;
+    pen.polygon([[x - half, y - tall], [x + half, y - tall], [x + half, y + tall], [x - half, y + tall]], css(colour), null);
+    pen.text(x, y, text, { size, colour: isDark(colour) ? "#ffffff" : "#101010", align: "center" });
   }
-}
-
-/** Place of a point of a body in the diagram: where it is, or where it was at rest. */
-function placeInDiagram(scene, frame, body, x, t, displacement) {
-  return frame.displaced ? placeOf(scene.row, body, x, t, displacement) : scene.row.left[body] + x;
 }
 
 /** Paths of walls and masses through space and time. */
 function drawSolids(pen, scene, frame, theme) {
-  scene.bodies.forEach((body, i) => {
-    if (!body.path) return;
-    const along = (shift) => body.path.t.map((t, k) => [
-      frame.across(placeInDiagram(scene, frame, i, shift, t, body.path.displacement[k])), frame.up(t)]);
+  scene.bodies.forEach(({ path, kind, width }, i) => {
+    if (!path) return;
+    const along = (x) => pathOf(scene, i, x, path).y.map((place, k) => [
+      frame.across(frame.displaced ? place : scene.row.left[i] + x), frame.up(path.t[k])]);
     const near = along(0);
-    const far = body.kind === "mass" ? along(body.width)
-      : near.map(([, y]) => [i ? pen.width : 0, y]);
-    pen.polygon([...near, ...far.reverse()], body.kind === "mass" ? theme.faint : theme.line, theme.ink, 0.7);
+    const far = kind === "mass" ? along(width) : near.map(([, y]) => [i ? pen.width : 0, y]);
+    pen.polygon([...near, ...far.reverse()], kind === "mass" ? theme.faint : theme.line, theme.ink, 0.7);
   });
 }
 
@@ -146,7 +126,9 @@ function drawGrids(pen, scene, frame, name, theme) {
     grid.images ||= {};
     grid.images[key] ||= imageOf(scene, grid, name, theme);
     if (frame.displaced) {
-      pen.image(displacedImage(scene, grid, grid.images[key], frame), frame.x, frame.y, frame.width, frame.height);
+      const at = [key, pen.width, pen.height, frame.placeAt(0), frame.placeAt(1), frame.timeAt(0), frame.timeAt(1)].join();
+      if (grid.at !== at) Object.assign(grid, { at, moved: displacedImage(scene, grid, grid.images[key], frame) });
+      pen.image(grid.moved, frame.x, frame.y, frame.width, frame.height);
       continue;
     }
     const [x0, x1] = [grid.left, grid.right].map((x) => frame.across(scene.row.left[grid.body] + x));
@@ -155,18 +137,12 @@ function drawGrids(pen, scene, frame, name, theme) {
   }
 }
 
-/** Polygons of one colour each; lines between them, and values in them, where they are few. */
+/** Polygons of one colour each, with lines between them where they are few. */
 function drawPolygons(pen, scene, frame, name, theme, from) {
   const count = scene.tiling.body.length;
-  const power = powerFor(scene.reach[name], UNITS[name]);
   const draw = (line) => {
     for (let i = from; i < count; i += 1) {
-      const corners = cornersOf(scene, i, frame);
-      const colour = colourOf(shareOf(scene, name, i), theme);
-      pen.polygon(corners, css(colour), line, 0.7);
-      if (count > FEW) continue;
-      const text = plainNumber(Math.round(scene.tiling[name][i] / 10 ** power * 1e4) / 1e4, 3);
-      writeInto(pen, corners, text, 0.85 * theme.size, isDark(colour) ? "#ffffff" : "#101010");
+      pen.polygon(cornersOf(scene, i, frame), css(colourOf(shareOf(scene, name, i), theme)), line, 0.7);
     }
   };
   if (count > CROWDED) pen.seamless(() => draw(null));
@@ -183,29 +159,32 @@ function outlineRods(pen, scene, frame, theme) {
 }
 
 /** A spring in the diagram: the darker, the harder it presses. */
-function drawSpring(pen, scene, frame, contact, { from, to }, theme) {
-  const right = scene.row.left[contact.index + 1];
-  const [x0, x1] = [frame.across(right - contact.room), frame.across(right)];
+function drawSpring(pen, frame, contact, faces, { from, to }, theme) {
   const most = largestOf(contact.force.y);
   for (let k = 0; k < 40; k += 1) {
     const [t0, t1] = [from + (to - from) * k / 40, from + (to - from) * (k + 1) / 40];
     const share = Math.abs(valueAt(contact.force, (t0 + t1) / 2)) / most;
     const shade = css(theme.inks.map((c, i) => Math.round(theme.papers[i] + (c - theme.papers[i]) * 0.75 * share)));
-    pen.polygon([[x0, frame.up(t0)], [x1, frame.up(t0)], [x1, frame.up(t1)], [x0, frame.up(t1)]], shade, shade);
+    const corners = [[0, t0], [1, t0], [1, t1], [0, t1]].map(([side, t]) => [faces[side](t), frame.up(t)]);
+    pen.polygon(corners, shade, shade);
   }
 }
 
 /** Contacts over time: a thick line where they press, none where they are open; springs as bands. */
 function drawContacts(pen, scene, frame, theme) {
   for (const contact of scene.contacts) {
-    if (contact.bonded || frame.displaced) continue;
-    const x = frame.across(scene.row.left[contact.index + 1]);
+    if (contact.bonded) continue;
+    const right = scene.row.left[contact.index + 1];
+    const faces = contact.faces.map((face, side) => (t) =>
+      frame.across(frame.displaced ? valueAt(face, t) : right - (side ? 0 : contact.room || 0)));
     for (const { from, to, state } of contact.spells) {
       if (contact.room) {
-        if (state === "pressing") drawSpring(pen, scene, frame, contact, { from, to }, theme);
+        if (state === "pressing") drawSpring(pen, frame, contact, faces, { from, to }, theme);
         continue;
       }
-      const line = [[x, frame.up(from)], [x, frame.up(to)]];
+      const times = [from, ...contact.faces[1].t.filter((t) => t > from && t < to), to];
+      const line = times.map((t) => [faces[1](t), frame.up(t)]);
+      if (state === "open" && frame.displaced) continue; // the gap itself is seen
       if (state === "open") {
         pen.line(line, theme.ink, 6);
         pen.line(line, theme.paper, 4.5);
@@ -214,30 +193,57 @@ function drawContacts(pen, scene, frame, theme) {
   }
 }
 
-/** The diagram: every polygon in the colour of its value, axes, and the chosen time. */
+/** The diagram: every polygon in the colour of its value, axes, and the chosen time, if there is one. */
 function drawDiagram(pen, scene, look, now, mark, theme) {
   const { view, quantity: name, displaced } = look;
-  const frame = frameOf(pen, view, theme.size);
-  Object.assign(frame, { displaced, places: displaced ? scene.place : scene.rest });
+  const frame = frameOf(pen, view, theme.size, scene);
+  Object.assign(frame, { displaced, places: placesOf(scene, displaced) });
   pen.inside(frame.x, frame.y, frame.width, frame.height, () => {
     drawSolids(pen, scene, frame, theme);
     if (scene.grids) drawGrids(pen, scene, frame, name, theme);
     drawPolygons(pen, scene, frame, name, theme, scene.grids ? scene.cells : 0);
     if (!displaced) outlineRods(pen, scene, frame, theme);
     drawContacts(pen, scene, frame, theme);
-    pen.line([[frame.x, frame.up(now)], [frame.right, frame.up(now)]], theme.wrong, 1.6);
+    for (const { t, y } of displaced ? scene.centres : []) {
+      const path = t.map((at, k) => [frame.across(y[k]), frame.up(at)]);
+      for (const [colour, width] of [[theme.paper, 3], [theme.ink, 1.2]]) pen.line(path, colour, width, [7, 5]);
+    }
+    if (scene.tiling.body.length <= FEW) writeValues(pen, scene, frame, name, theme);
+    if (shown.guessing) hideFuture(pen, scene, frame, theme);
+    if (now !== null) pen.line([[frame.x, frame.up(now)], [frame.right, frame.up(now)]], theme.wrong, 1.6);
     if (mark) drawMark(pen, frame, mark, theme);
   });
   const springs = scene.contacts.some((contact) => contact.room) ? "springs drawn wide" : "";
-  const note = displaced ? scene.row.note : "before it moves";
+  const note = displaced ? `${scene.row.note}, dashed: centres of mass` : "before it moves";
   drawFrame(pen, frame, theme.size, theme, {
     x: [view.left, view.right, "m", "place"], y: [view.from, view.to, "s", "time"],
     note: [note, springs].filter(Boolean).join(", "),
   });
-  for (const { t } of scene.events) {
+  nameBodies(pen, scene, frame, endsAt(scene, shown.guessing ? scene.begin : Math.min(view.to, scene.end), look), 0.8 * theme.size, theme);
+  drawMarks(pen, scene, frame, view, theme);
+  for (const { t } of shown.guessing ? [] : scene.events) {
     if (t >= view.from && t <= view.to) pen.disc(frame.x, frame.up(t), 0.3 * theme.size, theme.series[0]);
   }
   return frame;
+}
+
+/** Cover all that follows the first touch, until e is guessed. */
+function hideFuture(pen, { contacts }, frame, theme) {
+  const y = frame.up(Math.min(...contacts.map(({ spells }) => spells.find(({ state }) => state !== "open").from)));
+  pen.polygon([[frame.x, -1], [pen.width, -1], [pen.width, y], [frame.x, y]], theme.paper, null);
+  pen.text((frame.x + frame.right) / 2, (frame.y + y) / 2, "?", { size: 5 * theme.size, colour: theme.faint, align: "center" });
+}
+
+/** Ticks at the right edge: when the first waves are back. */
+function drawMarks(pen, { marks }, frame, view, theme) {
+  let before = Infinity;
+  for (const { t, text } of shown.guessing ? [] : marks) {
+    if (t < view.from || t > view.to) continue;
+    const y = frame.up(t);
+    pen.line([[frame.right - 6, y], [frame.right + 3, y]], theme.ink, 1.4);
+    before = Math.abs(y - before) < theme.size ? before - theme.size : y;
+    pen.text(frame.right + 5, before, text, { size: 0.85 * theme.size, colour: theme.ink });
+  }
 }
 
 function drawMark(pen, frame, mark, theme) {

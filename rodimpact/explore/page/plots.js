@@ -26,9 +26,7 @@ function rangeOf(plot) {
   return [low < 0 ? low - air : 0, high > 0 ? high + air : low < 0 ? 0 : air];
 }
 
-function plotFrame(pen, size, ends) {
-  return frameOf(pen, { left: ends.x0, right: ends.x1, from: ends.y0, to: ends.y1 }, size);
-}
+const plotFrame = (pen, size, ends) => frameOf(pen, { left: ends.x0, right: ends.x1, from: ends.y0, to: ends.y1 }, size);
 
 /** One figure of curves over time. */
 function drawPlot(pen, plot, { begin, end }, now, theme) {
@@ -50,8 +48,13 @@ function drawPlot(pen, plot, { begin, end }, now, theme) {
 }
 
 /** e over l1/l2, and the collision shown. */
-function drawCurve(pen, scene, theme) {
-  const { ratios, values } = scene.curve || NO_CURVE;
+function drawCurve(scene, theme) {
+  byId("plot-curve").hidden = scene.ratio === null;
+  if (scene.ratio === null) return;
+  const { ratios, values, source } = scene.curve || NO_CURVE;
+  caption(byId("plot-curve").firstElementChild, "e over l₁/l₂", [
+    [`here ${plainNumber(scene.ratio, 4)}`, theme.wrong], [source, theme.series[0]]]);
+  const pen = new CanvasPen(byId("curve"));
   const right = ratios.length ? ratios[ratios.length - 1] : Math.max(2, 1.1 * scene.ratio);
   const most = Math.max(1, ...values.filter((e) => e !== null));
   const frame = plotFrame(pen, theme.size, { x0: 0, x1: right, y0: 0, y1: 1.08 * most });
@@ -68,59 +71,32 @@ function drawCurve(pen, scene, theme) {
   drawFrame(pen, frame, theme.size, theme, { x: [0, right, "", "l₁/l₂"], y: [0, 1.08 * most, "", "e"] });
 }
 
-/** A figure element: its caption, and a canvas to draw on. */
-function figureFor(key, title) {
-  const figure = document.createElement("figure");
-  figure.id = `plot-${key}`;
-  const caption = document.createElement("figcaption");
-  const canvas = document.createElement("canvas");
-  canvas.setAttribute("role", "img");
-  canvas.setAttribute("aria-label", title);
-  figure.append(caption, canvas);
-  return figure;
-}
-
 /** Caption: the title, and each curve with its value at the time shown. */
 function caption(element, title, entries) {
-  const spans = element.querySelectorAll("span");
-  if (element.dataset.title === title && spans.length === entries.length) {
-    entries.forEach(([text, colour], k) => {
-      if (spans[k].lastChild.data !== text) spans[k].lastChild.data = text;
-      spans[k].firstChild.style.borderColor = colour;
-    });
-    return;
+  if (element.children.length !== entries.length + 1) {
+    element.replaceChildren(make("strong"), ...entries.map(() => make("span", {}, make("i"), "")));
   }
-  element.dataset.title = title;
-  const heading = document.createElement("strong");
-  heading.textContent = title;
-  element.replaceChildren(heading, ...entries.map(([text, colour]) => {
-    const [span, swatch] = [document.createElement("span"), document.createElement("i")];
+  write(element.firstChild, title);
+  entries.forEach(([text, colour], k) => {
+    const { firstChild: swatch, lastChild: said } = element.children[k + 1];
+    if (said.data !== text) said.data = text;
     swatch.style.borderColor = colour;
-    span.append(swatch, text);
-    return span;
-  }));
+  });
 }
 
 /** Draw all curves; figures are made anew only when there are others. */
 function drawPlots(holder, scene, now, theme) {
-  const keys = [...scene.plots.map((plot) => plot.key), ...(scene.ratio === null ? [] : ["curve"])];
-  if (holder.dataset.keys !== keys.join()) {
-    holder.dataset.keys = keys.join();
-    holder.replaceChildren(
-      ...scene.plots.map((plot) => figureFor(plot.key, `${plot.title} over time`)),
-      ...(scene.ratio === null ? [] : [figureFor("curve", "e over the ratio of the lengths")]));
+  drawCurve(scene, theme);
+  const keys = scene.plots.map((plot) => plot.key).join();
+  if (holder.dataset.keys !== keys) {
+    holder.dataset.keys = keys;
+    holder.replaceChildren(...scene.plots.map(({ key, title }) => make("figure", { id: `plot-${key}` },
+      make("figcaption"), make("canvas", { role: "img", "aria-label": `${title} over time` }))));
   }
-  const figures = [...holder.children].map((figure) => [...figure.children]);
   scene.plots.forEach((plot, i) => {
-    const [text, canvas] = figures[i];
+    const [text, canvas] = holder.children[i].children;
     caption(text, plot.title, plot.series.map((series, k) => [
       `${series.name}: ${quantity(valueAt(series, now), plot.unit, 3)}`, theme.series[k % theme.series.length]]));
     drawPlot(new CanvasPen(canvas), plot, scene, now, theme);
   });
-  if (scene.ratio === null) return;
-  const [text, canvas] = figures.at(-1);
-  caption(text, "e against l₁/l₂", [
-    [(scene.curve || NO_CURVE).source, theme.series[0]],
-    [`this collision: l₁/l₂ = ${plainNumber(scene.ratio, 4)}`, theme.wrong]]);
-  drawCurve(new CanvasPen(canvas), scene, theme);
 }

@@ -24,6 +24,7 @@ const py = {
     if (b < 0) throw new RangeError(`${a} >> ${b}`);
     return Math.floor(a / py.pow2(b)) + 0;
   },
+  blank: (count, fields) => Array.from({ length: count }, () => ({ ...fields })),
   pow: (base, exponent) => (exponent === 2 ? base * base : base ** exponent),
   pow2: (exponent) => 2 ** exponent,
   pow10: (exponent) => Number(`1e${exponent}`),

@@ -6,44 +6,20 @@ const MOST_ZOOM = 10000;
 /** What is under the reading mark, in words. */
 function showReading() {
   const { scene, mark, frame } = shown;
-  let text = "Point at the diagram to read velocity, stress, place and time.";
-  if (mark) {
-    const found = pick(scene, mark.place, mark.t, frame);
-    text = `t = ${quantity(mark.t, "s")}: `;
-    if (found) {
-      const { velocity, stress } = scene.tiling;
-      text += `${scene.bodies[found.body].title}, x = ${quantity(found.x, "m")} from its left end: `
-        + `velocity ${quantity(velocity[found.polygon], "m/s")}, stress ${quantity(stress[found.polygon], "Pa")}`;
-    } else {
-      text += "no rod here";
-    }
-  }
-  if (byId("readout").textContent !== text) byId("readout").textContent = text;
+  const found = mark && pick(scene, mark.place, mark.t, frame);
+  const { velocity, stress } = scene.tiling;
+  const said = !found ? "no rod here" : `${scene.bodies[found.body].title}, x = ${quantity(found.x, "m")} from its left end: `
+    + `velocity ${quantity(velocity[found.polygon], "m/s")}, stress ${quantity(stress[found.polygon], "Pa")}`;
+  write(byId("readout"), mark ? `t = ${quantity(mark.t, "s")}: ${said}` : "Point at the diagram to read velocity, stress, place and time.");
 }
 
 /** The polygon under a place in the picture and a time, with the place in the body; or null. */
 function pick(scene, place, t, frame) {
-  const point = [frame.across(place), frame.up(t)];
-  for (let i = 0; i < scene.tiling.body.length; i += 1) {
-    const corners = cornersOf(scene, i, frame);
-    if (contains(corners, point)) return { polygon: i, body: scene.tiling.body[i], x: placeInBody(scene, i, corners, point) };
-  }
-  return null;
-}
-
-/** Place in the body at a point of a polygon: linear between its corners. */
-function placeInBody(scene, i, corners, point) {
-  const x = scene.tiling.x.slice(scene.tiling.start[i], scene.tiling.start[i + 1]);
-  let best = [0, 1, 2];
-  for (let k = 1; k + 1 < corners.length; k += 1) {
-    const fan = [0, k, k + 1];
-    if (contains(fan.map((j) => corners[j]), point)) best = fan;
-  }
-  const [a, b, c] = best.map((j) => corners[j]);
-  const all = turn(a, b, c);
-  if (all === 0) return x[best[0]];
-  const [p, q] = [turn(point, b, c) / all, turn(a, point, c) / all];
-  return p * x[best[0]] + q * x[best[1]] + (1 - p - q) * x[best[2]];
+  const found = slice(scene, t, frame.places).find(({ low, high }) => low <= place && place <= high);
+  if (!found) return null;
+  const [left, right] = chord(scene, found.polygon, t, scene.tiling.x);
+  const x = left + (right - left) * (place - found.low) / (found.high - found.low);
+  return { polygon: found.polygon, body: scene.tiling.body[found.polygon], x };
 }
 
 /** Magnify about a place and a time. */

@@ -46,9 +46,7 @@ class Line {
 
 // The address holds every number under its path: #case.bodies.0.length=0.4&view.quantity=stress
 
-function pathText(path) {
-  return path.map((key) => encodeURIComponent(key).replace(/\./g, "%2E")).join(".");
-}
+const pathText = (path) => path.map((key) => encodeURIComponent(key).replace(/\./g, "%2E")).join(".");
 
 function valueText(value) {
   if (typeof value !== "string") return JSON.stringify(value);

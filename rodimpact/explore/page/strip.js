@@ -5,20 +5,18 @@ const THICKER = 0.22; // of a rod, where it is compressed most
 
 /** The rods, masses and walls at one time, below the diagram and on the same axis; where all is. */
 function drawRods(pen, scene, look, now, theme) {
-  const { view, quantity: name } = look;
-  const frame = frameOf(pen, view, theme.size);
+  const { view, quantity: name, displaced } = look;
+  const frame = frameOf(pen, view, theme.size, scene);
   const [middle, half] = [0.53 * pen.height, 0.23 * pen.height];
-  const [gauges, ends, outlines] = [[], new Map(), new Map()];
+  const [gauges, ends, outlines] = [[], endsAt(scene, now, look), new Map()];
   const strip = { frame, middle, half, gauges, ends, outlines };
   pen.inside(frame.x, 0, frame.width, pen.height, () => {
-    for (const { polygon, low, high } of slice(scene, now)) {
+    for (const { polygon, low, high } of slice(scene, now, placesOf(scene, displaced))) {
       const body = scene.tiling.body[polygon];
       const x = (scene.tiling.x[scene.tiling.start[polygon]] + scene.tiling.x[scene.tiling.start[polygon] + 1]) / 2;
       const thick = half * widthAt(scene, body, x) * (1 - THICKER * shareOf(scene, "stress", polygon));
       const box = [low, high].map((place) => [frame.across(place), thick]);
       outlines.set(body, [...(outlines.get(body) || []), ...box]);
-      const known = ends.get(body) || [Infinity, -Infinity];
-      ends.set(body, [Math.min(known[0], low), Math.max(known[1], high)]);
       if (scene.grids && now > 0) continue;
       const [[x0], [x1]] = box;
       const fill = css(colourOf(shareOf(scene, name, polygon), theme));
@@ -26,14 +24,13 @@ function drawRods(pen, scene, look, now, theme) {
     }
     if (scene.grids && now > 0) drawSlices(pen, scene, strip, name, now, theme);
     scene.bodies.forEach((body, i) => {
-      if (body.path) ends.set(i, endsOfSolid(scene, i, now, view));
       const [x0, x1] = ends.get(i).map(frame.across);
       const fill = body.path ? (body.kind === "mass" ? theme.faint : theme.line) : "transparent";
       const upper = outlines.get(i) || [[x0, half], [x1, half]];
       pen.polygon([...upper.map(([x, h]) => [x, middle - h]), ...upper.map(([x, h]) => [x, middle + h]).reverse()],
         fill, theme.ink, 1.2);
     });
-    nameBodies(pen, scene, frame, ends, theme);
+    nameBodies(pen, scene, frame, ends, 0.8 * theme.size, theme);
     for (const contact of scene.contacts) drawContact(pen, strip, contact, now, theme);
     for (const { body, fraction } of scene.gauges) {
       const [low, high] = ends.get(body);
@@ -44,23 +41,43 @@ function drawRods(pen, scene, look, now, theme) {
   return strip;
 }
 
+const placesOf = (scene, displaced) => (displaced ? scene.place : scene.rest);
+
+/** Least and largest of the values of a polygon at time t. */
+function chord({ tiling: { start, t: times } }, i, t, values) {
+  let [low, high] = [Infinity, -Infinity];
+  for (let k = start[i]; k < start[i + 1]; k += 1) {
+    const next = k + 1 < start[i + 1] ? k + 1 : start[i];
+    const [a, b] = [times[k], times[next]];
+    if ((a - t) * (b - t) > 0) continue;
+    const value = values[k] + (values[next] - values[k]) * (a === b ? 0 : (t - a) / (b - a));
+    [low, high] = [Math.min(low, value), Math.max(high, value)];
+  }
+  return [low, high];
+}
+
 /** Cut the polygons at time t: pieces of rods, from left to right, each with its polygon. */
-function slice(scene, t) {
-  const { start, t: times } = scene.tiling;
+function slice(scene, t, places = scene.place) {
   const pieces = [];
   for (let i = 0; i < scene.tiling.body.length; i += 1) {
-    let [low, high] = [Infinity, -Infinity];
-    for (let k = start[i]; k < start[i + 1]; k += 1) {
-      const next = k + 1 < start[i + 1] ? k + 1 : start[i];
-      const [a, b] = [times[k], times[next]];
-      if ((a - t) * (b - t) > 0) continue;
-      const share = a === b ? 0 : (t - a) / (b - a);
-      const place = scene.place[k] + (scene.place[next] - scene.place[k]) * share;
-      [low, high] = [Math.min(low, place), Math.max(high, place)];
-    }
+    const [low, high] = chord(scene, i, t, places);
     if (high > low) pieces.push({ polygon: i, low, high });
   }
   return pieces.sort((a, b) => a.low - b.low);
+}
+
+/** Left and right end of every body at time t. */
+function endsAt(scene, t, { view, displaced }) {
+  const ends = new Map();
+  for (const { polygon, low, high } of slice(scene, t, placesOf(scene, displaced))) {
+    const body = scene.tiling.body[polygon];
+    const [least, most] = ends.get(body) || [low, high];
+    ends.set(body, [Math.min(least, low), Math.max(most, high)]);
+  }
+  scene.bodies.forEach((body, i) => {
+    if (body.path) ends.set(i, endsOfSolid(scene, i, t, view, displaced));
+  });
+  return ends;
 }
 
 /** Rods of cells, smooth from end to end. */
@@ -86,7 +103,7 @@ function drawSlices(pen, scene, { frame, middle, half, ends, outlines }, name, n
 }
 
 /** Names above the rods; numbers where names would overlap. */
-function nameBodies(pen, scene, frame, ends, theme) {
+function nameBodies(pen, scene, frame, ends, y, theme) {
   const size = 0.8 * theme.size;
   const seen = scene.bodies.map((_, i) => {
     const [x0, x1] = ends.get(i).map(frame.across);
@@ -96,18 +113,17 @@ function nameBodies(pen, scene, frame, ends, theme) {
   scene.bodies.forEach(({ title }, i) => {
     const [from, to] = seen[i];
     if (fit || to - from > size) {
-      const text = fit ? title : String(i);
+      const text = fit ? title : title.replace(/\D+/, "");
       const half = 0.3 * size * text.length;
       const middle = Math.max(frame.x + half, Math.min(frame.right - half, (from + to) / 2));
-      pen.text(middle, size, text, { size, colour: theme.faint, align: "center" });
+      pen.text(middle, y, text, { size, colour: theme.faint, align: "center" });
     }
   });
 }
 
-function endsOfSolid(scene, i, now, view) {
+function endsOfSolid(scene, i, now, view, displaced) {
   const body = scene.bodies[i];
-  const moved = valueAt({ t: body.path.t, y: body.path.displacement, steps: false }, now);
-  const face = placeOf(scene.row, i, 0, now, moved);
+  const face = displaced ? valueAt(pathOf(scene, i, 0, body.path), now) : scene.row.left[i];
   if (body.kind === "mass") return [face, face + body.width];
   const deep = 0.06 * (view.right - view.left);
   return i ? [face, face + deep] : [face - deep, face];

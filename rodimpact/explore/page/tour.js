@@ -4,7 +4,7 @@
 // the collision of a step, and its moment in shares of the force duration; -1 is before it
 const TOUR = [
   ["identical", -1, "Two identical rods. The left one comes at speed v, the right one is still. No force acts yet."],
-  ["identical", 0.25, "They touch, and sound waves of compression start to both sides. Between the two fronts all material is compressed and moves with v/2; outside nobody knows of the collision yet."],
+  ["identical", 0.25, "They touch, and sound waves of compression start to both sides. Between the two fronts all material is compressed and moves with v/2; no wave has reached the rest of the rods yet."],
   ["identical", 0.5, "The fronts reach the far ends: both rods are compressed everywhere and move with v/2. From the free ends the waves come back as relief."],
   ["identical", 1, "The waves meet at the contact, and the rods part. The left rod stands still, the right one has v, and no vibration is left: e = 1."],
   ["wall", 1, "A rod on a rigid wall: the wave runs to the free end and back, and the rod leaves as fast as it came. Again e = 1. Both examples mislead: elastic rods rarely collide like that."],

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...model import Absorbing, Bonded, End, Free, Incoming, Moved, Pushed, Rod, Steps
+from ...model import Absorbing, End, Free, Incoming, Moved, Pushed, Rod, Steps
 from ...model.frozen import Number
 from .. import kernels, laws
 from ..compiling import as_objects, as_records, blank, objects
@@ -123,10 +123,9 @@ class Members:
                 at.kind, at.contact = kind, contact
         self.run, self.segment = make(count, RUN), make(count * (n + 2), SEGMENT)
         self.line, self.piece = make(2 * n + 4, LINE), make(plan.pieces, PIECE)
-        self.log, self.tree = make(ROOM + plan.fronts, ROW), np.zeros(2 * leaves, np.int64)
+        self.log = make(ROOM + plan.fronts, ROW)
         self.given: Any = None
-        if not fast:
-            self.tree = self.tree.tolist()
+        self.tree: Any = np.zeros(2 * leaves, np.int64) if fast else [0] * (2 * leaves)
         asked = (("until", -1.0 if until is None else until), ("limit", max_events),
                  ("reads", reads), ("further", further))
         for name, value in asked:
@@ -231,7 +230,6 @@ def laid(
     ticks: Sequence[Any], mobility: Sequence[Any], kinds: Sequence[int], gaps: Sequence[Any],
     outside: tuple[Any, Any],
     waves: Sequence[Sequence[tuple[Any, Any]]],
-    room: int = 256,
 ) -> Laid:
     """Set a collision to t = 0, of whatever kind of number times and amplitudes are.
 

@@ -236,7 +236,7 @@ def new_front(it: Any, log: Any, n: int, q: int, t: int, l: int, value: Any) -> 
 def closing_time(at: Any, t: int, due: int, window: int) -> int:
     """When an open contact is solved again: as its gap closes, or when a wave arrives."""
     if at.gap < -at.rate * (NEVER - t):
-        close = t + math.trunc((2 * at.gap - at.rate) / (-2 * at.rate))
+        close: int = t + math.trunc((2 * at.gap - at.rate) / (-2 * at.rate))
         if close + window < due:
             return close
     return due

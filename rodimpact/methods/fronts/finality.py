@@ -12,6 +12,8 @@ from typing import Any
 
 from .records import IDLE, NEVER, NONE, Status
 
+UNDECIDED = -1
+
 
 def side(node: Any, k: int, right: bool) -> tuple[int, int]:
     """First and last segment bonded together on one side of contact k; (1, 0) for a wall."""
@@ -122,35 +124,32 @@ def bound_deviation(segment: Any, node: Any, line: Any, log: Any, k: int, s: int
         it.bound = 2 * energy * slack
 
 
-def separation_time(
-    segment: Any, node: Any, line: Any, log: Any, k: int, t: int, tol: Any
-) -> int:
-    """When contact k is proved not to close again: t if now, IDLE if not before a new contact."""
-    at, left, right, still = node[k], segment[k], segment[k + 1], node[k].rate >= 0
-    for s in (k, k + 1):
-        first, last = side(node, k, s > k)
-        still = still and quiet(line, first, last)
-    if still:
-        return t
-    for s in (k, k + 1):
-        survey_group(segment, node, line, log, k, s, t)
+def still(node: Any, line: Any, k: int) -> bool:
+    """Whether contact k does not close, and no front is under way beside it."""
+    found = bool(node[k].rate >= 0)
+    for right in (False, True):
+        first, last = side(node, k, right)
+        found = found and quiet(line, first, last)
+    return found
+
+
+def by_velocities(left: Any, right: Any, t: int, tol: Any) -> int:
+    """When the velocities of two groups tell that they do not meet again, see `finality_time`."""
     if left.bounded and right.bounded and right.low - left.high >= -tol:
         return t
-    opening = right.mean - left.mean
-    if opening < -tol:
-        return IDLE
-    for s in (k, k + 1):
-        bound_deviation(segment, node, line, log, k, s, t)
+    return IDLE if right.mean - left.mean < -tol else UNDECIDED
+
+
+def by_deviations(at: Any, left: Any, right: Any, t: int, tol: Any) -> int:
+    """When the distance of two groups is wider than vibration can bridge."""
     gap = at.gap + at.rate * (t - at.since) - right.deviation + left.deviation
-    reach = 2 * (left.bound + right.bound)
+    opening, reach = right.mean - left.mean, 2 * (left.bound + right.bound)
     if gap > 0 and gap * gap > reach:
         return t
     if opening <= tol:
         return IDLE
     wait = (math.sqrt(reach) - gap) / opening
-    if wait >= NEVER // 2:
-        return IDLE
-    return t + int(wait * 1.000001) + 1
+    return t + int(wait * 1.000001) + 1 if wait < NEVER // 2 else IDLE
 
 
 def finality_time(segment: Any, node: Any, line: Any, log: Any, t: int, tol: Any) -> int:
@@ -160,6 +159,13 @@ def finality_time(segment: Any, node: Any, line: Any, log: Any, t: int, tol: Any
     """
     latest = t
     for k in range(len(node)):
-        if node[k].status >= Status.OPEN and latest < IDLE:
-            latest = max(latest, separation_time(segment, node, line, log, k, t, tol))
+        if node[k].status >= Status.OPEN and latest < IDLE and not still(node, line, k):
+            for s in (k, k + 1):
+                survey_group(segment, node, line, log, k, s, t)
+            when = by_velocities(segment[k], segment[k + 1], t, tol)
+            if when == UNDECIDED:
+                for s in (k, k + 1):
+                    bound_deviation(segment, node, line, log, k, s, t)
+                when = by_deviations(node[k], segment[k], segment[k + 1], t, tol)
+            latest = max(latest, when)
     return latest

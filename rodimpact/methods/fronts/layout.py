@@ -116,7 +116,7 @@ def room(run: Any, given: Any, row: int, piece: Any, n: int, gaps: int, longest:
     if run.scale > 0:
         flight = 4 * inward_sum_of_gaps(given, row + 3 * n, gaps) / run.scale
     share = -run.until * rule.HORIZON * longest
-    horizon = max(share, 16 * inward_sum(piece, n), flight)
+    horizon: float = max(share, 16 * inward_sum(piece, n), flight)
     return min(horizon, longest * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST))
 
 
@@ -150,17 +150,6 @@ def drive_times(body: Any, given: Any, row: int, until: float, spare: float, pie
             piece[place].time = at if at <= until else spare
             place += 1
     return late
-
-
-def count_ticks(run: Any, m: int, piece: Any, late: int) -> None:
-    """Give each duration its ticks; neighbours in a family often share their lengths."""
-    it = run[m]
-    known = m > 0 and run[m - 1].bits == it.bits
-    for i in range(len(piece)):
-        known = known and piece[i].known == piece[i].time
-    it.total = run[m - 1].total if known else rule.assign_ticks(piece, it.bits, late)
-    for i in range(len(piece)):
-        piece[i].known = piece[i].time
 
 
 def drive(
@@ -241,13 +230,15 @@ def round_trip(body: Any, segment: Any) -> int:
     return 2 * longest
 
 
-def choose_clock(run: Any, m: int, body: Any, given: Any, row: int, piece: Any, segment: Any,
-                 node: Any) -> int:
-    """Choose the frame, the clock and what counts as zero; return how often drives jump.
+def choose_clock(run: Any, m: int, body: Any, given: Any, piece: Any, segment: Any, node: Any
+                 ) -> None:
+    """Choose the frame, the clock and what counts as zero of member m.
 
-    Where there is none, `stop` says why.
+    Arguments as of `lay_out`. Where there is no clock, `stop` says why.
     """
     it, n = run[m], len(segment) - 2
+    it.row, it.stop, it.bits, it.proved = m * (len(given) // len(run)), Stop.NONE.value, 0, NONE
+    row = it.row
     durations = cut(body, given, row, piece, segment)
     survey(it, body, given, row, piece, segment)
     largest, longest = 0.0, 0.0
@@ -256,18 +247,22 @@ def choose_clock(run: Any, m: int, body: Any, given: Any, row: int, piece: Any, 
         longest = max(longest, piece[s - 1].time)
     if not it.scale * it.scale * largest * 2.0**rule.CLOCK_BITS < math.inf:
         it.stop = Stop.OVERFLOW.value
-        return 0
+        return
     it.horizon = it.until
     if it.until < 0:
         it.horizon = room(it, given, row, piece, n, contacts(node)[0], longest)
     it.bits = rule.clock_bits(it.horizon / longest)
     if it.bits < rule.COARSEST:
         it.stop = Stop.LONG.value
-        return 0
-    late = drive_times(body, given, row, it.until, longest, piece)
-    for i in range(durations, len(piece) - late):
+        return
+    it.late = drive_times(body, given, row, it.until, longest, piece)
+    for i in range(durations, len(piece) - it.late):
         piece[i].time = longest  # fewer jumps inside than there might be
-    count_ticks(run, m, piece, late)
+    known = m > 0 and run[m - 1].bits == it.bits  # neighbours in a family often share lengths
+    for i in range(len(piece)):
+        known = known and piece[i].known == piece[i].time
+        piece[i].known = piece[i].time
+    it.total = run[m - 1].total if known else rule.assign_ticks(piece, it.bits, it.late)
     it.tick, it.window = longest / it.total, max(1, it.total >> WINDOW)
     it.tolerance, it.short = TOLERANCE * it.scale, 1
     for s in range(1, n + 1):
@@ -276,20 +271,17 @@ def choose_clock(run: Any, m: int, body: Any, given: Any, row: int, piece: Any, 
             it.short = s
     if segment[it.short].transit <= 4 * it.window:
         it.stop = Stop.SHORT.value
-    return late
 
 
 def lay_out(
-    run: Any, m: int, body: Any, given: Any, piece: Any, segment: Any, node: Any, line: Any,
-    log: Any,
+    run: Any, body: Any, given: Any, piece: Any, segment: Any, node: Any, line: Any, log: Any
 ) -> None:
-    """Lay out member m on its clock, and fill the log with its waves at t = 0.
+    """Lay out a member on its clock, and fill the log with its waves at t = 0.
 
     Parameters
     ----------
-    run : [member] RUN
-        Of `m`, `until` is given; its `stop` becomes LAID, or says why there is no clock.
-    m : int
+    run : RUN
+        With its clock; `stop` becomes LAID.
     body : [body] BODY
     given : [member * numbers]
     piece : [duration] PIECE
@@ -301,11 +293,8 @@ def lay_out(
     log : ROW
         With room for all fronts at t = 0.
     """
-    it, n, row = run[m], len(segment) - 2, m * (len(given) // len(run))
-    it.rows, it.stop, it.bits, it.proved = 0, Stop.NONE.value, 0, NONE
-    late = choose_clock(run, m, body, given, row, piece, segment, node)
-    if it.stop != Stop.NONE:
-        return
+    it, n, row = run, len(segment) - 2, run.row
+    it.rows = 0
     segment[0].mobility = segment[n + 1].mobility = 0.0
     for k in range(n + 1):
         node[k].gap = 0.0
@@ -324,7 +313,7 @@ def lay_out(
         it.target = -round_trip(body, segment)  # bonds never cease to push
     for s in range(1, n + 1):
         fill(it, given[row + s - 1], s, piece, segment, log)
-    place = len(piece) - late
+    place = len(piece) - it.late
     for side in range(2):
         one = body[side * (len(body) - 1)]
         if one.outside == Outside.ENDLESS:

@@ -44,7 +44,9 @@ def follow(
             inside = segment[m * (nodes + 1) : (m + 1) * (nodes + 1)]
             ends = node[m * nodes : (m + 1) * nodes]
             if it.stop == Stop.NONE:
-                layout.lay_out(run, m, body, given, piece, inside, ends, line, log)
+                layout.choose_clock(run, m, body, given, piece, inside, ends)
+                if it.stop == Stop.NONE:
+                    layout.lay_out(it, body, given, piece, inside, ends, line, log)
             if it.stop == Stop.LAID:
                 events.begin(it, inside, ends, line, log, tree)
                 stock.initial(it, inside, ends, line, log)

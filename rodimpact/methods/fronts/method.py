@@ -162,7 +162,9 @@ def cut_short(stopped_by: str, final: str, events: int, end: str) -> str:
     return ""
 
 
-def ends_of_contacts(node: Sequence[Any], contacts: Sequence[int], tick: float) -> list[list[float]]:
+def ends_of_contacts(
+    node: Sequence[Any], contacts: Sequence[int], tick: float
+) -> list[list[float]]:
     """When the force and the touch of each contact that pressed ended, as `last_contact` asks."""
     pressed = [node[k] for k in contacts if node[k].status >= Status.OPEN and node[k].episodes > 0]
     return [

@@ -111,7 +111,9 @@ times from the left end of a segment to its jumps, and those at which drives jum
 RUN = np.dtype([
     ("until", "f8"),  # s; without an end, minus the share of `HORIZON` for which there is room
     ("limit", "i8"),  # events
-    ("reads", "i8"), ("further", "i8"),  # 1: waves are read; it goes on a round trip after the proof
+    ("reads", "i8"), ("further", "i8"),  # 1: waves are read; all run on for a round trip
+    ("row", "i8"),  # where its numbers begin
+    ("late", "i8"),  # how often what drives its ends jumps
     ("bits", "i8"), ("total", "i8"),  # ticks of the longest duration: about 2^bits
     ("tick", "f8"), ("frame", "f8"), ("scale", "f8"), ("horizon", "f8"),  # s, m/s, m/s, s
     ("tolerance", "f8"),  # smallest change of a wave that is a front

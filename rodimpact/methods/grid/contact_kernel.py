@@ -12,18 +12,15 @@ spring up to its strength; x counts from where its faces have moved to. A rigid 
 force that keeps its closing below a limit. An impact of rigid bodies takes the force that leaves a
 closing velocity of at most -e times the one before (Moreau, CISM 302, 1988).
 
-Time is counted in steps: lengths are velocity times steps, and masses and stiffnesses are scaled to
-match: M/h, k h^p for a force k x^p, a dashpot's constant as it is. `links` are the columns of
-`grid_kernel.Links`, of which `damping` is of YIELD the hardening, as a share of the stiffness, and
-`strength` the force at which it yields now.
+Units are those of `records`.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
-from ..laws import HUNT, IMPACT, JOINT, RIGID, SPRING, YIELD
+from .. import laws
 
 EPS = 1 / (1 << 52)
 ROUGH = 1 / (1 << 24)  # of the motion: forces that are no better known are none
@@ -33,33 +30,9 @@ NEWTON = 100  # iterations of one contact: a bound that is not met in practice
 SWEEPS = 1000  # of one chain, see `balance`
 
 
-class Tally(NamedTuple):
-    """What has passed through each link, kept as the run goes."""
-
-    impulse: Any  # [link] sum of F
-    lost: Any  # [link] turned to heat by dashpots and impacts
-    numerical: Any  # [link] lost by rigid contacts that close within a step
-    episodes: Any  # [link] number of times an open contact began to press
-
-
-class Chain(NamedTuple):
-    """Room for links that are solved together; lists or arrays of floats."""
-
-    free: Any  # by how much the link would close without forces
-    own: Any  # mobility of its two sides together
-    shared: Any  # mobility that it shares with the link before
-    before: Any  # velocity at which an impact closes as it begins
-    force: Any
-    kept: Any  # forces before a Newton step
-    limit: Any  # greatest closing of a pressing rigid contact or impact
-    place: Any  # indentation at the step's end
-    slope: Any  # dF/dw, -1 where the closing w is fixed
-    upper: Any  # for the elimination
-
-
 def stored(law: int, k: float, p: float, gap: float) -> float:
     """Energy stored in a compliant contact."""
-    if law != JOINT and (gap >= 0 or law < SPRING):
+    if law != laws.JOINT and (gap >= 0 or law < laws.SPRING):
         return 0.0
     if p == 1:
         return k * gap * gap / 2
@@ -129,7 +102,7 @@ def mean_force(law: int, k: float, p: float, d: float, x0: float, x1: float) -> 
         F, dF = k * x1**p * share, k * x1 ** (p - 1) * share * (p + 1) * (1 - share)
     else:
         F, dF = mean_power(k, p, x0, x1)
-    if law == HUNT:
+    if law == laws.HUNT:
         stretch = 1 + d * (x1 - x0)
         F, dF = F * stretch, dF * stretch + F * d
     if F <= 0:
@@ -210,96 +183,93 @@ def solve_joint(
     return (k * x0 + slope * c) / ease, x0 + (c - y * k * x0) / ease, slope
 
 
-def solve_link(
-    law: int, k: float, p: float, damping: float, strength: float, x0: float, c: float, y: float,
-    w: float,
-) -> tuple[float, float, float]:
-    """Solve any compliant contact; see `solve_law`."""
-    rate = damping
-    if law == JOINT:
+def solve_link(at: Any, c: float) -> tuple[float, float, float]:
+    """Solve any compliant contact that closes by c without its own force; see `solve_law`."""
+    k, p, x0, y, rate = at.stiffness, at.exponent, -at.gap, at.own, at.damping
+    if at.law == laws.JOINT:
         return solve_joint(k, rate, x0, c, y)
-    if law == YIELD:
-        F, x, slope = past_yield(k, damping, strength, x0, c, y)
-        if x > strength / k:
+    if at.law == laws.YIELD:
+        F, x, slope = past_yield(k, rate, at.strength, x0, c, y)
+        if x > at.strength / k:
             return F, x, slope
-        law, rate = SPRING, 0.0
-    return solve_law(law, k, p, rate, x0, c, y, w)
+        rate = 0.0
+    return solve_law(at.law, k, p, rate, x0, c, y, at.place + at.gap)
 
 
-def indent(links: Any, tally: Tally, i: int, F: float, x: float) -> float:
-    """Enter what compliant contact i loses on its way to x under the mean force F; return its gap.
+def indent(at: Any) -> float:
+    """Enter what a compliant contact loses on its way to `at.place` under the mean force.
 
     One that yields hardens, and its faces move for good.
+
+    Returns
+    -------
+    float
+        Its gap.
     """
-    law, k, p, gap = links.law[i], links.stiffness[i], links.exponent[i], links.gap[i]
-    rest = -x
-    if law == YIELD and x > links.strength[i] / k:
-        links.strength[i] += links.damping[i] * (k * x - links.strength[i])
-        rest = -links.strength[i] / k
-    if links.damping[i] > 0 or law == YIELD:
-        tally.lost[i] += F * (gap + x) + (stored(law, k, p, gap) - stored(law, k, p, rest))
+    k, p, x = at.stiffness, at.exponent, at.place
+    rest: float = -x
+    if at.law == laws.YIELD and x > at.strength / k:
+        at.strength += at.damping * (k * x - at.strength)
+        rest = -at.strength / k
+    if at.damping > 0 or at.law == laws.YIELD:
+        energy = stored(at.law, k, p, at.gap) - stored(at.law, k, p, rest)
+        at.lost += at.force * (at.gap + x) + energy
     return rest
 
 
-def pushed(chain: Chain, q: int, last: int) -> float:
-    """By how much link q would close without its own force."""
-    c: float = chain.free[q]
-    if q > 0:
-        c += chain.shared[q] * chain.force[q - 1]
-    if q < last:
-        c += chain.shared[q + 1] * chain.force[q + 1]
+def pushed(link: Any, i: int, first: int, last: int) -> float:
+    """By how much link i would close without its own force."""
+    c: float = link[i].free
+    if i > first:
+        c += link[i].shared * link[i - 1].force
+    if i < last:
+        c += link[i + 1].shared * link[i + 1].force
     return c
 
 
-def relax(links: Any, chain: Chain, i0: int, last: int) -> float:
+def relax(link: Any, first: int, last: int) -> float:
     """Solve link after link, the others as they are; return the largest change of a closing."""
     change = 0.0
-    for q in range(last + 1):
-        i, y, c = i0 + q, chain.own[q], pushed(chain, q, last)
-        law, slope = links.law[i], 0.0
-        if law in (RIGID, IMPACT):
-            F = (c - chain.limit[q]) / y
-            slope = -1.0
+    for i in range(first, last + 1):
+        at, c = link[i], pushed(link, i, first, last)
+        if at.law == laws.RIGID or at.law == laws.IMPACT:
+            F, slope = (c - at.limit) / at.own, -1.0
             if F <= 0:
                 F = slope = 0.0
         else:
-            gap = links.gap[i]
-            F, chain.place[q], slope = solve_link(
-                law, links.stiffness[i], links.exponent[i], links.damping[i], links.strength[i],
-                -gap, c, y, chain.place[q] + gap,
-            )
-        change = max(change, abs(F - chain.force[q]) * y)
-        chain.force[q], chain.slope[q] = F, slope
+            F, at.place, slope = solve_link(at, c)
+        change = max(change, abs(F - at.force) * at.own)
+        at.force, at.slope = F, slope
     return change
 
 
-def newton(links: Any, chain: Chain, i0: int, last: int) -> None:
+def newton(link: Any, first: int, last: int) -> None:
     """Take a Newton step for all links together, each law replaced by its tangent."""
-    F, upper = chain.force, chain.upper
-    for q in range(last + 1):
-        y, s, c = chain.own[q], chain.slope[q], chain.free[q]
+    for i in range(first, last + 1):
+        at, s = link[i], link[i].slope
         if s < 0:
-            s, middle, right = -s, y, c - chain.limit[q]
+            s, middle, right = -s, at.own, at.free - at.limit
         else:
-            middle = 1 + s * y
-            right = F[q] + s * (c - chain.place[q] - links.gap[i0 + q])
+            middle = 1 + s * at.own
+            right = at.force + s * (at.free - at.place - at.gap)
         pivot = middle
-        if q > 0:
-            right += s * chain.shared[q] * F[q - 1]
-            pivot += s * chain.shared[q] * upper[q - 1]
+        if i > first:
+            right += s * at.shared * link[i - 1].force
+            pivot += s * at.shared * link[i - 1].upper
         if pivot <= 4 * EPS * middle:
             pivot = middle
-        F[q], upper[q] = right / pivot, 0.0
-        if q < last:
-            upper[q] = -s * chain.shared[q + 1] / pivot
-    for q in range(last, -1, -1):
-        if q < last:
-            F[q] -= upper[q] * F[q + 1]
-        if links.law[i0 + q] >= RIGID:
-            F[q] = max(F[q], 0.0)
+        at.force, at.upper = right / pivot, 0.0
+        if i < last:
+            at.upper = -s * link[i + 1].shared / pivot
+    for i in range(last, first - 1, -1):
+        at = link[i]
+        if i < last:
+            at.force -= at.upper * link[i + 1].force
+        if at.law >= laws.RIGID:
+            at.force = max(at.force, 0.0)
 
 
-def balance(links: Any, chain: Chain, i0: int, last: int, speed: float) -> bool:
+def balance(link: Any, first: int, last: int, speed: float) -> bool:
     """Find the forces of a chain; return False where there are none (a mass squeezed by walls).
 
     Sweeps of `relax` descend on a convex function, the dual energy of the step, and so always
@@ -308,57 +278,74 @@ def balance(links: Any, chain: Chain, i0: int, last: int, speed: float) -> bool:
     """
     left, tried, size = math.inf, False, speed
     for _ in range(2 * SWEEPS):
-        new = relax(links, chain, i0, last)
+        new = relax(link, first, last)
         if tried and new > left / 2:
-            for q in range(last + 1):
-                chain.force[q] = chain.kept[q]
+            for i in range(first, last + 1):
+                link[i].force = link[i].kept
             tried = False
             continue
         left, tried, size = new, True, speed
-        for q in range(last + 1):
-            size = max(size, speed + abs(chain.force[q]) * chain.own[q])
-            chain.kept[q] = chain.force[q]
-        if last == 0 or left <= 8 * EPS * size:
+        for i in range(first, last + 1):
+            size = max(size, speed + abs(link[i].force) * link[i].own)
+            link[i].kept = link[i].force
+        if first == last or left <= 8 * EPS * size:
             return True
-        newton(links, chain, i0, last)
+        newton(link, first, last)
     return bool(left <= ROUGH * size)
 
 
-def start_impacts(links: Any, chain: Chain, i0: int, last: int, tol: float) -> bool:
+def start_impacts(link: Any, first: int, last: int, tol: float) -> bool:
     """Let impacts happen whose gaps would close in this step; return whether there is a new one.
 
     An impact waits with an infinite limit.
     """
     struck = False
-    for q in range(last + 1):
-        i = i0 + q
-        if links.law[i] == IMPACT and chain.limit[q] == math.inf:
-            w = pushed(chain, q, last) - chain.force[q] * chain.own[q]
-            if links.gap[i] - w < -tol:
-                u = chain.before[q]
-                chain.limit[q] = 0.0 if u <= tol else (1 - links.damping[i]) * u / 2
+    for i in range(first, last + 1):
+        at = link[i]
+        if at.law == laws.IMPACT and at.limit == math.inf:
+            w = pushed(link, i, first, last) - at.force * at.own
+            if at.gap - w < -tol:
+                u = at.before
+                at.limit = 0.0 if u <= tol else (1 - at.damping) * u / 2
                 struck = True
     return struck
 
 
-def record_step(
-    links: Any, tally: Tally, signals: Any, i: int, j: int, F: float, gap: float
-) -> None:
-    """Enter step j of contact i: its force, and the gap at the end.
+def settle(at: Any, w: float, tol: float) -> float:
+    """Enter what a link loses while it closes by w; return its gap at the end of the step."""
+    F: float = at.force
+    rest: float = at.gap - w
+    if at.law == laws.RIGID:
+        at.numerical += F * w
+        shut = at.shut > 0
+        at.shut = 1
+        if shut and F <= 0 and 2 * w - at.before < -tol:
+            at.shut = 0
+            rest = at.before / 2 - w
+        elif shut:
+            rest = 0.0
+        elif F <= 0:
+            at.shut = 0
+    elif at.law == laws.IMPACT:
+        if F > 0:
+            at.lost += F * at.limit
+            rest = at.gap - at.limit
+        elif at.gap <= 0 and abs(w) <= tol:
+            rest = at.gap
+    else:
+        rest = indent(at)
+    return rest
 
-    `links.open` is 1 once the contact has opened; a joint never does.
-    """
-    start = signals.link_start[i]
-    if start >= 0:
-        signals.force[start + j] = F
-        signals.gap[start + j] = gap
-    links.force[i], links.gap[i] = F, gap
-    if F > 0 or links.law[i] == JOINT:
-        tally.impulse[i] += F
-    if links.law[i] == JOINT:
+
+def count(at: Any, resolution: float) -> None:
+    """Enter the force of a step in the totals of a link; a joint never opens."""
+    F = at.force
+    if F > 0 or at.law == laws.JOINT:
+        at.impulse += F
+    if at.law == laws.JOINT:
         return
     if F > 0:
-        tally.episodes[i] += links.open[i]
-        links.open[i] = 0
-    elif gap > 0:
-        links.open[i] = 1
+        at.episodes += at.open
+        at.open = 0
+    elif at.gap > resolution:
+        at.open = 1

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,12 +26,11 @@ from ..duration import Forecast, Progress
 from ..memory import ask
 from ..row import Array, Row
 from ..run import PEAK_FORCE, VELOCITY, Run
-from .grid_kernel import States
-from .machine import GAP_RESOLUTION, Keeper, Machine, cost
+from .keeping import Keeper, cost
 from .mesh import STEP_TICKS, Mesh, crossing_time, most_cells, stable_step
 from .refinement import FEWEST as FEWEST_LEVELS
 from .refinement import contact_measures, factor_of, order_of, refined
-from .run import GridRun
+from .run import GridRun, clock_of
 from .signals import hand_over
 
 RTOL = 1e-3
@@ -124,18 +122,18 @@ def follow(
         return _after_the_proof(level(1))
     goal = RTOL if rtol is None else rtol
     run, estimates = refined(level, measures, order_of(row), goal, FINEST // max(counts))
-    estimates[PEAK_FORCE] += run.peak_error
-    change = math.nan
+    run.estimates, run.rtol = estimates, goal
+    run.estimates[PEAK_FORCE] += run.peak_error
     rougher = [h for h in peaks if h >= 2 * run.step * (1 - 1e-12)]
     last = peaks[run.step]
     if rougher and last.max(initial=0.0) > 0:
-        change = float(np.abs(last - peaks[min(rougher)]).max() / last.max())
-    return replace(_after_the_proof(run), estimates=estimates, rtol=goal, peak_change=change)
+        run.peak_change = float(np.abs(last - peaks[min(rougher)]).max() / last.max())
+    return _after_the_proof(run)
 
 
 def _free_velocities(run: GridRun) -> list[float]:
     """Mean velocities of the groups of pieces that nothing holds."""
-    mesh, m, v = run.mesh, run.mesh.mass, run.machine.grid.velocity
+    mesh, m, v = run.mesh, run.mesh.mass, run.grid.velocity
     return [
         float(m[a : b + 1] @ v[a : b + 1] / m[a : b + 1].sum())
         for a, b in mesh.groups if not mesh.held[a : b + 1].any()
@@ -207,13 +205,10 @@ def _level(
 
     Others that are certain to follow take so many times as long.
     """
-    row, clock = mesh.row, _clock(mesh, step)
-    longest = _round_trip(clock) // 2
-    cap = max(1, max_events // len(row.laws))
-    proof, reason = -1, "until"
     steps = 0 if until is None else round(until / step)
+    longest = _round_trip(clock_of(mesh, step)) // 2
     room = 8 * longest if until is None else max(1, steps)
-    machine = Machine(mesh, step, keep, room)
+    run = GridRun(mesh, step, keep, room)
     size = f"{room} steps, {sum(mesh.counts)} cells"
     per_step = cost(mesh, plain=not kernels.enabled())
     ahead = others * (steps or 2 * longest) * cost(mesh, plain=True)
@@ -222,29 +217,23 @@ def _level(
         forecast.expect(per_step * max(room - taken, 0), size)
         forecast.reached(taken, room)
 
-    last = cap if until is None else steps
+    last = max(1, max_events // len(mesh.row.laws)) if until is None else steps
     tell(0)
-    machine.advance(0)
-    while proof < 0:
-        wait = machine.finality_time()
+    run.advance(0)
+    while run.proved < 0:
+        wait = run.finality_time()
         if wait == 0:
-            proof = machine.taken
-        elif machine.taken < last:
-            more = max(min(wait, max(longest // 4, machine.taken // 8)), FEWEST)
-            machine.advance(min(last, machine.taken + more), tell, ahead)
+            run.proved = run.steps
+        elif run.steps < last:
+            more = max(min(wait, max(longest // 4, run.steps // 8)), FEWEST)
+            run.advance(min(last, run.steps + more), tell, ahead)
         else:
             break
     if until is not None:
-        machine.advance(last, tell)
+        run.advance(last, tell)
     else:
-        reason = "final" if proof >= 0 else "max_events"
-    end = machine.taken * STEP_TICKS
-    if until is not None and not steps:
-        end = math.ceil(until / step * STEP_TICKS)
-    return GridRun(
-        clock=clock, machine=machine, step=step, **_taken(machine), end=end, finality_time=proof,
-        stopped_by=reason, resolved=GAP_RESOLUTION * row.scale * step,
-    )
+        run.stopped_by = "final" if run.proved >= 0 else "max_events"
+    return run
 
 
 def _round_trip(clock: Clock) -> int:
@@ -254,36 +243,6 @@ def _round_trip(clock: Clock) -> int:
 
 def _after_the_proof(run: GridRun) -> GridRun:
     """Go on for a round trip of the longest rod, where the run ended with a proof."""
-    machine = run.machine
-    if run.stopped_by != "final":
-        return run
-    machine.advance(machine.taken + _round_trip(run.clock))
-    return replace(run, **_taken(machine), end=machine.taken * STEP_TICKS)
-
-
-def _taken(machine: Machine) -> dict[str, Any]:
-    """What a run has of the steps that a machine has taken."""
-    count, room = int(machine.clock[1]), len(machine.states.lost)
-    states = States._make([
-        machine.states.when[:count],
-        *(x.reshape(room, -1)[:count] for x in machine.states[1:4]), machine.states.lost[:count],
-        *(x.reshape(room, -1)[:count] for x in machine.states[5:]),
-    ])
-    return {"steps": machine.taken, "states": states}
-
-
-def _clock(mesh: Mesh, step: float) -> Clock:
-    """Clock of a mesh; impedances are means, so that Z T is the mass."""
-    row, segments, tick = mesh.row, mesh.row.segments, step / STEP_TICKS
-    ticks = [max(1, round(float(s.transit_time) / tick)) for s in segments]
-    impedance = [
-        float(mesh.cell_mass[a + 1 : b + 1].sum()) / (T * tick)
-        for a, b, T in zip(mesh.first[1:], mesh.last[1:], ticks, strict=True)
-    ]
-    return Clock(
-        system=row.system, spans=row.spans, ticks=[0, *ticks, 0], tick=tick,
-        wave_speed=[0.0, *(float(s.wave_speed) for s in segments), 0.0],
-        impedance=[0.0, *impedance, 0.0],
-        length=[0.0, *(float(s.length) for s in segments), 0.0],
-        frame=row.frame, scale=row.scale, gravity=float(row.gravity),
-    )
+    if run.stopped_by == "final":
+        run.advance(run.steps + _round_trip(run.clock))
+    return run

@@ -5,21 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from itertools import count
-from typing import Any
 
 import numpy as np
 
 from ...model import Fixed, Steps, laws
-from .. import kernels
 from ..laws import IMPACT
 from ..memory import TooLong
 from ..row import Array, Row
 from ..run import DURATION, IMPULSE, PEAK_FORCE
-from .measure_kernel import largest_force
-from .pressing import pressed_spans
+from .measures import largest_force, pressed_spans
 from .run import GridRun
 
-STEP_TIME = 2e-7  # s, about what a measure takes for a step in plain Python
 FEWEST = 4  # levels
 LOOK_BACK = 4  # coarser levels with which the finest is compared
 DOUBT = 3  # times what changes tell: where they cancel, errors are larger
@@ -146,7 +142,7 @@ def contact_measures(run: GridRun) -> dict[str, Array]:
             joined += [*passed[-1:], np.abs(passed).max(initial=0.0)]
     return {
         IMPULSE: np.array([*joined, *(float(F.sum() * run.step) for F in forces)]),
-        PEAK_FORCE: np.array([_largest(run, F) for F in lasting]),
+        PEAK_FORCE: np.array([largest_force(run.times, F) for F in lasting]),
         DURATION: np.array([
             _pressed(run, k, F) for k, F in zip(run.row.opening, lasting, strict=True)]),
     }
@@ -158,11 +154,3 @@ def _pressed(run: GridRun, contact: int, force: Array) -> float:
     gaps = np.concatenate(([float(run.row.gap[run.row.contact_link[contact]])], gap))
     spans = pressed_spans(times, force, gaps)
     return float(sum((times[-1] if math.isnan(end) else end) - begin for begin, end in spans))
-
-
-def _largest(run: GridRun, force: Array) -> float:
-    """Peak force behind its means over the steps of a run."""
-    times: Any = run.times
-    if kernels.worth_compiling(run.steps * STEP_TIME, largest_force):
-        return float(kernels.compiled(largest_force)(times, force, 0, run.steps))
-    return largest_force(times.tolist(), force.tolist(), 0, run.steps)

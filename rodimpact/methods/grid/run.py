@@ -1,50 +1,45 @@
-"""A finished run on a grid: its row and its clock, and what passed in each step."""
+"""A run on a grid: the kernels in plain Python or compiled, and what passed in each step."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from .. import abilities, compiling, kernels
 from ..clock import Clock
+from ..finality_kernel import NEVER
 from ..laws import RIGID
-from ..row import Array, Row
-from .contact_kernel import Tally
-from .grid_kernel import States
-from .machine import Machine
-from .measure_kernel import largest_force
+from ..row import Array, squeezed
+from . import grid_kernel, proof_kernel, scheme, start
+from .keeping import Keeper, check_memory, cost
+from .measures import largest_force
 from .mesh import STEP_TICKS, Mesh
+from .records import OUTER, PER_STATE, PER_STEP, SIGNAL, STATE, Track
 
 RINGING = 8  # steps in which waves beside a jump swing about their mean
+WHOLE = ("velocity", "force", "place")  # of states, entered whole: not worth clearing before
+PROOF_TIME = 2e-6  # s, about what plain Python takes for a node
+ROUND = 0.25  # s between two looks at the clock
 
 
-@dataclass(frozen=True, kw_only=True)
 class GridRun:
-    """A finished run of this method.
+    """A run on a mesh with a step, s, and with room for so many steps at first.
 
     Attributes
     ----------
+    row : Row
     clock : Clock
         Its tick is the step's `STEP_TICKS`-th part.
-    machine : Machine
-        The kernel's arrays, at the end.
-    step : float
-        s.
-    steps : int
-        Taken, between which signals are averages.
-    end : int
-        Last tick: of the steps, or of an end that comes before half of one.
-    states : States
-        What was kept: columns [state, node], [state, cell], [state, piece] and [state]; of radial
-        strains [state, cell] or [state, 0].
-    finality_time : int
-        Step at whose end the collision was proved final, -1 without proof.
+    grid : Grid
+    track : Track
+        Rows for each step, and for each state; more than there are.
+    proved : int
+        Step at whose end the collision was proved final, -1 as long as it is not.
     stopped_by : str
         ``"final"``, ``"until"`` or ``"max_events"``.
-    resolved : float
-        Gap that counts as an opening, m.
     estimates : dict of str to float
         Error of each measure of the outcome, relative to its largest value, as `refined` finds it;
         empty where the step was given.
@@ -54,33 +49,134 @@ class GridRun:
         Relative change of the peak force from a mesh at most half as fine; nan without one.
     """
 
-    clock: Clock
-    machine: Machine
-    step: float
-    steps: int
-    end: int
-    states: States
-    finality_time: int
-    stopped_by: str
-    resolved: float
-    estimates: dict[str, float] = field(default_factory=dict)
-    rtol: float = 0.0
-    peak_change: float = math.nan
+    proved = -1
+    stopped_by = "until"
+    rtol = 0.0
+    peak_change = math.nan
+
+    def __init__(self, mesh: Mesh, step: float, keep: Keeper, room: int) -> None:
+        self.mesh, self.step, self.row, self.keep = mesh, step, mesh.row, keep
+        self.clock, self.estimates = clock_of(mesh, step), dict[str, float]()
+        self.grid = scheme.grid_of(mesh, step)
+        self._overlaps = start.begin(mesh, step, self.grid)
+        self.proof = scheme.cells_of(mesh, step, self.grid)
+        self.kept = self.room = 0
+        n, swells = len(mesh.mass), (len(mesh.mass) + 1) * mesh.swells
+        self._sizes = {
+            "signal": (len(self.grid.link), SIGNAL), "outer": (2, OUTER),
+            "bonded": (len(self.grid.bond), float), "speed": (len(self.grid.mass), float),
+            "state": (1, STATE), "velocity": (n, float), "force": (n + 1, float),
+            "place": (len(mesh.starts), float), "radial": (swells, float),
+            "radial_rate": (swells, float),
+        }
+        self.track = Track(*(np.zeros((0, n), kind) for n, kind in self._sizes.values()))
+        self._make_room(room)
+        self._grow(PER_STATE, len(keep.when(step, room)))
 
     @property
-    def row(self) -> Row:
-        """What was run."""
-        return self.machine.row
+    def steps(self) -> int:
+        """Steps taken, between which signals are averages."""
+        return int(self.grid.run["step"][0])
 
     @property
-    def tally(self) -> Tally:
-        """What passed through each link."""
-        return self.machine.tally
+    def states(self) -> dict[str, Array]:
+        """What was kept, a row a state: of nodes, of cells, of pieces, or one number."""
+        when, lost = (self.track.state[name][: self.kept, 0] for name in ("when", "lost"))
+        others = {name: getattr(self.track, name)[: self.kept] for name in PER_STATE[1:]}
+        return {"when": when, "lost": lost, **others}
+
+    def _grow(self, names: tuple[str, ...], room: int) -> None:
+        """Make rows, keeping those that are there."""
+        grown = {}
+        for name in names:
+            size, kind = self._sizes[name]
+            old = getattr(self.track, name)
+            new: Any = np.empty if name in WHOLE else np.zeros
+            grown[name] = new((room, size), kind)
+            grown[name][: len(old)] = old
+        self.track = self.track._replace(**grown)
+
+    def _make_room(self, room: int) -> None:
+        """Make room for steps, with what is given in each."""
+        check_memory(self.mesh, self.step, room, self.keep.count(self.mesh, room))
+        self.room = room
+        self._grow(PER_STEP, room)
+        for side in (0, 1):
+            self.track.outer["given"][:, side] = scheme.driven(self.mesh, self.step, side, room)
+
+    def _choose_states(self, end: int) -> int:
+        """Thin the states where there is no room, and enter when others are kept; their number."""
+        when = self.keep.when(self.step, end)
+        if when[-1] != end:
+            when.append(end)
+        left = np.flatnonzero(np.isin(self.track.state["when"][: self.kept, 0], when))
+        if len(left) < self.kept:
+            for name in PER_STATE:
+                x = getattr(self.track, name)
+                x[: len(left)] = x[left]
+            self.kept = len(left)
+        room = len(self.track.state)
+        if len(when) > room:
+            enough = min(2 * room, int(self.keep.count(self.mesh, self.room)))
+            self._grow(PER_STATE, max(len(when), enough))
+        self.track.state["when"][: len(when), 0] = when
+        return len(when)
+
+    def finality_time(self) -> int:
+        """Steps until it may be proved that the collision is over; NEVER if not as it is."""
+        if abilities.driven(self.row.system):
+            return NEVER
+        parts: tuple[Any, ...] = self.grid, *self.proof
+        nodes = 2 * len(self.mesh.mass)
+        if kernels.worth_compiling(nodes * PROOF_TIME, proof_kernel.finality_time):
+            return int(kernels.compiled(proof_kernel.finality_time)(*parts))
+        grid, *proof = as_lists(self.grid), *map(compiling.as_objects, self.proof)
+        return proof_kernel.finality_time(grid, *proof)
+
+    def advance(
+        self, end: int, tell: Callable[[int], None] | None = None, ahead: float = 0.0
+    ) -> None:
+        """Run to step `end`; `tell` hears of the steps taken, several times a second.
+
+        So many seconds in plain Python, `ahead`, are certain to follow.
+        """
+        if not self.steps and end and self._overlaps:
+            self.advance(0)
+            start.part(self.grid, self._overlaps)
+            self._overlaps = []
+        if end > self.room:
+            self._make_room(max(end, 2 * self.room))
+        states, first = self._choose_states(end), self.steps
+        window = Track(
+            *(getattr(self.track, name)[first:end].reshape(-1) for name in PER_STEP),
+            *(getattr(self.track, name)[self.kept : states].reshape(-1) for name in PER_STATE),
+        )
+        self.grid.run["first"], self.grid.run["kept"] = first, 0
+        numbers = sum(x.nbytes for x in (*self.grid, *window)) // 8
+        seconds = (end - first) * cost(self.mesh, plain=True) + numbers * kernels.LIST_TIME
+        fast = kernels.worth_compiling(seconds, grid_kernel.follow, ahead=ahead)
+        go: Any = kernels.compiled(grid_kernel.follow) if fast else grid_kernel.follow
+        grid, track = (self.grid, window) if fast else (as_lists(self.grid), as_lists(window))
+        chunk = max(1, int(ROUND / cost(self.mesh, plain=not fast)))
+        for taken in (*range(first + chunk, end, chunk), end):
+            done = go(grid, track, taken)
+            if not done:
+                break
+            if tell and taken < end:
+                tell(taken)
+        if not fast:
+            _take_over(grid, self.grid)
+            _take_over(track, window)
+        self.kept += int(self.grid.run["kept"][0])
+        if not done:
+            raise squeezed(self.steps * self.step)
+
+    # What passed ----------------------------------------------------------------------------------
 
     @property
-    def signals(self) -> Any:
-        """What the kernel recorded of each step."""
-        return self.machine.signals
+    def resolved(self) -> float:
+        """Gap that counts as an opening, m."""
+        return scheme.GAP_RESOLUTION * float(self.row.scale) * self.step
 
     @property
     def edges(self) -> Array:
@@ -95,31 +191,22 @@ class GridRun:
     def contact(self, contact: int) -> tuple[Array, Array]:
         """Mean force in each step, N, and gap at its end, m; not of a bonded contact."""
         place = self.place(contact)
-        gap = self.by_link(self.signals.gap, place) * self.step
-        return self.by_link(self.signals.force, place), gap
+        return self._of("signal", place, "force"), self._of("signal", place, "gap") * self.step
 
-    def by_link(self, column: Array, place: int) -> Array:
-        """What a column of the signals has of a link, by its place in the tally."""
-        return self.by_step(column, int(self.signals.link_start[place]))
-
-    def by_step(self, column: Array, start: int) -> Array:
-        """What a column of the signals has from `start` on."""
-        return column[start : start + self.steps]
-
-    @property
-    def mesh(self) -> Mesh:
-        """Of the run."""
-        return self.machine.mesh
+    def _of(self, name: str, place: int, field: str = "") -> Array:
+        """What was entered of one thing in each step."""
+        entered = getattr(self.track, name)[: self.steps, place]
+        return np.ascontiguousarray(entered[field] if field else entered)
 
     @property
     def largest_strain(self) -> float:
         """Largest strain of the states that were kept."""
         inside = self.mesh.stiffness > 0
         yielding = self.mesh.stiffness[inside] * self.mesh.width[inside]
-        force = self.states.force
+        force = self.states["force"]
         if self.mesh.swells:
             with np.errstate(under="ignore"):  # ahead of the waves strains are next to nothing
-                force = force - self.mesh.cells.coupling * self.states.radial * self.step
+                force = force - self.mesh.cells.coupling * self.states["radial"] * self.step
         largest = np.maximum(force.max(axis=0), -force.min(axis=0))[inside]
         return float((largest / yielding).max())
 
@@ -136,7 +223,7 @@ class GridRun:
                 force = self.contact(contact)[0]
                 passed = np.concatenate((np.zeros(RINGING), np.cumsum(force)))
                 means = (passed[RINGING:] - passed[:-RINGING]) / RINGING
-                peaks.append(largest_force(times, force, 0, self.steps))
+                peaks.append(largest_force(times, force))
                 less.append(peaks[-1] - float(means.max(initial=0.0)))
         return max(less) / (max(peaks) or 1.0)
 
@@ -150,34 +237,30 @@ class GridRun:
 
     def path(self, contact: int) -> Array:
         """How far a contact that is not bonded closes in each step, m."""
-        return self.by_link(self.signals.closing, self.place(contact)) * self.step
+        return self._of("signal", self.place(contact), "closing") * self.step
 
     def place(self, contact: int) -> int:
-        """Place in the tally of a contact that is not bonded."""
+        """Which of the kernel's links a contact is that is not bonded."""
         return list(self.mesh.touching).index(self.row.contact_link[contact])
 
-    def bond(self, contact: int) -> Array:
-        """Mean force in a bonded contact in each step, N."""
-        return self._bond(self.row.contact_link[contact])
-
-    def _bond(self, link: int) -> Array:
-        place = list(self.mesh.interfaces).index(link)
-        return self.by_step(self.signals.bond, place * int(self.signals.room[0]))
+    def bond(self, link: int) -> Array:
+        """Mean force in a bonded link in each step, N."""
+        return self._of("bonded", list(self.mesh.interfaces).index(link))
 
     def outer(self, side: int) -> tuple[Array, Array]:
         """Force of what is outside the left or right end on the row, and its velocity, by steps.
 
         N and m/s, in the laboratory; positive to the inside, and to the right.
         """
-        start, link = side * int(self.signals.room[0]), (0, len(self.row.laws) - 1)[side]
+        link = (0, len(self.row.laws) - 1)[side]
         if link in self.mesh.touching:
-            force = self.by_link(self.signals.force, list(self.mesh.touching).index(link))
+            force = self._of("signal", list(self.mesh.touching).index(link), "force")
         elif self.row.outside[side][0] == "velocity":
-            force = self._bond(link)
+            force = self.bond(link)
         else:
-            force = self.by_step(self.signals.push, start)
+            force = self._of("outer", side, "push")
         fall = self.row.gravity * self.step * (np.arange(self.steps) + 0.5)
-        return force, self.by_step(self.signals.speed, start) + self.row.frame + fall
+        return force, self._of("outer", side, "speed") + self.row.frame + fall
 
     def speed(self, mass: int) -> Array:
         """Velocity of a mass at the ends of the steps, the first at t = 0, in the frame."""
@@ -185,6 +268,34 @@ class GridRun:
         if side >= 0:
             wall = float(self.row.outside[side][1]) - self.row.frame
             return np.asarray(wall - self.row.gravity * self.times)
-        initial = self.states.velocity[0, self.mesh.node_of_mass[mass]]
-        start = mass * int(self.signals.room[0])
-        return np.concatenate(([initial], self.by_step(self.signals.mass_speed, start)))
+        initial = self.states["velocity"][0, self.mesh.node_of_mass[mass]]
+        return np.concatenate(([initial], self._of("speed", mass)))
+
+
+def as_lists(arrays: Any) -> Any:
+    """Lists of objects and of numbers."""
+    return arrays._make(
+        compiling.as_objects(x) if x.dtype.names else x.tolist() for x in arrays)
+
+
+def _take_over(lists: Any, arrays: Any) -> None:
+    """Take over what is in lists of `as_lists`."""
+    for x, found in zip(arrays, lists, strict=True):
+        x[:] = compiling.as_records(found, x.dtype) if x.dtype.names else found
+
+
+def clock_of(mesh: Mesh, step: float) -> Clock:
+    """Clock of a mesh; impedances are means, so that Z T is the mass."""
+    row, segments, tick = mesh.row, mesh.row.segments, step / STEP_TICKS
+    ticks = [max(1, round(float(s.transit_time) / tick)) for s in segments]
+    impedance = [
+        float(mesh.cell_mass[a + 1 : b + 1].sum()) / (T * tick)
+        for a, b, T in zip(mesh.first[1:], mesh.last[1:], ticks, strict=True)
+    ]
+    return Clock(
+        system=row.system, spans=row.spans, ticks=[0, *ticks, 0], tick=tick,
+        wave_speed=[0.0, *(float(s.wave_speed) for s in segments), 0.0],
+        impedance=[0.0, *impedance, 0.0],
+        length=[0.0, *(float(s.length) for s in segments), 0.0],
+        frame=row.frame, scale=row.scale, gravity=float(row.gravity),
+    )

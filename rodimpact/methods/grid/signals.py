@@ -12,9 +12,8 @@ from ...units import format_si
 from ..run import ContactSignal, ContactTally, Episode, Outside, Run, Signals
 from ..signals import Floats, Pieces
 from ..status import end_sentence, last_contact, proof_sentence, strain_warning
-from .measure_kernel import largest_force
-from .mesh import MESH, GridMotion, RadialMotion
-from .pressing import episodes_of_steps, pressed_spans
+from .measures import episodes_of_steps, largest_force, pressed_spans
+from .mesh import MESH, STEP_TICKS, GridMotion, RadialMotion
 from .refinement import ROUGH
 from .run import RINGING, GridRun
 
@@ -41,14 +40,14 @@ class StepRecord(NamedTuple):
 def hand_over(run: GridRun, until: float | None) -> Run:
     """What every method hands back, of a run to `until`, s."""
     record, tick, size = _record(run), run.clock.tick, sum(run.mesh.counts)
-    final = run.finality_time >= 0
+    final = run.proved >= 0
     t_end = until if until is not None else float(run.times[-1])
-    t_proved = float(run.times[run.finality_time]) if final else math.nan
+    t_proved = float(run.times[run.proved]) if final else math.nan
     t_final = math.nan
     if final:
         times = [episodes[-1][1:] for episodes in _episodes(run, record) if episodes]
         t_final = last_contact(times, t_end, 2 * run.clock.longest * tick)
-    proof = proof_sentence(any(run.tally.episodes), t_final) if final else ""
+    proof = proof_sentence(any(run.grid.link["episodes"]), t_final) if final else ""
     events = run.steps * len(run.row.laws)
     status = end_sentence(
         run.row.system, run.stopped_by, proof, format_si(t_end, "s"), f"{events} steps times ends")
@@ -56,8 +55,11 @@ def hand_over(run: GridRun, until: float | None) -> Run:
     if until and not run.steps:
         status += " The end comes before half a step: none was taken. More cells shorten it."
     status += _accuracy(run) + _own_peak(run) + strain_warning(run.largest_strain)
+    end = run.steps * STEP_TICKS
+    if until and not run.steps:
+        end = math.ceil(until / run.clock.tick)
     return Run(
-        method="finite-difference", until=until, clock=run.clock, end=run.end, t_end=t_end,
+        method="finite-difference", until=until, clock=run.clock, end=end, t_end=t_end,
         t_final=t_final, t_proved=t_proved, stopped_by=run.stopped_by, status=status,
         events=events, contacts=_tallies(run, record), accuracy=run.estimates,
         make_signals=lambda: _signals(run, record),
@@ -109,7 +111,7 @@ def _record(run: GridRun) -> StepRecord:
             paths.append(run.path(k))
             spans.append(pressed_spans(run.times, force, gaps[-1]) if k in row.opening else [])
         else:
-            forces.append(run.bond(k) if link >= 0 else np.full(run.steps, math.nan))
+            forces.append(run.bond(link) if link >= 0 else np.full(run.steps, math.nan))
             gaps.append(np.zeros(run.steps + 1))
             paths.append(np.zeros(run.steps))
             spans.append([])
@@ -143,7 +145,7 @@ def _join_rigid_bodies(run: GridRun, forces: list[Floats], pushes: list[Floats])
 
 def _tallies(run: GridRun, record: StepRecord) -> tuple[ContactTally, ...]:
     """Totals of every contact in SI units."""
-    tallies, t, times = [], run.tally, run.times
+    tallies, totals, times = [], run.grid.link, run.times
     for k, (force, spans) in enumerate(zip(record.forces, record.spans, strict=True)):
         law = run.row.system.contacts[k]
         if not law.opens:
@@ -157,12 +159,13 @@ def _tallies(run: GridRun, record: StepRecord) -> tuple[ContactTally, ...]:
         sudden = getattr(law, "restitution", None) is not None
         if sudden:  # an impact takes no time, though it takes a step here
             ends = np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
-        highest = float(largest_force(times, force, 0, run.steps))
+        highest = largest_force(times, force)
         tallies.append(ContactTally(
-            impulse=float(t.impulse[link]) * run.step, duration=float((ends - begins).sum()),
+            impulse=float(totals["impulse"][link]) * run.step,
+            duration=float((ends - begins).sum()),
             peak_force=math.nan if sudden else highest,
             first=float(begins[0]) if spans else math.nan,
-            last=float(ends[-1]) if spans else math.nan, episodes=int(t.episodes[link]),
+            last=float(ends[-1]) if spans else math.nan, episodes=int(totals["episodes"][link]),
         ))
     return tuple(tallies)
 
@@ -197,8 +200,8 @@ def _signals(run: GridRun, record: StepRecord) -> Signals:
 
 def _motion(run: GridRun, record: StepRecord) -> GridMotion:
     """The states that were kept, in SI units."""
-    mesh, states = run.mesh, run.states._asdict()
-    motion, cells = (states.pop("radial"), states.pop("radial_rate")), mesh.cells
+    mesh, cells, states = run.mesh, run.mesh.cells, dict[str, Any](run.states)
+    motion = states.pop("radial"), states.pop("radial_rate")
     radial = RadialMotion(cells.swelling, cells.coupling, cells.radial, mesh.shear, *motion)
     return GridMotion(
         **{name: getattr(mesh, name) for name in MESH}, **states,

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from .. import compiling, kernels
-from ..compiling import Functions
 from ..duration import Forecast
 from ..memory import ask
 from . import march

@@ -1,0 +1,234 @@
+"""From a mesh and a step to the arrays of the kernels, all but the state of motion."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ...model.frozen import InvalidModel
+from ...model.profiles import averages
+from .. import compiling
+from ..laws import JOINT
+from ..row import Array, Row, whole
+from . import elimination_kernel as elimination
+from . import records
+from .mesh import Mesh
+from .records import NONE, End, Grid
+
+LEAST = 2.0**-800  # stiffness, where time is counted in steps
+TOLERANCE = 2.0**-40  # of the velocities, below which contacts graze: round-off of many steps
+GAP_RESOLUTION = 1.0  # of what bodies cover in a step: dispersed waves open smaller gaps
+KINDS = {"none": End.FREE, "force": End.PUSHED, "velocity": End.MOVED, "absorbing": End.ENDLESS}
+
+
+def grid_of(mesh: Mesh, step: float) -> Grid:
+    """Everything at rest and without force, gaps as they are."""
+    row, h, n = mesh.row, step, len(mesh.mass)
+    mass, bound = mesh.mass / h, mesh.lateral / h + mesh.viscous / 2
+    for side, (kind, _) in enumerate(row.outside):
+        if kind == "absorbing":
+            mass[mesh.ends[side]] += impedance(mesh, side) / 2
+    mobility = mobility_of(mesh, mass)
+    implicit = spans_of(mesh)
+    node = _nodes(mesh, implicit, mass, bound)
+    for p in implicit:
+        mobility[p["first"] : p["last"] + 1] = 0.0
+    stiffness, cells = mesh.stiffness * h, mesh.cells
+    swells = cells.swelling > 0
+    turns = np.flatnonzero(np.diff(np.append(swells, False).astype(int)))
+    constant = np.where(cells.stiffness > 0, cells.stiffness, 1.0)
+    return Grid(
+        run=filled(records.RUN, 1, tolerance=TOLERANCE * row.scale,
+                   resolution=GAP_RESOLUTION * row.scale),
+        velocity=np.zeros(n), force=np.zeros(n + 1), mobility=mobility, stiffness=stiffness,
+        stretch=_stretches(mesh, stiffness, mobility),
+        piece=filled(records.PIECE, len(mesh.starts), start=mesh.starts),
+        implicit=implicit, node=node, viscous=mesh.viscous, lost=np.zeros(n + 1),
+        change=np.zeros(n), old=np.zeros(n),
+        swollen=filled(records.STRETCH, len(turns) // 2, first=turns[::2] + 1, last=turns[1::2]),
+        strain=np.zeros(n + 1), rate=np.zeros(n + 1),
+        ease=np.divide(h, cells.swelling, out=np.zeros(n + 1), where=swells),
+        coupling=cells.coupling * h,
+        own=(cells.radial - cells.coupling**2 / constant) * h, share=cells.coupling / constant,
+        shear=np.append(mesh.shear * h, 0.0),
+        link=_links(mesh, h, mobility, node), bond=_bonds(mesh, h, bound),
+        end=filled(records.END, 2, kind=[KINDS[kind] for kind, _ in row.outside], node=mesh.ends,
+                   impedance=[impedance(mesh, side) for side in (0, 1)]),
+        mass=whole(mesh.node_of_mass),
+    )
+
+
+def filled(kind: Any, count: int, /, **columns: Any) -> Array:
+    """Records of a kind, some of whose fields are given."""
+    found = np.zeros(count, kind)
+    for name, values in columns.items():
+        found[name] = values
+    return found
+
+
+def impedance(mesh: Mesh, side: int) -> float:
+    """Impedance sqrt(E A rho A) of the rod's last cell at an end."""
+    cell = mesh.ends[side] + (1 if side == 0 else 0)
+    return math.sqrt(float(mesh.cells.relaxed[cell] * mesh.cell_mass[cell]))
+
+
+def mobility_of(mesh: Mesh, mass: Array) -> Array:
+    """1/mass of nodes, 0 where the velocity is given."""
+    return np.where(mesh.held == 1, 0.0, 1 / np.where(mass > 0, mass, 1.0))
+
+
+# Implicit pieces ----------------------------------------------------------------------------------
+
+
+def spans_of(mesh: Mesh) -> Array:
+    """Pieces with damping or lateral inertia, before their elimination."""
+    spans = [(a, b) for a, b, hidden in zip(mesh.starts, mesh.stops, mesh.implicit, strict=True)
+             if hidden]
+    first, last = np.array(spans, np.int64).reshape(-1, 2).T
+    return filled(records.IMPLICIT, len(spans), first=first, middle=(first + last) // 2, last=last)
+
+
+def eliminated(
+    mesh: Mesh, implicit: Array, mass: Array, bound: Array
+) -> tuple[list[Any], list[Any]]:
+    """Implicit pieces and nodes as objects, with their multipliers."""
+    pieces = compiling.as_objects(implicit)
+    nodes = compiling.as_objects(np.zeros(len(mass), records.NODE))
+    diagonal, bounds = (mass + bound[:-1] + bound[1:]).tolist(), bound.tolist()
+    held = mesh.held.tolist()
+    for piece in pieces:
+        elimination.factor(piece, nodes, bounds, diagonal, held)
+    return pieces, nodes
+
+
+def _nodes(mesh: Mesh, implicit: Array, mass: Array, bound: Array) -> Array:
+    """Nodes of implicit pieces; enters in the pieces what their middle takes."""
+    if not len(implicit):
+        return np.zeros(len(mass), records.NODE)
+    pieces, nodes = eliminated(mesh, implicit, mass, bound)
+    answers = {"by_first": [0.0] * len(nodes), "by_last": [0.0] * len(nodes)}
+    for piece in pieces:
+        for end, x in zip((piece.first, piece.last), answers.values(), strict=True):
+            x[end] = 0.0 if mesh.held[end] else 1.0
+            elimination.substitute(piece, nodes, x)
+    implicit[:] = compiling.as_records(pieces, records.IMPLICIT)
+    found: Array = compiling.as_records(nodes, records.NODE)
+    for name, x in answers.items():
+        found[name] = x
+    return found
+
+
+# Explicit pieces, links, bonds --------------------------------------------------------------------
+
+
+def _stretches(mesh: Mesh, stiffness: Array, mobility: Array) -> Array:
+    found: list[tuple[Any, ...]] = []
+    implicit = mesh.implicit
+    for a, b in zip(mesh.first[1:], mesh.last[1:], strict=True):
+        k, e = stiffness[a + 1 : b + 1], mobility[a + 1 : b]
+        alike = np.all(k == k[0]) and np.all(e == e[:1])
+        kick, stiff = e[0] if alike and len(e) else -1.0, k[0] if alike else -1.0
+        opens = not found or found[-1][1] != a
+        found.append((a, b, implicit[mesh.piece_of(a)], opens, kick, stiff))
+    return np.array(found, records.STRETCH)
+
+
+def _links(mesh: Mesh, h: float, mobility: Array, node: Array) -> Array:
+    row, chosen = mesh.row, list(mesh.touching)
+    count = len(chosen)
+    left, right = np.array([*mesh.touching.values()], np.int64).reshape(-1, 2).T
+    hidden = np.array(mesh.implicit)
+    order = np.where(hidden, np.cumsum(hidden) - 1, NONE)  # of implicit pieces, by piece
+    pieces = [np.searchsorted(mesh.starts, nodes, "right") - 1 for nodes in (left, right)]
+    first = [a for a, _ in mesh.groups]
+    ease = [np.where(hidden[piece], node[name][nodes], mobility[nodes]) / 2
+            for piece, name, nodes in zip(pieces, ("by_last", "by_first"), (left, right),
+                                          strict=True)]
+    near = left[1:] == right[:-1]
+    through = np.where(near, mobility[left[1:]] / 2, 0.0)
+    shared, beside = np.zeros(count), pieces[0][1:] == pieces[1][:-1]
+    shared[1:] = np.where(beside & hidden[pieces[0][1:]], node["by_first"][left[1:]] / 2, through)
+    begins = np.flatnonzero(shared == 0)
+    last = np.full(count, NONE)
+    last[begins] = np.append(begins[1:], count) - 1
+    gap = np.array([row.gap[i] for i in chosen]) / h
+    columns = {name: np.array(getattr(row, name))[chosen]
+               for name in ("exponent", "damping", "strength")}
+    return filled(
+        records.LINK, count, law=[row.laws[i] for i in chosen],
+        stiffness=stiffness_in_steps(row, h)[chosen], left=left, right=right,
+        left_implicit=order[pieces[0]], right_implicit=order[pieces[1]],
+        left_group=np.searchsorted(first, left, "right") - 1,
+        right_group=np.searchsorted(first, right, "right") - 1,
+        last=last, own=ease[0] + ease[1], shared=shared, gap=gap, open=1, shut=gap == 0, **columns,
+    )
+
+
+def stiffness_in_steps(row: Row, step: float) -> Array:
+    """Stiffness of each link where time is counted in steps, s, and lengths as velocities."""
+    scaled = [k * step**p for k, p in zip(row.stiffness, row.exponent, strict=True)]
+    for k, p, small in zip(row.stiffness, row.exponent, scaled, strict=True):
+        if k > 0 and small < LEAST:
+            message = f"a force of {k!r} times the indentation to the {p:g} vanishes in steps"
+            raise InvalidModel([("contacts", f"{message} of {step:.3g} s; use a lower power")])
+    return np.array(scaled)
+
+
+def _bonds(mesh: Mesh, h: float, bound: Array) -> Array:
+    places = {link: q for q, link in enumerate(mesh.touching)}
+    found = list(mesh.interfaces.values())
+    cell = whole([x.cell for x in found])
+    return filled(
+        records.BOND, len(found), node=[x.node for x in found], mass=[x.mass / h for x in found],
+        side=[x.side for x in found], cell=cell, viscous=mesh.viscous[cell], bound=bound[cell],
+        link=[places.get(x.link, NONE) for x in found], end=[x.end for x in found],
+    )
+
+
+def cells_of(mesh: Mesh, step: float, grid: Grid) -> tuple[Array, Array]:
+    """Groups and cells for the proof of finality."""
+    first, last = np.array(mesh.groups, np.int64).T
+    cell = filled(
+        records.CELL, len(grid.force), mass=np.append(mesh.mass / step, 0.0),
+        held=np.append(mesh.held, 0), lateral=mesh.lateral / step, joint=NONE,
+        relaxed=mesh.cells.relaxed * step,
+        **{name: getattr(grid, name) for name in ("ease", "coupling", "own", "share", "shear")},
+    )
+    for i in np.flatnonzero(grid.link["law"] == JOINT):
+        cell["joint"][grid.link["right"][i]] = i
+    return filled(records.GROUP, len(first), first=first, last=last), cell
+
+
+# What drives the ends -----------------------------------------------------------------------------
+
+
+def driven(mesh: Mesh, step: float, side: int, steps: int) -> Array:
+    """What is given at an end in each step: force, wave, or velocity at its end in the frame."""
+    kind, value = mesh.row.outside[side]
+    if kind == "velocity":
+        return moved(mesh.row, step, value, step * np.arange(1, steps + 1))
+    if kind == "none":
+        return np.zeros(steps)
+    pushes = pushed(step, value, steps)
+    return pushes if kind == "force" else mesh.row.wave_of_strain(side) * pushes
+
+
+def pushed(step: float, value: Any, steps: int) -> Array:
+    """What drives an end at each kick: its mean over two steps, which waves can follow."""
+    halves = averages(value, step / 2 * np.arange(2 * steps + 2), 0.0)
+    around = np.concatenate((halves[:1], halves))
+    mean: Array = (around[:-3:2] + around[1:-2:2] + around[2:-1:2] + around[3::2]) / 4
+    return mean
+
+
+def moved(row: Row, step: float, value: Any, t: Array) -> Array:
+    """Velocity of a wall or a driven end, averaged over a step about times t, in the frame."""
+    if isinstance(value, float):
+        found: Array = np.full(len(t), value)
+    else:
+        edges = np.append(t - step / 2, t[-1:] + step / 2)
+        found = averages(value, np.maximum(edges, 0.0), 0.0)
+    result: Array = found - row.frame - row.gravity * t
+    return result
