@@ -131,7 +131,7 @@ def test_a_full_log_is_grown_and_the_run_goes_on():
         del state.log[run.rows :]
     assert full > 3
     for many, few in zip(roomy[1:5], narrow[1:5], strict=True):
-        assert [*map(vars, many)] == [*map(vars, few)] != []
+        assert many == few != []
 
 
 def chain(n):
