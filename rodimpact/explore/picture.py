@@ -67,7 +67,8 @@ def row_of_picture(known: Any) -> Any:
         begin += lengths[i]
         place += width
         entries.append({
-            "kind": body["kind"], "name": name, "title": capital(name), "width": width,
+            "kind": body["kind"], "name": name, "width": width,
+            "title": "Wall" if body["kind"] == "wall" else capital(name),
             "given": given_of(body), "derived": [derived_of(piece) for piece in body["pieces"]],
             "path": body["path"], "approach": body["approach"],
             "pieces": [
@@ -134,7 +135,7 @@ def numbers_of(bodies: list[Any]) -> list[str]:
 
 def name_of(kind: str, number: str) -> str:
     """The name of a body in a sentence."""
-    return kind if number == "wall" else f"{kind} {number}"
+    return "the wall" if number == "wall" else f"{kind} {number}"
 
 
 def contacts_of(bodies: list[Any]) -> list[str]:

@@ -461,10 +461,13 @@ def test_rods_and_masses_are_numbered_from_the_left_and_walls_are_not(visit):
     rod = PRESETS["unequal"].case.system.bodies[1]
     begin(page, ri.System([ri.Wall(), rod, ri.RigidMass(1.0, velocity=-1.0)]))
     assert page.locator("#controls legend").all_inner_texts()[:5] == [
-        "Wall", "Contact wall-1", "Rod 1", "Contact 1-2", "Mass 2"]
+        "The wall", "Contact wall-1", "Rod 1", "Contact 1-2", "Mass 2"]
     assert field(page, "bodies.1.length").count() == 1  # a path counts from 0, walls too
     sync_api.expect(page.locator("#results")).to_contain_text("velocity of mass 2")
     sync_api.expect(page.locator("#plot-force")).to_contain_text("contact wall-1")
+    page.locator("#time").fill("0")
+    sentence = sync_api.expect(page.locator("#sentence"))
+    sentence.to_contain_text("The wall rests, rod 1 rests, mass 2 comes")
 
 
 def test_the_picture_is_displaced_and_its_dashed_lines_have_the_slopes_of_the_velocities(visit):
@@ -637,6 +640,7 @@ def test_two_collisions_are_shown_at_the_same_time_in_the_same_colours(visit):
     page.locator("#time").fill("0")
     assert page.evaluate("now() === Math.min(shown.scene.begin, shown.other.begin)")
     boxes = [page.locator(canvas).bounding_box() for canvas in ("#diagram", "#other-diagram")]
+    page.wait_for_function("byId('diagram').width === byId('diagram').clientWidth")
     assert boxes[0]["x"] + boxes[0]["width"] <= boxes[1]["x"]
     page.click("#compare")
     assert not page.locator("#other").is_visible()

@@ -11,13 +11,14 @@ from scipy.linalg import block_diag
 
 import rodimpact as ri
 from rodimpact.methods import compiling, kernels
+from rodimpact.methods.grid import contact_kernel as contacts
 from rodimpact.methods.grid import elimination_kernel as elimination
 from rodimpact.methods.grid.keeping import Keeper
 from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size
-from rodimpact.methods.grid.records import IMPLICIT, NODE, PER_STATE, PER_STEP
+from rodimpact.methods.grid.records import IMPLICIT, LINK, NODE, PER_STATE, PER_STEP
 from rodimpact.methods.grid.run import GridRun
-from rodimpact.methods.laws import RIGID
+from rodimpact.methods.laws import RIGID, SPRING
 from rodimpact.methods.row import Row
 
 seeds = st.integers(0, 10**6)
@@ -128,6 +129,21 @@ def test_elimination_against_dense_matrices(seed, nodes, held_left, held_right):
     assert found[inside] == pytest.approx(expected, rel=1e-10, abs=1e-12)
     assert np.array_equal(found[:a], right[:a])
     assert np.array_equal(found[b + 1 :], right[b + 1 :])
+
+
+def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
+    """Link after link, forces would spread by one body a sweep, and settle after hundreds."""
+    links = np.zeros(12, LINK)
+    for name, value in {"law": SPRING, "stiffness": 1e4, "exponent": 1.0, "own": 1.0,
+                        "shared": 0.49, "free": 0.1, "place": 1e-3, "last": 11}.items():
+        links[name] = value
+    link, sweeps, relax = compiling.as_objects(links), [], contacts.relax
+    monkeypatch.setattr(contacts, "relax", lambda *given: sweeps.append(1) or relax(*given))
+    assert contacts.balance(link, 0, 11, 1.0)
+    mobility = np.eye(12) - 0.49 * (np.eye(12, k=1) + np.eye(12, k=-1))
+    force = np.linalg.solve(mobility + 2e-4 * np.eye(12), np.full(12, 0.1))  # F = k w/2
+    assert [at.force for at in link] == pytest.approx(force, rel=1e-12)
+    assert len(sweeps) <= 6
 
 
 # A step against dense matrices --------------------------------------------------------------------

@@ -20,9 +20,9 @@ from rodimpact.methods import kernels, tick_rule
 from rodimpact.methods.compiling import as_records, blank
 from rodimpact.methods.fronts import driver, events, finality, layout, march, records, stock
 from rodimpact.methods.fronts.records import Status, Stop
+from rodimpact.methods.fronts.stock import largest_difference
 from rodimpact.methods.pieces import march as pieces
 from rodimpact.methods.tick_rule import SPAN, assign_ticks, recognise
-from rodimpact.results.field_kernel import sum_on_grid
 
 
 def spans_of(durations):
@@ -309,22 +309,18 @@ def test_everything_that_may_run_compiled_is_warmed(monkeypatch):
                         lambda seconds, kernel, ahead=0.0: bool(met.add(kernel)))
     monkeypatch.setattr(kernels, "why_not", lambda: "")
     ri.warm()
-    assert {FOLLOW, PIECES, sum_on_grid} <= asked_about() <= met
+    assert {FOLLOW, PIECES, largest_difference} <= asked_about() <= met
 
 
 FORKS = """
 import os, sys, threading, time
-import numpy as np
 from rodimpact.methods import kernels
-from rodimpact.results.field_kernel import sum_on_grid
-
-ticks, values = np.array([0]), np.array([1.0])
+from rodimpact.methods.tick_rule import recognise
 
 def work():
     with kernels.forced(True):
-        kernels.worth_compiling(0.0, sum_on_grid)
-        kernels.compiled(sum_on_grid)(np.empty((1, 1)), ticks, ticks, values, ticks, ticks, values,
-                                      ticks, 1.0, 0.0)
+        kernels.worth_compiling(0.0, recognise)
+        kernels.compiled(recognise)(0.5)
 
 thread = threading.Thread(target=work)
 thread.start()

@@ -47,10 +47,10 @@ function contactEvents(scene, contact) {
     if (state !== "pressing") return [{ t: from, text: released(scene, pair, before, state) }];
     const first = quantity(valueAt(force, from + SAME * (to - from)), "N", 3);
     const begin = before === "open" ? "meet" : "begin to press";
-    if (scene.exact) return [{ t: from, text: `${capital(pair)} ${begin}, with ${first}: a wave of compression runs into each.` }];
+    if (scene.exact) return [{ t: from, text: `${capital(pair)} ${begin}, with ${first}: a wave of compression runs into ${pair.includes("wall") ? "the rod" : "each"}.` }];
     const peak = force.y.reduce((best, y, i) => (force.t[i] >= from && force.t[i] <= to && y > force.y[best] ? i : best), 0);
     return [{ t: from, text: `${capital(pair)} ${begin}, harder and harder.` },
-      { t: force.t[peak], text: `The force between ${pair} is largest: ${quantity(force.y[peak], "N", 3)}.` }];
+      { t: force.t[peak], text: `The force between ${pair} reaches its peak: ${quantity(force.y[peak], "N", 3)}.` }];
   });
 }
 

@@ -7,6 +7,7 @@ const FONT = 'system-ui, "DejaVu Sans", sans-serif';
 const sizes = new WeakMap();
 const sizeWatch = new ResizeObserver((entries) => {
   for (const { target } of entries) sizes.set(target, [target.clientWidth, target.clientHeight]);
+  redraw();
 });
 
 function sizeOf(canvas) {

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -236,12 +237,12 @@ class Mesh:
         cell = node + side
         return Interface(node, mass + self.cell_mass[cell] / 2, side, cell, -1, -1)
 
-    @property
+    @cached_property
     def swells(self) -> bool:
         """Whether cells have a radial strain of their own."""
         return bool(np.any(self.cells.swelling))
 
-    @property
+    @cached_property
     def implicit(self) -> list[bool]:
         """Whether each piece has damping or lateral inertia."""
         return [
