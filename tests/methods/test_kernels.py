@@ -18,7 +18,7 @@ from runs import tracked
 import rodimpact as ri
 from rodimpact.methods import kernels, tick_rule
 from rodimpact.methods.compiling import as_records, blank
-from rodimpact.methods.fronts import driver, events, finality, layout, march, stock
+from rodimpact.methods.fronts import driver, events, finality, layout, march, records, stock
 from rodimpact.methods.fronts.records import Status, Stop
 from rodimpact.methods.fronts.stock import largest_difference
 from rodimpact.methods.pieces import march as pieces
@@ -117,7 +117,6 @@ def test_fractions_give_exact_restitution(T, Z, e):
 
 
 def test_a_full_log_is_grown_and_the_run_goes_on():
-    """Whole numbers in, and the same values out however often there was no room."""
     roomy, narrow = (touching((3, 10), (5, 1), (1.0, 0.0), float) for _ in range(2))
     del narrow.log[narrow.run.started :]
     full = 0
@@ -125,7 +124,7 @@ def test_a_full_log_is_grown_and_the_run_goes_on():
         run = state.run
         run.target, run.limit, run.tolerance, run.window = -20, 10**6, 1e-12, 1
         while (stop := march.play(*state)) == Stop.FULL:
-            state.log.extend(blank(3, driver.ROW))
+            state.log.extend(blank(3, records.ROW))
             full += 1
         assert stop == Stop.FINAL
         del state.log[run.rows :]

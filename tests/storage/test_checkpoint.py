@@ -138,16 +138,16 @@ def test_a_killed_process_goes_on_to_the_same_bytes(tmp_path, seed):
 
 
 def test_a_full_disk_is_an_error_that_loses_nothing(tmp_path, monkeypatch):
-    write, calls = Checkpoint.write, []
+    put, calls = Checkpoint.put, []
 
     def full(self, *arguments):
         calls.append(1)
         if len(calls) > 5:
             raise OSError(errno.ENOSPC, "No space left on device")
-        write(self, *arguments)
+        put(self, *arguments)
 
     with monkeypatch.context() as patch:
-        patch.setattr(Checkpoint, "write", full)
+        patch.setattr(Checkpoint, "put", full)
         with pytest.raises(OSError, match="No space left"):
             ri.sweep(family(), checkpoint=tmp_path)
     assert done_in(tmp_path).sum() == 5
