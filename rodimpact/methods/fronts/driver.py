@@ -30,14 +30,13 @@ STATUS = {
     laws.FREE: Status.FREE, laws.FORCE: Status.PUSH, laws.BOND: Status.BOND,
     laws.RIGID: Status.TOUCH,
 }
-ROOM, MORE_ROOM = 64, 4  # rows of the log at first, and how much longer it gets where it is full
+ROOM = 128  # rows of the log at first, beside those at t = 0
 ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what results make of it
 EVENT_TIMES = 2e-5, 2e-6  # s, about what an event takes in plain Python, and compiled
 ROW_TIME = 2e-6  # s, about what plain Python takes for a row of the log
 PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
 FIRST_BLOCK, LAST_BLOCK = 32, 2048  # members of a block
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
-REMEDY = "lower the cap, or stop earlier (until)"
 
 
 class Plan:
@@ -153,15 +152,14 @@ class Members:
         ) != NONE)
 
     def lengthen(self) -> None:
-        """Make the log longer."""
-        rows, more = len(self.log), (MORE_ROOM - 1) * len(self.log)
-        what = f"a run of more than {rows} fronts"
-        ask(MORE_ROOM * rows * (ROW_NUMBERS if self.fast else LIST_NUMBERS), "max_events", what,
-            REMEDY)
+        """Make the log twice as long."""
+        rows = len(self.log)
+        ask(rows * (ROW_NUMBERS if self.fast else LIST_NUMBERS), "max_events",
+            f"a run of more than {rows} fronts", "lower the cap, or stop earlier (until)")
         if self.fast:
-            self.log = np.concatenate((self.log, np.zeros(more, ROW)))
+            self.log = np.concatenate((self.log, np.zeros(rows, ROW)))
         else:
-            self.log += blank(more, ROW)
+            self.log += blank(rows, ROW)
 
     def on_arrays(self) -> None:
         """Go on in machine code."""
