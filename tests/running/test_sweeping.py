@@ -234,6 +234,7 @@ def test_a_member_that_outgrows_the_work_space_runs_again(monkeypatch):
             assert same(ri.sweep(system), roomy)
 
 
+@pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
 def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
     system, asked = small_map((10, 10)), []
     plain = ri.sweep(system)
