@@ -33,7 +33,7 @@ STATUS = {
 ROOM = 128  # rows of the log at first, beside those at t = 0
 ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what results make of it
 EVENT_TIMES = 2e-5, 2e-6  # s, about what an event takes in plain Python, and compiled
-ROW_TIME = 2e-6  # s, about what plain Python takes for a row of the log
+ROW_TIME = 1e-5  # s, about what plain Python takes for a row of the log
 PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
 FIRST_BLOCK, LAST_BLOCK = 32, 2048  # members of a block
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
