@@ -59,7 +59,7 @@ class Forecast:
             What takes them: "1200 steps, 100 cells".
         """
         total = time.monotonic() - self._began + seconds
-        if self._announce and seconds > SOON and total > MORE * self._told:
+        if self._announce and total > MORE * self._told:
             self._told = total
             self._announce(
                 f"{self._work} takes some {how_long(total)}, perhaps more ({what}); "

@@ -302,10 +302,11 @@ class _News:
     def tell(self, members: int) -> None:
         """So many more members have ended."""
         self._ended += members
-        done, total = self._ended - self._counted, self._size - self._counted
+        total = self._size - self._counted
         # what runs is all that has been done in this time, at most
-        self._forecast.extrapolate(
-            max(done, min(self._running, total)), total, f"{self._to_do} collisions")
+        done = max(self._ended - self._counted, min(self._running, total))
+        if done < total or not self._compiles:  # else the first members wait for machine code
+            self._forecast.extrapolate(done, total, f"{self._to_do} collisions")
         if self._compiles and members:  # the first did
             self._compiles = False
             self._count_from_here()
