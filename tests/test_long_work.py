@@ -30,7 +30,8 @@ WORK = {
     "grid": lambda progress: ri.solve(
         PAIR, until=1e-4, method="finite-difference", cells=10, progress=progress),
     "sweep": lambda progress: ri.sweep(
-        ri.System([rod(np.array([0.4, 0.5]), 1.0), rod(1.0)]), progress=progress),
+        ri.System([rod(np.array([0.4, 0.5]), 1.0), rod(1.0)]), "finite-difference", until=1e-4,
+        cells=10, progress=progress),
     "atlas": lambda progress: ri.atlas(
         PAIR, ("bodies.1.length", 0.6, 1.5), ("bodies.1.area", 5e-5, 2e-4), most_cells=2,
         progress=progress),

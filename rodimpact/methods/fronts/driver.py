@@ -13,9 +13,9 @@ import numpy as np
 
 from ...model import Absorbing, End, Free, Incoming, Moved, Pushed, Rod, Steps
 from ...model.frozen import Number
-from .. import kernels, laws
+from .. import duration, kernels, laws
 from ..compiling import as_objects, as_records, blank, objects
-from ..duration import SOON, Forecast
+from ..duration import Forecast
 from ..family import Stopped, now, table
 from ..memory import ask, most_numbers
 from ..row import Row
@@ -293,7 +293,7 @@ def run_on(members: Members, forecast: Forecast | None = None) -> Members:
         if forecast:
             events, expected = int(run.events), _expected(run)
             left = (expected - events) * EVENT_TIMES[members.fast]
-            if left > SOON:  # compiling may have taken longer
+            if left > duration.SOON:  # compiling may have taken longer
                 forecast.expect(left, f"some {expected:.2g} events")
             forecast.reached(events, expected)
         members.lengthen()
