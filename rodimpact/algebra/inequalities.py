@@ -89,15 +89,13 @@ def _in_new_variables(p: Any, linear: list[Any]) -> Iterable[Any]:
     """The polynomial, with variables replaced by one or two linear forms that are positive."""
     if len(p) > COMPARED:
         return
-    for q in linear:
-        for x, form in _solved(q):
-            once = p.compose(x, form)
-            yield once
-            for r in linear:
-                if r is not q:
-                    for y, other in _solved(r.compose(x, form)):
-                        if y != x:
-                            yield once.compose(y, other)
+    for q, x, form in ((q, *found) for q in linear for found in _solved(q)):
+        once = p.compose(x, form)
+        yield once
+        for r in linear:
+            for y, other in _solved(r.compose(x, form)) if r is not q else ():
+                if y != x:
+                    yield once.compose(y, other)
 
 
 def _solved(q: Any) -> list[tuple[Any, Any]]:

@@ -58,7 +58,7 @@ def spacetime(
     solution: Solution, ax: Axes | None = None, field: str = "velocity",
     dimensionless: bool = False, start: float = 0.0, stop: float | None = None,
     magnification: float | None = None, coordinates: str = "body", across: bool = False,
-    gauges: Mapping[str, Gauge] | None = None,
+    *, gauges: Mapping[str, Gauge] | None = None,
 ) -> SpaceTime:
     """Draw where every piece of rod is at every time, coloured by its state.
 
