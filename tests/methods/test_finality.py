@@ -12,7 +12,7 @@ from systems import horizon, random_system
 import rodimpact as ri
 from rodimpact.methods.compiling import blank
 from rodimpact.methods.fronts import events, finality
-from rodimpact.methods.fronts.records import NODE, Status
+from rodimpact.methods.fronts.records import NODE, ROW, RUN, Status
 from rodimpact.methods.groups import groups
 
 M = ri.Material("m", youngs_modulus=1.0, density=1.0)
@@ -218,6 +218,17 @@ def test_a_gap_about_to_close_closes_now(gap, rate, closing, after):
     (at,) = blank(1, NODE)
     at.status, at.gap, at.rate = Status.OPEN.value, gap, rate
     assert (events.resolve_contact(at, closing, 100, 1e-9, 10), at.gap, at.rate) == after
+
+
+@pytest.mark.parametrize(("before", "opened"), [
+    (Status.OPEN, 7), (Status.TOUCH, 7), (Status.GRAZE, 9), (Status.PRESS, 9),
+])
+def test_only_a_contact_that_has_pressed_opens(before, opened):
+    """What touched without force since it closed leaves the last opening as it is."""
+    (run,), (at,), (row,) = blank(1, RUN), blank(1, NODE), blank(1, ROW)
+    at.status, at.opened = before.value, 7
+    events.note(run, at, row, 1, 9, Status.OPEN.value)
+    assert (at.opened, row.tick, row.after, row.value) == (opened, 9, 1, Status.OPEN)
 
 
 @pytest.mark.parametrize("delay", [0, 3, 900])
