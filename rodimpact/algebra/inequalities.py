@@ -89,7 +89,8 @@ def _in_new_variables(p: Any, linear: list[Any]) -> Iterable[Any]:
     """The polynomial, with variables replaced by one or two linear forms that are positive."""
     if len(p) > COMPARED:
         return
-    for q, x, form in ((q, *found) for q in linear for found in _solved(q)):
+    solved = [(q, x, form) for q in linear for x, form in _solved(q)]
+    for q, x, form in solved:
         once = p.compose(x, form)
         yield once
         for r in linear:

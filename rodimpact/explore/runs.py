@@ -91,9 +91,7 @@ def advance(space: Any, tick: int) -> None:
 
 def space_of(row: Any) -> Any:
     """Space for runs of rows of one make."""
-    n, leaves, pieces = len(row["segments"]), 1, len(row["segments"])
-    while leaves <= n:
-        leaves *= 2
+    n, pieces = len(row["segments"]), len(row["segments"])
     body = blank(len(row["rows"]), BODY)
     for i, (first, last, profile, velocities, strains, outside) in enumerate(row["rows"]):
         it = body[i]
@@ -109,5 +107,6 @@ def space_of(row: Any) -> Any:
     return {
         "run": run[0], "body": body, "node": node, "segment": blank(n + 2, SEGMENT),
         "piece": blank(pieces, PIECE), "line": blank(2 * n + 4, LINE),
-        "log": blank(2 * pieces + ROOM, ROW), "tree": [0 for _ in range(2 * leaves)],
+        "log": blank(2 * pieces + ROOM, ROW),
+        "tree": [0 for _ in range(events.size_of_tree(n + 1))],
     }

@@ -103,9 +103,7 @@ class Members:
         self, plan: Plan, count: int, until: float | None, max_events: int, fast: bool,
         reads: bool = False, further: bool = False,
     ) -> None:
-        self.plan, self.fast, n, leaves = plan, fast, plan.segments, 1
-        while leaves <= n:
-            leaves *= 2
+        self.plan, self.fast, n = plan, fast, plan.segments
         make: Any = np.zeros if fast else blank
         self.body: Any = np.array(plan.bodies, BODY) if fast else objects(plan.bodies, BODY)
         self.node = make(count * (n + 1), NODE)
@@ -124,7 +122,8 @@ class Members:
         self.line, self.piece = make(2 * n + 4, LINE), make(plan.pieces, PIECE)
         self.log = make(ROOM + plan.fronts, ROW)
         self.given: Any = None
-        self.tree: Any = np.zeros(2 * leaves, np.int64) if fast else [0] * (2 * leaves)
+        size = events.size_of_tree(n + 1)
+        self.tree: Any = np.zeros(size, np.int64) if fast else [0] * size
         asked = (("until", -1.0 if until is None else until), ("limit", max_events),
                  ("reads", reads), ("further", further))
         for name, value in asked:
@@ -243,9 +242,7 @@ def laid(
         By line: when fronts left, the first one transit before t = 0, and the values behind them;
         that of line 1 is empty.
     """
-    nodes, leaves = len(kinds), 1
-    while leaves < nodes:
-        leaves *= 2
+    nodes = len(kinds)
     (run,), segment, node, line = (blank(count, record) for count, record in (
         (1, RUN), (nodes + 1, SEGMENT), (nodes, NODE), (2 * nodes + 2, LINE)))
     sent = [(t, l, wave) for l, fronts in enumerate(waves) for t, wave in fronts]
@@ -258,7 +255,7 @@ def laid(
         at.kind, at.gap = kind, gap
     line[0].arrived, line[-1].arrived = outside
     run.started = len(sent)
-    made = Laid(run, segment, node, line, log, [0] * (2 * leaves))
+    made = Laid(run, segment, node, line, log, [0] * events.size_of_tree(nodes))
     events.begin(run, segment, node, line, log, made.tree)
     stock.initial(run, segment, node, line, log)
     return made

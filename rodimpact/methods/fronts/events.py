@@ -24,6 +24,14 @@ from .records import CHANGE, IDLE, NEVER, NONE, Status, Stop
 MOST = 3  # rows that an event may add to the log
 
 
+def size_of_tree(nodes: int) -> int:
+    """Entries of a winner tree: as many leaves as nodes or more, a power of two, and above them."""
+    size = 2
+    while size < 2 * nodes:
+        size *= 2
+    return size
+
+
 def schedule(tree: Any, i: int, tick: int) -> None:
     """Set leaf i of the winner tree."""
     tree[i] = tick

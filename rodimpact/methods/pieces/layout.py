@@ -210,13 +210,6 @@ def velocity_scale(row: Row, of: _Members, time: Any) -> Any:
     return np.where(scale > 0, scale, 1.0)
 
 
-def waves_extremes(value: Any) -> list[Any]:
-    """Smallest and largest value of a profile."""
-    from ...model.profiles import extremes
-
-    return extremes(value)
-
-
 def _clock(
     row: Row, of: _Members, until: float | None, scale: Any, reference: Any
 ) -> tuple[Any, Any, list[list[int]], Any]:
