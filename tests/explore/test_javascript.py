@@ -27,6 +27,7 @@ from rodimpact.explore.start import start
 from rodimpact.explore.tables import row_of
 from rodimpact.methods import compiling, tick_rule
 from rodimpact.methods.pieces import driver, finality, layout, march
+from rodimpact.methods.pieces.rows import lay_out
 from rodimpact.methods.row import Row
 from rodimpact.storage.casefile import case_from
 
@@ -249,7 +250,7 @@ RECORDED = {
 def recorded(system):
     """The records of a system on the clock of the page, as objects."""
     until = 4e-4 if system.ends != (ri.Free(), ri.Free()) else None
-    machine = driver.Machine(layout.lay_out(Row(system), until, 1e-8, 3000, True))
+    machine = driver.Machine(lay_out(Row(system), until, 1e-8, 3000, True))
     records = machine.records
     for name in ("log", "turn"):
         records[name] = np.concatenate([records[name]] * 4)

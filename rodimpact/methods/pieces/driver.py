@@ -11,8 +11,8 @@ from .. import compiling, kernels
 from ..duration import Forecast
 from ..memory import ask
 from . import march
-from .layout import Layout
 from .records import NEVER, PIECE, TURN, Stop
+from .rows import Layout
 from .series import N
 
 FIRST_ROOM = 256  # pieces of a log, at first

@@ -15,9 +15,9 @@ from ..row import Row
 from ..run import largest_error
 from . import driver, march
 from .accuracy import COARSER, apart, compare, left_open
-from .layout import Layout, is_even, lay_out, own_laws
 from .method import tolerance_of, vibration_of
 from .records import PIECE, TURN, Law, Stop
+from .rows import Layout, is_even, lay_out, own_laws
 
 TOGETHER = 1024  # members of one chunk
 CALL = 64  # members between two looks whether to stop

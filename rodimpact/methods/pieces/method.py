@@ -25,8 +25,8 @@ from ..run import ContactTally, GroupTotals, Run, Signals, largest_error
 from ..status import end_sentence, last_contact, proof_sentence, rounding, strain_warning
 from .accuracy import COARSER, COARSEST, apart, compare, left_open
 from .driver import Machine
-from .layout import LAWS, Layout, lay_out
 from .records import Law, Part, Status, Stop, Touch
+from .rows import LAWS, Layout, lay_out
 from .signals import signals_of
 
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
@@ -147,7 +147,8 @@ def _fastest(log: Any, s: int) -> float:
 
 
 def _clock(layout: Layout) -> Clock:
-    row, tick, ticks = layout.row, float(layout.tick[0]), layout.ticks[0].tolist()
+    row, tick = layout.row, float(layout.clock.tick[0])
+    ticks = [int(T[0]) for T in layout.clock.transits]
     segments = row.segments
     errors = [abs(T * tick / float(s.transit_time) - 1)
               for T, s in zip(ticks, segments, strict=True)]
