@@ -32,30 +32,31 @@ def groups_of(row: Any) -> list[list[int]]:
     return groups
 
 
-def velocities_of(row: Any, speeds: list[float], frame: float) -> list[float]:
-    """Velocity of each body: of its group, or of the wall or fixed end that holds that."""
+def velocities_of(row: Any, own: list[float]) -> list[float]:
+    """Velocity of each body: `own` of its group, or of the wall or fixed end that holds that."""
     found: list[float] = []
     bodies = row["bodies"]
-    for group in groups_of(row):
-        inside = [i for i in group if bodies[i]["kind"] == "rod"]
-        own = speeds[bodies[inside[0]]["first"]] + frame if len(inside) > 0 else 0.0
+    for g, group in enumerate(groups_of(row)):
         held = []
         for end, i in ((0, group[0]), (1, group[-1])):
             if bodies[i]["kind"] == "wall" and end == (0 if i == 0 else 1):
                 held.append(bodies[i]["velocity"])
             elif i == end * (len(bodies) - 1) and row["ends"][end] == "fixed":
                 held.append(0.0)
-        shared = held[0] if len(held) == 1 or (len(held) == 2 and held[0] == held[1]) else own
+        shared = held[0] if len(held) == 1 or (len(held) == 2 and held[0] == held[1]) else own[g]
         found.extend([
-            shared if bodies[i]["kind"] == "rod" else bodies[i]["velocity"] for i in group])
+            bodies[i]["velocity"] if bodies[i]["kind"] == "wall" else shared for i in group])
     return found
 
 
 def before_and_after(row: Any, run: Any) -> Any:
     """Velocities of the bodies before and after."""
-    segment, frame = run["segment"], run["run"].frame
-    return (velocities_of(row, [it.initial for it in segment], frame),
-            velocities_of(row, [it.velocity for it in segment], frame))
+    frame, inside = run["run"].frame, []  # a segment of each group
+    for group in groups_of(row):
+        rods = [row["bodies"][i]["first"] for i in group if row["bodies"][i]["kind"] == "rod"]
+        inside.append(run["segment"][rods[0] if len(rods) > 0 else 0])
+    return (velocities_of(row, [it.initial + frame for it in inside]),
+            velocities_of(row, [it.velocity + frame for it in inside]))
 
 
 def outcome_of(row: Any, run: Any) -> Any:

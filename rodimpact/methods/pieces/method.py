@@ -28,7 +28,7 @@ from .driver import Machine
 from .records import Law, Part, Stop
 from .rows import LAWS, Layout, lay_out
 from .signals import signals_of
-from .totals import ends_of_contacts, stated, tally_of
+from .totals import ends_of_contacts, stated, tally_of, told_of
 
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
 RTOL = 1e-8
@@ -86,7 +86,8 @@ def _hand_over(
         row.system, stopped_by, proof, format_si(t_end, "s"), f"{run['steps']} steps of nodes")
     fastest = max((_fastest(r["log"][: run["pieces"]], s) / float(row.segments[s].wave_speed)
                    for s in range(len(row.segments))), default=0.0)
-    status += stated(largest_error(accuracy), goal) + _events(row, run) + rounding(
+    status += stated(largest_error(accuracy), goal) + told_of(run) + _struck_together(
+        row) + rounding(
         clock.transit_error, clock.worst) + strain_warning(fastest)
     signals = cache(partial(signals_of, row, clock, end, r))
     return Run(
@@ -104,22 +105,13 @@ def _end(r: dict[str, Any]) -> int:
     return min(int(r["node"]["now"].min()), int(r["run"][0]["end"]))
 
 
-def _events(row: Row, run: Any) -> str:
-    """What is told of breaks too dense to follow, and of rigid bodies that rest or touch."""
-    told = ""
-    if run["rough"]:
-        told += (
-            f" From {format_si(float(run['first_rough'] * run['tick']), 's')} on, waves break more "
-            f"often than {run['shortest'] // run['floor']} times in the shortest transit; they are "
-            "followed by means over such times there, which keeps momentum."
-        )
-    if run["rested"]:
-        told += " Rigid bodies that parted too slowly to matter came to rest against each other."
+def _struck_together(row: Row) -> str:
+    """What is told of rigid bodies that touch at t = 0."""
     touching = [i for i, (law, gap) in enumerate(zip(row.laws, row.gap, strict=True))
                 if LAWS[law] == Law.IMPACT and float(gap) == 0]
     if any(j == i + 1 for i, j in pairwise(touching)):
-        told += " Rigid bodies that touch are struck together; with gaps the outcome differs."
-    return told
+        return " Rigid bodies that touch are struck together; with gaps the outcome differs."
+    return ""
 
 
 def _fastest(log: Any, s: int) -> float:

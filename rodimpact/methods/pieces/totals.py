@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ...units import format_si
 from ..run import ContactTally
 from .records import Law, Status, Touch
 
@@ -39,3 +40,17 @@ def stated(worst: float, goal: float) -> str:
     """What is told of the largest stated error, where `goal` was asked for."""
     late = f" That is more than rtol = {goal:.6g} asks for." if worst > MORE * goal else ""
     return f" Stated relative error: {worst:.1g}.{late}"
+
+
+def told_of(run: Any) -> str:
+    """What is told of breaks too dense to follow, and of rigid bodies that rest."""
+    told = ""
+    if run.rough:
+        told += (
+            f" From {format_si(run.first_rough * run.tick, 's')} on, waves break more often than "
+            f"{run.shortest // run.floor} times in the shortest transit; they are followed by "
+            "means over such times there, which keeps momentum."
+        )
+    if run.rested:
+        told += " Rigid bodies that parted too slowly to matter came to rest against each other."
+    return told
