@@ -11,11 +11,11 @@ import functools
 
 from ..methods.compiling import blank
 from ..units import format_factor, format_si
-from .fronts import known_of
+from .fronts import scene_of
 from .javascript import javascript
-from .outcome import changed, curve_of, restitutions
-from .picture import contacts_of, name_of, numbers_of, picture, ratio_of, written
-from .tables import lacking, mistakes, row_of
+from .outcome import changed, restitutions
+from .picture import contacts_of, name_of, numbers_of, written
+from .tables import lacking, mistakes
 
 CONSTANTS = {
     "CLOCK_BITS": 52, "NEVER": 1 << 52, "IDLE": (1 << 53) - 1, "LEAST_UNIT": 2.0**34,
@@ -23,8 +23,7 @@ CONSTANTS = {
 }
 """Constants of the kernels on the page's clock."""
 FUNCTIONS = (
-    row_of, lacking, mistakes, known_of, picture, ratio_of, curve_of, restitutions, changed,
-    contacts_of, name_of, numbers_of,
+    lacking, mistakes, scene_of, restitutions, changed, contacts_of, name_of, numbers_of,
 )
 KNOWN = {format_si: "inSi", written: "inSi", format_factor: "plainNumber", blank: "py.blank"}
 """What the page writes in its own way."""

@@ -1,7 +1,7 @@
 """From the tables of a case to a row of fronts, in Python that the page has as JavaScript.
 
 The numbers are those of `Plan`. Mistakes are told in the words of the model: `RULES` are its
-fields. What fronts cannot carry is named; it needs the served page.
+fields. What fronts cannot carry is named: the page cannot solve it.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from ..methods.abilities import (
     JOINTS,
     LATERAL,
     MASSES,
+    OWN_LAWS,
     SMOOTH_DRIVES,
     SMOOTH_STATES,
     TAPER,
@@ -23,7 +24,6 @@ from ..methods.abilities import (
 from ..methods.fronts.records import Outside, Status
 from ..model import Material, Rod, Segment, System, Wall
 from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, Field, wanted
-from .design import MOST_EVENTS
 
 RULES: dict[str, dict[str, tuple[str, str]]] = {
     table: {name: (fields[name].sign, wanted(fields[name].unit, fields[name].sign)[:-11])
@@ -37,6 +37,7 @@ RULES: dict[str, dict[str, tuple[str, str]]] = {
 }
 """By table and field its sign, and what it must be."""
 SCALE = OUT_OF_SCALE[:-11]
+MOST_EVENTS = 20_000  # fronts that arrive at an end: an answer comes while a slider is dragged
 
 
 def lacking(case: Any) -> tuple[str, str]:
@@ -66,7 +67,7 @@ def lacking(case: Any) -> tuple[str, str]:
     for i, contact in enumerate(case.get("contacts", [])):
         law, key = contact.get("law", "rigid"), other_key(contact, ("gap", "law"))
         if law not in ("rigid", "bonded"):
-            return f"contacts.{i}", JOINTS if law == "joint" else COMPLIANCE
+            return f"contacts.{i}", {"joint": JOINTS, "own": OWN_LAWS}.get(law, COMPLIANCE)
         if key != "":
             return f"contacts.{i}.{key}", f"the entry {key}"
     for name, material in case.get("materials", {}).items():
@@ -224,7 +225,8 @@ def row_of(case: Any, library: Any) -> Any:
         "rows": [(first, last, before + place, velocities, strains, outside)
                  for first, last, place, velocities, strains, outside in rows],
         "nodes": [body["last"] for body in bodies[: count - 1]],
-        "until": asked.get("until", -1.0), "max_events": asked.get("max_events", MOST_EVENTS),
+        "until": asked.get("until", -1.0),
+        "max_events": min(asked.get("max_events", MOST_EVENTS), MOST_EVENTS),
     }
 
 

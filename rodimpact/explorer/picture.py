@@ -1,8 +1,8 @@
 """All that the page shows of a solution, from what is known of it: layout, curves, texts.
 
-Plain Python, which the page has as JavaScript: a collision that it solves itself and one that the
-server solves are shown alike. Polygons cut at time t are the rods at time t, so the page slices
-them and needs no physics.
+Plain Python, which the page has as JavaScript: a collision that it solves itself and one that
+Python has solved for it are shown alike. Polygons cut at time t are the rods at time t, so the page
+slices them and needs no physics.
 """
 
 from __future__ import annotations
@@ -69,8 +69,8 @@ def row_of_picture(known: Any) -> Any:
         entries.append({
             "kind": body["kind"], "name": name, "width": width,
             "title": "Wall" if body["kind"] == "wall" else capital(name),
-            "given": given_of(body), "derived": [derived_of(piece) for piece in body["pieces"]],
-            "path": body["path"], "approach": body["approach"],
+            "derived": [derived_of(piece) for piece in body["pieces"]], "path": body["path"],
+            "approach": body["approach"],
             "pieces": [
                 (piece["length"], piece["areas"][-1], piece["mass"] / piece["length"],
                  piece["transit_time"]) for piece in body["pieces"]],
@@ -153,23 +153,6 @@ def written(value: float, unit: str, digits: int) -> str:
     """A quantity for people, with a µ."""
     number, _, prefixed = format_si(value, unit, digits).partition(" ")
     return f"{number} {'µ' + prefixed[1:] if prefixed.startswith('u') else prefixed}".strip()
-
-
-def given_of(body: Any) -> Any:
-    """What is given of a body."""
-    found = []
-    for j, piece in enumerate(body["pieces"]):
-        where = f" of segment {j + 1}" if len(body["pieces"]) > 1 else ""
-        found.append((f"length{where}", written(piece["length"], "m", 6)))
-        found.append((f"area{where}", f"{between(piece, 1e4, 6)} cm²"))
-        found.append((f"material{where}", piece["material"]))
-    if body["kind"] == "mass":
-        found.append(("mass", written(body["mass"], "kg", 6)))
-    speed = "a profile"
-    if body["velocity"] is not None:
-        speed = written(body["velocity"], "m/s", 6)
-    found.append(("velocity", speed))
-    return found
 
 
 def derived_of(piece: Any) -> Any:
