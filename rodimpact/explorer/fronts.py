@@ -20,9 +20,10 @@ from .motion import (
     waves_of,
 )
 from .outcome import closed_form_of, curve_of, outcome_of
-from .picture import contacts_of, numbers_of, picture, ratio_of
+from .picture import picture, ratio_of
 from .runs import run_of, space_of
 from .tables import row_of
+from .texts import contacts_of, numbers_of
 
 
 def scene_of(case: Any, gauges: Any, library: Any) -> Any:

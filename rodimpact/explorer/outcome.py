@@ -76,12 +76,25 @@ def outcome_of(row: Any, run: Any) -> Any:
     able = [k for k in range(count) if not row["bonded"][k]]
     status = sentence_of(row, run)
     why = why_no_restitution(row, run, able, before, status)
-    e = math.nan if why != "" else restitution(able[0], before, after)
+    e, error = math.nan, 0.0
+    if why == "":
+        e = restitution(able[0], before, after)
+        error = error_of(row, run) / (before[able[0]] - before[able[0] + 1])
     return {
         "before": before, "after": after, "contacts": contacts, "able": able,
         "final": proof_of(row, run) != NONE, "status": status, "why": why, "restitution": e,
+        "error": error,
         "energy_before": kinetic + vibration_before, "vibration_after": vibration_after,
     }
+
+
+def error_of(row: Any, run: Any) -> float:
+    """By how much two velocities may be wrong together, m/s, where the clock rounds transits."""
+    it, longest = run["run"], 1
+    for at in run["segment"]:
+        longest = max(longest, at.transit)
+    rounded, _ = transit_error_of(row, run)
+    return float(2 * (rounded + 1 / longest) * it.events * it.scale)
 
 
 def driven_ends(row: Any) -> bool:

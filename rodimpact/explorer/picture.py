@@ -13,6 +13,8 @@ from typing import Any
 from ..results.magnification import BLOCK, drifts, magnified, round_down
 from ..storage.tables import clean
 from ..units import TIMES, format_factor, format_si
+from .reason import reason_of
+from .texts import capital, contacts_of, name_of, numbers_of, written
 
 
 def picture(known: Any) -> Any:
@@ -36,12 +38,14 @@ def picture(known: Any) -> Any:
     for t in polygons["t"]:
         end = max(end, t)
     row, bodies = row_of_picture(known)
+    e = restitution_of(known)
+    reason = reason_of(known, e["text"] if e["why"] == "" else "")
     return {
         "end": end, "exact": known["exact"], "method": known["method"], "row": row,
         "bodies": bodies, "tiling": polygons,
         "plots": [plot for plot in known["plots"] if len(plot["series"]) > 0],
         "contacts": known["contacts"], "gauges": known["gauges"],
-        "restitution": restitution_of(known), "curve": known["curve"], "ratio": ratio_of(known),
+        "restitution": e, "reason": reason, "curve": known["curve"], "ratio": ratio_of(known),
         "results": results_of(known), "notes": known["notes"],
     }
 
@@ -121,38 +125,6 @@ def spread(marks: list[Any], apart: list[float], frame: float) -> float:
 
 
 # Texts --------------------------------------------------------------------------------------------
-
-
-def numbers_of(bodies: list[Any]) -> list[str]:
-    """What people call bodies by: rods and masses are numbered from the left, walls are not."""
-    found: list[str] = []
-    count = 0
-    for body in bodies:
-        count += 0 if body["kind"] == "wall" else 1
-        found.append("wall" if body["kind"] == "wall" else f"{count}")
-    return found
-
-
-def name_of(kind: str, number: str) -> str:
-    """The name of a body in a sentence."""
-    return "the wall" if number == "wall" else f"{kind} {number}"
-
-
-def contacts_of(bodies: list[Any]) -> list[str]:
-    """The names of all contacts of a row."""
-    numbers = numbers_of(bodies)
-    return [f"{numbers[i]}-{numbers[i + 1]}" for i in range(len(numbers) - 1)]
-
-
-def capital(word: str) -> str:
-    """The word at the head of a line."""
-    return f"{word[:1].upper()}{word[1:]}"
-
-
-def written(value: float, unit: str, digits: int) -> str:
-    """A quantity for people, with a µ."""
-    number, _, prefixed = format_si(value, unit, digits).partition(" ")
-    return f"{number} {'µ' + prefixed[1:] if prefixed.startswith('u') else prefixed}".strip()
 
 
 def derived_of(piece: Any) -> Any:

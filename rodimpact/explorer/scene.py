@@ -18,7 +18,8 @@ from ..storage.casefile import Case
 from ..storage.report import ENERGIES
 from ..units import format_si
 from .fronts import plot_of, series_of
-from .picture import contacts_of, numbers_of, picture
+from .picture import picture
+from .texts import contacts_of, numbers_of
 from .tiling import grids
 
 SAMPLES = 400  # of a curve

@@ -14,8 +14,9 @@ from ..units import format_factor, format_si
 from .fronts import scene_of
 from .javascript import javascript
 from .outcome import changed, restitutions
-from .picture import contacts_of, name_of, numbers_of, written
+from .reason import spells_of, value_at
 from .tables import lacking, mistakes
+from .texts import contacts_of, name_of, numbers_of, written
 
 CONSTANTS = {
     "CLOCK_BITS": 52, "NEVER": 1 << 52, "IDLE": (1 << 53) - 1, "LEAST_UNIT": 2.0**34,
@@ -24,6 +25,7 @@ CONSTANTS = {
 """Constants of the kernels on the page's clock."""
 FUNCTIONS = (
     lacking, mistakes, scene_of, restitutions, changed, contacts_of, name_of, numbers_of,
+    spells_of, value_at,
 )
 KNOWN = {format_si: "inSi", written: "inSi", format_factor: "plainNumber", blank: "py.blank"}
 """What the page writes in its own way."""

@@ -73,6 +73,8 @@ function showLegend() {
   byId("most").textContent = `+${reach}`;
 }
 
+const micro = (text) => text.replace(/ us\b/g, " µs");
+
 function showNumbers(scene) {
   const { restitution: e } = scene;
   byId("restitution").value = minus(e.text);
@@ -83,7 +85,8 @@ function showNumbers(scene) {
   const off = e.difference === undefined ? "" : `; difference ${minus(e.difference)}`;
   byId("theory").textContent = (e.why ? `${e.why}. ` : "") + beside + off;
   fillTable(byId("results"), scene.results);
-  const notes = [...touching(scene), ...scene.notes].map((text) => text.replace(/ us\b/g, " µs"));
+  write(byId("reason"), minus(micro(scene.reason.join(" "))));
+  const notes = scene.notes.map(micro);
   if (byId("notes").dataset.shown !== notes.join()) {
     byId("notes").dataset.shown = notes.join();
     byId("notes").replaceChildren(...notes.map((text) => make("p", {}, text)));

@@ -2,19 +2,7 @@
 // Curves over time, and e over the ratio of the lengths.
 
 /** Value of a curve at time t. */
-function valueAt(series, t) {
-  const { t: times, y } = series;
-  let [low, high] = [0, times.length - 1];
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (times[middle] <= t) low = middle;
-    else high = middle;
-  }
-  if (times.length === 1 || t <= times[0]) return y[0];
-  if (t >= times[high]) return y[high];
-  if (series.steps || times[high] === times[low]) return y[low];
-  return y[low] + (y[high] - y[low]) * (t - times[low]) / (times[high] - times[low]);
-}
+const valueAt = (series, t) => fronts.value_at(series, t);
 
 /** Range of values with 0 in it and some air around. */
 function rangeOf(plot) {
