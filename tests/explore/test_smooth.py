@@ -1,7 +1,6 @@
 """Compliant contacts and rigid masses on the page: characteristics as JavaScript."""
 
 import json
-import math
 import shutil
 import subprocess
 import tomllib
@@ -11,12 +10,12 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
-from rodimpact.explore.design import LIBRARY
-from rodimpact.explore.javascript import javascript
-from rodimpact.explore.page_files import read
-from rodimpact.explore.smooth import smooth_known
-from rodimpact.explore.solver import CONSTANTS, KNOWN
-from rodimpact.explore.tables import RULES, lacking, mistakes, row_of
+from rodimpact.explorer.design import LIBRARY
+from rodimpact.explorer.javascript import javascript
+from rodimpact.explorer.page_files import read
+from rodimpact.explorer.smooth import smooth_known
+from rodimpact.explorer.solver import CONSTANTS, KNOWN
+from rodimpact.explorer.tables import RULES, lacking, mistakes, row_of
 
 NODE = shutil.which("node")
 needs_node = pytest.mark.skipif(NODE is None, reason="node is not installed")
@@ -73,7 +72,8 @@ def tables_of(case):
 def shown_by_the_page(cases):
     """What the page knows of cases, without pictures."""
     functions = (row_of, lacking, mistakes, smooth_known)
-    script = f"""{read("python.js")}\n{read("numbers.js")}\n{javascript(functions, CONSTANTS, KNOWN)}
+    text = javascript(functions, CONSTANTS, KNOWN)
+    script = f"""{read("python.js")}\n{read("numbers.js")}\n{text}
     const answer = ({{ cases, library, rules }}) => cases.map((tables) => {{
       if (lacking(tables)[0] || mistakes(tables, [], library, rules).length) return null;
       return smooth_known(row_of(tables, library), tables.contacts, []);

@@ -2,16 +2,14 @@
 // The page: what is shown, what moves it, and when it is drawn.
 
 const byId = (id) => document.getElementById(id);
-const embedded = byId("embedded") ? JSON.parse(byId("embedded").textContent) : null;
+const start = JSON.parse(byId("embedded").textContent);
 
-const PATIENCE = 250; // ms, before the page says that it is solving
 const shown = {
   scene: null, other: null, view: null, share: 0.35, playing: false, mark: null, quantity: "velocity",
   displaced: true, zoomed: false, held: false, fresh: true, guessing: false,
-  frame: null, strip: null, theme: null, due: false, frames: 0,
+  frame: null, strip: null, theme: null, due: false, asked: false, frames: 0,
 };
-let [design, start, arrived, past, controls, scenes, curves] = []; // not there yet
-const timers = { address: 0, curve: 0, solving: 0 };
+let [design, arrived, past, controls, keeping] = []; // not there yet
 
 // Drawing ----------------------------------------------------------------------------------------
 
@@ -34,13 +32,23 @@ function now() {
   return Math.min(end, begin + shown.share * (end - begin));
 }
 
+/** Draw in the next frame; solve before, if that is asked: once, however often a slider moves. */
 function redraw() {
-  if (shown.due || !shown.scene) return;
+  if (shown.due) return;
   shown.due = true;
   requestAnimationFrame(() => {
-    shown.due = false;
-    draw();
+    try {
+      if (shown.asked) receive(sceneOf(design));
+      if (shown.scene) draw();
+    } finally {
+      shown.due = false;
+    }
   });
+}
+
+function askScene() {
+  shown.asked = true;
+  redraw();
 }
 
 function draw() {
@@ -65,6 +73,8 @@ function showLegend() {
   byId("most").textContent = `+${reach}`;
 }
 
+const micro = (text) => text.replace(/ us\b/g, " µs");
+
 function showNumbers(scene) {
   const { restitution: e } = scene;
   byId("restitution").value = minus(e.text);
@@ -75,21 +85,12 @@ function showNumbers(scene) {
   const off = e.difference === undefined ? "" : `; difference ${minus(e.difference)}`;
   byId("theory").textContent = (e.why ? `${e.why}. ` : "") + beside + off;
   fillTable(byId("results"), scene.results);
-  const notes = [...touching(scene), ...scene.notes].map((text) => text.replace(/ us\b/g, " µs"));
+  write(byId("reason"), minus(micro(scene.reason.join(" "))));
+  const notes = scene.notes.map(micro);
   if (byId("notes").dataset.shown !== notes.join()) {
     byId("notes").dataset.shown = notes.join();
     byId("notes").replaceChildren(...notes.map((text) => make("p", {}, text)));
   }
-}
-
-function showSolving(on) {
-  clearTimeout(timers.solving);
-  document.documentElement.toggleAttribute("data-solving", on);
-}
-
-function askScene(afresh = false) {
-  if (!timers.solving) timers.solving = setTimeout(showSolving, PATIENCE, true);
-  scenes.ask(design, afresh);
 }
 
 /** Take a new scene. */
@@ -116,8 +117,9 @@ function stateAddress() {
 }
 
 function keepAddress() {
-  clearTimeout(timers.address);
-  timers.address = setTimeout(() => history.replaceState(null, "", `#${stateAddress()}`), 300);
+  if (location.protocol === "about:") return; // a frame of a notebook has no address
+  clearTimeout(keeping);
+  keeping = setTimeout(() => history.replaceState(null, "", `#${stateAddress()}`), 300);
 }
 
 function setQuantity(name) {
@@ -151,10 +153,8 @@ function showProblems(problems) {
 }
 
 function receive({ data, problems = [] }) {
-  if (scenes.waiting === null && scenes.oldest === scenes.sent) { // it is the last answer
-    showSolving(false);
-    timers.solving = 0;
-  }
+  shown.asked = false;
+  document.documentElement.removeAttribute("data-solving");
   showProblems(problems);
   document.documentElement.toggleAttribute("data-stale", !data);
   if (!data) return;
@@ -163,14 +163,6 @@ function receive({ data, problems = [] }) {
   arrived = null;
   controls.showDerived(data.bodies);
   showMap();
-  clearTimeout(timers.curve);
-  if (data.ratio !== null && !data.curve) timers.curve = setTimeout(() => curves.ask(design, true), 400);
-}
-
-function receiveCurve({ data }) {
-  if (!data || !shown.scene || shown.scene.ratio === null) return;
-  shown.scene.curve = data;
-  redraw();
 }
 
 function changed(rebuild) {
@@ -189,16 +181,18 @@ function begin(next, then = null) {
   Object.assign(shown, { mark: null, zoomed: false, fresh: true });
   controls.build(design);
   showPreset();
-  askScene(true);
+  askScene();
   keepAddress();
 }
 
-/** Name the collision, if it is one of those to begin with. */
+/** Name the collision, if it is one of those to begin with; say if Python has solved it. */
 function showPreset() {
   const text = JSON.stringify(design);
   const same = start.presets.find((preset) => JSON.stringify(preset.design) === text);
   byId("preset").value = same ? same.key : "";
-  byId("remark").textContent = same ? same.remark : "";
+  const what = isStored(design) && (fronts.lacking(design.case)[1] || "so many waves");
+  byId("remark").textContent = what ? `Python solved this collision when the page was written, because the page cannot solve ${what}. `
+    + "The sliders work for rods and contacts that the page can solve." : same ? same.remark : "";
 }
 
 function offerPresets() {
@@ -227,11 +221,7 @@ function saveSvg() {
   download("rodimpact.svg", "image/svg+xml", pen.document(beginning(scene), theme.paper));
 }
 
-async function saveCase() {
-  const { data, problems } = await ask("/case", design);
-  if (data) download("case.toml", "application/toml", data.toml);
-  else showProblems(problems);
-}
+const saveCase = () => download("case.toml", "application/toml", tomlOf(design, start.materials));
 
 // Beginning --------------------------------------------------------------------------------------
 
@@ -279,21 +269,9 @@ function connect() {
   });
 }
 
-function beginOffline() {
-  for (const element of document.querySelectorAll(".live")) element.hidden = true;
-  const title = document.title.replace(/[-_]+/g, " ");
-  document.querySelector("h1").textContent = title[0].toUpperCase() + title.slice(1);
-  readAddress();
-  showSolving(false);
-  showGiven(byId("controls"), embedded.scene.bodies);
-  show(embedded.scene);
-}
-
-async function beginLive() {
+async function beginPage() {
   await unpackKernels();
-  start = embedded ? embedded.start : await (await fetch("start.json")).json();
-  scenes = new Line("/scene", receive);
-  curves = new Line("/curve", receiveCurve);
+  if (start.scene) start.scene = JSON.parse(await unpacked(start.scene));
   controls = new Controls(byId("controls"), start.materials, changed);
   past = new History(byId("undo"), begin);
   offerPresets();
@@ -305,5 +283,4 @@ async function beginLive() {
 }
 
 connect();
-if (embedded && embedded.scene) beginOffline();
-else beginLive();
+beginPage();

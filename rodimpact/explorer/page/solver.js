@@ -1,54 +1,46 @@
 "use strict";
-// Answers of the page itself, where the fronts of a collision can be followed: it needs no server.
+// What the page solves by itself, and the case file of what it shows.
 
-/** Unpack the kernels, which a page of one file holds compressed. */
+/** A text that the page holds compressed. */
+function unpacked(letters) {
+  const bytes = Uint8Array.from(atob(letters), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).text();
+}
+
 async function unpackKernels() {
-  if (!embedded) return;
-  const bytes = Uint8Array.from(atob(byId("packed").textContent), (letter) => letter.charCodeAt(0));
-  const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
   const script = document.createElement("script");
-  script.textContent = await new Response(plain).text();
+  script.textContent = await unpacked(byId("packed").textContent);
   document.head.append(script);
 }
 
-/** What is wrong with a design that this page would solve, or what of it fronts cannot carry. */
+/** What is wrong with a design, or what of it this page cannot solve. */
 function problemsOf({ case: tables, gauges }) {
   const [path, what] = fronts.lacking(tables);
-  if (what) return [{ path, message: `this page follows fronts only, without ${what}; the one that rodimpact explore serves solves it` }];
+  if (what) return [{ path, message: `this page cannot solve ${what}; Python can, with rodimpact explore CASE.toml` }];
   return fronts.mistakes(tables, listOf(gauges), start.materials, start.rules).map(([where, message]) => ({ path: where, message }));
 }
 
-const answers = {
-  "/scene"(design) {
-    const row = fronts.row_of(design.case, start.materials);
-    const known = fronts.known_of(row, listOf(design.gauges));
-    if (known.problem) return { problems: [{ path: known.problem[0], message: known.problem[1] }] };
-    const ratio = fronts.ratio_of(known);
-    if (ratio !== null) known.curve = fronts.curve_of(design.case, start.materials, ratio);
-    return { data: fronts.picture(known) };
-  },
-  "/curve": () => ({ data: null }), // a scene of fronts has it, if there is one
-  "/case": (design) => ({ data: { toml: tomlOf(design, start.materials) } }),
-};
+/** Whether Python has solved this design, which the page cannot solve. */
+const isStored = (asked) => start.scene !== null && JSON.stringify(asked) === JSON.stringify(start.design);
 
-/** The answer of this page to a question; null where only a server has one. */
-function answerHere(address, design) {
-  if (!(address in answers)) return null;
-  let answer;
+/** The scene of a design as `data`, or its `problems`. */
+function sceneOf(asked) {
+  if (isStored(asked)) return { data: structuredClone(start.scene) };
   try {
-    const problems = problemsOf(design);
-    answer = problems.length ? { problems } : answers[address](design);
+    const problems = problemsOf(asked);
+    if (problems.length) return { problems };
+    const { problem, ...data } = fronts.scene_of(asked.case, listOf(asked.gauges), start.materials);
+    return problem ? { problems: [{ path: problem[0], message: problem[1] }] } : { data };
   } catch (error) {
-    answer = { problems: [{ path: "", message: `The design cannot be read: ${error.message}` }] };
+    return { problems: [{ path: "", message: `The design cannot be read: ${error.message}` }] };
   }
-  return embedded || "data" in answer ? answer : null;
 }
 
 /** e over two numbers of a design, row by row; the page stays awake. */
 async function* mapOf(design, [xPath, xs], [yPath, ys]) {
   for (let j = 0; j < ys.length; j += 1) {
     const tables = fronts.changed(design.case, yPath, ys[j]);
-    yield fronts.restitutions(tables, start.materials, xPath, xs);
+    yield fronts.e_over(tables, start.materials, xPath, xs);
     if (j % 10 === 9) await new Promise((resolve) => { setTimeout(resolve); });
   }
 }

@@ -1,4 +1,4 @@
-"""The files of the page: served one by one, or put together in one that opens from disk."""
+"""The files of the page, put together in one that opens from disk."""
 
 from __future__ import annotations
 
@@ -17,30 +17,21 @@ from .solver import script
 SCRIPTS = (
     "numbers.js", "python.js", "kernels.js", "solver.js", "pens.js", "contacts.js", "layout.js",
     "picture.js", "strip.js", "plots.js", "reading.js", "lesson.js", "tour.js", "film.js",
-    "compare.js", "controls.js", "map.js", "build.js", "server.js", "main.js",
+    "compare.js", "controls.js", "map.js", "build.js", "address.js", "main.js",
 )
-PACKED = ("python.js", "kernels.js")  # in one file they are compressed, or left out
-KINDS = {"html": "text/html", "css": "text/css", "js": "text/javascript"}
-SERVED = ("page.html", "page.css", *SCRIPTS)
+PACKED = ("python.js", "kernels.js")  # these are compressed
 
 
 def read(name: str) -> str:
     """Text of a file of the page; the kernels are translated as they are now."""
     if name == "kernels.js":
         return script()
-    text = resources.files(__package__).joinpath("page", name).read_text(encoding="utf-8")
-    tags = "\n".join(f'<script src="{file}" defer></script>' for file in SCRIPTS)
-    return text.replace("<!-- scripts -->", tags) if name == "page.html" else text
+    return resources.files(__package__).joinpath("page", name).read_text(encoding="utf-8")
 
 
 def lean(text: str) -> str:
     """A script or a style without indentation, and without comments on lines of their own."""
     return re.sub(r"^(\s+|\s*//.*\n|\s*/\*\*(.|\n)*?\*/\n)", "", text, flags=re.MULTILINE)
-
-
-def kind_of(name: str) -> str:
-    """Content type of a file of the page."""
-    return f"{KINDS[name.rpartition('.')[2]]}; charset=utf-8"
 
 
 def standalone(embedded: Mapping[str, Any], title: str) -> str:
@@ -49,7 +40,7 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
     Parameters
     ----------
     embedded : dict
-        With ``scene`` and ``design``, to be looked at; or with ``start``, to be played with.
+        What the page begins with.
     title : str
         Of the window.
 
@@ -60,8 +51,7 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
     """
     style = lean(read("page.css"))
     script = lean("\n".join(read(name) for name in SCRIPTS if name not in PACKED))
-    kernels = lean("\n".join(map(read, PACKED))) if "start" in embedded else ""
-    packed = base64.b64encode(zlib.compress(kernels.encode(), 9)).decode()
+    kernels = lean("\n".join(map(read, PACKED)))
     policy = "; ".join([
         "default-src 'none'", f"style-src {_digest(style)}",
         f"script-src {_digest(script)} {_digest(kernels)}",
@@ -75,18 +65,22 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
     )
     tail = (
         f'<script type="application/json" id="embedded">{data}</script>\n'
-        f'<script type="text/plain" id="packed">{packed}</script>\n'
+        f'<script type="text/plain" id="packed">{packed(kernels)}</script>\n'
         f"<script>{script}</script>"
     )
     page = read("page.html")
     for pattern, text in (
         (r"<title>.*</title>", f"<title>{html.escape(title)}</title>"),
         (r'<link rel="stylesheet" href="page.css">', head),
-        (r'<script src="[a-z]+\.js" defer></script>\n', ""),
         (r"</body>", f"{tail}\n</body>"),
     ):
         page = re.sub(pattern, lambda _, text=text: text, page)  # type: ignore[misc]
     return page
+
+
+def packed(text: str) -> str:
+    """A text compressed, as letters."""
+    return base64.b64encode(zlib.compress(text.encode(), 9)).decode()
 
 
 def _digest(text: str) -> str:

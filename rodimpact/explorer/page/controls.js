@@ -133,7 +133,7 @@ class Controls {
     materials[name] = { youngs_modulus, density };
   }
 
-  /** Where the server speaks of this field. */
+  /** What a problem calls this field. */
   key(path) {
     return (path[0] === "case" ? path.slice(1) : path).join(".");
   }
@@ -239,15 +239,6 @@ function inUnit(message, { unit, power }) {
   const [, said, got] = /^(.*), got (\S+)$/.exec(message) || [];
   if (!Number.isFinite(Number(got)) || unit === undefined) return message;
   return `${said.replace(/ number of .*/, " number")}, got ${minus(`${toShown(Number(got), Number(power))} ${unit}`)}`;
-}
-
-/** What is given, as text, where nothing can be changed. */
-function showGiven(form, bodies) {
-  form.replaceChildren(...bodies.map((body) => {
-    const table = make("table", {}, make("tbody", {}));
-    fillTable(table.firstChild, [...body.given, ...body.derived.flat()]);
-    return make("fieldset", {}, make("legend", {}, body.title), table);
-  }));
 }
 
 /** Rows of names and values; only what has changed is written. */

@@ -124,7 +124,7 @@ def energy_curves(row: Any, known: Any, run: Any, waves: list[Any]) -> Any:
         now = run["now"] * j / MOMENTS
         inside, whole, contact = 0.0, 0.0, 0.0
         speeds, m = [], 0
-        for i, body in enumerate(row["bodies"]):
+        for body in row["bodies"]:
             momentum = body["mass"] * given.frame
             for s in range(body["first"] - 1, body["last"]):
                 mean, square = means_of(run, waves, s, now)

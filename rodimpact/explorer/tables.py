@@ -1,7 +1,7 @@
 """From the tables of a case to a row of fronts, in Python that the page has as JavaScript.
 
 The numbers are those of `Plan`. Mistakes are told in the words of the model: `RULES` are its
-fields. What fronts cannot carry is named; it needs the served page.
+fields. What fronts cannot carry is named: the page cannot solve it.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from ..methods.abilities import (
     JOINTS,
     LATERAL,
     MASSES,
+    OWN_LAWS,
     SMOOTH_DRIVES,
     SMOOTH_STATES,
     TAPER,
@@ -24,7 +25,6 @@ from ..methods.fronts.records import Outside, Status
 from ..model import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall
 from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, Field, wanted
 from ..model.laws import Hertz, HuntCrossley, PowerLaw, Spring, SpringDashpot
-from .design import MOST_EVENTS
 
 LAWS = (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw)
 RULES: dict[str, dict[str, tuple[str, str]]] = {
@@ -42,6 +42,7 @@ RULES: dict[str, dict[str, tuple[str, str]]] = {
 """By table and field its sign, and what it must be."""
 PROFILES = "profiles in one row with compliant contacts or rigid masses"
 SCALE = OUT_OF_SCALE[:-11]
+MOST_EVENTS = 20_000  # fronts that arrive at an end: an answer comes while a slider is dragged
 
 
 def is_smooth(case: Any) -> bool:
@@ -51,6 +52,11 @@ def is_smooth(case: Any) -> bool:
     compliant = any(law not in ("rigid", "bonded") for law in laws)
     masses = any(body["kind"] == "mass" for body in case["bodies"])
     return asked == "characteristics" or (asked == "auto" and (compliant or masses))
+
+
+def contacts_in(case: Any) -> Any:
+    """The tables of all contacts."""
+    return case.get("contacts", [{} for _ in range(len(case["bodies"]) - 1)])
 
 
 def lacking(case: Any) -> tuple[str, str]:
@@ -85,7 +91,8 @@ def lacking(case: Any) -> tuple[str, str]:
         rods = any(body["kind"] == "rod" for body in case["bodies"][i : i + 2])
         numbers = entries_of(law, rods)
         if numbers is None:
-            return f"contacts.{i}", JOINTS if law == "joint" else f'the contact law "{law}"'
+            names = {"joint": JOINTS, "own": OWN_LAWS}
+            return f"contacts.{i}", names.get(law, f'the contact law "{law}"')
         if law not in ("rigid", "bonded") and not smooth:
             return f"contacts.{i}", COMPLIANCE
         if law == "bonded" and not rods:
@@ -217,7 +224,7 @@ def row_of(case: Any, library: Any) -> Any:
         negative where none is asked for.
     """
     tables, count = case["bodies"], len(case["bodies"])
-    contacts = case.get("contacts", [{} for _ in range(count - 1)])
+    contacts = contacts_in(case)
     own, ends = case.get("materials", {}), case.get("ends", {})
     asked = case.get("solve", {})
     both = [ends.get(side, {"kind": "free"}) for side in ("left", "right")]
@@ -270,7 +277,8 @@ def row_of(case: Any, library: Any) -> Any:
         "rows": [(first, last, before + place, velocities, strains, outside)
                  for first, last, place, velocities, strains, outside in rows],
         "nodes": [body["last"] for body in bodies[: count - 1]],
-        "until": asked.get("until", -1.0), "max_events": asked.get("max_events", MOST_EVENTS),
+        "until": asked.get("until", -1.0),
+        "max_events": min(asked.get("max_events", MOST_EVENTS), MOST_EVENTS),
     }
 
 

@@ -18,8 +18,6 @@ from ..units import format_si
 from .runs import run_of, space_of
 from .tables import row_of
 
-RATIOS = 80  # of the lengths, on the curve of e
-
 
 def groups_of(row: Any) -> list[list[int]]:
     """Bodies that are bonded together, from left to right."""
@@ -77,12 +75,25 @@ def outcome_of(row: Any, run: Any) -> Any:
     able = [k for k in range(count) if not row["bonded"][k]]
     status = sentence_of(row, run)
     why = why_no_restitution(row, run, able, before, status)
-    e = math.nan if why != "" else restitution(able[0], before, after)
+    e, error = math.nan, 0.0
+    if why == "":
+        e = restitution(able[0], before, after)
+        error = error_of(row, run) / (before[able[0]] - before[able[0] + 1])
     return {
         "before": before, "after": after, "contacts": contacts, "able": able,
         "final": proof_of(row, run) != NONE, "status": status, "why": why, "restitution": e,
+        "error": error,
         "energy_before": kinetic + vibration_before, "vibration_after": vibration_after,
     }
+
+
+def error_of(row: Any, run: Any) -> float:
+    """By how much two velocities may be wrong together, m/s, where the clock rounds transits."""
+    it, longest = run["run"], 1
+    for at in run["segment"]:
+        longest = max(longest, at.transit)
+    rounded, _ = transit_error_of(row, run)
+    return float(2 * (rounded + 1 / longest) * it.events * it.scale)
 
 
 def driven_ends(row: Any) -> bool:
@@ -203,19 +214,3 @@ def changed(tree: Any, path: list[Any], value: float) -> Any:
     copy = [*tree] if isinstance(tree, list) else {**tree}
     copy[path[0]] = changed(tree[path[0]], path[1:], value)
     return copy
-
-
-def curve_of(case: Any, library: Any, ratio: float) -> Any:
-    """e over l1/l2 of two uniform rods, l1 varied and all else as it is.
-
-    None where the left one has a profile, which is bound to the length it was made for.
-    """
-    left, reach = case["bodies"][0], 2.0
-    if isinstance(left.get("velocity", 0.0), dict) or isinstance(left.get("strain", 0.0), dict):
-        return None
-    while reach < 1.1 * ratio:
-        reach *= 2
-    ratios = [reach * (k + 1) / RATIOS for k in range(RATIOS)]
-    lengths = [r * case["bodies"][1]["length"] for r in ratios]
-    values = restitutions(case, library, ["bodies", 0, "length"], lengths)
-    return {"ratios": ratios, "values": values, "source": f"solved at {RATIOS} ratios"}

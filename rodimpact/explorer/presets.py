@@ -8,18 +8,17 @@ from ..materials import steel
 from ..model import System
 from ..model.bodies import Material, Rod, Wall
 from ..storage.casefile import Case, GaugePlace
-from .design import Design
 
 AREA = 1e-4  # m^2, of the rods of the box
 
 
 class Preset(NamedTuple):
-    """A collision to begin with: its key in the address of the page, its name, what it shows."""
+    """A collision to begin with: its key, its name, what it shows, and its case."""
 
     key: str
     title: str
     remark: str
-    design: Design
+    case: Case
 
 
 def presets() -> list[Preset]:
@@ -47,8 +46,8 @@ def presets() -> list[Preset]:
          [steel_rod(0.2, 1.0), *(steel_rod(0.2) for _ in range(4))], [2]),
     ]
     return [
-        Preset(key, title, remark, Design(
-            Case(System(bodies), gauges=tuple(GaugePlace(body, 0.5) for body in gauges))))
+        Preset(key, title, remark, Case(
+            System(bodies), gauges=tuple(GaugePlace(body, 0.5) for body in gauges)))
         for key, title, remark, bodies, gauges in rows
     ]
 

@@ -1,8 +1,8 @@
 """All that the page shows of a solution, from what is known of it: layout, curves, texts.
 
-Plain Python, which the page has as JavaScript: a collision that it solves itself and one that the
-server solves are shown alike. Polygons cut at time t are the rods at time t, so the page slices
-them and needs no physics.
+Plain Python, which the page has as JavaScript: a collision that it solves itself and one that
+Python has solved for it are shown alike. Polygons cut at time t are the rods at time t, so the page
+slices them and needs no physics.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ from typing import Any
 from ..results.magnification import BLOCK, drifts, magnified, round_down
 from ..storage.tables import clean
 from ..units import TIMES, format_factor, format_si
+from .reason import reason_of
+from .texts import capital, contacts_of, name_of, numbers_of, stated, written
 
 
 def picture(known: Any) -> Any:
@@ -36,12 +38,14 @@ def picture(known: Any) -> Any:
     for t in polygons["t"]:
         end = max(end, t)
     row, bodies = row_of_picture(known)
+    e = restitution_of(known)
+    reason = reason_of(known, e["text"] if e["why"] == "" else "")
     return {
         "end": end, "exact": known["exact"], "method": known["method"], "row": row,
         "bodies": bodies, "tiling": polygons,
         "plots": [plot for plot in known["plots"] if len(plot["series"]) > 0],
         "contacts": known["contacts"], "gauges": known["gauges"],
-        "restitution": restitution_of(known), "curve": known["curve"], "ratio": ratio_of(known),
+        "restitution": e, "reason": reason, "curve": known["curve"], "ratio": ratio_of(known),
         "results": results_of(known), "notes": known["notes"],
     }
 
@@ -69,8 +73,8 @@ def row_of_picture(known: Any) -> Any:
         entries.append({
             "kind": body["kind"], "name": name, "width": width,
             "title": "Wall" if body["kind"] == "wall" else capital(name),
-            "given": given_of(body), "derived": [derived_of(piece) for piece in body["pieces"]],
-            "path": body["path"], "approach": body["approach"],
+            "derived": [derived_of(piece) for piece in body["pieces"]], "path": body["path"],
+            "approach": body["approach"],
             "pieces": [
                 (piece["length"], piece["areas"][-1], piece["mass"] / piece["length"],
                  piece["transit_time"]) for piece in body["pieces"]],
@@ -123,55 +127,6 @@ def spread(marks: list[Any], apart: list[float], frame: float) -> float:
 # Texts --------------------------------------------------------------------------------------------
 
 
-def numbers_of(bodies: list[Any]) -> list[str]:
-    """What people call bodies by: rods and masses are numbered from the left, walls are not."""
-    found: list[str] = []
-    count = 0
-    for body in bodies:
-        count += 0 if body["kind"] == "wall" else 1
-        found.append("wall" if body["kind"] == "wall" else f"{count}")
-    return found
-
-
-def name_of(kind: str, number: str) -> str:
-    """The name of a body in a sentence."""
-    return "the wall" if number == "wall" else f"{kind} {number}"
-
-
-def contacts_of(bodies: list[Any]) -> list[str]:
-    """The names of all contacts of a row."""
-    numbers = numbers_of(bodies)
-    return [f"{numbers[i]}-{numbers[i + 1]}" for i in range(len(numbers) - 1)]
-
-
-def capital(word: str) -> str:
-    """The word at the head of a line."""
-    return f"{word[:1].upper()}{word[1:]}"
-
-
-def written(value: float, unit: str, digits: int) -> str:
-    """A quantity for people, with a µ."""
-    number, _, prefixed = format_si(value, unit, digits).partition(" ")
-    return f"{number} {'µ' + prefixed[1:] if prefixed.startswith('u') else prefixed}".strip()
-
-
-def given_of(body: Any) -> Any:
-    """What is given of a body."""
-    found = []
-    for j, piece in enumerate(body["pieces"]):
-        where = f" of segment {j + 1}" if len(body["pieces"]) > 1 else ""
-        found.append((f"length{where}", written(piece["length"], "m", 6)))
-        found.append((f"area{where}", f"{between(piece, 1e4, 6)} cm²"))
-        found.append((f"material{where}", piece["material"]))
-    if body["kind"] == "mass":
-        found.append(("mass", written(body["mass"], "kg", 6)))
-    speed = "a profile"
-    if body["velocity"] is not None:
-        speed = written(body["velocity"], "m/s", 6)
-    found.append(("velocity", speed))
-    return found
-
-
 def derived_of(piece: Any) -> Any:
     """What follows for a segment."""
     return [
@@ -203,9 +158,8 @@ def restitution_of(known: Any) -> Any:
     value, digits, text = None, 9 if known["method"] == "fronts" else 5, "-"
     if why == "":
         value, error = outcome["restitution"], outcome.get("error", 0.0)
-        text = f"{clean(value, 1.0):.{digits}g}"
-        if error > 0.5 * 10.0 ** (math.floor(math.log10(max(value, 1e-9))) + 1 - digits):
-            text = f"{text} ± {error:.1g}"
+        text = stated(
+            f"{clean(value, 1.0):.{digits}g}", max(value, 1e-9), digits, error, "")
     elif len(outcome["able"]) > 1:
         count = len(outcome["able"])
         why = f"A coefficient e belongs to one contact; this row has {count}, see the velocities"
@@ -228,18 +182,24 @@ def results_of(known: Any) -> Any:
     for v in [*o["before"], *o["after"]]:
         fastest = max(fastest, abs(v))
     after = "after" if o["final"] else "at the end"
-    rows, names = [], contacts_of(known["bodies"])
+    rows, names, errors = [], contacts_of(known["bodies"]), o.get("errors", {})
     for i, number in enumerate(numbers_of(known["bodies"])):
         if number != "wall":
             v, name = clean(o["after"][i], fastest), name_of(known["bodies"][i]["kind"], number)
-            rows.append((f"velocity of {name} {after}", f"{v:.{digits}g} m/s"))
+            text = stated(f"{v:.{digits}g} m/s", v, digits, errors.get("velocity", 0.0), "m/s")
+            rows.append((f"velocity of {name} {after}", text))
     for i in o["able"]:
         c, name = o["contacts"][i], f" {names[i]}" if len(o["able"]) > 1 else ""
-        rows.append((f"impulse{name}", written(c["impulse"], "N s", 5)))
-        rows.append((f"peak force{name}", written(c["peak_force"], "N", 5)))
-        rows.append((f"force duration{name}", written(c["duration"], "s", 5)))
+        for what, key, unit in (
+            ("impulse", "impulse", "N s"), ("peak force", "peak_force", "N"),
+            ("force duration", "duration", "s"),
+        ):
+            if c[key] == c[key]:  # a blow of rigid bodies has no peak force
+                text = stated(written(c[key], unit, 5), c[key], 5, errors.get(key, 0.0), unit)
+                rows.append((f"{what}{name}", text))
     rows.append(("energy before", written(o["energy_before"], "J", 5)))
     vibration = clean(o["vibration_after"], o["energy_before"])
-    rows.append((f"energy in vibration {after}", written(vibration, "J", 5)))
+    text = stated(written(vibration, "J", 5), vibration, 5, errors.get("energy", 0.0), "J")
+    rows.append((f"energy in vibration {after}", text))
     rows.append(("method", known["method"]))
     return rows

@@ -35,7 +35,7 @@ function prepare(scene) {
   }
   for (const at of scene.place) row.span = [Math.min(row.span[0], at), Math.max(row.span[1], at)];
   for (const contact of scene.contacts) {
-    contact.spells = spellsOf(contact);
+    contact.spells = fronts.spells_of(contact.force, contact.gap);
     contact.faces = [faceOf(scene, contact.index, scene.lengths[contact.index]), faceOf(scene, contact.index + 1, 0)];
   }
   scene.centres = centresOf(scene);

@@ -20,8 +20,8 @@ from .motion import (
     waves_of,
 )
 from .outcome import closed_form_of, outcome_of
-from .picture import contacts_of, numbers_of
 from .runs import run_of, space_of
+from .texts import contacts_of, numbers_of
 
 
 def known_of(row: Any, gauges: Any) -> Any:

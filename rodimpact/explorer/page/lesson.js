@@ -144,23 +144,14 @@ function hideResult(on) {
   byId("guessed").focus();
 }
 
-/** What the impulse comes to: velocities, e, and the energy that vibrates. */
-function reason({ restitution, results, events }) {
-  const end = events.findLast(({ text }) => /force .* ends/.test(text));
-  const said = (start) => results.filter(([name]) => name.startsWith(start)).map(([name, value]) => [name.replace(/^velocity of| (after|at the end)$/g, ""), minus(value)]);
-  const speeds = said("velocity").map(([name, value]) => `${name} has ${value}`).join(" and");
-  return `${end ? `${quantity(end.t, "s")}: ${end.text} ` : ""}The impulse is ${said("impulse")[0][1]}:${speeds} afterwards, so e = ${minus(restitution.text)}. `
-    + `The energy was ${said("energy before")[0][1]}; the part that vibrates in the end is ${said("energy in vibration")[0][1]}.`;
-}
-
-/** Compare the guess with e, say why, and let the film run. */
+/** Compare the guess with e, and let the film run; the reason is shown again. */
 function reveal() {
   const guess = byId("guessed").valueAsNumber;
   const { value, text } = shown.scene.restitution;
   if (!Number.isFinite(guess)) return;
   hideResult(false);
   const off = Math.abs(guess - value);
-  byId("verdict").textContent = `You said ${guess}; e is ${minus(text)}: ${off < 0.005 ? "right!" : `off by ${plainNumber(off, 2)}.`} ${reason(shown.scene)}`;
+  byId("verdict").textContent = `You said ${guess}; e is ${minus(text)}: ${off < 0.005 ? "right!" : `off by ${plainNumber(off, 2)}.`}`;
   play(true);
 }
 

@@ -1,8 +1,4 @@
-"""What is known of a solution, for `picture`: of fronts exactly, of other methods from samples.
-
-Fronts are solved as the page solves them, from the tables of the case, with the same kernels. What
-is sampled comes from the `Solution`.
-"""
+"""Samples of a solution, for `picture`, where the page cannot solve by itself."""
 
 from __future__ import annotations
 
@@ -18,32 +14,30 @@ from ..results.closed_forms import closed_form
 from ..results.contacts import ContactHistory
 from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
+from ..storage.casefile import Case
 from ..storage.report import ENERGIES
 from ..units import format_si
-from .design import LIBRARY, MOST_EVENTS, Design
-from .fronts import known_of, plot_of, series_of
-from .outcome import curve_of
-from .picture import contacts_of, numbers_of, picture, ratio_of
-from .tables import row_of
+from .fronts import plot_of, series_of
+from .picture import picture
+from .texts import contacts_of, numbers_of
 from .tiling import grids
 
 SAMPLES = 400  # of a curve
 MOMENTS = 101  # of the energy
-DIGITS = 9  # of the numbers that are drawn
+DIGITS = 5  # of the numbers that are drawn; four are read off
 
 Scene = dict[str, Any]
 
 
-def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
+def scene(case: Case, solution: Solution) -> Scene:
     """All that the page shows of a solution.
 
     Parameters
     ----------
-    design : Design
+    case : Case
+        With its gauges.
     solution : Solution
-        Of this design.
-    as_asked : bool
-        Whether it was solved as the case asks, not on a mesh of the page's own.
+        Of this case.
 
     Returns
     -------
@@ -57,44 +51,27 @@ def scene(design: Design, solution: Solution, as_asked: bool = False) -> Scene:
     """
     if reason := nothing_to_draw(solution):
         raise InvalidModel([("solve", reason)])
-    known: Scene | None = None
-    if solution.method == "fronts" and solution.events <= MOST_EVENTS:
-        sent = design.to_dict()
-        row = row_of(sent["case"], LIBRARY)
-        known = known_of(row, sent["gauges"])
-        ratio = ratio_of(known) if "bodies" in known else None
-        if ratio is not None:
-            known["curve"] = curve_of(sent["case"], LIBRARY, ratio)
-    if known is None or "problem" in known:
-        known = sampled(design, solution, as_asked)
-    return shortened(picture(known))
-
-
-def sampled(design: Design, solution: Solution, as_asked: bool) -> Scene:
-    """What is known of a solution from samples."""
     tiling, o = grids(solution), solution.outcome
     notes = [solution.status, "The picture shows means over cells, not the fronts themselves."]
-    if solution.method == "finite-difference" and not as_asked:
-        notes.append("Solved quickly, on a coarse mesh; rodimpact run is more accurate.")
     system = solution.system
     held = [float(b.velocity) for b in system.bodies if isinstance(b, Wall)]
     held += [0.0 for end in system.ends if isinstance(end, Fixed | Moved)]
     why, theory = o.why_no_restitution(), closed_form(system)
     closed = theory and {
         "restitution": float(theory.collision().restitution), "source": theory.source}
-    return {
+    return shortened(picture({
         "method": solution.method, "exact": False, "notes": notes, "closed_form": closed,
         "bodies": [_body(solution, i) for i in range(len(system.bodies))],
         "positions": solution.fields.positions, "polygons": tiling,
         "strain": max(map(abs, tiling.pop("strain"))),
         "slowest": min(held or o.velocities_before, key=abs),
-        "plots": [*_contacts(solution), _energy(solution), _gauges(design, solution)],
+        "plots": [*_contacts(solution), _energy(solution), _gauges(case, solution)],
         "contacts": [
             {"index": c.index, "bonded": isinstance(c.law, Bonded),
              "compliant": not isinstance(c.law, Rigid | Bonded)}
             for c in solution.contacts
         ],
-        "gauges": [{"body": body, "fraction": at} for body, at, _ in design.case.gauges],
+        "gauges": [{"body": body, "fraction": at} for body, at, _ in case.gauges],
         "curve": None,
         "outcome": {
             "before": o.velocities_before, "after": o.velocities_after, "able": o.unilateral,
@@ -104,7 +81,7 @@ def sampled(design: Design, solution: Solution, as_asked: bool) -> Scene:
             "energy_before": o.kinetic_before + sum(o.vibration_before),
             "vibration_after": sum(o.vibration_after),
         },
-    }
+    }))
 
 
 def _error(solution: Solution) -> float:
@@ -182,9 +159,9 @@ def _energy(solution: Solution) -> Any:
     return plot_of("energy", "Energy", "J", series)
 
 
-def _gauges(design: Design, solution: Solution) -> Any:
+def _gauges(case: Case, solution: Solution) -> Any:
     times, series = np.linspace(0.0, solution.t_end, SAMPLES + 1), []
-    for body, fraction, _ in design.case.gauges:
+    for body, fraction, _ in case.gauges:
         x = fraction * float(solution.fields.edges(body)[-1])
         name = f"rod {numbers_of(_kinds(solution))[body]} at {format_si(x, 'm', 4)}"
         strain = solution.gauge(body, x).strain_at(times)
@@ -194,9 +171,9 @@ def _gauges(design: Design, solution: Solution) -> Any:
 
 def shortened(found: Scene) -> Scene:
     """The scene with as many digits in what is drawn as a picture can use."""
-    for table in (found["tiling"], found["row"], *found["bodies"], *found["plots"]):
+    for table in (found["tiling"], *found["bodies"], *found["plots"]):
         table.update({key: _short(value) for key, value in table.items()})
-    return {**found, "end": _short(found["end"])}
+    return {**found, "end": _short(found["end"])}  # no later than the polygons
 
 
 def _short(value: Any) -> Any:

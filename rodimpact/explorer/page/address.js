@@ -1,50 +1,6 @@
 "use strict";
-// Questions to the server, and the state in the address of the page.
-
-async function ask(address, question) {
-  const own = answerHere(address, question);
-  if (own) return own;
-  const answer = await fetch(address, {
-    method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(question),
-  });
-  const data = await answer.json();
-  return answer.ok ? { data } : { problems: data.problems };
-}
-
-const AT_ONCE = 2; // questions: while one is answered, the last answer is drawn
-
-/** Few questions at a time; of those that come meanwhile the latest is asked next. */
-class Line {
-  constructor(address, receive) {
-    Object.assign(this, { address, receive, waiting: null, busy: 0, oldest: 0, sent: 0 });
-  }
-
-  /** Ask; with `afresh` no answer to an earlier question is taken any more. */
-  async ask(question, afresh = false) {
-    this.waiting = question;
-    if (afresh) this.oldest = this.sent + 1;
-    if (this.busy >= AT_ONCE) return;
-    this.busy += 1;
-    while (this.waiting !== null) {
-      const next = this.waiting;
-      this.waiting = null;
-      this.sent += 1;
-      const number = this.sent;
-      let answer;
-      try {
-        answer = await ask(this.address, next);
-      } catch {
-        answer = { problems: [{ path: "", message: "No answer: is rodimpact explore still running?" }] };
-      }
-      if (number < this.oldest) continue;
-      this.oldest = number;
-      this.receive(answer);
-    }
-    this.busy -= 1;
-  }
-}
-
-// The address holds every number under its path: #case.bodies.0.length=0.4&view.quantity=stress
+// The state in the address of the page: every number under its path,
+// #case.bodies.0.length=0.4&view.quantity=stress
 
 const pathText = (path) => path.map((key) => encodeURIComponent(key).replace(/\./g, "%2E")).join(".");
 

@@ -1,22 +1,8 @@
 "use strict";
 // Curves over time, and e over the ratio of the lengths.
 
-const NO_CURVE = { ratios: [], values: [], source: "the curve follows when the sliders rest" };
-
 /** Value of a curve at time t. */
-function valueAt(series, t) {
-  const { t: times, y } = series;
-  let [low, high] = [0, times.length - 1];
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (times[middle] <= t) low = middle;
-    else high = middle;
-  }
-  if (times.length === 1 || t <= times[0]) return y[0];
-  if (t >= times[high]) return y[high];
-  if (series.steps || times[high] === times[low]) return y[low];
-  return y[low] + (y[high] - y[low]) * (t - times[low]) / (times[high] - times[low]);
-}
+const valueAt = (series, t) => fronts.value_at(series, t);
 
 /** Range of values with 0 in it and some air around. */
 function rangeOf(plot) {
@@ -49,13 +35,13 @@ function drawPlot(pen, plot, { begin, end }, now, theme) {
 
 /** e over l1/l2, and the collision shown. */
 function drawCurve(scene, theme) {
-  byId("plot-curve").hidden = scene.ratio === null;
-  if (scene.ratio === null) return;
-  const { ratios, values, source } = scene.curve || NO_CURVE;
+  byId("plot-curve").hidden = scene.curve === null;
+  if (scene.curve === null) return;
+  const { ratios, values, source } = scene.curve;
   caption(byId("plot-curve").firstElementChild, "e over l₁/l₂", [
     [`here ${plainNumber(scene.ratio, 4)}`, theme.wrong], [source, theme.series[0]]]);
   const pen = new CanvasPen(byId("curve"));
-  const right = ratios.length ? ratios[ratios.length - 1] : Math.max(2, 1.1 * scene.ratio);
+  const right = ratios.at(-1);
   const most = Math.max(1, ...values.filter((e) => e !== null));
   const frame = plotFrame(pen, theme.size, { x0: 0, x1: right, y0: 0, y1: 1.08 * most });
   let points = [];

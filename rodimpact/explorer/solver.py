@@ -11,12 +11,12 @@ import functools
 
 from ..methods.compiling import blank
 from ..units import format_factor, format_si
-from .fronts import known_of
 from .javascript import javascript
-from .outcome import changed, curve_of, restitutions
-from .picture import contacts_of, name_of, numbers_of, picture, ratio_of, written
-from .smooth import smooth_known, smooth_restitution
-from .tables import is_smooth, lacking, mistakes, row_of
+from .outcome import changed
+from .reason import spells_of, value_at
+from .solved import e_over, scene_of
+from .tables import lacking, mistakes
+from .texts import contacts_of, name_of, numbers_of, written
 
 CONSTANTS = {
     "CLOCK_BITS": 52, "NEVER": 1 << 52, "IDLE": (1 << 53) - 1, "LEAST_UNIT": 2.0**34,
@@ -24,8 +24,8 @@ CONSTANTS = {
 }
 """Constants of the kernels on the page's clock."""
 FUNCTIONS = (
-    row_of, lacking, mistakes, known_of, picture, ratio_of, curve_of, restitutions, changed,
-    contacts_of, name_of, numbers_of, is_smooth, smooth_known, smooth_restitution,
+    lacking, mistakes, scene_of, e_over, changed, contacts_of, name_of, numbers_of,
+    spells_of, value_at,
 )
 KNOWN = {format_si: "inSi", written: "inSi", format_factor: "plainNumber", blank: "py.blank"}
 """What the page writes in its own way."""

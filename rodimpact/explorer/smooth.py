@@ -18,10 +18,10 @@ from ..results.outcome import no_restitution
 from ..units import format_si
 from .fronts import body_of, plot_of, series_of, slowest_of
 from .outcome import driven_ends, restitution, velocities_of
-from .picture import contacts_of, numbers_of
 from .smooth_motion import energy_curves, gauge_curve, grids_of, line_curve, path_of, waves_of
 from .smooth_runs import given_of, run_of, solved
-from .tables import row_of
+from .tables import contacts_in, row_of
+from .texts import contacts_of, numbers_of
 
 STIFFEST = 2.0**80  # of a contact, times transit time over impedance
 QUICK = 1e-6  # tolerance of curves and maps
@@ -45,12 +45,9 @@ def smooth_known(row: Any, contacts: Any, gauges: Any) -> Any:
         Or one with a ``problem``, path and sentence, where there is nothing to show.
     """
     known = given_of(row, contacts)
-    for i, place in enumerate(known["links"]):
-        if is_beyond(known["given"], place):
-            message = "is as good as rigid beside these rods; make it less stiff"
-            return {"problem": (f"contacts.{i}.stiffness", message)}
-    if driven_ends(row) and row["until"] < 0:
-        return {"problem": ("solve.until", "must be given where an end is driven")}
+    problem = refused(row, known)
+    if problem is not None:
+        return {"problem": problem}
     run = solved(row, known)
     if run is None:
         message = "times too far apart for the clock of this page; rodimpact run may solve it"
@@ -100,6 +97,16 @@ def smooth_known(row: Any, contacts: Any, gauges: Any) -> Any:
                 smooth_gauge(row, run, waves, gauge) for gauge in gauges]),
         ],
     }
+
+
+def refused(row: Any, known: Any) -> Any:
+    """Path and sentence of what nobody can solve; None if there is nothing."""
+    for i, place in enumerate(known["links"]):
+        if is_beyond(known["given"], place):
+            return (f"contacts.{i}.stiffness", "is as good as rigid here; make it less stiff")
+    if driven_ends(row) and row["until"] < 0:
+        return ("solve.until", "must be given where an end is driven")
+    return None
 
 
 def is_beyond(given: Any, i: int) -> bool:
@@ -213,7 +220,7 @@ def smooth_sentence(row: Any, run: Any) -> str:
 def smooth_restitution(case: Any, library: Any) -> Any:
     """e of a case, as quickly as a curve needs it; None where there is none."""
     row = row_of(case, library)
-    known = given_of(row, case.get("contacts", [{} for _ in row["gaps"]]))
+    known = given_of(row, contacts_in(case))
     stiff = any(is_beyond(known["given"], i) for i in known["links"])
     run = None if stiff else run_of(row, known, QUICK, False, None)
     if run is None or run["ended"].run.stop == Stop.STUCK:
