@@ -72,6 +72,8 @@ def smooth_known(row: Any, contacts: Any, gauges: Any) -> Any:
     for i, place in enumerate(known["links"]):
         it = run["ended"].link[place]
         force = line_curve(run, waves[it.force_line], 1.0)
+        if force["y"][0] != 0:  # it jumps at t = 0
+            force = {"t": [0.0, *force["t"]], "y": [0.0, *force["y"]]}
         forces.append(series_of(names[i], force["t"], force["y"], False))
         if it.law >= Law.RIGID:
             gap = line_curve(run, waves[it.overlap_line], -1.0)
