@@ -12,8 +12,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-ANY = math.inf  # bound of the velocity of an end of which nothing is known
-
 
 def separation_time(opening: Any, least: Any, apart: Any, square: Any, tol: Any) -> float:
     """Time until a contact may be proved not to close again: 0 if it is, inf if not as it is.

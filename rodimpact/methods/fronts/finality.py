@@ -7,6 +7,7 @@ fractions, too.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from .. import finality_kernel as proof
@@ -66,7 +67,7 @@ def survey_group(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t
             it.mean = line[0 if end < first else 2 * last + 3].arrived
             endless = segment[outer].mobility > 0
             bounded = bounded and endless
-    it.low, it.high = low if bounded else -proof.ANY, high if bounded else proof.ANY
+    it.low, it.high = low if bounded else -math.inf, high if bounded else math.inf
     if quiet(line, first, last) and not (endless and node[k].status == Status.PRESS):
         it.low, it.high = it.mean, it.mean
 
@@ -130,7 +131,7 @@ def still(node: Any, line: Any, k: int) -> bool:
     return found
 
 
-def separation_time(
+def time_until_apart(
     segment: Any, node: Any, line: Any, log: Any, k: int, t: int, tol: Any
 ) -> float:
     """Ticks until contact k may be proved not to close again, see `finality_kernel`."""
@@ -155,7 +156,7 @@ def finality_time(segment: Any, node: Any, line: Any, log: Any, t: int, tol: Any
     longest = 0.0
     for k in range(len(node)):
         if node[k].status >= Status.OPEN and longest < NEVER and not still(node, line, k):
-            longest = max(longest, separation_time(segment, node, line, log, k, t, tol))
+            longest = max(longest, time_until_apart(segment, node, line, log, k, t, tol))
     if longest >= NEVER // 2:
         return IDLE
     return t + (int(longest * 1.000001) + 1 if longest > 0 else 0)

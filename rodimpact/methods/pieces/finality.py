@@ -56,13 +56,13 @@ def is_over(run: Any, link: Any, part: Any) -> bool:
         ):
             over = False
         elif over:
-            over = separation_time(it, left, right, slow) == 0
+            over = time_until_apart(it, left, right, slow) == 0
     return over or quiet
 
 
-def separation_time(it: Any, left: Any, right: Any, slow: float) -> float:
+def time_until_apart(it: Any, left: Any, right: Any, slow: float) -> float:
     """Time until a contact between two groups may be proved not to close again, s."""
-    least = right.low - left.high if left.plain and right.plain else -proof.ANY
+    least = right.low - left.high if left.plain and right.plain else -math.inf
     apart = left.right_deviation - right.left_deviation - it.overlap
     reach = bound(left, left.right_slack) + bound(right, right.left_slack)
     return proof.separation_time(right.speed - left.speed, least, apart, reach * reach, slow)
@@ -91,8 +91,8 @@ def wait(run: Any, link: Any, part: Any) -> int:
     for i in range(len(link)):
         it = link[i]
         if it.left_group != NONE and it.status == Status.OPEN:
-            time = separation_time(it, part[it.left_group], part[it.right_group], slow)
-            if time < proof.ANY:
+            time = time_until_apart(it, part[it.left_group], part[it.right_group], slow)
+            if time < math.inf:
                 longest = max(longest, time / run.tick)
     return int(min(longest, 0.5 * NEVER)) + 1
 
