@@ -707,8 +707,13 @@ def test_an_accessibility_checker_finds_nothing(visit, solved, width, scheme):
                  bypass_csp=True)
     page.evaluate(checker.read_text(encoding="utf-8") + "; 0")
     asked = {"rules": {"target-size": {"enabled": True}}}
-    for button in ("#tour-open", "summary", "#guess-first"):
-        page.click(button)
+    for button in ("#tour-open", "summary", "#guess-first", ""):
+        if button:
+            page.click(button)
+        else:  # what follows from a wrong number
+            page.click("#guess-first")
+            field(page, LENGTH).fill("-5")
+            sync_api.expect(page.locator("html[data-stale]")).to_be_attached()
         found = page.evaluate("asked => axe.run(document, asked)", asked)["violations"]
         assert [(v["id"], [node["html"] for node in v["nodes"]]) for v in found] == []
 
