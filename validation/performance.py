@@ -1,6 +1,7 @@
 """Speed and memory, each figure also as a ratio to a plain NumPy program for the same collision.
 
-    python -m validation.performance
+    python -m validation.performance           tells what is slower than in the last version
+    python -m validation.performance --keep    keeps these ratios as those of the last version
 
 The yardstick is a leapfrog of staggered velocities and stresses at Courant number 1, with 400 cells
 per unit length, that solves the collision of two rods 0.4 : 1; it runs in the same process, just
@@ -11,6 +12,7 @@ marked "fresh" are taken in a new process that has not loaded numba.
 
 from __future__ import annotations
 
+import json
 import math
 import os
 import resource
@@ -21,7 +23,7 @@ import tempfile
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -41,14 +43,8 @@ STEEL = ri.materials.steel
 UNIT_MATERIAL = ri.Material("one", youngs_modulus=1.0, density=1.0)
 SIDE, DAMPED = 100, (20, 10)  # of maps of real rods
 RUN, LONG = 500_000, 1e6  # events, s
-
-
-class Figure(NamedTuple):
-    """One measurement and what it should not exceed, in seconds (bytes for memory)."""
-
-    name: str
-    value: float
-    budget: float
+LAST = Path(__file__).parent / "performance.json"  # ratios of the last version to the leapfrog
+SLOWER = 1.25  # times the last ratio is told of
 
 
 def median(job: Callable[[], Any], runs: int = 7) -> float:
@@ -388,49 +384,43 @@ def cell_on_grid(
     return statistics.median(spans[1:]) / steps / 800
 
 
-def measure() -> list[Figure]:
-    """Every figure but the yardstick's."""
+def measure() -> dict[str, float]:
+    """Every figure but the yardstick's, s."""
     rows = {n: long_row(n) for n in (30, 100, 300, 1000)}
     growth = rows[1000] / rows[30] / (math.log2(1000) / math.log2(30))
     seconds, error = map_of_pairs()
-    share, damped = SIDE**2 / 1e4, math.prod(DAMPED)
     print(f"largest error of e in a map of a million pairs: {error:.1e}")
-    figures = [
-        Figure("collide() of two rods, interpreted, fresh", fresh(COLLIDE), 100e-6),
-        Figure("a compiled collision of two rods, proof included", family_of_pairs(), 500e-9),
-        Figure("an event of a long free pair", free_pair(), 20e-9),
-        Figure("an event of two rods between walls", between_walls(), 40e-9),
-        *(Figure(f"an event of a row of {n} rods", value, 120e-9) for n, value in rows.items()),
-        Figure("a map of 1000 x 1000 lengths and impedances, two threads", seconds, 0.24),
-        Figure("100 000 pairs of stepped rods, two threads", stepped_pairs(), 2.0),
-        Figure("solve() of a Hertz pair", hertz_pair(), 2.2e-3),
-        Figure(f"{SIDE**2} Hertz pairs, two threads", hertz_pairs(), 1.7 * share),
-        Figure(f"{SIDE**2} masses on a rod, two threads", masses_on_a_rod(), share),
-        Figure(f"{damped} damped pairs, two threads", damped_pairs(), 6.0 * damped / 200),
-        Figure("a map of 200 x 200, empty cache, processor time", processor_time(MAP, True), 7.0),
-        Figure("the same, warm cache", processor_time(MAP, False), 1.5),
-        Figure("a damped pair, empty cache, processor time", processor_time(DAMP, True), 6.0),
-        Figure("warm(), empty cache, processor time", processor_time(WARM, True), 25.0),
-        *(Figure(f"five rods between walls, 100 transits, {name}", row_between_walls(law), bound)
-          for name, law, bound in (("rigid contacts", ri.Rigid(), 1.0),
-                                   ("springs", ri.Spring(10.0), 1.0),
-                                   ("Hertz", ri.Hertz(10.0), 1.0))),
-        Figure("a cell and step of a rod on a grid", cell_on_grid(STEEL, rods=1), 0.5e-9),
-        Figure("a cell and step of two rods and their contact", cell_on_grid(STEEL), 0.5e-9),
-        Figure("a cell and step on a grid, damped", cell_on_grid(STEEL.damped(1e-3, 1e4)), 5e-9),
-        *(Figure(f"a cell and step on a grid, {theory}", cell_on_grid(STEEL, theory), bound)
-          for theory, bound in (("rayleigh-love", 5e-9), ("mindlin-herrmann", 2e-9))),
-        Figure("a space-time diagram of two rods", space_time_diagram(), 0.5),
-        Figure("velocity on 1000 x 1000 points, compiled", fresh("import numba\n" + FIELD), 2e-3),
-        Figure("velocity on 1000 x 1000 points, not compiled, fresh", fresh(FIELD), 30e-3),
-    ]
-    try:
-        figures += [
-            Figure("rodimpact --version", command("--version"), 60e-3),
-            Figure(f"rodimpact run {CASE.name}", command("run", str(CASE)), 350e-3),
-        ]
-    except subprocess.CalledProcessError as error:
-        print(f"the command line does not run: {error}", file=sys.stderr)
+    figures = {
+        "collide() of two rods, interpreted, fresh": fresh(COLLIDE),
+        "a compiled collision of two rods, proof included": family_of_pairs(),
+        "an event of a long free pair": free_pair(),
+        "an event of two rods between walls": between_walls(),
+        **{f"an event of a row of {n} rods": value for n, value in rows.items()},
+        "a map of 100 x 100 lengths and impedances, two threads": map_of_pairs((100, 100))[0],
+        "a map of 1000 x 1000 of them": seconds,
+        "100 000 pairs of stepped rods, two threads": stepped_pairs(),
+        "solve() of a Hertz pair": hertz_pair(),
+        f"{SIDE**2} Hertz pairs, two threads": hertz_pairs(),
+        f"{SIDE**2} masses on a rod, two threads": masses_on_a_rod(),
+        f"{math.prod(DAMPED)} damped pairs, two threads": damped_pairs(),
+        "a map of 200 x 200, empty cache, processor time": processor_time(MAP, True),
+        "the same, warm cache": processor_time(MAP, False),
+        "a damped pair, empty cache, processor time": processor_time(DAMP, True),
+        "warm(), empty cache, processor time": processor_time(WARM, True),
+        **{f"five rods between walls, 100 transits, {name}": row_between_walls(law)
+           for name, law in (("rigid contacts", ri.Rigid()), ("springs", ri.Spring(10.0)),
+                             ("Hertz", ri.Hertz(10.0)))},
+        "a cell and step of a rod on a grid": cell_on_grid(STEEL, rods=1),
+        "a cell and step of two rods and their contact": cell_on_grid(STEEL),
+        "a cell and step on a grid, damped": cell_on_grid(STEEL.damped(1e-3, 1e4)),
+        **{f"a cell and step on a grid, {theory}": cell_on_grid(STEEL, theory)
+           for theory in ("rayleigh-love", "mindlin-herrmann")},
+        "a space-time diagram of two rods": space_time_diagram(),
+        "velocity on 1000 x 1000 points, compiled": fresh("import numba\n" + FIELD),
+        "velocity on 1000 x 1000 points, not compiled, fresh": fresh(FIELD),
+        "rodimpact --version": command("--version"),
+        f"rodimpact run {CASE.name}": command("run", str(CASE)),
+    }
     print(f"time of an event from 30 to 1000 rods, over that of log n: {growth:.2f}")
     return figures
 
@@ -454,12 +444,17 @@ def main() -> None:
     print(f"NumPy leapfrog, 400 cells per unit length: {shown(yardstick)}")
     print(f"compiled Godunov, 100 cells per unit length: {shown(other)}")
     print(f"the map by leapfrogs would take {1e6 * leapfrog_of_map():.3g} s\n")
-    print(f"{'figure':56} {'median':>8} {'budget':>8} {'leapfrogs':>10} {'Godunovs':>10}")
-    for name, value, budget in figures:
-        late = "" if value <= budget else "  over budget"
-        print(f"{name:56} {shown(value):>8} {shown(budget):>8} "
-              f"{value / yardstick:10.2g} {value / other:10.2g}{late}")
+    last = json.loads(LAST.read_text()) if LAST.exists() else {}
+    ratios = {name: float(f"{value / yardstick:.3g}") for name, value in figures.items()}
+    print(f"{'figure':56} {'median':>8} {'leapfrogs':>10} {'before':>10} {'Godunovs':>10}")
+    for name, value in figures.items():
+        before = last.get(name, math.nan)
+        late = "  slower" if ratios[name] > SLOWER * before else ""
+        print(f"{name:56} {shown(value):>8} {ratios[name]:10.3g} {before:10.3g} "
+              f"{value / other:10.2g}{late}")
     print(f"\nmemory of a run of a million events: {memory / 1e6:.0f} MB of 100 MB")
+    if sys.argv[1:] == ["--keep"]:
+        LAST.write_text(json.dumps(ratios, indent=1) + "\n")
 
 
 if __name__ == "__main__":

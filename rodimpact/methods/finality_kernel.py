@@ -1,48 +1,44 @@
-"""When the two sides of a contact are proved never to meet again.
+"""When the two sides of a contact are proved never to meet again, for all methods.
 
 On each side stands a group of bonded bodies, or a wall. As long as nothing touches it, its end
 moves with the mean velocity of the group, and deviates from that motion by no more than a bound:
 d = integral(strain g dx), g the mass fraction beyond x as seen from that end, is at most
-sqrt(2 E integral(g^2 dx/(E A))), E the energy of vibration, which never grows. Methods on a time
-step say what their groups do; the proof is the same.
+sqrt(2 E integral(g^2 dx/(E A))), E the energy of vibration, which never grows. Methods say what
+their groups do; the proof is the same.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
-
-NEVER = 1 << 62
+from typing import Any
 
 
-class Side(NamedTuple):
-    """One side of a contact; times in steps, lengths as velocities."""
+def separation_time(opening: Any, least: Any, apart: Any, square: Any, tol: Any) -> float:
+    """Time until a contact may be proved not to close again: 0 if it is, inf if not as it is.
 
-    mean: float  # velocity
-    low: float  # bounds of the end's velocity as long as it is free; infinite if not known
-    high: float
-    deviation: float  # of the end from the mean motion, positive to the right
-    bound: float  # that it can ever reach
-
-
-def separation_time(gap: float, left: Any, right: Any, tol: float) -> int:
-    """Steps until a contact may be proved not to close again: 0 if it is, NEVER if not as it is."""
-    if gap < 0:
-        return NEVER
-    if right.low - left.high >= -tol:
-        return 0
-    opening = right.mean - left.mean
-    if opening < -tol:
-        return NEVER
-    apart, reach = gap + left.deviation - right.deviation, left.bound + right.bound
-    if apart > 0 and apart > reach:
-        return 0
-    if opening <= tol:
-        return NEVER
-    wait = (reach - apart) / opening
-    return int(wait) + 1 if wait <= NEVER // 2 else NEVER  # nan where energies overflow
+    Parameters
+    ----------
+    opening : float
+        Mean velocity of the right group, less that of the left one.
+    least : float
+        Least velocity at which their ends can part as long as both are free.
+    apart : float
+        The gap, less what both ends are nearer to each other than by their mean motions.
+    square : float
+        Of the distance that vibration can bridge; no root is taken where it decides.
+    tol : float
+        Velocity that counts as none.
+    """
+    if least >= -tol:
+        return 0.0
+    if opening >= -tol and apart > 0 and apart * apart > square:
+        return 0.0
+    wait = math.inf
+    if opening > tol:
+        wait = (math.sqrt(square) - apart) / opening
+    return wait
 
 
-def bound_of(energy: float, slack: float) -> float:
-    """How far an end can get: `slack` is the integral of g^2/(E A)."""
-    return math.sqrt(2 * max(energy, 0.0) * slack)
+def undecided(opening: Any, least: Any, tol: Any) -> bool:
+    """Whether velocities alone do not tell."""
+    return bool(least < -tol <= opening)

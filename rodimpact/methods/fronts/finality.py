@@ -10,9 +10,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from .. import finality_kernel as proof
 from .records import IDLE, NEVER, NONE, Status
-
-UNDECIDED = -1
 
 
 def side(node: Any, k: int, right: bool) -> tuple[int, int]:
@@ -45,7 +44,6 @@ def survey_group(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t
     """
     first, last = side(node, k, s > k)
     it, mass, endless = segment[s], 0 * line[2 * first].arrived, False
-    it.bounded = 1
     if last == 0:
         it.mean = it.low = it.high = line[2 * k + 3 if s > k else 2 * k].arrived
         return
@@ -62,16 +60,16 @@ def survey_group(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t
                 low, high = min(low, wave), max(high, wave)
                 r = log[r].after
             momentum += Z * wave * edge
-    it.mean, it.low, it.high = momentum / mass, low, high
-    it.bounded = 1 if first == last else 0
+    it.mean, bounded = momentum / mass, first == last
     for end in (first - 1, last):
         if node[end].status == Status.BOND:
             outer = end if end < first else last + 1
             it.mean = line[0 if end < first else 2 * last + 3].arrived
             endless = segment[outer].mobility > 0
-            it.bounded = 1 if it.bounded and endless else 0
+            bounded = bounded and endless
+    it.low, it.high = low if bounded else -math.inf, high if bounded else math.inf
     if quiet(line, first, last) and not (endless and node[k].status == Status.PRESS):
-        it.low, it.high, it.bounded = it.mean, it.mean, 1
+        it.low, it.high = it.mean, it.mean
 
 
 def bound_deviation(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t: int) -> None:
@@ -133,23 +131,21 @@ def still(node: Any, line: Any, k: int) -> bool:
     return found
 
 
-def by_velocities(left: Any, right: Any, t: int, tol: Any) -> int:
-    """When the velocities of two groups tell that they do not meet again, see `finality_time`."""
-    if left.bounded and right.bounded and right.low - left.high >= -tol:
-        return t
-    return IDLE if right.mean - left.mean < -tol else UNDECIDED
-
-
-def by_deviations(at: Any, left: Any, right: Any, t: int, tol: Any) -> int:
-    """When the distance of two groups is wider than vibration can bridge."""
-    gap = at.gap + at.rate * (t - at.since) - right.deviation + left.deviation
-    opening, reach = right.mean - left.mean, 2 * (left.bound + right.bound)
-    if gap > 0 and gap * gap > reach:
-        return t
-    if opening <= tol:
-        return IDLE
-    wait = (math.sqrt(reach) - gap) / opening
-    return t + int(wait * 1.000001) + 1 if wait < NEVER // 2 else IDLE
+def time_until_apart(
+    segment: Any, node: Any, line: Any, log: Any, k: int, t: int, tol: Any
+) -> float:
+    """Ticks until contact k may be proved not to close again, see `finality_kernel`."""
+    at, left, right = node[k], segment[k], segment[k + 1]
+    for s in (k, k + 1):
+        survey_group(segment, node, line, log, k, s, t)
+    opening, least = right.mean - left.mean, right.low - left.high
+    apart = square = 0 * opening
+    if proof.undecided(opening, least, tol):
+        for s in (k, k + 1):
+            bound_deviation(segment, node, line, log, k, s, t)
+        apart = at.gap + at.rate * (t - at.since) - right.deviation + left.deviation
+        square = 2 * (left.bound + right.bound)  # of a sum of roots at most, without roots
+    return proof.separation_time(opening, least, apart, square, tol)
 
 
 def finality_time(segment: Any, node: Any, line: Any, log: Any, t: int, tol: Any) -> int:
@@ -157,15 +153,10 @@ def finality_time(segment: Any, node: Any, line: Any, log: Any, t: int, tol: Any
 
     For rows whose ends are not driven: no bound holds for a body that is pushed.
     """
-    latest = t
+    longest = 0.0
     for k in range(len(node)):
-        if node[k].status >= Status.OPEN and latest < IDLE and not still(node, line, k):
-            for s in (k, k + 1):
-                survey_group(segment, node, line, log, k, s, t)
-            when = by_velocities(segment[k], segment[k + 1], t, tol)
-            if when == UNDECIDED:
-                for s in (k, k + 1):
-                    bound_deviation(segment, node, line, log, k, s, t)
-                when = by_deviations(node[k], segment[k], segment[k + 1], t, tol)
-            latest = max(latest, when)
-    return latest
+        if node[k].status >= Status.OPEN and longest < NEVER and not still(node, line, k):
+            longest = max(longest, time_until_apart(segment, node, line, log, k, t, tol))
+    if longest >= NEVER // 2:
+        return IDLE
+    return t + (int(longest * 1.000001) + 1 if longest > 0 else 0)

@@ -62,10 +62,19 @@ def follow(
 def finish(run: Any, segment: Any, node: Any, line: Any, log: Any) -> None:
     """Add up what a run has come to."""
     stock.final(run, segment, node, line, log)
-    run.vibration, run.absolute, run.fastest = 0 * run.tick, 0 * run.tick, 0 * run.tick
+    run.vibration = 0 * run.tick
     for s in range(len(segment)):
         run.vibration += segment[s].vibration
     run.vibration *= run.tick
+    if run.further:
+        scales(run, segment, line, log)
+    if run.reads:
+        stock.read(run, segment, line, log)
+
+
+def scales(run: Any, segment: Any, line: Any, log: Any) -> None:
+    """Find the fastest wave, and the sum of absolute momenta at t = 0."""
+    run.absolute, run.fastest = 0 * run.tick, 0 * run.tick
     for r in range(run.rows):
         if log[r].line != CHANGE:
             run.fastest = max(run.fastest, abs(log[r].value))
@@ -76,8 +85,6 @@ def finish(run: Any, segment: Any, node: Any, line: Any, log: Any) -> None:
                 end = min(log[front.after].tick, 0)
             weight = (end - front.tick) * run.tick / (2 * segment[front.line // 2].mobility)
             run.absolute += weight * abs(front.value + run.frame)
-    if run.reads:
-        stock.read(run, segment, line, log)
 
 
 def play(run: Any, segment: Any, node: Any, line: Any, log: Any, tree: Any) -> int:

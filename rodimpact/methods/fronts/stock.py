@@ -53,12 +53,16 @@ def share_momenta(segment: Any, node: Any) -> None:
 
 
 def initial(run: Any, segment: Any, node: Any, line: Any, log: Any) -> None:
-    """Take stock at t = 0, of nodes that have their status: momenta, and the velocities of them."""
+    """Take stock at t = 0, of nodes that have their status: momenta, and the velocities of them.
+
+    The vibration is asked of what runs further only.
+    """
     for s in range(len(segment)):
         segment[s].velocity = segment[s].momentum = segment[s].vibration = 0 * segment[1].mobility
     take(run, segment, line, log)
     share_momenta(segment, node)
-    take(run, segment, line, log)
+    if run.further:
+        take(run, segment, line, log)
     for s in range(len(segment)):
         it = segment[s]
         it.initial, it.initial_momentum = it.velocity, it.momentum

@@ -225,7 +225,7 @@ def _level(
         if wait == 0:
             run.proved = run.steps
         elif run.steps < last:
-            more = max(min(wait, max(longest // 4, run.steps // 8)), FEWEST)
+            more = math.ceil(max(min(wait, max(longest // 4, run.steps // 8)), FEWEST))
             run.advance(min(last, run.steps + more), tell, ahead)
         else:
             break

@@ -8,29 +8,41 @@ by the change of momentum over its c.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
-from .. import finality_kernel as finality
+from .. import finality_kernel as proof
 from .. import laws
 from .records import NONE, End
 
 
-def finality_time(grid: Any, group: Any, cell: Any) -> int:
-    """Steps until it may be proved that nothing meets again: 0 if it is, NEVER if not as it is.
+class Side(NamedTuple):
+    """One side of a contact; times in steps, lengths as velocities."""
+
+    mean: float  # velocity
+    low: float  # bounds of the end's velocity as long as it is free; infinite if not known
+    high: float
+    deviation: float  # of the end from the mean motion, positive to the right
+    bound: float  # that it can ever reach
+
+
+def finality_time(grid: Any, group: Any, cell: Any) -> float:
+    """Steps until it may be proved that nothing meets again: 0 if it is, inf if not as it is.
 
     For rows whose ends are not driven.
     """
-    wait, link, tol = 0, grid.link, grid.run[0].tolerance
+    wait, link, tol = 0.0, grid.link, grid.run[0].tolerance
     stretch(cell, grid.velocity, grid.force, grid.stiffness, grid.strain, grid.rate, link)
     for i in range(len(link)):
         at = link[i]
         if at.law != laws.JOINT:
             if at.gap < 0:
-                return finality.NEVER
+                return math.inf
             left = side_of(group[at.left_group], cell, grid.velocity, grid.end, True, tol)
             right = side_of(group[at.right_group], cell, grid.velocity, grid.end, False, tol)
-            if wait < finality.NEVER:
-                wait = max(wait, finality.separation_time(at.gap, left, right, tol))
+            reach = left.bound + right.bound
+            wait = max(wait, proof.separation_time(
+                right.mean - left.mean, right.low - left.high,
+                at.gap + left.deviation - right.deviation, reach * reach, tol))
     return wait
 
 
@@ -74,7 +86,7 @@ def radial_energy(at: Any, change: float, strain: Any, rate: Any, i: int) -> flo
 
 def side_of(
     group: Any, cell: Any, v: Any, end: Any, right_end: bool, tol: float
-) -> finality.Side:
+) -> Side:
     """What the proof asks of a group, whose right or left end is at the contact.
 
     The end is half a step ahead of the cells, by no more than the velocity that the energy gives.
@@ -95,7 +107,7 @@ def side_of(
             if end[s].node == far and end[s].kind == End.ENDLESS:
                 Z, mean = end[s].impedance, end[s].rest
     if a == b:
-        return finality.Side(mean, mean, mean, 0.0, 0.0)
+        return Side(mean, mean, mean, 0.0, 0.0)
     energy = taken = beyond = d = slack = loose = 0.0
     for n in range(a, b + 1):
         u = v[n] - mean
@@ -121,7 +133,8 @@ def side_of(
         slack = 2 * (slack + mass / (Z * Z))
     if loose > 0:
         slack = 2 * (slack + mass * loose * loose)
-    bound = finality.bound_of(energy, slack) + math.sqrt(max(energy, 0.0) / (2 * cell[near].mass))
+    energy = max(energy, 0.0)
+    bound = math.sqrt(2 * energy * slack) + math.sqrt(energy / (2 * cell[near].mass))
     if bound <= tol:
-        return finality.Side(mean, mean, mean, d, bound)
-    return finality.Side(mean, -math.inf, math.inf, d, bound)
+        return Side(mean, mean, mean, d, bound)
+    return Side(mean, -math.inf, math.inf, d, bound)

@@ -10,7 +10,6 @@ import numpy as np
 
 from .. import abilities, compiling, kernels
 from ..clock import Clock
-from ..finality_kernel import NEVER
 from ..laws import RIGID
 from ..row import Array, squeezed
 from . import grid_kernel, proof_kernel, scheme, start
@@ -122,14 +121,14 @@ class GridRun:
         self.track.state["when"][: len(when), 0] = when
         return len(when)
 
-    def finality_time(self) -> int:
-        """Steps until it may be proved that the collision is over; NEVER if not as it is."""
+    def finality_time(self) -> float:
+        """Steps until it may be proved that the collision is over; inf if not as it is."""
         if abilities.driven(self.row.system):
-            return NEVER
+            return math.inf
         parts: tuple[Any, ...] = self.grid, *self.proof
         nodes = 2 * len(self.mesh.mass)
         if kernels.worth_compiling(nodes * PROOF_TIME, proof_kernel.finality_time):
-            return int(kernels.compiled(proof_kernel.finality_time)(*parts))
+            return float(kernels.compiled(proof_kernel.finality_time)(*parts))
         grid, *proof = as_lists(self.grid), *map(compiling.as_objects, self.proof)
         return proof_kernel.finality_time(grid, *proof)
 

@@ -1,9 +1,6 @@
-"""What groups of bonded bodies do at an instant, and the proof that none of them meets again.
+"""What groups of bonded bodies do at an instant, for the proof that none of them meets again.
 
-As long as nothing touches a group its end moves with the mean velocity, and deviates from that by
-d = integral(strain g dx), g the mass fraction beyond x as seen from that end. By Cauchy and Schwarz
-it can never deviate more than sqrt(2 E integral(g^2 dx/(E A))), E the energy of vibration, which
-never grows. A wall holds a group: its velocity is the mean, and g is 1.
+A wall holds a group: its velocity is the mean, and the mass fraction beyond every x is 1.
 """
 
 from __future__ import annotations
@@ -11,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from .. import finality_kernel as proof
 from . import lines
 from .records import NEVER, NONE, Law, Part, Status, Stop
 from .series import WEIGHTS, N, X
@@ -46,8 +44,7 @@ def look(run: Any, link: Any, mass: Any, line: Any, log: Any, part: Any, tick: i
 
 def is_over(run: Any, link: Any, part: Any) -> bool:
     """Whether no contact can close again, or nothing changes any more."""
-    slow = STILL * run.scale + ROUGH * run.tolerance
-    over = quiet = True
+    slow, over, quiet = slowest(run), True, True
     for i in range(len(link)):
         it = link[i]
         if it.left_group == NONE:
@@ -58,11 +55,23 @@ def is_over(run: Any, link: Any, part: Any) -> bool:
             it.law > Law.IMPACT or it.force[N] * it.ease > run.graze
         ):
             over = False
-        elif over and not (left.plain and right.plain and right.low - left.high >= -slow):
-            apart = left.right_deviation - right.left_deviation - it.overlap
-            reach = bound(left, left.right_slack) + bound(right, right.left_slack)
-            over = right.speed - left.speed >= -slow and apart > 0 and apart > reach
+        elif over:
+            over = time_until_apart(it, left, right, slow) == 0
     return over or quiet
+
+
+def time_until_apart(it: Any, left: Any, right: Any, slow: float) -> float:
+    """Time until a contact between two groups may be proved not to close again, s."""
+    least = right.low - left.high if left.plain and right.plain else -math.inf
+    apart = left.right_deviation - right.left_deviation - it.overlap
+    reach = bound(left, left.right_slack) + bound(right, right.left_slack)
+    return proof.separation_time(right.speed - left.speed, least, apart, reach * reach, slow)
+
+
+def slowest(run: Any) -> float:
+    """Velocity that counts as rest."""
+    slow: float = STILL * run.scale + ROUGH * run.tolerance
+    return slow
 
 
 def is_quiet(it: Any, group: Any, slow: float) -> bool:
@@ -78,16 +87,13 @@ def bound(group: Any, slack: float) -> float:
 
 def wait(run: Any, link: Any, part: Any) -> int:
     """Ticks until all gaps are wide enough for the proof, as bodies move now."""
-    longest = 0.0
+    longest, slow = 0.0, slowest(run)
     for i in range(len(link)):
         it = link[i]
         if it.left_group != NONE and it.status == Status.OPEN:
-            left, right = part[it.left_group], part[it.right_group]
-            apart = left.right_deviation - right.left_deviation - it.overlap
-            reach = bound(left, left.right_slack) + bound(right, right.left_slack)
-            opening = right.speed - left.speed
-            if opening > 0 and reach > apart:
-                longest = max(longest, (reach - apart) / opening / run.tick)
+            time = time_until_apart(it, part[it.left_group], part[it.right_group], slow)
+            if time < math.inf:
+                longest = max(longest, time / run.tick)
     return int(min(longest, 0.5 * NEVER)) + 1
 
 
