@@ -91,8 +91,8 @@ def write_box(app: Sphinx, failure: Exception | None) -> None:
         page = str(Path(app.outdir) / "_static" / "box.html")
         case = str(HERE.parent / "validation" / "cases" / "unequal-rods.toml")
         with contextlib.redirect_stdout(io.StringIO()):
-            if main(["export", case, "-o", page, "--live", "--force"]):
-                raise RuntimeError("the live page of the first page could not be written")
+            if main(["export", case, "-o", page, "--force"]):
+                raise RuntimeError("the page of the first page could not be written")
 
 
 def setup(app: Sphinx) -> None:

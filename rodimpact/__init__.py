@@ -33,6 +33,8 @@ if TYPE_CHECKING:  # names under their own names, so that type checkers take the
     from .derivatives.gradients import gradient as gradient
     from .derivatives.result import Gradient as Gradient
     from .derivatives.result import Kink as Kink
+    from .explorer.exploring import Page as Page
+    from .explorer.exploring import explore as explore
     from .fitting.measured import Measured as Measured
     from .fitting.result import Descent as Descent
     from .fitting.result import Fit as Fit
@@ -144,6 +146,7 @@ _HOME = {
     "warming": ("warm",),
     "derivatives.gradients": ("gradient",),
     "derivatives.result": ("Gradient", "Kink"),
+    "explorer.exploring": ("Page", "explore"),
     "fitting.measured": ("Measured",),
     "fitting.result": ("Descent", "Fit", "Fitted"),
     "fitting.searching": ("fit",),

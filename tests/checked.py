@@ -10,7 +10,7 @@ import ast
 import sys
 from types import ModuleType
 
-from rodimpact.explore.javascript import MOST, Program, tree_of
+from rodimpact.explorer.javascript import MOST, Program, tree_of
 
 
 class _Checks(ast.NodeTransformer):

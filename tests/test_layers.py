@@ -11,7 +11,7 @@ ROOT = Path(rodimpact.__file__).parent
 LAYERS = [
     "units", "model", "rigid", "theory", "materials", "methods", "waves", "storage", "records",
     "results", "running", "algebra", "derivatives", "warming", "design", "fitting", "plot",
-    "explore", "cli", "__main__",
+    "explorer", "cli", "__main__",
 ]
 """Packages and modules at the root, from the ground up."""
 METHODS = ("fronts", "pieces", "grid")

@@ -25,7 +25,7 @@ REDRAWN = """(() => {
   for (let i = 0; i < 60; i += 1) {
     design.case.bodies[0].length *= 1.003;
     const began = performance.now();
-    receive(answerHere("/scene", design));
+    receive(sceneOf(design));
     draw();
     times.push(performance.now() - began);
   }
@@ -39,7 +39,7 @@ MAPPED = """(() => {
     const [xs, ys] = [x, y].map((number) => valuesAbout(number).map((value) =>
       fromShown(value, FIELDS[number.key].power)));
     for (const value of ys) {
-      fronts.restitutions(fronts.changed(design.case, y.path, value), start.materials, x.path, xs);
+      fronts.e_over(fronts.changed(design.case, y.path, value), start.materials, x.path, xs);
     }
     times.push(performance.now() - began);
   }
@@ -122,7 +122,7 @@ def main() -> None:
         ):
             case, pages[name] = Path(folder, f"{name}.toml"), Path(folder, f"{name}.html")
             case.write_text(ri.write_case(system), encoding="utf-8")
-            command(["export", str(case), "-o", str(pages[name]), "--live"])
+            command(["export", str(case), "-o", str(pages[name])])
         browser = Browser(program, folder)
         try:
             figures = []

@@ -14,7 +14,7 @@ from typing import NamedTuple, SupportsFloat
 
 from .. import materials
 from ..algebra.rational import exact
-from ..explore.presets import steel_rod
+from ..explorer.presets import steel_rod
 from ..model import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall
 from ..results.closed_forms import closed_form
 from ..running.solving import solve

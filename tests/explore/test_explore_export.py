@@ -6,14 +6,16 @@ import html.parser
 import json
 import re
 import zlib
+from pathlib import Path
 
 import pytest
 
 import rodimpact as ri
 from rodimpact.cli import main
-from rodimpact.explore.page_files import PACKED, SCRIPTS, lean, read
+from rodimpact.explorer import page_files
+from rodimpact.explorer.page_files import PACKED, SCRIPTS, lean, read
 
-MOST = 500_000  # bytes of the page of the box
+MOST = 200_000  # bytes of a page
 
 
 class Reader(html.parser.HTMLParser):
@@ -52,14 +54,16 @@ def export(case, *arguments):
     return main(["export", str(case), "-o", "page.html", *arguments])
 
 
-def test_the_page_holds_its_scene(case, tmp_path):
+def test_the_page_holds_its_case(case, tmp_path, capsys):
     assert export(case) == 0
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert len(text.encode()) < MOST
+    assert "solves by itself" in capsys.readouterr().out
     data = json.loads(Reader(text).texts["embedded"])
-    assert data["scene"]["restitution"]["text"] == "0.4"
-    assert ("b", {}) not in Reader(text).elements
     assert data["design"]["case"]["bodies"][0]["length"] == 0.4
+    assert data["scene"] is None
+    assert ("b", {}) not in Reader(text).elements
+    assert "<title>two &lt;b&gt; rods</title>" in text
 
 
 def test_the_page_asks_nobody_for_anything(case, tmp_path):
@@ -79,16 +83,18 @@ def test_the_page_asks_nobody_for_anything(case, tmp_path):
         assert f"'sha256-{digest}'" in policy
 
 
+def unpacked(text):
+    return zlib.decompress(base64.b64decode(text)).decode()
+
+
 def test_all_of_the_script_is_inside(case, tmp_path):
-    listed = re.findall(r'<script src="([a-z]+\.js)"', read("page.html"))
-    assert tuple(listed) == SCRIPTS
-    for options in ((), ("--live", "--force")):
-        export(case, *options)
-        page = Reader((tmp_path / "page.html").read_text(encoding="utf-8"))
-        kernels = zlib.decompress(base64.b64decode(page.texts["packed"])).decode()
-        for name in SCRIPTS:
-            inside = kernels if name in PACKED else page.texts["script"]
-            assert lean(read(name)) in inside or (name in PACKED and not options)
+    export(case)
+    page = Reader((tmp_path / "page.html").read_text(encoding="utf-8"))
+    kernels = unpacked(page.texts["packed"])
+    for name in SCRIPTS:
+        assert lean(read(name)) in (kernels if name in PACKED else page.texts["script"])
+    files = {path.name for path in (Path(page_files.__file__).parent / "page").glob("*.js")}
+    assert files | {"kernels.js"} == set(SCRIPTS)
 
 
 def test_lean_scripts_keep_every_statement():
@@ -126,8 +132,8 @@ def test_a_run_cut_short_says_so(tmp_path, monkeypatch):
     assert (tmp_path / "page.html").exists()
 
 
-def test_the_page_shows_what_run_would_print(tmp_path, monkeypatch):
-    """A hand-out is solved as the case asks, not in the hurry of a slider."""
+def test_the_page_shows_what_run_would_print(tmp_path, monkeypatch, capsys):
+    """What the page cannot solve is solved as the case asks."""
     monkeypatch.chdir(tmp_path)
     rods = [ri.Rod(0.137, area=1e-4, material=ri.materials.steel, velocity=1.0),
             ri.Rod(1.0, area=1e-4, material=ri.materials.steel)]
@@ -135,8 +141,22 @@ def test_the_page_shows_what_run_would_print(tmp_path, monkeypatch):
     path = tmp_path / "hertz.toml"
     path.write_text(ri.write_case(ri.Case(system, {"rtol": 1e-4})))
     assert export(path) == 0
+    assert "shows what was solved for it" in capsys.readouterr().out
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
-    data = json.loads(Reader(text).texts["embedded"])
+    assert len(text.encode()) < MOST
+    scene = json.loads(unpacked(json.loads(Reader(text).texts["embedded"])["scene"]))
     known = ri.solve(system, rtol=1e-4)
-    assert data["scene"]["restitution"]["value"] == known.outcome.restitution
-    assert known.status in data["scene"]["notes"]
+    assert scene["restitution"]["value"] == known.outcome.restitution
+    assert known.status in scene["notes"]
+
+
+def test_explore_opens_a_temporary_page(case, tmp_path, monkeypatch, capsys):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    for arguments in ([], [str(case)], [str(case), "--no-browser"]):
+        assert main(["explore", *arguments]) == 0
+    paths = [Path(line) for line in capsys.readouterr().out.split()]
+    assert opened == [path.as_uri() for path in paths[:2]]
+    titles = [re.search("<title>(.*)</title>", path.read_text("utf-8"))[1] for path in paths]
+    assert titles == ["Elastic rods collide", *["two &lt;b&gt; rods"] * 2]

@@ -8,15 +8,16 @@ from exhaustive import few_of
 from systems import random_system
 
 import rodimpact as ri
-from rodimpact.explore import motion, runs
-from rodimpact.explore.design import LIBRARY, Design
-from rodimpact.explore.outcome import changed as with_number
-from rodimpact.explore.outcome import outcome_of
-from rodimpact.explore.tables import RULES, lacking, mistakes, row_of
+from rodimpact.explorer import motion, runs
+from rodimpact.explorer.design import LIBRARY
+from rodimpact.explorer.outcome import changed as with_number
+from rodimpact.explorer.outcome import outcome_of
+from rodimpact.explorer.tables import RULES, lacking, mistakes, row_of
 from rodimpact.methods.fronts.driver import Plan
 from rodimpact.methods.registry import Options
 from rodimpact.methods.row import Row
 from rodimpact.results.regions import regions_of
+from rodimpact.storage.case_reading import case_from
 
 STEEL = ri.materials.steel
 ROD = {"kind": "rod", "length": 0.4, "area": 1e-4, "material": "steel", "velocity": 1.0}
@@ -105,7 +106,7 @@ def test_a_mistake_is_told_in_the_words_of_the_model(path, value):
     case = changed(path, value)
     (where, sentence), = mistakes(case, [], LIBRARY, RULES)
     with pytest.raises(ri.InvalidModel) as error:
-        Design.parse({"case": case})
+        case_from(case)
     theirs = dict(error.value.problems)
     assert where == ".".join(map(str, path))
     assert sentence.count("got") == 1
@@ -134,7 +135,7 @@ def test_rows_that_are_none_are_told(bodies, contacts, gauge, path):
     found = [where for where, _ in mistakes(design["case"], gauges, LIBRARY, RULES)]
     assert found == [path]
     with pytest.raises(ri.InvalidModel) as error:
-        Design.parse({**design, "gauges": gauges})
+        case_from({**design["case"], "gauges": gauges})
     assert path in [where for where, _ in error.value.problems]
 
 
@@ -159,7 +160,7 @@ BODY = {"kind": "rod", "length": 0.4, "area": 1e-4, "material": "steel"}
 ])
 def test_the_page_solves_what_fronts_can_carry(change):
     case = {"schema": 1, "bodies": [ROD, {**ROD, "velocity": 0.0}], **change}
-    known = Design.parse({"case": case}).case
+    known = case_from(case)
     options = Options(known.solve.get("until"), known.solve.get("method", "auto"), 100)
     assert (lacking(case) == ("", "")) == (options.method_for(known.system) == "fronts")
 

@@ -1,29 +1,21 @@
 """The page in a browser: what a person sees and does."""
 
-import json
 import os
 import re
 import shutil
-import threading
 import tomllib
 from pathlib import Path
 
 import pytest
 
 import rodimpact as ri
-from rodimpact.cli import main
-from rodimpact.explore.design import Design
-from rodimpact.explore.presets import presets
-from rodimpact.explore.server import Server
+from rodimpact.explorer.presets import presets
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-BROWSER = next(
-    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
-)
-if BROWSER is None:
-    pytest.skip("no Chromium is installed", allow_module_level=True)
-
-PRESETS = {preset.key: preset.design for preset in presets()}
+sync_api = pytest.importorskip(
+    "playwright.sync_api", reason="playwright is not installed: pip install playwright")
+BROWSER = os.environ.get("CHROMIUM") or next(
+    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+PRESETS = {preset.key: preset.case for preset in presets()}
 LENGTH = "bodies.0.length"
 CONTROLS = "button, input, select, canvas"
 sync_api.expect.set_options(timeout=20_000)  # ms
@@ -32,35 +24,45 @@ sync_api.expect.set_options(timeout=20_000)  # ms
 @pytest.fixture(scope="module")
 def browser():
     with sync_api.sync_playwright() as playwright:
+        program = BROWSER or playwright.chromium.executable_path
+        if not Path(program).is_file():
+            pytest.skip("no Chromium: set CHROMIUM, or run playwright install chromium")
         switches = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
-        started = playwright.chromium.launch(executable_path=BROWSER, args=switches)
+        started = playwright.chromium.launch(executable_path=program, args=switches)
         yield started
         started.close()
 
 
 @pytest.fixture(scope="module")
-def url():
-    with pytest.MonkeyPatch.context() as patch, Server(PRESETS["unequal"]) as server:
-        patch.setenv("NUMBA_DISABLE_JIT", "1")  # as the command does
-        thread = threading.Thread(target=server.serve_forever, daemon=True)
-        thread.start()
-        yield server.url
-        server.shutdown()
-        thread.join()
+def url(tmp_path_factory):
+    """The page that begins with rods of different length, as a file."""
+    path = tmp_path_factory.mktemp("pages") / "page.html"
+    ri.explore(PRESETS["unequal"]).save(path)
+    return path.as_uri()
+
+
+@pytest.fixture
+def solved(tmp_path):
+    """Writes the page of a system; its address."""
+    def write(system, **solve):
+        ri.explore(ri.Case(system, solve)).save(tmp_path / "page.html")
+        return (tmp_path / "page.html").as_uri()
+
+    return write
 
 
 @pytest.fixture
 def visit(browser, url):
-    """Opens addresses; afterwards nothing may have gone wrong or been asked of anybody else."""
+    """Opens addresses without a network; afterwards nothing may have gone wrong or been asked."""
     opened, wrong = [], []
 
-    def open_page(address=url, offline=False, **options):
+    def open_page(address=url, **options):
         context = browser.new_context(**options)
-        context.set_offline(offline)
+        context.set_offline(True)
         page = context.new_page()
         page.on("console", lambda message: wrong.append(message.text))
         page.on("pageerror", lambda error: wrong.append(str(error)))
-        own = (url, "data:", "blob:", "file:")
+        own = ("data:", "blob:", "file:")
         page.on("request", lambda r: None if r.url.startswith(own) else wrong.append(r.url))
         page.wrong = wrong
         opened.append(context)
@@ -160,7 +162,7 @@ def assert_the_film_ends_with_its_rods(page):
 def test_a_preset_shows_its_collision_to_the_end(visit, key):
     page = visit()
     page.select_option("#preset", key)
-    outcome = PRESETS[key].solve().outcome
+    outcome = ri.solve(PRESETS[key].system).outcome
     wait_for_e(page, "-" if outcome.why_no_restitution() else shown_e(outcome))
     rows = page.locator("#results tr").all_inner_texts()
     last = f"{outcome.velocities_after[-1]:.6g} m/s".replace("-0 ", "0 ")
@@ -174,7 +176,7 @@ def test_material_and_law_can_be_chosen(visit):
     page = visit()
     page.select_option('[id="bodies.1.material"]', "aluminium")
     aluminium = ri.Rod(1.0, area=1e-4, material=ri.materials.aluminium)
-    left = PRESETS["unequal"].case.system.bodies[0]
+    left = PRESETS["unequal"].system.bodies[0]
     wait_for_e(page, shown_e(ri.collide(left, aluminium)))
     page.select_option('[id="bodies.1.material"]', "own 2")
     field(page, "materials.own 2.youngs_modulus").fill("50")
@@ -182,13 +184,7 @@ def test_material_and_law_can_be_chosen(visit):
     outcome = ri.collide(left, ri.Rod(1.0, area=1e-4, material=own))
     wait_for_e(page, shown_e(outcome))
     page.select_option('[id="contacts.0.law"]', "spring")
-    field(page, "contacts.0.stiffness").fill("10")
-    row = ri.System([left, ri.Rod(1.0, area=1e-4, material=own)], contacts=[ri.Spring(1e7)])
-    e = Design.of(ri.Case(row)).solve().outcome.restitution
-    assert e == pytest.approx(ri.solve(row).outcome.restitution, rel=5e-3)
-    wait_for_e(page, f"{e:.5g}")
-    sync_api.expect(page.locator("#notes")).to_contain_text("means over cells")
-    sync_api.expect(page.locator("#plot-curve")).to_contain_text("solved at 20 ratios")
+    sync_api.expect(page.locator("#message")).to_contain_text("cannot solve compliant contacts")
 
 
 def test_a_mistake_is_told_beside_its_field_and_mended(visit):
@@ -200,7 +196,6 @@ def test_a_mistake_is_told_beside_its_field_and_mended(visit):
     field(page, LENGTH).fill("500")
     wait_for_e(page, "0.5")
     sync_api.expect(problem).to_be_empty()
-    page.wrong[:] = [text for text in page.wrong if "422" not in text]  # the browser's own note
 
 
 def test_a_view_can_be_shared(visit):
@@ -218,15 +213,6 @@ def test_a_view_can_be_shared(visit):
     assert again.inner_text("#question") == "How long & why?"
     assert again.is_checked("input[value=stress]")
     assert (picture(again), picture(again, "#rods")) == seen
-
-
-def test_an_address_that_is_nonsense_is_told(visit, url):
-    context = visit().context
-    for address in ("#case.bodies=7", "#case.schema=1&case.bodies.0.kind=rod"):
-        page = context.new_page()
-        page.goto(f"{url}{address}")
-        told = page.locator("#message:not(:empty), .problem:not(:empty)").first
-        sync_api.expect(told).not_to_be_empty()
 
 
 def test_play_pause_and_scrub(visit):
@@ -247,7 +233,7 @@ def test_play_pause_and_scrub(visit):
 def test_pointing_reads_the_value_of_the_solution(visit):
     page = visit()
     wait_for_e(page, "0.4")
-    solution = ri.solve(PRESETS["unequal"].case.system)
+    solution = ri.solve(PRESETS["unequal"].system)
     box = page.locator("#diagram").bounding_box()
     found = 0
     for across, up in ((0.3, 0.7), (0.5, 0.6), (0.6, 0.3), (0.7, 0.5), (0.35, 0.2)):
@@ -307,7 +293,7 @@ def test_files_can_be_taken_away(visit, tmp_path):
     download.value.save_as(tmp_path / "case.toml")
     case = ri.read_case(tmp_path / "case.toml")
     assert case.system.bodies[0].length == 0.35
-    assert case.gauges == PRESETS["unequal"].case.gauges
+    assert case.gauges == PRESETS["unequal"].gauges
     assert tomllib.loads((tmp_path / "case.toml").read_text())["schema"] == 1
     with page.expect_download() as download:
         page.click("#save-svg")
@@ -355,19 +341,11 @@ def test_every_control_has_a_name_and_takes_the_focus(visit):
     assert {"preset", "theme", "quantity", "diagram", "play", "time", LENGTH} <= seen
 
 
-HERTZ = ri.System(PRESETS["unequal"].case.system.bodies, contacts=[ri.Hertz(1e10)])
+HERTZ = ri.System(PRESETS["unequal"].system.bodies, contacts=[ri.Hertz(1e10)])
 
 
-def begin(page, system):
-    """Show another collision; without an answer yet there is no scene of it."""
-    page.evaluate("design => { shown.scene = null; begin(design); }",
-                  Design.of(ri.Case(system)).to_dict())
-    page.wait_for_function("() => shown.scene !== null")
-
-
-def test_a_spring_keeps_the_faces_apart_and_the_film_begins_before_contact(visit):
-    page = visit()
-    begin(page, HERTZ)
+def test_a_spring_keeps_the_faces_apart_and_the_film_begins_before_contact(visit, solved):
+    page = visit(solved(HERTZ))
     for share in range(0, 1001, 100):
         ends = rods_at(page, share)
         assert ends[0][1] < ends[1][0]
@@ -398,11 +376,11 @@ def test_a_sentence_follows_the_events(visit):
     page.click("summary")
     page.locator("#events button").last.click()
     sync_api.expect(sentence).to_contain_text("rod 2 has 0.4 m/s on average")
-    sync_api.expect(page.locator("#notes")).to_contain_text("touch without force until the gap")
+    sync_api.expect(page.locator("#reason")).to_contain_text("touch without force until they part")
 
 
 TELLING = ("#restitution", "#theory", "#plot-curve", "#remark", "#facts", "#plots", "#notes",
-           "#sentence", "#all-events", "#readout", "#time", "#other")
+           "#reason", "#sentence", "#all-events", "#readout", "#time", "#other")
 
 
 def test_a_guess_comes_before_e(visit):
@@ -425,10 +403,9 @@ def test_a_guess_comes_before_e(visit):
     page.locator("#guessed").fill("0.7")
     page.keyboard.press("Enter")
     verdict = page.locator("#verdict")
-    for words in ("You said 0.7; e is 0.4: off by 0.3.", "the force between rod 1 and rod 2 ends",
-                  "The impulse is 314", "rod 2 has 0.4 m/s afterwards, so e = 0.4",
-                  "vibrates in the end is 94.2"):
-        sync_api.expect(verdict).to_contain_text(words)
+    sync_api.expect(verdict).to_contain_text("You said 0.7; e is 0.4: off by 0.3.")
+    for words in ("Rod 1's wave returns", "The impulse of 314", "so e = 0.4 = l₁/l₂"):
+        sync_api.expect(page.locator("#reason")).to_contain_text(words)
     assert page.evaluate("shown.playing && now() < 0.2 * shown.scene.end")
     assert page.locator("#restitution").is_visible()
     page.select_option("#preset", "chain")
@@ -456,10 +433,9 @@ def test_e_and_its_curve_are_seen_beside_the_picture_while_any_slider_moves(visi
     assert curve["y"] < diagram["y"] + diagram["height"]
 
 
-def test_rods_and_masses_are_numbered_from_the_left_and_walls_are_not(visit):
-    page = visit()
-    rod = PRESETS["unequal"].case.system.bodies[1]
-    begin(page, ri.System([ri.Wall(), rod, ri.RigidMass(1.0, velocity=-1.0)]))
+def test_rods_and_masses_are_numbered_from_the_left_and_walls_are_not(visit, solved):
+    rod = PRESETS["unequal"].system.bodies[1]
+    page = visit(solved(ri.System([ri.Wall(), rod, ri.RigidMass(1.0, velocity=-1.0)])))
     assert page.locator("#controls legend").all_inner_texts()[:5] == [
         "The wall", "Contact wall-1", "Rod 1", "Contact 1-2", "Mass 2"]
     assert field(page, "bodies.1.length").count() == 1  # a path counts from 0, walls too
@@ -545,7 +521,7 @@ def test_play_begins_before_contact(visit):
 def test_a_print_is_one_page_on_white_without_controls(visit, width, key):
     page = visit(viewport={"width": width, "height": 800}, color_scheme="dark")
     page.select_option("#preset", key)
-    page.wait_for_function("() => !scenes.busy && !shown.due")
+    page.wait_for_function("() => !shown.asked && !shown.due")
     pages = re.findall(rb"/Type\s*/Page\b", page.pdf(format="A4", print_background=True))
     assert len(pages) == 1
     theme = sync_api.expect(page.locator("html"))
@@ -569,13 +545,12 @@ def test_numbers_are_told_in_the_unit_of_their_field_with_one_minus_sign(visit):
     field(page, "bodies.1.velocity").fill("-3")
     sync_api.expect(page.locator("#results")).to_contain_text("\u22122.2 m/s")
     assert re.findall(r"[\s(]-\d", page.inner_text("main")) == []
-    page.wrong[:] = [text for text in page.wrong if "422" not in text]
 
 
 def test_no_result_is_cut_through(visit):
     page = visit(viewport={"width": 1440, "height": 900})
     page.select_option("#preset", "chain")
-    page.wait_for_function("() => !scenes.busy && shown.scene.bodies.length === 5")
+    page.wait_for_function("() => !shown.asked && shown.scene.bodies.length === 5")
     cut = page.evaluate("""() => [...document.querySelectorAll("#facts, #outcome, #facts td")]
         .filter((e) => e.scrollHeight > e.clientHeight + 1 || e.scrollWidth > e.clientWidth + 1)
         .length""")
@@ -588,7 +563,7 @@ def test_a_tour_of_the_box_in_six_steps(visit):
     shown = []
     for k in range(6):
         sync_api.expect(page.locator("#tour-text")).to_contain_text(f"{k + 1} of 6")
-        page.wait_for_function("() => !scenes.busy && !arrived")
+        page.wait_for_function("() => !shown.asked && !arrived")
         shown.append((page.input_value("#preset"), page.evaluate("now()")))
         page.click("#tour-next")
     T = 1 / ri.materials.steel.wave_speed
@@ -632,7 +607,7 @@ def test_two_collisions_are_shown_at_the_same_time_in_the_same_colours(visit):
     wait_for_e(page, "0.4")
     page.click("#compare")
     page.select_option("#preset", "hopkinson")
-    page.wait_for_function("() => !scenes.busy && shown.scene.bodies.length === 3")
+    page.wait_for_function("() => !shown.asked && shown.scene.bodies.length === 3")
     sync_api.expect(page.locator("#other-text")).to_contain_text("Kept: e = 0.4.")
     reach = page.evaluate("[shown.scene, shown.other].map((scene) => scene.reach)")
     assert reach[0] == reach[1]
@@ -658,7 +633,7 @@ def test_bodies_come_go_and_change_places(visit):
     page.select_option("#add-kind", "mass")
     page.click("text=Add >> nth=0")
     assert bodies_of(page) == ["rod", "rod", "mass", "wall"]
-    sync_api.expect(page.locator("#results")).to_contain_text("velocity of mass 3")
+    sync_api.expect(page.locator("#message")).to_contain_text("cannot solve rigid masses")
     page.click("[aria-label='Remove rod 1']")
     assert bodies_of(page) == ["rod", "mass", "wall"]
     assert page.evaluate("[design.gauges[0].body, design.case.contacts.length]") == [0, 2]
@@ -666,7 +641,7 @@ def test_bodies_come_go_and_change_places(visit):
     page.click("[aria-label='+ step of rod 2']")
     assert page.evaluate("design.case.bodies[1].segments.map((s) => s.area)") == [1e-4, 2e-4]
     page.click("text=− step")  # noqa: RUF001
-    sync_api.expect(page.locator("#results")).to_contain_text("velocity of mass 1")
+    assert page.evaluate("design.case.bodies[1].length") == 1.0
     for _ in range(3):
         page.keyboard.press("Control+z")
     assert bodies_of(page) == ["rod", "mass", "wall"]
@@ -678,7 +653,7 @@ def test_bodies_come_go_and_change_places(visit):
 
 def drag(page, start, way):
     """Drag a point of the strip, given by an expression, by so many pixels."""
-    page.wait_for_function("() => !scenes.busy && !shown.due")
+    page.wait_for_function("() => !shown.asked && !shown.due")
     x, y = page.evaluate(start)
     box = page.locator("#rods").bounding_box()
     page.mouse.move(box["x"] + x, box["y"] + y)
@@ -713,22 +688,21 @@ def test_the_range_of_a_slider_follows_its_value(visit):
     assert float(field(page, LENGTH).input_value()) > 5000
 
 
-def test_names_never_become_markup(visit):
-    page = visit()
-    alloy = ri.Material("<b onclick=1>&amp;</b>", youngs_modulus=200e9, density=7850.0)
+def test_names_never_become_markup(visit, solved):
+    alloy = ri.Material("</script><b onclick=1>&amp;</b>", youngs_modulus=200e9, density=7850.0)
     rod = ri.Rod(1.0, area=1e-4, material=alloy, velocity=1.0)
-    begin(page, ri.System([rod, ri.Wall()]))
+    page = visit(solved(ri.System([rod, ri.Wall()])))
     assert alloy.name in page.locator('[id="bodies.0.material"]').inner_text()
     assert page.locator("b").count() == 0
 
 
 @pytest.mark.parametrize(("width", "scheme"), [(360, "dark"), (1280, "light")])
-def test_an_accessibility_checker_finds_nothing(visit, width, scheme):
+def test_an_accessibility_checker_finds_nothing(visit, solved, width, scheme):
     checker = Path(os.environ.get("AXE_CORE", ""))
     if not checker.is_file():
         pytest.skip("AXE_CORE names no axe.min.js (npm install axe-core has one)")
-    page = visit(viewport={"width": width, "height": 800}, color_scheme=scheme, bypass_csp=True)
-    begin(page, HERTZ)
+    page = visit(solved(HERTZ), viewport={"width": width, "height": 800}, color_scheme=scheme,
+                 bypass_csp=True)
     page.evaluate(checker.read_text(encoding="utf-8") + "; 0")
     asked = {"rules": {"target-size": {"enabled": True}}}
     for button in ("#tour-open", "summary", "#guess-first"):
@@ -737,61 +711,52 @@ def test_an_accessibility_checker_finds_nothing(visit, width, scheme):
         assert [(v["id"], [node["html"] for node in v["nodes"]]) for v in found] == []
 
 
-def test_the_page_says_that_it_is_solving(visit):
-    page = visit()
-    begin(page, HERTZ)
-    before = page.inner_text("#restitution")
-    page.evaluate("""() => {
-        const [asked, opened] = [fetch, new Promise((open) => { window.open_gate = open; })];
-        window.fetch = (...question) => opened.then(() => asked(...question));
-    }""")
-    field(page, LENGTH).fill("300")
-    sync_api.expect(page.locator("#solving")).to_be_visible()
-    page.evaluate("open_gate()")
-    sync_api.expect(page.locator("#restitution")).not_to_have_text(before)
-    assert not page.locator("#solving").is_visible()
-
-
-def test_the_latest_request_wins(visit):
+def test_the_latest_design_is_solved(visit):
     page = visit()
     for length in range(100, 160):
         field(page, LENGTH).fill(str(length))
     wait_for_e(page, "0.159")
 
 
-# The page in one file
-
-
-@pytest.fixture
-def exported(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "case.toml").write_text(ri.write_case(PRESETS["unequal"].case))
-    assert main(["export", "case.toml", "-o", "page.html"]) == 0
-    return (tmp_path / "page.html").as_uri()
-
-
-def test_the_exported_page_plays_from_disk_without_a_network(visit, exported):
-    page = visit(exported, offline=True)
+def test_what_python_has_solved_is_shown_and_the_sliders_work_for_what_the_page_solves(
+    visit, solved
+):
+    page = visit(solved(HERTZ))
+    outcome = ri.solve(HERTZ).outcome
+    wait_for_e(page, f"{outcome.restitution:.5g}")
+    remark = sync_api.expect(page.locator("#remark"))
+    remark.to_contain_text("the page cannot solve compliant contacts")
+    field(page, LENGTH).fill("300")
+    message = sync_api.expect(page.locator("#message"))
+    message.to_contain_text("this page cannot solve compliant contacts; Python can")
+    page.click("#undo")
+    remark.to_contain_text("Python solved this collision")
+    wait_for_e(page, f"{outcome.restitution:.5g}")
+    page.select_option('[id="contacts.0.law"]', "rigid")
     wait_for_e(page, "0.4")
-    assert not page.locator("#preset").is_visible()
-    assert "impedance Z" in page.inner_text("#controls")
-    assert page.locator("#plots figure").count() == 4
-    page.locator("#time").fill("0")
-    start = picture(page, "#rods")
-    page.click("#play")
-    page.wait_for_timeout(300)
-    page.click("#play")
-    assert picture(page, "#rods") != start
-    page.locator("#time").fill("300")
-    page.click("#zoom-in")
-    page.hover("#diagram")
-    sync_api.expect(page.locator("#readout")).to_contain_text("t =")
-    with page.expect_download():
-        page.click("#save-svg")
-    assert_the_film_ends_with_its_rods(page)
+    assert not page.locator("#message").is_visible()
 
 
-def test_scene_numbers_reach_the_exported_page_unchanged(visit, exported):
-    page = visit(exported, offline=True)
-    data = json.loads(page.locator("#embedded").text_content())
-    assert data["scene"]["restitution"]["value"] == pair(0.4).restitution
+def test_a_page_in_a_frame_of_a_notebook_solves_too(visit, tmp_path):
+    frame = ri.explore(PRESETS["unequal"])._repr_html_()
+    (tmp_path / "notebook.html").write_text(f'<html data-frames="1">{frame}</html>', "utf-8")
+    inside = visit((tmp_path / "notebook.html").as_uri()).frame_locator("iframe")
+    inside.locator(f'[id="{LENGTH}"]').fill("300")
+    sync_api.expect(inside.locator("#restitution")).to_have_text("0.3")
+
+
+@pytest.mark.parametrize(("address", "words"), [
+    ("#case.schema=1&case.bodies.0.kind=rod&case.bodies.0.length=-1&case.bodies.0.area=1e-4"
+     "&case.bodies.0.material=steel&case.bodies.1.kind=wall",
+     "must be a finite positive number, got \u22121000 mm"),
+    ("#case.schema=1&case.gravity=9.81&case.bodies.0.kind=rod"
+     "&case.bodies.0.length=1&case.bodies.0.area=1e-4&case.bodies.0.material=steel",
+     "this page cannot solve gravity; Python can"),
+    ("#case.bodies=7", "The design cannot be read"),
+    ("#case.schema=1&case.bodies.0.kind=rod", "is missing"),
+])
+def test_an_address_that_cannot_be_solved_is_told(visit, url, address, words):
+    page = visit().context.new_page()
+    page.goto(f"{url}{address}")
+    told = page.locator("#message:not(:empty), .problem:not(:empty)").first
+    sync_api.expect(told).to_contain_text(words)

@@ -20,11 +20,12 @@ OPTIONS = {
     "export": ["-o", "--force"],
     "animate": ["-o", "--field", "--frames", "--fps", "--magnify", "--dark", "--force"],
     "box": ["--ratio", "-o", "--force"],
-    "explore": ["--port"], "formula": ["--symbols", "--latex"], "help": [],
+    "explore": ["--no-browser"], "formula": ["--symbols", "--latex"], "help": [],
 }
-SLOW = ("animate", "box", "export")
+SLOW = ("animate", "box", "export", "explore")
 LONG = ("doctor", "verify")  # they take no case, and seconds
-FLAGS = ("--latex", "--json", "--force", "--csv", "--dark", "--energy-release")
+ALWAYS = ("-o", "--m1", "--m2", "--v1", "--v2", "-e", "--no-browser")
+FLAGS = ("--no-browser", "--latex", "--json", "--force", "--csv", "--dark", "--energy-release")
 VALUES = [
     *NUMBERS, *(word.strip("\"'") for word in WORDS if "\x00" not in word), "1 ms",
     "0.1 ms", "10 us", "x.npz", "x.png", "x.html", "x.csv", "x.gif", ".", "/dev/null",
@@ -41,7 +42,7 @@ LIKELY = {
     "--until": "0.1 ms", "--max-events": "500", "--dt": "1 us", "--frames": "2", "--save": "x.npz",
     "--plot": "x.png", "-o": "x.html", "--gauges": "g.csv", "--gauge": "a=0:0.1", "--m1": "1",
     "--vary": "bodies.0.velocity=1,2,3", "--workers": "1", "--checkpoint": "checkpoint",
-    "--m2": "2", "--v1": "1", "--v2": "0", "-e": "0.5", "--port": "nonsense", "--method": "fronts",
+    "--m2": "2", "--v1": "1", "--v2": "0", "-e": "0.5", "--method": "fronts",
     "--symbols": "length,area",
 }
 
@@ -55,15 +56,13 @@ def command_line(rng):
     words += ["record.csv"] * (command == "compare")
     good = rng.random()
     for option in OPTIONS[command]:
-        if rng.random() < 0.4 or option in ("-o", "--m1", "--m2", "--v1", "--v2", "-e", "--port"):
+        if rng.random() < 0.4 or option in ALWAYS:
             words.append(option)
             if option not in FLAGS:
                 likely = option in LIKELY and rng.random() < good
                 words.append(LIKELY[option] if likely else one_of(rng, VALUES))
     if rng.random() < 0.05:
         words.insert(rng.integers(len(words) + 1), one_of(rng, VALUES))
-    if command == "explore":
-        words += ["--port", one_of(rng, ["65536", "-1", "x", "1e9"])]  # it never serves
     return [command, *words]
 
 
@@ -80,6 +79,7 @@ def test_command_lines_are_done_or_refused(capsys, monkeypatch, tmp_path, seed):
         folder = tmp_path / str(i)
         folder.mkdir()
         monkeypatch.chdir(folder)
+        monkeypatch.setattr("tempfile.tempdir", str(folder))
         (folder / "case.toml").write_text(one_of(rng, CASES))
         (folder / "record.csv").write_text(RECORD)
         with patience():

@@ -8,9 +8,9 @@ import pytest
 
 import rodimpact as ri
 from rodimpact import plot
-from rodimpact.explore.design import Design
-from rodimpact.explore.presets import presets
-from rodimpact.explore.scene import scene
+from rodimpact.explorer.design import with_gauges
+from rodimpact.explorer.presets import presets
+from rodimpact.explorer.scene import scene
 from rodimpact.plot.placing import placing
 from rodimpact.results.magnification import REACH
 
@@ -22,7 +22,7 @@ def rod(length=1.0, velocity=0.0, **how):
 
 
 ROWS = {
-    **{preset.key: (preset.design.case.system, {}) for preset in presets()},
+    **{preset.key: (preset.case.system, {}) for preset in presets()},
     "drifting": (ri.System([rod(0.4, 101.0), rod(1.0, 100.0)]), {}),
     "gap": (ri.System([rod(0.4, 1.0), rod()], gaps=[1e-4]), {}),
     "struck wall": (ri.System([rod(0.4), ri.Wall(-1.0)]), {}),
@@ -40,7 +40,7 @@ def solution(request):
 
 
 def page_row(solution):
-    return scene(Design.of(ri.Case(solution.system)), solution)["row"]
+    return scene(with_gauges(ri.Case(solution.system)), solution)["row"]
 
 
 def test_figures_film_and_page_magnify_by_the_same_factor_in_the_same_frame(solution):

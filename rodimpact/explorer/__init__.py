@@ -1,0 +1,7 @@
+"""See a collision and play with it: one page, which solves by itself and asks nobody for anything.
+
+The page holds no physics of its own. `tables`, `fronts` and `picture` are plain Python around the
+kernels of fronts: from a case to its polygons, curves and texts. `solver` makes JavaScript of them,
+kernels and all. What the page cannot solve, Python solves when the page is written, and the page
+shows that with the same `picture`.
+"""

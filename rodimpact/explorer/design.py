@@ -1,0 +1,56 @@
+"""A case as the page takes it: the tables of a case file, with its gauges."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import replace
+from typing import Any
+
+from .. import materials
+from ..model import Law, Rod
+from ..model.bodies import CIRCULAR
+from ..model.frozen import InvalidModel
+from ..model.laws import Spring
+from ..storage.casefile import Case, GaugePlace, write_case
+
+LIBRARY = {
+    name: {key: v for key, v in m.to_dict().items() if key != "name" and v is not None}
+    for name, m in materials.TABLE.items()
+}
+"""Materials that a case may name."""
+
+
+def with_gauges(case: Case) -> Case:
+    """A case; one without gauges gets one in the middle of its last rod."""
+    rods = [i for i, body in enumerate(case.system.bodies) if isinstance(body, Rod)]
+    if not rods:
+        raise InvalidModel([("bodies", "needs at least one rod")])
+    return replace(case, gauges=case.gauges or (GaugePlace(rods[-1], 0.5),))
+
+
+def tables_of(case: Case) -> dict[str, Any]:
+    """The ``case`` in the terms of a case file, with materials of the library by name; ``gauges``.
+
+    Mistakes that the page finds then have the path of their field.
+    """
+    system = case.system  # no file holds a function, but the page need not know its force
+    laws = [Spring(1.0) if isinstance(law, Law) else law for law in system.contacts]
+    tables = tomllib.loads(write_case(replace(case, system=system.replace(contacts=laws))))
+    tables.pop("output", None)
+    for i, law in enumerate(system.contacts):
+        if isinstance(law, Law):
+            tables["contacts"][i] = {"gap": system.gaps[i], "law": law.law}
+    own = {
+        name: entry for name, entry in tables.pop("materials", {}).items()
+        if entry != LIBRARY.get(name)
+    }
+    if own:
+        tables["materials"] = own
+    for rod in tables["bodies"]:  # the page knows round rods by their areas
+        for piece in rod.get("segments", [rod]):
+            if "diameter" in piece:
+                piece["area"] = math.pi * piece["diameter"] * piece.pop("diameter") / 4
+                if "lateral_inertia" in piece:
+                    piece["polar_moment"] = CIRCULAR
+    return {"gauges": tables.pop("gauges", []), "case": tables}

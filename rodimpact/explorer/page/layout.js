@@ -1,0 +1,197 @@
+"use strict";
+// Where a scene is drawn: places in the picture, room for springs, and the time before contact.
+
+const ROOM = 0.04; // of a spring at rest, in lengths of the row
+const THINNEST = 0.3; // of the thickest rod
+const MOMENTS = 60; // of the path of a centre of mass
+const TOUCHING = 1e-12; // of the row: a gap that is none
+const APPROACH = { way: 0.12, time: 0.2 }; // at most: in lengths of the row, in lengths of the film
+
+/** Place in the picture of a point of a body, displaced, at a time. */
+function placeOf(row, body, x, t, displacement) {
+  return row.left[body] + x + row.magnification * (row.apart[body] + displacement - row.frame * t);
+}
+
+/** Adds what drawing asks for again and again: places, largest values, states of contacts. */
+function prepare(scene) {
+  const { tiling, row } = scene;
+  scene.own = { velocity: largestOf(tiling.velocity), stress: largestOf(tiling.stress) };
+  scene.lengths = lengthsOf(scene);
+  scene.length = row.left.at(-1) + scene.lengths.at(-1);
+  scene.begin = 0;
+  if (!scene.exact) scene.grids = gridsOf(tiling);
+  scene.cells = tiling.body.length;
+  const gaps = linkContacts(scene);
+  makeRoom(scene, gaps);
+  approach(scene, gaps);
+  const { start, body, x, t, displacement } = tiling;
+  scene.place = new Array(x.length);
+  scene.rest = new Array(x.length);
+  for (let i = 0; i < body.length; i += 1) {
+    for (let k = start[i]; k < start[i + 1]; k += 1) {
+      scene.place[k] = placeOf(row, body[i], x[k], t[k], displacement[k]);
+      scene.rest[k] = row.left[body[i]] + x[k];
+    }
+  }
+  for (const at of scene.place) row.span = [Math.min(row.span[0], at), Math.max(row.span[1], at)];
+  for (const contact of scene.contacts) {
+    contact.spells = fronts.spells_of(contact.force, contact.gap);
+    contact.faces = [faceOf(scene, contact.index, scene.lengths[contact.index]), faceOf(scene, contact.index + 1, 0)];
+  }
+  scene.centres = centresOf(scene);
+  scene.marks = marksOf(scene);
+  return scene;
+}
+
+/** Path of a point of a body, displaced: places over time. */
+function pathOf(scene, body, x, { t, displacement }) {
+  return { t, y: t.map((at, k) => placeOf(scene.row, body, x, at, displacement[k])), steps: false };
+}
+
+/** Path of the face at x of a body. */
+function faceOf(scene, body, x) {
+  const { path } = scene.bodies[body];
+  if (path) return pathOf(scene, body, x, path);
+  const { start, t } = scene.tiling;
+  const found = new Map();
+  scene.tiling.body.forEach((owner, i) => {
+    for (let k = start[i]; owner === body && k < start[i + 1]; k += 1) {
+      if (Math.abs(scene.tiling.x[k] - x) < 1e-6 * scene.lengths[body]) found.set(t[k], scene.place[k]);
+    }
+  });
+  const times = [...found.keys()].sort((a, b) => a - b);
+  return { t: times, y: times.map((at) => found.get(at)), steps: false };
+}
+
+/** Paths of the centres of mass of rods and masses: the middles of pieces, weighed by their masses. */
+function centresOf(scene) {
+  const { tiling, begin, end, bodies } = scene;
+  const t = Array.from({ length: MOMENTS }, (_, k) => begin + (end - begin) * (k + 0.5) / MOMENTS);
+  const sums = bodies.map(() => t.map(() => [0, 0]));
+  t.forEach((at, k) => slice(scene, at).forEach(({ polygon, low, high }) => {
+    const [body, [left, right]] = [tiling.body[polygon], chord(scene, polygon, at, tiling.x)];
+    const [mass, sum] = [pieceAt(scene, body, (left + right) / 2)[2] * (right - left), sums[body][k]];
+    sum[0] += mass;
+    sum[1] += mass * (low + high) / 2;
+  }));
+  return bodies.flatMap(({ kind, path, width }, i) => (kind === "wall" ? []
+    : [path ? pathOf(scene, i, width / 2, path) : { t, y: sums[i].map(([mass, moment]) => moment / mass), steps: false }]));
+}
+
+/** When the wave that a contact sends into a rod of one piece is back: 2 l/c after it begins to press. */
+function marksOf({ bodies, contacts, end }) {
+  const first = contacts.length === 1 && contacts[0].spells.find(({ state }) => state === "pressing");
+  const found = !first ? [] : bodies.filter(({ pieces }) => pieces.length === 1)
+    .map(({ name, pieces }) => ({ t: first.from + 2 * pieces[0][3], text: `2l${"₀₁₂"[name.slice(-1)]}/c` })).filter(({ t }) => t <= end);
+  const same = found.length === 2 && Math.abs(found[0].t - found[1].t) < 1e-6 * end;
+  return same ? [{ ...found[0], text: "2l/c" }] : found;
+}
+
+/** Length in the picture of each body. */
+function lengthsOf({ bodies, tiling }) {
+  const lengths = bodies.map((body) => body.width || 0);
+  tiling.body.forEach((body, i) => {
+    for (let k = tiling.start[i]; k < tiling.start[i + 1]; k += 1) lengths[body] = Math.max(lengths[body], tiling.x[k]);
+  });
+  return lengths;
+}
+
+/** The piece of a rod at x: its length, area, mass per length and transit time. */
+function pieceAt(scene, body, x) {
+  const { pieces } = scene.bodies[body];
+  let end = 0;
+  return pieces.find(([length]) => (end += length) > x) || pieces.at(-1);
+}
+
+/** Half of the diameter of a rod at x, as a share of the largest of all; no less than can be seen. */
+function widthAt(scene, body, x) {
+  scene.widest ||= Math.max(...scene.bodies.flatMap((rod) => rod.pieces.map(([, area]) => area)));
+  return Math.max(THINNEST, Math.sqrt(pieceAt(scene, body, x)[1] / scene.widest));
+}
+
+/** Give each contact its curves; returns the curve of each gap. */
+function linkContacts(scene) {
+  const curves = (key) => [...(scene.plots.find((plot) => plot.key === key) || { series: [] }).series];
+  const [forces, gaps] = [curves("force"), curves("gap")];
+  for (const contact of scene.contacts) {
+    contact.force = forces.shift();
+    contact.gap = contact.bonded ? null : gaps.shift();
+  }
+  return scene.contacts.filter((contact) => contact.gap);
+}
+
+/** Draw a body to the right of each compliant contact so far away that the faces stay apart. */
+function makeRoom(scene, contacts) {
+  const { row } = scene;
+  let all = 0;
+  for (const contact of contacts) {
+    if (!contact.compliant) continue;
+    const deepest = Math.max(0, -Math.min(...contact.gap.y));
+    contact.room = row.magnification * deepest + ROOM * scene.length;
+    all += contact.room;
+    for (let i = contact.index + 1; i < row.left.length; i += 1) row.left[i] += contact.room;
+  }
+  row.span = [row.span[0], row.span[1] + all];
+}
+
+/** Let the film begin before bodies meet that come with one velocity each, unstrained. */
+function approach(scene, contacts) {
+  const { bodies, row, tiling } = scene;
+  if (bodies.some((body) => body.approach === null)) return;
+  const closing = contacts.map(({ index, gap }) =>
+    (Math.abs(gap.y[0]) < TOUCHING * scene.length ? bodies[index].approach - bodies[index + 1].approach : 0));
+  const fastest = Math.max(0, ...closing);
+  if (fastest === 0 || Math.min(...closing) < 0) return;
+  const way = APPROACH.way * scene.length / (row.magnification * fastest);
+  const before = -Math.min(way, APPROACH.time * scene.end);
+  scene.begin = before;
+  bodies.forEach((body, i) => {
+    const moved = body.approach * before;
+    if (body.path) {
+      body.path.t.unshift(before);
+      body.path.displacement.unshift(body.path.displacement[0] + moved);
+      return;
+    }
+    const long = scene.lengths[i];
+    tiling.body.push(i);
+    tiling.velocity.push(body.approach);
+    tiling.stress.push(0);
+    tiling.x.push(0, long, long, 0);
+    tiling.t.push(before, before, 0, 0);
+    tiling.displacement.push(moved, moved, 0, 0);
+    tiling.start.push(tiling.x.length);
+  });
+  for (const { key, series } of scene.plots) {
+    for (const curve of series) {
+      const first = key === "energy" ? curve.y[0] : 0;
+      const gap = contacts.find((contact) => contact.gap === curve);
+      const apart = gap ? bodies[gap.index + 1].approach - bodies[gap.index].approach : 0;
+      curve.t.unshift(before);
+      curve.y.unshift(gap ? curve.y[0] + apart * before : first);
+    }
+  }
+}
+
+/** Make polygons of the cells of grids; returns the grids: body, first cell, and how many there are. */
+function gridsOf(tiling) {
+  const { body: bodies, across: widths, start, x, t, displacement } = tiling;
+  const points = { x: [], t: [], displacement: [] };
+  const body = [];
+  const grids = bodies.map((owner, g) => {
+    const [from, across] = [start[g], widths[g]];
+    const rows = (start[g + 1] - from) / (across + 1) - 1;
+    const grid = { body: owner, first: body.length, across, rows, left: x[from], right: x[from + across] };
+    for (let i = 0; i < rows * across; i += 1) {
+      const k = from + i + Math.floor(i / across);
+      body.push(owner);
+      for (const corner of [k, k + 1, k + across + 2, k + across + 1]) {
+        points.x.push(x[corner]);
+        points.t.push(t[corner]);
+        points.displacement.push(displacement[corner]);
+      }
+    }
+    return grid;
+  });
+  Object.assign(tiling, points, { body, start: Array.from({ length: body.length + 1 }, (_, i) => 4 * i) });
+  return grids;
+}

@@ -1,0 +1,286 @@
+"use strict";
+// The page: what is shown, what moves it, and when it is drawn.
+
+const byId = (id) => document.getElementById(id);
+const start = JSON.parse(byId("embedded").textContent);
+
+const shown = {
+  scene: null, other: null, view: null, share: 0.35, playing: false, mark: null, quantity: "velocity",
+  displaced: true, zoomed: false, held: false, fresh: true, guessing: false,
+  frame: null, strip: null, theme: null, due: false, asked: false, frames: 0,
+};
+let [design, arrived, past, controls, keeping] = []; // not there yet
+
+// Drawing ----------------------------------------------------------------------------------------
+
+function readTheme() {
+  const style = getComputedStyle(document.documentElement);
+  const colour = (name) => style.getPropertyValue(`--${name}`).trim();
+  shown.theme = {
+    size: Math.round(Math.min(17, parseFloat(style.fontSize) * 0.87)),
+    series: [0, 1, 2, 3, 4].map((k) => colour(`series-${k}`)),
+    name: document.documentElement.dataset.theme,
+    stops: STOPS[document.documentElement.dataset.theme],
+  };
+  for (const name of ["paper", "ink", "faint", "line", "wrong"]) shown.theme[name] = colour(name);
+  for (const name of ["ink", "paper"]) shown.theme[`${name}s`] = shown.theme[name].match(/\w\w/g).map((pair) => parseInt(pair, 16));
+  byId("colours").style.background = `linear-gradient(to right, ${shown.theme.stops.map(css).join(",")})`;
+}
+
+function now() {
+  const { begin, end } = filmSpan();
+  return Math.min(end, begin + shown.share * (end - begin));
+}
+
+/** Draw in the next frame; solve before, if that is asked: once, however often a slider moves. */
+function redraw() {
+  if (shown.due) return;
+  shown.due = true;
+  requestAnimationFrame(() => {
+    try {
+      if (shown.asked) receive(sceneOf(design));
+      if (shown.scene) draw();
+    } finally {
+      shown.due = false;
+    }
+  });
+}
+
+function askScene() {
+  shown.asked = true;
+  redraw();
+}
+
+function draw() {
+  const { scene, theme } = shown;
+  const t = Math.max(scene.begin, Math.min(scene.end, now()));
+  shown.frame = drawDiagram(new CanvasPen(byId("diagram")), scene, shown, t, shown.mark, theme);
+  shown.strip = drawRods(new CanvasPen(byId("rods")), scene, shown, t, theme);
+  drawBeside(now(), theme);
+  drawPlots(byId("plots"), scene, t, theme);
+  byId("time").value = 1000 * shown.share;
+  byId("time").setAttribute("aria-valuetext", quantity(now(), "s"));
+  byId("now").value = quantity(now(), "s");
+  showReading();
+  showLesson(scene, t);
+  shown.frames += 1;
+  document.documentElement.dataset.frames = shown.frames;
+}
+
+function showLegend() {
+  const [unit, reach] = [UNITS[shown.quantity], quantity(shown.scene.reach[shown.quantity], UNITS[shown.quantity], 3)];
+  byId("least").textContent = `−${reach}${unit === "Pa" ? ", compressed" : ""}`;
+  byId("most").textContent = `+${reach}`;
+}
+
+const micro = (text) => text.replace(/ us\b/g, " µs");
+
+function showNumbers(scene) {
+  const { restitution: e } = scene;
+  byId("restitution").value = minus(e.text);
+  document.querySelector(".restitution").hidden = e.value === null;
+  byId("guess-first").hidden = e.value === null;
+  if (e.value === null) hideResult(false);
+  const beside = e.closed_form === null ? "" : `Closed form (${e.source}): ${e.closed_text}`;
+  const off = e.difference === undefined ? "" : `; difference ${minus(e.difference)}`;
+  byId("theory").textContent = (e.why ? `${e.why}. ` : "") + beside + off;
+  fillTable(byId("results"), scene.results);
+  write(byId("reason"), minus(micro(scene.reason.join(" "))));
+  const notes = scene.notes.map(micro);
+  if (byId("notes").dataset.shown !== notes.join()) {
+    byId("notes").dataset.shown = notes.join();
+    byId("notes").replaceChildren(...notes.map((text) => make("p", {}, text)));
+  }
+}
+
+/** Take a new scene. */
+function show(scene) {
+  shown.scene = prepare(scene);
+  shareReach();
+  if (!shown.zoomed && !shown.held) shown.view = wholeView(shown.scene);
+  shown.scene.events = eventsOf(shown.scene);
+  showNumbers(scene);
+  showLegend();
+  listEvents();
+  namePaces();
+  redraw();
+}
+
+// State ------------------------------------------------------------------------------------------
+
+function stateAddress() {
+  const view = { quantity: shown.quantity, time: Number(shown.share.toFixed(3)) };
+  if (!shown.displaced) view.displaced = false;
+  const question = byId("question").textContent.trim();
+  if (question) view.question = question;
+  return addressOf(design ? { ...design, view } : { view }).join("&");
+}
+
+function keepAddress() {
+  if (location.protocol === "about:") return; // a frame of a notebook has no address
+  clearTimeout(keeping);
+  keeping = setTimeout(() => history.replaceState(null, "", `#${stateAddress()}`), 300);
+}
+
+function setQuantity(name) {
+  shown.quantity = name in UNITS ? name : "velocity";
+  document.querySelector(`input[name="quantity"][value="${shown.quantity}"]`).checked = true;
+  if (shown.scene) showLegend();
+  redraw();
+}
+
+/** Take the state that the address holds, if it holds one. */
+function readAddress() {
+  let tree = {};
+  try {
+    tree = treeOf(location.hash.slice(1));
+  } catch {
+    showProblems([{ path: "", message: "The address of this page cannot be read." }]);
+  }
+  const view = tree.view || {};
+  if (view.time >= 0 && view.time <= 1) shown.share = view.time;
+  if (view.quantity) setQuantity(view.quantity);
+  shown.displaced = byId("displaced").checked = view.displaced !== false;
+  byId("question").textContent = view.question === undefined ? "" : String(view.question);
+  return tree.case && typeof tree.case === "object" ? { case: tree.case, gauges: listOf(tree.gauges) } : null;
+}
+
+function showProblems(problems) {
+  const others = controls ? controls.showProblems(problems) : problems;
+  byId("message").hidden = others.length === 0;
+  byId("message").replaceChildren(...others.map(({ path, message }) =>
+    make("p", {}, path ? `${path}: ${message}` : message)));
+}
+
+function receive({ data, problems = [] }) {
+  shown.asked = false;
+  document.documentElement.removeAttribute("data-solving");
+  showProblems(problems);
+  document.documentElement.toggleAttribute("data-stale", !data);
+  if (!data) return;
+  show(data);
+  if (arrived) arrived();
+  arrived = null;
+  controls.showDerived(data.bodies);
+  showMap();
+}
+
+function changed(rebuild) {
+  past.keep(design, rebuild);
+  if (rebuild) controls.build(design);
+  showPreset();
+  askScene();
+  keepAddress();
+}
+
+/** Begin with another design; `then` is called when its scene is there. */
+function begin(next, then = null) {
+  arrived = then;
+  design = structuredClone(next);
+  past.keep(design, true);
+  Object.assign(shown, { mark: null, zoomed: false, fresh: true });
+  controls.build(design);
+  showPreset();
+  askScene();
+  keepAddress();
+}
+
+/** Name the collision, if it is one of those to begin with; say if Python has solved it. */
+function showPreset() {
+  const text = JSON.stringify(design);
+  const same = start.presets.find((preset) => JSON.stringify(preset.design) === text);
+  byId("preset").value = same ? same.key : "";
+  const what = isStored(design) && (fronts.lacking(design.case)[1] || "so many waves");
+  byId("remark").textContent = what ? `Python solved this collision when the page was written, because the page cannot solve ${what}. `
+    + "The sliders work for rods and contacts that the page can solve." : same ? same.remark : "";
+}
+
+function offerPresets() {
+  byId("preset").append(new Option("your own", ""));
+  for (const { key, title } of start.presets) byId("preset").append(new Option(title, key));
+  byId("preset").addEventListener("change", () => {
+    const chosen = start.presets.find(({ key }) => key === byId("preset").value);
+    if (chosen) begin(chosen.design);
+  });
+}
+
+// Files ------------------------------------------------------------------------------------------
+
+function download(name, kind, text) {
+  const link = make("a", { href: URL.createObjectURL(new Blob([text], { type: kind })), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+function saveSvg() {
+  const pen = new SvgPen(900, 640);
+  const { scene, theme } = shown;
+  const frame = drawDiagram(pen, scene, shown, null, null, theme);
+  const colours = `colours: ${shown.quantity}, blue ${byId("least").textContent}, yellow ${byId("most").textContent}`;
+  pen.text(frame.x, frame.bottom + 2.3 * theme.size, colours, { size: 0.8 * theme.size, colour: theme.faint, baseline: "top" });
+  download("rodimpact.svg", "image/svg+xml", pen.document(beginning(scene), theme.paper));
+}
+
+const saveCase = () => download("case.toml", "application/toml", tomlOf(design, start.materials));
+
+// Beginning --------------------------------------------------------------------------------------
+
+function setTheme(name) {
+  document.documentElement.dataset.theme = name;
+  byId("theme").setAttribute("aria-pressed", String(name === "dark"));
+  readTheme();
+  redraw();
+}
+
+function connect() {
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  setTheme(dark.matches ? "dark" : "light");
+  dark.addEventListener("change", () => setTheme(dark.matches ? "dark" : "light"));
+  byId("theme").addEventListener("click", () =>
+    setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
+  byId("displaced").addEventListener("change", () => {
+    shown.displaced = byId("displaced").checked;
+    zoomAll();
+    keepAddress();
+  });
+  for (const choice of document.querySelectorAll("input[name=quantity]")) {
+    choice.addEventListener("change", () => {
+      setQuantity(choice.value);
+      keepAddress();
+    });
+  }
+  byId("save-svg").addEventListener("click", saveSvg);
+  byId("save-case").addEventListener("click", saveCase);
+  byId("question").addEventListener("input", keepAddress);
+  connectDiagram();
+  connectMap();
+  connectFilm();
+  connectLesson();
+  new ResizeObserver(() => {
+    readTheme();
+    redraw();
+  }).observe(document.body);
+  new ResizeObserver(([{ target }]) =>
+    document.documentElement.style.setProperty("--pinned", `${target.offsetHeight}px`)).observe(byId("outcome"));
+  matchMedia("print").addEventListener("change", ({ matches }) => {
+    if (matches) shown.screen = document.documentElement.dataset.theme;
+    setTheme(matches ? "light" : shown.screen);
+    if (shown.scene) draw();
+  });
+}
+
+async function beginPage() {
+  await unpackKernels();
+  if (start.scene) start.scene = JSON.parse(await unpacked(start.scene));
+  controls = new Controls(byId("controls"), start.materials, changed);
+  past = new History(byId("undo"), begin);
+  offerPresets();
+  connectTour();
+  connectDragging(changed);
+  byId("compare").addEventListener("click", () => keepBeside(!shown.other));
+  begin(readAddress() || start.design);
+  addEventListener("hashchange", () => begin(readAddress() || start.design));
+}
+
+connect();
+beginPage();

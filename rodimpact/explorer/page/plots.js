@@ -1,0 +1,88 @@
+"use strict";
+// Curves over time, and e over the ratio of the lengths.
+
+/** Value of a curve at time t. */
+const valueAt = (series, t) => fronts.value_at(series, t);
+
+/** Range of values with 0 in it and some air around. */
+function rangeOf(plot) {
+  let [low, high] = [0, 0];
+  for (const { y } of plot.series) for (const v of y) [low, high] = [Math.min(low, v), Math.max(high, v)];
+  const air = 0.06 * (high - low) || 1;
+  return [low < 0 ? low - air : 0, high > 0 ? high + air : low < 0 ? 0 : air];
+}
+
+const plotFrame = (pen, size, ends) => frameOf(pen, { left: ends.x0, right: ends.x1, from: ends.y0, to: ends.y1 }, size);
+
+/** One figure of curves over time. */
+function drawPlot(pen, plot, { begin, end }, now, theme) {
+  const [low, high] = rangeOf(plot);
+  const frame = plotFrame(pen, theme.size, { x0: begin, x1: end, y0: low, y1: high });
+  pen.inside(frame.x, frame.y - 2, frame.width, frame.height + 4, () => {
+    pen.line([[frame.x, frame.up(0)], [frame.right, frame.up(0)]], theme.line, 1);
+    plot.series.forEach((series, k) => {
+      const points = [];
+      series.t.forEach((t, i) => {
+        if (series.steps && i) points.push([frame.across(t), frame.up(series.y[i - 1])]);
+        points.push([frame.across(t), frame.up(series.y[i])]);
+      });
+      pen.line(points, theme.series[k % theme.series.length], 2, k >= theme.series.length ? [6, 3] : []);
+    });
+    pen.line([[frame.across(now), frame.y], [frame.across(now), frame.bottom]], theme.wrong, 1.6);
+  });
+  drawFrame(pen, frame, theme.size, theme, { x: [begin, end, "s", "time"], y: [low, high, plot.unit, ""] });
+}
+
+/** e over l1/l2, and the collision shown. */
+function drawCurve(scene, theme) {
+  byId("plot-curve").hidden = scene.curve === null;
+  if (scene.curve === null) return;
+  const { ratios, values, source } = scene.curve;
+  caption(byId("plot-curve").firstElementChild, "e over l₁/l₂", [
+    [`here ${plainNumber(scene.ratio, 4)}`, theme.wrong], [source, theme.series[0]]]);
+  const pen = new CanvasPen(byId("curve"));
+  const right = ratios.at(-1);
+  const most = Math.max(1, ...values.filter((e) => e !== null));
+  const frame = plotFrame(pen, theme.size, { x0: 0, x1: right, y0: 0, y1: 1.08 * most });
+  let points = [];
+  const strokes = [points];
+  ratios.forEach((ratio, i) => {
+    if (values[i] === null) strokes.push(points = []);
+    else points.push([frame.across(ratio), frame.up(values[i])]);
+  });
+  for (const stroke of strokes) if (stroke.length) pen.line(stroke, theme.series[0], 2);
+  if (scene.restitution.value !== null) {
+    pen.disc(frame.across(scene.ratio), frame.up(scene.restitution.value), 0.42 * theme.size, theme.wrong);
+  }
+  drawFrame(pen, frame, theme.size, theme, { x: [0, right, "", "l₁/l₂"], y: [0, 1.08 * most, "", "e"] });
+}
+
+/** Caption: the title, and each curve with its value at the time shown. */
+function caption(element, title, entries) {
+  if (element.children.length !== entries.length + 1) {
+    element.replaceChildren(make("strong"), ...entries.map(() => make("span", {}, make("i"), "")));
+  }
+  write(element.firstChild, title);
+  entries.forEach(([text, colour], k) => {
+    const { firstChild: swatch, lastChild: said } = element.children[k + 1];
+    if (said.data !== text) said.data = text;
+    swatch.style.borderColor = colour;
+  });
+}
+
+/** Draw all curves; figures are made anew only when there are others. */
+function drawPlots(holder, scene, now, theme) {
+  drawCurve(scene, theme);
+  const keys = scene.plots.map((plot) => plot.key).join();
+  if (holder.dataset.keys !== keys) {
+    holder.dataset.keys = keys;
+    holder.replaceChildren(...scene.plots.map(({ key, title }) => make("figure", { id: `plot-${key}` },
+      make("figcaption"), make("canvas", { role: "img", "aria-label": `${title} over time` }))));
+  }
+  scene.plots.forEach((plot, i) => {
+    const [text, canvas] = holder.children[i].children;
+    caption(text, plot.title, plot.series.map((series, k) => [
+      `${series.name}: ${quantity(valueAt(series, now), plot.unit, 3)}`, theme.series[k % theme.series.length]]));
+    drawPlot(new CanvasPen(canvas), plot, scene, now, theme);
+  });
+}

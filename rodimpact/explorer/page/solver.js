@@ -1,0 +1,77 @@
+"use strict";
+// What the page solves by itself, and the case file of what it shows.
+
+/** A text that the page holds compressed. */
+function unpacked(letters) {
+  const bytes = Uint8Array.from(atob(letters), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).text();
+}
+
+async function unpackKernels() {
+  const script = document.createElement("script");
+  script.textContent = await unpacked(byId("packed").textContent);
+  document.head.append(script);
+}
+
+/** What is wrong with a design, or what of it this page cannot solve. */
+function problemsOf({ case: tables, gauges }) {
+  const [path, what] = fronts.lacking(tables);
+  if (what) return [{ path, message: `this page cannot solve ${what}; Python can, with rodimpact explore CASE.toml` }];
+  return fronts.mistakes(tables, listOf(gauges), start.materials, start.rules).map(([where, message]) => ({ path: where, message }));
+}
+
+/** Whether Python has solved this design, which the page cannot solve. */
+const isStored = (asked) => start.scene !== null && JSON.stringify(asked) === JSON.stringify(start.design);
+
+/** The scene of a design as `data`, or its `problems`. */
+function sceneOf(asked) {
+  if (isStored(asked)) return { data: structuredClone(start.scene) };
+  try {
+    const problems = problemsOf(asked);
+    if (problems.length) return { problems };
+    const { problem, ...data } = fronts.scene_of(asked.case, listOf(asked.gauges), start.materials);
+    return problem ? { problems: [{ path: problem[0], message: problem[1] }] } : { data };
+  } catch (error) {
+    return { problems: [{ path: "", message: `The design cannot be read: ${error.message}` }] };
+  }
+}
+
+/** e over two numbers of a design, row by row; the page stays awake. */
+async function* mapOf(design, [xPath, xs], [yPath, ys]) {
+  for (let j = 0; j < ys.length; j += 1) {
+    const tables = fronts.changed(design.case, yPath, ys[j]);
+    yield fronts.e_over(tables, start.materials, xPath, xs);
+    if (j % 10 === 9) await new Promise((resolve) => { setTimeout(resolve); });
+  }
+}
+
+// Case files -------------------------------------------------------------------------------------
+
+function tomlValue(value) {
+  if (Array.isArray(value)) return `[${value.map(tomlValue).join(", ")}]`;
+  if (typeof value === "string") return JSON.stringify(value).replace(/\x7f/g, "\\u007f");
+  if (typeof value === "object") return `{${tomlLines(value).join(", ")}}`;
+  return String(value);
+}
+
+const tomlKey = (key) => (/^[\w-]+$/.test(key) ? key : JSON.stringify(key));
+const tomlLines = (table) => Object.entries(table).filter(([, value]) => value !== null)
+  .map(([key, value]) => `${tomlKey(key)} = ${tomlValue(value)}`);
+
+/** A design as the text of a case file; every material is spelt out. */
+function tomlOf(design, library) {
+  const { bodies, contacts, materials, ends, solve, ...plain } = design.case;
+  const lines = tomlLines(plain);
+  const add = (head, table) => lines.push("", head, ...tomlLines(table));
+  const used = new Set(bodies.flatMap((body) => [body, ...listOf(body.segments)]).map(({ material }) => material));
+  for (const name of used) if (name) add(`[materials.${tomlKey(name)}]`, { ...library, ...materials }[name]);
+  for (const { segments, ...body } of bodies) {
+    add("[[bodies]]", body);
+    for (const segment of listOf(segments)) add("[[bodies.segments]]", segment);
+  }
+  for (const contact of listOf(contacts)) add("[[contacts]]", contact);
+  for (const [side, end] of Object.entries(ends || {})) add(`[ends.${side}]`, end);
+  for (const gauge of listOf(design.gauges)) add("[[gauges]]", gauge);
+  if (solve) add("[solve]", solve);
+  return `${lines.join("\n")}\n`;
+}

@@ -1,0 +1,43 @@
+"""The solver inside the page: which functions become JavaScript, and on what clock they run.
+
+JavaScript has whole numbers below 2^53 only, so its clock ends at 2^52 ticks where Python's ends at
+2^62. What is left for a transit is kept fine by a shorter room: a run that outlasts it is made
+again on a coarser clock.
+"""
+
+from __future__ import annotations
+
+import functools
+
+from ..methods.compiling import blank
+from ..units import format_factor, format_si
+from .javascript import javascript
+from .outcome import changed
+from .reason import spells_of, value_at
+from .solved import e_over, scene_of
+from .tables import lacking, mistakes
+from .texts import contacts_of, name_of, numbers_of, written
+
+CONSTANTS = {
+    "CLOCK_BITS": 52, "NEVER": 1 << 52, "IDLE": (1 << 53) - 1, "LEAST_UNIT": 2.0**34,
+    "MOST_PARTS": 1 << 32, "FINE": 2.0**-7,
+}
+"""Constants of the kernels on the page's clock."""
+FUNCTIONS = (
+    lacking, mistakes, scene_of, e_over, changed, contacts_of, name_of, numbers_of,
+    spells_of, value_at,
+)
+KNOWN = {format_si: "inSi", written: "inSi", format_factor: "plainNumber", blank: "py.blank"}
+"""What the page writes in its own way."""
+
+
+@functools.cache
+def script() -> str:
+    """The solver as a file of the page."""
+    names = ", ".join(function.__name__ for function in FUNCTIONS)
+    text = javascript(FUNCTIONS, CONSTANTS, KNOWN)
+    return (
+        '"use strict";\n// Translated from Python by rodimpact; see page/solver.js.\n'
+        f"const fronts = (() => {{\n{text}\nreturn {{ {names} }};\n"
+        "})();\n"
+    )

@@ -1,0 +1,326 @@
+"""From the tables of a case to a row of fronts, in Python that the page has as JavaScript.
+
+The numbers are those of `Plan`. Mistakes are told in the words of the model: `RULES` are its
+fields. What fronts cannot carry is named: the page cannot solve it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ..methods.abilities import (
+    COMPLIANCE,
+    DAMPING,
+    GRAVITY,
+    JOINTS,
+    LATERAL,
+    MASSES,
+    OWN_LAWS,
+    SMOOTH_DRIVES,
+    SMOOTH_STATES,
+    TAPER,
+)
+from ..methods.fronts.records import Outside, Status
+from ..model import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall
+from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, Field, wanted
+from ..model.laws import Hertz, HuntCrossley, PowerLaw, Spring, SpringDashpot
+
+LAWS = (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw)
+RULES: dict[str, dict[str, tuple[str, str]]] = {
+    table: {name: (fields[name].sign, wanted(fields[name].unit, fields[name].sign)[:-11])
+            for name in names}
+    for table, fields, names in (
+        ("segment", Segment.fields, ("length", "area")), ("rod", Rod.fields, tuple(Rod.fields)),
+        ("wall", Wall.fields, ("velocity",)), ("mass", RigidMass.fields, ("mass", "velocity")),
+        *((law.law, law.fields, tuple(law.fields)) for law in LAWS),
+        ("contact", {"gap": System.fields["gaps"]}, ("gap",)),
+        ("material", Material.fields, ("youngs_modulus", "density")),
+        ("gauge", {"fraction": Field("", "[0, 1]")}, ("fraction",)),
+    )
+}
+"""By table and field its sign, and what it must be."""
+PROFILES = "profiles in one row with compliant contacts or rigid masses"
+SCALE = OUT_OF_SCALE[:-11]
+MOST_EVENTS = 20_000  # fronts that arrive at an end: an answer comes while a slider is dragged
+
+
+def is_smooth(case: Any) -> bool:
+    """Whether characteristics solve a case: fronts carry no masses and no compliant contacts."""
+    asked = case.get("solve", {}).get("method", "auto")
+    laws = [contact.get("law", "rigid") for contact in case.get("contacts", [])]
+    compliant = any(law not in ("rigid", "bonded") for law in laws)
+    masses = any(body["kind"] == "mass" for body in case["bodies"])
+    return asked == "characteristics" or (asked == "auto" and (compliant or masses))
+
+
+def contacts_in(case: Any) -> Any:
+    """The tables of all contacts."""
+    return case.get("contacts", [{} for _ in range(len(case["bodies"]) - 1)])
+
+
+def lacking(case: Any) -> tuple[str, str]:
+    """Path and name of the first thing that the page cannot solve; "" if there is none."""
+    asked = case.get("solve", {}).get("method", "auto")
+    if asked not in ("auto", "fronts", "characteristics"):
+        return "solve.method", f'the method "{asked}"'
+    smooth = is_smooth(case)
+    if case.get("gravity", 0) != 0:
+        return "gravity", GRAVITY
+    for i, body in enumerate(case["bodies"]):
+        if body["kind"] == "mass" and not smooth:
+            return f"bodies.{i}", MASSES
+        for key in ("velocity", "strain"):
+            if sampled(body.get(key, 0)):
+                return f"bodies.{i}.{key}", SMOOTH_STATES
+            if smooth and isinstance(body.get(key, 0), dict):
+                return f"bodies.{i}.{key}", PROFILES
+        for piece in pieces_of(body):
+            if piece.get("lateral_inertia", piece.get("polar_moment")) is not None:
+                return f"bodies.{i}", LATERAL
+            if isinstance(piece.get("area"), dict):
+                return f"bodies.{i}", TAPER
+        key = other_key(
+            body, ("kind", "segments", "velocity", "strain", "length", "area", "material", "mass"))
+        for piece in body.get("segments", []):
+            key = other_key(piece, ("length", "area", "material")) if key == "" else key
+        if key != "":
+            return f"bodies.{i}.{key}", f"the entry {key}"
+    for i, contact in enumerate(case.get("contacts", [])):
+        law = contact.get("law", "rigid")
+        rods = any(body["kind"] == "rod" for body in case["bodies"][i : i + 2])
+        numbers = entries_of(law, rods)
+        if numbers is None:
+            names = {"joint": JOINTS, "own": OWN_LAWS}
+            return f"contacts.{i}", names.get(law, f'the contact law "{law}"')
+        if law not in ("rigid", "bonded") and not smooth:
+            return f"contacts.{i}", COMPLIANCE
+        if law == "bonded" and not rods:
+            return f"contacts.{i}", "rigid bodies that are bonded"
+        key = other_key(contact, ("gap", "law", *numbers))
+        if key != "":
+            return f"contacts.{i}.{key}", f"the entry {key}"
+    for name, material in case.get("materials", {}).items():
+        for key in ("viscosity", "loss_factor"):
+            if material.get(key, 0) != 0:
+                return f"materials.{name}", DAMPING
+        key = other_key(material, ("youngs_modulus", "density", "poisson_ratio", "viscosity"))
+        if key != "":
+            return f"materials.{name}.{key}", f"the entry {key}"
+    ends = case.get("ends", {})
+    for side in ("left", "right"):
+        value = ends.get(side, {}).get("value", 0)
+        if sampled(value):
+            return f"ends.{side}", SMOOTH_DRIVES
+        if smooth and isinstance(value, dict):
+            return f"ends.{side}", PROFILES
+    return "", ""
+
+
+def entries_of(law: str, rods: bool) -> Any:
+    """Numbers of a contact law, between rods or rigid bodies; None of a law that is not solved."""
+    if law == "rigid":
+        return [] if rods else ["restitution"]
+    if law == "bonded":
+        return []
+    if law in ("spring", "hertz"):
+        return ["stiffness"]
+    if law in ("spring-dashpot", "hunt-crossley"):
+        return ["stiffness", "damping"]
+    return ["stiffness", "exponent"] if law == "power" else None
+
+
+def other_key(table: Any, known: tuple[str, ...]) -> str:
+    """An entry that the page would not know what to do with; "" if there is none."""
+    for key, value in table.items():
+        if value is not None and all(key != name for name in known):
+            return f"{key}"
+    return ""
+
+
+def sampled(profile: Any) -> bool:
+    """Whether a profile varies between its values."""
+    return isinstance(profile, dict) and "samples" in profile
+
+
+def pieces_of(body: Any) -> Any:
+    """Tables with the segments of a body; none of a wall."""
+    if "segments" in body:
+        return body["segments"]
+    return [body] if body["kind"] == "rod" else []
+
+
+def mistakes(case: Any, gauges: Any, library: Any, rules: Any) -> list[Any]:
+    """Path and sentence of each mistake in a case that fronts can carry, and in its gauges."""
+    found: list[Any] = []
+    rods = [i for i, body in enumerate(case["bodies"]) if body["kind"] == "rod"]
+    pairs = len(case["bodies"]) - 1
+    if len(rods) == 0:
+        found.append(("bodies", "needs at least one rod"))
+    if len(case.get("contacts", [{} for _ in range(pairs)])) != pairs:
+        found.append(("contacts", f"needs one entry for each neighbouring pair, {pairs} in all"))
+    for i, gauge in enumerate(gauges):
+        check(found, f"gauges.{i}", gauge, rules["gauge"])
+        if all(gauge["body"] != rod for rod in rods):
+            found.append((f"gauges.{i}.body", "must be the number of a rod"))
+    until = case.get("solve", {}).get("until", 1.0)
+    if not isinstance(until, float) or not math.isfinite(until) or until <= 0:
+        found.append(("solve.until", "must be above 0 for a picture"))
+    known = {**library, **case.get("materials", {})}
+    for name, material in case.get("materials", {}).items():
+        check(found, f"materials.{name}", material, rules["material"])
+    for i, body in enumerate(case["bodies"]):
+        path = f"bodies.{i}"
+        if body["kind"] == "wall" and 0 < i < len(case["bodies"]) - 1:
+            found.append((path, "a wall may stand only at an end of the row"))
+        check(found, path, body, rules[body["kind"]])
+        for j, piece in enumerate(pieces_of(body)):
+            where = f"{path}.segments.{j}" if "segments" in body else path
+            check(found, where, piece, rules["segment"])
+            if piece.get("material", "") not in known:
+                found.append((f"{where}.material", "unknown material"))
+    for i, contact in enumerate(case.get("contacts", [])):
+        law = contact.get("law", "rigid")
+        check(found, f"contacts.{i}", contact, {**rules["contact"], **rules[law]})
+        beside_rod = any(body["kind"] == "rod" for body in case["bodies"][i : i + 2])
+        if law == "rigid" and not beside_rod and contact.get("restitution") is None:
+            message = "no wave decides this contact: give its restitution, or a compliant law"
+            found.append((f"contacts.{i}", message))
+        if contact.get("law", "rigid") == "bonded" and contact.get("gap", 0) != 0:
+            found.append((f"contacts.{i}.gap", "must be 0 where bodies are bonded"))
+    return found
+
+
+def check(found: list[Any], path: str, table: Any, rules: Any) -> None:
+    """Note the numbers of a table that are not what they must be."""
+    for key, (sign, sentence) in rules.items():
+        value = table.get(key, 0.0)
+        if sign == "positive" and key not in table:
+            found.append((f"{path}.{key}", "is missing"))
+        elif not isinstance(value, dict):
+            number = isinstance(value, float) and math.isfinite(value)
+            given, wrong = "no number", sentence
+            if isinstance(value, float):
+                given = f"{value:.6g}"
+            if number and (sign == "any" or value > 0 or (value == 0 and sign != "positive")) and (
+                (sign != "[0, 1]" or value <= 1) and (sign != "[1, inf)" or value >= 1)
+            ):
+                size, wrong = abs(value), ""
+                if size > LARGEST or (sign == "positive" and size < SMALLEST):
+                    wrong = SCALE
+            if wrong != "":
+                found.append((f"{path}.{key}", f"{wrong}, got {given}"))
+
+
+def row_of(case: Any, library: Any) -> Any:
+    """A case without mistakes, that fronts can carry, as tables and the kernels' numbers.
+
+    Returns
+    -------
+    dict
+        ``segments`` from left to right; ``bodies``, each with its ``first`` and ``last`` segment,
+        (1, 0) for a wall; ``gaps``; ``bonded`` by contact; ``ends``; ``given``, ``kinds``,
+        ``rows`` (of `BODY`) and ``nodes`` for the kernels; ``max_events``; and ``until``, s,
+        negative where none is asked for.
+    """
+    tables, count = case["bodies"], len(case["bodies"])
+    contacts = contacts_in(case)
+    own, ends = case.get("materials", {}), case.get("ends", {})
+    asked = case.get("solve", {})
+    both = [ends.get(side, {"kind": "free"}) for side in ("left", "right")]
+    segments: list[Any] = []
+    bodies: list[Any] = []
+    bonded = [contact.get("law", "rigid") == "bonded" for contact in contacts]
+    kinds: list[int] = []
+    rows: list[Any] = []
+    profiles: list[Any] = []
+    for i, table in enumerate(tables):
+        wall = table["kind"] == "wall"
+        if i == 0 and not wall:
+            kinds.append(kind_at(both[0]["kind"]))
+            if both[0]["kind"] != "free":
+                rows.append(driven(both[0], profiles))
+        elif i > 0:
+            kinds.append(Status.BOND.value if bonded[i - 1] else Status.TOUCH.value)
+        begin = len(segments) + 1
+        for j, piece in enumerate(pieces_of(table)):
+            if j > 0:
+                kinds.append(Status.BOND.value)
+            where = f"bodies.{i}.segments.{j}" if len(pieces_of(table)) > 1 else f"bodies.{i}"
+            name = piece["material"]
+            segments.append(segment_of(where, piece, own[name] if name in own else library[name]))
+        start, stop = (1, 0) if wall else (begin, len(segments))
+        velocity, strain = table.get("velocity", 0.0), table.get("strain", 0.0)
+        still = Outside.STEADY.value
+        rows.append((start, stop, *enter(profiles, velocity, strain), still))
+        mass = table.get("mass", 0.0)
+        for piece in segments[begin - 1 :]:
+            mass += piece["mass"]
+        bodies.append({
+            "kind": table["kind"], "first": start, "last": stop, "mass": mass, "velocity": velocity,
+            "strain": strain,
+        })
+    if tables[-1]["kind"] != "wall":
+        kinds.append(kind_at(both[1]["kind"]))
+        if both[1]["kind"] != "free":
+            rows.append(driven(both[1], profiles))
+    gaps = [contact.get("gap", 0.0) for contact in contacts]
+    given = [
+        *[piece["wave_speed"] for piece in segments], *[piece["impedance"] for piece in segments],
+        *[piece["length"] for piece in segments], *gaps, *profiles,
+    ]
+    before = len(given) - len(profiles)
+    return {
+        "segments": segments, "bodies": bodies, "gaps": gaps, "bonded": bonded,
+        "ends": [end["kind"] for end in both], "values": [end.get("value", 0.0) for end in both],
+        "given": given, "kinds": kinds,
+        "rows": [(first, last, before + place, velocities, strains, outside)
+                 for first, last, place, velocities, strains, outside in rows],
+        "nodes": [body["last"] for body in bodies[: count - 1]],
+        "until": asked.get("until", -1.0),
+        "max_events": min(asked.get("max_events", MOST_EVENTS), MOST_EVENTS),
+    }
+
+
+def kind_at(end: str) -> int:
+    """What the node at an end of the row is."""
+    if end == "free":
+        return Status.FREE.value
+    return Status.PUSH.value if end == "force" else Status.BOND.value
+
+
+def driven(end: Any, profiles: list[Any]) -> Any:
+    """What holds or drives an end of the row, as a body."""
+    outside = Outside.STEADY.value
+    if end["kind"] in ("absorbing", "incoming"):
+        outside = Outside.ENDLESS.value
+    elif end["kind"] == "force":
+        outside = Outside.PUSHED.value
+    elif end["kind"] == "velocity":
+        outside = Outside.MOVED.value
+    return (1, 0, *enter(profiles, end.get("value", 0.0), 0.0), outside)
+
+
+def enter(profiles: list[Any], velocity: Any, strain: Any) -> Any:
+    """Add the profiles of a body to the numbers; return where, and how many values they have."""
+    place, counts = len(profiles), []
+    for profile in (velocity, strain):
+        values, at = [profile], []
+        if isinstance(profile, dict):
+            values, at = profile["values"], profile["at"]
+        profiles.extend(values)
+        profiles.extend(at)
+        counts.append(len(values))
+    return (place, counts[0], counts[1])
+
+
+def segment_of(path: str, piece: Any, material: Any) -> Any:
+    """A segment with all that follows from what is given."""
+    length, area, density = piece["length"], piece["area"], material["density"]
+    speed = math.sqrt(material["youngs_modulus"] / density)
+    impedance, time = density * area * speed, length / speed
+    return {
+        "path": path, "length": length, "area": area, "material": piece["material"],
+        "density": density, "youngs_modulus": material["youngs_modulus"], "wave_speed": speed,
+        "impedance": impedance, "transit_time": time, "mass": impedance * time,
+    }

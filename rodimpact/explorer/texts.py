@@ -1,0 +1,47 @@
+"""Names and quantities in sentences. Plain Python, which the page has as JavaScript."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ..units import format_si
+
+
+def numbers_of(bodies: list[Any]) -> list[str]:
+    """What people call bodies by: rods and masses are numbered from the left, walls are not."""
+    found: list[str] = []
+    count = 0
+    for body in bodies:
+        count += 0 if body["kind"] == "wall" else 1
+        found.append("wall" if body["kind"] == "wall" else f"{count}")
+    return found
+
+
+def name_of(kind: str, number: str) -> str:
+    """The name of a body in a sentence."""
+    return "the wall" if number == "wall" else f"{kind} {number}"
+
+
+def contacts_of(bodies: list[Any]) -> list[str]:
+    """The names of all contacts of a row."""
+    numbers = numbers_of(bodies)
+    return [f"{numbers[i]}-{numbers[i + 1]}" for i in range(len(numbers) - 1)]
+
+
+def capital(word: str) -> str:
+    """The word at the head of a line."""
+    return f"{word[:1].upper()}{word[1:]}"
+
+
+def written(value: float, unit: str, digits: int) -> str:
+    """A quantity for people, with a µ."""
+    number, _, prefixed = format_si(value, unit, digits).partition(" ")
+    return f"{number} {'µ' + prefixed[1:] if prefixed.startswith('u') else prefixed}".strip()
+
+
+def stated(text: str, value: float, digits: int, error: float, unit: str) -> str:
+    """The text of a value of so many digits, with its error if that is above half of the last."""
+    if value == 0 or not error > 0.5 * 10.0 ** (math.floor(math.log10(abs(value))) + 1 - digits):
+        return text
+    return f"{text} ± {written(error, unit, 1)}"

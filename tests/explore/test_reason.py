@@ -1,0 +1,103 @@
+"""The two sentences of reason come from the events of the run, not from the names of presets."""
+
+import re
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
+from rodimpact.explorer.exploring import page_solves
+from rodimpact.explorer.scene import scene
+from rodimpact.explorer.solved import scene_of
+
+STEEL, ALUMINIUM = ri.materials.steel, ri.materials.aluminium
+RETURNS = "wave returns after"
+ENDS = "and the force ends, since a contact cannot pull"
+
+
+def rod(length, velocity=0.0, area=1e-4, material=STEEL):
+    return ri.Rod(length, area=area, material=material, velocity=velocity)
+
+
+def found_for(system, **solve):
+    case = with_gauges(ri.Case(system, solve))
+    sent = tables_of(case)
+    if page_solves(sent["case"]):
+        return scene_of(sent["case"], sent["gauges"], LIBRARY)
+    return scene(case, ri.solve(system, **solve))
+
+
+STEPPED = ri.Rod(velocity=1.0, segments=[ri.Segment(0.2, area, STEEL) for area in (1e-4, 3e-4)])
+SYSTEMS = {
+    "short hits long": ([rod(0.4, 1.0), rod(1.0)], {}, {}, [
+        f"Rod 1's {RETURNS}", ENDS, "touch without force until they part", " = l₁/l₂; "]),
+    "long hits short": ([rod(1.0, 1.0), rod(0.4)], {}, {}, [f"Rod 2's {RETURNS}", " = l₂/l₁; "]),
+    "equal": ([rod(1.0, 1.0), rod(1.0)], {}, {}, [f"Each rod's {RETURNS}", "; 0 % of the energy"]),
+    "not at once": ([rod(0.4, 1.0), rod(1.0)], {"gaps": [1e-4]}, {}, [
+        f"Rod 1's {RETURNS} 158.5", "until they part at", " = l₁/l₂; "]),
+    "wall": ([rod(1.0, 1.0), ri.Wall()], {}, {}, [
+        f"Rod 1's {RETURNS}", "since a wall cannot pull", "the mean velocity to -1 m/s"]),
+    "thick hits thin": ([rod(0.4, 1.0, 3e-4), rod(1.0)], {}, {}, [
+        f"Rod 1's {RETURNS}", "lowers the force to 0.5 times its value", "contact goes on",
+        f"Rod 2's {RETURNS}", ENDS]),
+    "stepped": ([STEPPED, rod(1.0)], {}, {}, ["a wave arrives and lowers the force"]),
+    "another speed": ([rod(0.4, 1.0), rod(
+        0.5, material=ri.Material("slow", youngs_modulus=100e9, density=15700.0))], {}, {}, [
+        " = T₁/T₂; "]),
+    "chain": ([rod(0.2, 1.0), rod(0.2), rod(0.2)], {}, {}, [
+        "first contact to press is that of rod 1 and rod 2", "between rod 2 and rod 3, ends",
+        "velocities after the collision"]),
+    "hertz": ([rod(0.4, 1.0), rod(1.0)], {"contacts": [ri.Hertz(1e10)]}, {}, [
+        "transit times of rod 1; no single wave ends it"]),
+    "mass": ([ri.RigidMass(0.5, velocity=1.0), rod(1.0)], {}, {}, ["2 transit times of rod 2."]),
+    "cut short": ([rod(0.4, 1.0), rod(1.0)], {}, {"until": 1e-4}, [
+        "press to the end of the run", "before the collision was final; leave out until="]),
+    "pushed": ([rod(0.4), rod(1.0)], {"ends": (ri.Pushed(1e3), ri.Free())}, {"until": 1e-3}, [
+        "while an end is driven, no contact is known to be the last"]),
+    "apart": ([rod(0.4, -1.0), rod(1.0)], {}, {}, ["No contact that can open presses."]),
+}
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_the_reason_names_what_happens_at_the_contacts(name):
+    bodies, how, solve, words = SYSTEMS[name]
+    said = " ".join(found_for(ri.System(bodies, **how), **solve)["reason"])
+    assert [word for word in words if word not in said] == []
+
+
+CLAIMS = {
+    "uniform": ([rod(0.4, 1.0), rod(1.0)], {}, True),
+    "impedances": ([rod(0.4, 1.0), rod(1.0, area=2e-4)], {}, False),
+    "materials": ([rod(0.4, 1.0), rod(1.0, material=ALUMINIUM)], {}, False),
+    "stepped": ([STEPPED, rod(1.0)], {}, False),
+    "compliant": ([rod(0.4, 1.0), rod(1.0)], {"contacts": [ri.Spring(1e11)]}, False),
+    "vibrating": ([rod(0.4).replace(velocity=ri.Steps([2.0, 0.0], [0.2])), rod(1.0)], {}, False),
+    "strained": ([rod(0.4, 1.0).replace(strain=1e-5), rod(1.0)], {}, False),
+    "wall": ([rod(0.4, 1.0), ri.Wall()], {}, False),
+}
+
+
+@pytest.mark.parametrize("name", CLAIMS)
+def test_e_is_a_ratio_of_lengths_only_where_that_holds(name):
+    bodies, how, holds = CLAIMS[name]
+    said = found_for(ri.System(bodies, **how))["reason"][1]
+    assert "so e = " in said
+    assert ("/l" in said or "/T" in said) == holds
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_numbers_of_the_reason_are_those_of_the_solution(seed):
+    rng = np.random.default_rng(seed)
+    system = ri.System([rod(rng.uniform(0.1, 1.0), rng.uniform(0.5, 2.0), rng.uniform(1e-4, 2e-4)),
+                        rod(rng.uniform(0.1, 1.0), area=rng.uniform(1e-4, 2e-4))])
+    said, outcome = found_for(system)["reason"][1], ri.solve(system).outcome
+    number = r"(-?[\d.e-]+)"
+    first, second, e, share = re.search(
+        rf"velocities to {number} m/s and {number} m/s, so e = {number}\S*; {number} %", said
+    ).groups()
+    assert [float(first), float(second)] == pytest.approx(outcome.velocities_after, abs=1e-3)
+    assert float(e) == pytest.approx(outcome.restitution, abs=1e-8)
+    vibration = sum(outcome.vibration_after)
+    assert float(share) == pytest.approx(
+        100 * vibration / (vibration + outcome.kinetic_after), rel=0.01)
