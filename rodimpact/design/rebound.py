@@ -14,7 +14,7 @@ from ..model import System
 from ..model.arguments import of_kind, single
 from ..model.quantities import Floats
 from ..results import notebook
-from ..results.closed_forms import closed_form
+from ..results.pair_theory import pair_theory
 from ..running.sweep_result import SweepResult
 from ..running.sweeping import sweep
 from ..storage.tables import align
@@ -139,7 +139,7 @@ def restitution(wanted: float, family: System) -> RestitutionDesign:
 
 def _restitution(system: System) -> float:
     """e of a single system, from the closed form if there is one."""
-    form = closed_form(system)
+    form = pair_theory(system)
     return float(sweep(system).restitution if form is None else form.column("restitution"))
 
 

@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from ..model.arguments import of_kind
-from ..results.closed_forms import COLUMNS, closed_form
 from ..results.labels import outcome
+from ..results.pair_theory import COLUMNS, pair_theory
 from ..running.sweep_result import SweepResult
 from ..units import shown
 from .curves import Curve, draw_curve
@@ -72,7 +72,7 @@ def sweep(
     values = arranged(column).astype(float)
     largest = float(np.nanmax(np.abs(values)))
     scale = scale_of(outcome(result.system, quantity), largest)
-    family = closed_form(result.system) if quantity in COLUMNS else None
+    family = pair_theory(result.system) if quantity in COLUMNS else None
     theory = None if family is None else family.each(arranged)
     shown = Shown(quantity, values * scale.factor, scale, column.dtype.kind in "iub")
     if len(sides) == 1:
