@@ -13,7 +13,7 @@ from .picture import picture, ratio_of
 from .smooth import smooth_known, smooth_restitution
 from .tables import contacts_in, is_smooth, row_of
 
-RATIOS, FEW = 80, 12  # of the lengths, on the curve of e: of fronts and of characteristics
+RATIOS, FEW = 80, 20  # of the lengths, on the curve of e: of fronts and of characteristics
 
 
 def scene_of(case: Any, gauges: Any, library: Any) -> Any:
@@ -32,7 +32,9 @@ def scene_of(case: Any, gauges: Any, library: Any) -> Any:
     if "problem" in known:
         return known
     ratio = ratio_of(known)
-    if ratio is not None:
+    if ratio is not None and is_smooth(case):
+        known["curve"] = {"ratios": [], "values": [], "source": ""}  # solved when sliders rest
+    elif ratio is not None:
         known["curve"] = curve_of(case, library, ratio)
     return picture(known)
 

@@ -182,8 +182,9 @@ def mistakes(case: Any, gauges: Any, library: Any, rules: Any) -> list[Any]:
     for i, contact in enumerate(case.get("contacts", [])):
         law = contact.get("law", "rigid")
         check(found, f"contacts.{i}", contact, {**rules["contact"], **rules[law]})
-        beside_rod = any(body["kind"] == "rod" for body in case["bodies"][i : i + 2])
-        if law == "rigid" and not beside_rod and contact.get("restitution") is None:
+        pair = [body["kind"] for body in case["bodies"][i : i + 2]]
+        waves = any(kind == "rod" for kind in pair) or all(kind != "mass" for kind in pair)
+        if law == "rigid" and not waves and contact.get("restitution") is None:
             message = "no wave decides this contact: give its restitution, or a compliant law"
             found.append((f"contacts.{i}", message))
         if contact.get("law", "rigid") == "bonded" and contact.get("gap", 0) != 0:

@@ -104,7 +104,8 @@ def test_a_stepped_rod_and_a_profile_reach_the_page():
 
 
 @pytest.mark.parametrize(("system", "solve", "solved"), [
-    (PAIR, {}, True), (COMPLIANT, {}, False), (PAIR, {"method": "characteristics"}, False),
+    (PAIR, {}, True), (COMPLIANT, {}, True), (PAIR, {"method": "characteristics"}, True),
+    (PAIR, {"method": "finite-difference"}, False),
     (ri.System([LEFT, RIGHT], contacts=[ri.Law(lambda overlap, rate: 1e9 * overlap)]), {}, False),
     (PAIR, {"max_events": 3}, False),
 ])

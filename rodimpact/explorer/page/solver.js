@@ -23,6 +23,21 @@ function problemsOf({ case: tables, gauges }) {
 /** Whether Python has solved this design, which the page cannot solve. */
 const isStored = (asked) => start.scene !== null && JSON.stringify(asked) === JSON.stringify(start.design);
 
+const QUIET = 150; // ms after which sliders rest
+let [resting, lastCurve] = [0, null];
+
+/** A curve that takes long: the last one, until the sliders rest. */
+function curveLater(ratio) {
+  const solve = () => { lastCurve = fronts.curve_of(design.case, start.materials, ratio); };
+  if (!lastCurve) solve();
+  resting = setTimeout(() => {
+    solve();
+    Object.assign(shown.scene, { curve: lastCurve });
+    redraw();
+  }, QUIET);
+  return lastCurve;
+}
+
 /** The scene of a design as `data`, or its `problems`. */
 function sceneOf(asked) {
   if (isStored(asked)) return { data: structuredClone(start.scene) };
@@ -30,6 +45,8 @@ function sceneOf(asked) {
     const problems = problemsOf(asked);
     if (problems.length) return { problems };
     const { problem, ...data } = fronts.scene_of(asked.case, listOf(asked.gauges), start.materials);
+    clearTimeout(resting);
+    if (data.curve && !data.curve.values.length) data.curve = curveLater(data.ratio);
     return problem ? { problems: [{ path: problem[0], message: problem[1] }] } : { data };
   } catch (error) {
     return { problems: [{ path: "", message: `The design cannot be read: ${error.message}` }] };
