@@ -21,7 +21,7 @@ from ..storage.casefile import Case
 from ..storage.writing import PathLike, write_text
 from ..units import shown
 from .design import LIBRARY, tables_of, with_gauges
-from .motion import end_of_picture, waves_of
+from .motion import end_of_picture, rods_of
 from .page_files import packed, standalone
 from .presets import presets
 from .runs import run_of, space_of
@@ -145,4 +145,4 @@ def page_solves(tables: dict[str, Any]) -> bool:
         return refused(row, given_of(row, contacts_in(tables))) is None
     run = run_of(row, True, space_of(row))
     return run["run"].stop in (Stop.DONE, Stop.FINAL) and end_of_picture(
-        row, run, waves_of(run)) > 0
+        rods_of(row, run), run["run"].now) > 0

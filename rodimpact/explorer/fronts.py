@@ -9,15 +9,14 @@ import math
 from typing import Any
 
 from ..methods.fronts.records import Stop
+from ..results.front_polygons import polygons_of, stretch_of
 from ..units import format_si
 from .motion import (
     contact_curves,
     end_of_picture,
     energy_curves,
     gauge_curve,
-    stretch_of,
-    tiling_of,
-    waves_of,
+    rods_of,
 )
 from .outcome import closed_form_of, outcome_of
 from .runs import run_of, space_of
@@ -43,9 +42,9 @@ def known_of(row: Any, gauges: Any) -> Any:
     if run["run"].stop >= Stop.OVERFLOW:
         message = "times too far apart for the clock of this page; rodimpact run may solve it"
         return {"problem": ("bodies", message)}
-    outcome, waves = outcome_of(row, run), waves_of(run)
+    outcome, rods = outcome_of(row, run), rods_of(row, run)
     tick, now = run["run"].tick, run["run"].now
-    stop = end_of_picture(row, run, waves)
+    stop = end_of_picture(rods, now)
     if stop == 0:
         message = "lasts no time to show" if now == 0 else "has too many fronts to show"
         return {"problem": ("solve", f"{message}. {outcome['status']}")}
@@ -53,17 +52,17 @@ def known_of(row: Any, gauges: Any) -> Any:
     if stop < now:
         end = format_si(stop * tick, "s", 4)
         notes.append(f"The picture ends at {end}: too many regions later.")
-    polygons, strain = tiling_of(row, run, waves, stop), 0.0
+    polygons, strain = polygons_of(rods, tick, run["run"].frame, 0, stop), 0.0
     for e in polygons["strain"]:
         strain = max(strain, abs(e))
-    curves, energy = contact_curves(row, run, stop), energy_curves(row, polygons)
+    curves, energy = contact_curves(row, run, stop), energy_curves(row, rods, polygons)
     names = [f"contact {name}" for name in contacts_of(row["bodies"])]
     opening = outcome["able"]
     return {
         "method": "fronts", "exact": True, "notes": notes, "curve": None,
         "closed_form": closed_form_of(row, outcome["before"]),
         "bodies": [body_of(row, body, stop * tick) for body in row["bodies"]],
-        "positions": positions_of(row, run, waves), "polygons": polygons, "strain": strain,
+        "positions": positions_of(row, rods, tick), "polygons": polygons, "strain": strain,
         "slowest": slowest_of(row, outcome["before"]),
         "contacts": [{"index": i, "bonded": bonded, "compliant": False}
                      for i, bonded in enumerate(row["bonded"])],
@@ -80,20 +79,19 @@ def known_of(row: Any, gauges: Any) -> Any:
                 series_of("strain", energy["t"], energy["strain"], False),
                 series_of("total", energy["t"], energy["total"], False)]),
             plot_of("gauge", "Strain, below 0 compressed", "µε", [
-                gauge_series(row, run, waves, gauge, stop) for gauge in gauges]),
+                gauge_series(row, rods, gauge, tick, stop) for gauge in gauges]),
         ],
     }
 
 
-def positions_of(row: Any, run: Any, waves: list[Any]) -> list[float]:
+def positions_of(row: Any, rods: Any, tick: float) -> list[float]:
     """Where the left end of each body would lie unstrained at t = 0, m."""
     place, positions = 0.0, []
-    for i, body in enumerate(row["bodies"]):
+    for i, rod in enumerate(rods):
         place += row["gaps"][i - 1] if i > 0 else 0.0
         positions.append(place)
-        for s in range(body["first"], body["last"] + 1):
-            stretched = stretch_of(waves, s, run["segment"][s].transit) * run["run"].tick
-            place += row["segments"][s - 1]["length"] + stretched
+        for piece in rod["pieces"]:
+            place += piece["length"] + stretch_of(piece) * tick
     return positions
 
 
@@ -134,13 +132,13 @@ def series_of(name: str, t: list[float], y: list[float], steps: bool) -> Any:
     return {"name": name, "t": [*t], "y": y, "steps": steps}
 
 
-def gauge_series(row: Any, run: Any, waves: list[Any], gauge: Any, stop: int) -> Any:
+def gauge_series(row: Any, rods: Any, gauge: Any, tick: float, stop: int) -> Any:
     """The curve of a gauge, in 1e-6."""
-    length, body = 0.0, row["bodies"][gauge["body"]]
-    for s in range(body["first"], body["last"] + 1):
-        length += row["segments"][s - 1]["length"]
+    length, pieces = 0.0, rods[gauge["body"]]["pieces"]
+    for piece in pieces:
+        length += piece["length"]
     x = gauge["fraction"] * length
-    curve = gauge_curve(row, run, waves, gauge["body"], x, stop)
+    curve = gauge_curve(pieces, tick, x, stop)
     strain = [1e6 * e for e in curve["strain"]]
     number = numbers_of(row["bodies"])[gauge["body"]]
     name = f"rod {number} at {format_si(x, 'm', 4)}"

@@ -10,7 +10,7 @@ from bisect import bisect_right
 from typing import Any
 
 from ..methods.fronts.records import CHANGE
-from ..results.clipping import region, spans
+from ..results.front_polygons import at, count_of, wave_of
 from .outcome import groups_of
 from .runs import advance, begun
 
@@ -20,95 +20,28 @@ PARTS = 6  # lines that a parabola is drawn with, at least
 POINTS = 240  # of a curve of energy, about
 
 
-def waves_of(run: Any) -> list[Any]:
-    """Ticks and values of the fronts of each line, and the integral up to each of them."""
-    waves: list[Any] = [{"tick": [], "value": [], "passed": []} for _ in run["line"]]
+def rods_of(row: Any, run: Any) -> Any:
+    """The bodies with their waves, as `polygons_of` has them; walls have no pieces."""
+    ticks: list[list[int]] = [[] for _ in run["line"]]
+    values: list[list[float]] = [[] for _ in run["line"]]
     for r in range(run["run"].rows):
         front = run["log"][r]
         if front.line != CHANGE:
-            wave = waves[front.line]
-            count = len(wave["tick"])
-            passed = 0.0
-            if count > 0:
-                lasted = front.tick - wave["tick"][count - 1]
-                passed = wave["passed"][count - 1] + wave["value"][count - 1] * lasted
-            wave["tick"].append(front.tick)
-            wave["value"].append(front.value)
-            wave["passed"].append(passed)
-    return waves
+            ticks[front.line].append(front.tick)
+            values[front.line].append(front.value)
+    return [{"body": i, "pieces": [
+        {**row["segments"][s - 1], "ticks": run["segment"][s].transit,
+         "rightward": wave_of(ticks[2 * s], values[2 * s]),
+         "leftward": wave_of(ticks[2 * s + 1], values[2 * s + 1])}
+        for s in range(body["first"], body["last"] + 1)
+    ]} for i, body in enumerate(row["bodies"])]
 
 
-def at(wave: Any, tick: int) -> float:
-    """Value of a wave from a tick on."""
-    value: float = wave["value"][max(0, bisect_right(wave["tick"], tick) - 1)]
-    return value
-
-
-def passed_by(wave: Any, tick: int) -> float:
-    """Integral of a wave from its first front to a tick, velocity times ticks."""
-    i = max(0, bisect_right(wave["tick"], tick) - 1)
-    passed: float = wave["passed"][i] + wave["value"][i] * (tick - wave["tick"][i])
-    return passed
-
-
-def edges_of(wave: Any, start: int, stop: int) -> list[int]:
-    """Ticks of the fronts of a wave between two ticks, and these."""
-    return [start, *[tick for tick in wave["tick"] if start < tick < stop], stop]
-
-
-def stretch_of(waves: list[Any], s: int, T: int) -> float:
-    """How much longer segment s is at t = 0 than without strain, velocity times ticks."""
-    a, b = waves[2 * s], waves[2 * s + 1]
-    return (passed_by(b, 0) - passed_by(b, -T) - passed_by(a, 0) + passed_by(a, -T)) / 2
-
-
-def end_of_picture(row: Any, run: Any, waves: list[Any]) -> int:
+def end_of_picture(rods: Any, stop: int) -> int:
     """Last tick up to which there are few enough regions to draw; 0 if there is none."""
-    stop: int = run["run"].now
-    while stop > 0:
-        count = 0
-        for s in range(1, len(row["segments"]) + 1):
-            T = run["segment"][s].transit
-            ps, qs = edges_of(waves[2 * s], -T, stop), edges_of(waves[2 * s + 1], -T, stop)
-            for low, high in spans(ps, qs, T, 0, stop):
-                count += high - low
-        if count <= MOST_REGIONS:
-            break
+    while stop > 0 and count_of(rods, 0, stop, MOST_REGIONS) > MOST_REGIONS:
         stop //= 2
     return stop
-
-
-def tiling_of(row: Any, run: Any, waves: list[Any], stop: int) -> Any:
-    """Polygons of constant state, as `Regions`, up to a tick."""
-    tick, frame = run["run"].tick, run["run"].frame
-    found: Any = {"body": [], "segment": [], "start": [0], "x": [], "t": [], "displacement": [],
-                  "velocity": [], "strain": [], "stress": []}
-    for i, body in enumerate(row["bodies"]):
-        left, moved = 0.0, 0.0
-        for s in range(body["first"], body["last"] + 1):
-            T, piece = run["segment"][s].transit, row["segments"][s - 1]
-            a, b = waves[2 * s], waves[2 * s + 1]
-            ps, qs = edges_of(a, -T, stop), edges_of(b, -T, stop)
-            begun, ready = passed_by(a, 0), passed_by(b, -T)
-            for k, (low, high) in enumerate(spans(ps, qs, T, 0, stop)):
-                right = at(a, ps[k])
-                for j in range(low, high):
-                    back = at(b, qs[j])
-                    strain = (back - right) * (0.5 / piece["wave_speed"])
-                    found["body"].append(i)
-                    found["segment"].append(s)
-                    found["velocity"].append((right + back) / 2 + frame)
-                    found["strain"].append(strain)
-                    found["stress"].append(strain * piece["youngs_modulus"])
-                    for p, q in region(ps[k], ps[k + 1], qs[j], qs[j + 1], T, 0, stop):
-                        u = passed_by(a, p) - begun + passed_by(b, q) - ready + frame * (p + q + T)
-                        found["x"].append(left + (q - p + T) / 2 / T * piece["length"])
-                        found["t"].append((p + q + T) / 2 * tick)
-                        found["displacement"].append(u / 2 * tick + moved)
-                    found["start"].append(len(found["x"]))
-            left += piece["length"]
-            moved += stretch_of(waves, s, T) * tick
-    return found
 
 
 def contact_curves(row: Any, run: Any, stop: int) -> list[Any]:
@@ -132,30 +65,30 @@ def contact_curves(row: Any, run: Any, stop: int) -> list[Any]:
     return curves
 
 
-def gauge_curve(row: Any, run: Any, waves: list[Any], body: int, x: float, stop: int) -> Any:
+def gauge_curve(pieces: Any, tick: float, x: float, stop: int) -> Any:
     """Times, s, and strain from then on, at a place of a rod, m from its left end."""
-    s, left = row["bodies"][body]["first"], 0.0
-    while s < row["bodies"][body]["last"] and left + row["segments"][s - 1]["length"] <= x:
-        left += row["segments"][s - 1]["length"]
+    s, left = 0, 0.0
+    while s < len(pieces) - 1 and left + pieces[s]["length"] <= x:
+        left += pieces[s]["length"]
         s += 1
-    piece, T = row["segments"][s - 1], run["segment"][s].transit
-    a, b = waves[2 * s], waves[2 * s + 1]
+    piece, T = pieces[s], pieces[s]["ticks"]
+    a, b = piece["rightward"], piece["leftward"]
     offset = max(0, min(T, round((x - left) / piece["length"] * T)))
-    arrivals = [tick + offset for tick in a["tick"]]
-    arrivals.extend([0, *[tick + T - offset for tick in b["tick"]]])
+    arrivals = [sent + offset for sent in a["tick"]]
+    arrivals.extend([0, *[sent + T - offset for sent in b["tick"]]])
     times, strains, before = [], [], -1
-    for tick in sorted(arrivals):
-        if before < tick < stop:
-            strain = at(b, tick - T + offset) - at(a, tick - offset)
-            times.append(tick * run["run"].tick)
+    for arrival in sorted(arrivals):
+        if before < arrival < stop:
+            strain = at(b, arrival - T + offset) - at(a, arrival - offset)
+            times.append(arrival * tick)
             strains.append(strain * (0.5 / piece["wave_speed"]))
-            before = tick
-    times.append(stop * run["run"].tick)
+            before = arrival
+    times.append(stop * tick)
     strains.append(strains[-1])
     return {"t": times, "strain": strains}
 
 
-def energy_curves(row: Any, tiling: Any) -> Any:
+def energy_curves(row: Any, rods: Any, tiling: Any) -> Any:
     """Energy by kind over time, J, from the widths of the polygons.
 
     Between the times of all corners the widths are linear, so momentum, kinetic and strain energy
@@ -165,7 +98,7 @@ def energy_curves(row: Any, tiling: Any) -> Any:
     moving, strained = [0.0 for _ in knots], [0.0 for _ in knots]
     momenta = [[0.0 for _ in knots] for _ in row["bodies"]]
     for i, body in enumerate(tiling["body"]):
-        piece = row["segments"][tiling["segment"][i] - 1]
+        piece = rods[body]["pieces"][tiling["segment"][i]]
         first, end = tiling["start"][i], tiling["start"][i + 1]
         per_length, v = piece["mass"] / piece["length"], tiling["velocity"][i]
         x, t = tiling["x"][first:end], tiling["t"][first:end]

@@ -7,13 +7,14 @@ strain are constant. Plots, page and animation draw these polygons.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..methods.signals import Floats, Ints
 from ..model import Rod
 from ..model.arguments import single
-from .clipping import Corner, region, spans
+from .front_polygons import count_of, polygons_of, wave_of
 from .solution import Solution, check_solution
 from .wave_fields import WaveFields
 
@@ -80,39 +81,16 @@ def regions_of(
     limit = single("limit", limit, "", "")
     if not limit >= 1:
         raise ValueError(f"limit: must be 1 or more, got {limit:g}")
-    if _count(fields, first_tick, last_tick, limit) > limit:
+    rods = _rods(solution, fields)
+    if count_of(rods, first_tick, last_tick, limit) > limit:
         raise ValueError(f"limit: more than {limit:.15g} regions; choose a shorter interval")
-    bodies: list[int] = []
-    segments: list[int] = []
-    counts: list[int] = []
-    states: list[tuple[float, float, float]] = []
-    xs, ts, us = (list[Floats]([np.empty(0)]) for _ in range(3))
     a = fields.clock
-    for body, rod in enumerate(solution.system.bodies):
-        if not isinstance(rod, Rod):
-            continue
-        edges = fields.edges(body)
-        for j, piece in enumerate(rod.segments):
-            s = a.spans[body][0] + j
-            polygons, waves = _polygons(fields, s, first_tick, last_tick)
-            corners = np.array([c for polygon in polygons for c in polygon], dtype=np.int64)
-            counts += [len(polygon) for polygon in polygons]
-            p, q = corners.reshape(-1, 2).T
-            xs.append(edges[j] + (q - p + a.ticks[s]) / 2 / a.ticks[s] * a.length[s])
-            ts.append((p + q + a.ticks[s]) / 2 * a.tick)
-            us.append(fields.displacement_of_waves(s, p, q))
-            modulus = float(piece.material.youngs_modulus)
-            for right, left in waves:
-                eps = (left - right) * (0.5 / a.wave_speed[s])
-                states.append(((right + left) / 2 + a.frame, eps, modulus * eps))
-            bodies += [body] * len(polygons)
-            segments += [j] * len(polygons)
-    velocity, strain, stress = np.array(states).reshape(-1, 3).T
-    return Regions(
-        np.array(bodies), np.array(segments), velocity, strain, stress,
-        np.concatenate(([0], np.cumsum(counts))).astype(np.int64),
-        np.concatenate(xs), np.concatenate(ts), np.concatenate(us),
-    )
+    found = polygons_of(rods, a.tick, a.frame, first_tick, last_tick)
+    whole = ("body", "segment", "start")
+    return Regions(**{
+        name: np.array(values, np.int64 if name in whole else float)
+        for name, values in found.items()
+    })
 
 
 def nothing_to_draw(solution: Solution) -> str:
@@ -131,8 +109,8 @@ def readable_until(solution: Solution, limit: int) -> float:
         If there are more at all times, the solution lasts no time, or the method has no fronts.
     """
     fields, _, last_tick = _interval(solution, 0.0, None)
-    stop = solution.t_end
-    while last_tick and _count(fields, 0, last_tick, limit) > limit:
+    rods, stop = _rods(solution, fields), solution.t_end
+    while last_tick and count_of(rods, 0, last_tick, limit) > limit:
         stop /= 2
         last_tick = int(fields.to_ticks(stop))
     if not last_tick:
@@ -154,37 +132,13 @@ def _interval(solution: Solution, start: float, stop: float | None) -> tuple[Wav
     return fields, first_tick, last_tick
 
 
-def _count(fields: WaveFields, start: int, stop: int, limit: float) -> int:
-    """Number of regions; of more than `limit` not all are counted."""
-    segments, count = range(1, len(fields.clock.ticks) - 1), 0
-    if len(segments) > limit:  # each has at least one
-        return len(segments)
-    for s in segments:
-        rows = spans(*_edges(fields, s, start, stop), fields.clock.ticks[s], start, stop)
-        count += sum(end - first for first, end in rows)
-        if count > limit:
-            break
-    return count
-
-
-def _edges(fields: WaveFields, s: int, start: int, stop: int) -> tuple[list[int], list[int]]:
-    """Ticks between which waves leave the left and the right end of a segment."""
-    first = start - fields.clock.ticks[s]
-    left, right = (
-        [first, *wave.breaks_in(first, stop).tolist(), stop] for wave in fields.waves(s)
-    )
-    return left, right
-
-
-def _polygons(
-    fields: WaveFields, s: int, start: int, stop: int
-) -> tuple[list[list[Corner]], list[tuple[float, float]]]:
-    """Regions of one segment as corners (p, q), and the two waves in each."""
-    (A, B), (ps, qs), T = fields.waves(s), _edges(fields, s, start, stop), fields.clock.ticks[s]
-    right, left = A.at(ps[:-1]).tolist(), B.at(qs[:-1]).tolist()
-    polygons, waves = [], []
-    for i, (first, end) in enumerate(spans(ps, qs, T, start, stop)):
-        for j in range(first, end):
-            polygons.append(region(ps[i], ps[i + 1], qs[j], qs[j + 1], T, start, stop))
-            waves.append((right[i], left[j]))
-    return polygons, waves
+def _rods(solution: Solution, fields: WaveFields) -> list[dict[str, Any]]:
+    """The rods with their waves, as `polygons_of` has them."""
+    a = fields.clock
+    return [{"body": body, "pieces": [
+        {"ticks": a.ticks[s], "length": a.length[s], "wave_speed": a.wave_speed[s],
+         "youngs_modulus": float(rod.segments[s - a.spans[body][0]].material.youngs_modulus),
+         **{name: wave_of(wave.ticks.tolist(), wave.values.tolist())
+            for name, wave in zip(("rightward", "leftward"), fields.waves(s), strict=True)}}
+        for s in range(a.spans[body][0], a.spans[body][1] + 1)
+    ]} for body, rod in enumerate(solution.system.bodies) if isinstance(rod, Rod)]

@@ -16,6 +16,7 @@ from rodimpact.explorer.tables import RULES, lacking, mistakes, row_of
 from rodimpact.methods.fronts.driver import Plan
 from rodimpact.methods.registry import Options
 from rodimpact.methods.row import Row
+from rodimpact.results.front_polygons import polygons_of
 from rodimpact.results.regions import regions_of
 from rodimpact.storage.case_reading import case_from
 
@@ -55,11 +56,11 @@ def test_runs_and_curves_are_those_of_the_solution(number):
     assert found["after"] == list(outcome.velocities_after)
     assert found["why"] == outcome.why_no_restitution()
     assert found["vibration_after"] == pytest.approx(sum(outcome.vibration_after), rel=1e-12)
-    waves = motion.waves_of(run)
-    stop = motion.end_of_picture(row, run, waves)
+    rods, tick = motion.rods_of(row, run), run["run"].tick
+    stop = motion.end_of_picture(rods, run["run"].now)
     if not stop:
         return
-    polygons = motion.tiling_of(row, run, waves, stop)
+    polygons = polygons_of(rods, tick, run["run"].frame, 0, stop)
     known = regions_of(solution, stop=stop * solution.fields.clock.tick)
     for name in ("body", "start", "x", "t", "displacement", "velocity", "strain", "stress"):
         np.testing.assert_array_equal(polygons[name], getattr(known, name))
@@ -72,12 +73,12 @@ def test_runs_and_curves_are_those_of_the_solution(number):
         assert contact.force(middles) == pytest.approx(curve["force"][:-1], rel=1e-9, abs=1e-9)
     body = next(i for i, b in enumerate(system.bodies) if isinstance(b, ri.Rod))
     x = 0.3 * system.bodies[body].length
-    curve = motion.gauge_curve(row, run, waves, body, x, stop)
+    curve = motion.gauge_curve(rods[body]["pieces"], tick, x, stop)
     times = np.array(curve["t"])
     middles = (times[1:] + times[:-1]) / 2
     record = solution.gauge(body, x)
     assert record.strain_at(middles) == pytest.approx(curve["strain"][:-1], abs=1e-12)
-    curve = motion.energy_curves(row, polygons)
+    curve = motion.energy_curves(row, rods, polygons)
     ledger = solution.energy(np.minimum(curve["t"], solution.t_end))
     scale = 1e-9 * ledger.total.max()
     for name, kind in (("vibration", "vibrational_kinetic"), ("strain", "strain"),

@@ -193,6 +193,8 @@ def test_a_mistake_is_told_beside_its_field_and_mended(visit):
     problem = page.locator(f'[id="problem:{LENGTH}"]')
     sync_api.expect(problem).to_contain_text("positive number")
     assert field(page, LENGTH).get_attribute("aria-invalid") == "true"
+    for told in (".restitution", "#facts", "#reason"):  # numbers of another collision
+        assert not page.locator(told).is_visible()
     field(page, LENGTH).fill("500")
     wait_for_e(page, "0.5")
     sync_api.expect(problem).to_be_empty()
