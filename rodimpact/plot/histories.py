@@ -17,6 +17,7 @@ from matplotlib.text import Annotation
 from ..methods.signals import Floats
 from ..model import Bonded, Joint, Rigid
 from ..model.arguments import array
+from ..model.frozen import refusal
 from ..results.contacts import ContactHistory
 from ..results.solution import Solution, check_solution
 from .sampling import fine
@@ -80,11 +81,11 @@ def contact(
     chosen = array("contact", contact, "").ravel().tolist()
     count = len(solution.contacts)
     if not chosen:
-        raise ValueError("contact: must be an index or several, got none")
+        raise refusal("contact", "must be an index or several, got none")
     for index in chosen:
         if index not in range(count):
             have = f"from 0 to {count - 1}" if count else "given only where there are two bodies"
-            raise ValueError(f"contact: must be {have}, got {index:g}")
+            raise refusal("contact", f"must be {have}, got {index:g}")
     if ax is None:
         ax = new_figure(5.6, 4.2).subplots(2, 1, sharex=True).tolist()
     force_ax, gap_ax = two_axes(ax, "force and gap")
