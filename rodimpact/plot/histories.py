@@ -23,6 +23,7 @@ from ..results.solution import Solution, check_solution
 from .sampling import fine
 from .scales import Scale, engineering, time_scale, written
 from .showing import picture
+from .stairs import stairs
 from .style import DASHES, SMALL, colours, dress, legend_above, new_figure, styled, two_axes
 from .thinning import INTERVALS, evenly, telling
 
@@ -140,10 +141,9 @@ def draw_forces(
         times, f, _ = _record(history, end)
         kept = telling(f)
         values, edges = f[kept] * force.factor, np.append(times[kept], times[-1]) * time.factor
-        how: Any = {"orientation": "horizontal" if up else "vertical"}
-        ax.stairs(values, edges, fill=True, color=_line(i)["color"], alpha=0.15, **how)
-        drawn.append(ax.stairs(
-            values, edges, linewidth=1.5, label=f"contact {history.index}", **_line(i), **how))
+        stairs(ax, values, edges, _line(i)["color"], fill=True, alpha=0.15, up=up)
+        drawn.append(stairs(
+            ax, values, edges, linewidth=1.5, label=f"contact {history.index}", up=up, **_line(i)))
     return drawn
 
 
@@ -157,8 +157,7 @@ def draw_row_of_forces(ax: Axes, solution: Solution, contacts: Sequence[int]) ->
     for i, (times, f, _) in enumerate(records):
         kept, colour = telling(f), _line(i)["color"]
         edges = np.append(times[kept], times[-1]) * time.factor
-        ax.stairs(i + 0.85 * f[kept] / largest, edges, baseline=i, fill=True, color=colour,
-                  alpha=0.35)
+        stairs(ax, i + 0.85 * f[kept] / largest, edges, colour, baseline=i, fill=True, alpha=0.35)
         ax.axhline(i, color=colours().faint, linewidth=0.6, zorder=0)
     shown = evenly(len(records), NAMED_UP_TO)
     ax.set_yticks(shown, [f"contact {contacts[i]}" for i in shown])
