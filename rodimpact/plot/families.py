@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from ..model.arguments import of_kind
+from ..model.frozen import refusal
 from ..results.labels import outcome
 from ..results.pair_theory import COLUMNS, pair_theory
 from ..running.sweep_result import SweepResult
@@ -90,11 +91,11 @@ def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
         known = [f"{first} to {others[-1].partition('.')[2]}" if others else first
                  for first, *others in groups]
         message = f"must be one of {', '.join(known)}, got {shown(quantity)}{hint}"
-        raise ValueError(f"quantity: {message}")
+        raise refusal("quantity", f"{message}")
     column: NDArray[Any] = result.columns[quantity]
     if not np.isfinite(column).any():
-        raise ValueError(
-            f"quantity: {quantity!r} has no value anywhere in this family; "
+        raise refusal(
+            "quantity", f"{quantity!r} has no value anywhere in this family; "
             "result.explain(index) says why"
         )
     return column
@@ -104,13 +105,14 @@ def _dimensions(result: SweepResult) -> list[int]:
     """Dimensions with more than one value; ValueError unless they are one or two."""
     wide = [i for i, count in enumerate(result.shape) if count > 1]
     if not wide:
-        raise ValueError(
-            f"result: has shape {result.shape}, a single collision, and nothing to draw it over; "
+        raise refusal(
+            "result", f"has shape {result.shape}, a single collision, and nothing to draw it over; "
             "give an array for a number of the system, such as length=np.linspace(0.1, 1, 50)"
         )
     if len(wide) > 2:
-        raise ValueError(
-            f"result: has shape {result.shape}, and a map shows two axes; sweep a smaller family, "
+        raise refusal(
+            "result",
+            f"has shape {result.shape}, and a map shows two axes; sweep a smaller family, "
             f"such as system[{', '.join(['0'] * (len(result.shape) - 2))}]"
         )
     return wide
