@@ -39,7 +39,7 @@ MAPPED = """(() => {
     const [xs, ys] = [x, y].map((number) => valuesAbout(number).map((value) =>
       fromShown(value, FIELDS[number.key].power)));
     for (const value of ys) {
-      fronts.restitutions(fronts.changed(design.case, y.path, value), start.materials, x.path, xs);
+      fronts.e_over(fronts.changed(design.case, y.path, value), start.materials, x.path, xs);
     }
     times.push(performance.now() - began);
   }

@@ -26,7 +26,9 @@ from .page_files import packed, standalone
 from .presets import presets
 from .runs import run_of, space_of
 from .scene import scene
-from .tables import RULES, lacking, row_of
+from .smooth import refused
+from .smooth_runs import given_of
+from .tables import RULES, contacts_in, is_smooth, lacking, row_of
 
 FRAME = "width: 100%; height: 58rem; border: 0"
 
@@ -139,6 +141,8 @@ def page_solves(tables: dict[str, Any]) -> bool:
     if lacking(tables)[1]:
         return False
     row = row_of(tables, LIBRARY)
+    if is_smooth(tables):
+        return refused(row, given_of(row, contacts_in(tables))) is None
     run = run_of(row, True, space_of(row))
     return run["run"].stop in (Stop.DONE, Stop.FINAL) and end_of_picture(
         rods_of(row, run), run["run"].now) > 0

@@ -18,28 +18,9 @@ from .motion import (
     gauge_curve,
     rods_of,
 )
-from .outcome import closed_form_of, curve_of, outcome_of
-from .picture import picture, ratio_of
+from .outcome import closed_form_of, outcome_of
 from .runs import run_of, space_of
-from .tables import row_of
 from .texts import contacts_of, numbers_of
-
-
-def scene_of(case: Any, gauges: Any, library: Any) -> Any:
-    """All that the page shows of a case without mistakes, that fronts can carry.
-
-    Returns
-    -------
-    dict
-        As `picture` makes it; or one with a ``problem``, path and sentence.
-    """
-    known = known_of(row_of(case, library), gauges)
-    if "problem" in known:
-        return known
-    ratio = ratio_of(known)
-    if ratio is not None:
-        known["curve"] = curve_of(case, library, ratio)
-    return picture(known)
 
 
 def known_of(row: Any, gauges: Any) -> Any:

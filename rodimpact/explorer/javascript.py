@@ -49,6 +49,7 @@ MATH = {
 NUMPY = {  # of single numbers
     "where": "py.where", "minimum": "py.min", "maximum": "py.max", "floor": "Math.floor",
     "abs": "Math.abs", "exp": "Math.exp", "expm1": "Math.expm1", "arctanh": "Math.atanh",
+    "rint": "py.round",
 }
 KINDS = {"float": "number", "str": "string", "dict": "object", "list": "array"}
 METHODS = {
@@ -115,7 +116,9 @@ class Program:
     def table(self, table: list[Any] | np.dtype[Any], name: str, module: str) -> str:
         """Name of a list that a module holds, or of an empty record, which is written too."""
         new, name = id(table) not in self._names, self._name(table, name, module)
-        held = dict.fromkeys(table.names or (), 0) if isinstance(table, np.dtype) else table
+        held: Any = table
+        if isinstance(table, np.dtype):
+            held = {field: np.zeros(table[field].shape).tolist() for field in table.names or ()}
         if new:
             self.tables.append(f"const {name}={json.dumps(held, separators=(',', ':'))};")
         return name

@@ -18,36 +18,36 @@ from ..theory import pair_numbers, pair_restitution
 from .runs import run_of, space_of
 from .tables import row_of
 
-RATIOS = 80  # of the lengths, on the curve of e
-
 
 def groups_of(row: Any) -> list[list[int]]:
     """Bodies that are bonded together, from left to right."""
     return groups_between([not bonded for bonded in row["bonded"]])
 
 
-def velocities_of(row: Any, speeds: list[float], frame: float) -> list[float]:
-    """Velocity of each body: of its group, or of the wall or fixed end that holds that."""
+def velocities_of(row: Any, own: list[float]) -> list[float]:
+    """Velocity of each body: `own` of its group, or of the wall or fixed end that holds that."""
     found: list[float] = []
     bodies = row["bodies"]
-    for group in groups_of(row):
-        inside = [i for i in group if bodies[i]["kind"] == "rod"]
-        own = speeds[bodies[inside[0]]["first"]] + frame if len(inside) > 0 else 0.0
+    for g, group in enumerate(groups_of(row)):
+        inside = [i for i in group if bodies[i]["kind"] != "wall"]
         ground = []
         for end, i in ((0, group[0]), (1, group[-1])):
             if i == end * (len(bodies) - 1) and bodies[i]["kind"] == "wall":
                 ground.append(bodies[i]["velocity"])
             elif i == end * (len(bodies) - 1) and row["ends"][end] == "fixed":
                 ground.append(0.0)
-        found.extend(velocities_on_ground(ground, group, inside, own))
+        found.extend(velocities_on_ground(ground, group, inside, own[g]))
     return found
 
 
 def before_and_after(row: Any, run: Any) -> Any:
     """Velocities of the bodies before and after."""
-    segment, frame = run["segment"], run["run"].frame
-    return (velocities_of(row, [it.initial for it in segment], frame),
-            velocities_of(row, [it.velocity for it in segment], frame))
+    frame, inside = run["run"].frame, []  # a segment of each group
+    for group in groups_of(row):
+        rods = [row["bodies"][i]["first"] for i in group if row["bodies"][i]["kind"] == "rod"]
+        inside.append(run["segment"][rods[0] if len(rods) > 0 else 0])
+    return (velocities_of(row, [it.initial + frame for it in inside]),
+            velocities_of(row, [it.velocity + frame for it in inside]))
 
 
 def outcome_of(row: Any, run: Any) -> Any:
@@ -191,19 +191,3 @@ def changed(tree: Any, path: list[Any], value: float) -> Any:
     copy = [*tree] if isinstance(tree, list) else {**tree}
     copy[path[0]] = changed(tree[path[0]], path[1:], value)
     return copy
-
-
-def curve_of(case: Any, library: Any, ratio: float) -> Any:
-    """e over l1/l2 of two uniform rods, l1 varied and all else as it is.
-
-    None where the left one has a profile, which is bound to the length it was made for.
-    """
-    left, reach = case["bodies"][0], 2.0
-    if isinstance(left.get("velocity", 0.0), dict) or isinstance(left.get("strain", 0.0), dict):
-        return None
-    while reach < 1.1 * ratio:
-        reach *= 2
-    ratios = [reach * (k + 1) / RATIOS for k in range(RATIOS)]
-    lengths = [r * case["bodies"][1]["length"] for r in ratios]
-    values = restitutions(case, library, ["bodies", 0, "length"], lengths)
-    return {"ratios": ratios, "values": values, "source": f"solved at {RATIOS} ratios"}

@@ -14,7 +14,7 @@ from ..results.magnification import BLOCK, drifts, magnified, round_down
 from ..storage.tables import clean
 from ..units import TIMES, format_factor, format_si
 from .reason import reason_of
-from .texts import capital, contacts_of, name_of, numbers_of, written
+from .texts import capital, contacts_of, name_of, numbers_of, stated, written
 
 
 def picture(known: Any) -> Any:
@@ -158,9 +158,8 @@ def restitution_of(known: Any) -> Any:
     value, digits, text = None, 9 if known["method"] == "fronts" else 5, "-"
     if why == "":
         value, error = outcome["restitution"], outcome.get("error", 0.0)
-        text = f"{clean(value, 1.0):.{digits}g}"
-        if error > 0.5 * 10.0 ** (math.floor(math.log10(max(value, 1e-9))) + 1 - digits):
-            text = f"{text} ± {error:.1g}"
+        text = stated(
+            f"{clean(value, 1.0):.{digits}g}", max(value, 1e-9), digits, error, "")
     elif len(outcome["able"]) > 1:
         count = len(outcome["able"])
         why = f"A coefficient e belongs to one contact; this row has {count}, see the velocities"
@@ -183,18 +182,24 @@ def results_of(known: Any) -> Any:
     for v in [*o["before"], *o["after"]]:
         fastest = max(fastest, abs(v))
     after = "after" if o["final"] else "at the end"
-    rows, names = [], contacts_of(known["bodies"])
+    rows, names, errors = [], contacts_of(known["bodies"]), o.get("errors", {})
     for i, number in enumerate(numbers_of(known["bodies"])):
         if number != "wall":
             v, name = clean(o["after"][i], fastest), name_of(known["bodies"][i]["kind"], number)
-            rows.append((f"velocity of {name} {after}", f"{v:.{digits}g} m/s"))
+            text = stated(f"{v:.{digits}g} m/s", v, digits, errors.get("velocity", 0.0), "m/s")
+            rows.append((f"velocity of {name} {after}", text))
     for i in o["able"]:
         c, name = o["contacts"][i], f" {names[i]}" if len(o["able"]) > 1 else ""
-        rows.append((f"impulse{name}", written(c["impulse"], "N s", 5)))
-        rows.append((f"peak force{name}", written(c["peak_force"], "N", 5)))
-        rows.append((f"force duration{name}", written(c["duration"], "s", 5)))
+        for what, key, unit in (
+            ("impulse", "impulse", "N s"), ("peak force", "peak_force", "N"),
+            ("force duration", "duration", "s"),
+        ):
+            if c[key] == c[key]:  # a blow of rigid bodies has no peak force
+                text = stated(written(c[key], unit, 5), c[key], 5, errors.get(key, 0.0), unit)
+                rows.append((f"{what}{name}", text))
     rows.append(("energy before", written(o["energy_before"], "J", 5)))
     vibration = clean(o["vibration_after"], o["energy_before"])
-    rows.append((f"energy in vibration {after}", written(vibration, "J", 5)))
+    text = stated(written(vibration, "J", 5), vibration, 5, errors.get("energy", 0.0), "J")
+    rows.append((f"energy in vibration {after}", text))
     rows.append(("method", known["method"]))
     return rows

@@ -11,10 +11,10 @@ import functools
 
 from ..methods.compiling import blank
 from ..units import format_factor, format_si
-from .fronts import scene_of
 from .javascript import javascript
-from .outcome import changed, restitutions
+from .outcome import changed
 from .reason import spells_of, value_at
+from .solved import curve_of, e_over, scene_of
 from .tables import lacking, mistakes
 from .texts import contacts_of, name_of, numbers_of, written
 
@@ -24,7 +24,7 @@ CONSTANTS = {
 }
 """Constants of the kernels on the page's clock."""
 FUNCTIONS = (
-    lacking, mistakes, scene_of, restitutions, changed, contacts_of, name_of, numbers_of,
+    lacking, mistakes, scene_of, e_over, curve_of, changed, contacts_of, name_of, numbers_of,
     spells_of, value_at,
 )
 KNOWN = {format_si: "inSi", written: "inSi", format_factor: "plainNumber", blank: "py.blank"}

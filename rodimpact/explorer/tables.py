@@ -22,66 +22,113 @@ from ..methods.abilities import (
     TAPER,
 )
 from ..methods.fronts.records import Outside, Status
-from ..model import Material, Rod, Segment, System, Wall
+from ..model import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall
 from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, Field, wanted
+from ..model.laws import Hertz, HuntCrossley, PowerLaw, Spring, SpringDashpot
 
+LAWS = (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw)
 RULES: dict[str, dict[str, tuple[str, str]]] = {
     table: {name: (fields[name].sign, wanted(fields[name].unit, fields[name].sign)[:-11])
             for name in names}
     for table, fields, names in (
         ("segment", Segment.fields, ("length", "area")), ("rod", Rod.fields, tuple(Rod.fields)),
-        ("wall", Wall.fields, ("velocity",)), ("contact", {"gap": System.fields["gaps"]}, ("gap",)),
+        ("wall", Wall.fields, ("velocity",)), ("mass", RigidMass.fields, ("mass", "velocity")),
+        *((law.law, law.fields, tuple(law.fields)) for law in LAWS),
+        ("contact", {"gap": System.fields["gaps"]}, ("gap",)),
         ("material", Material.fields, ("youngs_modulus", "density")),
         ("gauge", {"fraction": Field("", "[0, 1]")}, ("fraction",)),
     )
 }
 """By table and field its sign, and what it must be."""
+PROFILES = "profiles in one row with compliant contacts or rigid masses"
 SCALE = OUT_OF_SCALE[:-11]
 MOST_EVENTS = 20_000  # fronts that arrive at an end: an answer comes while a slider is dragged
 
 
-def lacking(case: Any) -> tuple[str, str]:
-    """Path and name of the first thing of a case that fronts cannot carry; "" if there is none."""
+def is_smooth(case: Any) -> bool:
+    """Whether characteristics solve a case: fronts carry no masses and no compliant contacts."""
     asked = case.get("solve", {}).get("method", "auto")
-    if asked not in ("auto", "fronts"):
+    laws = [contact.get("law", "rigid") for contact in case.get("contacts", [])]
+    compliant = any(law not in ("rigid", "bonded") for law in laws)
+    masses = any(body["kind"] == "mass" for body in case["bodies"])
+    return asked == "characteristics" or (asked == "auto" and (compliant or masses))
+
+
+def contacts_in(case: Any) -> Any:
+    """The tables of all contacts."""
+    return case.get("contacts", [{} for _ in range(len(case["bodies"]) - 1)])
+
+
+def lacking(case: Any) -> tuple[str, str]:
+    """Path and name of the first thing that the page cannot solve; "" if there is none."""
+    asked = case.get("solve", {}).get("method", "auto")
+    if asked not in ("auto", "fronts", "characteristics"):
         return "solve.method", f'the method "{asked}"'
+    smooth = is_smooth(case)
     if case.get("gravity", 0) != 0:
         return "gravity", GRAVITY
     for i, body in enumerate(case["bodies"]):
-        if body["kind"] == "mass":
+        if body["kind"] == "mass" and not smooth:
             return f"bodies.{i}", MASSES
         for key in ("velocity", "strain"):
             if sampled(body.get(key, 0)):
                 return f"bodies.{i}.{key}", SMOOTH_STATES
+            if smooth and isinstance(body.get(key, 0), dict):
+                return f"bodies.{i}.{key}", PROFILES
         for piece in pieces_of(body):
             if piece.get("lateral_inertia", piece.get("polar_moment")) is not None:
                 return f"bodies.{i}", LATERAL
             if isinstance(piece.get("area"), dict):
                 return f"bodies.{i}", TAPER
         key = other_key(
-            body, ("kind", "segments", "velocity", "strain", "length", "area", "material"))
+            body, ("kind", "segments", "velocity", "strain", "length", "area", "material", "mass"))
         for piece in body.get("segments", []):
             key = other_key(piece, ("length", "area", "material")) if key == "" else key
         if key != "":
             return f"bodies.{i}.{key}", f"the entry {key}"
     for i, contact in enumerate(case.get("contacts", [])):
-        law, key = contact.get("law", "rigid"), other_key(contact, ("gap", "law"))
-        if law not in ("rigid", "bonded"):
-            return f"contacts.{i}", {"joint": JOINTS, "own": OWN_LAWS}.get(law, COMPLIANCE)
+        law = contact.get("law", "rigid")
+        rods = any(body["kind"] == "rod" for body in case["bodies"][i : i + 2])
+        numbers = entries_of(law, rods)
+        if numbers is None:
+            names = {"joint": JOINTS, "own": OWN_LAWS}
+            return f"contacts.{i}", names.get(law, f'the contact law "{law}"')
+        if law not in ("rigid", "bonded") and not smooth:
+            return f"contacts.{i}", COMPLIANCE
+        if law == "bonded" and not rods:
+            return f"contacts.{i}", "rigid bodies that are bonded"
+        key = other_key(contact, ("gap", "law", *numbers))
         if key != "":
             return f"contacts.{i}.{key}", f"the entry {key}"
+    used = [piece.get("material", "") for body in case["bodies"] for piece in pieces_of(body)]
     for name, material in case.get("materials", {}).items():
         for key in ("viscosity", "loss_factor"):
-            if material.get(key, 0) != 0:
+            if material.get(key, 0) != 0 and any(name == one for one in used):
                 return f"materials.{name}", DAMPING
         key = other_key(material, ("youngs_modulus", "density", "poisson_ratio", "viscosity"))
         if key != "":
             return f"materials.{name}.{key}", f"the entry {key}"
     ends = case.get("ends", {})
     for side in ("left", "right"):
-        if sampled(ends.get(side, {}).get("value", 0)):
+        value = ends.get(side, {}).get("value", 0)
+        if sampled(value):
             return f"ends.{side}", SMOOTH_DRIVES
+        if smooth and isinstance(value, dict):
+            return f"ends.{side}", PROFILES
     return "", ""
+
+
+def entries_of(law: str, rods: bool) -> Any:
+    """Numbers of a contact law, between rods or rigid bodies; None of a law that is not solved."""
+    if law == "rigid":
+        return [] if rods else ["restitution"]
+    if law == "bonded":
+        return []
+    if law in ("spring", "hertz"):
+        return ["stiffness"]
+    if law in ("spring-dashpot", "hunt-crossley"):
+        return ["stiffness", "damping"]
+    return ["stiffness", "exponent"] if law == "power" else None
 
 
 def other_key(table: Any, known: tuple[str, ...]) -> str:
@@ -134,7 +181,13 @@ def mistakes(case: Any, gauges: Any, library: Any, rules: Any) -> list[Any]:
             if piece.get("material", "") not in known:
                 found.append((f"{where}.material", "unknown material"))
     for i, contact in enumerate(case.get("contacts", [])):
-        check(found, f"contacts.{i}", contact, rules["contact"])
+        law = contact.get("law", "rigid")
+        check(found, f"contacts.{i}", contact, {**rules["contact"], **rules[law]})
+        pair = [body["kind"] for body in case["bodies"][i : i + 2]]
+        waves = any(kind == "rod" for kind in pair) or all(kind != "mass" for kind in pair)
+        if law == "rigid" and not waves and contact.get("restitution") is None:
+            message = "no wave decides this contact: give its restitution, or a compliant law"
+            found.append((f"contacts.{i}", message))
         if contact.get("law", "rigid") == "bonded" and contact.get("gap", 0) != 0:
             found.append((f"contacts.{i}.gap", "must be 0 where bodies are bonded"))
     return found
@@ -152,7 +205,7 @@ def check(found: list[Any], path: str, table: Any, rules: Any) -> None:
             if isinstance(value, float):
                 given = f"{value:.6g}"
             if number and (sign == "any" or value > 0 or (value == 0 and sign != "positive")) and (
-                sign != "[0, 1]" or value <= 1
+                (sign != "[0, 1]" or value <= 1) and (sign != "[1, inf)" or value >= 1)
             ):
                 size, wrong = abs(value), ""
                 if size > LARGEST or (sign == "positive" and size < SMALLEST):
@@ -173,7 +226,7 @@ def row_of(case: Any, library: Any) -> Any:
         negative where none is asked for.
     """
     tables, count = case["bodies"], len(case["bodies"])
-    contacts = case.get("contacts", [{} for _ in range(count - 1)])
+    contacts = contacts_in(case)
     own, ends = case.get("materials", {}), case.get("ends", {})
     asked = case.get("solve", {})
     both = [ends.get(side, {"kind": "free"}) for side in ("left", "right")]
@@ -202,7 +255,7 @@ def row_of(case: Any, library: Any) -> Any:
         velocity, strain = table.get("velocity", 0.0), table.get("strain", 0.0)
         still = Outside.STEADY.value
         rows.append((start, stop, *enter(profiles, velocity, strain), still))
-        mass = 0.0
+        mass = table.get("mass", 0.0)
         for piece in segments[begin - 1 :]:
             mass += piece["mass"]
         bodies.append({
@@ -221,7 +274,8 @@ def row_of(case: Any, library: Any) -> Any:
     before = len(given) - len(profiles)
     return {
         "segments": segments, "bodies": bodies, "gaps": gaps, "bonded": bonded,
-        "ends": [end["kind"] for end in both], "given": given, "kinds": kinds,
+        "ends": [end["kind"] for end in both], "values": [end.get("value", 0.0) for end in both],
+        "given": given, "kinds": kinds,
         "rows": [(first, last, before + place, velocities, strains, outside)
                  for first, last, place, velocities, strains, outside in rows],
         "nodes": [body["last"] for body in bodies[: count - 1]],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from ..units import format_si
@@ -37,3 +38,10 @@ def written(value: float, unit: str, digits: int) -> str:
     """A quantity for people, with a µ."""
     number, _, prefixed = format_si(value, unit, digits).partition(" ")
     return f"{number} {'µ' + prefixed[1:] if prefixed.startswith('u') else prefixed}".strip()
+
+
+def stated(text: str, value: float, digits: int, error: float, unit: str) -> str:
+    """The text of a value of so many digits, with its error if that is above half of the last."""
+    if value == 0 or not error > 0.5 * 10.0 ** (math.floor(math.log10(abs(value))) + 1 - digits):
+        return text
+    return f"{text} ± {written(error, unit, 1)}"

@@ -210,9 +210,19 @@ def _kind(record: Any) -> Any:
 
 
 def blank(count: int, record: Any) -> list[Any]:
-    """Return objects with the fields of a record of plain numbers, all 0."""
+    """Return objects with the fields of a record, numbers and lists of numbers, all 0."""
     kind = _kind(record)
-    return [kind() for _ in range(count)]
+    made = [kind() for _ in range(count)]
+    for name, size in _lists(record):
+        for one in made:
+            setattr(one, name, [0.0] * size)
+    return made
+
+
+@functools.cache
+def _lists(record: Any) -> list[tuple[str, int]]:
+    """Fields of a record that hold lists of numbers, and their lengths."""
+    return [(name, record[name].shape[0]) for name in record.names if record[name].subdtype]
 
 
 def objects(rows: Iterable[Sequence[Any]], record: Any) -> list[Any]:
@@ -233,4 +243,20 @@ def as_records(objects: list[Any], record: Any) -> Any:
     records = np.zeros(len(objects), record)
     for name in record.names if objects else ():
         records[name] = [getattr(one, name) for one in objects]
+    return records
+
+
+def as_family(objects: list[Any], record: Any, members: int) -> Any:
+    """Return objects whose fields hold a number, or an array [member], as records [member, i]."""
+    records = np.zeros((members, len(objects)), record)
+    for name in record.names:
+        column = records[name]
+        for i, one in enumerate(objects):
+            value = getattr(one, name)
+            if isinstance(value, list):
+                for m, number in enumerate(value):
+                    if type(number) is not float or number:
+                        column[:, i, m] = number
+            elif type(value) is not int or value:
+                column[:, i] = value
     return records

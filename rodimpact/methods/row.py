@@ -8,9 +8,10 @@ arrays.
 
 from __future__ import annotations
 
+import math
 import sys
-from collections.abc import Callable, Sequence
-from functools import cached_property, partial, reduce
+from collections.abc import Callable
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any
 
@@ -33,10 +34,12 @@ from ..model import (
     Wall,
     Yielding,
 )
-from ..model.frozen import Number
 from ..model.profiles import extremes
+from . import scales
 from .laws import BOND, COMPLIANT, FORCE, FREE, IMPACT, JOINT, OWN, RIGID, SPRING, YIELD
 from .laws import Law as Kind
+from .scales import largest as largest
+from .scales import smallest
 
 SMALLEST, LARGEST = sys.float_info.min, sys.float_info.max
 AS_GOOD_AS_RIGID = "is as good as rigid beside these rods, got {!r}; use {}()"
@@ -191,6 +194,17 @@ class Row:
             self.mass_of.append(m)
 
     @cached_property
+    def members(self) -> int:
+        """How many rows the family has; 1 where it is none."""
+        return math.prod(self.system.shape)
+
+    def of(self, value: Any) -> Array:
+        """A number for each member, [member] in C order."""
+        if np.ndim(value) == 0:
+            return np.full(self.members, float(value))
+        return np.broadcast_to(value, self.system.shape).ravel().astype(float)
+
+    @cached_property
     def beside(self) -> list[tuple[tuple[str, int], tuple[str, int]]]:
         """By link, what stands on its left and on its right.
 
@@ -218,15 +232,13 @@ class Row:
     def frame(self) -> Any:
         """Velocity of the frame in which methods other than fronts count velocities, m/s."""
         walls = [b.velocity for b in self.system.bodies if isinstance(b, Wall)]
-        if walls:
-            return _plain(sum(walls) / len(walls))
-        return _plain(smallest(self._velocities) / 2 + largest(self._velocities) / 2)
+        return _plain(scales.frame_of(walls, self._velocities))
 
     @cached_property
     def scale(self) -> Any:
         """Scale of velocities, m/s."""
-        strained: list[Any] = [0.0]
-        pushed: list[Any] = [0.0]
+        strained: list[Any] = []
+        pushed: list[Any] = []
         for body, (start, stop) in zip(self.system.bodies, self.spans, strict=True):
             if isinstance(body, Rod):
                 c = largest([s.wave_speed for s in self.segments[start - 1 : stop]])
@@ -243,10 +255,8 @@ class Row:
                 overlap = np.maximum(-np.asarray(self.gap[link]), 0.0)
                 pushed.append(self.stiffness[link] * overlap ** self.exponent[link])
         fall = abs(self.gravity) * largest([s.transit_time for s in self.segments])
-        spread = largest(self._velocities) - smallest(self._velocities)
-        return _plain(
-            spread + largest(strained) + largest(pushed) / self._least_impedance + fall
-        )
+        return _plain(scales.scale_of(
+            self._velocities, strained, pushed, self._least_impedance, fall))
 
     @cached_property
     def _velocities(self) -> list[Any]:
@@ -308,16 +318,6 @@ class Row:
         problems = [(path, sentence()) for bad, path, sentence in self.beyond_scales() if bad]
         if problems:
             raise InvalidModel(problems[:1] if problems[0][0] == "bodies" else problems)
-
-
-def largest(values: Sequence[Number]) -> Any:
-    """Largest of some numbers, for each member of a family."""
-    return reduce(np.maximum, values)
-
-
-def smallest(values: Sequence[Number]) -> Any:
-    """Smallest of some numbers, for each member of a family."""
-    return reduce(np.minimum, values)
 
 
 def _beyond_numbers(speed: Any, square: Any, what: str) -> str:

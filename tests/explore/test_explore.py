@@ -12,9 +12,9 @@ import pytest
 import rodimpact as ri
 from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
 from rodimpact.explorer.exploring import page_solves
-from rodimpact.explorer.fronts import scene_of
 from rodimpact.explorer.presets import presets
 from rodimpact.explorer.scene import scene
+from rodimpact.explorer.solved import scene_of
 from rodimpact.explorer.tables import MOST_EVENTS
 from rodimpact.explorer.tiling import grids
 from rodimpact.results.regions import regions_of
@@ -104,7 +104,8 @@ def test_a_stepped_rod_and_a_profile_reach_the_page():
 
 
 @pytest.mark.parametrize(("system", "solve", "solved"), [
-    (PAIR, {}, True), (COMPLIANT, {}, False), (PAIR, {"method": "characteristics"}, False),
+    (PAIR, {}, True), (COMPLIANT, {}, True), (PAIR, {"method": "characteristics"}, True),
+    (PAIR, {"method": "finite-difference"}, False),
     (ri.System([LEFT, RIGHT], contacts=[ri.Law(lambda overlap, rate: 1e9 * overlap)]), {}, False),
     (PAIR, {"max_events": 3}, False),
 ])

@@ -145,17 +145,16 @@ BODY = {"kind": "rod", "length": 0.4, "area": 1e-4, "material": "steel"}
 
 @pytest.mark.parametrize("change", [
     {}, {"gravity": 9.81, "solve": {"until": 1e-3}},
-    {"bodies": [{"kind": "mass", "mass": 1.0}, ROD]},
     {"bodies": [{**BODY, "area": {"samples": [1e-4, 2e-4]}}, ROD]},
     {"bodies": [{**BODY, "velocity": {"samples": [1.0, 2.0]}}, ROD]},
     {"bodies": [{**BODY, "velocity": {"values": [1.0, 2.0], "at": [0.1]}}, ROD]},
     {"bodies": [{**BODY, "polar_moment": 1e-9}, ROD]},
     {"bodies": [{**BODY, "polar_moment": 1e-9, "lateral_inertia": "mindlin-herrmann"}, ROD]},
-    {"contacts": [{"law": "hertz", "stiffness": 1e10}]}, {"contacts": [{"law": "bonded"}]},
+    {"contacts": [{"law": "bonded"}]},
     {"ends": {"left": {"kind": "fixed"}}},
     {"ends": {"left": {"kind": "force", "value": {"samples": [1.0, 2.0], "step": 1e-4}}},
      "solve": {"until": 1e-3}},
-    {"solve": {"method": "characteristics", "until": 1e-3}}, {"solve": {"method": "fronts"}},
+    {"solve": {"method": "finite-difference", "until": 1e-3}}, {"solve": {"method": "fronts"}},
     {"materials": {"own": {"youngs_modulus": 1e11, "density": 5e3, "viscosity": 1e4}},
      "bodies": [{**BODY, "material": "own"}, ROD]},
 ])
@@ -164,6 +163,44 @@ def test_the_page_solves_what_fronts_can_carry(change):
     known = case_from(case)
     options = Options(known.solve.get("until"), known.solve.get("method", "auto"), 100)
     assert (lacking(case) == ("", "")) == (options.method_for(known.system) == "fronts")
+
+
+HERTZ = {"law": "hertz", "stiffness": 1e10}
+MASS = {"kind": "mass", "mass": 1.0}
+STEPPED = {**ROD, "velocity": {"values": [1.0, 2.0], "at": [0.1]}}
+
+
+@pytest.mark.parametrize(("change", "path"), [
+    ({"contacts": [HERTZ]}, ""), ({"bodies": [MASS, ROD]}, ""),
+    ({"solve": {"method": "characteristics"}}, ""),
+    ({"bodies": [STEPPED, ROD], "contacts": [HERTZ]}, "bodies.0.velocity"),
+    ({"contacts": [HERTZ], "solve": {"method": "fronts"}}, "contacts.0"),
+    ({"bodies": [MASS, ROD], "solve": {"method": "fronts"}}, "bodies.0"),
+    ({"contacts": [{"law": "joint", "stiffness": 1e8}]}, "contacts.0"),
+    ({"contacts": [{**HERTZ, "colour": 1.0}]}, "contacts.0.colour"),
+    ({"bodies": [MASS, MASS, ROD], "contacts": [{"law": "bonded"}, {}]}, "contacts.0"),
+    ({"contacts": [HERTZ], "ends": {"left": {"kind": "velocity", "value": {
+        "values": [1.0, 2.0], "at": [1e-4]}}}}, "ends.left"),
+])
+def test_the_page_solves_compliant_contacts_and_masses(change, path):
+    case = {"schema": 1, "bodies": [ROD, {**ROD, "velocity": 0.0}], **change}
+    assert lacking(case)[0] == path
+
+
+@pytest.mark.parametrize(("change", "path"), [
+    ({"contacts": [{**HERTZ, "stiffness": -1.0}]}, "contacts.0.stiffness"),
+    ({"contacts": [{"law": "power", "stiffness": 1e9, "exponent": 0.5}]}, "contacts.0.exponent"),
+    ({"contacts": [{"law": "hertz"}]}, "contacts.0.stiffness"),
+    ({"bodies": [{**MASS, "mass": 0.0}, ROD], "contacts": [{}]}, "bodies.0.mass"),
+    ({"bodies": [MASS, MASS, ROD], "contacts": [{}, {}]}, "contacts.0"),
+])
+def test_mistakes_in_contacts_and_masses_are_told(change, path):
+    case = {"schema": 1, "bodies": [ROD, {**ROD, "velocity": 0.0}], **change}
+    found = mistakes(case, [], LIBRARY, RULES)
+    assert [where for where, _ in found] == [path]
+    with pytest.raises(ri.InvalidModel) as error:
+        case_from(case)
+    assert path in dict(error.value.problems)
 
 
 @pytest.mark.parametrize(("change", "path"), [

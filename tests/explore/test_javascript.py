@@ -4,46 +4,32 @@ import dataclasses
 import inspect
 import json
 import math
-import shutil
-import subprocess
 import tomllib
 
 import numpy as np
 import pytest
 from checked import build
 from exhaustive import few_of
+from in_node import needs_node, run
 from systems import random_system
 
 import rodimpact as ri
 from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
-from rodimpact.explorer.fronts import scene_of
 from rodimpact.explorer.javascript import Untranslatable, javascript
 from rodimpact.explorer.outcome import outcome_of, transit_error_of
 from rodimpact.explorer.page_files import read
 from rodimpact.explorer.presets import presets
 from rodimpact.explorer.runs import run_of, space_of
+from rodimpact.explorer.solved import scene_of
 from rodimpact.explorer.solver import CONSTANTS, KNOWN
 from rodimpact.explorer.tables import RULES, row_of
 from rodimpact.methods import compiling, tick_rule
 from rodimpact.methods.pieces import driver, finality, layout, march
+from rodimpact.methods.pieces.rows import lay_out
 from rodimpact.methods.row import Row
 from rodimpact.storage.casefile import case_from
 
-NODE = shutil.which("node")
-needs_node = pytest.mark.skipif(NODE is None, reason="node is not installed")
 ROWS, FEW, MOST = 25, 5000, 20_000
-
-
-def run(script, data=None):
-    """What a script in Node makes of JSON data: `answer(data)`."""
-    text = f"{script}\nconst data = JSON.parse(require('fs').readFileSync(0, 'utf8'));\n"
-    text += "process.stdout.write(JSON.stringify(answer(data)));"
-    done = subprocess.run(
-        [NODE, "-e", text], input=json.dumps(data), capture_output=True, text=True, timeout=600,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
 
 
 # What is translated
@@ -247,7 +233,7 @@ RECORDED = {
 def recorded(system):
     """The records of a system on the clock of the page, as objects."""
     until = 4e-4 if system.ends != (ri.Free(), ri.Free()) else None
-    machine = driver.Machine(layout.lay_out(Row(system), until, 1e-8, 3000, True))
+    machine = driver.Machine(lay_out(Row(system), until, 1e-8, 3000, True))
     records = machine.records
     for name in ("log", "turn"):
         records[name] = np.concatenate([records[name]] * 4)
@@ -423,10 +409,10 @@ def test_what_the_page_cannot_solve_is_told():
     jumps = np.linspace(0.0, 0.4, 3201)[1:-1]
     crowded = LEFT.replace(velocity=ri.Steps(np.arange(3200.0) % 2, jumps))
     designs = [tables_of(ri.Case(system)) for system in (
-        ri.System([LEFT, LEFT], contacts=[ri.Hertz(1e10)]), ri.System([crowded, LEFT]))]
+        ri.System([LEFT, LEFT], contacts=[ri.Joint(1e10)]), ri.System([crowded, LEFT]))]
     designs.append({"case": {"bodies": [{"kind": "rod", "length": "x"}]}})
     told = [page["problems"][0]["message"] for page in answers("sceneOf", designs)]
-    for words, message in zip(("compliant contacts; Python can", "too many fronts", ""), told,
+    for words, message in zip(("joints; Python can", "too many fronts", ""), told,
                               strict=True):
         assert words in message
 

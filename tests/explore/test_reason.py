@@ -8,8 +8,8 @@ import pytest
 import rodimpact as ri
 from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
 from rodimpact.explorer.exploring import page_solves
-from rodimpact.explorer.fronts import scene_of
 from rodimpact.explorer.scene import scene
+from rodimpact.explorer.solved import scene_of
 
 STEEL, ALUMINIUM = ri.materials.steel, ri.materials.aluminium
 RETURNS = "wave returns after"

@@ -65,7 +65,9 @@ function faceOf(scene, body, x) {
 
 /** Paths of the centres of mass of rods and masses: the middles of pieces, weighed by their masses. */
 function centresOf(scene) {
-  const { tiling, begin, end, bodies } = scene;
+  const { tiling, begin, end, bodies, grids } = scene;
+  if (grids) return bodies.flatMap(({ kind, path, width }, i) => (kind === "wall" ? []
+    : [path ? pathOf(scene, i, width / 2, path) : centreOfGrids(scene, grids.filter(({ body }) => body === i))]));
   const t = Array.from({ length: MOMENTS }, (_, k) => begin + (end - begin) * (k + 0.5) / MOMENTS);
   const sums = bodies.map(() => t.map(() => [0, 0]));
   t.forEach((at, k) => slice(scene, at).forEach(({ polygon, low, high }) => {
@@ -76,6 +78,25 @@ function centresOf(scene) {
   }));
   return bodies.flatMap(({ kind, path, width }, i) => (kind === "wall" ? []
     : [path ? pathOf(scene, i, width / 2, path) : { t, y: sums[i].map(([mass, moment]) => moment / mass), steps: false }]));
+}
+
+/** Path of the centre of mass of a rod, from the rows of its grids, which are of one height. */
+function centreOfGrids({ place, tiling, bodies }, grids) {
+  const [{ first, rows }] = grids;
+  const edges = Array.from({ length: rows + 1 }, (_, j) => [Math.min(j, rows - 1), j < rows ? [0, 1] : [3, 2]]);
+  const y = edges.map(([row, corners]) => {
+    let [mass, moment] = [0, 0];
+    grids.forEach((grid, k) => {
+      const [, , perLength] = bodies[grid.body].pieces[k];
+      const share = perLength * (grid.right - grid.left) / grid.across / 2;
+      for (let cell = grid.first + row * grid.across; cell < grid.first + (row + 1) * grid.across; cell += 1) {
+        for (const corner of corners) moment += share * place[4 * cell + corner];
+        mass += 2 * share;
+      }
+    });
+    return moment / mass;
+  });
+  return { t: edges.map(([row, [corner]]) => tiling.t[4 * (first + row * grids[0].across) + corner]), y, steps: false };
 }
 
 /** When the wave that a contact sends into a rod of one piece is back: 2 l/c after it begins to press. */

@@ -7,6 +7,7 @@ const STOPS = { // blue, nearly the paper's colour at 0, yellow
 };
 const UNITS = { velocity: "m/s", stress: "Pa" };
 const FEW = 80; // polygons, to write values into
+const SHADES = 256; // of a smooth picture
 const CROWDED = 400; // polygons from which lines would hide the colours
 
 /** Colour of a number from -1 to 1. */
@@ -87,13 +88,14 @@ function imageOf(scene, grid, name, theme, row = null) {
   const image = document.createElement("canvas");
   Object.assign(image, { width: across, height: high });
   const pixels = new ImageData(across, high);
+  const colours = Array.from({ length: SHADES + 1 }, (_, k) => [...colourOf(2 * k / SHADES - 1, theme), 255]);
   for (let j = 0; j < high; j += 1) {
     const from = row === null ? high - 1 - j : Math.floor(row);
     const next = row === null ? from : Math.min(grid.rows - 1, from + 1);
     for (let i = 0; i < across; i += 1) {
-      const shares = [from, next].map((k) => shareOf(scene, name, first + k * across + i));
-      const share = row === null ? shares[0] : shares[0] + (shares[1] - shares[0]) * (row - from);
-      pixels.data.set([...colourOf(share, theme), 255], 4 * (j * across + i));
+      let share = shareOf(scene, name, first + from * across + i);
+      if (row !== null) share += (shareOf(scene, name, first + next * across + i) - share) * (row - from);
+      pixels.data.set(colours[Math.round((share + 1) / 2 * SHADES)], 4 * (j * across + i));
     }
   }
   image.getContext("2d").putImageData(pixels, 0, 0);
@@ -105,6 +107,7 @@ function displacedImage(scene, grid, image, frame) {
   const canvas = make("canvas", { width: Math.ceil(frame.width), height: Math.ceil(frame.height) });
   const smooth = make("canvas", { width: 4 * grid.across, height: 8 * grid.rows });
   smooth.getContext("2d").drawImage(image, 0, 0, smooth.width, smooth.height);
+  const pen = canvas.getContext("2d");
   for (let y = 0; y < canvas.height; y += 1) {
     const share = frame.timeAt(frame.y + y + 0.5) / scene.end;
     if (share < 0 || share >= 1) continue;
@@ -115,7 +118,7 @@ function displacedImage(scene, grid, image, frame) {
       scene.place[low] + (scene.place[high] - scene.place[low]) * (share * grid.rows - row)) - frame.x;
     const [x0, x1] = [between(first, first + 3), between(last + 1, last + 2)];
     const from = Math.min(smooth.height - 1, (1 - share) * smooth.height);
-    canvas.getContext("2d").drawImage(smooth, 0, from, smooth.width, 1, x0, y, x1 - x0, 1);
+    pen.drawImage(smooth, 0, from, smooth.width, 1, x0, y, x1 - x0, 1);
   }
   return canvas;
 }

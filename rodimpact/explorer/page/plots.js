@@ -41,7 +41,7 @@ function drawCurve(scene, theme) {
   caption(byId("plot-curve").firstElementChild, "e over l₁/l₂", [
     [`here ${plainNumber(scene.ratio, 4)}`, theme.wrong], [source, theme.series[0]]]);
   const pen = new CanvasPen(byId("curve"));
-  const right = ratios.at(-1);
+  const right = ratios.at(-1) || 2;
   const most = Math.max(1, ...values.filter((e) => e !== null));
   const frame = plotFrame(pen, theme.size, { x0: 0, x1: right, y0: 0, y1: 1.08 * most });
   let points = [];

@@ -24,7 +24,14 @@ const py = {
     if (b < 0) throw new RangeError(`${a} >> ${b}`);
     return Math.floor(a / py.pow2(b)) + 0;
   },
-  blank: (count, fields) => Array.from({ length: count }, () => ({ ...fields })),
+  blank(count, fields) {
+    const lists = Object.keys(fields).filter((key) => Array.isArray(fields[key]));
+    return Array.from({ length: count }, () => {
+      const made = { ...fields };
+      for (const key of lists) made[key] = fields[key].slice();
+      return made;
+    });
+  },
   pow: (base, exponent) => (exponent === 2 ? base * base : base ** exponent),
   pow2: (exponent) => 2 ** exponent,
   pow10: (exponent) => Number(`1e${exponent}`),

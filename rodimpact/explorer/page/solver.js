@@ -1,18 +1,6 @@
 "use strict";
 // What the page solves by itself, and the case file of what it shows.
 
-/** A text that the page holds compressed. */
-function unpacked(letters) {
-  const bytes = Uint8Array.from(atob(letters), (letter) => letter.charCodeAt(0));
-  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).text();
-}
-
-async function unpackKernels() {
-  const script = document.createElement("script");
-  script.textContent = await unpacked(byId("packed").textContent);
-  document.head.append(script);
-}
-
 /** What is wrong with a design, or what of it this page cannot solve. */
 function problemsOf({ case: tables, gauges }) {
   const [path, what] = fronts.lacking(tables);
@@ -23,6 +11,21 @@ function problemsOf({ case: tables, gauges }) {
 /** Whether Python has solved this design, which the page cannot solve. */
 const isStored = (asked) => start.scene !== null && JSON.stringify(asked) === JSON.stringify(start.design);
 
+const QUIET = 150; // ms after which sliders rest
+let [resting, lastCurve] = [0, null];
+
+/** A curve that takes long: the last one, until the sliders rest. */
+function curveLater(ratio) {
+  const solve = () => { lastCurve = fronts.curve_of(design.case, start.materials, ratio); };
+  if (!lastCurve) solve();
+  resting = setTimeout(() => {
+    solve();
+    Object.assign(shown.scene, { curve: lastCurve });
+    redraw();
+  }, QUIET);
+  return lastCurve;
+}
+
 /** The scene of a design as `data`, or its `problems`. */
 function sceneOf(asked) {
   if (isStored(asked)) return { data: structuredClone(start.scene) };
@@ -30,6 +33,8 @@ function sceneOf(asked) {
     const problems = problemsOf(asked);
     if (problems.length) return { problems };
     const { problem, ...data } = fronts.scene_of(asked.case, listOf(asked.gauges), start.materials);
+    clearTimeout(resting);
+    if (data.curve && !data.curve.values.length) data.curve = curveLater(data.ratio);
     return problem ? { problems: [{ path: problem[0], message: problem[1] }] } : { data };
   } catch (error) {
     return { problems: [{ path: "", message: `The design cannot be read: ${error.message}` }] };
@@ -40,7 +45,7 @@ function sceneOf(asked) {
 async function* mapOf(design, [xPath, xs], [yPath, ys]) {
   for (let j = 0; j < ys.length; j += 1) {
     const tables = fronts.changed(design.case, yPath, ys[j]);
-    yield fronts.restitutions(tables, start.materials, xPath, xs);
+    yield fronts.e_over(tables, start.materials, xPath, xs);
     if (j % 10 === 9) await new Promise((resolve) => { setTimeout(resolve); });
   }
 }

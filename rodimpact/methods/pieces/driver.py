@@ -11,8 +11,9 @@ from .. import compiling, kernels
 from ..duration import Forecast
 from ..memory import ask
 from . import march
-from .layout import Layout
+from .accuracy import Ended
 from .records import NEVER, PIECE, TURN, Stop
+from .rows import Layout
 from .series import N
 
 FIRST_ROOM = 256  # pieces of a log, at first
@@ -56,8 +57,14 @@ class Machine:
 
     @property
     def run(self) -> Any:
-        """The one record of the run."""
-        return self.records["run"][0]
+        """The one record of the run, by names of its fields."""
+        return self.records["run"].view(np.recarray)[0]
+
+    @property
+    def ended(self) -> Ended:
+        """What is known of it after `go`."""
+        link, part = (compiling.as_objects(self.records[name]) for name in ("link", "part"))
+        return Ended(self.run, link, part)
 
     def go(self, forecast: Forecast | None = None) -> Stop:
         """Run to the end, in slices; return why it stopped."""

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 
 from .. import kernels
+from ..compiling import as_objects
 from ..family import STOPPED_BY, FamilyRun, Stopped
 from ..groups import groups, movable, velocities_in_group
 from ..row import Row
-from ..run import largest_error
 from . import driver, march
-from .accuracy import COARSER, apart, compare, left_open
-from .layout import Layout, is_even, lay_out, own_laws
+from .accuracy import COARSER, SHOWN, Ended, apart, compare, left_open
 from .method import tolerance_of, vibration_of
 from .records import PIECE, TURN, Law, Stop
+from .rows import Layout, is_even, lay_out, own_laws
 
 TOGETHER = 1024  # members of one chunk
 CALL = 64  # members between two looks whether to stop
@@ -69,7 +69,7 @@ def solve_family(
     if "accuracy" not in also:
         return found
     coarse = lay_out(row, until, COARSER * tolerance, max_events, keep=False)
-    compare(layout.run, coarse.run)
+    compare(layout.run.view(np.recarray), coarse.run.view(np.recarray))
     run_members(coarse, members, stop)
     return found._replace(further={"accuracy": _errors(layout, coarse, members)})
 
@@ -78,9 +78,9 @@ def _errors(fine: Layout, coarse: Layout, members: Any) -> Any:
     """Stated error of each member, nan of others."""
     errors = np.full(len(fine.run), math.nan)
     for m in members:
-        runs = [{"run": x.run[m : m + 1], "part": x.part[m], "link": x.link[m]}
-                for x in (fine, coarse)]
-        errors[m] = largest_error(apart(*runs)) + left_open(fine.run[m], fine.fit)
+        one, other = (Ended(as_objects(x.run[m : m + 1])[0], as_objects(x.link[m]),
+                            as_objects(x.part[m])) for x in (fine, coarse))
+        errors[m] = max(apart(one, other)[:SHOWN]) + left_open(one.run, fine.fit)
     return errors
 
 

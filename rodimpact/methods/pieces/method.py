@@ -17,22 +17,22 @@ import numpy as np
 
 from ...units import format_si
 from .. import abilities as physics
-from ..clock import Clock
+from ..clock import clock_of
 from ..duration import Forecast, Progress
 from ..groups import groups
 from ..row import Row, squeezed
-from ..run import ContactTally, GroupTotals, Run, Signals, largest_error
+from ..run import MEASURES, ContactTally, GroupTotals, Run, Signals, largest_error
 from ..status import end_sentence, last_contact, proof_sentence, rounding, strain_warning
 from .accuracy import COARSER, COARSEST, apart, compare, left_open
 from .driver import Machine
-from .layout import LAWS, Layout, lay_out
-from .records import Law, Part, Status, Stop, Touch
+from .records import Law, Part, Stop
+from .rows import LAWS, Layout, lay_out
 from .signals import signals_of
+from .totals import ends_of_contacts, stated, tally_of, told_of
 
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
 RTOL = 1e-8
 LOOSEST, FINEST = 1e-6, 1e-13  # of tolerances: errors fall evenly below, and round-off comes
-MORE = 10.0  # times rtol, from which it is said that it was not reached
 LESS = "a larger rtol or an earlier end (until)"
 
 
@@ -54,9 +54,9 @@ def solve(
     coarser, accuracy = COARSER * tolerance, dict[str, float]()
     while not any(accuracy.values()) and coarser <= COARSEST:  # the same steps tell nothing
         coarse = Machine(lay_out(row, until, coarser, max_events, keep=False))
-        compare(fine.records["run"], coarse.records["run"])
+        compare(fine.run, coarse.run)
         coarse.go(forecast)
-        accuracy = apart(fine.records, coarse.records)
+        accuracy = dict(zip(MEASURES, apart(fine.ended, coarse.ended), strict=True))
         coarser *= COARSER
     return _hand_over(layout, fine, accuracy, until, stop, goal)
 
@@ -71,7 +71,10 @@ def _hand_over(
     goal: float,
 ) -> Run:
     row, r = layout.row, machine.records
-    run, clock = r["run"][0], _clock(layout)
+    ended, run = machine.ended, machine.run
+    clock = clock_of(
+        row, [int(T[0]) for T in layout.clock.transits], float(layout.clock.tick[0]),
+        scale=float(layout.run["scale"][0]))
     accuracy = {name: error + left_open(run, layout.fit) for name, error in accuracy.items()}
     end, tick = _end(r), clock.tick
     stopped_by = "max_events" if stop == Stop.CAP else "until" if until is not None else (
@@ -79,20 +82,22 @@ def _hand_over(
     t_end = until if until is not None and stopped_by == "until" else end * tick
     proved, proof, t_final = run["proved"] >= 0, "", math.nan
     if proved:
-        t_final = last_contact(_ends(r), end * tick, 2 * clock.longest * tick)
+        t_final = last_contact(
+            ends_of_contacts(ended.link, tick), end * tick, 2 * clock.longest * tick)
         proof = proof_sentence(bool(np.any(r["link"]["episodes"])), t_final)
     status = end_sentence(
         row.system, stopped_by, proof, format_si(t_end, "s"), f"{run['steps']} steps of nodes")
     fastest = max((_fastest(r["log"][: run["pieces"]], s) / float(row.segments[s].wave_speed)
                    for s in range(len(row.segments))), default=0.0)
-    status += _accuracy(accuracy, goal) + _events(row, run) + rounding(
+    status += stated(largest_error(accuracy), goal) + told_of(run) + _struck_together(
+        row) + rounding(
         clock.transit_error, clock.worst) + strain_warning(fastest)
     signals = cache(partial(signals_of, row, clock, end, r))
     return Run(
         method="characteristics", until=until, clock=clock, end=end, t_end=t_end, t_final=t_final,
         t_proved=float(run["proved"]) * tick if proved else math.nan, stopped_by=stopped_by,
         status=status, events=int(run["steps"]),
-        contacts=_tallies(row, r, signals), groups=_groups(row, r),
+        contacts=_tallies(row, ended.link, tick, end, signals), groups=_groups(row, r),
         accuracy=accuracy,
         make_signals=signals,
     )
@@ -103,42 +108,13 @@ def _end(r: dict[str, Any]) -> int:
     return min(int(r["node"]["now"].min()), int(r["run"][0]["end"]))
 
 
-def _accuracy(accuracy: dict[str, float], goal: float) -> str:
-    """What is told of the stated errors."""
-    worst = largest_error(accuracy)
-    late = f" That is more than rtol = {goal:g} asks for." if worst > MORE * goal else ""
-    return f" Stated relative error: {worst:.1g}.{late}"
-
-
-def _events(row: Row, run: Any) -> str:
-    """What is told of breaks too dense to follow, and of rigid bodies that rest or touch."""
-    told = ""
-    if run["rough"]:
-        told += (
-            f" From {format_si(float(run['first_rough'] * run['tick']), 's')} on, waves break more "
-            f"often than {run['shortest'] // run['floor']} times in the shortest transit; they are "
-            "followed by means over such times there, which keeps momentum."
-        )
-    if run["rested"]:
-        told += " Rigid bodies that parted too slowly to matter came to rest against each other."
+def _struck_together(row: Row) -> str:
+    """What is told of rigid bodies that touch at t = 0."""
     touching = [i for i, (law, gap) in enumerate(zip(row.laws, row.gap, strict=True))
                 if LAWS[law] == Law.IMPACT and float(gap) == 0]
     if any(j == i + 1 for i, j in pairwise(touching)):
-        told += " Rigid bodies that touch are struck together; with gaps the outcome differs."
-    return told
-
-
-def _ends(r: dict[str, Any]) -> list[tuple[float, float]]:
-    """When the force and the touch of each contact that pressed ended, as `last_contact` asks."""
-    tick, ends = float(r["run"][0]["tick"]), []
-    for it in r["link"]:
-        if it["law"] >= Law.RIGID and it["episodes"] > 0:
-            struck = it["law"] == Law.IMPACT and it["status"] == Status.OPEN
-            pressing = it["touch"] == Touch.PRESSING and not struck
-            apart = it["apart"] if it["touch"] == Touch.APART or struck else -1
-            ends.append((math.nan if pressing else float(it["last"]) * tick,
-                         float(apart) * tick if apart >= 0 else math.nan))
-    return ends
+        return " Rigid bodies that touch are struck together; with gaps the outcome differs."
+    return ""
 
 
 def _fastest(log: Any, s: int) -> float:
@@ -146,48 +122,19 @@ def _fastest(log: Any, s: int) -> float:
     return float(np.abs(own["coefficient"]).sum(axis=1).max(initial=0.0))
 
 
-def _clock(layout: Layout) -> Clock:
-    row, tick, ticks = layout.row, float(layout.tick[0]), layout.ticks[0].tolist()
-    segments = row.segments
-    errors = [abs(T * tick / float(s.transit_time) - 1)
-              for T, s in zip(ticks, segments, strict=True)]
-    worst = max(range(len(errors)), key=errors.__getitem__, default=-1)
-    return Clock(
-        system=row.system, spans=row.spans, ticks=[0, *ticks, 0], tick=tick,
-        wave_speed=[0.0, *(float(s.wave_speed) for s in segments), 0.0],
-        impedance=[0.0, *(float(s.impedance) for s in segments), 0.0],
-        length=[0.0, *(float(s.length) for s in segments), 0.0],
-        frame=float(row.frame), scale=float(layout.run["scale"][0]), gravity=float(row.gravity),
-        transit_error=errors[worst] if errors else 0.0, worst=row.paths[worst + 1],
-    )
-
-
 def _tallies(
-    row: Row, r: dict[str, Any], signals: Callable[[], Signals]
+    row: Row, link: list[Any], tick: float, now: int, signals: Callable[[], Signals]
 ) -> tuple[ContactTally, ...]:
     """Totals of every contact in SI units."""
-    tick, tallies = float(r["run"][0]["tick"]), []
-    now = _end(r)
-    for k, (law, i) in enumerate(zip(row.system.contacts, row.contact_link, strict=True)):
-        if i < 0:  # a bond of rigid bodies follows from what acts beside it
-            force = signals().contacts[k].force
-            tallies.append(ContactTally(
-                float(force.integral(0, now)) * tick, max(0.0, float(force.at(force.marks).max())),
-                0.0, math.nan, math.nan, 0))
+    tallies = []
+    for k, i in enumerate(row.contact_link):
+        if i >= 0:
+            tallies.append(tally_of(link[i], tick, now))
             continue
-        it = r["link"][i]
-        if not law.opens:
-            tallies.append(ContactTally(
-                float(it["impulse"]), float(it["peak"]), 0.0, math.nan, math.nan, 0))
-            continue
-        sudden = it["law"] == Law.IMPACT
-        last = now if it["touch"] == Touch.PRESSING and not sudden else int(it["last"])
+        force = signals().contacts[k].force  # a bond of rigid bodies: from what acts beside it
         tallies.append(ContactTally(
-            impulse=float(it["impulse"]), peak_force=math.nan if sudden else float(it["peak"]),
-            duration=float(it["pressed"]) * tick,
-            first=float(it["first"]) * tick if it["first"] >= 0 else math.nan,
-            last=last * tick if it["first"] >= 0 else math.nan, episodes=int(it["episodes"]),
-        ))
+            float(force.integral(0, now)) * tick, max(0.0, float(force.at(force.marks).max())),
+            0.0, math.nan, math.nan, 0))
     return tuple(tallies)
 
 

@@ -1,0 +1,56 @@
+"""What a run comes to, from its records; the page has this as JavaScript."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ...units import format_si
+from ..run import ContactTally
+from .records import Law, Status, Touch
+
+MORE = 10.0  # times rtol, from which it is said that it was not reached
+
+
+def tally_of(it: Any, tick: float, now: int) -> ContactTally:
+    """Totals of the contact that a link is, in SI units, in a run that has come to a tick."""
+    if it.law < Law.RIGID:  # it never opens
+        return ContactTally(it.impulse, it.peak, 0.0, math.nan, math.nan, 0)
+    sudden, met = it.law == Law.IMPACT, it.first >= 0
+    last = now if it.touch == Touch.PRESSING and not sudden else it.last
+    return ContactTally(
+        it.impulse, math.nan if sudden else it.peak, it.pressed * tick,
+        it.first * tick if met else math.nan, last * tick if met else math.nan, it.episodes)
+
+
+def ends_of_contacts(link: Any, tick: float) -> list[Any]:
+    """When the force and the touch of each contact that pressed ended, as `last_contact` asks."""
+    ends = []
+    for it in link:
+        if it.law >= Law.RIGID and it.episodes > 0:
+            struck = it.law == Law.IMPACT and it.status == Status.OPEN
+            pressing = it.touch == Touch.PRESSING and not struck
+            apart = it.apart if it.touch == Touch.APART or struck else -1
+            ends.append((math.nan if pressing else it.last * tick,
+                         apart * tick if apart >= 0 else math.nan))
+    return ends
+
+
+def stated(worst: float, goal: float) -> str:
+    """What is told of the largest stated error, where `goal` was asked for."""
+    late = f" That is more than rtol = {goal:.6g} asks for." if worst > MORE * goal else ""
+    return f" Stated relative error: {worst:.1g}.{late}"
+
+
+def told_of(run: Any) -> str:
+    """What is told of breaks too dense to follow, and of rigid bodies that rest."""
+    told = ""
+    if run.rough:
+        told += (
+            f" From {format_si(run.first_rough * run.tick, 's')} on, waves break more often than "
+            f"{run.shortest // run.floor} times in the shortest transit; they are followed by "
+            "means over such times there, which keeps momentum."
+        )
+    if run.rested:
+        told += " Rigid bodies that parted too slowly to matter came to rest against each other."
+    return told
