@@ -731,7 +731,7 @@ def test_the_latest_design_is_solved(visit):
 def test_what_python_has_solved_is_shown_and_the_sliders_work_for_what_the_page_solves(
     visit, solved
 ):
-    left, right = PRESETS["unequal"].system.bodies
+    left = PRESETS["unequal"].system.bodies[0]
     lossy = ri.materials.steel.damped(loss_factor=0.05, frequency=1e4)
     system = ri.System([left, ri.Rod(1.0, area=1e-4, material=lossy.replace(name="lossy"))])
     page = visit(solved(system, cells=20))
