@@ -37,21 +37,25 @@ def warm() -> float:
     if reason := kernels.why_not():
         warnings.warn(f"nothing can be compiled: {reason}", kernels.NoCompiler, stacklevel=2)
         return 0.0
-    bar = Rod(1.0, area=1e-4, material=steel)
-    speeds = np.array([1.0, 2.0])
+    for name in METHODS:
+        warm_method(name)
+    return time.perf_counter() - begun
+
+
+def warm_method(name: str) -> None:
+    """Run each kernel of a method once, compiled."""
+    method, bar, speeds = METHODS[name], Rod(1.0, area=1e-4, material=steel), np.array([1.0, 2.0])
+    cells = 8 if "cells" in method.takes else None
     families = [
         System([Rod(0.5, area=1e-4, material=steel, velocity=speeds), bar]),
         System([RigidMass(0.1, velocity=speeds), bar], contacts=[Spring(1e6)]),
     ]
     with kernels.forced(True):
         for family in families:
-            for name, method in METHODS.items():
-                if not method.lacking(family):
-                    cells = 8 if "cells" in method.takes else None
-                    sweep(family, name, cells=cells, workers=1)
-                    sweep(family, name, until=1e-3, cells=cells, workers=1, also=["largest_stress"])
-                    solution = solve(family[0], method=name, cells=cells)
-                    if cells:  # without cells, what is measured of levels
-                        solve(family[0], method=name, rtol=1.0)
-                    solution.velocity(1, np.array([[0.0], [0.5]]), np.array([0.0, 1e-4]))
-    return time.perf_counter() - begun
+            if not method.lacking(family):
+                sweep(family, name, cells=cells, workers=1)
+                sweep(family, name, until=1e-3, cells=cells, workers=1, also=["largest_stress"])
+                solution = solve(family[0], method=name, cells=cells)
+                if cells:  # without cells, what is measured of levels
+                    solve(family[0], method=name, rtol=1.0)
+                solution.velocity(1, np.array([[0.0], [0.5]]), np.array([0.0, 1e-4]))

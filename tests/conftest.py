@@ -1,13 +1,36 @@
-"""Floating-point errors raise, random examples are the same in every run."""
+"""Floating-point errors raise; random examples are the same in every run; kernels compile once.
+
+``pytest --hypothesis-profile=many`` draws more examples.
+"""
 
 import signal
+import warnings
 
 import numpy as np
 import pytest
 from hypothesis import settings
 
-settings.register_profile("repeatable", derandomize=True, deadline=None, print_blob=True)
-settings.load_profile("repeatable")
+from rodimpact.methods import kernels
+from rodimpact.methods.registry import METHODS
+from rodimpact.warming import warm_method
+
+for profile, examples in (("few", 20), ("many", 300)):
+    settings.register_profile(
+        profile, max_examples=examples, derandomize=True, deadline=None, print_blob=True)
+settings.load_profile("few")
+
+MANY = 1000  # tests that need all kernels
+
+
+def pytest_collection_finish(session):
+    """Workers share the kernels among them, so that no two compile the same."""
+    worker = getattr(session.config, "workerinput", None)
+    if worker and len(session.items) > MANY and not kernels.why_not():
+        number, count = int(worker["workerid"].removeprefix("gw")), worker["workercount"]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            for name in [*METHODS][number::count]:
+                warm_method(name)
 
 
 @pytest.fixture(autouse=True)

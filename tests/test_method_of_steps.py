@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from method_of_steps import solve
 from networks import mixed_network, unit_rod
 
@@ -55,8 +56,9 @@ def test_sphere_on_an_endless_rod_as_zener(loss, rebound):
     assert solve(system, 5.0).velocities[0] == pytest.approx(-rebound, abs=5e-7)
 
 
-@pytest.mark.parametrize(("stiffness", "e"), [(1.0, 0.944), (10.0, 0.617), (1e3, 0.411)])
-def test_rods_with_round_ends(stiffness, e):
+@pytest.mark.parametrize("stiffness", few_of([1.0, 10.0, 1e3], [10.0]))
+def test_rods_with_round_ends(stiffness):
+    e = {1.0: 0.944, 10.0: 0.617, 1e3: 0.411}[stiffness]
     rods = [unit_rod(0.4, velocity=1.0), unit_rod(1.0)]
     result = solve(ri.System(rods, contacts=[ri.Hertz(stiffness)]), 8.0, 1e-10)
     assert result.velocities[1] - result.velocities[0] == pytest.approx(e, abs=5e-4)
@@ -78,7 +80,7 @@ def test_step_through_a_spring_between_endless_bars():
     assert impulse == pytest.approx(-strain * arrived, abs=1e-13)
 
 
-@pytest.mark.parametrize("seed", [40, 42, 43, 46])
+@pytest.mark.parametrize("seed", few_of([40, 42, 43, 46], [43]))
 def test_agrees_with_itself_at_a_coarser_tolerance(seed):
     system, until, _ = mixed_network(np.random.default_rng(seed))
     fine, coarse = solve(system, until), solve(system, until, 1e-10)

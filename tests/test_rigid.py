@@ -1,10 +1,10 @@
-"""Rigid-body laws: the textbook's samples and problems, the balances, and every refusal."""
+"""Rigid-body laws: the balances, limits and refusals; validation/ has the textbook's numbers."""
 
 import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rodimpact import rigid
@@ -13,93 +13,6 @@ EPS = np.finfo(float).eps
 MASS = st.floats(1e-3, 1e3)
 VELOCITY = st.floats(-100, 100)
 RESTITUTION = st.floats(0, 1)
-
-
-# The textbook's numbers
-
-
-def test_sample_10_19_no_loss_of_energy():
-    after = rigid.collide(2.0, 0.5, 10.0, 0.2, 1.0)
-    assert after.velocity_1 == pytest.approx(0.0, abs=EPS)
-    assert after.velocity_2 == pytest.approx(0.3)
-    assert after.energy_after == pytest.approx(after.energy_before)
-    assert after.energy_lost == 0.0
-
-
-def test_sample_10_21_tennis_ball_on_basketball():
-    drop = rigid.stack_drop([0.6, 0.06], [0.9, 0.6], height=1.0)
-    assert drop.top_height == pytest.approx(3.11, abs=0.005)
-    M, e1, e2 = 10, 0.6, 0.9
-    assert drop.top_height == pytest.approx(((M * (e1 + e2 + e1 * e2) - 1) / (1 + M)) ** 2)
-    heavy = rigid.stack_drop([1e9, 1.0], [0.9, 0.6], height=2.0, gravity=1.6)
-    assert heavy.top_height == pytest.approx((e1 + e2 + e1 * e2) ** 2 * 2.0)
-
-
-def test_problem_10_5_1_momentum_impulse_and_energy():
-    e = rigid.restitution_from_velocities(10.0, 5.0, 6.0, 7.0)
-    assert e == pytest.approx(0.2)
-    after = rigid.collide(1.0, 10.0, 2.0, 5.0, e)
-    assert (after.velocity_1, after.velocity_2) == pytest.approx((6.0, 7.0))
-    assert after.impulse == pytest.approx(4.0)
-    assert (after.energy_before, after.energy_after) == pytest.approx((75.0, 67.0))
-    assert after.energy_lost == pytest.approx(8.0)
-    assert after.centre_of_mass_velocity == pytest.approx(20 / 3)
-    assert after.relative_velocity_before == -5.0
-    assert after.relative_velocity_after == pytest.approx(1.0)
-
-
-def test_problem_10_5_2_restitution_from_heights():
-    e = rigid.restitution_from_heights(10.0, 6.4)
-    assert e == pytest.approx(0.8)
-
-
-def test_problem_10_5_3_embedded_bullet():
-    after = rigid.collide(0.020, 500.0, 50.0, 0.0, 0.0)
-    assert after.velocity_1 == after.velocity_2 == pytest.approx(10 / 50.02)
-
-
-def test_problem_10_5_4_restitution_of_one_bounce():
-    assert rigid.restitution_from_heights(3.0, 1.47) == pytest.approx(0.7)
-
-
-def test_problem_10_5_6_impulse_and_velocities():
-    after = rigid.collide(7.0, 6.0, 9.0, 2.0, 0.5)
-    assert (after.impulse, after.velocity_1, after.velocity_2) == pytest.approx(
-        (23.625, 2.625, 4.625)
-    )
-
-
-def test_problem_10_5_7_energy_lost():
-    assert rigid.collide(2.0, 5.0, 5.0, 1.0, 0.5).energy_lost == pytest.approx(60 / 7)
-
-
-def test_problem_10_5_10_highest_bounce_of_the_upper_ball():
-    best = rigid.stack_drop([1.0, 1e-9], [1.0, 1.0], height=1.0).top_height
-    assert best == pytest.approx(9.0, rel=1e-8)
-    masses = np.stack([np.ones(200), np.logspace(-6, 2, 200)], axis=-1)
-    for e in ([1.0, 1.0], [0.9, 1.0], [1.0, 0.9]):
-        heights = rigid.stack_drop(masses, e, height=1.0).top_height
-        assert np.all(heights < best)
-
-
-def test_a_stack_of_many_light_balls_tends_to_the_square_of_two_to_the_n_less_one():
-    masses = 1e-9 ** np.arange(5)
-    assert rigid.stack_drop(masses, np.ones(5), 1.0).top_height == pytest.approx(31**2, rel=1e-6)
-
-
-@pytest.mark.parametrize("e", [-3.0, -1.01, 1.01, 2.0])
-def test_problem_10_5_11_outside_minus_one_to_one_energy_is_gained(e):
-    after = rigid.collide(2.0, 3.0, 5.0, -1.0, e, allow_energy_release=True)
-    assert after.energy_after > after.energy_before
-    assert after.energy_lost == pytest.approx(after.energy_before - after.energy_after)
-
-
-def test_problem_10_5_12_the_loss_is_largest_for_a_plastic_collision():
-    e = np.linspace(-1, 1, 201)
-    lost = rigid.collide(2.0, 3.0, 5.0, -1.0, e).energy_lost
-    assert e[np.argmax(lost)] == 0.0
-    assert np.all(np.diff(lost[e <= 0]) > 0)
-    assert np.all(np.diff(lost[e >= 0]) < 0)
 
 
 # The balances
@@ -122,11 +35,12 @@ def test_momentum_is_kept_and_energy_never_gained_in_ten_thousand_collisions():
     assert np.all(abs(lost - after.energy_lost) <= 8 * EPS * after.energy_before)
 
 
-@settings(derandomize=True, max_examples=200)
 @given(MASS, VELOCITY, MASS, VELOCITY, RESTITUTION, VELOCITY)
 def test_seen_from_a_moving_frame_and_in_a_mirror(m1, v1, m2, v2, e, u):
-    assume(v1 - v2 > 1e-6)
+    assume(v1 - v2 > 1e-3)
     after = rigid.collide(m1, v1, m2, v2, e)
+    measured = rigid.restitution_from_velocities(v1, v2, after.velocity_1, after.velocity_2)
+    assert measured == pytest.approx(e, abs=1e-9)
     moving = rigid.collide(m1, v1 + u, m2, v2 + u, e)
     mirror = rigid.collide(m2, -v2, m1, -v1, e)
     seen = (after.velocity_1, after.velocity_2)
@@ -136,16 +50,6 @@ def test_seen_from_a_moving_frame_and_in_a_mirror(m1, v1, m2, v2, e, u):
     assert mirror.energy_lost == pytest.approx(after.energy_lost)
 
 
-@settings(derandomize=True, max_examples=200)
-@given(MASS, VELOCITY, MASS, VELOCITY, RESTITUTION)
-def test_restitution_is_recovered_from_the_velocities(m1, v1, m2, v2, e):
-    assume(v1 - v2 > 1e-3)
-    after = rigid.collide(m1, v1, m2, v2, e)
-    measured = rigid.restitution_from_velocities(v1, v2, after.velocity_1, after.velocity_2)
-    assert measured == pytest.approx(e, abs=1e-9)
-
-
-@settings(derandomize=True)
 @given(MASS, VELOCITY, MASS, VELOCITY)
 def test_a_plastic_collision_leaves_one_velocity_and_e_minus_one_changes_nothing(m1, v1, m2, v2):
     assume(v1 > v2)
@@ -188,6 +92,12 @@ def test_moving_wall_keeps_its_velocity_and_has_infinite_energy():
 # Stacks
 
 
+def test_a_stack_of_light_balls_tends_to_the_square_of_two_to_the_n_less_one():
+    for n in (1, 5):
+        drop = rigid.stack_drop(1e-9 ** np.arange(n), np.ones(n), 1.0)
+        assert drop.top_height == pytest.approx((2**n - 1) ** 2, rel=1e-6)
+
+
 def test_a_stack_is_a_row_of_collisions():
     v = math.sqrt(2 * 9.81 * 1.5)
     first = rigid.collide(3.0, 0.9 * v, 2.0, -v, 0.8)
@@ -202,10 +112,6 @@ def test_a_heavy_upper_ball_does_not_rise():
     drop = rigid.stack_drop([0.1, 10.0], [0.5, 0.5], 1.0)
     assert drop.velocities[-1] < 0
     assert drop.top_height == 0.0
-
-
-def test_a_single_ball_bounces_off_the_floor():
-    assert rigid.stack_drop([2.0], [0.8], 10.0).top_height == pytest.approx(6.4)
 
 
 # Shapes
@@ -238,7 +144,8 @@ COLLISION = {"m1": 1.0, "v1": 1.0, "m2": 2.0, "v2": 0.0, "restitution": 0.5}
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"m1": 0.0}, r"m1: .*, got 0\.0"),
+        ({"m1": 0.0}, r"m1: must be a positive .*or infinite, got 0\.0"),
+        ({"m1": -math.inf}, r"m1: must be a positive .*or infinite, got -inf"),
         ({"m2": -1.0}, r"m2: .*, got -1\.0"),
         ({"m2": [1.0, math.nan]}, r"m2\[1\]: .*, got nan"),
         ({"m1": math.inf, "m2": math.inf}, r"m2: .*, got inf"),
@@ -252,12 +159,6 @@ COLLISION = {"m1": 1.0, "v1": 1.0, "m2": 2.0, "v2": 0.0, "restitution": 0.5}
 def test_impossible_collisions(changes, message):
     with pytest.raises(ValueError, match=message):
         rigid.collide(**(COLLISION | changes))
-
-
-@pytest.mark.parametrize("mass", [0.0, -1.0, math.nan, -math.inf])
-def test_a_mass_that_is_none_is_named_with_the_remedy(mass):
-    with pytest.raises(ValueError, match=rf"m1: must be a positive .*or infinite, got {mass}"):
-        rigid.collide(**(COLLISION | {"m1": mass}))
 
 
 def test_two_immovable_bodies():

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rodimpact import theory
@@ -142,7 +142,6 @@ def test_keeps_its_digits_when_restitution_is_small(Z_long):
     assert e == pytest.approx(expected, rel=1e-11, abs=0)
 
 
-@settings(derandomize=True)
 @given(POSITIVE, POSITIVE, POSITIVE, POSITIVE)
 def test_equal_transit_times_lose_nothing(Z1, Z2, T, V):
     pair = theory.saint_venant(Z1, T, Z2, T, V)
@@ -150,7 +149,6 @@ def test_equal_transit_times_lose_nothing(Z1, Z2, T, V):
     assert pair.duration == pair.opening == 2 * T
 
 
-@settings(derandomize=True, max_examples=300)
 @given(PAIR, POSITIVE)
 def test_integral_energy_and_bounds(rods, V):
     Z1, T1, Z2, T2 = rods
@@ -170,7 +168,6 @@ def test_integral_energy_and_bounds(rods, V):
     assert force @ np.diff(edges) == pytest.approx(pair.impulse, rel=1e-9)
 
 
-@settings(derandomize=True)
 @given(PAIR, POSITIVE)
 def test_it_does_not_matter_which_rod_is_on_the_left(rods, V):
     Z1, T1, Z2, T2 = rods

@@ -7,7 +7,7 @@ import sys
 from fractions import Fraction
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rodimpact import units
@@ -79,7 +79,6 @@ def test_superscripts_and_products(text, dimension):
     assert units.parse(text, dimension) == units.parse(ascii_text, dimension)
 
 
-@settings(derandomize=True)
 @given(st.decimals(allow_nan=False, allow_infinity=False, places=9), st.data())
 def test_rounds_once(number, data):
     dimension = data.draw(st.sampled_from(sorted(units.UNITS)))
@@ -178,7 +177,6 @@ def test_formats_for_people(value, unit, digits, text):
     assert units.format_si(value, unit, digits) == text
 
 
-@settings(derandomize=True)
 @given(st.floats(1e-8, 1e11), st.sampled_from([-1, 1]), st.sampled_from(PREFIXED))
 def test_what_is_written_has_the_value_to_its_digits(size, sign, unit):
     number, written = units.format_si(sign * size, unit).split(" ", 1)

@@ -9,8 +9,9 @@ from validation_cases import FOLDER, validation_module
 
 table = validation_module("table")
 CASES = table.cases()
-LONG = ("agreement", "damping", "design", "formulas", "grid_against_fronts", "measured_pulses",
-        "mindlin_herrmann", "specimen")
+LONG = ("agreement", "damping", "design", "formulas", "grid_against_fronts", "hertz_ends", "joints",
+        "lateral_inertia", "measured_pulses", "mindlin_herrmann", "rational_proof",
+        "rods_as_rigid_bodies", "specimen")
 
 
 @pytest.fixture(scope="module")

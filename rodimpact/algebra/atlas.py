@@ -9,7 +9,7 @@ and is solved. Cells with the same formula and the same contacts make a region.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -19,124 +19,26 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..methods.duration import Forecast, Progress, warn
-from ..methods.fronts.records import Status
 from ..methods.registry import check_function
 from ..model import System
 from ..model.frozen import InvalidModel, Problems, listed, number, raise_noted
 from ..units import shown
-from .cells import spells_and_conditions
-from .formula import FEW, LINE, Field
+from .cell import ABOVE, Cell, Check, Floats
+from .conditions import spells_and_conditions
+from .field import Field
+from .formula import FEW, LINE
 from .naming import Naming
-from .numbers import Number, Program, evaluate, mark
-from .rows import check_cap, each
+from .rows import check_cap
 
-Floats = NDArray[np.float64]
 LATTICE = 32  # places a side where cells are looked for
 FINE = 1 << 12  # steps a side to which these are rounded, so that fractions are short
 PLACES = 3 * LATTICE**2 + 2 * LATTICE * (LATTICE + 1)  # at random, of the lattice; its edges
 CLOSE = 1e-11  # of the way between two places: as good as touching
-CUTS = 64  # in which a way is cut where a border is looked for, and each of these again
-ROUNDS = 8
 MOST_BETWEEN = 12  # times that an edge is cut where there is room for another cell
 MOST_CELLS = 300
 SAMPLES = 60  # places a side at which the sizes of regions are taken
 NOWHERE = -2  # the cell of a place in which floats do not see the place
-ABOVE = -1  # what a number has to be
 SIGNS = {"velocity": "any", "gap": "non-negative"}  # of the ends of axes, where they may be 0
-Check = tuple[int, list[Number]]
-"""`ABOVE` and a number, or the status of a contact and the numbers of a spell of it."""
-
-
-class Checks:
-    """What holds in a cell, to be tried at many places."""
-
-    def __init__(self, checks: list[Check], at: Callable[[Floats, Floats], Any]) -> None:
-        self.checks, self._at = checks, at
-        self._program = Program([number for _, of in checks for number in of], float)
-
-    def hold(self, x: Floats, y: Floats) -> Any:
-        """Which checks hold; [check][place]."""
-        with np.errstate(all="ignore"):
-            values = iter(self._program(self._at(x, y)))
-            return np.array([
-                np.broadcast_to(_good(status, [next(values) for _ in of]), x.shape)
-                for status, of in self.checks
-            ] or [np.full(x.shape, True)])
-
-
-class Cell:
-    """One cell of the plane: inequalities, results, and in which region it is."""
-
-    def __init__(
-        self, naming: Naming, names: list[str], place: tuple[Fraction, Fraction], max_events: int,
-    ) -> None:
-        self.names, self._speeds = names, naming.speeds
-        run = naming.run_at(dict(zip(names, place, strict=True)), max_events)
-        self.final, self.results, self.known = run.final, run.results, naming.place
-        if self.final:
-            spells, conditions = spells_and_conditions(run)
-            checks: list[Check] = [(ABOVE, [f]) for f in conditions]
-            checks += [(spell.status, spell.numbers) for spell in spells if spell.waves]
-            self._checks = self._among(checks)
-
-    def inside(self, x: Floats, y: Floats) -> Any:
-        """Whether places lie in the cell."""
-        return self._checks.hold(x, y).all(axis=0)
-
-    def end(self, x: Floats, y: Floats, across: Floats, up: Floats) -> Floats:
-        """Share of ways from places inside at which the cell ends, by cutting them again."""
-        holds = self._checks.hold(x + across, y + up)
-        broken = self._among([check for check, good in zip(self._checks.checks, holds, strict=True)
-                              if not good.all()])
-        x, y, across, up = (of[:, None] for of in (x, y, across, up))
-        low = np.zeros(x.shape)
-        for n in range(1, ROUNDS + 1):
-            shares = low + np.arange(1, CUTS + 1) / CUTS**n
-            inside = broken.hold(x + across * shares, y + up * shares).all(axis=0)
-            inside[:, -1] = False
-            low += inside.argmin(axis=1, keepdims=True) / CUTS**n
-        return low[:, 0]
-
-    def _among(self, checks: list[Check]) -> Checks:
-        return Checks(checks, self._at)
-
-    def _at(self, x: Floats, y: Floats) -> dict[str, Any]:
-        """All numbers of the run at places of the plane, wave speeds of its materials too."""
-        at: dict[str, Any] = {name: float(value) for name, value in self.known.items()}
-        at.update(zip(self.names, (x, y), strict=True))
-        for c, (E, rho) in self._speeds.items():
-            if E in self.names or rho in self.names:
-                modulus, density = (at[of] if of in at else float(of) for of in (E, rho))
-                at[c] = np.sqrt(modulus / density)
-        return at
-
-    def restitution(self, x: Floats, y: Floats) -> Floats:
-        """The formula of e, nan where there is none; [place]."""
-        e = self.results.restitution
-        found = np.nan if e is None else evaluate([e], self._at(x, y), float)[0]
-        return np.broadcast_to(found, x.shape)
-
-    def formula(self) -> tuple[Any, ...]:
-        """What is the same for cells of one region: how often contacts press, and the formula."""
-        values: list[Number] = []
-        each(self.results._replace(contact_times=()), values.append)
-        return (*map(len, self.results.contact_times), *mark(values, self.known))
-
-
-def _good(status: int, values: list[Any]) -> Any:
-    """Whether a number is above 0, or a contact presses or is open throughout a spell."""
-    if status == ABOVE:
-        return values[0] > 0
-    start, gap, closing, *rest = np.broadcast_arrays(*values)
-    times, jumps = np.split(np.array(rest), 2)
-    good = np.full(start.shape, True)
-    for t in times:
-        if status == Status.PRESS:
-            good &= closing + (jumps * (times <= t)).sum(axis=0) > 0
-        else:
-            closed = closing * (t - start) + (jumps * np.maximum(t - times, 0)).sum(axis=0)
-            good &= gap > closed
-    return good
 
 
 class Region(NamedTuple):
@@ -424,22 +326,29 @@ class _Search:
         self.done = min(self.done + len(places), PLACES)
         return found
 
-    def _solved(self, place: Floats) -> Cell:
+    def _solved(self, place: Floats) -> Cell | None:
+        """The cell of a place; None if its collision does not come to an end."""
         exact = tuple(
             Fraction(low) + Fraction(float(at)) * (Fraction(high) - Fraction(low))
             for at, (_, low, high) in zip(place, self.axes, strict=True)
         )
-        return Cell(self.naming, self.names, exact, self.max_events)  # type: ignore[arg-type]
+        run = self.naming.run_at(dict(zip(self.names, exact, strict=True)), self.max_events)
+        if not run.final:
+            return None
+        spells, above = spells_and_conditions(run)
+        checks: list[Check] = [(ABOVE, [f]) for f in above]
+        checks += [(spell.status, spell.numbers) for spell in spells if spell.waves]
+        return Cell(self.naming, run, checks, names=self.names)
 
     def _solve(self, place: Floats) -> int:
         """Add the cell of a place, if its collision comes to an end and floats tell the cell."""
         cell = self._solved(place)
-        if not cell.final:
+        if cell is None:
             return -1
         if not cell.inside(*self._plane(place[None]).T)[0]:
             return NOWHERE
         self.cells.append(cell)
-        self.region.append(self._formulas.setdefault(cell.formula(), len(self._formulas)))
+        self.region.append(self._formulas.setdefault(cell.mark(times=False), len(self._formulas)))
         return len(self.cells) - 1
 
     def _narrowed(self, P: Floats, Q: Floats, ends: Floats, regions: list[int]) -> Floats | None:
@@ -448,7 +357,7 @@ class _Search:
         while high - low > CLOSE:
             middle = (low + high) / 2
             cell = self._solved(P + (Q - P) * middle)
-            region = self._formulas.get(cell.formula()) if cell.final else None
+            region = self._formulas.get(cell.mark(times=False)) if cell else None
             if region not in regions:
                 return None
             low, high = (middle, high) if region == regions[0] else (low, middle)

@@ -9,183 +9,45 @@ their formulas agree.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from math import prod
 from typing import Any
 
 import numpy as np
 
-from ..methods.duration import Forecast, Progress, warn
+from ..methods.duration import Progress
 from ..methods.registry import check_function
 from ..model import System
 from ..model.frozen import InvalidModel, Problems, nearest, raise_noted
-from ..storage.extras import optional
-from .cells import conditions
-from .inequalities import factors, reduced
+from .cell import ABOVE, Cell
+from .conditions import conditions
+from .field import Field
+from .inequalities import reduced
 from .naming import Naming
-from .numbers import Number, evaluate, mark
 from .quotients import Quotient
 from .rational import Exact, fractions_of
-from .rows import check_cap, check_final, each
+from .rows import check_cap, check_final
 
 SHORT = 1 << 24  # denominator of directions, so that fractions are short
 HAIR = Fraction(1, 1 << 120)  # how far from the numbers of the system runs are made, of themselves
 DIRECTIONS = 512  # in which sides are looked for
 MOST_SIDES = 64
-FACTORED = 400  # terms: longer polynomials are shown as they are
 FEW = 4  # other formulas, and borders, that are told in short
 NEAREST = 3  # conditions that are told beside a formula
 LINE = 160  # characters of a condition, and of another formula
 MANY = 10**6  # the largest denominator that is shown
 
 
-class Field:
-    """Rational functions of the names of a system, and how they are shown."""
-
-    def __init__(self, naming: Naming, progress: Progress | None = None) -> None:
-        self.progress = progress
-        self.sympy: Any = optional("sympy", "sympy")
-        self.naming = naming
-        names = [*naming.base, *naming.speeds]
-        self.ring, *generators = self.sympy.polys.rings.ring(names, self.sympy.ZZ)
-        self.names = {name: Quotient(x, 1, {}) for name, x in zip(names, generators, strict=True)}
-        self.symbols = {name: self.sympy.Symbol(name, **{"real" if name[0] == "v" else "positive":
-                                                         True}) for name in naming.base}
-        self._shown = [self.symbols.get(name) or self._speed(name) for name in names]
-
-    def _speed(self, name: str) -> Any:
-        E, rho = (self.symbols.get(x) or self.rational(x) for x in self.naming.speeds[name])
-        return self.sympy.sqrt(E / rho)
-
-    def rational(self, x: Fraction) -> Any:
-        """SymPy's number."""
-        return self.sympy.Rational(x.numerator, x.denominator)
-
-    def of(self, wanted: Iterable[Number]) -> list[Any]:
-        """Numbers of a run as rational functions."""
-        return evaluate(list(wanted), self.names, lambda x: Quotient.of(x, self.ring))
-
-    def told(self, polynomials: Sequence[Any]) -> Iterator[Any]:
-        """Each of some polynomials that are worked on in turn, with news of how long it takes."""
-        forecast = Forecast(warn, "fewer symbols, or some by their whole paths,", self.progress,
-                            "finding where the formula holds")
-        for i, p in enumerate(polynomials):
-            forecast.report(i, len(polynomials), f"{len(polynomials)} polynomials")
-            yield p
-
-    def polynomial(self, p: Any) -> Any:
-        """A polynomial as SymPy's expression, in factors unless it is long."""
-        shown = p.as_expr(*self._shown)
-        return shown if len(p) > FACTORED else self.sympy.factor(shown)
-
-    def quotient(self, f: Quotient) -> Any:
-        """A rational function as SymPy's expression."""
-        return self.polynomial(f.numer) / (f.number * self.sympy.prod(
-            p.as_expr(*self._shown) ** n for p, n in f.factors.items()))
-
-    def inequality(self, p: Any) -> Any:
-        """A polynomial that is positive, as an inequality between sums."""
-        less, more = (
-            p.ring.from_dict({powers: abs(c) for powers, c in p.terms() if (c > 0) == sign})
-            for sign in (False, True)
-        )
-        return self.polynomial(less) < self.polynomial(more)
-
-    def at(self, p: Any, values: Mapping[str, Fraction]) -> Fraction:
-        """Value of a polynomial."""
-        place = [values[name] for name in self.names]
-        return sum((Fraction(int(c.numerator), int(c.denominator))
-                    * prod(x**n for x, n in zip(place, powers, strict=True) if n)
-                    for powers, c in p.terms()), Fraction(0))
-
-    def slope(self, p: Any) -> Any:
-        """Change of a polynomial at the numbers of the system, by the share of each free one."""
-        base, places = self.naming.values({}), list(self.names)
-        return np.array([float(self.at(p.diff(places.index(name)), base) * (base[name] or 1))
-                         for name in self.naming.free])
-
-    def distance(self, p: Any) -> float:
-        """By which share the numbers of the system must change, at least about, for p to be 0."""
-        slope = float(np.linalg.norm(self.slope(p)))
-        return float(self.at(p, self.naming.values({}))) / slope if slope else float("inf")
+def _cell(field: Field, direction: Mapping[str, Fraction], max_events: int) -> Cell:
+    """The cell a hair's breadth away from the numbers of the system."""
+    run = field.naming.run({name: HAIR * share for name, share in direction.items()}, max_events)
+    check_final(run, max_events)
+    return Cell(field.naming, run, [(ABOVE, [x]) for x in conditions(run)], field=field)
 
 
-class Side:
-    """One cell: a run near the numbers of the system, what it came to, and on what it depends."""
-
-    def __init__(self, field: Field, direction: Mapping[str, Fraction], max_events: int) -> None:
-        self.field, naming = field, field.naming
-        run = naming.run({name: HAIR * share for name, share in direction.items()}, max_events)
-        check_final(run, max_events)
-        self.results, self.conditions = run.results, conditions(run)
-        self._flat: list[Number] = []
-        each(self.results, self._flat.append)
-        self.place = {**naming.base, **naming.place}
-
-    @cached_property
-    def mark(self) -> tuple[int, ...]:
-        """What is the same for cells of one formula."""
-        return (*map(len, self.results.contact_times), *mark(self._flat, self.place))
-
-    def results_as(self, what: Callable[[Any], Any]) -> tuple[Any, Any, Any, Any]:
-        """What `what` makes of each result as a rational function."""
-        functions = dict(zip(map(id, self._flat), self._functions, strict=True))
-        return each(self.results, lambda x: what(functions[id(x)]))
-
-    @cached_property
-    def _functions(self) -> list[Any]:
-        return self.field.of(self._flat)
-
-    def contains(self, values: Mapping[str, Fraction], open_to: Collection[Any] = ()) -> bool:
-        """Whether the cell has this place inside, or on one of the borders `open_to`."""
-        found = self._at(values)
-        return all(x >= 0 for x in found) and all(
-            self.field.at(p, values) > 0 or p in open_to
-            for p in self._factors(x for x, value in zip(self.conditions, found, strict=True)
-                                   if value == 0)
-        )
-
-    def _at(self, values: Mapping[str, Fraction]) -> list[Fraction]:
-        """Values of the conditions; 0 where they have none but in the limit."""
-        try:
-            return evaluate(self.conditions, values, Fraction)
-        except ZeroDivisionError:
-            found = []
-            for x in self.conditions:
-                try:
-                    found += evaluate([x], values, Fraction)
-                except ZeroDivisionError:
-                    found.append(Fraction(0))
-            return found
-
-    def _factors(self, numbers: Iterable[Number]) -> list[Any]:
-        told = self.field.told(self.field.of(numbers))
-        return factors(told, lambda p: self.field.at(p, self.place))
-
-    @cached_property
-    def borders(self) -> list[Any]:
-        """Polynomials that are positive inside; they border the cell."""
-        return reduced(self._factors(self.conditions), self.field.told)
-
-    @cached_property
-    def ties(self) -> list[Any]:
-        """Borders on which the numbers of the system lie."""
-        base = self.field.naming.values({})
-        zero = (x for x, value in zip(self.conditions, self._at(base), strict=True) if value == 0)
-        return reduced((p for p in self._factors(zero) if self.field.at(p, base) == 0),
-                       self.field.told)
-
-    @cached_property
-    def slopes(self) -> Any:
-        """Of the ties, along each name that is free, of the size of its value."""
-        rows = [self.field.slope(p) for p in self.ties]
-        return [row / np.linalg.norm(row) for row in rows if row.any()]
-
-
-def sides_of(field: Field, max_events: int) -> tuple[list[Side], bool]:
+def sides_of(field: Field, max_events: int) -> tuple[list[Cell], bool]:
     """Cells that meet at the numbers of the system, that in the first direction first.
 
     Those in which the collision is not over after `max_events`, and those beyond `MOST_SIDES`,
@@ -196,14 +58,14 @@ def sides_of(field: Field, max_events: int) -> tuple[list[Side], bool]:
     directions[0] = np.linspace(1, 2, len(names)) + directions[0] / 1000  # no two steps alike
     directions = np.round(directions * SHORT) / SHORT
     unseen = np.ones(DIRECTIONS, dtype=bool)
-    sides: list[Side] = []
+    sides: list[Cell] = []
     unsolved = False
     while unseen.any() and len(sides) < MOST_SIDES:
         i = int(np.flatnonzero(unseen)[0])
         unseen[i] = False
         try:
-            side = Side(field, dict(zip(names, map(Fraction, directions[i]), strict=True)),
-                        max_events)
+            side = _cell(field, dict(zip(names, map(Fraction, directions[i]), strict=True)),
+                         max_events)
         except InvalidModel:
             if not sides:
                 raise
@@ -273,11 +135,11 @@ def closed_form(
     raise_noted(problems)
     field = Field(Naming(system, symbols), progress)
     sides, unsolved = sides_of(field, max_events)
-    groups: dict[Any, list[Side]] = {}
+    groups: dict[Any, list[Cell]] = {}
     for side in sides:
-        groups.setdefault(side.mark, []).append(side)
+        groups.setdefault(side.mark(times=True), []).append(side)
 
-    def form(group: list[Side], more: tuple[ClosedForm, ...] = ()) -> ClosedForm:
+    def form(group: list[Cell], more: tuple[ClosedForm, ...] = ()) -> ClosedForm:
         others = tuple(side for side in sides if side not in group)
         return ClosedForm(field, tuple(group), others, more, unsolved)
 
@@ -299,8 +161,8 @@ class ClosedForm:
     """
 
     _field: Field
-    _cells: tuple[Side, ...]  # those of this formula that meet at the numbers of the system
-    _others: tuple[Side, ...]
+    _cells: tuple[Cell, ...]  # those of this formula that meet at the numbers of the system
+    _others: tuple[Cell, ...]
     sides: tuple[ClosedForm, ...]
     unsolved: bool
 

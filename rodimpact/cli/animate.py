@@ -2,9 +2,9 @@
 
 rodimpact animate CASE.toml -o collision.gif
 
-FILE ends in .gif, .html (one page that plays it, without any other file) or .mp4 (needs the program
-ffmpeg). [output] of the case is for `rodimpact run`. Exit status 3 if the run stopped before what
-was asked; the picture shows what there is.
+FILE ends in .gif or .mp4 (needs the program ffmpeg); `rodimpact export` makes a page that plays.
+[output] of the case is for `rodimpact run`. Exit status 3 if the run stopped before what was asked;
+the picture shows what there is.
 """
 
 from __future__ import annotations
@@ -17,12 +17,13 @@ from ..results.regions import nothing_to_draw
 from ..storage.casefile import read_case
 from ..units import format_si
 from . import DONE
-from .asking import attempt, check_outputs, note, quantity, whole_number
+from .asking import attempt, check_outputs, named, note, quantity, whole_number
 from .options import as_keys
 from .progress import progress_bar, solved, status_of
 from .run_options import add_run_options, run_options
 
-_OPTIONS = {"path": "--output", "magnification": "--magnify", "limit": "--until", "stop": "--until",
+_OPTIONS = {"path": "--output", "field": "--field", "frames": "--frames", "fps": "--fps",
+            "magnification": "--magnify", "limit": "--until", "stop": "--until",
             "solution": "CASE.toml"}
 
 
@@ -30,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """A case, where the picture goes, what it shows, how far to go."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument("-o", "--output", metavar="FILE", required=True,
-                        help="the picture: .gif, .html or .mp4")
+                        help="the picture: .gif or .mp4")
     parser.add_argument("--field", choices=("velocity", "stress", "strain"), default="velocity",
                         help="what the colours tell; default velocity")
     parser.add_argument("--frames", metavar="N", default="120", help="2 to 10000; default 120")
@@ -59,15 +60,16 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
             problems, "--magnify", arguments.magnify, "dimensionless")
     case = attempt(problems, read_case, arguments.case)
     options = run_options(problems, arguments, case)
+    if arguments.output.lower().endswith((".html", ".htm")):
+        message = f"must end in .gif or .mp4, got {arguments.output!r}"
+        problems.append(("--output", f"{message}; a page that plays is made by rodimpact export"))
     for check, given in (
         (check_film, (arguments.output,)), (check_frames, (shown["frames"], shown["fps"])),
     ):
         try:
             check(*given)
-        except ValueError as error:
-            option, message = _problem(error)
-            if option not in dict(problems):
-                problems.append((option, message))
+        except InvalidModel as error:
+            problems += [told for told in named(error, _OPTIONS) if told[0] not in dict(problems)]
     check_outputs(problems, {"--output": arguments.output}, arguments.force)
     assert case is not None  # or there were problems
 
@@ -79,8 +81,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     try:
         with plot.look("dark" if arguments.dark else "light"):
             film = plot.animation(solution, **shown)
-    except ValueError as error:
-        raise InvalidModel([_problem(error)]) from error
+    except InvalidModel as error:
+        raise InvalidModel(named(error, _OPTIONS)) from error
     with progress_bar("frames") as bar:
         film.save(arguments.output, force=arguments.force, progress=bar)
     start, stop = (format_si(float(t), "s") for t in film.times[[0, -1]])
@@ -88,9 +90,3 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
             f"{arguments.output}")
     status = status_of(solution)
     return text if status == DONE else f"{text}\n{solution.status}", status
-
-
-def _problem(error: ValueError) -> tuple[str, str]:
-    """What is wrong with which option, from an error that names an argument of the picture."""
-    field, _, message = str(error).partition(": ")
-    return _OPTIONS.get(field, f"--{field}"), message

@@ -11,7 +11,9 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import TypeVar
 
+from ..methods.memory import LargeFile
 from ..model.frozen import InvalidModel, Problems
+from ..storage.reading import FileFormatError
 from ..storage.writing import check_target
 from ..units import parse
 from . import DONE, FAULT, complain
@@ -26,6 +28,13 @@ def attempt(problems: Problems, make: Callable[..., Made], *given: object) -> Ma
     except InvalidModel as error:
         problems += error.problems
         return None
+
+
+def named(
+    error: InvalidModel | FileFormatError | LargeFile, options: Mapping[str, str]
+) -> Problems:
+    """The mistakes in arguments of a function, by the options that gave them."""
+    return [(options.get(path, path), message) for path, message in error.problems]
 
 
 def quantity(problems: Problems, option: str, text: str, dimension: str) -> float:
@@ -87,8 +96,8 @@ def check_format(problems: Problems, option: str, path: str) -> None:
 
     try:
         format_of(path, FORMATS)
-    except ValueError as error:
-        problems.append((option, str(error).removeprefix("path: ")))
+    except InvalidModel as error:
+        problems += named(error, {"path": option})
 
 
 def write(option: str, path: str, make: Callable[[str], object]) -> int:

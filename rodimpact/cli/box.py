@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..materials import TABLE
 from ..model import Material, Rod, System, Wall
 from ..model.frozen import InvalidModel, Problems
-from ..results.closed_forms import closed_form
+from ..results.pair_theory import pair_theory
 from ..results.solution import Solution
 from ..running.solving import collide, solve
 from ..storage.tables import align, clean
@@ -169,7 +169,7 @@ def describe(replay: Replay) -> str:
 def results(replay: Replay) -> str:
     """What the collision did, beside the closed form."""
     o, system = replay.solution.outcome, replay.solution.system
-    known = closed_form(system)
+    known = pair_theory(system)
     assert known is not None
     theory = known.collision()
     e = o.restitution

@@ -16,6 +16,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from ..methods.duration import Forecast, warn
+from ..methods.memory import LargeFile
 from ..model import Rod
 from ..model.frozen import InvalidModel, Problems, nearest
 from ..records.bridge import ALONG, Bridge
@@ -25,9 +26,10 @@ from ..records.signal import Signal
 from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
 from ..storage.casefile import read_case
+from ..storage.reading import FileFormatError
 from ..storage.tables import SCHEMA_VERSION, align
 from ..units import format_si
-from .asking import attempt, check_format, check_outputs, quantity, write
+from .asking import attempt, check_format, check_outputs, named, quantity, write
 from .gauge_places import FORM, add_gauge_option, gauge_places
 from .options import flag
 from .progress import progress_bar, solved, status_of
@@ -177,9 +179,8 @@ def _record(
             )
     except OSError as error:
         problems.append((arguments.record, f"cannot be read: {error.strerror or error}"))
-    except (ValueError, MemoryError) as error:
-        path, _, message = str(error).partition(": ")
-        problems.append((_OPTIONS.get(path, path), message))
+    except (InvalidModel, FileFormatError, LargeFile) as error:
+        problems += named(error, _OPTIONS)
     return {}
 
 
@@ -191,10 +192,10 @@ def _prepared(
         strain = signal if bridge is None else bridge.strain(signal)
         start, stop = numbers.get("start", signal.start), numbers.get("stop", signal.end)
         return strain.window(start, stop)
-    except ValueError as error:
-        path, _, message = str(error).partition(": ")
-        option = {"volts": "--bridge", "start, end": "--start, --stop"}.get(path, path)
-        raise InvalidModel([(f"{option} of {name}", message)]) from None
+    except InvalidModel as error:
+        options = {"volts": "--bridge", "start, end": "--start, --stop"}
+        found = [(f"{option} of {name}", message) for option, message in named(error, options)]
+        raise InvalidModel(found) from None
 
 
 def _predicted(

@@ -14,7 +14,7 @@ from ..model.frozen import InvalidModel, Problems
 from ..storage.tables import SCHEMA_VERSION, align, clean, finite
 from ..units import format_si
 from . import DONE
-from .asking import quantity
+from .asking import named, quantity
 
 OPTIONS = {"restitution": "-e", **{name: f"--{name}" for name in ("m1", "v1", "m2", "v2")}}
 
@@ -53,10 +53,10 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         )
     except InvalidModel as error:
         words = {"set allow_energy_release=True": "give --energy-release", "m1": "--m1"}
-        ((name, message),) = error.problems
-        for word, option in words.items():
-            message = message.replace(word, option)
-        raise InvalidModel([(OPTIONS[name], message)]) from error
+        ((option, message),) = named(error, OPTIONS)
+        for word, instead in words.items():
+            message = message.replace(word, instead)
+        raise InvalidModel([(option, message)]) from error
     after = {name: float(value) for name, value in collision._asdict().items()}
     if arguments.json:
         inputs = {"m1": m1, "v1": v1, "m2": m2, "v2": v2, "restitution": e}

@@ -16,7 +16,7 @@ from .. import materials
 from ..algebra.rational import exact
 from ..explorer.presets import steel_rod
 from ..model import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall
-from ..results.closed_forms import closed_form
+from ..results.pair_theory import pair_theory
 from ..running.solving import solve
 from ..theory import mass_on_rod
 
@@ -86,7 +86,7 @@ def pairs() -> Iterator[Check]:
         "rod on a wall": [System([_rod(3.0, 0.7, velocity=1.0), Wall()])],
     }
     for name, family in families.items():
-        forms = [form.collision() for form in map(closed_form, family) if form]
+        forms = [form.collision() for form in map(pair_theory, family) if form]
         runs = [solve(system) for system in family]
         for quantity in ("restitution", "impulse", "duration", "peak_force", "opening"):
             expected = [getattr(form, quantity) for form in forms]

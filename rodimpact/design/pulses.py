@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..model import Rod, System
+from ..model.frozen import refusal
 from ..model.profiles import Steps
 from ..model.quantities import Floats
 from ..records.signal import Signal
@@ -101,10 +102,10 @@ def force_over_time(name: str, given: object, end: float) -> Signal:
         return staircase([0.0, *given.at], given.values, end, "wanted")
     if not isinstance(given, Signal):
         example = "Signal(values, dt=1e-6, unit='N') or Steps"
-        raise ValueError(f"{name}: must be a force over time, {example}, got {shown(given)}")
+        raise refusal(name, f"must be a force over time, {example}, got {shown(given)}")
     if given.unit != "N":
         got = f"one in {given.unit}" if given.unit else "one of pure numbers"
-        raise ValueError(f"{name}: must be a force in N, got {got}; Signal(..., unit='N') is one")
+        raise refusal(name, f"must be a force in N, got {got}; Signal(..., unit='N') is one")
     outside = np.nextafter([given.start, given.end], [-np.inf, np.inf])
     times = np.unique(np.concatenate([[0.0, end], outside, given.times]))
     times = times[(times >= 0) & (times <= end)]

@@ -12,9 +12,10 @@ import numpy as np
 
 from ..model import System
 from ..model.arguments import of_kind, single
+from ..model.frozen import refusal
 from ..model.quantities import Floats
 from ..results import notebook
-from ..results.closed_forms import closed_form
+from ..results.pair_theory import pair_theory
 from ..running.sweep_result import SweepResult
 from ..running.sweeping import sweep
 from ..storage.tables import align
@@ -100,14 +101,14 @@ def restitution(wanted: float, family: System) -> RestitutionDesign:
     """
     of_kind("family", family, System, "System([Rod(np.linspace(.1, 1, 50), ...), other])")
     if len(family.shape) != 1 or family.shape[0] < 2:
-        raise ValueError(
-            "family: needs one axis of two members or more to look along, such as "
+        raise refusal(
+            "family", "needs one axis of two members or more to look along, such as "
             f"Rod(np.linspace(.1, 1, 50), ...), got the shape {family.shape}")
     e = single("wanted", wanted, "", "non-negative")
     members = sweep(family)
     known = members.restitution
     if not np.isfinite(known).any():
-        raise ValueError("family: none of its members has an e; sweep(family).explain says why")
+        raise refusal("family", "none of its members has an e; sweep(family).explain says why")
 
     def member(place: float) -> System:
         alone = family._mapped(lambda array: _between(array, place))
@@ -131,15 +132,16 @@ def restitution(wanted: float, family: System) -> RestitutionDesign:
         if not abs(miss(place)) <= NEAR_ENOUGH:
             low, high = np.nanmin(known), np.nanmax(known)
             paths = " and ".join(family.parameters)
-            raise ValueError(
-                f"wanted: e = {e:g} is not reached; with {paths} as given e runs from {low:.6g} to "
+            raise refusal(
+                "wanted",
+                f"e = {e:g} is not reached; with {paths} as given e runs from {low:.6g} to "
                 f"{high:.6g}: let them vary further, or let something else vary")
     return RestitutionDesign(member(place), e, miss(place) + e, members, float(place))
 
 
 def _restitution(system: System) -> float:
     """e of a single system, from the closed form if there is one."""
-    form = closed_form(system)
+    form = pair_theory(system)
     return float(sweep(system).restitution if form is None else form.column("restitution"))
 
 

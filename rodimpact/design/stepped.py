@@ -19,7 +19,7 @@ from ..methods.registry import check_function
 from ..model import Absorbing, Bonded, Free, Material, Rigid, Rod, Segment, System
 from ..model.arguments import array, of_kind, single
 from ..model.ends import FREE
-from ..model.frozen import Problems, raise_noted
+from ..model.frozen import Problems, raise_noted, refusal
 from ..model.laws import RIGID
 from ..model.profiles import Steps
 from ..model.quantities import Floats
@@ -259,33 +259,33 @@ def _checked(
     steel = piece.material if material is None else material
     of_kind("material", steel, Material, "materials.steel")
     if len(bar.segments) != 1 or not piece.ideal or System([bar]).shape:
-        raise ValueError(f"bar: must be a single uniform rod without damping, got {shown(bar)}")
+        raise refusal("bar", f"must be a single uniform rod without damping, got {shown(bar)}")
     if bar.velocity != 0 or bar.strain != 0:
-        raise ValueError("bar: must be at rest and free of strain before impact")
+        raise refusal("bar", "must be at rest and free of strain before impact")
     if np.any(steel.viscosity) or np.ndim(steel.wave_speed):
         message = "must be a single material without viscosity"
-        raise ValueError(f"material: {message}, got {shown(steel.name)}")
+        raise refusal("material", f"{message}, got {shown(steel.name)}")
     if not isinstance(contact, Rigid | Bonded):
-        raise ValueError(f"contact: must be Rigid() or Bonded(), got {shown(contact)}")
+        raise refusal("contact", f"must be Rigid() or Bonded(), got {shown(contact)}")
     V = single("velocity", velocity, "m/s", "positive")
     T = single("duration", duration, "s", "positive")
     end = 2 * T if until is None else single("until", until, "s", "positive")
     if type(segments) is not int or not 1 <= segments <= MOST_SEGMENTS:
         message = f"must be a whole number from 1 to {MOST_SEGMENTS}"
-        raise ValueError(f"segments: {message}, got {shown(segments)}")
+        raise refusal("segments", f"{message}, got {shown(segments)}")
     if not T * (1 - INSTANT) <= end <= LONGEST * T:
         message = f"must be from the duration, {T!r} s, to {LONGEST} times that"
-        raise ValueError(f"until: {message}, got {end!r}")
+        raise refusal("until", f"{message}, got {end!r}")
     ratios = array("area_ratio", area_ratio, "", "positive")
     if ratios.shape != (2,) or not ratios[0] < ratios[1]:
-        raise ValueError(f"area_ratio: must be (smallest, largest), got {shown(area_ratio)}")
+        raise refusal("area_ratio", f"must be (smallest, largest), got {shown(area_ratio)}")
     force = force_over_time("wanted", wanted, end)
     if not force.values.any():
         message = "is 0 from impact on; give the force over the time since then"
-        raise ValueError(f"wanted: {message}")
+        raise refusal("wanted", f"{message}")
     lowest = float(force.values.min())
     if lowest < 0 and isinstance(contact, Rigid):
         message = f"pulls with {-lowest!r} N, and faces only push"
-        raise ValueError(f"wanted: {message}; make it 0 there, or take contact=Bonded()")
+        raise refusal("wanted", f"{message}; make it 0 there, or take contact=Bonded()")
     shot = _Shot(bar, steel, V, T / 2 * float(steel.wave_speed), contact)
     return _Search(shot, force, T, np.log(ratios))

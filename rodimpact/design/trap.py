@@ -17,6 +17,7 @@ import numpy as np
 
 from ..model import Free, Material, Rigid, Rod, System
 from ..model.arguments import of_kind, single
+from ..model.frozen import refusal
 from ..results.solution import Solution
 from ..running.solving import solve
 from .pulses import PulseDesign, differences, staircase
@@ -72,11 +73,11 @@ def momentum_trap(
     of_kind("system", system, System, "System([striker, bar])")
     bar = system.bodies[-1]
     if not isinstance(bar, Rod) or not isinstance(system.ends[1], Free):
-        raise ValueError("system: must end on the right with a rod whose end is Free()")
+        raise refusal("system", "must end on the right with a rod whose end is Free()")
     end = single("until", until, "s", "positive")
     passed = single("after", after, "s")
     if not 0 <= passed < end:
-        raise ValueError(f"after: must be from 0 to before until = {end!r} s, got {passed!r}")
+        raise refusal("after", f"must be from 0 to before until = {end!r} s, got {passed!r}")
     steel = bar.segments[-1].material if material is None else material
     of_kind("material", steel, Material, "materials.steel")
 
@@ -87,7 +88,7 @@ def momentum_trap(
     gap, furthest = float(place[-1] - place[0]), float(place.max() - place[0])
     if furthest > gap + ROUND_OFF * float(np.ptp(place)):
         message = f"the right end is at {gap:.6g} m at {passed!r} s, and was at {furthest:.6g} m"
-        raise ValueError(f"after: {message} before; take the time at which it is furthest")
+        raise refusal("after", f"{message} before; take the time at which it is furthest")
 
     area = float(bar.segments[-1].impedance) / float(steel.density * steel.wave_speed)
 
@@ -102,7 +103,7 @@ def momentum_trap(
     pressed = np.flatnonzero(due & (force > FAINTEST * force.max()))
     if not pressed.size:
         message = f"nothing pushes on the right end from {passed!r} to {end!r} s"
-        raise ValueError(f"until: {message}; take a later time")
+        raise refusal("until", f"{message}; take a later time")
     released = min(end, float(np.append(breaks, end)[pressed[-1] + 1]))
     found = behind(c * (released - float(breaks[pressed[0]])) / 2)
 

@@ -10,8 +10,8 @@ from ..methods.signals import Floats
 from ..model import Bonded, Fixed, Joint, Moved, Rigid, Rod, Wall
 from ..model.frozen import InvalidModel
 from ..model.profiles import extremes
-from ..results.closed_forms import closed_form
 from ..results.contacts import ContactHistory
+from ..results.pair_theory import pair_theory
 from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
 from ..storage.casefile import Case
@@ -56,7 +56,7 @@ def scene(case: Case, solution: Solution) -> Scene:
     system = solution.system
     held = [float(b.velocity) for b in system.bodies if isinstance(b, Wall)]
     held += [0.0 for end in system.ends if isinstance(end, Fixed | Moved)]
-    why, theory = o.why_no_restitution(), closed_form(system)
+    why, theory = o.why_no_restitution(), pair_theory(system)
     closed = theory and {
         "restitution": float(theory.collision().restitution), "source": theory.source}
     return shortened(picture({

@@ -10,7 +10,7 @@ from typing import Any
 from ..methods.registry import check_function
 from ..model import Rod, System
 from ..model.arguments import of_kind, single
-from ..model.frozen import Problems, raise_noted
+from ..model.frozen import Problems, raise_noted, refusal
 from ..records.comparison import Bounds, plateau
 from ..records.signal import Signal, bounds_of
 from ..units import shown
@@ -65,7 +65,7 @@ class Measured:
     def __post_init__(self) -> None:
         of_kind("signal", self.signal, Signal, "read_signals('record.csv')['incident']")
         if not isinstance(self.gauge, tuple | list) or len(self.gauge) != 2:
-            raise ValueError(f"gauge: must be (body, x), such as (1, 0.5), got {shown(self.gauge)}")
+            raise refusal("gauge", f"must be (body, x), such as (1, 0.5), got {shown(self.gauge)}")
         body, x = self.gauge
         self._set("gauge", (body, single("gauge", x, "m")))
         self._set("distance", single("distance", self.distance, "m"))

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from ..model import System
+from . import tick_rule as rule
+from .row import Row
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,3 +63,44 @@ class Clock:
         if last == 0:
             return float(getattr(self.system.bodies[body], "mass", math.inf))
         return sum(self.impedance[s] * self.ticks[s] for s in range(first, last + 1)) * self.tick
+
+
+def clock_of(row: Row, ticks: Sequence[int], tick: float, **known: Any) -> Clock:
+    """The clock of a row whose segments take so many ticks; `known` is what a method says itself.
+
+    Parameters
+    ----------
+    row : Row
+    ticks : sequence of int
+        Transit times by segment, without the outside.
+    tick : float
+        s.
+    **known
+        Attributes of a `Clock`, for those that follow from the row.
+    """
+    for name in ("wave_speed", "impedance", "length"):
+        if name not in known:
+            known[name] = [0.0, *(float(getattr(piece, name)) for piece in row.segments), 0.0]
+    errors = [abs(T * tick / float(piece.transit_time) - 1)
+              for T, piece in zip(ticks, row.segments, strict=True)]
+    worst = max(range(len(errors)), key=errors.__getitem__, default=-1)
+    known = {"frame": float(row.frame), "gravity": float(row.gravity),
+             "transit_error": max(errors, default=0.0), "worst": row.paths[worst + 1], **known}
+    return Clock(system=row.system, spans=row.spans, ticks=[0, *ticks, 0], tick=tick, **known)
+
+
+def too_long(end: float, longest: float) -> tuple[str, str]:
+    """Path and sentence for a run to `end`, s, which no clock counts; `longest` transit time, s."""
+    most = longest * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST)
+    return "until", (
+        f"a run of {end:g} s is {end / longest:.3g} times the longest transit time {longest:g} s, "
+        f"more than the clock can count; stop before {most:.3g} s"
+    )
+
+
+def too_short(path: str, transit: float, longest: float) -> tuple[str, str]:
+    """Path and sentence for a segment, if no clock holds its transit time beside the longest, s."""
+    return path, (
+        f"its transit time {transit:.3g} s is too short beside the longest, {longest:.3g} s: one "
+        "exact clock holds ratios up to about 2e11; leave it out"
+    )

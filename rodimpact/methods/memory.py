@@ -73,13 +73,19 @@ def ask(numbers: float, field: str, what: str, remedy: str) -> None:
         _thread.has_turn = True
 
 
-def check_file(name: object, size: float, remedy: str) -> None:
-    """Raise MemoryError where a file takes more bytes than half of this machine's memory."""
+class LargeFile(MemoryError):
+    """A file takes more memory than there is for it."""
+
+    def __init__(self, path: str, message: str) -> None:
+        self.problems = [(path, message)]
+        super().__init__(f"{path}: {message}")
+
+
+def check_file(path: object, size: float, remedy: str) -> None:
+    """Raise LargeFile where a file takes more bytes than half of this machine's memory."""
     if size > installed() / 2:
-        raise MemoryError(
-            f"{name}: takes up to {size / 1e9:.3g} GB of memory, more than half of the "
-            f"{installed() / 1e9:.3g} GB here; {remedy}"
-        )
+        taken = f"takes up to {size / 1e9:.3g} GB of memory, more than half of the"
+        raise LargeFile(str(path), f"{taken} {installed() / 1e9:.3g} GB here; {remedy}")
 
 
 def share(threads: int) -> None:

@@ -8,7 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
-from .frozen import InvalidModel, Problems, broadcast_shape, has_sign, raise_noted, require, wanted
+from .frozen import (
+    Problems,
+    broadcast_shape,
+    has_sign,
+    raise_noted,
+    refusal,
+    require,
+    wanted,
+)
 from .quantities import Floats, floats
 from .quantities import Number as Number
 
@@ -23,7 +31,7 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
     try:
         x = floats(value, unit)
     except ValueError as error:
-        raise InvalidModel([(name, str(error))]) from None
+        raise refusal(name, str(error)) from None
     if sign:
         demand(has_sign(x, sign), name, wanted(unit, sign), x)
     return x
@@ -33,7 +41,7 @@ def single(name: str, value: Any, unit: str, sign: str = "any") -> float:
     """The argument as a number; InvalidModel if it is none, or several."""
     x = array(name, value, unit, sign)
     if x.ndim:
-        raise InvalidModel([(name, f"must be a single number, got {shown(value)}")])
+        raise refusal(name, f"must be a single number, got {shown(value)}")
     return x.item()
 
 
@@ -52,11 +60,11 @@ def demand(good: Any, name: str, message: str, *values: Number) -> None:
 
 
 def of_kind(name: str, value: Any, kind: type, example: str) -> None:
-    """ValueError if the argument is not of that class; the example says how to come by one."""
+    """InvalidModel if the argument is not of that class; the example says how to come by one."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
         message = f"must be {article} {kind.__name__}, such as {example}, got {shown(value)}"
-        raise ValueError(f"{name}: {message}")
+        raise refusal(name, message)
 
 
 def plain(value: Array) -> Number:

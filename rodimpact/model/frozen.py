@@ -70,6 +70,11 @@ class InvalidModel(ValueError):
         return InvalidModel, (self.problems,)
 
 
+def refusal(path: str, message: str) -> InvalidModel:
+    """The error of one mistake."""
+    return InvalidModel([(path, message)])
+
+
 class Field(NamedTuple):
     """What a number of the model is, or an argument.
 

@@ -16,7 +16,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ..methods.signals import Floats
-from ..results.closed_forms import ClosedForm
+from ..results.pair_theory import PairTheory
 from .scales import ROUND_OFF
 from .showing import picture
 from .sides import Shown, Side, count_ticks, dress_side
@@ -38,7 +38,7 @@ class Curve(NamedTuple):
     theory: Line2D | None
 
 
-def draw_curve(ax: Axes, side: Side, shown: Shown, theory: ClosedForm | None) -> Curve:
+def draw_curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) -> Curve:
     """Draw values over one axis."""
     dress_side(ax, "x", side)
     ink = colours().ink
@@ -68,7 +68,7 @@ def draw_curve(ax: Axes, side: Side, shown: Shown, theory: ClosedForm | None) ->
     return Curve(ax, drawn, law)
 
 
-def _law(ax: Axes, side: Side, shown: Shown, theory: ClosedForm) -> Line2D:
+def _law(ax: Axes, side: Side, shown: Shown, theory: PairTheory) -> Line2D:
     """Draw the closed form as a wide line, smooth between the values of the family."""
     known = np.log(side.values) if side.values[0] > 0 else side.values
     count = side.values.size - 1

@@ -16,6 +16,7 @@ from matplotlib.patches import Polygon
 from matplotlib.text import Text
 
 from ..model import Absorbing
+from ..model.frozen import refusal
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
 from .borders import Borders, Cut, apart_mark, open_style
@@ -118,7 +119,7 @@ def spacetime(
     plan = placing(solution, start, stop, magnification)
     if coordinates == "body":
         if magnification is not None:
-            raise ValueError('magnification: nothing moves in coordinates="body"; leave it out, or '
+            raise refusal("magnification", 'nothing moves in coordinates="body"; leave it out, or '
                              'give coordinates="lab"')
         plan = replace(plan, magnification=0.0)
     plan = with_springs(plan, np.linspace(start, stop, 301))

@@ -11,8 +11,9 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from ..model.arguments import of_kind
-from ..results.closed_forms import COLUMNS, closed_form
+from ..model.frozen import refusal
 from ..results.labels import outcome
+from ..results.pair_theory import COLUMNS, pair_theory
 from ..running.sweep_result import SweepResult
 from ..units import shown
 from .curves import Curve, draw_curve
@@ -72,7 +73,7 @@ def sweep(
     values = arranged(column).astype(float)
     largest = float(np.nanmax(np.abs(values)))
     scale = scale_of(outcome(result.system, quantity), largest)
-    family = closed_form(result.system) if quantity in COLUMNS else None
+    family = pair_theory(result.system) if quantity in COLUMNS else None
     theory = None if family is None else family.each(arranged)
     shown = Shown(quantity, values * scale.factor, scale, column.dtype.kind in "iub")
     if len(sides) == 1:
@@ -90,11 +91,11 @@ def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
         known = [f"{first} to {others[-1].partition('.')[2]}" if others else first
                  for first, *others in groups]
         message = f"must be one of {', '.join(known)}, got {shown(quantity)}{hint}"
-        raise ValueError(f"quantity: {message}")
+        raise refusal("quantity", f"{message}")
     column: NDArray[Any] = result.columns[quantity]
     if not np.isfinite(column).any():
-        raise ValueError(
-            f"quantity: {quantity!r} has no value anywhere in this family; "
+        raise refusal(
+            "quantity", f"{quantity!r} has no value anywhere in this family; "
             "result.explain(index) says why"
         )
     return column
@@ -104,13 +105,14 @@ def _dimensions(result: SweepResult) -> list[int]:
     """Dimensions with more than one value; ValueError unless they are one or two."""
     wide = [i for i, count in enumerate(result.shape) if count > 1]
     if not wide:
-        raise ValueError(
-            f"result: has shape {result.shape}, a single collision, and nothing to draw it over; "
+        raise refusal(
+            "result", f"has shape {result.shape}, a single collision, and nothing to draw it over; "
             "give an array for a number of the system, such as length=np.linspace(0.1, 1, 50)"
         )
     if len(wide) > 2:
-        raise ValueError(
-            f"result: has shape {result.shape}, and a map shows two axes; sweep a smaller family, "
+        raise refusal(
+            "result",
+            f"has shape {result.shape}, and a map shows two axes; sweep a smaller family, "
             f"such as system[{', '.join(['0'] * (len(result.shape) - 2))}]"
         )
     return wide

@@ -1,7 +1,7 @@
-"""Frames to files: GIF, a page that plays them, or MP4.
+"""Frames to files: GIF or MP4.
 
 Matplotlib's own writers draw every frame anew through `savefig` and keep it whole: of 120 frames
-the GIF takes 8 times as long, the MP4 4 times, the page is 14 times as large and asks the network.
+the GIF takes 8 times as long, the MP4 4 times.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import base64
 import contextlib
 import html
 import io
-import json
 import os
 import shutil
 import subprocess
@@ -24,11 +23,11 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from ..model.frozen import refusal
 from ..storage.writing import file_name, written
 from .style import Colours
 
-PAGE = Path(__file__).with_name("player.html")  # plays the frames that are put into it
-SHADES = 255  # colours of a GIF or a page, those of its last frame; one more is no colour
+SHADES = 255  # colours of a GIF, those of its last frame
 ALIKE = 9  # of 255: shades that are no nearer to the paper than this are not taken for it
 Progress = Callable[[int, int], Any] | None
 
@@ -39,7 +38,7 @@ def format_of(path: str | os.PathLike[str], known: Collection[str]) -> str:
     kind = Path(path).suffix.lower().removeprefix(".")
     if kind not in known:
         suffixes = ", ".join(f".{name}" for name in known)
-        raise ValueError(f"path: must end in one of {suffixes}, got {path!r}")
+        raise refusal("path", f"must end in one of {suffixes}, got {path!r}")
     return kind
 
 
@@ -57,7 +56,7 @@ def check_film(path: str | os.PathLike[str]) -> str:
     if kind == "mp4" and shutil.which("ffmpeg") is None:
         raise OSError(
             f"cannot write {os.fspath(path)!r}: the program ffmpeg, which makes MP4 files, is not "
-            "on the path; install it, or write a .gif or .html"
+            "on the path; install it, or write a .gif"
         )
     return kind
 
@@ -102,10 +101,10 @@ class Film(ABC):
     def save(
         self, path: str | os.PathLike[str], *, force: bool = False, progress: Progress = None
     ) -> None:
-        """Write a GIF, a page of HTML with a player, or an MP4, whichever the suffix names.
+        """Write a GIF or an MP4, whichever the suffix names.
 
-        A GIF shows each frame for a whole number of hundredths of a second. The page is one file
-        that asks for no other. An MP4 is made by the program ffmpeg.
+        A GIF shows each frame for a whole number of hundredths of a second. An MP4 is made by the
+        program ffmpeg.
 
         Parameters
         ----------
@@ -129,42 +128,16 @@ class Film(ABC):
             write(file, self, progress)
 
     def _repr_html_(self) -> str:
-        page = io.BytesIO()
-        _write_page(page, self, None)
-        height, width, _ = self.frame(0).shape
-        return (f'<iframe srcdoc="{html.escape(page.getvalue().decode())}" width="{width + 32}" '
-                f'height="{height + 80}" style="border: 0; max-width: 100%"></iframe>')
+        memory = io.BytesIO()
+        _write_gif(memory, self, None)
+        data = base64.b64encode(memory.getvalue()).decode()
+        return f'<img src="data:image/gif;base64,{data}" alt="{html.escape(self.title)}">'
 
 
 def _write_gif(file: BinaryIO, film: Film, progress: Progress) -> None:
     pictures = _few_colours(film, progress)
     next(pictures).save(file, format="GIF", save_all=True, append_images=pictures, loop=0,
                         duration=10 * max(2, round(100 / film.fps)))
-
-
-def _write_page(file: BinaryIO, film: Film, progress: Progress) -> None:
-    paper, ink, *_ = film.colours
-    height, width, _ = film.frame(0).shape
-    words = {
-        "title": html.escape(film.title), "paper": paper, "ink": ink,
-        "width": str(width), "height": str(height), "fps": f"{film.fps:g}",
-        "clocks": json.dumps([film.clock(i) for i in range(len(film))], ensure_ascii=False),
-    }
-    head, tail = PAGE.read_text(encoding="utf-8").split("{frames}")
-    for name, value in words.items():
-        head, tail = (part.replace(f"{{{name}}}", value) for part in (head, tail))
-    file.write(head.encode())
-    before = None
-    for picture in _few_colours(film, progress):
-        pixels = np.asarray(picture)
-        changes = pixels if before is None else np.where(pixels == before, SHADES, pixels)
-        drawn, memory = Image.fromarray(changes.astype(np.uint8)), io.BytesIO()
-        shades = picture.getpalette()
-        drawn.putpalette(shades + [0] * (3 * SHADES + 3 - len(shades)))
-        drawn.save(memory, format="PNG", transparency=SHADES)
-        file.write(b'"' + base64.b64encode(memory.getvalue()) + b'",\n')
-        before = pixels
-    file.write(tail.encode())
 
 
 def _write_mp4(file: BinaryIO, film: Film, progress: Progress) -> None:
@@ -206,4 +179,4 @@ def _few_colours(film: Film, progress: Progress) -> Any:
         yield Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE)
 
 
-_WRITERS = {"gif": _write_gif, "html": _write_page, "mp4": _write_mp4}
+_WRITERS = {"gif": _write_gif, "mp4": _write_mp4}

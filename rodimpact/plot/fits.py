@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 
 from ..fitting.result import Fit
 from ..model.arguments import of_kind
+from ..model.frozen import refusal
 from ..units import shown
 from .residuals import Comparison, comparison
 
@@ -37,7 +38,7 @@ def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Compar
     of_kind("found", found, Fit, "fit(system, measured, vary, until)")
     if type(record) is not int or not 0 <= record < len(found.measured):
         have = len(found.measured) - 1
-        raise ValueError(f"record: must be a whole number from 0 to {have}, got {shown(record)}")
+        raise refusal("record", f"must be a whole number from 0 to {have}, got {shown(record)}")
     predicted = found.predicted[record]
     return comparison(
         found.measured[record].signal, predicted, ax, shift=0.0, scale=1.0,

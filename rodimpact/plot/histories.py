@@ -17,11 +17,13 @@ from matplotlib.text import Annotation
 from ..methods.signals import Floats
 from ..model import Bonded, Joint, Rigid
 from ..model.arguments import array
+from ..model.frozen import refusal
 from ..results.contacts import ContactHistory
 from ..results.solution import Solution, check_solution
 from .sampling import fine
 from .scales import Scale, engineering, time_scale, written
 from .showing import picture
+from .stairs import stairs
 from .style import DASHES, SMALL, colours, dress, legend_above, new_figure, styled, two_axes
 from .thinning import INTERVALS, evenly, telling
 
@@ -80,11 +82,11 @@ def contact(
     chosen = array("contact", contact, "").ravel().tolist()
     count = len(solution.contacts)
     if not chosen:
-        raise ValueError("contact: must be an index or several, got none")
+        raise refusal("contact", "must be an index or several, got none")
     for index in chosen:
         if index not in range(count):
             have = f"from 0 to {count - 1}" if count else "given only where there are two bodies"
-            raise ValueError(f"contact: must be {have}, got {index:g}")
+            raise refusal("contact", f"must be {have}, got {index:g}")
     if ax is None:
         ax = new_figure(5.6, 4.2).subplots(2, 1, sharex=True).tolist()
     force_ax, gap_ax = two_axes(ax, "force and gap")
@@ -139,10 +141,9 @@ def draw_forces(
         times, f, _ = _record(history, end)
         kept = telling(f)
         values, edges = f[kept] * force.factor, np.append(times[kept], times[-1]) * time.factor
-        how: Any = {"orientation": "horizontal" if up else "vertical"}
-        ax.stairs(values, edges, fill=True, color=_line(i)["color"], alpha=0.15, **how)
-        drawn.append(ax.stairs(
-            values, edges, linewidth=1.5, label=f"contact {history.index}", **_line(i), **how))
+        stairs(ax, values, edges, _line(i)["color"], fill=True, alpha=0.15, up=up)
+        drawn.append(stairs(
+            ax, values, edges, linewidth=1.5, label=f"contact {history.index}", up=up, **_line(i)))
     return drawn
 
 
@@ -156,8 +157,7 @@ def draw_row_of_forces(ax: Axes, solution: Solution, contacts: Sequence[int]) ->
     for i, (times, f, _) in enumerate(records):
         kept, colour = telling(f), _line(i)["color"]
         edges = np.append(times[kept], times[-1]) * time.factor
-        ax.stairs(i + 0.85 * f[kept] / largest, edges, baseline=i, fill=True, color=colour,
-                  alpha=0.35)
+        stairs(ax, i + 0.85 * f[kept] / largest, edges, colour, baseline=i, fill=True, alpha=0.35)
         ax.axhline(i, color=colours().faint, linewidth=0.6, zorder=0)
     shown = evenly(len(records), NAMED_UP_TO)
     ax.set_yticks(shown, [f"contact {contacts[i]}" for i in shown])

@@ -11,6 +11,7 @@ from matplotlib.text import Text
 from numpy.typing import ArrayLike
 
 from ..model.arguments import array
+from ..model.frozen import refusal
 from .scales import MINUS
 from .showing import picture
 from .style import COMPUTED, SMALL, axes, colours, dress, grid, styled
@@ -53,10 +54,10 @@ def restitution(ratios: ArrayLike, values: ArrayLike, ax: Axes | None = None) ->
     """
     x, e = array("ratios", ratios, ""), array("values", values, "")
     if x.shape != e.shape:
-        raise ValueError(f"values: must have the shape {x.shape} of ratios, got {e.shape}")
+        raise refusal("values", f"must have the shape {x.shape} of ratios, got {e.shape}")
     known = np.isfinite(x) & np.isfinite(e)
     if not known.any():
-        raise ValueError("values: needs at least one finite coefficient of restitution, got none")
+        raise refusal("values", "needs at least one finite coefficient of restitution, got none")
     x, e = x[known], e[known]
     ax = axes(ax, 4.2, 4.0)
     reach = max(1.0, float(x.max()))

@@ -23,7 +23,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 
 from ..methods.signals import Floats
-from ..results.closed_forms import ClosedForm
+from ..results.pair_theory import PairTheory
 from .curves import jumps
 from .scales import ROUND_OFF, signed
 from .showing import picture
@@ -53,7 +53,7 @@ class Map(NamedTuple):
     colour_bar: Colorbar
 
 
-def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: ClosedForm | None) -> Map:
+def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: PairTheory | None) -> Map:
     """Draw values over two axes, the first one to the right."""
     palette, norm = _colours(shown)
     cells = ax.pcolormesh(across.edges, up.edges, np.ma.masked_invalid(shown.values.T),
@@ -138,7 +138,7 @@ def _without_crumbs(path: Path, least: int) -> Path:
 
 
 def _equalities(
-    theory: ClosedForm | None, is_log: bool
+    theory: PairTheory | None, is_log: bool
 ) -> list[tuple[str, Literal["-", "--"], Floats]]:
     """Lines that theory knows: name, dashes, and how much the left rod has more than the right."""
     if theory is None or np.isinf(theory.impedance).any():

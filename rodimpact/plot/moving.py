@@ -20,6 +20,7 @@ from PIL import Image
 
 from ..model import Rod
 from ..model.arguments import single
+from ..model.frozen import refusal
 from ..results.solution import Solution, check_waves
 from .bars import THICKNESS_TOLD, Bars
 from .diagram import spacetime
@@ -213,7 +214,7 @@ def animation(
     start = single("start", start, "s")
     stop = drawn_until(solution) if stop is None else single("stop", stop, "s")
     if not start < stop:
-        raise ValueError(f"stop: must be later than start = {start!r} s, got {stop!r}")
+        raise refusal("stop", f"must be later than start = {start!r} s, got {stop!r}")
     times = np.linspace(start, stop, int(frames))
     return Animation(solution, field, times, float(fps), magnification)
 
@@ -222,9 +223,9 @@ def check_frames(frames: int, fps: float) -> None:
     """Raise ValueError if there cannot be so many frames, or so many a second."""
     count, rate = single("frames", frames, ""), single("fps", fps, "")
     if not 2 <= count <= MOST_FRAMES or count != int(count):
-        raise ValueError(f"frames: must be a whole number from 2 to {MOST_FRAMES}, got {frames!r}")
+        raise refusal("frames", f"must be a whole number from 2 to {MOST_FRAMES}, got {frames!r}")
     if not 1 <= rate <= MOST_PER_SECOND:
-        raise ValueError(f"fps: must be 1 to {MOST_PER_SECOND} frames a second, got {fps!r}")
+        raise refusal("fps", f"must be 1 to {MOST_PER_SECOND} frames a second, got {fps!r}")
 
 
 def _approach(plan: Placing, times: NDArray[np.float64]) -> NDArray[np.float64]:

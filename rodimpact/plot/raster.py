@@ -10,6 +10,7 @@ from matplotlib.text import Text
 
 from ..methods.signals import Floats
 from ..model import Rod
+from ..model.frozen import refusal
 from ..results.contacts import ContactHistory
 from ..results.solution import Solution
 from .placing import Placing
@@ -34,7 +35,7 @@ class Raster:
         stop = solution.t_end if stop is None else stop
         ticks = int(np.diff(solution.fields.to_ticks([start, stop]))[0])
         if ticks <= 0:
-            raise ValueError(f"stop: must be later than start = {start!r} s, got {stop!r}")
+            raise refusal("stop", f"must be later than start = {start!r} s, got {stop!r}")
         self.solution = solution
         self.times = np.linspace(start, stop, min(ROWS, ticks) + 1)
         self._rods = [i for i, b in enumerate(solution.system.bodies) if isinstance(b, Rod)]

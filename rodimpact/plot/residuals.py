@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 
 from ..methods.signals import Floats
 from ..model.arguments import of_kind
+from ..model.frozen import refusal
 from ..records.comparison import Bounds, Misfit, gain_unit, plateau
 from ..records.signal import Signal
 from ..units import TIMES
@@ -87,7 +88,7 @@ def comparison(
     if band is not None:
         of_kind("band", band, Signal, "0.02 * predicted")
         if band.unit != predicted.unit:
-            raise ValueError(f"band: must be in the unit of the prediction, {predicted.unit!r}, "
+            raise refusal("band", f"must be in the unit of the prediction, {predicted.unit!r}, "
                              f"got {band.unit!r}")
         wide = abs(found.scale) * np.interp(t - found.shift, band.times, np.abs(band.values))
     upper, lower = side_by_side(1)[0] if ax is None else two_axes(ax, "signals and residual")

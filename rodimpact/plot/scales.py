@@ -9,6 +9,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ..model import Rod
+from ..model.frozen import refusal
 from ..model.profiles import extremes
 from ..results.labels import Quantity
 from ..results.solution import Solution
@@ -166,7 +167,7 @@ def first_rod(solution: Solution) -> Rod:
 def time_scale(end: float) -> Scale:
     """Scale of an axis of time from 0 to `end` s; raise ValueError if that is no time at all."""
     if not end > 0:
-        raise ValueError(f"solution: lasts {end!r} s and has no history; solve it with until > 0")
+        raise refusal("solution", f"lasts {end!r} s and has no history; solve it with until > 0")
     return engineering("time t", end, "s")
 
 
@@ -218,8 +219,9 @@ def field_scale(solution: Solution, field: str, dimensionless: bool, largest: fl
         }[field]
     v0 = closing_speed(solution)
     if v0 == 0:
-        raise ValueError(
-            "dimensionless: velocities are scaled by the closing speed, and nothing approaches in "
+        raise refusal(
+            "dimensionless",
+            "velocities are scaled by the closing speed, and nothing approaches in "
             "this row; use dimensionless=False"
         )
     rod = first_rod(solution)

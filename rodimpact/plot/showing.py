@@ -7,6 +7,8 @@ from typing import Any, TypeVar
 
 from matplotlib.figure import Figure
 
+from ..model.frozen import refusal
+
 DOTS_PER_INCH = 90
 Kind = TypeVar("Kind", bound=type)
 
@@ -37,5 +39,5 @@ def figure_of(drawn: Any) -> Any:
     axes = getattr(drawn, "ax", getattr(drawn, "force_ax", drawn))
     figure = getattr(axes, "figure", axes)
     if not isinstance(figure, Figure):
-        raise ValueError(f"picture: must be a figure, axes or a picture of them, got {drawn!r}")
+        raise refusal("picture", f"must be a figure, axes or a picture of them, got {drawn!r}")
     return figure

@@ -19,6 +19,7 @@ from matplotlib.text import Text
 from ..methods.signals import Floats
 from ..model import RigidMass
 from ..model.arguments import array
+from ..model.frozen import refusal
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
 from .bars import THICKNESS_TOLD, Bars, Piece
@@ -93,7 +94,7 @@ def snapshots(
     check_waves(solution)
     when = moments(solution) if times is None else array("times", times, "s").ravel()
     if when.size == 0:
-        raise ValueError("times: needs at least one time, got none")
+        raise refusal("times", "needs at least one time, got none")
     solution.fields.to_ticks(when)  # refuses times outside the solution
     last = float(when.max())
     plan = with_springs(placing(solution, 0.0, last, magnification), np.linspace(0.0, last, 301))

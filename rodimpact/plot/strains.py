@@ -17,6 +17,7 @@ from ..results.gauges import Gauge
 from .sampling import fine
 from .scales import Scale, engineering, listed, place_scale, time_scale
 from .showing import picture
+from .stairs import stairs
 from .style import axes, colours, dress, legend_above, styled
 from .thinning import telling
 
@@ -102,8 +103,8 @@ def gauge(
         inside = times < of.end
         kept = telling(values[inside])
         edges = np.append(times[inside][kept], of.end) * time.factor
-        return ax.stairs(values[inside][kept] * scale.factor, edges, baseline=None, label=name,
-                         **{"linewidth": 1.4, **how})
+        return stairs(ax, values[inside][kept] * scale.factor, edges, baseline=None, label=name,
+                      **{"linewidth": 1.4, **how})
 
     faint, series = colours().faint, colours().series
     shades = {"incident": series[0], "reflected": series[1], "transmitted": series[3]}

@@ -24,6 +24,7 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
 
 from ..model.arguments import of_kind, single
+from ..model.frozen import refusal
 from ..units import shown
 from .showing import Sheet
 
@@ -105,7 +106,7 @@ def look(name: str = "light", width: float | None = None) -> Iterator[None]:
     if width is not None:
         width = single("width", width, "mm")
         if not 50 <= width <= 1000:
-            raise ValueError(f"width: must be 50 to 1000 mm, got {width!r}")
+            raise refusal("width", f"must be 50 to 1000 mm, got {width!r}")
     before = _width.set(width)
     try:
         with coloured(LOOKS[name]):
@@ -128,7 +129,7 @@ def check_choice(argument: str, value: str, known: Collection[str]) -> None:
     """Raise ValueError if the value of an argument is none of those known."""
     if not isinstance(value, str) or value not in known:
         *others, last = (f'"{name}"' for name in known)
-        raise ValueError(f"{argument}: must be {', '.join(others)} or {last}, got {shown(value)}")
+        raise refusal(argument, f"must be {', '.join(others)} or {last}, got {shown(value)}")
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
@@ -180,7 +181,7 @@ def two_axes(ax: Any, what: str) -> tuple[Axes, Axes]:
     """The pair of Axes given; ValueError for anything else."""
     pair = list(ax) if isinstance(ax, Sequence | np.ndarray) else []
     if len(pair) != 2 or not all(isinstance(each, Axes) for each in pair):
-        raise ValueError(f"ax: needs a pair of Axes, for {what}, got {shown(ax)}")
+        raise refusal("ax", f"needs a pair of Axes, for {what}, got {shown(ax)}")
     upper, lower = pair
     return upper, lower
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..model.arguments import of_kind
-from ..model.frozen import Declared, Problems, quantity
+from ..model.frozen import Declared, Problems, quantity, refusal
 from ..units import shown
 from .signal import Signal
 
@@ -93,5 +93,5 @@ class Bridge(Declared):
         of_kind("volts", volts, Signal, "read_signals('shot.csv', rate=1e7, units='V')['CH1']")
         if volts.unit != "V":
             got = volts.unit or "pure numbers"
-            raise ValueError(f"volts: must be a signal in V, got {shown(volts.name)} in {got}")
+            raise refusal("volts", f"must be a signal in V, got {shown(volts.name)} in {got}")
         return volts.replace(values=volts.values * self.strain_per_volt, unit="")

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..model.frozen import refusal
 from ..model.quantities import Floats
 
 MOST = 10**7  # samples of a record with its margins
@@ -83,10 +84,8 @@ def _through(values: Floats, dt: float, transfer: Callable[[Floats], Any], tail:
 
     margin = tail + len(values) // 4 + 64
     if len(values) + 3 * margin > MOST:
-        raise ValueError(
-            f"dt = {dt!r}: the pulse spreads over {tail} samples, too many beside {MOST}; "
-            "take a longer dt by resampled(dt), or a shorter distance"
-        )
+        message = f"{dt!r} spreads the pulse over {tail} samples, too many beside {MOST}"
+        raise refusal("dt", f"{message}; take a longer dt by resampled(dt), or a shorter distance")
     count = fft.next_fast_len(len(values) + 3 * margin, real=True)
     back = np.arange(1, count - len(values) - 2 * margin + 1)
     weight = (1 + np.cos(np.pi * back / (len(back) + 1))) / 2

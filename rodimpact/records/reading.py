@@ -22,7 +22,7 @@ from .. import units as known_units
 from ..methods import memory
 from ..methods.duration import Forecast, LongRun
 from ..model.arguments import single
-from ..model.frozen import nearest
+from ..model.frozen import nearest, refusal
 from ..model.quantities import Floats
 from ..storage.reading import FileFormatError, open_regular
 from ..storage.tables import TIMES
@@ -164,22 +164,22 @@ def read_signals(
     """
     for name, word in (("time", time), ("time_unit", time_unit)):
         if word is not None and not isinstance(word, str):
-            raise ValueError(f"{name}: must be a word, got {shown(word)}")
+            raise refusal(name, f"must be a word, got {shown(word)}")
     if decimal is not None and (not isinstance(decimal, str) or decimal not in (".", ",")):
-        raise ValueError(f'decimal: must be "." or ",", got {shown(decimal)}')
+        raise refusal("decimal", f'must be "." or ",", got {shown(decimal)}')
     if rate is not None:
         rate = single("rate", rate, "Hz", "positive")
         if time is not None or time_unit is not None:
-            raise ValueError("rate: give either rate or a column of times, not both")
+            raise refusal("rate", "give either rate or a column of times, not both")
     if progress is not None and not callable(progress):
-        raise ValueError(f"progress: must be a function, got {shown(progress)}")
+        raise refusal("progress", f"must be a function, got {shown(progress)}")
     with open_regular(path) as file:
         memory.check_file(file.name, TIMES_FILE * os.fstat(file.fileno()).st_size,
                           "cut it into shorter records")
         try:
             return _Table(_text(file), decimal, progress).signals(time, time_unit, rate, units)
         except FileFormatError as error:
-            raise FileFormatError(f"{os.fspath(path)}: {error}") from None
+            raise FileFormatError(str(error), os.fspath(path)) from None
 
 
 class _Table:
@@ -410,10 +410,10 @@ class _Table:
             return dict.fromkeys(channels, units)
         if not isinstance(units, Mapping):
             message = f"must be a unit, or units by channel, got {shown(units)}"
-            raise ValueError(f"units: {message}")
+            raise refusal("units", f"{message}")
         for name in units:
             if name not in channels:
-                raise ValueError(f"units: there is no channel {shown(name)}; "
+                raise refusal("units", f"there is no channel {shown(name)}; "
                                  f"{nearest(name, channels)}")
         return dict(units)
 

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from .. import units
 from ..model.arguments import Array, array, demand, of_kind, plain, single
 from ..model.bodies import Rod, Segment
-from ..model.frozen import Frozen, InvalidModel, Number, Problems
+from ..model.frozen import Frozen, InvalidModel, Number, Problems, refusal
 from ..model.quantities import Floats, floats
 from ..storage.extras import optional
 from ..storage.tables import heading, write_table
@@ -166,13 +166,13 @@ class Signal(Frozen):
             If times lie outside of the record, or not just one of the two is given.
         """
         if (dt is None) == (times is None):
-            raise ValueError("dt: give either dt or times")
+            raise refusal("dt", "give either dt or times")
         if times is None:
             step = single("dt", dt, "s", "positive")
             count = (self.end - self.start) / step * (1 + 1e-12)
             if not 1 <= count < filters.MOST:
-                message = f"dt = {step}: makes {count + 1:.3g} samples of {self._title}"
-                raise ValueError(f"{message}; take one that makes 2 to {filters.MOST}")
+                message = f"{step} makes {count + 1:.3g} samples of {self._title}"
+                raise refusal("dt", f"{message}; take one that makes 2 to {filters.MOST}")
             times = self.start + step * np.arange(int(count) + 1)
         return self.replace(values=self.at(times), times=times)
 
@@ -201,7 +201,7 @@ class Signal(Frozen):
             count = single(name, given, "s") / step
             if not 0 <= count < filters.MOST:
                 message = f"must be 0 or more, and at most {filters.MOST} samples"
-                raise ValueError(f"{name} = {given}: {message}")
+                raise refusal(name, f"{message}, got {given}")
             counts.append(math.ceil(count * (1 - 1e-12)))
         ahead, behind = counts
         times = np.concatenate((
@@ -220,8 +220,8 @@ class Signal(Frozen):
         inside = (self.times >= low) & (self.times <= high)
         if inside.sum() < 2:
             message = f"from {low!r} to {high!r} s there are fewer than two samples"
-            raise ValueError(
-                f"start, end: {message}; the {self._title} runs from {self.start!r} to "
+            raise refusal(
+                "start, end", f"{message}; the {self._title} runs from {self.start!r} to "
                 f"{self.end!r} s"
             )
         return inside
@@ -258,11 +258,11 @@ class Signal(Frozen):
         """
         if not isinstance(kind, str) or kind not in filters.LOW_PASS:
             known = ", ".join(map(repr, filters.LOW_PASS))
-            raise ValueError(f"kind: must be one of {known}, got {shown(kind)}")
+            raise refusal("kind", f"must be one of {known}, got {shown(kind)}")
         f = single("frequency", frequency, "Hz", "positive")
         if f * self.dt >= 0.5:
             rate = units.format_si(1 / self.dt, "Hz")
-            raise ValueError(f"frequency = {f}: must be below half of the sampling rate, {rate}")
+            raise refusal("frequency", f"must be below half of the sampling rate, {rate}, got {f}")
         return self.replace(values=filters.LOW_PASS[kind](self.values, self.dt, f))
 
     def propagated(
@@ -302,7 +302,7 @@ class Signal(Frozen):
         if isinstance(bar, Rod | Segment):
             bar = waves.Bar.of(bar, radius)
         elif radius is not None:
-            raise ValueError("radius: belongs to a rod; a waves.Bar has its own")
+            raise refusal("radius", "belongs to a rod; a waves.Bar has its own")
         of_kind("bar", bar, waves.Bar, "waves.Bar(wave_speed=5000, poisson_ratio=0.3, radius=0.01)")
         values = filters.dispersed(self.values, self.dt, z, bar)
         return self.replace(values=values, times=self.times + z / bar.wave_speed)
@@ -335,12 +335,12 @@ class Signal(Frozen):
         if length:
             if wave_speed is None:
                 message = "is missing; a gauge of finite length averages over gauge_length"
-                raise ValueError(f"wave_speed: {message}/wave_speed seconds")
+                raise refusal("wave_speed", f"{message}/wave_speed seconds")
             c = single("wave_speed", wave_speed, "m/s", "positive")
             signal = self.replace(values=filters.averaged(self.values, self.times, length / c))
         if bandwidth is not None:
             if type(order) is not int or order not in (1, 2):
-                raise ValueError(f"order: must be 1 or 2, got {shown(order)}")
+                raise refusal("order", f"must be 1 or 2, got {shown(order)}")
             signal = signal.low_pass(bandwidth, "first-order" if order == 1 else "second-order")
         return signal * single("scale", scale, "") + single("offset", offset, self.unit)
 
@@ -477,16 +477,16 @@ class Signal(Frozen):
             If it has other dimensions than one, or its units are missing or unknown.
         """
         if len(getattr(data, "dims", ())) != 1:
-            raise ValueError(f"data: must be a DataArray of one dimension, got {shown(data)}")
+            raise refusal("data", f"must be a DataArray of one dimension, got {shown(data)}")
         (dimension,) = data.dims
         over = data[dimension]
         for what in (over, data):
             if "units" not in what.attrs:
-                message = f"{what.name}: has no units; set .attrs['units'], such as 'us' or '1'"
-                raise ValueError(message)
+                message = "has no units; set .attrs['units'], such as 'us' or '1'"
+                raise refusal(str(what.name), message)
         times, unit = units.in_si(over.values, over.attrs["units"])
         if unit != "s":
-            raise ValueError(f"{dimension}: must be times, got {over.attrs['units']!r}")
+            raise refusal(dimension, f"must be times, got {over.attrs['units']!r}")
         values, unit = units.in_si(data.values, data.attrs["units"])
         return cls(values, times, unit=unit, name=str(data.name or ""))
 
@@ -515,7 +515,7 @@ def bounds_of(name: str, given: Any, unit: str) -> tuple[float, float] | None:
     if ends.ndim == 0:
         return ends.item(), ends.item()
     if ends.shape != (2,) or ends[0] > ends[1]:
-        raise ValueError(f"{name}: must be a number, or (low, high), got {shown(given)}")
+        raise refusal(name, f"must be a number, or (low, high), got {shown(given)}")
     return float(ends[0]), float(ends[1])
 
 

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ..model.frozen import InvalidModel, Problems
+from ..model.frozen import InvalidModel, Problems, refusal
 from ..model.quantities import Floats
 from ..storage.extras import optional
 from ..storage.tables import heading, misnamed, write_table
@@ -102,7 +102,7 @@ def signals_from_xarray(data: Any) -> dict[str, Signal]:
         If that is no Dataset, or as `Signal.from_xarray` does.
     """
     if not hasattr(data, "data_vars"):
-        raise ValueError(f"data: must be an xarray Dataset, got {shown(data)}")
+        raise refusal("data", f"must be an xarray Dataset, got {shown(data)}")
     return {str(name): Signal.from_xarray(each) for name, each in data.data_vars.items()}
 
 

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from ..methods.clock import Clock
 from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model.arguments import array
+from ..model.frozen import refusal
 from ..units import shown
 
 
@@ -150,7 +151,7 @@ class Fields(ABC):
         inside = np.isfinite(t) & (t >= 0) & (t <= end * (1 + 1e-12) + self.clock.tick)
         if not inside.all():
             bad = float(t[~inside].flat[0])
-            raise ValueError(f"t: must lie in the solution, 0 to {end:.9g} s, got {bad!r}")
+            raise refusal("t", f"must lie in the solution, 0 to {end:.9g} s, got {bad!r}")
         ticks: Ints = np.minimum(np.rint(t / self.clock.tick).astype(np.int64), self.end)
         if side is None:
             return ticks
@@ -165,13 +166,13 @@ class Fields(ABC):
         """Return places in a rod, m from its left end; raise ValueError outside."""
         if self.clock.spans[body][1] == 0:
             kind = "a rigid mass" if body in self.masses else "a wall"
-            raise ValueError(f"body: {body} is {kind} and has no inside; ask for a rod")
+            raise refusal("body", f"{body} is {kind} and has no inside; ask for a rod")
         x = array("x", x, "m")
         edges = self.edges(body)
         inside = np.isfinite(x) & (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
         if not inside.all():
             bad = float(x[~inside].flat[0])
-            raise ValueError(f"x: must lie in body {body}, 0 to {edges[-1]:.9g} m, got {bad!r}")
+            raise refusal("x", f"must lie in body {body}, 0 to {edges[-1]:.9g} m, got {bad!r}")
         return x
 
     def segment_at(self, body: int, x: ArrayLike) -> Ints:
@@ -186,8 +187,8 @@ class Fields(ABC):
         try:
             return np.broadcast_shapes(np.shape(x), np.shape(t))
         except ValueError:
-            message = f"x: shape {np.shape(x)} does not broadcast with shape {np.shape(t)} of t"
-            raise ValueError(f"{message}; for a grid ask for x[:, None] and t") from None
+            message = f"shape {np.shape(x)} does not broadcast with shape {np.shape(t)} of t"
+            raise refusal("x", f"{message}; for a grid ask for x[:, None] and t") from None
 
     # Rigid bodies -----------------------------------------------------------------------------
 
@@ -230,4 +231,4 @@ class Fields(ABC):
 def check_side(side: Any) -> None:
     """Raise ValueError for what is no side of a jump."""
     if not isinstance(side, str) or side not in ("right", "left"):
-        raise ValueError(f'side: must be "right" or "left", got {shown(side)}')
+        raise refusal("side", f'must be "right" or "left", got {shown(side)}')

@@ -14,6 +14,7 @@ import numpy as np
 from ..methods.signals import Floats, Ints
 from ..model import Rod
 from ..model.arguments import single
+from ..model.frozen import refusal
 from .front_polygons import count_of, polygons_of, wave_of
 from .solution import Solution, check_solution
 from .wave_fields import WaveFields
@@ -80,10 +81,10 @@ def regions_of(
     fields, first_tick, last_tick = _interval(solution, start, stop)
     limit = single("limit", limit, "", "")
     if not limit >= 1:
-        raise ValueError(f"limit: must be 1 or more, got {limit:g}")
+        raise refusal("limit", f"must be 1 or more, got {limit:g}")
     rods = _rods(solution, fields)
     if count_of(rods, first_tick, last_tick, limit) > limit:
-        raise ValueError(f"limit: more than {limit:.15g} regions; choose a shorter interval")
+        raise refusal("limit", f"more than {limit:.15g} regions; choose a shorter interval")
     a = fields.clock
     found = polygons_of(rods, a.tick, a.frame, first_tick, last_tick)
     whole = ("body", "segment", "start")
@@ -114,7 +115,7 @@ def readable_until(solution: Solution, limit: int) -> float:
         stop /= 2
         last_tick = int(fields.to_ticks(stop))
     if not last_tick:
-        raise ValueError(f"solution: has more than {limit} regions of constant state from its "
+        raise refusal("solution", f"has more than {limit} regions of constant state from its "
                          "first instant on, too many for a picture; describe the row in fewer "
                          "pieces")
     return stop
@@ -124,11 +125,11 @@ def _interval(solution: Solution, start: float, stop: float | None) -> tuple[Wav
     """Fields between whose fronts there are regions, and first and last tick of an interval."""
     fields, stop = solution.fields, solution.t_end if stop is None else stop
     if not isinstance(fields, WaveFields) or not fields.constant_between_fronts:
-        raise ValueError(f'solution: method "{solution.method}" has no fronts to draw between')
+        raise refusal("solution", f'method "{solution.method}" has no fronts to draw between')
     first_tick, last_tick = (int(fields.to_ticks(single(name, t, "s", "")))
                              for name, t in (("start", start), ("stop", stop)))
     if last_tick <= first_tick:
-        raise ValueError(f"stop: must be later than start = {start!r} s, got {stop!r}")
+        raise refusal("stop", f"must be later than start = {start!r} s, got {stop!r}")
     return fields, first_tick, last_tick
 
 

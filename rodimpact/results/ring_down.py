@@ -18,6 +18,7 @@ import numpy as np
 from ..methods.grid.mesh import lasting_mode
 from ..methods.signals import Floats
 from ..model import Rod, System
+from ..model.frozen import refusal
 from .bonded_groups import bonded_groups
 from .fields import Fields
 
@@ -74,7 +75,7 @@ def ring_down(
     ticks = np.unique(fields.nearest_known(fields.to_ticks(even)))
     if len(ticks) < FEWEST and end - start > FEWEST * fields.resolution * fields.clock.tick:
         message = f"only {len(ticks)} states were kept after the collision"
-        raise ValueError(f"ring_down: {message}; leave snapshots out, or give more of them")
+        raise refusal("ring_down", f"{message}; leave snapshots out, or give more of them")
     times = ticks * fields.clock.tick
     states = bonded_groups(system, fields, ticks)
     rigid, vibration = states.kinetic, (states.moving + states.strained).sum(axis=0)

@@ -15,6 +15,7 @@ from ..methods.run import Run, Totals, Waves
 from ..methods.signals import Floats, Side, each_once
 from ..model import Body, RigidMass, Rod, Samples, Segment, Steps, System, Wall
 from ..model.arguments import array, demand, of_kind, single
+from ..model.frozen import refusal
 from ..storage.extras import optional
 from ..storage.writing import write_npz
 from . import notebook
@@ -344,9 +345,9 @@ class Solution:
         1.0
         """
         if not self.final:
-            raise ValueError(f"ring_down: the collision is not over. {self.status}")
+            raise refusal("ring_down", f"the collision is not over. {self.status}")
         if self.outcome.driven:
-            raise ValueError("ring_down: gravity or a driven end acts on and on")
+            raise refusal("ring_down", "gravity or a driven end acts on and on")
         return ring_down(
             self.system, self.fields, self.outcome.masses,
             self.t_final if self.t_final < self.t_end else self.t_proved, self.t_end,
@@ -370,7 +371,7 @@ class Solution:
         tick = int(self.fields.to_ticks(single("t", t, "s", "")))
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
             if isinstance(getattr(end, "value", 0.0), Steps | Samples):
-                raise ValueError(f"ends.{side}: is driven by a function of time; drive it anew")
+                raise refusal(f"ends.{side}", "is driven by a function of time; drive it anew")
         bodies: list[Body] = []
         for i, body in enumerate(self.system.bodies):
             if isinstance(body, Wall):
@@ -419,7 +420,7 @@ class Solution:
         if isinstance(body, bool) or not isinstance(body, int | np.integer):
             raise TypeError(f"body: must be a whole number from 0 to {count - 1}, got {body!r}")
         if not 0 <= body < count:
-            raise ValueError(f"body: must be from 0 to {count - 1} (walls counted), got {body}")
+            raise refusal("body", f"must be from 0 to {count - 1} (walls counted), got {body}")
         return int(body)
 
     def _wall(self, body: int) -> Wall | None:
@@ -458,5 +459,5 @@ def check_waves(value: Any) -> None:
     """Raise ValueError for what is no solution, or has no rod whose waves could be drawn."""
     check_solution(value)
     if not any(isinstance(body, Rod) for body in value.system.bodies):
-        raise ValueError("solution: has no rod, and rigid masses have no waves to be drawn; draw "
+        raise refusal("solution", "has no rod, and rigid masses have no waves to be drawn; draw "
                          "its contacts and its energy")

@@ -18,7 +18,7 @@ from ..methods.family import STOPPED_BY
 from ..methods.groups import unilateral
 from ..methods.registry import Options
 from ..model import Rod, System, Yielding
-from ..model.frozen import InvalidModel
+from ..model.frozen import InvalidModel, refusal
 from ..results import notebook
 from ..results.labels import outcome, parameter
 from ..results.solution import Solution
@@ -234,7 +234,7 @@ class SweepResult:
     def _asked(self, name: str) -> dict[int, Any]:
         """Columns of that name by body or contact, 0 where it is of the whole row."""
         if name not in self.readings.also:
-            raise ValueError(f'{name}: was not asked for; give sweep(..., also=["{name}"])')
+            raise refusal(name, f'was not asked for; give sweep(..., also=["{name}"])')
         columns = further_columns(self.system, [name])
         return {int(column.partition(".")[2] or 0): self.columns[column] for column in columns}
 
@@ -247,7 +247,7 @@ class SweepResult:
         """
         member = self.system[index]
         if member.shape:
-            raise ValueError(f"index: must pick one member, got {shown(index)}")
+            raise refusal("index", f"must pick one member, got {shown(index)}")
         return explanation(member, self.options)
 
     def save(self, path: PathLike, *, force: bool = False) -> None:
@@ -297,7 +297,7 @@ class SweepResult:
         """Varied numbers and results of the members `start` to `stop` in C order, by name."""
         if not all(isinstance(n, Integral | None) for n in (start, stop)):
             given = f"got {shown(start)} and {shown(stop)}"
-            raise ValueError(f"start, stop: must be whole numbers, {given}")
+            raise refusal("start, stop", f"must be whole numbers, {given}")
         which = np.arange(math.prod(self.shape))[start:stop]
         shape = self.shape or (1,)  # a single collision is a table of one line
         index = np.unravel_index(which, shape)

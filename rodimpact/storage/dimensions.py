@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..model.frozen import refusal
 from ..model.quantities import Floats, floats
 from ..units import in_si, shown
 from .extras import optional
@@ -47,7 +48,7 @@ def by_dimension(*arrays: Any) -> tuple[Floats, ...]:
     xarray = optional("xarray", "xarray")
     for given in arrays:
         if not isinstance(given, xarray.DataArray):
-            raise ValueError(f"arrays: must be xarray DataArrays, got {shown(given)}")
+            raise refusal("arrays", f"must be xarray DataArrays, got {shown(given)}")
     names = list(dict.fromkeys(name for given in arrays for name in given.dims))
     axes = []
     for each in xarray.align(*arrays, join="exact"):

@@ -41,6 +41,10 @@ _SPECIAL = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # JSON has no 
 class FileFormatError(ValueError):
     """A file is not what it should be: foreign, damaged, or of a newer version."""
 
+    def __init__(self, message: str, path: str = "") -> None:
+        self.problems = [(path, message)]
+        super().__init__(f"{path}: {message}" if path else message)
+
 
 def open_regular(path: PathLike) -> BinaryIO:
     """Open a file to be read; OSError where there is none, or a pipe or a device."""
@@ -87,12 +91,12 @@ def read_npz(path: PathLike, readers: Mapping[str, Callable[[dict[str, Any], Arr
             step = "its contents do not fit together"
             return readers[document["kind"]](document, arrays)
         except FileFormatError as error:
-            raise FileFormatError(f"{os.fspath(path)}: {error}") from None
+            raise FileFormatError(str(error), os.fspath(path)) from None
         except MemoryError:
             raise
         except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for a damaged file
             reason = f"{type(error).__name__}: {error}"[:200]  # some repeat what they read
-            raise FileFormatError(f"{os.fspath(path)}: {step} ({reason})") from error
+            raise FileFormatError(f"{step} ({reason})", os.fspath(path)) from error
 
 
 def npy_header(file: Any) -> tuple[Any, tuple[int, ...], bool]:

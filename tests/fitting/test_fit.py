@@ -103,7 +103,7 @@ def test_standard_errors_of_a_mean(lasting):
     """Of n samples, each `lasting` times in a row, it is sigma/sqrt(n/lasting), or a bit more."""
     random, n = np.random.default_rng(1), 1200
     variances = []
-    for _ in range(400):
+    for _ in range(150):
         noise = np.repeat(random.standard_normal(n // lasting), lasting)
         J = np.ones((n, 1))
         variances.append(covariance(J, noise - noise.mean(), [n // 2, n // 2])[0, 0])

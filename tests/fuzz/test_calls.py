@@ -19,6 +19,7 @@ from fuzz.generators import (
     SOLVED,
     STEEL,
     TIMES,
+    VOLTS,
     called,
     likely,
     objects,
@@ -171,6 +172,19 @@ def test_what_was_found_is_refused(monkeypatch, tmp_path, call, sentence):
     with pytest.raises((ValueError, LookupError, AttributeError), match=re.escape(sentence)):
         call()
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("call", "path"), [
+    (lambda: ri.plot.animation(SOLVED(), fps=99), "fps"),
+    (lambda: VOLTS.window(1.0, 2.0), "start, end"),
+    (lambda: SOLVED().velocity(0, 9.0, 0.0), "x"),
+    (lambda: ri.plot.energy(3), "solution"),
+])
+def test_a_mistake_is_a_path_and_a_message(call, path):
+    with pytest.raises(ri.InvalidModel) as caught:
+        call()
+    [(found, message)] = caught.value.problems
+    assert (found, f"{found}: {message}") == (path, str(caught.value))
 
 
 def test_what_was_found_is_answered():

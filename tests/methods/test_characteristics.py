@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 from exhaustive import few_of
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from networks import UNIT, random_network, shifted, unit_rod
 from scipy.integrate import solve_ivp
@@ -32,7 +32,7 @@ def refused(match, function, *args, **options):
 
 # Against exact fronts -----------------------------------------------------------------------------
 
-@pytest.mark.parametrize("seed", few_of(range(300), range(40)))
+@pytest.mark.parametrize("seed", few_of(range(300), range(12)))
 def test_fronts_are_met_to_round_off(seed):
     system = random_system(seed, bodies=4)
     until = horizon(system, 8)
@@ -500,14 +500,12 @@ def agree(one, other, sign, shift, scale):
         assert b.impulse == pytest.approx(a.impulse, abs=scale)
 
 
-@settings(max_examples=30)
 @given(seeds)
 def test_mirror(seed):
     system = random_network(seed, bodies=4, driven=True)
     agree(*(ri.solve(s, 2.0, METHOD) for s in (system, system.mirrored())), -1, 0.0, 1e-6)
 
 
-@settings(max_examples=30)
 @given(seeds, st.sampled_from([1.0, -30.0]))
 def test_galilean_shift_changes_nothing(seed, v):
     system = random_network(seed, bodies=4, driven=True)

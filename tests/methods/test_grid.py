@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 import pytest
 from grid_rows import random_row, run_row
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from networks import UNIT, shifted, unit_rod
 from runs import gaps_of, solution_of
@@ -393,7 +393,6 @@ def velocities(solution, t):
     return np.array([solution.mean_velocity(i, t) for i in range(len(solution.system.bodies))])
 
 
-@settings(max_examples=35)
 @given(seeds)
 def test_mirror(seed):
     system = random_row(seed, bodies=4, driven=True)
@@ -411,7 +410,6 @@ def test_mirror(seed):
             assert mirrored == pytest.approx(force, abs=1e-9 * (1 + np.abs(force).max()))
 
 
-@settings(max_examples=35)
 @given(seeds, st.sampled_from([1.0, -30.0]))
 def test_galilean_shift_changes_nothing(seed, v):
     system = random_row(seed, bodies=4, driven=True)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from grid_rows import random_row, run_row, side_of, thicken
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from networks import STEP, UNIT, unit_rod
 from runs import solution_of
@@ -102,7 +102,6 @@ def test_states_at_chosen_times_are_those_of_the_run():
 # The elimination ----------------------------------------------------------------------------------
 
 
-@settings(max_examples=100)
 @given(seeds, st.integers(2, 12), st.booleans(), st.booleans())
 def test_elimination_against_dense_matrices(seed, nodes, held_left, held_right):
     rng = np.random.default_rng(seed)
@@ -243,7 +242,6 @@ def energy_of_contacts(run):
     return total[run.states["when"]]
 
 
-@settings(max_examples=120)
 @given(seeds)
 def test_energy_never_rises_without_work(seed):
     run = run_row(random_row(seed))
@@ -269,7 +267,6 @@ def test_energy_never_rises_without_work(seed):
                 assert gap.min() >= 0
 
 
-@settings(max_examples=100)
 @given(seeds, st.booleans())
 def test_every_entry_of_the_ledger_at_every_state(seed, driven):
     run = run_row(random_row(seed, driven=driven, bodies=4), 1.5)
@@ -302,7 +299,6 @@ def test_every_entry_of_the_ledger_at_every_state(seed, driven):
     np.testing.assert_allclose(ends, [entry[-1] for entry in last], **close)
 
 
-@settings(max_examples=50)
 @given(seeds)
 def test_every_body_gains_the_momentum_of_its_forces(seed):
     """Contacts, bonds, ends and gravity between them change the momentum of each body."""

@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 
 import rodimpact as ri
 from rodimpact.methods import kernels, memory
@@ -59,7 +60,7 @@ def peak_of(system, **options):
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="plain Python takes long for so many steps")
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("name", few_of(ROWS, {"pair", "row"}))
 @pytest.mark.parametrize("options", [
     {"method": "finite-difference", "cells": 40, "until": 0.06},
 ])

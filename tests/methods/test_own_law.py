@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
-from rodimpact.methods import kernels
+from rodimpact.methods import compiling, kernels
+from rodimpact.methods.pieces import laws
+from rodimpact.methods.pieces.records import LINK
 
 STEEL = ri.materials.steel
 BAR = ri.Rod(1.0, area=1e-4, material=STEEL)
@@ -65,12 +67,31 @@ def test_members_of_a_family_are_single_runs():
         ri.solve(family[i]).outcome.restitution for i in range(2)]
 
 
-@pytest.mark.skipif(bool(kernels.why_not()), reason="there is no compiler")
-def test_what_numba_has_compiled_runs_compiled():
+@pytest.fixture
+def own():
+    """Two functions that numba has compiled, by their numbers."""
+    if kernels.why_not():
+        pytest.skip("there is no compiler")
     numba = pytest.importorskip("numba")
-    fast, slow = numba.njit(power), numba.njit(lambda d, rate: 2e8 * d + 100.0 * rate)
-    mass = ri.RigidMass(0.1, velocity=1.0)
-    row = ri.System([mass, BAR, ri.RigidMass(0.2)], contacts=[ri.Law(fast), ri.Law(slow)])
+    return (3, numba.njit(power)), (5, numba.njit(lambda d, rate: 2e8 * d + 100.0 * rate))
+
+
+def test_compiled_and_plain_kernels_call_the_function_of_a_link(own):
+    links = np.zeros(2, LINK)
+    links["law"], links["function"] = laws.Law.OWN, [3, 5]
+    links["mobility"], links["near"], links["near_rate"] = 1e-3, 1e-9, 1e-6
+    fast, plain = (make(laws.force, own) for make in (compiling.compiled, compiling.interpreted))
+    for link, object_, (_, function) in zip(links, compiling.as_objects(links), own, strict=True):
+        for d, closing in ((1e-5, 1.0), (2e-4, -0.3)):
+            F, *slopes = fast(link, d, closing)
+            assert (F, *slopes) == plain(object_, d, closing)
+            assert pytest.approx(function(d, closing - 1e-3 * F), rel=1e-12) == F
+
+
+@pytest.mark.exhaustive
+def test_what_numba_has_compiled_runs_compiled(own):
+    mass, given = ri.RigidMass(0.1, velocity=1.0), [ri.Law(function) for _, function in own]
+    row = ri.System([mass, BAR, ri.RigidMass(0.2)], contacts=given)
     plain = ri.solve(row, 1e-3).outcome
     with kernels.forced(True):
         assert ri.solve(row, 1e-3).outcome.velocities_after == plain.velocities_after

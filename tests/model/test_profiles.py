@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import rodimpact as ri
@@ -240,7 +240,6 @@ PROFILED = st.one_of(
 )
 
 
-@settings(derandomize=True)
 @given(PROFILED, PLACES)
 def test_averages_are_integrals_over_widths(profile, edges):
     found = averages(profile, edges, 2.0)

@@ -4,7 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import rodimpact as ri
@@ -534,7 +534,6 @@ def test_the_impedance_of_a_taper_is_no_single_number():
 AREAS = st.lists(st.floats(1e-6, 1e-2), min_size=2, max_size=20)
 
 
-@settings(derandomize=True)
 @given(AREAS, st.floats(0.01, 10), st.lists(st.floats(0.001, 0.999), max_size=6, unique=True))
 def test_areas_between_places_hold_the_volume(areas, length, cuts):
     segment = ri.Segment(length, ri.Samples(areas), steel)
@@ -550,7 +549,6 @@ def test_areas_between_places_of_a_uniform_segment():
     assert ri.Segment(2.0, 3e-4, steel).area_between([0.0, 0.5, 2.0]).tolist() == [3e-4, 3e-4]
 
 
-@settings(derandomize=True)
 @given(AREAS, st.integers(1, 50))
 def test_steps_keep_the_mass_of_a_taper(areas, n):
     profile = ri.Steps([1.0, 2.0], [0.25])

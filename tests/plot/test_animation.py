@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import base64
-import html
 import io
-import json
 import re
 import stat
 import sys
@@ -181,7 +179,7 @@ def test_the_clock_goes_from_start_to_stop(solved):
     assert film.figure.axes[0].get_ylim() == pytest.approx((100, 200))
 
 
-@pytest.mark.parametrize("name", few_of(ROWS, {"unequal", "masses"}))
+@pytest.mark.parametrize("name", few_of(ROWS, {"masses"}))
 def test_every_row_moves(solved, name):
     with plot.look("dark" if name in ("walls", "masses") else "light", width=160):
         film = plot.animation(solved[name], "stress", frames=3)
@@ -243,30 +241,12 @@ def test_a_gif_shows_every_frame_in_its_time_again_and_again(film, tmp_path):
             assert tuple(picture[0, 0]) == (255, 255, 255)
 
 
-def test_the_page_holds_all_frames_and_asks_for_nothing(film, tmp_path):
-    film.save(tmp_path / "film.html")
-    text = (tmp_path / "film.html").read_text(encoding="utf-8")
-    words = re.sub(r'"[A-Za-z0-9+/=]{200,}"', "", text)
-    assert len(words) < 5000
-    assert not re.search(r"https?:|//[a-z]|<link|url\(|\{[a-z]+\}", words)
-    assert re.findall(r'src=|src = "[^"]*"', text) == ['src = "data:image/png;base64,"']
-    assert json.loads(re.search(r"clocks = (\[.*?\]);", text)[1]) == [
-        film.clock(i) for i in range(len(film))]
-    data = re.search(r"pictures = \[\n(.*?)\]\.map", text, re.DOTALL)[1]
-    frames = [Image.open(io.BytesIO(base64.b64decode(frame)))
-              for frame in re.findall('"([^"]+)"', data)]
-    assert len(frames) == len(film) == 7 + 15
-    page = Image.new("RGBA", frames[0].size)
-    for number, frame in enumerate(frames):
-        page.alpha_composite(frame.convert("RGBA"))
-        assert alike(np.asarray(page)[..., :3], film.frame(number))
-    assert 'aria-label="2 rods, closing speed 1 m/s' in text
-
-
 def test_a_notebook_plays_it(film):
-    shown = re.fullmatch(r'<iframe srcdoc="(.*?)" width=.*</iframe>', film._repr_html_(),
-                         re.DOTALL)
-    assert html.unescape(shown[1]).startswith("<!doctype html>")
+    data, words = re.fullmatch(r'<img src="data:image/gif;base64,(.*?)" alt="(.*)">',
+                               film._repr_html_()).groups()
+    with Image.open(io.BytesIO(base64.b64decode(data))) as shown:
+        assert shown.n_frames == 7
+    assert words.startswith("2 rods, closing speed 1 m/s")
 
 
 def test_progress_counts_the_frames(film, tmp_path):
@@ -275,14 +255,13 @@ def test_progress_counts_the_frames(film, tmp_path):
     assert seen == [(i, 22) for i in range(1, 23)]
 
 
-@pytest.mark.parametrize("suffix", ["gif", "html"])
-def test_an_interruption_leaves_no_file(film, tmp_path, suffix):
+def test_an_interruption_leaves_no_file(film, tmp_path):
     def interrupt(done, total):
         if done == 3:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        film.save(tmp_path / f"film.{suffix}", progress=interrupt)
+        film.save(tmp_path / "film.gif", progress=interrupt)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -298,7 +277,7 @@ def test_a_file_that_is_there_is_kept(film, tmp_path):
 
 def test_other_suffixes_are_refused(film, tmp_path):
     for name in ("film.png", "film"):
-        with pytest.raises(ValueError, match=r"\.gif, \.html, \.mp4"):
+        with pytest.raises(ValueError, match=r"\.gif, \.mp4"):
             plot.save(film, tmp_path / name)
 
 
@@ -369,7 +348,7 @@ def test_the_command_makes_the_film(case, capsys):
 
 def test_a_terminal_sees_how_far_it_is(case, capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    assert animate("-o", "film.html", "--frames", "2") == 0
+    assert animate("-o", "film.gif", "--frames", "2") == 0
     err = capsys.readouterr().err
     assert err.startswith("drawing\n")
     assert "%  [" in err
@@ -384,7 +363,9 @@ def test_a_run_that_was_cut_short_is_shown_and_said(case, capsys):
 
 
 @pytest.mark.parametrize(("arguments", "message"), [
-    (["-o", "film.avi"], "--output: must end in one of .gif, .html, .mp4, got 'film.avi'"),
+    (["-o", "film.avi"], "--output: must end in one of .gif, .mp4, got 'film.avi'"),
+    (["-o", "x.html"], "must end in .gif or .mp4, got 'x.html'; a page that plays is made by "
+     "rodimpact export"),
     (["-o", "film.gif", "--frames", "1"], "--frames: must be a whole number from 2"),
     (["-o", "film.gif", "--frames", "few"], "--frames: must be a positive whole number"),
     (["-o", "film.gif", "--fps", "100"], "--fps: must be 1 to 50"),

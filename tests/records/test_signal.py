@@ -162,7 +162,7 @@ def test_answers_of_amplifiers_to_a_ramp():
     with pytest.raises(ValueError, match="must be below half of the sampling rate, 1 MHz"):
         ramp.low_pass(6e5)
     for slow in (1e-6, 5e-324):
-        with pytest.raises(ValueError, match="the pulse spreads over 10000000 samples, too many"):
+        with pytest.raises(ValueError, match="dt: 1e-06 spreads the pulse over 1"):
             ramp.low_pass(slow)
     with pytest.raises(ValueError, match="kind: must be one of 'gaussian'"):
         ramp.low_pass(1e4, "boxcar")
@@ -233,7 +233,7 @@ def test_a_rod_is_a_bar_if_it_is_round():
         (lambda: pulse.propagated(0.2, plain), "bar.section: is not said to be round"),
         (lambda: pulse.propagated(0.2, BAR, radius=1.0), "radius: belongs to a rod"),
         (lambda: pulse.propagated(0.2, 5000.0), "bar: must be a Bar, such as waves.Bar"),
-        (lambda: pulse.propagated(1e9, BAR), "the pulse spreads over .* too many"),
+        (lambda: pulse.propagated(1e9, BAR), "dt: .* spreads the pulse over .* too many"),
         (lambda: ri.Signal([0, 1, 2], [0, 1, 3]).propagated(1.0, BAR), "not at equal steps"),
     ):
         with pytest.raises(ValueError, match=said):
@@ -244,7 +244,7 @@ def test_extended():
     signal = ri.Signal([1.0, 2.0, 3.0], dt=0.5)
     assert signal.extended(1.0, 0.7).values.tolist() == [1, 1, 1, 2, 3, 3, 3]
     assert signal.extended(1.0, 0.7).times.tolist() == [-1, -0.5, 0, 0.5, 1, 1.5, 2]
-    with pytest.raises(ValueError, match=r"before = -1.0: must be 0 or more"):
+    with pytest.raises(ValueError, match=r"before: must be 0 or more"):
         signal.extended(-1.0)
 
 

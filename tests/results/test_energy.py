@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from networks import random_network, unit_rod
 
@@ -22,14 +22,12 @@ def ledger_of(seed, driven):
     return solution, ledger, works, ledger.total.max() + max(np.abs(w).max() for w in works)
 
 
-@settings(max_examples=100)
 @given(seeds)
 def test_energy_never_rises_without_work(seed):
     _, ledger, _, scale = ledger_of(seed, driven=False)
     assert np.diff(ledger.total + ledger.radiated).max() <= CLOSE * scale
 
 
-@settings(max_examples=60)
 @given(seeds, st.booleans())
 def test_every_entry_at_many_times(seed, driven):
     solution, ledger, works, scale = ledger_of(seed, driven)

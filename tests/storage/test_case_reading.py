@@ -18,7 +18,7 @@ from case_texts import (
     problems,
     with_area,
 )
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import rodimpact as ri
@@ -659,7 +659,6 @@ json_like = st.recursive(
                            "polar_moment", "lateral_inertia"]),
     value=json_like,
 )
-@settings(max_examples=300)
 def test_no_value_anywhere_escapes_as_another_error(key, inner, value):
     document = {
         "schema": 1,

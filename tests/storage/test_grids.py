@@ -18,7 +18,7 @@ from case_texts import (
     problems,
     with_area,
 )
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import rodimpact as ri
@@ -499,7 +499,6 @@ def test_what_varies_need_not_be_right_in_the_file():
     path=st.sampled_from(["bodies.0.length", "contacts.0.gap", "x", "bodies.0.velocity.at.0"]),
     grid=st.text(alphabet="0123456789.,:-+e kgm%log\n", max_size=12),
 )
-@settings(max_examples=300)
 def test_no_grid_escapes_as_another_error(path, grid):
     try:
         case = parse_case(HEAD + A_ROD + A_WALL, vary={path: grid})

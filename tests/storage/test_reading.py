@@ -35,11 +35,11 @@ def put(path, document, arrays):
 def swollen(path):
     """A column of zeros a thousand times as long."""
     document, arrays = contents(path)
-    put(path, document, {**arrays, "f8": np.zeros(1 << 24)})
+    put(path, document, {**arrays, "f8": np.zeros(1 << 22)})
 
 
 def foreign(path):
-    np.savez_compressed(path, x=np.zeros(1 << 24))
+    np.savez_compressed(path, x=np.zeros(1 << 22))
 
 
 def long_document(path):
@@ -55,12 +55,12 @@ def long_document(path):
 def other_packing(path):
     with zipfile.ZipFile(path, "w", zipfile.ZIP_BZIP2) as archive, \
             archive.open("document.npy", "w", force_zip64=True) as file:
-        np.lib.format.write_array(file, np.zeros(1 << 20, "<U64"))
+        np.lib.format.write_array(file, np.zeros(1 << 17, "<U64"))
 
 
 @pytest.mark.parametrize("bomb", [swollen, foreign, long_document, other_packing])
 def test_a_small_file_takes_little_memory(saved, bomb):
-    """Over a hundred megabytes of zeros, packed into less than one."""
+    """Over thirty megabytes of zeros, packed into less than one."""
     bomb(saved)
     assert saved.stat().st_size < 1e6
     tracemalloc.start()

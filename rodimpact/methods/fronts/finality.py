@@ -7,7 +7,6 @@ fractions, too.
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from .. import finality_kernel as proof
@@ -44,6 +43,7 @@ def survey_group(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t
     """
     first, last = side(node, k, s > k)
     it, mass, endless = segment[s], 0 * line[2 * first].arrived, False
+    it.bounded = 1
     if last == 0:
         it.mean = it.low = it.high = line[2 * k + 3 if s > k else 2 * k].arrived
         return
@@ -60,16 +60,16 @@ def survey_group(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t
                 low, high = min(low, wave), max(high, wave)
                 r = log[r].after
             momentum += Z * wave * edge
-    it.mean, bounded = momentum / mass, first == last
+    it.mean, it.low, it.high = momentum / mass, low, high
+    it.bounded = 1 if first == last else 0
     for end in (first - 1, last):
         if node[end].status == Status.BOND:
             outer = end if end < first else last + 1
             it.mean = line[0 if end < first else 2 * last + 3].arrived
             endless = segment[outer].mobility > 0
-            bounded = bounded and endless
-    it.low, it.high = low if bounded else -math.inf, high if bounded else math.inf
+            it.bounded = 1 if it.bounded and endless else 0
     if quiet(line, first, last) and not (endless and node[k].status == Status.PRESS):
-        it.low, it.high = it.mean, it.mean
+        it.low, it.high, it.bounded = it.mean, it.mean, 1
 
 
 def bound_deviation(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t: int) -> None:
@@ -138,7 +138,9 @@ def time_until_apart(
     at, left, right = node[k], segment[k], segment[k + 1]
     for s in (k, k + 1):
         survey_group(segment, node, line, log, k, s, t)
-    opening, least = right.mean - left.mean, right.low - left.high
+    opening, least = right.mean - left.mean, -1 - tol  # fractions know no infinity
+    if left.bounded and right.bounded:
+        least = right.low - left.high
     apart = square = 0 * opening
     if proof.undecided(opening, least, tol):
         for s in (k, k + 1):

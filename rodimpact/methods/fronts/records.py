@@ -74,6 +74,7 @@ SEGMENT = np.dtype([
     ("moved", "f8"), ("parted", "f8"),  # displacement; largest difference of its two waves
     # of the group whose end stands here at a contact
     ("mean", "f8"), ("low", "f8"), ("high", "f8"),  # its velocity, and bounds of its end's
+    ("bounded", "i8"),  # 1: they hold
     ("deviation", "f8"), ("bound", "f8"),  # of the end from its mean motion, and its square
 ], align=True)
 NODE = np.dtype([

@@ -6,9 +6,8 @@ from functools import cached_property
 from typing import Any
 
 from ...model.frozen import InvalidModel
-from .. import tick_rule as rule
 from ..abilities import driven
-from ..clock import Clock
+from ..clock import Clock, clock_of, too_long, too_short
 from ..compiling import as_objects, as_records
 from .driver import Members
 from .records import NONE, ROW, Stop
@@ -55,38 +54,22 @@ class FrontRun:
 
 
 def _clock(run: FrontRun) -> Clock:
-    """The clock of a run, and what of its row fields need to know."""
-    row, tick, pieces = run.plan.row, run.run.tick, run.plan.row.segments
-    ticks = [s.transit for s in run.segment]
-    length, speed = ([0.0, *(float(getattr(p, name)) for p in pieces), 0.0]
-                     for name in ("length", "wave_speed"))
-    impedance = [0.0, *(float(p.impedance) for p in pieces), 0.0]
+    """The clock of a run; an endless bar outside has the impedance of what it goes on."""
+    pieces = run.plan.row.segments
+    impedance = [0.0, *(float(piece.impedance) for piece in pieces), 0.0]
     for at, beside in ((0, 1), (-1, -2)):
         impedance[at] = impedance[beside] if run.segment[at].mobility else 0.0
-    errors = [abs(ticks[s] * tick / (length[s] / speed[s]) - 1) for s in range(1, len(ticks) - 1)]
-    worst = max(range(len(errors)), key=errors.__getitem__)
-    return Clock(
-        system=row.system, spans=row.spans, wave_speed=speed, impedance=impedance, length=length,
-        ticks=ticks, tick=tick, frame=run.run.frame, transit_error=errors[worst],
-        worst=row.paths[worst + 1],
-    )
+    return clock_of(run.plan.row, [s.transit for s in run.segment[1:-1]], run.run.tick,
+                    frame=run.run.frame, impedance=impedance)
 
 
 def _refusal(run: FrontRun) -> tuple[str, str]:
     """Path and sentence for a collision that cannot be laid out."""
-    it, pieces = run.run, run.plan.row.segments
+    it, row = run.run, run.plan.row
     if it.stop == Stop.OVERFLOW:
         return "bodies", (
             f"velocities and strains of {it.scale!r} m/s overflow the energy; use smaller")
-    times = [float(p.length) / float(p.wave_speed) for p in pieces]
-    longest = max(times)
+    times = [float(piece.transit_time) for piece in row.segments]
     if it.stop == Stop.LONG:
-        most = longest * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST)
-        return "until", (
-            f"a run of {it.horizon:g} s is {it.horizon / longest:.3g} times the longest transit "
-            f"time {longest:g} s, more than the clock can count; stop before {most:.3g} s"
-        )
-    return run.plan.row.paths[it.short], (
-        f"its transit time {times[it.short - 1]:.3g} s is too short beside the longest, "
-        f"{longest:.3g} s: one exact clock holds ratios up to about 2e11; leave it out"
-    )
+        return too_long(it.horizon, max(times))
+    return too_short(row.paths[it.short], times[it.short - 1], max(times))

@@ -30,7 +30,7 @@ from .keeping import Keeper, cost
 from .mesh import STEP_TICKS, Mesh, crossing_time, most_cells, stable_step
 from .refinement import FEWEST as FEWEST_LEVELS
 from .refinement import contact_measures, factor_of, order_of, refined
-from .run import GridRun, clock_of
+from .run import GridRun, clock_on
 from .signals import hand_over
 
 RTOL = 1e-3
@@ -206,7 +206,7 @@ def _level(
     Others that are certain to follow take so many times as long.
     """
     steps = 0 if until is None else round(until / step)
-    longest = _round_trip(clock_of(mesh, step)) // 2
+    longest = _round_trip(clock_on(mesh, step)) // 2
     room = 8 * longest if until is None else max(1, steps)
     run = GridRun(mesh, step, keep, room)
     size = f"{room} steps, {sum(mesh.counts)} cells"

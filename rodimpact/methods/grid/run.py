@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .. import abilities, compiling, kernels
-from ..clock import Clock
+from ..clock import Clock, clock_of
 from ..laws import RIGID
 from ..row import Array, squeezed
 from . import grid_kernel, proof_kernel, scheme, start
@@ -55,7 +55,7 @@ class GridRun:
 
     def __init__(self, mesh: Mesh, step: float, keep: Keeper, room: int) -> None:
         self.mesh, self.step, self.row, self.keep = mesh, step, mesh.row, keep
-        self.clock, self.estimates = clock_of(mesh, step), dict[str, float]()
+        self.clock, self.estimates = clock_on(mesh, step), dict[str, float]()
         self.grid = scheme.grid_of(mesh, step)
         self._overlaps = start.begin(mesh, step, self.grid)
         self.proof = scheme.cells_of(mesh, step, self.grid)
@@ -283,7 +283,7 @@ def _take_over(lists: Any, arrays: Any) -> None:
         x[:] = compiling.as_records(found, x.dtype) if x.dtype.names else found
 
 
-def clock_of(mesh: Mesh, step: float) -> Clock:
+def clock_on(mesh: Mesh, step: float) -> Clock:
     """Clock of a mesh; impedances are means, so that Z T is the mass."""
     row, segments, tick = mesh.row, mesh.row.segments, step / STEP_TICKS
     ticks = [max(1, round(float(s.transit_time) / tick)) for s in segments]
@@ -291,10 +291,5 @@ def clock_of(mesh: Mesh, step: float) -> Clock:
         float(mesh.cell_mass[a + 1 : b + 1].sum()) / (T * tick)
         for a, b, T in zip(mesh.first[1:], mesh.last[1:], ticks, strict=True)
     ]
-    return Clock(
-        system=row.system, spans=row.spans, ticks=[0, *ticks, 0], tick=tick,
-        wave_speed=[0.0, *(float(s.wave_speed) for s in segments), 0.0],
-        impedance=[0.0, *impedance, 0.0],
-        length=[0.0, *(float(s.length) for s in segments), 0.0],
-        frame=row.frame, scale=row.scale, gravity=float(row.gravity),
-    )
+    return clock_of(
+        row, ticks, tick, impedance=[0.0, *impedance, 0.0], scale=row.scale, transit_error=0.0)

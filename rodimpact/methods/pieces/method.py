@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from .. import abilities as physics
-from ..clock import Clock
+from ..clock import clock_of
 from ..duration import Forecast, Progress
 from ..groups import groups
 from ..row import Row, squeezed
@@ -77,8 +77,11 @@ def _hand_over(
     goal: float,
 ) -> Run:
     row, r = layout.row, machine.records
-    ended, clock = machine.ended, _clock(layout)
+    ended = machine.ended
     run = ended.run
+    clock = clock_of(
+        row, [int(T[0]) for T in layout.clock.transits], float(layout.clock.tick[0]),
+        scale=float(layout.run["scale"][0]))
     accuracy = {name: error + left_open(run, layout.fit) for name, error in accuracy.items()}
     end, tick = _end(r), clock.tick
     stopped_by = why_stopped(run, until is not None)
@@ -121,23 +124,6 @@ def _struck_together(row: Row) -> str:
 def _fastest(log: Any, s: int) -> float:
     own = log[(log["line"] == 2 * s) | (log["line"] == 2 * s + 1)]
     return float(np.abs(own["coefficient"]).sum(axis=1).max(initial=0.0))
-
-
-def _clock(layout: Layout) -> Clock:
-    row, tick = layout.row, float(layout.clock.tick[0])
-    ticks = [int(T[0]) for T in layout.clock.transits]
-    segments = row.segments
-    errors = [abs(T * tick / float(s.transit_time) - 1)
-              for T, s in zip(ticks, segments, strict=True)]
-    worst = max(range(len(errors)), key=errors.__getitem__, default=-1)
-    return Clock(
-        system=row.system, spans=row.spans, ticks=[0, *ticks, 0], tick=tick,
-        wave_speed=[0.0, *(float(s.wave_speed) for s in segments), 0.0],
-        impedance=[0.0, *(float(s.impedance) for s in segments), 0.0],
-        length=[0.0, *(float(s.length) for s in segments), 0.0],
-        frame=float(row.frame), scale=float(layout.run["scale"][0]), gravity=float(row.gravity),
-        transit_error=errors[worst] if errors else 0.0, worst=row.paths[worst + 1],
-    )
 
 
 def _tallies(

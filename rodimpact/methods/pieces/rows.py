@@ -12,8 +12,8 @@ from ...model import Rod, Samples, Steps
 from ...model.frozen import InvalidModel
 from ...model.profiles import extremes
 from .. import laws as old
-from .. import tick_rule as rule
 from ..abilities import driven
+from ..clock import too_long, too_short
 from ..compiling import Functions, as_family
 from ..row import Row
 from ..scales import largest, smallest
@@ -185,24 +185,10 @@ def clock_of(row: Row, given: Given, until: float | None) -> tuple[Clock, list[l
     for m, (times, longest, stop) in enumerate(spans):
         total, made = layout.count_ticks(times, longest, stop)
         if total == 0:
-            raise InvalidModel([_too_long(stop, longest)])
+            raise InvalidModel([too_long(stop, longest)])
         found[m], ticks[m], more = longest / total, made[:n], made[n:]
         jumps.append(more)
         if n and min(made[:n]) <= 4096:
-            raise InvalidModel([_too_short(row, times, int(ticks[m].argmin()))])
+            s = int(ticks[m].argmin())
+            raise InvalidModel([too_short(row.paths[s + 1], times[s], max(times))])
     return Clock(found, [*ticks.T], np.rint(end / found)), jumps
-
-
-def _too_long(end: float, longest: float) -> tuple[str, str]:
-    most = longest * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST)
-    return "until", (
-        f"a run of {end:g} s is {end / longest:.3g} times the longest transit time {longest:g} s, "
-        f"more than the clock can count; stop before {most:.3g} s"
-    )
-
-
-def _too_short(row: Row, durations: list[float], place: int) -> tuple[str, str]:
-    return row.paths[place + 1], (
-        f"its transit time {durations[place]:.3g} s is too short beside the longest, "
-        f"{max(durations):.3g} s: one clock holds ratios up to about 2e11; leave it out"
-    )

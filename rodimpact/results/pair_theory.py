@@ -23,7 +23,7 @@ COLUMNS = (
 """Columns of a sweep that have a closed form."""
 
 
-class ClosedForm(NamedTuple):
+class PairTheory(NamedTuple):
     """A family of two bodies, the left and the right one, whose collision has a closed form.
 
     Attributes
@@ -46,11 +46,11 @@ class ClosedForm(NamedTuple):
             return "Saint-Venant 1867"
         return "textbook, box 10.4" if np.isinf(self.mass).any() else "Boussinesq"
 
-    def each(self, change: Callable[[Floats], Floats]) -> ClosedForm:
+    def each(self, change: Callable[[Floats], Floats]) -> PairTheory:
         """The family with every array changed."""
-        return ClosedForm(*((change(left), change(right)) for left, right in self))
+        return PairTheory(*((change(left), change(right)) for left, right in self))
 
-    def along(self, known: Floats, wanted: Floats) -> ClosedForm:
+    def along(self, known: Floats, wanted: Floats) -> PairTheory:
         """A family with one axis, given at `known`, at `wanted` values of its parameter.
 
         With logarithms as parameter this is exact: impedances, transit times and masses are powers
@@ -89,7 +89,7 @@ class ClosedForm(NamedTuple):
         return np.where(v1 > v2, value, np.nan)
 
 
-def closed_form(system: System) -> ClosedForm | None:
+def pair_theory(system: System) -> PairTheory | None:
     """The closed form that holds for a family; None if there is none or no members collide."""
     if len(system.bodies) != 2 or not isinstance(system.contacts[0], Rigid):
         return None
@@ -98,7 +98,7 @@ def closed_form(system: System) -> ClosedForm | None:
     left, right = map(_numbers, system.bodies)
     if left is None or right is None:
         return None
-    family = ClosedForm(*zip(left, right, strict=True)).each(
+    family = PairTheory(*zip(left, right, strict=True)).each(
         lambda x: np.broadcast_to(x, system.shape))
     return family if np.greater(*family.velocity).any() else None
 

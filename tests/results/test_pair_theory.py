@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
-from rodimpact.results.closed_forms import COLUMNS, closed_form
+from rodimpact.results.pair_theory import COLUMNS, pair_theory
 
 STEEL = ri.materials.steel
 DAMPED = ri.Material("damped", youngs_modulus=1e9, density=1000.0, viscosity=[1.0, 2.0])
@@ -29,7 +29,7 @@ PAIR = ri.System([LEFT, RIGHT])
     (ri.System([LEFT, ri.RigidMass(0.7)]), "Boussinesq"),
 ])
 def test_a_closed_form_is_that_of_the_collision(system, source):
-    outcome, theory = ri.solve(system).outcome, closed_form(system)
+    outcome, theory = ri.solve(system).outcome, pair_theory(system)
     assert theory.source == source
     found = theory.collision()
     for name in ("restitution", "impulse", "duration"):
@@ -54,14 +54,14 @@ def test_a_closed_form_is_that_of_the_collision(system, source):
     ri.System([LEFT, STEPPED]),
 ])
 def test_there_is_none_where_none_holds(system):
-    assert closed_form(system) is None
+    assert pair_theory(system) is None
 
 
 @pytest.mark.parametrize("other", [RIGHT, ri.Wall(), MASS])
 def test_a_family_has_the_values_of_its_members(other):
     family = ri.System([other, rod(0.4, [-1.0, 0.5, -2.0])])
-    theory = closed_form(family)
+    theory = pair_theory(family)
     for name in COLUMNS:
-        members = [closed_form(family[i]) for i in range(3)]
+        members = [pair_theory(family[i]) for i in range(3)]
         alone = [np.nan if one is None else one.column(name).item() for one in members]
         np.testing.assert_array_equal(theory.column(name), alone)

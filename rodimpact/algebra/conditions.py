@@ -222,7 +222,7 @@ def _for_ever_after(run: ExactRun, k: int, t: Any) -> list[Number] | tuple[Loop,
         return [at.rate]
     for s in (node, node + 1):
         finality.survey_group(*state[1:5], node, s, t)
-    if right.low >= left.high:
+    if left.bounded and right.bounded and right.low >= left.high:
         return _loop(run, node, False), _loop(run, node, True)
     for s in (node, node + 1):
         finality.bound_deviation(*state[1:5], node, s, t)

@@ -1,0 +1,190 @@
+"""A cell: the numbers of a row with which its collision goes the same way, and its results there.
+
+An atlas tries many places of a plane at once, in floats. A formula asks in fractions, and for the
+polynomials that border the cell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..methods.fronts.records import Status
+from .field import Field
+from .inequalities import factors, reduced
+from .naming import Naming
+from .numbers import Number, Program, evaluate, mark
+from .rows import ExactRun, each
+
+Floats = NDArray[np.float64]
+ABOVE = -1  # what a number has to be
+CUTS = 64  # in which a way is cut where a border is looked for, and each of these again
+ROUNDS = 8
+Check = tuple[int, list[Number]]
+"""`ABOVE` and a number, or the status of a contact and the numbers of a spell of it."""
+
+
+class Cell:
+    """What a run came to, and what must hold for another to come to the same.
+
+    Parameters
+    ----------
+    naming : Naming
+        That of the run, which was its last.
+    run : ExactRun
+    checks : list of Check
+        What must hold.
+    names : list of str, optional
+        Of the two numbers whose plane is looked at in floats.
+    field : Field, optional
+        For what is asked of the cell by a formula.
+    """
+
+    def __init__(
+        self, naming: Naming, run: ExactRun, checks: list[Check], *,
+        names: list[str] | None = None, field: Field | None = None,
+    ) -> None:
+        self.results, self.place = run.results, {**naming.base, **naming.place}
+        self._checks, self._names, self._speeds = checks, names or [], naming.speeds
+        self._field: Any = field
+
+    def mark(self, *, times: bool) -> tuple[int, ...]:
+        """What is the same for cells of one formula, that of contact times too if these count."""
+        values: list[Number] = []
+        each(self.results if times else self.results._replace(contact_times=()), values.append)
+        return (*map(len, self.results.contact_times), *mark(values, self.place))
+
+    # Places of the plane
+
+    def inside(self, x: Floats, y: Floats) -> Any:
+        """Whether places lie in the cell."""
+        return self._hold(self._checks, self._program, x, y).all(axis=0)
+
+    def end(self, x: Floats, y: Floats, across: Floats, up: Floats) -> Floats:
+        """Share of ways from places inside at which the cell ends, by cutting them again."""
+        holds = self._hold(self._checks, self._program, x + across, y + up)
+        broken = [check for check, good in zip(self._checks, holds, strict=True) if not good.all()]
+        program = _program(broken)
+        x, y, across, up = (of[:, None] for of in (x, y, across, up))
+        low = np.zeros(x.shape)
+        for n in range(1, ROUNDS + 1):
+            shares = low + np.arange(1, CUTS + 1) / CUTS**n
+            inside = self._hold(broken, program, x + across * shares, y + up * shares).all(axis=0)
+            inside[:, -1] = False
+            low += inside.argmin(axis=1, keepdims=True) / CUTS**n
+        return low[:, 0]
+
+    def restitution(self, x: Floats, y: Floats) -> Floats:
+        """The formula of e, nan where there is none; [place]."""
+        e = self.results.restitution
+        found = np.nan if e is None else evaluate([e], self._at(x, y), float)[0]
+        return np.broadcast_to(found, x.shape)
+
+    @cached_property
+    def _program(self) -> Program:
+        return _program(self._checks)
+
+    def _hold(self, checks: list[Check], program: Program, x: Floats, y: Floats) -> Any:
+        """Which checks hold; [check][place]."""
+        with np.errstate(all="ignore"):
+            values = iter(program(self._at(x, y)))
+            return np.array([
+                np.broadcast_to(_good(status, [next(values) for _ in of]), x.shape)
+                for status, of in checks
+            ] or [np.full(x.shape, True)])
+
+    def _at(self, x: Floats, y: Floats) -> dict[str, Any]:
+        """All numbers of the run at places of the plane, wave speeds of its materials too."""
+        at: dict[str, Any] = {name: float(value) for name, value in self.place.items()}
+        at.update(zip(self._names, (x, y), strict=True))
+        for c, (E, rho) in self._speeds.items():
+            if E in self._names or rho in self._names:
+                modulus, density = (at[of] if of in at else float(of) for of in (E, rho))
+                at[c] = np.sqrt(modulus / density)
+        return at
+
+    # Formulas
+
+    def results_as(self, what: Callable[[Any], Any]) -> tuple[Any, Any, Any, Any]:
+        """What `what` makes of each result as a rational function."""
+        return each(self._functions, what)
+
+    @cached_property
+    def _functions(self) -> Any:
+        values: list[Number] = []
+        each(self.results, values.append)
+        functions = iter(self._field.of(values))
+        return each(self.results, lambda _: next(functions))
+
+    def contains(self, values: Mapping[str, Fraction], open_to: Collection[Any] = ()) -> bool:
+        """Whether the cell has this place inside, or on one of the borders `open_to`."""
+        found = self._values(values)
+        return all(x >= 0 for x in found) and all(
+            self._field.at(p, values) > 0 or p in open_to for p in self._factors(self._zero(found)))
+
+    @cached_property
+    def borders(self) -> list[Any]:
+        """Polynomials that are positive inside; they border the cell."""
+        return reduced(self._factors(self._conditions), self._field.told)
+
+    @cached_property
+    def ties(self) -> list[Any]:
+        """Borders on which the numbers of the system lie."""
+        base = self._field.naming.values({})
+        zero = self._factors(self._zero(self._values(base)))
+        return reduced((p for p in zero if self._field.at(p, base) == 0), self._field.told)
+
+    @cached_property
+    def slopes(self) -> Any:
+        """Of the ties, along each name that is free, of the size of its value."""
+        rows = [self._field.slope(p) for p in self.ties]
+        return [row / np.linalg.norm(row) for row in rows if row.any()]
+
+    @property
+    def _conditions(self) -> list[Number]:
+        return [x for _, (x,) in self._checks]
+
+    def _zero(self, found: list[Fraction]) -> list[Number]:
+        return [x for x, value in zip(self._conditions, found, strict=True) if value == 0]
+
+    def _factors(self, numbers: Iterable[Number]) -> list[Any]:
+        told = self._field.told(self._field.of(numbers))
+        return factors(told, lambda p: self._field.at(p, self.place))
+
+    def _values(self, values: Mapping[str, Fraction]) -> list[Fraction]:
+        """Values of the conditions; 0 where they have none but in the limit."""
+        try:
+            return evaluate(self._conditions, values, Fraction)
+        except ZeroDivisionError:
+            found = []
+            for x in self._conditions:
+                try:
+                    found += evaluate([x], values, Fraction)
+                except ZeroDivisionError:
+                    found.append(Fraction(0))
+            return found
+
+
+def _program(checks: list[Check]) -> Program:
+    return Program([number for _, of in checks for number in of], float)
+
+
+def _good(status: int, values: list[Any]) -> Any:
+    """Whether a number is above 0, or a contact presses or is open throughout a spell."""
+    if status == ABOVE:
+        return values[0] > 0
+    start, gap, closing, *rest = np.broadcast_arrays(*values)
+    times, jumps = np.split(np.array(rest), 2)
+    good = np.full(start.shape, True)
+    for t in times:
+        if status == Status.PRESS:
+            good &= closing + (jumps * (times <= t)).sum(axis=0) > 0
+        else:
+            closed = closing * (t - start) + (jumps * np.maximum(t - times, 0)).sum(axis=0)
+            good &= gap > closed
+    return good

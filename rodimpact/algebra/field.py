@@ -1,0 +1,89 @@
+"""Rational functions of the names of a row, and how SymPy shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from fractions import Fraction
+from math import prod
+from typing import Any
+
+import numpy as np
+
+from ..methods.duration import Forecast, Progress, warn
+from ..storage.extras import optional
+from .naming import Naming
+from .numbers import Number, evaluate
+from .quotients import Quotient
+
+FACTORED = 400  # terms: longer polynomials are shown as they are
+
+
+class Field:
+    """Rational functions of the names of a system, and how they are shown."""
+
+    def __init__(self, naming: Naming, progress: Progress | None = None) -> None:
+        self.progress = progress
+        self.sympy: Any = optional("sympy", "sympy")
+        self.naming = naming
+        names = [*naming.base, *naming.speeds]
+        self.ring, *generators = self.sympy.polys.rings.ring(names, self.sympy.ZZ)
+        self.names = {name: Quotient(x, 1, {}) for name, x in zip(names, generators, strict=True)}
+        self.symbols = {name: self.sympy.Symbol(name, **{"real" if name[0] == "v" else "positive":
+                                                         True}) for name in naming.base}
+        self._shown = [self.symbols.get(name) or self._speed(name) for name in names]
+
+    def _speed(self, name: str) -> Any:
+        E, rho = (self.symbols.get(x) or self.rational(x) for x in self.naming.speeds[name])
+        return self.sympy.sqrt(E / rho)
+
+    def rational(self, x: Fraction) -> Any:
+        """SymPy's number."""
+        return self.sympy.Rational(x.numerator, x.denominator)
+
+    def of(self, wanted: Iterable[Number]) -> list[Any]:
+        """Numbers of a run as rational functions."""
+        return evaluate(list(wanted), self.names, lambda x: Quotient.of(x, self.ring))
+
+    def told(self, polynomials: Sequence[Any]) -> Iterator[Any]:
+        """Each of some polynomials that are worked on in turn, with news of how long it takes."""
+        forecast = Forecast(warn, "fewer symbols, or some by their whole paths,", self.progress,
+                            "finding where the formula holds")
+        for i, p in enumerate(polynomials):
+            forecast.report(i, len(polynomials), f"{len(polynomials)} polynomials")
+            yield p
+
+    def polynomial(self, p: Any) -> Any:
+        """A polynomial as SymPy's expression, in factors unless it is long."""
+        shown = p.as_expr(*self._shown)
+        return shown if len(p) > FACTORED else self.sympy.factor(shown)
+
+    def quotient(self, f: Quotient) -> Any:
+        """A rational function as SymPy's expression."""
+        return self.polynomial(f.numer) / (f.number * self.sympy.prod(
+            p.as_expr(*self._shown) ** n for p, n in f.factors.items()))
+
+    def inequality(self, p: Any) -> Any:
+        """A polynomial that is positive, as an inequality between sums."""
+        less, more = (
+            p.ring.from_dict({powers: abs(c) for powers, c in p.terms() if (c > 0) == sign})
+            for sign in (False, True)
+        )
+        return self.polynomial(less) < self.polynomial(more)
+
+    def at(self, p: Any, values: Mapping[str, Fraction]) -> Fraction:
+        """Value of a polynomial."""
+        place = [values[name] for name in self.names]
+        return sum((Fraction(int(c.numerator), int(c.denominator))
+                    * prod(x**n for x, n in zip(place, powers, strict=True) if n)
+                    for powers, c in p.terms()), Fraction(0))
+
+    def slope(self, p: Any) -> Any:
+        """Change of a polynomial at the numbers of the system, by the share of each free one."""
+        base, places = self.naming.values({}), list(self.names)
+        return np.array([float(self.at(p.diff(places.index(name)), base) * (base[name] or 1))
+                         for name in self.naming.free])
+
+    def distance(self, p: Any) -> float:
+        """By which share the numbers of the system must change, at least about, for p to be 0."""
+        slope = float(np.linalg.norm(self.slope(p)))
+        return float(self.at(p, self.naming.values({}))) / slope if slope else float("inf")
