@@ -785,3 +785,15 @@ def test_compliant_contacts_and_masses_are_solved_while_a_slider_moves(visit, so
     page.select_option('[id="contacts.0.law"]', "rigid")
     wait_for_e(page, "0.7")
     sync_api.expect(page.locator("#plot-roundness")).to_contain_text("rigid ends")
+
+
+def test_a_map_of_compliant_contacts_is_made_of_solutions(visit, solved):
+    page = visit(solved(HERTZ))
+    page.click("#map summary")
+    label = "stiffness k (the flatter the ends, the stiffer) of contact 1-2"
+    page.select_option("#map-y", label=label)
+    page.wait_for_selector("#map[data-took]", timeout=120_000)
+    length, stiffness, e = page.evaluate("[chart.xs[30], chart.ys[5], chart.values[5][30]]")
+    left = HERTZ.bodies[0].replace(length=length / 1000)
+    row = HERTZ.replace(bodies=[left, HERTZ.bodies[1]], contacts=[ri.Hertz(stiffness * 1e9)])
+    assert e == pytest.approx(ri.solve(row).outcome.restitution, abs=1e-6)

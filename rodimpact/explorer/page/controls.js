@@ -18,6 +18,8 @@ const FIELDS = {
 };
 const LAWS = { rigid: {}, hertz: { stiffness: 1e10 }, spring: { stiffness: 1e8 } };
 
+const stiffnessField = (law) => (/hertz|hunt/.test(law) ? "hertz" : "spring");
+
 const toShown = (value, power) => Number((power < 0 ? value * 10 ** -power : value / 10 ** power).toPrecision(12));
 
 /** The float nearest to what is written: one rounding, by one division or product. */
@@ -95,7 +97,7 @@ class Controls {
     block.append(this.choice([...path, "law"], "law", laws, entry.law || "rigid", (law) =>
       setAt(this.state, path, { gap: entry.gap || 0, law, ...LAWS[law] })));
     for (const key of Object.keys(entry).filter((k) => k !== "gap" && k !== "law")) {
-      const field = key !== "stiffness" ? FIELDS[key] : /hertz|hunt/.test(entry.law) ? FIELDS.hertz : FIELDS.spring;
+      const field = FIELDS[key === "stiffness" ? stiffnessField(entry.law) : key];
       if (field) block.append(this.number([...path, key], field));
     }
     return block;

@@ -1,16 +1,17 @@
 "use strict";
 // A map of e over two numbers of the design, computed by the page; a click takes the numbers there.
 
-const CELLS = 200; // each way
+const CELLS = { fronts: 200, characteristics: 40 }; // each way
+const SOON = 200; // ms between two drawings of a map that is not ready
 const REST = 300; // ms without a change before the map is computed anew
-const chart = { xs: null, ys: null, values: [], timer: 0, turn: 0, frame: null };
+const chart = { cells: 0, xs: null, ys: null, values: [], timer: 0, turn: 0, frame: null };
 
 /** The numbers that a map can vary, each with its path in the case and its name. */
 function numbersOf({ case: tables }) {
   const found = [];
-  const add = (key, path, where) => {
-    const value = getAt(tables, [...path, key]);
-    if (typeof value === "number") found.push({ name: `${FIELDS[key].name} of ${where}`, key, path: [...path, key], value });
+  const add = (key, path, where, entry = key) => {
+    const value = getAt(tables, [...path, entry]);
+    if (typeof value === "number") found.push({ name: `${FIELDS[key].name} of ${where}`, key, path: [...path, entry], value });
   };
   const [numbers, contacts] = [fronts.numbers_of(tables.bodies), fronts.contacts_of(tables.bodies)];
   tables.bodies.forEach((body, i) => {
@@ -22,9 +23,13 @@ function numbersOf({ case: tables }) {
       if (!profile) add("length", path, where); // which is bound to the length it was made for
       add("area", path, where);
     });
+    add("mass", ["bodies", i], name);
     add("velocity", ["bodies", i], name);
   });
-  listOf(tables.contacts).forEach((_, i) => add("gap", ["contacts", i], `contact ${contacts[i]}`));
+  listOf(tables.contacts).forEach(({ law }, i) => {
+    add("gap", ["contacts", i], `contact ${contacts[i]}`);
+    add(stiffnessField(law), ["contacts", i], `contact ${contacts[i]}`, "stiffness");
+  });
   for (const name of Object.keys(tables.materials || {})) {
     add("youngs_modulus", ["materials", name], name);
     add("density", ["materials", name], name);
@@ -36,7 +41,7 @@ function numbersOf({ case: tables }) {
 function valuesAbout({ key, value }) {
   const { low, high, power } = FIELDS[key];
   const [from, to] = value > 0 ? [toShown(value, power) / 10, 2 * toShown(value, power)] : [low, high];
-  return Array.from({ length: CELLS }, (_, i) => from + (to - from) * i / (CELLS - 1));
+  return Array.from({ length: chart.cells }, (_, i) => from + (to - from) * i / (chart.cells - 1));
 }
 
 /** Offer the numbers of the design, and keep those that are chosen. */
@@ -56,22 +61,28 @@ function showMap() {
   if (!byId("map").open) return;
   const numbers = numbersOf(design);
   offerNumbers(numbers);
-  const able = shown.scene && shown.scene.method === "fronts" && !problemsOf(design).length;
-  byId("map-reading").textContent = able ? "" : "The map is for collisions that fronts can follow.";
+  const able = shown.scene && !isStored(design) && !problemsOf(design).length;
+  byId("map-reading").textContent = able ? "" : "The map is for collisions that this page can solve.";
   if (able) chart.timer = setTimeout(computeMap, REST, numbers, chart.turn);
 }
 
 async function computeMap(numbers, turn) {
   const [x, y] = ["map-x", "map-y"].map((id) => numbers[byId(id).value]);
+  chart.cells = CELLS[shown.scene.method];
   const [xs, ys] = [valuesAbout(x), valuesAbout(y)];
   Object.assign(chart, { x, y, xs, ys, values: [] });
   const began = performance.now();
+  let drawn = began;
   const inSI = (values, { key }) => values.map((value) => fromShown(value, FIELDS[key].power));
   for await (const row of mapOf(design, [x.path, inSI(xs, x)], [y.path, inSI(ys, y)])) {
     if (turn !== chart.turn) return;
     chart.values.push(row);
-    if (chart.values.length % 40 === 0) drawMap();
+    if (performance.now() - drawn < SOON) continue;
+    drawn = performance.now();
+    byId("map-reading").textContent = `${Math.round(100 * chart.values.length / ys.length)} % solved`;
+    drawMap();
   }
+  byId("map-reading").textContent = "";
   byId("map").dataset.took = Math.round(performance.now() - began);
   drawMap();
 }
@@ -92,9 +103,10 @@ function drawMap() {
   const pen = new CanvasPen(byId("map-picture"));
   const { theme } = shown;
   const frame = plotFrame(pen, theme.size, { x0: xs[0], x1: xs.at(-1), y0: ys[0], y1: ys.at(-1) });
-  const image = new ImageData(CELLS, CELLS);
-  values.forEach((row, j) => row.forEach((e, i) => image.data.set(colourOfE(e), 4 * ((CELLS - 1 - j) * CELLS + i))));
-  const cells = new OffscreenCanvas(CELLS, CELLS);
+  const count = chart.cells;
+  const image = new ImageData(count, count);
+  values.forEach((row, j) => row.forEach((e, i) => image.data.set(colourOfE(e), 4 * ((count - 1 - j) * count + i))));
+  const cells = new OffscreenCanvas(count, count);
   cells.getContext("2d").putImageData(image, 0, 0);
   pen.context.imageSmoothingEnabled = false;
   pen.context.drawImage(cells, frame.x, frame.y, frame.width, frame.height);
@@ -111,7 +123,7 @@ function placeOnMap({ offsetX, offsetY }) {
   const { frame, xs, ys, values } = chart;
   if (!frame) return null;
   const [i, j] = [(offsetX - frame.x) / frame.width, (frame.bottom - offsetY) / frame.height].map((share) =>
-    Math.round(share * (CELLS - 1)));
+    Math.round(share * (chart.cells - 1)));
   if (!values[j] || values[j][i] === undefined) return null;
   return { x: Number(xs[i].toPrecision(3)), y: Number(ys[j].toPrecision(3)), e: values[j][i] };
 }

@@ -12,6 +12,7 @@ function problemsOf({ case: tables, gauges }) {
 const isStored = (asked) => start.scene !== null && JSON.stringify(asked) === JSON.stringify(start.design);
 
 const QUIET = 150; // ms after which sliders rest
+const AWAKE = 30; // ms of work between two looks at what the user does
 let resting = 0;
 const kept = {}; // curves that take long, as they were last
 
@@ -46,10 +47,13 @@ function sceneOf(asked) {
 
 /** e over two numbers of a design, row by row; the page stays awake. */
 async function* mapOf(design, [xPath, xs], [yPath, ys]) {
+  let rested = performance.now();
   for (let j = 0; j < ys.length; j += 1) {
     const tables = fronts.changed(design.case, yPath, ys[j]);
     yield fronts.e_over(tables, start.materials, xPath, xs);
-    if (j % 10 === 9) await new Promise((resolve) => { setTimeout(resolve); });
+    if (performance.now() - rested < AWAKE) continue;
+    await new Promise((resolve) => { setTimeout(resolve); });
+    rested = performance.now();
   }
 }
 
