@@ -56,7 +56,9 @@ def scene(case: Case, solution: Solution) -> Scene:
     system = solution.system
     held = [float(b.velocity) for b in system.bodies if isinstance(b, Wall)]
     held += [0.0 for end in system.ends if isinstance(end, Fixed | Moved)]
-    why, theory = o.why_no_restitution(), pair_theory(system)
+    why, theory, errors = o.why_no_restitution(), pair_theory(system), _errors(solution)
+    left = 0 if why else o.unilateral[0]
+    closing = o.velocities_before[left] - o.velocities_before[left + 1]
     closed = theory and {
         "restitution": float(theory.collision().restitution), "source": theory.source}
     return shortened(picture({
@@ -77,22 +79,22 @@ def scene(case: Case, solution: Solution) -> Scene:
             "before": o.velocities_before, "after": o.velocities_after, "able": o.unilateral,
             "contacts": [tally._asdict() for tally in o.contacts], "final": o.final, "why": why,
             "restitution": None if why else o.restitution,
-            "error": _error(solution),
+            "errors": errors, "error": 0.0 if why else 2 * errors["velocity"] / closing,
             "energy_before": o.kinetic_before + sum(o.vibration_before),
             "vibration_after": sum(o.vibration_after),
         },
     }))
 
 
-def _error(solution: Solution) -> float:
-    """Stated error of e: of two velocities, over the closing velocity."""
-    o = solution.outcome
-    if o.why_no_restitution():
-        return 0.0
-    speeds, left = (*o.velocities_before, *o.velocities_after), o.unilateral[0]
-    scale = max(speeds) - min(speeds)
-    closing = o.velocities_before[left] - o.velocities_before[left + 1]
-    return 2 * solution.accuracy.get("velocity", 0.0) * scale / closing
+def _errors(solution: Solution) -> dict[str, float]:
+    """Stated error of each kind of number, in its unit."""
+    o, own = solution.outcome, solution.accuracy
+    speeds = (*o.velocities_before, *o.velocities_after)
+    found = {"velocity": own.get("velocity", 0.0) * (max(speeds) - min(speeds))}
+    for key in ("impulse", "peak_force", "duration"):
+        known = [abs(v) for tally in o.contacts if (v := getattr(tally, key)) == v]
+        found[key] = own.get(key.replace("_", " "), 0.0) * max(known, default=0.0)
+    return found
 
 
 def _body(solution: Solution, i: int) -> Scene:

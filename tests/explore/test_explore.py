@@ -358,3 +358,14 @@ def test_lossy_and_tapered_rods_are_shown_from_a_grid():
     energy = next(plot for plot in page["plots"] if plot["key"] == "energy")
     kinds = {series["name"]: series["y"] for series in energy["series"]}
     assert kinds["lost in material"][-1] > 0
+
+
+def test_numbers_have_their_error_beside_them_where_it_is_above_half_of_the_last_digit():
+    case = with_gauges(ri.Case(PAIR))
+    coarse = scene(case, ri.solve(PAIR, 5e-4, "finite-difference", rtol=0.3))
+    fine = scene(case, ri.solve(PAIR, method="characteristics"))
+    for page, told in ((coarse, True), (fine, False)):
+        results = dict(page["results"])
+        texts = [page["restitution"]["text"], results["impulse"], results["peak force"],
+                 results["velocity of rod 2 after"]]
+        assert ["±" in text for text in texts] == [told] * 4

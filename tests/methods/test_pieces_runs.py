@@ -122,6 +122,7 @@ def test_a_saved_solution_says_the_same(plain, tmp_path, seed):
     again = ri.load(tmp_path / "run.npz")
     assert repr(everything(again).tolist()) == repr(everything(s).tolist())
     assert (again.accuracy, again.status, again.method) == (s.accuracy, s.status, s.method)
+    assert {type(error) for error in s.accuracy.values()} == {float}
     t = np.linspace(0, until, 7)
     assert again.energy(t).residual.tolist() == s.energy(t).residual.tolist()
 
