@@ -9,25 +9,19 @@ import math
 from typing import Any
 
 from ..methods.fronts.layout import round_trip
-from ..methods.fronts.method import cut_short, ends_of_contacts, pressing
+from ..methods.fronts.method import status_of
 from ..methods.fronts.records import NONE, Stop
-from ..methods.status import ending, last_contact, proof_sentence, rounding, strain_warning
+from ..methods.groups import groups_between, velocities_on_ground
+from ..methods.status import rounding, strain_warning
 from ..results.outcome import ROUND_OFF, no_restitution
 from ..theory import pair_numbers, pair_restitution
-from ..units import format_si
 from .runs import run_of, space_of
 from .tables import row_of
 
 
 def groups_of(row: Any) -> list[list[int]]:
     """Bodies that are bonded together, from left to right."""
-    groups = [[0]]
-    for i, bonded in enumerate(row["bonded"]):
-        if bonded:
-            groups[-1].append(i + 1)
-        else:
-            groups.append([i + 1])
-    return groups
+    return groups_between([not bonded for bonded in row["bonded"]])
 
 
 def velocities_of(row: Any, own: list[float]) -> list[float]:
@@ -35,15 +29,14 @@ def velocities_of(row: Any, own: list[float]) -> list[float]:
     found: list[float] = []
     bodies = row["bodies"]
     for g, group in enumerate(groups_of(row)):
-        held = []
+        inside = [i for i in group if bodies[i]["kind"] != "wall"]
+        ground = []
         for end, i in ((0, group[0]), (1, group[-1])):
-            if bodies[i]["kind"] == "wall" and end == (0 if i == 0 else 1):
-                held.append(bodies[i]["velocity"])
+            if i == end * (len(bodies) - 1) and bodies[i]["kind"] == "wall":
+                ground.append(bodies[i]["velocity"])
             elif i == end * (len(bodies) - 1) and row["ends"][end] == "fixed":
-                held.append(0.0)
-        shared = held[0] if len(held) == 1 or (len(held) == 2 and held[0] == held[1]) else own[g]
-        found.extend([
-            bodies[i]["velocity"] if bodies[i]["kind"] == "wall" else shared for i in group])
+                ground.append(0.0)
+        found.extend(velocities_on_ground(ground, group, inside, own[g]))
     return found
 
 
@@ -111,34 +104,18 @@ def proof_of(row: Any, run: Any) -> int:
 
 def sentence_of(row: Any, run: Any) -> str:
     """Why the run ended, as `Solution.status` has it."""
-    it, node, nodes = run["run"], run["node"], row["nodes"]
-    proof, stopped_by = proof_of(row, run), "until"
-    if it.stop == Stop.FINAL:
-        stopped_by = "final"
-    elif it.stop == Stop.CAP:
-        stopped_by = "max_events"
-    elif it.stop == Stop.CLOCK:
-        stopped_by = "clock"
-    met = any(at.episodes > 0 for at in node)
-    final, end = "", format_si(it.now * it.tick, "s")
-    if proof != NONE:
-        final = pressing(node, nodes)
-        if final == "":
-            ends = ends_of_contacts(node, nodes, it.tick)
-            trip = round_trip(run["body"], run["segment"]) * it.tick
-            final = proof_sentence(met, last_contact(ends, it.now * it.tick, trip))
-    sentence = cut_short(stopped_by, final, it.events, end)
-    if sentence == "":
-        walls = [i for i, body in enumerate(row["bodies"]) if body["kind"] == "wall"]
-        last = len(row["bonded"]) - 1
-        held = len(walls) == 2 or any(row["bonded"][min(i, last)] for i in walls)
-        acting = "an end is driven" if driven_ends(row) else ""
-        sentence = ending(stopped_by, final, end, f"{it.events} events", acting, held)
-    error, worst = transit_error_of(row, run)
-    slowest = math.inf
+    it, slowest, last = run["run"], math.inf, len(row["bonded"]) - 1
+    walls = [i for i, body in enumerate(row["bodies"]) if body["kind"] == "wall"]
     for piece in row["segments"]:
         slowest = min(slowest, piece["wave_speed"])
-    return sentence + rounding(error, worst) + strain_warning(it.fastest / slowest)
+    error, worst = transit_error_of(row, run)
+    text = status_of(it, run["node"], row["nodes"], {
+        "proved": proof_of(row, run) != NONE,
+        "round_trip": round_trip(run["body"], run["segment"]) * it.tick,
+        "acting": "an end is driven" if driven_ends(row) else "",
+        "held": len(walls) == 2 or any(row["bonded"][min(i, last)] for i in walls),
+    })
+    return text + rounding(error, worst) + strain_warning(it.fastest / slowest)
 
 
 def transit_error_of(row: Any, run: Any) -> Any:

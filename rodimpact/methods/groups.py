@@ -12,12 +12,17 @@ from ..model import Bonded, Fixed, RigidMass, System, Wall
 
 def groups(system: System) -> list[list[int]]:
     """Bodies that are bonded or joined together, from left to right."""
-    bonded: list[list[int]] = [[0]]
-    for i, law in enumerate(system.contacts):
-        if law.opens:
-            bonded.append([])
-        bonded[-1].append(i + 1)
-    return bonded
+    return groups_between([law.opens for law in system.contacts])
+
+
+def groups_between(opens: list[bool]) -> list[list[int]]:
+    """The groups, from whether each contact can open; the page has this as JavaScript."""
+    found = [[0]]
+    for i, able in enumerate(opens):
+        if able:
+            found.append([])
+        found[-1].append(i + 1)
+    return found
 
 
 def unilateral(system: System) -> list[int]:
@@ -51,13 +56,18 @@ def velocities_in_group(system: System, group: list[int], inside: list[int], own
     own : float or array
         Momentum over mass of those inside, m/s.
     """
-    ground = grounds(system, group)
-    if not ground:
-        return [own] * len(group)
-    shared = ground[0]
+    return velocities_on_ground(grounds(system, group), group, inside, own)
+
+
+def velocities_on_ground(
+    ground: list[Any], group: list[int], inside: list[int], own: Any
+) -> list[Any]:
+    """As `velocities_in_group`, from the `grounds`; the page has this as JavaScript."""
+    if len(ground) == 0:
+        return [own for _ in group]
+    shared, moving = ground[0], inside if len(inside) > 0 else group
     if len(ground) == 2:
-        shared = np.where(np.equal(*ground), shared, own)[()]
-    moving = inside or group
+        shared = np.where(ground[0] == ground[1], ground[0], own) + 0.0  # a number, where one is
     return [ground[0] if i < moving[0] else ground[-1] if i > moving[-1] else shared for i in group]
 
 

@@ -15,11 +15,16 @@ ROUNDED = 2.0**-36  # relative change of a transit time that is told
 
 def end_sentence(system: System, stopped_by: str, final: str, end: str, cap: str) -> str:
     """Why a run ended, with what its proof says, if it has one."""
+    return ending(stopped_by, final, end, cap, *acting_and_held(system))
+
+
+def acting_and_held(system: System) -> tuple[str, bool]:
+    """What drives a row, "" where nothing does, and whether walls hold it in."""
     ends = ((0, 0), (len(system.bodies) - 1, -1))
     walls = [system.contacts[k] for i, k in ends if isinstance(system.bodies[i], Wall)]
     held = len(walls) == 2 or not all(law.opens for law in walls)
-    acting = driven(system) and ("gravity acts" if system.gravity else "an end is driven")
-    return ending(stopped_by, final, end, cap, acting or "", held)
+    acting = "gravity acts" if system.gravity else "an end is driven"
+    return acting if driven(system) else "", held
 
 
 def ending(stopped_by: str, final: str, end: str, cap: str, acting: str, held: bool) -> str:

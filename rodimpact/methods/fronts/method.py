@@ -19,7 +19,8 @@ from ..row import Array, Row
 from ..run import MAX_EVENTS, MEASURES, VELOCITY, ContactTally, Run, Totals
 from ..status import (
     ROUNDED,
-    end_sentence,
+    acting_and_held,
+    ending,
     last_contact,
     proof_sentence,
     rounding,
@@ -75,24 +76,56 @@ def hand_over(
         method="fronts", until=until, clock=a, end=now,
         t_end=until if until is not None and run.stopped_by == "until" else now * a.tick,
         t_final=t_final, t_proved=run.finality_time * a.tick if proved else math.nan,
-        stopped_by=run.stopped_by, status=_status(run, t_final) + _told(accuracy),
+        stopped_by=run.stopped_by, status=_status(run) + _told(accuracy),
         events=run.run.events, accuracy=accuracy,
         contacts=tallies, totals=totals_of(run, tallies), make_signals=lambda: signals_of(run),
     )
 
 
-def _status(run: FrontRun, t_final: float) -> str:
+def _status(run: FrontRun) -> str:
     """Why the run ended, and what to do if that is not enough."""
-    a, node = run.clock, run.node
-    final = "" if run.finality_time == NONE else pressing(
-        node, run.plan.contacts) or proof_sentence(any(at.episodes for at in node), t_final)
-    end, events = format_si(run.run.now * a.tick, "s"), run.run.events
-    sentence = cut_short(run.stopped_by, final, events, end) or end_sentence(
-        a.system, run.stopped_by, final, end, f"{events} events")
+    a = run.clock
+    acting, held = acting_and_held(a.system)
+    text = status_of(run.run, run.node, run.plan.contacts, {
+        "proved": run.finality_time != NONE, "round_trip": 2 * a.longest * a.tick,
+        "acting": acting, "held": held,
+    })
     return (
-        sentence + rounding(a.transit_error, a.worst)
+        text + rounding(a.transit_error, a.worst)
         + strain_warning(run.run.fastest / min(a.wave_speed[1:-1]))
     )
+
+
+def status_of(it: Any, node: Sequence[Any], contacts: Sequence[int], known: Any) -> str:
+    """Why a run ended, from its records; the page has this as JavaScript.
+
+    Parameters
+    ----------
+    it : RUN
+    node : list of NODE
+    contacts : list of int
+        Node of each contact.
+    known : dict
+        Whether the end is ``proved``; ``round_trip`` of the longest body, s; what is ``acting`` on
+        the row, and whether walls have it ``held``, as of `ending`.
+    """
+    stopped_by, final, end = "until", "", format_si(it.now * it.tick, "s")
+    if it.stop == Stop.FINAL:
+        stopped_by = "final"
+    elif it.stop == Stop.CAP:
+        stopped_by = "max_events"
+    elif it.stop == Stop.CLOCK:
+        stopped_by = "clock"
+    if known["proved"]:
+        final = pressing(node, contacts)
+        if final == "":
+            ends = ends_of_contacts(node, contacts, it.tick)
+            latest = last_contact(ends, it.now * it.tick, known["round_trip"])
+            final = proof_sentence(any(at.episodes > 0 for at in node), latest)
+    sentence = cut_short(stopped_by, final, it.events, end)
+    if sentence != "":
+        return sentence
+    return ending(stopped_by, final, end, f"{it.events} events", known["acting"], known["held"])
 
 
 def _told(accuracy: Mapping[str, float]) -> str:
