@@ -19,7 +19,7 @@ SCRIPTS = (
     "picture.js", "strip.js", "plots.js", "reading.js", "lesson.js", "tour.js", "film.js",
     "compare.js", "controls.js", "map.js", "build.js", "address.js", "main.js",
 )
-PACKED = ("python.js", "kernels.js")  # these are compressed
+LOADER = "loader.js"  # unpacks the others
 
 
 def read(name: str) -> str:
@@ -50,11 +50,10 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
         HTML.
     """
     style = lean(read("page.css"))
-    script = lean("\n".join(read(name) for name in SCRIPTS if name not in PACKED))
-    kernels = lean("\n".join(map(read, PACKED)))
+    loader, script = lean(read(LOADER)), lean("\n".join(map(read, SCRIPTS)))
     policy = "; ".join([
         "default-src 'none'", f"style-src {_digest(style)}",
-        f"script-src {_digest(script)} {_digest(kernels)}",
+        f"script-src {_digest(loader)} {_digest(script)}",
         "img-src data: blob:", "base-uri 'none'", "form-action 'none'",
     ])
     data = json.dumps(embedded, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
@@ -65,8 +64,8 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
     )
     tail = (
         f'<script type="application/json" id="embedded">{data}</script>\n'
-        f'<script type="text/plain" id="packed">{packed(kernels)}</script>\n'
-        f"<script>{script}</script>"
+        f'<script type="text/plain" id="packed">{packed(script)}</script>\n'
+        f"<script>{loader}</script>"
     )
     page = read("page.html")
     for pattern, text in (

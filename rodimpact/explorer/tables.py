@@ -100,9 +100,10 @@ def lacking(case: Any) -> tuple[str, str]:
         key = other_key(contact, ("gap", "law", *numbers))
         if key != "":
             return f"contacts.{i}.{key}", f"the entry {key}"
+    used = [piece.get("material", "") for body in case["bodies"] for piece in pieces_of(body)]
     for name, material in case.get("materials", {}).items():
         for key in ("viscosity", "loss_factor"):
-            if material.get(key, 0) != 0:
+            if material.get(key, 0) != 0 and any(name == one for one in used):
                 return f"materials.{name}", DAMPING
         key = other_key(material, ("youngs_modulus", "density", "poisson_ratio", "viscosity"))
         if key != "":

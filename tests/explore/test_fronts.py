@@ -157,6 +157,7 @@ BODY = {"kind": "rod", "length": 0.4, "area": 1e-4, "material": "steel"}
     {"solve": {"method": "finite-difference", "until": 1e-3}}, {"solve": {"method": "fronts"}},
     {"materials": {"own": {"youngs_modulus": 1e11, "density": 5e3, "viscosity": 1e4}},
      "bodies": [{**BODY, "material": "own"}, ROD]},
+    {"materials": {"idle": {"youngs_modulus": 1e11, "density": 5e3, "viscosity": 1e4}}},
 ])
 def test_the_page_solves_what_fronts_can_carry(change):
     case = {"schema": 1, "bodies": [ROD, {**ROD, "velocity": 0.0}], **change}

@@ -102,7 +102,7 @@ function rowTools(state, changed) {
 
 class History {
   constructor(button, restore) {
-    Object.assign(this, { states: [], now: null, last: 0, button });
+    Object.assign(this, { states: [], now: null, last: -Infinity, button });
     button.addEventListener("click", () => restore(this.back()));
     addEventListener("keydown", (event) => {
       if (!(event.ctrlKey || event.metaKey) || event.key !== "z" || event.target.isContentEditable || !this.states.length) return;
@@ -117,7 +117,7 @@ class History {
     const moment = performance.now();
     if (this.now !== null && text !== this.now && (whole || moment - this.last > PAUSE)) this.states.push(this.now);
     this.states.splice(0, this.states.length - UNDONE);
-    Object.assign(this, { now: text, last: whole ? 0 : moment });
+    Object.assign(this, { now: text, last: whole ? -Infinity : moment });
     this.button.disabled = this.states.length === 0;
   }
 

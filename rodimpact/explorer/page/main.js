@@ -270,7 +270,6 @@ function connect() {
 }
 
 async function beginPage() {
-  await unpackKernels();
   if (start.scene) start.scene = JSON.parse(await unpacked(start.scene));
   controls = new Controls(byId("controls"), start.materials, changed);
   past = new History(byId("undo"), begin);

@@ -1,18 +1,6 @@
 "use strict";
 // What the page solves by itself, and the case file of what it shows.
 
-/** A text that the page holds compressed. */
-function unpacked(letters) {
-  const bytes = Uint8Array.from(atob(letters), (letter) => letter.charCodeAt(0));
-  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).text();
-}
-
-async function unpackKernels() {
-  const script = document.createElement("script");
-  script.textContent = await unpacked(byId("packed").textContent);
-  document.head.append(script);
-}
-
 /** What is wrong with a design, or what of it this page cannot solve. */
 function problemsOf({ case: tables, gauges }) {
   const [path, what] = fronts.lacking(tables);
