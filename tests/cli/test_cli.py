@@ -379,9 +379,10 @@ def test_names_that_are_no_text(case, capsys):
 
 def test_a_bad_backend_of_matplotlib_does_no_harm(case):
     bogus = ENVIRONMENT | {"MPLBACKEND": "bogus"}
-    done = python("-m", "rodimpact", "run", "case.toml", "--plot", "a.png", env=bogus)
+    code = ("import sys; from rodimpact.cli import main; main(['run', sys.argv[1]]);"
+            "import matplotlib.pyplot")
+    done = python("-c", code, case, env=bogus)
     assert (done.returncode, done.stderr) == (0, "")
-    assert Path("a.png").exists()
 
 
 @pytest.mark.parametrize("method", ["fronts", "characteristics", "finite-difference"])
