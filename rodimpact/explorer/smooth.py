@@ -11,9 +11,9 @@ from typing import Any
 from ..methods.pieces.accuracy import size_of
 from ..methods.pieces.method import RTOL
 from ..methods.pieces.records import Law, Stop
-from ..methods.pieces.totals import ends_of_contacts, stated, tally_of, told_of
+from ..methods.pieces.totals import stated, status_of, tally_of, told_of, why_stopped
 from ..methods.scales import smallest
-from ..methods.status import ending, last_contact, proof_sentence, strain_warning
+from ..methods.status import strain_warning
 from ..results.outcome import no_restitution
 from ..units import format_si
 from .fronts import body_of, plot_of, series_of, slowest_of
@@ -72,6 +72,8 @@ def smooth_known(row: Any, contacts: Any, gauges: Any) -> Any:
     for i, place in enumerate(known["links"]):
         it = run["ended"].link[place]
         force = line_curve(run, waves[it.force_line], 1.0)
+        if force["y"][0] != 0:  # it jumps at t = 0
+            force = {"t": [0.0, *force["t"]], "y": [0.0, *force["y"]]}
         forces.append(series_of(names[i], force["t"], force["y"], False))
         if it.law >= Law.RIGID:
             gap = line_curve(run, waves[it.overlap_line], -1.0)
@@ -198,21 +200,13 @@ def smooth_sentence(row: Any, run: Any) -> str:
             for c in piece.coefficient:
                 speed += abs(c)
             fastest = max(fastest, speed / row["segments"][piece.line // 2]["wave_speed"])
-    stopped_by = "until" if row["until"] >= 0 else "clock"
-    if it.stop == Stop.CAP:
-        stopped_by = "max_events"
-    elif row["until"] < 0 and it.proved >= 0:
-        stopped_by = "final"
-    proof = ""
-    if it.proved >= 0:
-        t_final = last_contact(ends_of_contacts(ended.link, tick), end, 2 * longest * tick)
-        proof = proof_sentence(any(one.episodes > 0 for one in ended.link), t_final)
     walls = [i for i, body in enumerate(row["bodies"]) if body["kind"] == "wall"]
     last = len(row["bonded"]) - 1
-    held = len(walls) == 2 or any(row["bonded"][min(i, last)] for i in walls)
-    acting = "an end is driven" if driven_ends(row) else ""
-    written = format_si(end, "s")
-    sentence = ending(stopped_by, proof, written, f"{it.steps} steps of nodes", acting, held)
+    sentence = status_of(it, ended.link, {
+        "stopped_by": why_stopped(it, row["until"] >= 0), "end": end,
+        "round_trip": 2 * longest * tick, "acting": "an end is driven" if driven_ends(row) else "",
+        "held": len(walls) == 2 or any(row["bonded"][min(i, last)] for i in walls),
+    })
     worst = max(run["errors"][0], run["errors"][1], run["errors"][2])
     return sentence + stated(worst, RTOL) + told_of(it) + strain_warning(fastest)
 

@@ -14,6 +14,7 @@ from .outcome import groups_of
 CELLS, ROWS = 2000, 50  # in all, about, and one above the other
 SAMPLES = 400  # of a curve
 INSIDE = 8  # points of a curve in one piece
+FINEST = 5e-5  # of the run, between two of them
 MOMENTS = 100  # of the energy
 POINTS = 32  # of a segment, for its strain energy
 
@@ -69,13 +70,16 @@ def line_curve(run: Any, wave: Any, factor: float) -> Any:
 
     Where pieces are many, values at even times.
     """
-    tick, found, now = run["clock"].tick, [], run["now"]
+    tick, now = run["clock"].tick, run["now"]
+    found: list[Any] = []
     for piece in wave["piece"]:
         stop = min(piece.stop, now)
         parts = 1 if piece.degree == 0 else INSIDE
         for k in range(parts + 1 if stop > piece.start else 0):
             at = piece.start + (stop - piece.start) * k / parts
-            found.append((at, lines.at(piece, reading.share_of(piece, at))))
+            last = found[-1][0] if len(found) > 0 else -now
+            if at in (last, now) or at - last > FINEST * now:  # two at once where it jumps
+                found.append((at, lines.at(piece, reading.share_of(piece, at))))
     if len(found) > 2 * SAMPLES:
         even = [now * k / SAMPLES for k in range(SAMPLES + 1)]
         found = [(at, reading.value_at(wave, at)) for at in even]
@@ -104,16 +108,29 @@ def gauge_curve(row: Any, run: Any, waves: list[Any], body: Any, x: float) -> An
 
 
 def strain_energy(row: Any, run: Any, waves: list[Any], now: float) -> float:
-    """Strain energy of all rods at a tick, J, from states at even places."""
+    """Strain energy of all rods at a tick, J: from states at even places between jumps."""
     total = 0.0
     for s, piece in enumerate(row["segments"]):
-        T, square = run["clock"].transits[s], 0.0
-        for k in range(POINTS):
-            after = T * (k + 0.5) / POINTS
-            wave = reading.value_at(waves[2 * s + 1], now - T + after)
-            square += (wave - reading.value_at(waves[2 * s], now - after)) ** 2
-        total += piece["mass"] * square / POINTS / 8
+        a, b, T = waves[2 * s], waves[2 * s + 1], run["clock"].transits[s]
+        edges = [0.0, *[now - tick for tick in jumps_between(a, now - T, now)]]
+        edges.extend([tick - now + T for tick in jumps_between(b, now - T, now)])
+        edges = [*sorted(edges), T]
+        for i in range(len(edges) - 1):
+            wide, square = edges[i + 1] - edges[i], 0.0
+            count = 1 + int(POINTS * wide / T)
+            for k in range(count):
+                after = edges[i] + wide * (k + 0.5) / count
+                square += (reading.value_at(b, now - T + after)
+                           - reading.value_at(a, now - after)) ** 2
+            total += piece["mass"] * wide / T * square / count / 8
     return total
+
+
+def jumps_between(wave: Any, start: float, stop: float) -> list[float]:
+    """Ticks between two at which a wave jumps."""
+    first, last = reading.place_of(wave, start) + 1, reading.place_of(wave, stop)
+    found = [piece.start for piece in wave["piece"][first : last + 1] if piece.order == 0]
+    return found if len(found) < POINTS else []
 
 
 def energy_curves(row: Any, known: Any, run: Any, waves: list[Any]) -> Any:

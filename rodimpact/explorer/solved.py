@@ -5,7 +5,10 @@ Plain Python, which the page has as JavaScript.
 
 from __future__ import annotations
 
+import math
 from typing import Any
+
+import numpy as np
 
 from .fronts import known_of
 from .outcome import changed, restitutions
@@ -13,6 +16,7 @@ from .picture import picture, ratio_of
 from .smooth import smooth_known, smooth_restitution
 from .tables import contacts_in, is_smooth, row_of
 
+LEAST, MOST = -2.0, 4.0  # log10 of kappa, on the curve of e over the roundness of the ends
 RATIOS, FEW = 80, 20  # of the lengths, on the curve of e: of fronts and of characteristics
 
 
@@ -36,7 +40,7 @@ def scene_of(case: Any, gauges: Any, library: Any) -> Any:
         known["curve"] = {"ratios": [], "values": [], "source": ""}  # solved when sliders rest
     elif ratio is not None:
         known["curve"] = curve_of(case, library, ratio)
-    return picture(known)
+    return {**picture(known), "roundness": begin_roundness(case, row)}
 
 
 def e_over(case: Any, library: Any, path: list[Any], values: list[float]) -> list[Any]:
@@ -60,3 +64,49 @@ def curve_of(case: Any, library: Any, ratio: float) -> Any:
     lengths = [r * case["bodies"][1]["length"] for r in ratios]
     values = e_over(case, library, ["bodies", 0, "length"], lengths)
     return {"ratios": ratios, "values": values, "source": f"solved at {count} ratios"}
+
+
+def unit_stiffness(case: Any, row: Any) -> float:
+    """Stiffness k of rounded ends, N/m^1.5, for which kappa = k (V T)^(1/2) T/Z is 1.
+
+    V is the closing speed, T the longer transit time and Z the impedance of that rod, so that
+    T/Z = L/(E A). It is 0 for all but two uniform rods with rigid or round ends.
+    """
+    contacts = contacts_in(case)
+    if len(row["bodies"]) != 2 or len(row["segments"]) != 2 or len(contacts) != 1:
+        return 0.0
+    if any(body["kind"] != "rod" or isinstance(body["velocity"], dict) for body in row["bodies"]):
+        return 0.0
+    closing = row["bodies"][0]["velocity"] - row["bodies"][1]["velocity"]
+    if contacts[0].get("law", "rigid") not in ("rigid", "hertz") or closing <= 0:
+        return 0.0
+    left, right = row["segments"]
+    rod = left if left["transit_time"] > right["transit_time"] else right
+    T: float = rod["transit_time"]
+    k: float = rod["impedance"] / (T * math.sqrt(closing * T))
+    return k
+
+
+def begin_roundness(case: Any, row: Any) -> Any:
+    """Where a pair is on the curve of `roundness_of`, log10 of its kappa; None for other rows."""
+    unit = unit_stiffness(case, row)
+    if unit == 0:
+        return None
+    k = contacts_in(case)[0].get("stiffness")
+    return {"ratios": [], "values": [], "source": "",
+            "here": None if k is None else math.log10(k / unit)}
+
+
+def roundness_of(case: Any, library: Any) -> Any:
+    """e of a pair over the roundness of its ends, which meet by Hertz's law: over log10 kappa.
+
+    Ends that are nearly flat, of large kappa, let waves decide: e is that of rigid ends. Between
+    round ends the force changes little in a transit, and the rods rebound like rigid balls.
+    """
+    unit = unit_stiffness(case, row_of(case, library))
+    logs = [LEAST + (MOST - LEAST) * i / (FEW - 1) for i in range(FEW)]
+    contact, values = contacts_in(case)[0], []
+    for log in logs:
+        hertz = {**contact, "law": "hertz", "stiffness": unit * np.exp(log * math.log(10.0))}
+        values.append(smooth_restitution({**case, "contacts": [hertz]}, library))
+    return {"ratios": logs, "values": values, "source": f"solved at {FEW} stiffnesses"}

@@ -14,7 +14,7 @@ from ..units import format_factor, format_si
 from .javascript import javascript
 from .outcome import changed
 from .reason import spells_of, value_at
-from .solved import curve_of, e_over, scene_of
+from .solved import curve_of, e_over, roundness_of, scene_of
 from .tables import lacking, mistakes
 from .texts import contacts_of, name_of, numbers_of, written
 
@@ -24,8 +24,8 @@ CONSTANTS = {
 }
 """Constants of the kernels on the page's clock."""
 FUNCTIONS = (
-    lacking, mistakes, scene_of, e_over, curve_of, changed, contacts_of, name_of, numbers_of,
-    spells_of, value_at,
+    lacking, mistakes, scene_of, e_over, curve_of, roundness_of, changed, contacts_of, name_of,
+    numbers_of, spells_of, value_at,
 )
 KNOWN = {format_si: "inSi", written: "inSi", format_factor: "plainNumber", blank: "py.blank"}
 """What the page writes in its own way."""

@@ -769,3 +769,19 @@ def test_an_address_that_cannot_be_solved_is_told(visit, url, address, words):
     page.goto(f"{url}{address}")
     told = page.locator("#message:not(:empty), .problem:not(:empty)").first
     sync_api.expect(told).to_contain_text(words)
+
+
+def test_compliant_contacts_and_masses_are_solved_while_a_slider_moves(visit, solved):
+    page = visit(solved(HERTZ))
+    for mm in (300, 500, 700):
+        field(page, LENGTH).fill(f"{mm}")
+        left = HERTZ.bodies[0].replace(length=mm / 1000)
+        outcome = ri.solve(HERTZ.replace(bodies=[left, HERTZ.bodies[1]])).outcome
+        wait_for_e(page, f"{outcome.restitution:.5g}")
+    count = "shown.scene.{}.values.filter((e) => e !== null).length"
+    page.wait_for_function(count.format("curve") + " === 20")
+    page.wait_for_function(count.format("roundness") + " === 20")
+    assert page.locator("#plot-roundness").is_visible()
+    page.select_option('[id="contacts.0.law"]', "rigid")
+    wait_for_e(page, "0.7")
+    sync_api.expect(page.locator("#plot-roundness")).to_contain_text("rigid ends")

@@ -11,7 +11,7 @@ const FIELDS = {
   density: { name: "density ρ", unit: "kg/m³", power: 0, low: 500, high: 20000, log: true },
   gap: { name: "gap", unit: "µm", power: -6, low: 0, high: 500, step: 1 },
   spring: { name: "stiffness", unit: "N/µm", power: 6, low: 1, high: 100000, log: true },
-  hertz: { name: "stiffness", unit: "GN/m^1.5", power: 9, low: 1e-3, high: 1e4, log: true },
+  hertz: { name: "stiffness k (the flatter the ends, the stiffer)", unit: "GN/m^1.5", power: 9, low: 1e-3, high: 1e4, log: true },
   damping: { name: "damping", unit: "SI", power: 0, low: 0, high: 1000, step: 1 },
   restitution: { name: "restitution", unit: "", power: 0, low: 0, high: 1, step: 0.01, bounded: true },
   fraction: { name: "at", unit: "%", power: -2, low: 0, high: 100, step: 1, bounded: true },

@@ -33,17 +33,27 @@ function drawPlot(pen, plot, { begin, end }, now, theme) {
   drawFrame(pen, frame, theme.size, theme, { x: [begin, end, "s", "time"], y: [low, high, plot.unit, ""] });
 }
 
-/** e over l1/l2, and the collision shown. */
-function drawCurve(scene, theme) {
-  byId("plot-curve").hidden = scene.curve === null;
-  if (scene.curve === null) return;
-  const { ratios, values, source } = scene.curve;
-  caption(byId("plot-curve").firstElementChild, "e over l₁/l₂", [
-    [`here ${plainNumber(scene.ratio, 4)}`, theme.wrong], [source, theme.series[0]]]);
-  const pen = new CanvasPen(byId("curve"));
-  const right = ratios.at(-1) || 2;
+/** e over l1/l2, and over the roundness of the ends. */
+function drawCurves(scene, theme) {
+  const { curve, ratio, roundness } = scene;
+  drawCurve("curve", curve && {
+    ...curve, here: ratio, from: 0, title: "e over l₁/l₂", name: "l₁/l₂", said: `here ${plainNumber(ratio, 4)}` }, scene, theme);
+  drawCurve("roundness", roundness && {
+    ...roundness, title: "e over the roundness of the ends", name: "log₁₀ κ, κ = k (V T)^½ T/Z: 2 is nearly flat",
+    said: roundness.here === null ? "rigid ends: κ is infinite" : `here κ = ${plainNumber(10 ** roundness.here, 3)}` }, scene, theme);
+}
+
+/** e over one number, and the collision shown. */
+function drawCurve(id, curve, { restitution }, theme) {
+  byId(`plot-${id}`).hidden = !curve;
+  if (!curve) return;
+  const { ratios, values, source, here, from = ratios[0], title, name, said } = curve;
+  caption(byId(`plot-${id}`).firstElementChild, title, [[said, theme.wrong], [source, theme.series[0]]]);
+  const pen = new CanvasPen(byId(id));
+  if (!ratios.length) return;
+  const right = ratios.at(-1);
   const most = Math.max(1, ...values.filter((e) => e !== null));
-  const frame = plotFrame(pen, theme.size, { x0: 0, x1: right, y0: 0, y1: 1.08 * most });
+  const frame = plotFrame(pen, theme.size, { x0: from, x1: right, y0: 0, y1: 1.08 * most });
   let points = [];
   const strokes = [points];
   ratios.forEach((ratio, i) => {
@@ -51,10 +61,10 @@ function drawCurve(scene, theme) {
     else points.push([frame.across(ratio), frame.up(values[i])]);
   });
   for (const stroke of strokes) if (stroke.length) pen.line(stroke, theme.series[0], 2);
-  if (scene.restitution.value !== null) {
-    pen.disc(frame.across(scene.ratio), frame.up(scene.restitution.value), 0.42 * theme.size, theme.wrong);
+  if (restitution.value !== null && here !== null && here >= from && here <= right) {
+    pen.disc(frame.across(here), frame.up(restitution.value), 0.42 * theme.size, theme.wrong);
   }
-  drawFrame(pen, frame, theme.size, theme, { x: [0, right, "", "l₁/l₂"], y: [0, 1.08 * most, "", "e"] });
+  drawFrame(pen, frame, theme.size, theme, { x: [from, right, "", name], y: [0, 1.08 * most, "", "e"] });
 }
 
 /** Caption: the title, and each curve with its value at the time shown. */
@@ -72,7 +82,7 @@ function caption(element, title, entries) {
 
 /** Draw all curves; figures are made anew only when there are others. */
 function drawPlots(holder, scene, now, theme) {
-  drawCurve(scene, theme);
+  drawCurves(scene, theme);
   const keys = scene.plots.map((plot) => plot.key).join();
   if (holder.dataset.keys !== keys) {
     holder.dataset.keys = keys;

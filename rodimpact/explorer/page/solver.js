@@ -12,18 +12,22 @@ function problemsOf({ case: tables, gauges }) {
 const isStored = (asked) => start.scene !== null && JSON.stringify(asked) === JSON.stringify(start.design);
 
 const QUIET = 150; // ms after which sliders rest
-let [resting, lastCurve] = [0, null];
+let resting = 0;
+const kept = {}; // curves that take long, as they were last
 
-/** A curve that takes long: the last one, until the sliders rest. */
-function curveLater(ratio) {
-  const solve = () => { lastCurve = fronts.curve_of(design.case, start.materials, ratio); };
-  if (!lastCurve) solve();
-  resting = setTimeout(() => {
-    solve();
-    Object.assign(shown.scene, { curve: lastCurve });
+/** Solve the curves that take long once the sliders rest; until then those before are shown. */
+function solveAtRest(scene) {
+  clearTimeout(resting);
+  const late = ["curve", "roundness"].filter((key) => scene[key] && !scene[key].values.length);
+  for (const key of late) scene[key] = { ...scene[key], ...kept[key] };
+  const solve = { curve: () => fronts.curve_of(design.case, start.materials, scene.ratio), roundness: () => fronts.roundness_of(design.case, start.materials) };
+  if (late.length) resting = setTimeout(() => {
+    for (const key of late) {
+      kept[key] = solve[key]();
+      Object.assign(shown.scene[key], kept[key]);
+    }
     redraw();
   }, QUIET);
-  return lastCurve;
 }
 
 /** The scene of a design as `data`, or its `problems`. */
@@ -33,8 +37,7 @@ function sceneOf(asked) {
     const problems = problemsOf(asked);
     if (problems.length) return { problems };
     const { problem, ...data } = fronts.scene_of(asked.case, listOf(asked.gauges), start.materials);
-    clearTimeout(resting);
-    if (data.curve && !data.curve.values.length) data.curve = curveLater(data.ratio);
+    if (!problem) solveAtRest(data);
     return problem ? { problems: [{ path: problem[0], message: problem[1] }] } : { data };
   } catch (error) {
     return { problems: [{ path: "", message: `The design cannot be read: ${error.message}` }] };

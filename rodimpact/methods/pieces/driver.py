@@ -63,8 +63,9 @@ class Machine:
     @property
     def ended(self) -> Ended:
         """What is known of it after `go`."""
-        link, part = (compiling.as_objects(self.records[name]) for name in ("link", "part"))
-        return Ended(self.run, link, part)
+        run, link, part = (
+            compiling.as_objects(self.records[name]) for name in ("run", "link", "part"))
+        return Ended(run[0], link, part)
 
     def go(self, forecast: Forecast | None = None) -> Stop:
         """Run to the end, in slices; return why it stopped."""

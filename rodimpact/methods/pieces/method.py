@@ -15,20 +15,26 @@ from typing import Any
 
 import numpy as np
 
-from ...units import format_si
 from .. import abilities as physics
 from ..clock import clock_of
 from ..duration import Forecast, Progress
 from ..groups import groups
 from ..row import Row, squeezed
 from ..run import MEASURES, ContactTally, GroupTotals, Run, Signals, largest_error
-from ..status import end_sentence, last_contact, proof_sentence, rounding, strain_warning
+from ..status import acting_and_held, last_contact, rounding, strain_warning
 from .accuracy import COARSER, COARSEST, apart, compare, left_open
 from .driver import Machine
 from .records import Law, Part, Stop
 from .rows import LAWS, Layout, lay_out
 from .signals import signals_of
-from .totals import ends_of_contacts, stated, tally_of, told_of
+from .totals import (
+    ends_of_contacts,
+    stated,
+    status_of,
+    tally_of,
+    told_of,
+    why_stopped,
+)
 
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
 RTOL = 1e-8
@@ -58,7 +64,7 @@ def solve(
         coarse.go(forecast)
         accuracy = dict(zip(MEASURES, apart(fine.ended, coarse.ended), strict=True))
         coarser *= COARSER
-    return _hand_over(layout, fine, accuracy, until, stop, goal)
+    return _hand_over(layout, fine, accuracy, until, goal)
 
 
 def tolerance_of(rtol: float | None) -> float:
@@ -67,36 +73,34 @@ def tolerance_of(rtol: float | None) -> float:
 
 
 def _hand_over(
-    layout: Layout, machine: Machine, accuracy: dict[str, float], until: float | None, stop: Stop,
+    layout: Layout, machine: Machine, accuracy: dict[str, float], until: float | None,
     goal: float,
 ) -> Run:
     row, r = layout.row, machine.records
-    ended, run = machine.ended, machine.run
+    ended = machine.ended
+    run = ended.run
     clock = clock_of(
         row, [int(T[0]) for T in layout.clock.transits], float(layout.clock.tick[0]),
         scale=float(layout.run["scale"][0]))
     accuracy = {name: error + left_open(run, layout.fit) for name, error in accuracy.items()}
     end, tick = _end(r), clock.tick
-    stopped_by = "max_events" if stop == Stop.CAP else "until" if until is not None else (
-        "final" if run["proved"] >= 0 else "clock")
+    stopped_by = why_stopped(run, until is not None)
     t_end = until if until is not None and stopped_by == "until" else end * tick
-    proved, proof, t_final = run["proved"] >= 0, "", math.nan
+    proved, t_final, trip = run.proved >= 0, math.nan, 2 * clock.longest * tick
     if proved:
-        t_final = last_contact(
-            ends_of_contacts(ended.link, tick), end * tick, 2 * clock.longest * tick)
-        proof = proof_sentence(bool(np.any(r["link"]["episodes"])), t_final)
-    status = end_sentence(
-        row.system, stopped_by, proof, format_si(t_end, "s"), f"{run['steps']} steps of nodes")
-    fastest = max((_fastest(r["log"][: run["pieces"]], s) / float(row.segments[s].wave_speed)
+        t_final = last_contact(ends_of_contacts(ended.link, tick), t_end, trip)
+    acting, held = acting_and_held(row.system)
+    status = status_of(run, ended.link, {
+        "stopped_by": stopped_by, "end": t_end, "round_trip": trip, "acting": acting, "held": held})
+    fastest = max((_fastest(r["log"][: run.pieces], s) / float(row.segments[s].wave_speed)
                    for s in range(len(row.segments))), default=0.0)
-    status += stated(largest_error(accuracy), goal) + told_of(run) + _struck_together(
-        row) + rounding(
-        clock.transit_error, clock.worst) + strain_warning(fastest)
+    status += stated(largest_error(accuracy), goal) + told_of(run) + _struck_together(row)
+    status += rounding(clock.transit_error, clock.worst) + strain_warning(fastest)
     signals = cache(partial(signals_of, row, clock, end, r))
     return Run(
         method="characteristics", until=until, clock=clock, end=end, t_end=t_end, t_final=t_final,
-        t_proved=float(run["proved"]) * tick if proved else math.nan, stopped_by=stopped_by,
-        status=status, events=int(run["steps"]),
+        t_proved=run.proved * tick if proved else math.nan, stopped_by=stopped_by,
+        status=status, events=run.steps,
         contacts=_tallies(row, ended.link, tick, end, signals), groups=_groups(row, r),
         accuracy=accuracy,
         make_signals=signals,

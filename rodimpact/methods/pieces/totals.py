@@ -7,7 +7,8 @@ from typing import Any
 
 from ...units import format_si
 from ..run import ContactTally
-from .records import Law, Status, Touch
+from ..status import ending, last_contact, proof_sentence
+from .records import Law, Status, Stop, Touch
 
 MORE = 10.0  # times rtol, from which it is said that it was not reached
 
@@ -34,6 +35,36 @@ def ends_of_contacts(link: Any, tick: float) -> list[Any]:
             ends.append((math.nan if pressing else it.last * tick,
                          apart * tick if apart >= 0 else math.nan))
     return ends
+
+
+def why_stopped(run: Any, asked: bool) -> str:
+    """Why a run ended, in one word; `asked` says whether for an end."""
+    if run.stop == Stop.CAP:
+        return "max_events"
+    if asked:
+        return "until"
+    return "final" if run.proved >= 0 else "clock"
+
+
+def status_of(run: Any, link: Any, known: Any) -> str:
+    """Why a run ended.
+
+    Parameters
+    ----------
+    run : RUN
+    link : list of LINK
+    known : dict
+        As of `ending`: ``stopped_by``, what is ``acting``, and whether walls have the row ``held``;
+        ``end`` and ``round_trip`` of the longest body, s.
+    """
+    proof = ""
+    if run.proved >= 0:
+        ends = ends_of_contacts(link, run.tick)
+        proof = proof_sentence(
+            any(it.episodes > 0 for it in link),
+            last_contact(ends, known["end"], known["round_trip"]))
+    end, cap = format_si(known["end"], "s"), f"{run.steps} steps of nodes"
+    return ending(known["stopped_by"], proof, end, cap, known["acting"], known["held"])
 
 
 def stated(worst: float, goal: float) -> str:
