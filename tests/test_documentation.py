@@ -15,16 +15,22 @@ import rodimpact
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-MODULES = ["rodimpact", *(
-    m.name for m in pkgutil.walk_packages(rodimpact.__path__, "rodimpact.")
-    if m.name != "rodimpact.__main__"
-)]
+PARTS = [part.name for part in pkgutil.iter_modules(rodimpact.__path__) if part.name[0] != "_"]
 
 
-@pytest.mark.parametrize("name", MODULES)
-def test_examples_in_docstrings(name):
-    result = doctest.testmod(importlib.import_module(name))
-    assert result.failed == 0
+def examples_in(module):
+    assert doctest.testmod(module).failed == 0
+    for part in pkgutil.iter_modules(getattr(module, "__path__", ())):
+        examples_in(importlib.import_module(f"{module.__name__}.{part.name}"))
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_examples_in_docstrings(part):
+    examples_in(importlib.import_module(f"rodimpact.{part}"))
+
+
+def test_the_example_of_the_package():
+    assert doctest.testmod(rodimpact).failed == 0
 
 
 def test_the_program_of_the_readme_prints_what_it_says(tmp_path, monkeypatch):

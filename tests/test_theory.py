@@ -54,10 +54,10 @@ def mean_and_vibration(signal: list[Fraction], Z: int) -> tuple[Fraction, Fracti
     return mean, Fraction(Z, 4) * sum((s - mean) ** 2 for s in signal)
 
 
-@pytest.mark.parametrize("T1", [1, 2, 3, 4, 5])
-@pytest.mark.parametrize("Z1", [1, 2, 3, 7])
-@pytest.mark.parametrize("T2", [1, 2, 3, 4, 5])
-@pytest.mark.parametrize("Z2", [1, 2, 3, 7])
+@pytest.mark.parametrize("T1", [1, 2, 5])
+@pytest.mark.parametrize("Z1", [1, 2, 7])
+@pytest.mark.parametrize("T2", [1, 3, 5])
+@pytest.mark.parametrize("Z2", [1, 2, 3])
 def test_agrees_with_waves(Z1, T1, Z2, T2):
     waves = follow_waves(Z1, T1, Z2, T2)
     pair = theory.saint_venant(Z1, T1, Z2, T2)

@@ -1,12 +1,16 @@
 """Records of two Hopkinson bars, and what of them the theory explains.
 
-The incident pulse. A striker hits the bar with rounded ends (Hertz); the pulse just behind the
-struck end is carried to the gauge by the exact first mode of Pochhammer and Chree, or runs there in
-a rod with Rayleigh-Love's lateral inertia. `fit` finds stiffness of the ends and length of the
-striker, which stands for the duration of the pulse; time and amplitude are free, as neither trigger
-nor speed was recorded. Misfit is the root of the mean square over the plateau. Titanium: 8.9 % with
-rigid ends and ideal waves, 3.3 with Hertz, 1.7 with both; steel: 9.0, 4.2 and 3.3, and 2.5 where a
+The incident pulse. A striker hits the bar with rounded ends (Hertz). The pulse runs to the gauge in
+a rod with the lateral inertia of Mindlin and Herrmann, or of Rayleigh and Love; or just behind the
+struck end it is taken over by the exact first mode of Pochhammer and Chree. `fit` finds stiffness
+of the ends and length of the striker, which stands for the duration of the pulse; time and
+amplitude are free, as neither trigger nor speed was recorded. Misfit is the root of the mean square
+over the plateau. Titanium: 8.9 % with
+rigid ends and ideal waves, 3.3 with Hertz, 1.7 with the exact mode as well, 1.5 with Mindlin and
+Herrmann, where the striker is dispersive, too; steel: 9.0, 4.2, 3.3 and 2.8, and 2.5 where a
 Gaussian low-pass of 27 kHz takes the place of the rounded ends. Repeated shots differ by 1 to 3 %.
+That the theory does better than the exact mode need not be its own merit: a front that it makes too
+wide stands for others that tilt and roughness make wider.
 
 Free as well, the wave speed of titanium is 4724 m/s with a standard error of 101 m/s: 1.4 below the
 laboratory's calibration, 4866 m/s, and 2.5 below 4975 m/s, which E and rho give. Model error is not
@@ -66,6 +70,7 @@ STEEL = Shot(
     "yao_steel_bars.csv", 7800.0, ri.waves.Bar(5189.0, 0.29, 10e-3), 1.08, (1.02, 0.77),
     ((-50e-6, 260e-6), (360e-6, 540e-6), (300e-6, 540e-6)), (0.18, 0.22),
 )
+CELLS = 1200  # of the bar, where waves run in a theory: a cell is less than 1/8 of its thickness
 BLURRED = 27.3e3  # Hz, of the low-pass for steel
 FROM_E = 4975.0  # m/s: wave speed of titanium by E and rho
 
@@ -75,33 +80,39 @@ def record(shot: Shot) -> list[ri.Signal]:
     return list(ri.read_signals(FOLDER / "records" / shot.file).values())
 
 
-def row_of(shot: Shot, speed: float, law: ri.Rigid | ri.Hertz, theory: str | None) -> ri.System:
-    """Striker and bar, longer than waves run in the time that matters."""
+def row_of(
+    shot: Shot, speed: float, law: ri.Rigid | ri.Hertz, theory: str | None, until: float
+) -> ri.System:
+    """Striker and bar, so long that no wave is back at its gauge at the time `until`."""
     material = ri.Material("bar", youngs_modulus=shot.density * speed**2, density=shot.density,
                            poisson_ratio=shot.bar.poisson_ratio)
     shape = {"diameter": 2 * shot.bar.radius, "material": material, "lateral_inertia": theory}
     return ri.System(
-        [ri.Rod(sum(shot.length) / 2, velocity=10.0, **shape), ri.Rod(1.2, **shape)],
+        [ri.Rod(sum(shot.length) / 2, velocity=10.0, **shape),
+         ri.Rod(0.6 * (speed * until + shot.to_gauge), **shape)],
         contacts=[law],
     )
 
 
 def fitted(
     shot: Shot, vary: dict[str, tuple[float, float]], speed: float | None = None,
-    low_pass: float | None = None, rayleigh_love: bool = False, starts: int = 1,
+    low_pass: float | None = None, theory: str | None = None, starts: int = 1,
 ) -> ri.Fit:
-    """Fit of the incident pulse; of ends that are not varied, rigid ones."""
+    """Fit of the incident pulse; of ends that are not varied, rigid ones.
+
+    With a theory of lateral inertia waves run in striker and bar, else the exact mode carries them.
+    """
     law = ri.Hertz(1e10) if STIFFNESS in vary else ri.Rigid()
-    system = row_of(shot, speed or shot.bar.wave_speed, law,
-                    "rayleigh-love" if rayleigh_love else None)
-    x = shot.to_gauge if rayleigh_love else NEAR
+    x = shot.to_gauge if theory else NEAR
+    until = 2 * shot.length[1] / shot.bar.wave_speed + 2e-4 + x / shot.bar.wave_speed
+    system = row_of(shot, speed or shot.bar.wave_speed, law, theory, until)
     measured = ri.Measured(
         record(shot)[0].window(*shot.windows[0]), (1, x), distance=shot.to_gauge - x,
-        radius=None if rayleigh_love else shot.bar.radius,
+        radius=None if theory else shot.bar.radius,
         seen=None if low_pass is None else lambda strain: strain.low_pass(low_pass),
     )
-    until = 2 * shot.length[1] / shot.bar.wave_speed + 2e-4
-    return ri.fit(system, measured, {LENGTH: shot.length, **vary}, until, starts=starts)
+    return ri.fit(system, measured, {LENGTH: shot.length, **vary}, until, starts=starts,
+                  cells=CELLS if theory else None)
 
 
 def equilibrium(shot: Shot) -> float:
@@ -137,7 +148,6 @@ def run() -> list[Row]:
     titanium, steel = "titanium bars, Hertz ends, dispersion", "steel bars, Hertz ends, dispersion"
     free = fitted(TITANIUM, {**ENDS, SPEED: (4200.0, 5400.0)}, starts=3)
     given, higher = fitted(TITANIUM, ENDS), fitted(TITANIUM, ENDS, FROM_E)
-    simpler = fitted(TITANIUM, ENDS, rayleigh_love=True)
     blurred = fitted(STEEL, {}, low_pass=BLURRED)
 
     def misfit(case: str, source: str, fit: ri.Fit, bound: float) -> Row:
@@ -151,7 +161,13 @@ def run() -> list[Row]:
         Row(f"{titanium}, 4866 m/s", length, lanl, 127.0, 1e3 * given.values[LENGTH], 4.0),
         misfit(f"{titanium}, 4975 m/s", lanl, higher, 2.0),
         Row(f"{titanium}, 4975 m/s", length, lanl, 127.0, 1e3 * higher.values[LENGTH], 2.0),
-        misfit("titanium bars, Hertz ends, Rayleigh-Love", lanl, simpler, 2.1),
+        *(misfit(f"{metal} bars, Hertz ends, {theory}", source,
+                 fitted(shot, ENDS, theory=theory), bound)
+          for metal, source, shot, theory, bound in (
+              ("titanium", lanl, TITANIUM, "mindlin-herrmann", 1.5),
+              ("titanium", lanl, TITANIUM, "rayleigh-love", 2.1),
+              ("steel", yao, STEEL, "mindlin-herrmann", 3.0),
+              ("steel", yao, STEEL, "rayleigh-love", 3.5))),
         misfit(steel, yao, fitted(STEEL, ENDS), 3.6),
         misfit("steel bars, low-pass, dispersion", yao, blurred, 3.0),
         Row("titanium bars, dispersion", forces, lanl, 0.0, equilibrium(TITANIUM), 2.7),

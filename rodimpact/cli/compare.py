@@ -243,7 +243,8 @@ def _table(laid: dict[str, Laid]) -> str:
                               for pulse in pulses)] for each, unit_of in units.items()),
         ]) + "\n" + align([
             ["misfit, root mean square over plateau", f"{100 * found.rms:.4g} %"],
-            ["shift of the prediction", format_si(found.shift, "s")],
+            ["shift of the prediction",
+             format_si(found.shift, "s") + (", at its limit" if found.at_limit else "")],
             ["gain of the prediction",
              f"{found.scale:.6g} {gain_unit(measured.unit, predicted.unit)}".rstrip()],
         ]))

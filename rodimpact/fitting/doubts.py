@@ -13,7 +13,7 @@ from .result import Descent, Fitted, correlation_of
 LOOSE = 0.5  # of the range: a number with a larger standard error is not determined
 AT_BOUND = 1e-3  # of the range
 ALIKE = 0.98  # correlation from which on two numbers are hardly told apart
-SAME = 1e-3  # relative difference of misfits that counts as none
+SAME, NONE = 1e-3, 1e-9  # differences of misfits that count as none: of them, of the level
 APART = 0.3  # standard errors by which searches may end apart
 
 
@@ -41,7 +41,7 @@ def doubts(
     best, *others = descents
     if not best.complete:
         yield "The best search was stopped before it came to a minimum."
-    worse = [d.misfit for d in others if d.misfit > (1 + SAME) * best.misfit]
+    worse = [d.misfit for d in others if d.misfit > (1 + SAME) * best.misfit + NONE]
     if worse:
         yield (f"{len(worse)} of {len(descents)} searches ended at larger misfits, "
                f"{100 * min(worse):.3g} % and more: there are several minima. More starts, or "

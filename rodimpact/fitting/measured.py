@@ -11,7 +11,7 @@ from ..methods.registry import check_function
 from ..model import Rod, System
 from ..model.arguments import of_kind, single
 from ..model.frozen import Problems, raise_noted, refusal
-from ..records.comparison import Bounds, plateau
+from ..records.comparison import Bounds, overlaps, plateau
 from ..records.signal import Signal, bounds_of
 from ..units import shown
 
@@ -95,12 +95,25 @@ class Measured:
         """What a table calls it."""
         return self.signal.name or f"gauge {self.gauge[0]}, {self.gauge[1]:g} m"
 
+    def shifts(self, until: float, system: System) -> tuple[float, float]:
+        """Bounds of shift, s: given, or all by which a collision to `until` overlaps the record."""
+        longer = self._lasting(system)
+        return self.limits[0] or overlaps(
+            (self.signal.start, self.signal.end), (-longer, until + longer))
+
+    def _lasting(self, system: System) -> float:
+        """How long waves take over `distance`, s."""
+        if not self.distance:
+            return 0.0
+        rod = system.bodies[self.gauge[0]]
+        assert isinstance(rod, Rod)
+        return abs(self.distance) / float(rod.segments[0].wave_speed)
+
     def carried(self, strain: Signal, system: System) -> Signal:
         """What is compared with the record, but for shift and scale."""
         if self.distance:
-            rod: Any = system.bodies[self.gauge[0]]
+            lasting, rod = self._lasting(system), system.bodies[self.gauge[0]]
             assert isinstance(rod, Rod)
-            lasting = abs(self.distance) / float(rod.segments[0].wave_speed)
             longer = strain.extended(lasting, lasting)
             strain = longer.propagated(self.distance, rod, radius=self.radius)
         if self.seen is None:

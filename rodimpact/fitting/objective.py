@@ -85,9 +85,10 @@ class Objective:
         self.known: tuple[bytes, list[Curve]] = b"", []
         beside = [(what, m) for what in ("shift", "scale") for m in measured]
         which = [f".{k}" for k in range(len(measured))] if len(measured) > 1 else [""]
-        limits = [(0.0, 1.0) for _ in parameters] + [
-            m.limits[what == "scale"] or (-math.inf, math.inf) for what, m in beside
-        ]
+        assert options.until is not None
+        limits = [(0.0, 1.0)] * len(parameters)
+        limits += [m.shifts(options.until, system) for m in measured]
+        limits += [m.limits[1] or (-math.inf, math.inf) for m in measured]
         self.low, self.high = np.array(limits).T
         self.free = self.low < self.high
         names = [p.path for p in parameters] + [
@@ -130,10 +131,12 @@ class Objective:
     def started(self, shares: Floats, curves: Sequence[Curve]) -> tuple[float, Floats]:
         """Sum of squares, and the point, where shifts and scales suit these shares best."""
         total, shifts, scales = 0.0, [], []
-        for m, c in zip(self.measured, curves, strict=True):
+        first = len(self.parameters)
+        bounds = zip(self.low[first:], self.high[first:], strict=True)
+        for m, c, (low, high) in zip(self.measured, curves, bounds, strict=False):
             t, values = m.signal.times, m.signal.values
             pair = (t, values), (c.spline.x, c.at(c.spline.x))
-            _, shift, scale = misfit_of(*pair, *m.limits)
+            _, shift, scale, _ = misfit_of(*pair, (low, high), m.limits[1])
             total += float(np.sum(((scale * c.at(t - shift) - values) / m.size) ** 2))
             shifts.append(shift)
             scales.append(scale)

@@ -12,8 +12,8 @@ second moment, and w = q a at the surface of a round rod of radius a.
       m rho I_p q_tt = [s mu I_p q_x]_x - 4 (lambda + mu) A q - 2 lambda A u_x
 
   With m = 1.62 and s = 0.81 its waves stay within 0.01 c of the exact ones of a round rod down to
-  wavelengths of 1.7 radii. But long ones disperse by 31 % too much: for fronts far from the impact
-  take Rayleigh and Love, or `Signal.propagated`.
+  wavelengths of 1.7 radii. But long ones disperse by 31 % too much. So this theory is the better
+  one up to some 60 diameters from the impact; beyond take `Signal.propagated`.
 
 At ends of rods, whatever holds, touches or pushes them, and at rigid masses the motion sideways is
 free: no shear, q_x = 0. Where segments meet, q and the shear force are continuous, since points

@@ -143,7 +143,9 @@ def _adjusted(measured: Signal, predicted: Signal, found: Misfit) -> str:
     if found.shift:
         late = engineering("", abs(found.shift), "s").write(abs(found.shift))
         text += f", {late} {'later' if found.shift > 0 else 'earlier'}"
+        text += " (at its limit)" if "shift" in found.at_limit else ""
     if found.scale != 1:
         unit = gain_unit(measured.unit, predicted.unit)
         text += f", {TIMES} {signed(f'{found.scale:.4g} {unit}')}".rstrip()
+        text += " (at its limit)" if "scale" in found.at_limit else ""
     return text

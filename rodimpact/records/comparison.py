@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -12,8 +12,10 @@ Bounds: TypeAlias = float | tuple[float, float]
 Record: TypeAlias = tuple[Floats, Floats]  # times and values
 
 NEAR_TOP = 0.7  # of the largest sample: from here on samples belong to the plateau
-SHIFTS = 513  # that are tried before the best is refined, and a quarter as many around the tops
-ENOUGH = 10_000  # samples of a record to choose among these
+MOST_LAGS = 1 << 16  # samples of a record and its shifts, among which the best is chosen
+FAINT = 1e-12  # of the power of a model: less is round-off
+REFINED = 4  # of the best shifts of a sample each
+AT_LIMIT = 1e-3  # of the range between two limits
 
 
 class Pulse(NamedTuple):
@@ -55,6 +57,9 @@ class Misfit(NamedTuple):
         By which the prediction came later, s.
     scale : float
         By which it was multiplied.
+    at_limit : tuple of str
+        ``"shift"`` and ``"scale"``, if they lie at a limit: one that was given, or for a free shift
+        that from which on the two signals overlap no more.
 
     Examples
     --------
@@ -68,6 +73,7 @@ class Misfit(NamedTuple):
     rms: float
     shift: float
     scale: float
+    at_limit: tuple[str, ...] = ()
 
 
 def pulse_of(times: Floats, values: Floats) -> Pulse:
@@ -113,6 +119,11 @@ def gain_unit(measured: str, predicted: str) -> str:
     return f"{measured or 1}/{predicted}" if predicted else measured
 
 
+def overlaps(record: tuple[float, float], model: tuple[float, float]) -> tuple[float, float]:
+    """Shifts of a model between which its times overlap those of a record: first and last, s."""
+    return record[0] - model[1], record[1] - model[0]
+
+
 def misfit_of(
     record: Record, model: Record, shift: tuple[float, float] | None,
     scale: tuple[float, float] | None,
@@ -121,43 +132,68 @@ def misfit_of(
     times, values = record
     level = plateau(values)
 
-    def at(shift: float, record: Record = record, model: Record = model) -> tuple[float, float]:
+    def at(shift: float) -> tuple[float, float]:
         """Misfit with the best scale, and that scale."""
-        y, m = record[1], np.interp(record[0] - shift, *model)
-        power = float(m @ m)
-        best = float(m @ y) / power if power else 1.0
-        if scale is not None:
-            best = min(max(best, scale[0]), scale[1])
-        return float(np.sqrt(np.mean((best * m - y) ** 2))) / level, best
+        m = np.interp(times - shift, *model)
+        best = float(_best_scale(m @ values, m @ m, scale))
+        return float(np.sqrt(np.mean((best * m - values) ** 2))) / level, best
 
     def rms(shift: float) -> float:
         return at(shift)[0]
 
-    length = times[-1] - times[0]
-    low, high = (-length, length) if shift is None else shift
-    best = low
+    ends = (times[0], times[-1]), (model[0][0], model[0][-1])
+    low, high = overlaps(*ends) if shift is None else shift
+    best, near = low, 0.0
     if high > low:
         from scipy.optimize import minimize_scalar
 
-        tried = np.linspace(low, high, SHIFTS)
-        tops = times[np.abs(values).argmax()], model[0][np.abs(model[1]).argmax()]
-        wide = length * np.mean(np.abs(values) > level / 2)  # so long is what is high
-        together = tops[0] - tops[1] + wide * np.linspace(-1, 1, SHIFTS // 4)
-        tried = np.sort(np.concatenate((tried, together[(low < together) & (together < high)])))
-        few = _thinned(record), _thinned(model)
-        i = int(np.argmin([at(s, *few)[0] for s in tried]))
-        around = tried[max(i - 1, 0)], tried[min(i + 1, len(tried) - 1)]
-        options = {"xatol": 1e-9 * length}
-        refined = minimize_scalar(rms, bounds=around, method="bounded", options=options)
-        best = min((float(refined.x), float(tried[i])), key=rms)
+        shifts, step = _best_shifts(record, model, (low, high), scale)
+        options = {"xatol": 1e-9 * (times[-1] - times[0])}
+        refined = [
+            float(minimize_scalar(rms, bounds=(max(s - step, low), min(s + step, high)),
+                                  method="bounded", options=options).x) for s in shifts
+        ]
+        best = min([*refined, *shifts], key=rms)
+        near = step if shift is None else AT_LIMIT * (high - low)
     found, factor = at(best)
-    return Misfit(found, best, factor)
+    limits = {"shift": (best, low, high, near)}
+    if scale is not None:
+        limits["scale"] = (factor, *scale, AT_LIMIT * (scale[1] - scale[0]))
+    told = tuple(name for name, (x, least, most, apart) in limits.items()
+                 if least < most and not least + apart < x < most - apart)
+    return Misfit(found, best, factor, told)
 
 
-def _thinned(record: Record) -> Record:
-    """One sample in so many that `ENOUGH` are left, or twice as many."""
-    times, values = (column[:: max(1, len(column) // ENOUGH)].copy() for column in record)
-    return times, values
+def _best_scale(cross: Any, power: Any, scale: tuple[float, float] | None) -> Any:
+    """What multiplies a model best: of its products with the record and with itself."""
+    best = np.where(power > 0, cross / np.where(power > 0, power, 1.0), 1.0)
+    return best if scale is None else np.clip(best, *scale)
+
+
+def _best_shifts(
+    record: Record, model: Record, bounds: tuple[float, float], scale: tuple[float, float] | None
+) -> tuple[list[float], float]:
+    """The shifts at which a model suits best, of all by whole samples, and a sample, s.
+
+    The sums of products for all shifts at once are a correlation, by Fourier transforms.
+    """
+    (times, values), (low, high) = record, bounds
+    length = times[-1] - times[0]
+    step = max(min(np.diff(times).min(), np.diff(model[0]).min()),
+               (length + high - low) / MOST_LAGS)
+    n, lags = int(length / step) + 1, int((high - low) / step) + 1
+    y = np.interp(times[0] + step * np.arange(n), times, values)
+    m = np.interp(times[0] - high + step * np.arange(n + lags - 1), *model)
+    size = 1 << (len(m) - 1).bit_length()
+    cross = np.fft.irfft(np.fft.rfft(m, size) * np.conj(np.fft.rfft(y, size)), size)[:lags]
+    sums = np.concatenate(([0.0], np.cumsum(m * m)))
+    power = sums[n : n + lags] - sums[:lags]
+    power[power <= FAINT * sums[-1]] = 0.0
+    c = _best_scale(cross, power, scale)
+    error = np.concatenate(([np.inf], c * c * power - 2 * c * cross, [np.inf]))
+    least = np.flatnonzero((error[1:-1] <= error[:-2]) & (error[1:-1] <= error[2:]))
+    chosen = least[np.argsort(error[least + 1], kind="stable")[:REFINED]]
+    return [float(min(max(high - j * step, low), high)) for j in chosen], float(step)
 
 
 def _stretch(v: Floats, top: int, level: float) -> tuple[int, int]:

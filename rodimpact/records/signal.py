@@ -375,8 +375,8 @@ class Signal(Frozen):
         other : Signal
             The prediction. Beyond its ends it is taken to keep its first and its last value.
         shift : float or (float, float), optional
-            By which it comes later, s: fixed, or between bounds; by default as much as suits best,
-            up to the length of this record to either side.
+            By which it comes later, s: fixed, or between bounds; by default what suits best, of
+            all by which the two signals overlap.
         scale : float or (float, float), optional
             By which it is multiplied: fixed, or between bounds; by default what suits best, which
             takes volts to strain as well.

@@ -101,7 +101,15 @@ def test_many_conditions_are_counted_and_the_nearest_three_told():
     assert max(map(len, str(form).splitlines())) < 600
 
 
-def test_that_a_cap_leaves_out_sides_is_told():
+def test_that_a_cap_on_cells_leaves_out_sides_is_told(monkeypatch):
+    monkeypatch.setattr("rodimpact.algebra.formula.MOST_SIDES", 1)
+    form = ri.closed_form(row([1, 1], [1, 1]))
+    assert form.unsolved
+    assert str(form).endswith("There are more, which max_events or the cap on cells has left out.")
+
+
+@pytest.mark.exhaustive
+def test_that_a_cap_on_events_leaves_out_sides_is_told():
     form = ri.closed_form(row([1, 2, 1], [1, 1, 1]), max_events=12)
     assert form.unsolved
     assert str(form).endswith("There are more, which max_events or the cap on cells has left out.")

@@ -318,10 +318,21 @@ def test_a_run_of_no_time_is_no_page_and_no_film(case, capsys, command, change, 
     assert [path.name for path in case.parent.iterdir()] == ["case.toml"]
 
 
-def test_two_outputs_on_one_path_are_refused_before_solving(case, capsys, monkeypatch):
+@pytest.mark.parametrize(("argv", "status", "said"), [
+    (["--save", "a.png", "--plot", "./a.png"], 2, "--plot: './a.png' is the file of --save too"),
+    (["--save", "there.npz"], 2, "--save: "), (["--save", "nowhere/a.npz"], 1, "nowhere"),
+    (["--plot", "a.xyz"], 2, "--plot: must end in one of .png, .svg"),
+])
+def test_outputs_are_checked_before_solving(case, capsys, monkeypatch, argv, status, said):
     monkeypatch.setattr("rodimpact.cli.run.solved", lambda *_, **__: pytest.fail("solved"))
-    assert main(["run", "case.toml", "--save", "a.png", "--plot", "./a.png"]) == 2
-    assert "--plot: './a.png' is the file of --save too" in capsys.readouterr().err
+    Path("there.npz").write_text("precious")
+    assert main(["run", str(case), *argv]) == status
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("rodimpact: ")
+    assert said in err
+    assert "Traceback" not in err
+    assert {path.name for path in case.parent.iterdir()} == {"case.toml", "there.npz"}
 
 
 def test_gauges_of_the_case_are_written(case, capsys):
@@ -368,9 +379,10 @@ def test_names_that_are_no_text(case, capsys):
 
 def test_a_bad_backend_of_matplotlib_does_no_harm(case):
     bogus = ENVIRONMENT | {"MPLBACKEND": "bogus"}
-    done = python("-m", "rodimpact", "run", "case.toml", "--plot", "a.png", env=bogus)
+    code = ("import sys; from rodimpact.cli import main; main(['run', sys.argv[1]]);"
+            "import matplotlib.pyplot")
+    done = python("-c", code, case, env=bogus)
     assert (done.returncode, done.stderr) == (0, "")
-    assert Path("a.png").exists()
 
 
 @pytest.mark.parametrize("method", ["fronts", "characteristics", "finite-difference"])
@@ -423,11 +435,6 @@ def test_run_without_plots_imports_no_matplotlib_and_no_numba(case):
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_run_saves_what_load_reads(case):
-    assert main(["run", str(case), "--save", "a.npz"]) == 0
-    assert ri.load("a.npz").outcome.restitution == pytest.approx(0.4, rel=1e-14)
-
-
 def test_notes_go_to_a_terminal(case, capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     assert main(["run", str(case), "--save", "a.npz"]) == 0
@@ -461,14 +468,6 @@ def test_a_run_that_stops_early_ends_with_3_and_still_reports_and_saves(case, ca
     assert ri.load("a.npz").stopped_by == "max_events"
 
 
-def test_five_events_are_too_few(case):
-    assert main(["run", str(case), "--max-events", "5"]) == 3
-
-
-def test_an_end_that_was_asked_for_is_no_early_stop(case):
-    assert main(["run", str(case), "--until", "1e-5"]) == 0
-
-
 def test_an_existing_file_needs_force_and_is_left_alone(case, capsys):
     Path("a.npz").write_text("precious")
     assert main(["run", str(case), "--save", "a.npz"]) == 2
@@ -479,21 +478,6 @@ def test_an_existing_file_needs_force_and_is_left_alone(case, capsys):
     assert Path("a.npz").read_text() == "precious"
     assert main(["run", str(case), "--save", "a.npz", "--force"]) == 0
     assert ri.load("a.npz").final
-
-
-def test_outputs_are_checked_before_solving(case, monkeypatch):
-    monkeypatch.setattr("rodimpact.cli.run.solved", lambda *_, **__: pytest.fail("solved"))
-    Path("a.npz").write_text("precious")
-    assert main(["run", str(case), "--save", "a.npz"]) == 2
-    assert main(["run", str(case), "--save", "nowhere/a.npz"]) == 1
-
-
-def test_a_file_that_cannot_be_written_ends_with_1(case, capsys):
-    assert main(["run", str(case), "--save", "nowhere/a.npz"]) == 1
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert "nowhere" in err
-    assert "Traceback" not in err
 
 
 def test_all_mistakes_are_reported_at_once(case, capsys):
@@ -558,15 +542,6 @@ def test_a_run_that_no_picture_can_show_keeps_its_table(case, capsys, options, v
     assert not Path("run.png").exists()
 
 
-def test_a_plot_in_an_unknown_format_is_refused_before_solving(case, capsys, monkeypatch):
-    monkeypatch.setattr("rodimpact.cli.run.solved", lambda *_, **__: pytest.fail("solved"))
-    assert main(["run", str(case), "--plot", "a.xyz"]) == 2
-    err = capsys.readouterr().err
-    assert err.startswith("rodimpact: --plot: ")
-    assert "svg" in err
-    assert not Path("a.xyz").exists()
-
-
 # rigid --------------------------------------------------------------------------------------------
 
 SAMPLE = ["rigid", "--m1", "2", "--v1", "0.5", "--m2", "10", "--v2", "0.2"]
@@ -611,14 +586,10 @@ def test_rigid_refuses_energy_unless_it_is_released(capsys):
     assert "--energy-release" in error
     assert main([*SAMPLE, "-e", "1.5", "--energy-release"]) == 0
     assert "-93.75 mJ" in capsys.readouterr().out
-    assert main(["rigid", "--m1", "-2", "--v1", "1", "--m2", "1", "--v2", "0", "-e", "1"]) == 2
-    assert "--m1: must be a positive number of kilograms or infinite, got -2.0" in (
-        capsys.readouterr().err)
-
-
-def test_rigid_bodies_that_do_not_meet_are_a_mistake(capsys):
-    assert main(["rigid", "--m1", "2", "--v1", "0", "--m2", "1", "--v2", "1", "-e", "1"]) == 2
-    assert "the bodies do not approach" in capsys.readouterr().err
+    for m1, v1, said in (("-2", "1", "--m1: must be a positive number of kilograms or infinite, "),
+                         ("2", "0", "--v1: must be above the velocity of body 2, 0.0, got 0.0")):
+        assert main(["rigid", "--m1", m1, "--v1", v1, "--m2", "1", "--v2", "0", "-e", "1"]) == 2
+        assert said in capsys.readouterr().err
 
 
 # verify, materials, doctor ------------------------------------------------------------------------

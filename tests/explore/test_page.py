@@ -354,6 +354,7 @@ def test_a_spring_keeps_the_faces_apart_and_the_film_begins_before_contact(visit
         assert ends[0][1] < ends[1][0]
     page.locator("#time").fill("0")
     assert page.evaluate("now()") < 0
+    assert page.evaluate("shown.scene.centres.every(({ t }) => t[0] === shown.scene.begin)")
     sync_api.expect(page.locator("#sentence")).to_contain_text("Rod 1 comes with 1")
     assert page.evaluate("shown.scene.grids.map((g) => g.rows * g.across).reduce((a, b) => a + b)"
                          " === shown.scene.cells")

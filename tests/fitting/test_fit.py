@@ -54,6 +54,17 @@ def test_a_fit_finds_what_made_a_record():
         assert end.values[PATHS[0]] == pytest.approx(found.values[PATHS[0]], rel=1e-6)
 
 
+def test_a_shift_is_found_beyond_the_length_of_the_record_or_its_bound_is_told():
+    window = record(rods()).shifted(3e-4).window(3.2e-4, 4.4e-4)
+    found = ri.fit(rods(0.3), ri.Measured(window, (1, 0.2)), {PATHS[0]: (0.1, 0.4)}, UNTIL)
+    assert found.values[PATHS[0]] == pytest.approx(0.2, rel=1e-6)
+    assert found.values["shift"] == pytest.approx(3e-4, abs=1e-9)
+    assert "at its bound" not in " ".join(found.notes)
+    short = ri.Measured(window, (1, 0.2), shift=(-3e-4, 2.98e-4))
+    told = ri.fit(rods(0.3), short, {PATHS[0]: (0.1, 0.4)}, UNTIL).notes
+    assert any(note.startswith("shift is at its bound") for note in told)
+
+
 def test_shift_and_scale_are_free_where_nothing_is_said():
     moved = record(rods()).shifted(3e-6) * 2.5
     found = ri.fit(rods(), ri.Measured(moved, (1, 0.2)), {PATHS[0]: (0.1, 0.4)}, UNTIL)

@@ -15,7 +15,7 @@ def test_standard_errors_are_those_of_halves_of_the_record():
     pulses = validation_module("measured_pulses")
     shot = pulses.TITANIUM
     vary = {pulses.LENGTH: shot.length, **pulses.ENDS, pulses.SPEED: (4200.0, 5400.0)}
-    system = pulses.row_of(shot, shot.bar.wave_speed, ri.Hertz(1e10), None)
+    system = pulses.row_of(shot, shot.bar.wave_speed, ri.Hertz(1e10), None, 2.5e-4)
     record = pulses.record(shot)[0].window(*shot.windows[0])
     level = record.pulse().plateau
 

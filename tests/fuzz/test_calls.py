@@ -28,7 +28,7 @@ from fuzz.generators import (
 
 import rodimpact as ri
 
-EXAMPLES = 150 * TIMES  # of each seed
+EXAMPLES = 100 * TIMES  # of each seed
 LEFT_OUT = {
     "warm",  # it compiles for minutes, and takes nothing that could be wrong
     "restored", "run",  # they take what files hold, which is spoilt elsewhere, or what was checked

@@ -8,7 +8,7 @@ from fuzz.generators import CASES, SEEDS, TIMES, one_of, patience, spoilt_bytes,
 
 from rodimpact.cli import main
 
-EXAMPLES = 100 * TIMES  # of each seed
+EXAMPLES = 60 * TIMES  # of each seed
 BALANCE = 1e-6  # relative
 SHORT = ["--json", "--max-events", "3000", "--until", "0.2 ms"]  # who asks for hours gets them
 

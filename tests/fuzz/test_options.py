@@ -6,7 +6,7 @@ from fuzz.generators import CASES, NUMBERS, SEEDS, TIMES, WORDS, one_of, patienc
 
 from rodimpact.cli import COMMANDS, main
 
-EXAMPLES = 20 * TIMES  # of each seed
+EXAMPLES = 10 * TIMES  # of each seed
 OPTIONS = {
     "run": ["--json", "--save", "--plot", "--gauges", "--gauge", "--method", "--until", "--dt",
             "--rtol", "--max-events", "--cells", "--snapshots", "--force"],

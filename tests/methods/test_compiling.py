@@ -184,6 +184,7 @@ print(*Compiled(recognise)(0.5))
 """
 
 
+@pytest.mark.exhaustive
 def test_several_processes_may_find_the_same_damage(cache):
     assert answers(compiling.Compiled(recognise)) == 0
     for path in cache.rglob("*.nb?"):

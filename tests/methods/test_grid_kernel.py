@@ -45,7 +45,7 @@ def bits(run, states=True):
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
 def test_compiled_and_plain_runs_are_bit_identical():
-    for seed in range(100):
+    for seed in range(25):
         system, runs, waits = random_row(seed, driven=seed % 2 == 1), [], []
         for compiling_it in (False, True):
             with kernels.forced(compiling_it):
@@ -58,7 +58,7 @@ def test_compiled_and_plain_runs_are_bit_identical():
 
 @pytest.mark.parametrize("driven", [False, True])
 def test_a_run_in_pieces_is_the_whole_run(driven):
-    for seed in range(20):
+    for seed in range(8):
         system = random_row(seed, driven=driven)
         whole, pieces = grid_run(system, 100), grid_run(system, 100)
         whole.advance(100)

@@ -60,10 +60,15 @@ def solved():
     return {name: ri.solve(system, **how) for name, (system, how) in ROWS.items()}
 
 
+@pytest.fixture(scope="module", autouse=True)
+def small():
+    with plot.look(width=110):
+        yield
+
+
 @pytest.fixture(scope="module")
 def film(solved):
-    with plot.look("light", width=120):
-        return plot.animation(solved["unequal"], frames=7, fps=10)
+    return plot.animation(solved["unequal"], frames=7, fps=10)
 
 
 def pixel(film, ax, x, y):
@@ -181,7 +186,7 @@ def test_the_clock_goes_from_start_to_stop(solved):
 
 @pytest.mark.parametrize("name", few_of(ROWS, {"masses"}))
 def test_every_row_moves(solved, name):
-    with plot.look("dark" if name in ("walls", "masses") else "light", width=160):
+    with plot.look("dark" if name in ("walls", "masses") else "light"):
         film = plot.animation(solved[name], "stress", frames=3)
     frames = list(film.frames())
     assert [frame.shape for frame in frames] == [frames[0].shape] * len(film)

@@ -34,7 +34,7 @@ ROWS = {
 }
 
 
-USUAL = {"drifting", "struck wall", "masses", "driven"}
+USUAL = {"drifting", "masses", "driven"}
 
 
 @pytest.fixture(scope="module", params=few_of(ROWS, USUAL))

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 
 import rodimpact as ri
 
@@ -114,6 +115,20 @@ def test_timing_of_a_pulse():
             signal.pulse()
 
 
+@pytest.mark.parametrize("seed", few_of(range(200), range(12)))
+def test_a_shift_is_found_wherever_a_window_of_the_record_lies(seed):
+    rng = np.random.default_rng(seed)
+    gaps, heights = rng.uniform(2e-6, 2e-5, 40), rng.uniform(-1, 1, 40)
+    record = ri.Signal(heights, np.cumsum(gaps)).resampled(1e-7)
+    start = rng.uniform(record.start, record.end - 6e-5)
+    window, late = record.window(start, start + 6e-5), rng.uniform(-1, 1) * 6e-4
+    found = window.misfit(record.shifted(-late))
+    assert found.shift == pytest.approx(late, abs=1e-9)
+    assert found.rms < 1e-6
+    near = window.misfit(record.shifted(-late), shift=(late - 1e-4, late - 1e-7))
+    assert near.at_limit == ("shift",)
+
+
 def test_misfit_finds_what_was_done():
     record = trapezoid(unit="V")
     model = (0.4 * record).shifted(-33.33e-6)
@@ -124,9 +139,11 @@ def test_misfit_finds_what_was_done():
     bounded = record.misfit(model, shift=(30e-6, 31e-6), scale=(0.9, 1.1))
     assert bounded.shift == pytest.approx(31e-6, abs=1e-8)
     assert bounded.scale == 1.1
+    assert bounded.at_limit == ("shift", "scale")
+    assert free.at_limit == ()
     fixed = record.misfit(record * 0.9, shift=0.0, scale=1.0)
     assert fixed.rms == pytest.approx(0.1 * np.sqrt(np.mean(record.values**2)) / 2, rel=1e-9)
-    assert fixed[1:] == (0.0, 1.0)
+    assert fixed[1:] == (0.0, 1.0, ())
     strain = model.replace(unit="")
     assert record.misfit(strain).rms == free.rms
     for call, said in (

@@ -6,7 +6,7 @@ from case_texts import A_ROD, HEAD, problems, with_area
 import rodimpact as ri
 from rodimpact.storage.casefile import parse_case
 
-DEEP = "." + ".".join(["a"] * 3000) + " = 1"
+DEEP = "." + ".".join(["a"] * 1200) + " = 1"
 
 
 def told(text, vary=None):
@@ -18,25 +18,25 @@ def told(text, vary=None):
 @pytest.mark.parametrize(
     ("text", "first"),
     [
-        (HEAD + A_ROD + "".join(f"k{i} = 1\n" for i in range(20_000)),
+        (HEAD + A_ROD + "".join(f"k{i} = 1\n" for i in range(2_000)),
          "bodies.0.k0: unknown key; use one of kind, "),
-        (HEAD + A_ROD + "strain = {samples = [" + "'1 m'," * 20_000 + "]}",
+        (HEAD + A_ROD + "strain = {samples = [" + "'1 m'," * 2_000 + "]}",
          "bodies.0.strain.samples.0: cannot read '1 m' as dimensionless"),
-        (HEAD + with_area("{values = [" + "-1," * 20_000 + "], at = ["
-                          + ", ".join(f"{1e-5 * (i + 1)}" for i in range(19_999)) + "]}"),
+        (HEAD + with_area("{values = [" + "-1," * 2_000 + "], at = ["
+                          + ", ".join(f"{1e-4 * (i + 1)}" for i in range(1_999)) + "]}"),
          "bodies.0.area.values.0: must be a finite positive number"),
-        (HEAD + "".join(A_ROD.replace("steel", f"x{i}") for i in range(2000))
-         + "".join(f"[materials.y{i}]\nyoungs_modulus = 1\n" for i in range(18_000)),
+        (HEAD + "".join(A_ROD.replace("steel", f"x{i}") for i in range(200))
+         + "".join(f"[materials.y{i}]\nyoungs_modulus = 1\n" for i in range(1_800)),
          "materials.y0.density: is missing"),
     ],
 )
-def test_of_20_000_mistakes_the_first_are_told_and_the_rest_counted(text, first):
+def test_of_2000_mistakes_the_first_are_told_and_the_rest_counted(text, first):
     error = told(text)
     lines = str(error).split("\n")
-    assert len(error.problems) == 20_000
+    assert len(error.problems) == 2_000
     assert lines[0].startswith(first)
     assert len(lines) == 21
-    assert lines[20] == "...: and 19980 mistakes more"
+    assert lines[20] == "...: and 1980 mistakes more"
     assert len(str(error)) < 4000
 
 
@@ -50,7 +50,7 @@ def test_of_20_000_mistakes_the_first_are_told_and_the_rest_counted(text, first)
       for key in ("until", "method", "max_events", "dt", "rtol", "cells", "snapshots")),
     HEAD + A_ROD + "[output]\nplot" + DEEP,
 ])
-def test_keys_3000_deep_are_told_shortly(text):
+def test_keys_1200_deep_are_told_shortly(text):
     for message in problems(text).values():
         assert len(message) < 300
 

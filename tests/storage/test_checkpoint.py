@@ -111,7 +111,7 @@ sys.stdin.readline()
 ri.sweep(family(200), checkpoint={str(path)!r}, progress=progress)
 """
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    process = subprocess.Popen([sys.executable, "-c", code], text=True, **pipes)
+    process = subprocess.Popen([sys.executable, "-W", "ignore", "-c", code], text=True, **pipes)
     assert process.stdout.readline() == "ready\n", process.stderr.read()
     return process
 

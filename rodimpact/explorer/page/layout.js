@@ -81,7 +81,7 @@ function centresOf(scene) {
 }
 
 /** Path of the centre of mass of a rod, from the rows of its grids, which are of one height. */
-function centreOfGrids({ place, tiling, bodies }, grids) {
+function centreOfGrids({ place, tiling, bodies, begin, row: { magnification, frame } }, grids) {
   const [{ first, rows }] = grids;
   const edges = Array.from({ length: rows + 1 }, (_, j) => [Math.min(j, rows - 1), j < rows ? [0, 1] : [3, 2]]);
   const y = edges.map(([row, corners]) => {
@@ -96,7 +96,12 @@ function centreOfGrids({ place, tiling, bodies }, grids) {
     });
     return moment / mass;
   });
-  return { t: edges.map(([row, [corner]]) => tiling.t[4 * (first + row * grids[0].across) + corner]), y, steps: false };
+  const t = edges.map(([row, [corner]]) => tiling.t[4 * (first + row * grids[0].across) + corner]);
+  if (begin < 0) { // it comes with one velocity
+    t.unshift(begin);
+    y.unshift(y[0] + magnification * (bodies[grids[0].body].approach - frame) * begin);
+  }
+  return { t, y, steps: false };
 }
 
 /** When the wave that a contact sends into a rod of one piece is back: 2 l/c after it begins to press. */
