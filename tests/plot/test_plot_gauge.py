@@ -31,6 +31,20 @@ def legend(picture):
     return [text.get_text() for text in picture.ax.get_legend().get_texts()]
 
 
+@pytest.mark.parametrize("strain", [1e-4, -3e-4])
+def test_the_limits_hold_all_that_is_drawn(strain):
+    """And no more than twice as much."""
+    solution = ri.solve(ri.System([rod(0.5, strain=strain)]), 3e-4)
+    picture = draw(solution.gauge(0, 0.2))
+    values = picture.strain.get_data().values
+    low, high = picture.ax.get_ylim()
+    assert low <= values.min() < values.max() <= high
+    assert high - low < 2 * np.ptp(values)
+    force = plot.contact(ri.solve(ri.System([rod(0.4, 1.0), rod()]))).force_ax
+    assert 1.0 <= force.get_ylim()[1] / 1.98 <= 1.5  # kN
+    assert force.get_ylim()[0] == 0
+
+
 def test_incident_and_reflected_pulse_of_a_struck_bar():
     solution = ri.solve(ri.System([rod(0.2, 10.0), rod()]), 6e-4)
     picture = draw(solution.gauge(1, 0.4))
