@@ -62,7 +62,7 @@ class Waves:
             begin = 0.0
             for s in range(first, stop):
                 self._under_way(s, rod, begin)
-                begin += 0.0 if row.members > 1 else float(row.segments[s].length)
+                begin += float(row.of(row.segments[s].length)[0])  # families are uniform
         self.outside = [self._from_outside(side) for side in (0, 1)]
         self.known = [
             Known(own["start"][:, 0], own["stop"][:, -1], own.shape[1],
