@@ -57,8 +57,10 @@ def scene(case: Case, solution: Solution) -> Scene:
     held = [float(b.velocity) for b in system.bodies if isinstance(b, Wall)]
     held += [0.0 for end in system.ends if isinstance(end, Fixed | Moved)]
     why, theory, errors = o.why_no_restitution(), pair_theory(system), _errors(solution)
-    left = 0 if why else o.unilateral[0]
-    closing = o.velocities_before[left] - o.velocities_before[left + 1]
+    error = 0.0
+    if not why:
+        left, right = o.velocities_before[o.unilateral[0]:][:2]
+        error = 2 * errors["velocity"] / (left - right)
     closed = theory and {
         "restitution": float(theory.collision().restitution), "source": theory.source}
     return shortened(picture({
@@ -79,7 +81,7 @@ def scene(case: Case, solution: Solution) -> Scene:
             "before": o.velocities_before, "after": o.velocities_after, "able": o.unilateral,
             "contacts": [tally._asdict() for tally in o.contacts], "final": o.final, "why": why,
             "restitution": None if why else o.restitution,
-            "errors": errors, "error": 0.0 if why else 2 * errors["velocity"] / closing,
+            "errors": errors, "error": error,
             "energy_before": o.kinetic_before + sum(o.vibration_before),
             "vibration_after": sum(o.vibration_after),
         },
