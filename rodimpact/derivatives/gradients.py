@@ -236,7 +236,7 @@ def _check(system: System, of: Any, wrt: Any, workers: int | None) -> None:
         wrt = ()
     for path in wrt:
         if path not in known:
-            message = f"{shown(path)} is no number of the system; {suggestion(path, known)}"
+            message = f"the system has no parameter {shown(path)}; {suggestion(path, known)}"
             problems.append(("wrt", message))
         elif path.rpartition(".")[2] not in FIELDS:
             message = f"{path} is for other methods; derivatives are known for {', '.join(FIELDS)}"

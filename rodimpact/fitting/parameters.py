@@ -66,7 +66,7 @@ def parameters_of(system: System, vary: Any) -> list[Parameter]:
     found = []
     for path, bounds in vary.items():
         if path not in known:
-            message = f"is no number of the system; {suggestion(str(path), known)}"
+            message = f"is not a parameter of the system; {suggestion(str(path), known)}"
             problems.append((f"vary.{path}", message))
             continue
         unit = unit_at(system, known[path][0])
