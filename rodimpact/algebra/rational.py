@@ -95,7 +95,7 @@ def exact(
     numbers = read(row, take, lambda _, path: Number(speeds[path]))
     known |= dict.fromkeys(path for path, at in places.items() if at[0] in known)
     unknown: Problems = [
-        (path, f"names no number of this system; {suggestion(path, known)}")
+        (path, f"is not a parameter of the system; {suggestion(path, known)}")
         for path in given if path not in known
     ]
     for name in ("transit", "impedance"):

@@ -79,7 +79,7 @@ def test_what_has_no_fractions_is_told(bodies, more, said):
 
 
 @pytest.mark.parametrize(("values", "said"), [
-    ({"bodies.0.lenght": 1}, "bodies.0.lenght: names no number .* 'bodies.0.length'"),
+    ({"bodies.0.lenght": 1}, "bodies.0.lenght: is not a parameter .* 'bodies.0.length'"),
     ({"bodies.0.length": "x"}, "bodies.0.length: must be a number or a text"),
     ({"bodies.0.length": -1}, "bodies.0: needs numbers above 0, got transit -1"),
 ])
