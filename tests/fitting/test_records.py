@@ -21,8 +21,8 @@ def test_standard_errors_are_those_of_halves_of_the_record():
 
     def fitted(kept):
         part = ri.Signal(record.values[kept], record.times[kept], unit="V")
-        measured = ri.Measured(  # half a pulse has one edge, which may be the first or the last
-            part, (1, 0.02), 0.361, shot.bar.radius, shift=(-1.1e-4, -5e-5), level=level)
+        measured = ri.Measured(  # half a pulse does not tell when it comes, as a trigger does
+            part, (1, 0.02), 0.361, shot.bar.radius, shift=(-9e-5, -7e-5), level=level)
         return ri.fit(system, measured, vary, 2.5e-4, interval=4e-7)
 
     n = len(record)
