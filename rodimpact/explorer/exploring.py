@@ -86,8 +86,9 @@ class Page:
 def explore(case: System | Case) -> Page:
     """Make a page to play with a collision: sliders, the space-time diagram, the rods moving.
 
-    The page solves uniform and stepped rods in rigid or bonded contact while its sliders move.
-    What it cannot solve, such as damping, is solved here once; the page then shows that solution.
+    The page solves uniform and stepped rods and rigid masses, in rigid, bonded or compliant
+    contact, while its sliders move. A collision that it cannot solve, such as one with damping, is
+    solved here once; the page then shows that solution.
 
     Parameters
     ----------

@@ -22,6 +22,8 @@ from .outcome import closed_form_of, outcome_of
 from .runs import run_of, space_of
 from .texts import contacts_of, numbers_of
 
+TOO_FAR_APART = "times too far apart for the clock of this page; rodimpact run may solve it"
+
 
 def known_of(row: Any, gauges: Any) -> Any:
     """What `picture` shows of a row of fronts.
@@ -40,10 +42,12 @@ def known_of(row: Any, gauges: Any) -> Any:
     """
     run = run_of(row, True, space_of(row))
     if run["run"].stop >= Stop.OVERFLOW:
-        message = "times too far apart for the clock of this page; rodimpact run may solve it"
-        return {"problem": ("bodies", message)}
+        return {"problem": ("bodies", TOO_FAR_APART)}
     outcome, rods = outcome_of(row, run), rods_of(row, run)
     tick, now = run["run"].tick, run["run"].now
+    lengths = []
+    for rod in rods:
+        lengths.extend([it["length"] + stretch_of(it) * tick for it in rod["pieces"]])
     stop = end_of_picture(rods, now)
     if stop == 0:
         message = "lasts no time to show" if now == 0 else "has too many fronts to show"
@@ -62,7 +66,7 @@ def known_of(row: Any, gauges: Any) -> Any:
         "method": "fronts", "exact": True, "notes": notes, "curve": None,
         "closed_form": closed_form_of(row, outcome["before"]),
         "bodies": [body_of(row, body, stop * tick) for body in row["bodies"]],
-        "positions": positions_of(row, rods, tick), "polygons": polygons, "strain": strain,
+        "positions": positions_of(row, lengths), "polygons": polygons, "strain": strain,
         "slowest": slowest_of(row, outcome["before"]),
         "contacts": [{"index": i, "bonded": bonded, "compliant": False}
                      for i, bonded in enumerate(row["bonded"])],
@@ -84,14 +88,14 @@ def known_of(row: Any, gauges: Any) -> Any:
     }
 
 
-def positions_of(row: Any, rods: Any, tick: float) -> list[float]:
-    """Where the left end of each body would lie unstrained at t = 0, m."""
+def positions_of(row: Any, lengths: list[float]) -> list[float]:
+    """Where the left end of each body lies at t = 0, m; `lengths` of the segments are strained."""
     place, positions = 0.0, []
-    for i, rod in enumerate(rods):
+    for i, body in enumerate(row["bodies"]):
         place += row["gaps"][i - 1] if i > 0 else 0.0
         positions.append(place)
-        for piece in rod["pieces"]:
-            place += piece["length"] + stretch_of(piece) * tick
+        for s in range(body["first"], body["last"] + 1):
+            place += lengths[s - 1]
     return positions
 
 
@@ -134,12 +138,15 @@ def series_of(name: str, t: list[float], y: list[float], steps: bool) -> Any:
 
 def gauge_series(row: Any, rods: Any, gauge: Any, tick: float, stop: int) -> Any:
     """The curve of a gauge, in 1e-6."""
-    length, pieces = 0.0, rods[gauge["body"]]["pieces"]
-    for piece in pieces:
-        length += piece["length"]
-    x = gauge["fraction"] * length
-    curve = gauge_curve(pieces, tick, x, stop)
-    strain = [1e6 * e for e in curve["strain"]]
-    number = numbers_of(row["bodies"])[gauge["body"]]
-    name = f"rod {number} at {format_si(x, 'm', 4)}"
-    return series_of(name, curve["t"], strain, True)
+    x, name = gauge_of(row, gauge)
+    curve = gauge_curve(rods[gauge["body"]]["pieces"], tick, x, stop)
+    return series_of(name, curve["t"], [1e6 * e for e in curve["strain"]], True)
+
+
+def gauge_of(row: Any, gauge: Any) -> Any:
+    """Place of a gauge, m from the left end of its rod, and its name."""
+    length, body = 0.0, row["bodies"][gauge["body"]]
+    for s in range(body["first"], body["last"] + 1):
+        length += row["segments"][s - 1]["length"]
+    x, number = gauge["fraction"] * length, numbers_of(row["bodies"])[gauge["body"]]
+    return x, f"rod {number} at {format_si(x, 'm', 4)}"

@@ -52,7 +52,7 @@ def before_and_after(row: Any, run: Any) -> Any:
 
 def outcome_of(row: Any, run: Any) -> Any:
     """What the collision did: velocities, contacts, energies, and e, or why there is none."""
-    it, segment, node, count = run["run"], run["segment"], run["node"], len(row["gaps"])
+    it, segment, node = run["run"], run["segment"], run["node"]
     before, after = before_and_after(row, run)
     contacts = [{
         "impulse": node[k].impulse * it.tick, "peak_force": node[k].peak,
@@ -65,17 +65,15 @@ def outcome_of(row: Any, run: Any) -> Any:
             kinetic += row["segments"][s - 1]["mass"] * v * v / 2
             vibration_before += segment[s].initial_vibration * it.tick
             vibration_after += segment[s].vibration * it.tick
-    able = [k for k in range(count) if not row["bonded"][k]]
-    status = sentence_of(row, run)
-    why = why_no_restitution(row, run, able, before, status)
+    able, final, status = able_of(row), proof_of(row, run) != NONE, sentence_of(row, run)
+    why = why_no_restitution(row, [c["episodes"] for c in contacts], before, final, status)
     e, error = math.nan, 0.0
     if why == "":
         e = restitution(able[0], before, after)
         error = error_of(row, run) / (before[able[0]] - before[able[0] + 1])
     return {
         "before": before, "after": after, "contacts": contacts, "able": able,
-        "final": proof_of(row, run) != NONE, "status": status, "why": why, "restitution": e,
-        "error": error,
+        "final": final, "status": status, "why": why, "restitution": e, "error": error,
         "energy_before": kinetic + vibration_before, "vibration_after": vibration_after,
     }
 
@@ -94,6 +92,18 @@ def driven_ends(row: Any) -> bool:
     return any(end in ("force", "velocity", "incoming") for end in row["ends"])
 
 
+def is_held(row: Any) -> bool:
+    """Whether walls hold the row: one at both ends, or one that is bonded to it."""
+    walls = [i for i, body in enumerate(row["bodies"]) if body["kind"] == "wall"]
+    last = len(row["bonded"]) - 1
+    return len(walls) == 2 or any(row["bonded"][min(i, last)] for i in walls)
+
+
+def able_of(row: Any) -> list[int]:
+    """Contacts that can open."""
+    return [k for k, bonded in enumerate(row["bonded"]) if not bonded]
+
+
 def proof_of(row: Any, run: Any) -> int:
     """Tick at which the collision was proved to be over; NONE if it was not."""
     if row["until"] >= 0 and driven_ends(row):
@@ -104,16 +114,14 @@ def proof_of(row: Any, run: Any) -> int:
 
 def sentence_of(row: Any, run: Any) -> str:
     """Why the run ended, as `Solution.status` has it."""
-    it, slowest, last = run["run"], math.inf, len(row["bonded"]) - 1
-    walls = [i for i, body in enumerate(row["bodies"]) if body["kind"] == "wall"]
+    it, slowest = run["run"], math.inf
     for piece in row["segments"]:
         slowest = min(slowest, piece["wave_speed"])
     error, worst = transit_error_of(row, run)
     text = status_of(it, run["node"], row["nodes"], {
         "proved": proof_of(row, run) != NONE,
         "round_trip": round_trip(run["body"], run["segment"]) * it.tick,
-        "acting": "an end is driven" if driven_ends(row) else "",
-        "held": len(walls) == 2 or any(row["bonded"][min(i, last)] for i in walls),
+        "acting": "an end is driven" if driven_ends(row) else "", "held": is_held(row),
     })
     return text + rounding(error, worst) + strain_warning(it.fastest / slowest)
 
@@ -129,15 +137,13 @@ def transit_error_of(row: Any, run: Any) -> Any:
 
 
 def why_no_restitution(
-    row: Any, run: Any, able: list[int], before: list[float], status: str
+    row: Any, episodes: list[int], before: list[float], final: bool, status: str
 ) -> str:
-    """Why there is no e, as `Outcome` has it; "" if there is one."""
-    episodes, closing = 0, 0.0
+    """Why there is no e, as `Outcome` has it; "" if there is one. `episodes` are by contact."""
+    able, count, closing = able_of(row), 0, 0.0
     if len(able) == 1:
-        episodes = run["node"][row["nodes"][able[0]]].episodes
-        closing = before[able[0]] - before[able[0] + 1]
-    final = proof_of(row, run) != NONE
-    return no_restitution(len(able), driven_ends(row), episodes, final, closing, status)
+        count, closing = episodes[able[0]], before[able[0]] - before[able[0] + 1]
+    return no_restitution(len(able), driven_ends(row), count, final, closing, status)
 
 
 def restitution(contact: int, before: list[float], after: list[float]) -> float:
@@ -155,12 +161,12 @@ def restitutions(case: Any, library: Any, path: list[Any], values: list[float]) 
     for value in values:
         row = row_of(changed(case, path, value), library)
         run = run_of(row, False, space)
-        able = [k for k, bonded in enumerate(row["bonded"]) if not bonded]
         e = None
         if run["run"].stop < Stop.OVERFLOW:
             before, after = before_and_after(row, run)
-            if why_no_restitution(row, run, able, before, "") == "":
-                e = restitution(able[0], before, after)
+            episodes = [run["node"][k].episodes for k in row["nodes"]]
+            if why_no_restitution(row, episodes, before, proof_of(row, run) != NONE, "") == "":
+                e = restitution(able_of(row)[0], before, after)
         found.append(e)
     return found
 

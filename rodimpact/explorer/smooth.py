@@ -14,14 +14,27 @@ from ..methods.pieces.records import Law, Stop
 from ..methods.pieces.totals import stated, status_of, tally_of, told_of, why_stopped
 from ..methods.scales import smallest
 from ..methods.status import strain_warning
-from ..results.outcome import no_restitution
-from ..units import format_si
-from .fronts import body_of, plot_of, series_of, slowest_of
-from .outcome import driven_ends, restitution, velocities_of
+from .fronts import (
+    TOO_FAR_APART,
+    body_of,
+    gauge_of,
+    plot_of,
+    positions_of,
+    series_of,
+    slowest_of,
+)
+from .outcome import (
+    able_of,
+    driven_ends,
+    is_held,
+    restitution,
+    velocities_of,
+    why_no_restitution,
+)
 from .smooth_motion import energy_curves, gauge_curve, grids_of, line_curve, path_of, waves_of
 from .smooth_runs import given_of, run_of, solved
 from .tables import contacts_in, row_of
-from .texts import contacts_of, numbers_of
+from .texts import contacts_of
 
 STIFFEST = 2.0**80  # of a contact, times transit time over impedance
 QUICK = 1e-6  # tolerance of curves and maps
@@ -50,15 +63,17 @@ def smooth_known(row: Any, contacts: Any, gauges: Any) -> Any:
         return {"problem": problem}
     run = solved(row, known)
     if run is None:
-        message = "times too far apart for the clock of this page; rodimpact run may solve it"
-        return {"problem": ("bodies", message)}
+        return {"problem": ("bodies", TOO_FAR_APART)}
     if run["ended"].run.stop == Stop.STUCK:
         message = "a rigid mass is squeezed between walls; give a contact there a compliant law"
         return {"problem": ("contacts", message)}
     outcome, frame = smooth_outcome(row, known, run), known["given"].frame
     if run["now"] == 0:
         return {"problem": ("solve", f"lasts no time to show. {outcome['status']}")}
-    waves, tick = waves_of(run), run["clock"].tick
+    waves, tick, lengths = waves_of(run), run["clock"].tick, []
+    for body in row["bodies"]:
+        inside = row["segments"][body["first"] - 1 : body["last"]]
+        lengths.extend([piece["length"] * (1 + body["strain"]) for piece in inside])
     grids, strain = grids_of(row, run, frame, waves), 0.0
     for e in grids["strain"]:
         strain = max(strain, abs(e))
@@ -86,7 +101,7 @@ def smooth_known(row: Any, contacts: Any, gauges: Any) -> Any:
     return {
         "method": "characteristics", "exact": False, "curve": None, "closed_form": None,
         "notes": [outcome["status"], "The picture shows means over cells."], "bodies": bodies,
-        "positions": places_of(row), "polygons": grids, "strain": strain,
+        "positions": positions_of(row, lengths), "polygons": grids, "strain": strain,
         "slowest": slowest_of(row, outcome["before"]), "gauges": gauges, "outcome": outcome,
         "contacts": [{"index": i, "bonded": bonded, "compliant": soft[i]}
                      for i, bonded in enumerate(row["bonded"])],
@@ -118,26 +133,10 @@ def is_beyond(given: Any, i: int) -> bool:
     return not given.stiffness[i] * (given.reference / weakest) * reach <= STIFFEST
 
 
-def places_of(row: Any) -> list[float]:
-    """Where the left end of each body would lie unstrained at t = 0, m."""
-    place, places = 0.0, []
-    for i, body in enumerate(row["bodies"]):
-        place += row["gaps"][i - 1] if i > 0 else 0.0
-        places.append(place)
-        for s in range(body["first"], body["last"] + 1):
-            place += row["segments"][s - 1]["length"] * (1 + body["strain"])
-    return places
-
-
 def smooth_gauge(row: Any, run: Any, waves: list[Any], gauge: Any) -> Any:
     """The curve of a gauge, in 1e-6."""
-    length, body = 0.0, row["bodies"][gauge["body"]]
-    for s in range(body["first"], body["last"] + 1):
-        length += row["segments"][s - 1]["length"]
-    x = gauge["fraction"] * length
-    curve = gauge_curve(row, run, waves, body, x)
-    number = numbers_of(row["bodies"])[gauge["body"]]
-    name = f"rod {number} at {format_si(x, 'm', 4)}"
+    x, name = gauge_of(row, gauge)
+    curve = gauge_curve(row, run, waves, row["bodies"][gauge["body"]], x)
     return series_of(name, curve["t"], [1e6 * e for e in curve["strain"]], False)
 
 
@@ -161,19 +160,16 @@ def smooth_outcome(row: Any, known: Any, run: Any) -> Any:
             energy += row["segments"][s - 1]["mass"] * (
                 row["segments"][s - 1]["wave_speed"] * body["strain"]) ** 2 / 2
         momentum += body["mass"] * ended.run.scale
-    able = [k for k, bonded in enumerate(row["bonded"]) if not bonded]
-    status, final = smooth_sentence(row, run), ended.run.proved >= 0
-    episodes, closing = 0, 0.0
-    if len(able) == 1:
-        episodes = contacts[able[0]]["episodes"]
-        closing = before[able[0]] - before[able[0] + 1]
-    why = no_restitution(len(able), driven_ends(row), episodes, final, closing, status)
-    e = math.nan if why != "" else restitution(able[0], before, after)
-    speed = run["errors"][0] * ended.run.scale
+    able, status, final = able_of(row), smooth_sentence(row, run), ended.run.proved >= 0
+    why = why_no_restitution(row, [c["episodes"] for c in contacts], before, final, status)
+    speed, e, error = run["errors"][0] * ended.run.scale, math.nan, 0.0
+    if why == "":
+        e = restitution(able[0], before, after)
+        error = 2 * speed / (before[able[0]] - before[able[0] + 1])
     return {
         "before": before, "after": after, "contacts": contacts, "able": able, "final": final,
         "status": status, "why": why, "restitution": e, "energy_before": energy,
-        "vibration_after": vibration, "error": 2 * speed / closing if why == "" else 0.0,
+        "vibration_after": vibration, "error": error,
         "errors": {
             "velocity": speed,
             "impulse": run["errors"][1] * size_of([c["impulse"] for c in contacts]),
@@ -200,12 +196,10 @@ def smooth_sentence(row: Any, run: Any) -> str:
             for c in piece.coefficient:
                 speed += abs(c)
             fastest = max(fastest, speed / row["segments"][piece.line // 2]["wave_speed"])
-    walls = [i for i, body in enumerate(row["bodies"]) if body["kind"] == "wall"]
-    last = len(row["bonded"]) - 1
     sentence = status_of(it, ended.link, {
         "stopped_by": why_stopped(it, row["until"] >= 0), "end": end,
         "round_trip": 2 * longest * tick, "acting": "an end is driven" if driven_ends(row) else "",
-        "held": len(walls) == 2 or any(row["bonded"][min(i, last)] for i in walls),
+        "held": is_held(row),
     })
     worst = max(run["errors"][0], run["errors"][1], run["errors"][2])
     return sentence + stated(worst, RTOL) + told_of(it) + strain_warning(fastest)

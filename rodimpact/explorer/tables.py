@@ -1,7 +1,7 @@
-"""From the tables of a case to a row of fronts, in Python that the page has as JavaScript.
+"""From the tables of a case to a row, in Python that the page has as JavaScript.
 
 The numbers are those of `Plan`. Mistakes are told in the words of the model: `RULES` are its
-fields. What fronts cannot carry is named: the page cannot solve it.
+fields. What the page cannot solve is named.
 """
 
 from __future__ import annotations

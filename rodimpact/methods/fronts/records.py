@@ -111,7 +111,8 @@ times from the left end of a segment to its jumps, and those at which drives jum
 RUN = np.dtype([
     ("until", "f8"),  # s; without an end, minus the share of `HORIZON` for which there is room
     ("limit", "i8"),  # events
-    ("reads", "i8"), ("further", "i8"),  # 1: waves are read; all run on for a round trip
+    ("reads", "i8"),  # 1: waves are read
+    ("further", "i8"),  # 1: it runs on for a round trip, and what balances need is added up, too
     ("row", "i8"),  # where its numbers begin
     ("late", "i8"),  # how often what drives its ends jumps
     ("bits", "i8"), ("total", "i8"),  # ticks of the longest duration: about 2^bits
