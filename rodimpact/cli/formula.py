@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 
 from ..algebra.formula import ClosedForm, closed_form
+from ..model.numbering import body_names, contact_names
 from ..storage.casefile import read_case
 from . import DONE, MISTAKE, complain
 from .progress import progress_bar
@@ -39,14 +40,19 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         if arguments.latex:
             return "\n".join(form._repr_latex_() for form in forms), DONE
         names = "\n".join(f"{name}: {path}" for name, path in found.symbols.items())
-        return "\n\n".join([names, *(_told(form, arguments.conditions) for form in forms)]), DONE
+        kinds = case.system.kinds
+        told = [_told(form, kinds, arguments.conditions) for form in forms]
+        return "\n\n".join([names, *told]), DONE
 
 
-def _told(form: ClosedForm, conditions: bool) -> str:
+def _told(form: ClosedForm, kinds: list[str], conditions: bool) -> str:
     """All that a formula says, with all conditions or the nearest."""
     results = [("e", form.restitution)] if form.restitution is not None else []
-    results += [(f"velocity after of body {i}", v) for i, v in enumerate(form.velocities_after)]
-    for k, (J, episodes) in enumerate(zip(form.impulses, form.contact_times, strict=True)):
+    names = body_names(kinds)
+    results += [(f"velocity of {name} after", v)
+                for name, v in zip(names, form.velocities_after, strict=True)]
+    contacts = contact_names(kinds)
+    for k, J, episodes in zip(contacts, form.impulses, form.contact_times, strict=True):
         results.append((f"impulse at contact {k}", J))
         for start, end in episodes:
             results += [(f"start of force at contact {k}", start), ("end of it", end)]

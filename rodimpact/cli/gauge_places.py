@@ -7,6 +7,7 @@ from typing import TypeAlias
 
 from ..model import Rod
 from ..model.frozen import Problems
+from ..model.numbering import body_names
 from ..storage.casefile import Case
 from .asking import quantity
 
@@ -23,14 +24,15 @@ def add_gauge_option(parser: argparse.ArgumentParser, what: str) -> None:
 def gauge_places(problems: Problems, given: list[str], case: Case | None) -> Places:
     """Bodies and places of gauges by name: those given, or else those of the case."""
     places: Places = {}
+    bodies = case.system.bodies if case else ()
+    names = body_names([body.kind for body in bodies])
     for i, gauge in enumerate(case.gauges if case and not given else ()):
-        rod = case.system.bodies[gauge.body]  # type: ignore[union-attr]
+        rod = bodies[gauge.body]
         far = gauge.fraction * float(rod.length)  # type: ignore[union-attr]
-        name = gauge.name or f"body {gauge.body} at {far:g} m"
+        name = gauge.name or f"{names[gauge.body]} at {far:g} m"
         if name in places:
             problems.append((f"gauges.{i}", f"two gauges are called {name}; rename one"))
         places[name] = gauge.body, far
-    bodies = case.system.bodies if case else ()
     for text in given:
         name, _, place = text.rpartition("=")
         number, _, x = place.partition(":")

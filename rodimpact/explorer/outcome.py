@@ -17,6 +17,7 @@ from ..results.outcome import ROUND_OFF, no_restitution
 from ..theory import pair_numbers, pair_restitution
 from .runs import run_of, space_of
 from .tables import row_of
+from .texts import contacts_of
 
 
 def groups_of(row: Any) -> list[list[int]]:
@@ -122,6 +123,7 @@ def sentence_of(row: Any, run: Any) -> str:
         "proved": proof_of(row, run) != NONE,
         "round_trip": round_trip(run["body"], run["segment"]) * it.tick,
         "acting": "an end is driven" if driven_ends(row) else "", "held": is_held(row),
+        "names": contacts_of(row["bodies"]),
     })
     return text + rounding(error, worst) + strain_warning(it.fastest / slowest)
 

@@ -126,7 +126,7 @@ def _curve(name: str, t: Floats, y: Floats, steps: bool) -> Any:
 
 def _kinds(solution: Solution) -> list[Scene]:
     """What bodies are, as `picture` names them."""
-    return [{"kind": body.kind} for body in solution.system.bodies]
+    return [{"kind": kind} for kind in solution.system.kinds]
 
 
 def _contacts(solution: Solution) -> list[Scene]:

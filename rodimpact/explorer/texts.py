@@ -5,17 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ..model.numbering import body_numbers, contact_names
 from ..units import format_si
 
 
 def numbers_of(bodies: list[Any]) -> list[str]:
-    """What people call bodies by: rods and masses are numbered from the left, walls are not."""
-    found: list[str] = []
-    count = 0
-    for body in bodies:
-        count += 0 if body["kind"] == "wall" else 1
-        found.append("wall" if body["kind"] == "wall" else f"{count}")
-    return found
+    """Numbers of the bodies of a scene."""
+    return body_numbers([body["kind"] for body in bodies])
 
 
 def name_of(kind: str, number: str) -> str:
@@ -24,9 +20,8 @@ def name_of(kind: str, number: str) -> str:
 
 
 def contacts_of(bodies: list[Any]) -> list[str]:
-    """The names of all contacts of a row."""
-    numbers = numbers_of(bodies)
-    return [f"{numbers[i]}-{numbers[i + 1]}" for i in range(len(numbers) - 1)]
+    """Names of the contacts of a scene."""
+    return contact_names([body["kind"] for body in bodies])
 
 
 def capital(word: str) -> str:

@@ -127,6 +127,11 @@ class System(Frozen):
         _check_joined(self)
 
     @property
+    def kinds(self) -> list[str]:
+        """Kind of each body: "rod", "mass" or "wall"."""
+        return [body.kind for body in self.bodies]
+
+    @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the family; () for a single collision."""
         return self._shape

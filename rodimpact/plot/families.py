@@ -60,7 +60,7 @@ def sweep(
     >>> left = ri.Rod([0.2, 0.4, 0.8], area=1e-4, material=steel, velocity=1.0)
     >>> family = ri.sweep(ri.System([left, ri.Rod(1.0, area=1e-4, material=steel)]))
     >>> ri.plot.sweep(family, quantity="velocity_after.1").ax.get_xlabel()
-    'length of rod 0 (m)'
+    'length of rod 1 (m)'
     """
     of_kind("result", result, SweepResult, "rodimpact.sweep(family)")
     column = _column(result, quantity)

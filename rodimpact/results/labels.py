@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..model import Material, RigidMass, Rod, Segment, System, Wall
+from ..model import Material, RigidMass, Rod, Segment, System
 from ..model.frozen import Field
+from ..model.numbering import body_names, contact_names
 
 _OF_A_BODY = {**Material.fields, **Segment.fields, **Rod.fields, **RigidMass.fields}
 
@@ -27,12 +28,12 @@ class Quantity(NamedTuple):
 
 _NAMES = {
     "restitution": Quantity("coefficient of restitution e", "1"),
-    "vibration": Quantity("energy left in vibration", "J"),
+    "vibration": Quantity("vibration energy", "J"),
     "dissipated": Quantity("energy lost in contacts", "J"),
     "final": Quantity("end of the collision", "1"),
     "status": Quantity("why the run ended", "1"),
     "impulse": Quantity("impulse", "N s"),
-    "peak_force": Quantity("largest contact force", "N"),
+    "peak_force": Quantity("peak force", "N"),
     "duration": Quantity("force duration", "s"),
     "set": Quantity("permanent set", "m"),
     "episodes": Quantity("episodes of contact", "1"),
@@ -48,7 +49,7 @@ _NAMES = {
     "mean_velocity": Quantity("velocity of the centre of mass", "m/s"),
     "contact": Quantity("contact between a body and the next", "1"),
     "force": Quantity("contact force, positive in compression", "N"),
-    "gap": Quantity("distance between the two bodies", "m"),
+    "gap": Quantity("gap between the two bodies", "m"),
     "energy": Quantity("energy", "J"),
     "part": Quantity("entry of the energy ledger", "1"),
     "kind": Quantity("kind of body", "1"),
@@ -64,7 +65,7 @@ def parameter(system: System, path: str) -> Quantity:
     >>> import rodimpact as ri
     >>> system = ri.System([ri.Rod(0.4, area=1e-4, material=ri.materials.steel), ri.Wall()])
     >>> [parameter(system, path).name for path in ("bodies.0.length", "contacts.0.gap")]
-    ['length of rod 0', 'gap 0-1']
+    ['length of rod 1', 'gap 1-wall']
     """
     match path.split("."):
         case ["gravity"]:
@@ -73,24 +74,25 @@ def parameter(system: System, path: str) -> Quantity:
             return Quantity(_body(system, body), "kg")
         case ["contacts", contact, "gap"]:
             gap = _quantity("gap", System.fields["gaps"])
-            return gap._replace(name=f"{gap.name} {_pair(contact)}")
+            return gap._replace(name=f"{gap.name} {_pair(system, contact)}")
         case ["contacts", contact, field]:
             law = system.contacts[int(contact)]
             if getattr(law, field, None) is None:
                 return Quantity(path, "1")
             name, unit = _quantity(field, law.fields[field])
-            return Quantity(f"{name} of contact {_pair(contact)}", unit)
+            return Quantity(f"{name} of contact {_pair(system, contact)}", unit)
         case ["ends", ("left" | "right") as side, "value", *rest]:
             return _of_end(system, side, rest)
         case ["materials", *name, field]:
             owner = f"material {'.'.join(name)}"
         case ["bodies", body, "segments", segment, *_, field]:
-            owner = f"segment {segment} of {_body(system, body)}"
+            owner = f"segment {int(segment) + 1} of {_body(system, body)}"
         case ["bodies", body, field, ("values" | "at") as what, number]:
             name, unit = _quantity(field, _OF_A_BODY[field])
+            count, owner = int(number) + 1, _body(system, body)
             if what == "at":
-                return Quantity(f"place of jump {number} of {name}, {_body(system, body)}", "m")
-            return Quantity(f"{name} of piece {number} of {_body(system, body)}", unit)
+                return Quantity(f"place of jump {count} of {name}, {owner}", "m")
+            return Quantity(f"{name} of piece {count} of {owner}", unit)
         case ["bodies", body, *_, field]:
             owner = _body(system, body)
         case _:
@@ -107,7 +109,7 @@ def outcome(system: System, column: str) -> Quantity:
     >>> import rodimpact as ri
     >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel)
     >>> outcome(ri.System([rod, rod, rod]), "impulse.1")
-    Quantity(name='impulse at contact 1-2', unit='N s')
+    Quantity(name='impulse at contact 2-3', unit='N s')
     """
     kind, _, index = column.partition(".")
     if kind == "velocity_after":
@@ -117,14 +119,12 @@ def outcome(system: System, column: str) -> Quantity:
     if kind == "largest_stress":
         return Quantity(f"largest stress in {_body(system, index)}", "Pa")
     name, unit = _NAMES.get(kind, Quantity(column, "1"))
-    where = f" at contact {_pair(index)}" if index and len(system.contacts) > 1 else ""
+    where = f" at contact {_pair(system, index)}" if index and len(system.contacts) > 1 else ""
     return Quantity(name + where, unit)
 
 
 def _body(system: System, index: str) -> str:
-    body = system.bodies[int(index)]
-    kinds = ((Rod, "rod"), (Wall, "wall"), (RigidMass, "mass"))
-    return next(f"{word} {index}" for kind, word in kinds if isinstance(body, kind))
+    return body_names(system.kinds)[int(index)]
 
 
 def _quantity(name: str, field: Field) -> Quantity:
@@ -139,13 +139,13 @@ def _of_end(system: System, side: str, rest: list[str]) -> Quantity:
     name = f"{what} {'on' if what == 'force' else 'of'} the {side} end"
     match rest:
         case ["values", number]:
-            name = f"piece {number} of {name}"
+            name = f"piece {int(number) + 1} of {name}"
         case ["at", number]:
-            name, unit = f"time of jump {number} of {name}", "s"
+            name, unit = f"time of jump {int(number) + 1} of {name}", "s"
         case ["step"]:
             name, unit = f"time between samples of {name}", "s"
     return Quantity(name, unit)
 
 
-def _pair(contact: str) -> str:
-    return f"{contact}-{int(contact) + 1}"
+def _pair(system: System, contact: str) -> str:
+    return contact_names(system.kinds)[int(contact)]

@@ -293,7 +293,7 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
         missing / scale if scale > 0 else 0.0 for missing, scale in (totals.momentum, totals.energy)
     )
     return Outcome(
-        bodies=tuple(body.kind for body in system.bodies),
+        bodies=tuple(system.kinds),
         masses=tuple(totals.masses),
         velocities_before=tuple(before), velocities_after=tuple(after),
         kinetic_before=totals.kinetic[0], kinetic_after=totals.kinetic[1],

@@ -282,7 +282,7 @@ class Solution:
         parts = vars(self.energy(t))
         data["energy"] = ["part", "time"], np.array([*parts.values()])
         over = {
-            "body": (["body"], range(len(bodies))), "kind": (["body"], [b.kind for b in bodies]),
+            "body": (["body"], range(len(bodies))), "kind": (["body"], self.system.kinds),
             "x": (["x"], x), "time": (["time"], t), "part": (["part"], [*parts]),
             "contact": (["contact"], range(len(self.contacts))),
             "law": (["contact"], [law.law for law in self.system.contacts]),

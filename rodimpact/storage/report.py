@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ..model.numbering import body_names, contact_names
 from ..units import format_si
 from .tables import SCHEMA_VERSION, align, clean, finite, joules
 
@@ -39,7 +40,7 @@ def outcome_table(outcome: Any) -> str:
     >>> left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
     >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
     >>> print(outcome_table(ri.collide(left, right)).splitlines()[2])
-    1     rod  0.785 kg            0 m/s         0.4 m/s                 94.2 mJ
+    rod 2  0.785 kg            0 m/s         0.4 m/s                 94.2 mJ
     """
     return "\n\n".join([*_tables(outcome), _sentences(outcome)])
 
@@ -88,7 +89,7 @@ def ring_down_table(found: Any) -> str:
         ["vibration at the end", format_si(clean(last, first + found.rigid), "J", 4)],
         ["energy of the rigid motion", format_si(found.rigid, "J", 4)],
         ["energy of vibration falls to 1/e in", spell(found.decay_time)],
-        [f"that of rod {found.body}'s mode of {format_si(found.frequency, 'Hz', 4)} in",
+        [f"that of the mode that lasts longest, {format_si(found.frequency, 'Hz', 4)}, in",
          spell(found.modal_decay_time)],
         ["read off the last third of", spell(float(found.times[-1] - found.times[0]))],
         ["momentum changed by, relative", _residual(found.momentum_change)],
@@ -159,24 +160,25 @@ def _bodies(o: Any) -> str:
         return f"{clean(v, largest):.{digits}g} m/s"
 
     then = _then(o)
-    rows = [["body", "", "mass", "velocity before", f"velocity {then}", f"vibration energy {then}"]]
+    rows = [["body", "mass", "velocity before", f"velocity {then}", f"vibration energy {then}"]]
     scale = _vibration_scale(o)
-    for i, (kind, mass, before, after, vibration) in enumerate(zip(
-        o.bodies, o.masses, o.velocities_before, o.velocities_after, o.vibration_after, strict=True
-    )):
+    for name, mass, before, after, vibration in zip(
+        body_names(o.bodies), o.masses, o.velocities_before, o.velocities_after, o.vibration_after,
+        strict=True,
+    ):
         rigid = mass == math.inf
         rows.append([
-            str(i), kind, "-" if rigid else format_si(mass, "kg"), velocity(before),
+            name, "-" if rigid else format_si(mass, "kg"), velocity(before),
             velocity(after), "-" if rigid else joules(vibration, scale),
         ])
-    return align(rows, left=(0, 1))
+    return align(rows)
 
 
 def _contacts(o: Any) -> str:
     rows = [["contact", "impulse", "peak force", "force duration", "episodes"]]
     scale = max(abs(c.impulse) for c in o.contacts)
-    for i, c in enumerate(o.contacts):
-        name, impulse = f"{i}-{i + 1}", format_si(clean(c.impulse, scale), "N s")
+    for i, (name, c) in enumerate(zip(contact_names(o.bodies), o.contacts, strict=True)):
+        impulse = format_si(clean(c.impulse, scale), "N s")
         if i in o.unilateral:
             force, time = format_si(c.peak_force, "N"), format_si(c.duration, "s")
             rows.append([name, impulse, force, time, str(c.episodes)])
@@ -239,7 +241,8 @@ def _episodes(solution: Any) -> list[str]:
     if not found:
         return []
     rows = [["contact", "force from", "force ends", "gap opens"]]
-    rows += [[f"{i}-{i + 1}", *(format_si(t, "s") for t in e)] for i, e in found[:MOST_EPISODES]]
+    names = contact_names(solution.system.kinds)
+    rows += [[names[i], *(format_si(t, "s") for t in e)] for i, e in found[:MOST_EPISODES]]
     hidden = len(found) - MOST_EPISODES
     return [align(rows) + (f"\n... and {hidden} more" if hidden > 0 else "")]
 

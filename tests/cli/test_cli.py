@@ -341,7 +341,7 @@ def test_gauges_of_the_case_are_written(case, capsys):
                     '[[gauges]]\nbody = 0\nfraction = 1\n')
     rods = ri.read_case(case).system.bodies
     assert main(["run", str(case), "--gauges", "a.csv"]) == 0
-    places = [f"far=1:{rods[1].length / 2}", f"body 0 at {rods[0].length:g} m=0:{rods[0].length}"]
+    places = [f"far=1:{rods[1].length / 2}", f"rod 1 at {rods[0].length:g} m=0:{rods[0].length}"]
     argv = [word for place in places for word in ("--gauge", place)]
     assert main(["run", str(case), "--gauges", "b.csv", *argv]) == 0
     assert Path("a.csv").read_text() == Path("b.csv").read_text()

@@ -639,6 +639,6 @@ def test_what_else_is_wanted_has_columns(case, capsys):
     names = capsys.readouterr().out.partition("\n")[0].split(",")
     assert names[-3:] == ["dissipated", "largest_stress.0", "largest_stress.1"]
     assert sweep(*given) == 0
-    assert "largest stress in rod 0" in capsys.readouterr().out
+    assert "largest stress in rod 1" in capsys.readouterr().out
     assert sweep("--vary", LENGTHS, "--also", "displacement") == 2
     assert "--until" in capsys.readouterr().err

@@ -102,7 +102,7 @@ def test_a_curve_goes_through_the_results(swept):
     assert picture.values.get_xdata() == pytest.approx(lengths)
     assert picture.values.get_ydata() == pytest.approx(np.minimum(lengths, 1 / lengths))
     assert picture.values.get_linestyle() == "-"
-    assert picture.ax.get_xlabel() == "length of rod 0 (m)"
+    assert picture.ax.get_xlabel() == "length of rod 1 (m)"
     assert picture.ax.get_ylabel() == "coefficient of restitution e"
     assert picture.ax.get_xscale() == "linear"
 
@@ -143,7 +143,7 @@ def test_a_material_is_a_parameter_too():
     exact = ri.theory.saint_venant(
         left.segments[0].impedance, left.transit_time, 2000 * 1e-4 * c, 1 / c)
     assert y == pytest.approx(exact.restitution, abs=1e-12)
-    assert picture.ax.get_xlabel() == "Young's modulus of rod 1 (GPa)"
+    assert picture.ax.get_xlabel() == "Young's modulus of rod 2 (GPa)"
     assert picture.ax.get_xscale() == "log"
     assert picture.ax.xaxis.get_major_formatter().format_ticks([0.0001, 1, 20, 500]) == [
         "10⁻⁴", "1", "20", "500"]
@@ -166,7 +166,7 @@ def test_a_curve_is_broken_where_it_jumps_and_only_there(swept):
     assert y[[gap - 1, gap + 1]] == pytest.approx([1e6 / C, 2e6 / C])
     (gap,) = np.flatnonzero(np.isnan(picture.theory.get_ydata()))
     assert picture.theory.get_xdata()[gap] == pytest.approx(100.0, abs=1.0)
-    assert picture.ax.get_xlabel() == "area of rod 0 (mm²)"
+    assert picture.ax.get_xlabel() == "area of rod 1 (mm²)"
     assert picture.ax.get_ylabel() == "force duration (µs)"
     for quantity in ("restitution", "velocity_after.0", "impulse.0"):  # a corner is no jump
         assert np.isfinite(plot.sweep(swept["areas"], axes(), quantity).values.get_ydata()).all()
@@ -246,7 +246,7 @@ def test_an_axis_of_one_value_does_not_count():
         picture = plot.sweep(ri.sweep(ri.System([rod(shaped, 1.0), rod()])), axes())
         assert isinstance(picture.values, Line2D)
         assert picture.values.get_ydata() == pytest.approx(lengths)
-        assert picture.ax.get_xlabel() == "length of rod 0 (m)"
+        assert picture.ax.get_xlabel() == "length of rod 1 (m)"
 
 
 def test_members_are_counted_where_nothing_else_tells_them_apart():
@@ -261,8 +261,8 @@ def test_what_varies_along_with_it_is_named():
     result = ri.sweep(ri.System([rod(1.0, 1.0), *[rod(lengths)] * 4]))
     picture = plot.sweep(result, axes(), "velocity_after.4")
     assert picture.ax.get_xlabel() == (
-        "length of rod 1 (m)\nwith length of rod 2, length of rod 3 and 1 more")
-    assert picture.ax.get_ylabel() == "velocity of rod 4 after (m/s)"
+        "length of rod 2 (m)\nwith length of rod 3, length of rod 4 and 1 more")
+    assert picture.ax.get_ylabel() == "velocity of rod 5 after (m/s)"
 
 
 # Maps -------------------------------------------------------------------------------------------
@@ -279,8 +279,8 @@ def test_a_map_has_a_cell_for_each_collision(swept):
     assert np.sqrt(y[:-1] * y[1:]) == pytest.approx(AREAS * 1e6)
     assert limits(picture) == pytest.approx((*x[[0, -1]], *y[[0, -1]]))
     assert (picture.ax.get_xscale(), picture.ax.get_yscale()) == ("log", "log")
-    assert picture.ax.get_xlabel() == "length of rod 0 (m)"
-    assert picture.ax.get_ylabel() == "area of rod 1 (mm²)"
+    assert picture.ax.get_xlabel() == "length of rod 1 (m)"
+    assert picture.ax.get_ylabel() == "area of rod 2 (mm²)"
     assert picture.colour_bar.ax.get_ylabel() == "coefficient of restitution e"
     assert picture.cells.get_rasterized()
 
@@ -380,8 +380,8 @@ def test_counts_have_a_colour_each(swept):
     assert picture.cells.get_array().tolist() == swept["heads"].episodes.T.tolist()
     assert picture.cells.norm.boundaries.tolist() == [0.5, 1.5, 2.5]
     assert picture.contours is None
-    assert picture.ax.get_xlabel() == "length of segment 0 of rod 1 (m)"
-    assert picture.ax.get_ylabel() == "area of segment 0 of rod 1 (m²)"
+    assert picture.ax.get_xlabel() == "length of segment 1 of rod 2 (m)"
+    assert picture.ax.get_ylabel() == "area of segment 1 of rod 2 (m²)"
     one = plot.sweep(swept["map"], axes(), "episodes.0")
     assert one.cells.norm.boundaries.tolist() == [0.5, 1.5]
     render(one)
@@ -419,22 +419,22 @@ def test_every_quantity_of_every_family_is_drawn(swept, name):
 
 
 @pytest.mark.parametrize(("path", "largest", "label"), [
-    ("bodies.0.length", 2.0, "length of rod 0 (m)"),
-    ("bodies.0.length", 0.02, "length of rod 0 (mm)"),
-    ("bodies.0.area", 1e-3, "area of rod 0 (mm²)"),
-    ("bodies.0.area", 0.02, "area of rod 0 (m²)"),
-    ("bodies.0.area", 1e-9, "area of rod 0 (µm²)"),
-    ("bodies.1.segments.2.area", 1e-4, "area of segment 2 of rod 1 (mm²)"),
-    ("bodies.0.polar_moment", 1e-9, "polar moment of rod 0 (m⁴)"),
-    ("bodies.0.material.density", 7850.0, "density of rod 0 (kg/m³)"),
+    ("bodies.0.length", 2.0, "length of rod 1 (m)"),
+    ("bodies.0.length", 0.02, "length of rod 1 (mm)"),
+    ("bodies.0.area", 1e-3, "area of rod 1 (mm²)"),
+    ("bodies.0.area", 0.02, "area of rod 1 (m²)"),
+    ("bodies.0.area", 1e-9, "area of rod 1 (µm²)"),
+    ("bodies.1.segments.2.area", 1e-4, "area of segment 3 of rod 2 (mm²)"),
+    ("bodies.0.polar_moment", 1e-9, "polar moment of rod 1 (m⁴)"),
+    ("bodies.0.material.density", 7850.0, "density of rod 1 (kg/m³)"),
     ("bodies.1.segments.0.material.youngs_modulus", 2e11,
-     "Young's modulus of segment 0 of rod 1 (GPa)"),
-    ("bodies.0.material.poisson_ratio", 0.3, "Poisson's ratio of rod 0"),
-    ("bodies.2.velocity", 0.5, "velocity of wall 2 (mm/s)"),
-    ("bodies.0.strain", 2e-4, "strain of rod 0 (10⁻⁶)"),
-    ("bodies.0.velocity.values.1", 3.0, "velocity of piece 1 of rod 0 (m/s)"),
-    ("bodies.0.strain.at.0", 0.5, "place of jump 0 of strain, rod 0 (m)"),
-    ("contacts.0.gap", 3e-5, "gap 0-1 (µm)"),
+     "Young's modulus of segment 1 of rod 2 (GPa)"),
+    ("bodies.0.material.poisson_ratio", 0.3, "Poisson's ratio of rod 1"),
+    ("bodies.2.velocity", 0.5, "velocity of wall (mm/s)"),
+    ("bodies.0.strain", 2e-4, "strain of rod 1 (10⁻⁶)"),
+    ("bodies.0.velocity.values.1", 3.0, "velocity of piece 2 of rod 1 (m/s)"),
+    ("bodies.0.strain.at.0", 0.5, "place of jump 1 of strain, rod 1 (m)"),
+    ("contacts.0.gap", 3e-5, "gap 1-2 (µm)"),
     ("contacts.1.stiffness", 3e5, "contacts.1.stiffness"),
     ("axis 0", 3, "axis 0"),
 ])
@@ -445,18 +445,18 @@ def test_parameters_in_words(path, largest, label):
 
 @pytest.mark.parametrize(("path", "largest", "label"), [
     ("gravity", 9.81, "gravity (m/s²)"),
-    ("bodies.1.mass", 0.05, "mass 1 (g)"),
-    ("bodies.1.mass", 2.0, "mass 1 (kg)"),
-    ("bodies.1.velocity", 0.5, "velocity of mass 1 (mm/s)"),
-    ("contacts.0.stiffness", 3e8, "stiffness of contact 0-1 (MN/m)"),
-    ("contacts.0.damping", 2e3, "damping of contact 0-1 (kN s/m)"),
-    ("contacts.1.stiffness", 5e9, "stiffness of contact 1-2 (GN/m^1.5)"),
-    ("contacts.1.damping", 0.2, "damping of contact 1-2 (s/m)"),
-    ("contacts.2.restitution", 1.0, "coefficient of restitution of contact 2-3"),
+    ("bodies.1.mass", 0.05, "mass 2 (g)"),
+    ("bodies.1.mass", 2.0, "mass 2 (kg)"),
+    ("bodies.1.velocity", 0.5, "velocity of mass 2 (mm/s)"),
+    ("contacts.0.stiffness", 3e8, "stiffness of contact 1-2 (MN/m)"),
+    ("contacts.0.damping", 2e3, "damping of contact 1-2 (kN s/m)"),
+    ("contacts.1.stiffness", 5e9, "stiffness of contact 2-3 (GN/m^1.5)"),
+    ("contacts.1.damping", 0.2, "damping of contact 2-3 (s/m)"),
+    ("contacts.2.restitution", 1.0, "coefficient of restitution of contact 3-4"),
     ("contacts.3.stiffness", 1.0, "contacts.3.stiffness"),
     ("ends.left.value", 2e3, "force on the left end (kN)"),
-    ("ends.left.value.values.1", 2e3, "piece 1 of force on the left end (kN)"),
-    ("ends.left.value.at.0", 1e-4, "time of jump 0 of force on the left end (µs)"),
+    ("ends.left.value.values.1", 2e3, "piece 2 of force on the left end (kN)"),
+    ("ends.left.value.at.0", 1e-4, "time of jump 1 of force on the left end (µs)"),
     ("ends.right.value", 2.0, "velocity of the right end (m/s)"),
     ("ends.right.value.step", 1e-6, "time between samples of velocity of the right end (µs)"),
 ])
@@ -471,12 +471,12 @@ def test_parameters_of_masses_laws_and_ends_in_words(path, largest, label):
 
 @pytest.mark.parametrize(("column_name", "largest", "label"), [
     ("restitution", 1.0, "coefficient of restitution e"),
-    ("velocity_after.2", 2.0, "velocity of wall 2 after (m/s)"),
-    ("impulse.1", 0.3, "impulse at contact 1-2 (mN s)"),
-    ("peak_force.0", 2e3, "largest contact force at contact 0-1 (kN)"),
-    ("duration.0", 4e-4, "force duration at contact 0-1 (µs)"),
-    ("episodes.1", 3, "episodes of contact at contact 1-2"),
-    ("vibration", 0.1, "energy left in vibration (mJ)"),
+    ("velocity_after.2", 2.0, "velocity of wall after (m/s)"),
+    ("impulse.1", 0.3, "impulse at contact 2-wall (mN s)"),
+    ("peak_force.0", 2e3, "peak force at contact 1-2 (kN)"),
+    ("duration.0", 4e-4, "force duration at contact 1-2 (µs)"),
+    ("episodes.1", 3, "episodes of contact at contact 2-wall"),
+    ("vibration", 0.1, "vibration energy (mJ)"),
 ])
 def test_results_in_words(column_name, largest, label):
     system = ri.System([rod(), rod(), ri.Wall()])

@@ -374,7 +374,7 @@ def test_the_status_says_how_a_run_ended():
     rest = ri.solve(ri.System([rod(1.0), rod(1.0)]))
     assert rest.status.startswith("No collision happens")
     squeezed = ri.solve(ri.System([ri.Wall(), rod(1.0, strain=-1e-4), ri.Wall()]))
-    assert "contact 0, 1 goes on pressing" in squeezed.status
+    assert "contact wall-1, 1-wall goes on pressing" in squeezed.status
     met = ri.solve(ri.System([rod(0.4, 1.0), rod(1.0)]))
     assert met.status == "The collision is final: the last contact ended at 396.232 us."
     boxed = ri.solve(ri.System([ri.Wall(), rod(1.0, 1.0), ri.Wall()], [0.1, 0.1]), until=1e-3)

@@ -725,9 +725,9 @@ def test_to_xarray():
     chosen = data["restitution"].sel({"bodies.1.area": 2e-5}).values
     assert chosen.tolist() == result.restitution[:, 0].tolist()
     assert data["status"].values.tolist() == result.status.tolist() == [["final"] * 2] * 3
-    assert data["velocity_after.1"].attrs == {"long_name": "velocity of rod 1 after",
+    assert data["velocity_after.1"].attrs == {"long_name": "velocity of rod 2 after",
                                               "units": "m/s"}
-    assert data["bodies.0.length"].attrs == {"long_name": "length of rod 0", "units": "m"}
+    assert data["bodies.0.length"].attrs == {"long_name": "length of rod 1", "units": "m"}
 
 
 def test_a_missing_package_is_named(monkeypatch):

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...model import Absorbing, Bonded, Fixed, Free
+from ...model.numbering import contact_names
 from ...units import format_si
 from .. import abilities as physics
 from ..duration import Forecast, Progress
@@ -88,7 +89,7 @@ def _status(run: FrontRun) -> str:
     acting, held = acting_and_held(a.system)
     text = status_of(run.run, run.node, run.plan.contacts, {
         "proved": run.finality_time != NONE, "round_trip": 2 * a.longest * a.tick,
-        "acting": acting, "held": held,
+        "acting": acting, "held": held, "names": contact_names(a.system.kinds),
     })
     return (
         text + rounding(a.transit_error, a.worst)
@@ -107,7 +108,7 @@ def status_of(it: Any, node: Sequence[Any], contacts: Sequence[int], known: Any)
         Node of each contact.
     known : dict
         Whether the end is ``proved``; ``round_trip`` of the longest body, s; what is ``acting`` on
-        the row, and whether walls have it ``held``, as of `ending`.
+        the row, and whether walls have it ``held``, as of `ending`; ``names`` of the contacts.
     """
     stopped_by, final, end = "until", "", format_si(it.now * it.tick, "s")
     if it.stop == Stop.FINAL:
@@ -117,7 +118,7 @@ def status_of(it: Any, node: Sequence[Any], contacts: Sequence[int], known: Any)
     elif it.stop == Stop.CLOCK:
         stopped_by = "clock"
     if known["proved"]:
-        final = pressing(node, contacts)
+        final = pressing(node, contacts, known["names"])
         if final == "":
             ends = ends_of_contacts(node, contacts, it.tick)
             latest = last_contact(ends, it.now * it.tick, known["round_trip"])
@@ -207,10 +208,10 @@ def ends_of_contacts(
     ]
 
 
-def pressing(node: Sequence[Any], contacts: Sequence[int]) -> str:
+def pressing(node: Sequence[Any], contacts: Sequence[int], names: Sequence[str]) -> str:
     """What is said where contacts go on pressing for ever."""
     found = ", ".join([
-        f"{i}" for i, k in enumerate(contacts)
+        names[i] for i, k in enumerate(contacts)
         if node[k].status == Status.PRESS and node[k].force > ROUND_OFF * node[k].peak
     ])
     if found == "":
