@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..methods.laws import Law
 from ..methods.pieces import lines, reading
-from ..methods.pieces.records import Law
 from .outcome import groups_of
 
 CELLS, ROWS = 2000, 50  # in all, about, and one above the other

@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 
 from ..methods import scales
 from ..methods.compiling import blank
+from ..methods.laws import Law
 from ..methods.pieces import accuracy, layout, march
 from ..methods.pieces.accuracy import Ended
 from ..methods.pieces.layout import Asked, Clock, Given, Known
 from ..methods.pieces.method import RTOL
-from ..methods.pieces.records import NONE, PIECE, TURN, Law, Stop
+from ..methods.pieces.records import NONE, PIECE, TURN, Stop
 from ..methods.pieces.series import N
 
 ROOM = 512  # of the log at first
@@ -49,7 +50,7 @@ def given_of(row: Any, contacts: Any) -> Any:
             own.append(len(links))
             links.append(link_of(contacts[i - 1]))
         elif body["kind"] != "wall":
-            links.append(end_of(outside[0][0]))
+            links.append(end_of(outside[0][0], 0))
         if body["kind"] == "mass":
             masses.append(body["mass"])
             speeds.append(body["velocity"])
@@ -58,7 +59,7 @@ def given_of(row: Any, contacts: Any) -> Any:
                 links.append(Link(Law.BOND.value, 0.0, 1.0, 0.0, 0.0))
             first.append(len(masses))
     if bodies[-1]["kind"] != "wall":
-        links.append(end_of(outside[1][0]))
+        links.append(end_of(outside[1][0], 1))
     first.append(len(masses))
     frame, scale = scales_of(row, outside, speeds)
     transit = [piece["transit_time"] for piece in segments]
@@ -87,9 +88,11 @@ def outside_of(row: Any, side: int) -> Any:
     return ("force" if kind == "force" else "none"), row["values"][side]
 
 
-def end_of(kind: str) -> Link:
+def end_of(kind: str, side: int) -> Link:
     """The link at an end of the row."""
-    law = Law.PUSH_LEFT.value if kind in ("none", "force") else Law.BOND.value
+    law = Law.BOND.value
+    if kind in ("none", "force"):
+        law = Law.PUSH_RIGHT.value if side else Law.PUSH_LEFT.value
     return Link(law, 0.0, 1.0, 0.0, 0.0)
 
 

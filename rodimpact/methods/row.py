@@ -36,7 +36,6 @@ from ..model import (
 )
 from ..model.profiles import extremes
 from . import scales
-from .laws import BOND, COMPLIANT, FORCE, FREE, IMPACT, JOINT, OWN, RIGID, SPRING, YIELD
 from .laws import Law as Kind
 from .scales import largest as largest
 from .scales import smallest
@@ -133,7 +132,7 @@ class Row:
         stepped = len(rod.segments) > 1
         for j, segment in enumerate(rod.segments):
             if j:
-                self._add(BOND)
+                self._add(Kind.BOND)
             self.segments.append(segment)
             self.paths.append(f"{path}.segments.{j}" if stepped else path)
             self.first.append(len(self.masses))
@@ -151,25 +150,27 @@ class Row:
 
     def _link(self, law: Any, gap: Any) -> None:
         if isinstance(law, Bonded):
-            self._add(BOND)
+            self._add(Kind.BOND)
         elif isinstance(law, Rigid):
             e = law.restitution
-            self._add(RIGID if e is None else IMPACT, 0.0 if e is None else e, gap)
+            self._add(Kind.RIGID if e is None else Kind.IMPACT, 0.0 if e is None else e, gap)
         elif isinstance(law, Joint):
-            self._add(JOINT, law.damping, law.stretch, law.stiffness)
+            self._add(Kind.JOINT, law.damping, law.stretch, law.stiffness)
         elif isinstance(law, Yielding):
             k = law.stiffness
-            self._add(YIELD, law.hardening / k, gap, k, strength=law.yield_force)
+            self._add(Kind.YIELD, law.hardening / k, gap, k, strength=law.yield_force)
         elif isinstance(law, Law):
-            self._add(OWN, 1.0, gap)  # whatever it is, it may depend on the rate
+            self._add(Kind.OWN, 1.0, gap)  # whatever it is, it may depend on the rate
         else:
+            kind = Kind.SPRING if law.law.startswith("spring") else Kind.POWER
             damping = getattr(law, "damping", 0.0)
-            self._add(COMPLIANT[law.law], damping, gap, law.stiffness, law.exponent)
+            self._add(kind, damping, gap, law.stiffness, law.exponent)
 
     def _end(self, side: int, end: Any) -> None:
         kind = KINDS.get(type(end), "none")
         self.outside[side] = (kind, getattr(end, "value", 0.0))
-        self._add({"none": FREE, "force": FORCE}.get(kind, BOND))
+        push = Kind.PUSH_RIGHT if side else Kind.PUSH_LEFT
+        self._add(push if kind in ("none", "force") else Kind.BOND)
 
     def wave_of_strain(self, side: int) -> Any:
         """The wave that comes in through an end is this, m/s, times its strain."""
@@ -219,12 +220,13 @@ class Row:
     @cached_property
     def by_law(self) -> dict[int, int]:
         """Links of the contacts whose force follows from a law, all but the bonded, by contact."""
-        return {k: i for k, i in enumerate(self.contact_link) if i >= 0 and self.laws[i] > BOND}
+        links = enumerate(self.contact_link)
+        return {k: i for k, i in links if i >= 0 and self.laws[i] > Kind.BOND}
 
     @cached_property
     def opening(self) -> dict[int, int]:
         """Links of the contacts that can open, by contact."""
-        return {k: i for k, i in self.by_law.items() if self.laws[i] >= RIGID}
+        return {k: i for k, i in self.by_law.items() if self.laws[i] >= Kind.RIGID}
 
     # Scales ---------------------------------------------------------------------------------------
 
@@ -249,9 +251,9 @@ class Row:
             elif kind == "absorbing":
                 strained += [abs(e * self.wave_of_strain(side)) for e in extremes(value)]
         for link in self.by_law.values():
-            if self.laws[link] == JOINT:
+            if self.laws[link] == Kind.JOINT:
                 pushed.append(abs(self.stiffness[link] * self.gap[link]))
-            elif self.laws[link] >= SPRING and np.any(np.asarray(self.gap[link]) < 0):
+            elif self.laws[link] >= Kind.SPRING and np.any(np.asarray(self.gap[link]) < 0):
                 overlap = np.maximum(-np.asarray(self.gap[link]), 0.0)
                 pushed.append(self.stiffness[link] * overlap ** self.exponent[link])
         fall = abs(self.gravity) * largest([s.transit_time for s in self.segments])
@@ -303,13 +305,13 @@ class Row:
                     partial(_beyond_numbers, speed, square, what),
                 ))
             for i, link in self.by_law.items():
-                if self.laws[link] >= SPRING or self.laws[link] == JOINT:
+                if self.laws[link] >= Kind.SPRING or self.laws[link] == Kind.JOINT:
                     k, p = self.stiffness[link], np.asarray(self.exponent[link])
                     stiff = k * (T / self._least_impedance) * np.power(speed * T, p - 1)
                     beyond.append((
                         ~np.less_equal(stiff, STIFFEST), f"contacts.{i}.stiffness",
                         partial(AS_GOOD_AS_RIGID.format, k,
-                                "Bonded" if self.laws[link] == JOINT else "Rigid"),
+                                "Bonded" if self.laws[link] == Kind.JOINT else "Rigid"),
                     ))
         return beyond
 

@@ -461,7 +461,7 @@ def test_samples_along_a_rod_run_as_dalembert_says():
     expected = (right(x - t) + 1) / 2  # leftward: v + c strain = 1 everywhere
     assert s.velocity(0, x, t) == pytest.approx(expected, abs=1e-13)
     assert s.strain(0, x, t) == pytest.approx((1 - right(x - t)) / 2, abs=1e-13)
-    assert float(s.displacement(0, 2.0, 0.0)) == pytest.approx(0.0, abs=1e-14)
+    assert float(s.displacement(0, 2.0, 0.0)) == pytest.approx(0.0, abs=1e-13)
     assert float(s.displacement(0, 1.0, 0.0)) == pytest.approx(0.5, abs=1e-14)
 
 

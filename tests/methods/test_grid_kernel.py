@@ -18,7 +18,7 @@ from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size
 from rodimpact.methods.grid.records import IMPLICIT, LINK, NODE, PER_STATE, PER_STEP
 from rodimpact.methods.grid.run import GridRun
-from rodimpact.methods.laws import RIGID, SPRING
+from rodimpact.methods.laws import Law
 from rodimpact.methods.row import Row
 
 seeds = st.integers(0, 10**6)
@@ -133,7 +133,7 @@ def test_elimination_against_dense_matrices(seed, nodes, held_left, held_right):
 def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
     """Link after link, forces would spread by one body a sweep, and settle after hundreds."""
     links = np.zeros(12, LINK)
-    for name, value in {"law": SPRING, "stiffness": 1e4, "exponent": 1.0, "own": 1.0,
+    for name, value in {"law": Law.SPRING, "stiffness": 1e4, "exponent": 1.0, "own": 1.0,
                         "shared": 0.49, "free": 0.1, "place": 1e-3, "last": 11}.items():
         links[name] = value
     link, sweeps, relax = compiling.as_objects(links), [], contacts.relax
@@ -260,10 +260,10 @@ def test_energy_never_rises_without_work(seed):
     lost = heat[-1] + (np.sum(link["lost"]) + np.sum(link["numerical"])) * run.step
     assert lost == pytest.approx(total[0] - total[-1], abs=1e-11 * total[0])
     for k, link in enumerate(run.row.contact_link):
-        if link >= 0 and run.row.laws[link] >= RIGID:
+        if link >= 0 and run.row.laws[link] >= Law.RIGID:
             force, gap = run.contact(k)
             assert force.min() >= 0
-            if run.row.laws[link] == RIGID:
+            if run.row.laws[link] == Law.RIGID:
                 assert gap.min() >= 0
 
 

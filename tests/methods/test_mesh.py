@@ -12,7 +12,7 @@ from networks import UNIT, unit_rod
 import rodimpact as ri
 from rodimpact.methods.grid.mesh import Interface, Mesh
 from rodimpact.methods.grid.method import _mesh_size
-from rodimpact.methods.laws import BOND
+from rodimpact.methods.laws import Law
 from rodimpact.methods.row import Row
 
 
@@ -91,7 +91,7 @@ def test_every_row(seed, driven):
     assert mesh.starts[0] == 0
     assert mesh.starts[1:] == [b + 1 for b in mesh.stops[:-1]]
     assert mesh.stops[-1] + 1 == len(mesh.mass) == len(mesh.stiffness) - 1
-    assert set(mesh.touching) == {i for i, law in enumerate(plan.laws) if law > BOND}
+    assert set(mesh.touching) == {i for i, law in enumerate(plan.laws) if law >= Law.JOINT}
     assert len(mesh.touching) == len(mesh.starts) - 1
     for (left, right), a, b in zip(
         mesh.touching.values(), mesh.stops[:-1], mesh.starts[1:], strict=True
@@ -108,7 +108,7 @@ def test_every_row(seed, driven):
     for a, b in zip(mesh.starts, mesh.stops, strict=True):
         between[a + 1 : b + 1] = False
     assert not np.any(mesh.stiffness[between])
-    bonds = {i for i in plan.contact_link if i >= 0 and plan.laws[i] == BOND}
+    bonds = {i for i in plan.contact_link if i >= 0 and plan.laws[i] == Law.BOND}
     assert bonds <= set(mesh.interfaces)
     image = Mesh(Row(system.mirrored()), counts[::-1])
     assert image.mass[::-1] == pytest.approx(mesh.mass, rel=1e-12)

@@ -8,18 +8,9 @@ import pytest
 from numpy.polynomial import chebyshev, legendre
 
 from rodimpact.methods import compiling, kernels
+from rodimpact.methods.laws import Law
 from rodimpact.methods.pieces import laws, lines, series
-from rodimpact.methods.pieces.records import (
-    HARD,
-    LINE,
-    LINK,
-    NONE,
-    PIECE,
-    RUN,
-    SMOOTH,
-    Law,
-    Status,
-)
+from rodimpact.methods.pieces.records import HARD, LINE, LINK, NONE, PIECE, RUN, SMOOTH, Status
 from rodimpact.methods.pieces.series import POINTS, N
 
 X = np.array(series.X)

@@ -13,10 +13,11 @@ import numpy as np
 
 from ...model import Absorbing, End, Free, Incoming, Moved, Pushed, Rod, Steps
 from ...model.frozen import Number
-from .. import duration, kernels, laws
+from .. import duration, kernels
 from ..compiling import as_objects, as_records, blank, objects
 from ..duration import Forecast
 from ..family import Stopped, now, table
+from ..laws import Law
 from ..memory import ask, most_numbers
 from ..row import Row
 from . import events, layout, march, stock
@@ -27,8 +28,8 @@ OUTSIDE: dict[type[End], Outside] = {
     Moved: Outside.MOVED,
 }  # the others do nothing
 STATUS = {
-    laws.FREE: Status.FREE, laws.FORCE: Status.PUSH, laws.BOND: Status.BOND,
-    laws.RIGID: Status.TOUCH,
+    Law.PUSH_LEFT: Status.PUSH, Law.PUSH_RIGHT: Status.PUSH, Law.BOND: Status.BOND,
+    Law.RIGID: Status.TOUCH,
 }
 ROOM = 128  # rows of the log at first, beside those at t = 0
 ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what results make of it
@@ -75,6 +76,9 @@ class Plan:
                 self.bodies.insert(side * len(self.bodies), entry)
         self.contacts = [last for _, last in row.spans[: len(gaps)]]
         self.kinds = [STATUS[law].value for law in row.laws]
+        for side, (kind, _) in enumerate(row.outside):
+            if kind == "none":
+                self.kinds[-side] = Status.FREE.value
         jumps = sum(velocities + strains - 2 for *_, velocities, strains, _ in self.bodies)
         self.segments, self.pieces, self.fronts = n, n + jumps, 2 * (n + jumps) + 2
 

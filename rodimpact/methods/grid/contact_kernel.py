@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from .. import laws
+from ..laws import Law
 
 EPS = 1 / (1 << 52)
 ROUGH = 1 / (1 << 24)  # of the motion: forces that are no better known are none
@@ -32,7 +32,7 @@ SWEEPS = 1000  # of one chain, see `balance`
 
 def stored(law: int, k: float, p: float, gap: float) -> float:
     """Energy stored in a compliant contact."""
-    if law != laws.JOINT and (gap >= 0 or law < laws.SPRING):
+    if law != Law.JOINT and (gap >= 0 or law < Law.SPRING):
         return 0.0
     if p == 1:
         return k * gap * gap / 2
@@ -66,8 +66,8 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
 def mean_force(law: int, k: float, p: float, d: float, x0: float, x1: float) -> tuple[float, float]:
     """Mean force of a compliant contact while its indentation goes from x0 to x1, and dF/dx1.
 
-    SPRING: k q + d dq/dt with q = max(x, 0), as long as that presses; HERTZ: k q^(3/2); HUNT: the
-    same times (1 + d dx/dt); POWER: k q^p; averaged along the straight path, cut at 0.
+    SPRING: k q + d dq/dt with q = max(x, 0), as long as that presses; POWER: k q^p (1 + d dx/dt);
+    averaged along the straight path, cut at 0.
     """
     if x0 <= 0 and x1 <= 0:
         return 0.0, 0.0
@@ -102,7 +102,7 @@ def mean_force(law: int, k: float, p: float, d: float, x0: float, x1: float) -> 
         F, dF = k * x1**p * share, k * x1 ** (p - 1) * share * (p + 1) * (1 - share)
     else:
         F, dF = mean_power(k, p, x0, x1)
-    if law == laws.HUNT:
+    if law == Law.POWER and d > 0:
         stretch = 1 + d * (x1 - x0)
         F, dF = F * stretch, dF * stretch + F * d
     if F <= 0:
@@ -186,9 +186,9 @@ def solve_joint(
 def solve_link(at: Any, c: float) -> tuple[float, float, float]:
     """Solve any compliant contact that closes by c without its own force; see `solve_law`."""
     k, p, x0, y, rate = at.stiffness, at.exponent, -at.gap, at.own, at.damping
-    if at.law == laws.JOINT:
+    if at.law == Law.JOINT:
         return solve_joint(k, rate, x0, c, y)
-    if at.law == laws.YIELD:
+    if at.law == Law.YIELD:
         F, x, slope = past_yield(k, rate, at.strength, x0, c, y)
         if x > at.strength / k:
             return F, x, slope
@@ -208,10 +208,10 @@ def indent(at: Any) -> float:
     """
     k, p, x = at.stiffness, at.exponent, at.place
     rest: float = -x
-    if at.law == laws.YIELD and x > at.strength / k:
+    if at.law == Law.YIELD and x > at.strength / k:
         at.strength += at.damping * (k * x - at.strength)
         rest = -at.strength / k
-    if at.damping > 0 or at.law == laws.YIELD:
+    if at.damping > 0 or at.law == Law.YIELD:
         energy = stored(at.law, k, p, at.gap) - stored(at.law, k, p, rest)
         at.lost += at.force * (at.gap + x) + energy
     return rest
@@ -232,7 +232,7 @@ def relax(link: Any, first: int, last: int) -> float:
     change = 0.0
     for i in range(first, last + 1):
         at, c = link[i], pushed(link, i, first, last)
-        if at.law == laws.RIGID or at.law == laws.IMPACT:
+        if at.law == Law.RIGID or at.law == Law.IMPACT:
             F, slope = (c - at.limit) / at.own, -1.0
             if F <= 0:
                 F = slope = 0.0
@@ -265,7 +265,7 @@ def newton(link: Any, first: int, last: int) -> None:
         at = link[i]
         if i < last:
             at.force -= at.upper * link[i + 1].force
-        if at.law >= laws.RIGID:
+        if at.law >= Law.RIGID:
             at.force = max(at.force, 0.0)
 
 
@@ -302,7 +302,7 @@ def start_impacts(link: Any, first: int, last: int, tol: float) -> bool:
     struck = False
     for i in range(first, last + 1):
         at = link[i]
-        if at.law == laws.IMPACT and at.limit == math.inf:
+        if at.law == Law.IMPACT and at.limit == math.inf:
             w = pushed(link, i, first, last) - at.force * at.own
             if at.gap - w < -tol:
                 u = at.before
@@ -315,7 +315,7 @@ def settle(at: Any, w: float, tol: float) -> float:
     """Enter what a link loses while it closes by w; return its gap at the end of the step."""
     F: float = at.force
     rest: float = at.gap - w
-    if at.law == laws.RIGID:
+    if at.law == Law.RIGID:
         at.numerical += F * w
         shut = at.shut > 0
         at.shut = 1
@@ -326,7 +326,7 @@ def settle(at: Any, w: float, tol: float) -> float:
             rest = 0.0
         elif F <= 0:
             at.shut = 0
-    elif at.law == laws.IMPACT:
+    elif at.law == Law.IMPACT:
         if F > 0:
             at.lost += F * at.limit
             rest = at.gap - at.limit
@@ -340,9 +340,9 @@ def settle(at: Any, w: float, tol: float) -> float:
 def count(at: Any, resolution: float) -> None:
     """Enter the force of a step in the totals of a link; a joint never opens."""
     F = at.force
-    if F > 0 or at.law == laws.JOINT:
+    if F > 0 or at.law == Law.JOINT:
         at.impulse += F
-    if at.law == laws.JOINT:
+    if at.law == Law.JOINT:
         return
     if F > 0:
         at.episodes += at.open

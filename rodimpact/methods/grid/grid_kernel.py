@@ -27,7 +27,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from .. import laws
+from ..laws import Law
 from . import contact_kernel as contacts
 from . import elimination_kernel as elimination
 from . import radial_kernel as radial
@@ -259,7 +259,7 @@ def resolve(
         struck = contacts.start_impacts(link, first, last, run.tolerance)
     for i in range(first, last + 1):
         at = link[i]
-        stiff = at.law == laws.RIGID or at.law == laws.IMPACT
+        stiff = at.law == Law.RIGID or at.law == Law.IMPACT
         if stiff and at.force * at.own <= run.tolerance:
             at.force = 0.0
         if at.force != 0:
@@ -267,15 +267,15 @@ def resolve(
     for i in range(first, last + 1):
         at, before = link[i], link[i].gap
         at.closing = (at.before + v[at.left] - v[at.right]) / 2
-        if at.law == laws.RIGID and at.force > 0:
+        if at.law == Law.RIGID and at.force > 0:
             at.closing = at.limit
         at.gap = contacts.settle(at, at.closing, run.tolerance)
         contacts.count(at, run.resolution)
         entry = signal[(run.step - run.first) * len(link) + i]
         entry.force, entry.gap, entry.closing = at.force, at.gap, before - at.gap
-        if at.law == laws.RIGID or at.law == laws.YIELD:
+        if at.law == Law.RIGID or at.law == Law.YIELD:
             entry.closing = at.closing
-        if at.law == laws.RIGID and run.step == 0 and at.force > 0:  # with what the start has lost
+        if at.law == Law.RIGID and run.step == 0 and at.force > 0:  # with what the start has lost
             entry.closing = at.numerical / at.force
     return True
 
@@ -283,11 +283,11 @@ def resolve(
 def greatest_closing(at: Any) -> float:
     """By how much a rigid contact that presses may close; an impact waits until it happens."""
     limit = 0.0
-    if at.law == laws.IMPACT:
+    if at.law == Law.IMPACT:
         limit = math.inf
-    elif at.law == laws.RIGID and at.shut == 0:
+    elif at.law == Law.RIGID and at.shut == 0:
         limit = max(at.gap / 2 + at.before / 4, 0.0)
-    elif at.law == laws.RIGID:
+    elif at.law == Law.RIGID:
         limit = max(at.before, 0.0) / 2
     return limit
 

@@ -18,7 +18,7 @@ import numpy as np
 from ...model import Segment
 from ...model.frozen import InvalidModel
 from ...model.lateral_inertia import INERTIA, MINDLIN_HERRMANN, radial_moduli
-from ..laws import BOND, FORCE, FREE, JOINT
+from ..laws import Law
 from ..row import Array, Row
 
 STEP_TICKS = 1 << 36
@@ -159,11 +159,11 @@ class Mesh:
         node = -1
         for i, (left, right) in enumerate(row.beside):
             law = row.laws[i]
-            joined = law <= BOND
+            joined = law < Law.JOINT
             if left == ("outside", 0):
                 node = self._new_piece()
                 self.ends[0] = node
-                if law >= BOND and row.outside[0][0] == "velocity":
+                if row.outside[0][0] == "velocity":
                     held.append(node)
             if not joined:
                 self.touching[i] = node, node + 1
@@ -171,7 +171,7 @@ class Mesh:
             kind, s = right
             if kind == "outside":
                 self.ends[1] = node
-                if law >= BOND and row.outside[1][0] == "velocity":
+                if row.outside[1][0] == "velocity":
                     held.append(node)
             elif kind == "mass":
                 self.node_of_mass.append(node)
@@ -189,7 +189,7 @@ class Mesh:
             self.width[a + 1 : b + 1] = float(s.length) / N
         self.interfaces = {
             i: self._interface(i) for i, law in enumerate(row.laws)
-            if law == BOND and self._asked(i)
+            if law == Law.BOND and self._asked(i)
         }
 
     def _new_piece(self) -> int:
@@ -228,10 +228,11 @@ class Mesh:
             node, mass = self.node_of_mass[m], mass + self.row.masses[m]
             i += 1 if side else -1
             law = self.row.laws[i]
-            if law > BOND:
+            if law >= Law.JOINT:
                 return Interface(node, mass, side, -1, i, -1)
-            if law in (FREE, FORCE):
-                return Interface(node, mass, side, -1, -1, side if law == FORCE else -1)
+            if law in (Law.PUSH_LEFT, Law.PUSH_RIGHT):
+                pushed = self.row.outside[side][0] == "force"
+                return Interface(node, mass, side, -1, -1, side if pushed else -1)
         s = beside[i][side][1]
         node = self.first[s] if side else self.last[s]
         cell = node + side
@@ -281,7 +282,7 @@ class Mesh:
     @property
     def groups(self) -> list[tuple[int, int]]:
         """First and last node of all that hangs together: pieces, with the joints between them."""
-        joined = {left for i, (left, _) in self.touching.items() if self.row.laws[i] == JOINT}
+        joined = {left for i, (left, _) in self.touching.items() if self.row.laws[i] == Law.JOINT}
         first = [a for a in self.starts if a - 1 not in joined]
         last = [b for b in self.stops if b not in joined]
         return list(zip(first, last, strict=True))

@@ -11,7 +11,7 @@ import math
 from typing import Any, NamedTuple
 
 from .. import finality_kernel as proof
-from .. import laws
+from ..laws import Law
 from .records import NONE, End
 
 
@@ -34,7 +34,7 @@ def finality_time(grid: Any, group: Any, cell: Any) -> float:
     stretch(cell, grid.velocity, grid.force, grid.stiffness, grid.strain, grid.rate, link)
     for i in range(len(link)):
         at = link[i]
-        if at.law != laws.JOINT:
+        if at.law != Law.JOINT:
             if at.gap < 0:
                 return math.inf
             left = side_of(group[at.left_group], cell, grid.velocity, grid.end, True, tol)

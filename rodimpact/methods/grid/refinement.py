@@ -9,7 +9,7 @@ from itertools import count
 import numpy as np
 
 from ...model import Fixed, Steps, laws
-from ..laws import IMPACT
+from ..laws import Law
 from ..memory import TooLong
 from ..row import Array, Row
 from ..run import DURATION, IMPULSE, PEAK_FORCE
@@ -134,7 +134,7 @@ def contact_measures(run: GridRun) -> dict[str, Array]:
     """
     kinds = [run.row.laws[link] for link in run.row.opening.values()]
     forces = [run.contact(k)[0] for k in run.row.opening]
-    lasting = [(law != IMPACT) * F for law, F in zip(kinds, forces, strict=True)]
+    lasting = [(law != Law.IMPACT) * F for law, F in zip(kinds, forces, strict=True)]
     joined: list[float] = []
     for k in run.row.by_law if run.stopped_by == "until" else ():
         if k not in run.row.opening:

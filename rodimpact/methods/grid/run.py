@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import abilities, compiling, kernels
 from ..clock import Clock, clock_of
-from ..laws import RIGID
+from ..laws import Law
 from ..row import Array, squeezed
 from . import grid_kernel, proof_kernel, scheme, start
 from .keeping import Keeper, check_memory, cost
@@ -218,7 +218,7 @@ class GridRun:
         """
         peaks, less, times = [0.0], [0.0], self.times
         for contact, link in self.row.opening.items():
-            if self.row.laws[link] == RIGID:
+            if self.row.laws[link] == Law.RIGID:
                 force = self.contact(contact)[0]
                 passed = np.concatenate((np.zeros(RINGING), np.cumsum(force)))
                 means = (passed[RINGING:] - passed[:-RINGING]) / RINGING
@@ -230,7 +230,7 @@ class GridRun:
     def peak_error(self) -> float:
         """Error of the peak force that no finer mesh makes less; relative."""
         steep = self.mesh.viscous.any() or self.mesh.lateral.any() or self.mesh.swells
-        if steep and RIGID in self.row.laws:
+        if steep and Law.RIGID in self.row.laws:
             return math.inf  # of flat ends that meet, any finer mesh finds a larger force
         return 2 * float(self.overshoot)
 

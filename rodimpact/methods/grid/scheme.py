@@ -10,7 +10,7 @@ import numpy as np
 from ...model.frozen import InvalidModel
 from ...model.profiles import averages
 from .. import compiling
-from ..laws import JOINT
+from ..laws import Law
 from ..row import Array, Row, whole
 from . import elimination_kernel as elimination
 from . import records
@@ -196,7 +196,7 @@ def cells_of(mesh: Mesh, step: float, grid: Grid) -> tuple[Array, Array]:
         relaxed=mesh.cells.relaxed * step,
         **{name: getattr(grid, name) for name in ("ease", "coupling", "own", "share", "shear")},
     )
-    for i in np.flatnonzero(grid.link["law"] == JOINT):
+    for i in np.flatnonzero(grid.link["law"] == Law.JOINT):
         cell["joint"][grid.link["right"][i]] = i
     return filled(records.GROUP, len(first), first=first, last=last), cell
 

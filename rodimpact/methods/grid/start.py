@@ -9,7 +9,7 @@ import numpy as np
 from ...model import Rod
 from ...model.profiles import averages
 from .. import compiling
-from ..laws import JOINT, RIGID
+from ..laws import Law
 from ..row import Array
 from . import elimination_kernel as elimination
 from . import scheme
@@ -102,9 +102,9 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
             force[mesh.ends[side]] = scheme.impedance(mesh, side) * wave
     for at in grid.link:
         left, right = at["left"], at["right"]
-        if at["law"] == RIGID and at["gap"] == 0 and force[left] > force[right]:
+        if at["law"] == Law.RIGID and at["gap"] == 0 and force[left] > force[right]:
             force[left] = force[right] = 0.0
-        elif at["law"] == JOINT:
+        elif at["law"] == Law.JOINT:
             force[left] += at["stiffness"] * at["gap"]
             force[right] -= at["stiffness"] * at["gap"]
     found: Array = grid.mobility * force / 2
@@ -130,7 +130,7 @@ def _parted(mesh: Mesh, step: float, grid: Grid, closing: Array, kick: Array) ->
     parting = kick[r] - kick[l]
     overlap = (closing - parting) / 2 - link["gap"]
     ease = scheme.mobility_of(mesh, mesh.mass)
-    late = (link["law"] == RIGID) & (link["shut"] == 1) & (ease[l] + ease[r] > 0)
+    late = (link["law"] == Law.RIGID) & (link["shut"] == 1) & (ease[l] + ease[r] > 0)
     late &= (overlap > grid.run["tolerance"]) & (closing > 2 * parting)
     stiffness = np.where(mesh.stiffness > 0, mesh.stiffness, 1.0)
     retardation = (mesh.viscous / stiffness)[[l, r + 1]].max(axis=0)

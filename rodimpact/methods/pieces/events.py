@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..laws import Law
 from . import lines, series
-from .records import NONE, SMOOTH, Law, Status, Touch
+from .records import NONE, SMOOTH, Status, Touch
 from .series import N, X
 
 SWEEPS = 1000  # of impacts that happen together

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from .records import Law, Status
+from ..laws import Law
+from .records import Status
 
 ROUNDS, ENOUGH = 20, 1e-14  # to find a force that depends on the rate it makes; relative
 

@@ -12,22 +12,9 @@ import numpy as np
 
 from .. import tick_rule as rule
 from ..compiling import blank
+from ..laws import Law
 from . import finality
-from .records import (
-    LINE,
-    LINK,
-    MASS,
-    NEVER,
-    NODE,
-    NONE,
-    PART,
-    PIECE,
-    RUN,
-    SMOOTH,
-    Law,
-    Part,
-    Status,
-)
+from .records import LINE, LINK, MASS, NEVER, NODE, NONE, PART, PIECE, RUN, SMOOTH, Part, Status
 from .series import POINTS, N
 
 FLOORS = 128  # in the shortest transit
@@ -302,8 +289,6 @@ def set_law(it: Any, given: Given, i: int) -> None:
     it.force_line = it.overlap_line = it.closing_line = it.left_group = it.right_group = NONE
     it.first = it.last = it.apart = NONE
     it.order, it.opened, it.law, it.status = SMOOTH, 1, given.laws[i], Status.FIXED.value
-    if it.law == Law.PUSH_LEFT and i > 0 and i == len(given.laws) - 1:
-        it.law = Law.PUSH_RIGHT.value
     it.stiffness, it.exponent = given.stiffness[i], given.exponent[i]
     it.strength, it.overlap = given.strength[i], -given.gap[i]
     if it.law == Law.IMPACT:  # what touches is struck by the first look at it

@@ -19,13 +19,14 @@ from .. import abilities as physics
 from ..clock import clock_of
 from ..duration import Forecast, Progress
 from ..groups import groups
+from ..laws import Law
 from ..row import Row, squeezed
 from ..run import MEASURES, ContactTally, GroupTotals, Run, Signals, largest_error
 from ..status import acting_and_held, last_contact, rounding, strain_warning
 from .accuracy import COARSER, COARSEST, apart, compare, left_open
 from .driver import Machine
-from .records import Law, Part, Stop
-from .rows import LAWS, Layout, lay_out
+from .records import Part, Stop
+from .rows import Layout, lay_out
 from .signals import signals_of
 from .totals import (
     ends_of_contacts,
@@ -115,7 +116,7 @@ def _end(r: dict[str, Any]) -> int:
 def _struck_together(row: Row) -> str:
     """What is told of rigid bodies that touch at t = 0."""
     touching = [i for i, (law, gap) in enumerate(zip(row.laws, row.gap, strict=True))
-                if LAWS[law] == Law.IMPACT and float(gap) == 0]
+                if law == Law.IMPACT and float(gap) == 0]
     if any(j == i + 1 for i, j in pairwise(touching)):
         return " Rigid bodies that touch are struck together; with gaps the outcome differs."
     return ""

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..laws import Law
 from . import laws, series
-from .records import NONE, Law, Status
+from .records import NONE, Status
 from .series import POINTS, STAGES, START, N, X
 
 ITERATIONS = 30

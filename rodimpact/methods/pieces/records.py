@@ -1,4 +1,4 @@
-"""The records that the kernels of this method work on, and the laws and statuses that they name.
+"""The records that the kernels of this method work on, and the statuses that they name.
 
 Conventions. Compression is positive: F > 0 presses two neighbours apart, `overlap` > 0 is their
 overlap (below 0: the gap), `closing` the rate at which a link would close without its own force,
@@ -13,21 +13,6 @@ from enum import IntEnum
 import numpy as np
 
 from .series import POINTS
-
-
-class Law(IntEnum):
-    """What acts in a link."""
-
-    BOND = 0
-    PUSH_LEFT = 1  # the force of what stands outside the left end
-    PUSH_RIGHT = 2
-    JOINT = 3
-    RIGID = 4  # from here on links can open
-    IMPACT = 5  # between rigid bodies: momentum jumps
-    SPRING = 6
-    POWER = 7
-    YIELD = 8
-    OWN = 9  # a function of the user
 
 
 class Status(IntEnum):

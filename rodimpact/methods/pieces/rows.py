@@ -11,22 +11,17 @@ from ... import model
 from ...model import Rod, Samples, Steps
 from ...model.frozen import InvalidModel
 from ...model.profiles import extremes
-from .. import laws as old
 from ..abilities import driven
 from ..clock import too_long, too_short
 from ..compiling import Functions, as_family
+from ..laws import Law
 from ..row import Row
 from ..scales import largest, smallest
 from . import layout
 from .known import Waves, jumps_of
 from .layout import Asked, Clock, Given
-from .records import LINE, LINK, MASS, NODE, PART, RUN, Law
+from .records import LINE, LINK, MASS, NODE, PART, RUN
 
-LAWS = {
-    old.FREE: Law.PUSH_LEFT, old.FORCE: Law.PUSH_LEFT, old.BOND: Law.BOND, old.JOINT: Law.JOINT,
-    old.RIGID: Law.RIGID, old.IMPACT: Law.IMPACT, old.SPRING: Law.SPRING, old.HERTZ: Law.POWER,
-    old.HUNT: Law.POWER, old.POWER: Law.POWER, old.YIELD: Law.YIELD, old.OWN: Law.OWN,
-}
 RECORDS = {"run": RUN, "node": NODE, "link": LINK, "mass": MASS, "line": LINE, "part": PART}
 
 
@@ -117,7 +112,7 @@ def given_of(row: Row, until: float | None) -> Given:
     reference = reference_time(row, until)
     return Given(
         first=row.first, spans=[(first - 1, last) for first, last in row.spans],
-        laws=[LAWS[law].value for law in row.laws], stiffness=[*map(of, row.stiffness)],
+        laws=[law.value for law in row.laws], stiffness=[*map(of, row.stiffness)],
         exponent=[*map(of, row.exponent)], damping=[*map(of, row.damping)],
         strength=[*map(of, row.strength)], gap=[*map(of, row.gap)],
         masses=[*map(of, row.masses)], mass_velocity=[*map(of, row.mass_velocity)],
@@ -166,8 +161,8 @@ def velocity_scale(row: Row, time: Any) -> Any:
                 scale = scale + largest(sizes) * time / least
         scale = scale + largest(moving) - smallest(moving)
         for i, law in enumerate(row.laws):
-            if law == old.JOINT or law >= old.SPRING:  # what is stored in it at t = 0 moves a mass
-                d = np.abs(of(row.gap[i])) if law == old.JOINT else np.maximum(-of(row.gap[i]), 0.0)
+            if law == Law.JOINT or law >= Law.SPRING:  # what is stored in it at t = 0 moves a mass
+                d = np.abs(of(row.gap[i])) if law == Law.JOINT else np.maximum(-of(row.gap[i]), 0.0)
                 stored = of(row.stiffness[i]) * d ** (of(row.exponent[i]) + 1)
                 scale = scale + np.sqrt(stored / least)
     return np.where(scale > 0, scale, 1.0)

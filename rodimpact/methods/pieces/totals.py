@@ -6,9 +6,10 @@ import math
 from typing import Any
 
 from ...units import format_si
+from ..laws import Law
 from ..run import ContactTally
 from ..status import ending, last_contact, proof_sentence
-from .records import Law, Status, Stop, Touch
+from .records import Status, Stop, Touch
 
 MORE = 10.0  # times rtol, from which it is said that it was not reached
 
