@@ -71,7 +71,7 @@ def test_what_the_cap_leaves_is_unresolved(pair):
 def test_a_figure_shows_what_changes(pair):
     picture = ri.plot.atlas(pair)
     assert {lines.get_label() for lines in picture.borders} == {"another formula", "e = 1"}
-    assert picture.ax.get_xlabel() == "length of rod 1 (m)"
+    assert picture.ax.get_xlabel() == "length of rod 2 (m)"
     (ones,) = (lines for lines in picture.borders if lines.get_label() == "e = 1")
     assert np.allclose(np.concatenate(ones.get_segments())[:, 0], 1.0, rtol=0, atol=1e-9)
 
