@@ -20,7 +20,7 @@ FIRST_ROOM = 256  # pieces of a log, at first
 FIRST_TURNS = 2048
 PLAIN = 500  # steps in plain Python between two looks at the clock
 STEP_TIME = 1.5e-3  # s, about what such a step takes
-BRIEF = 1e-3  # s that any run takes, as it is not known how long
+BRIEF = 0.02  # s that a run takes at least: many short ones are worth machine code, too
 SLICE, LONG_SLICE = 20_000, 200_000  # compiled steps between two looks at the clock
 ORDER = ("run", "node", "link", "mass", "line", "log", "turn", "part")  # of the kernel's arguments
 
