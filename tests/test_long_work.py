@@ -21,7 +21,7 @@ PAIR = ri.System([rod(0.4, 1.0), rod(1.0, area=2e-4)])
 
 def fitted(progress):
     record = ri.solve(PAIR, until=2e-4).gauge(1, 0.4).signal(1e-6)
-    measured = ri.Measured(record, (1, 0.4), shift=0.0, scale=1.0)
+    measured = ri.Measured(record, (1, 0.4), shift=0.0, gain=1.0)
     ri.fit(PAIR, measured, {"bodies.0.velocity": (0.5, 2.0)}, 2e-4, starts=1, progress=progress)
 
 

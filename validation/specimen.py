@@ -56,7 +56,7 @@ def fitted(
     system = ri.System(bars, contacts=[specimen], ends=[ri.Incoming(wave), ri.Absorbing()])
     records = [
         ri.Measured(signal.window(*WINDOW), gauge, distance, bar.radius if distance else None,
-                    shift=late, scale=-1 / STRAIN, level=level)
+                    shift=late, gain=-1 / STRAIN, level=level)
         for signal, gauge in ((first, (0, 0.0)), (last, (1, near)))
     ]
     unknown = UNKNOWN if isinstance(specimen, ri.Yielding) else SPRING

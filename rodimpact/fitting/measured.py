@@ -33,11 +33,15 @@ class Measured:
         Of the round rod in which they do, m, unless it is given by its diameter.
     shift : float or (float, float), optional
         By which the computed signal comes later, s: fixed, or between bounds; by default free.
-    scale : float or (float, float), optional
+    gain : float or (float, float), optional
         By which strain is multiplied to be the signal: fixed, or between bounds; by default free.
+    blur : float or (float, float)
+        Standard deviation of the bell by which the measuring chain averages over time, s: fixed, or
+        between bounds. It is 0.1325/f for a low-pass of f Hz, and 0.289 L/c for a gauge of length L
+        at the wave speed c.
     seen : function, optional
-        Makes of the computed signal what gauge and amplifier show of it, such as
-        ``lambda strain: strain.low_pass(100e3)``.
+        Any other effect of gauge and amplifier on the computed signal, such as
+        ``lambda strain: strain.low_pass(100e3, "first-order")``.
     level : float, optional
         What misfits are relative to, in the unit of the signal; by default its plateau.
 
@@ -50,7 +54,7 @@ class Measured:
     --------
     >>> pulse = Signal([0.0, 2.0, 2.0, 0.0], dt=1e-5, unit="V", name="incident")
     >>> Measured(pulse, gauge=(1, 0.5), shift=(-1e-5, 1e-5)).limits
-    ((-1e-05, 1e-05), None)
+    {'shift': (-1e-05, 1e-05), 'gain': None, 'blur': (0.0, 0.0)}
     """
 
     signal: Signal
@@ -58,7 +62,8 @@ class Measured:
     distance: float = 0.0
     radius: float | None = None
     shift: Bounds | None = None
-    scale: Bounds | None = None
+    gain: Bounds | None = None
+    blur: Bounds = 0.0
     seen: Callable[[Signal], Signal] | None = None
     level: float | None = None
 
@@ -81,9 +86,13 @@ class Measured:
         object.__setattr__(self, name, value)
 
     @cached_property
-    def limits(self) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
-        """Bounds of shift, s, and scale; None where it is free."""
-        return bounds_of("shift", self.shift, "s"), bounds_of("scale", self.scale, "")
+    def limits(self) -> dict[str, tuple[float, float] | None]:
+        """Bounds of shift, s, gain, and blur, s; None where the number is free."""
+        blur = bounds_of("blur", self.blur, "s")
+        if blur is None or blur[0] < 0:
+            raise refusal("blur", f"must be 0 s or more, or (low, high), got {shown(self.blur)}")
+        return {"shift": bounds_of("shift", self.shift, "s"),
+                "gain": bounds_of("gain", self.gain, ""), "blur": blur}
 
     @cached_property
     def size(self) -> float:
@@ -96,10 +105,9 @@ class Measured:
         return self.signal.name or f"gauge {self.gauge[0]}, {self.gauge[1]:g} m"
 
     def shifts(self, until: float, system: System) -> tuple[float, float]:
-        """Bounds of shift, s: given, or all by which a collision to `until` overlaps the record."""
+        """All shifts, s, by which a collision to `until` overlaps the record."""
         longer = self._lasting(system)
-        return self.limits[0] or overlaps(
-            (self.signal.start, self.signal.end), (-longer, until + longer))
+        return overlaps((self.signal.start, self.signal.end), (-longer, until + longer))
 
     def _lasting(self, system: System) -> float:
         """How long waves take over `distance`, s."""
@@ -110,7 +118,7 @@ class Measured:
         return abs(self.distance) / float(rod.segments[0].wave_speed)
 
     def carried(self, strain: Signal, system: System) -> Signal:
-        """What is compared with the record, but for shift and scale."""
+        """What is compared with the record, but for shift, gain and blur."""
         if self.distance:
             lasting, rod = self._lasting(system), system.bodies[self.gauge[0]]
             assert isinstance(rod, Rod)

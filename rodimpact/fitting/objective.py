@@ -1,7 +1,7 @@
 """How far predictions are from records, and how that changes with what is fitted.
 
-A point holds the share of the way between its bounds for each parameter, then the shift of each
-record, s, then their scales. Only other shares need another solution: shifts and scales follow.
+A point holds the share of the way between its bounds for each parameter of the system, then shift,
+gain and blur of the records. Only other shares need another solution: what is of records follows.
 """
 
 from __future__ import annotations
@@ -18,11 +18,13 @@ from ..methods.registry import Options
 from ..model import System
 from ..model.frozen import InvalidModel
 from ..model.quantities import Floats
+from ..records import filters
 from ..records.comparison import misfit_of
 from ..records.signal import Signal
 from ..results.solution import Solution
 from .measured import Measured
 from .parameters import Parameter, changed
+from .ties import KINDS, RecordNumber
 
 CHANGE = 1e-3  # of the plateau, by which signals are to change for a quotient of differences
 FIRST, LEAST, MOST = 1e-4, 1e-6, 1e-2  # steps between the bounds for that
@@ -36,11 +38,12 @@ class Curve(NamedTuple):
     ends: tuple[float, float]
 
     @classmethod
-    def through(cls, signal: Signal) -> Curve:
-        """The curve through all samples."""
+    def through(cls, signal: Signal, blur: float) -> Curve:
+        """The curve through all samples, each the mean of a bell of this standard deviation, s."""
         from scipy.interpolate import CubicSpline
 
-        return cls(CubicSpline(signal.times, signal.values), (signal.start, signal.end))
+        values = filters.blurred(signal.values, signal.dt, blur) if blur else signal.values
+        return cls(CubicSpline(signal.times, values), (signal.start, signal.end))
 
     def at(self, t: Floats) -> Floats:
         """Values at times, s."""
@@ -72,7 +75,8 @@ class Objective:
 
     def __init__(
         self, system: System, measured: Sequence[Measured], parameters: Sequence[Parameter],
-        options: Options, interval: float, executor: Executor | None,
+        of_records: Sequence[RecordNumber], options: Options, interval: float,
+        executor: Executor | None,
     ) -> None:
         self.system, self.measured, self.parameters = system, measured, parameters
         self.run: Callable[[System], list[Signal]] = partial(
@@ -82,103 +86,129 @@ class Objective:
         self.solved = 0  # collisions
         self.heard: Callable[[int], None] = lambda _: None  # of each of them
         self.steps = np.full(len(parameters), FIRST)
-        self.known: tuple[bytes, list[Curve]] = b"", []
-        beside = [(what, m) for what in ("shift", "scale") for m in measured]
-        which = [f".{k}" for k in range(len(measured))] if len(measured) > 1 else [""]
-        assert options.until is not None
-        limits = [(0.0, 1.0)] * len(parameters)
-        limits += [m.shifts(options.until, system) for m in measured]
-        limits += [m.limits[1] or (-math.inf, math.inf) for m in measured]
+        self.known: tuple[bytes, list[Signal]] = b"", []
+        self.places = np.zeros((len(measured), len(KINDS)), int)  # in the point
+        for i, number in enumerate(of_records, len(parameters)):
+            self.places[list(number.records), KINDS.index(number.kind)] = i
+        limits = [(0.0, 1.0)] * len(parameters) + [(n.low, n.high) for n in of_records]
         self.low, self.high = np.array(limits).T
         self.free = self.low < self.high
-        names = [p.path for p in parameters] + [
-            what + k for what in ("shift", "scale") for k in which
-        ]
-        units = [p.unit for p in parameters] + [
-            "s" if what == "shift" else m.signal.unit for what, m in beside
-        ]
-        self.names, self.units = ([x for x, free in zip(xs, self.free, strict=True) if free]
-                                  for xs in (names, units))
+        self.middle = [(n.low + n.high) / 2 if math.isfinite(n.high) else 0.0 for n in of_records]
+        self.names = [p.path for p in parameters] + [n.name for n in of_records]
+        self.units = [p.unit for p in parameters] + [n.unit for n in of_records]
 
     def numbers(self, point: Floats) -> Floats:
         """A point in SI units: numbers of the system in place of shares."""
-        shares, *others = self._parts(point)
-        values = [p.value(s) for p, s in zip(self.parameters, shares.tolist(), strict=True)]
-        return np.concatenate((values, *others))
+        values = point.copy()
+        for i, p in enumerate(self.parameters):
+            values[i] = p.value(float(point[i]))
+        return values
 
     def slopes(self, point: Floats) -> Floats:
         """Derivatives of `numbers` with respect to each number of the point."""
-        shares, *others = self._parts(point)
-        slopes = [p.slope(s) for p, s in zip(self.parameters, shares.tolist(), strict=True)]
-        return np.concatenate((slopes, *map(np.ones_like, others)))
+        slopes = np.ones_like(point)
+        for i, p in enumerate(self.parameters):
+            slopes[i] = p.slope(float(point[i]))
+        return slopes
 
     def system_at(self, point: Floats) -> System:
         """The system with other numbers; of the point its shares are enough."""
-        values = self.numbers(point).tolist()[: len(self.parameters)]
+        values = [p.value(s) for p, s in zip(self.parameters, point.tolist(), strict=False)]
         return changed(self.system, self.parameters, values)
 
-    def curves(self, points: Iterable[Floats]) -> list[list[Curve]]:
-        """Predictions for the shares of several points, of each record before shift and scale."""
+    def signals(self, points: Iterable[Floats]) -> list[list[Signal]]:
+        """Predictions for the shares of several points, of each record before gain and the rest."""
         systems = [self.system_at(shares) for shares in points]
         found = []
         for system, strains in zip(systems, self.map(self.run, systems), strict=True):
-            found.append([Curve.through(m.carried(strain, system))
+            found.append([m.carried(strain, system)
                           for m, strain in zip(self.measured, strains, strict=True)])
             self.solved += 1
             self.heard(self.solved)
         return found
 
-    def started(self, shares: Floats, curves: Sequence[Curve]) -> tuple[float, Floats]:
-        """Sum of squares, and the point, where shifts and scales suit these shares best."""
-        total, shifts, scales = 0.0, [], []
-        first = len(self.parameters)
-        bounds = zip(self.low[first:], self.high[first:], strict=True)
-        for m, c, (low, high) in zip(self.measured, curves, bounds, strict=False):
-            t, values = m.signal.times, m.signal.values
-            pair = (t, values), (c.spline.x, c.at(c.spline.x))
-            _, shift, scale, _ = misfit_of(*pair, (low, high), m.limits[1])
-            total += float(np.sum(((scale * c.at(t - shift) - values) / m.size) ** 2))
-            shifts.append(shift)
-            scales.append(scale)
-        return total, np.concatenate((shares, shifts, scales))
+    def blurred(self, signals: Sequence[Signal], point: Floats) -> list[Curve]:
+        """Predictions of each record as smooth curves, before gain and shift."""
+        blurs = point[self.places[:, KINDS.index("blur")]].tolist()
+        return list(map(Curve.through, signals, blurs))
+
+    def started(self, shares: Floats, signals: Sequence[Signal]) -> tuple[float, Floats]:
+        """Sum of squares, and the point, where shifts and gains suit these shares best.
+
+        The shift that several records have in common is that which one of them has for itself.
+        """
+        point = np.concatenate((shares, self.middle))
+        curves = self.blurred(signals, point)
+        own = []
+        for m, c, (shift, gain, _) in zip(self.measured, curves, self.places, strict=True):
+            pair = (m.signal.times, m.signal.values), (c.spline.x, c.spline(c.spline.x))
+            bounds = [(float(self.low[i]), float(self.high[i])) for i in (shift, gain)]
+            own.append(misfit_of(*pair, *bounds).shift)
+        ends = []
+        for first in range(len(own)):
+            order = [k for k in range(len(own)) if k != first] + [first]
+            end = point.copy()
+            end[self.places[order, 0]] = [own[k] for k in order]  # what is written last stays
+            self._set_gains(end, curves)
+            ends.append((float(np.sum(self._apart(curves, end) ** 2)), end))
+        return min(ends, key=lambda end: end[0])
+
+    def _set_gains(self, point: Floats, curves: Sequence[Curve]) -> None:
+        """Enter the gains that suit the shifts of a point best."""
+        cross, power = np.zeros_like(point), np.zeros_like(point)
+        for m, c, (shift, gain, _) in zip(self.measured, curves, self.places, strict=True):
+            model, record = c.at(m.signal.times - point[shift]) / m.size, m.signal.values / m.size
+            cross[gain] += model @ record
+            power[gain] += model @ model
+        gains = np.unique(self.places[:, KINDS.index("gain")])
+        best = np.divide(cross, power, out=np.ones_like(point), where=power > 0)
+        point[gains] = np.clip(best, self.low, self.high)[gains]
 
     def residuals(self, point: Floats) -> Floats:
         """All records, one after another."""
-        shares, shifts, scales = self._parts(point)
+        return self._apart(self.blurred(self._signals_at(point), point), point)
+
+    def _signals_at(self, point: Floats) -> list[Signal]:
+        shares = point[: len(self.parameters)]
         if self.known[0] != shares.tobytes():
-            self.known = shares.tobytes(), self.curves([shares])[0]
+            self.known = shares.tobytes(), self.signals([shares])[0]
+        return self.known[1]
+
+    def _apart(self, curves: Sequence[Curve], point: Floats) -> Floats:
         return np.concatenate([
-            (scale * c.at(m.signal.times - shift) - m.signal.values) / m.size
-            for m, c, shift, scale in zip(self.measured, self.known[1], shifts, scales, strict=True)
+            (point[gain] * c.at(m.signal.times - point[shift]) - m.signal.values) / m.size
+            for m, c, (shift, gain, _) in zip(self.measured, curves, self.places, strict=True)
         ])
 
     def derivatives(self, point: Floats) -> Floats:
         """Of the residuals with respect to every number of the point, shape (sample, number).
 
-        With respect to shares they are central differences, over steps at which the signals change
-        by about `CHANGE`.
+        With respect to shares and blurs they are central differences, over steps at which the
+        signals change by about `CHANGE`.
         """
-        shares, shifts, scales = self._parts(point)
-        self.residuals(point)
-        steps = np.diag(self.steps)
-        beside = [np.clip(shares + sign * step, 0, 1) for step in steps for sign in (1, -1)]
-        curves = self.curves(beside)
+        shares, wider, narrower = point[: len(self.parameters)], point.copy(), point.copy()
+        blurs = self.places[:, KINDS.index("blur")]
+        wider[blurs] *= 1 + CHANGE
+        narrower[blurs] *= 1 - CHANGE
+        curves, *by_blur = (self.blurred(self._signals_at(at), at)
+                            for at in (point, wider, narrower))
+        beside = [np.clip(shares + sign * step, 0, 1)
+                  for step in np.diag(self.steps) for sign in (1, -1)]
+        near = [self.blurred(signals, point) for signals in self.signals(beside)]
         blocks = []
-        for k, (m, shift, scale) in enumerate(zip(self.measured, shifts, scales, strict=True)):
-            t, base = m.signal.times - shift, self.known[1][k]
+        for k, (m, c, place) in enumerate(zip(self.measured, curves, self.places, strict=True)):
+            shift, gain, blur = point[place]
+            t = m.signal.times - shift
             block = np.zeros((len(t), len(point)))
             for j in range(len(shares)):
-                up, down = curves[2 * j][k], curves[2 * j + 1][k]
                 apart = beside[2 * j][j] - beside[2 * j + 1][j]
-                block[:, j] = scale * (up.at(t) - down.at(t)) / apart
-            block[:, len(shares) + k] = -scale * base.slope(t)
-            block[:, len(shares) + len(shifts) + k] = base.at(t)
+                block[:, j] = gain * (near[2 * j][k].at(t) - near[2 * j + 1][k].at(t)) / apart
+            block[:, place[:2]] = np.stack([-gain * c.slope(t), c.at(t)], axis=1)
+            if blur:
+                up, down = (curves[k].at(t) for curves in by_blur)
+                block[:, place[2]] = gain * (up - down) / (2 * CHANGE * blur)
             blocks.append(block / m.size)
         jacobian = np.concatenate(blocks)
         rates = np.sqrt(np.mean(jacobian[:, : len(shares)] ** 2, axis=0))
         taken, self.steps = self.steps, np.clip(CHANGE / np.maximum(rates, CHANGE), LEAST, MOST)
         return self.derivatives(point) if (taken > TOO_FAR * self.steps).any() else jacobian
-
-    def _parts(self, point: Floats) -> tuple[Floats, Floats, Floats]:
-        n, m = len(self.parameters), len(self.measured)
-        return point[:n], point[n : n + m], point[n + m :]

@@ -56,12 +56,10 @@ class Parameter(NamedTuple):
         return self.low > 0 and self.high / self.low >= RATIO
 
 
-def parameters_of(system: System, vary: Any) -> list[Parameter]:
-    """The numbers to vary, each with its bounds; InvalidModel with all mistakes."""
-    if not isinstance(vary, Mapping) or not vary:
-        message = "must name numbers with their bounds, such as {'bodies.0.length': (0.1, 0.2)}"
-        raise InvalidModel([("vary", f"{message}, got {shown(vary)}")])
-    problems: Problems = []
+def parameters_of(
+    problems: Problems, system: System, vary: Mapping[str, Any]
+) -> list[Parameter]:
+    """The numbers of the system to vary, each with its bounds; mistakes are noted in `problems`."""
     known, numbers, taken = places_of(system), numbers_of(system), dict[str, str]()
     found = []
     for path, bounds in vary.items():
@@ -70,14 +68,7 @@ def parameters_of(system: System, vary: Any) -> list[Parameter]:
             problems.append((f"vary.{path}", message))
             continue
         unit = unit_at(system, known[path][0])
-        try:
-            ends = floats(bounds, unit)
-        except ValueError as error:
-            problems.append((f"vary.{path}", str(error)))
-            continue
-        if ends.shape != (2,) or not (np.isfinite(ends).all() and ends[0] < ends[1]):
-            message = f"must be (low, high), two numbers with low < high, got {shown(bounds)}"
-            problems.append((f"vary.{path}", message))
+        if (ends := ends_of(problems, path, bounds, unit)) is None:
             continue
         for place in known[path]:
             other = taken.setdefault(held_at(place), path)
@@ -86,11 +77,24 @@ def parameters_of(system: System, vary: Any) -> list[Parameter]:
                 problems.append((f"vary.{path}", message))
                 break
         start = float(numbers[known[path][0]])
-        low, high = ends.tolist()
-        found.append(Parameter(path, known[path], start, low, high, unit))
-    if problems:
-        raise InvalidModel(problems)
+        found.append(Parameter(path, known[path], start, *ends, unit))
     return found
+
+
+def ends_of(
+    problems: Problems, path: str, bounds: Any, unit: str
+) -> tuple[float, float] | None:
+    """Bounds of what is varied; None, and a problem, if they are none."""
+    try:
+        ends = floats(bounds, unit)
+    except ValueError as error:
+        problems.append((f"vary.{path}", str(error)))
+        return None
+    if ends.shape != (2,) or not (np.isfinite(ends).all() and ends[0] < ends[1]):
+        message = f"must be (low, high), two numbers with low < high, got {shown(bounds)}"
+        problems.append((f"vary.{path}", message))
+        return None
+    return float(ends[0]), float(ends[1])
 
 
 def changed(system: System, parameters: Sequence[Parameter], values: Sequence[float]) -> System:

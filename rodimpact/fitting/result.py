@@ -30,8 +30,7 @@ class Fitted(NamedTuple):
     Attributes
     ----------
     name : str
-        Its path; ``shift`` (s) and ``scale`` of a record, followed by the index of this where there
-        are several.
+        Its path; of records ``records.0.shift``, or the name in `vary` that ties several.
     unit : str
     value, standard_error : float
         In that unit.

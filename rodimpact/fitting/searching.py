@@ -7,7 +7,7 @@ least squares descend. Where they end should be one place.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -26,6 +26,7 @@ from .measured import Measured
 from .objective import Objective
 from .parameters import parameters_of
 from .result import Descent, Fit, Fitted
+from .ties import HEAD, record_numbers
 from .uncertainty import covariance
 
 TRIES = 16  # systems of the coarse sweep for each number that varies
@@ -43,7 +44,7 @@ class End(NamedTuple):
 
 def fit(
     system: System, measured: Measured | Sequence[Measured],
-    vary: dict[str, tuple[float, float]], until: float, *, method: str = "auto",
+    vary: Mapping[str, tuple[float, float] | None], until: float, *, method: str = "auto",
     dt: float | None = None, rtol: float | None = None, cells: int | None = None,
     interval: float | None = None, starts: int = 3, executor: Executor | None = None,
     progress: Progress | None = None,
@@ -60,7 +61,9 @@ def fit(
         What is unknown: paths of numbers as in a case file, each with bounds, in SI units.
         ``materials.NAME.field`` is that of all bodies of a material, and ``wave_speed`` stands for
         its Young's modulus. Between bounds above 0 that are tenfold or more apart, steps are
-        ratios.
+        ratios. ``records.0.shift``, ``records.0.gain`` and ``records.0.blur`` are numbers of the
+        first record; ``records.*.gain`` is one gain of all records, ``records.[01].gain`` of the
+        first two. Shift and gain may have the bounds None, which leave them free.
     until : float
         Time to which each collision runs, s.
     method, dt, rtol, cells
@@ -105,7 +108,7 @@ def fit(
     >>> rods = [ri.Rod(x, area=1e-4, material=steel, velocity=v) for x, v in ((0.2, 10), (1, 0))]
     >>> record = ri.solve(ri.System(rods), until=2e-4).gauge(1, 0.4).signal(1e-6)
     >>> unknown = ri.System([ri.Rod(0.3, area=1e-4, material=steel, velocity=5.0), rods[1]])
-    >>> found = ri.fit(unknown, ri.Measured(record, (1, 0.4), shift=0.0, scale=1.0),
+    >>> found = ri.fit(unknown, ri.Measured(record, (1, 0.4), shift=0.0, gain=1.0),
     ...                {"bodies.0.length": (0.1, 0.4), "bodies.0.velocity": (1.0, 20.0)}, 2e-4)
     >>> {path: round(value, 6) for path, value in found.values.items()}
     {'bodies.0.length': 0.2, 'bodies.0.velocity': 10.0}
@@ -130,25 +133,33 @@ def fit(
     if options.until is None:
         problems.append(("until", "is missing; give the seconds in which all pulses pass"))
     readings_of(problems, system, [m.gauge for m in records], np.zeros(1))
+    if not isinstance(vary, Mapping) or not vary:
+        message = "must name numbers with their bounds, such as {'bodies.0.length': (0.1, 0.2)}"
+        problems.append(("vary", f"{message}, got {shown(vary)}"))
+    raise_noted(problems)
+    assert options.until is not None
+    ours = {path: ends for path, ends in vary.items() if str(path).startswith(HEAD)}
+    parameters = parameters_of(problems, system, {p: e for p, e in vary.items() if p not in ours})
+    of_records = record_numbers(problems, system, records, ours, options.until)
     raise_noted(problems)
     if dt is rtol is cells is None:
         options = replace(options, cells=_cells(options.method, system, step))
-    parameters = parameters_of(system, vary)
-    objective = Objective(system, records, parameters, options, step, executor)
+    objective = Objective(system, records, parameters, of_records, options, step, executor)
 
     tried = _coarse([p.share(p.start) for p in parameters])
     expected = len(tried) + begins * USUAL_STEPS * (1 + 2 * len(parameters))
     forecast = Forecast(warn, "fewer starts, fewer numbers to vary or an earlier end (until)",
                         progress, "this fit")
     objective.heard = lambda done: forecast.report(done, expected, f"some {expected} collisions")
-    swept = [objective.started(shares, curves)
-             for shares, curves in zip(tried, objective.curves(tried), strict=True)]
+    swept = [objective.started(shares, signals)
+             for shares, signals in zip(tried, objective.signals(tried), strict=True)]
     least = [min(swept[k::begins], key=lambda one: one[0])[1]
              for k in range(min(begins, len(swept)))]
-    sizes = np.concatenate((
-        np.ones(len(parameters)), [m.signal.end - m.signal.start for m in records],
-        np.abs(least[0][-len(records) :]),
-    ))
+    lasting = max(m.signal.end - m.signal.start for m in records)
+    sizes = np.array([1.0] * len(parameters) + [lasting] * len(of_records))
+    for i, of in enumerate(of_records, len(parameters)):
+        if of.kind == "gain":
+            sizes[i] = abs(least[0][i])
     ends = [_descend(objective, point, sizes) for point in least]
     return _result(objective, sorted(ends, key=lambda end: end.misfit), sizes)
 
@@ -207,12 +218,13 @@ def _result(objective: Objective, ends: Sequence[End], sizes: Floats) -> Fit:
     def numbers(point: Floats) -> Any:
         return objective.numbers(point)[free].tolist()
 
+    names, of = (np.array(x)[free].tolist() for x in (objective.names, objective.units))
     fitted = tuple(map(
-        Fitted, objective.names, objective.units, numbers(best), (errors * units).tolist(),
-        numbers(objective.low), numbers(objective.high),
+        Fitted, names, of, numbers(best), (errors * units).tolist(), numbers(objective.low),
+        numbers(objective.high),
     ))
     descents = tuple(
-        Descent(misfit, dict(zip(objective.names, numbers(point), strict=True)), complete)
+        Descent(misfit, dict(zip(names, numbers(point), strict=True)), complete)
         for misfit, point, complete in ends
     )
     spread = np.sqrt(np.einsum("ij,jk,ik->i", jacobian, relative, jacobian))

@@ -25,6 +25,11 @@ def gaussian(values: Floats, dt: float, frequency: float) -> Floats:
     return _through(values, dt, lambda f: np.exp(-half * (f / frequency) ** 2), tail)
 
 
+def blurred(values: Floats, dt: float, deviation: float) -> Floats:
+    """The same, by the standard deviation of the bell, s."""
+    return gaussian(values, dt, math.sqrt(math.log(2)) / (2 * math.pi * deviation))
+
+
 def first_order(values: Floats, dt: float, frequency: float) -> Floats:
     """Answer of an amplifier 1/(1 + s/w), exact for straight lines between samples."""
     w = 2 * math.pi * frequency

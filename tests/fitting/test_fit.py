@@ -11,6 +11,7 @@ import rodimpact as ri
 from rodimpact.fitting.doubts import doubts
 from rodimpact.fitting.objective import Objective
 from rodimpact.fitting.parameters import changed, parameters_of
+from rodimpact.fitting.ties import record_numbers
 from rodimpact.fitting.uncertainty import covariance
 from rodimpact.methods.registry import Options
 
@@ -32,7 +33,7 @@ def record(system, noise=0.0, interval=5e-7):
 
 
 def measured(signal, **how):
-    return ri.Measured(signal, (1, 0.2), **{"shift": 0.0, "scale": 1.0, **how})
+    return ri.Measured(signal, (1, 0.2), **{"shift": 0.0, "gain": 1.0, **how})
 
 
 def test_a_fit_finds_what_made_a_record():
@@ -58,18 +59,18 @@ def test_a_shift_is_found_beyond_the_length_of_the_record_or_its_bound_is_told()
     window = record(rods()).shifted(3e-4).window(3.2e-4, 4.4e-4)
     found = ri.fit(rods(0.3), ri.Measured(window, (1, 0.2)), {PATHS[0]: (0.1, 0.4)}, UNTIL)
     assert found.values[PATHS[0]] == pytest.approx(0.2, rel=1e-6)
-    assert found.values["shift"] == pytest.approx(3e-4, abs=1e-9)
+    assert found.values["records.0.shift"] == pytest.approx(3e-4, abs=1e-9)
     assert "at its bound" not in " ".join(found.notes)
     short = ri.Measured(window, (1, 0.2), shift=(-3e-4, 2.98e-4))
     told = ri.fit(rods(0.3), short, {PATHS[0]: (0.1, 0.4)}, UNTIL).notes
-    assert any(note.startswith("shift is at its bound") for note in told)
+    assert any(note.startswith("records.0.shift is at its bound") for note in told)
 
 
 def test_shift_and_scale_are_free_where_nothing_is_said():
     moved = record(rods()).shifted(3e-6) * 2.5
     found = ri.fit(rods(), ri.Measured(moved, (1, 0.2)), {PATHS[0]: (0.1, 0.4)}, UNTIL)
-    assert found.values["shift"] == pytest.approx(3e-6, abs=1e-9)
-    assert found.values["scale"] == pytest.approx(2.5, rel=1e-4)
+    assert found.values["records.0.shift"] == pytest.approx(3e-6, abs=1e-9)
+    assert found.values["records.0.gain"] == pytest.approx(2.5, rel=1e-4)
     assert found.values[PATHS[0]] == pytest.approx(0.2, rel=1e-4)
 
 
@@ -78,23 +79,54 @@ def test_several_records_have_shifts_of_their_own_and_one_system():
     solution = ri.solve(system, until=UNTIL)
     places = (1, 0.2), (1, 0.4)
     records = [
-        ri.Measured(solution.gauge(*place).signal(5e-7).shifted(late), place, scale=1.0)
+        ri.Measured(solution.gauge(*place).signal(5e-7).shifted(late), place, gain=1.0)
         for place, late in zip(places, (1e-6, 2e-6), strict=True)
     ]
     alone = ri.fit(system, records, {PATHS[0]: (0.1, 0.4)}, UNTIL)
     with ThreadPoolExecutor(2) as pool:
         together = ri.fit(system, records, {PATHS[0]: (0.1, 0.4)}, UNTIL, executor=pool)
     assert alone.values == together.values
-    assert alone.values["shift.0"] == pytest.approx(1e-6, abs=1e-9)
-    assert alone.values["shift.1"] == pytest.approx(2e-6, abs=1e-9)
+    assert alone.values["records.0.shift"] == pytest.approx(1e-6, abs=1e-9)
+    assert alone.values["records.1.shift"] == pytest.approx(2e-6, abs=1e-9)
 
 
-@pytest.mark.parametrize("at", [(0.2, 10.0, 0.0, 1.0), (0.21, 9.0, 2e-6, 1.2)])
+def test_records_share_what_is_tied():
+    """One pulse passes two gauges of one amplifier, whose clock and blur are not known."""
+    solution = ri.solve(rods(), until=UNTIL)
+    random, places = np.random.default_rng(3), ((1, 0.2), (1, 0.4))
+    records = []
+    for place in places:
+        strain = solution.gauge(*place).signal(5e-7).low_pass(0.1325 / 3e-6).shifted(4e-6) * 1.5
+        noise = 2e-5 * random.standard_normal(len(strain))
+        records.append(ri.Measured(strain.replace(values=strain.values + noise), place))
+    tied = {PATHS[0]: (0.1, 0.4), "records.*.gain": None, "records.*.shift": (-1e-5, 1e-5),
+            "records.[01].blur": (0.0, 1e-5)}
+    found = ri.fit(rods(), records, tied, UNTIL)
+    wanted = {PATHS[0]: 0.2, "records.*.gain": 1.5, "records.*.shift": 4e-6,
+              "records.[01].blur": 3e-6}
+    assert found.values.keys() == wanted.keys()
+    for name, value in wanted.items():
+        assert found.values[name] == pytest.approx(value, rel=2e-2), name
+        assert abs(found.values[name] - value) < 4 * found.standard_errors[name], name
+    alone = ri.fit(rods(), records, {PATHS[0]: (0.1, 0.4), "records.*.blur": (0.0, 1e-5)}, UNTIL)
+    assert {"records.0.shift", "records.1.shift", "records.1.gain"} < alone.values.keys()
+    assert found.standard_errors["records.*.gain"] < alone.standard_errors["records.0.gain"]
+
+
+def objective_of(records, vary):
+    problems = []
+    parameters = parameters_of(problems, rods(), vary)
+    of_records = record_numbers(problems, rods(), records, {}, UNTIL)
+    assert not problems
+    return parameters, Objective(
+        rods(), records, parameters, of_records, Options(UNTIL, "fronts"), 5e-7, None)
+
+
+@pytest.mark.parametrize("at", [(0.2, 10.0, 0.0, 1.0, 2e-6), (0.21, 9.0, 2e-6, 1.2, 1e-6)])
 def test_derivatives_are_those_of_the_residuals(at):
     """Strain is proportional to the velocity; the others against long steps of the residuals."""
-    m = ri.Measured(record(rods()), (1, 0.2))
-    parameters = parameters_of(rods(), {PATHS[0]: (0.1, 0.4), PATHS[1]: (1.0, 20.0)})
-    objective = Objective(rods(), [m], parameters, Options(UNTIL, "fronts"), 5e-7, None)
+    m = ri.Measured(record(rods()), (1, 0.2), blur=(0.0, 1e-5))
+    parameters, objective = objective_of([m], {PATHS[0]: (0.1, 0.4), PATHS[1]: (1.0, 20.0)})
     length, velocity, *others = at
     point = np.array([parameters[0].share(length), parameters[1].share(velocity), *others])
     J = objective.derivatives(point)
@@ -102,8 +134,8 @@ def test_derivatives_are_those_of_the_residuals(at):
     slope = parameters[1].slope(point[1])
     np.testing.assert_allclose(J[:, 1], predicted / velocity * slope, atol=1e-9)
     np.testing.assert_allclose(J[:, 3], predicted / others[1], atol=1e-9)
-    for number, step in ((0, 1e-5), (2, 1e-10)):
-        beside = np.eye(4)[number] * step
+    for number, step in ((0, 1e-5), (2, 1e-10), (4, 1e-9)):
+        beside = np.eye(5)[number] * step
         apart = objective.residuals(point + beside) - objective.residuals(point - beside)
         np.testing.assert_allclose(J[:, number], apart / (2 * step), rtol=2e-3,
                                    atol=2e-3 * np.abs(J[:, number]).max())
@@ -124,7 +156,7 @@ def test_standard_errors_of_a_mean(lasting):
 def test_what_is_not_determined_is_told():
     """Amplitude is velocity times scale, and the density of a lone material alters neither."""
     noisy = record(rods(), 1e-5)
-    both = ri.fit(rods(), measured(noisy, scale=(0.1, 10.0)), {PATHS[1]: (1.0, 100.0)}, UNTIL)
+    both = ri.fit(rods(), measured(noisy, gain=(0.1, 10.0)), {PATHS[1]: (1.0, 100.0)}, UNTIL)
     assert any("not determined" in s or "hardly told apart" in s for s in both.notes)
     bounded = ri.fit(rods(), measured(noisy), {PATHS[0]: (0.1, 0.15)}, UNTIL)
     assert any(f"{PATHS[0]} is at its bound, 150 mm" in sentence for sentence in bounded.notes)
@@ -150,7 +182,7 @@ def test_paths_are_those_of_case_files():
     system = rods(material=titanium, contacts=[ri.Hertz(1e10)], gaps=[1e-3])
     vary = {"materials.titanium.wave_speed": (4000, 6000), "materials.titanium.density": (4e3, 5e3),
             "contacts.0.stiffness": (1e8, 1e12), "contacts.0.gap": (0.0, 1e-2)}
-    parameters = parameters_of(system, vary)
+    parameters = parameters_of([], system, vary)
     assert [p.unit for p in parameters] == ["m/s", "kg/m^3", "N/m^1.5", "m"]
     assert parameters[0].start == titanium.wave_speed
     assert parameters[2].value(0.5) == pytest.approx(1e10)
@@ -158,7 +190,7 @@ def test_paths_are_those_of_case_files():
     wanted = rods(material=other, contacts=[ri.Hertz(1e11)], gaps=[2e-3])
     assert changed(system, parameters, [5000.0, 4500.0, 1e11, 2e-3]) == wanted
     steps = rods(velocity=ri.Steps([1.0, 2.0], at=[0.1]))
-    moved = changed(steps, parameters_of(steps, {"bodies.0.velocity.values.1": (0, 9)}), [3.0])
+    moved = changed(steps, parameters_of([], steps, {"bodies.0.velocity.values.1": (0, 9)}), [3.0])
     assert moved == rods(velocity=ri.Steps([1.0, 3.0], at=[0.1]))
     for p in parameters:
         assert p.value(p.share(p.low * 0.7 + p.high * 0.3)) == pytest.approx(
@@ -184,7 +216,7 @@ def test_a_result_as_table_and_file(tmp_path):
 
 
 FLAT = ri.Signal([0.0, 1.0, 1.0, 0.0], dt=1e-5, name="flat")
-OK = ri.Measured(FLAT, (1, 0.2))
+OK, VOLTS = (ri.Measured(signal, (1, 0.2)) for signal in (FLAT, FLAT.replace(unit="V")))
 
 
 @pytest.mark.parametrize(("change", "said"), [
@@ -198,6 +230,11 @@ OK = ri.Measured(FLAT, (1, 0.2))
     ({"vary": {"bodies.0.area": (-1e-4, -1e-5)}}, "between the bounds lie systems that are none"),
     ({"vary": {"materials.steel.wave_speed": (-5e3, -4e3)}}, "lie systems that are none"),
     ({"vary": {"bodies.1.length": (0.05, 0.6)}}, "the gauge leaves its rod between the bounds"),
+    ({"vary": {"records.0.shfit": (0, 1)}}, "vary.records.0.shfit: is no number of a record"),
+    ({"vary": {"records.*.*": (0, 1)}}, "is no number of a record; name one"),
+    ({"vary": {"records.0.blur": None}}, "vary.records.0.blur: must be a number of seconds"),
+    ({"vary": {"records.*.gain": None, "records.0.gain": None}}, "names a number that another"),
+    ({"vary": {"records.*.gain": None}, "measured": [OK, VOLTS]}, "ties records in 1 and V"),
     ({"measured": FLAT}, r"measured: must be Measured\(signal, gauge\)"),
     ({"measured": []}, r"measured: must be Measured\(signal, gauge\)"),
     ({"measured": ri.Measured(FLAT, (1, 2.0))}, "gauges.0.x: must lie in body 1"),
@@ -220,7 +257,8 @@ def test_mistakes_are_named(change, said):
     ({"gauge": 1}, r"gauge: must be \(body, x\)"),
     ({"distance": math.inf}, "distance.*finite"),
     ({"shift": (1.0, 0.0)}, r"shift: must be a number, or \(low, high\)"),
-    ({"scale": "x"}, "scale: must be a number"),
+    ({"gain": "x"}, "gain: must be a number"),
+    ({"blur": (-1e-6, 1e-6)}, "blur: must be 0 s or more"),
     ({"level": -1.0}, "level.*positive"),
     ({"seen": 3}, "seen: must be a function"),
     ({"signal": 0 * FLAT}, "there is no pulse"),

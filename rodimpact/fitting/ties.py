@@ -1,0 +1,80 @@
+"""Shift, gain and blur of records: each for itself, or in common where a fit ties them by name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from fnmatch import fnmatchcase
+from typing import Any, NamedTuple
+
+from ..model import System
+from ..model.frozen import Problems
+from .measured import Measured
+from .parameters import ends_of
+
+HEAD = "records."
+KINDS = "shift", "gain", "blur"
+
+
+class RecordNumber(NamedTuple):
+    """A number of one record, or of several in common: bounds, infinite where it is free."""
+
+    name: str
+    kind: str
+    records: tuple[int, ...]
+    low: float
+    high: float
+    unit: str
+
+
+def record_numbers(
+    problems: Problems, system: System, measured: Sequence[Measured], vary: Mapping[str, Any],
+    until: float,
+) -> list[RecordNumber]:
+    """Shift, gain and blur of every record, once each; mistakes are noted in `problems`.
+
+    A name in `vary` may hold ``*`` and ``[01]`` as names of files do: what it fits is one number.
+    """
+    paths = {f"{HEAD}{k}.{kind}": (k, kind) for kind in KINDS for k in range(len(measured))}
+    free = dict(paths)
+    found = []
+    for name, bounds in vary.items():
+        tied = [path for path in paths if fnmatchcase(path, name)]
+        kinds = {paths[path][1] for path in tied}
+        units = {_unit(measured[k], kind) for k, kind in map(paths.__getitem__, tied)}
+        if len(kinds) != 1:
+            problems.append((f"vary.{name}", "is no number of a record; name one such as "
+                             f"{HEAD}0.shift, or tie all by {HEAD}*.gain or {HEAD}*.blur"))
+        elif len(units) != 1:
+            both = " and ".join(sorted(unit or "1" for unit in units))
+            problems.append((f"vary.{name}", f"ties records in {both}; bring them to one unit"))
+        elif not free.keys() >= {*tied}:
+            problems.append((f"vary.{name}", "names a number that another name has, too; leave "
+                             "one of them out"))
+        else:
+            records = tuple(free.pop(path)[0] for path in tied)
+            (kind,), (unit,) = kinds, units
+            ends = None
+            if bounds is not None or kind == "blur":
+                ends = ends_of(problems, name, bounds, unit)
+            found.append(_number(system, measured, until, name, kind, records, unit, ends))
+    for path, (k, kind) in free.items():
+        unit, ends = _unit(measured[k], kind), measured[k].limits[kind]
+        found.append(_number(system, measured, until, path, kind, (k,), unit, ends))
+    return found
+
+
+def _number(
+    system: System, measured: Sequence[Measured], until: float, name: str, kind: str,
+    records: tuple[int, ...], unit: str, ends: tuple[float, float] | None,
+) -> RecordNumber:
+    """With these bounds; without, with those within which it makes sense."""
+    low, high = ends or (-math.inf, math.inf)
+    if ends is None and kind == "shift":
+        spans = [measured[k].shifts(until, system) for k in records]
+        low, high = min(first for first, _ in spans), max(last for _, last in spans)
+    return RecordNumber(name, kind, records, low, high, unit)
+
+
+def _unit(measured: Measured, kind: str) -> str:
+    return measured.signal.unit if kind == "gain" else "s"
