@@ -6,10 +6,7 @@ import numpy as np
 from networks import STEP, logarithmic, random_network
 
 import rodimpact as ri
-from rodimpact.methods import compiling
-from rodimpact.methods.grid import proof_kernel
 from rodimpact.methods.grid.method import follow
-from rodimpact.methods.grid.run import as_lists
 from rodimpact.methods.row import Row
 
 SECONDS = 3.0
@@ -46,12 +43,3 @@ def random_row(seed, *, driven=False, bodies=5):
 
 def run_row(system, until=SECONDS, step=STEP):
     return follow(Row(system), until, 10**9, dt=step)
-
-
-def side_of(run, group, right_end):
-    """Mean velocity, deviation and bound of an end of a group, as the proof takes them."""
-    grid, groups, cells = as_lists(run.grid), *map(compiling.as_objects, run.proof)
-    proof_kernel.finality_time(grid, groups, cells)
-    side = proof_kernel.side_of(
-        groups[group], cells, grid.velocity, grid.end, right_end, grid.run[0].tolerance)
-    return side.mean, side.deviation, side.bound

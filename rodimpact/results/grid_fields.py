@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.clock import Clock
-from ..methods.grid.mesh import STEP_TICKS, GridMotion, RadialMotion
+from ..methods.grid.mesh import STEP_TICKS, GridMotion
 from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model import Rod
@@ -194,11 +194,7 @@ class GridFields(Fields):
     @_FAINT
     def _strain(self) -> Floats:
         """[state, cell]."""
-        grid, force = self.motion, self.motion.force
-        if grid.radial is not None:
-            force = force - grid.radial.coupling * grid.radial.strain * self._step
-        stiff = np.where(grid.stiffness > 0, grid.stiffness, np.inf)
-        return np.asarray(force / stiff / grid.width)
+        return np.asarray(self.motion.stretches(self._step) / self.motion.width)
 
     @cached_property
     @_FAINT
@@ -288,35 +284,10 @@ class GridFields(Fields):
 
     @_FAINT
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
-        a, (nodes, cells, mass) = self.clock, self._span(body)
+        a, (nodes, _, mass) = self.clock, self._span(body)
         place = int(np.searchsorted(self.motion.when, tick // STEP_TICKS))
         v = self.motion.velocity[place, nodes] + a.frame + a.gravity * tick * a.tick - velocity
-        change, k = np.diff(v), self.motion.stiffness[cells]
-        bound = self.motion.lateral[cells] - k * self._step**2 / 4
-        kinetic = float(mass @ (v * v) + bound @ (change * change)) / 2
-        strained = float(np.sum(self.motion.force[place, cells] ** 2 / k)) / 2
-        if self.motion.radial is not None:
-            moving, swollen = self._radial_energy(self.motion.radial, nodes, cells, place, change)
-            kinetic, strained = kinetic + moving, strained + swollen
-        return kinetic, strained
-
-    def _radial_energy(
-        self, radial: RadialMotion, nodes: slice, cells: slice, place: int, change: Floats
-    ) -> tuple[float, float]:
-        """What radial strains add to both energies of a rod whose nodes part like `change`, J.
-
-        A spring between two rods belongs to either by half.
-        """
-        h, inner = self._step, slice(nodes.start + 1, nodes.stop - 1)
-        b, k, G = radial.coupling[cells], self.motion.stiffness[cells], radial.radial[cells]
-        q, p = radial.strain[place] * h, radial.rate[place]
-        slope, faster = np.diff(q), np.diff(p)
-        shear = radial.shear[nodes] / 2
-        shear[1:-1] = radial.shear[inner]
-        strained = (G - b * b / k) @ q[cells] ** 2 + shear @ slope[nodes] ** 2
-        less = 2 * (b * change) @ p[cells] + G @ p[cells] ** 2 + shear @ faster[nodes] ** 2
-        kinetic = radial.swelling[cells] @ p[cells] ** 2 - h * h / 4 * less
-        return float(kinetic) / 2, float(strained) / 2
+        return self.motion.energies(nodes, mass, place, v, self._step)
 
     @_FAINT
     def largest_stress(self, body: int) -> float:

@@ -397,10 +397,10 @@ def velocities(solution, t):
 def test_mirror(seed):
     system = random_row(seed, bodies=4, driven=True)
     run, image = run_row(system, 2.0), run_row(system.mirrored(), 2.0)
-    scale = np.abs(run.states["velocity"]).max() + run.row.scale
+    scale = np.abs(run.track.velocity).max() + run.row.scale
     inside = run.mesh.mass > 0
-    assert image.states["velocity"][:, ::-1][:, inside] == pytest.approx(
-        -run.states["velocity"][:, inside], abs=1e-9 * scale)
+    assert image.track.velocity[:, ::-1][:, inside] == pytest.approx(
+        -run.track.velocity[:, inside], abs=1e-9 * scale)
     assert np.array_equal(image.grid.link["episodes"][::-1],
                           run.grid.link["episodes"])
     for k in range(len(system.contacts)):

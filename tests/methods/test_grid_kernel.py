@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from grid_rows import random_row, run_row, side_of, thicken
+from grid_rows import random_row, run_row, thicken
 from hypothesis import given
 from hypothesis import strategies as st
 from networks import STEP, UNIT, unit_rod
@@ -13,11 +13,11 @@ import rodimpact as ri
 from rodimpact.methods import compiling, kernels
 from rodimpact.methods.grid import contact_kernel as contacts
 from rodimpact.methods.grid import elimination_kernel as elimination
-from rodimpact.methods.grid.keeping import Keeper
 from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size
-from rodimpact.methods.grid.records import IMPLICIT, LINK, NODE, PER_STATE, PER_STEP
-from rodimpact.methods.grid.run import GridRun
+from rodimpact.methods.grid.proof import finality_time, side_of
+from rodimpact.methods.grid.records import IMPLICIT, LINK, NODE, PER_STATE
+from rodimpact.methods.grid.run import GridRun, Keeper
 from rodimpact.methods.laws import Law
 from rodimpact.methods.row import Row
 
@@ -34,9 +34,8 @@ def bits(run, states=True):
     """Every number of the state, and what was entered."""
     grid = run.grid._asdict()
     del grid["run"]
-    entered = {name: getattr(run.track, name)[: run.steps] for name in PER_STEP}
-    if states:
-        entered |= {name: getattr(run.track, name)[: run.kept] for name in PER_STATE}
+    entered = {name: x for name, x in run.track._asdict().items()
+               if states or name not in PER_STATE}
     return {name: x.tobytes() for name, x in (grid | entered).items()}
 
 
@@ -51,7 +50,7 @@ def test_compiled_and_plain_runs_are_bit_identical():
             with kernels.forced(compiling_it):
                 runs.append(grid_run(system, 48))
                 runs[-1].advance(48)
-                waits.append(runs[-1].finality_time())
+                waits.append(finality_time(runs[-1]))
         assert bits(runs[0]) == bits(runs[1]), seed
         assert waits[0] == waits[1], seed
 
@@ -80,11 +79,11 @@ def test_what_grows_is_what_has_room_enough(driven):
             growing.advance(end)
         assert growing.room == 120
         assert bits(whole, states=False) == bits(growing, states=False), seed
-        when = growing.states["when"]
+        when = growing.track.when
         assert len(when) <= 18
         assert (when[0], when[-1]) == (0, 120)
-        for name, kept in growing.states.items():
-            assert np.array_equal(whole.states[name][when], kept)
+        for name in PER_STATE:
+            assert np.array_equal(getattr(whole.track, name)[when], getattr(growing.track, name))
 
 
 def test_states_at_chosen_times_are_those_of_the_run():
@@ -94,9 +93,9 @@ def test_states_at_chosen_times_are_those_of_the_run():
         whole, chosen = grid_run(system, 90), grid_run(system, 90, snapshots=times)
         whole.advance(90)
         chosen.advance(90)
-        when = chosen.states["when"]
+        when = chosen.track.when
         assert {0, *np.floor(times / STEP).astype(int), 90} <= set(when.tolist())
-        assert np.array_equal(chosen.states["velocity"], whole.states["velocity"][when])
+        assert np.array_equal(chosen.track.velocity, whole.track.velocity[when])
 
 
 # The elimination ----------------------------------------------------------------------------------
@@ -191,10 +190,10 @@ def test_steps_against_dense_matrices(seed, ends):
     system = ri.System(row, contacts=[ri.Bonded()] * (len(row) - 1), ends=kinds[ends])
     run = grid_run(system, 40)
     run.advance(40)
-    n, velocity, force = len(run.mesh.mass), *(run.states[x] for x in ("velocity", "force"))
+    n, velocity, force = len(run.mesh.mass), run.track.velocity, run.track.force
     radial = np.zeros_like(force)
     if run.mesh.swells:
-        radial = run.step * run.states["radial"]
+        radial = run.step * run.track.radial
     v, F, q = dense_run(
         run.mesh, run.step, velocity[0], force[0, 1:n], radial[0, 1:n], 40, push)
     assert velocity[-1] == pytest.approx(v, abs=1e-12)
@@ -207,12 +206,12 @@ def test_steps_against_dense_matrices(seed, ends):
 
 def energy_of_bodies(run):
     """[state] kinetic and strain energy, J: what leapfrog keeps."""
-    mesh, states, h = run.mesh, run.states, run.step
-    v = states["velocity"] + run.row.frame + run.row.gravity * h * states["when"][:, None]
+    mesh, states, h = run.mesh, run.track, run.step
+    v = states.velocity + run.row.frame + run.row.gravity * h * states.when[:, None]
     change = np.diff(v, axis=1)
     inside = mesh.stiffness[1:-1] > 0
     k, lateral = mesh.stiffness[1:-1][inside], mesh.lateral[1:-1][inside]
-    change, force = change[:, inside], states["force"][:, 1:-1][:, inside]
+    change, force = change[:, inside], states.force[:, 1:-1][:, inside]
     free = mesh.mass * (mesh.held == 0)
     for node in np.flatnonzero(mesh.held):  # half cells on a driven end move with it
         free[node] = (mesh.cell_mass[node] + mesh.cell_mass[node + 1]) / 2
@@ -220,7 +219,7 @@ def energy_of_bodies(run):
     total = kinetic + force**2 @ (1 / k) / 2
     if mesh.swells:
         J, b, G = (x[1:-1][inside] for x in mesh.cells[4:7])
-        q, p = h * states["radial"][:, 1:-1], states["radial_rate"][:, 1:-1]
+        q, p = h * states.radial[:, 1:-1], states.radial_rate[:, 1:-1]
         for moved, share in ((q, 1.0), (h * p / 2, -1.0)):
             total += share * np.diff(moved, axis=1) ** 2 @ mesh.shear[1:-1] / 2
         q, p = q[:, inside], p[:, inside]
@@ -235,24 +234,21 @@ def energy_of_contacts(run):
     for i, law in enumerate(run.row.system.contacts):
         if not isinstance(law, ri.Rigid | ri.Bonded):
             _, gap = run.contact(i)
-            x = -np.concatenate(([run.row.system.gaps[i]], gap))
-            if isinstance(law, ri.Joint):
-                x[0] = law.stretch
-            total += law.stored(x if isinstance(law, ri.Joint) else np.maximum(x, 0.0))
-    return total[run.states["when"]]
+            total += law.stored(-gap if isinstance(law, ri.Joint) else np.maximum(-gap, 0.0))
+    return total[run.track.when]
 
 
 @given(seeds)
 def test_energy_never_rises_without_work(seed):
     run = run_row(random_row(seed))
-    assert len(run.states["when"]) == run.steps + 1
+    assert len(run.track.when) == run.steps + 1
     total = energy_of_bodies(run) + energy_of_contacts(run)
     for side, sign in ((0, 1), (1, -1)):
         if run.row.outside[side][0] == "absorbing":
             force, speed = run.outer(side)
             total[1:] -= sign * np.cumsum(force * speed) * run.step
     assert np.diff(total).max() <= 1e-12 * total[0]
-    heat = run.states["lost"] * run.step
+    heat = run.track.lost * run.step
     assert np.diff(heat).min() >= 0
     link = run.grid.link
     assert min(link["lost"].min(initial=0.0), link["numerical"].min(initial=0.0)) >= (
@@ -271,7 +267,7 @@ def test_energy_never_rises_without_work(seed):
 def test_every_entry_of_the_ledger_at_every_state(seed, driven):
     run = run_row(random_row(seed, driven=driven, bodies=4), 1.5)
     solution = solution_of(run, 1.5)
-    ledger = solution.energy(run.states["when"] * run.step)
+    ledger = solution.energy(run.track.when * run.step)
     works = ledger.wall_work, ledger.drive_work, ledger.gravity_work, ledger.radiated
     scale = ledger.total.max() + max(np.abs(w).max() for w in works)
     close = {"rtol": 0, "atol": 1e-11 * scale}
@@ -372,11 +368,11 @@ def test_a_heavy_rod_before_a_thin_endless_bar_goes_as_far_as_its_momentum_takes
     system = ri.System([rod, unit_rod()], [90.0], ends=(ri.Absorbing(), ri.Free()))
     run = grid_run(system, 3000)
     run.advance(0)
-    _, before, bound = side_of(run, run.mesh.piece_of(run.mesh.touching[2][0]), True)
+    before = side_of(run, run.mesh.touching[2][0], True)
     run.advance(3000)
-    _, after, _ = side_of(run, run.mesh.piece_of(run.mesh.touching[2][0]), True)
-    assert abs(before) > 5.0 / STEP
-    assert abs(after) < abs(before) < bound
+    after = side_of(run, run.mesh.touching[2][0], True)
+    assert abs(before.deviation) > 5.0
+    assert abs(after.deviation) < abs(before.deviation) < before.bound
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -403,14 +399,14 @@ def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed):
         solution = solution_of(run_row(turned, 400 * STEP))
         body = turned.bodies.index(rod) if not mirrored else len(row) - 1 - row.index(rod)
         run.advance(0)
-        V, d, bound = side_of(run, run.mesh.piece_of(node), right_end)
+        V, _, _, d, bound = side_of(run, node, right_end)
         for end_ in (1, 7, 50, 51, 400):
             run.advance(end_)
-            now, then, limit = side_of(run, run.mesh.piece_of(node), right_end)
+            now, _, _, then, limit = side_of(run, node, right_end)
             t = end_ * STEP
             moved = float(solution.displacement(body, x, t) - solution.displacement(body, x, 0.0))
-            expected = (V + run.row.frame) * end_ + then - d
-            assert moved / STEP == pytest.approx(expected, abs=1e-9)
+            expected = (V + run.row.frame) * t + then - d
+            assert moved == pytest.approx(expected, abs=1e-9 * STEP)
             assert now == pytest.approx(V, abs=1e-12)
             assert abs(then) <= bound * (1 + 1e-12)
             assert limit <= bound * (1 + 1e-12)

@@ -4,15 +4,14 @@ import math
 
 import numpy as np
 import pytest
-from grid_rows import side_of
 from networks import unit_rod
 from scipy.linalg import expm
 
 import rodimpact as ri
-from rodimpact.methods.grid.keeping import Keeper
 from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size
-from rodimpact.methods.grid.run import GridRun
+from rodimpact.methods.grid.proof import side_of
+from rodimpact.methods.grid.run import GridRun, Keeper
 from rodimpact.methods.row import Row
 
 QUICK = ri.Material("quick", youngs_modulus=6.0, density=1.5)  # wave speed 2
@@ -94,8 +93,8 @@ def sides_of(system, steps):
     run = GridRun(Mesh(row, counts), step, Keeper(None), steps[-1])
     for j in steps:
         run.advance(j)
-        mean, deviation, bound = side_of(run, run.grid.link["left_group"][-1], True)
-        found.append((mean + row.frame, deviation / 64, bound / 64))
+        side = side_of(run, int(run.grid.link["left"][-1]), True)
+        found.append((side.mean + row.frame, side.deviation, side.bound))
     return found
 
 

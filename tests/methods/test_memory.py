@@ -71,7 +71,7 @@ def test_the_estimate_bounds_what_is_taken(monkeypatch, name, options):
     monkeypatch.setattr(memory, "SHARE", np.inf)
     with kernels.forced(True):
         peak_of(PAIR, **options | {"until": 1e-3})  # with what is made once
-    monkeypatch.setattr("rodimpact.methods.grid.keeping.ask",
+    monkeypatch.setattr("rodimpact.methods.grid.run.ask",
                         lambda numbers, *rest: asked.append(8 * numbers))
     with kernels.forced(True):
         peak = peak_of(ROWS[name], **options)

@@ -55,25 +55,22 @@ def follow(grid: Any, track: Any, until: int) -> bool:
     v, force, stiffness, mobility = grid.velocity, grid.force, grid.stiffness, grid.mobility
     stretch, piece, implicit, node = grid.stretch, grid.piece, grid.implicit, grid.node
     viscous, lost, change, old = grid.viscous, grid.lost, grid.change, grid.old
-    swollen, strain, rate, coupling = grid.swollen, grid.strain, grid.rate, grid.coupling
+    strain, rate, coupling = grid.strain, grid.rate, grid.coupling
     ease, own, share, shear = grid.ease, grid.own, grid.share, grid.shear
-    link, bond, end, mass = grid.link, grid.bond, grid.end, grid.mass
-    signal, outer, bonded, speed = track.signal, track.outer, track.bonded, track.speed
+    link, end, watched, pulled = grid.link, grid.end, grid.watched, grid.pulled
+    signal, given, speed, pull = track.signal, track.given, track.speed, track.pull
     while True:
-        if run.kept < len(track.state) and track.state[run.kept].when == run.step:
-            keep(run, v, force, stiffness, track.velocity, track.force)
-            keep_radial(run, swollen, strain, rate, coupling, track.force, track.radial,
-                        track.radial_rate)
-            keep_rest(run, lost, piece, track.state, track.place)
+        if run.kept < len(track.when) and track.when[run.kept] == run.step:
+            keep(grid, track)
             run.kept += 1
         if run.step >= until:
             return True
-        remember(run, v, link, bond, end, outer)
+        remember(run, v, link, end, given)
         move(piece, v)
         drift(v, force, stiffness, stretch)
-        if len(swollen) > 0:
-            radial.drift(swollen, strain, rate, coupling, force)
-            radial.kick(swollen, strain, rate, ease, own, share, shear, force)
+        if run.swells > 0:
+            radial.drift(strain, rate, coupling, force)
+            radial.kick(strain, rate, ease, own, share, shear, force)
         kick(v, force, mobility, stretch)
         if len(implicit) > 0:
             kick_implicit(implicit, node, v, force, viscous, change, old, end)
@@ -86,62 +83,49 @@ def follow(grid: Any, track: Any, until: int) -> bool:
         move(piece, v)
         if len(implicit) > 0:
             dissipate(implicit, v, old, viscous, lost)
-        enter_ends(run, v, end, outer)
-        if len(bond) > 0:
-            enter_bonds(run, v, force, link, bond, bonded, outer)
-        enter_masses(run, v, mass, speed)
+        enter(run.step - run.first, v, watched, speed)
+        enter(run.step - run.first, force, pulled, pull)
         run.step += 1
 
 
-def keep(
-    run: Any, v: Any, force: Any, stiffness: Any, kept_velocity: Any, kept_force: Any
-) -> None:
-    """Enter velocities, and forces, as they are at the end of a step."""
-    n, m = len(v), len(force)
+def keep(grid: Any, track: Any) -> None:
+    """Enter the state as it is at the end of a step."""
+    run, v, force, stiffness = grid.run[0], grid.velocity, grid.force, grid.stiffness
+    n, p, total = len(v), len(grid.piece), 0.0
+    nodes, cells, pieces = run.kept * n, run.kept * (n + 1), run.kept * p
     for i in range(n):
-        kept_velocity[run.kept * n + i] = v[i]
-    kept_force[run.kept * m] = kept_force[run.kept * m + n] = 0.0
+        track.velocity[nodes + i] = v[i]
+    track.force[cells] = track.force[cells + n] = 0.0
     for i in range(1, n):
-        kept_force[run.kept * m + i] = force[i] + stiffness[i] * (v[i] - v[i - 1]) / 2
+        track.force[cells + i] = force[i] + stiffness[i] * (v[i] - v[i - 1]) / 2
+    if run.swells > 0:
+        for i in range(n + 1):
+            q, rate = grid.strain[i], grid.rate[i]
+            track.force[cells + i] += grid.coupling[i] * rate / 2
+            track.radial[cells + i] = q + rate / 2
+            track.radial_rate[cells + i] = rate
+    for i in range(p):
+        track.place[pieces + i] = grid.piece[i].place
+    for i in range(n + 1):
+        total += grid.lost[i]
+    track.lost[run.kept] = total
 
 
-def keep_radial(
-    run: Any, swollen: Any, strain: Any, rate: Any, coupling: Any, kept_force: Any,
-    kept_strain: Any, kept_rate: Any,
-) -> None:
-    """Enter radial strains, and what they add to the forces."""
-    for s in range(len(swollen)):
-        for i in range(swollen[s].first, swollen[s].last + 1):
-            c = run.kept * len(strain) + i
-            kept_force[c] += coupling[i] * rate[i] / 2
-            kept_strain[c] = strain[i] + rate[i] / 2
-            kept_rate[c] = rate[i]
-
-
-def keep_rest(run: Any, lost: Any, piece: Any, state: Any, kept_place: Any) -> None:
-    """Enter the heat, and where pieces are."""
-    total = 0.0
-    for i in range(len(lost)):
-        total += lost[i]
-    state[run.kept].lost = total
-    for p in range(len(piece)):
-        kept_place[run.kept * len(piece) + p] = piece[p].place
-
-
-def remember(run: Any, v: Any, link: Any, bond: Any, end: Any, outer: Any) -> None:
-    """Note what is given in this step, and the velocities that are asked for after it."""
+def remember(run: Any, v: Any, link: Any, end: Any, given: Any) -> None:
+    """Note what is given in this step, and velocities before it."""
     for i in range(len(link)):
         at = link[i]
         at.before = v[at.left] - v[at.right]
     for side in range(2):
         outside = end[side]
-        outside.given = outer[2 * (run.step - run.first) + side].given
+        outside.given = given[2 * (run.step - run.first) + side]
         outside.old = v[outside.node]
-    for b in range(len(bond)):
-        joint, n = bond[b], bond[b].node
-        joint.here = joint.there = v[n]
-        if joint.cell != NONE:
-            joint.there = v[n - 1 if joint.cell == n else n + 1]
+
+
+def enter(row: int, values: Any, places: Any, entered: Any) -> None:
+    """Enter the values at some places in a row of a table."""
+    for k in range(len(places)):
+        entered[row * len(places) + k] = values[places[k]]
 
 
 def move(piece: Any, v: Any) -> None:
@@ -299,39 +283,3 @@ def dissipate(implicit: Any, v: Any, old: Any, viscous: Any, lost: Any) -> None:
         for i in range(a + 1, b + 1):
             rate = (v[i] - v[i - 1] + (old[i] - old[i - 1])) / 2
             lost[i] += viscous[i] * rate * rate
-
-
-def enter_ends(run: Any, v: Any, end: Any, outer: Any) -> None:
-    """Enter what passed the ends."""
-    for side in range(2):
-        at, entry = end[side], outer[2 * (run.step - run.first) + side]
-        if at.kind != End.FREE:
-            entry.speed = (at.old + v[at.node]) / 2
-            F = outer_force(at, side, entry.speed)
-            entry.push = F if side == 0 else -F
-
-
-def enter_bonds(
-    run: Any, v: Any, force: Any, link: Any, bond: Any, bonded: Any, outer: Any
-) -> None:
-    """Enter the forces at bonds."""
-    for b in range(len(bond)):
-        at, n, c, pulled = bond[b], bond[b].node, bond[b].cell, 0.0
-        if c != NONE:
-            sign, other = (1, n - 1) if c == n else (-1, n + 1)
-            stretch = sign * (at.here - at.there)
-            change = sign * (v[n] - v[other]) - stretch
-            pulled = force[c] + at.viscous * stretch + at.bound * change
-        if at.link != NONE:
-            pulled -= link[at.link].force
-        if at.end != NONE:
-            pulled -= outer[2 * (run.step - run.first) + at.end].push
-        gained = at.mass * (v[n] - at.here)
-        bonded[(run.step - run.first) * len(bond) + b] = (
-            gained - pulled if at.side == 1 else -pulled - gained)
-
-
-def enter_masses(run: Any, v: Any, mass: Any, speed: Any) -> None:
-    """Enter the velocities of masses."""
-    for m in range(len(mass)):
-        speed[(run.step - run.first) * len(mass) + m] = v[mass[m]]

@@ -20,6 +20,7 @@ from ...model.frozen import InvalidModel
 from ...model.lateral_inertia import INERTIA, MINDLIN_HERRMANN, radial_moduli
 from ..laws import Law
 from ..row import Array, Row
+from .records import NONE
 
 STEP_TICKS = 1 << 36
 """Ticks of a time step: times between two states are looked up in these."""
@@ -28,14 +29,18 @@ MODAL_CELLS, MODES = 200, 8  # of a rod whose lowest modes are asked for
 
 
 class Interface(NamedTuple):
-    """What stands at a node on one side of a bond, as in `grid_kernel.Bonds`."""
+    """What stands at a node on one side of a bond, whose force Newton's law tells.
+
+    side : 0 left, 1 right of the bond; mass : kg, of masses and half of the cell beside them
+    cell, link, end : that pulls at it, link that pushes it, or end of the row; NONE without
+    """
 
     node: int
     mass: float
     side: int
-    cell: int
-    link: int
-    end: int
+    cell: int = NONE
+    link: int = NONE
+    end: int = NONE
 
 
 class Cells(NamedTuple):
@@ -105,6 +110,37 @@ class GridMotion(NamedTuple):
     lost: Array
     pushes: Mapping[int, Array]
     radial: RadialMotion | None = None
+
+    def stretches(self, step: float) -> Array:
+        """By how much cells are longer [state, cell], m."""
+        force = self.force
+        if self.radial is not None:
+            force = force - self.radial.coupling * self.radial.strain * step
+        longer: Array = force / np.where(self.stiffness > 0, self.stiffness, np.inf)
+        return longer
+
+    def energies(
+        self, nodes: slice, mass: Array, place: int, v: Array, step: float
+    ) -> tuple[float, float]:
+        """Kinetic and strain energy of some nodes of these masses and velocities in a state, J."""
+        cells, change = slice(nodes.start + 1, nodes.stop), np.diff(v)
+        k = self.stiffness[cells]
+        bound = self.lateral[cells] - k * step**2 / 4
+        k = np.where(k > 0, k, np.inf)
+        kinetic = float(mass @ (v * v) + bound @ (change * change)) / 2
+        strained = float(np.sum(self.force[place, cells] ** 2 / k)) / 2
+        if self.radial is None:
+            return kinetic, strained
+        # a spring between two rods belongs to either by half
+        b, G = self.radial.coupling[cells], self.radial.radial[cells]
+        q, p = self.radial.strain[place] * step, self.radial.rate[place]
+        slope, faster = np.diff(q)[nodes], np.diff(p)[nodes]
+        shear = self.radial.shear[nodes] / 2
+        shear[1:-1] *= 2
+        swollen = (G - b * b / k) @ q[cells] ** 2 + shear @ slope**2
+        less = 2 * (b * change) @ p[cells] + G @ p[cells] ** 2 + shear @ faster**2
+        moving = self.radial.swelling[cells] @ p[cells] ** 2 - step * step / 4 * less
+        return kinetic + float(moving) / 2, strained + float(swollen) / 2
 
 
 MESH = GridMotion._fields[:10]
@@ -229,14 +265,27 @@ class Mesh:
             i += 1 if side else -1
             law = self.row.laws[i]
             if law >= Law.JOINT:
-                return Interface(node, mass, side, -1, i, -1)
+                return Interface(node, mass, side, link=i)
             if law in (Law.PUSH_LEFT, Law.PUSH_RIGHT):
                 pushed = self.row.outside[side][0] == "force"
-                return Interface(node, mass, side, -1, -1, side if pushed else -1)
+                return Interface(node, mass, side, end=side if pushed else NONE)
         s = beside[i][side][1]
         node = self.first[s] if side else self.last[s]
         cell = node + side
-        return Interface(node, mass + self.cell_mass[cell] / 2, side, cell, -1, -1)
+        return Interface(node, mass + self.cell_mass[cell] / 2, side, cell)
+
+    @property
+    def watched(self) -> list[int]:
+        """Nodes whose velocities are asked for at the end of each step."""
+        found = [*self.ends, *self.node_of_mass]
+        for at in self.interfaces.values():
+            found += [at.node] if at.cell == NONE else [at.cell - 1, at.cell]
+        return list(dict.fromkeys(found))
+
+    @property
+    def pulled(self) -> list[int]:
+        """Cells whose forces are."""
+        return [at.cell for at in self.interfaces.values() if at.cell != NONE]
 
     @cached_property
     def swells(self) -> bool:

@@ -26,11 +26,11 @@ from ..duration import Forecast, Progress
 from ..memory import ask
 from ..row import Array, Row
 from ..run import PEAK_FORCE, VELOCITY, Run
-from .keeping import Keeper, cost
 from .mesh import STEP_TICKS, Mesh, crossing_time, most_cells, stable_step
+from .proof import finality_time
 from .refinement import FEWEST as FEWEST_LEVELS
 from .refinement import contact_measures, factor_of, order_of, refined
-from .run import GridRun, clock_on
+from .run import GridRun, Keeper, clock_on, cost
 from .signals import hand_over
 
 RTOL = 1e-3
@@ -104,12 +104,11 @@ def follow(
 
     def level(factor: int) -> GridRun:
         finer = Mesh(row, [factor * N for N in counts])
-        keep = Keeper(np.array(snapshots) if isinstance(snapshots, tuple) else snapshots)
         finest = factor_of(FEWEST_LEVELS - 1) if searching else 0
         others = sum(f * f for f in range(factor + 1, finest + 1))
         if until is None:
             others += finest**2  # the round trip after the proof
-        return _level(finer, step / factor, keep, until, max_events, forecast,
+        return _level(finer, step / factor, Keeper(snapshots), until, max_events, forecast,
                       others / factor**2)
 
     def measures(run: GridRun) -> dict[str, Array]:
@@ -221,7 +220,7 @@ def _level(
     tell(0)
     run.advance(0)
     while run.proved < 0:
-        wait = run.finality_time()
+        wait = finality_time(run) / run.step
         if wait == 0:
             run.proved = run.steps
         elif run.steps < last:

@@ -12,25 +12,20 @@ from __future__ import annotations
 
 from typing import Any
 
-from .records import FAR
 
-
-def drift(swollen: Any, strain: Any, rate: Any, coupling: Any, force: Any) -> None:
+def drift(strain: Any, rate: Any, coupling: Any, force: Any) -> None:
     """Radial strains in the middle of the step, and what they add to the forces."""
-    for s in range(len(swollen)):
-        for i in range(swollen[s].first & FAR, (swollen[s].last & FAR) + 1):
-            strain[i] += rate[i]
-            force[i] += coupling[i] * rate[i]
+    for i in range(len(strain)):
+        strain[i] += rate[i]
+        force[i] += coupling[i] * rate[i]
 
 
 def kick(
-    swollen: Any, strain: Any, rate: Any, ease: Any, own: Any, share: Any, shear: Any, force: Any
+    strain: Any, rate: Any, ease: Any, own: Any, share: Any, shear: Any, force: Any
 ) -> None:
     """Rates of radial strain."""
-    for s in range(len(swollen)):
-        b, before = swollen[s].last & FAR, 0.0
-        for i in range(swollen[s].first & FAR, b):
-            after = shear[i] * (strain[i + 1] - strain[i])
-            rate[i] += ease[i] * (after - before - own[i] * strain[i] - share[i] * force[i])
-            before = after
-        rate[b] += ease[b] * (-before - own[b] * strain[b] - share[b] * force[b])
+    before = 0.0
+    for i in range(len(strain) - 1):
+        after = shear[i] * (strain[i + 1] - strain[i])
+        rate[i] += ease[i] * (after - before - own[i] * strain[i] - share[i] * force[i])
+        before = after

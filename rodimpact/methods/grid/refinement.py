@@ -150,7 +150,6 @@ def contact_measures(run: GridRun) -> dict[str, Array]:
 
 def _pressed(run: GridRun, contact: int, force: Array) -> float:
     """How long a contact presses, s."""
-    times, gap = run.times, run.contact(contact)[1]
-    gaps = np.concatenate(([float(run.row.gap[run.row.contact_link[contact]])], gap))
-    spans = pressed_spans(times, force, gaps)
+    times = run.times
+    spans = pressed_spans(times, force, run.contact(contact)[1])
     return float(sum((times[-1] if math.isnan(end) else end) - begin for begin, end in spans))

@@ -4,28 +4,59 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from .. import abilities, compiling, kernels
+from .. import compiling, kernels
 from ..clock import Clock, clock_of
 from ..laws import Law
+from ..memory import ask
 from ..row import Array, squeezed
-from . import grid_kernel, proof_kernel, scheme, start
-from .keeping import Keeper, check_memory, cost
+from . import grid_kernel, scheme, start
 from .measures import largest_force
-from .mesh import STEP_TICKS, Mesh
-from .records import OUTER, PER_STATE, PER_STEP, SIGNAL, STATE, Track
+from .mesh import MESH, STEP_TICKS, GridMotion, Mesh, RadialMotion
+from .records import NONE, PER_STATE, SIGNAL, Track
 
 RINGING = 8  # steps in which waves beside a jump swing about their mean
-WHOLE = ("velocity", "force", "place")  # of states, entered whole: not worth clearing before
-PROOF_TIME = 2e-6  # s, about what plain Python takes for a node
 ROUND = 0.25  # s between two looks at the clock
+STATES_BYTES = 64 << 20  # of kept states, where their number is not given
+CELL_TIMES = {"explicit": (7e-10, 8e-7), "implicit": (6e-9, 2.5e-6), "radial": (7e-10, 8e-7)}
+"""Time of a cell and a step, s, compiled and in plain Python; of radial motion beside the other."""
+STEP_TIMES = 3e-7, 1e-5
+"""Time of a step beside that of its cells, with what results take."""
+
+
+class Keeper:
+    """Which states are kept: at chosen times, s, or so many at equal distances, all if they fit."""
+
+    def __init__(self, snapshots: int | tuple[float, ...] | None) -> None:
+        self.times = None if snapshots is None or isinstance(snapshots, int) else snapshots
+        self.most = snapshots if isinstance(snapshots, int) else 0
+        self.stride = 1
+
+    def count(self, mesh: Mesh, steps: float) -> float:
+        """How many states of a run are kept at most."""
+        if self.times is not None:
+            return 2.0 * len(self.times) + 2
+        self.most = self.most or max(
+            64, STATES_BYTES // (16 * len(mesh.mass) * (1 + mesh.swells)))
+        return min(steps, max(self.most, 3)) + 2
+
+    def when(self, step: float, end: int) -> Array:
+        """Steps at whose ends states are kept, of a run to step `end`."""
+        if self.times is not None:
+            steps = np.array(self.times) / step
+            both = np.concatenate((np.floor(steps), np.ceil(steps), [0.0]))
+            return np.unique(np.append(both[both <= end].astype(int), end))
+        while end // self.stride + 2 > max(self.most, 3):
+            self.stride *= 2
+        return np.unique([*range(0, end, self.stride), end])
 
 
 class GridRun:
-    """A run on a mesh with a step, s, and with room for so many steps at first.
+    """A run on a mesh with a step, s, of so many steps as far as is known.
 
     Attributes
     ----------
@@ -34,7 +65,7 @@ class GridRun:
         Its tick is the step's `STEP_TICKS`-th part.
     grid : Grid
     track : Track
-        Rows for each step, and for each state; more than there are.
+        [step, ...] and [state, ...] arrays of what was entered.
     proved : int
         Step at whose end the collision was proved final, -1 as long as it is not.
     stopped_by : str
@@ -56,81 +87,50 @@ class GridRun:
     def __init__(self, mesh: Mesh, step: float, keep: Keeper, room: int) -> None:
         self.mesh, self.step, self.row, self.keep = mesh, step, mesh.row, keep
         self.clock, self.estimates = clock_on(mesh, step), dict[str, float]()
+        self._ask(room)
+        keep.when(step, room)  # sets the distance of states, so that few are kept in vain
         self.grid = scheme.grid_of(mesh, step)
         self._overlaps = start.begin(mesh, step, self.grid)
-        self.proof = scheme.cells_of(mesh, step, self.grid)
-        self.kept = self.room = 0
-        n, swells = len(mesh.mass), (len(mesh.mass) + 1) * mesh.swells
-        self._sizes = {
-            "signal": (len(self.grid.link), SIGNAL), "outer": (2, OUTER),
-            "bonded": (len(self.grid.bond), float), "speed": (len(self.grid.mass), float),
-            "state": (1, STATE), "velocity": (n, float), "force": (n + 1, float),
-            "place": (len(mesh.starts), float), "radial": (swells, float),
-            "radial_rate": (swells, float),
-        }
-        self.track = Track(*(np.zeros((0, n), kind) for n, kind in self._sizes.values()))
-        self._make_room(room)
-        self._grow(PER_STATE, len(keep.when(step, room)))
+        self.track = self._blank(0, 0)
 
     @property
     def steps(self) -> int:
         """Steps taken, between which signals are averages."""
         return int(self.grid.run["step"][0])
 
-    @property
-    def states(self) -> dict[str, Array]:
-        """What was kept, a row a state: of nodes, of cells, of pieces, or one number."""
-        when, lost = (self.track.state[name][: self.kept, 0] for name in ("when", "lost"))
-        others = {name: getattr(self.track, name)[: self.kept] for name in PER_STATE[1:]}
-        return {"when": when, "lost": lost, **others}
+    # The steps ------------------------------------------------------------------------------------
 
-    def _grow(self, names: tuple[str, ...], room: int) -> None:
-        """Make rows, keeping those that are there."""
-        grown = {}
-        for name in names:
-            size, kind = self._sizes[name]
-            old = getattr(self.track, name)
-            new: Any = np.empty if name in WHOLE else np.zeros
-            grown[name] = new((room, size), kind)
-            grown[name][: len(old)] = old
-        self.track = self.track._replace(**grown)
+    def _ask(self, steps: int) -> None:
+        """Raise TooLong where so many steps, with states and results, take too much memory."""
+        mesh, row, states = self.mesh, self.row, self.keep.count(self.mesh, steps)
+        self.room = steps
+        contacts, masses = len(row.contact_link), sum(m >= 0 for m in row.mass_of)
+        ends = sum(kind != "none" for kind, _ in row.outside)
+        kept = 3 * len(mesh.touching) + 2 + len(mesh.watched) + len(mesh.pulled)
+        # what the kernel enters; force, gap, path, rate and power with integrals; edges and times
+        record = steps * (2.0 * kept + 10 * contacts + 5 * masses + 8 * ends + 10)
+        # two of each, while they are joined or fields are made of them
+        fields = 2 * states * (2 * len(mesh.mass) * (1 + mesh.swells) + len(mesh.starts) + 3)
+        if not kernels.enabled():  # lists take four times what arrays take, and stand beside them
+            record, fields = record + 4.0 * steps * kept, 3 * fields
+        if record > fields:
+            field, remedy = "until", "stop earlier, or take fewer cells"
+        else:
+            field, remedy = "snapshots", "keep fewer, or take fewer cells"
+        what = f"a run of {steps:.4g} steps of {self.step:.3g} s with {states:.4g} states"
+        ask(record + fields, field, what, remedy)
 
-    def _make_room(self, room: int) -> None:
-        """Make room for steps, with what is given in each."""
-        check_memory(self.mesh, self.step, room, self.keep.count(self.mesh, room))
-        self.room = room
-        self._grow(PER_STEP, room)
-        for side in (0, 1):
-            self.track.outer["given"][:, side] = scheme.driven(self.mesh, self.step, side, room)
-
-    def _choose_states(self, end: int) -> int:
-        """Thin the states where there is no room, and enter when others are kept; their number."""
-        when = self.keep.when(self.step, end)
-        if when[-1] != end:
-            when.append(end)
-        left = np.flatnonzero(np.isin(self.track.state["when"][: self.kept, 0], when))
-        if len(left) < self.kept:
-            for name in PER_STATE:
-                x = getattr(self.track, name)
-                x[: len(left)] = x[left]
-            self.kept = len(left)
-        room = len(self.track.state)
-        if len(when) > room:
-            enough = min(2 * room, int(self.keep.count(self.mesh, self.room)))
-            self._grow(PER_STATE, max(len(when), enough))
-        self.track.state["when"][: len(when), 0] = when
-        return len(when)
-
-    def finality_time(self) -> float:
-        """Steps until it may be proved that the collision is over; inf if not as it is."""
-        if abilities.driven(self.row.system):
-            return math.inf
-        parts: tuple[Any, ...] = self.grid, *self.proof
-        nodes = 2 * len(self.mesh.mass)
-        if kernels.worth_compiling(nodes * PROOF_TIME, proof_kernel.finality_time):
-            return float(kernels.compiled(proof_kernel.finality_time)(*parts))
-        grid, *proof = as_lists(self.grid), *map(compiling.as_objects, self.proof)
-        return proof_kernel.finality_time(grid, *proof)
+    def _blank(self, steps: int, states: int) -> Track:
+        """Room for what the kernel enters."""
+        grid, n = self.grid, len(self.mesh.mass)
+        swollen = states, (n + 1) * self.mesh.swells
+        return Track(
+            np.empty((steps, len(grid.link)), SIGNAL), np.empty((steps, 2)),
+            np.empty((steps, len(grid.watched))), np.empty((steps, len(grid.pulled))),
+            np.empty(states, np.int64), np.empty(states), np.empty((states, n)),
+            np.empty((states, n + 1)), np.empty((states, len(grid.piece))), np.empty(swollen),
+            np.empty(swollen),
+        )
 
     def advance(
         self, end: int, tell: Callable[[int], None] | None = None, ahead: float = 0.0
@@ -144,29 +144,44 @@ class GridRun:
             start.part(self.grid, self._overlaps)
             self._overlaps = []
         if end > self.room:
-            self._make_room(max(end, 2 * self.room))
-        states, first = self._choose_states(end), self.steps
-        window = Track(
-            *(getattr(self.track, name)[first:end].reshape(-1) for name in PER_STEP),
-            *(getattr(self.track, name)[self.kept : states].reshape(-1) for name in PER_STATE),
-        )
-        self.grid.run["first"], self.grid.run["kept"] = first, 0
-        numbers = sum(x.nbytes for x in (*self.grid, *window)) // 8
+            self._ask(max(end, 2 * self.room))
+        when, first = self.keep.when(self.step, end), self.steps
+        left = np.isin(self.track.when, when)
+        if not left.all():
+            self.track = self.track._replace(
+                **{name: getattr(self.track, name)[left] for name in PER_STATE})
+        new = np.setdiff1d(when, self.track.when)
+        window = self._blank(end - first, len(new))
+        window.when[:] = new
+        for side in (0, 1):
+            window.given[:, side] = scheme.driven(self.mesh, self.step, side, end)[first:]
+        self._take(window, end, tell, ahead)
+        self.track = Track(*(
+            np.concatenate(both) if len(both[0]) else both[1]
+            for both in zip(self.track, window, strict=True)))
+
+    def _take(
+        self, window: Track, end: int, tell: Callable[[int], None] | None, ahead: float
+    ) -> None:
+        """Take the steps to `end`, and fill a window with them."""
+        grid, first = self.grid, self.steps
+        track = Track(*(x.reshape(-1) for x in window))
+        grid.run["first"], grid.run["kept"] = first, 0
+        numbers = sum(x.nbytes for x in (*grid, *track)) // 8
         seconds = (end - first) * cost(self.mesh, plain=True) + numbers * kernels.LIST_TIME
         fast = kernels.worth_compiling(seconds, grid_kernel.follow, ahead=ahead)
         go: Any = kernels.compiled(grid_kernel.follow) if fast else grid_kernel.follow
-        grid, track = (self.grid, window) if fast else (as_lists(self.grid), as_lists(window))
+        given = (grid, track) if fast else (as_lists(grid), as_lists(track))
         chunk = max(1, int(ROUND / cost(self.mesh, plain=not fast)))
         for taken in (*range(first + chunk, end, chunk), end):
-            done = go(grid, track, taken)
+            done = go(*given, taken)
             if not done:
                 break
             if tell and taken < end:
                 tell(taken)
         if not fast:
-            _take_over(grid, self.grid)
-            _take_over(track, window)
-        self.kept += int(self.grid.run["kept"][0])
+            for lists, arrays in zip(given, (grid, track), strict=True):
+                _take_over(lists, arrays)
         if not done:
             raise squeezed(self.steps * self.step)
 
@@ -187,29 +202,96 @@ class GridRun:
         """`edges` in s."""
         return np.asarray(self.edges * self.clock.tick)
 
-    def contact(self, contact: int) -> tuple[Array, Array]:
-        """Mean force in each step, N, and gap at its end, m; not of a bonded contact."""
-        place = self.place(contact)
-        return self._of("signal", place, "force"), self._of("signal", place, "gap") * self.step
+    def motion(self, states: Any = slice(None), pushes: dict[int, Array] | None = None
+               ) -> GridMotion:
+        """The states that were kept, or some of them."""
+        mesh, cells = self.mesh, self.mesh.cells
+        kept = {name: getattr(self.track, name)[states] for name in PER_STATE}
+        radial = RadialMotion(cells.swelling, cells.coupling, cells.radial, mesh.shear,
+                              kept.pop("radial"), kept.pop("radial_rate"))
+        return GridMotion(**{name: getattr(mesh, name) for name in MESH}, **kept,
+                          pushes=pushes or {}, radial=radial if mesh.swells else None)
 
-    def _of(self, name: str, place: int, field: str = "") -> Array:
-        """What was entered of one thing in each step."""
-        entered = getattr(self.track, name)[: self.steps, place]
-        return np.ascontiguousarray(entered[field] if field else entered)
+    def place(self, contact: int) -> int:
+        """Which of the kernel's links a contact is that is not bonded."""
+        return list(self.mesh.touching).index(self.row.contact_link[contact])
+
+    def _entered(self, place: int, field: str) -> Array:
+        """What a link of the kernel entered in each step."""
+        return np.ascontiguousarray(self.track.signal[:, place][field])
+
+    def contact(self, contact: int) -> tuple[Array, Array]:
+        """Mean force in each step, N, and gap at the ends of steps, m; not of a bonded contact."""
+        place = self.place(contact)
+        before = float(self.row.gap[self.row.contact_link[contact]])
+        gap = self._entered(place, "gap") * self.step
+        return self._entered(place, "force"), np.concatenate(([before], gap))
+
+    def path(self, contact: int) -> Array:
+        """How far a contact that is not bonded closes in each step, m."""
+        return self._entered(self.place(contact), "closing") * self.step
+
+    def velocity(self, node: int) -> Array:
+        """Velocity of a watched node at the ends of the steps, the first at t = 0, in the frame."""
+        entered = self.track.speed[:, self.mesh.watched.index(node)]
+        return np.concatenate((self.track.velocity[:1, node], entered))
+
+    def speed(self, mass: int) -> Array:
+        """Velocity of a mass at the ends of the steps, in the frame."""
+        side = mass - len(self.row.masses)
+        if side >= 0:
+            wall = float(self.row.outside[side][1]) - self.row.frame
+            return np.asarray(wall - self.row.gravity * self.times)
+        return self.velocity(self.mesh.node_of_mass[mass])
+
+    def bond(self, link: int) -> Array:
+        """Mean force in a bonded link in each step, N: Newton's law for what stands beside it."""
+        mesh, at = self.mesh, self.mesh.interfaces[link]
+        v, pulled = self.velocity(at.node), np.zeros(self.steps)
+        if at.cell != NONE:
+            sign = 1 - 2 * at.side
+            stretch = sign * (v - self.velocity(at.node - sign))
+            viscous, bound = mesh.viscous[at.cell], scheme.bound_of(mesh, self.step)[at.cell]
+            force = self.track.pull[:, mesh.pulled.index(at.cell)]
+            pulled = force + viscous * stretch[:-1] + bound * np.diff(stretch)
+        if at.link != NONE:
+            pulled = pulled - self._entered(list(mesh.touching).index(at.link), "force")
+        if at.end != NONE:
+            pulled = pulled - self.track.given[:, at.end]
+        gained = at.mass / self.step * np.diff(v)
+        return np.asarray(gained - pulled if at.side else -pulled - gained)
+
+    def outer(self, side: int) -> tuple[Array, Array]:
+        """Force of what is outside the left or right end on the row, and its velocity, by steps.
+
+        N and m/s, in the laboratory; positive to the inside, and to the right.
+        """
+        row, link = self.row, (0, len(self.row.laws) - 1)[side]
+        v = self.velocity(self.mesh.ends[side])
+        speed, force = (v[:-1] + v[1:]) / 2, self.track.given[:, side]
+        if link in self.mesh.touching:
+            force = self._entered(list(self.mesh.touching).index(link), "force")
+        elif row.outside[side][0] == "velocity":
+            force = self.bond(link)
+        elif row.outside[side][0] == "absorbing":
+            end = self.grid.end[side]
+            force = (1, -1)[side] * (end["impedance"] * (end["rest"] + force - speed))
+        fall = row.gravity * self.step * (np.arange(self.steps) + 0.5)
+        return np.ascontiguousarray(force), speed + row.frame + fall
 
     @property
     def largest_strain(self) -> float:
         """Largest strain of the states that were kept."""
         inside = self.mesh.stiffness > 0
         yielding = self.mesh.stiffness[inside] * self.mesh.width[inside]
-        force = self.states["force"]
+        force = self.track.force
         if self.mesh.swells:
             with np.errstate(under="ignore"):  # ahead of the waves strains are next to nothing
-                force = force - self.mesh.cells.coupling * self.states["radial"] * self.step
+                force = force - self.mesh.cells.coupling * self.track.radial * self.step
         largest = np.maximum(force.max(axis=0), -force.min(axis=0))[inside]
         return float((largest / yielding).max())
 
-    @property
+    @cached_property
     def overshoot(self) -> float:
         """How much less the peak force of rigid contacts is over a few steps; relative.
 
@@ -234,41 +316,13 @@ class GridRun:
             return math.inf  # of flat ends that meet, any finer mesh finds a larger force
         return 2 * float(self.overshoot)
 
-    def path(self, contact: int) -> Array:
-        """How far a contact that is not bonded closes in each step, m."""
-        return self._of("signal", self.place(contact), "closing") * self.step
 
-    def place(self, contact: int) -> int:
-        """Which of the kernel's links a contact is that is not bonded."""
-        return list(self.mesh.touching).index(self.row.contact_link[contact])
-
-    def bond(self, link: int) -> Array:
-        """Mean force in a bonded link in each step, N."""
-        return self._of("bonded", list(self.mesh.interfaces).index(link))
-
-    def outer(self, side: int) -> tuple[Array, Array]:
-        """Force of what is outside the left or right end on the row, and its velocity, by steps.
-
-        N and m/s, in the laboratory; positive to the inside, and to the right.
-        """
-        link = (0, len(self.row.laws) - 1)[side]
-        if link in self.mesh.touching:
-            force = self._of("signal", list(self.mesh.touching).index(link), "force")
-        elif self.row.outside[side][0] == "velocity":
-            force = self.bond(link)
-        else:
-            force = self._of("outer", side, "push")
-        fall = self.row.gravity * self.step * (np.arange(self.steps) + 0.5)
-        return force, self._of("outer", side, "speed") + self.row.frame + fall
-
-    def speed(self, mass: int) -> Array:
-        """Velocity of a mass at the ends of the steps, the first at t = 0, in the frame."""
-        side = mass - len(self.row.masses)
-        if side >= 0:
-            wall = float(self.row.outside[side][1]) - self.row.frame
-            return np.asarray(wall - self.row.gravity * self.times)
-        initial = self.states["velocity"][0, self.mesh.node_of_mass[mass]]
-        return np.concatenate(([initial], self._of("speed", mass)))
+def cost(mesh: Mesh, plain: bool) -> float:
+    """About how long a step takes, s, in plain Python or compiled."""
+    return STEP_TIMES[plain] + sum(
+        (b - a + 1) * CELL_TIMES["implicit" if hidden else "explicit"][plain]
+        for a, b, hidden in zip(mesh.starts, mesh.stops, mesh.implicit, strict=True)
+    ) + np.count_nonzero(mesh.cells.swelling) * CELL_TIMES["radial"][plain]
 
 
 def as_lists(arrays: Any) -> Any:

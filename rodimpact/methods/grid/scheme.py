@@ -10,7 +10,6 @@ import numpy as np
 from ...model.frozen import InvalidModel
 from ...model.profiles import averages
 from .. import compiling
-from ..laws import Law
 from ..row import Array, Row, whole
 from . import elimination_kernel as elimination
 from . import records
@@ -26,7 +25,7 @@ KINDS = {"none": End.FREE, "force": End.PUSHED, "velocity": End.MOVED, "absorbin
 def grid_of(mesh: Mesh, step: float) -> Grid:
     """Everything at rest and without force, gaps as they are."""
     row, h, n = mesh.row, step, len(mesh.mass)
-    mass, bound = mesh.mass / h, mesh.lateral / h + mesh.viscous / 2
+    mass, bound = mesh.mass / h, bound_of(mesh, h)
     for side, (kind, _) in enumerate(row.outside):
         if kind == "absorbing":
             mass[mesh.ends[side]] += impedance(mesh, side) / 2
@@ -37,27 +36,31 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
         mobility[p["first"] : p["last"] + 1] = 0.0
     stiffness, cells = mesh.stiffness * h, mesh.cells
     swells = cells.swelling > 0
-    turns = np.flatnonzero(np.diff(np.append(swells, False).astype(int)))
     constant = np.where(cells.stiffness > 0, cells.stiffness, 1.0)
     return Grid(
         run=filled(records.RUN, 1, tolerance=TOLERANCE * row.scale,
-                   resolution=GAP_RESOLUTION * row.scale),
+                   resolution=GAP_RESOLUTION * row.scale, swells=mesh.swells),
         velocity=np.zeros(n), force=np.zeros(n + 1), mobility=mobility, stiffness=stiffness,
         stretch=_stretches(mesh, stiffness, mobility),
         piece=filled(records.PIECE, len(mesh.starts), start=mesh.starts),
         implicit=implicit, node=node, viscous=mesh.viscous, lost=np.zeros(n + 1),
         change=np.zeros(n), old=np.zeros(n),
-        swollen=filled(records.STRETCH, len(turns) // 2, first=turns[::2] + 1, last=turns[1::2]),
         strain=np.zeros(n + 1), rate=np.zeros(n + 1),
         ease=np.divide(h, cells.swelling, out=np.zeros(n + 1), where=swells),
         coupling=cells.coupling * h,
         own=(cells.radial - cells.coupling**2 / constant) * h, share=cells.coupling / constant,
         shear=np.append(mesh.shear * h, 0.0),
-        link=_links(mesh, h, mobility, node), bond=_bonds(mesh, h, bound),
+        link=_links(mesh, h, mobility, node),
         end=filled(records.END, 2, kind=[KINDS[kind] for kind, _ in row.outside], node=mesh.ends,
                    impedance=[impedance(mesh, side) for side in (0, 1)]),
-        mass=whole(mesh.node_of_mass),
+        watched=whole(mesh.watched), pulled=whole(mesh.pulled),
     )
+
+
+def bound_of(mesh: Mesh, step: float) -> Array:
+    """By what a cell joins the changes of velocity at its nodes [cell]."""
+    bound: Array = mesh.lateral / step + mesh.viscous / 2
+    return bound
 
 
 def filled(kind: Any, count: int, /, **columns: Any) -> Array:
@@ -142,7 +145,6 @@ def _links(mesh: Mesh, h: float, mobility: Array, node: Array) -> Array:
     hidden = np.array(mesh.implicit)
     order = np.where(hidden, np.cumsum(hidden) - 1, NONE)  # of implicit pieces, by piece
     pieces = [np.searchsorted(mesh.starts, nodes, "right") - 1 for nodes in (left, right)]
-    first = [a for a, _ in mesh.groups]
     ease = [np.where(hidden[piece], node[name][nodes], mobility[nodes]) / 2
             for piece, name, nodes in zip(pieces, ("by_last", "by_first"), (left, right),
                                           strict=True)]
@@ -160,8 +162,6 @@ def _links(mesh: Mesh, h: float, mobility: Array, node: Array) -> Array:
         records.LINK, count, law=[row.laws[i] for i in chosen],
         stiffness=stiffness_in_steps(row, h)[chosen], left=left, right=right,
         left_implicit=order[pieces[0]], right_implicit=order[pieces[1]],
-        left_group=np.searchsorted(first, left, "right") - 1,
-        right_group=np.searchsorted(first, right, "right") - 1,
         last=last, own=ease[0] + ease[1], shared=shared, gap=gap, open=1, shut=gap == 0, **columns,
     )
 
@@ -174,31 +174,6 @@ def stiffness_in_steps(row: Row, step: float) -> Array:
             message = f"a force of {k!r} times the indentation to the {p:g} vanishes in steps"
             raise InvalidModel([("contacts", f"{message} of {step:.3g} s; use a lower power")])
     return np.array(scaled)
-
-
-def _bonds(mesh: Mesh, h: float, bound: Array) -> Array:
-    places = {link: q for q, link in enumerate(mesh.touching)}
-    found = list(mesh.interfaces.values())
-    cell = whole([x.cell for x in found])
-    return filled(
-        records.BOND, len(found), node=[x.node for x in found], mass=[x.mass / h for x in found],
-        side=[x.side for x in found], cell=cell, viscous=mesh.viscous[cell], bound=bound[cell],
-        link=[places.get(x.link, NONE) for x in found], end=[x.end for x in found],
-    )
-
-
-def cells_of(mesh: Mesh, step: float, grid: Grid) -> tuple[Array, Array]:
-    """Groups and cells for the proof of finality."""
-    first, last = np.array(mesh.groups, np.int64).T
-    cell = filled(
-        records.CELL, len(grid.force), mass=np.append(mesh.mass / step, 0.0),
-        held=np.append(mesh.held, 0), lateral=mesh.lateral / step, joint=NONE,
-        relaxed=mesh.cells.relaxed * step,
-        **{name: getattr(grid, name) for name in ("ease", "coupling", "own", "share", "shear")},
-    )
-    for i in np.flatnonzero(grid.link["law"] == Law.JOINT):
-        cell["joint"][grid.link["right"][i]] = i
-    return filled(records.GROUP, len(first), first=first, last=last), cell
 
 
 # What drives the ends -----------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from ..run import ContactSignal, ContactTally, Episode, Outside, Run, Signals
 from ..signals import Floats, Pieces
 from ..status import end_sentence, last_contact, proof_sentence, strain_warning
 from .measures import episodes_of_steps, largest_force, pressed_spans
-from .mesh import MESH, STEP_TICKS, GridMotion, RadialMotion
+from .mesh import STEP_TICKS
 from .refinement import ROUGH
 from .run import RINGING, GridRun
 
@@ -107,7 +107,7 @@ def _record(run: GridRun) -> StepRecord:
         if k in row.by_law:
             force, gap = run.contact(k)
             forces.append(force)
-            gaps.append(np.concatenate(([float(row.gap[link])], gap)))
+            gaps.append(gap)
             paths.append(run.path(k))
             spans.append(pressed_spans(run.times, force, gaps[-1]) if k in row.opening else [])
         else:
@@ -195,16 +195,5 @@ def _signals(run: GridRun, record: StepRecord) -> Signals:
     masses = {
         body: Pieces.through(edges, run.speed(m)) for body, m in enumerate(row.mass_of) if m >= 0
     }
-    return Signals(_motion(run, record), tuple(contacts), (left, right), edges, masses)
-
-
-def _motion(run: GridRun, record: StepRecord) -> GridMotion:
-    """The states that were kept, in SI units."""
-    mesh, cells, states = run.mesh, run.mesh.cells, dict[str, Any](run.states)
-    motion = states.pop("radial"), states.pop("radial_rate")
-    radial = RadialMotion(cells.swelling, cells.coupling, cells.radial, mesh.shear, *motion)
-    return GridMotion(
-        **{name: getattr(mesh, name) for name in MESH}, **states,
-        pushes=mesh.outer_forces(record.forces, record.ends),
-        radial=radial if mesh.swells else None,
-    )
+    motion = run.motion(pushes=run.mesh.outer_forces(record.forces, record.ends))
+    return Signals(motion, tuple(contacts), (left, right), edges, masses)
