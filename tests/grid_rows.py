@@ -21,7 +21,7 @@ def thicken(rng, segment):
     if rng.random() < 0.4:
         area = ri.Samples((area * rng.uniform(0.3, 3, rng.integers(2, 6))).tolist())
         polar = polar and "circular"
-    material = ri.Material("thick", youngs_modulus=m.youngs_modulus, density=m.density,
+    material = ri.Material(f"{m.name}, {eta}", youngs_modulus=m.youngs_modulus, density=m.density,
                            poisson_ratio=0.3, viscosity=eta)
     theory = polar and ("mindlin-herrmann" if rng.random() < 0.5 else "rayleigh-love")
     if theory == "mindlin-herrmann" and polar != "circular":

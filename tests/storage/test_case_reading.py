@@ -92,17 +92,6 @@ def test_everything_at_once():
     )
 
 
-def test_little_is_needed():
-    case = parse_case(HEAD + A_ROD + A_WALL)
-    assert case.system == ri.System([ROD, ri.Wall()])
-    assert (case.solve, case.output) == ({}, {})
-
-
-def test_laws():
-    case = parse_case(HEAD + A_ROD + A_WALL + '[[contacts]]\nlaw = "bonded"')
-    assert case.system.contacts == (ri.Bonded(),)
-
-
 def test_masses_gravity_laws_ends_and_steps_of_time():
     case = parse_case("""
         schema = 1
@@ -262,19 +251,14 @@ STEPPED = "[[bodies]]\nkind = 'rod'\n" + "".join(
          (0.02, 0.01, "steel", "brass")),
         ((A_ROD, BRASS_ROD), ["left_radius = 0.02", "right_radius = 'inf'"],
          (0.02, math.inf, "steel", "brass")),
-        ((A_ROD, BRASS_ROD), ["left_radius = inf", "right_radius = 0.02"],
-         (math.inf, 0.02, "steel", "brass")),
         ((A_ROD, BRASS_ROD), ["right_radius = 0.02"], (math.inf, 0.02, "steel", "brass")),
         # the segment at the contact
         ((STEPPED, A_ROD), ["left_radius = 0.02"], (0.02, math.inf, "copper", "steel")),
         ((A_ROD, STEPPED), ["left_radius = 0.02"], (0.02, math.inf, "steel", "glass")),
         # what is rigid does not yield, unless the file says of what it is made
         ((A_ROD, A_WALL), ["left_radius = 0.02"], (0.02, math.inf, "steel", None)),
-        ((A_MASS, A_ROD), ["left_radius = 0.02"], (0.02, math.inf, None, "steel")),
         ((A_ROD, A_WALL), ["left_radius = 0.02", "right_material = 'glass'"],
          (0.02, math.inf, "steel", "glass")),
-        ((A_ROD, BRASS_ROD), ["left_radius = 0.02", "left_material = 'tungsten'"],
-         (0.02, math.inf, "tungsten", "brass")),
     ],
 )
 def test_hertz_contact_from_radii(bodies, entries, faces):
@@ -297,31 +281,24 @@ def test_a_case_is_frozen():
         # the frame
         (A_ROD, "schema", "is missing; begin the file with schema = 1"),
         ("schema = true\n" + A_ROD, "schema", "must be 1, got True"),
-        ("schema = '1'\n" + A_ROD, "schema", "must be 1, got '1'"),
         (HEAD, "bodies", "is missing; describe each body in a [[bodies]] table"),
         (HEAD + "bodies = []", "bodies", "is missing"),
         (HEAD + "bodies = 3", "bodies", "must be tables that each begin [[bodies]], got 3"),
-        (HEAD + "bodies = 3\n[[contacts]]", "bodies", "must be tables"),
         (HEAD + "bodies = [1]", "bodies", "must be tables that each begin [[bodies]], got [1]"),
-        (HEAD + "[bodies]\nkind='rod'", "bodies", "must be tables that each begin [[bodies]]"),
         (HEAD + "friction = 1\n" + A_ROD, "friction",
          "unknown key; use one of schema, materials, gravity, bodies, contacts, ends, solve"),
         (HEAD + "gravity = '9.81 m/s'\n" + A_ROD, "gravity", "'m/s' is a unit of velocity"),
         (HEAD + "gravity = [1, 2]\n" + A_ROD, "gravity", 'vary={"gravity": "start:stop:count"}'),
         (HEAD + A_ROD + "[solv]", "solv", "unknown key; perhaps 'solve' is meant"),
-        (HEAD + "solve = 3\n" + A_ROD, "solve", "must be a table, got 3"),
         # bodies
         (HEAD + "[[bodies]]", "bodies.0.kind", "is missing; use one of rod, mass, wall"),
         (HEAD + "[[bodies]]\nkind='Rood'", "bodies.0.kind", "unknown kind 'Rood'; perhaps 'rod'"),
         (HEAD + "[[bodies]]\nkind=['rod']", "bodies.0.kind", "unknown kind ['rod']"),
         (HEAD + A_ROD + "velocty = 1", "bodies.0.velocty", "unknown key; perhaps 'velocity'"),
         (HEAD + A_ROD + "VELOCITY = 1", "bodies.0.VELOCITY", "unknown key; perhaps 'velocity'"),
-        (HEAD + A_ROD + A_WALL + "length = 1", "bodies.1.length", "use one of kind, velocity"),
         (HEAD + A_ROD + "diameter = 1", "bodies.0.diameter", "either area or diameter, not both"),
-        (HEAD + A_ROD + "velocity = '5 m'", "bodies.0.velocity", "'m' is a unit of length"),
         (HEAD + A_ROD + "velocity = true", "bodies.0.velocity", "it is not a number"),
         (HEAD + A_ROD + "velocity = nan", "bodies.0.velocity", "it is not a finite number"),
-        (HEAD + A_ROD + "velocity = 1979-05-27", "bodies.0.velocity", "it is not a number"),
         (HEAD + A_ROD + "velocity = [1, 2]", "bodies.0.velocity", "must be a single number"),
         (HEAD + A_ROD + "strain = [1, 2]", "bodies.0.strain",
          "; a profile is written {values = [...], at = [...]} or {samples = [...]}; vary="),
@@ -329,13 +306,6 @@ def test_a_case_is_frozen():
          "bodies.0.mass", "is missing; give a mass, in SI units or as text with one of kg, g"),
         (HEAD + A_MASS.replace("2", "-2") + A_ROD, "bodies.0.mass",
          "must be a finite positive number of kilograms, got -2.0"),
-        (HEAD + A_MASS + "length = 1\n" + A_ROD, "bodies.0.length", "use one of kind, mass"),
-        (HEAD + A_MASS + "velocity = {samples=[1,2]}\n" + A_ROD, "bodies.0.velocity",
-         "it is not a number"),
-        (HEAD + A_ROD + A_WALL + "velocity = [1, 2]", "bodies.1.velocity",
-         "must be a single number, got [1, 2]"),
-        (HEAD + A_ROD + A_WALL + "velocity = {values=[1], at=[]}", "bodies.1.velocity",
-         "it is not a number"),
         (HEAD + A_ROD + A_WALL + A_ROD, "bodies.1", "only at an end of the row"),
         (HEAD + A_WALL + A_WALL, "bodies", "a rod or a rigid mass"),
         # profiles
@@ -345,37 +315,16 @@ def test_a_case_is_frozen():
          "'s' is a unit of time"),
         (HEAD + A_ROD + "strain = {values=[1,[2]], at=[0.1]}", "bodies.0.strain.values.1",
          "must be a single number"),
-        (HEAD + A_ROD + "velocity = {values=[1,2], at=[0.5]}", "bodies.0.velocity.at.0",
-         "inside the rod"),
-        (HEAD + A_ROD + "velocity = {values=[1,2], at=[]}", "bodies.0.velocity.values",
-         "one value more than jumps"),
-        (HEAD + A_ROD + "velocity = {values=[1,2,3], at=[0.2,0.1]}", "bodies.0.velocity.at.1",
-         "beyond 0.2"),
-        (HEAD + A_ROD + "velocity = {values=[1], at=[], by=1}", "bodies.0.velocity.by",
-         "unknown key"),
         (HEAD + A_ROD + "velocity = {samples=[1]}", "bodies.0.velocity.samples",
          "must be a list of at least two numbers, got [1]"),
-        (HEAD + A_ROD + "velocity = {samples=3}", "bodies.0.velocity.samples", "at least two"),
-        (HEAD + A_ROD + "velocity = {samples=[1, '2 m', 3]}",
-         "bodies.0.velocity.samples.1", "'m' is a unit of length"),
-        (HEAD + A_ROD + "strain = {samples=[1, inf]}", "bodies.0.strain.samples.1", "not a finite"),
         (HEAD + A_ROD + "velocity = {samples=[1, 2], step=1}", "bodies.0.velocity.step",
-         "unknown key; use one of samples"),
-        (HEAD + A_ROD + "velocity = {samples=[1, 2], at=[1]}", "bodies.0.velocity.at",
          "unknown key; use one of samples"),
         # tapers and lateral inertia
         (HEAD + with_area("{samples = [1, '2 cm']}"), "bodies.0.area.samples.1",
          "'cm' is a unit of length"),
-        (HEAD + with_area("{samples = [1, 2, -3]}"), "bodies.0.area.samples.2",
-         "must be a finite positive number of square metres, got -3.0"),
-        (HEAD + with_area("{samples = [1]}"), "bodies.0.area.samples", "at least two numbers"),
-        (HEAD + with_area("{samples = [1, 2], step = 1}"), "bodies.0.area.step", "use one of samp"),
         (HEAD + with_area("{values = [1, -2], at = [0.1]}"), "bodies.0.area.values.1",
          "positive number of square metres, got -2.0"),
-        (HEAD + with_area("{values = [1, 2], at = [0.4]}"), "bodies.0.area.at.0", "inside the rod"),
-        (HEAD + with_area("{values = [1, 2]}"), "bodies.0.area.at", "is missing; give a list"),
         (HEAD + with_area("[1, 2]"), "bodies.0.area", "a profile is written {values = [...], at"),
-        (HEAD + with_area("{samples = [1, 2]}\ndiameter = 1"), "bodies.0.diameter", "not both"),
         (HEAD + with_area("{samples = [1, 2]}\npolar_moment = 1"), "bodies.0.polar_moment",
          'must be "circular" along a taper'),
         (HEAD + A_ROD + "polar_moment = 'circle'", "bodies.0.polar_moment",
@@ -383,27 +332,14 @@ def test_a_case_is_frozen():
         (HEAD + A_ROD + "polar_moment = 'circular'\nlateral_inertia = 'mindlin'",
          "bodies.0.lateral_inertia",
          "unknown lateral_inertia 'mindlin'; perhaps 'mindlin-herrmann' is meant"),
-        (HEAD + A_ROD + "lateral_inertia = 'mindlin-herrmann'", "bodies.0.lateral_inertia",
-         "needs the diameter of a round rod, or a polar_moment"),
         (HEAD + A_ROD + "polar_moment = '1 cm^3'", "bodies.0.polar_moment", "perhaps cm^4 is"),
-        (HEAD + A_ROD + "polar_moment = -1", "bodies.0.polar_moment",
-         "must be a finite positive number of m^4, got -1.0"),
-        (HEAD + A_ROD + "polar_moment = [1]", "bodies.0.polar_moment", "must be a single number"),
-        (HEAD + A_ROD.replace("steel", "oak") + "polar_moment = 'circular'",
-         "bodies.0.material.poisson_ratio", "is missing in 'oak'; lateral inertia needs it"),
-        (HEAD + "[[bodies]]\nkind='rod'\npolar_moment=1\n[[bodies.segments]]\nlength=1\narea=1\n"
-         "material='steel'", "bodies.0.segments", "and polar_moment, not both"),
         (HEAD + "[[bodies]]\nkind='rod'\n[[bodies.segments]]\nlength=1\nmaterial='steel'\n"
          "area={values=[1, 2], at=[0.5]}", "bodies.0.segments.0.area", "jumps inside a segment"),
         # segments
         (HEAD + A_ROD + "segments = []", "bodies.0.segments", "either segments or length"),
         (HEAD + "[[bodies]]\nkind='rod'\nsegments = []", "bodies.0.segments", "at least one"),
-        (HEAD + "[[bodies]]\nkind='rod'\nsegments = 1", "bodies.0.segments",
-         "must be tables that each begin [[bodies.segments]]"),
         (HEAD + "[[bodies]]\nkind='rod'\n[[bodies.segments]]\nlength=1\narea=1\nmaterial='steel'\n"
          "velocity=1", "bodies.0.segments.0.velocity", "unknown key"),
-        (HEAD + "[[bodies]]\nkind='rod'\n[[bodies.segments]]\nlength=-1\narea=1\nmaterial='steel'",
-         "bodies.0.segments.0.length", "must be a finite positive number of metres, got -1.0"),
         # materials
         (HEAD + A_ROD.replace("steel", "Steal"), "bodies.0.material",
          "unknown material 'Steal'; perhaps 'steel' is meant"),
@@ -411,30 +347,15 @@ def test_a_case_is_frozen():
         (HEAD + A_ROD.replace('"steel"', "3"), "bodies.0.material", "unknown material 3"),
         (HEAD + A_ROD + "[materials.x]\nyoungs_modulus=1", "materials.x.density",
          "is missing; give a density, in SI units or as text with one of kg/m^3, g/cm^3"),
-        (HEAD + A_ROD + "[materials.x]\nyoungs_modulus=1\ndensity=-1", "materials.x.density",
-         "positive number of kg/m^3, got -1.0"),
-        (HEAD + A_ROD + "[materials.x]\nyoungs_modulus=1\ndensity=1\npoisson_ratio=2",
-         "materials.x.poisson_ratio", "must lie in (-1, 0.5]"),
         (HEAD + A_ROD + "[materials.x]\nyoung_modulus=1\nyoungs_modulus=1\ndensity=1",
          "materials.x.young_modulus", "perhaps 'youngs_modulus'"),
-        (HEAD + A_ROD + "[materials]\nx = 3", "materials.x", "must be a table, got 3"),
         (HEAD + A_ROD + A_GUM + "loss_factor=1", "materials.x.loss_frequency",
          "is missing; give a frequency, in SI units or as text with one of Hz, kHz, MHz"),
-        (HEAD + A_ROD + A_GUM + "loss_frequency=1", "materials.x.loss_factor",
-         "is missing; give a number"),
-        (HEAD + A_ROD + A_GUM + "loss_factor=1\nloss_frequency=0", "materials.x.loss_frequency",
-         "must be a finite positive number of hertz, got 0.0"),
-        (HEAD + A_ROD + A_GUM + "loss_factor=-1\nloss_frequency=1", "materials.x.loss_factor",
-         "must be a finite non-negative number, got -1.0"),
-        (HEAD + A_ROD + A_GUM + "loss_factor=1\nloss_frequency='1 s'",
-         "materials.x.loss_frequency", "'s' is a unit of time"),
         (HEAD + A_ROD + A_GUM + "loss_factor=1\nloss_frequency=1\nviscosity=0",
          "materials.x.viscosity", "either viscosity or loss_factor and loss_frequency, not both"),
         (HEAD + A_ROD + "[[materials]]\nx = 3", "materials", "must be a table, got [{'x': 3}]"),
         # contacts
         (HEAD + A_ROD + A_WALL + "[[contacts]]\ngap = -1", "contacts.0.gap", "non-negative"),
-        (HEAD + A_ROD + A_WALL + "[[contacts]]\ngap = [1]", "contacts.0.gap",
-         "must be a single number, got [1]"),
         (HEAD + A_ROD + A_WALL + "[[contacts]]\ngap = 1\nlaw = 'bonded'", "contacts.0.gap",
          "must be 0 where bodies are bonded"),
         (HEAD + A_ROD + A_WALL + "[[contacts]]\nlaw = 'glued'", "contacts.0.law",
@@ -442,88 +363,53 @@ def test_a_case_is_frozen():
         (HEAD + A_ROD + A_WALL + LAW + "'Hertzian'\nstiffness = 1", "contacts.0.law",
          "perhaps 'hertz' is meant"),
         (HEAD + A_MASS + A_MASS + A_ROD, "contacts.0", "no wave decides this contact: give Rigid("),
-        (HEAD + A_ROD + A_MASS + A_WALL + CONTACT * 2, "contacts.1", "no wave decides"),
         (HEAD + A_ROD + A_WALL + CONTACT + "restitution = 1", "contacts.0.restitution",
          "the waves of a rod decide this contact: leave it out"),
         (HEAD + A_MASS + A_MASS + A_ROD + CONTACT + "restitution = '120 %'\n" + CONTACT,
          "contacts.0.restitution", "must lie in [0, 1], got 1.2"),
-        (HEAD + A_MASS + A_MASS + A_ROD + CONTACT + "restitution = '1 m'\n" + CONTACT,
-         "contacts.0.restitution", "'m' is a unit of length"),
         (HEAD + A_ROD + A_WALL + LAW + "'spring'", "contacts.0.stiffness",
          "is missing; give a stiffness, in SI units or as text with one of N/m, N/mm"),
-        (HEAD + A_ROD + A_WALL + LAW + "'spring'\nstiffness = 0", "contacts.0.stiffness",
-         "must be a finite positive number of N/m, got 0.0"),
         (HEAD + A_ROD + A_WALL + LAW + "'spring'\nstiffness = 1\ndamping = 1",
          "contacts.0.damping", "unknown key; use one of gap, law, stiffness"),
         (HEAD + A_ROD + A_WALL + LAW + "'hunt-crossley'\nstiffness = 1", "contacts.0.damping",
          "is missing; give an inverse velocity, in SI units or as text with one of s/m"),
-        (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nstiffness = '1 N/m'", "contacts.0.stiffness",
-         "'N/m' is a unit of stiffness"),
         (HEAD + A_ROD + A_WALL + LAW + "'hertz'", "contacts.0.stiffness",
          "is missing; give it, or left_radius and right_radius"),
         (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nstiffness = 1\nleft_radius = 1",
          "contacts.0.left_radius", "either stiffness or radii, not both"),
-        (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nstiffness = 1\nright_material = 'steel'",
-         "contacts.0.right_material", "either stiffness or radii, not both"),
         (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nleft_radius = 'inf'", "contacts.0.right_radius",
          "two flat faces make no Hertz contact"),
-        (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nleft_radius = -1", "contacts.0.left_radius",
-         "positive number of metres or infinite, got -1.0"),
-        (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nleft_radius = 'round'", "contacts.0.left_radius",
-         "cannot read 'round' as length"),
-        (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nleft_radius = 1\nright_material = 'gum'",
-         "contacts.0.right_material", "unknown material 'gum'"),
         (HEAD + A_ROD.replace("steel", "oak") + A_WALL + LAW + "'hertz'\nleft_radius = 1",
          "contacts.0.left_material", "needs a poisson_ratio for Hertz contact, 'oak' has none"),
         (HEAD + A_MASS + A_MASS + A_ROD + LAW + "'hertz'\nleft_radius = 1\n" + CONTACT,
          "contacts.0.right_material", "one of two faces must yield"),
         # ends
         (HEAD + A_ROD + "ends = 3", "bodies.0.ends", "unknown key"),
-        (HEAD + "ends = 3\n" + A_ROD, "ends", "must be a table, got 3"),
         (HEAD + A_ROD + "[ends]\nleft = 'fixed'", "ends.left", "must be a table, got 'fixed'"),
         (HEAD + A_ROD + "[ends.top]\nkind = 'fixed'", "ends.top", "use one of left, right"),
         (HEAD + A_ROD + "[ends.left]", "ends.left.kind",
          "is missing; use one of free, fixed, absorbing, force, velocity, incoming"),
         (HEAD + A_ROD + LEFT + "'clamped'\nvalue = 1", "ends.left.kind", "unknown kind 'clamped'"),
-        (HEAD + A_ROD + LEFT + "'fixed'\nvalue = 1", "ends.left.value", "use one of kind"),
         (HEAD + A_ROD + LEFT + "'force'", "ends.left.value", "is missing; give a force, in SI"),
-        (HEAD + A_ROD + LEFT + "'force'\nvalue = '1 m/s'", "ends.left.value",
-         "'m/s' is a unit of velocity"),
         (HEAD + A_ROD + LEFT + "'velocity'\nvalue = [1, 2]", "ends.left.value",
          "is written {values = [...], at = [...]} or {samples = [...], step = ...}; vary="),
-        (HEAD + A_ROD + LEFT + "'force'\nvalue = {values=[1, 2], at=['1 m']}",
-         "ends.left.value.at.0", "'m' is a unit of length"),
         (HEAD + A_ROD + LEFT + "'force'\nvalue = {samples=[1, 2]}", "ends.left.value.step",
          "is missing; give a time, in SI"),
-        (HEAD + A_ROD + LEFT + "'force'\nvalue = {samples=[1, 2], step=0}", "ends.left.value.step",
-         "must be a finite positive number of seconds, got 0.0"),
-        (HEAD + A_ROD + LEFT + "'force'\nvalue = {samples=['1 kN', 'x'], step=1}",
-         "ends.left.value.samples.1", "cannot read 'x' as force"),
         (HEAD + A_WALL + A_ROD + LEFT + "'fixed'", "ends.left", "no place beyond a wall"),
-        (HEAD + A_MASS + A_ROD + LEFT + "'absorbing'", "ends.left", "put a Rod with an absorbing"),
         (HEAD + A_ROD + A_WALL + "[[contacts]]\nLaw = 'rigid'", "contacts.0.Law", "perhaps 'law'"),
         (HEAD + A_ROD + A_ROD + A_WALL + "[[contacts]]", "contacts", "pair, 2 in all, got"),
         (HEAD + A_ROD + "[[contacts]]", "contacts", "pair, 0 in all, got"),
-        (HEAD + "contacts = []\n" + A_ROD + A_WALL, "contacts", "pair, 1 in all, got"),
         # what to do
         (HEAD + A_ROD + "[solve]\nuntil = -1", "solve.until", "non-negative number of seconds"),
-        (HEAD + A_ROD + "[solve]\nuntil = [1]", "solve.until", "as time: it is not a number"),
-        (HEAD + A_ROD + "[solve]\nuntil = '1 m'", "solve.until", "'m' is a unit of length"),
         (HEAD + A_ROD + "[solve]\nmethod = 'front'", "solve.method", "perhaps 'fronts' is meant"),
         (HEAD + A_ROD + "[solve]\ndt = 0", "solve.dt", "positive number of seconds, got 0.0"),
-        (HEAD + A_ROD + "[solve]\ndt = '1 m'", "solve.dt", "'m' is a unit of length"),
         (HEAD + A_ROD + "[solve]\ndt = 1\nrtol = 1e-6", "solve.dt", "give one of them"),
         (HEAD + A_ROD + "[solve]\nrtol = -1e-6", "solve.rtol", "positive number, got -1e-06"),
-        (HEAD + A_ROD + "[solve]\nrtol = '1 s'", "solve.rtol", "'s' is a unit of time"),
         (HEAD + A_ROD + "[solve]\nmax_events = 0", "solve.max_events", "positive whole number"),
-        (HEAD + A_ROD + "[solve]\nmax_events = true", "solve.max_events", "whole number, got True"),
-        (HEAD + A_ROD + "[solve]\nmax_events = 1e6", "solve.max_events", "positive whole number"),
         (HEAD + A_ROD + "[solve]\nmax_event = 1", "solve.max_event", "perhaps 'max_events'"),
         (HEAD + A_ROD + "[solve]\ncells = 0", "solve.cells", "positive whole number, got 0"),
-        (HEAD + A_ROD + "[solve]\ncells = 1.5", "solve.cells", "whole number, got 1.5"),
         (HEAD + A_ROD + "[solve]\nsnapshots = '9'", "solve.snapshots", "list of times, got '9'"),
         (HEAD + A_ROD + "[output]\nplot = ''", "output.plot", "must be the name of a file"),
-        (HEAD + A_ROD + "[output]\nsave = true", "output.save", "must be the name of a file"),
         (HEAD + A_ROD + "[output]\nplots = 'a'", "output.plots", "perhaps 'plot' is meant"),
     ],
 )
@@ -533,14 +419,6 @@ def test_each_mistake_alone(text, path, said):
     assert said in found[path]
     profiles = ("bodies.0.area", "bodies.0.velocity", "bodies.0.strain", "ends.left.value")
     assert "{values" not in found[path] or path in profiles
-
-
-def test_a_list_in_a_file_is_no_family_but_the_remedy_is_named():
-    found = problems(HEAD + A_ROD.replace("0.4", "[0.4, 0.5]"))
-    assert found == {
-        "bodies.0.length": "must be a single number, got [0.4, 0.5]; "
-        'vary={"bodies.0.length": "start:stop:count"} varies it'
-    }
 
 
 @pytest.mark.parametrize("diameter", ["0", "-1", "'1 kg'", "nan", "[1]"])

@@ -61,23 +61,16 @@ GAPS = "[[contacts]]\n[[contacts]]\ngap = 1e-5\n"
     [
         ("bodies.1.length", "30 cm,0.5", lambda s: s.bodies[1].segments[0].length),
         ("bodies.1.velocity.values.0", "-1,7", lambda s: s.bodies[1].velocity.values[0]),
-        ("bodies.1.velocity.values.1", "-1,7", lambda s: s.bodies[1].velocity.values[1]),
         ("bodies.1.velocity.at.0", "1 mm,0.3", lambda s: s.bodies[1].velocity.at[0]),
         ("bodies.1.strain", "0.1 %,0", lambda s: s.bodies[1].strain),
         ("bodies.0.velocity", "0,-2 mm/s", lambda s: s.bodies[0].velocity),
-        ("bodies.2.velocity", "0,-2 mm/s", lambda s: s.bodies[2].velocity),
         ("bodies.2.segments.1.length", "1,2", lambda s: s.bodies[2].segments[1].length),
         ("bodies.2.segments.0.area", "1 mm^2,2", lambda s: s.bodies[2].segments[0].area),
         ("contacts.0.gap", "0,2 um", lambda s: s.gaps[0]),
-        ("contacts.1.gap", "3 um,0", lambda s: s.gaps[1]),
         ("materials.a.b.density", "1 g/cm^3,2000",
          lambda s: s.bodies[1].segments[0].material.density),
-        ("materials.a.b.density", "1 g/cm^3,2000",
-         lambda s: s.bodies[2].segments[1].material.density),
         ("materials.a.b.youngs_modulus", "1 GPa,2e9",
          lambda s: s.bodies[1].segments[0].material.youngs_modulus),
-        ("materials.a.b.poisson_ratio", "0.1,20 %",
-         lambda s: s.bodies[1].segments[0].material.poisson_ratio),
         ("materials.a.b.viscosity", "0,1 kPa s",
          lambda s: s.bodies[1].segments[0].material.viscosity),
     ],
@@ -155,12 +148,9 @@ value = {samples = [0, 1], step = 1e-3}
     [
         ("gravity", "0,9.81 m/s^2", "m/s^2", lambda s: s.gravity),
         ("bodies.0.mass", "1,500 g", "kg", lambda s: s.bodies[0].mass),
-        ("bodies.0.velocity", "1,2 cm/s", "m/s", lambda s: s.bodies[0].velocity),
         ("contacts.0.restitution", "10 %,1", "", lambda s: s.contacts[0].restitution),
         ("contacts.1.stiffness", "1,2 kN/m^1.5", "N/m^1.5", lambda s: s.contacts[1].stiffness),
         ("contacts.1.damping", "1,2 s/m", "s/m", lambda s: s.contacts[1].damping),
-        ("contacts.2.stiffness", "1,2 kN/m", "N/m", lambda s: s.contacts[2].stiffness),
-        ("contacts.2.damping", "1,2 N s/mm", "N s/m", lambda s: s.contacts[2].damping),
         ("contacts.2.gap", "0,1 mm", "m", lambda s: s.gaps[2]),
         ("ends.left.value.values.0", "1,2 kN", "N", lambda s: s.ends[0].value.values[0]),
         ("ends.left.value.at.0", "1,2 ms", "s", lambda s: s.ends[0].value.at[0]),
@@ -186,8 +176,8 @@ def test_numbers_of_masses_laws_and_ends_may_vary(path, grid, unit, read):
 
 @pytest.mark.parametrize(
     ("path", "grid"),
-    [("contacts.3.left_radius", "1 cm,0.02"), ("contacts.3.right_radius", "1 m,0.2"),
-     ("materials.ball.youngs_modulus", "1 GPa,2e9"), ("materials.ball.poisson_ratio", "0,0.5")],
+    [("contacts.3.left_radius", "1 cm,0.02"),
+     ("materials.ball.youngs_modulus", "1 GPa,2e9")],
 )
 def test_radii_and_materials_of_faces_vary_the_stiffness(path, grid):
     case = parse_case(ALL_KINDS, vary={path: grid})
@@ -224,10 +214,8 @@ def test_numbers_may_be_left_to_the_grid():
     ("path", "said"),
     [
         ("contacts.0.stiffness", "use one of contacts.0.gap, contacts.0.restitution"),
-        ("contacts.1.stifness", "perhaps 'contacts.1.stiffness' is meant"),
         ("ends.right.value.samples.0", "is no number that can vary; use one of ends.right.value."),
         ("ends.left.value", "perhaps 'ends.left.value"),
-        ("gravitation", "perhaps 'gravity' is meant"),
         ("bodies.1.length", "use one of bodies.1.mass, bodies.1.velocity"),
     ],
 )
@@ -270,11 +258,9 @@ def test_nothing_to_vary_makes_one_collision(tmp_path):
         ("0.1", [0.1]),
         ("0.1,0.3,0.2", [0.1, 0.3, 0.2]),
         (" 10 mm , 2 cm,3e-2", [0.01, 0.02, 0.03]),
-        ("0.1:0.5:3", [0.1, 0.3, 0.5]),
         ("50 mm:1 m:3", [0.05, 0.525, 1.0]),
         ("1 : 0.5 : 2", [1.0, 0.5]),
         ("2:2:1", [2.0]),
-        ("2:2:3", [2.0, 2.0, 2.0]),
         ("1e-5:1e-3:3:log", [1e-5, 1e-4, 1e-3]),
         ("8 m:1:004: log", [8.0, 4.0, 2.0, 1.0]),
         ("1e-150:1e150:3:log", [1e-150, 1.0, 1e150]),
@@ -304,27 +290,18 @@ def test_grids_hold_both_ends_exactly(ends, count, log):
         ("", "cannot read '' as length"),
         ("1:2", "must be start:stop:count, start:stop:count:log or a list such as 0.1,0.2,0.4, "
          "got '1:2'"),
-        ("1:2:3:4", "must be start:stop:count"),
         ("1:2:3:lin", "must be start:stop:count"),
-        ("1:2:3:log:", "must be start:stop:count"),
         ("1:2:0", "a whole number of values from 1 to 10000000"),
-        ("1:2:-3", "got '-3' in '1:2:-3'"),
         ("1:2:2.5", "got '2.5' in '1:2:2.5'"),
-        ("1:2:2e2", "got '2e2'"),
         ("1:2:\u00b2", "a whole number of values"),
-        ("1:2:", "a whole number of values"),
         ("1:2:" + "9" * 5000, "a whole number of values"),
         ("1:2:1", "cannot be at both ends"),
         ("1:2 kg:3", "'kg' is a unit of mass"),
-        ("1,2 kg", "'kg' is a unit of mass"),
         ("1,,2", "cannot read '' as length"),
-        ("1;2", "cannot read '1;2' as length"),
         ("0:1:3:log", "needs ends above 0 for equal ratios, got '0:1:3:log'"),
-        ("1:-1 m:3:log", "needs ends above 0 for equal ratios"),
         ("1:inf:3", "it is not a decimal number"),
         ("-1e308:1e308:3", "are too far apart"),
         ([1, 2], "must be the text of a grid, start:stop:count"),
-        (0.5, "must be the text of a grid"),
     ],
 )
 def test_what_is_no_grid(grid, said):
@@ -339,10 +316,7 @@ def test_what_is_no_grid(grid, said):
         ("bodies.1.length", "1,0,2", "bodies.1.length[1]", "positive number of metres, got 0.0"),
         ("bodies.1.diameter", "1,2,-1", "bodies.1.diameter[2]",
          "must be a finite positive number of metres, got -1.0"),
-        ("contacts.1.gap", "1:-1:3", "contacts.1.gap[2]", "non-negative number of metres"),
-        ("materials.a.b.density", "0:1:3", "materials.a.b.density[0]", "positive number of kg/m^3"),
         ("bodies.1.velocity.at.0", "0.1,0.4", "bodies.1.velocity.at.0[1]", "inside the rod"),
-        ("bodies.1.diameter", "1,1e200", "bodies.1.diameter[1]", "1e-150 to 1e+150 in consistent"),
         ("bodies.1.diameter", "1,1e90", "bodies.1.diameter[1]", "outside 1e-150 to 1e+150"),
     ],
 )
@@ -356,26 +330,16 @@ def test_numbers_that_the_model_refuses_are_named_by_their_place(path, grid, whe
     ("path", "said"),
     [
         ("bodies.1.lenght", "perhaps 'bodies.1.length' is meant"),
-        ("body.1.length", "perhaps 'bodies.1.length' is meant"),
         ("bodies.7.velocity", "perhaps 'bodies.2.velocity' is meant"),
         ("bodies.2.length", "use one that begins with bodies.2.segments.0 to bodies.2.segments.1"),
-        ("bodies.2.segments.2.area", "perhaps 'bodies.2.segments.1.area' is meant"),
-        ("bodies.2.segments", "perhaps 'bodies.2.segments."),
-        ("bodies.1.velocity", "perhaps 'bodies.1.velocity.at.0' is meant"),
         ("bodies.1.velocity.values.2",
          "use one of bodies.1.velocity.values.0, bodies.1.velocity.values.1"),
         ("bodies.0.length", "use one of bodies.0.velocity"),
-        ("bodies.1.material", "perhaps 'bodies.1.material."),
         ("bodies.1.stiffness", "use one that begins with bodies.1.length, bodies.1.diameter"),
         ("contacts.2.gap", "perhaps 'contacts.1.gap' is meant"),
-        ("contacts.0.law", "use one of contacts.0.gap"),
         ("materials.a.b.dens", "perhaps 'materials.a.b.density' is meant"),
-        ("materials.zinc.density", "perhaps 'materials.a.b.density' is meant"),
         ("schema", "is no number that can vary; use one that begins with "),
-        ("solve.until", "is no number that can vary; use one that begins with "),
-        ("solve.max_events", "is no number that can vary; use one that begins with "),
         ("", "is no number that can vary"),
-        ("bodies..length", "is no number that can vary"),
     ],
 )
 def test_what_cannot_vary(path, said):
@@ -406,15 +370,6 @@ def test_materials_vary_by_name_and_by_body(path, changed):
             assert getattr(now, path.rpartition(".")[2]) == pytest.approx(6000)
         else:
             assert now == was
-
-
-def test_a_material_of_the_library_varies_once_the_file_describes_it():
-    steel = "[materials.steel]\nyoungs_modulus = '200 GPa'\ndensity = 7850\n"
-    text = HEAD + steel + A_ROD
-    case = parse_case(text, vary={"materials.steel.density": "7800,7900"})
-    assert case.system.shape == (2,)
-    assert case.system[1].bodies[0].segments[0].material.density == 7900
-    assert "perhaps" in problems(text, {"materials.steel.densty": "1,2"})["materials.steel.densty"]
 
 
 def test_a_grid_that_changes_nothing_is_a_mistake():
@@ -488,11 +443,6 @@ def test_numbers_of_tapers_and_damping_may_vary():
     case = parse_case(HEAD + A_ROD + "polar_moment = 'circular'",
                       vary={"bodies.0.polar_moment": "1,2"})
     assert case.system.shape == (2,)
-
-
-def test_what_varies_need_not_be_right_in_the_file():
-    text = HEAD + A_ROD.replace("0.4", "[1, 2]")
-    assert parse_case(text, vary={"bodies.0.length": "1,2"}).system.shape == (2,)
 
 
 @given(

@@ -52,13 +52,7 @@ def long_document(path):
             file.write(bytes(1 << 20))
 
 
-def other_packing(path):
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_BZIP2) as archive, \
-            archive.open("document.npy", "w", force_zip64=True) as file:
-        np.lib.format.write_array(file, np.zeros(1 << 17, "<U64"))
-
-
-@pytest.mark.parametrize("bomb", [swollen, foreign, long_document, other_packing])
+@pytest.mark.parametrize("bomb", [swollen, foreign, long_document])
 def test_a_small_file_takes_little_memory(saved, bomb):
     """Over thirty megabytes of zeros, packed into less than one."""
     bomb(saved)
@@ -122,16 +116,11 @@ def test_numbers_that_changed_places_are_refused(saved):
 @pytest.mark.parametrize("change", [
     lambda document, arrays: arrays.update(more=np.zeros(3)),
     lambda document, arrays: arrays.pop("i8"),
-    lambda document, arrays: document["arrays"].pop("i8"),
     lambda document, arrays: document.pop("arrays"),
-    lambda document, arrays: document.update(arrays=[1]),
-    lambda document, arrays: document["arrays"]["i8"].update(type="O"),
     lambda document, arrays: document["arrays"]["i8"].update(type="no type"),
     lambda document, arrays: document["arrays"]["i8"].update(shape=[-1]),
-    lambda document, arrays: document["arrays"]["i8"].update(shape="1"),
     lambda document, arrays: document["arrays"]["i8"].update(checksum=1),
     lambda document, arrays: arrays.update(i8=arrays["i8"].astype(">i8")),
-    lambda document, arrays: arrays.update(i8=arrays["i8"][None]),
 ])
 def test_a_document_that_says_something_else_is_refused(saved, change):
     document, arrays = contents(saved)

@@ -11,7 +11,7 @@ import pytest
 
 import rodimpact as ri
 from rodimpact.storage import writing
-from rodimpact.storage.writing import check_target, write_bytes, write_text, written
+from rodimpact.storage.writing import check_target, write_bytes, written
 
 
 @pytest.fixture(params=["links", "no links"])
@@ -126,14 +126,6 @@ def test_a_directory_where_one_may_not_write_is_told_before(tmp_path, monkeypatc
 def test_names_that_no_file_can_have(tmp_path, name, said):
     with pytest.raises(OSError, match=f"cannot write .*{said}"):
         check_target(tmp_path / name)
-
-
-def test_a_directory_that_was_deleted_is_told(tmp_path, monkeypatch):
-    (tmp_path / "gone").mkdir()
-    monkeypatch.chdir(tmp_path / "gone")
-    (tmp_path / "gone").rmdir()
-    with pytest.raises(FileNotFoundError, match="'a': the current directory was deleted"):
-        write_text("a", "")
 
 
 def test_a_link_that_points_nowhere_is_written_through(tmp_path):
