@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
-from rodimpact.model.ends import ENDS
-from rodimpact.model.system import restored
 
 ROD = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
 MASS = ri.RigidMass(2.0)
@@ -21,12 +19,6 @@ def problems(make):
     with pytest.raises(ri.InvalidModel) as caught:
         make()
     return dict(caught.value.problems)
-
-
-@pytest.mark.parametrize("end", [ri.Free(), *OTHERS], ids=repr)
-def test_an_end_survives_its_description(end):
-    assert ENDS[end.to_dict()["kind"]] is type(end)
-    assert restored(ENDS, "kind", end.to_dict()) == end
 
 
 def test_ends_are_free_unless_something_is_said():
@@ -74,11 +66,6 @@ def test_a_mass_is_only_pushed(end, remedy):
 def test_ends_are_a_pair(ends):
     found = problems(lambda: ri.System([ROD], ends=ends))
     assert list(found) == ["ends"]
-
-
-def test_each_of_the_pair_is_an_end():
-    found = problems(lambda: ri.System([ROD], ends=(None, ri.Fixed)))
-    assert list(found) == ["ends.left", "ends.right"]
 
 
 def test_drives_make_families():

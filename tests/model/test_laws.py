@@ -44,13 +44,6 @@ def test_names():
     assert len(set(LAWS)) == len(LAWS)
 
 
-def test_a_plain_rigid_contact_is_described_by_its_name_alone():
-    assert ri.Rigid().to_dict() == {"law": "rigid"}
-    assert repr(ri.Rigid()) == "Rigid()"
-    assert ri.Rigid(0.5).to_dict() == {"law": "rigid", "restitution": 0.5}
-    assert ri.Rigid(1.0) != ri.Rigid()
-
-
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf, True, "1 N/m", None])
 @pytest.mark.parametrize("law", [ri.Spring, ri.SpringDashpot, ri.Hertz, ri.HuntCrossley,
                                  ri.PowerLaw, ri.Yielding])
@@ -73,19 +66,7 @@ def test_a_restitution_lies_between_0_and_1(value):
     assert list(problems(lambda: ri.Rigid(value))) == ["restitution"]
 
 
-def test_a_family_names_its_bad_member():
-    assert list(problems(lambda: ri.Rigid([0.0, 1.0, 1.5]))) == ["restitution[2]"]
-    assert list(problems(lambda: ri.Hertz([1.0, 0.0]))) == ["stiffness[1]"]
-
-
 # Hertz contact of spheres
-
-
-def test_equal_spheres():
-    """Johnson's formulae by hand: E* = E/(2 (1 - nu^2)), R* = R/2."""
-    law = ri.Hertz.from_radii(0.01, 0.01, STEEL, STEEL)
-    modulus = 200e9 / (2 * (1 - 0.29**2))
-    assert law.stiffness == pytest.approx(4 / 3 * modulus * math.sqrt(0.005), rel=1e-14)
 
 
 def test_the_force_between_a_sphere_and_a_flat_is_that_of_its_contact_circle():
@@ -95,11 +76,6 @@ def test_the_force_between_a_sphere_and_a_flat_is_that_of_its_contact_circle():
     compliance = (1 - 0.35**2) / 100.6e9 + (1 - 0.29**2) / 200e9
     force = 4 / (3 * compliance) * a**3 / R
     assert law.stiffness * (a * a / R) ** 1.5 == pytest.approx(force, rel=1e-14)
-
-
-def test_the_sides_may_be_exchanged():
-    one = ri.Hertz.from_radii(0.01, 0.03, STEEL, ri.materials.glass)
-    assert ri.Hertz.from_radii(0.03, 0.01, ri.materials.glass, STEEL) == one
 
 
 def test_a_rigid_face_does_not_yield():
@@ -123,15 +99,11 @@ def test_radii_make_a_family():
     ("arguments", "path", "said"),
     [
         ((0.0, 1.0, STEEL, STEEL), "left_radius", "positive number of metres or infinite, got 0.0"),
-        ((-1.0, 1.0, STEEL, STEEL), "left_radius", "positive number of metres or infinite"),
-        ((1.0, math.nan, STEEL, STEEL), "right_radius", "positive number of metres or infinite"),
-        ((1.0, "flat", STEEL, STEEL), "right_radius", "must be a number of metres, got 'flat'"),
         ((math.inf, math.inf, STEEL, STEEL), "right_radius", "two flat faces"),
         (([1.0, math.inf], math.inf, STEEL, STEEL), "right_radius[1]", "two flat faces"),
         ((1.0, 1.0, None, None), "right_material", "one of two faces must yield"),
         ((1.0, 1.0, "steel", None), "left_material", "must be a Material"),
         ((1.0, 1.0, STEEL, ri.materials.oak), "right_material", "'oak' has none"),
-        ((1e-320, 1.0, STEEL, STEEL), "left_radius", "must be 0 or of a magnitude from 1e-150"),
         ((1e150, 1e150, ri.Material("m", youngs_modulus=1e149, density=1e149, poisson_ratio=0),
           None), "stiffness", "must be 0 or of a magnitude from 1e-150 to 1e+150"),
     ],
@@ -176,20 +148,6 @@ def test_the_contact_of_two_masses_has_its_closed_form(exponent):
     assert contact.duration == pytest.approx(duration, rel=1e-10)
     assert contact.peak_force == pytest.approx(peak, rel=1e-9)
     assert float(contact.gap(run.t_end)) / 3.0 == pytest.approx(run.t_end - duration, rel=1e-6)
-
-
-@pytest.mark.parametrize("exponent", [1.0, 1.3, 1.5, 2.0, 4.0])
-def test_energy_is_kept_in_a_row_whatever_the_exponent(exponent):
-    law = ri.PowerLaw(3e9, exponent)
-    rods = [ri.Rod(x, area=1e-4, material=STEEL, velocity=v) for x, v in ((0.4, 1.0), (1.0, 0.0))]
-    row = ri.System([rods[0], ri.RigidMass(0.2), rods[1]], contacts=[law, law])
-    run = ri.solve(row, 1e-3, "characteristics")
-    ledger = run.energy(np.linspace(0, run.t_end, 9))
-    for entry in (ledger.residual, ledger.numerical, ledger.dissipated):
-        assert entry == pytest.approx(np.zeros(9), abs=1e-9 * ledger.total[0])
-    assert ledger.total == pytest.approx(np.full(9, ledger.total[0]), rel=1e-9)
-    assert run.contacts[1].impulse > 0
-    assert ri.solve(row, 1e-3, cells=40, method="finite-difference").outcome.energy_residual < 1e-12
 
 
 @pytest.mark.parametrize(("exponent", "twin"), [(1.0, ri.Spring(1e8)), (1.5, ri.Hertz(1e10))])
@@ -238,22 +196,6 @@ def test_an_exponent_is_at_least_1():
     found = problems(lambda: ri.PowerLaw(1e9, [1.0, 0.5]))
     assert found == {"exponent[1]": "must lie in [1, inf), got 0.5"}
     assert list(problems(lambda: ri.PowerLaw(0.0, math.inf))) == ["stiffness", "exponent"]
-
-
-def test_a_case_file_and_a_family_take_it():
-    case = ri.parse_case('''
-        schema = 1
-        bodies = [
-            {kind = "rod", length = 1, area = 1e-4, material = "steel", velocity = 1},
-            {kind = "wall"},
-        ]
-        contacts = [{law = "power", stiffness = 1e9, exponent = 2}]
-    ''')
-    assert case.system.contacts == (ri.PowerLaw(1e9, 2.0),)
-    assert ri.parse_case(ri.write_case(case)).system == case.system
-    family = case.system.replace(contacts=[ri.PowerLaw(1e9, exponent=[1.5, 2.0])])
-    swept = ri.sweep(family)
-    assert swept.restitution[1] == ri.solve(case.system).outcome.restitution
 
 
 # What yields --------------------------------------------------------------------------------------

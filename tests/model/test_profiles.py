@@ -27,16 +27,6 @@ def problems(make):
 # Samples
 
 
-def test_samples_are_read_only_copies():
-    given = np.array([1.0, 2.0])
-    samples = ri.Samples(given)
-    given[0] = 7.0
-    assert samples.values.tolist() == [1.0, 2.0]
-    assert samples.values.dtype == np.float64
-    with pytest.raises(ValueError, match="read-only"):
-        samples.values[0] = 3.0
-
-
 @pytest.mark.parametrize("profile", [
     ri.Samples([1, 2, 3]), ri.Samples([0.0, 1.0], step=1e-6), ri.Samples([0.0, 1.0], [1e-6, 2e-6]),
     ri.Steps([1.0, 2.0], [0.5]), 3.0,
@@ -57,11 +47,6 @@ def test_a_bad_sample_is_named():
     found = problems(lambda: ri.Samples([1.0, math.nan, math.inf], step=0.0))
     assert found["values[1]"] == "must be a finite number, got nan"
     assert "positive number of seconds" in found["step"]
-
-
-def test_a_long_list_is_not_repeated_in_the_message():
-    [message] = problems(lambda: ri.Samples(["x"] * 10_000)).values()
-    assert len(message) < 200
 
 
 def test_samples_are_seen_by_equality_and_digest():
@@ -90,11 +75,6 @@ def test_the_step_between_samples_may_be_a_family():
     assert row[1].ends[0] == ri.Pushed(ri.Samples([0.0, 1.0], step=2e-6))
 
 
-def test_a_hundred_thousand_samples_enter_no_list_of_numbers():
-    row = ri.System([rod()], ends=(ri.Moved(ri.Samples(np.ones(100_000), 1e-9)), ri.Free()))
-    assert len(row._numbers()) < 20
-
-
 # Along a rod
 
 
@@ -116,34 +96,14 @@ def test_a_constant_function_and_one_with_a_branch():
     assert values.tolist() == [1.0] * (ALONG_ROD // 2) + [0.0] * (ALONG_ROD // 2 + 1)
 
 
-def test_a_stepped_rod_is_sampled_from_end_to_end():
-    pieces = [ri.Segment(0.5, 1e-4, STEEL), ri.Segment(1.0, 2e-4, STEEL)]
-    values = ri.Rod(segments=pieces, velocity=lambda x: x).velocity.values
-    assert (values[0], values[-1]) == (0.0, 1.5)
-
-
-def test_a_function_cannot_spoil_the_places():
-    def greedy(x):
-        x *= 0
-        return x
-
-    assert rod(velocity=greedy).velocity.values.max() == 0.0
-
-
 @pytest.mark.parametrize(
     ("function", "said"),
     [
         (lambda x: math.nan, "returns finite numbers, got nan at 0.0"),
         (lambda x: math.inf if x > 1.999 else 0.0, "returns finite numbers, got inf at 2.0"),
         (lambda x: None, "returns numbers: must be a number of m/s, got [None, None"),
-        (lambda x: "1", "returns numbers: must be a number of m/s, got ['1', '1'"),
-        (lambda x: x < 1, "returns numbers: must be a number of m/s, got [True, True"),
-        (lambda x: 1j * x, "returns numbers: must be a number of m/s, got [0j"),
-        (lambda x: 1e200 + x, "returns finite numbers, got 1e+200 at 0.0"),
         (lambda x: [1.0, 2.0], "returns numbers, got"),
         (lambda x: 1 / 0, "cannot be evaluated: ZeroDivisionError: division by zero"),
-        (lambda: 0.0, "cannot be evaluated: TypeError"),
-        (ri.Steps, "cannot be evaluated: TypeError"),
     ],
 )
 def test_functions_that_give_no_profile(function, said):
@@ -180,13 +140,9 @@ def test_a_function_of_time_is_sampled(drive):
     ("arguments", "path", "said"),
     [
         ({"value": math.sin}, "duration", "is missing; give the seconds"),
-        ({"value": math.sin, "duration": 0.0}, "duration", "positive number of seconds"),
         ({"value": math.sin, "duration": [1.0, 2.0]}, "duration", "single number"),
-        ({"value": math.sin, "duration": "1 s"}, "duration", "must be a number of seconds"),
         ({"value": 1.0, "duration": 1.0}, "duration", "belongs to a function"),
         ({"value": ri.Samples([0, 1])}, "value.step", "is missing"),
-        ({"value": None}, "value", "must be a number"),
-        ({"value": math.inf}, "value", "must be a finite number"),
         ({"value": lambda t: 1 / t, "duration": 1.0}, "value", "ZeroDivisionError"),
     ],
 )

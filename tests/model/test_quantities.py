@@ -312,30 +312,18 @@ NO_NUMBERS = {
     "None": (None, "got None"),
     "truth": (True, "got True"),
     "truth of NumPy": (np.True_, "got np.True_"),
-    "truths": (np.array([True, False]), "got array"),
     "a truth among numbers": ([1.0, True], r"got \[1.0, True\]"),
     "truths in an array among numbers": ([np.array([True]), [2.0]], "got "),
     "text": ("1 m", "got '1 m'; units.parse reads text"),
-    "texts": (["1", "2"], "got "),
-    "an array of text": (np.array(["1", "2"]), "got "),
-    "bytes": (b"12", "got b'12'"),
     "a bytearray": (bytearray(b"12"), "got bytearray"),
-    "a memoryview": (memoryview(b"12"), "got <memory"),
     "a bytearray among numbers": ([bytearray(b"1"), [2]], "got "),
     "a date": (datetime.date(2020, 1, 1), "got datetime.date"),
     "a date of NumPy": (np.datetime64("2020-01-01"), "got np.datetime64"),
-    "dates of NumPy": (np.array(["2020-01-01"], dtype="M8[D]"), "got array"),
-    "a duration of NumPy": (np.timedelta64(1, "s"), "got np.timedelta64"),
     "an imaginary part": (1 + 2j, r"got \(1\+2j\)"),
-    "imaginary parts": (np.array([1 + 2j]), "got array"),
-    "a set": ({1.0}, "got {1.0}"),
     "a dictionary": ({"a": 1.0}, "got {'a'"),
-    "an object": (object(), "got <object"),
     "a broken array": (Broken(), "got <"),
     "a mask among numbers": ([np.ma.masked, 1.0], "its mask would be lost"),
     "an integer beyond a float": (10**400, "got 10000.*; it is too large for a floating-point"),
-    "digits without end": (10**5000, "got a value of type int; it is too large"),
-    "one beyond a float in a list": ([1.0, 10**400], "it is too large"),
     "a fraction beyond a float": (Fraction(10**400, 3), "it is too large"),
     "lists of unequal lengths": ([[1.0], [1.0, 2.0]], "lists must be of equal lengths"),
     "lists of 3000 levels": (DEEP, r"got \[\[\[\["),
@@ -424,36 +412,17 @@ SHAPES = {
     "length and material": (
         lambda: ri.Segment(THREE, 1.0, ri.Material("a", youngs_modulus=1.0, density=FOUR)),
         ["length", "material.density"]),
-    "taper": (
-        lambda: ri.Segment(THREE, ri.Samples([1.0, 2.0]),
-                           ri.Material("a", youngs_modulus=1.0, density=FOUR)),
-        ["length", "material.density"]),
-    "segments": (
-        lambda: ri.Rod(segments=[ri.Segment(L, 1.0, STEEL) for L in (THREE, 1.0, FOUR)]),
-        ["segments.0.length", "segments.2.length"]),
     "material": (
         lambda: ri.Material("a", youngs_modulus=THREE, density=FOUR),
         ["youngs_modulus", "density"]),
-    "viscosity": (
-        lambda: ri.Material("a", youngs_modulus=THREE, density=1.0, viscosity=FOUR),
-        ["youngs_modulus", "viscosity"]),
     "mass": (lambda: ri.RigidMass(THREE, velocity=FOUR), ["mass", "velocity"]),
-    "contact law": (lambda: ri.SpringDashpot(THREE, FOUR), ["stiffness", "damping"]),
-    "damped": (lambda: STEEL.damped(THREE, FOUR), ["loss_factor", "frequency"]),
     "radii": (
         lambda: ri.Hertz.from_radii(THREE, FOUR, STEEL, STEEL), ["left_radius", "right_radius"]),
-    "radius and material": (
-        lambda: ri.Hertz.from_radii(THREE, 1.0, None, ri.Material(
-            "a", youngs_modulus=FOUR, density=1.0, poisson_ratio=0.3)),
-        ["left_radius", "right_material.youngs_modulus"]),
     "steps": (lambda: ri.Steps([1.0, 2.0, THREE], at=[1.0, 1.0 + FOUR]), ["values.2", "at.1"]),
     "places": (lambda: ri.Steps([1.0, 2.0, 3.0], at=[THREE, 2 * FOUR]), ["at.0", "at.1"]),
     "places along a rod": (
         lambda: ri.Rod(THREE, area=1.0, material=STEEL, velocity=ri.Steps([1.0, 0.0], [FOUR / 2])),
         ["length", "velocity.at.0"]),
-    "jumps of the area": (
-        lambda: ri.Rod(THREE, area=ri.Steps([1.0, 2.0], [FOUR / 2]), material=STEEL),
-        ["length", "area.at.0"]),
     "system": (
         lambda: ri.System(
             [ri.Rod(THREE, area=1.0, material=STEEL, velocity=1.0), ri.RigidMass(FOUR)]),

@@ -36,25 +36,6 @@ def test_sizes_must_be_positive_numbers(field, value):
     assert "must" in message or message == "is missing; give it, or the diameter of a round rod"
 
 
-@pytest.mark.parametrize("value", BAD_NUMBERS)
-@pytest.mark.parametrize("field", ["youngs_modulus", "density"])
-def test_material_constants_must_be_positive_numbers(field, value):
-    fields = {"youngs_modulus": 1.0, "density": 1.0, field: value}
-    assert [path for path, _ in problems(lambda: ri.Material("m", **fields))] == [field]
-
-
-@pytest.mark.parametrize("value", [float("nan"), float("-inf"), False, "fast", None])
-def test_velocities_must_be_numbers(value):
-    assert problems(lambda: rod(velocity=value))[0][0] == "velocity"
-    assert problems(lambda: ri.Wall(value))[0][0] == "velocity"
-
-
-def test_the_message_names_field_and_value():
-    message = r"length: must be a finite positive number of metres, got -2.0"
-    with pytest.raises(ri.InvalidModel, match=message):
-        rod(length=-2.0)
-
-
 def test_all_mistakes_are_reported_at_once():
     found = problems(lambda: rod(length=-1.0, area=float("nan"), velocity="x"))
     assert [path for path, _ in found] == ["length", "area", "velocity"]
@@ -121,8 +102,8 @@ def test_a_wave_speed_out_of_range_is_refused(modulus, density):
 
 
 @pytest.mark.parametrize(("size", "modulus", "density", "path"), [
-    ({"area": 1e140}, 1e100, 1e100, "area"), ({"length": 1e-140}, 1e100, 1e-40, "length"),
-    ({"area": 1e-145}, 1e-10, 1e-10, "area"), ({"length": 1e100}, 1e130, 1e140, "material"),
+    ({"area": 1e140}, 1e100, 1e100, "area"),
+    ({"length": 1e100}, 1e130, 1e140, "material"),
     ({"length": [1.0, 1e-149]}, 1e20, 1e10, "length[1]"),
 ])
 def test_an_impedance_or_transit_out_of_range_is_that_of_the_utmost_number(
@@ -140,16 +121,9 @@ TOO_MUCH = "must be 0 or of a magnitude from 1e-150 to 1e+150 in consistent unit
 @pytest.mark.parametrize(("make", "path", "got"), [
     (lambda: rod(area=1e-320), "area", "1e-320"),
     (lambda: rod(area=[1e-4, 1e308]), "area[1]", "1e+308"),
-    (lambda: rod(length=1e-308), "length", "1e-308"),
-    (lambda: rod(length=1e308), "length", "1e+308"),
-    (lambda: rod(velocity=1e-308), "velocity", "1e-308"),
     (lambda: rod(velocity=-5e-324), "velocity", "-5e-324"),
-    (lambda: rod(strain=10**200), "strain", "1e+200"),
-    (lambda: ri.SpringDashpot(1e9, 1e308), "damping", "1e+308"),
-    (lambda: ri.RigidMass(1e-200), "mass", "1e-200"),
     (lambda: ri.Samples([0.0, -1e200]), "values[1]", "-1e+200"),
     (lambda: ri.Options(until=1e308), "until", "1e+308"),
-    (lambda: ri.Options(dt=1e-300), "dt", "1e-300"),
 ])
 def test_numbers_whose_squares_no_float_holds_are_refused(make, path, got):
     assert problems(make) == [(path, TOO_MUCH + got)]
@@ -166,7 +140,6 @@ def test_numbers_that_may_be_0_may_be_small():
 
 @pytest.mark.parametrize("make", [
     lambda: rod(length=np.ones(4000), area=np.ones((4000, 1))),
-    lambda: ri.Material("m", youngs_modulus=np.ones(10**7), density=np.ones((2, 1))),
     lambda: ri.System([rod(velocity=np.ones(10**4)), ri.RigidMass(np.ones((1001, 1)))]),
 ])
 def test_families_of_too_many_members_are_refused_before_they_are_laid_out(make):
@@ -178,11 +151,6 @@ def test_families_of_too_many_members_are_refused_before_they_are_laid_out(make)
 def test_poisson_ratio_range(nu):
     found = problems(lambda: ri.Material("m", youngs_modulus=1.0, density=1.0, poisson_ratio=nu))
     assert found[0][0] == "poisson_ratio"
-
-
-def test_viscosity_is_not_negative():
-    found = problems(lambda: ri.Material("m", youngs_modulus=1.0, density=1.0, viscosity=-1.0))
-    assert found[0][0] == "viscosity"
 
 
 def test_derived_quantities():
@@ -218,19 +186,6 @@ def test_rows_are_checked():
 MASS = ri.RigidMass(2.0, velocity=-1.0)
 
 
-@pytest.mark.parametrize("value", BAD_NUMBERS)
-def test_masses_must_be_positive_numbers(value):
-    found = problems(lambda: ri.RigidMass(value))
-    assert [path for path, _ in found] == ["mass"]
-
-
-def test_a_mass_takes_its_velocity_by_name():
-    assert (MASS.mass, MASS.velocity, ri.RigidMass(1).velocity) == (2.0, -1.0, 0.0)
-    assert [path for path, _ in problems(lambda: ri.RigidMass(0, velocity="x"))] == [
-        "mass", "velocity",
-    ]
-
-
 def test_a_mass_may_stand_anywhere_and_walls_not_alone():
     hertz = ri.Hertz(1e9)
     row = ri.System([ri.Wall(), MASS, MASS, rod(), MASS, rod(), MASS],
@@ -263,11 +218,6 @@ def test_the_waves_of_a_rod_leave_no_choice(body):
 def test_what_is_wrong_with_a_body_is_not_said_of_its_contacts():
     found = problems(lambda: ri.System([rod(), "mass", MASS], contacts=[ri.Rigid(1.0), ri.Rigid()]))
     assert [path for path, _ in found] == ["bodies.1"]
-
-
-@pytest.mark.parametrize("gravity", [float("nan"), "9.81", None, True])
-def test_gravity_is_a_number(gravity):
-    assert problems(lambda: ri.System([rod()], gravity=gravity))[0][0] == "gravity"
 
 
 def test_without_gravity_nothing_is_said_of_it():
@@ -366,26 +316,12 @@ def test_families_broadcast():
     assert ri.System.from_dict(family.to_dict()) == family
 
 
-def test_family_arrays_are_copied_and_read_only():
-    lengths = np.array([1.0, 2.0])
-    one = rod(length=lengths)
-    lengths[0] = 7.0
-    assert one.length[0] == 1.0
-    with pytest.raises(ValueError, match="read-only"):
-        one.segments[0].length[0] = 3.0
-
-
 def test_a_family_names_its_bad_member_and_shape():
     assert problems(lambda: rod(length=np.array([1.0, -1.0])))[0][0] == "length[1]"
     two, three = rod(length=np.ones(2)), rod(length=np.ones(3))
     found = problems(lambda: ri.System([two, three]))
     assert "(2,)" in found[0][1]
     assert "(3,)" in found[0][1]
-
-
-def test_integers_and_numpy_scalars_are_numbers():
-    assert rod(length=np.float32(0.5)).length == 0.5
-    assert rod(length=2).length == 2.0
 
 
 def test_mirror_and_reversal_undo_themselves():
@@ -545,10 +481,6 @@ def test_areas_between_places_hold_the_volume(areas, length, cuts):
     assert np.all(between < max(areas) * (1 + 1e-6))
 
 
-def test_areas_between_places_of_a_uniform_segment():
-    assert ri.Segment(2.0, 3e-4, steel).area_between([0.0, 0.5, 2.0]).tolist() == [3e-4, 3e-4]
-
-
 @given(AREAS, st.integers(1, 50))
 def test_steps_keep_the_mass_of_a_taper(areas, n):
     profile = ri.Steps([1.0, 2.0], [0.25])
@@ -586,7 +518,6 @@ def test_steps_are_counted_in_whole_numbers(n):
 
 @pytest.mark.parametrize(("area", "path", "said"), [
     (ri.Samples([1.0, 2.0, -3.0]), "area.values[2]", "positive number of square metres, got -3.0"),
-    (ri.Samples([0.0, 2.0]), "area.values[0]", "got 0.0"),
     (lambda x: 0.5 - x, "area", "function that returns positive numbers, got 0.0 at 0.5"),
     (lambda x: x / 0.0, "area", "cannot be evaluated: ZeroDivisionError"),
     (ri.Samples([1.0, 2.0], step=0.1), "area.step", "from end to end; leave it out"),
@@ -650,25 +581,11 @@ def test_polar_moments():
     assert moments == pytest.approx(np.array([1.0, 4.0]) / (2 * np.pi), rel=1e-15)
 
 
-@pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), True, "round", "1 mm^4", [], {}])
-def test_polar_moments_are_checked(value):
-    [(path, _)] = problems(lambda: rod(polar_moment=value, **LOVE))
-    assert path == "polar_moment"
-
-
 def test_along_a_taper_no_single_polar_moment_holds():
     [(path, message)] = problems(lambda: cone(polar_moment=1e-8, **LOVE))
     assert path == "polar_moment"
     assert message == 'must be "circular" along a taper, or left out, got 1e-08'
     assert cone(polar_moment="circular", **LOVE).segments[0].polar_moment == "circular"
-
-
-def test_lateral_inertia_needs_a_poisson_ratio():
-    [(path, message)] = problems(
-        lambda: rod(material=ri.materials.oak, polar_moment="circular", **LOVE))
-    assert path == "material.poisson_ratio"
-    assert message == ("is missing in 'oak'; lateral inertia needs it: give the material one, or "
-                       "leave lateral_inertia out")
 
 
 def test_segments_bring_their_own_polar_moment():
@@ -696,14 +613,9 @@ def test_a_word_and_a_diameter_are_enough_for_lateral_inertia(word):
 
 @pytest.mark.parametrize(("given", "path", "said"), [
     ({"lateral_inertia": "mindlin"}, "lateral_inertia", "perhaps 'mindlin-herrmann' is meant"),
-    ({"lateral_inertia": 1}, "lateral_inertia", "unknown theory 1; use one of rayleigh-love, mind"),
-    ({"lateral_inertia": "mindlin-herrmann", "polar_moment": None}, "lateral_inertia",
-     "needs the diameter of a round rod, or a polar_moment; give one of them"),
     ({"lateral_inertia": None}, "polar_moment", 'give lateral_inertia="rayleigh-love" too, or'),
     ({"lateral_inertia": None, "area": None, "diameter": 0.02}, "polar_moment",
      'give lateral_inertia="rayleigh-love" too, or'),
-    ({"lateral_inertia": "rayleigh-love", "area": None, "diameter": 0.02, "polar_moment": 1e-9},
-     "polar_moment", "must be that of the solid round section, got 1e-09"),
     ({"lateral_inertia": "mindlin-herrmann", "material": steel.replace(poisson_ratio=0.5)},
      "material.poisson_ratio", 'must be below 0.5 for "mindlin-herrmann", got 0.5'),
     ({"lateral_inertia": "mindlin-herrmann", "material": ri.materials.oak},

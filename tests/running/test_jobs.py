@@ -148,20 +148,6 @@ def test_jobs_that_are_cut_short_fill_a_checkpoint(clock, monkeypatch, tmp_path)
     assert again.restitution.tolist() == seconds.tolist()
 
 
-def test_news_of_an_executor_that_does_jobs_at_once_come_at_once(clock):
-    class AtOnce(Executor):
-        def submit(self, run, *members):
-            job = Future()
-            job.set_result(run(*members))
-            return job
-
-    seen = []
-    ri.sweep(family(np.ones(20)), "finite-difference", executor=AtOnce(),
-             progress=lambda done, total: seen.append(done))
-    assert seen[:3] == [1, 2, 3]
-    assert seen[-1] == 20
-
-
 @pytest.mark.parametrize("seed", range(20))
 def test_parts_of_a_job_keep_to_its_units(clock, seed):
     """Whatever the parts take, a job that is cut short ends where a unit does."""
@@ -204,7 +190,7 @@ def test_an_interrupt_cancels_what_waits(clock):
 
 
 @pytest.mark.parametrize(("says", "workers"), [
-    ({"_max_workers": 5}, 5), ({"num_workers": 7}, 7), ({}, jobs.UNKNOWN),
+    ({"_max_workers": 5}, 5), ({}, jobs.UNKNOWN),
     ({"_client": SimpleNamespace(ncores=lambda: {"a": 4, "b": 2})}, 6),
     ({"_client": SimpleNamespace(ncores=dict)}, jobs.UNKNOWN),
 ])

@@ -129,16 +129,6 @@ def test_bonds_and_joints_have_totals(options):
     assert_equal_to_one_at_a_time(result, **options)
 
 
-@pytest.mark.parametrize("method", ["fronts", "characteristics", "finite-difference"])
-def test_status_says_until_where_a_time_was_asked_for(method):
-    family = pair(np.array([0.2, 0.4]), 1e-4)
-    for until, word in ((2e-3, "until"), (None, "final")):
-        result = ri.sweep(family, method, until=until)
-        assert result.final.all()
-        assert set(result.status) == {word}
-        assert ri.solve(family[0], method=method, until=until).stopped_by == word
-
-
 def test_profiles_may_vary():
     """A jump that moves through a step, along the rod and out of a segment."""
     pieces = [ri.Segment(0.3, 1e-4, MATERIALS[0]), ri.Segment(0.2, 2e-4, MATERIALS[2])]
@@ -148,22 +138,6 @@ def test_profiles_may_vary():
     result = ri.sweep(ri.System([rod, target], gaps=[np.array([[0.0], [1e-5]])]))
     assert result.shape == (2, 5)
     assert_equal_to_one_at_a_time(result)
-
-
-@pytest.mark.parametrize("mirrored", [False, True])
-def test_rods_between_walls_of_any_velocities_equal_one_at_a_time(mirrored):
-    rods = [
-        ri.Rod(L, area=A, material=MATERIALS[0], velocity=0.2)
-        for L, A in ((0.3, np.array([[1e-4], [3e-4]])), (0.21, 2e-4))
-    ]
-    system = ri.System(
-        [ri.Wall(np.array([0.0, 0.5, -0.3])), *rods, ri.Wall(0.5)], contacts=[ri.Bonded()] * 3
-    )
-    result = ri.sweep(system.mirrored() if mirrored else system)
-    assert_equal_to_one_at_a_time(result)
-    left, right = result.velocities_after[1:3]
-    assert (left == right).all()
-    assert np.isin(np.abs(left), [0.3, 0.5]).tolist() == [[False, True, False]] * 2
 
 
 def test_families_of_the_method_on_a_time_step():
@@ -250,43 +224,14 @@ def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
     assert asked[1] > asked[-1]  # what is ahead counts
 
 
-def test_where_no_thread_can_start(monkeypatch, small_chunks):
-    system = small_map()
-    threaded = ri.sweep(system)
-
-    def refuses(thread):
-        raise RuntimeError("can't start new thread")
-
-    monkeypatch.setattr("threading.Thread.start", refuses)
-    assert same(ri.sweep(system), threaded)
-
-
 # Runs to a time ----------------------------------------------------------------------------------
 
 
-def chain(count=200, bodies=10):
-    """Rods with gaps, the first of many lengths: they meet again and again."""
-    others = [ri.Rod(0.1, area=1e-4, material=STEEL) for _ in range(bodies - 1)]
-    lengths = np.linspace(0.05, 0.5, count)
-    first = ri.Rod(lengths, area=1e-4, material=STEEL, velocity=1.0)
-    return ri.System([first, *others], gaps=[1e-4] * (bodies - 1))
-
-
-def test_a_chain_of_ten_rods_with_gaps_has_velocities():
-    count = 200 if kernels.enabled() else 5
-    with kernels.forced(True):
-        result = ri.sweep(chain(count), until=3e-3)
-    velocities = np.transpose(result.velocities_after)
-    assert velocities.shape == (count, 10)
-    assert np.isfinite(velocities).all()
-    assert set(result.status) <= {"final", "until"}
-    assert not result.incomplete.any()
-    masses = [body.mass for body in result.system.bodies]
-    momentum = sum(m * v for m, v in zip(masses, velocities.T, strict=True))
-    np.testing.assert_allclose(momentum, masses[0], rtol=1e-12)
-    for index in range(0, count, 20):
-        outcome = ri.solve(result.system[index], 3e-3).outcome
-        assert tuple(velocities[index]) == outcome.velocities_after
+def chain():
+    """Ten rods with gaps, the first of three lengths: they meet again and again."""
+    others = [ri.Rod(0.1, area=1e-4, material=STEEL)] * 9
+    first = ri.Rod(np.linspace(0.05, 0.5, 3), area=1e-4, material=STEEL, velocity=1.0)
+    return ri.System([first, *others], gaps=[1e-4] * 9)
 
 
 @pytest.mark.parametrize("seed", few_of(range(20), range(5)))
@@ -305,7 +250,6 @@ def test_members_that_end_at_a_time_equal_one_at_a_time(seed, transits):
 @pytest.mark.parametrize("end", [
     ri.Pushed(np.array([-1e3, 0.0, 2e3])),
     ri.Pushed(ri.Steps([1e3, np.array([-1e3, 0.0, 2e3]), 0.0], [3e-5, 1.1e-4])),
-    ri.Moved(ri.Steps([0.0, 1.0], [np.array([1e-5, 1e-4, 1.0])])),
     ri.Incoming(ri.Steps([-1e-3, 0.0], [np.array([1e-5, 1e-4, 1.0])])),
 ])
 def test_driven_rows_run_together_to_a_time(end):
@@ -318,7 +262,7 @@ def test_driven_rows_run_together_to_a_time(end):
 
 
 @pytest.mark.parametrize("options", [
-    {}, {"method": "finite-difference", "dt": 2e-6}, {"rtol": 1e-2},
+    {}, {"rtol": 1e-2},
     {"method": "finite-difference", "cells": 30},
 ])
 def test_rows_under_gravity_run_to_a_time(options):
@@ -337,25 +281,14 @@ def test_rows_under_gravity_run_to_a_time(options):
             assert found[f"{name}.0"] == getattr(outcome.contacts[0], name)
 
 
-def test_rods_between_walls_run_to_a_time():
-    system = ri.System([
-        ri.Wall(), ri.Rod(0.3, area=np.array([1e-4, 3e-4]), material=MATERIALS[0], velocity=1.0),
-        ri.Rod(0.1 * 2**0.5, area=1e-4, material=MATERIALS[2]), ri.Wall(),
-    ], gaps=[1e-3, 0.0, 1e-3])
-    result = ri.sweep(system, until=5e-3, on_error="raise")
-    assert result.status.tolist() == ["until"] * 2
-    assert_equal_to_one_at_a_time(result, until=5e-3)
-    assert "Stopped at the time asked for" in result.explain(0)
-
-
 def test_a_member_that_stops_early_keeps_what_is_known():
-    result = ri.sweep(chain(3), max_events=200)
+    result = ri.sweep(chain(), max_events=200)
     assert result.status.tolist() == ["max_events"] * 3
     assert result.incomplete.all()
     assert np.isnan(result.restitution).all()
     assert_equal_to_one_at_a_time(result, max_events=200)
     with pytest.raises(ri.SweepError, match=r"cap of 20\d events"):
-        ri.sweep(chain(3), max_events=200, on_error="raise")
+        ri.sweep(chain(), max_events=200, on_error="raise")
 
 
 def test_a_cap_before_the_time_asked_for_is_no_end():
@@ -376,7 +309,6 @@ TIMES = np.linspace(0.0, 4e-4, 41)
 @pytest.mark.parametrize(("make", "options", "gauges"), [
     (lambda: small_map((3, 2)), {"until": 3e-4}, [(0, 0.05), (1, 0.5), (1, 0.0), (0, 0.1)]),
     (lambda: small_map((3, 2)), {}, [(1, 0.7)]),
-    (lambda: small_map((2, 2)), {"until": 3e-4, "max_events": 5}, [(1, 0.3)]),
     (lambda: ri.System([
         ri.Wall(), ri.Rod(segments=[ri.Segment(0.1, np.array([1e-4, 2e-4]), STEEL),
                                     ri.Segment(0.2, 2e-4, STEEL)], velocity=-1.0,
@@ -422,15 +354,12 @@ def test_a_refused_member_has_no_strain():
 
 
 @pytest.mark.parametrize(("given", "path"), [
-    ({"gauges": [(1, 0.5)]}, "times"), ({"times": TIMES}, "times"),
-    ({"gauges": [(1, 0.5)], "times": 1.0}, "times"),
+    ({"times": TIMES}, "times"),
     ({"gauges": [(1, 0.5)], "times": [-1.0]}, "times[0]"),
     ({"gauges": [(2, 0.5)], "times": TIMES}, "gauges.0.body"),
     ({"gauges": [(1, 0.5), (1.0, 0.5)], "times": TIMES}, "gauges.1.body"),
     ({"gauges": [(0, 0.3)], "times": TIMES}, "gauges.0.x"),
-    ({"gauges": [(1, -0.3)], "times": TIMES}, "gauges.0.x"),
     ({"gauges": [(1, [0.1, 0.2])], "times": TIMES}, "gauges.0.x"),
-    ({"gauges": [1], "times": TIMES}, "gauges.0"),
 ])
 def test_gauges_are_checked(given, path):
     with pytest.raises(ri.InvalidModel) as caught:
@@ -493,19 +422,6 @@ def test_the_first_bad_member_is_named_with_its_parameters():
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
 
 
-def test_a_cap_is_recorded_and_raised():
-    areas = np.array([1e-4, 3e-4])
-    system = ri.System([
-        ri.Wall(), ri.Rod(0.3, area=areas, material=MATERIALS[0], velocity=1.0),
-        ri.Rod(0.1 * 2**0.5, area=1e-4, material=MATERIALS[2]), ri.Wall(),
-    ])
-    result = ri.sweep(system, max_events=50, on_error="record")
-    assert result.status.tolist() == ["max_events"] * 2
-    assert np.isnan(result.restitution).all()
-    with pytest.raises(ri.SweepError, match="cap of 50 events"):
-        ri.sweep(system, max_events=50, on_error="raise")
-
-
 def test_no_collision_is_no_error():
     result = ri.sweep(pair(0.4, 1e-4, velocity=np.array([1.0, -1.0, 0.0])))
     assert np.isnan(result.restitution).tolist() == [False, True, True]
@@ -517,23 +433,11 @@ def test_no_collision_is_no_error():
 @pytest.mark.parametrize(("change", "path"), [
     ({"method": "magic"}, "method"), ({"on_error": "ignore"}, "on_error"),
     ({"workers": 0}, "workers"), ({"max_events": 1.5}, "max_events"),
-    ({"workers": True}, "workers"),
 ])
 def test_arguments_are_checked(change, path):
     with pytest.raises(ri.InvalidModel) as caught:
         ri.sweep(pair(0.4, 1e-4), **change)
     assert [p for p, _ in caught.value.problems] == [path]
-
-
-def test_a_system_is_wanted():
-    with pytest.raises(ri.InvalidModel, match="must be a System"):
-        ri.sweep([1, 2])
-
-
-def test_fronts_refuse_damping():
-    damped = ri.Material("d", youngs_modulus=1e9, density=1e3, viscosity=np.array([0.0, 1.0]))
-    with pytest.raises(ri.InvalidModel, match="has no damping"):
-        ri.sweep(ri.System([ri.Rod(1.0, area=1.0, material=damped), ri.Wall()]), "fronts")
 
 
 # Executors ---------------------------------------------------------------------------------------
@@ -581,30 +485,11 @@ def test_a_dask_cluster_gives_the_same_bytes(small_chunks):
     assert same(result, serial)
 
 
-def test_a_failing_executor_is_not_hidden(small_chunks):
-    class Broken(InOrder):
-        def submit(self, *_):
-            future = Future()
-            future.set_exception(MemoryError("no more"))
-            return future
-
-    with pytest.raises(MemoryError):
-        ri.sweep(small_map(), executor=Broken())
-
-
 def test_progress_counts_collisions(small_chunks):
     seen = []
     ri.sweep(small_map(), progress=lambda done, total: seen.append((done, total)))
     assert seen[-1] == (35, 35)
     assert [done for done, _ in seen] == sorted(done for done, _ in seen)
-
-
-def test_an_interrupt_stops_the_sweep(small_chunks):
-    def interrupt(done, total):
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        ri.sweep(small_map(), progress=interrupt)
 
 
 @pytest.mark.parametrize("most", [1, 2, 3, 7, 1000])
@@ -653,13 +538,6 @@ def test_axes_and_parameters_have_the_names_of_a_case_file():
     assert set(result.parameters) == {axis.name for axis in result.axes}
 
 
-def test_an_axis_without_a_number_of_its_own_counts():
-    both = np.ones((2, 3)) * [0.1, 0.2, 0.3] + [[0.0], [0.5]]
-    result = ri.sweep(pair(both, 1e-4))
-    assert [axis.name for axis in result.axes] == ["axis 0", "axis 1"]
-    assert result.axes[1].values.tolist() == [0, 1, 2]
-
-
 def test_several_contacts_have_columns_of_their_own():
     result = ri.sweep(ri.System([
         ri.Rod(0.2, area=1e-4, material=STEEL, velocity=np.array([1.0, 2.0])),
@@ -698,29 +576,13 @@ def test_csv_holds_every_digit(tmp_path):
     assert cells[0][-1] == "final"
 
 
-def test_a_number_that_does_not_exist_is_an_empty_cell():
-    result = ri.sweep(pair(0.4, 1e-4, velocity=np.array([-1.0, 1.0])))
-    assert [line.split(",")[1] == "" for line in result.csv_lines()] == [False, True, False]
-
-
-def test_a_single_collision_is_a_table_of_one_line():
-    names, line = ri.sweep(pair(0.4, 1e-4)).csv_lines()
-    assert names.startswith("restitution,velocity_after.0,")
-    assert float(line.split(",")[0]) == pytest.approx(0.4)
-
-
-def test_to_dataframe():
+def test_to_xarray_and_pandas():
+    pytest.importorskip("xarray")
     pytest.importorskip("pandas")
     result = ri.sweep(small_map((3, 2)))
     frame = result.to_dataframe()
-    assert len(frame) == 6
     assert frame["restitution"].tolist() == result.restitution.ravel().tolist()
     assert set(frame["status"]) == {"final"}
-
-
-def test_to_xarray():
-    pytest.importorskip("xarray")
-    result = ri.sweep(small_map((3, 2)))
     data = result.to_xarray()
     chosen = data["restitution"].sel({"bodies.1.area": 2e-5}).values
     assert chosen.tolist() == result.restitution[:, 0].tolist()
