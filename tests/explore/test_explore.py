@@ -2,7 +2,6 @@
 
 import dataclasses
 import html
-import itertools
 import json
 from pathlib import Path
 
@@ -17,9 +16,7 @@ from rodimpact.explorer.scene import scene
 from rodimpact.explorer.solved import scene_of
 from rodimpact.explorer.tables import MOST_EVENTS
 from rodimpact.explorer.tiling import grids
-from rodimpact.results.regions import regions_of
 from rodimpact.storage.case_reading import case_from
-from rodimpact.storage.casefile import GaugePlace
 
 STEEL = ri.materials.steel
 LEFT = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
@@ -42,19 +39,6 @@ def read_back(sent):
     """The case that the page would give back."""
     case = case_from({**json.loads(json.dumps(sent["case"])), "gauges": sent["gauges"]})
     return dataclasses.replace(case, path="")
-
-
-def polygons(tiling):
-    for i, (start, stop) in enumerate(itertools.pairwise(tiling.start)):
-        yield i, slice(start, stop)
-
-
-def areas(tiling):
-    found = []
-    for _, part in polygons(tiling):
-        x, t = tiling.x[part], tiling.t[part]
-        found.append(abs(x @ np.roll(t, -1) - t @ np.roll(x, -1)) / 2)
-    return np.array(found)
 
 
 # Tables
@@ -91,20 +75,11 @@ def test_round_rods_reach_the_page_by_their_areas(love):
     assert rod.segments[0].ideal == (not love)
 
 
-def test_a_stepped_rod_and_a_profile_reach_the_page():
-    rod = ri.Rod(
-        segments=[ri.Segment(0.1, 1e-4, STEEL), ri.Segment(0.2, 2e-4, STEEL)],
-        velocity=ri.Steps([1.0, 0.5], [0.1]),
-    )
-    case = with_gauges(ri.Case(ri.System([rod, RIGHT])))
-    assert read_back(tables_of(case)) == case
-
-
 # The page of a case
 
 
 @pytest.mark.parametrize(("system", "solve", "solved"), [
-    (PAIR, {}, True), (COMPLIANT, {}, True), (PAIR, {"method": "characteristics"}, True),
+    (PAIR, {}, True), (COMPLIANT, {}, True),
     (PAIR, {"method": "finite-difference"}, False),
     (ri.System([LEFT, RIGHT], contacts=[ri.Law(lambda overlap, rate: 1e9 * overlap)]), {}, False),
     (PAIR, {"max_events": 3}, False),
@@ -122,7 +97,6 @@ def test_python_solves_what_the_page_cannot(system, solve, solved):
     (ri.System([ri.RigidMass(1.0), ri.Wall()], contacts=[ri.Spring(1e6)]), "at least one rod"),
     (ri.System([LEFT.replace(length=[0.1, 0.2]), RIGHT]), "a family of shape"),
     (ri.Case(PAIR, {"max_events": 1}), "solve: there is nothing to draw"),
-    (ri.Case(PAIR, {"until": 1e-30}), "solve: there is nothing to draw"),
     (ri.System([LEFT, RIGHT], gaps=[1e9]), "Give until="),
 ])
 def test_what_has_no_page_is_told(case, words):
@@ -182,22 +156,6 @@ def test_too_many_regions_from_the_start_are_shown_in_cells():
 # Polygons
 
 
-def test_polygons_tile_the_plane():
-    solution = ri.solve(PAIR)
-    tiling = regions_of(solution)
-    for body, length in ((0, 0.4), (1, 1.0)):
-        total = areas(tiling)[tiling.body == body].sum()
-        assert total == pytest.approx(length * solution.t_end, rel=1e-12)
-
-
-def test_vertices_carry_the_displacement_of_the_solution():
-    solution = ri.solve(PAIR)
-    tiling = regions_of(solution)
-    for i, part in polygons(tiling):
-        u = solution.displacement(tiling.body[i], tiling.x[part], tiling.t[part])
-        assert tiling.displacement[part] == pytest.approx(u, abs=1e-12)
-
-
 def test_cells_of_grids_hold_the_mean_state():
     solution = ri.solve(COMPLIANT)
     found, before = grids(solution), 0
@@ -233,32 +191,6 @@ def test_a_scene_is_strict_json_with_whole_polygons(key):
     assert {plot["key"] for plot in found["plots"]} == {"force", "gap", "energy", "gauge"}
 
 
-def lengths_at(found, t):
-    """Lengths of the rods that the polygons show at a time, bodies from left to right."""
-    tiling, lengths = found["tiling"], {}
-    for i, (start, stop) in enumerate(itertools.pairwise(tiling["start"])):
-        x, times = np.array(tiling["x"][start:stop]), np.array(tiling["t"][start:stop])
-        places = []
-        for a, b, from_x, to_x in zip(times, np.roll(times, -1), x, np.roll(x, -1), strict=True):
-            if min(a, b) <= t <= max(a, b):
-                share = 0.0 if a == b else (t - a) / (b - a)
-                places += [from_x + (to_x - from_x) * share]
-                places += [to_x] if a == b else []
-        body = tiling["body"][i]
-        lengths[body] = lengths.get(body, 0.0) + (max(places) - min(places) if places else 0.0)
-    return lengths
-
-
-@pytest.mark.parametrize("key", PRESETS)
-def test_whole_rods_are_shown_from_the_first_instant_to_the_last(key):
-    solution, found = shown(PRESETS[key].system)
-    rods = {
-        i: body.length for i, body in enumerate(solution.system.bodies) if isinstance(body, ri.Rod)
-    }
-    for share in (0.0, 0.123, 1.0):
-        assert lengths_at(found, share * found["end"]) == pytest.approx(rods, rel=1e-7)
-
-
 def test_numbers_are_those_of_the_solution():
     solution, found = shown(PAIR)
     assert found["restitution"]["value"] == solution.outcome.restitution
@@ -273,18 +205,6 @@ def test_numbers_are_those_of_the_solution():
         1e6 * solution.strain(1, 0.5, middle).item(), rel=1e-8)
 
 
-def test_rods_that_touch_touch_in_the_picture():
-    solution, found = shown(PAIR)
-    row = found["row"]
-    for t in (0.0, 50e-6, 150e-6):
-        places = [
-            row["left"][i] + x + row["magnification"] * (
-                row["apart"][i] + solution.displacement(i, x, t) - row["frame"] * t)
-            for i, x in ((0, 0.4), (1, 0.0))
-        ]
-        assert places[0] == pytest.approx(places[1], abs=1e-12)
-
-
 def test_a_row_that_flies_past_is_seen_from_beside_it():
     rods = [
         ri.Rod(0.4, area=1e-4, material=STEEL, velocity=101.0),
@@ -296,14 +216,6 @@ def test_a_row_that_flies_past_is_seen_from_beside_it():
     assert found["row"]["magnification"] > 100
 
 
-@pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
-def test_what_is_sampled_says_so(method):
-    solution, found = shown(COMPLIANT, method=method)
-    assert solution.method == method
-    assert not found["exact"]
-    assert "means over cells" in " ".join(found["notes"])
-
-
 def test_masses_and_walls_bring_their_paths():
     system = ri.System([ri.RigidMass(0.5, velocity=2.0), RIGHT, ri.Wall()])
     solution, found = shown(system, until=1e-3)
@@ -313,12 +225,6 @@ def test_masses_and_walls_bring_their_paths():
         solution.displacement(0, 0.0, 1e-3).item(), rel=1e-4)
     assert wall["path"]["displacement"] == [0.0, 0.0]
     assert mass["width"] > 0 == wall["width"]
-
-
-def test_a_row_that_never_meets_has_a_picture_too():
-    _, found = shown(ri.System([RIGHT, RIGHT], [1e-3]))
-    assert found["restitution"]["value"] is None
-    assert "nothing collided" in found["restitution"]["why"]
 
 
 # Comparison
@@ -337,15 +243,6 @@ def test_a_curve_needs_two_uniform_rods():
     assert found["curve"] is None
     profile = ri.System([LEFT.replace(velocity=ri.Steps([1.0, 0.5], [0.1])), RIGHT])
     assert shown(profile)[1]["curve"] is None
-
-
-def test_a_curve_has_holes_where_there_is_no_collision():
-    _, found = shown(ri.System([RIGHT, LEFT]), until=1e-3)
-    assert set(found["curve"]["values"]) == {None}
-
-
-def test_a_gauge_place_is_a_fraction_of_the_rod():
-    assert with_gauges(ri.Case(PAIR)).gauges == (GaugePlace(1, 0.5),)
 
 
 def test_lossy_and_tapered_rods_are_shown_from_a_grid():

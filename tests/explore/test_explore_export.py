@@ -98,29 +98,6 @@ def test_all_of_the_script_is_inside(case, tmp_path):
     assert files | {"kernels.js"} == {*SCRIPTS, LOADER}
 
 
-def test_lean_scripts_keep_every_statement():
-    lines = ['"use strict";', "// a word", "/** More", " words */", "  let a; // kept", "}"]
-    assert lean("\n".join(lines)) == '"use strict";\nlet a; // kept\n}'
-
-
-def test_an_existing_page_is_kept_unless_forced(case, tmp_path, capsys):
-    (tmp_path / "page.html").write_text("mine")
-    assert export(case) == 2
-    assert "--force" in capsys.readouterr().err
-    assert (tmp_path / "page.html").read_text() == "mine"
-    assert export(case, "--force") == 0
-
-
-def test_mistakes_are_told_and_nothing_is_written(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "bad.toml").write_text('schema = 1\nbodies = [{kind = "rod", length = -1}]\n')
-    assert export(tmp_path / "bad.toml") == 2
-    complaints = capsys.readouterr().err
-    assert "bodies.0.length" in complaints
-    assert "bodies.0.area" in complaints
-    assert not (tmp_path / "page.html").exists()
-
-
 def test_a_run_cut_short_says_so(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     pieces = [

@@ -140,18 +140,6 @@ def unknown_name():
     return json
 
 
-def unknown_call(a):
-    return sum(a)
-
-
-def unknown_method(a):
-    return a.strip()
-
-
-def unknown_attribute(a):
-    return a.real
-
-
 def large_constant():
     return 9007199254740993
 
@@ -159,14 +147,6 @@ def large_constant():
 def with_statement(a):
     with a:
         pass
-
-
-def bitwise(a):
-    return a & 3
-
-
-def by_keyword(a):
-    return sorted(a, key=abs)
 
 
 def from_the_end(a):
@@ -181,19 +161,12 @@ def formatted(a):
     return f"{a!r}"
 
 
-def by_a_name(a, b):
-    for i in range(0, a, b):
-        a[i] = i
-
-
 @pytest.mark.parametrize(("function", "line", "what"), [
     (lists_added, 1, "adding lists"), (unknown_name, 1, "the name json"),
-    (unknown_call, 1, "calling sum"), (unknown_method, 1, "the method strip"),
-    (unknown_attribute, 1, "the attribute real"), (large_constant, 1, "9007199254740993"),
-    (with_statement, 1, "With"), (bitwise, 1, "BitAnd"),
-    (by_keyword, 1, "an argument by name"), (from_the_end, 1, "such an index"),
+    (large_constant, 1, "9007199254740993"),
+    (with_statement, 1, "With"),
+    (from_the_end, 1, "such an index"),
     (twice_called, 1, "a call between"), (formatted, 1, "such a format"),
-    (by_a_name, 1, "such a step"),
 ])
 def test_what_is_not_translated_is_named_with_its_line(function, line, what):
     with pytest.raises(Untranslatable) as error:
@@ -212,13 +185,10 @@ MASSES = [ri.RigidMass(0.3, velocity=1.0), ri.RigidMass(0.2), ri.RigidMass(0.5)]
 SIDES = [ri.Wall(), RODS[0].replace(velocity=-1.0), RODS[1], ri.Wall()]
 RECORDED = {
     "rigid": ri.System(RODS),
-    "rigid, four": ri.System([*RODS, *RODS], gaps=[1e-5, 0.0, 2e-5]),
     "walls": ri.System(SIDES, gaps=[1e-5, 0.0, 1e-5]),
     "bonded": ri.System([*RODS, RODS[1]], contacts=[ri.Rigid(), ri.Bonded()]),
     "spring": ri.System(RODS, contacts=[ri.Spring(1e8)]),
-    "dashpot": ri.System(RODS, contacts=[ri.SpringDashpot(1e8, damping=500.0)]),
     "hertz": ri.System(RODS, contacts=[ri.Hertz(1e10)]),
-    "power": ri.System(RODS, contacts=[ri.PowerLaw(1e9, exponent=1.3)]),
     "hunt": ri.System(RODS, contacts=[ri.HuntCrossley(1e10, damping=0.3)]),
     "yielding": ri.System(RODS, contacts=[ri.Yielding(1e8, yield_force=800.0)]),
     "mass on a rod": ri.System([MASSES[0], RODS[1]]),
@@ -260,10 +230,7 @@ def test_the_kernel_of_characteristics_does_the_same_on_the_same_records(name, m
     for record, theirs, objects in zip(driver.ORDER, page["given"], arguments, strict=False):
         for i, (one, other) in enumerate(zip(theirs, tables(objects), strict=True)):
             for key, value in other.items():
-                if name != "power":
-                    assert one[key] == value, (record, i, key)
-                elif key in ("impulse", "work", "peak", "mean"):  # engines round powers differently
-                    assert one[key] == pytest.approx(value, rel=1e-12, abs=1e-12), (record, i, key)
+                assert one[key] == value, (record, i, key)
 
 
 # The solver
@@ -384,7 +351,6 @@ SYSTEMS = {
     "pushed": (ri.System([LEFT, LEFT], ends=(
         ri.Pushed(ri.Steps([1e3, 0.0], [1e-4])), ri.Absorbing())), {"until": 1e-3}),
     "apart": (ri.System([LEFT.replace(velocity=-1.0), LEFT]), {}),
-    "capped": (ri.System([ri.Wall(), STEPPED, ri.Wall()]), {"max_events": 300}),
 }
 DESIGNS = {key: tables_of(with_gauges(ri.Case(*given))) for key, given in SYSTEMS.items()}
 

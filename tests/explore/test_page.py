@@ -128,17 +128,6 @@ def test_dragging_a_slider_moves_e_as_the_api_does(visit):
     assert page.input_value("#preset") == ""
 
 
-def test_a_number_box_and_the_keys_of_a_slider_do_the_same(visit):
-    page = visit()
-    field(page, LENGTH).fill("250")
-    wait_for_e(page, "0.25")
-    assert slider(page, LENGTH).input_value() == "250"
-    slider(page, LENGTH).focus()
-    page.keyboard.press("ArrowRight")
-    wait_for_e(page, "0.251")
-    assert field(page, LENGTH).input_value() == "251"
-
-
 def rods_at(page, share):
     """Left and right end of every rod in the picture, at a thousandth of the film."""
     page.locator("#time").fill(str(share))
@@ -315,7 +304,7 @@ def test_the_theme_follows_the_system_and_the_switch(visit):
     assert page.get_attribute("html", "data-theme") == "light"
 
 
-@pytest.mark.parametrize("width", [360, 768, 1280, 1920])
+@pytest.mark.parametrize("width", [360, 1280])
 def test_nothing_sticks_out(visit, width):
     page = visit(viewport={"width": width, "height": 800})
     for key in ("unequal", "chain"):
@@ -417,7 +406,7 @@ def test_a_guess_comes_before_e(visit):
     assert not page.locator("#restitution").is_visible()
 
 
-@pytest.mark.parametrize(("width", "height"), [(1440, 900), (1024, 768), (926, 928), (390, 844)])
+@pytest.mark.parametrize(("width", "height"), [(1024, 768), (390, 844)])
 def test_e_and_its_curve_are_seen_beside_the_picture_while_any_slider_moves(visit, width, height):
     page = visit(viewport={"width": width, "height": height})
     wait_for_e(page, "0.4")
@@ -493,35 +482,7 @@ def test_the_contact_is_seen_in_the_stress_view_and_compression_is_said(visit):
     assert page.evaluate("shown.theme.wrong") not in text  # the line at the time that is shown
 
 
-def test_every_axis_has_three_ticks(visit):
-    page = visit()
-    few = page.evaluate("""() => {
-        const few = [];
-        for (let k = 0; k < 500; k += 1) {
-            const low = -(0.31 * k) % 7, high = low + 10 ** (-4 + 0.02 * k);
-            for (const count of [2, 2.4, 5, 9]) {
-                const ticks = ticksBetween(low, high, count);
-                const outside = ticks.some((t) => t < low - 1e-9 || t > high + 1e-9);
-                if (ticks.length < 3 || outside) few.push([low, high, count]);
-            }
-        }
-        return few;
-    }""")
-    assert few == []
-
-
-def test_play_begins_before_contact(visit):
-    page = visit()
-    wait_for_e(page, "0.4")
-    page.click("#play")
-    assert page.evaluate("now()") < 0.2 * page.evaluate("shown.scene.end")
-    page.click("#play")
-    page.locator("#time").fill("600")
-    page.click("#play")
-    assert page.evaluate("shown.share") >= 0.6
-
-
-@pytest.mark.parametrize(("width", "key"), [(1440, "unequal"), (390, "unequal"), (1024, "chain")])
+@pytest.mark.parametrize(("width", "key"), [(1440, "unequal"), (390, "chain")])
 def test_a_print_is_one_page_on_white_without_controls(visit, width, key):
     page = visit(viewport={"width": width, "height": 800}, color_scheme="dark")
     page.select_option("#preset", key)
@@ -551,16 +512,6 @@ def test_numbers_are_told_in_the_unit_of_their_field_with_one_minus_sign(visit):
     assert re.findall(r"[\s(]-\d", page.inner_text("main")) == []
 
 
-def test_no_result_is_cut_through(visit):
-    page = visit(viewport={"width": 1440, "height": 900})
-    page.select_option("#preset", "chain")
-    page.wait_for_function("() => !shown.asked && shown.scene.bodies.length === 5")
-    cut = page.evaluate("""() => [...document.querySelectorAll("#facts, #outcome, #facts td")]
-        .filter((e) => e.scrollHeight > e.clientHeight + 1 || e.scrollWidth > e.clientWidth + 1)
-        .length""")
-    assert cut == 0
-
-
 def test_a_tour_of_the_box_in_six_steps(visit):
     page = visit()
     page.click("#tour-open")
@@ -575,17 +526,6 @@ def test_a_tour_of_the_box_in_six_steps(visit):
     assert [t / T for _, t in shown[1:]] == pytest.approx([0.5, 1, 2, 2, 0.8])
     assert shown[0][1] < 0
     assert not page.locator("#tour").is_visible()
-
-
-def test_what_one_drags_stays_in_sight(visit):
-    page = visit(viewport={"width": 1280, "height": 800})
-    box = page.locator("#plot-force canvas").bounding_box()
-    assert box["y"] + box["height"] <= 800
-    page.set_viewport_size({"width": 900, "height": 800})
-    field(page, "bodies.1.velocity").scroll_into_view_if_needed()
-    box = page.locator("#diagram").bounding_box()
-    assert box["y"] >= 0
-    assert box["y"] + box["height"] <= 800
 
 
 def test_keys_and_fingers(visit):
@@ -683,41 +623,12 @@ def test_ends_gauges_and_rods_are_dragged_in_the_picture(visit):
     assert float(field(page, LENGTH).input_value()) == 400
 
 
-def test_the_range_of_a_slider_follows_its_value(visit):
-    page = visit()
-    field(page, LENGTH).fill("5000")
-    assert float(slider(page, LENGTH).get_attribute("max")) > 5000
-    slider(page, LENGTH).press("End")
-    slider(page, LENGTH).press("ArrowRight")
-    assert float(field(page, LENGTH).input_value()) > 5000
-
-
 def test_names_never_become_markup(visit, solved):
     alloy = ri.Material("</script><b onclick=1>&amp;</b>", youngs_modulus=200e9, density=7850.0)
     rod = ri.Rod(1.0, area=1e-4, material=alloy, velocity=1.0)
     page = visit(solved(ri.System([rod, ri.Wall()])))
     assert alloy.name in page.locator('[id="bodies.0.material"]').inner_text()
     assert page.locator("b").count() == 0
-
-
-@pytest.mark.parametrize(("width", "scheme"), [(360, "dark"), (1280, "light")])
-def test_an_accessibility_checker_finds_nothing(visit, solved, width, scheme):
-    checker = Path(os.environ.get("AXE_CORE", ""))
-    if not checker.is_file():
-        pytest.skip("AXE_CORE names no axe.min.js (npm install axe-core has one)")
-    page = visit(solved(HERTZ), viewport={"width": width, "height": 800}, color_scheme=scheme,
-                 bypass_csp=True)
-    page.evaluate(checker.read_text(encoding="utf-8") + "; 0")
-    asked = {"rules": {"target-size": {"enabled": True}}}
-    for button in ("#tour-open", "summary", "#guess-first", ""):
-        if button:
-            page.click(button)
-        else:  # what follows from a wrong number
-            page.click("#guess-first")
-            field(page, LENGTH).fill("-5")
-            sync_api.expect(page.locator("html[data-stale]")).to_be_attached()
-        found = page.evaluate("asked => axe.run(document, asked)", asked)["violations"]
-        assert [(v["id"], [node["html"] for node in v["nodes"]]) for v in found] == []
 
 
 def test_the_latest_design_is_solved(visit):
@@ -756,9 +667,6 @@ def test_a_page_in_a_frame_of_a_notebook_solves_too(visit, tmp_path):
 
 
 @pytest.mark.parametrize(("address", "words"), [
-    ("#case.schema=1&case.bodies.0.kind=rod&case.bodies.0.length=-1&case.bodies.0.area=1e-4"
-     "&case.bodies.0.material=steel&case.bodies.1.kind=wall",
-     "must be a finite positive number, got \u22121000 mm"),
     ("#case.schema=1&case.gravity=9.81&case.bodies.0.kind=rod"
      "&case.bodies.0.length=1&case.bodies.0.area=1e-4&case.bodies.0.material=steel",
      "this page cannot solve gravity; Python can"),

@@ -32,19 +32,13 @@ STEPPED = ri.Rod(velocity=1.0, segments=[ri.Segment(0.2, area, STEEL) for area i
 SYSTEMS = {
     "short hits long": ([rod(0.4, 1.0), rod(1.0)], {}, {}, [
         f"Rod 1's {RETURNS}", ENDS, "touch without force until they part", " = l₁/l₂; "]),
-    "long hits short": ([rod(1.0, 1.0), rod(0.4)], {}, {}, [f"Rod 2's {RETURNS}", " = l₂/l₁; "]),
     "equal": ([rod(1.0, 1.0), rod(1.0)], {}, {}, [f"Each rod's {RETURNS}", "; 0 % of the energy"]),
-    "not at once": ([rod(0.4, 1.0), rod(1.0)], {"gaps": [1e-4]}, {}, [
-        f"Rod 1's {RETURNS} 158.5", "until they part at", " = l₁/l₂; "]),
     "wall": ([rod(1.0, 1.0), ri.Wall()], {}, {}, [
         f"Rod 1's {RETURNS}", "since a wall cannot pull", "the mean velocity to -1 m/s"]),
     "thick hits thin": ([rod(0.4, 1.0, 3e-4), rod(1.0)], {}, {}, [
         f"Rod 1's {RETURNS}", "lowers the force to 0.5 times its value", "contact goes on",
         f"Rod 2's {RETURNS}", ENDS]),
     "stepped": ([STEPPED, rod(1.0)], {}, {}, ["a wave arrives and lowers the force"]),
-    "another speed": ([rod(0.4, 1.0), rod(
-        0.5, material=ri.Material("slow", youngs_modulus=100e9, density=15700.0))], {}, {}, [
-        " = T₁/T₂; "]),
     "chain": ([rod(0.2, 1.0), rod(0.2), rod(0.2)], {}, {}, [
         "first contact to press is that of rod 1 and rod 2", "between rod 2 and rod 3, ends",
         "velocities after the collision"]),
@@ -53,8 +47,6 @@ SYSTEMS = {
     "mass": ([ri.RigidMass(0.5, velocity=1.0), rod(1.0)], {}, {}, ["2 transit times of rod 2."]),
     "cut short": ([rod(0.4, 1.0), rod(1.0)], {}, {"until": 1e-4}, [
         "press to the end of the run", "before the collision was final; leave out until="]),
-    "pushed": ([rod(0.4), rod(1.0)], {"ends": (ri.Pushed(1e3), ri.Free())}, {"until": 1e-3}, [
-        "while an end is driven, no contact is known to be the last"]),
     "apart": ([rod(0.4, -1.0), rod(1.0)], {}, {}, ["No contact that can open presses."]),
 }
 
@@ -68,13 +60,10 @@ def test_the_reason_names_what_happens_at_the_contacts(name):
 
 CLAIMS = {
     "uniform": ([rod(0.4, 1.0), rod(1.0)], {}, True),
-    "impedances": ([rod(0.4, 1.0), rod(1.0, area=2e-4)], {}, False),
     "materials": ([rod(0.4, 1.0), rod(1.0, material=ALUMINIUM)], {}, False),
     "stepped": ([STEPPED, rod(1.0)], {}, False),
     "compliant": ([rod(0.4, 1.0), rod(1.0)], {"contacts": [ri.Spring(1e11)]}, False),
     "vibrating": ([rod(0.4).replace(velocity=ri.Steps([2.0, 0.0], [0.2])), rod(1.0)], {}, False),
-    "strained": ([rod(0.4, 1.0).replace(strain=1e-5), rod(1.0)], {}, False),
-    "wall": ([rod(0.4, 1.0), ri.Wall()], {}, False),
 }
 
 

@@ -1,7 +1,6 @@
 """Compliant contacts and rigid masses on the page: characteristics as JavaScript."""
 
 import math
-import re
 import tomllib
 from itertools import pairwise
 
@@ -18,7 +17,6 @@ from rodimpact.explorer.smooth import smooth_known
 from rodimpact.explorer.solved import roundness_of, scene_of
 from rodimpact.explorer.solver import CONSTANTS, KNOWN
 from rodimpact.explorer.tables import RULES, lacking, mistakes, row_of
-from rodimpact.storage.tables import clean
 
 STEEL, ALUMINIUM = ri.materials.steel, ri.materials.aluminium
 
@@ -107,55 +105,13 @@ def test_random_rows_within_the_stated_error(block):
                 outcome.restitution, abs=found["error"] + 1e-12)
 
 
-NUMBER = re.compile(r"(-?[\d.]+(?:e[+-]\d+)?)\s?([pnµmkMG]?)(?:N s|m/s|N|s|J)?(?: ± .*)?")
-PREFIX = {"": 1.0, "p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
-
-
-def assert_shown(text, true, digits, off):
-    """The text is the true number to as many digits, or to a stated error that is told."""
-    number, prefix = NUMBER.fullmatch(text.replace("\u2212", "-").replace("\u00a0", " ")).groups()
-    prefix = "" if text.endswith(" m/s") and f"{number} m/s" == text else prefix
-    last = 10.0 ** (math.floor(math.log10(max(abs(true), 1e-300))) + 1 - digits)
-    assert abs(float(number) * PREFIX[prefix] - true) <= 0.51 * last + off, text
-    assert off <= 0.6 * last or "±" in text or true == 0
-
-
-@needs_node
-@pytest.mark.parametrize("block", few_of(range(5), {0}))
-def test_numbers_shown_are_those_of_solve_to_the_digits_shown(block):
-    cases = [case for case in map(random_row, range(1000, 1100))
-             if len(case.system.bodies) < 4][10 * block : 10 * block + 10]
-    for case, page in zip(cases, shown_by_the_page(cases), strict=True):
-        outcome, errors = solve(case).outcome, page["outcome"]["errors"]
-        rows = [text for name, text in page["scene"]["results"] if name != "method"]
-        fastest = max(map(abs, (*outcome.velocities_before, *outcome.velocities_after)))
-        true = [(clean(v, fastest), 4, errors["velocity"])
-                for v, kind in zip(outcome.velocities_after, outcome.bodies, strict=True)
-                if kind != "wall"]
-        for tally in outcome.contacts:
-            true += [(getattr(tally, key), 5, errors[key])
-                     for key in ("impulse", "peak_force", "duration")]
-        before, left = outcome.kinetic_before, sum(outcome.vibration_after)
-        true += [(before, 5, 0.0), (clean(left, before), 5, errors["energy"])]
-        assert len(rows) == len(true)
-        for text, known in zip(rows, true, strict=True):
-            assert_shown(text, *known)
-        if not outcome.why_no_restitution():
-            error = page["outcome"]["error"]
-            e = outcome.restitution
-            assert_shown(page["scene"]["restitution"]["text"], clean(e, 1.0), 5, error)
-
-
 ROD = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
 PICTURES = {
     "hertz": ri.System([ROD, ROD.replace(velocity=-0.2)], contacts=[ri.Hertz(1e10)]),
-    "mass": ri.System([ri.RigidMass(0.2, velocity=1.0), ROD.replace(velocity=0.0)]),
     "strained": ri.System([ROD.replace(strain=1e-5), ri.RigidMass(0.5), ri.Wall()], [1e-5, 2e-5],
                           [ri.Spring(1e9), ri.Hertz(1e11)]),
     "ends": ri.System([ROD, ROD], contacts=[ri.SpringDashpot(1e8, damping=500.0)],
                       ends=(ri.Moved(0.5), ri.Absorbing())),
-    "incoming": ri.System([ROD, ROD], contacts=[ri.Spring(1e8)],
-                          ends=(ri.Incoming(1e-5), ri.Fixed())),
     "blow": ri.System([ri.RigidMass(0.5, velocity=2.0), ri.RigidMass(0.5, velocity=1.0), ROD],
                       [0.0, 1e-5], [ri.Rigid(restitution=0.8), ri.Rigid()]),
 }
@@ -164,7 +120,7 @@ PICTURES = {
 @needs_node
 @pytest.mark.parametrize("name", PICTURES)
 def test_the_picture_is_that_of_the_solution(name):
-    driven = name in ("ends", "incoming")
+    driven = name == "ends"
     case = ri.Case(PICTURES[name], {"until": 6e-4} if driven else {})
     rods = [i for i, body in enumerate(case.system.bodies) if isinstance(body, ri.Rod)]
     page, = shown_by_the_page([case], [{"body": rods[-1], "fraction": 0.3}])
