@@ -92,24 +92,6 @@ def test_fields_are_those_of_the_other_method(seed):
         assert getattr(ours, name) == pytest.approx(getattr(theirs, name), abs=1e-9), name
 
 
-@pytest.mark.parametrize("end", [
-    ri.Absorbing(), ri.Pushed(ri.Steps([0.0, 0.3, 0.0], [0.5, 2.5])), ri.Moved(-0.25),
-    ri.Incoming(ri.Steps([0.0, -0.15, 0.0], [0.5, 2.5])),
-], ids=["absorbing", "force", "velocity", "incoming"])
-def test_contacts_are_those_of_the_other_method(end):
-    """A short rod strikes a long one; until they meet again, which is in the midst of a step."""
-    system = ri.System([rod(0.5, 1.0, 0.7), rod(4.0)], ends=(ri.Free(), end))
-    exact = ri.solve(system, 5.5, "fronts")
-    steps = ri.solve(system, 5.5, "characteristics")
-    ours, theirs = exact.outcome.contacts[0], steps.outcome.contacts[0]
-    assert ours.impulse == pytest.approx(theirs.impulse, abs=1e-9)
-    assert (ours.peak_force, ours.duration) == pytest.approx((theirs.peak_force, theirs.duration))
-    assert exact.outcome.velocities_after == pytest.approx(steps.outcome.velocities_after, abs=1e-9)
-    times = np.linspace(0, 5.5, 23)
-    assert exact.energy(times).radiated == pytest.approx(steps.energy(times).radiated, abs=1e-9)
-    assert exact.energy(times).drive_work == pytest.approx(steps.energy(times).drive_work, abs=1e-9)
-
-
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
@@ -159,16 +141,6 @@ def test_nothing_comes_back_from_an_absorbing_end():
     assert solution.outcome.restitution == pytest.approx(0.0, abs=1e-15)
 
 
-def test_what_is_outside_goes_on_as_the_rod_begins():
-    """A strained moving rod that goes on for ever does not know where it was cut."""
-    system = ri.System([rod(1.0, 0.3, strain=0.2)], ends=(ri.Absorbing(), ri.Absorbing()))
-    solution = ri.solve(system, until=9.0)
-    assert solution.events == 2
-    x, t = np.linspace(0, 1, 5)[:, None], np.linspace(0, 9, 50)
-    assert np.allclose(solution.velocity(0, x, t), 0.3, atol=1e-15)
-    assert np.allclose(solution.strain(0, x, t), 0.2, atol=1e-15)
-
-
 @pytest.mark.parametrize(("side", "area"), [(0, 1.0), (1, 3.0)])
 def test_a_steady_force_makes_staircases(side, area):
     """The driven end of a free rod moves at F/Z (2 k + 1) after k round trips, the other at 2 k."""
@@ -200,18 +172,6 @@ def test_a_driven_velocity_is_a_moving_wall_that_holds():
     assert b.outcome.contacts[0].impulse == pytest.approx(a.outcome.contacts[1].impulse, rel=1e-13)
 
 
-def test_a_pulse_of_force_runs_along_the_rod():
-    force = ri.Pushed(ri.Steps([0.0, 2.0, 0.0], [0.25, 0.5]))
-    solution = ri.solve(ri.System([rod(2.0)], ends=(force, ri.Absorbing())), until=5.0)
-    t = np.arange(0.05, 5, 0.1)
-    pulse = np.where((t > 1.25) & (t < 1.5), 2.0, 0.0)
-    assert -solution.axial_force(0, 1.0, t) == pytest.approx(pulse, abs=1e-15)
-    assert solution.outcome.drive_work == solution.outcome.radiated == pytest.approx(1.0, rel=1e-14)
-    ledger = solution.energy([0.3, 0.75, 2.4, 4.0])
-    assert ledger.drive_work == pytest.approx([0.2, 1.0, 1.0, 1.0], rel=1e-13)
-    assert ledger.radiated == pytest.approx([0.0, 0.0, 0.6, 1.0], rel=1e-13, abs=1e-15)
-
-
 # Balances ----------------------------------------------------------------------------------------
 
 
@@ -233,23 +193,6 @@ def test_momentum_and_energy_balance(seed):
             if not (held[0] and body == 0) and not (held[1] and body == len(system.bodies) - 1):
                 there = float(solution.mean_velocity(body, solution.t_end))
                 assert there == pytest.approx(v, abs=1e-10)
-
-
-@given(seeds)
-def test_where_no_end_is_driven_none_works(seed):
-    """Not even round-off of the speed of a fixed end."""
-    system = with_ends(seed, driven=False)
-    assert ri.solve(system, horizon(system, 6.0), "fronts", max_events=CAP).outcome.drive_work == 0
-
-
-@given(seeds)
-def test_the_ledger_balances_at_every_time(seed):
-    system = with_ends(seed)
-    solution = ri.solve(system, horizon(system, 6.0), "fronts", max_events=CAP)
-    book = solution.energy(np.linspace(0, solution.t_end, 7))
-    works = sum(np.abs(w).max() for w in (book.wall_work, book.drive_work, book.radiated))
-    mass = sum(m for m in solution.outcome.masses if m < np.inf)
-    assert np.abs(book.residual).max() <= 1e-11 * (book.total[0] + works + mass)
 
 
 @given(seeds)
@@ -314,14 +257,6 @@ def test_an_endless_end_stays_within_its_bound(seed, right):
     assert np.abs(place).max() <= reach * (1 + 1e-9) + 1e-12 * np.abs(end).max()
     late = np.abs(place[t > 0.9 * until]).max()
     assert late <= 0.25 * reach + 1e-12 * np.abs(end).max()
-
-
-def test_an_endless_bar_that_pushes_a_wall_pushes_on():
-    solution = ri.solve(ri.System([rod(velocity=1e-3), ri.Wall()],
-                                  ends=(ri.Absorbing(), ri.Free())))
-    assert solution.final
-    assert "goes on pressing" in solution.status
-    assert solution.contacts[0].force(solution.t_end) == pytest.approx(1e-3)
 
 
 @pytest.mark.parametrize("area", [0.3, 1.0, 1.1, 2.0, 10.0])
@@ -413,60 +348,6 @@ def test_a_state_can_be_continued(seed, part):
     for body in range(len(system.bodies)):
         there = float(rest.mean_velocity(body, rest.t_end))
         assert there == pytest.approx(float(whole.mean_velocity(body, until)), abs=1e-10)
-
-
-@pytest.mark.parametrize("seed", few_of(range(20), range(4)))
-def test_a_solution_is_kept_in_a_file(seed, tmp_path):
-    system = with_ends(seed)
-    solution = ri.solve(system, horizon(system, 5), "fronts", max_events=CAP)
-    solution.save(tmp_path / "run.npz")
-    again = ri.load(tmp_path / "run.npz")
-    assert again.outcome == solution.outcome
-    assert again.system == system
-    times = np.linspace(0, solution.t_end, 9)
-    for name in ("total", "drive_work", "radiated", "residual"):
-        ours, theirs = (getattr(s.energy(times), name) for s in (solution, again))
-        assert ours.tolist() == theirs.tolist()
-
-
-def test_members_of_a_family_are_single_collisions():
-    striker = rod(np.array([0.3, 0.5, 1.7]), 1e-3, np.array([[0.3], [2.0]]))
-    stepped = ri.Rod(segments=[ri.Segment(0.5, 1.0, M), ri.Segment(0.7, 2.0, M)],
-                     velocity=ri.Steps([0.0, 1e-4], [0.4]))
-    family = ri.System([striker, stepped], [1e-3], ends=(ri.Free(), ri.Absorbing()))
-    result = ri.sweep(family, on_error="record")
-    assert result.method == "fronts"
-    assert result.final.all()
-    for index in np.ndindex(family.shape):
-        outcome = ri.solve(family[index]).outcome
-        assert tuple(v[index] for v in result.velocities_after) == outcome.velocities_after
-        assert result.impulse[index] == outcome.impulse
-        assert result.vibration[index] == pytest.approx(sum(outcome.vibration_after), rel=1e-12)
-        assert result.restitution[index] == outcome.restitution
-
-
-def test_a_family_of_driven_rows_says_what_it_needs():
-    family = ri.System([rod(), rod()], ends=(ri.Pushed(np.array([1.0, 2.0])), ri.Free()))
-    with pytest.raises(ri.InvalidModel, match="until: must be given"):
-        ri.sweep(family)
-
-
-@pytest.mark.parametrize("kind", [ri.Pushed, ri.Moved])
-def test_smooth_drives_are_for_the_other_method(kind):
-    system = ri.System([rod()], ends=(ri.Free(), kind(ri.Samples([0.0, 1.0], step=1.0))))
-    with pytest.raises(ri.InvalidModel) as caught:
-        ri.solve(system, 1.0, "fronts")
-    [(path, message)] = caught.value.problems
-    assert path == "ends.right.value"
-    assert message == (
-        'method "fronts" has no drives other than steps; method "characteristics" has')
-    assert ri.solve(system, 1.0).method == "characteristics"
-
-
-def test_a_force_too_large_for_its_energy_is_refused():
-    system = ri.System([rod()], ends=(ri.Pushed(1e150), ri.Free()))
-    with pytest.raises(ri.InvalidModel, match="overflow the energy"):
-        ri.solve(system, 1.0, "fronts")
 
 
 # Kernels -----------------------------------------------------------------------------------------

@@ -152,22 +152,6 @@ def test_prestress_rests(method):
     assert s.outcome.contact_energy_before == pytest.approx(tension**2 / 10.0)
 
 
-@both
-def test_the_film_runs_backwards(method):
-    row = ri.System([unit_rod(velocity=1.0), quick_rod(), ri.Wall()],
-                    contacts=[ri.Joint(3.0), ri.Joint(1.0)])
-    there = solved(row, 2.0, method)
-    assert np.abs([c.gap(2.0) for c in there.contacts]).min() > 0.01
-    back = solved(there.system_at(2.0).reversed(), 2.0, method)
-    # on a grid jumps go to the cells and back; rtol is 1e-8
-    close = 1e-9 if method == "characteristics" else 0.02
-    for contact in back.contacts:
-        assert float(contact.gap(2.0)) == pytest.approx(0.0, abs=close)
-    assert float(back.mean_velocity(0, 2.0)) == pytest.approx(-1.0, abs=close)
-    assert back.outcome.contact_energy_before == pytest.approx(
-        there.outcome.contact_energy, rel=1e-9)
-
-
 def test_a_state_goes_on_with_its_stretch():
     row = ri.System([unit_rod(velocity=1.0), quick_rod()], contacts=[ri.Joint(3.0, 0.4)])
     whole = solved(row, 4.0, "characteristics")
@@ -181,16 +165,6 @@ def test_a_state_goes_on_with_its_stretch():
     assert between == pytest.approx([whole.contacts[0].gap(4.0)] * 2, abs=2e-6)
 
 
-@both
-def test_a_mirror_changes_nothing(method):
-    row = ri.System([ri.RigidMass(0.5, velocity=1.0), quick_rod(), unit_rod(), ri.Wall()],
-                    contacts=[ri.Joint(4.0, 0.2, 0.01), ri.Hertz(9.0), ri.Joint(1.0)])
-    one, other = solved(row, 3.0, method), solved(row.mirrored(), 3.0, method)
-    t = np.linspace(0, 3, 60)
-    for k in range(3):
-        assert other.contacts[2 - k].gap(t) == pytest.approx(one.contacts[k].gap(t), abs=1e-10)
-
-
 def test_a_stiff_joint_is_a_bond():
     def e(law):
         row = ri.System([unit_rod(velocity=1.0), unit_rod(0.5), quick_rod()],
@@ -200,31 +174,6 @@ def test_a_stiff_joint_is_a_bond():
     bonded, *joined = (e(law) for law in (ri.Bonded(), ri.Joint(1e3), ri.Joint(1e5)))
     assert abs(joined[1] - bonded) < 1e-3
     assert abs(joined[1] - bonded) < abs(joined[0] - bonded) / 10
-
-
-@both
-def test_joints_are_watched_up_to_a_given_end(method):
-    """The impulse is what one of two rods has gained: against a step that is much finer."""
-    row = ri.System([unit_rod(velocity=1.0), quick_rod()], contacts=[ri.Joint(3.0)])
-    s = ri.solve(row, 5.0, method, rtol=1e-3)
-    assert 0 < s.accuracy["impulse"] <= 1e-3
-    exact = ri.solve(row, 5.0, "characteristics")
-    impulse = exact.outcome.contacts[0].impulse
-    assert abs(s.outcome.contacts[0].impulse - impulse) <= s.accuracy["impulse"]
-    assert impulse == pytest.approx(
-        1.0 - exact.mean_velocity(0, 5.0) * exact.outcome.masses[0], abs=1e-12)
-
-
-def test_members_of_a_family_are_what_they_are_alone():
-    rng = np.random.default_rng(3)
-    joint = ri.Joint(rng.uniform(1, 5, 3), [0.0, 0.2, 1.0], rng.uniform(-0.1, 0.1, 3))
-    family = ri.System([unit_rod(velocity=1.0), ri.RigidMass(0.4), quick_rod()],
-                       contacts=[ri.Rigid(), joint])
-    result = ri.sweep(family, method="characteristics")
-    for i in range(3):
-        alone = ri.solve(family[i], method="characteristics").outcome
-        assert [float(v[i]) for v in result.velocities_after] == list(alone.velocities_after)
-        assert float(result.restitution[i]) == alone.restitution
 
 
 def test_what_a_joint_is_told_and_what_is_refused():

@@ -17,7 +17,7 @@ from runs import tracked
 
 import rodimpact as ri
 from rodimpact.methods import kernels, tick_rule
-from rodimpact.methods.compiling import as_records, blank
+from rodimpact.methods.compiling import blank
 from rodimpact.methods.fronts import driver, events, finality, layout, march, records, stock
 from rodimpact.methods.fronts.records import Status, Stop
 from rodimpact.methods.fronts.stock import largest_difference
@@ -55,14 +55,6 @@ def test_lengths_in_decimal_fractions_keep_their_ratio():
     assert 10 * a == 9 * c
     assert a == 3 * b
     assert abs(math.log2(whole) - 49) < 1e-3
-
-
-def test_two_materials_make_two_classes():
-    s, t = math.sqrt(3.0), math.sqrt(5.0)
-    ticks, whole = ticks_of([0.3 * s, 0.1 * s, 0.25 * t, 0.5 * t, s])
-    assert ticks[0] == 3 * ticks[1]
-    assert ticks[3] == 2 * ticks[2]
-    assert ticks[3] == pytest.approx(0.5 * t * whole / s, abs=1)
 
 
 def test_ticks_do_not_depend_on_order():
@@ -147,15 +139,6 @@ def test_the_cap_ends_in_a_status(events):
     assert events <= solution.events <= events + 7  # the events of one tick are taken together
 
 
-def test_a_row_of_many_rods_uses_the_same_rule():
-    m = ri.Material("m", youngs_modulus=1.0, density=1.0)
-    lengths = [float(x) for x in np.random.default_rng(1).uniform(0.5, 1.0, 300)]
-    lengths[17], lengths[200] = 0.3, 0.1
-    clock = tracked(ri.System([ri.Rod(x, area=1.0, material=m) for x in lengths])).clock
-    assert clock.transit_error < 1e-12
-    assert clock.ticks[18] == 3 * clock.ticks[201]
-
-
 @pytest.mark.parametrize("module", [tick_rule, layout, events, finality, stock, march])
 def test_kernel_files_stand_alone(module):
     """They know numbers and each other, and nothing of the model; so the page can take them."""
@@ -166,17 +149,6 @@ def test_kernel_files_stand_alone(module):
     }
     known = "__future__|math|typing|records|events|finality|layout|stock|tick_rule"
     assert {name for name in imported if not re.match(known, name)} <= {"numpy"}
-
-
-@pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
-def test_the_compiled_tick_rule_is_the_same():
-    rng = np.random.default_rng(11)
-    fast = kernels.compiled(assign_ticks)
-    for _ in range(50):
-        plain = spans_of([*rng.uniform(0.1, 1, 4), *(rng.integers(1, 9, 4) / 7)])
-        spans = as_records(plain, SPAN)
-        assert fast(spans, 49, 0) == assign_ticks(plain, 49)
-        assert spans.tobytes() == as_records(plain, SPAN).tobytes()
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
@@ -238,11 +210,6 @@ def test_machine_code_on_disk_costs_the_start_of_numba_and_its_loading(fresh):
     assert spent_before_compiling(PIECES) == 0  # numba has started
 
 
-def test_what_is_ahead_counts_as_soon_as_it_is_known(fresh):
-    assert not kernels.worth_compiling(0.01, recognise, ahead=0.3)
-    assert kernels.worth_compiling(0.01, recognise, ahead=60.0)
-
-
 def test_short_jobs_never_look_for_numba(fresh):
     for name in ("_fault", "compiled"):
         fresh.setattr(kernels, name, None)
@@ -257,13 +224,6 @@ def test_one_line_tells_who_watches_that_compiling_takes_long(fresh, capsys, wat
     assert kernels.worth_compiling(60.0, PIECES)
     told = capsys.readouterr().err
     assert told.count("compiling once, ") == told.count("\n") == int(watched)
-
-
-def test_nothing_is_told_of_machine_code_that_is_there(fresh, capsys):
-    fresh.setattr(sys.stderr, "isatty", lambda: True, raising=False)
-    kept_on_disk(fresh, {FOLLOW})
-    assert kernels.worth_compiling(60.0, FOLLOW)
-    assert capsys.readouterr().err == ""
 
 
 def test_where_compiling_is_disabled_nothing_is(fresh):
@@ -357,8 +317,8 @@ os.waitpid(child, 0)
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
 @pytest.mark.parametrize("script", [
-    pytest.param(FORKS, id="compiling", marks=pytest.mark.skipif(
-        not kernels.enabled(), reason="compiling is disabled")),
+    pytest.param(FORKS, id="compiling", marks=[pytest.mark.exhaustive, pytest.mark.skipif(
+        not kernels.enabled(), reason="compiling is disabled")]),
     pytest.param(LOGS, id="logging"),
 ])
 def test_a_child_forked_while_a_thread_compiles_ends(script, tmp_path):

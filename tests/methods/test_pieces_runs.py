@@ -1,8 +1,5 @@
 """Runs of characteristics: what stays the same however they run, are saved and are read."""
 
-import os
-import subprocess
-import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
@@ -77,18 +74,6 @@ def test_members_are_single_solves_in_any_chunks_by_any_executor(monkeypatch):
                 one.impulse, one.peak_force, one.duration)
 
 
-SCRIPT = """
-import numpy as np, sys
-sys.path.insert(0, {tests!r})
-from test_pieces_runs import everything
-from networks import mixed_network
-import rodimpact as ri
-for seed in {seeds}:
-    system, until, _ = mixed_network(np.random.default_rng(seed))
-    print([x.hex() for x in everything(ri.solve(system, until, "characteristics")).tolist()])
-"""
-
-
 @pytest.mark.skipif(bool(kernels.why_not()), reason="there is no compiler")
 def test_plain_python_runs_the_same_bits(monkeypatch):
     seeds = [2003, 2012, 2018, 2024, 2030, 2063]
@@ -98,17 +83,6 @@ def test_plain_python_runs_the_same_bits(monkeypatch):
         systems = [mixed_network(np.random.default_rng(seed))[:2] for seed in seeds]
         found[first] = [everything(ri.solve(s, until, METHOD)).tolist() for s, until in systems]
     assert repr(found[0]) == repr(found[1 << 40])
-
-
-def test_without_a_compiler_a_solve_is_the_same(plain):
-    here = os.path.dirname(__file__)
-    script = SCRIPT.format(tests=here, seeds=[2018])
-    path = os.pathsep.join([os.path.dirname(here), *filter(None, sys.path)])
-    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True,
-                         env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": path})
-    system, until, _ = mixed_network(np.random.default_rng(2018))
-    found = everything(ri.solve(system, until, METHOD))
-    assert run.stdout.strip() == str([x.hex() for x in found.tolist()])
 
 
 # Saved and read -----------------------------------------------------------------------------------
@@ -134,11 +108,3 @@ def test_the_ledger_of_energy_closes(plain, seed):
     book = s.energy(np.linspace(0, until, 33))
     moved = np.abs(book.kinetic).max() + np.abs(book.vibration).max() + 1.0
     assert np.abs(book.residual).max() <= 1e-8 * moved + np.abs(book.numerical).max()
-
-
-def test_a_gauge_is_the_strain_at_its_place(plain):
-    system = ri.System([unit_rod(0.4, velocity=1.0), unit_rod(1.0)], contacts=[ri.Hertz(20.0)])
-    s = ri.solve(system, 4.0)
-    gauge = s.gauge(body=1, x=0.3)
-    t = np.linspace(0.01, 3.99, 50)
-    assert gauge.strain_at(t) == pytest.approx(s.strain(1, 0.3, t), abs=1e-12)

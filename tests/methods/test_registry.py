@@ -115,14 +115,6 @@ def test_the_status_names_the_entry_that_calls_for_a_slower_method(system, optio
     assert ("slower" in status) == bool(said)
 
 
-def test_times_of_snapshots_lie_in_the_run():
-    assert Options(until=1.0, snapshots=[0.0, 1.0]).snapshots == (0.0, 1.0)
-    assert Options(snapshots=np.int64(7)).snapshots == 7
-    for wrong in ([], [-1.0], [2.0], "9", 0, [[1.0]]):
-        with pytest.raises(ri.InvalidModel, match="snapshots"):
-            Options(until=1.0, snapshots=wrong)
-
-
 def test_options_are_values():
     options = Options(until=1, max_events=np.int64(5), snapshots=[0.0])
     assert type(options.until) is float
@@ -142,12 +134,3 @@ def test_solve_and_sweep_take_every_option():
 def test_numbers_of_any_precision_become_floats(name, kind):
     value = getattr(Options(**{name: kind(2)}), name)
     assert (type(value), value) == (float, 2.0)
-
-
-def test_a_step_in_single_precision_is_that_step(tmp_path):
-    single = np.float32(1e-6)
-    rough, exact = (
-        ri.solve(ROW, method="finite-difference", dt=dt) for dt in (single, float(single)))
-    assert rough.fields.clock.tick == exact.fields.clock.tick
-    rough.save(tmp_path / "rough.npz")
-    assert ri.load(tmp_path / "rough.npz").outcome == exact.outcome

@@ -49,14 +49,6 @@ def test_breaks_strictly_inside(pairs, a, b):
     assert signal(pairs).breaks_in(start, stop).tolist() == inside
 
 
-def test_arrays_broadcast():
-    s = Pieces([0, 10], [1.0, 2.0])
-    assert s.at(np.array([[-1, 0], [9, 10]])).tolist() == [[1, 1], [1, 2]]
-    assert s.integral(np.array([[0], [5]]), np.array([10, 20])) == pytest.approx(
-        np.array([[10, 30], [5, 25]])
-    )
-
-
 # Polynomial pieces, beside NumPy's polynomials and SciPy's quadrature
 
 LATE = 1 << 50  # ticks at which a run may be
@@ -142,13 +134,6 @@ def test_straight_lines_between_marks_follow_a_signal():
     assert np.abs(lines - f.at(ticks)).max() < 1e-4 * swing
     assert len(f.marks) < 1000 * len(f.ticks)
     assert Pieces([0, 3], [[1.0, 0.0], [1.0, 0.0]], 9).marks.tolist() == [0, 3, 9]
-
-
-def test_lines_through_values():
-    s = Pieces.through([0, 4, 10], np.array([1.0, 3.0, 0.0]))
-    assert s.at([-1, 0, 2, 4, 7, 10, 12]).tolist() == [1.0, 1.0, 2.0, 3.0, 1.5, 0.0, 0.0]
-    assert float(s.integral(0, 10)) == 17.0
-    assert Pieces.through([0], np.array([2.0])).at([0, 5]).tolist() == [2.0, 2.0]
 
 
 def test_what_acts_for_a_moment_does_not_gather_round_off_afterwards():

@@ -1,6 +1,5 @@
 """Energy and momentum of runs: where it comes from and where it goes."""
 
-import math
 
 import numpy as np
 import pytest
@@ -20,12 +19,6 @@ def ledger_of(seed, driven):
     ledger = solution.energy(np.linspace(0, 2, 33))
     works = ledger.wall_work, ledger.drive_work, ledger.gravity_work, ledger.radiated
     return solution, ledger, works, ledger.total.max() + max(np.abs(w).max() for w in works)
-
-
-@given(seeds)
-def test_energy_never_rises_without_work(seed):
-    _, ledger, _, scale = ledger_of(seed, driven=False)
-    assert np.diff(ledger.total + ledger.radiated).max() <= CLOSE * scale
 
 
 @given(seeds, st.booleans())
@@ -99,12 +92,6 @@ def test_movable_bodies():
     assert movable(ri.System([mass, rod])) == [0, 1]
 
 
-def test_a_row_at_rest_has_no_energy_and_no_residual():
-    s = solved([unit_rod(), unit_rod()], contacts=[ri.Spring(1.0)])
-    assert s.outcome.energy_residual == s.outcome.momentum_residual == 0.0
-    assert not np.any(s.energy(np.linspace(0, 4, 9)).total)
-
-
 def test_absorbing_end_radiates_exactly_what_arrives():
     left = unit_rod(2.0, 3.0, velocity=ri.Steps([0.0, 1.0, 0.0], [0.5, 1.5]))
     s = solved([left], ends=(ri.Free(), ri.Absorbing()))
@@ -147,12 +134,3 @@ def test_forces_and_steps_that_pump_a_row():
         fallen = 2.0 * g * way + g * g / 2
         assert book.gravity_work[0] == pytest.approx(fallen, rel=1e-13, abs=1e-15)
         assert abs(book.residual[0]) <= 1e-13
-
-
-def test_moving_wall_lends_energy():
-    s = solved([ri.Wall(0.5), unit_rod(velocity=-1.0)], until=5.0)
-    outcome = s.outcome
-    assert outcome.velocities_after[1] == pytest.approx(2.0, abs=1e-14)
-    assert outcome.wall_work == pytest.approx(1.5, abs=1e-13)
-    assert outcome.restitution == pytest.approx(1.0, abs=1e-14)
-    assert math.isclose(outcome.kinetic_after, 2.0, rel_tol=1e-13)

@@ -22,7 +22,6 @@ PAIR = ri.System([LEFT, RIGHT])
 
 @pytest.mark.parametrize(("system", "source"), [
     (PAIR, "Saint-Venant 1867"),
-    (PAIR.mirrored(), "Saint-Venant 1867"),
     (ri.System([LEFT, ri.Wall()]), "textbook, box 10.4"),
     (ri.System([ri.Wall(1.0), RIGHT]), "textbook, box 10.4"),
     (ri.System([MASS, RIGHT]), "Boussinesq"),
@@ -45,8 +44,6 @@ def test_a_closed_form_is_that_of_the_collision(system, source):
     ri.System([RIGHT, LEFT]),
     ri.System([LEFT, RIGHT], gravity=1.0),
     ri.System([LEFT, RIGHT], ends=(ri.Free(), ri.Absorbing())),
-    ri.System([rod(0.4, 1.0, strain=1e-5), RIGHT]),
-    ri.System([rod(0.4, ri.Steps([1, 2], [0.1])), RIGHT]),
     ri.System([rod(velocity=ri.Steps([1.0, 2.0], [0.5])), rod(area=[1e-4, 2e-4])]),
     ri.System([rod(strain=ri.Steps([0.0, 1e-5], [0.5])), rod(area=[1e-4, 2e-4])]),
     ri.System([LEFT, rod(material=DAMPED)]),

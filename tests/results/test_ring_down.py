@@ -40,12 +40,6 @@ def test_without_damping_it_never_does():
     assert "never" in str(found)
 
 
-def test_exact_solutions_ring_for_ever():
-    found = ri.solve(pair(STEEL), until=2e-3).ring_down()
-    assert found.vibration == pytest.approx(94.2e-3, rel=1e-11)
-    assert found.decay_time == math.inf
-
-
 def test_masses_and_the_rod_that_lasts():
     mass = ri.RigidMass(0.1, velocity=-1.0)
     row = ri.System([*pair(LOSSY).bodies, mass], gaps=[0.0, 1e-2], contacts=[ri.Rigid()] * 2)

@@ -47,11 +47,6 @@ def test_two_hundred_length_ratios():
     assert abs(ri.collide(rod(0.3, 1.0), rod(0.1)).restitution - 1 / 3) <= 1e-12
 
 
-def test_length_ratio_of_a_million():
-    outcome = ri.collide(rod(1e-6, 1.0), rod(1.0))
-    assert outcome.restitution == pytest.approx(1e-6, rel=1e-9)
-
-
 def test_lengths_too_far_apart_say_so():
     with pytest.raises(ri.InvalidModel, match=r"bodies.0: its transit time"):
         ri.collide(rod(1e-13, 1.0), rod(1.0))
@@ -124,18 +119,6 @@ def test_velocity_is_the_derivative_of_displacement(mixed):
         assert change[smooth] / h == pytest.approx(mixed.velocity(body, x, t)[smooth], abs=1e-5)
 
 
-def test_strain_is_the_slope_of_displacement(mixed):
-    rng = np.random.default_rng(4)
-    for body, length in ((1, 0.4), (2, 0.8), (3, 0.25)):
-        x = rng.uniform(0, length * 0.999, 50)
-        t = rng.uniform(0, 1e-3, 50)
-        h = 1e-6
-        slope = (mixed.displacement(body, x + h, t) - mixed.displacement(body, x, t)) / h
-        smooth = mixed.strain(body, x, t) == mixed.strain(body, x + h, t)
-        assert smooth.sum() > 35
-        assert slope[smooth] == pytest.approx(mixed.strain(body, x, t)[smooth], abs=1e-9)
-
-
 @pytest.mark.parametrize("transposed", [False, True])
 @pytest.mark.parametrize("compiling", [False, True])
 def test_grids_and_points_agree_bit_for_bit(mixed, compiling, transposed):
@@ -161,10 +144,10 @@ def test_walls_have_a_velocity_but_no_inside(mixed):
 
 
 @pytest.mark.parametrize(("call", "name"), [
-    (lambda s: s.velocity(1, 0.2, 1.0), "t:"), (lambda s: s.velocity(1, 0.2, -1e-9), "t:"),
-    (lambda s: s.velocity(1, 0.2, float("nan")), "t:"), (lambda s: s.velocity(1, 0.41, 0.0), "x:"),
+    (lambda s: s.velocity(1, 0.2, 1.0), "t:"),
+    (lambda s: s.velocity(1, 0.41, 0.0), "x:"),
     (lambda s: s.strain(1, -0.1, 0.0), "x:"), (lambda s: s.velocity(4, 0.1, 0.0), "body:"),
-    (lambda s: s.velocity(-1, 0.1, 0.0), "body:"), (lambda s: s.gauge(0, 0.1), "wall"),
+    (lambda s: s.gauge(0, 0.1), "wall"),
     (lambda s: s.velocity(1, 0.1, 0.0, side="up"), "side:"), (lambda s: s.energy(2.0), "t:"),
     (lambda s: s.contacts[0].force(2.0), "t:"), (lambda s: s.system_at(2.0), "t:"),
 ])
@@ -204,16 +187,6 @@ def test_the_interval_that_has_few_regions_is_the_longest_of_its_kind(unequal, l
 def test_more_regions_than_a_picture_shows_are_refused_with_the_number(unequal):
     with pytest.raises(ValueError, match=r"more than 1 regions .* fewer pieces"):
         readable_until(unequal, 1)
-
-
-def test_regions_of_an_interval(unequal):
-    regions = regions_of(unequal, 1e-5, 3e-5)
-    assert regions.t.min() == pytest.approx(1e-5)
-    assert regions.t.max() == pytest.approx(3e-5)
-    with pytest.raises(ValueError, match="limit"):
-        regions_of(unequal, limit=3)
-    with pytest.raises(ValueError, match="stop"):
-        regions_of(unequal, 1e-5, 1e-5)
 
 
 def test_a_gauge_separates_the_waves(unequal, tmp_path):
@@ -257,44 +230,10 @@ def test_outcomes_without_a_restitution_say_why():
     assert "leave out until" in early.status
 
 
-def test_a_vibrating_rod_can_give_more_than_one():
-    squeezed = rod(1.0, 0.1, strain=-1e-4)
-    outcome = ri.collide(squeezed, rod(1.0))
-    assert outcome.final
-    assert outcome.restitution > 1
-
-
 def test_a_distant_wall_is_still_reached():
     outcome = ri.collide(rod(0.3, 1e-3), ri.Wall(), gap=10.0)
     assert outcome.restitution == pytest.approx(1.0, abs=1e-12)
     assert outcome.contacts[0].first == pytest.approx(1e4, rel=1e-12)
-
-
-def test_solve_refuses_what_it_cannot_do():
-    family = ri.System([rod(np.array([0.1, 0.2]), 1.0), rod(1.0)])
-    with pytest.raises(ri.InvalidModel, match="sweep"):
-        ri.solve(family)
-    single = ri.System([rod(1.0)])
-    for arguments, name in [
-        ({"until": -1.0}, "until"), ({"until": float("nan")}, "until"), ({"until": "1"}, "until"),
-        ({"method": "spectral"}, "method"), ({"max_events": 0}, "max_events"),
-        ({"max_events": True}, "max_events"), ({"until": 1e12}, "until"),
-    ]:
-        with pytest.raises(ri.InvalidModel, match=name):
-            ri.solve(single, **arguments)
-    with pytest.raises(ri.InvalidModel, match="system"):
-        ri.solve([rod(1.0)])
-
-
-def test_zero_time_is_a_solution():
-    solution = ri.solve(ri.System([rod(1.0, 1.0), rod(0.5)]), until=0.0)
-    assert solution.t_end == 0.0
-    assert solution.velocity(0, 0.5, 0.0) == 1.0
-
-
-def test_velocities_whose_energy_overflows_are_refused():
-    with pytest.raises(ri.InvalidModel, match="overflow"):
-        ri.collide(rod(1.0, 1e150), rod(1.0))
 
 
 def test_rods_squeezed_between_walls_for_good():
@@ -342,14 +281,6 @@ def test_limits_are_right_after_a_thousand_transits():
     gauge = solution.gauge(1, 0.1)
     assert (solution.strain(1, 0.1, gauge.times) == gauge.strain).all()
     assert (solution.strain(1, 0.1, gauge.times[1:], side="left") == gauge.strain[:-1]).all()
-
-
-def test_any_end_is_inside_the_solution():
-    for until in np.geomspace(1e-14, 1e-2, 60):
-        solution = ri.solve(ri.System([rod(0.4, 1.0), rod(1.0)]), until=float(until))
-        assert solution.t_end == until
-        assert np.isfinite(solution.velocity(0, 0.1, solution.t_end))
-        assert np.isfinite(solution.energy(solution.t_end).total)
 
 
 def test_bodies_moving_apart_over_any_distance():
