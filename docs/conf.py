@@ -17,6 +17,7 @@ from sphinx.application import Sphinx
 import rodimpact
 
 HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
 os.environ["RODIMPACT_ROOT"] = str(HERE.parent)  # where cells find records and cases
 os.environ["PATH"] = str(Path(sys.executable).parent) + os.pathsep + os.environ["PATH"]  # commands
 
@@ -24,7 +25,8 @@ project = "rodimpact"
 release = version = rodimpact.__version__
 author = copyright = "The rodimpact developers"  # noqa: A001
 extensions = [
-    "myst_nb", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.intersphinx",
+    "mathml", "myst_nb", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.autosummary",
+    "sphinx.ext.intersphinx",
 ]
 exclude_patterns = ["_build", "**/.ipynb_checkpoints"]
 source_suffix = {".rst": "restructuredtext", ".md": "myst-nb"}  # .rst is made by autosummary
@@ -37,6 +39,8 @@ nb_merge_streams = True
 nb_output_stderr = "remove"  # such as how long compiling takes; what fails stops the build
 nb_render_markdown_format = "myst"
 myst_heading_anchors = 3
+myst_enable_extensions = ["dollarmath"]
+html_math_renderer = "mathml"
 
 autosummary_generate = True
 autodoc_typehints = "none"  # docstrings say what they take, with units

@@ -3,6 +3,7 @@
 import contextlib
 import doctest
 import importlib
+import importlib.util
 import inspect
 import io
 import pkgutil
@@ -10,6 +11,7 @@ import re
 from pathlib import Path
 
 import pytest
+from matplotlib.text import Text
 
 import rodimpact
 
@@ -79,3 +81,17 @@ def test_every_public_name_is_documented_and_most_have_an_example():
     texts = [inspect.getdoc(getattr(rodimpact, name)) or "" for name in rodimpact.__all__]
     assert all(texts)
     assert sum(">>>" in text for text in texts) >= 35
+
+
+def test_figures_of_the_theory_are_drawn_by_their_functions():
+    spec = importlib.util.spec_from_file_location("figures", ROOT / "docs" / "theory_figures.py")
+    figures = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(figures)
+    shown = re.findall(r"\(figures/theory_(\w+)\.svg\)", (ROOT / "docs" / "theory.md").read_text())
+    assert shown == [draw.__name__ for draw in figures.FIGURES]
+    assert all((figures.FOLDER / f"theory_{name}.svg").stat().st_size < 60_000 for name in shown)
+    texts = {name: (figures.FOLDER / f"theory_{name}.svg").read_text("utf-8") for name in shown}
+    for draw in figures.FIGURES[:7]:
+        labels = [text.get_text() for text in draw().figure.findobj(Text)]
+        words = [label for label in labels if label.isalpha() and label.isascii()]
+        assert all(word in texts[draw.__name__] for word in words), draw.__name__
