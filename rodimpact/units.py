@@ -37,7 +37,9 @@ UNITS: dict[str, dict[str, str]] = {
     "velocity": {"m/s": "1", "cm/s": "1e-2", "mm/s": "1e-3", "km/s": "1e3", "km/h": "5/18"},
     "time": {"s": "1", "ms": "1e-3", "us": "1e-6", "ns": "1e-9"},
     "frequency": {"Hz": "1", "kHz": "1e3", "MHz": "1e6"},
+    "rate": {"1/s": "1", "1/ms": "1e3"},
     "force": {"N": "1", "mN": "1e-3", "kN": "1e3", "MN": "1e6", "lbf": "4.4482216152605"},
+    "energy": {"J": "1", "mJ": "1e-3", "kJ": "1e3"},
     "mass": {"kg": "1", "g": "1e-3", "mg": "1e-6", "t": "1e3", "lb": "0.45359237"},
     "acceleration": {"m/s^2": "1", "cm/s^2": "1e-2", "mm/s^2": "1e-3"},
     "dimensionless": {"%": "1e-2", "microstrain": "1e-6"},
@@ -54,7 +56,7 @@ UNITS: dict[str, dict[str, str]] = {
 
 _QUANTITY = re.compile(
     r"(?P<number>[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE](?P<power>[+-]?[0-9]+))?)"
-    r"\s*(?P<unit>[^0-9\s.,+-].*)?"
+    r"\s*(?P<unit>(?<=\s)1/\w+|[^0-9\s.,+-].*)?"
 )
 _SPELLINGS = str.maketrans(
     {"\u00b5": "u", "\u03bc": "u", "\u00b2": "^2", "\u00b3": "^3", "\u2074": "^4", "\u00b7": " ",

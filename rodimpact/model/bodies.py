@@ -379,7 +379,7 @@ def _check_theory(problems: Problems, theory: Any, material: Any) -> None:
     if not isinstance(theory, str) or theory not in THEORIES:
         message = f"unknown theory {shown(theory)}; {frozen.nearest(theory, THEORIES)}"
         problems.append(("lateral_inertia", message))
-    if not isinstance(material, Material):
+    if not isinstance(material, Material) or not isinstance(theory, str):
         return
     nu, path = material.poisson_ratio, "material.poisson_ratio"
     if nu is None:

@@ -478,7 +478,8 @@ def _constructor(cls: type[Declared]) -> Any:
         if name == "_":
             header += ", *"
         elif not kind.startswith("ClassVar"):
-            default = cls.fields.get(name, Field()).default
+            declared = cls.fields.get(name)
+            default = declared.default if declared else getattr(cls, name, REQUIRED)
             header += f", {name}: {_TAKEN.get(kind, kind)}"
             header += "" if default is REQUIRED else f" = {default!r}"
             passed += f"{name}={name}, "

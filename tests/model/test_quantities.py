@@ -39,6 +39,8 @@ EXAMPLES = [
 SINGLE = [
     ri.waves.Bar(5e3, 0.3, 1.0), ri.Bridge("half", gauge_factor=2.0, excitation=1.0,
                                            poisson_ratio=0.3),
+    ri.BarGauge(ri.Signal([0.0, 1.0], dt=1.0), 0.5),
+    ri.Specimen(5e-3, area=1e-4, youngs_modulus=1e11),
 ]
 """Of these no number can be an array."""
 APART = {"gaps": "a list", "diameter": "becomes an area", "exponent": "is at least 1"}

@@ -1,0 +1,315 @@
+"""Bars that measure: from strains at gauges to the two waves of a bar at its specimen face.
+
+A gauge at the distance d from the face records e(t) = i(t + d/c) + r(t - d/c): i runs towards the
+face, r away from it, both as they are at the face, each frequency f at its own phase velocity
+c(f). Strains are positive in compression here. One gauge tells the two waves apart only while
+they pass it one after the other. Two gauges do so from rest on: `separated` finds the two waves,
+zero before the pulse arrives, that leave the least of both records. Waves that fit a whole number
+of times between the gauges, f = n c/(2 D), are seen by neither; they are damped there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from .. import waves
+from ..model.arguments import of_kind
+from ..model.bodies import Rod
+from ..model.frozen import Declared, Problems, quantity, refusal
+from ..model.quantities import Floats
+from ..units import shown
+from .comparison import Pulse, pulse_of
+from .signal import Signal
+
+Compression: TypeAlias = Literal["negative", "positive"]
+EXAMPLE = "ri.BarGauge(bridge.strain(volts), distance=0.5)"
+QUIET = 16  # samples before the pulse, the fewest that tell baseline and noise
+ITERATIONS = 60  # of the least squares of two gauges; more would fit the noise
+DAMPING = 1e-2  # of a wave that the gauges do not see
+ENDED = 0.15  # of the plateau: an incident pulse below that has passed
+
+
+class BarGauge(Declared):
+    """A strain gauge on a bar, what it recorded, and how far it is from the specimen.
+
+    Parameters
+    ----------
+    signal : Signal
+        Strain, or volts with a `gain`; samples at equal steps, with rest before the pulse.
+    distance : float
+        From the gauge to the face of the bar at the specimen, m.
+    opposite : Signal, optional
+        Of the gauge on the other side of the bar, at the same times. The mean of both is free of
+        bending.
+    gain : float
+        Strain for each unit of the signal.
+
+    Raises
+    ------
+    InvalidModel
+        Naming every argument that is not what it should be.
+
+    Examples
+    --------
+    >>> BarGauge(Signal([0.0, -1e-3, 0.0], dt=1e-6), distance=0.5).distance
+    0.5
+    """
+
+    signal: Signal
+    distance: float = quantity("m", "non-negative", single=True)
+    opposite: Signal | None = None
+    gain: float = quantity("", default=1.0, single=True)
+
+    def _check(self, problems: Problems) -> None:
+        given: dict[str, Any] = {"signal": self.signal}
+        if self.opposite is not None:
+            given["opposite"] = self.opposite
+        for name, signal in given.items():
+            if not isinstance(signal, Signal):
+                problems.append((name, f"must be a Signal, got {shown(signal)}"))
+            elif signal.unit and type(self.gain) is float and self.gain == 1:
+                message = f"must be strain, got {signal.unit}; give bridge.strain(volts), or gain"
+                problems.append((name, message))
+            else:
+                try:
+                    _ = signal.dt
+                except ValueError as error:
+                    problems.append((name, str(error)))
+        if type(self.gain) is float and self.gain == 0:
+            problems.append(("gain", "must not be 0"))
+        if not problems and len({(s.unit, s.times.tobytes()) for s in given.values()}) > 1:
+            message = "must have the unit and the times of signal"
+            problems.append(("opposite", f"{message}; take it resampled(times=signal.times)"))
+
+    @property
+    def strain(self) -> Signal:
+        """Mean strain of the section, positive as the signal is."""
+        signal = self.signal if self.opposite is None else (self.signal + self.opposite) / 2
+        return signal.replace(values=self.gain * signal.values, unit="")
+
+    @property
+    def bending(self) -> Signal | None:
+        """Half of the difference of both sides, in strain; None with a gauge on one side only."""
+        if self.opposite is None:
+            return None
+        half = (self.signal - self.opposite) / 2
+        return half.replace(values=self.gain * half.values, unit="")
+
+
+class Side(NamedTuple):
+    """One bar with its gauges: compressive strains at equal steps from the same instant on.
+
+    `quiet` samples of rest come before the pulse; `front` is the pulse that runs towards the
+    specimen in the input bar and away from it in the output bar, as the first gauge sees it.
+    """
+
+    rod: Rod
+    distances: tuple[float, ...]
+    strains: tuple[Floats, ...]
+    start: float
+    dt: float
+    quiet: int
+    front: Pulse
+
+    @property
+    def speed(self) -> float:
+        """Pace of long waves, m/s."""
+        return float(self.rod.segments[0].wave_speed)
+
+    @property
+    def stiffness(self) -> float:
+        """E A, N."""
+        segment = self.rod.segments[0]
+        return float(segment.material.youngs_modulus) * float(np.asarray(segment.area))
+
+    @property
+    def disperses(self) -> bool:
+        """Whether enough is known of the bar for the exact first mode."""
+        segment = self.rod.segments[0]
+        return segment.solid_round and segment.material.poisson_ratio is not None
+
+    @property
+    def cut_off(self) -> float:
+        """Frequency up to which the bar carries waves as it is known to, Hz."""
+        return waves.Bar.of(self.rod).cut_off if self.disperses else math.inf
+
+    @property
+    def foot(self) -> float:
+        """When the pulse begins at the first gauge, s; a tenth of it has come a rise later."""
+        return self.front.start - self.front.rise
+
+    @property
+    def times(self) -> Floats:
+        """When the samples were taken, s."""
+        times: Floats = self.start + self.dt * np.arange(len(self.strains[0]), dtype=float)
+        return times
+
+
+def sides_of(
+    input_gauges: Any, output_gauges: Any, bars: Any, compression: Any
+) -> tuple[Side, Side]:
+    """Both bars with what their gauges recorded."""
+    if not isinstance(compression, str) or compression not in ("negative", "positive"):
+        message = f'must be "negative" or "positive", got {shown(compression)}'
+        raise refusal("compression", message)
+    pair = bars if isinstance(bars, tuple | list) else (bars, bars)
+    if len(pair) != 2 or not all(map(_is_bar, pair)):
+        message = "must be a uniform Rod, two of them, or what ri.calibrate found"
+        raise refusal("bars", f"{message}, got {shown(bars)}")
+    sign = 1.0 if compression == "positive" else -1.0
+    return (_side_of("input_gauges", input_gauges, pair[0], sign),
+            _side_of("output_gauges", output_gauges, pair[1], sign))
+
+
+def _is_bar(rod: Any) -> bool:
+    return isinstance(rod, Rod) and len(rod.segments) == 1 and not rod.segments[0].tapered
+
+
+def _side_of(name: str, given: Any, rod: Rod, sign: float) -> Side:
+    """Read the gauges of a bar; `sign` makes compression positive."""
+    gauges = list(given) if isinstance(given, tuple | list) else [given]
+    for gauge in gauges:
+        of_kind(name, gauge, BarGauge, EXAMPLE)
+    if not 1 <= len(gauges) <= 2:
+        raise refusal(name, f"must be one gauge or two, got {len(gauges)}")
+    if len(gauges) == 2 and gauges[0].distance == gauges[1].distance:
+        raise refusal(name, "must be two gauges at different distances from the specimen")
+    for gauge in gauges:
+        if gauge.distance >= float(rod.length):
+            message = f"a gauge is {gauge.distance:g} m from the specimen"
+            raise refusal(name, f"{message}, but the bar is only {float(rod.length):g} m long")
+    strains = [gauge.strain for gauge in gauges]
+    dt = strains[0].dt
+    start, end = max(s.start for s in strains), min(s.end for s in strains)
+    if end - start < 2 * QUIET * dt:
+        raise refusal(name, "the gauges were not recorded at the same time")
+    times = start + dt * np.arange(int((end - start) / dt * (1 + 1e-12)) + 1)
+    values = [sign * np.asarray(strain.at(np.minimum(times, end))) for strain in strains]
+    fronts = [_front_of(name, times, each, sign) for each in values]
+    order = sorted(range(len(gauges)), key=lambda i: fronts[i].start)
+    front = fronts[order[0]]
+    quiet = int((front.start - 1.5 * front.rise - start) / dt)
+    if quiet < QUIET:
+        message = f"the record begins {front.start - start:.3g} s before the pulse"
+        raise refusal(name, f"{message}; {QUIET} samples of rest are needed to find the baseline")
+    return Side(
+        rod, tuple(gauges[i].distance for i in order),
+        tuple(values[i] - values[i][:quiet].mean() for i in order), start, dt, quiet, front)
+
+
+def _front_of(name: str, times: Floats, strain: Floats, sign: float) -> Pulse:
+    """The first compressive pulse of a record; the rest of it is cut off where it is over."""
+    values = strain - np.median(strain[:QUIET])
+    largest = np.abs(values).max()
+    smooth = np.convolve(values, np.ones(5) / 5, "same")  # one sample of noise is no pulse
+    first = int(np.argmax(np.abs(smooth) > 0.4 * largest))
+    if largest == 0 or smooth[first] < 0:
+        way = "negative" if sign > 0 else "positive"
+        message = "must begin with a compression, but holds no pulse" if largest == 0 else (
+            f'must begin with a compression; give compression="{way}" if it does')
+        raise refusal(name, message)
+    below = np.flatnonzero(smooth[first:] <= 0)
+    past = first + int(below[0]) + 1 if below.size else len(values)
+    ended = np.append(values[:past], 0.0)  # how the pulse ends does not matter here
+    try:
+        return pulse_of(times[0] + (times[1] - times[0]) * np.arange(past + 1), ended)
+    except ValueError as error:
+        raise refusal(name, str(error)) from None
+
+
+def carrier(side: Side, distance: float) -> Callable[[Floats], Floats]:
+    """What takes a strain, at rest before, to where it is after a distance, m, of the bar.
+
+    With the Poisson ratio of a round bar each vibration runs at its own velocity, and those above
+    the cut-off of the first mode are taken out.
+    """
+    from scipy import fft
+
+    count = len(side.strains[0])
+    lasting = math.ceil(3 * abs(distance) / side.speed / side.dt)  # of the slowest waves
+    size = fft.next_fast_len(2 * count + lasting, real=True)
+    f = fft.rfftfreq(size, side.dt)
+    delay = np.full(len(f), distance / side.speed)
+    if side.disperses:
+        delays = waves.Bar.of(side.rod).delays(np.minimum(f, side.cut_off))
+        delay = delay + distance * np.asarray(delays)
+    transfer = np.where(f <= side.cut_off, np.exp(-2j * np.pi * f * delay), 0.0)
+
+    def carried(strain: Floats) -> Floats:
+        later: Floats = fft.irfft(fft.rfft(strain, size) * transfer, size)[:count]
+        return later
+
+    return carried
+
+
+def at_face(side: Side, leaving: bool) -> tuple[Floats, Floats]:
+    """Waves towards the specimen and away from it, at the face, over the times of the records.
+
+    The pulse of a `leaving` side comes from the specimen, that of the other from the striker.
+    """
+    if len(side.strains) == 2:
+        return separated(side, leaving)
+    (strain,), (distance,) = side.strains, side.distances
+    if leaving:
+        return np.zeros(len(strain)), carrier(side, -distance)(strain)
+    split = int((side.foot + 2 * distance / side.speed - side.start) / side.dt)
+    here = np.arange(len(strain)) < split
+    return (carrier(side, distance)(np.where(here, strain, 0.0)),
+            carrier(side, -distance)(np.where(here, 0.0, strain)))
+
+
+def separated(side: Side, leaving: bool) -> tuple[Floats, Floats]:
+    """The two waves at the face, from two gauges and from rest on, by damped least squares."""
+    from scipy.sparse.linalg import LinearOperator, lsqr
+
+    count = len(side.strains[0])
+    coming = [carrier(side, -d) for d in side.distances]
+    going = [carrier(side, d) for d in side.distances]
+    travel = side.distances[0] / side.speed
+    rest = max(0, int((side.foot - side.start + (-travel if leaving else travel)) / side.dt))
+    moving = np.arange(count) >= rest
+
+    def seen(pair: Floats) -> Floats:
+        towards, away = np.where(moving, pair.reshape(2, count), 0.0)
+        return np.concatenate([c(towards) + g(away) for c, g in zip(coming, going, strict=True)])
+
+    def adjoint(records: Floats) -> Floats:  # of carrying forth is carrying back
+        each = records.reshape(2, count)
+        towards = sum(g(record) for g, record in zip(going, each, strict=True))
+        away = sum(c(record) for c, record in zip(coming, each, strict=True))
+        return np.concatenate([np.where(moving, wave, 0.0) for wave in (towards, away)])
+
+    gauges: Any = LinearOperator((2 * count, 2 * count), seen, adjoint, dtype=float)
+    found = lsqr(gauges, np.concatenate(side.strains), damp=DAMPING, iter_lim=ITERATIONS,
+                 atol=1e-10, btol=1e-10)[0]
+    towards, away = found.reshape(2, count)
+    return towards, away
+
+
+def clean_until(side: Side, leaving: bool) -> float:
+    """Time at the face up to which the records tell the two waves apart, s.
+
+    Then the record ends, or, with one gauge, the wave from the far end of the bar has come back to
+    it. ValueError if the reflected wave meets the incident one in a single gauge.
+    """
+    longest = max(side.distances) / side.speed
+    settled = max(side.dt, 2 / side.cut_off)
+    end = float(side.times[-1]) - longest - settled
+    if len(side.distances) == 2:
+        return end
+    travel = side.distances[0] / side.speed
+    around = 2 * float(side.rod.length) / side.speed
+    arrival = side.foot + (-travel if leaving else travel)
+    if not leaving:
+        level = side.front.plateau * ENDED
+        split = int((side.foot + 2 * travel - side.start) / side.dt)
+        if np.abs(side.strains[0][split - 5 : split]).mean() > level:
+            raise ValueError(
+                "the reflected wave reaches the gauge before the incident one has passed; "
+                "give a second gauge of this bar, or a shorter striker"
+            )
+    return min(end, arrival + around - 2 * travel)

@@ -1,0 +1,493 @@
+"""What a specimen between two bars did: stress, strain and their band from the strains of a shot.
+
+With the strains of the waves at the two faces, compression positive (incident i, reflected r,
+transmitted t)::
+
+    F1 = E1 A1 (i + r)   F2 = E2 A2 t      v1 = c1 (i - r)   v2 = c2 t
+    strain rate (v1 - v2)/L0               stress F2/A0 (one wave), F1/A0 (two), their mean (three)
+
+H. Kolsky, Proceedings of the Physical Society B 62 (1949) 676; W. Chen and B. Song, Split
+Hopkinson (Kolsky) Bar (Springer, 2011). All steps but the last are linear. So the band is what the
+noise of the records, drawn again, and the errors of a calibration make of the curve when they go
+through the same steps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..model.arguments import of_kind, single
+from ..model.bodies import Rod
+from ..model.frozen import Declared, Problems, quantity, refusal
+from ..model.quantities import Floats
+from ..storage.tables import align
+from ..units import format_si, shown
+from . import bars as measuring
+from .bars import Compression, Side
+from .calibration import Calibration
+from .signal import Signal
+from .together import signals_to_xarray, write_signals
+
+if TYPE_CHECKING:
+    from dataclasses import KW_ONLY
+
+DRAWS = 24  # of the noise; 8 where two gauges make each of them costly
+TWO_GAUGE_DRAWS = 8
+PIECES = 8  # of the rest before the pulse, of which noise is drawn
+COVER = 2.36  # standard errors of 95 %, by Student with as many pieces less one
+SHOWN = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5)  # strains of the printed table
+ELASTIC = 0.5  # of the largest stress: below it a start is taken to be elastic
+
+
+class Specimen(Declared):
+    """A specimen between two bars.
+
+    Parameters
+    ----------
+    length : float
+        L0 before the shot, m.
+    area, diameter : float
+        A0, m^2, or the diameter of a round specimen, m: one of the two.
+    youngs_modulus : float, optional
+        Of its elastic start, which `reduce` can align the waves to, Pa.
+    incompressible : bool
+        Whether it keeps its volume, so that true stress and strain can be told.
+
+    Raises
+    ------
+    InvalidModel
+        Naming every argument that is not what it should be.
+
+    Examples
+    --------
+    >>> copper = Specimen(length=3.2e-3, diameter=6.34e-3, incompressible=True)
+    >>> round(copper.section * 1e6, 2)
+    31.57
+    """
+
+    length: float = quantity("m", "positive", single=True)
+    _: KW_ONLY
+    area: float | None = quantity("m^2", "positive", default=None, single=True)
+    diameter: float | None = quantity("m", "positive", default=None, single=True)
+    youngs_modulus: float | None = quantity("Pa", "positive", default=None, single=True)
+    incompressible: bool = False
+
+    def _check(self, problems: Problems) -> None:
+        if (self.area is None) == (self.diameter is None):
+            problems.append(("area", "give either area or diameter"))
+        if not isinstance(self.incompressible, bool | np.bool_):
+            message = f"must be True or False, got {shown(self.incompressible)}"  # type: ignore[unreachable]
+            problems.append(("incompressible", message))
+
+    @property
+    def section(self) -> float:
+        """A0, m^2."""
+        if self.area is not None:
+            return self.area
+        assert self.diameter is not None
+        return math.pi * self.diameter**2 / 4
+
+
+class Curve(NamedTuple):
+    """What is linear in the strains of the gauges, as `Reduction` has it; shape (n,) each."""
+
+    strain: Floats
+    strain_rate: Floats
+    input_force: Floats
+    output_force: Floats
+    input_velocity: Floats
+    output_velocity: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Reduction:
+    """What the specimen of a shot did, compression positive; made by `reduce`.
+
+    Attributes
+    ----------
+    times : array, shape (n,)
+        At the faces of the specimen, on the clock of the records, s.
+    strain, strain_rate : array, shape (n,)
+        Nominal: change of length over `Specimen.length`, 1 and 1/s.
+    stress, two_wave_stress, three_wave_stress : array, shape (n,)
+        Nominal, by the force of the output bar, of the input bar, and their mean, Pa.
+    input_force, output_force : array, shape (n,)
+        On the two faces, N.
+    input_velocity, output_velocity : array, shape (n,)
+        Of the two faces, m/s.
+    stress_band, strain_band : array, shape (n,)
+        Of 95 %: by noise, by the errors of a calibration, and by what the bars cannot carry.
+    one_sample : array, shape (n,)
+        By how much `stress` at the same strain changes, at most, if the transmitted wave is taken
+        one sample earlier or later, Pa.
+    shifts : (float, float)
+        By which the reflected and the transmitted wave were taken earlier to align them, s.
+    specimen : Specimen
+    disperses : bool
+        Whether the waves were carried by the exact first mode.
+    """
+
+    times: Floats
+    strain: Floats
+    strain_rate: Floats
+    input_force: Floats
+    output_force: Floats
+    input_velocity: Floats
+    output_velocity: Floats
+    stress_band: Floats
+    strain_band: Floats
+    one_sample: Floats
+    shifts: tuple[float, float]
+    specimen: Specimen
+    disperses: bool
+
+    def __repr__(self) -> str:
+        return f"<Reduction of {len(self.times)} samples, strain up to {self.strain.max():.3g}>"
+
+    @property
+    def stress(self) -> Floats:
+        """Nominal stress by the transmitted wave alone, Pa, shape (n,)."""
+        return self.output_force / self.specimen.section
+
+    @property
+    def two_wave_stress(self) -> Floats:
+        """Nominal stress by the incident and the reflected wave, Pa, shape (n,)."""
+        return self.input_force / self.specimen.section
+
+    @property
+    def three_wave_stress(self) -> Floats:
+        """Mean of the stresses at both faces, Pa, shape (n,)."""
+        return (self.stress + self.two_wave_stress) / 2
+
+    @property
+    def equilibrium(self) -> Floats:
+        """Difference of the forces over their mean, 2 (F1 - F2)/(F1 + F2); nan without force."""
+        total = self.input_force + self.output_force
+        faint = np.abs(total) < 1e-2 * np.abs(total).max()
+        return np.where(faint, np.nan,
+                        2 * (self.input_force - self.output_force) / np.where(faint, 1, total))
+
+    @property
+    def energy(self) -> Floats:
+        """What the specimen has taken up, the integral of F1 v1 - F2 v2, J, shape (n,)."""
+        power = self.input_force * self.input_velocity - self.output_force * self.output_velocity
+        return _integral(power, self.times)
+
+    @property
+    def true_strain(self) -> Floats:
+        """-ln(1 - strain), shape (n,); ValueError unless the specimen is incompressible."""
+        self._keeps_volume()
+        return -np.log1p(-self.strain)
+
+    @property
+    def true_stress(self) -> Floats:
+        """Stress (1 - strain), Pa, shape (n,); ValueError unless the specimen is incompressible."""
+        self._keeps_volume()
+        return self.stress * (1 - self.strain)
+
+    def _keeps_volume(self) -> None:
+        if not self.specimen.incompressible:
+            message = "true stress and strain need the section; it is known where the volume stays"
+            raise refusal("specimen", f"{message}: give Specimen(..., incompressible=True)")
+
+    @property
+    def signals(self) -> dict[str, Signal]:
+        """All columns as signals, by name."""
+        told = {"strain": "", "strain_rate": "1/s", "stress": "Pa", "stress_band": "Pa",
+                "strain_band": "", "one_sample": "Pa", "two_wave_stress": "Pa",
+                "three_wave_stress": "Pa", "input_force": "N", "output_force": "N",
+                "input_velocity": "m/s", "output_velocity": "m/s", "energy": "J"}
+        if self.specimen.incompressible:
+            told |= {"true_strain": "", "true_stress": "Pa"}
+        return {name: Signal(getattr(self, name), self.times, unit=unit, name=name)
+                for name, unit in told.items()}
+
+    def to_csv(self, path: str, *, force: bool = False) -> None:
+        """Write all columns over time; FileExistsError as `write_signals`."""
+        write_signals(path, self.signals, force=force)
+
+    def to_xarray(self) -> Any:
+        """Return all columns as a Dataset over ``time`` (extra ``xarray``)."""
+        return signals_to_xarray(self.signals)
+
+    @property
+    def loading(self) -> slice:
+        """Samples up to the largest strain."""
+        return slice(0, int(self.strain.argmax()) + 1)
+
+    def __str__(self) -> str:
+        """Table over strain, and what it rests on."""
+        up = self.loading
+        strain = np.maximum.accumulate(self.strain[up])
+        rows = [["strain", "strain rate", "stress", "+-", "one sample", "F1 - F2 over mean"]]
+        for at in (*(e for e in SHOWN if e < strain[-1]), strain[-1]):
+            i = int(np.searchsorted(strain, at))
+            rows.append([
+                f"{100 * self.strain[i]:.3g} %", format_si(self.strain_rate[i], "1/s", 3),
+                *(format_si(column[i], "Pa", 4 - 2 * (k > 0))
+                  for k, column in enumerate((self.stress, self.stress_band, self.one_sample))),
+                f"{100 * self.equilibrium[i]:.1f} %"])
+        way = "by the exact first mode" if self.disperses else "without dispersion"
+        reflected, transmitted = (f"{1e6 * shift:.3g} us" for shift in self.shifts)
+        return align(rows) + (
+            f"\nstress by the transmitted wave; waves carried {way}; reflected wave taken "
+            f"{reflected} earlier, transmitted {transmitted}\n"
+            f"energy taken up {format_si(self.energy[up][-1], 'J', 3)}; the waves are told apart "
+            f"until {1e6 * (self.times[-1] - self.times[0]):.4g} us after they arrive")
+
+
+def reduce(
+    input_gauges: Any, output_gauges: Any, bars: Rod | tuple[Rod, Rod] | Calibration,
+    specimen: Specimen, *, compression: Compression = "negative",
+    align_within: float = 0.0,
+) -> Reduction:
+    """Stress, strain and energy of a specimen from the gauges of its two bars.
+
+    Parameters
+    ----------
+    input_gauges, output_gauges : BarGauge or two of them
+        Of the bar that the striker hits, and of the other one. Two gauges of a bar tell waves
+        apart that overlap in each.
+    bars : Rod, (Rod, Rod) or Calibration
+        Input and output bar, or one rod if they are alike: round, with a Poisson ratio, their
+        waves disperse as in the exact first mode. Of their lengths it is known when waves come
+        back from the far ends.
+    specimen : Specimen
+    compression : str
+        Sign of a strain that compresses in the records: ``"negative"`` or ``"positive"``.
+    align_within : float
+        By how much the reflected and the transmitted wave may be shifted each, s, so that the
+        forces on both faces are alike, and the start is as stiff as the specimen's
+        `youngs_modulus`, if that is given. 0: distances and wave speeds alone align them.
+
+    Returns
+    -------
+    Reduction
+
+    Raises
+    ------
+    InvalidModel
+        If an argument is not what it should be, or a record does not begin with rest and a
+        compression.
+    ValueError
+        If incident and reflected wave overlap in a single gauge.
+
+    Examples
+    --------
+    All of the incident wave, 1e-3, goes on: the force is E A 1e-3, and nothing is compressed.
+
+    >>> import rodimpact as ri
+    >>> shape = 1e-3 * np.clip(np.minimum(np.arange(400) - 100, 250 - np.arange(400)) / 10, 0, 1)
+    >>> incident = ri.Signal(-shape, dt=1e-6)
+    >>> transmitted = incident.shifted(2e-4).extended(before=2e-4)
+    >>> bar = ri.Rod(1.5, area=1e-4, material=ri.Material("m", youngs_modulus=2e11, density=8000))
+    >>> found = ri.reduce(ri.BarGauge(incident, 0.5), ri.BarGauge(transmitted, 0.5), bar,
+    ...                   ri.Specimen(5e-3, area=1e-4))
+    >>> round(found.stress.max() / 1e6), bool(abs(found.strain).max() < 1e-12)
+    (200, True)
+    """
+    of_kind("specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)")
+    limit = single("align_within", align_within, "s", "non-negative")
+    known = bars if isinstance(bars, Calibration) else None
+    sides = measuring.sides_of(
+        input_gauges, output_gauges, known.bars if known else bars, compression)
+    shot = _Shot.of(sides, specimen)
+    if known:
+        shot = replace(shot, sides=known.applied(shot.sides))
+    shot = shot.aligned(limit) if limit else shot
+    curve = shot.curve()
+    stress_band, strain_band = shot.band(curve, known)
+    return Reduction(shot.times, *curve, stress_band, strain_band, shot.one_sample(curve),
+                     shot.shifts, specimen, all(side.disperses for side in shot.sides))
+
+
+@dataclass(frozen=True)
+class _Shot:
+    """Both bars of a shot, the times for which the faces are known, and how it is aligned."""
+
+    sides: tuple[Side, Side]
+    specimen: Specimen
+    times: Floats
+    shifts: tuple[float, float] = (0.0, 0.0)
+
+    @classmethod
+    def of(cls, sides: tuple[Side, Side], specimen: Specimen) -> _Shot:
+        """A shot from when the pulse is at the specimen until the waves are told apart no more."""
+        first, second = sides
+        start = first.foot + first.distances[0] / first.speed
+        end = min(measuring.clean_until(first, False), measuring.clean_until(second, True))
+        count = int((end - start) / first.dt)
+        if count < measuring.QUIET:
+            message = f"the wave reaches the specimen at {start:.6g} s, and from {end:.6g} s on the"
+            raise refusal("input_gauges", f"{message} records do not tell the waves apart; take "
+                          "longer records or bars, and check the distances")
+        return cls(sides, specimen, start + first.dt * np.arange(count, dtype=float))
+
+    def curve(self) -> Curve:
+        """Forces, velocities and strain of the strains that the sides hold."""
+        first, second = self.sides
+        incident, reflected = measuring.at_face(first, False)
+        back, transmitted = measuring.at_face(second, True)
+        early, late = self.shifts
+
+        def at(side: Side, wave: Floats, shift: float = 0.0) -> Floats:
+            taken: Floats = np.interp(self.times + shift, side.times, wave)
+            return taken
+
+        i, r = at(first, incident), at(first, reflected, early)
+        b, t = at(second, back, late), at(second, transmitted, late)
+        v1, v2 = first.speed * (i - r), second.speed * (t - b)
+        rate = (v1 - v2) / self.specimen.length
+        return Curve(_integral(rate, self.times), rate, first.stiffness * (i + r),
+                     second.stiffness * (t + b), v1, v2)
+
+    def stress(self, curve: Curve) -> Floats:
+        """Nominal stress by the transmitted wave, Pa."""
+        stress: Floats = curve.output_force / self.specimen.section
+        return stress
+
+    def aligned(self, limit: float) -> _Shot:
+        """The shot with the shifts that make its start elastic and its forces alike."""
+        from scipy.optimize import least_squares
+
+        force = self.stress(self.curve())
+        start = slice(0, int(np.argmax(force > ELASTIC * force.max())) + 1)
+        largest, modulus = force.max(), self.specimen.youngs_modulus
+
+        def left(shifts: Floats) -> Floats:
+            curve = replace(self, shifts=tuple(shifts)).curve()
+            apart = [(curve.input_force - curve.output_force)[start] / self.specimen.section]
+            if modulus is not None:
+                apart.append(self.stress(curve)[start] - modulus * curve.strain[start])
+            over: Floats = np.concatenate(apart) / largest
+            return over
+
+        found = least_squares(left, (0.0, 0.0), bounds=(-limit, limit), diff_step=1e-3,
+                              x_scale=self.sides[0].dt)
+        return replace(self, shifts=(float(found.x[0]), float(found.x[1])))
+
+    def one_sample(self, curve: Curve) -> Floats:
+        """Change of the stress at equal strain by a sample of the transmitted wave, Pa."""
+        stress, (early, late) = self.stress(curve), self.shifts
+        up = int(curve.strain.argmax()) + 1
+        change = np.zeros(len(stress))
+        for step in (-self.sides[1].dt, self.sides[1].dt):
+            moved = replace(self, shifts=(early, late + step)).curve()
+            order = np.maximum.accumulate(moved.strain[:up])
+            there = np.interp(curve.strain, order, self.stress(moved)[:up])
+            change = np.maximum(change, np.abs(there - stress))
+        return change
+
+    def band(self, curve: Curve, known: Calibration | None) -> tuple[Floats, Floats]:
+        """Bands of 95 % of stress and strain."""
+        rng = np.random.default_rng(0)
+        first, second = self.sides
+        two = len(first.distances) + len(second.distances) > 2
+        drawn = [replace(self, sides=(_noise(first, rng), _noise(second, rng))).curve()
+                 for _ in range(TWO_GAUGE_DRAWS if two else DRAWS)]
+        off = [replace(self, sides=sides).curve()
+               for sides in (known.off_by_one_error(self.sides) if known else ())]
+        stress, strain = (
+            self._band(column(curve), [column(each) for each in drawn],
+                       [column(each) for each in off])
+            for column in (self.stress, lambda each: each.strain)
+        )
+        return stress, strain
+
+    def _band(self, column: Floats, drawn: list[Floats], off: list[Floats]) -> Floats:
+        """Band of one column, from what noise makes of it and what it is with other constants."""
+        variance = np.mean(np.square(drawn), axis=0)
+        variance += sum((other - column) ** 2 for other in off)
+        lost = self._fine(column) - np.mean([self._fine(each) for each in drawn], axis=0)
+        band: Floats = COVER * np.sqrt(variance + np.maximum(lost, 0.0))
+        return band
+
+    def _fine(self, column: Floats) -> Floats:
+        """Local mean square of what lies in the last octave that records and bars carry.
+
+        What lies above it is lost; behind a kink the two are of one size.
+        """
+        side = self.sides[0]
+        half = min(side.cut_off, 0.5 / side.dt) / 2
+        fine = column - Signal(column, dt=side.dt).low_pass(half).values
+        width = min(2 * math.ceil(1 / half / side.dt) + 1, len(column))
+        square: Floats = np.convolve(fine**2, np.full(width, 1 / width), "same")
+        return square
+
+
+def _noise(side: Side, rng: np.random.Generator) -> Side:
+    """A side that records nothing but noise: pieces of its rest, drawn at random.
+
+    Pieces, not samples, since noise may be coloured; short ones, since the mean of all of the rest
+    is 0, as that of the noise is not.
+    """
+    drawn = []
+    for strain in side.strains:
+        piece = max(2, side.quiet // PIECES)
+        starts = rng.integers(0, side.quiet - piece + 1, len(strain) // piece + 1)
+        noise = strain[starts[:, None] + np.arange(piece)].ravel()[: len(strain)]
+        noise = noise - noise[: side.quiet].mean()
+        drawn.append(noise / math.sqrt(1 - piece / side.quiet))  # their sums vary less by so much
+    return side._replace(strains=tuple(drawn))
+
+
+def _integral(rate: Floats, times: Floats) -> Floats:
+    """Integral from the first time on, by trapezia."""
+    steps = (rate[1:] + rate[:-1]) / 2 * np.diff(times)
+    total: Floats = np.concatenate(([0.0], np.cumsum(steps)))
+    return total
+
+
+class Shots(NamedTuple):
+    """Mean curve of several shots.
+
+    Attributes
+    ----------
+    strain : array, shape (n,)
+        From 0 to the smallest of the largest strains.
+    stress, strain_rate : array, shape (n,)
+        Means, Pa and 1/s.
+    scatter : array, shape (n,)
+        Standard deviation of the stress from shot to shot, Pa.
+    shots : int
+        How many.
+    """
+
+    strain: Floats
+    stress: Floats
+    strain_rate: Floats
+    scatter: Floats
+    shots: int
+
+
+def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> Shots:
+    """Mean and scatter of the stress of several shots over their strain.
+
+    Parameters
+    ----------
+    shots : sequence of Reduction
+        Two or more.
+    points : int
+        Of the common strains.
+
+    Raises
+    ------
+    InvalidModel
+        If there are fewer than two shots.
+    """
+    if len(shots) < 2 or not all(isinstance(each, Reduction) for each in shots):
+        raise refusal("shots", f"must be two or more of what ri.reduce returns, got {shown(shots)}")
+    strain = np.linspace(0, min(float(each.strain.max()) for each in shots), points)
+    columns: list[Any] = []
+    for each in shots:
+        order = np.maximum.accumulate(each.strain[each.loading])
+        columns.append([np.interp(strain, order, column[each.loading])
+                        for column in (each.stress, each.strain_rate)])
+    stress, rate = np.mean(columns, axis=0)
+    scatter = np.std([column[0] for column in columns], axis=0, ddof=1)
+    return Shots(strain, stress, rate, scatter, len(shots))

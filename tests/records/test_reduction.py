@@ -1,0 +1,329 @@
+"""What a specimen did is read off its bars: known specimens, noise, signs, two gauges."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rodimpact as ri
+
+TITANIUM = ri.Material("titanium", youngs_modulus=4416 * 4865.9**2, density=4416,
+                       poisson_ratio=0.33)
+BAR = ri.Rod(0.762, diameter=9.47e-3, material=TITANIUM)
+SPEED, PULL = TITANIUM.wave_speed, TITANIUM.youngs_modulus * BAR.segments[0].area
+SPECIMEN = ri.Specimen(3.204e-3, diameter=6.34e-3)
+FINE, STEPS = 1e-7, 8  # s, and explicit steps of the specimen in it
+BRIDGE = ri.Bridge("quarter", gauge_factor=2.061, excitation=8.0, gain=200.0)
+
+
+def flow(strain):
+    """Nominal stress of the specimen, Pa: it yields at some 400 MPa and hardens."""
+    return 400e6 * -np.expm1(-strain / 0.004) + 500e6 * strain
+
+
+class Shot:
+    """A shot whose waves run as the exact first mode does, and what the specimen did in it."""
+
+    def __init__(self, striker=0.127, speed=20.0, rise=6e-6):
+        self.times = np.arange(-1e-4, 6e-4, FINE)
+        duration = 2 * striker / SPEED
+        ramps = np.minimum(self.times / rise, (duration + rise - self.times) / rise)
+        self.incident = self.carried(speed / 2 / SPEED * np.clip(ramps, 0, 1), 0.762)
+        self.strain, force, largest = np.zeros(len(self.times)), np.zeros(len(self.times)), 0.0
+        for i in range(len(self.times) - 1):
+            here = self.strain[i]
+            for part in range(STEPS):
+                largest = max(largest, here)
+                stress = flow(largest) - 1e11 * (largest - here)  # unloads along a straight line
+                now = max(stress, 0.0) * SPECIMEN.section
+                force[i] = now if part == 0 else force[i]
+                along = (part + 0.5) / STEPS
+                coming = (1 - along) * self.incident[i] + along * self.incident[i + 1]
+                here += 2 * SPEED * (coming - now / PULL) / SPECIMEN.length * FINE / STEPS
+            self.strain[i + 1] = here
+        self.stress = force / SPECIMEN.section
+        self.transmitted = force / PULL
+        self.reflected = self.transmitted - self.incident
+
+    def carried(self, values, distance):
+        moved = ri.Signal(values, self.times).propagated(distance, BAR)
+        return np.interp(self.times, moved.times, moved.values)
+
+    def gauge(self, distance, output=False, noise=0.0, sign=-1.0, dt=2e-7, seed=0):
+        """What a gauge records; noise over the largest strain of the incident or output wave."""
+        if output:
+            strain, top = self.carried(self.transmitted, distance), self.transmitted.max()
+        else:
+            strain = self.carried(self.incident, -distance) + self.carried(self.reflected, distance)
+            top = self.incident.max()
+        times = np.arange(-6e-5, 5.6e-4, dt)
+        rng = np.random.default_rng(seed)
+        noisy = np.interp(times, self.times, strain) + noise * top * rng.standard_normal(len(times))
+        return ri.BarGauge(ri.Signal(sign * noisy, times), distance)
+
+    def compared(self, found):
+        """True strain and stress at the times of a reduction, and which lie above 1 % of strain."""
+        strain = np.interp(found.times, self.times, self.strain)
+        loading = np.arange(len(strain)) <= strain.argmax()
+        stress = np.interp(found.times, self.times, self.stress)
+        return strain, stress, loading & (strain > 0.01)
+
+
+@pytest.fixture(scope="module")
+def shot():
+    return Shot()
+
+
+@pytest.fixture(scope="module")
+def long_shot():
+    return Shot(striker=0.42)
+
+
+def reduced(shot, *, places=(0.381,), sign=-1.0, noise=0.0, seed=0, **options):
+    gauges = [shot.gauge(place, noise=noise, sign=sign, seed=seed + 10 * k)
+              for k, place in enumerate(places)]
+    output = shot.gauge(0.381, output=True, noise=noise, sign=sign, seed=seed + 5)
+    return ri.reduce(gauges, output, BAR, SPECIMEN, **options)
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_known_specimen_is_found_through_bars_that_disperse(shot, sign):
+    found = reduced(shot, sign=sign, compression="negative" if sign < 0 else "positive")
+    strain, stress, plastic = shot.compared(found)
+    assert np.abs(found.strain - strain)[plastic].max() < 2e-3 * strain.max()
+    assert np.abs(found.stress[plastic] / stress[plastic] - 1).max() < 5e-3
+    assert np.abs(found.equilibrium[plastic]).max() < 0.01
+    assert np.mean(np.abs(found.stress - stress) <= found.stress_band) > 0.95
+    done = np.trapezoid(np.append(shot.stress, 0), np.append(shot.strain, 0))
+    assert found.energy[-1] == pytest.approx(
+        done * SPECIMEN.section * SPECIMEN.length, rel=5e-3)
+
+
+def test_without_dispersion_the_same_shot_is_off(shot):
+    plain = ri.Rod(0.762, area=BAR.segments[0].area, material=TITANIUM)
+    found = ri.reduce(shot.gauge(0.381), shot.gauge(0.381, output=True), plain, SPECIMEN)
+    _, stress, plastic = shot.compared(found)
+    assert np.abs(found.stress[plastic] / stress[plastic] - 1).max() > 0.02
+    assert "without dispersion" in str(found)
+
+
+def test_bands_cover_the_truth_at_a_noise_of_1_percent(shot):
+    covered, worst = [], []
+    for seed in range(12):
+        found = reduced(shot, noise=0.01, seed=100 * seed)
+        strain, stress, plastic = shot.compared(found)
+        covered.append([np.mean(np.abs(found.stress - stress) <= found.stress_band),
+                        np.mean(np.abs(found.strain - strain) <= found.strain_band)])
+        error = found.stress[plastic] / stress[plastic] - 1
+        worst.append([np.sqrt(np.mean(error**2)),
+                      np.abs(found.strain - strain)[plastic].max() / strain.max()])
+        assert np.median(found.stress_band[plastic] / stress[plastic]) < 0.02
+    assert np.mean(covered, axis=0) == pytest.approx([0.95, 0.95], abs=0.049)
+    assert np.median(worst, axis=0) == pytest.approx([0.0, 0.0], abs=0.01)
+
+
+@pytest.mark.parametrize("apart", [0.15, 0.05])
+def test_two_gauges_tell_waves_apart_that_overlap(long_shot, apart):
+    with pytest.raises(ValueError, match="second gauge"):
+        reduced(long_shot)
+    found = reduced(long_shot, places=(0.381 - apart, 0.381))
+    strain, _, plastic = long_shot.compared(found)
+    assert np.abs(found.strain - strain)[plastic].max() < 4e-3 * strain.max()
+    assert np.abs(found.equilibrium[plastic]).max() < 0.02
+    noisy = reduced(long_shot, places=(0.381 - apart, 0.381), noise=0.01)
+    truth, _, _ = long_shot.compared(noisy)
+    assert np.mean(np.abs(noisy.strain - truth) <= noisy.strain_band) > 0.9
+
+
+def test_one_dimensional_bars_by_the_solver():
+    """Another way: the collision of striker, bar, specimen and bar by characteristics."""
+    steel = ri.Material("steel", youngs_modulus=2e11, density=8000)
+    striker, bar = ri.Rod(0.2, area=1e-4, material=steel, velocity=12.0), ri.Rod(
+        1.2, area=1e-4, material=steel)
+    law = ri.Yielding(stiffness=4e8, yield_force=15e3, hardening=2e7)
+    run = ri.solve(ri.System([striker, bar, bar], contacts=[ri.Rigid(), law]), until=7e-4)
+    taken = [ri.BarGauge(run.gauge(body, x).signal(1e-7).extended(before=5e-5), d)
+             for body, x, d in ((1, 0.6, 0.6), (2, 0.5, 0.5))]
+    found = ri.reduce(*taken, bar, ri.Specimen(5e-3, area=5e-5))
+    force = run.contacts[1].force(found.times)
+    assert np.abs(found.output_force - force).max() < 3e-3 * force.max()  # at jumps, by a sample
+    assert np.abs(found.input_force - force).max() < 5e-3 * force.max()
+    shrunk = (run.displacement(1, 1.2, found.times) - run.displacement(2, 0.0, found.times)) / 5e-3
+    loading = found.loading
+    assert np.abs(found.strain - shrunk)[loading].max() < 2e-3 * shrunk.max()
+
+
+def test_volts_bending_and_a_gain_are_strain(shot):
+    strain = shot.gauge(0.381, noise=0.001)
+    volts = strain.signal.replace(values=strain.signal.values / BRIDGE.strain_per_volt, unit="V")
+    bent = 2e-4 * np.sin(np.arange(len(volts)) / 50) / BRIDGE.strain_per_volt
+    both = ri.BarGauge(volts.replace(values=volts.values + bent), 0.381,
+                       opposite=volts.replace(values=volts.values - bent),
+                       gain=BRIDGE.strain_per_volt)
+    assert both.strain.values == pytest.approx(strain.signal.values, abs=1e-15)
+    assert np.abs(both.bending.values).max() == pytest.approx(2e-4, rel=1e-3)
+    assert strain.bending is None
+    output = shot.gauge(0.381, output=True)
+    assert ri.reduce(both, output, BAR, SPECIMEN).strain == pytest.approx(
+        ri.reduce(strain, output, BAR, SPECIMEN).strain, abs=1e-12)
+
+
+def test_shifts_are_found_within_their_bounds(shot):
+    late = shot.gauge(0.381, output=True)
+    late = late.replace(signal=late.signal.shifted(0.7e-6))
+    first = shot.gauge(0.381)
+    plain = ri.reduce(first, late, BAR, SPECIMEN)
+    aligned = ri.reduce(first, late, BAR, SPECIMEN, align_within=2e-6)
+    assert plain.shifts == (0.0, 0.0)
+    assert aligned.shifts[1] - aligned.shifts[0] == pytest.approx(0.7e-6, abs=0.15e-6)
+    _, _, plastic = shot.compared(aligned)
+    rough, fine = (np.nanstd(each.equilibrium[plastic[: len(each.times)]])
+                   for each in (plain, aligned))
+    assert fine < rough
+    stiff = SPECIMEN.replace(youngs_modulus=1e11)
+    held = ri.reduce(first, late, BAR, stiff, align_within=0.5e-6)
+    assert all(abs(shift) <= 0.5e-6 for shift in held.shifts)
+    early = int(np.searchsorted(plain.strain, 0.005))
+    assert plain.one_sample[early] > plain.one_sample[plastic[: len(plain.times)]].max() / 2
+
+
+def test_what_is_told_of_it_is_consistent(shot, tmp_path):
+    found = reduced(shot)
+    assert found.three_wave_stress == pytest.approx((found.stress + found.two_wave_stress) / 2)
+    assert found.input_velocity - found.output_velocity == pytest.approx(
+        found.strain_rate * SPECIMEN.length)
+    with pytest.raises(ri.InvalidModel, match="incompressible"):
+        _ = found.true_stress
+    kept = ri.reduce(shot.gauge(0.381), shot.gauge(0.381, output=True), BAR,
+                     SPECIMEN.replace(incompressible=True))
+    assert kept.true_stress == pytest.approx(kept.stress * np.exp(-kept.true_strain))
+    found.to_csv(tmp_path / "shot.csv")
+    again = ri.read_signals(tmp_path / "shot.csv")
+    assert np.array_equal(again["stress"].values, found.stress)
+    assert again["stress"].unit == "Pa"
+    assert again["strain_rate"].unit == "1/s"
+    assert "true_stress" not in again
+    pytest.importorskip("xarray")
+    data = kept.to_xarray()
+    assert data["true_stress"].attrs["units"] == "Pa"
+
+
+def test_several_shots_have_a_mean_and_a_scatter():
+    shots = [reduced(Shot(speed=speed), noise=0.01, seed=int(speed)) for speed in (19.0, 20.0)]
+    mean = ri.mean_of_shots(shots)
+    assert mean.shots == 2
+    assert mean.strain[-1] == min(each.strain.max() for each in shots)
+    plastic = mean.strain > 0.01
+    assert mean.stress[plastic] == pytest.approx(flow(mean.strain[plastic]), rel=0.02)
+    assert 0 < np.median(mean.scatter[plastic] / mean.stress[plastic]) < 0.02
+    with pytest.raises(ri.InvalidModel, match="two or more"):
+        ri.mean_of_shots(shots[:1])
+
+
+def test_mistakes_are_named(shot):
+    first, second = shot.gauge(0.381), shot.gauge(0.381, output=True)
+    for change, path, says in (
+        ({"compression": "up"}, "compression", "negative"),
+        ({"compression": "positive"}, "input_gauges", 'compression="negative"'),
+        ({"align_within": -1.0}, "align_within", "non-negative"),
+    ):
+        with pytest.raises(ri.InvalidModel, match=says) as caught:
+            ri.reduce(first, second, BAR, SPECIMEN, **change)
+        assert path in dict(caught.value.problems)
+    for arguments, path in (
+        ((first.signal, second, BAR, SPECIMEN), "input_gauges"),
+        (([first, first], second, BAR, SPECIMEN), "input_gauges"),
+        (([first] * 3, second, BAR, SPECIMEN), "input_gauges"),
+        ((first, second, "steel", SPECIMEN), "bars"),
+        ((first, second, BAR, 3e-3), "specimen"),
+        ((first.replace(signal=first.signal.window(7.5e-5, 4e-4)), second, BAR, SPECIMEN),
+         "input_gauges"),
+        ((first.replace(signal=first.signal * 0), second, BAR, SPECIMEN), "input_gauges"),
+        ((first.replace(distance=3.0), second, BAR, SPECIMEN), "input_gauges"),
+    ):
+        with pytest.raises(ri.InvalidModel) as caught:
+            ri.reduce(*arguments)
+        assert path in dict(caught.value.problems)
+    with pytest.raises(ri.InvalidModel) as caught:
+        ri.BarGauge(ri.Signal([0.0, 1.0], [0.0, 1.0], unit="V"), distance=-1.0)
+    assert set(dict(caught.value.problems)) == {"signal", "distance"}
+    with pytest.raises(ri.InvalidModel) as caught:
+        ri.Specimen(-1.0, area=1.0, diameter=1.0, incompressible=1)
+    assert set(dict(caught.value.problems)) == {"length", "area", "incompressible"}
+
+
+def together(speed=9.0, gains=(1.0, 1.0), noise=0.0, true=SPEED):
+    """A shot with the bars together: gauges of bars whose wave speed is `true`."""
+    bar = ri.Rod(0.762, diameter=9.47e-3, material=TITANIUM.replace(
+        youngs_modulus=TITANIUM.density * true**2))
+    times = np.arange(-1e-4, 7e-4, 1e-7)
+    ramps = np.minimum(times / 6e-6, (2 * 0.127 / true + 6e-6 - times) / 6e-6)
+    struck = ri.Signal(speed / 2 / true * np.clip(ramps, 0, 1), times)
+    rng, gauges = np.random.default_rng(3), []
+    for paths, gain in ((((0.381, 1),), gains[0]), (((1.143, 1), (1.905, -1)), gains[1])):
+        strain = 0.0
+        for path, sign in paths:
+            moved = struck.propagated(path, bar)
+            strain = strain + sign * np.interp(times, moved.times, moved.values)
+        strain = -strain / gain + noise * struck.values.max() * rng.standard_normal(len(times))
+        gauges.append(ri.BarGauge(ri.Signal(strain, times), 0.381))
+    return gauges, bar
+
+
+def test_bars_are_calibrated_by_a_shot_without_a_specimen():
+    gauges, _ = together(gains=(1.05, 0.93), noise=0.003, true=4900.0)
+    found = ri.calibrate(*gauges, BAR, striker_speed=9.0)
+    speeds = [bar.segments[0].wave_speed for bar in found.bars]
+    assert speeds == pytest.approx([4900.0, 4900.0], abs=3.0)
+    for speed, error in zip(speeds, found.speed_errors, strict=True):
+        assert abs(speed - 4900.0) < 4 * error
+    assert found.gains == pytest.approx((1.05, 0.93), rel=0.01)
+    assert abs(found.reflected) < 0.01
+    assert abs(found.expected) < 1e-3
+    assert found.noise == pytest.approx((0.00315, 0.0028), rel=0.2)
+    assert found.bending == (None, None)
+    assert "wave speed" in str(found)
+    free = ri.calibrate(*gauges, BAR)
+    assert free.gains == pytest.approx((1, 0.93 / 1.05), rel=0.01)
+
+
+def test_a_calibration_stands_for_the_bars(shot):
+    gauges, _ = together(gains=(1.05, 0.93), noise=0.003)
+    found = ri.calibrate(*gauges, BAR, striker_speed=9.0)
+    first, second = shot.gauge(0.381), shot.gauge(0.381, output=True)
+    off = [gauge.replace(signal=gauge.signal / gain)
+           for gauge, gain in ((first, 1.05), (second, 0.93))]
+    right, plain = ri.reduce(first, second, BAR, SPECIMEN), ri.reduce(*off, found, SPECIMEN)
+    stress = np.interp(plain.times, right.times, right.stress)
+    _, _, plastic = shot.compared(plain)
+    assert plain.stress[plastic] == pytest.approx(stress[plastic], rel=0.012)
+    wide = ri.reduce(*off, replace(found, gain_errors=(0.02, 0.02)), SPECIMEN)
+    assert np.all(wide.stress_band[plastic] > plain.stress_band[plastic] + 0.01 * stress[plastic])
+
+
+def test_mistakes_of_a_calibration_are_named():
+    gauges, _ = together()
+    with pytest.raises(ri.InvalidModel, match="one BarGauge"):
+        ri.calibrate(gauges, gauges[1], BAR)
+    short = gauges[1].replace(signal=gauges[1].signal.window(-1e-4, 3.6e-4))
+    with pytest.raises(ri.InvalidModel, match="come back"):
+        ri.calibrate(gauges[0], short, BAR)
+    with pytest.raises(ri.InvalidModel, match="wave speed"):
+        ri.calibrate(*gauges, ri.Rod(0.9, diameter=9.47e-3, material=TITANIUM))
+    with pytest.raises(ri.InvalidModel, match="positive"):
+        ri.calibrate(*gauges, BAR, striker_speed=-1.0)
+    with pytest.raises(ri.InvalidModel, match="negative"):
+        ri.calibrate(*gauges, BAR, compression="up")
+
+
+def test_a_measured_shot_is_reduced():
+    """Copper between titanium bars, whose flow stress at 20 % and some 6e3/s is 400 to 500 MPa."""
+    record = ri.read_signals("validation/records/lanl_titanium_bars.csv")
+    gauges = [ri.BarGauge(BRIDGE.strain(record[name]), 0.381)
+              for name in ("incident", "transmitted")]
+    found = ri.reduce(*gauges, BAR, SPECIMEN, compression="positive")
+    at = int(np.searchsorted(found.strain, 0.2))
+    assert 4e8 < found.stress[at] < 5e8
+    assert 5e3 < found.strain_rate[at] < 8e3
+    assert abs(found.equilibrium[at]) < 0.06
+    assert found.stress_band[at] < 0.03 * found.stress[at]
