@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -109,3 +109,28 @@ def body_velocities(
         for found, stock in zip(velocities, stocks, strict=True):
             found += velocities_in_group(system, group, inside, stock[s] + frame)
     return velocities
+
+
+def fill_bonds(
+    system: System, forces: list[Any], spent: Callable[[int], Any], pushed: Any
+) -> list[Any]:
+    """Fill in the forces between bonded rigid bodies, from Newton's law for one after the other.
+
+    Parameters
+    ----------
+    system : System
+    forces : list of signals
+        By contact; None between rigid bodies.
+    spent : function
+        Mass times acceleration of a body.
+    pushed : signal
+        Force of what is outside the left end.
+    """
+    whole, rigid = [*forces], [force is None for force in forces]
+    held = rigid.index(False) if isinstance(system.bodies[0], Wall) and False in rigid else 0
+    for k in range(held - 1, -1, -1):
+        whole[k] = whole[k + 1] + spent(k + 1)
+    for k in range(held, len(whole)):
+        if rigid[k]:
+            whole[k] = (whole[k - 1] if k else pushed) - spent(k)
+    return whole

@@ -172,6 +172,12 @@ class Row:
         push = Kind.PUSH_RIGHT if side else Kind.PUSH_LEFT
         self._add(push if kind in ("none", "force") else Kind.BOND)
 
+    def outside_name(self, side: int) -> str:
+        """What acts on the left or right end, as an `Outside` names it."""
+        if isinstance(self.system.bodies[-side], Wall):
+            return "wall"
+        return "absorbing" if self.outside[side][0] == "absorbing" else "drive"
+
     def wave_of_strain(self, side: int) -> Any:
         """The wave that comes in through an end is this, m/s, times its strain."""
         return (-2, 2)[side] * self.segments[-side].wave_speed

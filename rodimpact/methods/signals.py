@@ -241,6 +241,12 @@ class Pieces:
         coefficients[:, 0] += constant
         return Pieces(self.ticks, coefficients, self.end)
 
+    def __add__(self, other: Pieces) -> Pieces:
+        return difference(self, other.times(-1.0))
+
+    def __sub__(self, other: Pieces) -> Pieces:
+        return difference(self, other)
+
     def times(self, factor: float) -> Pieces:
         """The signal times a factor."""
         return Pieces(self.ticks, self.coefficients * factor, self.end)

@@ -50,6 +50,7 @@ class Cells(NamedTuple):
     viscous eta A/dx, N s/m; lateral rho nu^2 I_p/dx, kg, by Rayleigh and Love
     By Mindlin and Herrmann: swelling, the inertia m rho I_p dx of q, kg m^2; coupling 2 lambda A,
     tension for a unit of q, N; radial 4 (lambda + mu) A dx and shear s mu I_p/dx, N m.
+    width dx, m; 1 between pieces, where all else is 0.
     """
 
     cell_mass: Array
@@ -60,6 +61,7 @@ class Cells(NamedTuple):
     coupling: Array
     radial: Array
     shear: Array
+    width: Array
 
     @property
     def relaxed(self) -> Array:
@@ -162,12 +164,10 @@ class Mesh:
     mass, held : [node] array
         kg; whether the velocity is given.
     cells : Cells
-    cell_mass, stiffness, viscous, lateral : [cell] array
+    cell_mass, stiffness, viscous, lateral, width : [cell] array
         Of the cells.
     shear : [node] array
         Of the radial strain of its two cells, those of `Cells` in series, N m.
-    width : [cell] array
-        dx, m; 1 between pieces.
     touching : dict of int to (int, int)
         By link of a law: the nodes on its left and on its right.
     ends : list of int
@@ -186,75 +186,38 @@ class Mesh:
         self.first, self.last = [-1], [-1]
         self.node_of_mass: list[int] = []
         self.starts: list[int] = []
-        self.stops: list[int] = []
         self.touching: dict[int, tuple[int, int]] = {}
-        self.ends = [0, 0]
-        self._nodes = 0
-        held: list[int] = []
-        cells: list[tuple[int, Cells]] = []
-        node = -1
-        for i, (left, right) in enumerate(row.beside):
-            law = row.laws[i]
-            joined = law < Law.JOINT
-            if left == ("outside", 0):
-                node = self._new_piece()
-                self.ends[0] = node
-                if row.outside[0][0] == "velocity":
-                    held.append(node)
-            if not joined:
-                self.touching[i] = node, node + 1
-                node = self._new_piece()
-            kind, s = right
-            if kind == "outside":
-                self.ends[1] = node
-                if row.outside[1][0] == "velocity":
-                    held.append(node)
-            elif kind == "mass":
+        node, parts, last = -1, list[Cells](), len(row.laws) - 1
+        for i, (_, (kind, s)) in enumerate(row.beside):
+            apart = row.laws[i] >= Law.JOINT
+            for _ in range((i == 0) + apart):  # what lies outside begins the first piece
+                node += 1
+                self.starts.append(node)
+                parts.append(NO_CELL)
+            if apart:
+                self.touching[i] = node - 1, node
+            if kind == "mass":
                 self.node_of_mass.append(node)
-            else:
+            elif kind == "segment":
+                parts.append(_cells(row.segments[s - 1], counts[s - 1]))
+                _refuse_stiff(row.paths[s], parts[-1])
                 self.first.append(node)
-                cells.append((node, _cells(row.segments[s - 1], counts[s - 1])))
-                _refuse_stiff(row.paths[s], cells[-1][1])
                 node += counts[s - 1]
-                self._nodes = node + 1
                 self.last.append(node)
-            self.stops[-1] = node
-        self._fill(held, cells)
-        self.width = np.ones(self._nodes + 1)
-        for a, b, s, N in zip(self.first[1:], self.last[1:], row.segments, counts, strict=True):
-            self.width[a + 1 : b + 1] = float(s.length) / N
-        self.interfaces = {
-            i: self._interface(i) for i, law in enumerate(row.laws)
-            if law == Law.BOND and self._asked(i)
-        }
-
-    def _new_piece(self) -> int:
-        node = self._nodes
-        self.starts.append(node)
-        self.stops.append(node)
-        self._nodes += 1
-        return node
-
-    def _fill(self, held: list[int], cells: list[tuple[int, Cells]]) -> None:
-        n = self._nodes
-        self.mass, self.held = np.zeros(n), np.zeros(n, np.int64)
-        self.cells = Cells(*np.zeros((len(Cells._fields), n + 1)))
-        self.cell_mass, self.stiffness, self.viscous, self.lateral, *_ = self.cells
-        for node, columns in cells:
-            for of_row, of_segment in zip(self.cells, columns, strict=True):
-                of_row[node + 1 : node + 1 + len(of_segment)] = of_segment
-        self.mass += (self.cell_mass[:-1] + self.cell_mass[1:]) / 2
+        self.stops, self.ends = [*(a - 1 for a in self.starts[1:]), node], [0, node]
+        self.cells = Cells(*np.concatenate([*parts, NO_CELL], axis=1))
+        self.cell_mass, self.stiffness, self.viscous, self.lateral, *_, self.width = self.cells
+        self.mass = (self.cell_mass[:-1] + self.cell_mass[1:]) / 2
         self.shear = _in_series(self.cells.shear)
-        for m, node in enumerate(self.node_of_mass):
-            self.mass[node] += self.row.masses[m]
-            self.shear[node] = 0.0
-        self.held[held] = 1
-
-    def _asked(self, link: int) -> bool:
-        """Whether a bond is a contact, or holds an end."""
-        side = {0: 0, len(self.row.laws) - 1: 1}.get(link)
-        holds = side is not None and self.row.outside[side][0] == "velocity"
-        return holds or link in self.row.contact_link
+        for m, n in enumerate(self.node_of_mass):
+            self.mass[n] += row.masses[m]
+            self.shear[n] = 0.0
+        self.held = np.zeros(node + 1, np.int64)
+        driven = {link: end for link, end, (kind, _) in zip(
+            (0, last), self.ends, row.outside, strict=True) if kind == "velocity"}
+        self.held[list(driven.values())] = 1
+        self.interfaces = {i: self._interface(i) for i in sorted({*row.contact_link, *driven})
+                           if i >= 0 and row.laws[i] == Law.BOND}
 
     def _interface(self, link: int) -> Interface:
         side, beside = int(link == 0), self.row.beside
@@ -300,34 +263,6 @@ class Mesh:
             for a, b in zip(self.starts, self.stops, strict=True)
         ]
 
-    def outer_forces(
-        self, forces: Sequence[Array], ends: Sequence[tuple[str, Array, Array] | None]
-    ) -> dict[int, Array]:
-        """Forces to the right on nodes: of contacts not bonded, and of what is outside the row.
-
-        Parameters
-        ----------
-        forces, ends
-            As in `StepRecord`.
-
-        Returns
-        -------
-        dict of int to array
-            By node: [steps] mean force, N.
-        """
-        row = self.row
-        pushes: dict[int, Array] = {}
-        for k, link in enumerate(row.contact_link):
-            if link in self.touching:
-                for node, sign in zip(self.touching[link], (-1, 1), strict=True):
-                    pushes[node] = pushes.get(node, 0.0) + sign * forces[k]
-        for node, sign, link, end in zip(
-            self.ends, (1, -1), (0, len(row.laws) - 1), ends, strict=True
-        ):
-            if end is not None and link not in self.touching:
-                pushes[node] = pushes.get(node, 0.0) + sign * end[1]
-        return pushes
-
     @property
     def groups(self) -> list[tuple[int, int]]:
         """First and last node of all that hangs together: pieces, with the joints between them."""
@@ -335,10 +270,6 @@ class Mesh:
         first = [a for a in self.starts if a - 1 not in joined]
         last = [b for b in self.stops if b not in joined]
         return list(zip(first, last, strict=True))
-
-    def piece_of(self, node: int) -> int:
-        """Piece to which a node belongs."""
-        return int(np.searchsorted(self.starts, node, "right")) - 1
 
 
 def _cells(segment: Any, count: int) -> Cells:
@@ -356,7 +287,11 @@ def _cells(segment: Any, count: int) -> Cells:
     elif segment.lateral_inertia is not None:
         lateral = rho * float(material.poisson_ratio) ** 2 * polar / dx
     viscous = float(material.viscosity) * area / dx
-    return Cells(rho * area * dx, stiffness, viscous, lateral, swelling, coupling, radial, shear)
+    return Cells(rho * area * dx, stiffness, viscous, lateral, swelling, coupling, radial, shear,
+                 np.full(count, dx))
+
+
+NO_CELL = Cells(*np.append(np.zeros(8), 1.0)[:, None])
 
 
 def _in_series(springs: Array) -> Array:
@@ -388,7 +323,7 @@ def stable_step(segment: Any, count: int) -> float:
     """
     if segment.lateral_inertia != MINDLIN_HERRMANN:
         return float(segment.transit_time) / count
-    m, k, _, _, J, b, G, s = _cells(segment, count)
+    m, k, _, _, J, b, G, s, _ = _cells(segment, count)
     axial, radial = 4 * k / m, (G + 4 * s) / J
     square = (axial + radial + np.hypot(axial - radial, 4 * b / np.sqrt(m * J))) / 2
     return 2 / math.sqrt(float(square.max()))

@@ -128,13 +128,13 @@ def _nodes(mesh: Mesh, implicit: Array, mass: Array, bound: Array) -> Array:
 
 def _stretches(mesh: Mesh, stiffness: Array, mobility: Array) -> Array:
     found: list[tuple[Any, ...]] = []
-    implicit = mesh.implicit
-    for a, b in zip(mesh.first[1:], mesh.last[1:], strict=True):
+    pieces = np.searchsorted(mesh.starts, mesh.first[1:], "right") - 1
+    for a, b, piece in zip(mesh.first[1:], mesh.last[1:], pieces, strict=True):
         k, e = stiffness[a + 1 : b + 1], mobility[a + 1 : b]
         alike = np.all(k == k[0]) and np.all(e == e[:1])
         kick, stiff = e[0] if alike and len(e) else -1.0, k[0] if alike else -1.0
         opens = not found or found[-1][1] != a
-        found.append((a, b, implicit[mesh.piece_of(a)], opens, kick, stiff))
+        found.append((a, b, mesh.implicit[piece], opens, kick, stiff))
     return np.array(found, records.STRETCH)
 
 

@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...model import Wall
 from ...units import format_si
-from ..run import ContactSignal, ContactTally, Episode, Outside, Run, Signals
+from ..groups import fill_bonds
+from ..run import INWARD, ContactSignal, ContactTally, Episode, Outside, Run, Signals
 from ..signals import Floats, Pieces
 from ..status import end_sentence, last_contact, proof_sentence, strain_warning
 from .measures import episodes_of_steps, largest_force, pressed_spans
@@ -18,35 +18,33 @@ from .refinement import ROUGH
 from .run import RINGING, GridRun
 
 LARGE_CHANGE = 1e-2  # of the peak force, from which it is said
-KINDS = {"velocity": "drive", "force": "drive", "absorbing": "absorbing"}
 
 
-class StepRecord(NamedTuple):
-    """Means over steps, and what is between them.
+class Contact(NamedTuple):
+    """What passed at a contact: means over steps, and what is between them.
 
-    forces, gaps, paths : by contact, [steps] N, [steps + 1] m, and [steps] m by which the bodies
-    approach under the force: beside the change of the gap what a grid loses as it shuts.
-    spans : by contact, when it pressed, s; none of one that cannot open.
-    ends : left and right, kind, [steps] force on the row, N, and velocity, m/s, or None.
+    force [steps] N; gap [steps + 1] m; path [steps] m by which the bodies approach under the force:
+    beside the change of the gap what a grid loses as it shuts; spans in which it pressed, s, and
+    episodes, none of a contact that cannot open.
     """
 
-    forces: list[Floats]
-    gaps: list[Floats]
-    paths: list[Floats]
-    spans: list[list[tuple[float, float]]]
-    ends: list[tuple[str, Floats, Floats] | None]
+    force: Floats
+    gap: Floats
+    path: Floats
+    spans: list[tuple[float, float]]
+    episodes: tuple[Episode, ...]
 
 
 def hand_over(run: GridRun, until: float | None) -> Run:
     """What every method hands back, of a run to `until`, s."""
-    record, tick, size = _record(run), run.clock.tick, sum(run.mesh.counts)
-    final = run.proved >= 0
+    outside, size = _outside(run), sum(run.mesh.counts)
+    contacts = _contacts(run, outside[0].push.values if outside[0] else np.zeros(run.steps))
+    final, t_final = run.proved >= 0, math.nan
     t_end = until if until is not None else float(run.times[-1])
     t_proved = float(run.times[run.proved]) if final else math.nan
-    t_final = math.nan
     if final:
-        times = [episodes[-1][1:] for episodes in _episodes(run, record) if episodes]
-        t_final = last_contact(times, t_end, 2 * run.clock.longest * tick)
+        ends = [contact.episodes[-1][1:] for contact in contacts if contact.episodes]
+        t_final = last_contact(ends, t_end, 2 * run.clock.longest * run.clock.tick)
     proof = proof_sentence(any(run.grid.link["episodes"]), t_final) if final else ""
     events = run.steps * len(run.row.laws)
     status = end_sentence(
@@ -61,8 +59,8 @@ def hand_over(run: GridRun, until: float | None) -> Run:
     return Run(
         method="finite-difference", until=until, clock=run.clock, end=end, t_end=t_end,
         t_final=t_final, t_proved=t_proved, stopped_by=run.stopped_by, status=status,
-        events=events, contacts=_tallies(run, record), accuracy=run.estimates,
-        make_signals=lambda: _signals(run, record),
+        events=events, contacts=tuple(_tally(run, k, x) for k, x in enumerate(contacts)),
+        accuracy=run.estimates, make_signals=lambda: _signals(run, contacts, outside),
     )
 
 
@@ -101,99 +99,86 @@ def _accuracy(run: GridRun) -> str:
     )
 
 
-def _record(run: GridRun) -> StepRecord:
-    row, forces, gaps, paths, spans = run.row, [], [], [], []
-    for k, link in enumerate(row.contact_link):
-        if k in row.by_law:
-            force, gap = run.contact(k)
-            forces.append(force)
-            gaps.append(gap)
-            paths.append(run.path(k))
-            spans.append(pressed_spans(run.times, force, gaps[-1]) if k in row.opening else [])
-        else:
-            forces.append(run.bond(link) if link >= 0 else np.full(run.steps, math.nan))
-            gaps.append(np.zeros(run.steps + 1))
-            paths.append(np.zeros(run.steps))
-            spans.append([])
-    ends: list[tuple[str, Floats, Floats] | None] = []
-    for side, (kind, _) in enumerate(row.outside):
-        wall = isinstance(row.system.bodies[-side], Wall)
-        ends.append(None if kind == "none" else ("wall" if wall else KINDS[kind], *run.outer(side)))
-    _join_rigid_bodies(run, forces, [end[1] if end else np.zeros(run.steps) for end in ends])
-    return StepRecord(forces, gaps, paths, spans, ends)
-
-
-def _join_rigid_bodies(run: GridRun, forces: list[Floats], pushes: list[Floats]) -> None:
-    """Fill in the forces between bonded rigid bodies, from Newton's law for one after the other.
-
-    `pushes` act on the two ends of the row, to the inside.
-    """
-    bodies: Any = run.row.system.bodies
-    rigid = [i < 0 for i in run.row.contact_link]
+def _contacts(run: GridRun, pushed: Floats) -> list[Contact]:
+    """What passed at each contact; `pushed` is the force of what is outside the left end."""
+    row, still = run.row, np.zeros(run.steps)
+    known = [run.contact(k)[0] if k in row.by_law else None if link < 0 else run.bond(link)
+             for k, link in enumerate(row.contact_link)]
 
     def spent(body: int) -> Floats:
-        gained = float(bodies[body].mass) * np.diff(run.speed(run.row.mass_of[body]))
-        return np.asarray(gained / run.step)
+        mass = float(row.system.bodies[body].mass)  # type: ignore[union-attr]
+        return np.asarray(mass * np.diff(run.speed(row.mass_of[body])) / run.step)
 
-    held = rigid.index(False) if isinstance(bodies[0], Wall) and False in rigid else 0
-    for k in range(held - 1, -1, -1):
-        forces[k] = forces[k + 1] + spent(k + 1)
-    for k in range(held, len(forces)):
-        if rigid[k]:
-            forces[k] = (forces[k - 1] if k else pushes[0]) - spent(k)
-
-
-def _tallies(run: GridRun, record: StepRecord) -> tuple[ContactTally, ...]:
-    """Totals of every contact in SI units."""
-    tallies, totals, times = [], run.grid.link, run.times
-    for k, (force, spans) in enumerate(zip(record.forces, record.spans, strict=True)):
-        law = run.row.system.contacts[k]
-        if not law.opens:
-            impulse = float(force.sum() * run.step)
-            tallies.append(ContactTally(impulse, float(np.max(force, initial=0.0)), 0.0,
-                                        math.nan, math.nan, 0))
-            continue
-        link = run.place(k)
-        begins, ends = np.array(spans).reshape(-1, 2).T
-        ends = np.nan_to_num(ends, nan=times[-1])
-        sudden = getattr(law, "restitution", None) is not None
-        if sudden:  # an impact takes no time, though it takes a step here
-            ends = np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
-        highest = largest_force(times, force)
-        tallies.append(ContactTally(
-            impulse=float(totals["impulse"][link]) * run.step,
-            duration=float((ends - begins).sum()),
-            peak_force=math.nan if sudden else highest,
-            first=float(begins[0]) if spans else math.nan,
-            last=float(ends[-1]) if spans else math.nan, episodes=int(totals["episodes"][link]),
-        ))
-    return tuple(tallies)
+    found = []
+    for k, force in enumerate(fill_bonds(row.system, known, spent, pushed)):
+        contact = Contact(force, np.zeros(run.steps + 1), still, [], ())
+        if k in row.by_law:
+            contact = contact._replace(gap=run.contact(k)[1], path=run.path(k))
+        if k in row.opening:
+            spans = pressed_spans(run.times, force, contact.gap)
+            episodes = episodes_of_steps(run.times, force, contact.gap, run.resolved, spans)
+            contact = contact._replace(spans=spans, episodes=episodes)
+        found.append(contact)
+    return found
 
 
-def _episodes(run: GridRun, record: StepRecord) -> list[tuple[Episode, ...]]:
-    """Touchings of each contact."""
-    columns = record.forces, record.gaps, record.spans
-    return [episodes_of_steps(run.times, force, gap, run.resolved, spans) if spans else ()
-            for force, gap, spans in zip(*columns, strict=True)]
-
-
-def _signals(run: GridRun, record: StepRecord) -> Signals:
-    row, edges, contacts = run.row, run.edges, []
-    for force, gap, path, episodes in zip(*record[:3], _episodes(run, record), strict=True):
-        if len(force):
-            contacts.append(ContactSignal(
-                Pieces(edges[:-1], force), Pieces.through(edges, gap),
-                Pieces(edges[:-1], path / run.step), episodes,
-            ))
-        else:
-            still = Pieces([0], [0.0])
-            contacts.append(ContactSignal(still, Pieces([0], gap), still, episodes))
-    left, right = (
-        Outside(end[0], Pieces(edges[:-1], end[1]), Pieces(edges[:-1], end[2]))
-        if end is not None and len(end[1]) else None for end in record.ends
+def _tally(run: GridRun, k: int, contact: Contact) -> ContactTally:
+    """Totals of contact k in SI units."""
+    law, force = run.row.system.contacts[k], contact.force
+    if not law.opens:
+        return ContactTally(float(force.sum() * run.step), float(np.max(force, initial=0.0)), 0.0,
+                            math.nan, math.nan, 0)
+    link, sudden = run.grid.link[run.place(k)], getattr(law, "restitution", None) is not None
+    begins, ends = np.array(contact.spans).reshape(-1, 2).T
+    ends = np.nan_to_num(ends, nan=run.times[-1])
+    if sudden:  # an impact takes no time, though it takes a step here
+        ends = np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
+    return ContactTally(
+        impulse=float(link["impulse"]) * run.step, duration=float((ends - begins).sum()),
+        peak_force=math.nan if sudden else largest_force(run.times, force),
+        first=float(begins[0]) if len(begins) else math.nan,
+        last=float(ends[-1]) if len(ends) else math.nan, episodes=int(link["episodes"]),
     )
+
+
+def _outside(run: GridRun) -> tuple[Outside | None, Outside | None]:
+    """What acted on the left and on the right end."""
+    found: list[Outside | None] = []
+    for side, (kind, _) in enumerate(run.row.outside):
+        if kind == "none" or not run.steps:
+            found.append(None)
+            continue
+        force, speed = (Pieces(run.edges[:-1], means) for means in run.outer(side))
+        found.append(Outside(run.row.outside_name(side), force, speed))
+    return found[0], found[1]
+
+
+def _signals(run: GridRun, contacts: list[Contact], outside: Any) -> Signals:
+    row, edges, still = run.row, run.edges, Pieces([0], [0.0])
+
+    def over(means: Floats) -> Pieces:
+        return Pieces(edges[:-1], means) if run.steps else still
+
+    signals = tuple(
+        ContactSignal(over(contact.force), Pieces.through(edges, contact.gap),
+                      over(contact.path / run.step), contact.episodes) for contact in contacts)
     masses = {
         body: Pieces.through(edges, run.speed(m)) for body, m in enumerate(row.mass_of) if m >= 0
     }
-    motion = run.motion(pushes=run.mesh.outer_forces(record.forces, record.ends))
-    return Signals(motion, tuple(contacts), (left, right), edges, masses)
+    motion = run.motion(pushes=_pushes(run, contacts, outside))
+    return Signals(motion, signals, outside, edges, masses)
+
+
+def _pushes(run: GridRun, contacts: list[Contact], outside: Any) -> dict[int, Floats]:
+    """By node: forces to the right of contacts that are not bonded and of what is outside, N."""
+    row, mesh = run.row, run.mesh
+    pushes: dict[int, Floats] = {}
+    for contact, link in zip(contacts, row.contact_link, strict=True):
+        for node, sign in zip(mesh.touching.get(link, ()), INWARD[::-1], strict=False):
+            pushes[node] = pushes.get(node, 0.0) + sign * contact.force
+    for node, sign, link, end in zip(
+        mesh.ends, INWARD, (0, len(row.laws) - 1), outside, strict=True
+    ):
+        if end is not None and link not in mesh.touching:
+            pushes[node] = pushes.get(node, 0.0) + sign * end.push.values
+    return pushes

@@ -9,12 +9,12 @@ from numpy.polynomial.chebyshev import chebder
 
 from ...model import Joint, Wall, Yielding
 from ..clock import Clock
+from ..groups import fill_bonds
 from ..row import Row
 from ..run import ContactSignal, Episode, Outside, Signals, Waves
 from ..signals import Pieces, difference
 from .records import Touch
 
-KINDS = {"velocity": "drive", "force": "drive", "absorbing": "absorbing"}
 NOTHING = Pieces([0], [0.0])
 
 
@@ -153,7 +153,7 @@ def _outside(
     if kind == "none":
         return None
     it, at = records["link"][-side], records["node"][-side]
-    name = "wall" if isinstance(row.system.bodies[-side], Wall) else KINDS[kind]
+    name = row.outside_name(side)
     push = lines[it["force_line"]]
     frame = _frame(clock, end)
     if kind == "velocity" and isinstance(value, float):
@@ -175,24 +175,11 @@ def _joined(
     row: Row, clock: Clock, contacts: list[ContactSignal | None],
     outside: list[Outside | None], masses: dict[int, Pieces],
 ) -> list[ContactSignal]:
-    """Fill in the forces between bonded rigid bodies, from Newton's law for one after the other."""
-    whole = [c or ContactSignal(NOTHING, NOTHING, NOTHING, ()) for c in contacts]
-    rigid = [c is None for c in contacts]
-    if not any(rigid):
-        return whole
+    """Fill in the forces between bonded rigid bodies."""
     bodies: Any = row.system.bodies
-
-    def spent(body: int) -> Pieces:
-        return _rate(masses[body], float(bodies[body].mass) / clock.tick)
-
-    held = rigid.index(False) if isinstance(bodies[0], Wall) and False in rigid else 0
-    for k in range(held - 1, -1, -1):
-        force = difference(whole[k + 1].force, spent(k + 1).times(-1.0))
-        whole[k] = ContactSignal(force, NOTHING, NOTHING, ())
-    for k in range(held, len(whole)):
-        if rigid[k]:
-            pushes = outside[0].push if outside[0] else NOTHING
-            before = whole[k - 1].force if k else pushes
-            force = difference(before, spent(k))
-            whole[k] = ContactSignal(force, NOTHING, NOTHING, ())
-    return whole
+    forces = fill_bonds(
+        row.system, [c.force if c else None for c in contacts],
+        lambda body: _rate(masses[body], float(bodies[body].mass) / clock.tick),
+        outside[0].push if outside[0] else NOTHING)
+    return [contact or ContactSignal(force, NOTHING, NOTHING, ())
+            for contact, force in zip(contacts, forces, strict=True)]
