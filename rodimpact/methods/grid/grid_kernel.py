@@ -53,7 +53,7 @@ def follow(grid: Any, track: Any, until: int) -> bool:
     # taken out of the tuples once, and handed on only where needed: a call for one array costs as
     # much as ten nodes
     v, force, stiffness, mobility = grid.velocity, grid.force, grid.stiffness, grid.mobility
-    stretch, piece, implicit, node = grid.stretch, grid.piece, grid.implicit, grid.node
+    piece, implicit, node = grid.piece, grid.implicit, grid.node
     viscous, lost, change, old = grid.viscous, grid.lost, grid.change, grid.old
     strain, rate, coupling = grid.strain, grid.rate, grid.coupling
     ease, own, share, shear = grid.ease, grid.own, grid.share, grid.shear
@@ -67,11 +67,11 @@ def follow(grid: Any, track: Any, until: int) -> bool:
             return True
         remember(run, v, link, end, given)
         move(piece, v)
-        drift(v, force, stiffness, stretch)
+        drift(v, force, stiffness)
         if run.swells > 0:
             radial.drift(strain, rate, coupling, force)
             radial.kick(strain, rate, ease, own, share, shear, force)
-        kick(v, force, mobility, stretch)
+        kick(v, force, mobility)
         if len(implicit) > 0:
             kick_implicit(implicit, node, v, force, viscous, change, old, end)
         move_ends(v, mobility, end)
@@ -134,33 +134,16 @@ def move(piece: Any, v: Any) -> None:
         piece[p].place += v[piece[p].start] / 2
 
 
-def drift(v: Any, force: Any, stiffness: Any, stretch: Any) -> None:
-    """Forces in the middle of the step."""
-    for s in range(len(stretch)):
-        a, b, k = stretch[s].first & FAR, stretch[s].last & FAR, stretch[s].stiffness
-        if k >= 0:
-            for i in range(a + 1, b + 1):
-                force[i] += k * (v[i] - v[i - 1])
-        else:
-            for i in range(a + 1, b + 1):
-                force[i] += stiffness[i] * (v[i] - v[i - 1])
+def drift(v: Any, force: Any, stiffness: Any) -> None:
+    """Forces in the middle of the step; between pieces there is no stiffness."""
+    for i in range(1, len(v)):
+        force[i] += stiffness[i] * (v[i] - v[i - 1])
 
 
-def kick(v: Any, force: Any, mobility: Any, stretch: Any) -> None:
-    """Velocities of explicit pieces; what joins two stretches is kicked once."""
-    for s in range(len(stretch)):
-        a, b, k = stretch[s].first & FAR, stretch[s].last & FAR, stretch[s].kick
-        if stretch[s].implicit > 0:
-            continue
-        if stretch[s].opens > 0:
-            v[a] += mobility[a] * (force[a + 1] - force[a])
-        if k >= 0:
-            for i in range(a + 1, b):
-                v[i] += k * (force[i + 1] - force[i])
-        else:
-            for i in range(a + 1, b):
-                v[i] += mobility[i] * (force[i + 1] - force[i])
-        v[b] += mobility[b] * (force[b + 1] - force[b])
+def kick(v: Any, force: Any, mobility: Any) -> None:
+    """Velocities of explicit pieces; the nodes of others have no mobility."""
+    for i in range(len(v)):
+        v[i] += mobility[i] * (force[i + 1] - force[i])
 
 
 def kick_implicit(

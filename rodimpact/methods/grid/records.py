@@ -34,11 +34,6 @@ RUN = np.dtype([
     ("tolerance", "f8"),  # velocity below which contacts graze and impacts rest
     ("resolution", "f8"),  # gap that counts as no opening: the mesh does not see it
 ], align=True)
-STRETCH = np.dtype([  # nodes of a segment
-    ("first", "i8"), ("last", "i8"), ("implicit", "i8"),  # 1: kicked with its piece
-    ("opens", "i8"),  # 1: its first node is not the last one of the stretch before
-    ("kick", "f8"), ("stiffness", "f8"),  # of its inner nodes and its cells, -1 if they differ
-], align=True)
 PIECE = np.dtype([("start", "i8"), ("place", "f8")], align=True)  # first node, its displacement
 IMPLICIT = np.dtype([  # a piece with damping or lateral inertia
     ("first", "i8"), ("middle", "i8"), ("last", "i8"),  # nodes
@@ -88,7 +83,6 @@ class Grid(NamedTuple):
     force: Any  # [cell] elastic tension in the middle of the last step; 0 between pieces
     mobility: Any  # [node] 1/mass; 0 where the velocity is given, or the piece is implicit
     stiffness: Any  # [cell]
-    stretch: Any  # STRETCH
     piece: Any  # PIECE
     implicit: Any  # IMPLICIT
     node: Any  # [node] NODE

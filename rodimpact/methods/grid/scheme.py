@@ -29,11 +29,9 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     for side, (kind, _) in enumerate(row.outside):
         if kind == "absorbing":
             mass[mesh.ends[side]] += impedance(mesh, side) / 2
-    mobility = mobility_of(mesh, mass)
     implicit = spans_of(mesh)
     node = _nodes(mesh, implicit, mass, bound)
-    for p in implicit:
-        mobility[p["first"] : p["last"] + 1] = 0.0
+    mobility = np.where(mesh.hidden, 0.0, mobility_of(mesh, mass))
     stiffness, cells = mesh.stiffness * h, mesh.cells
     swells = cells.swelling > 0
     constant = np.where(cells.stiffness > 0, cells.stiffness, 1.0)
@@ -41,7 +39,6 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
         run=filled(records.RUN, 1, tolerance=TOLERANCE * row.scale,
                    resolution=GAP_RESOLUTION * row.scale, swells=mesh.swells),
         velocity=np.zeros(n), force=np.zeros(n + 1), mobility=mobility, stiffness=stiffness,
-        stretch=_stretches(mesh, stiffness, mobility),
         piece=filled(records.PIECE, len(mesh.starts), start=mesh.starts),
         implicit=implicit, node=node, viscous=mesh.viscous, lost=np.zeros(n + 1),
         change=np.zeros(n), old=np.zeros(n),
@@ -87,10 +84,8 @@ def mobility_of(mesh: Mesh, mass: Array) -> Array:
 
 def spans_of(mesh: Mesh) -> Array:
     """Pieces with damping or lateral inertia, before their elimination."""
-    spans = [(a, b) for a, b, hidden in zip(mesh.starts, mesh.stops, mesh.implicit, strict=True)
-             if hidden]
-    first, last = np.array(spans, np.int64).reshape(-1, 2).T
-    return filled(records.IMPLICIT, len(spans), first=first, middle=(first + last) // 2, last=last)
+    first, last = (np.array(nodes)[mesh.implicit] for nodes in (mesh.starts, mesh.stops))
+    return filled(records.IMPLICIT, len(first), first=first, middle=(first + last) // 2, last=last)
 
 
 def eliminated(
@@ -100,69 +95,56 @@ def eliminated(
     pieces = compiling.as_objects(implicit)
     nodes = compiling.as_objects(np.zeros(len(mass), records.NODE))
     diagonal, bounds = (mass + bound[:-1] + bound[1:]).tolist(), bound.tolist()
-    held = mesh.held.tolist()
     for piece in pieces:
-        elimination.factor(piece, nodes, bounds, diagonal, held)
+        elimination.factor(piece, nodes, bounds, diagonal, mesh.held.tolist())
     return pieces, nodes
 
 
 def _nodes(mesh: Mesh, implicit: Array, mass: Array, bound: Array) -> Array:
     """Nodes of implicit pieces; enters in the pieces what their middle takes."""
-    if not len(implicit):
-        return np.zeros(len(mass), records.NODE)
     pieces, nodes = eliminated(mesh, implicit, mass, bound)
-    answers = {"by_first": [0.0] * len(nodes), "by_last": [0.0] * len(nodes)}
-    for piece in pieces:
-        for end, x in zip((piece.first, piece.last), answers.values(), strict=True):
-            x[end] = 0.0 if mesh.held[end] else 1.0
-            elimination.substitute(piece, nodes, x)
     implicit[:] = compiling.as_records(pieces, records.IMPLICIT)
     found: Array = compiling.as_records(nodes, records.NODE)
-    for name, x in answers.items():
-        found[name] = x
+    for name, ends in (("by_first", implicit["first"]), ("by_last", implicit["last"])):
+        push = np.zeros(len(nodes))
+        push[ends] = mesh.held[ends] == 0
+        found[name] = answered(pieces, nodes, push)
     return found
 
 
-# Explicit pieces, links, bonds --------------------------------------------------------------------
+def answered(pieces: list[Any], nodes: list[Any], push: Array) -> Array:
+    """By how much implicit pieces change their velocities for these forces [node]."""
+    x = push.tolist()
+    for piece in pieces:
+        elimination.substitute(piece, nodes, x)
+    return np.array(x)
 
 
-def _stretches(mesh: Mesh, stiffness: Array, mobility: Array) -> Array:
-    found: list[tuple[Any, ...]] = []
-    pieces = np.searchsorted(mesh.starts, mesh.first[1:], "right") - 1
-    for a, b, piece in zip(mesh.first[1:], mesh.last[1:], pieces, strict=True):
-        k, e = stiffness[a + 1 : b + 1], mobility[a + 1 : b]
-        alike = np.all(k == k[0]) and np.all(e == e[:1])
-        kick, stiff = e[0] if alike and len(e) else -1.0, k[0] if alike else -1.0
-        opens = not found or found[-1][1] != a
-        found.append((a, b, mesh.implicit[piece], opens, kick, stiff))
-    return np.array(found, records.STRETCH)
+# Links -------------------------------------------------------------------------------------------
 
 
 def _links(mesh: Mesh, h: float, mobility: Array, node: Array) -> Array:
-    row, chosen = mesh.row, list(mesh.touching)
-    count = len(chosen)
-    left, right = np.array([*mesh.touching.values()], np.int64).reshape(-1, 2).T
-    hidden = np.array(mesh.implicit)
+    """Links, each between two neighbouring pieces."""
+    row, chosen, hidden = mesh.row, list(mesh.touching), np.array(mesh.implicit)
+    left, right = np.array(mesh.stops[:-1], np.int64), np.array(mesh.starts[1:], np.int64)
     order = np.where(hidden, np.cumsum(hidden) - 1, NONE)  # of implicit pieces, by piece
-    pieces = [np.searchsorted(mesh.starts, nodes, "right") - 1 for nodes in (left, right)]
-    ease = [np.where(hidden[piece], node[name][nodes], mobility[nodes]) / 2
-            for piece, name, nodes in zip(pieces, ("by_last", "by_first"), (left, right),
-                                          strict=True)]
-    near = left[1:] == right[:-1]
-    through = np.where(near, mobility[left[1:]] / 2, 0.0)
-    shared, beside = np.zeros(count), pieces[0][1:] == pieces[1][:-1]
-    shared[1:] = np.where(beside & hidden[pieces[0][1:]], node["by_first"][left[1:]] / 2, through)
+    to_left = np.where(hidden[:-1], node["by_last"][left], mobility[left]) / 2
+    to_right = np.where(hidden[1:], node["by_first"][right], mobility[right]) / 2
+    # two links feel each other through a piece of one node, or one that answers as a whole
+    shared = np.zeros(len(chosen))
+    shared[1:] = np.where(hidden[1:-1], node["by_first"][left[1:]], np.where(
+        left[1:] == right[:-1], mobility[left[1:]], 0.0)) / 2
     begins = np.flatnonzero(shared == 0)
-    last = np.full(count, NONE)
-    last[begins] = np.append(begins[1:], count) - 1
-    gap = np.array([row.gap[i] for i in chosen]) / h
+    last = np.full(len(chosen), NONE)
+    last[begins] = np.append(begins[1:], len(chosen)) - 1
+    gap = np.array(row.gap, float)[chosen] / h
     columns = {name: np.array(getattr(row, name))[chosen]
                for name in ("exponent", "damping", "strength")}
     return filled(
-        records.LINK, count, law=[row.laws[i] for i in chosen],
+        records.LINK, len(chosen), law=np.array(row.laws)[chosen],
         stiffness=stiffness_in_steps(row, h)[chosen], left=left, right=right,
-        left_implicit=order[pieces[0]], right_implicit=order[pieces[1]],
-        last=last, own=ease[0] + ease[1], shared=shared, gap=gap, open=1, shut=gap == 0, **columns,
+        left_implicit=order[:-1], right_implicit=order[1:], last=last, own=to_left + to_right,
+        shared=shared, gap=gap, open=1, shut=gap == 0, **columns,
     )
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ...model import Rod
@@ -11,7 +9,6 @@ from ...model.profiles import averages
 from .. import compiling
 from ..laws import Law
 from ..row import Array
-from . import elimination_kernel as elimination
 from . import scheme
 from .mesh import Mesh
 from .records import Grid
@@ -81,10 +78,7 @@ def _dragged(mesh: Mesh, step: float, grid: Grid) -> Array:
     if not bound.any():
         return jump
     pieces, nodes = scheme.eliminated(mesh, grid.implicit, mesh.mass / step, bound)
-    found = jump.tolist()
-    for piece in pieces:
-        elimination.substitute(piece, nodes, found)
-    return np.array(found)
+    return scheme.answered(pieces, nodes, jump)
 
 
 def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
@@ -108,14 +102,9 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
             force[left] += at["stiffness"] * at["gap"]
             force[right] -= at["stiffness"] * at["gap"]
     found: Array = grid.mobility * force / 2
-    if len(grid.implicit):
-        nodes = compiling.as_objects(grid.node)
-        x: Any = np.where(mesh.held == 1, 0.0, force / 2).tolist()
-        for piece in compiling.as_objects(grid.implicit):
-            elimination.substitute(piece, nodes, x)
-            inside = slice(piece.first, piece.last + 1)
-            found[inside] = x[inside]
-    return found
+    pieces, nodes = (compiling.as_objects(x) for x in (grid.implicit, grid.node))
+    answer = scheme.answered(pieces, nodes, np.where(mesh.held == 1, 0.0, force / 2))
+    return np.where(mesh.hidden, answer, found)
 
 
 def _parted(mesh: Mesh, step: float, grid: Grid, closing: Array, kick: Array) -> Overlaps:
