@@ -25,6 +25,7 @@ COMMANDS = {
     "run": "solve a case file",
     "sweep": "map a family of collisions over one or more numbers of a case",
     "compare": "lay a measured record beside the gauges of a case",
+    "reduce": "read stress and strain of a specimen off the gauges of two bars",
     "explore": "play with a collision in the browser",
     "export": "write a collision as a page to hand out",
     "animate": "make a moving picture of a case: GIF, HTML or MP4",

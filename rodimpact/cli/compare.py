@@ -11,37 +11,36 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..methods.duration import Forecast, warn
-from ..methods.memory import LargeFile
 from ..model import Rod
-from ..model.frozen import InvalidModel, Problems, nearest
-from ..records.bridge import ALONG, Bridge
+from ..model.frozen import InvalidModel, Problems
+from ..records.bridge import Bridge
 from ..records.comparison import Misfit, Pulse, gain_unit
-from ..records.reading import read_signals
 from ..records.signal import Signal
 from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
 from ..storage.casefile import read_case
-from ..storage.reading import FileFormatError
 from ..storage.tables import SCHEMA_VERSION, align
 from ..units import format_si
-from .asking import attempt, check_format, check_outputs, named, quantity, write
+from .asking import attempt, check_format, check_outputs, named, write
 from .gauge_places import FORM, add_gauge_option, gauge_places
-from .options import flag
 from .progress import progress_bar, solved, status_of
+from .record_options import (
+    RECORD,
+    add_record_options,
+    bridge_of,
+    check_channels,
+    given_numbers,
+    read_record,
+)
 from .run_options import NUMBERS, add_run_options, run_options
 
 GAUGE_TIME = 2e-6  # s, about what an event takes in the signal of a gauge and beside a record
-_BRIDGE = {"gauge_factor": "dimensionless", "excitation": "voltage", "gain": "dimensionless",
-           "poisson_ratio": "dimensionless"}
-_DIMENSIONS = {"rate": "frequency", "start": "time", "stop": "time", "shift": "time",
-               "scale": "dimensionless", "carried": "length", "radius": "length", **_BRIDGE}
-_OPTIONS = {"time": "--time", "time_unit": "--time-unit", "rate": "--rate", "units": "--unit",
-            "decimal": "--decimal", "kind": "--bridge"}
+_DIMENSIONS = {"start": "time", "stop": "time", "shift": "time", "scale": "dimensionless",
+               "carried": "length", "radius": "length", **RECORD}
 
 
 class Laid(NamedTuple):
@@ -72,19 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         ("radius", "LENGTH", "equivalent radius of that bar, if the case does not call it round"),
     ):
         compared.add_argument(f"--{name}", metavar=metavar, help=what)
-    record = parser.add_argument_group("what the record is, where it does not say so itself")
-    for name, metavar, what in (
-        ("time", "COLUMN", "the column of times"), ("time-unit", "UNIT", "s, ms, us or ns"),
-        ("rate", "FREQUENCY", "samples a second, of a record without times"),
-        ("decimal", "SIGN", "point or comma: . or ,"),
-    ):
-        record.add_argument(f"--{name}", metavar=metavar, help=what)
-    record.add_argument("--unit", metavar="[CHANNEL=]UNIT", action="append", default=[],
-                        help="of all channels, or of one")
-    bridge = parser.add_argument_group("strain of a bridge, from volts")
-    bridge.add_argument("--bridge", choices=tuple(ALONG))
-    for name in _BRIDGE:
-        bridge.add_argument(flag(name), metavar="X")
+    add_record_options(parser)
     add_run_options(parser, tuple(NUMBERS))
 
 
@@ -97,22 +84,15 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     if not places:
         message = f"is missing; {FORM} names a channel and where its gauge is, as [[gauges]] of the"
         problems.append(("--gauge", f"{message} case do, with a name"))
-    numbers = {
-        name: quantity(problems, flag(name), text, dimension)
-        for name, dimension in _DIMENSIONS.items()
-        if (text := getattr(arguments, name)) is not None
-    }
+    numbers = given_numbers(problems, arguments, _DIMENSIONS)
     for name in ("rate", "radius"):
         if numbers.get(name, 1.0) <= 0:
             problems.append((f"--{name}", f"must be positive, got {numbers[name]!r}"))
     if "radius" in numbers and "carried" not in numbers:
         problems.append(("--radius", "goes with --carried"))
-    bridge = _bridge(problems, arguments, numbers)
-    signals = _record(problems, arguments, numbers)
-    for name in places if signals else ():
-        if name not in signals:
-            message = f"the record has no channel {name!r}; {nearest(name, signals)}"
-            problems.append((f"--gauge {name}", message))
+    bridge = bridge_of(problems, arguments, numbers)
+    signals = read_record(problems, arguments, numbers)
+    check_channels(problems, places, signals)
     if arguments.save is not None:
         check_format(problems, "--save", arguments.save)
     check_outputs(problems, {"--save": arguments.save}, arguments.force)
@@ -138,50 +118,6 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         draw = partial(_draw, laid, force=arguments.force)
         status = write("--save", arguments.save, draw) or status
     return (_json(laid) if arguments.json else _table(laid)), status
-
-
-def _bridge(
-    problems: Problems, arguments: argparse.Namespace, numbers: dict[str, float]
-) -> Bridge | None:
-    """The bridge, if one is named."""
-    given = {name: numbers[name] for name in _BRIDGE if name in numbers}
-    if arguments.bridge is None:
-        problems += [(flag(name), "goes with --bridge") for name in given]
-        return None
-    missing = [name for name in ("gauge_factor", "excitation") if name not in given]
-    problems += [(flag(name), "is missing; --bridge needs it") for name in missing]
-    if missing or not all(map(math.isfinite, given.values())):
-        return None
-    try:
-        return Bridge(arguments.bridge, **given)
-    except InvalidModel as error:
-        problems += [(flag(field), text) for field, text in error.problems]
-        return None
-
-
-def _record(
-    problems: Problems, arguments: argparse.Namespace, numbers: dict[str, float]
-) -> dict[str, Signal]:
-    """Channels of the record; none, and why, if it cannot be read."""
-    by_channel = dict(text.rsplit("=", 1) for text in arguments.unit if "=" in text)
-    for_all = [text for text in arguments.unit if "=" not in text]
-    if for_all and len(arguments.unit) > 1:
-        problems.append(("--unit", "give one for all channels, or one CHANNEL=UNIT for each"))
-    if problems:
-        return {}
-    units: Any = for_all[0] if for_all else by_channel or None
-    try:
-        with progress_bar("characters") as bar:
-            return read_signals(
-                arguments.record, time=arguments.time, time_unit=arguments.time_unit,
-                rate=numbers.get("rate"), units=units, decimal=arguments.decimal,
-                progress=bar,
-            )
-    except OSError as error:
-        problems.append((arguments.record, f"cannot be read: {error.strerror or error}"))
-    except (InvalidModel, FileFormatError, LargeFile) as error:
-        problems += named(error, _OPTIONS)
-    return {}
 
 
 def _prepared(

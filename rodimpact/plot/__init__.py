@@ -23,11 +23,12 @@ from .moving import animation
 from .page import overview
 from .residuals import comparison
 from .saving import save
+from .specimen import reduction
 from .stages import snapshots
 from .strains import gauge
 from .style import look
 
 __all__ = [
     "animation", "atlas", "comparison", "contact", "design", "energy", "fit", "gauge", "look",
-    "overview", "restitution", "save", "snapshots", "spacetime", "sweep",
+    "overview", "reduction", "restitution", "save", "snapshots", "spacetime", "sweep",
 ]

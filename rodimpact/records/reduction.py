@@ -228,7 +228,7 @@ class Reduction:
         for at in (*(e for e in SHOWN if e < strain[-1]), strain[-1]):
             i = int(np.searchsorted(strain, at))
             rows.append([
-                f"{100 * self.strain[i]:.3g} %", format_si(self.strain_rate[i], "1/s", 3),
+                f"{100 * self.strain[i]:.3g} %", f"{self.strain_rate[i]:.0f} 1/s",
                 *(format_si(column[i], "Pa", 4 - 2 * (k > 0))
                   for k, column in enumerate((self.stress, self.stress_band, self.one_sample))),
                 f"{100 * self.equilibrium[i]:.1f} %"])

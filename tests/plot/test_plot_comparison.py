@@ -101,3 +101,23 @@ def test_stations_are_on_the_page():
     for gauges in ([solution.gauge(1, 0.5)], {"bar": (1, 0.5)}):
         with pytest.raises(ri.InvalidModel, match="gauges: must be records by name"):
             plot.spacetime(solution, gauges=gauges)
+
+
+def test_a_reduction_shows_stress_with_its_band_over_strain():
+    ramp = np.clip(np.minimum(np.arange(400) - 100, 250 - np.arange(400)) / 10, 0, 1)
+    incident = ri.Signal(-1e-3 * ramp, dt=1e-6)
+    transmitted = (0.8 * incident).shifted(2e-4).extended(before=2e-4)
+    back = (-0.2 * incident).shifted(2e-4).extended(before=2e-4)
+    times = np.arange(0, 5.9e-4, 1e-6)
+    both = ri.Signal(np.interp(times, incident.times, incident.values)
+                     + np.interp(times, back.times, back.values), times)
+    bar = ri.Rod(1.5, area=1e-4, material=ri.Material("m", youngs_modulus=2e11, density=8000))
+    found = ri.reduce(ri.BarGauge(both, 0.5), ri.BarGauge(transmitted, 0.5), bar,
+                      ri.Specimen(5e-3, area=1e-4))
+    picture = plot.reduction(found)
+    assert picture.ax.get_ylabel() == "stress (MPa)"
+    np.testing.assert_allclose(picture.stress.get_ydata(), found.stress[found.loading] / 1e6)
+    np.testing.assert_allclose(picture.rate.get_xdata(), 100 * found.strain[found.loading])
+    assert picture.stress.get_ydata().max() == pytest.approx(160)
+    with pytest.raises(ValueError, match="found: must be a Reduction"):
+        plot.reduction(both)

@@ -1,0 +1,107 @@
+"""What a record is and how it becomes strain, where it does not say so itself."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from ..methods.memory import LargeFile
+from ..model.frozen import InvalidModel, Problems, nearest
+from ..records.bridge import ALONG, Bridge
+from ..records.reading import read_signals
+from ..records.signal import Signal
+from ..storage.reading import FileFormatError
+from .asking import named, quantity
+from .options import flag
+from .progress import progress_bar
+
+_BRIDGE = {"gauge_factor": "dimensionless", "excitation": "voltage", "gain": "dimensionless",
+           "poisson_ratio": "dimensionless"}
+RECORD = {"rate": "frequency", **_BRIDGE}
+"""Dimensions of the numbers among these options."""
+_OPTIONS = {"time": "--time", "time_unit": "--time-unit", "rate": "--rate", "units": "--unit",
+            "decimal": "--decimal", "kind": "--bridge"}
+
+
+def add_record_options(parser: argparse.ArgumentParser) -> None:
+    """How to read the record, and its bridge."""
+    record = parser.add_argument_group("what the record is, where it does not say so itself")
+    for name, metavar, what in (
+        ("time", "COLUMN", "the column of times"), ("time-unit", "UNIT", "s, ms, us or ns"),
+        ("rate", "FREQUENCY", "samples a second, of a record without times"),
+        ("decimal", "SIGN", "point or comma: . or ,"),
+    ):
+        record.add_argument(f"--{name}", metavar=metavar, help=what)
+    record.add_argument("--unit", metavar="[CHANNEL=]UNIT", action="append", default=[],
+                        help="of all channels, or of one")
+    bridge = parser.add_argument_group("strain of a bridge, from volts")
+    bridge.add_argument("--bridge", choices=tuple(ALONG))
+    for name in _BRIDGE:
+        bridge.add_argument(flag(name), metavar="X")
+
+
+def given_numbers(
+    problems: Problems, arguments: argparse.Namespace, dimensions: Mapping[str, str]
+) -> dict[str, float]:
+    """The numbers that options give, by their names."""
+    return {
+        name: quantity(problems, flag(name), text, dimension)
+        for name, dimension in dimensions.items()
+        if (text := getattr(arguments, name)) is not None
+    }
+
+
+def check_channels(
+    problems: Problems, wanted: Iterable[str], signals: Mapping[str, Signal]
+) -> None:
+    """Note the gauges for which the record, if it was read, has no channel."""
+    for name in wanted if signals else ():
+        if name not in signals:
+            message = f"the record has no channel {name!r}; {nearest(name, signals)}"
+            problems.append((f"--gauge {name}", message))
+
+
+def bridge_of(
+    problems: Problems, arguments: argparse.Namespace, numbers: dict[str, float]
+) -> Bridge | None:
+    """The bridge, if one is named."""
+    given = {name: numbers[name] for name in _BRIDGE if name in numbers}
+    if arguments.bridge is None:
+        problems += [(flag(name), "goes with --bridge") for name in given]
+        return None
+    missing = [name for name in ("gauge_factor", "excitation") if name not in given]
+    problems += [(flag(name), "is missing; --bridge needs it") for name in missing]
+    if missing or not all(map(math.isfinite, given.values())):
+        return None
+    try:
+        return Bridge(arguments.bridge, **given)
+    except InvalidModel as error:
+        problems += [(flag(field), text) for field, text in error.problems]
+        return None
+
+
+def read_record(
+    problems: Problems, arguments: argparse.Namespace, numbers: dict[str, float]
+) -> dict[str, Signal]:
+    """Channels of the record; none, and why, if it cannot be read."""
+    by_channel = dict(text.rsplit("=", 1) for text in arguments.unit if "=" in text)
+    for_all = [text for text in arguments.unit if "=" not in text]
+    if for_all and len(arguments.unit) > 1:
+        problems.append(("--unit", "give one for all channels, or one CHANNEL=UNIT for each"))
+    if problems:
+        return {}
+    units: Any = for_all[0] if for_all else by_channel or None
+    try:
+        with progress_bar("characters") as bar:
+            return read_signals(
+                arguments.record, time=arguments.time, time_unit=arguments.time_unit,
+                rate=numbers.get("rate"), units=units, decimal=arguments.decimal,
+                progress=bar,
+            )
+    except OSError as error:
+        problems.append((arguments.record, f"cannot be read: {error.strerror or error}"))
+    except (InvalidModel, FileFormatError, LargeFile) as error:
+        problems += named(error, _OPTIONS)
+    return {}

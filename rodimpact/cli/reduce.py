@@ -1,0 +1,145 @@
+"""Stress and strain of a specimen between two bars, from the record of their gauges.
+
+rodimpact reduce CASE.toml RECORD.csv --gauge incident=0:0.381 --gauge transmitted=1:0.381
+    --length 3.2mm --diameter 6.34mm
+
+The case holds the bars, each a rod with its length, and may be the one that planned the shot. A
+gauge bears the name of its channel, and lies on one of two neighbouring rods, one or two on each.
+The specimen is where the two meet.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from functools import partial
+from typing import Any
+
+from ..model.frozen import InvalidModel, Problems
+from ..records.bars import BarGauge
+from ..records.bridge import Bridge
+from ..records.reduction import Reduction, Specimen, reduce
+from ..records.signal import Signal
+from ..storage.casefile import read_case
+from ..storage.tables import SCHEMA_VERSION
+from .asking import attempt, check_format, check_outputs, named, write
+from .gauge_places import FORM, Places, add_gauge_option, gauge_places
+from .options import flag
+from .record_options import (
+    RECORD,
+    add_record_options,
+    bridge_of,
+    check_channels,
+    given_numbers,
+    read_record,
+)
+
+_SPECIMEN = {"length": "length", "diameter": "length", "area": "area", "youngs_modulus": "pressure"}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The bars, the record, the specimen, and what to write."""
+    parser.add_argument("case", metavar="CASE.toml", help="the case file with the bars")
+    parser.add_argument("record", metavar="RECORD.csv", help="the record, as text")
+    add_gauge_option(parser, "a channel of the record and its place")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--csv", metavar="FILE", help="write all columns over time")
+    parser.add_argument("--save", metavar="FILE", help="draw it: .png, .svg or .pdf")
+    parser.add_argument("--force", action="store_true", help="replace existing files")
+    specimen = parser.add_argument_group("the specimen")
+    specimen.add_argument("--length", metavar="LENGTH", help="before the shot")
+    specimen.add_argument("--diameter", metavar="LENGTH", help="of a round one, or")
+    specimen.add_argument("--area", metavar="AREA", help="its section")
+    specimen.add_argument("--youngs-modulus", metavar="PRESSURE", help="of its elastic start")
+    specimen.add_argument("--incompressible", action="store_true",
+                          help="it keeps its volume: tell true stress and strain, too")
+    waves = parser.add_argument_group("the waves")
+    waves.add_argument("--compression", choices=("negative", "positive"), default="negative",
+                       help="sign of a compression in the record; negative by default")
+    waves.add_argument("--align-within", metavar="TIME",
+                       help="shift reflected and transmitted wave by so much at most")
+    add_record_options(parser)
+
+
+def run(arguments: argparse.Namespace) -> tuple[str, int]:
+    """Check everything, reduce, write the files, and hand back the table or JSON."""
+    problems: Problems = []
+    case = attempt(problems, read_case, arguments.case)
+    places = gauge_places(problems, arguments.gauge, case)
+    numbers = given_numbers(problems, arguments, {"align_within": "time", **_SPECIMEN, **RECORD})
+    bridge = bridge_of(problems, arguments, numbers)
+    specimen = _specimen(problems, numbers, arguments.incompressible)
+    first = min((body for body, _ in places.values()), default=0)
+    if {body - first for body, _ in places.values()} != {0, 1}:
+        message = f"give {FORM} for one gauge or two on each of two neighbouring rods"
+        problems.append(("--gauge", message))
+    signals = read_record(problems, arguments, numbers)
+    check_channels(problems, places, signals)
+    problems += [
+        ("--bridge", f"is missing; the channel {name!r} is in {signals[name].unit}, no strain")
+        for name in places if bridge is None and name in signals and signals[name].unit
+    ]
+    if arguments.save is not None:
+        check_format(problems, "--save", arguments.save)
+    check_outputs(problems, {"--csv": arguments.csv, "--save": arguments.save}, arguments.force)
+    assert case is not None  # or there were problems
+    bars: Any = case.system.bodies[first : first + 2]
+    gauges = _gauges(places, signals, bridge, first, float(bars[0].length))
+    try:
+        found = reduce(
+            *gauges, bars, specimen, compression=arguments.compression,
+            align_within=numbers.get("align_within", 0.0))
+    except InvalidModel as error:
+        options = {"input_gauges": "--gauge", "output_gauges": "--gauge", "bars": case.path,
+                   "align_within": "--align-within"}
+        raise InvalidModel(named(error, options)) from None
+    except ValueError as error:
+        raise InvalidModel([("--gauge", str(error))]) from None
+    status = 0
+    if arguments.csv is not None:
+        status = write("--csv", arguments.csv, partial(found.to_csv, force=arguments.force))
+    if arguments.save is not None:
+        status = write("--save", arguments.save, partial(_draw, found, arguments.force)) or status
+    return (_json(found) if arguments.json else str(found)), status
+
+
+def _specimen(problems: Problems, numbers: dict[str, float], incompressible: bool) -> Any:
+    """The specimen; None, and why, if what is given makes none."""
+    given: dict[str, Any] = {name: numbers[name] for name in _SPECIMEN if name in numbers}
+    if "length" not in given:
+        problems.append(("--length", "is missing; give the length of the specimen"))
+        return None
+    try:
+        return Specimen(**given, incompressible=incompressible)
+    except InvalidModel as error:
+        problems += [(flag(field), text) for field, text in error.problems]
+        return None
+
+
+def _gauges(
+    places: Places, signals: dict[str, Signal], bridge: Bridge | None, first: int, length: float
+) -> tuple[list[BarGauge], list[BarGauge]]:
+    """Gauges of the input and of the output bar, with their distances from the specimen."""
+    sides: tuple[list[BarGauge], list[BarGauge]] = [], []
+    for name, (body, x) in places.items():
+        try:
+            strain = signals[name] if bridge is None else bridge.strain(signals[name])
+            sides[body - first].append(BarGauge(strain, length - x if body == first else x))
+        except InvalidModel as error:  # such as a signal that is in no volts
+            raise InvalidModel([(f"--gauge {name}", text) for _, text in error.problems]) from None
+    return sides
+
+
+def _json(found: Reduction) -> str:
+    """All columns as JSON, in SI units."""
+    columns = {name: signal.values.tolist() for name, signal in found.signals.items()}
+    return json.dumps({
+        "schema_version": SCHEMA_VERSION, "shifts": found.shifts,
+        "time": found.times.tolist(), **columns,
+    }, indent=2)
+
+
+def _draw(found: Reduction, force: bool, path: str) -> None:
+    from .. import plot
+
+    plot.save(plot.reduction(found).ax, path, force=force)

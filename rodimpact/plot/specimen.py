@@ -1,0 +1,79 @@
+"""What a specimen did between two bars: stress over strain with its band, and the strain rate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.lines import Line2D
+
+from ..model.arguments import of_kind
+from ..records.reduction import Reduction
+from .residuals import BROAD
+from .scales import engineering
+from .showing import picture
+from .style import colours, dress, grid, legend_above, new_figure, styled, two_axes
+
+
+@picture
+class Reduced(NamedTuple):
+    """Artists of a reduction."""
+
+    ax: Axes
+    rate_ax: Axes
+    stress: Line2D
+    two_wave: Line2D
+    band: PolyCollection
+    rate: Line2D
+
+
+@styled
+def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Reduced:
+    """Draw the stress of a specimen over its strain up to the largest, and below the strain rate.
+
+    The stress by the transmitted wave has its band. Where the stress by the incident and the
+    reflected wave differs from it, the forces on the two faces are not yet alike.
+
+    Parameters
+    ----------
+    found : Reduction
+    ax : two Axes, optional
+        For stress and strain rate; by default those of a new figure, one above the other.
+
+    Returns
+    -------
+    Reduced
+
+    Raises
+    ------
+    ValueError
+        If `ax` is no pair.
+    """
+    of_kind("found", found, Reduction, "ri.reduce(input_gauge, output_gauge, bar, specimen)")
+    if ax is None:
+        figure = new_figure(5.6, 4.6)
+        ax = figure.subplots(2, sharex=True, height_ratios=(3, 1)).tolist()
+    upper, lower = two_axes(ax, "stress and strain rate")
+    up, first, second = found.loading, *colours().series[:2]
+    strain, stress, around = 100 * found.strain[up], found.stress[up], found.stress_band[up]
+    unit = engineering("stress", float(np.abs(stress).max()), "Pa")
+    (one,) = upper.plot(strain, stress * unit.factor, color=first, linewidth=1.3,
+                        label="transmitted wave")
+    (two,) = upper.plot(strain, found.two_wave_stress[up] * unit.factor, color=second,
+                        linewidth=0.9, linestyle="--", label="incident and reflected wave")
+    band = upper.fill_between(
+        strain, (stress - around) * unit.factor, (stress + around) * unit.factor, color=first,
+        alpha=0.25, linewidth=0, label="95 % band")
+    (rate,) = lower.plot(strain, found.strain_rate[up], color=first, linewidth=1.1)
+    for each in (upper, lower):
+        grid(each)
+        dress(each)
+        each.set_ylim(bottom=0)
+    upper.set(xlim=(0, 1.02 * strain[-1]), ylabel=unit.label)
+    lower.set(xlabel="strain (%)", ylabel="strain rate\n(1/s)")
+    room = upper.get_window_extent().width / upper.figure.dpi
+    legend_above(upper, [one, two, band], 3 if room > BROAD else 1)
+    return Reduced(upper, lower, one, two, band, rate)
