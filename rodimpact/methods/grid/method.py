@@ -21,16 +21,14 @@ from ...model.frozen import InvalidModel
 from ...model.lateral_inertia import MINDLIN_HERRMANN
 from .. import abilities as physics
 from .. import kernels
-from ..clock import Clock
 from ..duration import Forecast, Progress
 from ..memory import ask
-from ..row import Array, Row
-from ..run import PEAK_FORCE, VELOCITY, Run
-from .mesh import STEP_TICKS, Mesh, crossing_time, most_cells, stable_step
+from ..row import Row
+from ..run import Run
+from . import refinement
+from .mesh import Mesh, crossing_time, most_cells, stable_step
 from .proof import finality_time
-from .refinement import FEWEST as FEWEST_LEVELS
-from .refinement import contact_measures, factor_of, order_of, refined
-from .run import GridRun, Keeper, clock_on, cost
+from .run import GridRun, Keeper, cost
 from .signals import hand_over
 
 RTOL = 1e-3
@@ -98,45 +96,28 @@ def follow(
     if until is not None and stepping:
         step = until / math.ceil(until / step * (1 - 1e-12))
 
-    peaks: dict[float, Array] = {}
     forecast = Forecast(announce, LESS, progress)
     searching = cells is None and dt is None and stepping
+    finest = refinement.factor_of(refinement.FEWEST - 1) if searching else 0
 
     def level(factor: int) -> GridRun:
-        finer = Mesh(row, [factor * N for N in counts])
-        finest = factor_of(FEWEST_LEVELS - 1) if searching else 0
+        mesh, h = Mesh(row, [factor * N for N in counts]), step / factor
+        room = None if until is None else max(1, round(until / h))
+        run = GridRun(mesh, h, Keeper(snapshots), room)
+        # finer ones that are certain to follow, and the round trip after the proof
         others = sum(f * f for f in range(factor + 1, finest + 1))
-        if until is None:
-            others += finest**2  # the round trip after the proof
-        return _level(finer, step / factor, Keeper(snapshots), until, max_events, forecast,
-                      others / factor**2)
+        others += 0 if until is not None else finest**2
+        _go(run, until, max_events, forecast, others / factor**2)
+        return run
 
-    def measures(run: GridRun) -> dict[str, Array]:
-        by_contact = contact_measures(run)
-        peaks[run.step] = by_contact[PEAK_FORCE]
-        # beside their scale, so that round-off of bodies at rest is none
-        return {VELOCITY: np.array([*_free_velocities(run), row.scale]), **by_contact}
-
-    if not searching:
-        return _after_the_proof(level(1))
-    goal = RTOL if rtol is None else rtol
-    run, estimates = refined(level, measures, order_of(row), goal, FINEST // max(counts))
-    run.estimates, run.rtol = estimates, goal
-    run.estimates[PEAK_FORCE] += run.peak_error
-    rougher = [h for h in peaks if h >= 2 * run.step * (1 - 1e-12)]
-    last = peaks[run.step]
-    if rougher and last.max(initial=0.0) > 0:
-        run.peak_change = float(np.abs(last - peaks[min(rougher)]).max() / last.max())
-    return _after_the_proof(run)
-
-
-def _free_velocities(run: GridRun) -> list[float]:
-    """Mean velocities of the groups of pieces that nothing holds."""
-    mesh, m, v = run.mesh, run.mesh.mass, run.grid.velocity
-    return [
-        float(m[a : b + 1] @ v[a : b + 1] / m[a : b + 1].sum())
-        for a, b in mesh.groups if not mesh.held[a : b + 1].any()
-    ]
+    if searching:
+        run = refinement.searched(level, row, RTOL if rtol is None else rtol,
+                                  FINEST // max(counts))
+    else:
+        run = level(1)
+    if run.stopped_by == "final":
+        run.advance(run.steps + run.round_trip)
+    return run
 
 
 def _mesh_size(
@@ -196,27 +177,21 @@ def _mesh_size(
     return counts.astype(int).tolist(), step
 
 
-def _level(
-    mesh: Mesh, step: float, keep: Keeper, until: float | None, max_events: int,
-    forecast: Forecast, others: float,
-) -> GridRun:
-    """One run on a given mesh, to its end or to the proof of finality.
-
-    Others that are certain to follow take so many times as long.
-    """
-    steps = 0 if until is None else round(until / step)
-    longest = _round_trip(clock_on(mesh, step)) // 2
-    room = 8 * longest if until is None else max(1, steps)
-    run = GridRun(mesh, step, keep, room)
-    size = f"{room} steps, {sum(mesh.counts)} cells"
-    per_step = cost(mesh, plain=not kernels.enabled())
-    ahead = others * (steps or 2 * longest) * cost(mesh, plain=True)
+def _go(
+    run: GridRun, until: float | None, max_events: int, forecast: Forecast, others: float
+) -> None:
+    """Run to the end, or to the proof; `others` that are to follow take so many times as long."""
+    room, longest = run.room, run.round_trip // 2
+    steps = 0 if until is None else round(until / run.step)
+    last = max(1, max_events // len(run.row.laws)) if until is None else steps
+    per_step = cost(run.mesh, plain=not kernels.enabled())
+    ahead = others * (steps or 2 * longest) * cost(run.mesh, plain=True)
 
     def tell(taken: int) -> None:
-        forecast.expect(per_step * max(room - taken, 0), size)
+        forecast.expect(per_step * max(room - taken, 0),
+                        f"{room} steps, {sum(run.mesh.counts)} cells")
         forecast.reached(taken, room)
 
-    last = max(1, max_events // len(mesh.row.laws)) if until is None else steps
     tell(0)
     run.advance(0)
     while run.proved < 0:
@@ -232,16 +207,3 @@ def _level(
         run.advance(last, tell)
     else:
         run.stopped_by = "final" if run.proved >= 0 else "max_events"
-    return run
-
-
-def _round_trip(clock: Clock) -> int:
-    """Steps in which waves cross the longest rod and come back."""
-    return 2 * max(1, math.ceil(clock.longest / STEP_TICKS))
-
-
-def _after_the_proof(run: GridRun) -> GridRun:
-    """Go on for a round trip of the longest rod, where the run ended with a proof."""
-    if run.stopped_by == "final":
-        run.advance(run.steps + _round_trip(run.clock))
-    return run

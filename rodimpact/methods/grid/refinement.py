@@ -12,7 +12,7 @@ from ...model import Fixed, Steps, laws
 from ..laws import Law
 from ..memory import TooLong
 from ..row import Array, Row
-from ..run import DURATION, IMPULSE, PEAK_FORCE
+from ..run import DURATION, IMPULSE, PEAK_FORCE, VELOCITY
 from .measures import largest_force, pressed_spans
 from .run import GridRun
 
@@ -25,10 +25,26 @@ ROUGH = (PEAK_FORCE, DURATION)  # told, and not waited for: they hang on few ste
 GENTLE = laws.Spring | laws.Hertz | laws.HuntCrossley | laws.PowerLaw | laws.Yielding
 
 
+Levels = list[tuple[float, dict[str, Array]]]
+"""Of each level the step, s, and what was measured."""
+
+
+def searched(level: Callable[[int], GridRun], row: Row, goal: float, last: int) -> GridRun:
+    """The finest run of a search; arguments as of `refined`."""
+    run, estimates, levels = refined(level, measures_of, order_of(row), goal, last)
+    run.estimates, run.rtol = estimates, goal
+    run.estimates[PEAK_FORCE] += run.peak_error
+    peaks = [values[PEAK_FORCE] for step, values in levels if step >= 2 * run.step * (1 - 1e-12)]
+    highest = levels[-1][1][PEAK_FORCE]
+    if peaks and highest.max(initial=0.0) > 0:
+        run.peak_change = float(np.abs(highest - peaks[-1]).max() / highest.max())
+    return run
+
+
 def refined(
     level: Callable[[int], GridRun], measures: Callable[[GridRun], dict[str, Array]], order: float,
     goal: float, last: int,
-) -> tuple[GridRun, dict[str, float]]:
+) -> tuple[GridRun, dict[str, float], Levels]:
     """Divide the step until no measure is wrong by more than `goal`, or as far as it goes.
 
     Parameters
@@ -50,29 +66,28 @@ def refined(
         The finest.
     estimates : dict of str to float
         Error of each measure, relative to its largest value; inf where there are too few levels.
+    levels : list
+        Down to the finest.
     """
-    finest: GridRun | None = None
-    levels: list[tuple[float, dict[str, Array]]] = []
-    estimates: dict[str, float] = {}
+    levels: Levels = []
     for factor in map(factor_of, count()):
         if factor > max(4, last):
             break
         try:
             finer = level(factor)
         except TooLong:
-            if finest is None:
+            if not levels:
                 raise
             break
-        if finest is not None and finer.stopped_by == "max_events":
+        if levels and finer.stopped_by == "max_events":
             break
-        finest, values = finer, measures(finer)
-        levels.append((finest.step, values))
-        estimates = {name: error_of(levels, name, order) for name in values}
+        finest = finer
+        levels.append((finest.step, measures(finest)))
+        estimates = {name: error_of(levels, name, order) for name in levels[-1][1]}
         late = any(error > goal for name, error in estimates.items() if name not in ROUGH)
         if finest.stopped_by == "max_events" or not late:
             break
-    assert finest is not None
-    return finest, estimates
+    return finest, estimates, levels
 
 
 def factor_of(level: int) -> int:
@@ -125,31 +140,31 @@ def order_of(row: Row) -> float:
     return 1.0 if gentle and not held and not any(isinstance(x, Steps) for x in given) else 0.5
 
 
-def contact_measures(run: GridRun) -> dict[str, Array]:
-    """Impulse, peak force and force duration, by contact that can open.
+def measures_of(run: GridRun) -> dict[str, Array]:
+    """Velocities of what nothing holds; impulse, peak force and duration by contact that can open.
 
     Restitution follows from the impulses. Impacts of rigid bodies have neither of the other two:
     their impulse grows in jumps. A joint is never done: of it counts the impulse up to a given end,
     beside the largest so far.
     """
-    kinds = [run.row.laws[link] for link in run.row.opening.values()]
-    forces = [run.contact(k)[0] for k in run.row.opening]
-    lasting = [(law != Law.IMPACT) * F for law, F in zip(kinds, forces, strict=True)]
-    joined: list[float] = []
-    for k in run.row.by_law if run.stopped_by == "until" else ():
-        if k not in run.row.opening:
-            passed = np.cumsum(run.contact(k)[0] * run.step)
-            joined += [*passed[-1:], np.abs(passed).max(initial=0.0)]
+    mesh, row, m, v = run.mesh, run.row, run.mesh.mass, run.grid.velocity
+    free = [float(m[a : b + 1] @ v[a : b + 1] / m[a : b + 1].sum())
+            for a, b in mesh.groups if not mesh.held[a : b + 1].any()]
+    impulses, peaks, durations = [], [], []
+    for k, link in row.by_law.items():
+        force, gap = run.contact(k)
+        impulse = float(force.sum() * run.step)
+        if k in row.opening:
+            lasting = (row.laws[link] != Law.IMPACT) * force
+            impulses.append(impulse)
+            peaks.append(largest_force(run.times, lasting))
+            durations.append(sum(
+                (run.times[-1] if math.isnan(end) else end) - begin
+                for begin, end in pressed_spans(run.times, lasting, gap)))
+        elif run.stopped_by == "until":
+            passed = np.cumsum(force * run.step)
+            impulses += [*passed[-1:], np.abs(passed).max(initial=0.0)]
     return {
-        IMPULSE: np.array([*joined, *(float(F.sum() * run.step) for F in forces)]),
-        PEAK_FORCE: np.array([largest_force(run.times, F) for F in lasting]),
-        DURATION: np.array([
-            _pressed(run, k, F) for k, F in zip(run.row.opening, lasting, strict=True)]),
+        VELOCITY: np.array([*free, row.scale]),  # so that round-off of bodies at rest is none
+        IMPULSE: np.array(impulses), PEAK_FORCE: np.array(peaks), DURATION: np.array(durations),
     }
-
-
-def _pressed(run: GridRun, contact: int, force: Array) -> float:
-    """How long a contact presses, s."""
-    times = run.times
-    spans = pressed_spans(times, force, run.contact(contact)[1])
-    return float(sum((times[-1] if math.isnan(end) else end) - begin for begin, end in spans))

@@ -84,11 +84,13 @@ class GridRun:
     rtol = 0.0
     peak_change = math.nan
 
-    def __init__(self, mesh: Mesh, step: float, keep: Keeper, room: int) -> None:
+    def __init__(
+        self, mesh: Mesh, step: float, keep: Keeper, room: int | None = None
+    ) -> None:
         self.mesh, self.step, self.row, self.keep = mesh, step, mesh.row, keep
         self.clock, self.estimates = clock_on(mesh, step), dict[str, float]()
-        self._ask(room)
-        keep.when(step, room)  # sets the distance of states, so that few are kept in vain
+        self._ask(4 * self.round_trip if room is None else room)
+        keep.when(step, self.room)  # sets the distance of states, so that few are kept in vain
         self.grid = scheme.grid_of(mesh, step)
         self._overlaps = start.begin(mesh, step, self.grid)
         self.track = self._blank(0, 0)
@@ -97,6 +99,11 @@ class GridRun:
     def steps(self) -> int:
         """Steps taken, between which signals are averages."""
         return int(self.grid.run["step"][0])
+
+    @property
+    def round_trip(self) -> int:
+        """Steps in which waves cross the longest rod and come back."""
+        return 2 * max(1, math.ceil(self.clock.longest / STEP_TICKS))
 
     # The steps ------------------------------------------------------------------------------------
 
