@@ -14,6 +14,8 @@
   the waves of either theory and by the exact first mode: root of the mean square of the difference,
   while the pulse lasts, over its peak. Up to some 60 diameters Mindlin and Herrmann's theory is the
   better one.
+- A step that `Signal.propagated` carries 50 000 diameters: its front is Skalak's, an integral of
+  Airy's function, with values that do not depend on the bar.
 
 Modes of a bar of length D with the end x = 0 moved and the other one held, V(w) the spectrum of the
 acceleration, a raised cosine of the duration T, and both branches w of k = n pi/D::
@@ -22,7 +24,7 @@ acceleration, a raised cosine of the duration T, and both branches w of k = n pi
     share(slow) = (fast^2 - c1^2 k^2)/(fast^2 - slow^2), share(fast) = 1 - share(slow)
 
 Source: R. D. Mindlin and G. Herrmann, Proc. 1st US National Congress of Applied Mechanics (1951)
-187; the closed forms by hand.
+187; R. Skalak, Journal of Applied Mechanics 24 (1957) 59; the closed forms by hand.
 """
 
 from __future__ import annotations
@@ -44,8 +46,8 @@ RISE = 4 * RADIUS / float(STEEL.wave_speed)
 
 
 def run() -> list[Row]:
-    """Phase velocities, the energy of a row, fronts, then pulses."""
-    return phase_velocities() + energy() + fronts() + distances()
+    """Phase velocities, the energy of a row, fronts, pulses, and a front far away."""
+    return phase_velocities() + energy() + fronts() + distances() + far_front()
 
 
 def frequencies(v: np.ndarray, dt: float) -> list[float]:
@@ -189,3 +191,21 @@ def distances() -> list[Row]:
                 "steel bar of 16 mm, nu = 0.29", f"{theory} after {diameters} diameters, %",
                 "Pochhammer and Chree", 0.0, 100 * math.sqrt(np.mean(apart**2)) / peak, bound))
     return rows
+
+
+def far_front() -> list[Row]:
+    """A step after 50 000 diameters, in times (3 nu^2 a^2 x/4)^(1/3)/c since long waves came."""
+    bar = ri.waves.Bar(wave_speed=5000.0, poisson_ratio=NU, radius=8e-3)
+    x = 50_000 * 2 * bar.radius
+    unit = (3 * (NU * bar.radius) ** 2 * x / 4) ** (1 / 3) / bar.wave_speed
+    step = ri.Signal(np.repeat([0.0, 1.0], 8000), dt=unit / 40, start=-8000 * unit / 40)
+    far = step.propagated(x, bar)
+    since = (far.times + unit / 80 - x / bar.wave_speed) / unit  # the step is between two samples
+    case, source = "step in a bar of 16 mm, 50 000 diameters away", "Skalak 1957"
+    peak = int(far.values.argmax())
+    return [
+        Row(case, "overshoot", source, 1.274352, float(far.values[peak]), 5e-4),
+        Row(case, "value when long waves would come", source, 1 / 3,
+            float(np.interp(0.0, since, far.values)), 5e-4),
+        Row(case, "first peak, in units of its width", source, 2.338107, float(since[peak]), 0.02),
+    ]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ..model import System
+from ..model.arguments import of_kind
+from ..model.frozen import refusal
 from ..model.quantities import Floats
 from ..records.signal import Signal
 from ..results import notebook
@@ -19,7 +21,8 @@ from .measured import Measured
 
 MODEL_ERROR = (
     "The standard errors come from what the records leave unexplained. Model error is not in them: "
-    "of numbers taken as known, of laws and theory, and of the calibration."
+    "of numbers taken as known, of laws and theory, and of the calibration. Fit another law or "
+    "theory to the same records, and fit.against(other) tells by how much the numbers move."
 )
 TABLE = "number,unit,value,standard error,low,high"
 
@@ -113,6 +116,38 @@ class Fit:
     def correlation(self) -> Floats:
         """Correlations of the errors, shape (number, number)."""
         return correlation_of(self.covariance)
+
+    def against(self, other: Fit) -> Fit:
+        """Return this fit with a note on how far each number moves under another law or theory.
+
+        Parameters
+        ----------
+        other : Fit
+            Of the same records, with another law or theory.
+
+        Returns
+        -------
+        Fit
+            Its `notes` compare the numbers that both fits have, in the same unit.
+
+        Raises
+        ------
+        InvalidModel
+            If `other` is no fit, or has no number of this one.
+        """
+        of_kind("other", other, Fit, "fit(system, measured, vary, until)")
+        theirs = {(f.name, f.unit): f.value for f in other.fitted}
+        notes = []
+        for f in self.fitted:
+            if (f.name, f.unit) in theirs:
+                moved = theirs[f.name, f.unit] - f.value
+                often = f", {abs(moved) / f.standard_error:.1f} standard errors"
+                notes.append(f"With the other law or theory {f.name} moves by "
+                             f"{format_si(moved, f.unit, 3)}{often if f.standard_error else ''}.")
+        if not notes:
+            raise refusal("other", "has no number in common with this fit; vary the same ones")
+        misfits = ", ".join(f"{100 * misfit:.3g} %" for misfit in other.misfits)
+        return replace(self, notes=(*self.notes, *notes, f"Its misfit is {misfits}."))
 
     def to_csv(self, path: PathLike, *, force: bool = False) -> None:
         """Write a row for each number: its value, standard error and bounds, in its unit.

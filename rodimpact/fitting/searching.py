@@ -96,8 +96,7 @@ def fit(
     Notes
     -----
     Derivatives are central differences. Standard errors do not take residuals for independent: they
-    say by how much the numbers move where halves to sixths of the records are left out, and are
-    never less than what so many independent samples tell as the residuals have correlation times.
+    follow from the autocovariance of the residuals of each record, `rodimpact.fitting.uncertainty`.
 
     Examples
     --------

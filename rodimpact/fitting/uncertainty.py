@@ -1,9 +1,10 @@
 """How well a fit knows its numbers, from residuals that are not independent of each other.
 
-Two measures, of which along every direction the larger counts. One leaves out blocks of the
-records, halves to sixths, each in turn, and takes by how much the numbers move then (delete-block
-jackknife, in linear approximation; the mean over these divisions). The other takes n samples for
-n/tau independent ones, with the correlation time tau of the residuals in samples.
+Least squares with the derivatives J turn noise of the covariance matrix G into a covariance of the
+numbers A J' G J A, with A = (J' J)^-1. G is measured: noise is taken as stationary in each record,
+with the autocovariance of the residuals there, up to where this first vanishes. As a fit takes
+part of the noise for signal, the squares of its residuals sum up to tr G - tr A J' G J only; G is
+raised by that ratio, which is n/(n - p) for independent samples.
 """
 
 from __future__ import annotations
@@ -14,8 +15,6 @@ import numpy as np
 
 from ..model.quantities import Floats
 
-DIVISIONS = (2, 3, 4, 5, 6)
-KEPT = 0.002  # of what a block tells of a number, where nothing else tells it
 FLAT = 1e-12  # of the information about the best known direction: below is none
 
 
@@ -31,35 +30,33 @@ def covariance(jacobian: Floats, residuals: Floats, lengths: Sequence[int]) -> F
     lengths : sequence of int
         Samples of each record.
     """
-    n, p = jacobian.shape
     ends = np.cumsum(lengths)[:-1]
-    variance = float(residuals @ residuals) / max(n - p, 1)
-    variance *= correlation_time(np.split(residuals, ends))
+    squares = float(residuals @ residuals)
+    records = list(zip(np.split(jacobian, ends), np.split(residuals, ends), strict=True))
+    noise = sum(carried(J, r) for J, r in records)  # J' G J
     information, directions = np.linalg.eigh(jacobian.T @ jacobian)
-    known = information > max(variance, FLAT * information[-1])
-    basis = directions[:, known] / np.sqrt(information[known])  # in which all is known alike
-    J, eye = jacobian @ basis, np.eye(basis.shape[1])
-    moved = np.zeros_like(eye)
-    for parts in DIVISIONS:
-        moves = []
-        for block in [b for record in np.split(np.arange(n), ends)
-                      for b in np.array_split(record, parts)]:
-            told = J[block].T @ J[block]
-            moves.append(np.linalg.solve((1 + KEPT) * eye - told, J[block].T @ residuals[block]))
-        D = np.array(moves)
-        moved += (1 - 1 / len(D)) / len(DIVISIONS) * (D.T @ D)
-    size, axes = np.linalg.eigh(moved)
-    root = basis @ axes * np.sqrt(np.maximum(size, variance))
-    unknown = directions[:, ~known]
-    total: Floats = root @ root.T + unknown @ unknown.T
+    floor = max(FLAT * information[-1], squares / len(residuals))
+    known = information > floor
+    basis = directions[:, known] / information[known]
+    inside, unknown = basis.T @ noise @ basis, directions[:, ~known]
+    taken = float(np.trace(inside * information[known]))
+    if 0 < taken < squares:
+        inside *= squares / (squares - taken)
+    root = directions[:, known]
+    total: Floats = root @ inside @ root.T + unknown @ unknown.T
     return total
 
 
-def correlation_time(records: Sequence[Floats]) -> float:
-    """Samples for each independent one: 1 + 2 times the correlations, up to where they end."""
-    longest = max(map(len, records))
-    together = np.zeros(longest)
-    for r in records:
-        together[: len(r)] += np.correlate(r, r, "full")[len(r) - 1 :]
-    end = int(np.argmax(together <= 0)) or longest
-    return float(1 + 2 * together[1:end].sum() / together[0]) if together[0] else 1.0
+def carried(jacobian: Floats, residuals: Floats) -> Floats:
+    """J' G J of one record, by Fourier transforms: the spectrum of noise over that of J."""
+    n = len(residuals)
+    transform = np.fft.rfft(residuals, 2 * n)
+    correlation = np.fft.irfft(np.abs(transform) ** 2)[:n] / n
+    end = int(np.argmax(correlation <= 0)) or n
+    correlation[end:] = 0.0
+    both_ways = np.concatenate((correlation, [0.0], correlation[:0:-1]))
+    spectrum = np.maximum(np.fft.rfft(both_ways).real, 0.0)
+    spectrum[1:-1] *= 2  # frequencies below 0
+    J = np.fft.rfft(jacobian, 2 * n, axis=0)
+    total: Floats = ((J.conj().T * spectrum) @ J).real / (2 * n)
+    return total
