@@ -7,9 +7,9 @@ hardening to the reflected and the transmitted pulse. Misfit is the root of the 
 
 Bars without dispersion leave 5.1 % of the reflected pulse and 2.2 % of the transmitted one; with a
 spring for the specimen it is 21 and 19. Carried to the specimen and from there to the gauges by the
-exact first mode, 2.8 and 2.1. The fit finds 610 +- 280 N/um, 4.0 +- 1.6 kN and 16.4 +- 1.6 N/um,
-with dispersion 770 +- 350, 3.5 +- 1.2 and 16.9 +- 1.1. Errors of yield force and hardening go
-together (correlation -0.95); model error is not in them.
+exact first mode, 2.8 and 2.1. The fit finds 610 +- 110 N/um, 4.0 +- 0.6 kN and 16.4 +- 0.8 N/um,
+with dispersion 760 +- 130, 3.5 +- 0.4 and 16.9 +- 0.6. Errors of yield force and hardening go
+together (correlation -0.7); model error is not in them.
 
 Expected: 0, with bounds a little above these numbers.
 
