@@ -15,13 +15,12 @@ from .atlases import atlas
 from .designs import design
 from .diagram import spacetime
 from .families import sweep
-from .fits import fit
 from .histories import contact
 from .law import restitution
 from .ledger import energy
 from .moving import animation
 from .page import overview
-from .residuals import comparison
+from .residuals import comparison, fit
 from .saving import save
 from .specimen import reduction
 from .stages import snapshots

@@ -17,8 +17,7 @@ from ..model import System
 from ..model.arguments import of_kind
 from ..results.labels import parameter
 from .scales import Scale, engineering, scale_of
-from .showing import picture
-from .style import RISING, axes, colour_bar, colours, dress, legend_above, styled
+from .style import RISING, axes, colour_bar, colours, dress, legend_above, picture, styled
 
 MESH = 240  # places a side at which the formulas are evaluated for colours
 NAMED, SHORT = 3, 64  # regions whose formulas stand in the picture, and characters of them

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import groupby
+from itertools import groupby, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,31 +16,23 @@ from matplotlib.patches import Rectangle
 from ..methods.signals import Floats
 from ..model import Absorbing, RigidMass, Rod
 from ..model.profiles import extremes
-from ..results.fields import Profile
 from ..results.gauges import Gauge
-from .borders import (
-    DRIVEN,
-    WALL,
-    drive_style,
-    mass_style,
-    open_style,
-    wall_style,
-)
-from .placing import Placing
+from .borders import DRIVEN, WALL, drive_style, mass_style, open_style, wall_style
+from .placing import Placing, is_compliant
 from .sampling import is_stepped, mean_areas, sampled
 from .scales import Scale
-from .springs import draw_springs, is_compliant
 from .style import SMALL, colours
 
 THICKNESS = 0.5  # of the thickest bar, in distances between rows
 SWELLING = 0.25  # relative thickening at the largest strain
 THINNEST = 0.35  # thinnest bar beside the thickest
-THICKNESS_TOLD = "thicker: compressed, thinner: stretched"
+THICKNESS_TOLD = "thick: compressed, thin: stretched"
 PRESSING = 0.36  # half height of the line of a contact that presses
 MANY = 16  # pieces of a rod from which those alike are drawn as one
 ALIKE = 0.1  # of the range of a rod's velocities: how much they differ at most
 ONE_WAY = 0.1  # how much velocity and stretch may differ across a front that has a direction
 NARROWEST = 1e-9  # part of a rod that is drawn: fronts leave an end at no exact floating-point time
+TURNS = 8  # of a spring
 
 
 class Piece(NamedTuple):
@@ -48,6 +40,7 @@ class Piece(NamedTuple):
 
     row: int
     body: int
+    segment: int
     left: float
     right: float
     half: float
@@ -63,14 +56,12 @@ class Bars:
     ----------
     pieces : list of Piece
         Of all rods, row by row.
-    fronts : list of (x, y, whether it runs right)
-        Wave fronts inside the rods.
     largest : float
         The strain at which a bar swells most.
     """
 
-    def __init__(self, plan: Placing, times: Floats, place: Scale) -> None:
-        self.plan, self.place, self.colours = plan, place, colours()
+    def __init__(self, ax: Axes, plan: Placing, times: Floats, place: Scale) -> None:
+        self.ax, self.plan, self.place, self.colours = ax, plan, place, colours()
         self.system = plan.solution.system
         self.stepped = is_stepped(plan.solution)
         self.largest = 0.0
@@ -79,38 +70,48 @@ class Bars:
     def at(self, times: Floats) -> None:
         """Go to other times; the bars swell as before."""
         self.times = times
-        solution, fields = self.plan.solution, self.plan.solution.fields
+        fields = self.plan.solution.fields
         rods = [(i, body) for i, body in enumerate(self.system.bodies) if isinstance(body, Rod)]
-        widest = max(extremes(s.area)[1] for _, rod in rods for s in rod.segments)
-        states = [(row, i, rod, t, sampled(solution, i, max(t, 0.0)) if self.stepped
-                   else _thinned(fields.profile(i, int(fields.to_ticks(max(t, 0.0))))))
-                  for row, t in enumerate(self.times.tolist()) for i, rod in rods]
+        states = [(row, i, rod, sampled(self.plan.solution, i, t) if self.stepped
+                   else fields.profile(i, int(fields.to_ticks(t))))
+                  for row, t in enumerate(np.maximum(times, 0.0).tolist()) for i, rod in rods]
         self.largest = self.largest or max(
             float(np.abs(profile.strain).max()) for *_, profile in states) or 1.0
+        widest = max(extremes(s.area)[1] for _, rod in rods for s in rod.segments)
         self.pieces: list[Piece] = []
-        self.fronts: list[tuple[float, float, bool]] = []
-        for row, i, rod, t, profile in states:
-            displaced = self.plan.moved(i, profile.edges, t)
-            edges = (self.plan.place(i, profile.edges, t, displaced) * self.place.factor).tolist()
-            first = profile.segment[0]
-            areas = mean_areas(rod, profile.edges, profile.segment - first)
-            wide = np.diff(profile.edges) > NARROWEST * profile.edges[-1]
-            for j, which in enumerate(profile.segment.tolist()):
-                if not wide[j]:
-                    continue
-                segment = rod.segments[which - first]
-                v, strain = float(profile.velocity[j]), float(profile.strain[j])
-                thickness = max(THINNEST, float(areas[j] / widest) ** 0.5) * THICKNESS
-                half = thickness / 2 * (1 - SWELLING * strain / self.largest)
-                stress = strain * float(segment.material.youngs_modulus)
-                self.pieces.append(Piece(row, i, edges[j], edges[j + 1], half, v, strain, stress))
-                if not self.stepped and j and wide[j - 1] and which == profile.segment[j - 1]:
-                    jump = v - float(profile.velocity[j - 1])
-                    stretch = float(segment.wave_speed) * (strain - float(profile.strain[j - 1]))
-                    if np.isclose(abs(jump), abs(stretch), rtol=ONE_WAY, atol=0.0):
-                        self.fronts.append((edges[j], -row + 0.4, jump * stretch < 0))
+        for row, i, rod, profile in states:
+            x, t = profile.edges, times[row]
+            places = self.plan.place(i, x, t, self.plan.moved(i, x, t)) * self.place.factor
+            segment = profile.segment - profile.segment[0]
+            areas = mean_areas(rod, x, segment)
+            thick = THICKNESS * np.maximum(THINNEST, np.sqrt(areas / widest))
+            half = thick / 2 * (1 - SWELLING * profile.strain / self.largest)
+            moduli = np.array([float(s.material.youngs_modulus) for s in rod.segments])[segment]
+            columns = np.column_stack((places[:-1], places[1:], half, profile.velocity,
+                                       profile.strain, moduli * profile.strain))
+            wide = np.diff(x) > NARROWEST * x[-1]
+            found = [Piece(row, i, int(segment[j]), *columns[j].tolist())
+                     for j in np.flatnonzero(wide).tolist()]
+            crowd = not self.stepped and len(found) > MANY
+            room = ALIKE * float(np.ptp(profile.velocity))
+            self.pieces += joined(found, room) if crowd else found
 
-    def rods(self, ax: Axes, numbers: Floats, norm: Normalize) -> PolyCollection:
+    def fronts(self) -> list[Line2D]:
+        """Triangles above the fronts that show which way they run."""
+        marks = []
+        for one, other in pairwise(self.pieces):
+            if not self.stepped and one[:3] == other[:3]:
+                rod = self.system.bodies[one.body]
+                assert isinstance(rod, Rod)
+                jump = other.velocity - one.velocity
+                stretch = float(rod.segments[one.segment].wave_speed) * (other.strain - one.strain)
+                if np.isclose(abs(jump), abs(stretch), rtol=ONE_WAY, atol=0.0):
+                    marks += self.ax.plot(
+                        other.left, 0.4 - other.row, marker=">" if jump * stretch < 0 else "<",
+                        color=self.colours.ink, markersize=3.5, zorder=4)
+        return marks
+
+    def rods(self, numbers: Floats, norm: Normalize) -> PolyCollection:
         """A polygon for each piece, with these numbers; outlined each where pieces are few."""
         lines: Any = ({"linewidths": 0.0, "antialiased": False} if self.stepped
                       else {"linewidths": 0.6, "edgecolors": self.colours.ink})
@@ -119,108 +120,113 @@ class Bars:
               (p.right, -p.row + p.half), (p.left, -p.row + p.half)] for p in self.pieces],
             array=numbers, cmap=self.colours.signed, norm=norm, zorder=2,
             rasterized=self.stepped, **lines)
-        ax.add_collection(bars)
+        self.ax.add_collection(bars)
         return bars
 
-    def outlines(self, ax: Axes) -> LineCollection | None:
+    def outlines(self) -> LineCollection | None:
         """Lines round the rods where pieces are many."""
         if not self.stepped:
             return None
         lines = []
         for (row, _), rod in groupby(self.pieces, lambda piece: piece[:2]):
-            upper = [point for p in rod
-                     for point in ((p.left, -p.row + p.half), (p.right, -p.row + p.half))]
+            upper = [(x, p.half - row) for p in rod for x in (p.left, p.right)]
             lower = [(x, -2.0 * row - y) for x, y in reversed(upper)]
             lines.append([*upper, *lower, upper[0]])
         drawn = LineCollection(lines, colors=self.colours.ink, linewidths=0.6, zorder=2.5)
-        ax.add_collection(drawn)
+        self.ax.add_collection(drawn)
         return drawn
 
-    def walls(self, ax: Axes) -> tuple[list[Rectangle], list[Line2D]]:
+    def walls(self) -> tuple[list[Rectangle], list[Line2D]]:
         """A hatched block beyond the face of each wall and fixed end, and the faces."""
         depth = WALL * self.plan.row * self.place.factor
         blocks, faces = [], []
         for i, right in self.plan.walls():
             for row, face in enumerate(self._end(i, right)):
-                corner = (face if right else face - depth, -row - 0.45)
-                blocks.append(Rectangle(corner, depth, 0.9, **wall_style()))
-                ax.add_patch(blocks[-1])
-                faces += ax.plot([face, face], [-row - 0.45, -row + 0.45],
-                                 color=self.colours.ink, linewidth=1.5)
+                blocks.append(self._block(face if right else face - depth, row, depth, 0.9,
+                                          **wall_style()))
+                faces += self._upright(face, row, 0.45, linewidth=1.5)
         return blocks, faces
 
-    def masses(self, ax: Axes) -> list[Rectangle]:
+    def masses(self) -> list[Rectangle]:
         """A block for each rigid mass."""
         width = self.plan.block * self.place.factor
-        blocks = [
-            Rectangle((left, -row - THICKNESS / 2), width, THICKNESS, zorder=3, **mass_style())
-            for i, body in enumerate(self.system.bodies) if isinstance(body, RigidMass)
-            for row, left in enumerate(self._end(i, False))
-        ]
-        for block in blocks:
-            ax.add_patch(block)
-        return blocks
+        return [self._block(left, row, width, THICKNESS, zorder=3, **mass_style())
+                for i, body in enumerate(self.system.bodies) if isinstance(body, RigidMass)
+                for row, left in enumerate(self._end(i, False))]
 
-    def ends(self, ax: Axes) -> list[Line2D]:
+    def ends(self) -> list[Line2D]:
         """Dashes at absorbing ends, and arrow heads at driven ones."""
-        drawn, rows = [], -np.arange(self.times.size)
+        drawn: list[Line2D] = []
         for side, end in enumerate(self.system.ends):
-            places = self._end(side * (len(self.system.bodies) - 1), bool(side))
-            if isinstance(end, Absorbing):
-                drawn += ax.plot([places, places], [rows - 0.4, rows + 0.4], **open_style())
-            elif type(end) in DRIVEN:
-                drawn += ax.plot(places, rows, marker="<" if side else ">", markersize=6.0,
-                                 zorder=4, **drive_style())
+            for row, x in enumerate(self._end(side * (len(self.system.bodies) - 1), bool(side))):
+                if isinstance(end, Absorbing):
+                    drawn += self._upright(x, row, 0.4, **open_style())
+                elif type(end) in DRIVEN:
+                    drawn += self.ax.plot(x, -row, marker="<" if side else ">", markersize=6.0,
+                                          zorder=4, **drive_style())
         return drawn
 
-    def springs(self, ax: Axes) -> list[Line2D]:
-        """Zigzags at compliant contacts."""
-        return draw_springs(ax, self.plan, self.times, self.place.factor)
+    def springs(self) -> list[Line2D]:
+        """Zigzags at compliant contacts, each on the face to its left, as long as there is room."""
+        up = np.concatenate([[0.0, 0.0], 0.12 * np.resize([1.0, -1.0], TURNS), [0.0, 0.0]])
+        along = np.concatenate([[0.0], np.linspace(0.12, 0.88, TURNS + 2), [1.0]])
+        return [line for _, *faces in self.plan.springs(self.times)
+                for row, (start, stop) in enumerate(np.transpose(faces) * self.place.factor)
+                for line in self.ax.plot(start + (stop - start) * along, up - row, zorder=3,
+                                         color=self.colours.ink, linewidth=0.9)]
 
-    def contacts(self, ax: Axes) -> list[Line2D]:
+    def contacts(self) -> list[Line2D]:
         """A thick line where bodies press."""
         drawn: list[Line2D] = []
         for history in self.plan.solution.contacts:
-            if is_compliant(history) or not history.law.opens:
-                continue
-            x = self._end(history.index, True)
-            pressing = history.force(np.maximum(self.times, 0.0)) > 0
-            for row in np.flatnonzero(pressing & (self.times >= 0)).tolist():
-                drawn += ax.plot([x[row], x[row]], [-row - PRESSING, -row + PRESSING],
-                                 color=self.colours.ink, linewidth=2.6, zorder=4)
+            if history.law.opens and not is_compliant(history):
+                presses = (history.force(np.maximum(self.times, 0.0)) > 0) & (self.times >= 0)
+                for row in np.flatnonzero(presses).tolist():
+                    drawn += self._upright(self._end(history.index, True)[row], row, PRESSING,
+                                           linewidth=2.6, zorder=4)
         return drawn
 
-    def gauges(self, ax: Axes, records: Mapping[str, Gauge]) -> list[Line2D]:
+    def gauges(self, records: Mapping[str, Gauge]) -> list[Line2D]:
         """Squares where strain gauges are, with their names at the first time."""
         drawn: list[Line2D] = []
         rows = -np.arange(self.times.size) - THICKNESS / 2
         for name, record in records.items():
             moved = self.plan.moved(record.body, record.x, self.times)
             places = self.plan.place(record.body, record.x, self.times, moved) * self.place.factor
-            drawn += ax.plot(places, rows, linestyle="", marker="s", markersize=4.5, zorder=5,
-                             color=self.colours.series[4], label=name)
-            ax.annotate(name, (places[0], rows[0]), (0, -4), textcoords="offset points",
-                        ha="center", va="top", fontsize=SMALL + 1, color=self.colours.ink,
-                        parse_math=False)
+            drawn += self.ax.plot(places, rows, linestyle="", marker="s", markersize=4.5, zorder=5,
+                                  color=self.colours.series[4], label=name)
+            self.ax.annotate(name, (places[0], rows[0]), (0, -4), textcoords="offset points",
+                             ha="center", va="top", fontsize=SMALL + 1, color=self.colours.ink,
+                             parse_math=False)
         return drawn
 
     def _end(self, body: int, right: bool) -> Floats:
         """Places of an end of a body, in the unit of the picture."""
         return self.plan.end(body, right, self.times) * self.place.factor
 
+    def _upright(self, x: float, row: int, half: float, **how: Any) -> list[Line2D]:
+        """An upright line in a row, by default of the colour of ink."""
+        return self.ax.plot([x, x], [-row - half, -row + half],
+                            **{"color": self.colours.ink, **how})
 
-def _thinned(profile: Profile) -> Profile:
-    """A state with neighbours that are alike joined to pieces with their mean, if it has many."""
-    edges, velocity, strain, segment = profile
-    if velocity.size <= MANY:
-        return profile
-    room, starts = ALIKE * float(np.ptp(velocity)), [0]
-    for j in range(1, velocity.size):
-        group = velocity[starts[-1] : j + 1]
-        if segment[j] != segment[starts[-1]] or np.ptp(group) > room:
-            starts.append(j)
-    widths = np.diff(edges)
-    total = np.add.reduceat(widths, starts)
-    return Profile(np.append(edges[starts], edges[-1]),
-                   np.add.reduceat(velocity * widths, starts) / total,
-                   np.add.reduceat(strain * widths, starts) / total, segment[starts])
+    def _block(self, left: float, row: int, width: float, height: float, **how: Any) -> Rectangle:
+        """A rectangle in a row."""
+        block = Rectangle((left, -row - height / 2), width, height, **how)
+        self.ax.add_patch(block)
+        return block
+
+
+def joined(pieces: list[Piece], room: float) -> list[Piece]:
+    """Neighbours in a segment whose velocities differ by `room` at most, as one with their mean."""
+    groups: list[list[Piece]] = []
+    for piece in pieces:
+        group = groups[-1] if groups else []
+        speeds = [p.velocity for p in (*group, piece)]
+        if group and group[0][:3] == piece[:3] and max(speeds) - min(speeds) <= room:
+            group.append(piece)
+        else:
+            groups.append([piece])
+    means = [np.average([p[5:] for p in group], axis=0, weights=[p.right - p.left for p in group])
+             for group in groups]
+    return [Piece(*group[0][:4], group[-1].right, *mean.tolist())
+            for group, mean in zip(groups, means, strict=True)]

@@ -1,4 +1,4 @@
-"""What bounds the rods in a space-time diagram, ends, contacts, masses and walls, and gauges."""
+"""What bounds the rods in a space-time diagram, ends, contacts, masses and walls; and gauges."""
 
 from __future__ import annotations
 
@@ -15,115 +15,141 @@ from numpy.typing import NDArray
 
 from ..methods.signals import Floats
 from ..model import Absorbing, Joint, Moved, Pushed, Rigid, RigidMass, Rod
+from ..results.contacts import ContactHistory
 from ..results.gauges import Gauge
 from .placing import Placing
 from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster
-from .springs import length
+from .sampling import evenly, is_stepped
+from .scales import ROUND_OFF
 from .style import SMALL, colours
-from .thinning import evenly
 
 Cut: TypeAlias = Polygons | Raster
 WALL = 0.04  # depth of a wall, in lengths of the row
-OPEN_END = (0, (3, 2))  # dashes of an end through which waves leave
-DRIVEN = {Pushed: "driven by a force", Moved: "driven at a velocity"}
+DRIVEN: dict[type, str] = {Pushed: "driven by a force", Moved: "driven at a velocity"}
 ARROWS = 8  # marks of a driven end
-POINTS = 1000  # of the path of a gauge, at most
-INSTANTS = 1000  # of the faces of a joint, or of a spring
+POINTS = 1000  # of a path that is drawn point by point, at most
+CENTRES = 101  # points of the path of a centre of mass
 
 
 class Borders:
     """Draws what bounds the rods."""
 
-    def __init__(self, plan: Placing, cut: Cut, plane: Plane) -> None:
-        self.plan, self.cut, self.plane, self.colours = plan, cut, plane, colours()
-        self.system = plan.solution.system
+    def __init__(self, ax: Axes, plan: Placing, cut: Cut, plane: Plane) -> None:
+        self.ax, self.plan, self.cut, self.plane = ax, plan, cut, plane
+        self.colours, self.system = colours(), plan.solution.system
+        self.times = np.linspace(*plane.span, POINTS)
 
     def _track(self, body: int, right: bool, times: Floats) -> Floats:
         """Path of an end of a body, straight between `times`."""
         return self.plane.points(self.plan.end(body, right, times), times)
 
+    def _strip(self, left: Floats, right: Floats, **style: Any) -> Polygon:
+        """Fill what lies between two paths."""
+        strip = Polygon(np.concatenate((left, right[::-1])), **style)
+        self.ax.add_patch(strip)
+        return strip
+
+    def _lines(self, paths: list[Floats], **style: Any) -> LineCollection:
+        lines = LineCollection(paths, **{"colors": self.colours.ink, **style})
+        self.ax.add_collection(lines)
+        return lines
+
     def ends(self) -> LineCollection:
         """Paths of the ends of all rods; dashed where waves leave for good."""
-        outer = {(0, False): self.system.ends[0],
-                 (len(self.system.bodies) - 1, True): self.system.ends[1]}
+        last, edges = len(self.system.bodies) - 1, self.plan.solution.fields.edges
+        outer = dict(zip([(0, False), (last, True)], self.system.ends, strict=True))
         ends = [(i, right) for i, body in enumerate(self.system.bodies) if isinstance(body, Rod)
                 for right in (False, True)]
+        open_ = open_style()
         absorbing = [isinstance(outer.get(end), Absorbing) for end in ends]
-        edges = self.plan.solution.fields.edges
-        paths = [self._track(i, right, self.cut.bends(i, edges(i)[-right])) for i, right in ends]
-        return LineCollection(
-            paths, colors=self.colours.ink, zorder=3,
-            linewidths=[1.6 if a else 0.8 for a in absorbing],
-            linestyles=[OPEN_END if a else "-" for a in absorbing])
+        return self._lines(
+            [self._track(i, right, self.cut.bends(i, edges(i)[-right])) for i, right in ends],
+            zorder=3, linewidths=[open_["linewidth"] if a else 0.8 for a in absorbing],
+            linestyles=[open_["linestyle"] if a else "-" for a in absorbing])
 
     def contacts(self) -> tuple[LineCollection, LineCollection, LineCollection]:
         """Where bodies press, where they touch without force, and where a gap has no width."""
-        pressing, touching, apart = [], [], []
-        start, stop = self.plane.span
+        paths: tuple[list[Floats], ...] = [], [], []
         for history in self.plan.solution.contacts:
-            if not history.law.opens:
-                continue
-            cuts = self.cut.cuts(history)
-            times = np.concatenate(([start], cuts[(cuts > start) & (cuts < stop)], [stop]))
-            track = self.plane.points(self.plan.between(history.index, times), times)
-            force, gap = self.cut.pressing(history, times)
-            presses, touches = force > 0, (gap == 0) & isinstance(history.law, Rigid)
-            pressing += _stretches(track, presses)
-            touching += _stretches(track, touches & ~presses)
-            if not self.plan.magnification:
-                apart += _stretches(track, ~touches & ~presses)
-        casing = withStroke(linewidth=4.5, foreground=self.colours.paper)
-        how: Any = {"colors": self.colours.ink, "capstyle": "butt"}
-        return (LineCollection(pressing, linewidths=3.0, zorder=5, path_effects=[casing],
-                               label="pressing", **how),
-                LineCollection(touching, linewidths=1.2, zorder=4, label="touching", **how),
-                LineCollection(apart, linewidths=2.4, zorder=4, label="apart", capstyle="butt",
-                               colors=self.colours.paper, path_effects=apart_style()))
+            if history.law.opens:
+                times = self._turns(history)
+                force = np.diff(history.impulse_until(times)) / np.diff(times)
+                gap = np.abs(history.gap(times))
+                closed = np.maximum(gap[:-1], gap[1:]) <= ROUND_OFF * gap.max()
+                presses = force > ROUND_OFF * history.peak_force
+                touches = closed & ~presses & isinstance(history.law, Rigid)
+                apart = ~presses & ~touches & (self.plan.magnification == 0)
+                track = self.plane.points(self.plan.between(history.index, times), times)
+                for each, inside in zip(paths, (presses, touches, apart), strict=True):
+                    each += _stretches(track, inside)
+        casing = [withStroke(linewidth=4.5, foreground=self.colours.paper)]
+        return (
+            self._lines(paths[0], linewidths=3.0, zorder=5, path_effects=casing, label="pressing",
+                        capstyle="butt"),
+            self._lines(paths[1], linewidths=1.2, zorder=4, label="touching", capstyle="butt"),
+            self._lines(paths[2], zorder=4, label="apart", capstyle="butt", **apart_style()))
 
-    def springs(self, ax: Axes) -> list[Polygon]:
+    def _turns(self, history: ContactHistory) -> Floats:
+        """Times between which a contact presses, touches or is open."""
+        if is_stepped(self.plan.solution):
+            turns = np.array([t for episode in history.episodes[:POINTS] for t in episode])
+            turns = np.union1d(self.cut.bends(history.index, 0.0), turns[np.isfinite(turns)])
+        else:
+            turns = history.breakpoints()[0]
+        start, stop = self.plane.span
+        return np.concatenate(([start], turns[(turns > start) & (turns < stop)], [stop]))
+
+    def springs(self) -> list[Polygon]:
         """Where the springs of compliant contacts are pressed."""
         bands = []
-        times = np.linspace(*self.plane.span, INSTANTS)
-        for history in self.plan.solution.contacts:
-            free = length(self.plan, history.index)
-            if not (free and history.law.opens):
-                continue
-            left = self.plan.end(history.index, True, times)
-            right = np.minimum(self.plan.end(history.index + 1, False, times), left + free)
-            faces = np.stack([self.plane.points(x, times) for x in (left, right)], axis=1)
-            for band in _stretches(faces, history.gap(times)[:-1] < 0):
-                bands.append(Polygon(np.concatenate((band[:, 0], band[::-1, 1])), zorder=1.5,
-                                     facecolor=self.colours.wall, label="spring, pressed"))
-                ax.add_patch(bands[-1])
+        for history, *faces in self.plan.springs(self.times):
+            if history.law.opens:
+                ends = np.stack([self.plane.points(x, self.times) for x in faces], axis=1)
+                bands += [self._strip(band[:, 0], band[:, 1], zorder=1.5, label="spring, pressed",
+                                      facecolor=self.colours.wall)
+                          for band in _stretches(ends, history.gap(self.times)[:-1] < 0)]
         return bands
 
-    def walls(self, ax: Axes) -> list[Polygon]:
+    def walls(self) -> list[Polygon]:
         """Hatched bands beyond the faces of walls and fixed ends."""
         depth, times, bands = WALL * self.plan.row, np.array(self.plane.span), []
         for i, right in self.plan.walls():
             places = self.plan.end(i, right, times)
             face = self.plane.points(places, times)
             back = self.plane.points(places + (depth if right else -depth), times)
-            bands.append(Polygon(np.concatenate((face, back[::-1])), zorder=1, **wall_style()))
-            ax.add_patch(bands[-1])
-            ax.plot(*face.T, color=self.colours.ink, linewidth=1.5, zorder=3.5)
+            bands.append(self._strip(face, back, zorder=1, **wall_style()))
+            self.ax.plot(*face.T, color=self.colours.ink, linewidth=1.5, zorder=3.5)
         return bands
 
-    def masses(self, ax: Axes) -> list[Polygon]:
+    def masses(self) -> list[Polygon]:
         """Dark strips along the paths of rigid masses."""
-        strips = []
-        for i, body in enumerate(self.system.bodies):
-            if isinstance(body, RigidMass):
-                left, right = (self._track(i, side, self.cut.bends(i, 0.0))
-                               for side in (False, True))
-                strips.append(Polygon(np.concatenate((left, right[::-1])), zorder=2.5,
-                                      label="rigid mass", **mass_style()))
-                ax.add_patch(strips[-1])
-        return strips
+        return [self._strip(*(self._track(i, right, self.cut.bends(i, 0.0))
+                              for right in (False, True)),
+                            zorder=2.5, label="rigid mass", **mass_style())
+                for i, body in enumerate(self.system.bodies) if isinstance(body, RigidMass)]
 
-    def gauges(self, ax: Axes, records: Mapping[str, Gauge]) -> list[Line2D]:
+    def joints(self) -> list[Polygon]:
+        """Hatched strips between the faces that joints hold together."""
+        style = {"facecolor": self.colours.paper, "edgecolor": self.colours.ink, "hatch": "xxxxx",
+                 "linewidth": 3.0, "linestyle": (0, (0.5, 0.5)), "zorder": 2.5, "label": "joint"}
+        return [self._strip(self._track(i, True, self.times), self._track(i + 1, False, self.times),
+                            **style)
+                for i, law in enumerate(self.system.contacts) if isinstance(law, Joint)]
+
+    def centres(self) -> list[Line2D]:
+        """Dashed paths of the centres of mass of rods that move in the picture."""
+        times = np.linspace(*self.plane.span, CENTRES)
+        casing = [withStroke(linewidth=2.2, foreground=self.colours.paper, alpha=0.6)]
+        return [line for i, body in enumerate(self.system.bodies)
+                if isinstance(body, Rod) and self.plan.magnification
+                for line in self.ax.plot(
+                    *self.plane.points(self.plan.centre(i, times), times).T, linestyle=(0, (5, 4)),
+                    color=self.colours.ink, linewidth=0.9, zorder=4.5, path_effects=casing,
+                    label="centre of mass")]
+
+    def gauges(self, records: Mapping[str, Gauge]) -> list[Line2D]:
         """Paths of strain gauges, each with its name."""
         casing = [withStroke(linewidth=2.4, foreground=self.colours.paper)]
         turn: Any = {"rotation": 0, "ha": "left", "xytext": (3, 2)} if self.plane.across else {
@@ -136,35 +162,22 @@ class Borders:
             moved = self.plan.moved(record.body, record.x, times)
             track = self.plane.points(
                 self.plan.place(record.body, record.x, times, moved), times)
-            paths += ax.plot(*track.T, color=self.colours.ink, linewidth=1.0, linestyle="-.",
-                             zorder=5, path_effects=casing, label=name)
-            ax.annotate(name, track[0], textcoords="offset points", va="bottom", zorder=6,
-                        fontsize=SMALL + 1, color=self.colours.ink, path_effects=casing,
-                        parse_math=False, **turn)
+            paths += self.ax.plot(*track.T, color=self.colours.ink, linewidth=1.0, linestyle="-.",
+                                  zorder=5, path_effects=casing, label=name)
+            self.ax.annotate(name, track[0], textcoords="offset points", va="bottom", zorder=6,
+                             fontsize=SMALL + 1, color=self.colours.ink, path_effects=casing,
+                             parse_math=False, **turn)
         return paths
 
-    def joints(self, ax: Axes) -> list[Polygon]:
-        """Hatched strips between the faces that joints hold together."""
-        strips, times = [], np.linspace(*self.plane.span, INSTANTS)
-        for i, law in enumerate(self.system.contacts):
-            if isinstance(law, Joint):
-                left, right = self._track(i, True, times), self._track(i + 1, False, times)
-                strips.append(Polygon(np.concatenate((left, right[::-1])), zorder=2.5,
-                                      label="joint", **joint_style()))
-                ax.add_patch(strips[-1])
-        return strips
-
-    def drives(self, ax: Axes) -> list[Line2D]:
+    def drives(self) -> list[Line2D]:
         """Arrow heads along the paths of driven ends, towards the row."""
-        marks = []
         times = np.linspace(*self.plane.span, 2 * ARROWS + 1)[1::2]
         heads = "^v" if self.plane.across else "><"
-        for side, end in enumerate(self.system.ends):
-            if isinstance(end, Pushed | Moved):
-                path = self._track(side * (len(self.system.bodies) - 1), bool(side), times)
-                marks += ax.plot(*path.T, marker=heads[side], markersize=5.0, zorder=6,
-                                 clip_on=False, label=DRIVEN[type(end)], **drive_style())
-        return marks
+        return [mark for side, end in enumerate(self.system.ends) if type(end) in DRIVEN
+                for mark in self.ax.plot(
+                    *self._track(side * (len(self.system.bodies) - 1), bool(side), times).T,
+                    marker=heads[side], markersize=5.0, zorder=6, clip_on=False,
+                    label=DRIVEN[type(end)], **drive_style())]
 
 
 def wall_style() -> dict[str, Any]:
@@ -178,31 +191,20 @@ def mass_style() -> dict[str, Any]:
     return {"facecolor": colours().mass, "edgecolor": colours().ink, "linewidth": 0.6}
 
 
-def joint_style() -> dict[str, Any]:
-    """Patches between the faces of a joint."""
-    return {"facecolor": colours().paper, "edgecolor": colours().ink, "hatch": "xxxxx",
-            "linewidth": 3.0, "linestyle": (0, (0.5, 0.5))}
-
-
 def drive_style() -> dict[str, Any]:
     """Marks of driven ends."""
     return {"linestyle": "", "color": colours().ink, "markerfacecolor": colours().paper}
 
 
-def apart_style() -> list[Any]:
-    """Edges of the line that stands for a gap."""
-    return [withStroke(linewidth=3.6, foreground=colours().ink)]
-
-
-def apart_mark() -> Line2D:
-    """What the line that stands for a gap looks like in a legend."""
-    return Line2D([], [], color=colours().paper, linewidth=2.4, path_effects=apart_style(),
-                  label="apart")
+def apart_style() -> dict[str, Any]:
+    """The line that stands for a gap."""
+    return {"color": colours().paper, "linewidth": 2.4,
+            "path_effects": [withStroke(linewidth=3.6, foreground=colours().ink)]}
 
 
 def open_style() -> dict[str, Any]:
     """Lines of ends through which waves leave for good."""
-    return {"color": colours().ink, "linewidth": 1.6, "linestyle": OPEN_END}
+    return {"color": colours().ink, "linewidth": 1.6, "linestyle": (0, (3, 2))}
 
 
 def _stretches(track: Floats, inside: NDArray[np.bool_]) -> list[Floats]:

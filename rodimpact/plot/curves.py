@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 from ..methods.signals import Floats
 from ..results.pair_theory import PairTheory
 from .scales import ROUND_OFF
-from .showing import picture
 from .sides import Shown, Side, count_ticks, dress_side
-from .style import COMPUTED, colours, dress, grid, legend_above
+from .style import COMPUTED, colours, dress, grid, legend_above, picture
 
 FEW = 40  # points of a curve that are marked
 SMOOTH = 400  # points of a curve of theory, at least

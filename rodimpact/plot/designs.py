@@ -16,9 +16,8 @@ from ..model.arguments import of_kind
 from .curves import Curve
 from .families import sweep
 from .scales import engineering, place_scale, time_scale
-from .showing import picture
 from .sides import side_of
-from .style import SMALL, axes, colours, dress, legend_above, new_figure, styled
+from .style import SMALL, axes, colours, dress, legend_above, new_figure, picture, styled
 
 HARDLY = 1e-4  # a misfit that is not to be seen
 
@@ -116,5 +115,5 @@ def _restitution(found: RestitutionDesign, ax: Axes | None) -> Design:
     (reached,) = curve.ax.plot(x, found.reached, color=colour, marker="o", markersize=7.0,
                                linestyle="", zorder=4, label=label)
     known = [each for each in (curve.theory, curve.values) if each is not None]
-    legend_above(curve.ax, [*known, wanted, reached], columns=4)
+    legend_above(curve.ax, [*known, wanted, reached])
     return Design(curve.ax, wanted, reached, None)

@@ -19,16 +19,14 @@ from ..model import Absorbing
 from ..model.frozen import refusal
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
-from .borders import Borders, Cut, apart_mark, open_style
+from .borders import Borders, Cut, apart_style, open_style
 from .placing import placing
 from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster
 from .sampling import is_stepped
-from .scales import FIELDS, Scale, axis_scales, field_scale, place_label, written
-from .showing import picture
-from .springs import with_springs
-from .style import axes, centred, check_choice, colour_bar, dress, legend_above, styled
+from .scales import FIELDS, Scale, axis_scales, field_scale, written
+from .style import axes, centred, check_choice, colour_bar, legend_above, picture, styled
 
 
 @picture
@@ -52,6 +50,7 @@ class SpaceTime(NamedTuple):
     masses: list[Polygon]
     scale: Scale
     gauges: list[Line2D]
+    centres: list[Line2D]
 
 
 @styled
@@ -63,17 +62,21 @@ def spacetime(
 ) -> SpaceTime:
     """Draw where every piece of rod is at every time, coloured by its state.
 
-    Each polygon is a region of constant velocity and strain with its exact corners; the thin lines
-    between them are wave fronts. A solution without fronts has flat cells instead, each with the
-    average over its time; they stay pixels in SVG and PDF, and so do displacements.
+    Each polygon is a region of constant velocity and strain with its exact corners. The thin lines
+    between them are wave fronts, darker where the velocity jumps more; if they are few, each is
+    named by what it adds to the stress, compression or tension. A solution without fronts has flat
+    cells instead, each with the average over its time; they stay pixels in SVG and PDF, and so do
+    displacements.
 
-    In coordinates of the bodies every piece stays at its place in the undeformed row without gaps,
-    so that all fronts of a wave speed are parallel. In the laboratory, bodies are drawn where they
-    are, with displacements and gaps magnified by the factor named under the picture, which bends
-    fronts, and with springs at compliant contacts; where the whole row drifts much farther than it
-    deforms, as seen at the speed named there. A thick line marks a contact that presses, a thin one
-    a rigid contact that touches without force, a double one bodies that are apart. Rigid masses are
-    strips of the width named under the picture, fixed ends are hatched as walls, absorbing ends
+    In material coordinates, those of the bodies, rods are laid end to end and nothing moves, so
+    that all fronts of one wave speed are parallel; ticks show the ends of the rods, their lengths,
+    and the instants after whole round trips at which a force ends or a gap opens. In the laboratory
+    bodies are drawn where they are, with displacements and gaps magnified by the factor named under
+    the picture, with springs at compliant contacts and dashed paths of the centres of mass; fronts
+    are curved there because bodies move. A row that drifts much farther than it deforms is drawn in
+    a frame that moves at the speed named there. A thick line marks a contact that presses, a thin
+    one a rigid contact that touches without force, a double one bodies that are apart. Rigid masses
+    are strips of the width named under the picture, fixed ends are hatched as walls, absorbing ends
     dashed, driven ends marked by arrow heads.
 
     Parameters
@@ -122,7 +125,7 @@ def spacetime(
             raise refusal("magnification", 'nothing moves in coordinates="body"; leave it out, or '
                              'give coordinates="lab"')
         plan = replace(plan, magnification=0.0)
-    plan = with_springs(plan, np.linspace(start, stop, 301))
+    plan = plan.with_springs(start, stop)
     values = cut.values(field, plan.frame)
     rest = plan.frame if field == "velocity" else 0.0
     reach = [float(np.nanmin(values)), float(np.nanmax(values))]
@@ -130,30 +133,23 @@ def spacetime(
     if plan.frame and field in ("displacement", "energy"):
         scale = scale._replace(
             name=f"{scale.name}\nin a frame moving at {written(plan.frame, 'm/s')}")
-    time, place = axis_scales(solution, dimensionless, stop, plan.row)
-    plane = Plane(time, place, (start, stop), across)
+    plane = Plane(*axis_scales(solution, dimensionless, stop, plan.row), (start, stop), across)
     ax = axes(ax, *(6.6, 4.4) if across else (5.6, 5.2))
 
     norm = centred([v * scale.factor for v in reach], rest * scale.factor)
     drawn = cut.draw(ax, plan, plane, values * scale.factor, norm)
-    borders = Borders(plan, cut, plane)
-    walls, ends, contacts = borders.walls(ax), borders.ends(), borders.contacts()
-    for lines in (ends, *contacts):
-        ax.add_collection(lines)
-    masses, joints, drives = borders.masses(ax), borders.joints(ax), borders.drives(ax)
-    springs, paths = borders.springs(ax), borders.gauges(ax, stations)
-
-    bent = ", which bends fronts" if plan.magnification > 1 else ""
-    plane.dress(ax, place_label(plan, place) + bent)
-    dress(ax)
-    bar = colour_bar(ax, drawn, scale.label)
-    if field == "energy":
-        bar.ax.set_ylim(0.0, norm.vmax)
-    named: list[Artist] = [lines for lines in contacts if lines.get_segments()]
-    named = [apart_mark() if lines is contacts[2] else lines for lines in named]
-    named += [*springs[:1], *masses[:1], *joints[:1], *drives]
+    borders = Borders(ax, plan, cut, plane)
+    walls, ends, contacts = borders.walls(), borders.ends(), borders.contacts()
+    masses, joints, drives = borders.masses(), borders.joints(), borders.drives()
+    springs, paths, centres = borders.springs(), borders.gauges(stations), borders.centres()
+    plane.dress(ax, plan)
+    bar = colour_bar(ax, drawn, scale.label, rest * scale.factor)
+    marks = [lines for lines in contacts if lines.get_segments()]
+    named: list[Artist] = [Line2D([], [], label="apart", **apart_style())
+                           if lines is contacts[2] else lines for lines in marks]
+    named += [*springs[:1], *masses[:1], *joints[:1], *drives, *centres[:1]]
     if any(isinstance(end, Absorbing) for end in solution.system.ends):
         named.append(Line2D([], [], label="absorbing end", **open_style()))
     legend_above(ax, named)
-    return SpaceTime(ax, drawn, ends, *contacts, walls, cut.finish(), bar, masses,
-                     scale, paths)
+    return SpaceTime(ax, drawn, ends, *contacts, walls, cut.finish(ax), bar, masses,
+                     scale, paths, centres)

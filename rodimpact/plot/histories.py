@@ -18,14 +18,25 @@ from ..methods.signals import Floats
 from ..model import Bonded, Joint, Rigid
 from ..model.arguments import array
 from ..model.frozen import refusal
+from ..model.numbering import contact_names
 from ..results.contacts import ContactHistory
 from ..results.solution import Solution, check_solution
-from .sampling import fine
-from .scales import Scale, engineering, time_scale, written
-from .showing import picture
-from .stairs import stairs
-from .style import DASHES, SMALL, colours, dress, legend_above, new_figure, styled, two_axes
-from .thinning import INTERVALS, evenly, telling
+from .moments import round_trips
+from .sampling import INTERVALS, evenly, fine, telling
+from .scales import engineering, time_scale, written
+from .style import (
+    DASHES,
+    SMALL,
+    broken,
+    colours,
+    dress,
+    extent,
+    legend_above,
+    new_figure,
+    picture,
+    styled,
+    two_axes,
+)
 
 MARKED_UP_TO = 3  # episodes of contact
 NAMED_UP_TO = 12  # contacts in a row
@@ -48,7 +59,7 @@ def contact(
 ) -> Contact:
     """Draw force and gap of a contact, or of several together, against time.
 
-    A gap below 0 is the indentation of a compliant contact; that of a joint is its stretch. An
+    A gap below 0 is the overlap of a compliant contact; that of a joint is its stretch. An
     impact of two rigid bodies lasts no time: its force is the mean over the time that the label
     names, the time step of a grid or a thousandth of the run.
 
@@ -59,7 +70,8 @@ def contact(
         For force and gap; by default those of a new figure, one above the other.
     contact : int or sequence of int
         Index of the contact: between body `contact` and the next, walls counted. The times at which
-        force ends and gap opens are marked if it is only one and has up to three episodes.
+        force ends and gap opens are marked if it is only one and has up to three episodes, with
+        their names if they are whole round trips of a wave, such as 2 l1/c.
 
     Returns
     -------
@@ -90,80 +102,89 @@ def contact(
     if ax is None:
         ax = new_figure(5.6, 4.2).subplots(2, 1, sharex=True).tolist()
     force_ax, gap_ax = two_axes(ax, "force and gap")
-    histories = [solution.contacts[int(index)] for index in chosen]
-    end = solution.t_end
-    time = time_scale(end)
-    records = [_record(history, end) for history in histories]
-    force = force_scale(solution, histories)
-    low, high = min(g.min() for *_, g in records), max(g.max() for *_, g in records)
-    laws = {type(history.law) for history in histories}
-    indented = low < 0 and not laws <= {Rigid, Bonded, Joint}
-    word = "gap, below 0\nindentation" if indented else "gap"
+    drawn = Forces(solution, [int(index) for index in chosen])
+    low = min(float(gap.min()) for *_, gap in drawn.records)
+    high = max(float(gap.max()) for *_, gap in drawn.records)
+    laws = {type(history.law) for history in drawn.histories}
+    overlaps = low < 0 and not laws <= {Rigid, Bonded, Joint}
+    word = "gap, below 0\noverlap" if overlaps else "gap"
     if Joint in laws:
         word = f"{word},\nor stretch" if laws > {Joint} else "stretch"
-    gap = engineering(word, max(-low, high), "m")
+    scale = engineering(word, max(-low, high), "m")
 
-    forces = draw_forces(force_ax, histories, end, time, force)
-    gaps: list[Line2D] = []
-    for i, (times, _, g) in enumerate(records):
-        at = telling(g)
-        gaps += gap_ax.plot(times[at] * time.factor, g[at] * gap.factor, linewidth=1.5, **_line(i))
-    if indented or Joint in laws:
+    forces, time = drawn.draw(force_ax), drawn.time.factor
+    gaps = [gap_ax.plot(times[at] * time, gap[at] * scale.factor, linewidth=1.5, **_line(i))[0]
+            for i, (times, _, gap) in enumerate(drawn.records) for at in [telling(gap)]]
+    if overlaps or Joint in laws:
         gap_ax.axhline(0.0, color=colours().faint, linewidth=0.6, zorder=0)
-    for each, scale, column in ((force_ax, force, 1), (gap_ax, gap, 2)):
+    gap_ax.set_xlabel(drawn.time.label)
+    for each, label in ((force_ax, drawn.scale.label), (gap_ax, scale.label)):
+        each.set_ylabel(broken(label, extent(each)[1]))
         dress(each)
-        each.set(xlim=(0, end * time.factor), ylabel=scale.label)
-        _show(each, np.concatenate([record[column] for record in records]) * scale.factor)
-    gap_ax.set_xlabel(time.label)
-    if len(histories) > 1:
-        legend_above(force_ax, forces, columns=4)
-    marks = _marks(histories[0], force_ax, gap_ax, time) if len(histories) == 1 else []
+        each.set_xlim(0, solution.t_end * time)
+        low, high = min(0.0, each.dataLim.y0), max(0.0, each.dataLim.y1)
+        each.set_ylim(1.1 * low, 1.3 * high or (1.0 if low == 0 else -0.1 * low))  # room for words
+    if len(gaps) > 1:
+        legend_above(force_ax, forces)
+    marks = [] if len(gaps) > 1 else _marks(solution, drawn, force_ax, gap_ax)
     return Contact(force_ax, gap_ax, forces, gaps, marks)
 
 
-def force_scale(solution: Solution, histories: Sequence[ContactHistory]) -> Scale:
-    """Scale of an axis of contact forces; it says so if some are means over a time."""
-    fields, mean = solution.fields, ""
-    if any(map(_is_impact, histories)):
-        step = fields.resolution * fields.clock.tick
-        mean = f",\nmean over {written(max(step, solution.t_end / INTERVALS), 's')}"
-    largest = max(np.abs(_record(history, solution.t_end)[1]).max() for history in histories)
-    return engineering(f"contact force{mean}", largest, "N")
+class Forces:
+    """Records of contacts, to be drawn together.
 
+    Attributes
+    ----------
+    histories : list of ContactHistory
+    records : list of (times [n + 1], force between them [n], gap at them [n + 1])
+        SI values.
+    time, scale : Scale
+        Of times and forces; its name says so if some forces are means over a time.
+    """
 
-def draw_forces(
-    ax: Axes, histories: Sequence[ContactHistory], end: float, time: Scale, force: Scale,
-    up: bool = False,
-) -> list[StepPatch]:
-    """Draw the forces of contacts until `end`, s, against time to the right, or upward."""
-    drawn = []
-    for i, history in enumerate(histories):
-        times, f, _ = _record(history, end)
-        kept = telling(f)
-        values, edges = f[kept] * force.factor, np.append(times[kept], times[-1]) * time.factor
-        stairs(ax, values, edges, _line(i)["color"], fill=True, alpha=0.15, up=up)
-        drawn.append(stairs(
-            ax, values, edges, linewidth=1.5, label=f"contact {history.index}", up=up, **_line(i)))
-    return drawn
+    def __init__(self, solution: Solution, contacts: Sequence[int]) -> None:
+        self.histories = [solution.contacts[k] for k in contacts]
+        names, self.end = contact_names(solution.system.kinds), solution.t_end
+        self.names = [f"contact {names[k]}" for k in contacts]
+        self.time = time_scale(self.end)
+        self.records = [_record(history, self.end) for history in self.histories]
+        fields, mean = solution.fields, ""
+        if any(map(_is_impact, self.histories)):
+            step = fields.resolution * fields.clock.tick
+            mean = f",\nmean over {written(max(step, self.end / INTERVALS), 's')}"
+        self.largest = max(float(np.abs(force).max()) for _, force, _ in self.records)
+        self.scale = engineering(f"contact force{mean}", self.largest, "N")
 
+    def _steps(self) -> list[tuple[Floats, Floats]]:
+        """Forces and the edges of their steps, in the units of the scales."""
+        return [(force[kept] * self.scale.factor,
+                 np.append(times[kept], times[-1]) * self.time.factor)
+                for times, force, _ in self.records for kept in [telling(force)]]
 
-def draw_row_of_forces(ax: Axes, solution: Solution, contacts: Sequence[int]) -> None:
-    """Draw the forces of many contacts against time, one above the other, to one scale."""
-    histories = [solution.contacts[k] for k in contacts]
-    force = force_scale(solution, histories)
-    time = time_scale(solution.t_end)
-    records = [_record(history, solution.t_end) for history in histories]
-    largest = max(float(np.abs(f).max()) for _, f, _ in records) or 1.0
-    for i, (times, f, _) in enumerate(records):
-        kept, colour = telling(f), _line(i)["color"]
-        edges = np.append(times[kept], times[-1]) * time.factor
-        stairs(ax, i + 0.85 * f[kept] / largest, edges, colour, baseline=i, fill=True, alpha=0.35)
-        ax.axhline(i, color=colours().faint, linewidth=0.6, zorder=0)
-    shown = evenly(len(records), NAMED_UP_TO)
-    ax.set_yticks(shown, [f"contact {contacts[i]}" for i in shown])
-    ax.set(xlim=(0, solution.t_end * time.factor), ylim=(0, len(records)), xlabel=time.label)
-    ax.set_title(f"{force.name}, largest {force.write(largest)}", loc="left", fontsize=SMALL + 1)
-    dress(ax)
+    def draw(self, ax: Axes, up: bool = False) -> list[StepPatch]:
+        """Draw the forces over each other, against time to the right, or upward."""
+        way: Any = {"baseline": 0.0, "orientation": "horizontal" if up else "vertical"}
+        drawn = []
+        for i, (values, edges) in enumerate(self._steps()):
+            ax.stairs(values, edges, fill=True, alpha=0.15, color=_line(i)["color"], **way)
+            drawn.append(ax.stairs(values, edges, linewidth=1.5, label=self.names[i],
+                                   **_line(i), **way))
+        return drawn
+
+    def draw_rows(self, ax: Axes) -> None:
+        """Draw the forces of many contacts one above the other, to one scale."""
+        largest = self.largest * self.scale.factor or 1.0
+        for i, (values, edges) in enumerate(self._steps()):
+            ax.stairs(i + 0.85 * values / largest, edges, baseline=i, fill=True, alpha=0.35,
+                      color=_line(i)["color"])
+            ax.axhline(i, color=colours().faint, linewidth=0.6, zorder=0)
+        shown = evenly(len(self.records), NAMED_UP_TO)
+        ax.set_yticks(shown, [self.names[i] for i in shown])
+        ax.set(xlim=(0, self.end * self.time.factor), ylim=(0, len(self.records)),
+               xlabel=self.time.label)
+        ax.set_title(f"{self.scale.name}, largest {self.scale.write(self.largest)}", loc="left",
+                     fontsize=SMALL + 1)
+        dress(ax)
 
 
 def _line(i: int) -> dict[str, Any]:
@@ -191,27 +212,23 @@ def _record(history: ContactHistory, end: float) -> tuple[Floats, Floats, Floats
             np.append(gap[inside], float(history.gap(end))))
 
 
-def _show(ax: Axes, values: Floats) -> None:
-    """Limits that hold all values and 0, with room for words above."""
-    low, high = min(0.0, float(values.min())), max(0.0, float(values.max()))
-    ax.set_ylim(1.1 * low, 1.3 * high or (1.0 if low == 0 else -0.1 * low))
-
-
-def _marks(history: ContactHistory, force_ax: Axes, gap_ax: Axes, time: Scale) -> list[Annotation]:
+def _marks(
+    solution: Solution, drawn: Forces, force_ax: Axes, gap_ax: Axes
+) -> list[Annotation]:
     """Lines at the times when force ends and gap opens, each with its words."""
-    if len(history.episodes) > MARKED_UP_TO:
-        return []
+    episodes, names = drawn.histories[0].episodes, round_trips(solution)
     marks, (_, ink, faint, *_) = [], colours()
-    for k, (_, force_end, opening) in enumerate(history.episodes):
+    for k, (_, force_end, opening) in enumerate(episodes if len(episodes) <= MARKED_UP_TO else ()):
         for ax, t, what in ((force_ax, force_end, "force ends"), (gap_ax, opening, "gap opens")):
             if not t < np.inf:
                 continue
+            x = t * drawn.time.factor
             for each in (force_ax, gap_ax):
-                each.axvline(t * time.factor, color=faint, linewidth=0.8, linestyle=":", zorder=0)
-            right = t * time.factor > 0.7 * ax.get_xlim()[1]
+                each.axvline(x, color=faint, linewidth=0.8, linestyle=":", zorder=0)
+            left = x > np.mean(ax.get_xlim())  # where there is more room
+            name = f"{names[t]} = " if t in names else ""
             marks.append(ax.annotate(
-                f"{what} at {time.write(t)}", (t * time.factor, 1.0),
-                (-4 if right else 4, -3 - 11 * k),
-                ax.get_xaxis_transform(), "offset points", ha="right" if right else "left",
-                va="top", fontsize=SMALL + 1, color=ink))
+                f"{what} at {name}{drawn.time.write(t)}", (x, 1.0),
+                (-4 if left else 4, -3 - 11 * k), ax.get_xaxis_transform(), "offset points",
+                ha="right" if left else "left", va="top", fontsize=SMALL + 1, color=ink))
     return marks

@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike
 from ..model.arguments import array
 from ..model.frozen import refusal
 from .scales import MINUS
-from .showing import picture
-from .style import COMPUTED, SMALL, axes, colours, dress, grid, styled
+from .style import COMPUTED, SMALL, axes, colours, dress, grid, picture, styled
 
 
 @picture

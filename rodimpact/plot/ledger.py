@@ -20,8 +20,7 @@ from .moments import contact_turns
 from .placing import placing
 from .sampling import is_stepped
 from .scales import ROUND_OFF, engineering, listed, time_scale, written
-from .showing import picture
-from .style import INK, SMALL, axes, dress, legend_above, styled
+from .style import INK, SMALL, axes, dress, legend_above, picture, styled
 
 SAMPLES = 201  # energies bend like parabolas where a force acts
 STATES_SUMMED = 60_000  # of segments at all samples together
@@ -106,7 +105,7 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
                                   fontsize=SMALL + 1))
         elif part.max() > ROUND_OFF * total.max():
             missing.append(band)
-    legend_above(ax, missing, columns=2)
+    legend_above(ax, missing)
     return Energy(ax, bands, labels, work)
 
 

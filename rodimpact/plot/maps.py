@@ -25,11 +25,10 @@ from matplotlib.ticker import MaxNLocator
 from ..methods.signals import Floats
 from ..results.pair_theory import PairTheory
 from .curves import jumps
+from .sampling import evenly
 from .scales import ROUND_OFF, signed
-from .showing import picture
 from .sides import Shown, Side, count_ticks, dress_side
-from .style import RISING, SMALL, centred, colour_bar, colours, dress, ink_on, legend_above
-from .thinning import evenly
+from .style import RISING, SMALL, centred, colour_bar, colours, dress, ink_on, legend_above, picture
 
 LINES = 150  # points a side, at most, from which lines are drawn
 CRUMB = 8  # points of a piece of a line, at least, unless the map itself is coarse

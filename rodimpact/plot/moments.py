@@ -1,83 +1,84 @@
-"""The instants of a collision worth a picture, and what happens at them."""
+"""The instants of a collision worth a picture, what happens at them, and their names."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
 from ..methods.signals import Floats
+from ..model import Rod, System
+from ..model.numbering import body_numbers, contact_names
 from ..results.solution import Solution
 from ..results.wave_fields import WaveFields
-from .sampling import is_stepped
-from .thinning import evenly
+from .sampling import evenly, is_stepped
 
-EVEN = 6  # instants of a solution in which nothing stands out
+FEWEST = 3  # instants of a solution in which nothing stands out
+CROWD = 0.5  # of an even spacing: how near happenings may come on a time step
+SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+TRIPS = 9  # whole round trips that are named, at most
+ALIKE = 1e-6  # relative difference of times that are the same
 
 
 def moments(solution: Solution, most: int = 8) -> Floats:
     """Instructive times, s, at most `most` of them.
 
     The start and the end; every beginning and end of force and opening of a gap; waves half-way to
-    their first reflection, and reflections as long as contacts last, if there is room. With a time
-    step, waves change all the time, and the longest waits while contacts last are halved instead.
+    their first reflection, and reflections as long as contacts last; then the middles of the
+    longest waits. With a time step waves change all the time, and there are no reflections.
     """
-    turns = contact_turns(solution)
+    turns: Floats = np.unique(contact_turns(solution))
+    closed = any(c.episodes and not c.episodes[-1].opening <= solution.t_end
+                 for c in solution.contacts)
+    reflections: Floats = np.empty(0)
+    first = float(turns[0]) if turns.size else 0.0
+    last = solution.t_end if closed or not turns.size else float(turns[-1])
     if is_stepped(solution):
-        return _between(solution, turns, most)
-    last = max(turns, default=solution.t_end)
-    reflections = _reflections(solution, last)
-    if not turns and reflections.size == 0:
-        return np.unique(np.linspace(0.0, solution.t_end, 3))
+        near = np.diff(turns, prepend=-np.inf) < CROWD * (last - first) / most
+        turns = turns[~near]
+    else:
+        reflections = _reflections(solution, last)
+    if not turns.size and not reflections.size:
+        return np.unique(np.linspace(0.0, solution.t_end, FEWEST))
     chosen = np.union1d(turns, [0.0, solution.t_end])
-    if chosen.size > most:
-        return chosen[evenly(chosen.size, most)]
-    first = min(turns, default=0.0)
+    chosen = chosen[evenly(chosen.size, most)]
     after = reflections[reflections > first]
     if after.size and chosen.size < most:
         chosen = np.union1d(chosen, (first + after[0]) / 2)
     others = np.setdiff1d(reflections, chosen)
     chosen = np.union1d(chosen, others[evenly(others.size, most - chosen.size)])
-    shortest = float(np.diff(np.union1d(first, after)).min(initial=np.inf))
-    return _halved(chosen, first, last, most, 0.75 * shortest)
+    shortest = 0.75 * float(np.diff(np.union1d(first, after)).min(initial=np.inf))
+    return _halved(chosen, first, last, most, shortest if after.size else 0.0)
 
 
-def _between(solution: Solution, turns: list[float], most: int) -> Floats:
-    """Start, end, turns that are no crowd, and instants between them."""
-    if not turns:
-        return np.unique(np.linspace(0.0, solution.t_end, min(EVEN, most)))
-    spacing = (max(turns) - min(turns)) / (2 * most)
-    apart: list[float] = []
-    for t in sorted(turns):
-        if not apart or t - apart[-1] > spacing:
-            apart.append(t)
-    chosen = np.union1d(apart, [0.0, solution.t_end])
-    chosen = chosen[evenly(chosen.size, most)]
-    open_at_end = any(c.episodes and not c.episodes[-1].opening <= solution.t_end
-                      for c in solution.contacts)
-    return _halved(chosen, min(turns), solution.t_end if open_at_end else max(turns), most)
-
-
-def _halved(
-    chosen: Floats, first: float, last: float, most: int, shortest: float = 0.0
-) -> Floats:
+def _halved(chosen: Floats, first: float, last: float, most: int, shortest: float) -> Floats:
     """Instants, and middles of the longest waits between `first` and `last` if not too short."""
     while chosen.size < most:
         inside = chosen[(chosen >= first) & (chosen <= last)]
-        if inside.size < 2 and not shortest:
-            inside = chosen
         waits = np.diff(inside)
-        if waits.max(initial=0.0) < shortest:
+        if waits.max(initial=0.0) <= shortest:
             break
         i = int(waits.argmax())
         chosen = np.union1d(chosen, (inside[i] + inside[i + 1]) / 2)
     return chosen
 
 
+def _reflections(solution: Solution, last: float) -> Floats:
+    """Times up to `last` at which a changed wave leaves an end of a segment."""
+    fields = solution.fields
+    assert isinstance(fields, WaveFields)
+    ticks = np.unique(np.concatenate([s.ticks for s in fields.signals if s is not None]))
+    times = ticks[ticks > 0] * fields.clock.tick
+    return np.asarray(times[times <= last])
+
+
 def happening(solution: Solution, t: float) -> str:
     """What happens at the contacts at time t: one line for each contact concerned."""
     several = len(solution.outcome.unilateral) > 1
+    names = contact_names(solution.system.kinds)
     lines = []
     for contact in solution.contacts:
-        where = f" at contact {contact.index}" if several else ""
+        where = f" at contact {names[contact.index]}" if several else ""
         for start, force_end, opening in contact.episodes:
             ends = ((force_end, "force ends"), (opening, "gap opens"))
             event = "force begins" if t == start else ", ".join(
@@ -93,10 +94,27 @@ def contact_turns(solution: Solution) -> list[float]:
             if t == t]
 
 
-def _reflections(solution: Solution, last: float) -> Floats:
-    """Times up to `last` at which a changed wave leaves an end of a segment."""
-    fields = solution.fields
-    assert isinstance(fields, WaveFields)
-    ticks = np.unique(np.concatenate([s.ticks for s in fields.signals if s is not None]))
-    times = ticks[ticks > 0] * fields.clock.tick
-    return np.asarray(times[times <= last])
+def length_name(system: System, body: int) -> str:
+    """Symbol of the length of a rod, with the number of the rod."""
+    return "\N{SCRIPT SMALL L}" + body_numbers(system.kinds)[body].translate(SUBSCRIPTS)
+
+
+def round_trips(solution: Solution) -> dict[float, str]:
+    """Names of instants, s, at which a force ends or a gap opens after whole round trips: 2 l1/c.
+
+    Of contacts that press from t = 0 on; a trip is that of a wave in one of the two rods there.
+    """
+    system, names = solution.system, dict[float, str]()
+    rods = {i: body for i, body in enumerate(system.bodies)
+            if isinstance(body, Rod) and len(body.segments) == 1}
+    several = len({body.segments[0].material for body in rods.values()}) > 1
+    for contact in solution.contacts:
+        turns = {t for start, *ends in contact.episodes[:1] if start == 0 for t in ends if t == t}
+        trips = [(round(t / (2 * time)), t, body) for body in (contact.index, contact.index + 1)
+                 if body in rods for time in [float(rods[body].transit_time)] for t in turns
+                 if math.isclose(t, 2 * time * round(t / (2 * time)), rel_tol=ALIKE)]
+        for count, t, body in sorted(trips):
+            length = length_name(system, body)
+            if count <= TRIPS:
+                names.setdefault(t, f"{2 * count} {length}/c{length[1:] if several else ''}")
+    return names

@@ -25,13 +25,12 @@ from ..results.solution import Solution, check_waves
 from .bars import THICKNESS_TOLD, Bars
 from .diagram import spacetime
 from .film import Film
-from .histories import draw_forces, force_scale
+from .histories import Forces
 from .moments import contact_turns, happening
 from .page import headline
 from .placing import Placing, placing
 from .polygons import drawn_until
-from .scales import Scale, axis_scales, signed, written
-from .springs import with_springs
+from .scales import axis_scales, signed, written
 from .style import (
     NORMAL,
     SMALL,
@@ -67,15 +66,14 @@ class Animation(Film):
         self.fps, self.title = fps, headline(solution)
         self.field, self.colours = field, colours()
         start, stop = float(times[0]), float(times[-1])
-        plan = with_springs(placing(solution, start, stop, magnification), times)
+        plan = placing(solution, start, stop, magnification).with_springs(start, stop)
         before = _approach(plan, times)
         self.times = np.concatenate((before, times, np.full(round(REST * fps), stop)))
         self._turns, self._captions = _captions(solution, start, stop)
         self._time, place = axis_scales(solution, False, stop, plan.row)
-        self._bars = Bars(plan, times[:: 1 + times.size // SAMPLED], place)
         self.figure = new_figure(8.4, 6.8)
-        self.figure.suptitle(broken(self.title, self.figure.bbox.width), color=self.colours.ink,
-                             fontsize=NORMAL + 1)
+        self.figure.suptitle(broken(self.title, 72 * self.figure.get_figwidth()),
+                             color=self.colours.ink, fontsize=NORMAL + 1)
         self.figure.set_dpi(DOTS_PER_INCH)
         grid = self.figure.add_gridspec(2, 2, height_ratios=(1.2, 3.6), width_ratios=(3, 1))
         below = self.figure.add_subplot(grid[1, 0])
@@ -86,6 +84,7 @@ class Animation(Film):
         self._row = self.figure.add_subplot(grid[0, 0], sharex=below)
         self._row.set(ylim=(-0.6, 0.6), autoscale_on=False)
         self._row.set_axis_off()
+        self._bars = Bars(self._row, plan, times[:: 1 + times.size // SAMPLED], place)
         first = [float(plan.end(i, False, self.times[0])) for i in range(len(plan.left))]
         below.set_xlim(left=min(below.get_xlim()[0], (min(first) - 0.02 * plan.row) * place.factor))
         self._clock, self._caption = self._words(
@@ -93,7 +92,7 @@ class Animation(Film):
         growing = [below]
         if solution.outcome.unilateral:
             growing.append(self.figure.add_subplot(grid[1, 1], sharey=below))
-            _draw_forces(growing[1], solution, self._time)
+            _draw_forces(growing[1], solution)
         self._covers = [_cover(ax) for ax in growing]
         self._nows: list[Any] = [ax.axhline(start, color=self.colours.ink, linewidth=1.2,
                                             animated=True) for ax in growing]
@@ -146,13 +145,13 @@ class Animation(Film):
 
     def _actors(self, t: float) -> list[Artist]:
         """The bodies at a time, in the order in which they are drawn."""
-        bars, ax = self._bars, self._row
+        bars = self._bars
         bars.at(np.array([t]))
         values = np.array([getattr(piece, self.field) for piece in bars.pieces]) * self._factor
-        blocks, faces = bars.walls(ax)
-        actors = [*blocks, *faces, bars.rods(ax, values, self._norm), *bars.masses(ax),
-                  *bars.ends(ax), bars.outlines(ax), *bars.springs(ax),
-                  *bars.contacts(ax)]
+        blocks, faces = bars.walls()
+        actors = [*blocks, *faces, bars.rods(values, self._norm), *bars.masses(),
+                  *bars.ends(), bars.outlines(), *bars.springs(),
+                  *bars.contacts()]
         return [actor for actor in actors if actor is not None]
 
     def clock(self, number: int) -> str:  # noqa: D102
@@ -255,21 +254,17 @@ def _captions(solution: Solution, start: float, stop: float) -> tuple[list[float
     return turns, ["before contact" if start == 0 and turns else "", *told]
 
 
-def _draw_forces(ax: Axes, solution: Solution, time: Scale) -> None:
+def _draw_forces(ax: Axes, solution: Solution) -> None:
     """Forces of the contacts that can open, to the right of the space-time diagram."""
-    able = solution.outcome.unilateral
-    histories = [solution.contacts[k] for k in able[:CONTACTS]]
-    force = force_scale(solution, histories)
-    limits = ax.get_ylim()
-    drawn = draw_forces(ax, histories, solution.t_end, time, force, up=True)
-    ax.set_ylim(limits)
-    ax.set_xlim(0, 1.1 * ax.dataLim.xmax or 1.0)
-    ax.set_xlabel(force.label)
+    able, limits = solution.outcome.unilateral, ax.get_ylim()
+    forces = Forces(solution, able[:CONTACTS])
+    drawn = forces.draw(ax, up=True)
+    ax.set(xlim=(0, 1.1 * ax.dataLim.xmax or 1.0), ylim=limits, xlabel=forces.scale.label)
     dress(ax)
     ax.tick_params(labelleft=False)
     if len(able) > 1:
         more = f"first {CONTACTS} of {len(able)}" if len(able) > CONTACTS else None
-        legend_above(ax, drawn, columns=2, size=SMALL, title=more)
+        legend_above(ax, drawn, more)
 
 
 def _cover(ax: Axes) -> Rectangle:

@@ -16,8 +16,8 @@ from ..storage.report import solution_table
 from ..storage.tables import as_html
 from .designs import design
 from .families import sweep
-from .fits import fit
 from .page import headline, overview
+from .residuals import fit
 
 MORE = "to_csv writes all, save keeps them"
 

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from textwrap import wrap
 
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpecBase
+from matplotlib.gridspec import SubplotSpec
 
 from ..model import RigidMass, Rod, Wall
 from ..results.gauges import Gauge
 from ..results.solution import Solution, check_solution
 from .diagram import spacetime
-from .histories import contact, draw_row_of_forces
+from .histories import Forces, contact
 from .ledger import energy
 from .polygons import drawn_until
 from .scales import closing_speed, digits, engineering, listed, time_scale, written
-from .style import NORMAL, SMALL, colours, new_figure, styled
+from .style import LETTER, NORMAL, SMALL, broken, colours, new_figure, styled, wanted_width
 
+PAGE, COLUMN = (11.7, 8.3), (4.3, 10.8)  # inches; the column has its panels one below the other
+NARROW = 5.5  # inches, below which a page is a column
+WAVES, CONTACT, ENERGY = 1.5, 1.5, 1.0  # relative heights of panels
 TOGETHER = 3  # contacts whose forces and gaps are drawn over each other; more have a line each
 NAMED_UP_TO = 6  # bodies whose velocities fit into the headline
 
@@ -38,7 +42,8 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     Returns
     -------
     Figure
-        Of the size of a page, 11.7 by 8.3 inches; write it with `save`.
+        Of the size of a page, 11.7 by 8.3 inches, or a column if `look` asks for less than 140 mm;
+        write it with `save`.
 
     Raises
     ------
@@ -47,32 +52,45 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     """
     check_solution(solution)
     time_scale(solution.t_end)  # refuses what lasts no time
-    figure = new_figure(11.7, 8.3)
-    halves = figure.add_gridspec(2, 1, height_ratios=(1.5, 1.0))
-    upper = halves[0].subgridspec(1, 2)
-    lower: GridSpecBase = halves[1].subgridspec(2, 2)
-    stop = solution.t_end
-    if any(isinstance(body, Rod) for body in solution.system.bodies):
+    able, stop = solution.outcome.unilateral, solution.t_end
+    waves = any(isinstance(body, Rod) for body in solution.system.bodies)  # masses have none
+    figure, panels = _panels(waves, bool(able))
+    if waves:
         stop = drawn_until(solution)
-        for column, field in enumerate(("velocity", "stress")):
-            spacetime(solution, figure.add_subplot(upper[column]), field, stop=stop, gauges=gauges)
-    else:  # masses have no waves
-        lower = figure.add_gridspec(2, 2)
-    able_to_open = solution.outcome.unilateral
-    if len(able_to_open) > TOGETHER:
-        draw_row_of_forces(figure.add_subplot(lower[:, 0]), solution, able_to_open)
-    elif able_to_open:
-        force_ax = figure.add_subplot(lower[0, 0])
-        contact(solution, (force_ax, figure.add_subplot(lower[1, 0], sharex=force_ax)),
-                able_to_open)
-    energy(solution, figure.add_subplot(lower[:, 1 if able_to_open else slice(None)]))
-    figure.suptitle(headline(solution), fontsize=NORMAL + 3, color=colours().ink)
+        for field in ("velocity", "stress"):
+            spacetime(solution, figure.add_subplot(panels.pop(0)), field, stop=stop, gauges=gauges)
+    if len(able) > TOGETHER:
+        Forces(solution, able).draw_rows(figure.add_subplot(panels.pop(0)))
+    elif able:
+        both = panels.pop(0).subgridspec(2, 1)
+        force_ax = figure.add_subplot(both[0])
+        contact(solution, (force_ax, figure.add_subplot(both[1], sharex=force_ax)), able)
+        force_ax.tick_params(labelbottom=False)
+    energy(solution, figure.add_subplot(panels.pop(0)))
+    room = 72 * figure.get_figwidth()
+    figure.suptitle(broken(headline(solution), room / 1.3), fontsize=NORMAL + 2,
+                    color=colours().ink)
     notes = [] if solution.final else [solution.status]
     if stop < solution.t_end:
         notes.append(f"The upper pictures show the first {written(stop, 's')}; "
                      "later ones would have too many regions to be read.")
-    figure.supxlabel("\n".join(notes), fontsize=SMALL + 1, color=colours().ink)
+    letters = int(room / (LETTER * (SMALL + 1)))
+    figure.supxlabel("\n".join(line for note in notes for line in wrap(note, letters)),
+                     fontsize=SMALL + 1, color=colours().ink)
     return figure
+
+
+def _panels(waves: bool, contacts: bool) -> tuple[Figure, list[SubplotSpec]]:
+    """A figure with places for two pictures of waves, one of contacts, and one of energy."""
+    if wanted_width(PAGE[0]) < NARROW:
+        heights = [WAVES] * 2 * waves + [CONTACT] * contacts + [ENERGY]
+        figure = new_figure(COLUMN[0], COLUMN[1] * sum(heights) / (2 * WAVES + CONTACT + ENERGY))
+        grid = figure.add_gridspec(len(heights), 1, height_ratios=heights)
+        return figure, [grid[i, 0] for i in range(len(heights))]
+    figure = new_figure(*PAGE)
+    grid = figure.add_gridspec(1 + waves, 2, height_ratios=[WAVES] * waves + [ENERGY])
+    return figure, [*([grid[0, 0], grid[0, 1]] if waves else []),
+                    *([grid[-1, 0], grid[-1, 1]] if contacts else [grid[-1, :]])]
 
 
 def headline(solution: Solution) -> str:

@@ -5,23 +5,28 @@ therefore magnify displacements and gaps, all by the same factor, so that bodies
 the picture too:
 X = place in the row of unstrained rods without gaps + factor * (gaps to the left + displacement).
 A row that drifts much farther than its bodies move against each other is drawn in a moving frame.
-A rigid mass has no length; in pictures it is a block.
+A rigid mass has no length; in pictures it is a block. A compliant contact is a spring, drawn so
+long that magnified faces stay apart.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats, Ints
-from ..model import Fixed, Moved, RigidMass, Rod, Wall
+from ..model import Bonded, Fixed, Moved, Rigid, RigidMass, Rod, Wall
 from ..model.arguments import single
-from ..results.magnification import BLOCK, drifts, magnified, round_down
+from ..results.contacts import ContactHistory
+from ..results.magnification import BLOCK, ROUND_OFF, drifts, magnified, round_down
 from ..results.solution import Solution
 from ..units import TIMES, format_factor
+from .sampling import mean_areas, pieces
+
+ROOM = 0.04  # of a spring at its shortest, in lengths of the row
 
 
 @dataclass(frozen=True)
@@ -96,6 +101,53 @@ class Placing:
     def between(self, contact: int, t: ArrayLike) -> Floats:
         """Place X of a contact at t: half-way between the faces."""
         return (self.end(contact, True, t) + self.end(contact + 1, False, t)) / 2
+
+    def centre(self, body: int, t: Floats) -> Floats:
+        """Place X of the centre of mass of a rod at t [n]."""
+        rod = self.solution.system.bodies[body]
+        assert isinstance(rod, Rod)
+        edges, segment = pieces(self.solution, body)
+        segment = segment - segment[0]
+        density = np.array([float(s.material.density) for s in rod.segments])[segment]
+        mass = density * mean_areas(rod, edges, segment) * np.diff(edges)
+        x, t = np.broadcast_arrays((edges[:-1, None] + edges[1:, None]) / 2, t)
+        part: Floats = mass / mass.sum()
+        return part @ self.place(body, x, t, self.moved(body, x, t))
+
+    def spring(self, contact: int) -> float:
+        """Length of the spring at a contact before it is pressed, m; 0 without one."""
+        free = float(self.left[contact + 1] - self.left[contact]) - self.width(contact)
+        compliant = is_compliant(self.solution.contacts[contact])
+        return free if compliant and free > ROUND_OFF * self.row else 0.0
+
+    def springs(self, times: Floats) -> list[tuple[ContactHistory, Floats, Floats]]:
+        """Contacts with a spring, and its ends at times; in an open contact it is not stretched."""
+        found = []
+        for history in self.solution.contacts:
+            if free := self.spring(history.index):
+                left = self.end(history.index, True, times)
+                right = self.end(history.index + 1, False, times)
+                found.append(
+                    (history, left, np.minimum(right, left + free) if history.law.opens else right))
+        return found
+
+    def with_springs(self, start: float, stop: float) -> Placing:
+        """The row with every body moved to the right by the springs on its left.
+
+        True to scale nothing is moved.
+        """
+        if self.magnification <= 1:
+            return self
+        left, times = self.left.copy(), np.linspace(start, stop, 301)
+        for history in filter(is_compliant, self.solution.contacts):
+            deepest = max(0.0, -float(np.min(history.gap(times))))
+            left[history.index + 1 :] += ROOM * self.row + self.magnification * deepest
+        return replace(self, left=left)
+
+
+def is_compliant(history: ContactHistory) -> bool:
+    """Whether the faces of a contact come closer than touching."""
+    return not isinstance(history.law, Rigid | Bonded)
 
 
 def placing(

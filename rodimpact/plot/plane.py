@@ -1,4 +1,9 @@
-"""The plane of a space-time diagram: units of its axes, and which way time runs."""
+"""The axes of a space-time diagram: which way time runs, and ticks where the lengths of rods count.
+
+In material coordinates the axis of places has a tick at both ends of every rod, and its length
+between them. The axis of time has a tick at each instant at which a force ends or a gap opens after
+whole round trips of a wave, such as 2 l1/c.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import AutoLocator
 
 from ..methods.signals import Floats
-from .scales import Scale
-from .style import broken
+from ..model import Rod
+from ..model.numbering import body_names
+from .moments import length_name, round_trips
+from .placing import Placing
+from .scales import Scale, digits, place_label
+from .style import LETTER, NORMAL, broken, dress, extent
 
 
 class Plane(NamedTuple):
@@ -34,18 +44,42 @@ class Plane(NamedTuple):
         both = (places * self.place.factor, times * self.time.factor)
         return np.stack(both[::-1] if self.across else both, axis=-1)
 
-    def dress(self, ax: Axes, places: str) -> None:
-        """Limits and labels of the Axes; `places` is the label of places."""
-        start, stop = (t * self.time.factor for t in self.span)
+    def dress(self, ax: Axes, plan: Placing) -> None:
+        """Limits, labels and ticks of the Axes."""
+        dress(ax)
         ax.use_sticky_edges = False
+        ax.margins(*(0.0, 0.02) if self.across else (0.02, 0.0))
         ax.autoscale_view()
-        if self.across:
-            ax.margins(x=0, y=0.02)
-            ax.set_xlim(start, stop)
-            ax.set_xlabel(self.time.label)
-            ax.set_ylabel(broken(places, ax.get_window_extent().height))
-        else:
-            ax.margins(x=0.02, y=0)
-            ax.set_ylim(start, stop)
-            ax.set_ylabel(self.time.label)
-            ax.set_xlabel(broken(places, ax.get_window_extent().width))
+        times, places = (ax.xaxis, ax.yaxis) if self.across else (ax.yaxis, ax.xaxis)
+        along, length = extent(ax) if self.across else extent(ax)[::-1]  # of time, of places
+        times.set_label_text(self.time.label)
+        places.set_label_text(broken(place_label(plan, self.place), length))
+        low, high = (t * self.time.factor for t in self.span)
+        (ax.set_xlim if self.across else ax.set_ylim)(low, high)
+        marks = {t * self.time.factor: name for t, name in round_trips(plan.solution).items()
+                 if self.span[0] < t <= self.span[1]}
+        if marks:
+            least = (3.0 if self.across else 1.3) * NORMAL * (high - low) / along
+            numbers = [x for x in AutoLocator().tick_values(low, high)
+                       if low <= x <= high and all(abs(x - mark) > least for mark in marks)]
+            times.set_ticks([*numbers, *marks], labels=[
+                *(digits(x, high) for x in numbers), *marks.values()])
+        per_point = np.ptp(places.get_view_interval()) / length
+        least = (1.5 if self.across else 5 * LETTER) * NORMAL * per_point
+        system, names = plan.solution.system, body_names(plan.solution.system.kinds)
+        ends = {i: [float(plan.end(i, right, self.span[0])) * self.place.factor
+                    for right in (False, True)]
+                for i, body in enumerate(system.bodies) if isinstance(body, Rod)}
+        wide = {i: (left + right) / 2 for i, (left, right) in ends.items() if right - left > least}
+        words = [names[i] if plan.magnification else f"{length_name(system, i)}\n{names[i]}"
+                 for i in wide]
+        if not plan.magnification:
+            edges: list[float] = []
+            for x in np.unique(list(ends.values())).tolist():
+                if not edges or x - edges[-1] > least:
+                    edges.append(x)
+            places.set_ticks(edges, labels=[digits(x, edges[-1]) for x in edges])
+        elif not self.across:
+            words = [f"\n{word}" for word in words]
+        places.set_ticks(list(wide.values()), labels=words, minor=True)
+        places.set_tick_params(which="minor", length=0)

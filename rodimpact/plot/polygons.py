@@ -11,18 +11,19 @@ from matplotlib.colors import Normalize
 from matplotlib.text import Text
 
 from ..methods.signals import Floats, Ints
-from ..results.contacts import ContactHistory
 from ..results.regions import readable_until, regions_of
 from ..results.solution import Solution
 from .placing import Placing
 from .plane import Plane
 from .sampling import energy_density, is_stepped
 from .scales import ROUND_OFF, digits
-from .style import SMALL, colours, ink_on
+from .style import SMALL, colours, extent, ink_on
 
-CROWDED = 3.0  # typical thickness of a region, points, below which lines would hide the colours
-SPARSE = 12.0  # distance between fronts where they are a crowd, points
-SEEN = 0.05  # of the range of values: smaller jumps have no line in a crowd
+SPARSE = 12.0  # least mean distance between the lines of fronts, points
+FAINTEST = 0.1  # least darkness of a line, which is the square root of the jump
+ALONG = 0.65  # length of a front that bears a word, in heights of its letters for each letter
+CLEAR = 2.4  # least distance of a front with a word from the number in its region, in heights
+NAMED = 16  # fronts, at most, in a picture that says what they are
 REGIONS = 20_000  # more cannot be read
 
 
@@ -52,15 +53,6 @@ class Polygons:
         """Times at which the path of a rod's end at x, m, may bend, with first and last."""
         return np.unique(self.regions.t[(self._body == body) & (self.regions.x == x)])
 
-    def cuts(self, history: ContactHistory) -> Floats:
-        """Times between which a contact presses, touches or is open."""
-        return history.breakpoints()[0]
-
-    def pressing(self, history: ContactHistory, times: Floats) -> tuple[Floats, Floats]:
-        """Force and gap between times."""
-        between = (times[:-1] + times[1:]) / 2
-        return history.force(between), history.gap(between)
-
     def draw(
         self, ax: Axes, plan: Placing, plane: Plane, numbers: Floats, norm: Normalize
     ) -> PolyCollection | TriMesh:
@@ -69,56 +61,72 @@ class Polygons:
         for i in np.unique(self._body):
             here = self._body == i
             places[here] = plan.place(int(i), r.x[here], r.t[here], r.displacement[here])
-        corners = plane.points(places, r.t)
-        self._polygons = np.split(corners, r.start[1:-1])
-        self._norm = norm
-        self._drawn = PolyCollection(self._polygons, cmap=colours().signed, norm=norm, zorder=2,
-                                     edgecolors=colours().ink, linewidths=0.35)
-        ax.add_collection(self._drawn)
+        corners, self._across = plane.points(places, r.t), plane.across
+        self._corners, self._norm = corners, norm
         if numbers.size == len(r):
-            self._drawn.set_array(numbers)
+            self._drawn: PolyCollection | TriMesh = PolyCollection(
+                np.split(corners, r.start[1:-1]), array=numbers, cmap=colours().signed, norm=norm,
+                zorder=2, edgecolors="face", linewidths=0.4)
+            ax.add_collection(self._drawn)
             return self._drawn
-        self._drawn.set_facecolor("none")
-        return ax.tripcolor(
+        self._drawn = ax.tripcolor(
             corners[:, 0], corners[:, 1], numbers, triangles=_fans(r.start), shading="gouraud",
             cmap=colours().signed, norm=norm, zorder=1.9, rasterized=True)
+        return self._drawn
 
-    def finish(self) -> list[Text]:
-        """Once limits are set: write each number where it has room; no lines in a crowd."""
-        ax, numbers = self._drawn.axes, self._drawn.get_array()
-        assert isinstance(ax, Axes)
-        if _thickness(ax, self._polygons) < CROWDED:
-            self._drawn.set(edgecolor="none" if numbers is None else "face", linewidth=0.4)
-            if numbers is not None:
-                ax.add_collection(LineCollection(
-                    self._strongest(np.asarray(numbers)), colors=colours().ink, linewidths=0.35,
-                    zorder=2.2))
+    def finish(self, ax: Axes) -> list[Text]:
+        """Once limits are set: lines of fronts, and words and numbers where there is room."""
+        sides, owners = self._fronts()
+        jumps = np.abs(np.diff(self.regions.velocity[owners]))[:, 0]
+        steps = np.ptp(self.regions.x[sides], axis=1) == 0  # of area or material
+        strength = np.where(steps, 1.0, np.sqrt(jumps / (jumps.max(initial=0.0) or 1.0)))
+        lengths = np.hypot(*np.diff(_points(ax, self._corners[sides]), axis=1)[:, 0].T)
+        strongest = np.argsort(-strength, kind="stable")
+        crowded = np.cumsum(lengths[strongest]) > math.prod(extent(ax)) / SPARSE
+        seen = strength > strength[strongest[crowded]].max(initial=FAINTEST) * (1 + ROUND_OFF)
+        if seen.any():
+            ax.add_collection(LineCollection(
+                list(self._corners[sides[seen]]), colors=colours().ink, alpha=strength[seen],
+                linewidths=0.5, zorder=2.2, label="fronts"))
+        if np.asarray(self._drawn.get_array()).size != len(self.regions):
             return []
-        return [] if numbers is None else _labels(ax, self._polygons, numbers, self._norm)
+        polygons = np.split(self._corners, self.regions.start[1:-1])
+        if seen.sum() <= NAMED:
+            self._name(ax, sides[seen & ~steps], owners[seen & ~steps], polygons)
+        return _labels(ax, polygons, np.asarray(self._drawn.get_array()), self._norm)
 
-    def _strongest(self, numbers: Floats) -> list[Floats]:
-        """The fronts across which numbers jump most, as many as leave `SPARSE` points between."""
+    def _fronts(self) -> tuple[Ints, Ints]:
+        """[n, 2] ends of the sides that two regions share, and these regions, the earlier first."""
         r, after = self.regions, np.arange(1, self.regions.x.size + 1)
         after[r.start[1:] - 1] = r.start[:-1]
-        here = np.column_stack((self._body, r.x, r.t))
-        ends = np.stack((here, here[after]), axis=1)
-        order = np.lexsort((ends[..., 1], ends[..., 2]), axis=1)
-        keys = np.take_along_axis(ends, order[..., None], axis=1).reshape(-1, 6)
-        by_key = np.lexsort(keys.T)
-        same = (keys[by_key[1:]] == keys[by_key[:-1]]).all(axis=1)
-        first, second = by_key[:-1][same], by_key[1:][same]
-        owner = np.repeat(np.arange(len(r)), np.diff(r.start))
-        jump = np.abs(numbers[owner[first]] - numbers[owner[second]])
-        corners = np.concatenate(self._polygons)
-        ax = self._drawn.axes
-        assert isinstance(ax, Axes)
-        lengths = np.hypot(*(_points(ax, corners[first]) - _points(ax, corners[after[first]])).T)
-        room = math.prod(ax.get_window_extent().size) * (72 / ax.figure.dpi) ** 2 / SPARSE
-        strongest = np.argsort(-jump, kind="stable")
-        fits = np.cumsum(lengths[strongest]) < room
-        least = jump[strongest[~fits]].max(initial=SEEN * float(np.ptp(numbers)))
-        kept = first[jump > least * (1 + ROUND_OFF)]
-        return list(np.stack((corners[kept], corners[after[kept]]), axis=1))
+        places = np.column_stack((self._body, r.x, r.t))
+        corner = np.unique(places, axis=0, return_inverse=True)[1].ravel()
+        ends = np.sort(np.column_stack((corner, corner[after])), axis=1)
+        order = np.lexsort(ends.T)
+        first = np.flatnonzero((np.diff(ends[order], axis=0) == 0).all(axis=1))
+        sides = np.column_stack((order[first], order[first + 1]))
+        middle = np.add.reduceat(r.t, r.start[:-1]) / np.diff(r.start)
+        owners = np.repeat(np.arange(len(r)), np.diff(r.start))[sides]
+        earlier = np.argsort(middle[owners], axis=1, kind="stable")
+        return (np.column_stack((sides[:, 0], after[sides[:, 0]])),
+                np.take_along_axis(owners, earlier, axis=1))
+
+    def _name(self, ax: Axes, sides: Ints, owners: Ints, polygons: list[Floats]) -> None:
+        """Write along each front, on its later side, whether it compresses or stretches the rod."""
+        stress, numbers = self.regions.stress, np.asarray(self._drawn.get_array())
+        for side, (before, after) in zip(self._corners[sides], owners, strict=True):
+            word = "compression" if stress[after] < stress[before] else "tension"
+            (along, up), (x, y) = np.diff(_points(ax, side), axis=0)[0], side.mean(axis=0)
+            length = math.hypot(along, up)
+            away = _points(ax, _centre(polygons[after])) - _points(ax, side[0])
+            clear = abs(along * away[1] - up * away[0]) / length  # of the number in the region
+            if length < ALONG * SMALL * len(word) or clear < CLEAR * SMALL:
+                continue
+            dx, dy = np.diff(side[side[:, 0].argsort()], axis=0)[0]
+            ax.text(x, y, word, rotation=math.degrees(math.atan2(dy, dx)), rotation_mode="anchor",
+                    transform_rotates_text=True, ha="center", zorder=6, fontsize=SMALL,
+                    va="top" if self._across and dy > 0 else "bottom",
+                    color=ink_on(self._norm, float(numbers[after])))
 
 
 def drawn_until(solution: Solution) -> float:
@@ -157,18 +165,8 @@ def _labels(ax: Axes, polygons: list[Floats], values: Floats, norm: Normalize) -
 
 def _points(ax: Axes, corners: Floats) -> Floats:
     """Corners in printer's points."""
-    return np.asarray(ax.transData.transform(corners) * (72.0 / ax.figure.dpi))
-
-
-def _thickness(ax: Axes, polygons: list[Floats]) -> float:
-    """Typical thickness of polygons in points, four areas by the circumference; of a sample."""
-    thicknesses = []
-    for polygon in polygons[:: 1 + len(polygons) // 300]:
-        corners = _points(ax, polygon)
-        around = np.roll(corners, -1, axis=0) - corners
-        area = np.abs((corners[:, 0] * around[:, 1] - corners[:, 1] * around[:, 0]).sum()) / 2
-        thicknesses.append(4 * area / max(np.hypot(*around.T).sum(), 1e-9))
-    return float(np.median(thicknesses))
+    pixels = ax.transData.transform(corners.reshape(-1, 2)).reshape(corners.shape)
+    return np.asarray(pixels * (72.0 / ax.figure.dpi))
 
 
 def _centre(corners: Floats) -> Floats:

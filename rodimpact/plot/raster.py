@@ -11,12 +11,10 @@ from matplotlib.text import Text
 from ..methods.signals import Floats
 from ..model import Rod
 from ..model.frozen import refusal
-from ..results.contacts import ContactHistory
 from ..results.solution import Solution
 from .placing import Placing
 from .plane import Plane
 from .sampling import averaged, energy_density, mean_areas, modulus, pieces
-from .scales import ROUND_OFF
 from .style import colours
 
 ROWS = 400  # cells one above the other
@@ -72,20 +70,6 @@ class Raster:
         """Times between which the path of a rod's end is drawn straight."""
         return self.times
 
-    def cuts(self, history: ContactHistory) -> Floats:
-        """Times between which a contact presses, touches or is open."""
-        turns = np.array([t for episode in history.episodes[:ROWS] for t in episode])
-        return np.union1d(self.times, turns[np.isfinite(turns)])
-
-    def pressing(self, history: ContactHistory, times: Floats) -> tuple[Floats, Floats]:
-        """Mean force between times, and the wider gap of their two; round-off is 0."""
-        force = np.diff(history.impulse_until(times)) / np.diff(times)
-        gap = np.abs(history.gap(times))
-        wider = np.maximum(gap[:-1], gap[1:])
-        least = ROUND_OFF * history.peak_force
-        return np.where(force > least, force, 0.0), np.where(
-            wider > ROUND_OFF * gap.max(), wider, 0.0)
-
     def draw(
         self, ax: Axes, plan: Placing, plane: Plane, numbers: Floats, norm: Normalize
     ) -> QuadMesh:
@@ -102,6 +86,6 @@ class Raster:
             cmap=colours().signed, norm=norm, zorder=2, shading="flat", rasterized=True,
             antialiased=False, edgecolors="none", linewidth=0)
 
-    def finish(self) -> list[Text]:
+    def finish(self, ax: Axes) -> list[Text]:  # noqa: ARG002  (as in `Polygons`)
         """Cells bear no numbers."""
         return []

@@ -10,18 +10,16 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 
+from ..fitting.result import Fit
 from ..methods.signals import Floats
 from ..model.arguments import of_kind
 from ..model.frozen import refusal
 from ..records.comparison import Bounds, Misfit, gain_unit, plateau
 from ..records.signal import Signal
-from ..units import TIMES
+from ..units import TIMES, shown
+from .sampling import telling
 from .scales import engineering, signed
-from .showing import picture
-from .style import SMALL, colours, dress, grid, legend_above, new_figure, styled, two_axes
-from .thinning import telling
-
-BROAD = 3.8  # inches: room for a legend in one line
+from .style import SMALL, colours, dress, grid, legend_above, new_figure, picture, styled, two_axes
 
 
 @picture
@@ -124,9 +122,41 @@ def comparison(
     lower.set_ylim(-reach, reach)
     lower.text(0.01, 0.97, f"misfit {100 * found.rms:.3g} % of the plateau",
                transform=lower.transAxes, va="top", fontsize=SMALL + 1, color=colours().ink)
-    room = upper.get_window_extent().width / upper.figure.dpi
-    legend_above(upper, [one, other, *([] if area is None else [area])], 3 if room > BROAD else 1)
+    legend_above(upper, [one, other, *([] if area is None else [area])])
     return Comparison(upper, lower, one, other, left, area, found)
+
+
+def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Comparison:
+    """Draw a record over its prediction with a band of two standard errors, the residual below.
+
+    The band tells how well the numbers that were fitted are known; model error is not in it.
+
+    Parameters
+    ----------
+    found : Fit
+    ax : two Axes, optional
+        For signals and residual; by default those of a new figure, one above the other.
+    record : int
+        Which of the records.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    ValueError
+        If there is no such record, or the `ax` is no pair.
+    """
+    of_kind("found", found, Fit, "fit(system, measured, vary, until)")
+    if type(record) is not int or not 0 <= record < len(found.measured):
+        have = len(found.measured) - 1
+        raise refusal("record", f"must be a whole number from 0 to {have}, got {shown(record)}")
+    predicted = found.predicted[record]
+    return comparison(
+        found.measured[record].signal, predicted, ax, shift=0.0, scale=1.0,
+        band=predicted.replace(values=2 * found.bands[record]),
+    )
 
 
 @styled

@@ -17,6 +17,7 @@ from ..results.solution import Solution
 
 COLUMNS = 300  # pieces of the whole row
 FINE = 2001  # edges of steps that stand for a smooth curve
+INTERVALS = 500  # of a long record, in each of which the least and the largest value are drawn
 
 
 def is_stepped(solution: Solution) -> bool:
@@ -102,3 +103,23 @@ def _of_segments(
     first = np.cumsum([0, *map(len, rods)])
     table = np.array([number(s) for segments in rods for s in segments])
     return np.asarray(table[first[np.asarray(body)] + segment])
+
+
+def evenly(count: int, most: int) -> Ints:
+    """Indices of at most `most` of so many values, evenly chosen, first and last among them."""
+    return np.unique(np.linspace(0, count - 1, max(0, min(count, most))).round().astype(np.int64))
+
+
+def telling(values: Floats) -> Ints:
+    """Indices of the least and the largest value of each of `INTERVALS`, of the first and last.
+
+    All indices of up to twice as many values.
+    """
+    if values.size <= 2 * INTERVALS:
+        return np.arange(values.size)
+    edges = np.linspace(0, values.size, INTERVALS + 1).astype(np.int64)
+    kept = [0, values.size - 1]
+    for start, stop in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
+        part = values[start:stop]
+        kept += [start + int(part.argmin()), start + int(part.argmax())]
+    return np.unique(kept)

@@ -11,7 +11,7 @@ from matplotlib import rc_context
 from ..storage.writing import write_bytes
 from .film import format_of
 from .moving import Animation
-from .showing import figure_of
+from .style import figure_of
 
 DOTS_PER_INCH = 200
 FORMATS: dict[str, dict[str, Any]] = {

@@ -14,8 +14,8 @@ from ..model.profiles import extremes
 from ..results.labels import Quantity
 from ..results.solution import Solution
 from ..units import format_power
+from .moments import length_name
 from .placing import Placing
-from .springs import length as spring_length
 
 FIELDS = ("velocity", "stress", "strain", "displacement", "energy")
 ROUND_OFF = 1e-9  # beside the largest value shown, as good as nothing
@@ -125,33 +125,6 @@ def listed(names: Sequence[str]) -> str:
     return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
-class Speeds(NamedTuple):
-    """How velocities are written: as parts of the closing speed if there is one, or by a scale."""
-
-    rest: float
-    closing: float
-    scale: Scale
-
-    @classmethod
-    def of(cls, solution: Solution, rest: float, largest: float) -> Speeds:
-        """Those of a picture in a frame that moves at `rest`, for velocities up to `largest`."""
-        return cls(rest, closing_speed(solution), engineering("velocity", largest, "m/s"))
-
-    def exact(self, velocity: float, largest: float) -> str:
-        """With all its digits."""
-        if self.closing:
-            return multiple((velocity - self.rest) / self.closing, "v")
-        return digits(velocity * self.scale.factor, largest * self.scale.factor)
-
-    def rounded(self, velocity: float, largest: float) -> str:
-        """To two digits."""
-        if not self.closing:
-            factor = self.scale.factor
-            return digits(float(f"{velocity * factor:.2g}"), largest * factor / 100)
-        part = digits(float(f"{round((velocity - self.rest) / self.closing, 2):.2g}"), 0.0)
-        return {"0": "0", "1": "v", f"{MINUS}1": f"{MINUS}v"}.get(part, f"{part}v")
-
-
 def closing_speed(solution: Solution) -> float:
     """Largest speed at which neighbours approach before the collision, m/s; 0 if none do."""
     V = solution.outcome.velocities_before
@@ -159,9 +132,11 @@ def closing_speed(solution: Solution) -> float:
     return closing if closing > 1e-12 * max(map(abs, V)) else 0.0
 
 
-def first_rod(solution: Solution) -> Rod:
-    """Leftmost rod: its length is l1, its transit time l1/c."""
-    return next(body for body in solution.system.bodies if isinstance(body, Rod))
+def first_rod(solution: Solution) -> tuple[Rod, str]:
+    """Leftmost rod, by which pictures without dimensions are scaled, and the name of its length."""
+    system = solution.system
+    return next((body, length_name(system, i)) for i, body in enumerate(system.bodies)
+                if isinstance(body, Rod))
 
 
 def time_scale(end: float) -> Scale:
@@ -179,13 +154,14 @@ def place_scale(width: float) -> Scale:
 def place_label(plan: Placing, place: Scale) -> str:
     """Label of an axis of places: in which frame and how much magnified they are drawn."""
     if not plan.magnification:
-        return place._replace(name=f"{place.name} in the undeformed row, without gaps").label
+        label = place._replace(name=place.name.replace("place", "material coordinate")).label
+        return f"{label}, rods laid end to end, gaps left out"
     label = place.label
     if plan.frame:
         label += f" in a frame moving at {written(plan.frame, 'm/s')}"
     if plan.block:
         label += f", masses drawn {plan.block * place.factor:g} {place.unit}".rstrip() + " wide"
-    if any(spring_length(plan, contact.index) for contact in plan.solution.contacts):
+    if any(plan.spring(contact.index) for contact in plan.solution.contacts):
         label += ", springs drawn long"
     return f"{label}, {plan.scale}"
 
@@ -195,9 +171,9 @@ def axis_scales(
 ) -> tuple[Scale, Scale]:
     """Scales of time and place, for times up to `duration` s and a picture `width` m wide."""
     if dimensionless:
-        rod = first_rod(solution)
-        return (Scale(1 / float(rod.transit_time), "time t c/ℓ₁"),
-                Scale(1 / float(rod.length), "place x/ℓ₁"))
+        rod, length = first_rod(solution)
+        return (Scale(1 / float(rod.transit_time), f"time t c/{length}"),
+                Scale(1 / float(rod.length), f"place x/{length}"))
     return time_scale(duration), place_scale(width)
 
 
@@ -224,13 +200,13 @@ def field_scale(solution: Solution, field: str, dimensionless: bool, largest: fl
             "velocities are scaled by the closing speed, and nothing approaches in "
             "this row; use dimensionless=False"
         )
-    rod = first_rod(solution)
+    rod, length = first_rod(solution)
     material, area = rod.segments[0].material, extremes(rod.segments[0].area)[1]
     rho, c = float(material.density), float(material.wave_speed)
     return {
         "velocity": Scale(1 / v0, "velocity v/v₀"),
         "stress": Scale(1 / (rho * c * v0), f"stress {SIGMA}/({RHO} c v₀)"),
         "strain": Scale(c / v0, "strain ε c/v₀"),
-        "displacement": Scale(c / (v0 * float(rod.length)), "displacement u c/(v₀ ℓ₁)"),
+        "displacement": Scale(c / (v0 * float(rod.length)), f"displacement u c/(v₀ {length})"),
         "energy": Scale(1 / (rho * area * v0**2), f"energy per length w/({RHO} A₁ v₀²)"),
     }[field]

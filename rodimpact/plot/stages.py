@@ -3,33 +3,55 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import compress
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colorbar import Colorbar
-from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
 from ..methods.signals import Floats
-from ..model import RigidMass
+from ..model import RigidMass, Rod
 from ..model.arguments import array
 from ..model.frozen import refusal
+from ..model.numbering import body_names
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
-from .bars import THICKNESS_TOLD, Bars, Piece
+from .bars import THICKNESS_TOLD, Bars, Piece, joined
 from .moments import happening, moments
 from .placing import Placing, placing
 from .sampling import is_stepped
-from .scales import Scale, Speeds, digits, engineering, first_rod, place_label, place_scale, written
-from .showing import picture
-from .springs import with_springs
-from .style import SMALL, axes, broken, centred, colour_bar, colours, dress, ink_on, styled
+from .scales import (
+    Scale,
+    closing_speed,
+    digits,
+    engineering,
+    first_rod,
+    multiple,
+    place_label,
+    place_scale,
+    written,
+)
+from .style import (
+    LETTER,
+    SMALL,
+    axes,
+    broken,
+    centred,
+    colour_bar,
+    colours,
+    dress,
+    extent,
+    figure_of,
+    ink_on,
+    picture,
+    styled,
+)
 
 ALIKE = 0.02  # velocities of a stretch that bears one label, in parts of the largest
 
@@ -97,87 +119,104 @@ def snapshots(
         raise refusal("times", "needs at least one time, got none")
     solution.fields.to_ticks(when)  # refuses times outside the solution
     last = float(when.max())
-    plan = with_springs(placing(solution, 0.0, last, magnification), np.linspace(0.0, last, 301))
+    plan = placing(solution, 0.0, last, magnification).with_springs(0.0, last)
     place = place_scale(plan.row)
     ax = axes(ax, 9.6, 0.9 + 0.72 * when.size)
 
     stepped, (_, ink, faint, *_) = is_stepped(solution), colours()
-    drawn = Bars(plan, when, place)
-    pieces = drawn.pieces
-    velocities = np.array([piece.velocity for piece in pieces])
-    speeds = Speeds.of(solution, plan.frame, float(np.abs(velocities).max()))
+    drawn = Bars(ax, plan, when, place)
+    velocities = np.array([piece.velocity for piece in drawn.pieces])
     norm = centred(velocities, plan.frame)
-    bars, outlines = drawn.rods(ax, velocities, norm), drawn.outlines(ax)
-    (walls, _), masses = drawn.walls(ax), drawn.masses(ax)
-    drawn.ends(ax)
-    drawn.springs(ax)
-    lines = drawn.contacts(ax), drawn.gauges(ax, {} if gauges is None else check_gauges(gauges))
+    bars, outlines = drawn.rods(velocities, norm), drawn.outlines()
+    (walls, _), masses, fronts = drawn.walls(), drawn.masses(), drawn.fronts()
+    drawn.ends()
+    drawn.springs()
+    lines = drawn.contacts(), drawn.gauges({} if gauges is None else check_gauges(gauges))
     ax.autoscale_view()
-    ax.margins(x=0.03)
-    ax.set_ylim(0.45 - when.size, 0.6)
-    for body in range(len(solution.system.bodies) - 1):
-        x = plan.end(body, True, when[0]) * place.factor
+    ax.margins(x=0.1 if masses else 0.03)  # room for velocities below masses
+    ax.set_ylim(0.45 - when.size, 0.8)
+    for i in range(len(solution.system.bodies) - 1):
+        x = plan.end(i, True, when[0]) * place.factor
         ax.axvline(float(x), color=faint, linewidth=0.6, linestyle=(0, (4, 4)), zorder=1)
-    arrows = [
-        ax.plot(x, y, marker=">" if rightward else "<", color=ink, markersize=3.5, zorder=4)[0]
-        for x, y, rightward in drawn.fronts
-    ]
 
-    time = engineering("time", solution.t_end, "s")
-    transit = float(first_rod(solution).transit_time)
-    count = next((n for n in range(3, 9) if _differ(when * time.factor, n)), 3)
-    ax.set_yticks(-np.arange(when.size), [
-        f"{t * time.factor:.{count}g} {time.unit}\n{t / transit:.{count}g} ℓ₁/c"
-        for t in when.tolist()])
-    width = ax.get_window_extent().width
-    for row, t in enumerate(when.tolist()):
-        words = [broken(line, width / 3) for line in happening(solution, t).splitlines()]
-        ax.text(1.01, -row, "\n".join(words), transform=ax.get_yaxis_transform(), va="center",
-                fontsize=SMALL + 1)
-    told = (f"velocities in parts of the closing speed, v = {written(speeds.closing, 'm/s')}"
-            if speeds.closing else f"velocities ({speeds.scale.unit})")
+    _name_rows(ax, solution, when)
+    speeds = Speeds.of(plan, float(np.abs(velocities).max()))
     marks = [THICKNESS_TOLD, "thick line: pressing", "square: strain gauge"]
-    seen = [any(piece.strain for piece in pieces), *map(bool, lines)]
-    ax.set_xlabel("\n".join(broken(label, width) for label in (
-        place_label(plan, place), told, ", ".join(compress(marks, seen))) if label))
-    dress(ax)
-    ax.tick_params(axis="y", length=0)
-    ax.spines["left"].set_visible(False)
+    seen = [any(piece.strain for piece in drawn.pieces), *map(bool, lines)]
+    ax.set_xlabel("\n".join(broken(label, extent(ax)[0]) for label in (
+        place_label(plan, place), speeds.label, ", ".join(compress(marks, seen))) if label))
     bar = None
     if stepped:
-        labels = _labels(ax, _alike(pieces, norm), norm, speeds.rounded)
-        labels += _mass_labels(plan, ax, when, place, speeds)
         bar = colour_bar(
-            ax, bars, speeds.scale.label, location="bottom", fraction=0.03, aspect=50, shrink=0.6,
-            format=lambda value, _: digits(value * speeds.scale.factor, 0.0))
-    else:
-        labels = _labels(ax, pieces, norm, speeds.exact, beside=True)
-    return Snapshots(ax, when, bars, labels, arrows, walls, masses, outlines, bar)
+            ax, bars, speeds.scale.label, plan.frame, location="bottom", fraction=0.03, aspect=50,
+            shrink=0.6, format=lambda value, _: digits(value * speeds.scale.factor, 0.0))
+    figure_of(ax).draw_without_rendering()  # so that it is known how wide the Axes are
+    labels = _labels(ax, drawn.pieces, norm, speeds)
+    labels += _mass_labels(ax, plan, when, place, speeds)
+    names = body_names(solution.system.kinds)
+    for i, body in enumerate(solution.system.bodies):
+        middle = (plan.end(i, False, when[0]) + plan.end(i, True, when[0])) / 2 * place.factor
+        wide = plan.width(i) * place.factor > _width(ax, names[i])
+        if wide and isinstance(body, Rod):
+            _write(ax, float(middle), 0.5, names[i], ink, "bottom")
+    return Snapshots(ax, when, bars, labels, fronts, walls, masses, outlines, bar)
 
 
-def _differ(values: Floats, count: int) -> bool:
-    """Whether values differ when written to so many digits."""
-    different = np.unique(values)
-    return len({f"{value:.{count}g}" for value in different.tolist()}) == different.size
+class Speeds(NamedTuple):
+    """How velocities are written: as parts of the closing speed v if there is one, or by a scale.
+
+    Where they vary along the rods, to two digits.
+    """
+
+    rest: float
+    closing: float
+    scale: Scale
+    largest: float
+    rounded: bool
+
+    @classmethod
+    def of(cls, plan: Placing, largest: float) -> Speeds:
+        """Those of a picture, for velocities up to `largest`, m/s."""
+        return cls(plan.frame, closing_speed(plan.solution),
+                   engineering("velocity", largest, "m/s"), largest, is_stepped(plan.solution))
+
+    @property
+    def label(self) -> str:
+        """What is written, in words."""
+        if self.closing:
+            return f"closing speed v = {written(self.closing, 'm/s')}"
+        return f"velocities ({self.scale.unit})"
+
+    def write(self, velocity: float) -> str:
+        """A velocity, m/s."""
+        if self.closing:
+            part = (velocity - self.rest) / self.closing
+            return multiple(round(part, 2) if self.rounded else part, "v")
+        if self.rounded:
+            velocity = float(f"{velocity:.2g}") if abs(velocity) > 0.01 * self.largest else 0.0
+        return digits(velocity * self.scale.factor, self.largest * self.scale.factor)
 
 
-def _alike(pieces: list[Piece], norm: Normalize) -> list[Piece]:
-    """Stretches of neighbouring pieces whose velocities hardly differ, with their mean."""
-    room = ALIKE * float(np.ptp(norm.inverse(np.array([0.0, 1.0])))) / 2
-    stretches: list[list[Piece]] = [[]]
-    for piece in pieces:
-        last = stretches[-1]
-        speeds = [p.velocity for p in (*last, piece)]
-        if last and (last[-1][:2] != piece[:2] or max(speeds) - min(speeds) > room):
-            stretches.append([piece])
-        else:
-            last.append(piece)
-    return [s[0]._replace(right=s[-1].right, velocity=sum(p.velocity for p in s) / len(s))
-            for s in stretches]
+def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
+    """To the left of each row its time, to the right what happens then."""
+    dress(ax)
+    time, (rod, length) = engineering("time", solution.t_end, "s"), first_rod(solution)
+    values = when * time.factor
+    count = next((n for n in range(3, 9) if len({f"{t:.{n}g}" for t in values.tolist()})
+                  == np.unique(values).size), 3)
+    ax.set_yticks(-np.arange(when.size), [
+        f"{t * time.factor:.{count}g} {time.unit}\n"
+        f"{t / float(rod.transit_time):.{count}g} {length}/c" for t in when.tolist()])
+    ax.tick_params(axis="y", length=0)
+    ax.spines["left"].set_visible(False)
+    for row, t in enumerate(when.tolist()):
+        words = [broken(line, extent(ax)[0] / 3) for line in happening(solution, t).splitlines()]
+        ax.text(1.01, -row, "\n".join(words), transform=ax.get_yaxis_transform(), va="center",
+                fontsize=SMALL + 1)
 
 
 def _mass_labels(
-    plan: Placing, ax: Axes, times: Floats, place: Scale, speeds: Speeds
+    ax: Axes, plan: Placing, times: Floats, place: Scale, speeds: Speeds
 ) -> list[Text]:
     """Velocity of each mass, below it; of every second of neighbours above it."""
     labels = []
@@ -187,37 +226,39 @@ def _mass_labels(
         if isinstance(body, RigidMass):
             middle = (plan.end(i, False, times) + plan.end(i, True, times)) / 2 * place.factor
             velocities = plan.solution.velocity(i, 0.0, times).tolist()
-            for row, (x, velocity) in enumerate(zip(middle, velocities, strict=True)):
-                labels.append(_label(
-                    ax, x, -row + (0.33 if above else -0.33),
-                    speeds.rounded(velocity, max(map(abs, velocities))), colours().ink,
-                    "bottom" if above else "top"))
+            labels += [_write(ax, x, -row + (0.33 if above else -0.33), speeds.write(velocity),
+                              colours().ink, "bottom" if above else "top")
+                       for row, (x, velocity) in enumerate(zip(middle, velocities, strict=True))]
     return labels
 
 
-def _label(ax: Axes, x: float, y: float, text: str, colour: str, va: str) -> Text:
-    """Write a velocity."""
-    return ax.text(x, y, text, color=colour, ha="center", va=va, fontsize=SMALL + 1, zorder=5)
+def _labels(ax: Axes, pieces: list[Piece], norm: Any, speeds: Speeds) -> list[Text]:
+    """Write the velocity into each piece, or below it where it is too narrow.
 
-
-def _labels(
-    ax: Axes, pieces: list[Piece], norm: Normalize, write: Callable[[float, float], str],
-    beside: bool = False,
-) -> list[Text]:
-    """Write the velocity into each piece, or below it, `beside`, where it is too narrow."""
-    per_unit = abs(float(np.diff(ax.transData.transform([(0, 0), (1, 0)])[:, 0])[0]))
-    per_unit *= 72.0 / ax.figure.dpi
+    Where velocities vary along the rods, into stretches in which they hardly do, and never below.
+    """
     labels: list[Text] = []
     row, taken = -1, -math.inf
-    largest = max(abs(piece.velocity) for piece in pieces)
+    if speeds.rounded:
+        pieces = joined(pieces, ALIKE * float(norm.vmax - norm.vmin) / 2)
     for piece in pieces:
-        text = write(piece.velocity, largest)
-        width = (0.65 if beside else 1.0) * (SMALL + 1) * len(text)
+        text = speeds.write(piece.velocity)
+        width = _width(ax, text)
         x = (piece.left + piece.right) / 2
-        if (piece.right - piece.left) * per_unit > width:
-            labels.append(_label(ax, x, float(-piece.row), text, ink_on(norm, piece.velocity),
+        if piece.right - piece.left > width:
+            labels.append(_write(ax, x, float(-piece.row), text, ink_on(norm, piece.velocity),
                                  "center_baseline"))
-        elif beside and (row != piece.row or x * per_unit - width / 2 > taken):
-            labels.append(_label(ax, x, -piece.row - 0.33, text, colours().ink, "top"))
-            row, taken = piece.row, x * per_unit + width / 2
+        elif not speeds.rounded and (row != piece.row or x - width / 2 > taken):
+            labels.append(_write(ax, x, -piece.row - 0.33, text, colours().ink, "top"))
+            row, taken = piece.row, x + width / 2
     return labels
+
+
+def _width(ax: Axes, text: str) -> float:
+    """Width of a text on the axis of places."""
+    points = float(extent(ax)[0] / np.ptp(ax.get_xlim()))  # of a unit
+    return LETTER * (SMALL + 1) * (len(text) + 0.5) / points
+
+
+def _write(ax: Axes, x: float, y: float, text: str, colour: str, va: str) -> Text:
+    return ax.text(x, y, text, color=colour, ha="center", va=va, fontsize=SMALL + 1, zorder=5)

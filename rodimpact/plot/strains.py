@@ -14,12 +14,9 @@ from matplotlib.patches import Rectangle, StepPatch
 from ..methods.signals import Floats
 from ..model.arguments import of_kind
 from ..results.gauges import Gauge
-from .sampling import fine
+from .sampling import fine, telling
 from .scales import Scale, engineering, listed, place_scale, time_scale
-from .showing import picture
-from .stairs import stairs
-from .style import axes, colours, dress, legend_above, styled
-from .thinning import telling
+from .style import axes, colours, dress, legend_above, picture, styled
 
 BOLD_UP_TO = 200  # steps of a record of strain
 MICROSTRAIN = (1e-8, 0.1)  # largest strains for which it is the unit to use
@@ -103,8 +100,8 @@ def gauge(
         inside = times < of.end
         kept = telling(values[inside])
         edges = np.append(times[inside][kept], of.end) * time.factor
-        return stairs(ax, values[inside][kept] * scale.factor, edges, baseline=None, label=name,
-                      **{"linewidth": 1.4, **how})
+        return ax.stairs(values[inside][kept] * scale.factor, edges, baseline=None, label=name,
+                         **{"linewidth": 1.4, **how})
 
     faint, series = colours().faint, colours().series
     shades = {"incident": series[0], "reflected": series[1], "transmitted": series[3]}
@@ -128,7 +125,7 @@ def gauge(
     for window in windows.values():
         ax.add_patch(window)
     lines = (strain, rightward, leftward, beyond, *windows.values())
-    places = listed([f"body {r.body} at {place_scale(r.x).write(r.x)}" for r in records])
+    places = listed([f"{r.name} at {place_scale(r.x).write(r.x)}" for r in records])
     legend_above(ax, [line for line in lines if line is not None], title=f"gauge on {places}")
     dress(ax)
     return GaugeRecord(ax, strain, rightward, leftward, beyond, windows)

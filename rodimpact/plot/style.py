@@ -8,7 +8,9 @@ colour-blindness.
 
 from __future__ import annotations
 
+import io
 import math
+import re
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -16,17 +18,18 @@ from functools import wraps
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
-from matplotlib import rc_context, rcParams
+from matplotlib import rc_context
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
+from matplotlib.figure import Figure
 
+from ..methods.signals import Floats
 from ..model.arguments import of_kind, single
 from ..model.frozen import refusal
 from ..units import shown
-from .showing import Sheet
 
 FONT = "DejaVu Sans"  # comes with matplotlib and has every sign used here
 INK, FAINT = "#1a1a1a", "#8a8a8a"
@@ -34,8 +37,9 @@ SERIES = ("#20409a", "#c77700", "#6b6b6b", "#117733", "#882255")
 DASHES = ("-", "--", "-.", ":", (0, (6, 2, 1, 2, 1, 2)))
 SMALL, NORMAL = 7.0, 9.0
 INCH = 25.4  # mm
+DOTS_PER_INCH = 90  # in a notebook
 LETTER = 0.57  # mean width of a letter, in heights of the font
-COLUMN = 1.6  # width of a column of a legend, inches
+HANDLE = 6  # letters that the mark before a name in a legend takes
 COMPUTED: dict[str, Any] = {"marker": "o", "markersize": 3.5, "markerfacecolor": "none",
                             "markeredgewidth": 0.8, "label": "computed"}
 
@@ -48,6 +52,7 @@ ON_DARK = LinearSegmentedColormap.from_list(
 
 P = ParamSpec("P")
 R = TypeVar("R")
+Kind = TypeVar("Kind", bound=type)
 
 
 class Colours(NamedTuple):
@@ -161,10 +166,44 @@ def ink_on(norm: Normalize, value: float, palette: Colormap | None = None) -> st
     return "white" if 0.3 * red + 0.59 * green + 0.11 * blue < 0.45 else INK
 
 
+class Sheet(Figure):
+    """A figure that a notebook shows, without any command before."""
+
+    def _repr_png_(self) -> bytes:
+        memory = io.BytesIO()
+        self.savefig(memory, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
+        return memory.getvalue()
+
+
+def picture(kind: Kind) -> Kind:
+    """Class decorator: in a notebook such a picture shows its figure instead of its artists."""
+    kind._repr_png_ = lambda drawn: Sheet._repr_png_(figure_of(drawn))  # type: ignore[attr-defined]
+    return kind
+
+
+def figure_of(drawn: Any) -> Any:
+    """The figure of a picture, Axes or figure.
+
+    Raises
+    ------
+    ValueError
+        If it has none.
+    """
+    axes = getattr(drawn, "ax", getattr(drawn, "force_ax", drawn))
+    figure = getattr(axes, "figure", axes)
+    if not isinstance(figure, Figure):
+        raise refusal("picture", f"must be a figure, axes or a picture of them, got {drawn!r}")
+    return figure
+
+
+def wanted_width(usual: float) -> float:
+    """Width asked for by `look`, inches, or the usual one."""
+    return (_width.get() or usual * INCH) / INCH
+
+
 def new_figure(width: float, height: float) -> Sheet:
     """Figure of a size in inches, or of the width asked for, that pyplot does not keep."""
-    wanted = _width.get()
-    scale = wanted / INCH / width if wanted else 1.0
+    scale = wanted_width(width) / width
     tall = height * (scale if scale > 1 else math.sqrt(scale))  # labels take room as before
     return Sheet(figsize=(width * scale, tall), layout="constrained")
 
@@ -189,8 +228,8 @@ def two_axes(ax: Any, what: str) -> tuple[Axes, Axes]:
 def dress(ax: Axes) -> None:
     """Ticks and frame of an Axes."""
     _, ink, faint, *_ = colours()
-    ax.tick_params(labelsize=NORMAL - 1, labelfontfamily=FONT, labelcolor=ink, color=faint,
-                   length=3)
+    ax.tick_params(which="both", labelsize=NORMAL - 1, labelfontfamily=FONT, labelcolor=ink,
+                   color=faint, length=3)
     for side, spine in ax.spines.items():
         spine.set_visible(side in ("left", "bottom"))
         spine.set_color(faint)
@@ -201,37 +240,51 @@ def grid(ax: Axes) -> None:
     ax.grid(color=colours().faint, alpha=0.3, linewidth=0.5)
 
 
-def broken(label: str, pixels: float) -> str:
-    """A label in lines, broken after commas, that are no longer than so many pixels if possible."""
-    room = pixels / rcParams["figure.dpi"] * 72 / (LETTER * NORMAL)
-    lines: list[str] = []
-    for part in label.split(", "):
-        if lines and len(lines[-1]) + len(part) + 2 <= room:
-            lines[-1] += f", {part}"
-        else:
+def extent(ax: Axes) -> Floats:
+    """Width and height of an Axes, in points."""
+    return np.asarray(ax.get_window_extent().size) * 72 / ax.figure.dpi
+
+
+def broken(label: str, room: float) -> str:
+    """A label broken after commas and before units, in lines of so many points if possible."""
+    first, *parts = re.split(r"(?<=,) | (?=\()", label)
+    lines = [first]
+    for part in parts:
+        if len(lines[-1]) + 1 + len(part) > room / (LETTER * NORMAL):
             lines.append(part)
-    return ",\n".join(lines)
+        else:
+            lines[-1] += f" {part}"
+    return "\n".join(lines)
 
 
-def legend_above(
-    ax: Axes, shown: Sequence[Artist], columns: int = 3, size: float = SMALL + 1,
-    title: str | None = None,
-) -> None:
-    """Name artists, if any, above an Axes, in as many columns as the figure has room for."""
+def legend_above(ax: Axes, shown: Sequence[Artist], title: str | None = None) -> None:
+    """Name artists, if any, above an Axes, in as many columns as it has room for."""
     if not shown:
         return
-    room = int(ax.figure.bbox.width / ax.figure.dpi / COLUMN)
+    letters = [len(str(each.get_label())) for each in shown]
+    room = 1.1 * float(extent(ax)[0]) / LETTER / SMALL  # and a little beyond the Axes
+    columns = next((n for n in range(len(shown), 1, -1) if room > sum(
+        max(column) + HANDLE for column in np.array_split(letters, n))), 1)
     ax.legend(handles=shown, loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1,
-              ncols=max(1, min(columns, room)), frameon=False, fontsize=size, title=title,
-              title_fontsize=size, alignment="left")
+              ncols=columns, frameon=False, fontsize=SMALL, title=title, title_fontsize=SMALL,
+              alignment="left", columnspacing=1.2, handlelength=1.6)
 
 
-def colour_bar(ax: Axes, drawn: ScalarMappable, label: str, **how: Any) -> Colorbar:
-    """Colour bar beside an Axes, or where and as matplotlib's words for it say."""
+def colour_bar(
+    ax: Axes, drawn: ScalarMappable, label: str, rest: float | None = None, **how: Any
+) -> Colorbar:
+    """Colour bar beside an Axes, or where and as matplotlib's words for it say.
+
+    Of colours that are symmetric about a value of rest it shows those in use.
+    """
     bar = ax.figure.colorbar(drawn, ax=ax, label=label,
                              **{"fraction": 0.06, "pad": 0.02, "aspect": 30, **how})
     dress(bar.ax)
     bar.outline.set_visible(False)
     if bar.solids is not None:
         bar.solids.set(rasterized=False, edgecolor="face")
+    used: Any = np.ma.masked_invalid(np.ma.asarray(drawn.get_array()))
+    if rest is not None and (used != rest).any():
+        limits = min(rest, float(used.min())), max(rest, float(used.max()))
+        (bar.ax.set_xlim if bar.orientation == "horizontal" else bar.ax.set_ylim)(limits)
     return bar

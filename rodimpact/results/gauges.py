@@ -50,6 +50,8 @@ class Gauge:
         Strain at all times, in ticks of the clock.
     tick : float
         s.
+    name : str
+        What people call the body, such as "rod 2".
 
     Examples
     --------
@@ -72,6 +74,7 @@ class Gauge:
     end: float
     record: Pieces
     tick: float
+    name: str
 
     @property
     def strain_after(self) -> Floats:

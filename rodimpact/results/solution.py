@@ -16,6 +16,7 @@ from ..methods.signals import Floats, Side, each_once
 from ..model import Body, RigidMass, Rod, Samples, Segment, Steps, System, Wall
 from ..model.arguments import array, demand, of_kind, single
 from ..model.frozen import refusal
+from ..model.numbering import body_names
 from ..storage.extras import optional
 from ..storage.writing import write_npz
 from . import notebook
@@ -224,6 +225,7 @@ class Solution:
             body, float(self.fields.check(body, x)), times, (left - right) * per_wave,
             (left + right) / 2 + (a.frame + a.gravity * times), (rest - right) * per_wave,
             (left - rest) * per_wave, self.t_end, trace.stretch.times(per_wave), a.tick,
+            body_names(self.system.kinds)[body],
         )
 
     def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:

@@ -80,9 +80,9 @@ def pixel(film, ax, x, y):
 def colours(film, field):
     """From SI values to what the frame should show."""
     bar = next(ax for ax in film.figure.axes if ax.get_ylabel().startswith(field))
-    low, high = bar.get_ylim()
+    norm = bar._colorbar.norm
     factor = {"m/s": 1.0, "MPa": 1e-6}[re.search(r"\((.*)\)", bar.get_ylabel())[1]]
-    return lambda value: np.array(ON_LIGHT((value * factor - low) / (high - low))[:3]) * 255
+    return lambda value: np.array(ON_LIGHT(norm(value * factor))[:3]) * 255
 
 
 # Frames -----------------------------------------------------------------------------------------
@@ -109,7 +109,7 @@ def test_displacements_are_magnified_and_the_factor_is_told(solved):
     film = plot.animation(solution, frames=3, magnification=1000.0)
     assert "displacements \N{MULTIPLICATION SIGN} 1000" in film.figure.axes[0].get_xlabel()
     texts = [t.get_text() for ax in film.figure.axes for t in ax.texts]
-    assert any("thicker: compressed" in text for text in texts)
+    assert any("thick: compressed" in text for text in texts)
     below = film.figure.axes[0]
     row = next(a for a in film.figure.axes
                if below.get_shared_x_axes().joined(a, below) and a is not below)

@@ -8,7 +8,7 @@ import rodimpact as ri
 from rodimpact import plot
 from rodimpact.units import TIMES
 
-T = 1e-7 * np.arange(1001)
+T = 2e-7 * np.arange(501)
 PULSE = ri.Signal(np.interp(T, [2e-5, 3e-5, 6e-5, 7e-5], [0, 2, 2, 0]), T, unit="V", name="bar")
 
 

@@ -15,7 +15,7 @@ import rodimpact as ri
 from rodimpact import plot
 from rodimpact.plot.moments import moments
 from rodimpact.plot.page import headline
-from rodimpact.plot.thinning import INTERVALS, telling
+from rodimpact.plot.sampling import INTERVALS, telling
 
 STEEL = ri.materials.steel
 C = STEEL.wave_speed
@@ -269,9 +269,9 @@ def test_masses_are_blocks_that_bear_their_velocity(solved):
 # Histories --------------------------------------------------------------------------------------
 
 
-def test_indentation_is_named_where_there_is_some(solved):
+def test_overlap_is_named_where_there_is_some(solved):
     drawn = plot.contact(solved["hertz"])
-    assert "below 0\nindentation" in drawn.gap_ax.get_ylabel()
+    assert "below 0\noverlap" in drawn.gap_ax.get_ylabel()
     assert min(drawn.gaps[0].get_ydata()) < drawn.gap_ax.get_ylim()[1]
     assert drawn.gap_ax.get_ylim()[0] < min(drawn.gaps[0].get_ydata()) < 0
     assert plot.contact(solved["hopkinson"]).gap_ax.get_ylabel().startswith("gap (")
@@ -318,7 +318,7 @@ def test_thinning_keeps_ends_and_extremes():
     assert kept.size <= 2 * INTERVALS + 2
     assert (kept[0], kept[-1]) == (0, values.size - 1)
     assert {int(values.argmin()), int(values.argmax())} <= set(kept.tolist())
-    assert telling(values[:2000]).tolist() == list(range(2000))
+    assert telling(values[: 2 * INTERVALS]).tolist() == list(range(2 * INTERVALS))
 
 
 def test_long_records_are_drawn_with_few_points(solved):
