@@ -34,7 +34,6 @@ LINES = 150  # points a side, at most, from which lines are drawn
 CRUMB = 8  # points of a piece of a line, at least, unless the map itself is coarse
 PLATEAU = 3  # rows of points on which values equal: no line follows such a plateau
 COLOURS = 24  # counts that have a colour each, at most
-SMOOTH = 100  # colours: to the eye as smooth as 256, and half the file
 
 
 Plane: TypeAlias = tuple[Floats, Floats]  # numbers on the axes from which lines are drawn
@@ -91,10 +90,10 @@ def _colours(shown: Shown) -> tuple[Colormap, Normalize]:
         return RISING.resampled(count), BoundaryNorm(low - 0.5 + np.arange(count + 1), count)
     largest = max(-low, high)
     if low < -ROUND_OFF * largest and high > ROUND_OFF * largest:
-        return colours().signed.resampled(SMOOTH), centred((low, high))
+        return colours().signed, centred((low, high))
     if high - low <= ROUND_OFF * largest:
         low, high = min(low, 0.0), max(high, 0.0)
-    return RISING.resampled(SMOOTH), Normalize(low, high if high > low else low + 1.0)
+    return RISING, Normalize(low, high if high > low else low + 1.0)
 
 
 def _contours(

@@ -42,13 +42,14 @@ LETTER = 0.57  # mean width of a letter, in heights of the font
 HANDLE = 6  # letters that the mark before a name in a legend takes
 COMPUTED: dict[str, Any] = {"marker": "o", "markersize": 3.5, "markerfacecolor": "none",
                             "markeredgewidth": 0.8, "label": "computed"}
+SMOOTH = 101  # colours, to the eye as smooth as 256; an odd number has one in the middle
 
 RISING = LinearSegmentedColormap.from_list(
-    "rising", ["#16256e", "#53659f", "#a0a0a0", "#d6c05f", "#ffe94a"])
+    "rising", ["#16256e", "#53659f", "#a0a0a0", "#d6c05f", "#ffe94a"], SMOOTH)
 ON_LIGHT = LinearSegmentedColormap.from_list(
-    "signed on light", ["#16256e", "#7084c4", "#f4f4f1", "#eec654", "#c48600"])
+    "signed on light", ["#16256e", "#7084c4", "#f4f4f1", "#eec654", "#c48600"], SMOOTH)
 ON_DARK = LinearSegmentedColormap.from_list(
-    "signed on dark", ["#9db7ff", "#4e62a0", "#262b33", "#967a30", "#ffe94a"])
+    "signed on dark", ["#9db7ff", "#4e62a0", "#262b33", "#967a30", "#ffe94a"], SMOOTH)
 
 P = ParamSpec("P")
 R = TypeVar("R")
