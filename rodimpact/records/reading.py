@@ -28,6 +28,7 @@ from ..storage.reading import FileFormatError, open_regular
 from ..storage.tables import TIMES
 from ..storage.writing import PathLike
 from ..units import one_line, shown
+from .instruments import as_table
 from .signal import EVEN, Signal
 
 NO_TEXT = "is no text (it holds the character NUL); export it as text, in UTF-8"
@@ -105,7 +106,8 @@ def read_signals(
     commas part columns, too, numbers with a decimal comma stand in quotes: ``0,"1,5"``. The text
     may be UTF-8, UTF-16 with its mark, or Latin-1; any lines may come before the numbers. A unit
     stands in the head, ``incident [mV]``, ``incident (mV)``, ``incident_mV`` or ``incident / mV``,
-    or in a line of its own below; volts, seconds and so on are made of it. What scopes write
+    or in a line of its own below; volts, seconds and so on are made of it. Files of LabVIEW (.lvm)
+    and Tektronix name units and steps of time in lines of their own. What other instruments write
     before, such as an interval or a unit far from its column, is not heeded: it is to be given.
 
     Parameters
@@ -186,6 +188,7 @@ class _Table:
     """Names, units and numbers of the columns of a text, which is cut into numbers by blocks."""
 
     def __init__(self, text: str, decimal: str | None, progress: Any) -> None:
+        text, said = as_table(text)
         last = text.find("\n", len(text.rstrip("\t ;,\n")))
         self.text = text if last < 0 else text[:last]  # lines of delimiters may follow the table
         lines = self.text[:BLOCK].split("\n", MOST_HEAD + 2 * SURE)
@@ -195,7 +198,8 @@ class _Table:
         cells = _without_end(self.form.cells(lines[start]))
         self.count, self.first = len(cells), start + 1
         self.start = sum(len(line) + 1 for line in lines[:start])
-        self.names, self.units = _heads(lines[:start], self.form, self.count)
+        before = [*lines[:start], said] if said else lines[:start]
+        self.names, self.units = _heads(before, self.form, self.count)
         del lines, cells
         self._read(progress)
         if decimal is None and self.form != COMMAS:

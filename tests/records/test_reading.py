@@ -233,3 +233,62 @@ def test_a_table_that_takes_long_is_announced(read, monkeypatch):
     monkeypatch.setattr("rodimpact.methods.duration.LONG", 0.0)
     with pytest.warns(ri.LongRun, match="a table of .* MB.*fewer samples or channels takes less"):
         read("time_s,a\n" + "".join(f"{i},{i}\n" for i in range(300_000)))
+
+
+LVM = "\n".join([
+    "LabVIEW Measurement\t", "Writer_Version\t2", "Separator\tTab", "Decimal_Separator\t{sign}",
+    "X_Columns\t{columns}", "Time_Pref\tAbsolute", "Date\t2020/01/02", "Time\t12:30:10.5",
+    "***End_of_Header***\t", "\t", "Channels\t2\t", "Samples\t4\t4\t",
+    "Y_Unit_Label\tmV\tVolts\t", "X_Dimension\tTime\tTime\t", "X0\t1.0E-3\t1.0E-3\t",
+    "Delta_X\t1.0E-6\t1.0E-6\t", "***End_of_Header***\t\t",
+    "X_Value\tincident\ttransmitted\tComment", ""])
+TIMES, INCIDENT, TRANSMITTED = [1e-3, 1.001e-3, 1.002e-3], [0.5, 1.5, 2.5], [0.0, 1.0, 4.0]
+ROWS = [f"{t:.6f}\t{a:.6f}\t{b:.6f}"
+        for t, a, b in zip(TIMES, INCIDENT, TRANSMITTED, strict=True)]
+MSO = "\n".join([
+    "Model,MSO4034", "", "Waveform Type,ANALOG", "Horizontal Units,s", "Sample Interval,1e-06",
+    "Record Length,4", "Probe Attenuation,1,1", "Vertical Units,mV,V", ",", "Label,,",
+    "TIME,incident,transmitted", *(row.replace("\t", ",") for row in ROWS), ""])
+
+
+@pytest.mark.parametrize("text", [
+    LVM.format(columns="One", sign=".") + "\n".join(ROWS),
+    LVM.format(columns="One", sign=",") + "\n".join(ROWS).replace(".", ","),
+    LVM.format(columns="No", sign=".") + "\n".join(row[row.find("\t"):] for row in ROWS),
+    LVM.format(columns="No", sign=",")
+    + "\n".join(row[row.find("\t"):] for row in ROWS).replace(".", ","),
+    MSO,
+])
+def test_files_of_labview_and_tektronix_say_units_and_times(tmp_path, text):
+    path = tmp_path / "shot"
+    path.write_text(text)
+    read = ri.read_signals(path)
+    assert list(read) == ["incident", "transmitted"]
+    np.testing.assert_allclose(read["incident"].values, 1e-3 * np.array(INCIDENT), rtol=1e-12)
+    np.testing.assert_allclose(read["transmitted"].values, TRANSMITTED, rtol=1e-12)
+    for signal in read.values():
+        np.testing.assert_allclose(signal.times, TIMES, rtol=1e-9)
+        assert signal.unit == "V"
+
+
+def test_entries_of_a_scope_may_stand_beside_its_table(tmp_path):
+    entries = ["Record Length,4,", "Sample Interval,1e-6,", "Source,CH2,", "Vertical Units,V,",
+               "Horizontal Units,s,", ",,", ",,", ",,"]
+    rows = [f"{entry},{1e-6 * i:015.9f},{i * i:9.4f}," for i, entry in enumerate(entries)]
+    path = tmp_path / "shot.csv"
+    path.write_text("\n".join(rows))
+    (signal,) = ri.read_signals(path).values()
+    assert (signal.name, signal.unit, len(signal)) == ("CH2", "V", 8)
+    np.testing.assert_allclose(signal.times, 1e-6 * np.arange(8), rtol=1e-12)
+    np.testing.assert_allclose(signal.values, np.arange(8) ** 2)
+
+
+@pytest.mark.parametrize(("text", "said"), [
+    (LVM.format(columns="Multi", sign="."), "a column of times for each channel"),
+    (LVM.format(columns="No", sign=".").replace("Delta_X", "Delta"), "no numbers X0 and Delta_X"),
+])
+def test_files_of_labview_without_times_are_refused(tmp_path, text, said):
+    path = tmp_path / "shot.lvm"
+    path.write_text(text + "\n".join(ROWS))
+    with pytest.raises(ri.FileFormatError, match=said):
+        ri.read_signals(path)
