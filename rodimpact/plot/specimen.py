@@ -12,10 +12,8 @@ from matplotlib.lines import Line2D
 
 from ..model.arguments import of_kind
 from ..records.reduction import Reduction
-from .residuals import BROAD
 from .scales import engineering
-from .showing import picture
-from .style import colours, dress, grid, legend_above, new_figure, styled, two_axes
+from .style import colours, dress, grid, legend_above, new_figure, picture, styled, two_axes
 
 
 @picture
@@ -74,6 +72,5 @@ def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Reduced:
         each.set_ylim(bottom=0)
     upper.set(xlim=(0, 1.02 * strain[-1]), ylabel=unit.label)
     lower.set(xlabel="strain (%)", ylabel="strain rate\n(1/s)")
-    room = upper.get_window_extent().width / upper.figure.dpi
-    legend_above(upper, [one, two, band], 3 if room > BROAD else 1)
+    legend_above(upper, [one, two, band])
     return Reduced(upper, lower, one, two, band, rate)
