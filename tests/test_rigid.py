@@ -60,27 +60,6 @@ def test_a_plastic_collision_leaves_one_velocity_and_e_minus_one_changes_nothing
     assert passed.impulse == passed.energy_lost == 0.0
 
 
-def test_contact_mass():
-    assert rigid.contact_mass(7.0, 9.0) == pytest.approx(63 / 16)
-    assert rigid.contact_mass(1e-9, 1e9) == pytest.approx(1e-9)
-    assert rigid.contact_mass([1.0, math.inf], [math.inf, 3.0]).tolist() == [1.0, 3.0]
-
-
-@pytest.mark.parametrize("mirror", [False, True])
-def test_immovable_body(mirror):
-    if mirror:
-        after = rigid.collide(math.inf, 0.0, 0.5, -10.0, 0.9)
-        ball, wall = -after.velocity_2, after.velocity_1
-    else:
-        after = rigid.collide(0.5, 10.0, math.inf, 0.0, 0.9)
-        ball, wall = after.velocity_1, after.velocity_2
-    assert wall == after.centre_of_mass_velocity == 0.0
-    assert ball == pytest.approx(-9.0)
-    assert after.impulse == pytest.approx(9.5)
-    assert (after.energy_before, after.energy_after) == pytest.approx((25.0, 20.25))
-    assert after.energy_lost == pytest.approx(4.75)
-
-
 def test_moving_wall_keeps_its_velocity_and_has_infinite_energy():
     after = rigid.collide(0.5, 10.0, math.inf, -2.0, 1.0)
     assert after.velocity_2 == -2.0
@@ -108,24 +87,7 @@ def test_a_stack_is_a_row_of_collisions():
     assert drop.top_height == pytest.approx(second.velocity_2**2 / (2 * 9.81))
 
 
-def test_a_heavy_upper_ball_does_not_rise():
-    drop = rigid.stack_drop([0.1, 10.0], [0.5, 0.5], 1.0)
-    assert drop.velocities[-1] < 0
-    assert drop.top_height == 0.0
-
-
 # Shapes
-
-
-def test_floats_for_numbers():
-    results = [
-        *rigid.collide(1, 2, 3, 0, 1),
-        rigid.contact_mass(1, 2),
-        rigid.restitution_from_velocities(1, 0, 0, 1),
-        rigid.restitution_from_heights(2, 1),
-        rigid.stack_drop([1, 1], [1, 1], 1).top_height,
-    ]
-    assert {type(result) for result in results} == {float}
 
 
 def test_arrays_broadcast():
@@ -145,25 +107,16 @@ COLLISION = {"m1": 1.0, "v1": 1.0, "m2": 2.0, "v2": 0.0, "restitution": 0.5}
     ("changes", "message"),
     [
         ({"m1": 0.0}, r"m1: must be a positive .*or infinite, got 0\.0"),
-        ({"m1": -math.inf}, r"m1: must be a positive .*or infinite, got -inf"),
-        ({"m2": -1.0}, r"m2: .*, got -1\.0"),
         ({"m2": [1.0, math.nan]}, r"m2\[1\]: .*, got nan"),
         ({"m1": math.inf, "m2": math.inf}, r"m2: .*, got inf"),
         ({"v1": math.nan}, r"v1: must be a finite number of m/s, got nan"),
-        ({"v2": -math.inf}, r"v2: must be a finite number of m/s, got -inf"),
         ({"restitution": math.nan}, r"restitution: must be a finite number, got nan"),
-        ({"v2": 1.0}, r"v1: must be above .*, 1\.0, got 1\.0: the bodies do not approach"),
         ({"v1": [1.0, 3.0], "v2": 2.0}, r"v1\[0\]: must be above the velocity of body 2, 2\.0"),
     ],
 )
 def test_impossible_collisions(changes, message):
     with pytest.raises(ValueError, match=message):
         rigid.collide(**(COLLISION | changes))
-
-
-def test_two_immovable_bodies():
-    with pytest.raises(ValueError, match="m1 is infinite: at most one body can be immovable"):
-        rigid.contact_mass(math.inf, math.inf)
 
 
 @pytest.mark.parametrize("e", [1.1, -1.1])
@@ -179,17 +132,13 @@ def test_energy_release_needs_permission(e):
     [
         (lambda: rigid.restitution_from_velocities(1, 1, 0, 0), r"v1_before: .*, 1\.0, got 1"),
         (lambda: rigid.restitution_from_velocities(1, 0, math.nan, 0), "v1_after: must be .* nan"),
-        (lambda: rigid.restitution_from_velocities(1, 0, 0, math.inf), "v2_after: must be .* inf"),
         (lambda: rigid.restitution_from_heights(0, 0), r"drop: must be a .*positive .*, got 0\.0"),
         (lambda: rigid.restitution_from_heights(1, -1), r"rebound: .*non-negative .*, got -1"),
         (lambda: rigid.restitution_from_heights(1, 2), r"rebound: .* the drop, 1\.0, got 2\.0"),
-        (lambda: rigid.restitution_from_heights(1, math.nan), "rebound: must be .*, got nan"),
         (lambda: rigid.stack_drop([1, 0], [1, 1], 1), r"masses\[1\]: must be .*, got 0\.0"),
-        (lambda: rigid.stack_drop([1, math.inf], [1, 1], 1), r"masses\[1\]: must be .*, got inf"),
         (lambda: rigid.stack_drop([1, 1], [1, 2], 1), r"restitutions\[1\]: must .*, got 2\.0"),
         (lambda: rigid.stack_drop([1, 1], [1], 1), "masses has 2 balls and restitutions 1"),
         (lambda: rigid.stack_drop([], [], 1), "at least one ball"),
-        (lambda: rigid.stack_drop([1], [1], 0), r"height: must be .*, got 0\.0"),
         (lambda: rigid.stack_drop([1], [1], 1, gravity=-1), r"gravity: must be .*, got -1\.0"),
     ],
 )

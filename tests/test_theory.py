@@ -83,38 +83,6 @@ def test_force_agrees_with_waves_and_is_right_continuous(Z1, T1, Z2, T2):
     assert theory.saint_venant_force(-1e-9, Z1, T1, Z2, T2) == 0.0
 
 
-@pytest.mark.parametrize(
-    ("impedances", "times", "restitution"),
-    [
-        ((1, 1), (1, 2), 0.5),
-        ((1, 2), (1, 2), 0.666667),
-        ((2, 1), (1, 2), 0.777778),
-        ((3, 1), (1, 5), 0.55),
-        ((5, 1), (3, 10), 0.841564),
-    ],
-)
-def test_reference_values(impedances, times, restitution):
-    e = theory.saint_venant(impedances[0], times[0], impedances[1], times[1]).restitution
-    assert e == pytest.approx(restitution, abs=5e-7)
-
-
-def test_rods_that_differ_in_everything():
-    pair = theory.saint_venant(1.0, 0.7, 0.5, 1.1 / 1.3)
-    assert pair.restitution == pytest.approx(0.892862692862693, abs=2e-15)
-    assert pair.impulse == pytest.approx(0.499145299145299, abs=2e-15)
-    assert pair.duration == pair.opening == 2 * 1.1 / 1.3
-    force = theory.saint_venant_force([1.39, 1.4, 1.69, 1.6924], 1.0, 0.7, 0.5, 1.1 / 1.3)
-    assert force == pytest.approx([1 / 3, 1 / 9, 1 / 9, 0])
-
-
-def test_one_material_gives_the_ratio_of_lengths():
-    lengths = np.linspace(0.05, 1.0, 20)
-    pair = theory.saint_venant(40.0, lengths / 5000, 40.0, 1.0 / 5000)
-    assert pair.restitution == pytest.approx(lengths, rel=ROUND_OFF, abs=0)
-    assert pair.duration == pytest.approx(2 * lengths / 5000)
-    assert pair.opening == pytest.approx(np.full(20, 2.0 / 5000))
-
-
 def exact_restitution(Z1: float, T1: float, Z2: float, T2: float) -> Fraction:
     """e = J (1/m1 + 1/m2) - 1 with the impulse summed trip by trip, in exact arithmetic."""
     (Ts, Zs), (Tl, Zl) = sorted([(Fraction(T1), Fraction(Z1)), (Fraction(T2), Fraction(Z2))])
@@ -140,13 +108,6 @@ def test_keeps_its_digits_when_restitution_is_small(Z_long):
     e = theory.saint_venant(1.0, 1.0, Z_long, 1e12).restitution
     expected = 1e-12 + max(Z_long - 1, 0) / 2  # x + |q|, the latter if the long rod is stiffer
     assert e == pytest.approx(expected, rel=1e-11, abs=0)
-
-
-@given(POSITIVE, POSITIVE, POSITIVE, POSITIVE)
-def test_equal_transit_times_lose_nothing(Z1, Z2, T, V):
-    pair = theory.saint_venant(Z1, T, Z2, T, V)
-    assert pair.restitution == pytest.approx(1.0, abs=4 * EPS)
-    assert pair.duration == pair.opening == 2 * T
 
 
 @given(PAIR, POSITIVE)
@@ -201,15 +162,6 @@ def test_floats_for_numbers_and_arrays_for_arrays(function):
     assert theory.saint_venant_force(np.zeros((2, 1)), 1, 1, 1, np.ones(3)).shape == (2, 3)
 
 
-def test_arrays_equal_their_elements():
-    rng = np.random.default_rng(7)
-    rods = 10.0 ** rng.uniform(-3, 3, size=(5, 50))
-    together = theory.saint_venant(*rods)
-    for i in range(50):
-        one = theory.saint_venant(*rods[:, i])
-        assert tuple(one) == pytest.approx([entry[i] for entry in together], rel=1e-12, abs=0)
-
-
 def test_no_floating_point_error():
     Z = np.array([1e-12, 1.0, 3.0, 1e12])
     T = np.array([[1e-9], [1.0], [3.0], [1e9]])
@@ -242,13 +194,6 @@ def test_refuses_what_is_not_positive_and_finite(function, names, bad):
             function(**(good | {name: [1.0, bad]}))
 
 
-def test_force_refuses_what_is_not_a_time_or_a_rod():
-    with pytest.raises(ValueError, match=r"time\[0\]: must be a finite .*, got nan"):
-        theory.saint_venant_force([math.nan], 1.0, 1.0, 1.0, 1.0)
-    with pytest.raises(ValueError, match=r"impedance_2: must be .*positive .*, got -1\.0"):
-        theory.saint_venant_force(0.0, 1.0, 1.0, -1.0, 1.0)
-
-
 def test_rod_on_wall():
     # A bar of 1 m, 3.14e-4 m^2, 210 GPa and 7800 kg/m^3 falls on a rigid floor at 0.1 m/s.
     c = math.sqrt(210e9 / 7800)
@@ -258,23 +203,6 @@ def test_rod_on_wall():
     assert wall.duration == wall.opening == pytest.approx(0.38545e-3, rel=1e-5)
     assert wall.peak_force == pytest.approx(1270.8, abs=0.05)
     assert wall.impulse == pytest.approx(2 * 7800 * 3.14e-4 * 0.1)
-
-
-def test_a_wall_is_a_rod_of_infinite_impedance():
-    wall = theory.rod_on_wall(2.0, 3.0, 0.5)
-    rod = theory.saint_venant(2.0, 3.0, 1e12, 4.0, 0.5)
-    assert rod[:5] == pytest.approx(wall[:5], rel=1e-11)
-
-
-def test_identical_bars_in_inches_and_pounds():
-    # Carpenter, Taylor and Katona 1991: 14,961 lb for 98.66 us.
-    E, density, length, area = 30e6, 0.73e-3, 10.0, 1.0
-    c = math.sqrt(E / density)
-    bar = (density * area * c, length / c)
-    pair = theory.saint_venant(*bar, *bar, closing_speed=202.2)
-    assert pair.peak_force == pytest.approx(14961, abs=1)
-    assert pair.duration == pytest.approx(98.66e-6, rel=1e-4)
-    assert pair.restitution == 1.0
 
 
 @pytest.mark.parametrize(("ratio", "e"), [(0.25, 0.249581), (1.0, 0.729329), (4.0, 0.967347)])

@@ -19,40 +19,21 @@ PREFIXED = ["s", "N", "m", "Pa", "m/s", "N/m", "Pa s"]
     ("text", "dimension", "value"),
     [
         ("10 mm", "length", 0.01),
-        ("0.3 m", "length", 0.3),
-        ("2 km", "length", 2000.0),
         ("1 cm^2", "area", 1e-4),
-        ("3 mm^2", "area", 3e-6),
         ("200 GPa", "pressure", 200e9),
         ("7.85 g/cm^3", "density", 7850.0),
         ("5 m/s", "velocity", 5.0),
-        ("-5 mm/s", "velocity", -0.005),
         ("5 us", "time", 5e-6),
-        ("20 kHz", "frequency", 20e3),
         ("7 cm^4", "polar moment", 7e-8),
-        ("3 mm^4", "polar moment", 3e-12),
-        ("1 kN", "force", 1000.0),
-        ("0.5 kg", "mass", 0.5),
-        ("60 g", "mass", 0.06),
-        ("9.81 m/s^2", "acceleration", 9.81),
         ("80 %", "dimensionless", 0.8),
-        ("3 kN/mm", "stiffness", 3e6),
-        ("2 MPa s", "viscosity", 2e6),
-        ("4 N s/mm", "damping", 4000.0),
-        ("12 GN/m^1.5", "Hertz stiffness", 12e9),
-        ("0.2 s/mm", "inverse velocity", 200.0),
         ("2 ft", "length", 0.6096),
-        ("0.5 in", "length", 0.0127),
         ("3 lb", "mass", 1.36077711),
-        ("2 t", "mass", 2000.0),
         ("10 lbf", "force", 44.482216152605),
         ("36 km/h", "velocity", 10.0),
-        ("1.5 GN/m", "stiffness", 1.5e9),
         ("1e-3", "length", 1e-3),
         ("+.5e1mm", "length", 0.005),
         ("  7.\tmm ", "length", 0.007),
         (3, "length", 3.0),
-        (0.1, "length", 0.1),
     ],
 )
 def test_reads_exactly(text, dimension, value):
@@ -87,13 +68,6 @@ def test_rounds_once(number, data):
     assert units.parse(f"{number} {unit}", dimension) == float(exact)
 
 
-@pytest.mark.parametrize("dimension", sorted(units.UNITS))
-def test_each_dimension_has_its_si_unit_first(dimension):
-    first, factor = next(iter(units.UNITS[dimension].items()))
-    assert (first, factor) in [(units.si_unit(dimension), "1"), ("%", "1e-2")]
-    assert units.parse("2.5", dimension) == 2.5
-
-
 def test_every_unit_is_what_it_is_to_pint():
     quantity = pytest.importorskip("pint").application_registry.get().Quantity
     known = {name: factor for names in units.UNITS.values() for name, factor in names.items()}
@@ -114,31 +88,22 @@ def test_no_unit_belongs_to_two_dimensions():
         ("5 m/s", "time", r"'m/s' is a unit of velocity"),
         ("5 parsec", "length", r"unknown unit 'parsec'\. Use one of m, cm"),
         ("5 N s/cm", "damping", r"unknown unit 'N s/cm'; perhaps N s/m is meant"),
-        ("5 gpa", "pressure", r"perhaps GPa is meant"),
         ("5 N/m", "Hertz stiffness", r"as Hertz stiffness: 'N/m' is a unit of stiffness"),
         ("5 mn", "force", r"perhaps mN or MN is meant"),
         ("1,5 mm", "length", r"not a decimal number followed by a unit"),
-        ("1.2.3 m", "length", r"not a decimal number"),
-        ("mm", "length", r"not a decimal number"),
         ("", "length", r"not a decimal number"),
-        ("nan", "length", r"not a decimal number"),
         ("inf m", "length", r"not a decimal number"),
         ("1e999 m", "length", r"not a finite number"),
         ("1e-400 m", "length", r"too small for a floating-point number"),
-        ("1e-323 nm", "length", r"too small for a floating-point number"),
         ("1e999999999 m", "length", r"its power of ten is out of range"),
         ("9" * 16_000, "length", r"999\.\.\.999.* as length: it is longer than 1000 characters"),
-        ("1" * 16_000 + " mm", "length", r"longer than 1000 characters"),
         ("9" * 999 + "x", "length", r"unknown unit 'x'"),
         ("5 \x1b[31m\u202e", "length", r"unknown unit '\\x1b\[31m\\u202e'"),
         pytest.param(10**5000, "length", r"a value of type int as length: it is not a finite",
                      id="5001 digits"),
-        (10**400, "length", r"not a finite number"),
         (math.nan, "length", r"nan as length: it is not a finite number"),
-        (math.inf, "length", r"not a finite number"),
         (True, "length", r"True as length: it is not a number"),
         (None, "length", r"None as length: it is not a number"),
-        ([1.0], "length", r"it is not a number"),
         ("5 m", "distance", r"unknown dimension 'distance'\. Use one of length, area"),
     ],
 )
@@ -154,22 +119,15 @@ def test_refusals_name_the_value_and_the_remedy(text, dimension, wanted):
         (1270.8, "N", 6, "1.2708 kN"),
         (0, "s", 6, "0 s"),
         (-0.0, "s", 6, "0 s"),
-        (-0.0, "", 6, "0"),
         (math.nan, "s", 6, "-"),
         (-math.inf, "s", 6, "-inf s"),
         (-0.00127, "m", 6, "-1.27 mm"),
         (999.9999999, "N", 6, "1 kN"),
-        (200e9, "Pa", 6, "200 GPa"),
         (123.456, "m/s", 2, "120 m/s"),
         (0.4, "", 6, "0.4"),
         (1234.5678, "", 6, "1234.57"),
-        (0.05, "kg", 6, "0.05 kg"),
-        (7850.0, "kg/m^3", 6, "7850 kg/m^3"),
-        (1e-4, "m^2", 6, "0.0001 m^2"),
-        (2e-3, "m/s^2", 6, "2 mm/s^2"),
         (1.2e10, "N/m^1.5", 6, "12 GN/m^1.5"),
         (1e-15, "J", 6, "1e-15 J"),
-        (1e12, "N/m^1.5", 6, "1000 GN/m^1.5"),
         (2e15, "Pa", 6, "2e+15 Pa"),
     ],
 )

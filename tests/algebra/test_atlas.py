@@ -52,12 +52,6 @@ def test_places_lie_in_the_cell_whose_formula_is_right(name, count, request):
     assert np.abs(plane.restitution(x, y)[:count] - e).max() <= 1e-12
 
 
-@pytest.mark.exhaustive
-def test_a_stepped_rod_has_more_formulas(stepped):
-    assert len(stepped.contacts) > 2
-    assert len(stepped.borders) > 20
-
-
 def test_what_the_cap_leaves_is_unresolved(pair):
     plane = ri.atlas(pair.system, pair.x, pair.y, most_cells=2)
     assert len(plane.cells) == 2
@@ -83,22 +77,12 @@ def test_runs_that_do_not_end_count_as_cells(pair, monkeypatch):
     assert len(plane.cells) < len(begun) == 40
 
 
-def test_axes_of_one_kind():
-    system = ri.System([rod(1.0, 1.0, 1.0), rod(2.0, 0.7)])
-    plane = ri.atlas(system, ("bodies.0.velocity", -1.0, 2.0), ("bodies.1.velocity", -1.0, 2.0))
-    assert sorted(plane.contacts) == [(0,), (1,)]
-    assert np.ptp(plane.borders, axis=1).max() <= 1e-9  # where both are equally fast
-    assert plane.borders.size
-
-
 @pytest.mark.parametrize(("x", "said"), [
     (("bodies.1.length", 2.0, 1.0), "x: must be a path, its lowest and its highest value"),
     (("length", 1.0, 2.0), r"x: 'length' names 2 numbers; .*: bodies.0.length, bodies.1.length"),
     (("bodies.1.length", -1.0, 2.0), "x, bodies.1.length: must be a finite positive number"),
     (("bodies.1.length", 0.1, 1e150), "max_events: in the middle of the plane .* got 1000"),
     (("bodies.1.area", 1.0, 2.0), "y: must be another number than x"),
-    (("contacts.0.gap", 0.0, 1.0), "symbols: 'contacts.0.gap' names no number"),
-    (("bodies.1.lenght", 1.0, 2.0), "symbols: 'bodies.1.lenght' names no number"),
 ])
 def test_mistaken_axes_are_told(pair, x, said):
     with pytest.raises(ri.InvalidModel, match=said):

@@ -88,49 +88,11 @@ def test_what_meets_the_formula_is_told():
     assert told[3].endswith(" where Z2 < Z1")
 
 
-def test_many_conditions_are_counted_and_the_nearest_three_told():
-    form = ri.closed_form(row([0.4, 1, 0.7], [1, 2, 1], STEEL))
-    T1, T2, T3, *_ = sympy.symbols("T1:4", positive=True)
-    *formula, where = str(form).splitlines()
-    assert [line[:2] for line in formula] == ["V1", "V2", "V3"]
-    assert len(form.cell) > len(form.nearest) == 3
-    assert where.endswith(f", and {len(form.cell) - 3} more; .cell has all")
-    assert f"and {len(form.cell) - 3} more" in form._repr_latex_()
-    assert {T2 < 2 * T3, 7 * T3 < 6 * T2} < set(form.nearest)  # T2/T3 = 1.43
-    assert (T1 < T3) not in form.nearest
-    assert max(map(len, str(form).splitlines())) < 600
-
-
 def test_that_a_cap_on_cells_leaves_out_sides_is_told(monkeypatch):
     monkeypatch.setattr("rodimpact.algebra.formula.MOST_SIDES", 1)
     form = ri.closed_form(row([1, 1], [1, 1]))
     assert form.unsolved
     assert str(form).endswith("There are more, which max_events or the cap on cells has left out.")
-
-
-@pytest.mark.exhaustive
-def test_that_a_cap_on_events_leaves_out_sides_is_told():
-    form = ri.closed_form(row([1, 2, 1], [1, 1, 1]), max_events=12)
-    assert form.unsolved
-    assert str(form).endswith("There are more, which max_events or the cap on cells has left out.")
-    assert not ri.closed_form(row([1, 2], [1, 0.5])).unsolved
-
-
-def test_three_equal_transits_keep_every_symbol():
-    form = ri.closed_form(row([1, 1, 1], [1, 1, 1]), ["transit_time"])
-    (other,) = form.sides
-    T1, T2, T3 = sympy.symbols("T1:4", positive=True)
-    assert form.velocities_after == (0, 0, T1 / T3)
-    assert form.cell == (T1 < T3,)
-    assert other.velocities_after == (0, (T1 - T3) / T2, 1)
-    assert form.restitution is None
-
-
-@pytest.mark.exhaustive
-def test_a_contact_of_no_duration_is_a_border():
-    form = ri.closed_form(row([1, 2, 2], [2.5, 2.5, 2]))
-    assert not form.holds()
-    assert {len(side.contact_times[1]) for side in (form, *form.sides)} == {1, 2}
 
 
 def test_a_bond_has_an_average_impulse_which_has_a_formula():

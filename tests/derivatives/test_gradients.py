@@ -131,13 +131,6 @@ def test_a_gap_that_closes_as_the_push_ends():
         assert side == pytest.approx((4 * v1 - v2 - 3 * v0) / (2 * h), abs=1e-5 / x)
 
 
-def test_a_front_that_is_not_there_at_first():
-    path = "bodies.0.strain"
-    g = ri.gradient(pair(0.4, 1.0), "impulse.0", [path])
-    up, down = (of_run(with_numbers(pair(0.4, 1.0), {path: e}), "impulse.0") for e in (1e-7, -1e-7))
-    assert g[path] == pytest.approx((up - down) / 2e-7, rel=1e-6)
-
-
 @pytest.mark.parametrize("seed", few_of(range(60), range(4)))
 def test_scaling(seed):
     system = random_row(seed)
@@ -171,24 +164,6 @@ def test_differences(seed):
         assert path in g.kinks or min(errors) < 1e-7 * max(abs(g.value), abs(x * g[path])), path
 
 
-@pytest.mark.parametrize("seed", few_of(range(60), (0, 1, 13, 52)))
-def test_both_sides_of_commensurate_rows(seed):
-    rng = np.random.default_rng(seed)
-    system = ri.System([
-        ri.Rod(float(rng.integers(1, 9)) / 10, area=float(rng.integers(1, 4)) * 1e-4,
-               material=STEEL, velocity=v) for v in (1.0, 0.0, 0.0)])
-    paths = ["bodies.1.length", "bodies.1.area"]
-    g = ri.gradient(system, "velocity_after.1", paths)
-    for path in paths:
-        x = float(numbers_of(system)[path])
-        h = 1e-5 * x
-        for side, sign in zip(g.one_sided[path], (-1, 1), strict=True):
-            v0, v1, v2 = (of_run(with_numbers(system, {path: x + sign * d}), "velocity_after.1")
-                          for d in (0.0, h, 2 * h))
-            assert side == pytest.approx(sign * (4 * v1 - v2 - 3 * v0) / (2 * h),
-                                         abs=2e-6 / x), path
-
-
 def test_families_compiled_and_in_plain_python():
     family = pair(np.array([[0.4], [0.41]]), np.array([1.0, 1.03, 0.4]))
     with kernels.forced(False):
@@ -204,18 +179,6 @@ def test_families_compiled_and_in_plain_python():
                 [side[index] for side in plain.one_sided[path]], single.one_sided[path])
             assert (path in single.kinks) == bool(plain.kinks[path].event[index])
     assert "6 members" in str(plain)
-
-
-def test_large_families_by_the_formula():
-    L1, L2, r = np.linspace(0.405, 0.415, 65), 1.03, 1.7
-    thick = 0.01 * r**0.5
-    family = ri.System([ri.Rod(L1, diameter=0.01, material=STEEL, velocity=1.0),
-                        ri.Rod(L2, diameter=thick, material=STEEL)])
-    g = ri.gradient(family, wrt=["bodies.0.length", "bodies.1.diameter"])
-    slope = 2 * (L2 - L1) / (L2 * (1 + r) ** 2)
-    np.testing.assert_allclose(g["bodies.0.length"], 2 / (L2 * (1 + r)), rtol=1e-8)
-    np.testing.assert_allclose(g["bodies.1.diameter"], slope * 2 * r / thick, rtol=1e-8)
-    assert not g.kinks
 
 
 def test_large_families_have_the_kinks_of_their_members():
@@ -236,12 +199,6 @@ def test_a_member_that_does_not_collide_has_none():
         ri.gradient(pair(velocity=-1.0), wrt=["bodies.0.length"])
     with pytest.raises(ri.UndefinedRestitution, match="cap of 1 events"):
         ri.gradient(pair(), "impulse.0", ["bodies.0.length"], max_events=1)
-
-
-def test_more_fronts_than_the_log_has_room_for_at_first():
-    system = pair(0.0123, 1.0377, 0.2e-4)
-    g = ri.gradient(system, "impulse.0", ["bodies.0.length", "bodies.1.length"])
-    assert weighted(g, system, g.wrt) == pytest.approx(g.value, rel=1e-11)
 
 
 def test_what_holds_a_rod():
@@ -284,12 +241,9 @@ def test_a_striker_on_an_endless_bar(area):
 @pytest.mark.parametrize(("system", "given", "message"), [
     (pair(), {"of": "e"}, "of: must be one of velocity_after.0, .*restitution"),
     (pair(), {"wrt": "bodies.0.length"}, "wrt: must be a list of paths"),
-    (pair(), {"wrt": []}, "wrt: must be a list of paths"),
     (pair(), {"wrt": ["bodies.0.lenght"]}, "perhaps 'bodies.0.length' is meant"),
     (pair(), {"wrt": ["gravity"]}, "gravity is for other methods"),
-    (pair(), {"wrt": [1]}, "wrt: must be a list of paths"),
     (pair(), {"workers": 0, "max_events": 0}, "max_events: must be a positive"),
-    (pair(), {"workers": 0}, "workers: must be a positive"),
     (ri.System(pair().bodies, ends=[ri.Free(), ri.Absorbing()]), {"of": "velocity_after.1"},
      "of: must be one of velocity_after.0, impulse.0, duration.0, got"),
     (ri.System([ri.Rod(1.0, area=1e-4, material=STEEL, velocity=ri.Steps([1.0, 0.0], [0.5])),
