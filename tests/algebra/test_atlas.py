@@ -38,7 +38,7 @@ def test_borders_are_saint_venants(pair):
 
 
 @pytest.mark.parametrize(("name", "count"), [
-    ("pair", 12), *(pytest.param(name, 2000, marks=pytest.mark.exhaustive)
+    ("pair", 12), *(pytest.param(name, 400, marks=pytest.mark.exhaustive)
                     for name in ("pair", "stepped")),
 ])
 def test_places_lie_in_the_cell_whose_formula_is_right(name, count, request):

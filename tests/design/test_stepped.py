@@ -56,7 +56,7 @@ def told(ratios):
     return np.linalg.svd(changes)[1][-1]
 
 
-@pytest.mark.parametrize("seed", few_of(range(100), (0, 1, 2, 82)))
+@pytest.mark.parametrize("seed", few_of([*range(20), 82], (0, 1, 2, 82)))
 def test_a_hidden_striker_is_found_as_well_as_its_pulse_tells(seed):
     ratios, worst, found = hidden(seed)
     assert worst < max(1e-6, 2e-14 / told(ratios))

@@ -78,9 +78,9 @@ def solve(case):
 
 
 @needs_node
-@pytest.mark.parametrize("block", few_of(range(10), {0}))
+@pytest.mark.parametrize("block", few_of(range(3), {0}))
 def test_random_rows_within_the_stated_error(block):
-    cases = [random_row(seed) for seed in range(15 * block, 15 * block + 15)]
+    cases = [random_row(seed) for seed in range(10 * block, 10 * block + 10)]
     for case, page in zip(cases, shown_by_the_page(cases), strict=True):
         solution, found = solve(case), page["outcome"]
         outcome, own = solution.outcome, solution.accuracy

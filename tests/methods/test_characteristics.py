@@ -32,7 +32,7 @@ def refused(match, function, *args, **options):
 
 # Against exact fronts -----------------------------------------------------------------------------
 
-@pytest.mark.parametrize("seed", few_of(range(300), range(12)))
+@pytest.mark.parametrize("seed", few_of(range(60), range(12)))
 def test_fronts_are_met_to_round_off(seed):
     system = random_system(seed, bodies=4)
     until = horizon(system, 8)
@@ -548,10 +548,10 @@ def even(speed):
     return lambda x: speed + 0 * x
 
 
-GAPS = np.linspace(0.1, 0.12, 101).tolist()
+GAPS = np.linspace(0.1, 0.12, 21).tolist()
 
 
-@pytest.mark.parametrize("gap", [*few_of(GAPS, GAPS[::20]), 0.1105])
+@pytest.mark.parametrize("gap", [*few_of(GAPS, GAPS[::5]), 0.1105])
 def test_a_gap_of_any_width_closes_on_time(gap):
     row = [unit_rod(velocity=even(1.0)), unit_rod(0.75, 0.4)]
     s = ri.solve(ri.System(row, [gap]))

@@ -17,7 +17,7 @@ from exhaustive import few_of
 
 import rodimpact as ri
 
-SEEDS = range(200)
+SEEDS = range(100)
 EXACT = 1e-9
 
 
