@@ -331,27 +331,6 @@ def test_names_that_are_no_text(case, capsys):
     assert "a column is named by letters" in capsys.readouterr().err
 
 
-def test_a_bad_backend_of_matplotlib_does_no_harm(case):
-    bogus = ENVIRONMENT | {"MPLBACKEND": "bogus"}
-    code = ("import sys; from rodimpact.cli import main; main(['run', sys.argv[1]]);"
-            "import matplotlib.pyplot")
-    done = python("-c", code, case, env=bogus)
-    assert (done.returncode, done.stderr) == (0, "")
-
-
-@pytest.mark.parametrize("method", ["fronts", "characteristics", "finite-difference"])
-@pytest.mark.parametrize(
-    "argv",
-    [["--until", "1e308"], ["--dt", "1e-300"], ["--cells", "1" + 30 * "0"],
-     ["--max-events", "1" + 30 * "0"]],
-)
-def test_numbers_beyond_all_reach_are_told(case, capsys, method, argv):
-    assert main(["run", "case.toml", "--method", method, *argv]) == 2
-    error = capsys.readouterr().err
-    assert error.startswith("rodimpact: ")
-    assert "Traceback" not in error
-
-
 @pytest.mark.parametrize("option", ["cells", "snapshots"])
 @pytest.mark.parametrize("command", [["run"], ["sweep", "--vary", "bodies.0.length=0.1,0.2"]])
 def test_counts_beyond_a_register_are_told(case, capsys, option, command):
@@ -441,18 +420,6 @@ def test_all_mistakes_are_reported_at_once(case, capsys):
     assert options | {"bodies.0.length"} <= set(said)
     assert "unit of mass" in said["--until"]
     assert all(line.startswith("rodimpact: ") for line in err.splitlines())
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [("schema = 1\nbodies = [", "case.toml: "), ("", "schema: "), ("\x00", "case.toml: ")],
-)
-def test_a_broken_case_ends_with_2(case, capsys, text, said):
-    case.write_text(text)
-    assert main(["run", "case.toml"]) == 2
-    err = capsys.readouterr().err
-    assert said in err
-    assert "Traceback" not in err
 
 
 @pytest.mark.parametrize("name", ["missing.toml", "."])

@@ -8,7 +8,6 @@ import tomllib
 
 import numpy as np
 import pytest
-from checked import build
 from exhaustive import few_of
 from in_node import needs_node, run
 from systems import random_system
@@ -29,7 +28,7 @@ from rodimpact.methods.pieces.rows import lay_out
 from rodimpact.methods.row import Row
 from rodimpact.storage.casefile import case_from
 
-ROWS, FEW, MOST = 25, 5000, 20_000
+FEW, MOST = 5000, 20_000
 
 
 # What is translated
@@ -186,10 +185,8 @@ SIDES = [ri.Wall(), RODS[0].replace(velocity=-1.0), RODS[1], ri.Wall()]
 RECORDED = {
     "rigid": ri.System(RODS),
     "walls": ri.System(SIDES, gaps=[1e-5, 0.0, 1e-5]),
-    "bonded": ri.System([*RODS, RODS[1]], contacts=[ri.Rigid(), ri.Bonded()]),
     "spring": ri.System(RODS, contacts=[ri.Spring(1e8)]),
     "hertz": ri.System(RODS, contacts=[ri.Hertz(1e10)]),
-    "hunt": ri.System(RODS, contacts=[ri.HuntCrossley(1e10, damping=0.3)]),
     "yielding": ri.System(RODS, contacts=[ri.Yielding(1e8, yield_force=800.0)]),
     "mass on a rod": ri.System([MASSES[0], RODS[1]]),
     "joint": ri.System([*MASSES[:2], RODS[1]], contacts=[ri.Joint(1e8), ri.Rigid()]),
@@ -291,20 +288,6 @@ def test_the_page_solves_rows_as_solve_does(block):
             off = abs(page["restitution"] - outcome.restitution)
             assert off <= page["error"] + 1e-12  # in Python transits are rounded, too
     assert few >= 50
-
-
-@needs_node
-def test_the_page_has_the_bits_of_the_same_clock_and_no_number_too_large():
-    """Python on the page's clock, every whole number of it looked at, does the same."""
-    cases = rows(range(ROWS))
-    checked = build(SOLVES, CONSTANTS, KNOWN)
-    for case, page in zip(cases, solved_by_the_page(cases), strict=True):
-        if page["events"] < FEW:
-            row = checked["row_of"](case, LIBRARY)
-            space = checked["space_of"](row)
-            here = checked["outcome_of"](row, checked["run_of"](row, False, space))
-            assert page["after"] == here["after"]
-            assert page["vibration_after"] == here["vibration_after"]
 
 
 # The scene

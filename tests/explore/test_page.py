@@ -297,13 +297,6 @@ def test_files_can_be_taken_away(visit, tmp_path):
     assert holder.evaluate("document.images[0].decode().then(() => true)")
 
 
-def test_the_theme_follows_the_system_and_the_switch(visit):
-    page = visit(color_scheme="dark")
-    assert page.get_attribute("html", "data-theme") == "dark"
-    page.click("#theme")
-    assert page.get_attribute("html", "data-theme") == "light"
-
-
 @pytest.mark.parametrize("width", [360, 1280])
 def test_nothing_sticks_out(visit, width):
     page = visit(viewport={"width": width, "height": 800})
@@ -631,13 +624,6 @@ def test_names_never_become_markup(visit, solved):
     assert page.locator("b").count() == 0
 
 
-def test_the_latest_design_is_solved(visit):
-    page = visit()
-    for length in range(100, 160):
-        field(page, LENGTH).fill(str(length))
-    wait_for_e(page, "0.159")
-
-
 def test_what_python_has_solved_is_shown_and_the_sliders_work_for_what_the_page_solves(
     visit, solved
 ):
@@ -656,14 +642,6 @@ def test_what_python_has_solved_is_shown_and_the_sliders_work_for_what_the_page_
     page.select_option('[id="contacts.0.law"]', "rigid")
     wait_for_e(page, "0.4")
     assert not page.locator("#message").is_visible()
-
-
-def test_a_page_in_a_frame_of_a_notebook_solves_too(visit, tmp_path):
-    frame = ri.explore(PRESETS["unequal"])._repr_html_()
-    (tmp_path / "notebook.html").write_text(f'<html data-frames="1">{frame}</html>', "utf-8")
-    inside = visit((tmp_path / "notebook.html").as_uri()).frame_locator("iframe")
-    inside.locator(f'[id="{LENGTH}"]').fill("300")
-    sync_api.expect(inside.locator("#restitution")).to_have_text("0.3")
 
 
 @pytest.mark.parametrize(("address", "words"), [

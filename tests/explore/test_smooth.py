@@ -58,15 +58,14 @@ def tables_of(case):
     return {"solve": {}, **tomllib.loads(ri.write_case(case))}
 
 
-def shown_by_the_page(cases, gauges=()):
-    """What the page knows of cases, and what it shows."""
-    functions = (row_of, lacking, mistakes, smooth_known, scene_of)
+def known_by_the_page(cases, gauges=()):
+    """What the page knows of cases."""
+    functions = (row_of, lacking, mistakes, smooth_known)
     text = javascript(functions, CONSTANTS, KNOWN)
     script = f"""{read("python.js")}\n{read("numbers.js")}\n{text}
     const answer = ({{ cases, gauges, library, rules }}) => cases.map((tables) => {{
       if (lacking(tables)[0] || mistakes(tables, gauges, library, rules).length) return null;
-      const known = smooth_known(row_of(tables, library), tables.contacts, gauges);
-      return {{ ...known, scene: scene_of(tables, gauges, library) }};
+      return smooth_known(row_of(tables, library), tables.contacts, gauges);
     }});"""
     given = {"cases": [*map(tables_of, cases)], "gauges": list(gauges), "library": LIBRARY,
              "rules": RULES}
@@ -81,7 +80,7 @@ def solve(case):
 @pytest.mark.parametrize("block", few_of(range(3), {0}))
 def test_random_rows_within_the_stated_error(block):
     cases = [random_row(seed) for seed in range(10 * block, 10 * block + 10)]
-    for case, page in zip(cases, shown_by_the_page(cases), strict=True):
+    for case, page in zip(cases, known_by_the_page(cases), strict=True):
         solution, found = solve(case), page["outcome"]
         outcome, own = solution.outcome, solution.accuracy
         assert found["final"] == outcome.final
@@ -123,7 +122,7 @@ def test_the_picture_is_that_of_the_solution(name):
     driven = name == "ends"
     case = ri.Case(PICTURES[name], {"until": 6e-4} if driven else {})
     rods = [i for i, body in enumerate(case.system.bodies) if isinstance(body, ri.Rod)]
-    page, = shown_by_the_page([case], [{"body": rods[-1], "fraction": 0.3}])
+    page, = known_by_the_page([case], [{"body": rods[-1], "fraction": 0.3}])
     solution, polygons = solve(case), page["polygons"]
     assert max(polygons["t"]) == pytest.approx(solution.t_end, rel=1e-9)
     for g, body in enumerate(polygons["body"]):

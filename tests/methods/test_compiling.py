@@ -105,6 +105,7 @@ print(made(1), sum(made._fast.stats.cache_hits.values()), outer.answer(1))
 """
 
 
+@pytest.mark.exhaustive
 def test_stale_machine_code_is_not_run(cache):
     """An imported kernel, a constant and a table change, and the file of the kernel does not."""
     folder = cache / "rows_of_a_test"

@@ -77,40 +77,6 @@ def test_a_held_rod_strained_evenly_stays_at_rest():
     assert follow(Row(held), 1.0, 10**9, cells=40).largest_strain == pytest.approx(1e-3, rel=1e-12)
 
 
-def test_without_poisson_effect_it_is_the_ideal_rod():
-    flat = UNIT.replace(poisson_ratio=0.0)
-    mine, ideal = (
-        solved([rod(segment(0.4, material=flat, theory=theory), velocity=1.0),
-                rod(segment(0.8, material=flat, theory=theory))])
-        for theory in (THEORY, None)
-    )
-    x, t = np.linspace(0, 0.8, 9)[:, None], np.linspace(0, 1, 11)
-    assert mine.velocity(1, x, t) == pytest.approx(ideal.velocity(1, x, t), abs=1e-13)
-
-
-def test_a_rod_in_pieces_is_the_whole_rod():
-    """Where segments, and bonded rods, of one section meet nothing is reflected."""
-    t = np.linspace(0, 1, 21)
-    striker = rod(segment(0.4), velocity=1.0)
-    whole = solved([striker, rod(segment(0.8))], cells=80)
-    two = solved([striker, rod(segment(0.4), segment(0.4))], cells=40)
-    bonded = solved([striker, rod(segment(0.4)), rod(segment(0.4))],
-                    contacts=[ri.Rigid(), ri.Bonded()], cells=40)
-    assert two.velocity(1, 0.7, t) == pytest.approx(whole.velocity(1, 0.7, t), abs=1e-12)
-    assert bonded.velocity(2, 0.3, t) == pytest.approx(whole.velocity(1, 0.7, t), abs=1e-12)
-    assert two.energy(t).strain == pytest.approx(whole.energy(t).strain, abs=1e-14)
-    assert bonded.energy(t).strain == pytest.approx(whole.energy(t).strain, abs=1e-14)
-
-
-def test_a_wall_is_a_mirror():
-    """A contact leaves the radius free, so two equal rods see a wall in each other."""
-    t = np.linspace(0, 2.5, 26)
-    pair = solved([rod(segment(1.0), velocity=1.0), rod(segment(1.0), velocity=-1.0)], 2.5)
-    wall = solved([rod(segment(1.0), velocity=1.0), ri.Wall()], 2.5)
-    assert wall.velocity(0, 0.3, t) == pytest.approx(pair.velocity(0, 0.3, t), abs=1e-12)
-    assert wall.velocity(0, 0.3, t) == pytest.approx(-pair.velocity(1, 0.7, t), abs=1e-12)
-
-
 def test_a_collision_of_thin_rods_is_proved_to_be_over_and_ends_like_that_of_ideal_ones():
     pair = ri.System([rod(segment(0.4, 0.01), velocity=1.0), rod(segment(1.0, 0.01))])
     s = ri.solve(pair, method=METHOD, cells=100)

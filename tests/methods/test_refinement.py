@@ -60,13 +60,6 @@ def test_the_estimate_bounds_the_error_of_a_method_of_that_order(order):
     assert DOUBT * error == pytest.approx(estimates["impulse"], rel=0.02)
 
 
-def test_the_search_ends_at_the_last_factor():
-    found, estimates, run = search(lambda factor: float(factor % 3), 1e-3, last=8)
-    assert run == [1, 2, 3, 4, 6, 8]
-    assert estimates["impulse"] == pytest.approx(DOUBT * 3.0)  # 6 gives 0, 8 gives 2
-    assert found.factor == 8
-
-
 def test_a_duration_is_known_to_a_part_of_a_step_at_best_and_not_waited_for():
     def measures(run):
         return {"impulse": np.ones(1), "duration": np.array([0.0, 2.0 + run.factor % 2])}
@@ -95,14 +88,6 @@ def test_a_first_run_that_is_too_long_is_refused():
 
     with pytest.raises(TooLong, match="no room"):
         refined(level, lambda _: {"impulse": np.ones(1)}, 1.0, 1e-3, 64)
-
-
-def test_a_run_that_met_its_cap_is_not_taken():
-    def level(factor):
-        return Run(factor, "max_events" if factor > 2 else "final")
-
-    found, *_ = refined(level, lambda r: {"impulse": np.array([1.0 / r.factor])}, 1.0, 1e-9, 64)
-    assert found.factor == 2
 
 
 STEPS = [1.0, 1 / 2, 1 / 3, 1 / 4]
