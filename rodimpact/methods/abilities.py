@@ -5,21 +5,7 @@ No method can prove a collision final where something acts on and on from outsid
 
 from __future__ import annotations
 
-from ..model import (
-    Bonded,
-    Free,
-    Incoming,
-    Joint,
-    Law,
-    Moved,
-    Pushed,
-    Rigid,
-    RigidMass,
-    Rod,
-    Samples,
-    System,
-    Wall,
-)
+from .. import model
 from ..model.frozen import InvalidModel, vanishes
 
 MASSES, COMPLIANCE, GRAVITY = "rigid masses", "compliant contacts", "gravity"
@@ -28,33 +14,33 @@ SMOOTH_STATES, SMOOTH_DRIVES = "profiles other than steps", "drives other than s
 DAMPING, LATERAL, TAPER = "damping", "lateral inertia", "tapered rods"
 RODLESS = "rows without a rod"
 SINGLE = (GRAVITY, DAMPING, LATERAL)  # which one entry of a rod or of the system switches on
-_DRIVEN = (Pushed, Moved, Incoming)
+_DRIVEN = (model.Pushed, model.Moved, model.Incoming)
 
 
-def needs(system: System) -> list[tuple[str, str]]:
+def needs(system: model.System) -> list[tuple[str, str]]:
     """Path and name of all the physics of a system that not every method has."""
     found = [] if vanishes(system.gravity) else [("gravity", GRAVITY)]
-    if not any(isinstance(body, Rod) for body in system.bodies):
+    if not any(isinstance(body, model.Rod) for body in system.bodies):
         found.append(("bodies", RODLESS))
     for i, body in enumerate(system.bodies):
-        if isinstance(body, RigidMass):
+        if isinstance(body, model.RigidMass):
             found.append((f"bodies.{i}", MASSES))
-        elif isinstance(body, Rod):
+        elif isinstance(body, model.Rod):
             found += [(f"bodies.{i}.{where}", what) for where, what in _of_rod(body)]
     for i, law in enumerate(system.contacts):
-        if not isinstance(law, (Rigid, Bonded)):
-            what = JOINTS if isinstance(law, Joint) else COMPLIANCE
-            what = OWN_LAWS if isinstance(law, Law) else what
+        if not isinstance(law, (model.Rigid, model.Bonded)):
+            what = JOINTS if isinstance(law, model.Joint) else COMPLIANCE
+            what = OWN_LAWS if isinstance(law, model.Law) else what
             found.append((f"contacts.{i}.law", what))
     for side, end in zip(("left", "right"), system.ends, strict=True):
-        if isinstance(end, _DRIVEN) and isinstance(end.value, Samples):
+        if isinstance(end, _DRIVEN) and isinstance(end.value, model.Samples):
             found.append((f"ends.{side}.value", SMOOTH_DRIVES))
     return found
 
 
-def _of_rod(rod: Rod) -> list[tuple[str, str]]:
+def _of_rod(rod: model.Rod) -> list[tuple[str, str]]:
     states = {"velocity": rod.velocity, "strain": rod.strain}
-    found = [(name, SMOOTH_STATES) for name, v in states.items() if isinstance(v, Samples)]
+    found = [(name, SMOOTH_STATES) for name, v in states.items() if isinstance(v, model.Samples)]
     for j, segment in enumerate(rod.segments):
         place = f"segments.{j}." if len(rod.segments) > 1 else ""
         if not vanishes(segment.material.viscosity):
@@ -66,18 +52,18 @@ def _of_rod(rod: Rod) -> list[tuple[str, str]]:
     return found
 
 
-def driven(system: System) -> bool:
+def driven(system: model.System) -> bool:
     """Whether forces from outside act: no bound says when the last contact is over."""
     left, right = system.ends
     if isinstance(left, _DRIVEN) or isinstance(right, _DRIVEN):
         return True
     if vanishes(system.gravity):
         return False
-    walls = isinstance(system.bodies[0], Wall) or isinstance(system.bodies[-1], Wall)
-    return walls or not (isinstance(left, Free) and isinstance(right, Free))
+    walls = isinstance(system.bodies[0], model.Wall) or isinstance(system.bodies[-1], model.Wall)
+    return walls or not (isinstance(left, model.Free) and isinstance(right, model.Free))
 
 
-def require_end(system: System, until: float | None) -> None:
+def require_end(system: model.System, until: float | None) -> None:
     """Raise InvalidModel where a run has no time to be reached, and no proof to run to."""
     if until is None and driven(system):
         message = "must be given: where gravity or drives act, there is no last contact to wait for"

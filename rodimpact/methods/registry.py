@@ -24,12 +24,11 @@ from .run import MAX_EVENTS, Run
 
 
 class Method(NamedTuple):
-    """A way to solve a system: physics that it lacks, its own options, its run, what that calls."""
+    """A way to solve a system: physics that it lacks, its own options, its run."""
 
     lacks: Sequence[str]
     takes: tuple[str, ...]
     run: Callable[..., Run]
-    calls: tuple[str, ...] = ()
     family: Callable[..., FamilyRun] | None = None  # runs many members in one call
     together: Callable[[Row], int] = lambda _: 0  # how many; 0 where each runs alone
     also: tuple[str, ...] = ()  # what its family finds if asked; the rest is read member by member
@@ -40,13 +39,10 @@ class Method(NamedTuple):
 
 
 METHODS = {
-    "fronts": Method(fronts.LACKS, (), fronts.solve, ("progress", "announce"),
-                     fronts.solve_family, fronts.together, READ),
-    "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, ("progress", "announce"),
-                              piece_families.solve_family, piece_families.together, ("accuracy",)),
-    "finite-difference": Method(
-        grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve, ("progress", "announce"),
-    ),
+    "fronts": Method(fronts.LACKS, (), fronts.solve, fronts.solve_family, fronts.together, READ),
+    "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, piece_families.solve_family,
+                              piece_families.together, ("accuracy",)),
+    "finite-difference": Method(grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve),
 }
 """In the order in which ``"auto"`` tries them; the last can do anything."""
 
@@ -166,9 +162,8 @@ class Options:
         **calls
             What long runs call on their way: `progress`, and `announce` with a sentence.
         """
-        called = {name: calls[name] for name in METHODS[method].calls if name in calls}
         own = {name: getattr(self, name) for name in METHODS[method].takes}
-        run = METHODS[method].run(Row(system), self.until, self.max_events, **own, **called)
+        run = METHODS[method].run(Row(system), self.until, self.max_events, **own, **calls)
         why = self._why(method, system) if self.method == "auto" else ""
         return replace(run, status=f"{run.status} {why}") if why else run
 

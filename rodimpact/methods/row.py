@@ -17,26 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from ..model import (
-    Absorbing,
-    Bonded,
-    Fixed,
-    Incoming,
-    InvalidModel,
-    Joint,
-    Law,
-    Moved,
-    Pushed,
-    Rigid,
-    RigidMass,
-    Rod,
-    System,
-    Wall,
-    Yielding,
-)
+from .. import model
+from ..model import InvalidModel
 from ..model.profiles import extremes
 from . import scales
-from .laws import Law as Kind
+from .laws import Law
 from .scales import largest as largest
 from .scales import smallest
 
@@ -45,8 +30,8 @@ AS_GOOD_AS_RIGID = "is as good as rigid beside these rods, got {!r}; use {}()"
 ROOM = 2.0**60  # for sums over steps and cells
 STIFFEST = 2.0**80  # of a contact, times transit time over impedance
 KINDS = {
-    Fixed: "velocity", Moved: "velocity", Pushed: "force", Absorbing: "absorbing",
-    Incoming: "absorbing",
+    model.Fixed: "velocity", model.Moved: "velocity", model.Pushed: "force",
+    model.Absorbing: "absorbing", model.Incoming: "absorbing",
 }
 Array = np.ndarray[Any, np.dtype[Any]]
 
@@ -79,9 +64,9 @@ class Row:
         the last is the strain of the wave that comes in.
     """
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: model.System) -> None:
         self.system, self.gravity = system, system.gravity
-        self.laws: list[Kind] = []
+        self.laws: list[Law] = []
         self.stiffness: list[Any] = []
         self.exponent: list[Any] = []
         self.damping: list[Any] = []
@@ -99,10 +84,10 @@ class Row:
         for i, body in enumerate(system.bodies):
             law = system.contacts[i - 1] if i else None
             spans.append((1, 0))
-            if i == 0 and not isinstance(body, Wall):
+            if i == 0 and not isinstance(body, model.Wall):
                 self._end(0, system.ends[0])
-            elif isinstance(law, Bonded) and not (
-                isinstance(body, Rod) or isinstance(system.bodies[i - 1], Rod)
+            elif isinstance(law, model.Bonded) and not (
+                isinstance(body, model.Rod) or isinstance(system.bodies[i - 1], model.Rod)
             ):
                 self.contact_link.append(-1)
                 self._merge(body)
@@ -111,34 +96,34 @@ class Row:
                 self.contact_link.append(len(self.laws))
                 self._link(law, system.gaps[i - 1])
             self.mass_of.append(-1)
-            if isinstance(body, Rod):
+            if isinstance(body, model.Rod):
                 spans[-1] = (len(self.segments) + 1, len(self.segments) + len(body.segments))
                 self._rod(f"bodies.{i}", body)
-            elif isinstance(body, RigidMass):
+            elif isinstance(body, model.RigidMass):
                 self.mass_of[-1] = len(self.masses)
                 self.masses.append(body.mass)
                 self.mass_velocity.append(body.velocity)
             else:
                 self.outside[0 if i == 0 else 1] = ("velocity", body.velocity)
-        if not isinstance(system.bodies[-1], Wall):
+        if not isinstance(system.bodies[-1], model.Wall):
             self._end(1, system.ends[1])
         self.first.append(len(self.masses))
         for i, m in enumerate(self.mass_of):
-            if m < 0 and isinstance(system.bodies[i], RigidMass):
+            if m < 0 and isinstance(system.bodies[i], model.RigidMass):
                 self.mass_of[i] = len(self.masses) + any(stop for _, stop in spans[:i])
         self.spans = tuple(spans)
 
-    def _rod(self, path: str, rod: Rod) -> None:
+    def _rod(self, path: str, rod: model.Rod) -> None:
         stepped = len(rod.segments) > 1
         for j, segment in enumerate(rod.segments):
             if j:
-                self._add(Kind.BOND)
+                self._add(Law.BOND)
             self.segments.append(segment)
             self.paths.append(f"{path}.segments.{j}" if stepped else path)
             self.first.append(len(self.masses))
 
     def _add(
-        self, law: Kind, damping: Any = 0.0, gap: Any = 0.0, stiffness: Any = 0.0,
+        self, law: Law, damping: Any = 0.0, gap: Any = 0.0, stiffness: Any = 0.0,
         exponent: Any = 1.0, strength: Any = 0.0,
     ) -> None:
         self.laws.append(law)
@@ -149,32 +134,32 @@ class Row:
         self.gap.append(gap)
 
     def _link(self, law: Any, gap: Any) -> None:
-        if isinstance(law, Bonded):
-            self._add(Kind.BOND)
-        elif isinstance(law, Rigid):
+        if isinstance(law, model.Bonded):
+            self._add(Law.BOND)
+        elif isinstance(law, model.Rigid):
             e = law.restitution
-            self._add(Kind.RIGID if e is None else Kind.IMPACT, 0.0 if e is None else e, gap)
-        elif isinstance(law, Joint):
-            self._add(Kind.JOINT, law.damping, law.stretch, law.stiffness)
-        elif isinstance(law, Yielding):
+            self._add(Law.RIGID if e is None else Law.IMPACT, 0.0 if e is None else e, gap)
+        elif isinstance(law, model.Joint):
+            self._add(Law.JOINT, law.damping, law.stretch, law.stiffness)
+        elif isinstance(law, model.Yielding):
             k = law.stiffness
-            self._add(Kind.YIELD, law.hardening / k, gap, k, strength=law.yield_force)
-        elif isinstance(law, Law):
-            self._add(Kind.OWN, 1.0, gap)  # whatever it is, it may depend on the rate
+            self._add(Law.YIELD, law.hardening / k, gap, k, strength=law.yield_force)
+        elif isinstance(law, model.Law):
+            self._add(Law.OWN, 1.0, gap)  # whatever it is, it may depend on the rate
         else:
-            kind = Kind.SPRING if law.law.startswith("spring") else Kind.POWER
+            kind = Law.SPRING if law.law.startswith("spring") else Law.POWER
             damping = getattr(law, "damping", 0.0)
             self._add(kind, damping, gap, law.stiffness, law.exponent)
 
     def _end(self, side: int, end: Any) -> None:
         kind = KINDS.get(type(end), "none")
         self.outside[side] = (kind, getattr(end, "value", 0.0))
-        push = Kind.PUSH_RIGHT if side else Kind.PUSH_LEFT
-        self._add(push if kind in ("none", "force") else Kind.BOND)
+        push = Law.PUSH_RIGHT if side else Law.PUSH_LEFT
+        self._add(push if kind in ("none", "force") else Law.BOND)
 
     def outside_name(self, side: int) -> str:
         """What acts on the left or right end, as an `Outside` names it."""
-        if isinstance(self.system.bodies[-side], Wall):
+        if isinstance(self.system.bodies[-side], model.Wall):
             return "wall"
         return "absorbing" if self.outside[side][0] == "absorbing" else "drive"
 
@@ -184,7 +169,7 @@ class Row:
 
     def _merge(self, body: Any) -> None:
         """Join a rigid body to the one before it: two masses, or a mass and a wall."""
-        if isinstance(body, Wall):
+        if isinstance(body, model.Wall):
             self.outside[1] = ("velocity", body.velocity)
             self.masses.pop()
             self.mass_velocity.pop()
@@ -227,19 +212,19 @@ class Row:
     def by_law(self) -> dict[int, int]:
         """Links of the contacts whose force follows from a law, all but the bonded, by contact."""
         links = enumerate(self.contact_link)
-        return {k: i for k, i in links if i >= 0 and self.laws[i] > Kind.BOND}
+        return {k: i for k, i in links if i >= 0 and self.laws[i] > Law.BOND}
 
     @cached_property
     def opening(self) -> dict[int, int]:
         """Links of the contacts that can open, by contact."""
-        return {k: i for k, i in self.by_law.items() if self.laws[i] >= Kind.RIGID}
+        return {k: i for k, i in self.by_law.items() if self.laws[i] >= Law.RIGID}
 
     # Scales ---------------------------------------------------------------------------------------
 
     @cached_property
     def frame(self) -> Any:
         """Velocity of the frame in which methods other than fronts count velocities, m/s."""
-        walls = [b.velocity for b in self.system.bodies if isinstance(b, Wall)]
+        walls = [b.velocity for b in self.system.bodies if isinstance(b, model.Wall)]
         return _plain(scales.frame_of(walls, self._velocities))
 
     @cached_property
@@ -248,7 +233,7 @@ class Row:
         strained: list[Any] = []
         pushed: list[Any] = []
         for body, (start, stop) in zip(self.system.bodies, self.spans, strict=True):
-            if isinstance(body, Rod):
+            if isinstance(body, model.Rod):
                 c = largest([s.wave_speed for s in self.segments[start - 1 : stop]])
                 strained += [c * abs(e) for e in extremes(body.strain)]
         for side, (kind, value) in enumerate(self.outside):
@@ -257,9 +242,9 @@ class Row:
             elif kind == "absorbing":
                 strained += [abs(e * self.wave_of_strain(side)) for e in extremes(value)]
         for link in self.by_law.values():
-            if self.laws[link] == Kind.JOINT:
+            if self.laws[link] == Law.JOINT:
                 pushed.append(abs(self.stiffness[link] * self.gap[link]))
-            elif self.laws[link] >= Kind.SPRING and np.any(np.asarray(self.gap[link]) < 0):
+            elif self.laws[link] >= Law.SPRING and np.any(np.asarray(self.gap[link]) < 0):
                 overlap = np.maximum(-np.asarray(self.gap[link]), 0.0)
                 pushed.append(self.stiffness[link] * overlap ** self.exponent[link])
         fall = abs(self.gravity) * largest([s.transit_time for s in self.segments])
@@ -270,7 +255,7 @@ class Row:
     def _velocities(self) -> list[Any]:
         velocities = list(self.mass_velocity)
         for body in self.system.bodies:
-            if isinstance(body, Rod | Wall):
+            if isinstance(body, model.Rod | model.Wall):
                 velocities += extremes(body.velocity)
         for kind, value in self.outside:
             if kind == "velocity":
@@ -311,13 +296,13 @@ class Row:
                     partial(_beyond_numbers, speed, square, what),
                 ))
             for i, link in self.by_law.items():
-                if self.laws[link] >= Kind.SPRING or self.laws[link] == Kind.JOINT:
+                if self.laws[link] >= Law.SPRING or self.laws[link] == Law.JOINT:
                     k, p = self.stiffness[link], np.asarray(self.exponent[link])
                     stiff = k * (T / self._least_impedance) * np.power(speed * T, p - 1)
                     beyond.append((
                         ~np.less_equal(stiff, STIFFEST), f"contacts.{i}.stiffness",
                         partial(AS_GOOD_AS_RIGID.format, k,
-                                "Bonded" if self.laws[link] == Kind.JOINT else "Rigid"),
+                                "Bonded" if self.laws[link] == Law.JOINT else "Rigid"),
                     ))
         return beyond
 

@@ -12,26 +12,18 @@ from typing import Any
 
 import numpy as np
 
+from ..methods import run as runs
 from ..methods.clock import Clock
 from ..methods.grid.mesh import GridMotion, RadialMotion
-from ..methods.run import (
-    ContactSignal,
-    ContactTally,
-    Episode,
-    Outside,
-    Run,
-    Signals,
-    Totals,
-    Waves,
-)
+from ..methods.run import Run
 from ..methods.signals import Pieces
 from ..model import System
 from ..storage.writing import Arrays
 from . import steps_file
 
 KINDS = {kind.__name__: kind for kind in (
-    Clock, ContactSignal, ContactTally, Episode, GridMotion, Outside, RadialMotion, Run, Signals,
-    Pieces, Totals, Waves,
+    Clock, GridMotion, Pieces, RadialMotion, Run, runs.ContactSignal, runs.ContactTally,
+    runs.Episode, runs.Outside, runs.Signals, runs.Totals, runs.Waves,
 )}
 
 

@@ -33,18 +33,9 @@ from ..results.solution import Solution
 from ..storage.checkpoint import Checkpoint
 from ..storage.writing import PathLike
 from ..units import shown
-from .extra_columns import extra_columns
+from . import sweep_result as table
 from .jobs import Jobs, Pool, pool_of, run_parts
-from .sweep_result import (
-    ENDED,
-    STATUS,
-    Columns,
-    ContactColumns,
-    Readings,
-    SweepResult,
-    arrays_of,
-    explanation,
-)
+from .member import row_of
 
 TOGETHER = 1024  # members that are kept, or run again, as one where they run in compiled code
 MOST_BYTES = 1 << 26  # of the results of a job that an executor of others runs
@@ -80,7 +71,7 @@ def sweep(
     gauges: Sequence[tuple[int, float]] = (), times: ArrayLike | None = None,
     also: Sequence[str] = (), workers: int | None = None, progress: Progress | None = None,
     on_error: str = "record", checkpoint: PathLike | None = None,
-) -> SweepResult:
+) -> table.SweepResult:
     """Solve every collision of a family.
 
     Parameters
@@ -205,7 +196,7 @@ def sweep(
         raise InvalidModel(problems)
     together = 0 if _alone(options, readings) else METHODS[options.method].together(Row(system))
     units = _Units(system.shape, min(TOGETHER, together) if together else 1)
-    of = arrays_of(system, readings)
+    of = table.arrays_of(system, readings)
     keep: Any = _InMemory(of, units)
     if checkpoint is not None:
         described = {
@@ -226,16 +217,16 @@ def sweep(
         name: columns[name].reshape((*system.shape, *beyond)) for name, (_, beyond) in of.items()
     }
     strain = shaped.pop("strain", None)
-    return SweepResult(system, options, shaped, readings, strain)
+    return table.SweepResult(system, options, shaped, readings, strain)
 
 
 def _jobs(
-    pool: Pool, system: System, options: Options, readings: Readings, units: _Units, done: Any,
-    together: int,
+    pool: Pool, system: System, options: Options, readings: table.Readings, units: _Units,
+    done: Any, together: int,
 ) -> Jobs:
     """What is to be run; `together` is how many members a method runs in one call."""
     most = together or units.size
-    first, largest = units.unit, max(most, MOST_BYTES // _bytes(arrays_of(system, readings)))
+    first, largest = units.unit, max(most, MOST_BYTES // _bytes(table.arrays_of(system, readings)))
     if pool.asking:  # what can be asked to stop needs no parts
         first, largest = most, most
 
@@ -270,12 +261,12 @@ class _InMemory:
         self._columns = {name: np.empty((units.size, *beyond), kind)
                          for name, (kind, beyond) in of.items()}
 
-    def put(self, start: int, stop: int, part: Columns) -> None:
+    def put(self, start: int, stop: int, part: table.Columns) -> None:
         """Take the results of some members."""
         for name, values in part.items():
             self._columns[name][start:stop] = values
 
-    def columns(self) -> Columns:
+    def columns(self) -> table.Columns:
         """All columns."""
         return self._columns
 
@@ -315,8 +306,8 @@ class _News:
 
 
 def run_job(
-    system: System, options: Options, readings: Readings, first: int, most: int, *asking: Any
-) -> tuple[int, float, Columns]:
+    system: System, options: Options, readings: table.Readings, first: int, most: int, *asking: Any
+) -> tuple[int, float, table.Columns]:
     """Run the first members of a family in chunks; how many they are, s, and their columns.
 
     What executors run; `first` and `most` are the members of the first chunk and of any.
@@ -332,9 +323,9 @@ def run_job(
 
 
 def run_chunk(
-    system: System, options: Options, readings: Readings,
+    system: System, options: Options, readings: table.Readings,
     stop: Callable[[], bool] = lambda: False, more: int = 0,
-) -> Columns:
+) -> table.Columns:
     """Columns of the members of a family, in C order.
 
     The method is chosen, and `options` hold for the family, of which so many `more` members are
@@ -348,25 +339,25 @@ def run_chunk(
             columns |= _together(system, options, readings.also, stop, more)
     finally:
         memory.give_back()
-    kinds = {name: kind for name, (kind, _) in arrays_of(system, readings).items()}
+    kinds = {name: kind for name, (kind, _) in table.arrays_of(system, readings).items()}
     return {name: columns[name].astype(kind) for name, kind in kinds.items()}
 
 
-def _alone(options: Options, readings: Readings) -> bool:
+def _alone(options: Options, readings: table.Readings) -> bool:
     """Whether what is to be read needs the solution of each member."""
     return bool(readings.gauges) or not set(readings.also) <= {*METHODS[options.method].also}
 
 
 def _one_by_one(
-    system: System, options: Options, readings: Readings, stop: Callable[[], bool]
-) -> Columns:
+    system: System, options: Options, readings: table.Readings, stop: Callable[[], bool]
+) -> table.Columns:
     """Columns of members that are solved each alone."""
     size = math.prod(system.shape)
-    columns: Columns = {
+    columns: table.Columns = {
         name: np.full((size, *beyond), math.nan if kind is np.float64 else 0)
-        for name, (kind, beyond) in arrays_of(system, readings).items()
+        for name, (kind, beyond) in table.arrays_of(system, readings).items()
     }
-    columns["status"][:] = STATUS.index("refused")
+    columns["status"][:] = table.STATUS.index("refused")
     seen = readings.gauges or "largest_stress" in readings.also
     if "snapshots" in METHODS[options.method].takes and not seen:
         options = replace(options, snapshots=2)  # an outcome needs the first and the last state
@@ -381,29 +372,14 @@ def _one_by_one(
             solution = Solution(options.run(options.method, system[index], progress=ask))
         except InvalidModel:
             continue
-        o = solution.outcome
-        proved = o.final and options.until is None
-        columns["status"][place] = STATUS.index("final" if proved else solution.stopped_by)
-        columns["final"][place], columns["vibration"][place] = o.final, sum(o.vibration_after)
-        if not o.why_no_restitution():
-            columns["restitution"][place] = o.restitution
-        for i, v in enumerate(o.velocities_after):
-            columns[f"velocity_after.{i}"][place] = v
-        for k, tally in enumerate(o.contacts):
-            for name in ContactColumns._fields:
-                columns[f"{name}.{k}"][place] = getattr(tally, name)
-        for name, value in extra_columns(solution, readings.also).items():
+        for name, value in row_of(solution, readings).items():
             columns[name][place] = value
-        for g, (body, x) in enumerate(readings.gauges):
-            inside = readings.times <= solution.t_end * (1 + 1e-12)
-            record = solution.gauge(body, x)
-            columns["strain"][place, g, inside] = record.strain_at(readings.times[inside])
     return columns
 
 
 def _together(
     system: System, options: Options, also: Sequence[str], stop: Callable[[], bool], more: int
-) -> Columns:
+) -> table.Columns:
     """Columns of members that the method runs in one call."""
     method = METHODS[options.method]
     assert method.family is not None
@@ -461,15 +437,15 @@ def _members(system: System, start: int, stop: int) -> System:
     return system[np.unravel_index(np.arange(start, stop), shape)]
 
 
-def readings_of(problems: Problems, system: System, gauges: Any, times: Any) -> Readings:
+def readings_of(problems: Problems, system: System, gauges: Any, times: Any) -> table.Readings:
     """Check gauges and times; note mistakes."""
     if not isinstance(gauges, Sequence | np.ndarray):
         problems.append(("gauges", f"must be [(body, x), ...], got {shown(gauges)}"))
-        return Readings()
+        return table.Readings()
     if times is None or not len(gauges):
         if times is not None or len(gauges):
             problems.append(("times", "go with gauges=[(body, x), ...]; give both or neither"))
-        return Readings()
+        return table.Readings()
     lengths = {i: b.length for i, b in enumerate(system.bodies) if isinstance(b, Rod)}
     places = []
     for i, gauge in enumerate(gauges):
@@ -492,7 +468,7 @@ def readings_of(problems: Problems, system: System, gauges: Any, times: Any) -> 
     read_at: Any = number(problems, "times", times, "s", "non-negative")
     if np.ndim(read_at) != 1:
         problems.append(("times", f"must be a list of times, got {times!r}"))
-    return Readings(tuple(places), read_at)
+    return table.Readings(tuple(places), read_at)
 
 
 def _also(problems: Problems, given: Any, until: float | None) -> tuple[str, ...]:
@@ -511,14 +487,14 @@ def _also(problems: Problems, given: Any, until: float | None) -> tuple[str, ...
 
 def _first_bad(status: Any) -> float:
     """Place of the first member that did not come to its end; infinite if all did."""
-    bad = np.flatnonzero(~np.isin(status, ENDED))
+    bad = np.flatnonzero(~np.isin(status, table.ENDED))
     return int(bad[0]) if bad.size else math.inf
 
 
 def _raise_for(member: int, system: System, options: Options) -> None:
     """Say why a member did not come to its end."""
     index = tuple(int(i) for i in np.unravel_index(member, system.shape))
-    reason = explanation(system[index], options)
+    reason = table.explanation(system[index], options)
     parameters = {
         path: float(np.broadcast_to(values, system.shape)[index])
         for path, values in system.parameters.items()

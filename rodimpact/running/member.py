@@ -1,31 +1,48 @@
-"""What is read off a finished run for a family that asks for it, beside the outcome."""
+"""What a finished run is in the table of its family."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from typing import Any
+
+import numpy as np
 
 from ..methods.run import largest_error
 from ..model import Rod, Yielding
 from ..results.solution import Solution
+from . import sweep_result as table
 
 
-def extra_columns(solution: Solution, also: Sequence[str]) -> dict[str, float]:
-    """Columns of what is wanted of `ALSO`, by name."""
-    rods = [i for i, body in enumerate(solution.system.bodies) if isinstance(body, Rod)]
-    columns = {}
+def row_of(solution: Solution, readings: table.Readings) -> dict[str, Any]:
+    """Columns of a member, by name."""
+    o, also, system = solution.outcome, readings.also, solution.system
+    stopped_by = "final" if o.final and solution.until is None else solution.stopped_by
+    row = {
+        "restitution": math.nan if o.why_no_restitution() else o.restitution,
+        "vibration": sum(o.vibration_after), "final": o.final,
+        "status": table.STATUS.index(stopped_by),
+        **{f"velocity_after.{i}": v for i, v in enumerate(o.velocities_after)},
+        **{f"{name}.{k}": getattr(tally, name) for k, tally in enumerate(o.contacts)
+           for name in table.ContactColumns._fields},
+    }
     if "dissipated" in also:
-        columns["dissipated"] = solution.outcome.dissipated
+        row["dissipated"] = o.dissipated
     if "set" in also:
-        columns |= {f"set.{k}": _set(solution, k)
-                    for k, law in enumerate(solution.system.contacts) if isinstance(law, Yielding)}
+        row |= {f"set.{k}": _set(solution, k)
+                for k, law in enumerate(system.contacts) if isinstance(law, Yielding)}
     if "displacement" in also:
-        columns |= {f"displacement.{i}": _moved(solution, i)
-                    for i in range(len(solution.system.bodies))}
+        row |= {f"displacement.{i}": _moved(solution, i) for i in range(len(system.bodies))}
     if "largest_stress" in also:
-        columns |= {f"largest_stress.{i}": solution.fields.largest_stress(i) for i in rods}
+        row |= {f"largest_stress.{i}": solution.fields.largest_stress(i)
+                for i, body in enumerate(system.bodies) if isinstance(body, Rod)}
     if "accuracy" in also:
-        columns["accuracy"] = largest_error(solution.accuracy)
-    return columns
+        row["accuracy"] = largest_error(solution.accuracy)
+    if readings.gauges:
+        inside = readings.times <= solution.t_end * (1 + 1e-12)
+        row["strain"] = np.full((len(readings.gauges), len(inside)), math.nan)
+        for g, gauge in enumerate(readings.gauges):
+            row["strain"][g, inside] = solution.gauge(*gauge).strain_at(readings.times[inside])
+    return row
 
 
 def _set(solution: Solution, contact: int) -> float:
