@@ -29,7 +29,7 @@ Compression: TypeAlias = Literal["negative", "positive"]
 EXAMPLE = "ri.BarGauge(bridge.strain(volts), distance=0.5)"
 QUIET = 16  # samples before the pulse, the fewest that tell baseline and noise
 ITERATIONS = 60  # of the least squares of two gauges; more would fit the noise
-DAMPING = 1e-2  # of a wave that the gauges do not see
+DAMPING = 1e-3  # of a wave that the gauges do not see
 ENDED = 0.15  # of the plateau: an incident pulse below that has passed
 
 
@@ -136,6 +136,11 @@ class Side(NamedTuple):
     def cut_off(self) -> float:
         """Frequency up to which the bar carries waves as it is known to, Hz."""
         return waves.Bar.of(self.rod).cut_off if self.disperses else math.inf
+
+    @property
+    def settling(self) -> float:
+        """For how long what the bar does not carry rings about a jump, s."""
+        return max(self.dt, 2 / self.cut_off)
 
     @property
     def foot(self) -> float:
@@ -257,9 +262,9 @@ def at_face(side: Side, leaving: bool) -> tuple[Floats, Floats]:
     if leaving:
         return np.zeros(len(strain)), carrier(side, -distance)(strain)
     split = int((side.foot + 2 * distance / side.speed - side.start) / side.dt)
-    here = np.arange(len(strain)) < split
-    return (carrier(side, distance)(np.where(here, strain, 0.0)),
-            carrier(side, -distance)(np.where(here, 0.0, strain)))
+    passing = np.where(np.arange(len(strain)) < split, strain, 0.0)
+    # carried back, the incident wave lies before all that is asked of the reflected one
+    return carrier(side, distance)(passing), carrier(side, -distance)(strain)
 
 
 def separated(side: Side, leaving: bool) -> tuple[Floats, Floats]:
@@ -272,19 +277,24 @@ def separated(side: Side, leaving: bool) -> tuple[Floats, Floats]:
     travel = side.distances[0] / side.speed
     rest = max(0, int((side.foot - side.start + (-travel if leaving else travel)) / side.dt))
     moving = np.arange(count) >= rest
+    # what a gauge records last reaches the face only after the end
+    last = [side.times[-1] - d / side.speed - side.settling for d in side.distances]
+    told = np.concatenate([side.times < end for end in last])
 
     def seen(pair: Floats) -> Floats:
         towards, away = np.where(moving, pair.reshape(2, count), 0.0)
-        return np.concatenate([c(towards) + g(away) for c, g in zip(coming, going, strict=True)])
+        both = [c(towards) + g(away) for c, g in zip(coming, going, strict=True)]
+        return np.where(told, np.concatenate(both), 0.0)
 
     def adjoint(records: Floats) -> Floats:  # of carrying forth is carrying back
-        each = records.reshape(2, count)
+        each = np.where(told, records, 0.0).reshape(2, count)
         towards = sum(g(record) for g, record in zip(going, each, strict=True))
         away = sum(c(record) for c, record in zip(coming, each, strict=True))
         return np.concatenate([np.where(moving, wave, 0.0) for wave in (towards, away)])
 
     gauges: Any = LinearOperator((2 * count, 2 * count), seen, adjoint, dtype=float)
-    found = lsqr(gauges, np.concatenate(side.strains), damp=DAMPING, iter_lim=ITERATIONS,
+    records = np.where(told, np.concatenate(side.strains), 0.0)
+    found = lsqr(gauges, records, damp=DAMPING, iter_lim=ITERATIONS,
                  atol=1e-10, btol=1e-10)[0]
     towards, away = found.reshape(2, count)
     return towards, away
@@ -297,8 +307,7 @@ def clean_until(side: Side, leaving: bool) -> float:
     it. ValueError if the reflected wave meets the incident one in a single gauge.
     """
     longest = max(side.distances) / side.speed
-    settled = max(side.dt, 2 / side.cut_off)
-    end = float(side.times[-1]) - longest - settled
+    end = float(side.times[-1]) - longest - side.settling
     if len(side.distances) == 2:
         return end
     travel = side.distances[0] / side.speed
