@@ -78,15 +78,6 @@ def public_signature(_app: Sphinx, _what: str, _name: str, _member: object, _opt
     return ("", returns) if re.search(r"[(,] *_", signature or "") else None
 
 
-def link_ledger(_app: Sphinx, _path: Path, page: str, content: list[str]) -> None:
-    """Files beside the ledger of validation are named, and its figures shown."""
-    if page == "validation":
-        text = re.sub(r"^## (?:\[(\w+\.py)\]\(\S+\)|(\w+)$)", r"### \1\2", content[0], flags=re.M)
-        text = re.sub(r"^- \[\S+\]\((figures/\S+)\)", r"![](../validation/\1)", text, flags=re.M)
-        text = re.sub(r"e-(\d\d)\b", "e\N{NON-BREAKING HYPHEN}\\1", text)
-        content[0] = text.partition("\n")[2]
-
-
 def write_box(app: Sphinx, failure: Exception | None) -> None:
     """The textbook's unequal rods as a page that plays, for the first page of the manual."""
     from rodimpact.cli import main
@@ -103,5 +94,4 @@ def setup(app: Sphinx) -> None:
     """What happens while the manual is built."""
     app.connect("autodoc-skip-member", of_tuple)
     app.connect("autodoc-process-signature", public_signature)
-    app.connect("include-read", link_ledger)
     app.connect("build-finished", write_box)

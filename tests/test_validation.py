@@ -1,4 +1,4 @@
-"""Every case of validation/ within its bounds, and its README.md the table they make."""
+"""Every case of validation/ within its bounds, and the pages that its tables make."""
 
 import re
 from fractions import Fraction
@@ -16,12 +16,11 @@ LONG = ("agreement", "damping", "design", "formulas", "grid_against_fronts", "he
 
 @pytest.fixture(scope="module")
 def written():
-    """Lines of the tables in README.md, cut into cells, by the name of the case's file."""
-    text = (FOLDER / "README.md").read_text(encoding="utf-8")
+    """Lines of the tables of all cases, cut into cells, by the name of the case."""
     tables = {}
-    for name, section in re.findall(r"^## \[(\w+)\.py\].*?$(.*?)(?=^## )", text, re.S | re.M):
-        lines = [line for line in section.splitlines() if line.startswith("|")]
-        head, ruled, *tables[name] = [
+    for page in sorted(table.PAGES.glob("*.md")):
+        lines = [line for line in page.read_text("utf-8").splitlines() if line.startswith("| ")]
+        head, ruled, *tables[page.stem] = [
             tuple(cell.strip() for cell in line.strip("|").split("|")) for line in lines]
         assert (head, ruled) == (table.HEAD, ("---",) * len(table.HEAD))
     return tables
@@ -30,6 +29,20 @@ def written():
 def test_every_case_is_found_and_written(written):
     assert {"box_10_4", "saint_venant", "rational_proof", "rows"} <= set(CASES)
     assert list(written) == CASES
+
+
+def test_the_verdicts_list_every_case(written):
+    text = (FOLDER / "README.md").read_text(encoding="utf-8")
+    found = re.findall(r"^\| \[.+\]\(\S+/(\w+)\.md\) \|.*\| (\d+) \|.*\| pass \|$", text, re.M)
+    assert [(name, int(count)) for name, count in found] == [
+        (name, len(rows)) for name, rows in written.items()]
+    assert len(text.split()) <= 1000
+
+
+def test_a_page_tells_what_fails():
+    row = table.Row("case", "quantity", "source", 1.0, 1.2, 1e-1)
+    assert "| 200% | fail |" in table.verdicts({"rows": [row]})
+    assert table.page("rows", [row]).startswith(f"# {table.title('rows')}\n")
 
 
 @pytest.mark.parametrize("case", few_of(CASES, [case for case in CASES if case not in LONG]))

@@ -5,8 +5,8 @@ given cells. What begins or ends with a jump is right to about a cell; a rigid c
 closes, the energy of the nodes that meet, which halves with the cells. The energy ledger closes to
 round-off all the same, for that loss has its entry.
 
-Source: as there; a constant force F on a free rod of mass m moves its centre by F t^2/(2 m), and a
-pulse that reaches an absorbing end leaves with all its energy.
+Source: closed forms, as there; a constant force F on a free rod of mass m moves its centre by
+F t^2/(2 m), and a pulse that reaches an absorbing end leaves with all its energy.
 """
 
 from __future__ import annotations

@@ -5,12 +5,14 @@ A case is a file of this folder with a function `run() -> list[Row]`.
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
 
 FOLDER = Path(__file__).parent
+PAGES = FOLDER.parent / "docs" / "validation"
 ROUND_OFF = 1e-8  # of a number of size 1: a bound above it is none of round-off
 HEAD = ("case", "quantity", "source", "expected", "got", "bound")
 
@@ -35,6 +37,11 @@ class Row(NamedTuple):
         """Whether the difference is within its bound; never for nan."""
         return bool(self.difference <= self.bound)
 
+    @property
+    def tight(self) -> bool:
+        """Whether the bound leaves room for round-off only."""
+        return self.bound <= ROUND_OFF * max(1.0, abs(float(self.expected)))
+
     def cells(self) -> tuple[str, ...]:
         """Texts of one line of the table."""
         numbers = (self.shown(self.expected), self.shown(self.got))
@@ -49,9 +56,8 @@ class Row(NamedTuple):
         """
         if self.bound == 0:
             return None
-        tight = self.bound <= ROUND_OFF * max(1.0, abs(float(self.expected)))
         digit, exponent = f"{self.bound:.1e}".split("e")
-        return -int(exponent) - (digit != "1.0") if tight else 2 - int(exponent)
+        return -int(exponent) - (digit != "1.0") if self.tight else 2 - int(exponent)
 
     def shown(self, value: float | Fraction) -> str:
         """A number as the table shows it: a fraction as it is, a float to its places."""
@@ -87,26 +93,67 @@ def run(case: str) -> list[Row]:
     return rows
 
 
-def page(rows: dict[str, list[Row]]) -> str:
-    """Text of README.md; rows by case."""
-    parts = [INTRODUCTION]
-    for case, lines_of_case in rows.items():
-        first = (import_module(f"{__package__}.{case}").__doc__ or "").strip().splitlines()[0]
-        lines = [HEAD, ("---",) * len(HEAD), *(row.cells() for row in lines_of_case)]
-        table = "".join("| " + " | ".join(cells) + " |\n" for cells in lines)
-        parts.append(f"## [{case}.py]({case}.py)\n\n{first}\n\n{table}")
-    figures = sorted(path.name for path in (FOLDER / "figures").glob("*.svg"))
-    shown = "".join(f"- [{name}](figures/{name})\n" for name in figures)
-    return "\n".join([*parts, f"## Figures\n\n{shown}"])
+def told(case: str) -> str:
+    """Docstring of a case: what is compared, and the sources."""
+    return (import_module(f"{__package__}.{case}").__doc__ or "").strip()
 
 
+def title(case: str) -> str:
+    """The first line of the docstring, up to a colon or full stop."""
+    return re.split(r"[:.] |[:.]?$", told(case).splitlines()[0], maxsplit=1)[0]
+
+
+def source(case: str) -> str:
+    """The first source that the docstring names."""
+    named = " ".join(told(case).rpartition("Source:")[2].split())
+    return re.split(r"[,;:(]|\.$", named)[0].strip()
+
+
+def page(case: str, rows: list[Row]) -> str:
+    """Text of the page of one case, which is `docs/validation/CASE.md`."""
+    lines = [HEAD, ("---",) * len(HEAD), *(row.cells() for row in rows)]
+    table = "".join("| " + " | ".join(cells) + " |\n" for cells in lines)
+    shown = [f"![]({FROM_PAGES}/figures/{name}.svg)\n" for name in FIGURES.get(case, ())]
+    program = f"Program: [{case}.py]({FROM_PAGES}/{case}.py).\n"
+    return "\n".join([f"# {title(case)}\n", f"{told(case)}\n", program, table, *shown])
+
+
+def verdicts(rows: dict[str, list[Row]]) -> str:
+    """Text of README.md, a line a case; rows by case."""
+    lines = ["| case | source | numbers | share of bound | verdict |", "|---|---|---|---|---|"]
+    for case, its in rows.items():
+        shares = [float(row.difference) / row.bound for row in its if not row.tight]
+        share = f"{max(shares):.0%}" if shares else "round-off"
+        verdict = "pass" if all(row.holds for row in its) else "fail"
+        link = f"[{title(case)}](../docs/validation/{case}.md)"
+        lines.append(f"| {link} | {source(case)} | {len(its)} | {share} | {verdict} |")
+    count = sum(map(len, rows.values()))
+    return INTRODUCTION.format(cases=len(rows), numbers=count) + "\n".join(lines) + "\n"
+
+
+FROM_PAGES = "../../validation"
+FIGURES = {
+    "box_10_4": ("equal_rods", "unequal_rods", "unequal_rods_stages", "unequal_rods_contact",
+                 "unequal_rods_energy", "restitution"),
+    "damping": ("ring_down",),
+    "hertz_ends": ("hertz_ends",),
+    "length_effects": ("contact_episodes", "chains", "cradle"),
+    "saint_venant": ("restitution_over_length", "restitution_map"),
+}
 INTRODUCTION = """# Validation
 
-Every line compares a number that rodimpact computes with one from elsewhere: a closed form, a
-published test problem, the textbook. They may be `bound` apart, in the unit of the quantity, which
-`tests/test_validation.py` sees to; more digits than the bound gives a meaning to are not shown. The
-head of each file says what is compared, and where the numbers come from.
+Here are {cases} cases with {numbers} numbers. Each number that rodimpact computes is compared with
+one from another source: a closed form, a published test problem, a measured record, another
+program, the textbook. Each difference must stay within a bound, which is given in advance. The
+page of a case tells what is compared, and lists all of its numbers, sources and bounds.
 
-This page is written by `python -m validation`; `python -m validation.performance` measures speed
-and `python -m validation.figures` draws the pictures.
+`source` is the first that the page of a case names. `numbers` counts its comparisons. `share of
+bound` is the largest difference over its bound, where bounds are wider than round-off: 100 % is
+the limit. Shares near 100 % belong to bounds that were drawn around a measured difference, such as
+the misfit to a record.
+
+`python -m validation` runs all cases, writes these pages, and refuses to write if a bound is
+broken. `python -m validation.figures` draws the pictures, `python -m validation.performance`
+measures the speed.
+
 """
